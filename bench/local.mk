@@ -1,0 +1,1 @@
+# see DESIGN; files of bench/, one a line

@@ -1,0 +1,1 @@
+# see DESIGN; files of client/, one a line

@@ -1,0 +1,1 @@
+# see DESIGN; files of daemon/, one a line

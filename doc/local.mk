@@ -1,0 +1,1 @@
+# see DESIGN; files of doc/, one a line

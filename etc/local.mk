@@ -1,0 +1,1 @@
+# see DESIGN; files of etc/, one a line

@@ -1,0 +1,1 @@
+# see DESIGN; files of examples/, one a line

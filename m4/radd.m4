@@ -1,0 +1,40 @@
+# radd.m4 - the project's own configure macros
+
+# Flags of every compilation, in RADD_CFLAGS (CFLAGS is the user's).
+# -ffp-contract=off and no fast math: the same bits on every machine whose
+# numeric fingerprint agrees.
+AC_DEFUN([RADD_COMPILER_FLAGS], [
+RADD_CFLAGS="-std=gnu11 -ffp-contract=off -fno-math-errno -Wall -Wextra \
+-Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith \
+-Wwrite-strings -Wvla"
+AS_IF([test "x$enable_werror" = xyes], [RADD_CFLAGS="$RADD_CFLAGS -Werror"])
+RADD_LDFLAGS=
+AC_SUBST([RADD_CFLAGS])
+AC_SUBST([RADD_LDFLAGS])
+])
+
+AC_DEFUN([RADD_SANITIZERS], [
+AS_CASE([$enable_sanitizers],
+    [''|no], [],
+    [yes], [radd_san=address,undefined],
+    [radd_san=$enable_sanitizers])
+AS_IF([test "x$radd_san" != x], [
+    RADD_CFLAGS="$RADD_CFLAGS -fsanitize=$radd_san -fno-omit-frame-pointer \
+-fno-sanitize-recover=all -g"
+    RADD_LDFLAGS="$RADD_LDFLAGS -fsanitize=$radd_san"
+])
+AM_CONDITIONAL([SANITIZED], [test "x$radd_san" != x])
+])
+
+# With --enable-fuzzers the targets are libFuzzer programs; without, each is
+# linked with a driver that replays its corpus, as part of the tests.
+AC_DEFUN([RADD_FUZZERS], [
+FUZZ_CFLAGS=
+AS_IF([test "x$enable_fuzzers" = xyes], [
+    AS_CASE([$($CC --version 2>/dev/null)], [*clang*], [],
+        [AC_MSG_ERROR([--enable-fuzzers needs CC=clang])])
+    RADD_CFLAGS="$RADD_CFLAGS -fsanitize=fuzzer-no-link"
+    RADD_LDFLAGS="$RADD_LDFLAGS -fsanitize=fuzzer-no-link"
+])
+AM_CONDITIONAL([FUZZERS], [test "x$enable_fuzzers" = xyes])
+])

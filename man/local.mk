@@ -1,0 +1,1 @@
+# see DESIGN; files of man/, one a line

@@ -1,0 +1,1 @@
+# see DESIGN; files of proto/, one a line

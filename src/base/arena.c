@@ -1,0 +1,156 @@
+/* arena.c - see arena.h
+ *
+ * Blocks form a stack; a rewind pops to the mark and keeps the emptied blocks
+ * as spares, so a scratch arena stops calling malloc after its first bars. */
+#include "config.h"
+
+#include "base/arena.h"
+
+#include <stdalign.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGN ((size_t)16)
+#define FIRST_BLOCK ((size_t)16 * 1024)
+#define LARGEST_STEP ((size_t)4 * 1024 * 1024)
+
+struct rad_arena_block {
+    struct rad_arena_block *older;
+    size_t size; /* of data */
+    size_t used;
+    alignas(16) unsigned char data[];
+};
+
+void
+rad_arena_init(struct rad_arena *a)
+{
+    memset(a, 0, sizeof *a);
+}
+
+static void
+free_chain(struct rad_arena_block *b)
+{
+    while (b) {
+        struct rad_arena_block *older = b->older;
+
+        free(b);
+        b = older;
+    }
+}
+
+void
+rad_arena_release(struct rad_arena *a)
+{
+    free_chain(a->head);
+    free_chain(a->spare);
+    memset(a, 0, sizeof *a);
+}
+
+/* Push a block with room for n bytes: a spare one or a new one, each new one
+ * twice the size of the one before up to LARGEST_STEP. */
+static struct rad_arena_block *
+push_block(struct rad_arena *a, size_t n)
+{
+    struct rad_arena_block **link = &a->spare, *b;
+    size_t size = a->head ? a->head->size * 2 : FIRST_BLOCK;
+
+    for (; (b = *link) != NULL; link = &b->older)
+        if (b->size >= n) {
+            *link = b->older;
+            break;
+        }
+    if (!b) {
+        if (size > LARGEST_STEP)
+            size = LARGEST_STEP;
+        if (size < n)
+            size = n;
+        if (size > SIZE_MAX - sizeof *b)
+            return NULL;
+        b = malloc(sizeof *b + size);
+        if (!b)
+            return NULL;
+        b->size = size;
+        a->total += sizeof *b + size;
+    }
+    b->used = 0;
+    b->older = a->head;
+    a->head = b;
+    return b;
+}
+
+void *
+rad_arena_alloc(struct rad_arena *a, size_t n)
+{
+    struct rad_arena_block *b = a->head;
+    void *p;
+
+    if (n > SIZE_MAX - ALIGN)
+        return NULL;
+    n = (n + ALIGN - 1) & ~(ALIGN - 1);
+    if (!b || n > b->size - b->used) {
+        b = push_block(a, n);
+        if (!b)
+            return NULL;
+    }
+    p = b->data + b->used;
+    b->used += n;
+    return p;
+}
+
+void *
+rad_arena_calloc(struct rad_arena *a, size_t count, size_t size)
+{
+    void *p;
+
+    if (size && count > SIZE_MAX / size)
+        return NULL;
+    p = rad_arena_alloc(a, count * size);
+    if (p)
+        memset(p, 0, count * size);
+    return p;
+}
+
+void *
+rad_arena_dup(struct rad_arena *a, const void *src, size_t n)
+{
+    void *p = rad_arena_alloc(a, n);
+
+    if (p && n)
+        memcpy(p, src, n);
+    return p;
+}
+
+char *
+rad_arena_strndup(struct rad_arena *a, const char *s, size_t len)
+{
+    char *p = len < SIZE_MAX ? rad_arena_alloc(a, len + 1) : NULL;
+
+    if (p) {
+        memcpy(p, s, len);
+        p[len] = '\0';
+    }
+    return p;
+}
+
+struct rad_arena_mark
+rad_arena_mark(const struct rad_arena *a)
+{
+    struct rad_arena_mark m = { a->head, a->head ? a->head->used : 0 };
+
+    return m;
+}
+
+void
+rad_arena_rewind(struct rad_arena *a, struct rad_arena_mark mark)
+{
+    while (a->head != mark.block) {
+        struct rad_arena_block *b = a->head;
+
+        a->head = b->older;
+        b->older = a->spare;
+        a->spare = b;
+    }
+    if (a->head)
+        a->head->used = mark.used;
+}

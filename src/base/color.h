@@ -1,0 +1,81 @@
+/* color.h - radiance, irradiance and reflectance per channel
+ *
+ * Three floats: red, green, blue in Radiance's standard primaries.  Luminance
+ * weights are those of Radiance's primaries (CIE x,y .640 .330, .290 .600,
+ * .150 .060, equal-energy white); 179 lm/W applies only on the way out. */
+#ifndef RAD_BASE_COLOR_H
+#define RAD_BASE_COLOR_H
+
+#include <stdbool.h>
+
+struct rad_rgb {
+    float r, g, b;
+};
+
+#define RAD_LUM_R 0.265074126f
+#define RAD_LUM_G 0.670114631f
+#define RAD_LUM_B 0.064811243f
+
+static inline struct rad_rgb
+rad_rgb(float r, float g, float b)
+{
+    struct rad_rgb c = { r, g, b };
+
+    return c;
+}
+
+static inline struct rad_rgb
+rad_grey(float v)
+{
+    return rad_rgb(v, v, v);
+}
+
+static inline struct rad_rgb
+rad_rgb_add(struct rad_rgb a, struct rad_rgb b)
+{
+    return rad_rgb(a.r + b.r, a.g + b.g, a.b + b.b);
+}
+
+static inline struct rad_rgb
+rad_rgb_mul(struct rad_rgb a, struct rad_rgb b)
+{
+    return rad_rgb(a.r * b.r, a.g * b.g, a.b * b.b);
+}
+
+static inline struct rad_rgb
+rad_rgb_scale(struct rad_rgb a, float s)
+{
+    return rad_rgb(a.r * s, a.g * s, a.b * s);
+}
+
+/* Luminance without the efficacy factor, in the units of the channels. */
+static inline float
+rad_rgb_lum(struct rad_rgb a)
+{
+    return RAD_LUM_R * a.r + RAD_LUM_G * a.g + RAD_LUM_B * a.b;
+}
+
+/* The largest channel: what decides a ray's weight. */
+static inline float
+rad_rgb_max(struct rad_rgb a)
+{
+    float m = a.r > a.g ? a.r : a.g;
+
+    return m > a.b ? m : a.b;
+}
+
+static inline bool
+rad_rgb_black(struct rad_rgb a)
+{
+    return a.r <= 0 && a.g <= 0 && a.b <= 0;
+}
+
+/* Finite and not negative: what may enter a pixel or a cache. */
+static inline bool
+rad_rgb_sound(struct rad_rgb a)
+{
+    return a.r >= 0 && a.g >= 0 && a.b >= 0 && a.r <= 3.4e38f &&
+           a.g <= 3.4e38f && a.b <= 3.4e38f;
+}
+
+#endif

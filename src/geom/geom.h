@@ -1,0 +1,90 @@
+/* geom.h - where rays meet the surfaces of a scene
+ *
+ * Compiles the surfaces of a scene into a BVH of width 8 (bvh.h) over
+ * primitives with one file per family, and answers two questions: what does
+ * this ray meet first, and does anything opaque stand in its way.  Only this
+ * folder knows where a primitive's data lies.
+ * Sources (`source` surfaces) are at infinity and have no place here: see
+ * light/source.h.
+ * Points are double[3] in world space.  No absolute epsilon: a hit carries the
+ * bound of its own rounding error, and rays are started beyond it.
+ * Thread: immutable once made; rays may be traced from any thread. */
+#ifndef RAD_GEOM_GEOM_H
+#define RAD_GEOM_GEOM_H
+
+#include "base/error.h"
+#include "scene/scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct rad_geom;
+
+/* What shading knows of a surface and intersection must know too. */
+enum {
+    RAD_SURF_OPAQUE = 1,      /* its material stops every shadow ray */
+    RAD_SURF_TRANSPARENT = 2, /* loses ties against what is not (tie rule) */
+    RAD_SURF_NOMATERIAL = 4   /* loses ties against all that has one */
+};
+
+/* A stretch of a line: p(t) = org + t*dir, tmin < t < tmax. */
+struct rad_span {
+    double org[3];
+    double dir[3]; /* unit length */
+    double tmin;   /* >= 0 */
+    double tmax;   /* INFINITY: no end */
+};
+
+struct rad_hit {
+    double t;     /* distance [scene units] */
+    double p[3];  /* the point, on the surface to within err */
+    double n[3];  /* unit normal as the surface defines it, not turned to the
+                   * ray: outward of polygon (right-hand rule), sphere, cone,
+                   * cylinder; inward of bubble, cup, tube */
+    double err;   /* bound of |p - surface| [scene units] */
+    double uv[2]; /* local coordinates where the surface has some, else 0 */
+    int32_t obj;  /* index in the scene, RAD_VOID: nothing hit */
+};
+
+/* Counted per thread by the caller's context. */
+struct rad_geom_counts {
+    uint64_t tests; /* ray/primitive intersection tests */
+    uint64_t nodes; /* BVH nodes visited */
+};
+
+/* Compile.  surf[i] holds the RAD_SURF_ bits of object i (0 for modifiers).
+ * The scene must outlive the result.  NULL and *err on failure; a degenerate
+ * surface (no area) is left out, not an error. */
+struct rad_geom *rad_geom_new(const struct rad_scene *scene,
+                              const uint8_t *surf, struct rad_error *err);
+void rad_geom_free(struct rad_geom *g);
+
+/* Bounds of all finite surfaces; an empty scene gives lo = hi = 0. */
+void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);
+
+/* The first surface on the span.  Among hits within their error bounds of the
+ * nearest the tie rule decides: opaque over transparent, front over back, the
+ * modifier defined later, at last the higher object index.  False: nothing hit
+ * (hit->obj is RAD_VOID). */
+bool rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
+                      struct rad_hit *hit, struct rad_geom_counts *counts);
+
+/* Does a surface with RAD_SURF_OPAQUE, other than object `skip` (RAD_VOID:
+ * none), meet the span?  Stops at the first one found; *blocker (may be NULL)
+ * gets its index, and if it holds an index on entry that one is tested first
+ * (the caller's memory of the last occluder). */
+bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
+                       int32_t skip, int32_t *blocker,
+                       struct rad_geom_counts *counts);
+
+/* Test one surface alone (a light source that a shadow ray aims at). */
+bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
+                         const struct rad_span *span, struct rad_hit *hit,
+                         struct rad_geom_counts *counts);
+
+/* Where a ray that leaves the surface at hit in direction dir starts: the
+ * point moved along the normal, to dir's side, by the hit's error bound. */
+void rad_geom_leave(const struct rad_hit *hit, const double dir[3],
+                    double org[3]);
+
+#endif

@@ -1,0 +1,77 @@
+/* ambient.h - cache of indirect irradiance shared by the rays of one job
+ *
+ * A record keeps the indirect irradiance E and its gradients at one surface
+ * point; nearby rays interpolate it instead of sampling the hemisphere again.
+ * E is irradiance [W/m^2], not E/pi.  Points are double[3] in world space,
+ * lengths in scene units, normals of unit length.
+ * Growth: one append-only octree.  Readers never wait; an insertion is a
+ * compare-and-swap on a list head; records are never moved or changed.
+ * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
+ *          Ward & Heckbert 1992 (gradients);
+ *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */
+#ifndef RAD_LIGHT_AMBIENT_H
+#define RAD_LIGHT_AMBIENT_H
+
+#include "shade/ray.h"
+
+struct rad_ambient;
+
+/* One record; also what travels between workers (proto/ packs it field by
+ * field). */
+struct rad_ambrec {
+    double p[3];          /* position */
+    float n[3];           /* unit normal of the side it was made on */
+    float u[3];           /* unit vector of the smaller radius, in the tangent
+                           * plane; the other axis is n x u */
+    float radius[2];      /* validity radii along u and n x u [scene units] */
+    struct rad_rgb E;     /* indirect irradiance [W/m^2] */
+    float gpos[2];        /* translation gradient of ln E-luminance along u,
+                           * n x u [1/unit] */
+    float gdir[2];        /* rotation gradient about u, n x u [1/rad] */
+    uint32_t corral;      /* directions blocked near by (leak plug) */
+    float weight;         /* ray weight it was made for */
+    uint16_t level;       /* diffuse bounces before it, 0 for a primary ray */
+};
+
+/* Thread: any number of threads may find and insert at once. */
+struct rad_ambient *rad_ambient_new(const struct rad_job *job,
+                                    struct rad_error *err);
+void rad_ambient_free(struct rad_ambient *amb);
+
+/* Insert a record that this worker made or received.  False: refused (not
+ * finite, not plausible, or memory is out), which costs time, not
+ * correctness. */
+bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
+
+/* Would the cache have served a new record's place already?  For the
+ * redundancy meter. */
+bool rad_ambient_covers(const struct rad_ambient *amb,
+                        const struct rad_ambrec *rec);
+
+/* Interpolate E at p with normal n; *E is untouched on a miss.
+ *   level    diffuse bounces so far, 0 for a primary ray
+ *   weight   ray weight in (0, 1]
+ * Returns the summed record weight, 0 on a miss; cannot fail.
+ * Takes no lock. */
+double rad_ambient_find(const struct rad_ambient *amb, const double p[3],
+                        const double n[3], int level, double weight,
+                        struct rad_rgb *E);
+
+/* Records that were made here since the last call, oldest first, at most max;
+ * the loop thread sends them to the other workers.  One thread at a time. */
+size_t rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out,
+                         size_t max);
+
+/* Walk all records (a late joiner gets what there is): call with *cursor = 0
+ * first; returns how many were copied, 0 at the end. */
+size_t rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
+                        struct rad_ambrec *out, size_t max);
+size_t rad_ambient_count(const struct rad_ambient *amb);
+
+/* The indirect light at r's hit: coef (in: diffuse reflectance or
+ * transmittance, out: radiance) *= E/pi on the side of unit normal n.  With
+ * -ab 0 that is -av alone. */
+void rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r,
+                       const double n[3], struct rad_rgb *coef);
+
+#endif

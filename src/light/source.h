@@ -1,0 +1,64 @@
+/* source.h - light sources and the direct light they give
+ *
+ * Every surface under light, illum, glow (of non-zero radius) or spotlight is
+ * a source: a distant one (`source`), or a surface that is sampled by area.
+ * -ds divides a source until each part is small against its distance, -dj
+ * jitters the sample within its part, -dt and -dc decide which shadow rays are
+ * worth tracing.
+ * Selective testing must not make one pixel depend on another: where Radiance
+ * estimates untested sources from hit counts so far, we use figures that are
+ * the same everywhere (source.c says which).
+ * Sources: Ward 1991, Adaptive shadow testing for ray tracing;
+ * rpict(1) on -dj -ds -dt -dc. */
+#ifndef RAD_LIGHT_SOURCE_H
+#define RAD_LIGHT_SOURCE_H
+
+#include "shade/ray.h"
+
+struct rad_sources; /* [fixed] once rad_sources_new() returns */
+
+/* Find and prepare the sources of a compiled scene (geometry and materials are
+ * there).  NULL and *err on failure; no sources is not a failure. */
+struct rad_sources *rad_sources_new(struct rad_job *job,
+                                    struct rad_error *err);
+int32_t rad_sources_count(const struct rad_sources *s);
+
+/* BRDF of a material toward a light sample: *coef gets radiance per radiance
+ * of the source: BRDF * |cos| * omega, black where it does not reflect.
+ *   data   the caller's (material and hit at hand)
+ *   ldir   unit direction to the sample
+ *   omega  solid angle of the sample [sr] */
+typedef void rad_brdf_fn(struct rad_rgb *coef, void *data,
+                         const double ldir[3], double omega);
+
+/* Add the direct light at r's hit to r->L. */
+void rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
+                void *data);
+
+/* Did a ray that left the scene meet a distant source?  Sets r->far_source,
+ * the shading fields (distance infinite) and returns the source's modifier, or
+ * RAD_VOID.  Primary rays honour -dv, others skip what was sampled
+ * directly. */
+int32_t rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r);
+
+/* The emitting materials (light, illum, glow, spotlight) on a ray that met
+ * them; emitter.c's shaders call it. */
+struct rad_spot;
+bool rad_spot_outside(const struct rad_spot *spot, const double org[3],
+                      const double dir[3], double *scale);
+
+/* Sources that a view may see smaller than a sample, for painting: see
+ * picture/paint.h.  Returns the object, its centre and half-axes. */
+struct rad_source_shape {
+    int32_t obj;
+    int32_t source;       /* index */
+    bool distant;         /* centre is a unit direction, axes are tangents */
+    bool flat, round;
+    double centre[3];
+    double axis[3][3];    /* u, v, w; for flat sources w is the normal */
+    double radius;        /* of the bounding sphere */
+};
+void rad_source_shape(const struct rad_sources *s, int32_t i,
+                      struct rad_source_shape *shape);
+
+#endif

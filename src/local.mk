@@ -1,0 +1,15 @@
+# librad, the renderer
+noinst_LIBRARIES += librad.a
+librad_a_CPPFLAGS = $(AM_CPPFLAGS)
+librad_a_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS) $(CRYPTO_CFLAGS)
+librad_a_SOURCES = \
+	src/base/arena.c \
+	src/base/arena.h \
+	src/base/color.h \
+	src/base/error.c \
+	src/base/error.h \
+	src/base/rng.h \
+	src/base/vec.h
+
+# what a program that uses librad links with
+LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

@@ -1,0 +1,84 @@
+/* params.h - rendering parameters, with rpict's names, defaults and meaning
+ *
+ * One table in params.c (name, kind, range, default, help) parses the options
+ * of rpict(1), prints -defaults and the canonical option string that goes into
+ * picture headers, and is checked against radsubmit(1).
+ * A struct rad_params is plain data without pointers: it is copied freely and
+ * read-only while a job renders. */
+#ifndef RAD_PICTURE_PARAMS_H
+#define RAD_PICTURE_PARAMS_H
+
+#include "base/color.h"
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct rad_params {
+    /* picture */
+    int xres, yres;    /* -x -y: most columns and rows */
+    double pixaspect;  /* -pa: height / width of a pixel; 0: fill x by y */
+    double pixjitter;  /* -pj: 0 centre .. 1 anywhere in the pixel */
+    int psample;       /* -ps: sample spacing [pixels], 1: every pixel */
+    double maxdiff;    /* -pt: difference that forces a sample */
+    bool directvis;    /* -dv: sources visible to the eye */
+    /* direct light */
+    double srcjitter;  /* -dj dstrsrc */
+    double srcsizerat; /* -ds: largest source size / distance; 0: whole */
+    double shadthresh; /* -dt */
+    double shadcert;   /* -dc */
+    int directrelay;   /* -dr */
+    int vspretest;     /* -dp [samples/sr] */
+    /* specular */
+    double specjitter; /* -ss */
+    double specthresh; /* -st */
+    bool backvis;      /* -bv */
+    bool irradiance;   /* -i */
+    bool rand_samp;    /* -u: pure Monte Carlo; never takes the clock */
+    /* medium: -me -ma -mg -ms; refused until mist is there unless zero */
+    struct rad_rgb cextinction, salbedo;
+    double seccg, ssampdist;
+    /* indirect light */
+    int ambounce;          /* -ab */
+    double ambacc;         /* -aa */
+    int ambres;            /* -ar */
+    int ambdiv;            /* -ad */
+    int ambssamp;          /* -as */
+    struct rad_rgb ambval; /* -av: radiance [W/sr/m^2] */
+    int ambvwt;            /* -aw */
+    /* limits */
+    int maxdepth;     /* -lr; <= 0: Russian roulette */
+    double minweight; /* -lw */
+    /* ours */
+    uint64_t seed;    /* --seed */
+};
+
+/* rpict's defaults. */
+void rad_params_init(struct rad_params *p);
+
+/* Try to take the option at argv[0] (argc words are there).  Returns the
+ * number of words used (>= 1), 0 if it is no rendering option of ours, or a
+ * negative code with a message that names the option: a bad or missing
+ * number, a value out of range, or an option of rpict that we lack
+ * (RAD_EUNSUPPORTED, exit 64: RAD_EUSAGE). */
+int rad_params_option(struct rad_params *p, int argc, char *const argv[],
+                      struct rad_error *err);
+
+/* Check what options forbid together; 0 or RAD_EUSAGE. */
+int rad_params_check(const struct rad_params *p, struct rad_error *err);
+
+/* The options that matter to pixels, canonical: every option in table order
+ * with its value, the same string for the same parameters.  Needs at most
+ * RAD_PARAMS_TEXT bytes; parsing it again gives the same struct, bit for bit
+ * (reals are printed with 17 digits where fewer do not suffice). */
+#define RAD_PARAMS_TEXT 1024
+void rad_params_format(const struct rad_params *p, char *buf, size_t size);
+
+/* rpict's -defaults: one line an option with its meaning, to a caller's
+ * sink. */
+void rad_params_print_defaults(const struct rad_params *p,
+                               void (*line)(void *arg, const char *text),
+                               void *arg);
+
+#endif

@@ -1,0 +1,73 @@
+/* scene.h - the objects of a scene, as their authors wrote them
+ *
+ * A scene is an array of objects in the order of their definition: modifiers
+ * (materials, textures, patterns, mixtures) and surfaces, each naming the
+ * modifier before it that applies to it, with string and real arguments.
+ * parse.h makes one from .rad text, octfile.h from an octree; both give the
+ * same array.  The array says nothing of how a ray meets it: job.h compiles
+ * it for rendering.
+ * Memory: all of it lives in `arena`; rad_scene_free() ends it.
+ * Thread: immutable once made; any number of threads may read it.
+ * Source: Radiance's reference manual, "Scene description". */
+#ifndef RAD_SCENE_SCENE_H
+#define RAD_SCENE_SCENE_H
+
+#include "base/arena.h"
+#include "base/error.h"
+#include "scene/otype.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define RAD_VOID (-1) /* no modifier, no object */
+
+struct rad_object {
+    enum rad_otype type;
+    int32_t modifier; /* index of the object that modifies this, or RAD_VOID */
+    int32_t file;     /* index into scene->files, or -1 (from an octree) */
+    int32_t line;     /* 1-based, where the definition starts; 0 unknown */
+    const char *name;
+    int32_t nstrings;
+    int32_t nreals;
+    const char *const *strings;
+    const double *reals;
+};
+
+struct rad_scene {
+    struct rad_arena arena;
+    struct rad_object *objects;
+    int32_t nobjects;
+    int32_t capacity;
+    const char **files; /* names of the files that it was read from */
+    int32_t nfiles;
+};
+
+struct rad_scene *rad_scene_new(void); /* NULL: out of memory */
+void rad_scene_free(struct rad_scene *s);
+
+/* Append a copy of *o (name and arguments are copied into the arena).
+ * Returns its index or a negative code (RAD_ENOMEM; RAD_EDATA beyond
+ * RAD_MAX_OBJECTS). */
+int rad_scene_add(struct rad_scene *s, const struct rad_object *o,
+                  struct rad_error *err);
+
+/* Index of the last modifier called name among the first `before` objects, or
+ * RAD_VOID.  Logarithmic or better: the scene keeps an index by name. */
+int rad_scene_find_modifier(const struct rad_scene *s, const char *name,
+                            int32_t before);
+
+/* "office.rad:214: material 'wood': <fmt...>", with err->where set to file and
+ * line when they are known; returns code. */
+int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
+                   struct rad_error *err, int code, const char *fmt, ...)
+    __attribute__((format(printf, 5, 6)));
+
+/* Check the arguments of every object against what its type demands, and
+ * refuse by name what this renderer lacks (RAD_EUNSUPPORTED).  The first
+ * problem is put in *err; if `each` is not NULL it is called with every one
+ * (radscene check prints them all).  Returns 0 or the first code. */
+int rad_scene_check(const struct rad_scene *s,
+                    void (*each)(void *arg, const struct rad_error *err),
+                    void *arg, struct rad_error *err);
+
+#endif

@@ -1,0 +1,76 @@
+/* job.h - a scene made ready to render under one set of parameters
+ *
+ * rad_job_new() compiles what the scene and the parameters need, and nothing
+ * else: geometry, materials, light sources, and, only with -ab above 0 and -aa
+ * above 0, the ambient cache.  Everything in it but the cache is read-only
+ * afterwards, so one job serves any number of threads, each with a rad_ctx.
+ * Work done here depends on scene, parameters and seed alone.
+ * Thread: rad_job_new and rad_job_free on one thread with none rendering. */
+#ifndef RAD_SHADE_JOB_H
+#define RAD_SHADE_JOB_H
+
+#include "base/arena.h"
+#include "base/error.h"
+#include "geom/geom.h"
+#include "picture/params.h"
+#include "scene/scene.h"
+
+struct rad_ambient;
+struct rad_material;
+struct rad_sources;
+
+struct rad_job {
+    const struct rad_scene *scene;
+    struct rad_params params;
+    struct rad_arena arena;     /* of the compiled modifiers and sources */
+    struct rad_geom *geom;
+    struct rad_material *materials; /* one per object of the scene */
+    struct rad_sources *sources;
+    struct rad_ambient *ambient;    /* NULL: no cache (-ab 0 or -aa 0) */
+    bool see_through; /* something lets shadow rays pass: glass, trans, ... */
+};
+
+/* What a job finds behind a file name (fonts now; data, pictures, functions,
+ * BSDFs later).  Returns a malloc'd copy of the file that the caller frees and
+ * its length, or NULL with *err set.  radsubmit and radscene read along
+ * RAYPATH; a job's child reads from the bundle. */
+struct rad_files {
+    unsigned char *(*read)(void *arg, const char *name, size_t *len,
+                           struct rad_error *err);
+    void *arg;
+};
+
+/* The scene must outlive the job; files is used during the call only.  NULL
+ * and *err on failure. */
+struct rad_job *rad_job_new(const struct rad_scene *scene,
+                            const struct rad_params *params,
+                            const struct rad_files *files,
+                            struct rad_error *err);
+void rad_job_free(struct rad_job *job);
+
+/* What one thread counts; summed by whoever owns the contexts. */
+struct rad_counts {
+    uint64_t rays;          /* all, as rpict's report counts them */
+    uint64_t primary_rays;  /* pixels traced */
+    uint64_t shadow_rays;
+    uint64_t ambient_rays;
+    uint64_t paint_rays;    /* of painted small sources */
+    uint64_t ambient_values; /* records made here */
+    uint64_t nan_pixels;
+    struct rad_geom_counts geom;
+};
+
+/* What one thread needs to trace rays.  Not shared. */
+struct rad_ctx {
+    const struct rad_job *job;
+    struct rad_arena scratch;   /* marked and rewound around its users */
+    struct rad_counts counts;
+    int32_t *last_blocker;      /* by source: object that blocked last, or
+                                 * RAD_VOID; only ever speeds a test up */
+};
+
+int rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
+                 struct rad_error *err);
+void rad_ctx_release(struct rad_ctx *ctx);
+
+#endif

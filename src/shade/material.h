@@ -1,0 +1,47 @@
+/* material.h - what the modifiers of a scene do to a ray
+ *
+ * Every modifier type has one row in the table of material.c: how to compile
+ * its arguments once, and what it does to a ray.  A family of materials lives
+ * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, text.c).
+ * A shader returns true when it was a material and has set r->L; a texture or
+ * pattern changes r->pert or r->pattern and returns false. */
+#ifndef RAD_SHADE_MATERIAL_H
+#define RAD_SHADE_MATERIAL_H
+
+#include "shade/ray.h"
+
+struct rad_material {
+    const struct rad_shader *shader; /* NULL for surfaces */
+    const void *data;                /* compiled arguments, in job->arena */
+    int32_t next;                    /* modifier behind this one, RAD_VOID */
+};
+
+/* what a material lets through */
+enum {
+    RAD_MAT_TRANSPARENT = 1, /* loses ties (glass, dielectric, trans, ...) */
+    RAD_MAT_SEE_THROUGH = 2, /* may pass shadow rays */
+    RAD_MAT_EMITS = 4        /* light, illum, glow, spotlight */
+};
+
+struct rad_shader {
+    enum rad_otype type;
+    unsigned flags; /* RAD_MAT_* */
+    /* Compile object `index` of the scene; *data may stay NULL. */
+    int (*prepare)(struct rad_job *job, int32_t index,
+                   const struct rad_files *files, const void **data,
+                   struct rad_error *err);
+    bool (*shade)(struct rad_ctx *ctx, const struct rad_material *mat,
+                  struct rad_ray *r);
+};
+
+const struct rad_shader *rad_shader_find(enum rad_otype type);
+
+/* Compile all modifiers into job->materials. */
+int rad_materials_compile(struct rad_job *job, const struct rad_files *files,
+                          struct rad_error *err);
+
+/* The material that ends the chain from modifier mod, an object's index, or
+ * RAD_VOID. */
+int32_t rad_material_of(const struct rad_scene *scene, int32_t mod);
+
+#endif

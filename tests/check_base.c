@@ -1,0 +1,158 @@
+/* check_base.c - tests of src/base */
+#include "config.h"
+
+#include "base/arena.h"
+#include "base/error.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "unit.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <sysexits.h>
+
+START_TEST(first_failure_wins)
+{
+    struct rad_error err = { 0 };
+    char buf[128];
+
+    ck_assert_int_eq(rad_fail(&err, RAD_EDATA, "bad %d", 1), RAD_EDATA);
+    ck_assert_int_eq(rad_fail(&err, RAD_EIO, "worse"), RAD_EIO);
+    rad_error_where(&err, "a.rad:%d", 3);
+    rad_error_where(&err, "b.rad:9");
+    rad_error_format(&err, buf, sizeof buf);
+    ck_assert_str_eq(buf, "a.rad:3: bad 1");
+    ck_assert_int_eq(err.code, RAD_EDATA);
+    ck_assert_int_eq(rad_exit_status(err.code), EX_DATAERR);
+}
+END_TEST
+
+START_TEST(message_has_no_control_characters)
+{
+    struct rad_error err = { 0 };
+    char buf[64];
+
+    rad_fail(&err, RAD_EDATA, "undefined '%s'", "a\033[31m\n");
+    rad_error_format(&err, buf, sizeof buf);
+    ck_assert_str_eq(buf, "undefined 'a?[31m?'");
+}
+END_TEST
+
+START_TEST(arena_survives_rewind_and_large_blocks)
+{
+    struct rad_arena a;
+    struct rad_arena_mark m;
+    size_t total;
+    char *s;
+
+    rad_arena_init(&a);
+    s = rad_arena_strndup(&a, "hello world", 5);
+    ck_assert_str_eq(s, "hello");
+    m = rad_arena_mark(&a);
+    for (int round = 0; round < 3; round++) {
+        for (int i = 0; i < 1000; i++) {
+            char *p = rad_arena_alloc(&a, 1000);
+
+            ck_assert_ptr_nonnull(p);
+            ck_assert_uint_eq((uintptr_t)p % 16, 0);
+            memset(p, i, 1000);
+        }
+        if (round == 0)
+            total = a.total;
+        ck_assert_uint_eq(a.total, total); /* spare blocks are used again */
+        rad_arena_rewind(&a, m);
+        ck_assert_str_eq(s, "hello");
+    }
+    ck_assert_ptr_null(rad_arena_calloc(&a, SIZE_MAX / 2, 4));
+    ck_assert_ptr_null(rad_arena_alloc(&a, SIZE_MAX - 3));
+    rad_arena_release(&a);
+}
+END_TEST
+
+START_TEST(normalize_keeps_extremes)
+{
+    static const double size[] = { 1e-300, 1e-6, 1, 1e9, 1e300 };
+
+    for (int i = 0; i < N_ELEM(size); i++) {
+        double v[3] = { 3 * size[i], 0, -4 * size[i] };
+
+        ck_assert_double_eq_tol(rad_normalize(v) / size[i], 5, 1e-12);
+        ck_assert_double_eq_tol(v[0], .6, 1e-15);
+        ck_assert_double_eq_tol(v[2], -.8, 1e-15);
+    }
+    double zero[3] = { 0, 0, 0 }, nan[3] = { NAN, 1, 0 };
+
+    ck_assert(rad_normalize(zero) == 0);
+    ck_assert(rad_normalize(nan) == 0);
+}
+END_TEST
+
+START_TEST(frame_is_orthonormal)
+{
+    for (int i = 0; i < 1000; i++) {
+        double u[3], v[3], w[3];
+        double n[3] = { rad_rand(1, 3 * i) - .5, rad_rand(1, 3 * i + 1) - .5,
+                        i % 7 ? rad_rand(1, 3 * i + 2) - .5 : -1e-12 };
+
+        rad_normalize(n);
+        rad_frame(u, v, n);
+        rad_cross(w, u, v);
+        ck_assert(fabs(rad_dot(u, n)) < 1e-14 && fabs(rad_dot(v, n)) < 1e-14);
+        ck_assert(fabs(rad_dot(u, v)) < 1e-14);
+        ck_assert(rad_dist2(w, n) < 1e-28);
+    }
+}
+END_TEST
+
+/* Chi-square of 256 cells, for each of the ways a number's place can vary;
+ * 255 degrees of freedom: beyond 340 once in some 4000 draws. */
+START_TEST(numbers_are_even_along_every_axis)
+{
+    enum { N = 256 * 256 };
+    int cell[256] = { 0 };
+    double chi = 0;
+
+    for (uint32_t i = 0; i < N; i++) {
+        uint64_t key = rad_key_pixel(0, 0, 7, 11);
+        uint32_t dim = 0;
+
+        switch (_i) {
+        case 0: /* pixels */
+            key = rad_key_pixel(0, 0, i & 255, i >> 8);
+            break;
+        case 1: /* branches */
+            key = rad_key_branch(key, i);
+            break;
+        case 2: /* dimensions */
+            dim = i;
+            break;
+        case 3: /* seeds */
+            key = rad_key_pixel(i, 0, 7, 11);
+            break;
+        }
+        double u = rad_rand(key, dim);
+
+        ck_assert(u >= 0 && u < 1);
+        cell[(int)(u * 256)]++;
+    }
+    for (int c = 0; c < 256; c++)
+        chi += (cell[c] - 256.) * (cell[c] - 256.) / 256.;
+    ck_assert_msg(chi < 340 && chi > 170, "chi-square %g", chi);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("base");
+    TCase *tc = tcase_create("base");
+
+    tcase_add_test(tc, first_failure_wins);
+    tcase_add_test(tc, message_has_no_control_characters);
+    tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
+    tcase_add_test(tc, normalize_keeps_extremes);
+    tcase_add_test(tc, frame_is_orthonormal);
+    tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
