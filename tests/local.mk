@@ -3,15 +3,16 @@ AM_TESTS_ENVIRONMENT = \
 	top_srcdir='$(abs_top_srcdir)'; export top_srcdir; \
 	top_builddir='$(abs_top_builddir)'; export top_builddir;
 
-if HAVE_CHECK
-check_PROGRAMS += \
+UNIT_TESTS = \
 	tests/check_base
 
-TESTS += $(check_PROGRAMS)
+if HAVE_CHECK
+check_PROGRAMS += $(UNIT_TESTS)
+TESTS += $(UNIT_TESTS)
 endif
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
-tests_check_base_SOURCES = tests/check_base.c
+tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)

@@ -1,0 +1,23 @@
+# Fuzz targets, fuzz_<decoder>.c with seeds in corpus/<decoder>/.  An ordinary
+# build links each with replay.c and `make check` replays the corpora; with
+# --enable-fuzzers they are libFuzzer programs: tests/fuzz/fuzz_x corpus/x
+#
+# To add one: its name to FUZZ_TARGETS, and the two lines of its own below.
+FUZZ_TARGETS =
+
+if FUZZERS
+FUZZ_MAIN =
+FUZZ_FLAGS = -fsanitize=fuzzer
+else
+FUZZ_MAIN = tests/fuzz/replay.c
+FUZZ_FLAGS =
+endif
+FUZZ_LIBS = $(LIBRAD) $(FUZZ_FLAGS)
+
+check_PROGRAMS += $(FUZZ_TARGETS)
+dist_check_SCRIPTS += tests/fuzz/replay.sh
+EXTRA_DIST += tests/fuzz/corpus tests/fuzz/replay.c
+TESTS += tests/fuzz/replay.sh
+
+# tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
+# tests_fuzz_fuzz_x_LDADD = $(FUZZ_LIBS)
