@@ -16,3 +16,15 @@ UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)
+
+# Tests whose code runs in threads: once more under ThreadSanitizer.
+THREAD_TESTS =
+# Shell tests that also run with sanitized programs.
+SANITIZED_E2E =
+
+.PHONY: check-sanitized check-threads
+check-sanitized:
+	$(MAKE) $(AM_MAKEFLAGS) check \
+		TESTS='$(UNIT_TESTS) tests/fuzz/replay.sh $(SANITIZED_E2E)'
+check-threads:
+	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'
