@@ -1,1 +1,7 @@
-# see DESIGN; files of doc/, one a line
+# What the programs' users and authors read beyond man/.
+dist_doc_DATA = \
+	CONTRIBUTING.md \
+	LICENSE \
+	NEWS \
+	README.md \
+	doc/architecture.md
