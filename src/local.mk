@@ -9,7 +9,11 @@ librad_a_SOURCES = \
 	src/base/error.c \
 	src/base/error.h \
 	src/base/rng.h \
-	src/base/vec.h
+	src/base/vec.h \
+	src/light/ambient.h \
+	src/light/source.h \
+	src/light/spot.c \
+	src/light/spot.h
 
 # what a program that uses librad links with
 LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

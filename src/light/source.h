@@ -31,32 +31,34 @@ int32_t rad_sources_count(const struct rad_sources *s);
 typedef void rad_brdf_fn(struct rad_rgb *coef, void *data,
                          const double ldir[3], double omega);
 
-/* Add the direct light at r's hit to r->L. */
+/* Add the direct light at r's hit to r->L.
+ *   through  brdf may be other than black for light from behind the surface;
+ *            false lets sources there be skipped early */
 void rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
-                void *data);
+                void *data, bool through);
 
-/* Did a ray that left the scene meet a distant source?  Sets r->far_source,
- * the shading fields (distance infinite) and returns the source's modifier, or
- * RAD_VOID.  Primary rays honour -dv, others skip what was sampled
- * directly. */
+/* Did a ray that left the scene meet a distant source?  Sets r->far_source and
+ * the shading fields (infinitely far, facing the ray) and returns the source's
+ * modifier, or RAD_VOID.  A ray aimed at a source (r->source) meets that one
+ * alone.  What -dv hides, and what must not be counted twice, is for the
+ * emitting material to say. */
 int32_t rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r);
 
-/* The emitting materials (light, illum, glow, spotlight) on a ray that met
- * them; emitter.c's shaders call it. */
-struct rad_spot;
-bool rad_spot_outside(const struct rad_spot *spot, const double org[3],
-                      const double dir[3], double *scale);
+/* The object that is source number i. */
+int32_t rad_source_object(const struct rad_sources *s, int32_t i);
 
-/* Sources that a view may see smaller than a sample, for painting: see
- * picture/paint.h.  Returns the object, its centre and half-axes. */
+/* Where a source is and how it extends, for painting those that look smaller
+ * than a sample (see picture/paint.h).  What has no straight edges is stood in
+ * for by a square or box that looks as large. */
 struct rad_source_shape {
     int32_t obj;
-    int32_t source;       /* index */
-    bool distant;         /* centre is a unit direction, axes are tangents */
+    bool distant;      /* centre is a unit direction; axes are tangents [rad] */
     bool flat, round;
+    bool direct;       /* gives direct light; else seen only (a far glow) */
     double centre[3];
-    double axis[3][3];    /* u, v, w; for flat sources w is the normal */
-    double radius;        /* of the bounding sphere */
+    double axis[3][3]; /* half-axes; of flat ones the third is the unit
+                        * normal, of distant ones zero */
+    double radius;     /* of the bounding sphere about centre */
 };
 void rad_source_shape(const struct rad_sources *s, int32_t i,
                       struct rad_source_shape *shape);
