@@ -11,15 +11,17 @@
 #include "shade/ray.h"
 
 struct rad_material {
-    const struct rad_shader *shader; /* NULL for surfaces */
+    const struct rad_shader *shader; /* NULL for surfaces, and where a ray
+                                      * need not stop (alias to inherit) */
     const void *data;                /* compiled arguments, in job->arena */
     int32_t next;                    /* modifier behind this one, RAD_VOID */
 };
 
-/* what a material lets through */
+/* what a material is to others */
 enum {
-    RAD_MAT_TRANSPARENT = 1, /* loses ties (glass, dielectric, trans, ...) */
-    RAD_MAT_SEE_THROUGH = 2, /* may pass shadow rays */
+    RAD_MAT_TRANSPARENT = 1, /* loses ties, and -i sees through it (glass,
+                              * dielectric, trans, ...) */
+    RAD_MAT_OPAQUE = 2,      /* no shadow ray passes, on either side */
     RAD_MAT_EMITS = 4        /* light, illum, glow, spotlight */
 };
 
@@ -40,8 +42,8 @@ const struct rad_shader *rad_shader_find(enum rad_otype type);
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,
                           struct rad_error *err);
 
-/* The material that ends the chain from modifier mod, an object's index, or
- * RAD_VOID. */
+/* The material that ends the chain from modifier mod (an alias is replaced by
+ * what it stands for), as an object's index, or RAD_VOID. */
 int32_t rad_material_of(const struct rad_scene *scene, int32_t mod);
 
 #endif

@@ -36,6 +36,31 @@ enum rad_raykind {
     (RAD_RAY_RSHADOW | RAD_RAY_REFLECTED | RAD_RAY_RAMBIENT |                 \
      RAD_RAY_RSPECULAR)
 
+/* Branch numbers of the rays that a surface spawns (rad_ray_spawn): a class in
+ * the high byte, and below it an index, or 0 where there is one of a kind. */
+enum {
+    RAD_BRANCH_TRANSMIT = 0x01000000,
+    RAD_BRANCH_REFLECT = 0x02000000,
+    RAD_BRANCH_REFRACT = 0x03000000,
+    RAD_BRANCH_RSPECULAR = 0x04000000, /* | sample */
+    RAD_BRANCH_TSPECULAR = 0x05000000, /* | sample */
+    RAD_BRANCH_SHADOW = 0x06000000,    /* | light sample */
+    RAD_BRANCH_RAMBIENT = 0x07000000,  /* | hemisphere sample */
+    RAD_BRANCH_TAMBIENT = 0x08000000   /* | hemisphere sample */
+};
+
+/* Dimensions of the random numbers that a ray's key is good for (rad_rand):
+ * all of them, so that no two uses share one. */
+enum {
+    RAD_DIM_ROULETTE = 0,          /* does this ray live on (-lr <= 0)? */
+    RAD_DIM_PIXEL = 1,             /* and 2, 3: place in the pixel */
+    RAD_DIM_AXIS = 4,              /* and 5: turn of the tangent frame (-u) */
+    RAD_DIM_RSPECULAR = 0x100,     /* + 2 * trial, two numbers each */
+    RAD_DIM_TSPECULAR = 0x20000,   /* + 2 * trial, two numbers each */
+    RAD_DIM_SOURCE = 0x01000000,   /* + anything below 2^24 */
+    RAD_DIM_AMBIENT = 0x02000000   /* + anything below 2^24 */
+};
+
 struct rad_ray {
     /* set by the spawner */
     double org[3], dir[3]; /* dir of unit length */
@@ -49,6 +74,8 @@ struct rad_ray {
     uint16_t path;         /* kinds of it and all its ancestors */
     int32_t source;        /* shadow ray: index of the source aimed at; else
                             * -1 */
+    struct rad_rgb ext;    /* extinction of the medium that it goes through
+                            * [1/unit]: inside a dielectric */
     /* what it met */
     struct rad_hit hit;    /* hit.obj is RAD_VOID: nothing (or a distant
                             * source: then far_source says which) */
@@ -65,16 +92,26 @@ struct rad_ray {
 };
 
 /* Start *r off parent (NULL: a primary ray; then set org, dir, tmax, key
- * yourself first).  The caller sets r->dir before tracing; org, level, weight,
- * source and key follow from parent, kind, coef (NULL: unattenuated) and
- * `branch`, a number that no other child of this parent has.  False: too weak
- * or too deep (-lw, -lr; Russian roulette with -lr <= 0): do not trace it. */
+ * yourself, before or after).  The caller sets r->dir before tracing; key,
+ * level, weight, source, tmax and ext follow from parent, kind, coef (NULL:
+ * unattenuated; may be &r->coef) and `branch`, a number that no other child of
+ * this parent has (RAD_BRANCH_*).  False: too weak or too deep (-lw, -lr;
+ * Russian roulette with -lr <= 0), or the parent is infinitely long: do not
+ * trace it.  r->coef may have been raised by the roulette: weigh by it. */
 bool rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r,
                    enum rad_raykind kind, const struct rad_ray *parent,
                    const struct rad_rgb *coef, uint32_t branch);
 
-/* Find what r meets and its radiance.  Counts one ray. */
+/* Find what r meets and its radiance.  Counts one ray.  Starts it beyond the
+ * parent's surface, on the side that r->dir leaves to.  May be called again
+ * after dir and key have been changed. */
 void rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r);
+
+/* Set r->org: where a ray of direction r->dir leaves its parent's hit. */
+void rad_ray_leave(struct rad_ray *r);
+
+/* Forget what r met and brought back. */
+void rad_ray_clear(struct rad_ray *r);
 
 /* Fill the shading fields (n, cos_o, pert, pattern, dist) from r->hit. */
 void rad_ray_enter(struct rad_ray *r);
@@ -83,11 +120,22 @@ void rad_ray_enter(struct rad_ray *r);
  * material there. */
 bool rad_ray_shade(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);
 
+/* Shade the hit of an entered ray with its surface's material, or pass it on
+ * where there is none. */
+void rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r);
+
 /* Pass the ray on as if the surface were not there. */
 void rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r);
 
+/* Dim r->L by what the medium absorbs from the origin to the hit; part of
+ * rad_ray_trace(), and the last step of a shadow ray shaded without it. */
+void rad_ray_absorb(struct rad_ray *r);
+
 /* Apply the textures and patterns of the chain from mod. */
 void rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);
+
+/* Has a texture tilted the normal? */
+bool rad_ray_perturbed(const struct rad_ray *r);
 
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */
 double rad_ray_normal(const struct rad_ray *r, double norm[3]);
@@ -95,7 +143,19 @@ double rad_ray_normal(const struct rad_ray *r, double norm[3]);
 /* Turn n, cos_o and pert to the other side. */
 void rad_ray_flip(struct rad_ray *r);
 
-/* What rpict -z writes: the effective distance of the brighter part. */
+/* Does dir point to the side of the hit that the ray does not come from? */
+bool rad_ray_through(const struct rad_ray *r, const double dir[3]);
+
+/* What rpict -z writes: the effective distance of the brighter part; 1e10, as
+ * there, for what is infinitely far. */
 double rad_ray_distance(const struct rad_ray *r);
+
+/* The irradiance at a point of the scene, on the side of unit normal n: a
+ * white surface there, without one being there.  Fills *r as a primary ray
+ * that met it, r->L the irradiance [W/m^2].  Counts one ray.
+ * p is taken as exact to a millionth of its largest coordinate or of the
+ * scene's extent, whichever is more: that is what six written digits say. */
+void rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r,
+                        const double p[3], const double n[3], uint64_t key);
 
 #endif
