@@ -8,12 +8,18 @@ librad_a_SOURCES = \
 	src/base/color.h \
 	src/base/error.c \
 	src/base/error.h \
+	src/base/files.c \
+	src/base/files.h \
 	src/base/rng.h \
+	src/base/sha.c \
+	src/base/sha.h \
 	src/base/vec.h \
 	src/light/ambient.h \
 	src/light/source.h \
 	src/light/spot.c \
-	src/light/spot.h
+	src/light/spot.h \
+	src/scene/bundle.c \
+	src/scene/bundle.h
 
 # what a program that uses librad links with
 LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

@@ -4,7 +4,8 @@ AM_TESTS_ENVIRONMENT = \
 	top_builddir='$(abs_top_builddir)'; export top_builddir;
 
 UNIT_TESTS = \
-	tests/check_base
+	tests/check_base \
+	tests/check_bundle
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -16,6 +17,10 @@ UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)
+
+tests_check_bundle_SOURCES = tests/check_bundle.c tests/unit.h
+tests_check_bundle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_bundle_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -11,6 +11,7 @@
 
 #include "base/arena.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "geom/geom.h"
 #include "picture/params.h"
 #include "scene/scene.h"
@@ -28,16 +29,6 @@ struct rad_job {
     struct rad_sources *sources;
     struct rad_ambient *ambient;    /* NULL: no cache (-ab 0 or -aa 0) */
     bool see_through; /* something lets shadow rays pass: glass, trans, ... */
-};
-
-/* What a job finds behind a file name (fonts now; data, pictures, functions,
- * BSDFs later).  Returns a malloc'd copy of the file that the caller frees and
- * its length, or NULL with *err set.  radsubmit and radscene read along
- * RAYPATH; a job's child reads from the bundle. */
-struct rad_files {
-    unsigned char *(*read)(void *arg, const char *name, size_t *len,
-                           struct rad_error *err);
-    void *arg;
 };
 
 /* The scene must outlive the job; files is used during the call only.  NULL

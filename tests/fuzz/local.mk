@@ -3,7 +3,8 @@
 # --enable-fuzzers they are libFuzzer programs: tests/fuzz/fuzz_x corpus/x
 #
 # To add one: its name to FUZZ_TARGETS, and the two lines of its own below.
-FUZZ_TARGETS =
+FUZZ_TARGETS = \
+	tests/fuzz/fuzz_bundle
 
 if FUZZERS
 FUZZ_MAIN =
@@ -21,3 +22,6 @@ TESTS += tests/fuzz/replay.sh
 
 # tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
 # tests_fuzz_fuzz_x_LDADD = $(FUZZ_LIBS)
+
+tests_fuzz_fuzz_bundle_SOURCES = tests/fuzz/fuzz_bundle.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_bundle_LDADD = $(FUZZ_LIBS)

@@ -1,0 +1,36 @@
+/* sha.h - SHA-256 (FIPS 180-4), by which files are named
+ *
+ * A thin face over libcrypto's EVP, in one piece or as bytes come.
+ * Thread: a struct rad_sha belongs to one thread.  */
+#ifndef RAD_BASE_SHA_H
+#define RAD_BASE_SHA_H
+
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define RAD_SHA_BYTES 32
+#define RAD_SHA_HEX   64 /* digits; as a string one byte more */
+
+struct rad_sha {
+    void *ctx; /* EVP_MD_CTX */
+    bool bad;  /* a step failed; rad_sha_final() says so */
+};
+
+int rad_sha_init(struct rad_sha *sha, struct rad_error *err);
+void rad_sha_update(struct rad_sha *sha, const void *p, size_t n);
+/* The digest as lower-case hex digits; releases. */
+int rad_sha_final(struct rad_sha *sha, char hex[RAD_SHA_HEX + 1],
+                  struct rad_error *err);
+/* Give up without a digest. */
+void rad_sha_release(struct rad_sha *sha);
+
+/* The digest of n bytes. */
+int rad_sha_hex(const void *p, size_t n, char hex[RAD_SHA_HEX + 1],
+                struct rad_error *err);
+
+/* Exactly 64 digits 0-9 a-f, and nothing behind them: safe as a file name. */
+bool rad_sha_valid(const char *hex);
+
+#endif

@@ -1,0 +1,206 @@
+/* check_bundle.c - tests of base/sha, base/files and scene/bundle */
+#include "config.h"
+
+#include "base/files.h"
+#include "base/sha.h"
+#include "scene/bundle.h"
+#include "unit.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* FIPS 180-4's examples */
+#define SHA_ABC                                                                \
+    "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+#define SHA_EMPTY                                                              \
+    "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
+
+START_TEST(digest_matches_the_standard)
+{
+    char hex[RAD_SHA_HEX + 1];
+    struct rad_sha sha;
+
+    ck_assert_int_eq(rad_sha_hex("abc", 3, hex, NULL), 0);
+    ck_assert_str_eq(hex, SHA_ABC);
+    ck_assert_int_eq(rad_sha_hex(NULL, 0, hex, NULL), 0);
+    ck_assert_str_eq(hex, SHA_EMPTY);
+    ck_assert_int_eq(rad_sha_init(&sha, NULL), 0);
+    rad_sha_update(&sha, "a", 1);
+    rad_sha_update(&sha, "bc", 2);
+    ck_assert_int_eq(rad_sha_final(&sha, hex, NULL), 0);
+    ck_assert_str_eq(hex, SHA_ABC);
+}
+END_TEST
+
+START_TEST(only_64_lower_case_digits_are_a_hash)
+{
+    ck_assert(rad_sha_valid(SHA_ABC));
+    ck_assert(!rad_sha_valid(""));
+    ck_assert(!rad_sha_valid("../../etc/passwd"));
+    ck_assert(!rad_sha_valid(SHA_ABC "0"));
+    ck_assert(!rad_sha_valid(&SHA_ABC[1]));
+    ck_assert(!rad_sha_valid("BA7816bf8f01cfea414140de5dae2223b00361a396177a9c"
+                             "b410ff61f20015ad"));
+}
+END_TEST
+
+static void
+sample(struct rad_bundle *b)
+{
+    rad_bundle_init(b);
+    ck_assert(
+        !rad_bundle_add(b, RAD_BUNDLE_FILE, "two words", SHA_EMPTY, 0, NULL));
+    ck_assert(
+        !rad_bundle_add(b, RAD_BUNDLE_FILE, "helvet.fnt", SHA_ABC, 3, NULL));
+    ck_assert(!rad_bundle_add(b, RAD_BUNDLE_SCENE, NULL, SHA_ABC, 3, NULL));
+    ck_assert(
+        !rad_bundle_add(b, RAD_BUNDLE_FILE, "helvet.fnt", SHA_ABC, 3, NULL));
+}
+
+START_TEST(manifest_survives_a_round_trip)
+{
+    static const char expected[] =
+        "radd-bundle 1\n" SHA_ABC " 3 scene -\n" SHA_ABC
+        " 3 file helvet.fnt\n" SHA_EMPTY " 0 file two words\n";
+    struct rad_bundle b, c;
+    size_t len;
+    char *text, *again;
+
+    sample(&b);
+    text = rad_bundle_format(&b, &len);
+    ck_assert_str_eq(text, expected);
+    ck_assert_uint_eq(len, sizeof expected - 1);
+    ck_assert_int_eq(rad_bundle_parse(&c, text, len, NULL), 0);
+    again = rad_bundle_format(&c, &len);
+    ck_assert_str_eq(again, text);
+    ck_assert_uint_eq(rad_bundle_bytes(&c), 3); /* each content once */
+    ck_assert_str_eq(rad_bundle_find(&c, RAD_BUNDLE_FILE, "two words")->hash,
+                     SHA_EMPTY);
+    ck_assert_ptr_null(rad_bundle_find(&c, RAD_BUNDLE_FILE, "-"));
+    ck_assert_ptr_nonnull(rad_bundle_find(&c, RAD_BUNDLE_SCENE, NULL));
+    free(text);
+    free(again);
+    rad_bundle_release(&b);
+    rad_bundle_release(&c);
+}
+END_TEST
+
+START_TEST(one_name_has_one_content)
+{
+    struct rad_bundle b;
+
+    sample(&b);
+    ck_assert_int_eq(
+        rad_bundle_add(&b, RAD_BUNDLE_FILE, "helvet.fnt", SHA_EMPTY, 0, NULL),
+        RAD_EDATA);
+    ck_assert_int_eq(
+        rad_bundle_add(&b, RAD_BUNDLE_FILE, "a\nb", SHA_EMPTY, 0, NULL),
+        RAD_EDATA);
+    ck_assert_int_eq(rad_bundle_add(&b, RAD_BUNDLE_FILE, "x", "../x", 0, NULL),
+                     RAD_EDATA);
+    ck_assert_int_eq(b.n, 3);
+    rad_bundle_release(&b);
+}
+END_TEST
+
+#define HEAD  "radd-bundle 1\n"
+#define SCENE SHA_ABC " 3 scene -\n"
+
+static const char *const bad_manifest[] = {
+    "",
+    "radd-bundle 2\n" SCENE,
+    HEAD,                      /* no scene */
+    HEAD SHA_ABC " 3 scene -", /* no newline */
+    HEAD SHA_ABC " 3 scene x\n",
+    HEAD SHA_ABC " 3 picture x\n",
+    HEAD SHA_ABC "  3 scene -\n",
+    HEAD SHA_ABC " 03 scene -\n",
+    HEAD SHA_ABC " -3 scene -\n",
+    HEAD SHA_ABC " 99999999999999999999 scene -\n",
+    HEAD SHA_ABC " 3 scene\n",
+    HEAD "xyz 3 scene -\n",
+    HEAD SCENE SCENE, /* twice */
+    HEAD SCENE SHA_ABC " 3 file b\n" SHA_ABC " 3 file a\n",
+    HEAD SCENE SHA_ABC " 3 file \n",
+    HEAD SCENE SHA_ABC " 3 file a\tb\n",
+    HEAD SCENE "\n",
+};
+
+START_TEST(bad_manifest_is_refused)
+{
+    struct rad_bundle b;
+    struct rad_error err = { 0 };
+    const char *s = bad_manifest[_i];
+
+    ck_assert_int_eq(rad_bundle_parse(&b, s, strlen(s), &err), RAD_EDATA);
+    ck_assert(err.what[0]);
+    ck_assert_ptr_null(b.entries);
+}
+END_TEST
+
+START_TEST(files_are_read_by_hash)
+{
+    char dir[] = "/tmp/check_bundleXXXXXX", path[256];
+    struct rad_bundle b;
+    struct rad_bundle_dir where = { &b, dir };
+    struct rad_files files = rad_bundle_files(&where);
+    struct rad_error err = { 0 };
+    unsigned char *bytes;
+    size_t len;
+    FILE *f;
+
+    ck_assert_ptr_nonnull(mkdtemp(dir));
+    snprintf(path, sizeof path, "%s/%s", dir, SHA_ABC);
+    f = fopen(path, "w");
+    fputs("abc", f);
+    fclose(f);
+    sample(&b);
+    bytes = files.read(files.arg, "helvet.fnt", &len, &err);
+    ck_assert_ptr_nonnull(bytes);
+    ck_assert_uint_eq(len, 3);
+    ck_assert_str_eq((char *)bytes, "abc");
+    free(bytes);
+    ck_assert_ptr_null(files.read(files.arg, "other", &len, &err));
+    ck_assert_int_eq(err.code, RAD_ENOINPUT);
+
+    for (int longer = 0; longer < 2; longer++) {
+        memset(&err, 0, sizeof err);
+        f = fopen(path, "w");
+        fputs(longer ? "abcd" : "ab", f);
+        fclose(f);
+        ck_assert_ptr_null(files.read(files.arg, "helvet.fnt", &len, &err));
+        ck_assert_int_eq(err.code, RAD_EDATA);
+    }
+    rad_bundle_release(&b);
+    unlink(path);
+    rmdir(dir);
+}
+END_TEST
+
+START_TEST(reading_a_folder_is_an_input_error)
+{
+    struct rad_error err = { 0 };
+    size_t len;
+
+    ck_assert_ptr_null(rad_file_read("/", 100, &len, &err));
+    ck_assert_int_eq(err.code, RAD_ENOINPUT);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("bundle");
+    TCase *tc = tcase_create("bundle");
+
+    tcase_add_test(tc, digest_matches_the_standard);
+    tcase_add_test(tc, only_64_lower_case_digits_are_a_hash);
+    tcase_add_test(tc, manifest_survives_a_round_trip);
+    tcase_add_test(tc, one_name_has_one_content);
+    tcase_add_loop_test(tc, bad_manifest_is_refused, 0, N_ELEM(bad_manifest));
+    tcase_add_test(tc, files_are_read_by_hash);
+    tcase_add_test(tc, reading_a_folder_is_an_input_error);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
