@@ -2,18 +2,17 @@
 # build links each with replay.c and `make check` replays the corpora; with
 # --enable-fuzzers they are libFuzzer programs: tests/fuzz/fuzz_x corpus/x
 #
-# To add one: its name to FUZZ_TARGETS, and the two lines of its own below.
+# To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bundle
 
 if FUZZERS
 FUZZ_MAIN =
-FUZZ_FLAGS = -fsanitize=fuzzer
+FUZZ_LDFLAGS = $(AM_LDFLAGS) -fsanitize=fuzzer
 else
 FUZZ_MAIN = tests/fuzz/replay.c
-FUZZ_FLAGS =
+FUZZ_LDFLAGS = $(AM_LDFLAGS)
 endif
-FUZZ_LIBS = $(LIBRAD) $(FUZZ_FLAGS)
 
 check_PROGRAMS += $(FUZZ_TARGETS)
 dist_check_SCRIPTS += tests/fuzz/replay.sh
@@ -21,7 +20,9 @@ EXTRA_DIST += tests/fuzz/corpus tests/fuzz/replay.c
 TESTS += tests/fuzz/replay.sh
 
 # tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
-# tests_fuzz_fuzz_x_LDADD = $(FUZZ_LIBS)
+# tests_fuzz_fuzz_x_LDADD = $(LIBRAD)
+# tests_fuzz_fuzz_x_LDFLAGS = $(FUZZ_LDFLAGS)
 
 tests_fuzz_fuzz_bundle_SOURCES = tests/fuzz/fuzz_bundle.c $(FUZZ_MAIN)
-tests_fuzz_fuzz_bundle_LDADD = $(FUZZ_LIBS)
+tests_fuzz_fuzz_bundle_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LDFLAGS)
