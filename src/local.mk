@@ -18,6 +18,10 @@ librad_a_SOURCES = \
 	src/light/source.h \
 	src/light/spot.c \
 	src/light/spot.h \
+	src/picture/number.c \
+	src/picture/number.h \
+	src/picture/params.c \
+	src/picture/params.h \
 	src/scene/bundle.c \
 	src/scene/bundle.h
 

@@ -5,7 +5,8 @@ AM_TESTS_ENVIRONMENT = \
 
 UNIT_TESTS = \
 	tests/check_base \
-	tests/check_bundle
+	tests/check_bundle \
+	tests/check_params
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -21,6 +22,10 @@ tests_check_base_LDADD = $(UNIT_LIBS)
 tests_check_bundle_SOURCES = tests/check_bundle.c tests/unit.h
 tests_check_bundle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_bundle_LDADD = $(UNIT_LIBS)
+
+tests_check_params_SOURCES = tests/check_params.c tests/unit.h
+tests_check_params_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_params_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

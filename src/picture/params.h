@@ -15,14 +15,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* most columns or rows of a picture */
+#define RAD_MAX_RES 1048576
+
 struct rad_params {
     /* picture */
-    int xres, yres;    /* -x -y: most columns and rows */
-    double pixaspect;  /* -pa: height / width of a pixel; 0: fill x by y */
-    double pixjitter;  /* -pj: 0 centre .. 1 anywhere in the pixel */
-    int psample;       /* -ps: sample spacing [pixels], 1: every pixel */
-    double maxdiff;    /* -pt: difference that forces a sample */
-    bool directvis;    /* -dv: sources visible to the eye */
+    int xres, yres;   /* -x -y: most columns and rows */
+    double pixaspect; /* -pa: height / width of a pixel; 0: fill x by y */
+    double pixjitter; /* -pj: 0 centre .. 1 anywhere in the pixel */
+    int psample;      /* -ps: sample spacing [pixels], 1: every pixel; what
+                       * is beyond 1..16 is brought there, as in rpict */
+    double maxdiff;   /* -pt: difference that forces a sample */
+    bool directvis;   /* -dv: sources visible to the eye */
     /* direct light */
     double srcjitter;  /* -dj dstrsrc */
     double srcsizerat; /* -ds: largest source size / distance; 0: whole */
@@ -51,17 +55,17 @@ struct rad_params {
     int maxdepth;     /* -lr; <= 0: Russian roulette */
     double minweight; /* -lw */
     /* ours */
-    uint64_t seed;    /* --seed */
+    uint64_t seed; /* --seed */
 };
 
 /* rpict's defaults. */
 void rad_params_init(struct rad_params *p);
 
 /* Try to take the option at argv[0] (argc words are there).  Returns the
- * number of words used (>= 1), 0 if it is no rendering option of ours, or a
- * negative code with a message that names the option: a bad or missing
- * number, a value out of range, or an option of rpict that we lack
- * (RAD_EUNSUPPORTED, exit 64: RAD_EUSAGE). */
+ * number of words used (>= 1), 0 if it is no rendering option of ours, or
+ * RAD_EUSAGE with a message that names the option: a bad or missing number, a
+ * value out of range, or an option of rpict that we lack.
+ * Not here, for programs to take: -vf -o -z -S -defaults -help -version. */
 int rad_params_option(struct rad_params *p, int argc, char *const argv[],
                       struct rad_error *err);
 
@@ -69,14 +73,15 @@ int rad_params_option(struct rad_params *p, int argc, char *const argv[],
 int rad_params_check(const struct rad_params *p, struct rad_error *err);
 
 /* The options that matter to pixels, canonical: every option in table order
- * with its value, the same string for the same parameters.  Needs at most
- * RAD_PARAMS_TEXT bytes; parsing it again gives the same struct, bit for bit
- * (reals are printed with 17 digits where fewer do not suffice). */
+ * with its value, one blank between words, the same string for the same
+ * parameters.  Needs at most RAD_PARAMS_TEXT bytes; parsing its words again
+ * gives the same struct, bit for bit (reals are printed with 17 digits where
+ * fewer do not suffice). */
 #define RAD_PARAMS_TEXT 1024
 void rad_params_format(const struct rad_params *p, char *buf, size_t size);
 
-/* rpict's -defaults: one line an option with its meaning, to a caller's
- * sink. */
+/* rpict's -defaults: one line an option, "-dt 0.05    # direct threshold", to
+ * a caller's sink. */
 void rad_params_print_defaults(const struct rad_params *p,
                                void (*line)(void *arg, const char *text),
                                void *arg);

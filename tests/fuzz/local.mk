@@ -4,7 +4,8 @@
 #
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
-	tests/fuzz/fuzz_bundle
+	tests/fuzz/fuzz_bundle \
+	tests/fuzz/fuzz_params
 
 if FUZZERS
 FUZZ_MAIN =
@@ -26,3 +27,7 @@ TESTS += tests/fuzz/replay.sh
 tests_fuzz_fuzz_bundle_SOURCES = tests/fuzz/fuzz_bundle.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_bundle_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_params_SOURCES = tests/fuzz/fuzz_params.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_params_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_params_LDFLAGS = $(FUZZ_LDFLAGS)

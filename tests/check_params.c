@@ -1,0 +1,345 @@
+/* check_params.c - rendering options: values, ranges, refusals, round trip */
+#include "config.h"
+
+#include "base/rng.h"
+#include "picture/number.h"
+#include "picture/params.h"
+#include "unit.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_WORDS = 160 };
+
+/* Cut a copy of text into words. */
+static int
+cut_words(char *text, char *argv[MOST_WORDS])
+{
+    int n = 0;
+
+    for (char *w = strtok(text, " "); w; w = strtok(NULL, " ")) {
+        ck_assert_int_lt(n, MOST_WORDS);
+        argv[n++] = w;
+    }
+    return n;
+}
+
+/* Take all options of text; the first code below 1, or 1. */
+static int
+take(struct rad_params *p, const char *text, struct rad_error *err)
+{
+    char copy[2 * RAD_PARAMS_TEXT], *argv[MOST_WORDS];
+    int argc, rc = 1;
+
+    ck_assert_uint_lt(strlen(text), sizeof copy);
+    strcpy(copy, text);
+    argc = cut_words(copy, argv);
+    for (int i = 0; i < argc; i += rc)
+        if ((rc = rad_params_option(p, argc - i, argv + i, err)) < 1)
+            return rc;
+    return rc;
+}
+
+START_TEST(defaults_are_those_of_rpict)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    ck_assert_int_eq(p.xres, 512);
+    ck_assert_int_eq(p.yres, 512);
+    ck_assert_double_eq(p.pixaspect, 1);
+    ck_assert_double_eq(p.pixjitter, .67);
+    ck_assert_int_eq(p.psample, 4);
+    ck_assert_double_eq(p.maxdiff, .05);
+    ck_assert(p.directvis && p.backvis && !p.irradiance && !p.rand_samp);
+    ck_assert_double_eq(p.shadthresh, .05);
+    ck_assert_double_eq(p.shadcert, .5);
+    ck_assert_double_eq(p.srcjitter, 0);
+    ck_assert_double_eq(p.srcsizerat, .25);
+    ck_assert_int_eq(p.directrelay, 1);
+    ck_assert_int_eq(p.vspretest, 512);
+    ck_assert_double_eq(p.specjitter, 1);
+    ck_assert_double_eq(p.specthresh, .15);
+    ck_assert(rad_rgb_black(p.ambval) && p.ambvwt == 0 && p.ambounce == 0);
+    ck_assert_double_eq(p.ambacc, .2);
+    ck_assert_int_eq(p.ambres, 64);
+    ck_assert_int_eq(p.ambdiv, 512);
+    ck_assert_int_eq(p.ambssamp, 128);
+    ck_assert_int_eq(p.maxdepth, 7);
+    ck_assert_double_eq(p.minweight, 1e-4);
+    ck_assert_uint_eq(p.seed, 0);
+    ck_assert_int_eq(rad_params_check(&p, NULL), 0);
+}
+END_TEST
+
+START_TEST(options_set_their_field)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p,
+                          "-x 17 -y 19 -pa 0 -pj .5 -ps 6 -pt 0.1 -i -u "
+                          "-bv -dt 1e-3 -dc 1 -dj .9 -ds 0 -dr 2 -dp 0 -dv "
+                          "-ss 2 -st 0 -av .1 .2 .3 -aw 1 -ab 2 -aa .25 "
+                          "-ar 48 -ad 256 -as 64 -lr -8 -lw .002 --seed 5",
+                          NULL),
+                     0);
+    ck_assert(p.xres == 17 && p.yres == 19 && p.pixaspect == 0);
+    ck_assert(p.pixjitter == .5 && p.psample == 6 && p.maxdiff == .1);
+    ck_assert(p.irradiance && p.rand_samp && !p.backvis && !p.directvis);
+    ck_assert(p.shadthresh == 1e-3 && p.shadcert == 1 && p.srcjitter == .9);
+    ck_assert(p.srcsizerat == 0 && p.directrelay == 2 && p.vspretest == 0);
+    ck_assert(p.specjitter == 2 && p.specthresh == 0);
+    ck_assert(p.ambval.r == .1f && p.ambval.g == .2f && p.ambval.b == .3f);
+    ck_assert(p.ambvwt == 1 && p.ambounce == 2 && p.ambacc == .25);
+    ck_assert(p.ambres == 48 && p.ambdiv == 256 && p.ambssamp == 64);
+    ck_assert(p.maxdepth == -8 && p.minweight == .002 && p.seed == 5);
+}
+END_TEST
+
+/* what becomes of -dv, which is on at first */
+static const struct {
+    const char *text;
+    bool on;
+} switches[] = { { "-dv+", true },      { "-dv-", false },
+                 { "-dv", false },      { "-dv1", true },
+                 { "-dv0", false },     { "-dv -dv", true },
+                 { "-dvy", true },      { "-dvF", false },
+                 { "-dv- -dv", true },  { "-dvT", true },
+                 { "-dvn -dv+", true }, { "-pRGB -dv-", false } };
+
+START_TEST(booleans_set_clear_and_toggle)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, switches[_i].text, NULL), 0);
+    ck_assert_int_eq(p.directvis, switches[_i].on);
+}
+END_TEST
+
+static const struct {
+    const char *text, *what;
+} bad[] = {
+    { "-x abc", "option '-x': expected an integer, got 'abc'" },
+    { "-x 12.5", "option '-x': expected an integer, got '12.5'" },
+    { "-x 99999999999", "option '-x': expected an integer, got "
+                        "'99999999999'" },
+    { "-x 0", "option '-x': '0' is not between 1 and 1048576" },
+    { "-x", "option '-x': expected 1 value, got 0" },
+    { "-av 1 2", "option '-av': expected 3 values, got 2" },
+    { "-av 1 2 x", "option '-av': expected a number, got 'x'" },
+    { "-av 1 2 1e39", "option '-av': '1e39' is not between 0 and "
+                      "3.4028234663852886e+38" },
+    { "-av 1 2 -1", "option '-av': '-1' is less than 0" },
+    { "-dt 1e", "option '-dt': expected a number, got '1e'" },
+    { "-dt nan", "option '-dt': expected a number, got 'nan'" },
+    { "-dt inf", "option '-dt': expected a number, got 'inf'" },
+    { "-dt 0x10", "option '-dt': expected a number, got '0x10'" },
+    { "-dt 1e999", "option '-dt': expected a number, got '1e999'" },
+    { "-dt -.1", "option '-dt': '-.1' is less than 0" },
+    { "-ab -1", "option '-ab': '-1' is not between 0 and 30000" },
+    { "--seed=-1", "option '--seed': expected a whole number from 0 to "
+                   "18446744073709551615, got '-1'" },
+    { "--seed=18446744073709551616",
+      "option '--seed': expected a whole number from 0 to "
+      "18446744073709551615, got '18446744073709551616'" },
+    { "-pm .5", "option '-pm' of rpict is not supported" },
+    { "-pd 1", "option '-pd' of rpict is not supported" },
+    { "-pXYZ", "option '-pXYZ' of rpict is not supported" },
+    { "-pc 1 1 1 1 1 1 1 1", "option '-pc' of rpict is not supported" },
+    { "-af amb", "option '-af' of rpict is not supported" },
+    { "-ae mod", "option '-ae' of rpict is not supported" },
+    { "-ap map 50", "option '-ap' of rpict is not supported" },
+    { "-cs 20", "option '-cs' of rpict is not supported" },
+    { "-t 30", "option '-t' of rpict is not supported" },
+    { "-w-", "option '-w-' of rpict is not supported" },
+    { "-e err", "option '-e' of rpict is not supported" },
+    { "-ro pic", "option '-ro' of rpict is not supported" },
+    { "-PP file", "option '-PP' of rpict is not supported" },
+};
+
+START_TEST(bad_options_are_named)
+{
+    struct rad_params p;
+    struct rad_error err = { 0 };
+
+    rad_params_init(&p);
+    ck_assert_int_eq(take(&p, bad[_i].text, &err), RAD_EUSAGE);
+    ck_assert_str_eq(err.what, bad[_i].what);
+}
+END_TEST
+
+START_TEST(other_words_are_left_alone)
+{
+    static const char *const words[] = { "scene.oct", "-vp", "-vf", "-dtx",
+                                         "-dvx",      "-",   "-o",  "--see",
+                                         "-xy",       "-z",  "",    "-dv+-" };
+
+    for (int i = 0; i < N_ELEM(words); i++) {
+        struct rad_params p, before;
+        struct rad_error err = { 0 };
+
+        rad_params_init(&p);
+        rad_params_init(&before);
+        ck_assert_msg(take(&p, words[i][0] ? words[i] : "x", &err) == 0,
+                      "'%s' was taken", words[i]);
+        ck_assert_int_eq(err.code, 0);
+        ck_assert_mem_eq(&p, &before, sizeof p);
+    }
+}
+END_TEST
+
+START_TEST(sampling_stays_within_what_rpict_does)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, "-ps 0", NULL), 0);
+    ck_assert_int_eq(p.psample, 1);
+    ck_assert_int_gt(take(&p, "-ps 40", NULL), 0);
+    ck_assert_int_eq(p.psample, 16);
+}
+END_TEST
+
+START_TEST(check_refuses_what_does_not_go_together)
+{
+    struct rad_params p;
+    struct rad_error err = { 0 };
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, "-lr -4 -lw 0", NULL), 0);
+    ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
+    ck_assert_ptr_nonnull(strstr(err.what, "-lr -4"));
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, "-me 0 .1 0", NULL), 0);
+    ck_assert_int_eq(rad_params_check(&p, NULL), RAD_EUSAGE);
+}
+END_TEST
+
+static double
+any_real(uint64_t key)
+{
+    double u = rad_rand(key, 0);
+
+    /* short ones, long ones, and every size */
+    return key % 3 == 0 ? floor(u * 100) / 100 : ldexp(u, (int)(key % 400));
+}
+
+START_TEST(text_gives_the_same_parameters_bit_for_bit)
+{
+    for (uint64_t i = 0; i < 300; i++) {
+        struct rad_params p, q;
+        char text[RAD_PARAMS_TEXT], again[RAD_PARAMS_TEXT];
+
+        rad_params_init(&p);
+        p.maxdiff = any_real(7 * i);
+        p.shadthresh = any_real(7 * i + 1);
+        p.minweight = 1 / (1 + any_real(7 * i + 2));
+        p.ambval = rad_rgb((float)rad_rand(i, 1), 1e-38f, 3e38f);
+        p.seed = rad_mix64(i);
+        p.maxdepth = -(int)(i % 9);
+        p.directvis = i & 1;
+        p.irradiance = i & 2;
+        rad_params_format(&p, text, sizeof text);
+        rad_params_init(&q);
+        q.directvis = !p.directvis;
+        ck_assert_int_gt(take(&q, text, NULL), 0);
+        ck_assert_mem_eq(&p, &q, sizeof p);
+        rad_params_format(&q, again, sizeof again);
+        ck_assert_str_eq(text, again);
+    }
+}
+END_TEST
+
+START_TEST(longest_text_fits)
+{
+    struct rad_params p;
+    char text[RAD_PARAMS_TEXT];
+    struct rad_rgb longest = rad_grey(1.17549446e-38f);
+
+    rad_params_init(&p);
+    p.xres = p.yres = RAD_MAX_RES;
+    p.pixaspect = p.pixjitter = p.maxdiff = p.srcjitter = p.srcsizerat =
+        p.shadthresh = p.shadcert = p.specjitter = p.specthresh = p.seccg =
+            p.ssampdist = p.ambacc = p.minweight = 1.2345678901234567e-300;
+    p.cextinction = p.salbedo = p.ambval = longest;
+    p.vspretest = p.ambvwt = p.ambres = 2147483647;
+    p.maxdepth = -30000;
+    p.seed = UINT64_MAX;
+    rad_params_format(&p, text, sizeof text);
+    ck_assert_uint_lt(strlen(text), sizeof text - 1);
+    ck_assert_ptr_nonnull(strstr(text, "--seed=18446744073709551615"));
+}
+END_TEST
+
+static void
+take_line(void *arg, const char *text)
+{
+    struct rad_params p;
+    char copy[256];
+
+    strcpy(copy, text);
+    ck_assert_ptr_nonnull(strchr(copy, '#'));
+    *strchr(copy, '#') = '\0';
+    rad_params_init(&p);
+    ck_assert_msg(take(&p, copy, NULL) > 0, "'%s'", text);
+    ++*(int *)arg;
+}
+
+START_TEST(every_line_of_the_defaults_is_an_option)
+{
+    struct rad_params p;
+    int n = 0;
+
+    rad_params_init(&p);
+    rad_params_print_defaults(&p, take_line, &n);
+    ck_assert_int_gt(n, 30);
+}
+END_TEST
+
+START_TEST(reals_are_written_as_short_as_can_be)
+{
+    static const struct {
+        double value;
+        const char *text;
+    } row[] = { { .1, "0.1" },
+                { 0, "0" },
+                { -.05, "-0.05" },
+                { 1e-4, "0.0001" },
+                { 100, "100" },
+                { -0., "-0" },
+                { 1e300, "1e+300" },
+                { 1. / 3, "0.3333333333333333" },
+                { .1 + .2, "0.30000000000000004" } };
+    char buf[RAD_NUMBER_TEXT];
+
+    for (int i = 0; i < N_ELEM(row); i++) {
+        rad_format_real(buf, row[i].value);
+        ck_assert_str_eq(buf, row[i].text);
+    }
+    rad_format_float(buf, .1f);
+    ck_assert_str_eq(buf, "0.1");
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("params");
+    TCase *tc = tcase_create("params");
+
+    tcase_add_test(tc, defaults_are_those_of_rpict);
+    tcase_add_test(tc, options_set_their_field);
+    tcase_add_loop_test(tc, booleans_set_clear_and_toggle, 0, N_ELEM(switches));
+    tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
+    tcase_add_test(tc, other_words_are_left_alone);
+    tcase_add_test(tc, sampling_stays_within_what_rpict_does);
+    tcase_add_test(tc, check_refuses_what_does_not_go_together);
+    tcase_add_test(tc, text_gives_the_same_parameters_bit_for_bit);
+    tcase_add_test(tc, longest_text_fits);
+    tcase_add_test(tc, every_line_of_the_defaults_is_an_option);
+    tcase_add_test(tc, reals_are_written_as_short_as_can_be);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
