@@ -6,7 +6,8 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_base \
 	tests/check_bundle \
-	tests/check_params
+	tests/check_params \
+	tests/check_view
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -26,6 +27,10 @@ tests_check_bundle_LDADD = $(UNIT_LIBS)
 tests_check_params_SOURCES = tests/check_params.c tests/unit.h
 tests_check_params_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_params_LDADD = $(UNIT_LIBS)
+
+tests_check_view_SOURCES = tests/check_view.c tests/unit.h
+tests_check_view_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_view_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -5,7 +5,8 @@
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bundle \
-	tests/fuzz/fuzz_params
+	tests/fuzz/fuzz_params \
+	tests/fuzz/fuzz_view
 
 if FUZZERS
 FUZZ_MAIN =
@@ -31,3 +32,7 @@ tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LDFLAGS)
 tests_fuzz_fuzz_params_SOURCES = tests/fuzz/fuzz_params.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_params_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_params_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_view_SOURCES = tests/fuzz/fuzz_view.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_view_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_view_LDFLAGS = $(FUZZ_LDFLAGS)
