@@ -18,6 +18,8 @@ librad_a_SOURCES = \
 	src/light/source.h \
 	src/light/spot.c \
 	src/light/spot.h \
+	src/picture/hdr.c \
+	src/picture/hdr.h \
 	src/picture/number.c \
 	src/picture/number.h \
 	src/picture/params.c \

@@ -6,6 +6,7 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_base \
 	tests/check_bundle \
+	tests/check_hdr \
 	tests/check_params \
 	tests/check_view
 
@@ -31,6 +32,10 @@ tests_check_params_LDADD = $(UNIT_LIBS)
 tests_check_view_SOURCES = tests/check_view.c tests/unit.h
 tests_check_view_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_view_LDADD = $(UNIT_LIBS)
+
+tests_check_hdr_SOURCES = tests/check_hdr.c tests/unit.h
+tests_check_hdr_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_hdr_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -1,0 +1,452 @@
+/* hdr.c - see hdr.h
+ *
+ * A row in the new form is 2, 2, its length in two bytes, then each of the
+ * four components by itself: a count above 128 repeats the next byte count -
+ * 128 times, another is followed by that many bytes.  In the old form a pixel
+ * of 1, 1, 1, n repeats the one before n times, and each such pixel that
+ * follows directly counts 256 times as much. */
+#include "config.h"
+
+#include "picture/hdr.h"
+#include "picture/number.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    SHORTEST_CODED = 8,
+    LONGEST_CODED = 32767,
+    LONGEST_RUN = 127,
+    LONGEST_LITERAL = 128,
+    SHORTEST_RUN = 4, /* a shorter one costs more than it saves */
+    EXPONENT_BIAS = 128,
+    LONGEST_SIDE = 1 << 24
+};
+
+int
+rad_hdr_write_header(const struct rad_hdr_info *info,
+                     const struct rad_sink *sink, struct rad_error *err)
+{
+    char text[4096], extra[96] = "";
+    int n, used = 0;
+
+    /* Radiance says nothing of pixels within half a percent of square */
+    if (fabs(info->pixaspect - 1) > .005)
+        used = snprintf(extra, sizeof extra, "PIXASPECT=%f\n", info->pixaspect);
+    if (info->frame > 0)
+        snprintf(extra + used, sizeof extra - (size_t)used, "FRAME=%lu\n",
+                 (unsigned long)info->frame);
+    n = snprintf(text, sizeof text,
+                 "#?RADIANCE\n%s %s\nVIEW= %s\n%sFORMAT=32-bit_rle_rgbe\n\n"
+                 "-Y %d +X %d\n",
+                 info->program, info->options, info->view, extra, info->height,
+                 info->width);
+    if (n < 0 || (size_t)n >= sizeof text)
+        return rad_fail(err, RAD_EINTERNAL, "picture header is too long");
+    return sink->write(sink->arg, text, (size_t)n, err);
+}
+
+static float
+clamped(float v)
+{
+    return v > 0 ? v <= FLT_MAX ? v : FLT_MAX : 0; /* NaN is 0 */
+}
+
+void
+rad_rgbe(struct rad_rgb L, uint8_t rgbe[4])
+{
+    double r = clamped(L.r), g = clamped(L.g), b = clamped(L.b);
+    double most = fmax(r, fmax(g, b)), scale;
+    int e;
+
+    /* the smallest that Radiance writes */
+    if (most <= 1e-32) {
+        memset(rgbe, 0, 4);
+        return;
+    }
+    scale = frexp(most, &e) * 256 / most;
+    if (e + EXPONENT_BIAS > UINT8_MAX) {
+        e = UINT8_MAX - EXPONENT_BIAS;
+        scale = ldexp(1, 8 - e);
+    }
+    rgbe[0] = (uint8_t)fmin(r * scale, UINT8_MAX);
+    rgbe[1] = (uint8_t)fmin(g * scale, UINT8_MAX);
+    rgbe[2] = (uint8_t)fmin(b * scale, UINT8_MAX);
+    rgbe[3] = (uint8_t)(e + EXPONENT_BIAS);
+}
+
+struct rad_rgb
+rad_rgbe_radiance(const uint8_t rgbe[4])
+{
+    float step;
+
+    if (rgbe[3] == 0)
+        return rad_grey(0);
+    step = ldexpf(1, rgbe[3] - (EXPONENT_BIAS + 8));
+    return rad_rgb((rgbe[0] + .5f) * step, (rgbe[1] + .5f) * step,
+                   (rgbe[2] + .5f) * step);
+}
+
+/* Length of the run of equal bytes that starts at component[i], stride 4. */
+static int
+run_length(const uint8_t *component, int i, int n)
+{
+    int k = 1;
+
+    while (k < LONGEST_RUN && i + k < n &&
+           component[4 * (i + k)] == component[4 * i])
+        k++;
+    return k;
+}
+
+/* Code one component of n pixels; returns the end of out. */
+static uint8_t *
+encode_component(const uint8_t *component, int n, uint8_t *out)
+{
+    int i = 0;
+
+    while (i < n) {
+        int run = run_length(component, i, n);
+        int from = i;
+
+        if (run >= SHORTEST_RUN) {
+            *out++ = (uint8_t)(128 + run);
+            *out++ = component[4 * i];
+            i += run;
+            continue;
+        }
+        /* literals up to the next run that pays */
+        while (i < n && i - from < LONGEST_LITERAL &&
+               run_length(component, i, n) < SHORTEST_RUN)
+            i++;
+        *out++ = (uint8_t)(i - from);
+        for (; from < i; from++)
+            *out++ = component[4 * from];
+    }
+    return out;
+}
+
+size_t
+rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
+{
+    /* pixels of bytes in the upper half, their coding in the lower */
+    uint8_t *rgbe = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
+
+    if (width < SHORTEST_CODED || width > LONGEST_CODED) {
+        for (int x = 0; x < width; x++, at += 4)
+            rad_rgbe(row[x], at);
+        return (size_t)(at - out);
+    }
+    for (int x = 0; x < width; x++)
+        rad_rgbe(row[x], rgbe + 4 * x);
+    *at++ = 2;
+    *at++ = 2;
+    *at++ = (uint8_t)(width >> 8);
+    *at++ = (uint8_t)(width & 255);
+    for (int c = 0; c < 4; c++)
+        at = encode_component(rgbe + c, width, at);
+    return (size_t)(at - out);
+}
+
+void
+rad_picture_release(struct rad_picture *pic)
+{
+    free(pic->L);
+    memset(pic, 0, sizeof *pic);
+}
+
+struct reader {
+    const uint8_t *at, *end;
+    struct rad_error *err;
+    double divide[3]; /* EXPOSURE times COLORCORR */
+    double pixaspect;
+    bool xmajor;        /* scan lines run along y */
+    bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
+    int nscan, nlength; /* scan lines, pixels in each */
+};
+
+static int
+damaged(struct reader *in, const char *what)
+{
+    return rad_fail(in->err, RAD_EDATA, "picture: %s", what);
+}
+
+/* Copy the next line, without its end, into line; longer ones are cut. */
+static int
+get_line(struct reader *in, char *line, size_t size)
+{
+    const uint8_t *stop = memchr(in->at, '\n', (size_t)(in->end - in->at));
+    size_t n;
+
+    if (!stop)
+        return damaged(in, "header ends early");
+    n = (size_t)(stop - in->at);
+    if (n > 0 && in->at[n - 1] == '\r')
+        n--;
+    if (n > size - 1)
+        n = size - 1;
+    memcpy(line, in->at, n);
+    line[n] = '\0';
+    in->at = stop + 1;
+    return 0;
+}
+
+/* A factor of a header line: finite and above 0. */
+static bool
+get_factor(char **text, double *value)
+{
+    double v = strtod(*text, text);
+
+    *value *= v;
+    return v > 0 && v < DBL_MAX;
+}
+
+static bool
+get_colorcorr(struct reader *in, char *text)
+{
+    return get_factor(&text, &in->divide[0]) &&
+           get_factor(&text, &in->divide[1]) &&
+           get_factor(&text, &in->divide[2]);
+}
+
+static int
+take_header_line(struct reader *in, char *line)
+{
+    char *value = strchr(line, '=');
+    double expo = 1;
+
+    if (!value)
+        return 0;
+    *value++ = '\0';
+    if (strcmp(line, "EXPOSURE") == 0) {
+        if (!get_factor(&value, &expo))
+            return damaged(in, "bad EXPOSURE");
+        for (int i = 0; i < 3; i++)
+            in->divide[i] *= expo;
+    } else if (strcmp(line, "COLORCORR") == 0) {
+        if (!get_colorcorr(in, value))
+            return damaged(in, "bad COLORCORR");
+    } else if (strcmp(line, "PIXASPECT") == 0) {
+        if (!get_factor(&value, &in->pixaspect))
+            return damaged(in, "bad PIXASPECT");
+    } else if (strcmp(line, "FORMAT") == 0) {
+        value += strspn(value, " \t");
+        value[strcspn(value, " \t")] = '\0';
+        if (strcmp(value, "32-bit_rle_rgbe") != 0)
+            return rad_fail(in->err, RAD_EDATA,
+                            "picture: format is '%.40s', only "
+                            "32-bit_rle_rgbe is read",
+                            value);
+    }
+    return 0;
+}
+
+static int
+read_header(struct reader *in)
+{
+    char line[512];
+    bool more;
+    int rc;
+
+    if (in->end - in->at < 2 || memcmp(in->at, "#?", 2) != 0)
+        return damaged(in, "not a Radiance picture (no #? at its start)");
+    do {
+        if ((rc = get_line(in, line, sizeof line)) < 0)
+            return rc;
+        more = line[0] != '\0';
+        if ((rc = take_header_line(in, line)) < 0)
+            return rc;
+    } while (more);
+    for (int i = 0; i < 3; i++)
+        if (!(in->divide[i] > 0 && in->divide[i] < DBL_MAX))
+            return damaged(in, "EXPOSURE or COLORCORR out of range");
+    if (!(in->pixaspect > 0 && in->pixaspect < DBL_MAX))
+        return damaged(in, "PIXASPECT out of range");
+    return 0;
+}
+
+/* "-Y 480 +X 640": the axis that scan lines step along comes first. */
+static int
+read_resolution(struct reader *in)
+{
+    char line[128], axis[2][3], rest;
+    int n[2], rc;
+
+    if ((rc = get_line(in, line, sizeof line)) < 0)
+        return rc;
+    if (sscanf(line, "%2s %9d %2s %9d %c", axis[0], &n[0], axis[1], &n[1],
+               &rest) != 4)
+        return damaged(in, "bad resolution line");
+    for (int i = 0; i < 2; i++)
+        if ((axis[i][0] != '+' && axis[i][0] != '-') ||
+            (axis[i][1] != 'X' && axis[i][1] != 'Y') || n[i] < 1 ||
+            n[i] > LONGEST_SIDE)
+            return damaged(in, "bad resolution line");
+    if (axis[0][1] == axis[1][1])
+        return damaged(in, "bad resolution line");
+    in->xmajor = axis[0][1] == 'X';
+    in->yup = axis[in->xmajor ? 1 : 0][0] == '+';
+    in->xleft = axis[in->xmajor ? 0 : 1][0] == '-';
+    in->nscan = n[0];
+    in->nlength = n[1];
+    return 0;
+}
+
+static int
+decode_component(struct reader *in, uint8_t *component, int n)
+{
+    for (int i = 0; i < n;) {
+        int k;
+
+        if (in->end - in->at < 2)
+            return damaged(in, "ends early");
+        k = *in->at++;
+        if (k > 128) {
+            k &= 127;
+            if (k > n - i)
+                return damaged(in, "run past the end of a row");
+            for (; k > 0; k--)
+                component[4 * i++] = *in->at;
+            in->at++;
+        } else {
+            if (k == 0 || k > n - i)
+                return damaged(in, "bad length of bytes in a row");
+            if (k > in->end - in->at)
+                return damaged(in, "ends early");
+            for (; k > 0; k--)
+                component[4 * i++] = *in->at++;
+        }
+    }
+    return 0;
+}
+
+/* Flat pixels and old runs. */
+static int
+decode_old(struct reader *in, uint8_t *rgbe, int n)
+{
+    int shift = 0;
+
+    for (int i = 0; i < n;) {
+        if (in->end - in->at < 4)
+            return damaged(in, "ends early");
+        if (in->at[0] == 1 && in->at[1] == 1 && in->at[2] == 1) {
+            /* a count beyond 24 bits is beyond any row */
+            long k = shift < 24 ? (long)in->at[3] << shift : LONG_MAX;
+
+            if (i == 0 || (in->at[3] && k > n - i))
+                return damaged(in, "bad old run in a row");
+            for (; in->at[3] && k > 0; k--, i++)
+                memcpy(rgbe + 4 * i, rgbe + 4 * (i - 1), 4);
+            shift += 8;
+        } else {
+            memcpy(rgbe + 4 * i++, in->at, 4);
+            shift = 0;
+        }
+        in->at += 4;
+    }
+    return 0;
+}
+
+static int
+decode_row(struct reader *in, uint8_t *rgbe)
+{
+    int n = in->nlength;
+    int rc;
+
+    if (n < SHORTEST_CODED || n > LONGEST_CODED || in->end - in->at < 4 ||
+        in->at[0] != 2 || in->at[1] != 2 || in->at[2] > 127)
+        return decode_old(in, rgbe, n);
+    if ((in->at[2] << 8 | in->at[3]) != n)
+        return damaged(in, "a row's length is not the picture's");
+    in->at += 4;
+    for (int c = 0; c < 4; c++)
+        if ((rc = decode_component(in, rgbe + c, n)) < 0)
+            return rc;
+    return 0;
+}
+
+/* Decode all rows into *rgbe, which grows with them. */
+static int
+decode_rows(struct reader *in, uint8_t **rgbe)
+{
+    size_t row = 4 * (size_t)in->nlength, room = 0;
+
+    for (int y = 0; y < in->nscan; y++) {
+        size_t used = row * (size_t)y;
+        int rc;
+
+        if (used + row > room) {
+            size_t all = row * (size_t)in->nscan;
+            uint8_t *more;
+
+            room = 2 * (used + row) < all ? 2 * (used + row) : all;
+            more = realloc(*rgbe, room);
+            if (!more)
+                return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+            *rgbe = more;
+        }
+        if ((rc = decode_row(in, *rgbe + used)) < 0) {
+            rad_error_where(in->err, "scan line %d of %d", y + 1, in->nscan);
+            return rc;
+        }
+    }
+    return 0;
+}
+
+/* Turn coded pixels into radiance in standard order. */
+static int
+arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
+{
+    int w = in->xmajor ? in->nscan : in->nlength;
+    int h = in->xmajor ? in->nlength : in->nscan;
+
+    pic->L = malloc((size_t)w * (size_t)h * sizeof *pic->L);
+    if (!pic->L)
+        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++) {
+            int u = in->xleft ? w - 1 - x : x, v = in->yup ? h - 1 - y : y;
+            size_t at = in->xmajor ? (size_t)u * (size_t)h + (size_t)v
+                                   : (size_t)v * (size_t)w + (size_t)u;
+            struct rad_rgb L = rad_rgbe_radiance(rgbe + 4 * at);
+
+            pic->L[(size_t)y * (size_t)w + (size_t)x] = rad_rgb(
+                (float)(L.r / in->divide[0]), (float)(L.g / in->divide[1]),
+                (float)(L.b / in->divide[2]));
+        }
+    pic->width = w;
+    pic->height = h;
+    pic->pixaspect = in->pixaspect;
+    return 0;
+}
+
+int
+rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
+             struct rad_picture *pic, struct rad_error *err)
+{
+    struct reader in = { .at = data,
+                         .end = data + len,
+                         .err = err,
+                         .divide = { 1, 1, 1 },
+                         .pixaspect = 1 };
+    uint8_t *rgbe = NULL;
+    int rc;
+
+    memset(pic, 0, sizeof *pic);
+    if ((rc = read_header(&in)) < 0 || (rc = read_resolution(&in)) < 0)
+        return rc;
+    if ((size_t)in.nscan > max_pixels / (size_t)in.nlength)
+        return rad_fail(err, RAD_EDATA,
+                        "picture: %d by %d is more than the %zu pixels that "
+                        "are read",
+                        in.nlength, in.nscan, max_pixels);
+    rc = decode_rows(&in, &rgbe);
+    if (rc == 0)
+        rc = arrange(&in, rgbe, pic);
+    free(rgbe);
+    return rc;
+}

@@ -1,0 +1,68 @@
+/* hdr.h - Radiance pictures: run-length coded RGBE
+ *
+ * Four bytes a pixel: three mantissas that share an exponent.  The writer
+ * makes the same bytes from the same picture: no date, no host.  The reader
+ * takes every picture that Radiance wrote: flat, old and new run lengths, any
+ * orientation, EXPOSURE and COLORCORR.
+ * Rows count from the top, columns from the left; L is radiance.
+ * Source: Ward 1991, Real pixels (Graphics Gems II); Radiance's file format
+ * reference, "Picture file format". */
+#ifndef RAD_PICTURE_HDR_H
+#define RAD_PICTURE_HDR_H
+
+#include "base/color.h"
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Where a writer's bytes go: 0 or a negative code with *err set. */
+struct rad_sink {
+    int (*write)(void *arg, const void *data, size_t len,
+                 struct rad_error *err);
+    void *arg;
+};
+
+/* What a picture's header says of it. */
+struct rad_hdr_info {
+    const char *program; /* "radsubmit" */
+    const char *options; /* rad_params_format()'s text */
+    const char *view;    /* rad_view_format()'s text */
+    double pixaspect;    /* height / width of a pixel */
+    uint32_t frame;      /* 0: a still */
+    int width, height;
+};
+
+/* The header, the resolution line included. */
+int rad_hdr_write_header(const struct rad_hdr_info *info,
+                         const struct rad_sink *sink, struct rad_error *err);
+
+/* RGBE of one pixel, rounded as Radiance does: mantissas are cut off, and the
+ * reader adds half a step.  A value that is not finite or negative gives 0,
+ * one beyond the format's range the largest there is. */
+void rad_rgbe(struct rad_rgb L, uint8_t rgbe[4]);
+struct rad_rgb rad_rgbe_radiance(const uint8_t rgbe[4]);
+
+/* Code one row of width pixels into out, which has room for
+ * RAD_HDR_ROW_BYTES(width), half of it to work in; returns the bytes used.
+ * Rows of less than 8 or more than 32767 columns are written flat. */
+#define RAD_HDR_ROW_BYTES(width) (8 * ((size_t)(width) + (width) / 128 + 2))
+size_t rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out);
+
+/* A whole picture in memory. */
+struct rad_picture {
+    int width, height;
+    double pixaspect;  /* 1 where the header says nothing */
+    struct rad_rgb *L; /* width * height, malloc'd, the top row first */
+};
+void rad_picture_release(struct rad_picture *pic);
+
+/* Decode a picture from bytes.  Values are divided by EXPOSURE and COLORCORR.
+ * More than max_pixels are refused (RAD_EDATA); memory grows with what was
+ * decoded, not with what the resolution line claims.  RAD_EDATA for what is no
+ * RGBE picture, is damaged or ends early; *pic is then empty. */
+int rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
+                 struct rad_picture *pic, struct rad_error *err);
+
+#endif

@@ -1,0 +1,305 @@
+/* check_hdr.c - RGBE: rounding, coding, headers, damaged pictures */
+#include "config.h"
+
+#include "base/rng.h"
+#include "picture/hdr.h"
+#include "unit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A file in memory. */
+struct file {
+    uint8_t *data;
+    size_t len;
+};
+
+static int
+append(void *arg, const void *data, size_t len, struct rad_error *err)
+{
+    struct file *f = arg;
+
+    (void)err;
+    f->data = realloc(f->data, f->len + len + 1);
+    ck_assert_ptr_nonnull(f->data);
+    memcpy(f->data + f->len, data, len);
+    f->len += len;
+    return 0;
+}
+
+static struct file
+write_picture(const struct rad_hdr_info *info, const struct rad_rgb *L)
+{
+    struct file f = { NULL, 0 };
+    struct rad_sink sink = { append, &f };
+    uint8_t *row = malloc(RAD_HDR_ROW_BYTES(info->width));
+
+    ck_assert_ptr_nonnull(row);
+    ck_assert_int_eq(rad_hdr_write_header(info, &sink, NULL), 0);
+    for (int y = 0; y < info->height; y++) {
+        size_t n = rad_hdr_encode_row(L + y * info->width, info->width, row);
+
+        ck_assert_uint_le(n, RAD_HDR_ROW_BYTES(info->width));
+        append(&f, row, n, NULL);
+    }
+    free(row);
+    return f;
+}
+
+static const struct {
+    struct rad_rgb L;
+    uint8_t rgbe[4];
+} codes[] = {
+    { { 0, 0, 0 }, { 0, 0, 0, 0 } },
+    { { 1, 1, 1 }, { 128, 128, 128, 129 } },
+    { { 1, .5f, .25f }, { 128, 64, 32, 129 } },
+    { { .999f, 0, 0 }, { 255, 0, 0, 128 } }, /* cut off, not rounded */
+    { { 1e-33f, 0, 0 }, { 0, 0, 0, 0 } },
+    { { -1, 2, -3 }, { 0, 128, 0, 130 } },
+    { { NAN, 2, 1 }, { 0, 128, 64, 130 } },
+    { { NAN, NAN, NAN }, { 0, 0, 0, 0 } },
+    { { INFINITY, 0, 0 }, { 255, 0, 0, 255 } },
+    { { 3.4e38f, 1e38f, 0 }, { 255, 150, 0, 255 } },
+};
+
+START_TEST(mantissas_are_cut_off)
+{
+    uint8_t rgbe[4];
+
+    rad_rgbe(codes[_i].L, rgbe);
+    ck_assert_mem_eq(rgbe, codes[_i].rgbe, 4);
+}
+END_TEST
+
+START_TEST(reading_adds_half_a_step)
+{
+    static const uint8_t one[4] = { 128, 64, 0, 129 };
+    static const uint8_t none[4] = { 5, 5, 5, 0 };
+    struct rad_rgb L = rad_rgbe_radiance(one);
+
+    ck_assert_float_eq(L.r, 128.5f / 128);
+    ck_assert_float_eq(L.g, 64.5f / 128);
+    ck_assert_float_eq(L.b, .5f / 128);
+    ck_assert(rad_rgb_black(rad_rgbe_radiance(none)));
+}
+END_TEST
+
+/* Pixels with runs of all lengths, long literals, and short rows. */
+static struct rad_rgb
+pattern(int kind, int x, int y)
+{
+    uint64_t key = rad_key_pixel(3, 0, (uint32_t)x, (uint32_t)y);
+
+    switch (kind) {
+    case 0:
+        return rad_grey(.25f);
+    case 1: /* noise */
+        return rad_rgb((float)rad_rand(key, 0), (float)rad_rand(key, 1),
+                       (float)rad_rand(key, 2) * 100);
+    case 2: /* runs that grow */
+        return rad_grey((float)(1 + (int)sqrt(2. * x) % 7));
+    default: /* runs of 3 and 4 between single pixels */
+        return rad_grey((float)("aaaabcccddddefgh"[x % 16]));
+    }
+}
+
+static const int widths[] = { 1, 2, 7, 8, 9, 127, 128, 129, 400, 32767, 32768 };
+
+START_TEST(pictures_come_back_as_written)
+{
+    int width = widths[_i / 4], kind = _i % 4, height = 3;
+    struct rad_hdr_info info = { "radsubmit", "-ab 0", "-vtv", 1,
+                                 0,           width,   height };
+    size_t n = (size_t)width * (size_t)height;
+    struct rad_rgb *L = malloc(n * sizeof *L);
+    struct rad_picture pic;
+    struct file f;
+
+    for (size_t i = 0; i < n; i++)
+        L[i] = pattern(kind, (int)(i % (size_t)width), (int)i / width);
+    f = write_picture(&info, L);
+    ck_assert_int_eq(rad_hdr_read(f.data, f.len, n, &pic, NULL), 0);
+    ck_assert(pic.width == width && pic.height == height);
+    for (size_t i = 0; i < n; i++) {
+        uint8_t want[4], got[4];
+
+        rad_rgbe(L[i], want);
+        rad_rgbe(pic.L[i], got);
+        ck_assert_mem_eq(got, want, 4);
+    }
+    if (kind == 0 && width == 400)
+        ck_assert_uint_lt(f.len, 300); /* runs were coded as runs */
+    rad_picture_release(&pic);
+    ck_assert_int_eq(rad_hdr_read(f.data, f.len, n - 1, &pic, NULL), RAD_EDATA);
+    ck_assert_int_eq(rad_hdr_read(f.data, f.len - 1, n, &pic, NULL), RAD_EDATA);
+    ck_assert_ptr_null(pic.L);
+    free(f.data);
+    free(L);
+}
+END_TEST
+
+START_TEST(header_holds_options_and_view)
+{
+    struct rad_hdr_info info = { "radsubmit", "-ps 1", "-vtv -vp 0 0 0", .5, 7,
+                                 1,           1 };
+    struct rad_rgb L = rad_grey(1);
+    struct file f = write_picture(&info, &L);
+    static const char want[] =
+        "#?RADIANCE\nradsubmit -ps 1\nVIEW= -vtv -vp 0 0 0\n"
+        "PIXASPECT=0.500000\nFRAME=7\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n"
+        "\x80\x80\x80\x81";
+
+    ck_assert_uint_eq(f.len, sizeof want - 1);
+    ck_assert_mem_eq(f.data, want, f.len);
+    free(f.data);
+}
+END_TEST
+
+/* Two by three pixels, numbered 1 to 6 in the order of the file, as flat
+ * pixels of value n + .5; where pixel 1 and 2 end up. */
+static const struct {
+    const char *resolution;
+    int width, first, second;
+} orientations[] = {
+    { "-Y 2 +X 3", 3, 0, 1 }, { "-Y 2 -X 3", 3, 2, 1 },
+    { "+Y 2 +X 3", 3, 3, 4 }, { "+Y 2 -X 3", 3, 5, 4 },
+    { "+X 2 -Y 3", 2, 0, 2 }, { "-X 2 -Y 3", 2, 1, 3 },
+    { "+X 2 +Y 3", 2, 4, 2 }, { "-X 2 +Y 3", 2, 5, 3 },
+};
+
+START_TEST(orientation_is_undone)
+{
+    struct file f = { NULL, 0 };
+    struct rad_picture pic;
+    char head[64];
+    int n = snprintf(head, sizeof head, "#?RADIANCE\n\n%s\n",
+                     orientations[_i].resolution);
+
+    append(&f, head, (size_t)n, NULL);
+    for (uint8_t k = 1; k <= 6; k++) {
+        uint8_t rgbe[4] = { k, k, k, 136 };
+
+        append(&f, rgbe, 4, NULL);
+    }
+    /* 1,1,1 is an old run at the start of a row: use 1,1,2 */
+    f.data[n + 2] = 2;
+    ck_assert_int_eq(rad_hdr_read(f.data, f.len, 6, &pic, NULL), 0);
+    ck_assert_int_eq(pic.width, orientations[_i].width);
+    ck_assert_float_eq(pic.L[orientations[_i].first].r, 1.5f);
+    ck_assert_float_eq(pic.L[orientations[_i].second].r, 2.5f);
+    rad_picture_release(&pic);
+    free(f.data);
+}
+END_TEST
+
+#define HEAD "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
+
+START_TEST(exposure_and_colour_correction_are_undone)
+{
+    static const char text[] = "#?RGBE\nEXPOSURE=2\nEXPOSURE= 4\n"
+                               "COLORCORR= 1 2 .5\nPIXASPECT=2\n\n"
+                               "-Y 1 +X 1\n\x80\x80\x80\x81";
+    struct rad_picture pic;
+
+    ck_assert_int_eq(
+        rad_hdr_read((const uint8_t *)text, sizeof text - 1, 1, &pic, NULL), 0);
+    ck_assert_float_eq(pic.L[0].r, 128.5f / 128 / 8);
+    ck_assert_float_eq(pic.L[0].g, 128.5f / 128 / 16);
+    ck_assert_float_eq(pic.L[0].b, 128.5f / 128 / 4);
+    ck_assert_double_eq(pic.pixaspect, 2);
+    rad_picture_release(&pic);
+}
+END_TEST
+
+START_TEST(old_runs_are_read)
+{
+    /* one pixel, 2 repeats, then 1 + 1*256 repeats */
+    static const char text[] = HEAD "-Y 1 +X 261\n\x80\x40\x20\x81\1\1\1\2"
+                                    "\x40\x40\x40\x81\1\1\1\1\1\1\1\1";
+    struct rad_picture pic;
+    struct rad_error err = { 0 };
+
+    ck_assert_msg(rad_hdr_read((const uint8_t *)text, sizeof text - 1, 1000,
+                               &pic, &err) == 0,
+                  "%s", err.what);
+    ck_assert_float_eq(pic.L[2].r, 128.5f / 128);
+    ck_assert_float_eq(pic.L[3].r, 64.5f / 128);
+    ck_assert_float_eq(pic.L[260].r, 64.5f / 128);
+    rad_picture_release(&pic);
+}
+END_TEST
+
+#define BAD(text)                                                              \
+    {                                                                          \
+        text, sizeof(text) - 1                                                 \
+    }
+
+static const struct {
+    const char *text;
+    size_t len;
+} bad[] = {
+    BAD(""),
+    BAD("P6\n1 1\n"),
+    BAD("#?RADIANCE\n"),
+    BAD(HEAD),
+    BAD(HEAD "-Y 1 +X 1"),
+    BAD(HEAD "-Y 1 +X 1\n"),
+    BAD(HEAD "-Y 1 +X 1\nabc"),
+    BAD(HEAD "-Y 0 +X 1\nabcd"),
+    BAD(HEAD "-Y -1 +X 1\nabcd"),
+    BAD(HEAD "-Y 1 +Y 1\nabcd"),
+    BAD(HEAD "-Y 1 +X\nabcd"),
+    BAD(HEAD "-Y 1 +X 1 2\nabcd"),
+    BAD(HEAD "- 1 + 1\nabcd"),
+    BAD(HEAD "-Y 999999999 +X 999999999\nabcd"),
+    BAD(HEAD "-Y 1 +X 2\n\1\1\1\1abcd"), /* run of nothing */
+    BAD(HEAD "-Y 1 +X 2\nabcd\1\1\1\2"), /* run too long */
+    BAD(HEAD "-Y 1 +X 2\nabcd\1\1\1\0\1\1\1\0\1\1\1\0\1\1\1\1"),
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\7abcdefgh"), /* another length */
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\211a"),   /* run past the end */
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\11abcdefghi"),
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\0"),              /* no length */
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\10abc"),          /* ends in a literal */
+    BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\210a\210b\210c"), /* a component less */
+    BAD("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd"),
+    BAD("#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd"),
+    BAD("#?RADIANCE\nEXPOSURE=nan\n\n-Y 1 +X 1\nabcd"),
+    BAD("#?RADIANCE\nEXPOSURE=1e200\nEXPOSURE=1e200\n\n-Y 1 +X 1\nabcd"),
+    BAD("#?RADIANCE\nCOLORCORR=1 1\n\n-Y 1 +X 1\nabcd"),
+};
+
+START_TEST(damaged_pictures_are_refused)
+{
+    struct rad_picture pic;
+    struct rad_error err = { 0 };
+    /* an exact copy, so that sanitizers see a read past the end */
+    uint8_t *copy = malloc(bad[_i].len + 1);
+
+    memcpy(copy + 1, bad[_i].text, bad[_i].len);
+    ck_assert_int_eq(rad_hdr_read(copy + 1, bad[_i].len, 1000, &pic, &err),
+                     RAD_EDATA);
+    ck_assert_ptr_null(pic.L);
+    ck_assert(err.what[0] != '\0');
+    free(copy);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("hdr");
+    TCase *tc = tcase_create("hdr");
+
+    tcase_add_loop_test(tc, mantissas_are_cut_off, 0, N_ELEM(codes));
+    tcase_add_test(tc, reading_adds_half_a_step);
+    tcase_add_loop_test(tc, pictures_come_back_as_written, 0,
+                        4 * N_ELEM(widths));
+    tcase_add_test(tc, header_holds_options_and_view);
+    tcase_add_loop_test(tc, orientation_is_undone, 0, N_ELEM(orientations));
+    tcase_add_test(tc, exposure_and_colour_correction_are_undone);
+    tcase_add_test(tc, old_runs_are_read);
+    tcase_add_loop_test(tc, damaged_pictures_are_refused, 0, N_ELEM(bad));
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
