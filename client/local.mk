@@ -1,1 +1,18 @@
-# see DESIGN; files of client/, one a line
+# What the clients share, as a library so that tests can link it.
+noinst_LIBRARIES += libclient.a
+libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
+libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(UV_CFLAGS)
+libclient_a_SOURCES = \
+	client/output.c \
+	client/output.h \
+	client/progress.c \
+	client/progress.h \
+	client/submit_options.c \
+	client/submit_options.h \
+	client/target.c \
+	client/target.h \
+	client/words.c \
+	client/words.h
+
+# what a client links with, before LIBRAD
+LIBCLIENT = libclient.a $(INIH_LIBS) $(UV_LIBS)

@@ -1,1 +1,4 @@
-# see DESIGN; files of man/, one a line
+# The pages.  Paths in them are the usual ones of a system.
+dist_man_MANS += \
+	man/radctl.1 \
+	man/radsubmit.1

@@ -6,6 +6,7 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_base \
 	tests/check_bundle \
+	tests/check_client \
 	tests/check_hdr \
 	tests/check_params \
 	tests/check_view
@@ -36,6 +37,10 @@ tests_check_view_LDADD = $(UNIT_LIBS)
 tests_check_hdr_SOURCES = tests/check_hdr.c tests/unit.h
 tests_check_hdr_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_hdr_LDADD = $(UNIT_LIBS)
+
+tests_check_client_SOURCES = tests/check_client.c tests/unit.h
+tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -1,0 +1,118 @@
+/* progress.c - see progress.h */
+#include "config.h"
+
+#include "progress.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+/* long enough to hide that results come a unit at a time */
+#define RATE_TIME_CONSTANT_S 4.0
+
+void
+progress_init(struct progress *p, FILE *to, bool always, bool never)
+{
+    memset(p, 0, sizeof *p);
+    p->terminal = isatty(fileno(to)) == 1;
+    p->to = !never && (always || p->terminal) ? to : NULL;
+    p->last_s = -1;
+}
+
+static void
+format_rate(char *buf, size_t size, double rate)
+{
+    static const char *const unit[] = { "", "k ", "M ", "G " };
+    int k = 0;
+
+    while (rate >= 999.5 && k < 3) {
+        rate /= 1000;
+        k++;
+    }
+    /* three digits, whatever the unit */
+    snprintf(buf, size, "%.*f %srays/s",
+             rate >= 99.95 || k == 0 ? 0
+             : rate >= 9.995         ? 1
+                                     : 2,
+             rate, unit[k]);
+}
+
+static void
+format_left(char *buf, size_t size, double s)
+{
+    long t;
+
+    if (!(s >= 0) || s > 3.6e8) { /* ten thousand hours: nobody knows */
+        snprintf(buf, size, "?");
+        return;
+    }
+    t = lround(s);
+    if (t < 3600)
+        snprintf(buf, size, "%ld:%02ld", t / 60, t % 60);
+    else
+        snprintf(buf, size, "%ld:%02ld:%02ld", t / 3600, t / 60 % 60, t % 60);
+}
+
+void
+progress_format(char *buf, size_t size, const struct progress_report *r,
+                double rays_per_s, double left_s)
+{
+    char rate[40], left[40];
+    double done = r->done < 0 ? 0 : r->done > 1 ? 1 : r->done;
+
+    format_rate(rate, sizeof rate, rays_per_s);
+    format_left(left, sizeof left, left_s);
+    /* rounded down: 100 % is said when all is done and not before */
+    snprintf(buf, size, "%3d %%  %s  %s left  %d worker%s", (int)(done * 100),
+             rate, left, r->workers, r->workers == 1 ? "" : "s");
+}
+
+static void
+take_rate(struct progress *p, const struct progress_report *r)
+{
+    double dt = r->elapsed_s - p->last_s, keep;
+
+    if (p->last_s < 0) {
+        p->rate = r->elapsed_s > 0 ? (double)r->rays / r->elapsed_s : 0;
+    } else if (r->rays < p->last_rays) {
+        p->rate = 0; /* the job began again */
+    } else if (dt > 0) {
+        keep = exp(-dt / RATE_TIME_CONSTANT_S);
+        p->rate =
+            keep * p->rate + (1 - keep) * (double)(r->rays - p->last_rays) / dt;
+    } else {
+        return;
+    }
+    p->last_s = r->elapsed_s;
+    p->last_rays = r->rays;
+}
+
+void
+progress_update(struct progress *p, const struct progress_report *r)
+{
+    char line[160];
+    double left_s = -1;
+
+    if (!p->to)
+        return;
+    take_rate(p, r);
+    if (r->done > 0)
+        left_s = r->elapsed_s * (1 - r->done) / r->done;
+    progress_format(line, sizeof line, r, p->rate, left_s);
+    if (p->terminal)
+        fprintf(p->to, "\r%s\033[K", line);
+    else
+        fprintf(p->to, "%s\n", line);
+    fflush(p->to);
+    p->shown = p->terminal;
+}
+
+void
+progress_clear(struct progress *p)
+{
+    if (!p->shown)
+        return;
+    fputs("\r\033[K", p->to);
+    fflush(p->to);
+    p->shown = false;
+}

@@ -1,0 +1,46 @@
+/* progress.h - the line that says how far a job is
+ *
+ *     42 %  1.25 M rays/s  1:05 left  3 workers
+ * On a terminal it is one line that is written over; elsewhere it is silent,
+ * unless asked for always: then each report is a line of its own.
+ * Rays a second is a mean that forgets with a time constant of some seconds;
+ * the time left supposes that cost goes on being done at the job's mean rate.
+ * Thread: one.  */
+#ifndef RADD_CLIENT_PROGRESS_H
+#define RADD_CLIENT_PROGRESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct progress_report {
+    double elapsed_s; /* since the job began */
+    double done;      /* share of the estimated cost, 0..1 */
+    uint64_t rays;    /* so far */
+    int workers;      /* at it now */
+};
+
+struct progress {
+    FILE *to; /* NULL: silent */
+    bool terminal;
+    bool shown;    /* a line stands on the terminal */
+    double last_s; /* elapsed_s of the last report; < 0: none yet */
+    uint64_t last_rays;
+    double rate; /* rays a second, smoothed */
+};
+
+/* always: report even where `to` is no terminal; never: not even there. */
+void progress_init(struct progress *p, FILE *to, bool always, bool never);
+
+/* Take a report and show it. */
+void progress_update(struct progress *p, const struct progress_report *r);
+
+/* Take the line off the terminal, before anything else is said on it. */
+void progress_clear(struct progress *p);
+
+/* The line without its end, always terminated.  left_s < 0: not known. */
+void progress_format(char *buf, size_t size, const struct progress_report *r,
+                     double rays_per_s, double left_s);
+
+#endif

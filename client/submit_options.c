@@ -1,0 +1,467 @@
+/* submit_options.c - see submit_options.h
+ *
+ * One table has radsubmit's own options, another rpict's that name files; the
+ * rest of rpict's come from the tables of src/picture.  What the design
+ * promises and this version lacks is in a third table: refused by name. */
+#include "config.h"
+
+#include "submit_options.h"
+
+#include "picture/number.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum kind {
+    KIND_FLAG, /* bool */
+    KIND_TEXT, /* const char * */
+    KIND_INT,  /* int, lo..hi */
+    KIND_REAL, /* double, lo..hi */
+    KIND_WORD  /* int: the word's place in `words` */
+};
+
+struct option {
+    const char *name;
+    enum kind kind;
+    size_t field; /* offset in struct submit_options */
+    double lo, hi;
+    const char *words; /* of KIND_WORD: "auto|window" */
+    const char *arg;   /* what the help calls the value */
+    const char *help;
+};
+
+#define FIELD(f) offsetof(struct submit_options, f)
+#define FLAG(name, f, help)                                                    \
+    {                                                                          \
+        name, KIND_FLAG, FIELD(f), 0, 0, 0, 0, help                            \
+    }
+#define TEXT(name, f, arg, help)                                               \
+    {                                                                          \
+        name, KIND_TEXT, FIELD(f), 0, 0, 0, arg, help                          \
+    }
+#define INT(name, f, lo, hi, arg, help)                                        \
+    {                                                                          \
+        name, KIND_INT, FIELD(f), lo, hi, 0, arg, help                         \
+    }
+#define REAL(name, f, lo, hi, arg, help)                                       \
+    {                                                                          \
+        name, KIND_REAL, FIELD(f), lo, hi, 0, arg, help                        \
+    }
+#define WORD(name, f, words, help)                                             \
+    {                                                                          \
+        name, KIND_WORD, FIELD(f), 0, 0, words, words, help                    \
+    }
+
+enum { MOST_WORKERS = 64, MOST_THREADS = 1024, MOST_WINDOWS = 1 << 20 };
+
+/* clang-format off */
+static const struct option own[] = {
+    TEXT("--coordinator", coordinator, "HOST:PORT|SOCKET",
+         "cluster that renders"),
+    FLAG("--local", local, "render on a cluster of its own on this machine"),
+    INT("--workers", workers, 1, MOST_WORKERS, "W",
+        "worker processes of that cluster (1)"),
+    INT("--threads", threads, 1, MOST_THREADS, "T",
+        "threads of each (the processors / W)"),
+    REAL("--wait", wait_s, 0, 1e9, "S",
+         "seconds for a coordinator and a worker to be there (60)"),
+    WORD("--format", format, "auto|hdr|png",
+         "of the picture, whatever the suffix"),
+    TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
+    TEXT("--stats", stats, "FILE.json", "statistics of the job"),
+    WORD("--progress", progress, "auto|always|never",
+         "a line on stderr that says how far it is"),
+    FLAG("--detach", detach, "print the job's id and do not wait"),
+    TEXT("--name", name, "TEXT", "of the job, for people"),
+    INT("--priority", priority, -100, 100, "N",
+        "jobs with more go first (0)"),
+    WORD("--partition", partition, "auto|window", "how the work is shared"),
+    INT("--windows", windows, 1, MOST_WINDOWS, "N",
+        "windows to share out (by the picture's size)"),
+    WORD("--order", order, "forward|backward|random",
+         "order in which windows are handed out"),
+    FLAG("--no-share", no_share, "no ambient values from worker to worker"),
+    FLAG("--fresh-frames", fresh_frames,
+         "keep no ambient values from frame to frame"),
+    TEXT("--views", views, "FILE", "views of an animation, one a line")
+};
+
+static const struct option rpicts[] = {
+    TEXT("-o", output, "FILE", "the picture (standard output)"),
+    TEXT("-z", depth, "FILE", "distances, as floats"),
+    INT("-S", first_frame, 1, INT_MAX, "N", "animation, first frame's number")
+};
+
+/* promised by radsubmit(1)'s synopsis of a later version, or rpict's own */
+static const struct {
+    const char *option; /* whole word, or "--name=value" */
+    const char *why;
+} lacking[] = {
+    { "--partition=scanbar", "not in this version: use auto or window" },
+    { "--partition=static", "not in this version: use auto or window" },
+    { "--order=cost", "not in this version: use forward, backward or random" },
+    { "--estimate", "not in this version" },
+    { "--no-balance", "not in this version" },
+    { "--same-bits", "not in this version" },
+    { "--key", "not in this version, whose coordinators serve one machine" },
+    { "-features", "an option of rpict that is not supported" }
+};
+/* clang-format on */
+
+#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
+
+/* Where a parser stands. */
+struct cursor {
+    struct submit_options *o;
+    struct words *w;
+    int at;
+    struct rad_error *err;
+};
+
+static void
+set_defaults(struct submit_options *o)
+{
+    memset(o, 0, sizeof *o);
+    rad_params_init(&o->params);
+    rad_view_init(&o->view);
+    o->wait_s = 60;
+}
+
+static int
+out_of_range(const struct option *opt, const char *text, struct rad_error *err)
+{
+    char lo[RAD_NUMBER_TEXT], hi[RAD_NUMBER_TEXT];
+
+    rad_format_real(lo, opt->lo);
+    rad_format_real(hi, opt->hi);
+    return rad_fail(
+        err, RAD_EUSAGE, "option '%s': '%.40s' is not a%s number from %s to %s",
+        opt->name, text, opt->kind == KIND_INT ? " whole" : "", lo, hi);
+}
+
+static int
+take_word(int *field, const struct option *opt, const char *text,
+          struct rad_error *err)
+{
+    size_t len = strlen(text);
+    const char *word = opt->words;
+
+    for (int i = 0; word; i++) {
+        size_t n = strcspn(word, "|");
+
+        if (n == len && strncmp(word, text, n) == 0) {
+            *field = i;
+            return 0;
+        }
+        word = word[n] ? word + n + 1 : NULL;
+    }
+    return rad_fail(err, RAD_EUSAGE, "option '%s': '%.40s' is none of %s",
+                    opt->name, text, opt->words);
+}
+
+static int
+take_value(struct submit_options *o, const struct option *opt, const char *text,
+           struct rad_error *err)
+{
+    void *field = (char *)o + opt->field;
+
+    switch (opt->kind) {
+    case KIND_FLAG:
+        *(bool *)field = true;
+        return 0;
+    case KIND_TEXT:
+        if (text[0] == '\0')
+            return rad_fail(err, RAD_EUSAGE, "option '%s': empty value",
+                            opt->name);
+        *(const char **)field = text;
+        return 0;
+    case KIND_INT:
+        if (!rad_parse_int(text, field) || *(int *)field < opt->lo ||
+            *(int *)field > opt->hi)
+            return out_of_range(opt, text, err);
+        return 0;
+    case KIND_REAL:
+        if (!rad_parse_real(text, field) || *(double *)field < opt->lo ||
+            *(double *)field > opt->hi)
+            return out_of_range(opt, text, err);
+        return 0;
+    default:
+        return take_word(field, opt, text, err);
+    }
+}
+
+/* Take the option at the cursor if the table has it: the words used, 0 if it
+ * has not.  Values follow a '=' or are the next word. */
+static int
+take_from(struct cursor *c, const struct option *table, size_t n)
+{
+    const char *word = c->w->list[c->at];
+    size_t len = strcspn(word, "=");
+    const struct option *opt = NULL;
+    const char *value = word[len] ? word + len + 1 : NULL;
+    int rc, used = 1;
+
+    for (size_t i = 0; i < n && !opt; i++)
+        if (strlen(table[i].name) == len &&
+            strncmp(table[i].name, word, len) == 0)
+            opt = &table[i];
+    if (!opt)
+        return 0;
+    if (opt->kind == KIND_FLAG && value)
+        return rad_fail(c->err, RAD_EUSAGE, "option '%s' takes no value",
+                        opt->name);
+    if (opt->kind != KIND_FLAG && !value) {
+        value = c->w->list[c->at + 1]; /* the list ends with a NULL */
+        used = 2;
+        if (!value)
+            return rad_fail(c->err, RAD_EUSAGE, "option '%s': missing value",
+                            opt->name);
+    }
+    rc = take_value(c->o, opt, value, c->err);
+    return rc < 0 ? rc : used;
+}
+
+/* 0, or RAD_EUSAGE if the word is something that we lack. */
+static int
+refuse_lacking(struct cursor *c)
+{
+    const char *word = c->w->list[c->at];
+    const char *next = c->w->list[c->at + 1];
+    char joined[64];
+
+    snprintf(joined, sizeof joined, "%s=%s", word, next ? next : "");
+    for (size_t i = 0; i < N_ELEM(lacking); i++) {
+        const char *l = lacking[i].option;
+        size_t n = strlen(l);
+
+        if ((strncmp(word, l, n) == 0 && (word[n] == '\0' || word[n] == '=')) ||
+            strcmp(joined, l) == 0)
+            return rad_fail(c->err, RAD_EUSAGE, "option '%s': %s", l,
+                            lacking[i].why);
+    }
+    return 0;
+}
+
+/* -vf FILE */
+static int
+take_view_file(struct cursor *c)
+{
+    enum { LONGEST = 1 << 20 };
+    const char *path = c->w->list[c->at + 1];
+    char *text;
+    size_t n;
+    FILE *f;
+    int rc;
+
+    if (strcmp(c->w->list[c->at], "-vf") != 0)
+        return 0;
+    if (!path)
+        return rad_fail(c->err, RAD_EUSAGE, "option '-vf': missing value");
+    f = fopen(path, "r");
+    text = malloc(LONGEST);
+    if (!f || !text) {
+        rc = rad_fail(c->err, f ? RAD_ENOMEM : RAD_ENOINPUT,
+                      "cannot open view file '%s': %s", path, strerror(errno));
+    } else {
+        n = fread(text, 1, LONGEST, f);
+        rc = rad_view_read(&c->o->view, text, n, c->err);
+        if (rc == 0)
+            rc = rad_fail(c->err, RAD_EDATA, "no view in the file");
+        if (rc < 0)
+            rad_error_where(c->err, "%s", path);
+    }
+    if (f)
+        fclose(f);
+    free(text);
+    return rc < 0 ? rc : 2;
+}
+
+static int
+is_wish(const char *word)
+{
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-help") == 0)
+        return SUBMIT_HELP;
+    if (strcmp(word, "--version") == 0 || strcmp(word, "-version") == 0)
+        return SUBMIT_VERSION;
+    if (strcmp(word, "-defaults") == 0)
+        return SUBMIT_DEFAULTS;
+    return SUBMIT_RUN;
+}
+
+static int
+take_option(struct cursor *c)
+{
+    char *const *argv = c->w->list + c->at;
+    int argc = c->w->n - c->at, rc;
+
+    if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0)
+        return rc;
+    if (strncmp(argv[0], "--", 2) == 0) {
+        if ((rc = take_from(c, own, N_ELEM(own))) != 0)
+            return rc;
+    } else if (!strchr(argv[0], '=')) { /* rpict knows no "-o=FILE" */
+        if ((rc = take_from(c, rpicts, N_ELEM(rpicts))) != 0)
+            return rc;
+    }
+    if ((rc = rad_params_option(&c->o->params, argc, argv, c->err)) != 0 ||
+        (rc = rad_view_option(&c->o->view, argc, argv, c->err)) != 0)
+        return rc;
+    return rad_fail(c->err, RAD_EUSAGE, "unknown option '%s'", argv[0]);
+}
+
+/* Options up to the first scene; what else the user wants. */
+static int
+take_options(struct cursor *c)
+{
+    int wish = SUBMIT_RUN, rc;
+
+    for (;;) {
+        const char *word;
+
+        if ((rc = words_expand(c->w, c->at, c->err)) < 0)
+            return rc;
+        word = c->w->list[c->at];
+        if (!word || word[0] != '-' || word[1] == '\0')
+            return wish;
+        if (strcmp(word, "--") == 0) {
+            c->at++;
+            return wish;
+        }
+        rc = is_wish(word);
+        if (rc == SUBMIT_HELP || rc == SUBMIT_VERSION)
+            return rc;
+        if (rc == SUBMIT_DEFAULTS) {
+            wish = rc;
+            c->at++;
+            continue;
+        }
+        if ((rc = take_option(c)) < 0)
+            return rc;
+        c->at += rc;
+    }
+}
+
+static int
+take_scenes(struct cursor *c, bool dashes)
+{
+    int nstdin = 0;
+
+    c->o->scenes = c->w->list + c->at;
+    c->o->nscenes = c->w->n - c->at;
+    if (c->o->nscenes == 0)
+        return rad_fail(c->err, RAD_EUSAGE, "no scene given");
+    for (int i = 0; i < c->o->nscenes; i++) {
+        const char *word = c->o->scenes[i];
+
+        if (strcmp(word, "-") == 0)
+            nstdin++;
+        else if (word[0] == '-' && !dashes)
+            return rad_fail(c->err, RAD_EUSAGE, "option '%s' after scene '%s'",
+                            word, c->o->scenes[0]);
+    }
+    if (nstdin > 1)
+        return rad_fail(c->err, RAD_EUSAGE, "standard input given twice");
+    if (nstdin && c->o->first_frame && !c->o->views)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "standard input cannot hold both scene and views: "
+                        "use --views");
+    return 0;
+}
+
+static int
+check_together(struct submit_options *o, struct rad_error *err)
+{
+    int rc;
+
+    if (o->local && o->coordinator)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--local and --coordinator exclude each other");
+    if (o->views && !o->first_frame)
+        return rad_fail(err, RAD_EUSAGE, "--views needs -S");
+    if (o->fresh_frames && !o->first_frame)
+        return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
+    if (o->first_frame && !o->output)
+        return rad_fail(err, RAD_EUSAGE, "-S needs -o with %%d in the name");
+    if (o->detach && (o->output || o->depth || o->stats || o->preview))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--detach waits for no picture: leave out -o, -z, "
+                        "--stats and --preview, and use radctl fetch");
+    if ((rc = rad_params_check(&o->params, err)) < 0)
+        return rc;
+    if (!o->first_frame) {
+        struct rad_view v = o->view;
+
+        return rad_view_setup(&v, err);
+    }
+    return 0;
+}
+
+int
+submit_options_parse(struct submit_options *o, struct words *w,
+                     struct rad_error *err)
+{
+    struct cursor c = { .o = o, .w = w, .err = err };
+    int rc;
+
+    set_defaults(o);
+    rc = take_options(&c);
+    if (rc != SUBMIT_RUN)
+        return rc;
+    rc = take_scenes(&c, c.at > 0 && strcmp(w->list[c.at - 1], "--") == 0);
+    if (rc == 0)
+        rc = check_together(o, err);
+    return rc < 0 ? rc : SUBMIT_RUN;
+}
+
+static void
+help_rows(FILE *to, const struct option *table, size_t n, const char *between)
+{
+    for (size_t i = 0; i < n; i++) {
+        char head[80];
+
+        snprintf(head, sizeof head, "%s%s%s", table[i].name,
+                 table[i].arg ? between : "", table[i].arg ? table[i].arg : "");
+        if (strlen(head) > 26)
+            fprintf(to, "  %s\n  %26s  %s\n", head, "", table[i].help);
+        else
+            fprintf(to, "  %-26s  %s\n", head, table[i].help);
+    }
+}
+
+void
+submit_options_help(FILE *to)
+{
+    fputs("usage: radsubmit [options] [rpict's options] scene.oct\n"
+          "       radsubmit [options] [rpict's options] scene.rad ...\n"
+          "       radsubmit [rpict's options] -defaults\n"
+          "Render a Radiance scene on a cluster; with no coordinator named, "
+          "on one of its\nown on this machine.\n\n",
+          to);
+    help_rows(to, own, N_ELEM(own), "=");
+    fputs("  --seed=N                    of all random numbers (0)\n"
+          "  --help                      this text\n"
+          "  --version                   the version\n\n"
+          "rpict's options keep their meaning; -defaults lists them with "
+          "their values.\nTo them belong\n",
+          to);
+    help_rows(to, rpicts, N_ELEM(rpicts), " ");
+    fputs("  -vf FILE                    view file\n"
+          "  @FILE                       options from a file\n",
+          to);
+}
+
+static void
+print_line(void *to, const char *text)
+{
+    fprintf(to, "%s\n", text);
+}
+
+void
+submit_options_defaults(const struct submit_options *o, FILE *to)
+{
+    rad_view_print_defaults(&o->view, print_line, to);
+    rad_params_print_defaults(&o->params, print_line, to);
+}

@@ -1,0 +1,64 @@
+/* submit_options.h - radsubmit's command line
+ *
+ * Words with one dash are rpict's (src/picture/params.h and view.h, and those
+ * that name files); words with two are ours, "--name=value" or "--name value".
+ * They may stand in any order before the first scene file; "--" ends them.
+ * Everything that can be said wrong about a command line alone is said here,
+ * before any file but option and view files is opened.  */
+#ifndef RADD_CLIENT_SUBMIT_OPTIONS_H
+#define RADD_CLIENT_SUBMIT_OPTIONS_H
+
+#include "base/error.h"
+#include "picture/params.h"
+#include "picture/view.h"
+#include "words.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS };
+
+/* the order of the words in the tables of submit_options.c */
+enum submit_format { FORMAT_BY_SUFFIX, FORMAT_RGBE, FORMAT_PNG };
+enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
+enum submit_partition { PARTITION_AUTO, PARTITION_WINDOW };
+enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM };
+
+struct submit_options {
+    struct rad_params params;
+    struct rad_view view; /* as given; rad_view_setup() has accepted it */
+    /* files; NULL where not given */
+    const char *output, *depth;
+    const char *views; /* --views; NULL with -S: stdin */
+    int first_frame;   /* -S: number of the first view; 0: one picture */
+    int format;        /* enum submit_format */
+    const char *stats, *preview;
+    /* where */
+    const char *coordinator;
+    bool local;
+    int workers, threads; /* of an embedded cluster; 0: not said */
+    double wait_s;
+    /* how */
+    int partition, order; /* enum submit_partition, submit_order */
+    int windows;          /* 0: by the picture's size */
+    bool no_share, fresh_frames, detach;
+    int priority;
+    const char *name;
+    int progress; /* enum submit_progress */
+    /* what */
+    char *const *scenes; /* nscenes names, "-" is stdin */
+    int nscenes;
+};
+
+/* Defaults, then the words of w, which must outlive *o.  Returns an enum
+ * submit_wish; a negative code and a message for what is wrong. */
+int submit_options_parse(struct submit_options *o, struct words *w,
+                         struct rad_error *err);
+
+/* --help. */
+void submit_options_help(FILE *to);
+
+/* rpict's -defaults, with what *o has changed. */
+void submit_options_defaults(const struct submit_options *o, FILE *to);
+
+#endif

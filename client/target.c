@@ -1,0 +1,141 @@
+/* target.c - see target.h */
+#include "config.h"
+
+#include "target.h"
+
+#include <errno.h>
+#include <ini.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* radcoord's default; see radcoord.conf(5) */
+#define DEFAULT_PORT "7420"
+
+enum { LONGEST = sizeof((struct target *)0)->text };
+
+int
+target_parse(struct target *a, const char *text, struct rad_error *err)
+{
+    const char *host = text, *end, *port;
+    int n;
+
+    memset(a, 0, sizeof *a);
+    if (strlen(text) >= sizeof a->text)
+        return rad_fail(err, RAD_EUSAGE, "coordinator's address is too long");
+    strcpy(a->text, text);
+    if (strchr(text, '/')) {
+        a->local = true;
+        if (strlen(text) >= sizeof a->path)
+            return rad_fail(err, RAD_EUSAGE,
+                            "socket path '%s' is longer than %zu bytes", text,
+                            sizeof a->path - 1);
+        strcpy(a->path, text);
+        return 0;
+    }
+    if (text[0] == '[' && (end = strchr(text, ']')) != NULL) {
+        host = text + 1;
+        port = end + 1;
+    } else {
+        port = end = text + strcspn(text, ":");
+    }
+    n = (int)(end - host);
+    if (n == 0 || (size_t)n >= sizeof a->host ||
+        (*port != ':' && *port != '\0') || strlen(port) >= sizeof a->port ||
+        (*port == ':' &&
+         (port[1] == '\0' || port[1 + strspn(port + 1, "0123456789")] != '\0' ||
+          atoi(port + 1) < 1 || atoi(port + 1) > 65535)))
+        return rad_fail(err, RAD_EUSAGE,
+                        "bad coordinator address '%s': expected HOST:PORT or "
+                        "a socket's path",
+                        text);
+    snprintf(a->host, sizeof a->host, "%.*s", n, host);
+    strcpy(a->port, *port ? port + 1 : DEFAULT_PORT);
+    return 0;
+}
+
+/* What the file's reader fills. */
+struct found {
+    char address[LONGEST];
+    char unknown[64]; /* first key that is not ours */
+};
+
+static int
+on_key(void *arg, const char *section, const char *name, const char *value)
+{
+    struct found *f = arg;
+
+    if ((section[0] == '\0' || strcmp(section, "radsubmit") == 0) &&
+        strcmp(name, "coordinator") == 0) {
+        snprintf(f->address, sizeof f->address, "%s", value);
+        return 1;
+    }
+    if (f->unknown[0] == '\0')
+        snprintf(f->unknown, sizeof f->unknown, "%s", name);
+    return 0;
+}
+
+/* 1 if the file names a coordinator, 0 if it is absent or names none. */
+static int
+read_file(char address[LONGEST], const char *path, struct rad_error *err)
+{
+    struct found f = { "", "" };
+    FILE *in = fopen(path, "r");
+    int line;
+
+    if (!in) {
+        if (errno == ENOENT || errno == ENOTDIR || errno == EACCES)
+            return 0;
+        return rad_fail(err, RAD_ECONFIG, "cannot open '%s': %s", path,
+                        strerror(errno));
+    }
+    line = ini_parse_file(in, on_key, &f);
+    fclose(in);
+    if (line != 0) {
+        rad_error_where(err, "%s:%d", path, line);
+        if (f.unknown[0])
+            return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", f.unknown);
+        return rad_fail(err, RAD_ECONFIG, "expected key = value");
+    }
+    snprintf(address, LONGEST, "%s", f.address);
+    return address[0] != '\0';
+}
+
+/* The user's file; false if there is no home to look in. */
+static bool
+user_file(char *path, size_t size)
+{
+    const char *base = getenv("XDG_CONFIG_HOME"), *below = "";
+    int n;
+
+    if (!base || base[0] != '/') {
+        base = getenv("HOME");
+        below = "/.config";
+    }
+    if (!base || base[0] == '\0')
+        return false;
+    n = snprintf(path, size, "%s%s/radd/radsubmit.conf", base, below);
+    return n > 0 && (size_t)n < size;
+}
+
+int
+target_find(struct target *a, const char *given, struct rad_error *err)
+{
+    char path[4096], text[LONGEST];
+    const char *env = getenv("RADD_COORDINATOR");
+    int rc = 0;
+
+    if (!given && env && env[0])
+        given = env;
+    if (!given) {
+        if (user_file(path, sizeof path))
+            rc = read_file(text, path, err);
+        if (rc == 0)
+            rc = read_file(text, RADD_SYSCONFDIR "/radd/radsubmit.conf", err);
+        if (rc <= 0)
+            return rc;
+        given = text;
+    }
+    rc = target_parse(a, given, err);
+    return rc < 0 ? rc : 1;
+}

@@ -1,0 +1,448 @@
+/* check_client.c - tests of the modules that the clients are made of */
+#include "config.h"
+
+#include "output.h"
+#include "progress.h"
+#include "submit_options.h"
+#include "target.h"
+#include "unit.h"
+#include "words.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/check_client.XXXXXX";
+
+/* A file of the tests' folder; the name is overwritten by the next call. */
+static const char *
+file_with(const char *name, const char *text)
+{
+    static char path[200];
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    f = fopen(path, "w");
+    ck_assert_ptr_nonnull(f);
+    fputs(text, f);
+    fclose(f);
+    return path;
+}
+
+/* Cut a command line at its blanks (those of `line`, which is changed). */
+static int
+split(char *line, char *argv[], int room)
+{
+    int argc = 0;
+    char *save;
+
+    argv[argc++] = (char *)"radsubmit";
+    for (char *w = strtok_r(line, " ", &save); w && argc < room - 1;
+         w = strtok_r(NULL, " ", &save))
+        argv[argc++] = w;
+    argv[argc] = NULL;
+    return argc;
+}
+
+static int
+parse(struct submit_options *o, struct words *w, const char *text,
+      struct rad_error *err)
+{
+    static char line[1000];
+    char *argv[100];
+    int argc;
+
+    snprintf(line, sizeof line, "%s", text);
+    argc = split(line, argv, N_ELEM(argv));
+    ck_assert_int_eq(words_init(w, argc, argv, err), 0);
+    return submit_options_parse(o, w, err);
+}
+
+START_TEST(options_of_both_kinds_mix)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    int rc = parse(&o, &w,
+                   "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
+                   "--partition=window --order random --windows=64 -o a.png "
+                   "--no-share -z d.z --seed=7 --wait 2.5 a.rad b.rad",
+                   &err);
+
+    ck_assert_msg(rc == SUBMIT_RUN, "%s", err.what);
+    ck_assert_int_eq(o.params.ambounce, 2);
+    ck_assert_int_eq(o.params.xres, 384);
+    ck_assert_int_eq(o.params.yres, 512);
+    ck_assert(!o.params.directvis);
+    ck_assert_uint_eq(o.params.seed, 7);
+    ck_assert_double_eq(o.view.vp[1], 2);
+    ck_assert_int_eq(o.workers, 3);
+    ck_assert_int_eq(o.threads, 2);
+    ck_assert_int_eq(o.partition, PARTITION_WINDOW);
+    ck_assert_int_eq(o.order, ORDER_RANDOM);
+    ck_assert_int_eq(o.windows, 64);
+    ck_assert_double_eq(o.wait_s, 2.5);
+    ck_assert(o.no_share);
+    ck_assert_str_eq(o.output, "a.png");
+    ck_assert_str_eq(o.depth, "d.z");
+    ck_assert_int_eq(o.nscenes, 2);
+    ck_assert_str_eq(o.scenes[1], "b.rad");
+    words_release(&w);
+}
+END_TEST
+
+static const struct {
+    const char *line;
+    const char *names; /* must be in the message */
+} wrong[] = {
+    { "-x abc a.rad", "-x" },
+    { "-x", "-x" },
+    { "-x -3 a.rad", "-x" },
+    { "-pm .1 a.rad", "-pm" },
+    { "-af f a.rad", "-af" },
+    { "-features a.rad", "-features" },
+    { "-nonsense a.rad", "-nonsense" },
+    { "--nonsense a.rad", "--nonsense" },
+    { "--partition=scanbar a.rad", "--partition=scanbar" },
+    { "--partition static a.rad", "--partition=static" },
+    { "--partition=pie a.rad", "pie" },
+    { "--order=cost a.rad", "--order=cost" },
+    { "--estimate=5a a.rad", "--estimate" },
+    { "--no-balance a.rad", "--no-balance" },
+    { "--same-bits a.rad", "--same-bits" },
+    { "--key=k a.rad", "--key" },
+    { "--workers=0 a.rad", "--workers" },
+    { "--workers=2.5 a.rad", "--workers" },
+    { "--workers", "--workers" },
+    { "--threads= a.rad", "--threads" },
+    { "--wait=-1 a.rad", "--wait" },
+    { "--wait=nan a.rad", "--wait" },
+    { "--local=yes a.rad", "--local" },
+    { "--local --coordinator=h:1 a.rad", "--coordinator" },
+    { "--views=v a.rad", "--views" },
+    { "-S 1 a.rad", "-o" },
+    { "-S 0 -o %d.hdr a.rad", "-S" },
+    { "-S 1 -o %d.hdr -", "--views" },
+    { "--detach -o a.hdr a.rad", "--detach" },
+    { "-vu 0 1 0 a.rad", "" }, /* parallel to the direction */
+    { "-vf", "-vf" },
+    { "a.rad -x 3", "-x" },
+    { "- -", "standard input" },
+    { "", "scene" },
+    { "-ab 0", "scene" },
+};
+
+START_TEST(wrong_command_lines_are_named)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, wrong[_i].line, &err), RAD_EUSAGE);
+    ck_assert_int_eq(rad_exit_status(err.code), EX_USAGE);
+    ck_assert_msg(strstr(err.what, wrong[_i].names), "'%s' does not name '%s'",
+                  err.what, wrong[_i].names);
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(files_and_variables_open_up_in_place)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[600], inner[200];
+
+    snprintf(inner, sizeof inner, "%s", file_with("inner", "-ab\n 3\t-aa .1"));
+    snprintf(line, sizeof line, "-x 11 @%s\n-y 12", inner);
+    setenv("CHECK_OPTIONS", "-ps 2 --workers=5", 1);
+    snprintf(line, sizeof line, "@%s $CHECK_OPTIONS -o @a a.rad @b",
+             file_with("outer", line));
+    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_int_eq(o.params.xres, 11);
+    ck_assert_int_eq(o.params.yres, 12);
+    ck_assert_int_eq(o.params.ambounce, 3);
+    ck_assert_double_eq(o.params.ambacc, .1);
+    ck_assert_int_eq(o.params.psample, 2);
+    ck_assert_int_eq(o.workers, 5);
+    ck_assert_str_eq(o.output, "@a"); /* a value is no option */
+    ck_assert_int_eq(o.nscenes, 2);
+    ck_assert_str_eq(o.scenes[1], "@b"); /* nor is a scene */
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(expansion_that_cannot_be_is_an_error)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[300];
+
+    ck_assert_int_eq(parse(&o, &w, "@/nonexistent a.rad", &err), RAD_ENOINPUT);
+    words_release(&w);
+    err.code = 0;
+    ck_assert_int_eq(parse(&o, &w, "$NO_SUCH_VARIABLE a.rad", &err),
+                     RAD_EUSAGE);
+    words_release(&w);
+    err.code = 0;
+    snprintf(line, sizeof line, "@%s/self", folder);
+    file_with("self", line);
+    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EUSAGE);
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(view_files_are_read_in_their_place)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[300];
+
+    snprintf(line, sizeof line, "-vp 9 9 9 -vf %s -vh 30 a.rad",
+             file_with("v.vf", "rvu -vp 1 2 3 -vh 60\n"));
+    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_double_eq(o.view.vp[0], 1);
+    ck_assert_double_eq(o.view.horiz, 30);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-vf /nonexistent a.rad", &err),
+                     RAD_ENOINPUT);
+    words_release(&w);
+    err = (struct rad_error){ 0 };
+    snprintf(line, sizeof line, "-vf %s a.rad", file_with("v.vf", "no view"));
+    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EDATA);
+    words_release(&w);
+}
+END_TEST
+
+static const struct {
+    const char *text;
+    int rc;
+    bool local;
+    const char *host, *port; /* or host: the path */
+} addresses[] = {
+    { "/run/radd/coord.sock", 0, true, "/run/radd/coord.sock", "" },
+    { "./s", 0, true, "./s", "" },
+    { "ws1:1234", 0, false, "ws1", "1234" },
+    { "ws1", 0, false, "ws1", "7420" },
+    { "[::1]:99", 0, false, "::1", "99" },
+    { "[::1]", 0, false, "::1", "7420" },
+    { "ws1:", RAD_EUSAGE, false, "", "" },
+    { ":7420", RAD_EUSAGE, false, "", "" },
+    { "ws1:0", RAD_EUSAGE, false, "", "" },
+    { "ws1:65536", RAD_EUSAGE, false, "", "" },
+    { "ws1:12x", RAD_EUSAGE, false, "", "" },
+    { "::1", RAD_EUSAGE, false, "", "" },
+    { "[::1", RAD_EUSAGE, false, "", "" },
+    { "", RAD_EUSAGE, false, "", "" },
+};
+
+START_TEST(addresses_are_taken_apart)
+{
+    struct target t;
+
+    ck_assert_int_eq(target_parse(&t, addresses[_i].text, NULL),
+                     addresses[_i].rc);
+    if (addresses[_i].rc < 0)
+        return;
+    ck_assert_int_eq(t.local, addresses[_i].local);
+    ck_assert_str_eq(t.local ? t.path : t.host, addresses[_i].host);
+    ck_assert_str_eq(t.port, addresses[_i].port);
+}
+END_TEST
+
+START_TEST(coordinator_comes_from_the_first_place_that_names_one)
+{
+    struct target t;
+    struct rad_error err = { 0 };
+    char path[200];
+
+    unsetenv("RADD_COORDINATOR");
+    setenv("XDG_CONFIG_HOME", folder, 1);
+    snprintf(path, sizeof path, "%s/radd", folder);
+    mkdir(path, 0700);
+    file_with("radd/radsubmit.conf", "# mine\ncoordinator = ws3:5\n");
+    ck_assert_int_eq(target_find(&t, NULL, &err), 1);
+    ck_assert_str_eq(t.host, "ws3");
+    setenv("RADD_COORDINATOR", "ws2:5", 1);
+    ck_assert_int_eq(target_find(&t, NULL, &err), 1);
+    ck_assert_str_eq(t.host, "ws2");
+    ck_assert_int_eq(target_find(&t, "ws1:5", &err), 1);
+    ck_assert_str_eq(t.host, "ws1");
+    unsetenv("RADD_COORDINATOR");
+    file_with("radd/radsubmit.conf", "\ncordinator = ws3:5\n");
+    ck_assert_int_eq(target_find(&t, NULL, &err), RAD_ECONFIG);
+    ck_assert_ptr_nonnull(strstr(err.what, "cordinator"));
+    ck_assert_ptr_nonnull(strstr(err.where, "radsubmit.conf:2"));
+}
+END_TEST
+
+static const struct {
+    const char *pattern;
+    int frame;
+    const char *name; /* NULL: refused */
+} frames[] = {
+    { "f%d.hdr", 7, "f7.hdr" },
+    { "f%03d.hdr", 7, "f007.hdr" },
+    { "f%3d.hdr", 7, "f  7.hdr" },
+    { "100%%_%d", 12, "100%_12" },
+    { "f.hdr", 1, NULL },
+    { "f%d%d.hdr", 1, NULL },
+    { "f%s.hdr", 1, NULL },
+    { "f%-3d.hdr", 1, NULL },
+    { "f%*d.hdr", 1, NULL },
+    { "f%99999999999d.hdr", 1, NULL },
+    { "f%n", 1, NULL },
+    { "f%", 1, NULL },
+};
+
+START_TEST(frame_numbers_go_into_names)
+{
+    char *name = NULL;
+    int rc = output_frame_name(&name, frames[_i].pattern, frames[_i].frame,
+                               true, NULL);
+
+    if (frames[_i].name) {
+        ck_assert_int_eq(rc, 0);
+        ck_assert_str_eq(name, frames[_i].name);
+    } else {
+        ck_assert_int_eq(rc, RAD_EUSAGE);
+    }
+    free(name);
+}
+END_TEST
+
+START_TEST(outputs_are_whole_or_not_there)
+{
+    struct output out;
+    struct rad_error err = { 0 };
+    struct stat st;
+    char path[200], link[200], buf[8] = "";
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s", file_with("pic", "old"));
+    snprintf(link, sizeof link, "%s/link", folder);
+    ck_assert_int_eq(symlink(path, link), 0);
+    ck_assert_int_eq(output_open(&out, link, true, &err), 0);
+    fputs("new", out.file);
+    fflush(out.file);
+    f = fopen(path, "r");
+    ck_assert_str_eq(fgets(buf, sizeof buf, f), "old");
+    fclose(f);
+    ck_assert_int_eq(output_commit(&out, &err), 0);
+    output_abort(&out);
+    f = fopen(path, "r");
+    ck_assert_str_eq(fgets(buf, sizeof buf, f), "new");
+    fclose(f);
+    ck_assert_int_eq(lstat(link, &st), 0);
+    ck_assert(S_ISLNK(st.st_mode));
+    ck_assert_int_eq(output_open(&out, path, false, &err), 0);
+    ck_assert_int_eq(access(out.temp, F_OK), 0);
+    snprintf(link, sizeof link, "%s", out.temp);
+    output_abort(&out);
+    ck_assert_int_ne(access(link, F_OK), 0);
+    ck_assert_int_eq(output_write("/dev/null", "x", 1, true, &err), 0);
+    ck_assert_int_eq(stat("/dev/null", &st), 0);
+    ck_assert(S_ISCHR(st.st_mode));
+}
+END_TEST
+
+START_TEST(outputs_that_cannot_be_are_known_before)
+{
+    char path[200];
+
+    snprintf(path, sizeof path, "%s/no/pic.hdr", folder);
+    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
+    ck_assert_int_eq(output_check(folder, NULL), RAD_ECANTCREAT);
+    snprintf(path, sizeof path, "%s/pic.hdr", file_with("plain", ""));
+    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
+    snprintf(path, sizeof path, "%s/pic.hdr", folder);
+    ck_assert_int_eq(output_check(path, NULL), 0);
+    ck_assert_int_eq(output_check("/dev/null", NULL), 0);
+}
+END_TEST
+
+static const struct {
+    struct progress_report r;
+    double rate, left_s;
+    const char *line;
+} lines[] = {
+    { { 9, .425, 0, 3 },
+      1.254e6,
+      65,
+      " 42 %  1.25 M rays/s  1:05 left  3 workers" },
+    { { 9, 0, 0, 1 }, 0, -1, "  0 %  0 rays/s  ? left  1 worker" },
+    { { 9, .9999, 0, 2 },
+      999.6,
+      3725,
+      " 99 %  1.00 k rays/s  1:02:05 left  2 workers" },
+    { { 9, 1, 0, 2 }, 99960, 0, "100 %  100 k rays/s  0:00 left  2 workers" },
+};
+
+START_TEST(progress_says_what_is_left)
+{
+    char buf[200];
+
+    progress_format(buf, sizeof buf, &lines[_i].r, lines[_i].rate,
+                    lines[_i].left_s);
+    ck_assert_str_eq(buf, lines[_i].line);
+}
+END_TEST
+
+START_TEST(progress_is_silent_where_nobody_looks)
+{
+    struct progress p;
+    struct progress_report r = { 1, .5, 1000, 1 };
+    FILE *f = tmpfile();
+    char buf[200];
+
+    progress_init(&p, f, false, false);
+    progress_update(&p, &r);
+    ck_assert_int_eq(ftell(f), 0);
+    progress_init(&p, f, true, false);
+    progress_update(&p, &r);
+    progress_clear(&p);
+    rewind(f);
+    ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
+    ck_assert_str_eq(buf, " 50 %  1.00 k rays/s  0:01 left  1 worker\n");
+    fclose(f);
+}
+END_TEST
+
+static void
+add_tests(TCase *tc)
+{
+    tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
+    tcase_add_test(tc, files_and_variables_open_up_in_place);
+    tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
+    tcase_add_test(tc, view_files_are_read_in_their_place);
+    tcase_add_loop_test(tc, addresses_are_taken_apart, 0, N_ELEM(addresses));
+    tcase_add_test(tc, coordinator_comes_from_the_first_place_that_names_one);
+    tcase_add_loop_test(tc, frame_numbers_go_into_names, 0, N_ELEM(frames));
+    tcase_add_test(tc, outputs_are_whole_or_not_there);
+    tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
+    tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
+    tcase_add_test(tc, progress_is_silent_where_nobody_looks);
+}
+
+int
+main(void)
+{
+    Suite *s = suite_create("client");
+    TCase *tc = tcase_create("client");
+    char command[100];
+    int rc;
+
+    if (!mkdtemp(folder))
+        return EXIT_FAILURE;
+    add_tests(tc);
+    suite_add_tcase(s, tc);
+    rc = unit_run(s);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command) == 0 ? rc : EXIT_FAILURE;
+}
