@@ -14,8 +14,17 @@ librad_a_SOURCES = \
 	src/base/sha.c \
 	src/base/sha.h \
 	src/base/vec.h \
+	src/light/ambient.c \
 	src/light/ambient.h \
+	src/light/polytree.c \
+	src/light/polytree.h \
+	src/light/sample.c \
+	src/light/sample.h \
+	src/light/shadow.c \
+	src/light/shape.c \
+	src/light/source.c \
 	src/light/source.h \
+	src/light/sources.h \
 	src/light/spot.c \
 	src/light/spot.h \
 	src/picture/hdr.c \

@@ -9,6 +9,7 @@ UNIT_TESTS = \
 	tests/check_client \
 	tests/check_hdr \
 	tests/check_params \
+	tests/check_source \
 	tests/check_view
 
 if HAVE_CHECK
@@ -41,6 +42,10 @@ tests_check_hdr_LDADD = $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_source_SOURCES = tests/check_source.c tests/unit.h
+tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_source_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -19,8 +19,7 @@ struct rad_sources; /* [fixed] once rad_sources_new() returns */
 
 /* Find and prepare the sources of a compiled scene (geometry and materials are
  * there).  NULL and *err on failure; no sources is not a failure. */
-struct rad_sources *rad_sources_new(struct rad_job *job,
-                                    struct rad_error *err);
+struct rad_sources *rad_sources_new(struct rad_job *job, struct rad_error *err);
 int32_t rad_sources_count(const struct rad_sources *s);
 
 /* BRDF of a material toward a light sample: *coef gets radiance per radiance
@@ -28,8 +27,8 @@ int32_t rad_sources_count(const struct rad_sources *s);
  *   data   the caller's (material and hit at hand)
  *   ldir   unit direction to the sample
  *   omega  solid angle of the sample [sr] */
-typedef void rad_brdf_fn(struct rad_rgb *coef, void *data,
-                         const double ldir[3], double omega);
+typedef void rad_brdf_fn(struct rad_rgb *coef, void *data, const double ldir[3],
+                         double omega);
 
 /* Add the direct light at r's hit to r->L.
  *   through  brdf may be other than black for light from behind the surface;
@@ -52,9 +51,9 @@ int32_t rad_source_object(const struct rad_sources *s, int32_t i);
  * for by a square or box that looks as large. */
 struct rad_source_shape {
     int32_t obj;
-    bool distant;      /* centre is a unit direction; axes are tangents [rad] */
+    bool distant; /* centre is a unit direction; axes are tangents [rad] */
     bool flat, round;
-    bool direct;       /* gives direct light; else seen only (a far glow) */
+    bool direct; /* gives direct light; else seen only (a far glow) */
     double centre[3];
     double axis[3][3]; /* half-axes; of flat ones the third is the unit
                         * normal, of distant ones zero */

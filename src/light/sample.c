@@ -1,0 +1,565 @@
+/* sample.c - see sample.h
+ *
+ * The flux of a flat patch toward a point.  With r the vector from the point
+ * to a place on the patch, the irradiance vector per radiance is
+ *     F = -(n.r) integral r / |r|^4 dA,
+ * for n.r is the same all over the plane.  With g(r) = r / |r|^4 expanded
+ * about the centroid c, the first order vanishes and the second is half the
+ * sum of g's second derivatives along the moment axes a and b:
+ *     g_aa = -8 (c.a) a / q^3 + (24 (c.a)^2 / q^4 - 4 (a.a) / q^3) c,  q = c.c
+ * The part of the correction along c enters as 1 / (1 + e), not 1 - e: the
+ * same to second order, exact on the axis of a disk, and of the right size
+ * even where the patch is as wide as it is far.
+ * A cylinder seen from perpendicular distance h is a strip of width 2r facing
+ * the point; its flux is 2r h integral r / |r|^4 dl, the same integral.
+ *
+ * Spheres and the lateral jitter of cylinders sample sin(angle from the
+ * centre) evenly, so that omega at the centre is the projected disk's,
+ * pi r^2/d^2, which is exact for irradiance, and the mean over many is right.
+ * Source: Radiance's use of -ds and -dj (rpict(1)); Lambert 1760 for F.  */
+#include "config.h"
+
+#include "light/sample.h"
+#include "light/polytree.h"
+#include "base/rng.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+/* Patches of one source at most, as in rpict. */
+#define MAX_PATCHES 64
+
+struct patch {
+    enum { QUAD, TRIANGLE, SECTOR, LINE, GROUP } kind;
+    int budget;                /* patches that may come of it */
+    double p[3], u[3], v[3];   /* QUAD, LINE: centre and half-axes; TRIANGLE:
+                                * corner and sides */
+    double r0, r1, phi, delta; /* SECTOR: radii; middle and half angle */
+    const struct rad_polytree *node; /* GROUP */
+};
+
+struct walk {
+    const struct rad_source *src;
+    const struct rad_light_view *view;
+    rad_light_fn *fn;
+    void *arg;
+    uint32_t dim; /* random numbers used so far */
+};
+
+static double
+next_rand(struct walk *w)
+{
+    return rad_rand(w->view->key, w->dim++);
+}
+
+/* --- moments of patches --- */
+
+static void
+quad_moments(struct rad_moments *m, const double c[3], const double u[3],
+             const double v[3])
+{
+    double n[3];
+
+    rad_copy(m->c, c);
+    rad_copy(m->aim, c);
+    rad_scale(m->a, 1 / sqrt(3), u);
+    rad_scale(m->b, 1 / sqrt(3), v);
+    rad_cross(n, u, v);
+    m->area = 4 * sqrt(rad_dot(n, n));
+}
+
+/* A stretch of cylinder: its strip has no second axis, for its width is part
+ * of the formula (see above). */
+static void
+line_moments(struct rad_moments *m, const double c[3], const double u[3],
+             double radius)
+{
+    rad_copy(m->c, c);
+    rad_copy(m->aim, c);
+    rad_scale(m->a, 1 / sqrt(3), u);
+    memset(m->b, 0, sizeof m->b);
+    m->area = 4 * radius * sqrt(rad_dot(u, u));
+}
+
+static void
+ring_point(const struct rad_source *src, double r, double phi, double p[3])
+{
+    double x = r * cos(phi), y = r * sin(phi);
+
+    /* the axes' length is that of the square that stands for the ring */
+    double s = 1 / sqrt(rad_dot(src->axis[0], src->axis[0]));
+
+    for (int k = 0; k < 3; k++)
+        p[k] = src->centre[k] + s * (x * src->axis[0][k] + y * src->axis[1][k]);
+}
+
+/* Part of a ring between two radii and two angles.  Along the middle angle the
+ * centroid is at rc, and <r^2> = (r0^2 + r1^2) / 2 splits between the two
+ * directions by the mean of cos^2 and sin^2. */
+static void
+sector_moments(struct rad_moments *m, const struct rad_source *src,
+               const struct patch *p)
+{
+    double sinc = p->delta < M_PI ? sin(p->delta) / p->delta : 0;
+    double cos2 = (1 + cos(p->delta) * sinc) / 2; /* sin 2d / 4d */
+    double r2 = (p->r0 * p->r0 + p->r1 * p->r1) / 2;
+    double rc = 2. / 3 * sinc * (p->r1 + p->r0 * p->r0 / (p->r1 + p->r0));
+    double along[3], across[3];
+
+    ring_point(src, 1, p->phi, along);
+    rad_sub(along, along, src->centre);
+    rad_cross(across, src->normal, along);
+    rad_madd(m->c, src->centre, rc, along);
+    rad_scale(m->a, sqrt(fmax(0, r2 * cos2 - rc * rc)), along);
+    rad_scale(m->b, sqrt(r2 * (1 - cos2)), across);
+    m->area = p->delta * (p->r1 * p->r1 - p->r0 * p->r0);
+    /* the centroid of a bent patch may be in the hole */
+    rad_madd(m->aim, src->centre, rc > p->r0 || p->r0 == 0 ? rc : sqrt(r2),
+             along);
+}
+
+static void
+patch_moments(const struct rad_source *src, const struct patch *p,
+              struct rad_moments *m)
+{
+    switch (p->kind) {
+    case QUAD:
+        quad_moments(m, p->p, p->u, p->v);
+        break;
+    case TRIANGLE:
+        rad_triangle_moments(m, p->p, p->u, p->v);
+        break;
+    case SECTOR:
+        sector_moments(m, src, p);
+        break;
+    case LINE:
+        line_moments(m, p->p, p->u, src->r1);
+        break;
+    case GROUP:
+        *m = p->node->m;
+        break;
+    }
+}
+
+/* --- cutting --- */
+
+static void
+split_triangle(const struct patch *p, struct patch half[2])
+{
+    double side[3] = { rad_dot(p->u, p->u), rad_dot(p->v, p->v),
+                       rad_dist2(p->u, p->v) };
+    double q[3][3];
+    int k = 0;
+
+    /* corners; side 0 is q0 q1, side 1 q0 q2, side 2 q1 q2 */
+    rad_copy(q[0], p->p);
+    rad_madd(q[1], p->p, 1, p->u);
+    rad_madd(q[2], p->p, 1, p->v);
+    for (int i = 1; i < 3; i++)
+        if (side[i] > side[k])
+            k = i;
+    int far = 2 - k, from = k == 2 ? 1 : 0, to = k == 0 ? 1 : 2;
+
+    for (int h = 0; h < 2; h++) {
+        double mid[3];
+
+        rad_copy(half[h].p, q[far]);
+        for (int i = 0; i < 3; i++)
+            mid[i] = (q[from][i] + q[to][i]) / 2;
+        rad_sub(half[h].u, h ? mid : q[from], q[far]);
+        rad_sub(half[h].v, h ? q[to] : mid, q[far]);
+    }
+}
+
+static void
+split_parallelogram(const struct patch *p, struct patch half[2])
+{
+    bool in_u = p->kind == LINE || rad_dot(p->u, p->u) > rad_dot(p->v, p->v);
+
+    for (int h = 0; h < 2; h++) {
+        double *axis = in_u ? half[h].u : half[h].v;
+
+        rad_scale(axis, .5, axis);
+        rad_madd(half[h].p, p->p, h ? 1 : -1, axis);
+    }
+}
+
+static void
+split_sector(const struct patch *p, const struct rad_moments *m,
+             struct patch half[2])
+{
+    if (rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
+        half[0].delta = half[1].delta = p->delta / 2;
+        half[0].phi -= p->delta / 2;
+        half[1].phi += p->delta / 2;
+    } else {
+        half[0].r1 = half[1].r0 = sqrt((p->r0 * p->r0 + p->r1 * p->r1) / 2);
+    }
+}
+
+static void
+from_node(struct patch *p, const struct rad_polytree *node)
+{
+    if (node->kid[0]) {
+        p->kind = GROUP;
+        p->node = node;
+    } else {
+        p->kind = TRIANGLE;
+        rad_copy(p->p, node->p0);
+        rad_copy(p->u, node->e1);
+        rad_copy(p->v, node->e2);
+    }
+}
+
+static void
+split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
+{
+    half[0] = half[1] = *p;
+    half[0].budget = half[1].budget = p->budget / 2;
+    switch (p->kind) {
+    case TRIANGLE:
+        split_triangle(p, half);
+        break;
+    case SECTOR:
+        split_sector(p, m, half);
+        break;
+    case QUAD:
+    case LINE:
+        split_parallelogram(p, half);
+        break;
+    case GROUP:
+        from_node(&half[0], p->node->kid[0]);
+        from_node(&half[1], p->node->kid[1]);
+        break;
+    }
+}
+
+/* Is the patch small enough at its distance?  Its size is the side of the
+ * square, or the length of the strip, of the same largest variance. */
+static bool
+small_enough(const struct rad_moments *m, const struct rad_light_view *view)
+{
+    double aa = rad_dot(m->a, m->a), bb = rad_dot(m->b, m->b);
+    double ab = rad_dot(m->a, m->b), half = (aa - bb) / 2;
+    double var = (aa + bb) / 2 + sqrt(half * half + ab * ab);
+    double limit = view->sizerat * view->sizerat;
+
+    return 12 * var <= limit * rad_dist2(view->p, m->c);
+}
+
+/* --- samples of one patch --- */
+
+static void
+put(struct walk *w, struct rad_light_sample *s)
+{
+    const struct rad_source *src = w->src;
+
+    if (!(s->omega > 0))
+        return;
+    if (src->flags & RAD_LIGHT_NEAR && s->dist > src->reach)
+        return;
+    if (src->flags & RAD_LIGHT_SPOT) {
+        double f = s->dist / (s->dist + src->spot.focal_length);
+
+        if (rad_spot_outside(&src->spot, s->aim))
+            return;
+        s->omega *= f * f;
+    }
+    w->fn(w->arg, s);
+}
+
+/* Set dir and omega from the flux k * integral of g (see above). */
+static void
+second_order(struct rad_light_sample *s, const struct rad_light_view *view,
+             const struct rad_moments *m, double k)
+{
+    double c[3], corr[3] = { 0, 0, 0 };
+
+    rad_sub(c, m->c, view->p);
+    double q = rad_dot(c, c), e;
+
+    for (int i = 0; i < 2; i++) {
+        const double *a = i ? m->b : m->a;
+        double ca = rad_dot(c, a);
+
+        /* half of g_aa, times q^2 */
+        rad_madd(corr, corr, -4 * ca / q, a);
+        rad_madd(corr, corr, (12 * ca * ca / q - 2 * rad_dot(a, a)) / q, c);
+    }
+    e = -rad_dot(corr, c) / q;
+    rad_madd(corr, corr, e, c);
+    /* far outside its range the expansion still must point at the patch */
+    double side = rad_dot(corr, corr) / q;
+
+    if (side > .25)
+        rad_scale(corr, .5 / sqrt(side), corr);
+    rad_madd(s->dir, corr, e > 0 ? 1 / (1 + e) : fmin(1 - e, 2), c);
+    s->omega = k / (q * q) * rad_normalize(s->dir);
+}
+
+/* The sample at point p of a patch whose flux is k * |r| / |r|^4 there. */
+static void
+at_point(struct rad_light_sample *s, const struct rad_light_view *view,
+         const double p[3], double k)
+{
+    rad_sub(s->aim, p, view->p);
+    s->dist = rad_normalize(s->aim);
+    rad_copy(s->dir, s->aim);
+    s->omega = k / (s->dist * s->dist * s->dist);
+}
+
+static void
+triangle_point(double d[3], const double p0[3], const double e1[3],
+               const double e2[3], double s, double t)
+{
+    if (s + t > 1) {
+        s = 1 - s;
+        t = 1 - t;
+    }
+    rad_madd(d, p0, s, e1);
+    rad_madd(d, d, t, e2);
+}
+
+/* A random point of the patch, drawn toward its middle by 1 - jitter. */
+static void
+jittered_point(struct walk *w, const struct patch *p, double d[3])
+{
+    const struct rad_polytree *t = p->node;
+    double jit = w->view->jitter, s = next_rand(w), u = next_rand(w), c[3];
+    double x = .5 + (s - .5) * jit, y = .5 + (u - .5) * jit;
+
+    switch (p->kind) {
+    case QUAD:
+        rad_madd(d, p->p, 2 * x - 1, p->u);
+        rad_madd(d, d, 2 * y - 1, p->v);
+        break;
+    case SECTOR:
+        ring_point(w->src,
+                   sqrt(p->r0 * p->r0 + x * (p->r1 * p->r1 - p->r0 * p->r0)),
+                   p->phi + (2 * y - 1) * p->delta, d);
+        break;
+    case LINE:
+        rad_madd(d, p->p, 2 * x - 1, p->u);
+        break;
+    case TRIANGLE:
+        triangle_point(d, p->p, p->u, p->v, s, u);
+        for (int k = 0; k < 3; k++) {
+            c[k] = p->p[k] + (p->u[k] + p->v[k]) / 3;
+            d[k] = c[k] + jit * (d[k] - c[k]);
+        }
+        break;
+    case GROUP:
+        /* a triangle by its area; s is rescaled at each step down */
+        while (t->kid[0]) {
+            double f = t->kid[0]->m.area / t->m.area;
+
+            int k = s < f ? 0 : 1;
+
+            s = k ? (s - f) / (1 - f) : s / f;
+            t = t->kid[k];
+        }
+        triangle_point(d, t->p0, t->e1, t->e2, s, u);
+        for (int k = 0; k < 3; k++)
+            d[k] = t->m.c[k] + jit * (d[k] - t->m.c[k]);
+        break;
+    }
+}
+
+static void
+flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
+{
+    const struct rad_light_view *view = w->view;
+    struct rad_light_sample s;
+    double to[3], point[3];
+
+    rad_sub(to, m->c, view->p);
+    double k = -rad_dot(w->src->normal, to) * m->area;
+
+    if (view->jitter > 0) {
+        jittered_point(w, p, point);
+        at_point(&s, view, point, k);
+    } else {
+        at_point(&s, view, m->aim, k);
+        if (view->sizerat > 0)
+            second_order(&s, view, m, k);
+    }
+    put(w, &s);
+}
+
+/* A stretch of cylinder: a strip through its axis that faces the point. */
+static void
+line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
+{
+    const struct rad_light_view *view = w->view;
+    const struct rad_source *src = w->src;
+    struct rad_light_sample s;
+    double to[3], axis[3], perp[3], point[3], side[3];
+
+    rad_copy(axis, src->axis[0]);
+    rad_normalize(axis);
+    rad_sub(to, src->centre, view->p);
+    rad_madd(perp, to, -rad_dot(to, axis), axis);
+    double h = rad_normalize(perp), k = h * m->area;
+
+    if (view->jitter > 0) {
+        /* sin(lateral angle) even in (-r/h, r/h) */
+        double lat = view->jitter * (2 * rad_rand(view->key, w->dim + 2) - 1) *
+                     src->r1 / h;
+        double cosine = sqrt(1 - lat * lat);
+
+        jittered_point(w, p, point);
+        w->dim++;
+        rad_cross(side, axis, perp);
+        /* turn the place on the axis about the line through the point */
+        double z = rad_dot(point, axis) - rad_dot(view->p, axis);
+
+        rad_madd(point, view->p, z, axis);
+        rad_madd(point, point, h * cosine, perp);
+        rad_madd(point, point, h * lat, side);
+        at_point(&s, view, point, k / cosine);
+    } else {
+        at_point(&s, view, m->aim, k);
+        if (view->sizerat > 0)
+            second_order(&s, view, m, k);
+    }
+    put(w, &s);
+}
+
+static void
+visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
+{
+    bool hollow = p->kind == SECTOR && p->r0 > 0 && p->delta > 1;
+
+    /* a ring with a hole is cut at least in four, for its middle is empty */
+    if (hollow ||
+        (w->view->sizerat > 0 && p->budget > 1 && !small_enough(m, w->view))) {
+        struct patch half[2];
+        struct rad_moments hm;
+
+        split(p, m, half);
+        for (int h = 0; h < 2; h++) {
+            patch_moments(w->src, &half[h], &hm);
+            visit(w, &half[h], &hm);
+        }
+    } else if (p->kind == LINE) {
+        line_sample(w, p, m);
+    } else {
+        flat_sample(w, p, m);
+    }
+}
+
+/* --- sources without patches --- */
+
+static void
+sphere_sample(struct walk *w)
+{
+    const struct rad_light_view *view = w->view;
+    const struct rad_source *src = w->src;
+    struct rad_light_sample s;
+    double to[3], u[3], v[3];
+
+    rad_sub(to, src->centre, view->p);
+    double d = rad_normalize(to), sin_max = src->r1 / d, cosine = 1;
+
+    if (!(sin_max < 1))
+        return; /* inside */
+    rad_copy(s.aim, to);
+    if (view->jitter > 0) {
+        double r = view->jitter * sin_max * sqrt(next_rand(w));
+        double phi = 2 * M_PI * next_rand(w);
+
+        cosine = sqrt(1 - r * r);
+        rad_frame(u, v, to);
+        rad_scale(s.aim, cosine, to);
+        rad_madd(s.aim, s.aim, r * cos(phi), u);
+        rad_madd(s.aim, s.aim, r * sin(phi), v);
+    }
+    rad_copy(s.dir, s.aim);
+    /* -ds and the reach of a glow measure to the centre */
+    s.dist = d;
+    s.omega = M_PI * sin_max * sin_max / cosine;
+    put(w, &s);
+}
+
+static void
+distant_sample(struct walk *w)
+{
+    const struct rad_source *src = w->src;
+    struct rad_light_sample s = { .dist = INFINITY, .omega = src->size };
+    double u[3], v[3], jit = w->view->jitter;
+
+    rad_copy(s.aim, src->centre);
+    if (jit > 0) {
+        /* even in solid angle */
+        double h = jit * jit * next_rand(w) * src->size / (2 * M_PI);
+        double phi = 2 * M_PI * next_rand(w), r = sqrt(h * (2 - h));
+
+        rad_frame(u, v, src->centre);
+        rad_scale(s.aim, 1 - h, src->centre);
+        rad_madd(s.aim, s.aim, r * cos(phi), u);
+        rad_madd(s.aim, s.aim, r * sin(phi), v);
+    }
+    rad_copy(s.dir, s.aim);
+    /* the focus of a spotlight at infinity makes no difference */
+    if (!(src->flags & RAD_LIGHT_SPOT) || !rad_spot_outside(&src->spot, s.aim))
+        w->fn(w->arg, &s);
+}
+
+static void
+root_patch(const struct rad_source *src, struct patch *p)
+{
+    memset(p, 0, sizeof *p);
+    p->budget = MAX_PATCHES;
+    if (src->tree) {
+        from_node(p, src->tree);
+    } else if (src->shape == RAD_RING) {
+        p->kind = SECTOR;
+        p->r0 = src->r0;
+        p->r1 = src->r1;
+        p->delta = M_PI;
+    } else {
+        p->kind = src->shape == RAD_CYLINDER ? LINE : QUAD;
+        rad_copy(p->p, src->centre);
+        rad_copy(p->u, src->axis[0]);
+        rad_copy(p->v, src->axis[1]);
+    }
+}
+
+void
+rad_light_samples(const struct rad_source *src,
+                  const struct rad_light_view *view, rad_light_fn *fn,
+                  void *arg)
+{
+    struct walk w = { src, view, fn, arg, 0 };
+    struct patch root;
+    double d[3];
+
+    if (src->flags & RAD_LIGHT_DISTANT) {
+        distant_sample(&w);
+        return;
+    }
+    rad_sub(d, view->p, src->centre);
+    if (src->flags & RAD_LIGHT_NEAR) {
+        double far = src->reach + src->radius;
+
+        if (rad_dot(d, d) > far * far)
+            return;
+    }
+    if (src->shape == RAD_SPHERE) {
+        sphere_sample(&w);
+        return;
+    }
+    if (src->flags & RAD_LIGHT_FLAT) {
+        if (!(rad_dot(d, src->normal) > 0))
+            return;
+    } else {
+        /* inside the cylinder, however long? */
+        double z = rad_dot(d, src->axis[0]);
+
+        z *= z / rad_dot(src->axis[0], src->axis[0]);
+        if (!(rad_dot(d, d) - z > src->r1 * src->r1))
+            return;
+    }
+    root_patch(src, &root);
+    visit(&w, &root, &src->root);
+}

@@ -1,0 +1,339 @@
+/* shadow.c - which light sources a point sees
+ *
+ * First every sample of every source is weighed: what would it add if nothing
+ * were in the way?  Then shadow rays are sent in order of that potential, until
+ * what the untested ones could add is below -dt of what was found (Ward 1991;
+ * -dc says how many of them are looked at together).
+ * What is untested still adds its potential times an estimated visibility.
+ * Radiance takes that from the hit rates of each source so far, so one pixel's
+ * luck colours the next; here it is the visible share of what was tested at
+ * this very point, so a pixel stays a function.
+ *
+ * A shadow ray stops at the first opaque thing it finds, whichever that is.
+ * Only if there is none and the scene has something to see through does it go
+ * on, from surface to surface, as a ray that materials shade.  */
+#include "config.h"
+
+#include "light/sources.h"
+#include "base/rng.h"
+#include "base/vec.h"
+
+#include <float.h>
+#include <string.h>
+
+/* Shadow rays sent whatever -dt says, as in rpict. */
+#define MIN_TESTS 2
+
+struct potential {
+    double aim[3];
+    double tmax;         /* a shadow ray ends here, short of the source */
+    struct rad_rgb coef; /* of the source's radiance */
+    struct rad_rgb val;  /* coef times radiance, if all of it is seen */
+    int32_t source;
+    uint32_t branch; /* of the shadow ray */
+};
+
+/* The order of testing; and, from the end, what is still to come. */
+struct order {
+    float lum; /* of val */
+    int32_t i; /* index of the potential */
+};
+
+struct direct {
+    struct rad_ctx *ctx;
+    struct rad_ray *r;
+    rad_brdf_fn *brdf;
+    void *data;
+    int32_t source;    /* whose samples are being weighed */
+    uint32_t nsamples; /* so far, weighed or not */
+    struct potential *list;
+    int32_t n, capacity;
+};
+
+/* Room for one more; false: out of memory, and the sample is lost. */
+static bool
+reserve(struct direct *d)
+{
+    struct potential *more;
+    int32_t cap;
+
+    if (d->n < d->capacity)
+        return true;
+    cap = d->capacity ? 2 * d->capacity : 64;
+    more = rad_arena_alloc(&d->ctx->scratch, (size_t)cap * sizeof *more);
+    if (!more)
+        return false;
+    if (d->n > 0)
+        memcpy(more, d->list, (size_t)d->n * sizeof *more);
+    d->list = more;
+    d->capacity = cap;
+    return true;
+}
+
+/* A shadow ray along p->aim, not yet traced. */
+static void
+start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
+{
+    enum rad_raykind kind =
+        rad_ray_through(d->r, p->aim) ? RAD_RAY_TSHADOW : RAD_RAY_RSHADOW;
+
+    rad_ray_spawn(d->ctx, sr, kind, d->r, &p->coef, p->branch);
+    rad_copy(sr->dir, p->aim);
+    sr->source = p->source;
+    sr->tmax = INFINITY;
+    rad_ray_leave(sr);
+}
+
+static void
+ray_span(const struct rad_ray *sr, double tmax, struct rad_span *span)
+{
+    rad_copy(span->org, sr->org);
+    rad_copy(span->dir, sr->dir);
+    span->tmin = 0;
+    span->tmax = tmax;
+}
+
+/* Find p's source along sr and stop the shadow ray short of it, so that what
+ * it is mounted on, in the same plane, does not shade it.  Both surfaces may
+ * be off by their error bounds. */
+static bool
+meet_source(const struct direct *d, struct potential *p, struct rad_ray *sr)
+{
+    const struct rad_source *src = &d->ctx->job->sources->list[p->source];
+    struct rad_span span;
+
+    if (src->flags & RAD_LIGHT_DISTANT) {
+        p->tmax = INFINITY;
+        return true;
+    }
+    ray_span(sr, INFINITY, &span);
+    if (!rad_geom_hit_object(d->ctx->job->geom, src->obj, &span, &sr->hit,
+                             &d->ctx->counts.geom))
+        return false;
+    double cosine = fabs(rad_dot(sr->hit.n, sr->dir));
+
+    p->tmax = sr->hit.t - 2 * sr->hit.err / fmax(cosine, DBL_MIN);
+    return p->tmax > 0;
+}
+
+/* What the source sends along sr, which met it. */
+static void
+source_radiance(const struct direct *d, const struct rad_source *src,
+                struct rad_ray *sr)
+{
+    int32_t mod;
+
+    if (src->flags & RAD_LIGHT_PLAIN) {
+        sr->L = src->L;
+        if (src->flags & RAD_LIGHT_DISTANT)
+            sr->hit.t = INFINITY;
+    } else if (src->flags & RAD_LIGHT_DISTANT) {
+        mod = rad_source_behind(d->ctx, sr);
+        if (mod != RAD_VOID)
+            rad_ray_shade(d->ctx, sr, mod);
+    } else {
+        rad_ray_enter(sr);
+        rad_ray_shade(d->ctx, sr,
+                      d->ctx->job->scene->objects[src->obj].modifier);
+    }
+    rad_ray_absorb(sr);
+}
+
+static void
+weigh(void *arg, const struct rad_light_sample *s)
+{
+    struct direct *d = arg;
+    const struct rad_source *src = &d->ctx->job->sources->list[d->source];
+    struct rad_ray sr;
+    struct potential *p;
+    struct rad_rgb coef;
+    uint32_t branch = RAD_BRANCH_SHADOW + d->nsamples++;
+
+    d->brdf(&coef, d->data, s->dir, s->omega);
+    if (rad_rgb_black(coef) || !reserve(d))
+        return;
+    p = &d->list[d->n];
+    p->coef = coef;
+    p->source = d->source;
+    p->branch = branch;
+    rad_copy(p->aim, s->aim);
+    start_ray(d, p, &sr);
+    if (!meet_source(d, p, &sr))
+        return;
+    source_radiance(d, src, &sr);
+    p->val = rad_rgb_mul(sr.L, p->coef);
+    if (rad_rgb_lum(p->val) > 0)
+        d->n++;
+}
+
+/* Follow the shadow ray of p through what is not opaque; false: no light
+ * arrives.  Sets p->val to what does. */
+static bool
+see_through(const struct direct *d, struct potential *p, struct rad_ray *sr)
+{
+    const struct rad_job *job = d->ctx->job;
+    struct rad_span span;
+
+    rad_ray_clear(sr);
+    ray_span(sr, p->tmax, &span);
+    if (!rad_geom_nearest(job->geom, &span, &sr->hit, &d->ctx->counts.geom) ||
+        sr->hit.obj == job->sources->list[p->source].obj)
+        return true;
+    rad_ray_enter(sr);
+    rad_ray_continue(d->ctx, sr);
+    rad_ray_absorb(sr);
+    p->val = rad_rgb_mul(sr->L, p->coef);
+    return rad_rgb_lum(p->val) > 0;
+}
+
+/* Send p's shadow ray; false: no light arrives. */
+static bool
+test(const struct direct *d, struct potential *p)
+{
+    struct rad_ctx *ctx = d->ctx;
+    const struct rad_job *job = ctx->job;
+    struct rad_span span;
+    struct rad_ray sr;
+
+    ctx->counts.rays++;
+    ctx->counts.shadow_rays++;
+    start_ray(d, p, &sr);
+    ray_span(&sr, p->tmax, &span);
+    if (rad_geom_occluded(job->geom, &span, job->sources->list[p->source].obj,
+                          &ctx->last_blocker[p->source], &ctx->counts.geom))
+        return false;
+    return !job->see_through || see_through(d, p, &sr);
+}
+
+/* Larger first; the order of the samples settles ties, so that it is one. */
+static bool
+before(const struct order *a, const struct order *b)
+{
+    return a->lum != b->lum ? a->lum > b->lum : a->i < b->i;
+}
+
+static void
+sift(struct order *o, int32_t root, int32_t n)
+{
+    struct order top = o[root];
+
+    for (int32_t k; (k = 2 * root + 1) < n; root = k) {
+        if (k + 1 < n && before(&o[k], &o[k + 1]))
+            k++;
+        if (!before(&top, &o[k]))
+            break;
+        o[root] = o[k];
+    }
+    o[root] = top;
+}
+
+/* Heap sort: in place, and never quadratic. */
+static void
+sort(struct order *o, int32_t n)
+{
+    for (int32_t i = n / 2; i-- > 0;)
+        sift(o, i, n);
+    for (int32_t i = n - 1; i > 0; i--) {
+        struct order t = o[0];
+
+        o[0] = o[i];
+        o[i] = t;
+        sift(o, 0, i);
+    }
+}
+
+/* With -dt 0 every one is tested, so the order does not matter. */
+static void
+test_all(struct direct *d)
+{
+    for (int32_t i = 0; i < d->n; i++)
+        if (test(d, &d->list[i]))
+            d->r->L = rad_rgb_add(d->r->L, d->list[i].val);
+}
+
+static void
+test_selected(struct direct *d, struct order *o)
+{
+    const struct rad_params *par = &d->ctx->job->params;
+    int32_t ahead = (int32_t)(pow(d->n, par->shadcert) + .5), k;
+    double thresh = par->shadthresh / d->r->weight;
+    double tried = 0, seen = 0;
+    float *rest; /* luminance of o[k] and all after it */
+
+    rest = rad_arena_alloc(&d->ctx->scratch, (size_t)d->n * sizeof *rest);
+    if (!rest) {
+        test_all(d);
+        return;
+    }
+    for (int32_t i = 0; i < d->n; i++)
+        o[i] = (struct order){ rad_rgb_lum(d->list[i].val), i };
+    sort(o, d->n);
+    for (int32_t i = d->n; i-- > 0;)
+        rest[i] = o[i].lum + (i + 1 < d->n ? rest[i + 1] : 0);
+    for (k = 0; k < d->n; k++) {
+        struct potential *p = &d->list[o[k].i];
+        float next = rest[k] - (k + ahead < d->n ? rest[k + ahead] : 0);
+
+        if (k >= MIN_TESTS && next < thresh * rad_rgb_lum(d->r->L))
+            break;
+        tried += o[k].lum;
+        if (!test(d, p))
+            continue;
+        seen += fmin(rad_rgb_lum(p->val), o[k].lum);
+        d->r->L = rad_rgb_add(d->r->L, p->val);
+    }
+    for (; k < d->n; k++) {
+        struct rad_rgb v = d->list[o[k].i].val;
+
+        d->r->L = rad_rgb_add(d->r->L, rad_rgb_scale(v, (float)(seen / tried)));
+    }
+}
+
+/* Is the whole source below the horizon of r's hit? */
+static bool
+is_below(const struct rad_source *src, const struct rad_ray *r)
+{
+    double side = r->cos_o < 0 ? -1 : 1, d[3];
+
+    if (src->flags & RAD_LIGHT_DISTANT)
+        return side * rad_dot(src->centre, r->n) < -src->radius;
+    rad_sub(d, src->centre, r->hit.p);
+    return side * rad_dot(d, r->n) < -src->radius;
+}
+
+void
+rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
+           void *data, bool through)
+{
+    const struct rad_sources *s = ctx->job->sources;
+    const struct rad_params *par = &ctx->job->params;
+    struct direct d = { .ctx = ctx, .r = r, .brdf = brdf, .data = data };
+    struct rad_light_view view = { .jitter = par->srcjitter };
+    struct rad_arena_mark mark;
+    struct order *o;
+    /* a tilted normal may see what the surface itself does not */
+    bool skip = !through && !rad_ray_perturbed(r);
+
+    if (s->nlit == 0)
+        return;
+    mark = rad_arena_mark(&ctx->scratch);
+    rad_copy(view.p, r->hit.p);
+    view.sizerat = par->srcsizerat / r->weight;
+    for (d.source = 0; d.source < s->n; d.source++) {
+        const struct rad_source *src = &s->list[d.source];
+
+        if (src->flags & RAD_LIGHT_SKIP || (skip && is_below(src, r)))
+            continue;
+        /* above every ray's branch number, below every dimension's bit */
+        view.key = rad_key_branch(r->key, (uint64_t)(d.source + 1) << 32);
+        rad_light_samples(src, &view, weigh, &d);
+    }
+    o = NULL;
+    if (d.n > 0 && par->shadthresh > 0)
+        o = rad_arena_alloc(&ctx->scratch, (size_t)d.n * sizeof *o);
+    if (o)
+        test_selected(&d, o);
+    else
+        test_all(&d);
+    rad_arena_rewind(&ctx->scratch, mark);
+}

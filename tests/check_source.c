@@ -1,0 +1,387 @@
+/* check_source.c - tests of src/light: shapes, samples and shadows of light
+ * sources */
+#include "config.h"
+
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/polytree.h"
+#include "light/sample.h"
+#include "unit.h"
+
+#include <string.h>
+
+/* --- sources from bare arguments --- */
+
+static struct rad_arena arena;
+
+static void
+setup(void)
+{
+    rad_arena_init(&arena);
+}
+
+static void
+teardown(void)
+{
+    rad_arena_release(&arena);
+}
+
+static void
+make_light(struct rad_source *src, enum rad_otype type, const double *reals,
+           int nreals)
+{
+    struct rad_object o = { .type = type,
+                            .modifier = RAD_VOID,
+                            .file = -1,
+                            .name = "lamp",
+                            .nreals = nreals,
+                            .reals = reals };
+
+    memset(src, 0, sizeof *src);
+    ck_assert_int_eq(rad_light_shape(src, &o, &arena), 0);
+}
+
+/* Irradiance per radiance on the surface at view->p with normal n. */
+struct meter {
+    double n[3], E;
+    int samples;
+};
+
+static void
+measure(void *arg, const struct rad_light_sample *s)
+{
+    struct meter *m = arg;
+
+    m->E += fmax(0, rad_dot(s->dir, m->n)) * s->omega;
+    m->samples++;
+    if (fabs(rad_dot(s->aim, s->aim) - 1) > 1e-12 ||
+        fabs(rad_dot(s->dir, s->dir) - 1) > 1e-12)
+        ck_abort_msg("a direction is not of unit length");
+}
+
+static double
+irradiance(const struct rad_source *src, const double p[3], const double n[3],
+           double ds, int *samples)
+{
+    struct rad_light_view view = { .sizerat = ds };
+    struct meter m = { .E = 0 };
+
+    rad_copy(view.p, p);
+    rad_copy(m.n, n);
+    rad_light_samples(src, &view, measure, &m);
+    if (samples)
+        *samples = m.samples;
+    return m.E;
+}
+
+/* Mean of many jittered lookings. */
+static double
+irradiance_jittered(const struct rad_source *src, const double p[3],
+                    const double n[3], double ds, int times)
+{
+    struct rad_light_view view = { .sizerat = ds, .jitter = 1 };
+    struct meter m = { .E = 0 };
+
+    rad_copy(view.p, p);
+    rad_copy(m.n, n);
+    for (int i = 0; i < times; i++) {
+        view.key = rad_key_branch(1, (uint64_t)i);
+        rad_light_samples(src, &view, measure, &m);
+    }
+    return m.E / times;
+}
+
+/* Lambert's formula: irradiance per radiance at p with normal n from a
+ * polygon that is wholly above the horizon, front side toward p. */
+static double
+lambert(const double *v, int nv, const double p[3], const double n[3])
+{
+    double E = 0;
+
+    for (int i = 0; i < nv; i++) {
+        double a[3], b[3], c[3];
+
+        rad_sub(a, v + 3 * i, p);
+        rad_sub(b, v + 3 * ((i + 1) % nv), p);
+        rad_cross(c, b, a);
+        double sine = rad_normalize(c), cosine = rad_dot(a, b);
+
+        E += atan2(sine, cosine) * rad_dot(c, n) / 2;
+    }
+    return E;
+}
+
+static const double up[3] = { 0, 0, 1 };
+
+/* Lights of every polygon kind, all facing down from z = 2. */
+static const double square[] = { -1, -1, 2, -1, 1, 2, 1, 1, 2, 1, -1, 2 };
+static const double oblong[] = { -2, -.1, 2, -2, .1, 2, 2, .1, 2, 2, -.1, 2 };
+static const double triangle[] = { 0, 0, 2, 0, 1.5, 2, 2, 0, 2 };
+static const double sliver[] = { -2, 0, 2, 0, .2, 2, 2, 0, 2 };
+static const double trapezoid[] = { -1, 0, 2, -.3, 1, 2, .3, 1, 2, 1, 0, 2 };
+static const double arrow[] = {
+    0, 0, 2, -1, -1, 2, 0, 1.5, 2, 1, -1, 2, 0, 0, 2
+};
+/* a square with a square hole, joined by a seam */
+static const double frame[] = { -1, -1, 2,  -1, 1,   2,   1,   1,   2,   1,
+                                -1, 2,  -1, -1, 2,   -.5, -.5, 2,   .5,  -.5,
+                                2,  .5, .5, 2,  -.5, .5,  2,   -.5, -.5, 2 };
+
+static const struct {
+    const char *name;
+    const double *v;
+    int n;
+    double area;
+} polygon[] = {
+    { "square", square, 4, 4 },         { "oblong", oblong, 4, .8 },
+    { "triangle", triangle, 3, 1.5 },   { "sliver", sliver, 3, .4 },
+    { "trapezoid", trapezoid, 4, 1.3 }, { "arrow", arrow, 5, 1.5 },
+    { "frame", frame, 10, 3 },
+};
+
+static const double place[][3] = {
+    { 0, 0, 0 }, { .7, -.4, 0 }, { 3, 1, 0 }, { 0, 0, -8 }, { -1, 5, 1 },
+};
+
+START_TEST(divided_polygon_gives_the_closed_form)
+{
+    struct rad_source src;
+
+    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
+    ck_assert_double_eq_tol(src.size, polygon[_i].area, 1e-12);
+    ck_assert_double_eq_tol(src.root.area, polygon[_i].area, 1e-12);
+    for (int k = 0; k < N_ELEM(place); k++) {
+        double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
+        double got = irradiance(&src, place[k], up, .2, NULL);
+
+        ck_assert_msg(fabs(got - want) <= 1e-3 * want, "%s at %d: %g, not %g",
+                      polygon[_i].name, k, got, want);
+    }
+}
+END_TEST
+
+START_TEST(jittered_polygon_gives_the_closed_form_in_the_mean)
+{
+    struct rad_source src;
+
+    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
+    for (int k = 0; k < N_ELEM(place); k++) {
+        double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
+        double got = irradiance_jittered(&src, place[k], up, .5, 20000);
+
+        ck_assert_msg(fabs(got - want) <= 1e-2 * want, "%s at %d: %g, not %g",
+                      polygon[_i].name, k, got, want);
+    }
+}
+END_TEST
+
+/* Undivided, a polygon counts as a small one at its middle, as in rpict. */
+START_TEST(undivided_polygon_is_one_sample_at_its_middle)
+{
+    struct rad_source src;
+    int samples;
+
+    make_light(&src, RAD_POLYGON, square, 12);
+    ck_assert_double_eq_tol(irradiance(&src, place[0], up, 0, &samples), 1,
+                            1e-12);
+    ck_assert_int_eq(samples, 1);
+    double x = 3, d2 = x * x + 1 + 4;
+
+    ck_assert_double_eq_tol(irradiance(&src, place[2], up, 0, &samples),
+                            4 * 4 / (d2 * d2), 1e-12);
+}
+END_TEST
+
+START_TEST(aims_are_on_the_light)
+{
+    struct rad_source src;
+    const struct rad_polytree *t;
+
+    for (int i = 0; i < N_ELEM(polygon); i++) {
+        make_light(&src, RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
+        t = src.tree;
+        if (!t)
+            continue;
+        ck_assert_msg(rad_polytree_has(t, src.root.aim, src.normal), "%s",
+                      polygon[i].name);
+        for (int k = 0; k < 2 && t->kid[k]; k++)
+            ck_assert(
+                rad_polytree_has(t->kid[k], t->kid[k]->m.aim, src.normal));
+    }
+}
+END_TEST
+
+/* A ring facing down at height 2 about the z axis, seen from (x, 0, 0) with
+ * the normal up: E = pi/2 (1 - (d2 - r2) / sqrt((d2 + r2)^2 - 4 x2 r2)) per
+ * disk, d2 = x2 + h2 (Naraghi 1988). */
+static double
+disk_irradiance(double r, double x, double h)
+{
+    double z = x * x + h * h + r * r;
+
+    return M_PI / 2 * (1 - (z - 2 * r * r) / sqrt(z * z - 4 * x * x * r * r));
+}
+
+static const struct {
+    double r0, r1, x, h;
+} ring[] = {
+    { 0, 1, 0, 2 },     { 0, 1, 1.5, 2 }, { 0, 1, 4, 1 },   { .5, 1, 0, 2 },
+    { .9, 1, .3, 1.5 }, { .5, 1, 2, 1 },  { 0, .01, 1, 5 }, { 0, 1, 0, 1 },
+};
+
+START_TEST(divided_ring_gives_the_closed_form)
+{
+    double h = ring[_i].h, p[3] = { ring[_i].x, 0, 2 - h };
+    double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
+    double want = disk_irradiance(ring[_i].r1, ring[_i].x, h) -
+                  disk_irradiance(ring[_i].r0, ring[_i].x, h);
+    struct rad_source src;
+
+    make_light(&src, RAD_RING, a, 8);
+    double got = irradiance(&src, p, up, .2, NULL);
+
+    ck_assert_msg(fabs(got - want) <= 1e-3 * want, "%g, not %g", got, want);
+    got = irradiance_jittered(&src, p, up, .5, 20000);
+    ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
+}
+END_TEST
+
+/* A sphere above the horizon gives pi r^2/d^2 cos, exactly (a disk seen from
+ * outside is as good); with and without jitter, and at any -ds. */
+START_TEST(sphere_gives_the_closed_form)
+{
+    static const double a[] = { 1, 0, 3, 1.5 };
+    const double p[3] = { 0, 0, 0 };
+    double want = M_PI * 2.25 / 10 * 3 / sqrt(10);
+    struct rad_source src;
+
+    make_light(&src, RAD_SPHERE, a, 4);
+    ck_assert_double_eq_tol(irradiance(&src, p, up, 0, NULL), want, 1e-12);
+    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, NULL), want, 1e-12);
+    ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, 0, 100000), want,
+                            2e-3 * want);
+    ck_assert_double_eq(irradiance(&src, a, up, 0, NULL), 0);
+}
+END_TEST
+
+/* A thin cylinder along x at height h, centred above the point: the integral
+ * of 2 r h^2 / d^4 over its length. */
+START_TEST(cylinder_gives_the_closed_form)
+{
+    double L = 3, r = .05, h = 2;
+    double a[7] = { -L, 0, h, L, 0, h, r };
+    const double p[3] = { 0, 0, 0 };
+    double want = 2 * r * (L / (h * h + L * L) + atan(L / h) / h);
+    struct rad_source src;
+
+    make_light(&src, RAD_CYLINDER, a, 7);
+    double got = irradiance(&src, p, up, .2, NULL);
+
+    ck_assert_msg(fabs(got - want) <= 2e-3 * want, "%g, not %g", got, want);
+    got = irradiance_jittered(&src, p, up, .5, 20000);
+    ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
+}
+END_TEST
+
+START_TEST(flat_light_has_a_dark_side)
+{
+    static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
+    const double down[3] = { 0, 0, -1 };
+    struct rad_source src;
+    int samples;
+
+    make_light(&src, RAD_POLYGON, square, 12);
+    irradiance(&src, behind, down, .2, &samples);
+    ck_assert_int_eq(samples, 0);
+    irradiance(&src, in_plane, down, 0, &samples);
+    ck_assert_int_eq(samples, 0);
+}
+END_TEST
+
+/* Lengths in any unit: the same numbers. */
+START_TEST(scale_changes_nothing)
+{
+    static const double scale[] = { 1e-6, 1, 1e9 };
+    double v[30], p[3], first = 0;
+    struct rad_source src;
+
+    for (int i = 0; i < N_ELEM(scale); i++) {
+        for (int k = 0; k < 30; k++)
+            v[k] = frame[k] * scale[i];
+        rad_scale(p, scale[i], place[2]);
+        make_light(&src, RAD_POLYGON, v, 30);
+        double E = irradiance(&src, p, up, .2, NULL);
+
+        if (i == 0)
+            first = E;
+        ck_assert_double_eq_tol(E, first, 1e-9 * first);
+    }
+}
+END_TEST
+
+START_TEST(spot_keeps_to_its_cone)
+{
+    /* 60 degrees about straight down, focus 2 behind */
+    static const double a[7] = { 1, 1, 1, 60, 0, 0, -2 };
+    const double in[3] = { 1, 0, 0 }, out[3] = { 1.3, 0, 0 };
+    struct rad_source src;
+
+    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .01 }, 8);
+    ck_assert(rad_spot_init(&src.spot, a));
+    double bare = irradiance(&src, in, up, 0, NULL), d = sqrt(5);
+
+    src.flags |= RAD_LIGHT_SPOT;
+    ck_assert_double_eq_tol(irradiance(&src, in, up, 0, NULL),
+                            bare * d * d / ((d + 2) * (d + 2)), 1e-12);
+    ck_assert_double_eq(irradiance(&src, out, up, 0, NULL), 0);
+    ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 0, 0, 0, 1 }));
+    ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 9, 0, 0, 0 }));
+}
+END_TEST
+
+START_TEST(no_area_and_cones_are_no_light)
+{
+    struct rad_object o = { .type = RAD_POLYGON,
+                            .modifier = RAD_VOID,
+                            .file = -1,
+                            .name = "lamp",
+                            .nreals = 9,
+                            .reals = (double[]){ 0, 0, 0, 1, 1, 1, 2, 2, 2 } };
+    struct rad_source src = { .obj = 0 };
+
+    ck_assert_int_eq(rad_light_shape(&src, &o, &arena), 1);
+    o.type = RAD_CONE;
+    ck_assert_int_eq(rad_light_shape(&src, &o, &arena), RAD_EDATA);
+}
+END_TEST
+
+static Suite *
+make_suite(void)
+{
+    Suite *s = suite_create("source");
+    TCase *tc = tcase_create("samples");
+
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_loop_test(tc, divided_polygon_gives_the_closed_form, 0,
+                        N_ELEM(polygon));
+    tcase_add_loop_test(tc, jittered_polygon_gives_the_closed_form_in_the_mean,
+                        0, N_ELEM(polygon));
+    tcase_add_test(tc, undivided_polygon_is_one_sample_at_its_middle);
+    tcase_add_test(tc, aims_are_on_the_light);
+    tcase_add_loop_test(tc, divided_ring_gives_the_closed_form, 0,
+                        N_ELEM(ring));
+    tcase_add_test(tc, sphere_gives_the_closed_form);
+    tcase_add_test(tc, cylinder_gives_the_closed_form);
+    tcase_add_test(tc, flat_light_has_a_dark_side);
+    tcase_add_test(tc, scale_changes_nothing);
+    tcase_add_test(tc, spot_keeps_to_its_cone);
+    tcase_add_test(tc, no_area_and_cones_are_no_light);
+    suite_add_tcase(s, tc);
+    return s;
+}
+
+int
+main(void)
+{
+    return unit_run(make_suite());
+}
