@@ -14,6 +14,21 @@ librad_a_SOURCES = \
 	src/base/sha.c \
 	src/base/sha.h \
 	src/base/vec.h \
+	src/geom/bvh.c \
+	src/geom/bvh.h \
+	src/geom/cone.c \
+	src/geom/geom.c \
+	src/geom/geom.h \
+	src/geom/kernel.c \
+	src/geom/kernel.h \
+	src/geom/polygon.c \
+	src/geom/prim.c \
+	src/geom/prim.h \
+	src/geom/ring.c \
+	src/geom/sphere.c \
+	src/geom/walk.h \
+	src/geom/walk_avx2.c \
+	src/geom/walk_plain.c \
 	src/light/ambient.c \
 	src/light/ambient.h \
 	src/light/polytree.c \

@@ -6,7 +6,9 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_base \
 	tests/check_bundle \
+	tests/check_bvh \
 	tests/check_client \
+	tests/check_geom \
 	tests/check_hdr \
 	tests/check_params \
 	tests/check_source \
@@ -26,6 +28,14 @@ tests_check_base_LDADD = $(UNIT_LIBS)
 tests_check_bundle_SOURCES = tests/check_bundle.c tests/unit.h
 tests_check_bundle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_bundle_LDADD = $(UNIT_LIBS)
+
+tests_check_bvh_SOURCES = tests/check_bvh.c tests/geom_scene.h tests/unit.h
+tests_check_bvh_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_bvh_LDADD = $(UNIT_LIBS)
+
+tests_check_geom_SOURCES = tests/check_geom.c tests/geom_scene.h tests/unit.h
+tests_check_geom_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_geom_LDADD = $(UNIT_LIBS)
 
 tests_check_params_SOURCES = tests/check_params.c tests/unit.h
 tests_check_params_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

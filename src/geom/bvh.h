@@ -1,0 +1,106 @@
+/* bvh.h - boxes in boxes, eight at a time (inside geom/ only)
+ *
+ * A tree whose nodes hold the float bounds of up to eight children; a child is
+ * a node or a few consecutive items.  The caller's items are put in the
+ * tree's order by the permutation that building returns.
+ *
+ * Coordinates in the tree are (x - centre) * scale, worked out in double, with
+ * scale the power of two that brings the scene to about [-1, 1]: so neither an
+ * offset of 1e9 nor a size of 1e-6 costs float's digits.  Bounds are rounded
+ * outwards twice over (the second step pays for the rounding in double).
+ *
+ * A ray is widened, not an epsilon added (Ize 2013, Robust BVH ray traversal):
+ * each axis has two origins, `near` for the plane where the ray enters and
+ * `far` where it leaves, moved apart by the rounding of double to float; the
+ * three roundings of (bound - org) * inv are paid for by a factor on the
+ * leaving side.  A direction component that is (nearly) zero has inv held at
+ * 2^120, and the origins are at least 2^-60 off, so that no product is NaN and
+ * a ray inside the slab or on its face stays in.
+ * Thread: immutable once made. */
+#ifndef RAD_GEOM_BVH_H
+#define RAD_GEOM_BVH_H
+
+#include "geom/prim.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define RAD_BVH_WIDTH 8
+/* Deeper than RAD_BVH_DEPTH a range is halved by count, so that a stack of
+ * RAD_BVH_STACK holds any tree: 11 more levels reach 8^11 > 2^32 items. */
+#define RAD_BVH_DEPTH 32
+#define RAD_BVH_STACK ((RAD_BVH_DEPTH + 12) * (RAD_BVH_WIDTH - 1) + 1)
+
+/* children, biggest surface first; a lane without a child has lo > hi */
+struct rad_bvh_node {
+    float bound[3][2][RAD_BVH_WIDTH]; /* axis, lo or hi, lane */
+    uint32_t child[RAD_BVH_WIDTH];    /* node index, or leaf: see below */
+};
+
+/* A leaf is RAD_BVH_LEAF | (count - 1) << RAD_BVH_SHIFT | first item. */
+#define RAD_BVH_LEAF      0x80000000u
+#define RAD_BVH_SHIFT     28
+#define RAD_BVH_LEAF_MAX  8
+#define RAD_BVH_MAX_ITEMS (1u << RAD_BVH_SHIFT)
+
+struct rad_bvh {
+    struct rad_bvh_node *nodes; /* [0] is the root */
+    uint32_t nnodes, capacity;
+    double centre[3], scale;
+};
+
+/* A ray in the tree's coordinates. */
+struct rad_bvh_ray {
+    float org[3][2]; /* axis; for the bound where it enters, leaves */
+    float inv[3];
+    int enter[3]; /* which bound it enters by: 0 lo, 1 hi */
+    float tmin;
+};
+
+/* What one walk through the tree carries (walk.h). */
+struct rad_walk {
+    const struct rad_bvh *bvh;
+    const struct rad_prim *prims;
+    struct rad_probe probe;
+    struct rad_bvh_ray ray;
+    double tmin, tmax; /* of the span */
+    double cut;        /* hits from here on do not matter */
+    double best;       /* nearest t so far */
+    uint32_t prim;     /* which item that is */
+    bool tie;          /* another hit lies within the window behind best */
+    int32_t skip;      /* object that does not count */
+    uint64_t tests, nodes;
+    /* ties: called with every hit */
+    void (*offer)(struct rad_walk *w, uint32_t prim, double t);
+    void *arg; /* of offer */
+};
+
+/* Build over n boxes.  order (of n) gets which item is where: the tree's item
+ * i is the caller's order[i].  Returns 0 or RAD_ENOMEM. */
+int rad_bvh_build(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n,
+                  uint32_t *order, struct rad_error *err);
+void rad_bvh_release(struct rad_bvh *bvh);
+
+void rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
+                      const struct rad_span *span);
+
+/* The double t as a float in the tree's coordinates that is not below it, with
+ * the rounding of a slab test paid for. */
+float rad_bvh_limit(const struct rad_bvh *bvh, double t);
+
+/* One instruction set's walks; all give the same bits. */
+struct rad_kernel {
+    const char *name;
+    bool (*usable)(void); /* by this processor */
+    /* the nearest hit into w->best, w->prim, w->tie */
+    void (*nearest)(struct rad_walk *w);
+    /* the first opaque hit met, into w->prim; false: none */
+    bool (*any)(struct rad_walk *w);
+    /* all hits before w->cut, to w->offer */
+    void (*all)(struct rad_walk *w);
+};
+
+/* Best first, ended by NULL. */
+const struct rad_kernel *const *rad_kernels(void);
+
+#endif

@@ -1,0 +1,141 @@
+/* cone.c - cone, cup, cylinder and tube
+ *
+ * In the frame of the axis, with x and y across it and h along it, the surface
+ * is x^2 + y^2 = (r0 + k h)^2, 0 <= h <= len, k = (r1 - r0)/len; a cylinder
+ * has k = 0.  Along the ray, with f the origin's and d the direction's part
+ * across the axis, w = r0 + k h_f the radius at the origin's height and
+ * m = k h_d its rate,
+ *      A t^2 - 2 B t + C = 0,   A = d.d - m^2,  B = w m - f.d,
+ *      C = f.f - w^2,   B^2 - A C = |w d - m f|^2 - (f x d)^2.
+ * The right-hand form does not cancel where B^2 and A C are both huge (a thin
+ * pipe seen from afar); the roots are C/q and q/A with q = B +- sqrt(..), of
+ * which neither cancels. */
+#include "config.h"
+
+#include "geom/prim.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <stddef.h>
+
+struct cone {
+    double p0[3];
+    double x[3], y[3], axis[3]; /* orthonormal */
+    double len, r0, k;
+    double slant; /* sqrt(1 + k^2) */
+};
+
+static void
+cone_box(struct rad_box *box, const struct cone *c, double r1)
+{
+    for (int i = 0; i < 3; i++) {
+        /* half-width of a unit circle across the axis, along axis i */
+        double h = sqrt(c->x[i] * c->x[i] + c->y[i] * c->y[i]);
+        double a = c->p0[i], b = a + c->len * c->axis[i];
+
+        box->lo[i] = fmin(a - c->r0 * h, b - r1 * h);
+        box->hi[i] = fmax(a + c->r0 * h, b + r1 * h);
+    }
+}
+
+bool
+rad_cone_make(struct rad_prim *p, struct rad_box *box,
+              const struct rad_object *o, struct rad_arena *arena, bool *nomem)
+{
+    const double *a = o->reals;
+    bool straight = o->type == RAD_CYLINDER || o->type == RAD_TUBE;
+    struct cone c, *keep;
+    double r1, big = 0;
+
+    if (o->nreals < (straight ? 7 : 8))
+        return false;
+    rad_copy(c.p0, a);
+    rad_sub(c.axis, a + 3, a);
+    c.r0 = fabs(a[6]);
+    r1 = straight ? c.r0 : fabs(a[7]);
+    c.len = rad_normalize(c.axis);
+    for (int i = 0; i < 6; i++)
+        big += fabs(a[i]);
+    big += c.r0 + r1;
+    if (!(c.len > 0) || !(c.r0 + r1 > 0) || !(big < INFINITY))
+        return false;
+    rad_frame(c.x, c.y, c.axis);
+    c.k = (r1 - c.r0) / c.len;
+    c.slant = sqrt(1 + c.k * c.k);
+    cone_box(box, &c, r1);
+    keep = rad_arena_dup(arena, &c, sizeof c);
+    if (!keep) {
+        *nomem = true;
+        return false;
+    }
+    p->kind = PRIM_CONE;
+    p->v = (const double *)keep;
+    p->side = o->type == RAD_CONE || o->type == RAD_CYLINDER ? 1 : -1;
+    if (a[6] < 0 || (!straight && a[7] < 0))
+        p->side = (int8_t)-p->side; /* negative radii turn it inside out */
+    p->slack = (float)(RAD_GEOM_ROUND * big * 2);
+    return true;
+}
+
+/* Is t on the ray's stretch, and between the ends? */
+static bool
+between(double t, double tmin, double tmax, double h, double rise,
+        const struct cone *c, double err)
+{
+    double at = h + t * rise;
+
+    return t > tmin && t < tmax && at >= -err && at <= c->len + err;
+}
+
+bool
+rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
+             double tmax, double *t)
+{
+    const struct cone *c = (const struct cone *)p->v;
+    double o[3];
+
+    rad_sub(o, r->org, c->p0);
+    double fx = rad_dot(o, c->x), fy = rad_dot(o, c->y);
+    double dx = rad_dot(r->dir, c->x), dy = rad_dot(r->dir, c->y);
+    double h = rad_dot(o, c->axis), rise = rad_dot(r->dir, c->axis);
+    double w = c->r0 + c->k * h, m = c->k * rise;
+    double ex = w * dx - m * fx, ey = w * dy - m * fy;
+    double cross = fx * dy - fy * dx;
+    double disc = ex * ex + ey * ey - cross * cross;
+
+    if (!(disc >= 0))
+        return false;
+    double B = w * m - (fx * dx + fy * dy);
+    double q = B + copysign(sqrt(disc), B);
+    double t0 = (fx * fx + fy * fy - w * w) / q;
+    double t1 = q / (dx * dx + dy * dy - m * m);
+    double err = RAD_GEOM_ROUND * r->size + p->slack;
+
+    /* either may be infinite or NaN: comparisons refuse it */
+    *t = t0 < t1 ? t0 : t1;
+    if (between(*t, tmin, tmax, h, rise, c, err))
+        return true;
+    *t = t0 < t1 ? t1 : t0;
+    return between(*t, tmin, tmax, h, rise, c, err);
+}
+
+void
+rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
+                 struct rad_hit *hit)
+{
+    const struct cone *c = (const struct cone *)p->v;
+    double d[3], radial[3], h;
+
+    rad_madd(hit->p, r->org, hit->t, r->dir);
+    rad_sub(d, hit->p, c->p0);
+    h = fmin(fmax(rad_dot(d, c->axis), 0), c->len);
+    rad_madd(radial, d, -rad_dot(d, c->axis), c->axis);
+    if (!(rad_normalize(radial) > 0))
+        rad_copy(radial, c->x); /* at the apex any will do */
+    rad_madd(hit->p, c->p0, h, c->axis);
+    rad_madd(hit->p, hit->p, fmax(c->r0 + c->k * h, 0), radial);
+    for (int i = 0; i < 3; i++)
+        hit->n[i] = p->side * (radial[i] - c->k * c->axis[i]) / c->slant;
+    hit->err = p->slack;
+}

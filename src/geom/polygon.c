@@ -1,0 +1,162 @@
+/* polygon.c - flat faces of any number of vertices, concave or with holes
+ *
+ * A face is inside out where its edges cross the ray an odd number of times to
+ * one side; so seams (edges run both ways, by which the scene language makes
+ * holes) cancel, repeated vertices do not matter, and no triangulation is
+ * needed.  The test is made in the plane across the ray after the shear of
+ * Woop, Benthin & Wald 2013 (Watertight ray/triangle intersection): a vertex's
+ * place there depends on ray and vertex alone, and the side of an edge is
+ * decided from products that are bitwise the same for a->b and b->a.  Two
+ * faces that share an edge therefore agree on it, rounding or not: the ray
+ * meets an odd number of the faces on either side, never none.
+ *
+ * The distance comes from the plane (Newell's normal; mean offset, for faces
+ * that are not quite flat), held between the nearest and the farthest vertex
+ * along the ray: in a face seen edge-on the quotient would be noise. */
+#include "config.h"
+
+#include "geom/prim.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+
+/* Vertices of a frozen octree keep 31 bits of mantissa, so a flat face may
+ * come back warped by this much of its coordinates; what goes beyond is the
+ * author's and no rounding error. */
+#define STORED_ROUND 0x1p-30
+
+/* Twice the area times the normal (sum of the fan's cross products around the
+ * first vertex) and the largest distance from it. */
+static double
+area_vector(double n[3], const double *v, int nv)
+{
+    double a[3], b[3], c[3], far2 = 0;
+
+    n[0] = n[1] = n[2] = 0;
+    rad_sub(a, v + 3, v);
+    for (int i = 2; i < nv; i++) {
+        far2 = fmax(far2, rad_dot(a, a));
+        rad_sub(b, v + 3 * i, v);
+        rad_cross(c, a, b);
+        rad_madd(n, n, 1, c);
+        rad_copy(a, b);
+    }
+    return fmax(far2, rad_dot(a, a));
+}
+
+bool
+rad_polygon_make(struct rad_prim *p, struct rad_box *box,
+                 const struct rad_object *o)
+{
+    const double *v = o->reals;
+    int nv = o->nreals / 3;
+    double d[3], size2, mean = 0, low = 0, high = 0, big = 0, warp;
+
+    if (nv < 3)
+        return false;
+    size2 = area_vector(p->k, v, nv);
+    /* below this the normal is made of rounding errors alone */
+    if (!(rad_dot(p->k, p->k) > 0) ||
+        !(sqrt(rad_dot(p->k, p->k)) > nv * 0x1p-51 * size2) ||
+        !(rad_normalize(p->k) > 0))
+        return false;
+    rad_copy(box->lo, v);
+    rad_copy(box->hi, v);
+    for (int i = 0; i < nv; i++) {
+        double h;
+
+        rad_sub(d, v + 3 * i, v);
+        h = rad_dot(p->k, d);
+        mean += h / nv;
+        low = fmin(low, h);
+        high = fmax(high, h);
+        for (int j = 0; j < 3; j++) {
+            box->lo[j] = fmin(box->lo[j], v[3 * i + j]);
+            box->hi[j] = fmax(box->hi[j], v[3 * i + j]);
+            big = fmax(big, fabs(v[3 * i + j]));
+        }
+    }
+    p->k[3] = rad_dot(p->k, v) + mean;
+    if (!(fabs(p->k[3]) <= big * 4 && big < INFINITY))
+        return false; /* not a number somewhere */
+    p->kind = PRIM_POLYGON;
+    p->v = v;
+    p->nv = nv;
+    warp = fmax(high - mean, mean - low);
+    for (int j = 0; j < 3; j++) { /* points lie on the mean plane */
+        box->lo[j] -= warp * fabs(p->k[j]);
+        box->hi[j] += warp * fabs(p->k[j]);
+    }
+    p->slack =
+        (float)(RAD_GEOM_ROUND * 3 * big + fmin(warp, STORED_ROUND * big));
+    return true;
+}
+
+/* Does the ray pass inside?  [*zlo, *zhi] gets the span of the vertices along
+ * axis kz, from the origin. */
+static bool
+inside(const double *v, int nv, const struct rad_probe *r, double *zlo,
+       double *zhi)
+{
+    const double *a = v + 3 * (nv - 1);
+    double az = a[r->kz] - r->org[r->kz];
+    double ax = a[r->kx] - r->org[r->kx] - r->sx * az;
+    double ay = a[r->ky] - r->org[r->ky] - r->sy * az;
+    double lo = az, hi = az;
+    bool odd = false;
+
+    for (int i = 0; i < nv; i++) {
+        const double *b = v + 3 * i;
+        double bz = b[r->kz] - r->org[r->kz];
+        double bx = b[r->kx] - r->org[r->kx] - r->sx * bz;
+        double by = b[r->ky] - r->org[r->ky] - r->sy * bz;
+
+        /* does a-b cross the positive x axis?  ax*by and ay*bx swap when
+         * the edge is walked the other way, and so does the comparison */
+        if ((ay > 0) != (by > 0))
+            odd ^= by > ay ? ax * by > ay * bx : ax * by < ay * bx;
+        lo = bz < lo ? bz : lo;
+        hi = bz > hi ? bz : hi;
+        ax = bx;
+        ay = by;
+    }
+    *zlo = lo;
+    *zhi = hi;
+    return odd;
+}
+
+bool
+rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
+                double tmin, double tmax, double *t)
+{
+    double den = rad_dot(p->k, r->dir);
+    double num = p->k[3] - rad_dot(p->k, r->org);
+    double err = RAD_GEOM_ROUND * r->size + p->slack;
+    double zlo, zhi, s;
+
+    if (den < 0) {
+        den = -den;
+        num = -num;
+    }
+    /* out of reach whatever the rounding; t itself can wait */
+    if (!(num >= tmin * den - err && num <= tmax * den + err))
+        return false;
+    if (!inside(p->v, p->nv, r, &zlo, &zhi))
+        return false;
+    zlo *= r->sz;
+    zhi *= r->sz;
+    s = num / den;
+    s = fmin(fmax(s, fmin(zlo, zhi)), fmax(zlo, zhi));
+    *t = s;
+    return s > tmin && s < tmax;
+}
+
+void
+rad_plane_surface(const struct rad_prim *p, const struct rad_probe *r,
+                  struct rad_hit *hit)
+{
+    rad_madd(hit->p, r->org, hit->t, r->dir);
+    rad_copy(hit->n, p->k);
+    hit->err = RAD_GEOM_ROUND * (r->size + hit->t) + p->slack;
+}

@@ -1,0 +1,101 @@
+/* prim.c - what all families of surfaces share */
+#include "config.h"
+
+#include "geom/prim.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+void
+rad_probe_init(struct rad_probe *r, const struct rad_span *span)
+{
+    double ax = fabs(span->dir[0]), ay = fabs(span->dir[1]);
+    double az = fabs(span->dir[2]);
+
+    rad_copy(r->org, span->org);
+    rad_copy(r->dir, span->dir);
+    r->size = fabs(r->org[0]) + fabs(r->org[1]) + fabs(r->org[2]);
+    r->kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
+    r->kx = r->kz == 2 ? 0 : r->kz + 1;
+    r->ky = r->kx == 2 ? 0 : r->kx + 1;
+    r->sz = 1 / r->dir[r->kz];
+    r->sx = r->dir[r->kx] * r->sz;
+    r->sy = r->dir[r->ky] * r->sz;
+}
+
+bool
+rad_prim_has(enum rad_otype type)
+{
+    switch (type) {
+    case RAD_POLYGON:
+    case RAD_SPHERE:
+    case RAD_BUBBLE:
+    case RAD_CONE:
+    case RAD_CUP:
+    case RAD_CYLINDER:
+    case RAD_TUBE:
+    case RAD_RING:
+        return true;
+    default:
+        return false;
+    }
+}
+
+bool
+rad_prim_make(struct rad_prim *p, struct rad_box *box,
+              const struct rad_object *o, struct rad_arena *arena, bool *nomem)
+{
+    bool good;
+
+    memset(p, 0, sizeof *p);
+    switch (o->type) {
+    case RAD_POLYGON:
+        good = rad_polygon_make(p, box, o);
+        break;
+    case RAD_SPHERE:
+    case RAD_BUBBLE:
+        good = rad_sphere_make(p, box, o);
+        break;
+    case RAD_CONE:
+    case RAD_CUP:
+    case RAD_CYLINDER:
+    case RAD_TUBE:
+        good = rad_cone_make(p, box, o, arena, nomem);
+        break;
+    case RAD_RING:
+        good = rad_ring_make(p, box, o);
+        break;
+    default:
+        return false;
+    }
+    if (good) {
+        /* float rounds to nearest: one step up keeps it a bound */
+        p->slack = nextafterf(p->slack, INFINITY);
+        for (int i = 0; i < 3; i++) {
+            box->lo[i] -= p->slack;
+            box->hi[i] += p->slack;
+        }
+    }
+    return good;
+}
+
+void
+rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r, double t,
+                 struct rad_hit *hit)
+{
+    hit->t = t;
+    hit->obj = p->obj;
+    hit->uv[0] = hit->uv[1] = 0;
+    switch (p->kind) {
+    case PRIM_SPHERE:
+        rad_sphere_surface(p, r, hit);
+        break;
+    case PRIM_CONE:
+        rad_cone_surface(p, r, hit);
+        break;
+    default:
+        rad_plane_surface(p, r, hit);
+    }
+}

@@ -1,0 +1,120 @@
+/* prim.h - one surface, ready to be met by a ray (inside geom/ only)
+ *
+ * Each family of surfaces (polygon.c sphere.c cone.c ring.c) offers the same
+ * three functions:
+ *   rad_X_make     compile an object; false if it is degenerate (no area)
+ *   rad_X_hit      the first t in (tmin, tmax) where the ray meets it
+ *   rad_X_surface  point, normal and error bound of a hit found by rad_X_hit
+ *
+ * Rounding.  u = 2^-53 is the unit roundoff of double.  Every computed
+ * distance to a surface is a sum of a few products, each bounded by one of
+ * |org|_1, t, or a coordinate of the surface, and each rounded fewer than
+ * eight times; so its error is below
+ *      RAD_GEOM_ROUND * (|org|_1 + t + |coordinates|),   RAD_GEOM_ROUND = 8u
+ * (the running error analysis of Higham 2002, Accuracy and Stability of
+ * Numerical Algorithms, section 3.3, as applied to rays in Pharr, Jakob &
+ * Humphreys, Physically Based Rendering, 4th ed., section 6.8).  The last
+ * term does not depend on the ray and is kept as `slack`. */
+#ifndef RAD_GEOM_PRIM_H
+#define RAD_GEOM_PRIM_H
+
+#include "base/arena.h"
+#include "geom/geom.h"
+#include "scene/scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define RAD_GEOM_ROUND 0x1p-50
+
+enum rad_prim_kind {
+    PRIM_POLYGON,
+    PRIM_SPHERE,
+    PRIM_CONE, /* cone, cup, cylinder, tube */
+    PRIM_RING
+};
+
+struct rad_prim {
+    double k[4];     /* polygon, ring: unit normal n and n.p of the plane;
+                      * sphere: centre and radius; cone: unused */
+    const double *v; /* polygon: vertices; ring: arguments; cone: see cone.c */
+    int32_t obj;     /* index in the scene */
+    int32_t nv;      /* polygon: number of vertices */
+    float slack;     /* bound of the error that its own numbers bring */
+    uint8_t kind;    /* enum rad_prim_kind */
+    uint8_t surf;    /* RAD_SURF_ bits of the object */
+    int8_t side;     /* sphere, cone: 1 normal outward, -1 inward */
+};
+
+/* A ray with what every test needs of it, worked out once. */
+struct rad_probe {
+    double org[3], dir[3];
+    double size;       /* |org|_1 */
+    int kx, ky, kz;    /* axes; dir is longest along kz */
+    double sx, sy, sz; /* shear that turns dir into the kz axis */
+};
+
+/* Bounds of a surface, widened by its slack. */
+struct rad_box {
+    double lo[3], hi[3];
+};
+
+void rad_probe_init(struct rad_probe *r, const struct rad_span *span);
+
+/* Is this a type of surface that has a family here? */
+bool rad_prim_has(enum rad_otype type);
+
+/* Compile object o.  False: it has no area, or is no surface; or
+ * memory ran out, which sets *nomem. */
+bool rad_prim_make(struct rad_prim *p, struct rad_box *box,
+                   const struct rad_object *o, struct rad_arena *arena,
+                   bool *nomem);
+
+bool rad_polygon_make(struct rad_prim *p, struct rad_box *box,
+                      const struct rad_object *o);
+bool rad_sphere_make(struct rad_prim *p, struct rad_box *box,
+                     const struct rad_object *o);
+bool rad_ring_make(struct rad_prim *p, struct rad_box *box,
+                   const struct rad_object *o);
+bool rad_cone_make(struct rad_prim *p, struct rad_box *box,
+                   const struct rad_object *o, struct rad_arena *arena,
+                   bool *nomem);
+
+bool rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
+                     double tmin, double tmax, double *t);
+bool rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r,
+                    double tmin, double tmax, double *t);
+bool rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r,
+                  double tmin, double tmax, double *t);
+bool rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r,
+                  double tmin, double tmax, double *t);
+
+/* hit->t is set on entry; sets p, n, err. */
+void rad_plane_surface(const struct rad_prim *p, const struct rad_probe *r,
+                       struct rad_hit *hit);
+void rad_sphere_surface(const struct rad_prim *p, const struct rad_probe *r,
+                        struct rad_hit *hit);
+void rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
+                      struct rad_hit *hit);
+
+/* All of *hit for a hit at t. */
+void rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r,
+                      double t, struct rad_hit *hit);
+
+static inline bool
+rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
+             double tmax, double *t)
+{
+    switch (p->kind) {
+    case PRIM_POLYGON:
+        return rad_polygon_hit(p, r, tmin, tmax, t);
+    case PRIM_SPHERE:
+        return rad_sphere_hit(p, r, tmin, tmax, t);
+    case PRIM_CONE:
+        return rad_cone_hit(p, r, tmin, tmax, t);
+    default:
+        return rad_ring_hit(p, r, tmin, tmax, t);
+    }
+}
+
+#endif

@@ -1,0 +1,62 @@
+/* ring.c - flat ring or disk
+ *
+ * The point where the ray meets the plane must lie between the radii, each
+ * widened by the error of that point, so that a ring which closes a cylinder
+ * leaves no gap along the rim. */
+#include "config.h"
+
+#include "geom/prim.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+
+bool
+rad_ring_make(struct rad_prim *p, struct rad_box *box,
+              const struct rad_object *o)
+{
+    const double *a = o->reals; /* centre, normal, radii */
+    double r, big = 0;
+
+    if (o->nreals < 8)
+        return false;
+    r = fmax(a[6], a[7]);
+    rad_copy(p->k, a + 3);
+    if (!(r > 0 && r < INFINITY) || !(a[6] != a[7]) ||
+        !(rad_normalize(p->k) > 0))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        double h = r * sqrt(fmax(0, 1 - p->k[i] * p->k[i]));
+
+        big += fabs(a[i]);
+        box->lo[i] = a[i] - h;
+        box->hi[i] = a[i] + h;
+    }
+    if (!(big < INFINITY))
+        return false;
+    p->k[3] = rad_dot(p->k, a);
+    p->kind = PRIM_RING;
+    p->v = a;
+    /* 1 - n^2 cancels where n is near an axis: half of the digits */
+    p->slack = (float)(RAD_GEOM_ROUND * (big + r));
+    return true;
+}
+
+bool
+rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
+             double tmax, double *t)
+{
+    double den = rad_dot(p->k, r->dir);
+    double d[3], rho, err, r0, r1;
+
+    *t = (p->k[3] - rad_dot(p->k, r->org)) / den;
+    if (!(*t > tmin && *t < tmax))
+        return false;
+    for (int i = 0; i < 3; i++)
+        d[i] = r->org[i] - p->v[i] + *t * r->dir[i];
+    rho = sqrt(rad_dot(d, d));
+    err = RAD_GEOM_ROUND * (r->size + *t) + p->slack;
+    r0 = fmin(p->v[6], p->v[7]);
+    r1 = fmax(p->v[6], p->v[7]);
+    return rho >= r0 - err && rho <= r1 + err;
+}

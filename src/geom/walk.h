@@ -1,0 +1,173 @@
+/* walk.h - the walks through a tree, for one instruction set
+ *
+ * A kernel file defines, then includes this once:
+ *   WALK_TARGET   attribute that lets the compiler use the instruction set
+ *   WALK(name)    the name of a function in this kernel
+ *   WALK(boxes)   which lanes of a node the ray meets before limit, as bits,
+ *                 and where it enters them
+ * Everything that decides lies here, and a box test is the same IEEE
+ * operations in any width, so all kernels give the same bits. */
+
+struct WALK(entry) {
+    uint32_t child;
+    float enter;
+};
+
+/* How far behind the nearest hit another may tie with it: 2^-30 of the size of
+ * the numbers, ample for grazing faces; geom.c applies the bound proper. */
+static inline WALK_TARGET double
+WALK(window)(const struct rad_walk *w, double t)
+{
+    return 0x1p-30 * (w->probe.size + t);
+}
+
+static inline WALK_TARGET void
+WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = first; i < first + count; i++) {
+        double t, behind;
+
+        if (!rad_prim_hit(&w->prims[i], &w->probe, w->tmin, w->cut, &t))
+            continue;
+        if (t > w->best ||
+            (t == w->best && w->prims[i].obj > w->prims[w->prim].obj)) {
+            w->tie = true;
+            continue;
+        }
+        behind = t + WALK(window)(w, t);
+        w->tie = w->best <= behind;
+        w->best = t;
+        w->prim = i;
+        w->cut = behind < w->tmax ? behind : w->tmax;
+    }
+}
+
+/* The top of the stack is the nearest of what was pushed. */
+static inline WALK_TARGET int
+WALK(push_sorted)(struct WALK(entry) * stack, int n,
+                  const struct rad_bvh_node *node, unsigned mask,
+                  const float *enter)
+{
+    int base = n;
+
+    for (; mask; mask &= mask - 1) {
+        int lane = __builtin_ctz(mask), i = n++;
+
+        for (; i > base && stack[i - 1].enter < enter[lane]; i--)
+            stack[i] = stack[i - 1];
+        stack[i].child = node->child[lane];
+        stack[i].enter = enter[lane];
+    }
+    return n;
+}
+
+static WALK_TARGET void
+WALK(nearest)(struct rad_walk *w)
+{
+    struct WALK(entry) stack[RAD_BVH_STACK];
+    float limit = rad_bvh_limit(w->bvh, w->cut), enter[RAD_BVH_WIDTH];
+    uint64_t tests = 0, nodes = 0;
+    int n = 1;
+
+    stack[0].child = 0;
+    stack[0].enter = 0;
+    while (n > 0) {
+        uint32_t child = stack[--n].child;
+
+        if (stack[n].enter > limit)
+            continue;
+        if (child & RAD_BVH_LEAF) {
+            uint32_t count = (child >> RAD_BVH_SHIFT & 7) + 1;
+            double cut = w->cut;
+
+            WALK(leaf_nearest)(w, child & (RAD_BVH_MAX_ITEMS - 1), count);
+            if (w->cut < cut)
+                limit = rad_bvh_limit(w->bvh, w->cut);
+            tests += count;
+        } else {
+            const struct rad_bvh_node *node = &w->bvh->nodes[child];
+            unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
+
+            nodes++;
+            n = WALK(push_sorted)(stack, n, node, mask, enter);
+        }
+    }
+    w->tests += tests;
+    w->nodes += nodes;
+}
+
+static inline WALK_TARGET bool
+WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    double t;
+
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct rad_prim *p = &w->prims[i];
+
+        if (!(p->surf & RAD_SURF_OPAQUE) || p->obj == w->skip)
+            continue;
+        w->tests++;
+        if (rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t)) {
+            w->prim = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static inline WALK_TARGET bool
+WALK(leaf_all)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    double t;
+
+    w->tests += count;
+    for (uint32_t i = first; i < first + count; i++)
+        if (rad_prim_hit(&w->prims[i], &w->probe, w->tmin, w->cut, &t))
+            w->offer(w, i, t);
+    return false;
+}
+
+/* In the order of the lanes (biggest first), until leaf says true. */
+static inline WALK_TARGET __attribute__((always_inline)) bool
+WALK(visit)(struct rad_walk *w,
+            bool (*leaf)(struct rad_walk *, uint32_t, uint32_t))
+{
+    uint32_t stack[RAD_BVH_STACK];
+    float limit = rad_bvh_limit(w->bvh, w->cut), enter[RAD_BVH_WIDTH];
+    int n = 1;
+
+    stack[0] = 0;
+    while (n > 0) {
+        uint32_t child = stack[--n];
+
+        if (child & RAD_BVH_LEAF) {
+            if (leaf(w, child & (RAD_BVH_MAX_ITEMS - 1),
+                     (child >> RAD_BVH_SHIFT & 7) + 1))
+                return true;
+        } else {
+            const struct rad_bvh_node *node = &w->bvh->nodes[child];
+            unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
+
+            w->nodes++;
+            while (mask) { /* the first lane ends on top */
+                int lane = 31 - __builtin_clz(mask);
+
+                stack[n++] = node->child[lane];
+                mask ^= 1u << lane;
+            }
+        }
+    }
+    return false;
+}
+
+static WALK_TARGET bool
+WALK(any)(struct rad_walk *w)
+{
+    return WALK(visit)(w, WALK(leaf_any));
+}
+
+static WALK_TARGET void
+WALK(all)(struct rad_walk *w)
+{
+    WALK(visit)(w, WALK(leaf_all));
+}

@@ -1,0 +1,43 @@
+/* walk_plain.c - the walks in plain C, for any processor */
+#include "config.h"
+
+#include "geom/kernel.h"
+
+#define WALK_TARGET
+#define WALK(name) plain_##name
+
+static inline unsigned
+plain_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
+            float limit, float enter[RAD_BVH_WIDTH])
+{
+    unsigned mask = 0;
+
+    for (int i = 0; i < RAD_BVH_WIDTH; i++) {
+        float in = r->tmin, out = INFINITY;
+
+        for (int a = 0; a < 3; a++) {
+            const float(*b)[RAD_BVH_WIDTH] = node->bound[a];
+            float near = (b[r->enter[a]][i] - r->org[a][0]) * r->inv[a];
+            float far = (b[!r->enter[a]][i] - r->org[a][1]) * r->inv[a];
+
+            in = near > in ? near : in;
+            out = far < out ? far : out;
+        }
+        out *= RAD_BVH_WIDEN;
+        enter[i] = in;
+        mask |= (unsigned)(in <= out && in <= limit) << i;
+    }
+    return mask;
+}
+
+#include "geom/walk.h"
+
+static bool
+usable(void)
+{
+    return true;
+}
+
+const struct rad_kernel rad_kernel_plain = {
+    "plain", usable, plain_nearest, plain_any, plain_all,
+};

@@ -1,0 +1,173 @@
+/* check_bvh.c - the tree finds what testing every surface finds */
+#include "config.h"
+
+#include "geom/bvh.h"
+#include "geom/geom.h"
+#include "geom_scene.h"
+#include "unit.h"
+
+#include <math.h>
+
+enum { NSURFACES = 600, NRAYS = 4000 };
+
+/* A surface of any family, somewhere in a box of half-width size around c. */
+static void
+add_random(struct geom_scene *g, uint64_t key, double size, const double c[3])
+{
+    static const enum rad_otype types[] = {
+        RAD_POLYGON, RAD_SPHERE, RAD_BUBBLE,   RAD_CONE, RAD_CUP,
+        RAD_POLYGON, RAD_RING,   RAD_CYLINDER, RAD_TUBE, RAD_POLYGON
+    };
+    enum rad_otype type = types[(int)geom_rand(key, 0, 0, 10)];
+    double e = size * geom_rand(key, 1, .01, .2), v[15];
+    int n = 9;
+
+    for (int i = 0; i < 3; i++)
+        v[i] = c[i] + geom_rand(key, (uint32_t)(2 + i), -size, size);
+    for (int i = 3; i < 12; i++)
+        v[i] = v[i % 3] + geom_rand(key, (uint32_t)(2 + i), -e, e);
+    switch (type) {
+    case RAD_SPHERE:
+    case RAD_BUBBLE:
+        v[3] = e;
+        n = 4;
+        break;
+    case RAD_RING:
+        geom_rand_dir(key, 20, v + 3);
+        v[6] = e * geom_rand(key, 22, 0, .9);
+        v[7] = e;
+        n = 8;
+        break;
+    case RAD_CYLINDER:
+    case RAD_TUBE:
+        v[6] = e * .5;
+        n = 7;
+        break;
+    case RAD_CONE:
+    case RAD_CUP:
+        v[6] = e * geom_rand(key, 22, 0, 1);
+        v[7] = e * geom_rand(key, 23, 0, 1);
+        n = 8;
+        break;
+    default:
+        if (geom_rand(key, 24, 0, 1) < .5) { /* a parallelogram */
+            n = 12;
+            for (int i = 0; i < 3; i++)
+                v[9 + i] = v[i] + v[6 + i] - v[3 + i];
+        }
+    }
+    geom_scene_add(g, type, RAD_VOID,
+                   geom_rand(key, 25, 0, 1) < .7 ? RAD_SURF_OPAQUE
+                                                 : RAD_SURF_TRANSPARENT,
+                   v, n);
+}
+
+static const struct {
+    double size, offset;
+} place[] = {
+    { 1, 0 }, { 1e-6, 0 }, { 1e9, 0 }, { 1, 1e9 }, { 1e3, -1e9 }, { 1e-6, 1 },
+};
+
+/* What testing each surface by itself says. */
+static bool
+nearest_of_all(const struct rad_geom *geom, int n, const struct rad_span *span,
+               struct rad_hit *best)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_hit hit;
+
+    best->obj = RAD_VOID;
+    best->t = INFINITY;
+    for (int i = 0; i < n; i++)
+        if (rad_geom_hit_object(geom, i, span, &hit, &counts) &&
+            hit.t < best->t)
+            *best = hit;
+    return best->obj != RAD_VOID;
+}
+
+static bool
+any_of_all(const struct rad_geom *geom, const struct geom_scene *g,
+           const struct rad_span *span, int32_t skip)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_hit hit;
+
+    for (int i = 0; i < g->scene.nobjects; i++)
+        if (i != skip && g->surf[i] & RAD_SURF_OPAQUE &&
+            rad_geom_hit_object(geom, i, span, &hit, &counts))
+            return true;
+    return false;
+}
+
+static struct rad_span
+random_ray(uint64_t key, double size, const double c[3])
+{
+    static const double axis[6][3] = {
+        { 1, 0, 0 },  { 0, 1, 0 },  { 0, 0, 1 },
+        { 0, 0, -1 }, { 0, -1, 0 }, { -1, 0, 0 }
+    };
+    struct rad_span s = { .tmin = 0, .tmax = INFINITY };
+
+    for (int i = 0; i < 3; i++)
+        s.org[i] = c[i] + geom_rand(key, (uint32_t)i, -2 * size, 2 * size);
+    geom_rand_dir(key, 4, s.dir);
+    if (rad_rand(key, 6) < .3) /* along an axis: no slope in two others */
+        rad_copy(s.dir, axis[(int)geom_rand(key, 7, 0, 6)]);
+    if (rad_rand(key, 8) < .3)
+        s.tmax = size * rad_rand(key, 9);
+    if (rad_rand(key, 10) < .2)
+        s.tmin = size * rad_rand(key, 11);
+    return s;
+}
+
+START_TEST(tree_finds_what_testing_all_finds)
+{
+    double size = place[_i].size, off = place[_i].offset;
+    const double c[3] = { off, -off, off };
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    int hits = 0, blocked = 0;
+
+    geom_scene_init(&g, NSURFACES, NSURFACES * 12);
+    for (uint64_t i = 0; i < NSURFACES; i++)
+        add_random(&g, rad_key_branch(7, i), size, c);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < NRAYS; i++) {
+        uint64_t key = rad_key_branch(99, i);
+        struct rad_span s = random_ray(key, size, c);
+        struct rad_hit hit, want;
+        int32_t skip = (int32_t)geom_rand(key, 12, -1, NSURFACES);
+        bool met = nearest_of_all(geom, NSURFACES, &s, &want);
+        bool shadow = any_of_all(geom, &g, &s, skip);
+
+        ck_assert_int_eq(rad_geom_nearest(geom, &s, &hit, &counts), met);
+        ck_assert_msg(hit.obj == want.obj, "ray %d: %d, not %d (t %.17g %.17g)",
+                      (int)i, hit.obj, want.obj, hit.t, want.t);
+        if (met)
+            ck_assert(memcmp(&hit.t, &want.t, sizeof hit.t) == 0);
+        ck_assert_int_eq(rad_geom_occluded(geom, &s, skip, NULL, &counts),
+                         shadow);
+        hits += met;
+        blocked += shadow;
+    }
+    /* the rays did meet things, and not always */
+    ck_assert(hits > NRAYS / 20 && hits < NRAYS * 19 / 20);
+    ck_assert(blocked > NRAYS / 20 && blocked < hits);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("bvh");
+    TCase *tc = tcase_create("bvh");
+
+    tcase_set_timeout(tc, 120);
+    tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
+                        N_ELEM(place));
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
