@@ -1,1 +1,14 @@
-# see DESIGN; files of proto/, one a line
+# libproto, the codec of the protocol: bytes only
+noinst_LIBRARIES += libproto.a
+libproto_a_SOURCES = \
+	proto/frame.c \
+	proto/frame.h \
+	proto/message.c \
+	proto/message.def \
+	proto/message.h \
+	proto/wire.c \
+	proto/wire.h
+
+# what a program that uses libproto links with; librad (for its error codes)
+# comes after it
+LIBPROTO = libproto.a

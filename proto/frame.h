@@ -1,0 +1,47 @@
+/* frame.h - cutting a byte stream into messages
+ *
+ * A frame is a header of 16 bytes, big-endian: magic "RADD", u16 type, u16
+ * flags (0), u32 request id, u32 payload length; then the payload.  The reader
+ * checks magic, type against the session, and length against the type's limit
+ * as soon as the header is there, before it keeps a byte of the body; memory
+ * grows with the bytes that came, never with the length that was claimed.
+ * Thread: a reader belongs to one thread. */
+#ifndef FRAME_H
+#define FRAME_H
+
+#include "message.h"
+
+#define MSG_MAGIC 0x52414444u /* "RADD" */
+#define MSG_HEADER 16
+#define MSG_FRAME_MAX (MSG_HEADER + MSG_MAX)
+
+struct msg_header {
+    uint16_t type;
+    uint32_t request, length;
+};
+
+struct frame_reader {
+    enum msg_session session; /* the owner sets it when the state changes */
+    struct msg_header head;
+    bool have_head, bad;
+    uint8_t *buf;
+    size_t len, cap;
+};
+
+void frame_reader_init(struct frame_reader *r, enum msg_session session);
+void frame_reader_release(struct frame_reader *r);
+
+/* Take bytes from *data, of *n, until a message is whole or they are used up;
+ * both move on.  Returns 1 with *m unpacked (valid until the next call), 0
+ * when more bytes are needed, or a negative code with *err set: the stream is
+ * of no use from then on.
+ * Change r->session between calls, not later than the call that reads the
+ * next message. */
+int frame_read(struct frame_reader *r, const uint8_t **data, size_t *n,
+               struct msg *m, struct rad_error *err);
+
+/* Check a header; 0 or RAD_EPROTO. */
+int frame_header(struct msg_header *h, enum msg_session session,
+                 const uint8_t bytes[MSG_HEADER], struct rad_error *err);
+
+#endif

@@ -1,0 +1,987 @@
+/* message.c - the codec of every message
+ *
+ * A pair of short functions per body, entered by message.def in one table.
+ * Readers rely on wire_in's sticky error: a range that is wrong sets it. */
+#include "config.h"
+
+#include "message.h"
+
+#include "frame.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- parts that several messages have --- */
+
+static void
+put_job(struct wire_out *o, const uint8_t *job)
+{
+    static const uint8_t none[MSG_JOB];
+
+    wire_put_bytes(o, job ? job : none, MSG_JOB);
+}
+
+static void
+put_hash(struct wire_out *o, const uint8_t *hash)
+{
+    static const uint8_t none[MSG_HASH];
+
+    wire_put_bytes(o, hash ? hash : none, MSG_HASH);
+}
+
+/* A byte that must be below n. */
+static uint8_t
+get_below(struct wire_in *in, uint8_t n)
+{
+    uint8_t v = wire_get_u8(in);
+
+    if (v >= n)
+        in->bad = true;
+    return v;
+}
+
+static void
+must(struct wire_in *in, bool cond)
+{
+    if (!cond)
+        in->bad = true;
+}
+
+static void
+put_must(struct wire_out *o, bool cond)
+{
+    if (!cond)
+        o->bad = true;
+}
+
+/* Room for n > 0 entries in the message's own list; NULL (and bad) when memory
+ * is out.  n was checked against the payload, so this is bounded by it. */
+static void *
+list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
+{
+    if (n == 0)
+        return NULL;
+    if (m->list_size < n * entry) {
+        void *p = realloc(m->list, n * entry);
+
+        if (!p) {
+            in->bad = true;
+            return NULL;
+        }
+        m->list = p;
+        m->list_size = n * entry;
+    }
+    return m->list;
+}
+
+/* --- session --- */
+
+static void
+pack_hello(struct wire_out *o, const struct msg_hello *b)
+{
+    wire_put_u16(o, b->min);
+    wire_put_u16(o, b->max);
+    wire_put_u8(o, b->role);
+    wire_put_str(o, b->name, MSG_MAX_NAME);
+    wire_put_str(o, b->program, MSG_MAX_NAME);
+    wire_put_str(o, b->address, MSG_MAX_ADDRESS);
+    wire_put_u16(o, b->threads);
+    wire_put_u64(o, b->fingerprint);
+}
+
+static void
+unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
+{
+    (void)m;
+    b->min = wire_get_u16(in);
+    b->max = wire_get_u16(in);
+    b->role = wire_get_u8(in);
+    if (b->min > MSG_VERSION || b->max < MSG_VERSION) {
+        b->name = b->program = b->address = "";
+        wire_get_view(in, wire_left(in));
+        return;
+    }
+    must(in, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
+    b->name = wire_get_str(in, MSG_MAX_NAME);
+    b->program = wire_get_str(in, MSG_MAX_NAME);
+    b->address = wire_get_str(in, MSG_MAX_ADDRESS);
+    b->threads = wire_get_u16(in);
+    b->fingerprint = wire_get_u64(in);
+}
+
+static void
+pack_welcome(struct wire_out *o, const struct msg_welcome *b)
+{
+    wire_put_u16(o, b->version);
+    wire_put_u64(o, b->epoch);
+    wire_put_str(o, b->program, MSG_MAX_NAME);
+}
+
+static void
+unpack_welcome(struct wire_in *in, struct msg_welcome *b, struct msg *m)
+{
+    (void)m;
+    b->version = wire_get_u16(in);
+    b->epoch = wire_get_u64(in);
+    b->program = wire_get_str(in, MSG_MAX_NAME);
+}
+
+static void
+pack_refuse(struct wire_out *o, const struct msg_refuse *b)
+{
+    wire_put_u16(o, b->status);
+    wire_put_str(o, b->text, MSG_MAX_TEXT);
+}
+
+static void
+unpack_refuse(struct wire_in *in, struct msg_refuse *b, struct msg *m)
+{
+    (void)m;
+    b->status = wire_get_u16(in);
+    b->text = wire_get_str(in, MSG_MAX_TEXT);
+}
+
+static void
+pack_ping(struct wire_out *o, const struct msg_ping *b)
+{
+    wire_put_u64(o, b->progress);
+}
+
+static void
+unpack_ping(struct wire_in *in, struct msg_ping *b, struct msg *m)
+{
+    (void)m;
+    b->progress = wire_get_u64(in);
+}
+
+static void
+pack_bye(struct wire_out *o, const struct msg_bye *b)
+{
+    wire_put_str(o, b->text, MSG_MAX_TEXT);
+}
+
+static void
+unpack_bye(struct wire_in *in, struct msg_bye *b, struct msg *m)
+{
+    (void)m;
+    b->text = wire_get_str(in, MSG_MAX_TEXT);
+}
+
+/* --- store --- */
+
+static void
+pack_hashes(struct wire_out *o, const struct msg_hashes *b)
+{
+    put_must(o, b->n <= MSG_MAX_FILES);
+    if (o->bad)
+        return;
+    wire_put_u32(o, b->n);
+    wire_put_bytes(o, b->hash, (size_t)b->n * MSG_HASH);
+}
+
+static void
+unpack_hashes(struct wire_in *in, struct msg_hashes *b, struct msg *m)
+{
+    (void)m;
+    b->n = wire_get_count(in, MSG_HASH, MSG_MAX_FILES);
+    b->hash = wire_get_view(in, (size_t)b->n * MSG_HASH);
+}
+
+static bool
+chunk_fits(const struct msg_chunk *b)
+{
+    return b->offset <= b->total && b->len <= b->total - b->offset &&
+           (b->len > 0 || b->total == 0);
+}
+
+static void
+pack_chunk(struct wire_out *o, const struct msg_chunk *b)
+{
+    put_must(o, chunk_fits(b));
+    put_hash(o, b->hash);
+    wire_put_u64(o, b->offset);
+    wire_put_u64(o, b->total);
+    wire_put_blob(o, b->data, b->len, MSG_MAX_CHUNK);
+}
+
+static void
+unpack_chunk(struct wire_in *in, struct msg_chunk *b, struct msg *m)
+{
+    (void)m;
+    b->hash = wire_get_view(in, MSG_HASH);
+    b->offset = wire_get_u64(in);
+    b->total = wire_get_u64(in);
+    b->data = wire_get_blob(in, MSG_MAX_CHUNK, &b->len);
+    must(in, chunk_fits(b));
+}
+
+static void
+pack_have(struct wire_out *o, const struct msg_have *b)
+{
+    put_hash(o, b->hash);
+}
+
+static void
+unpack_have(struct wire_in *in, struct msg_have *b, struct msg *m)
+{
+    (void)m;
+    b->hash = wire_get_view(in, MSG_HASH);
+}
+
+/* --- jobs --- */
+
+#define FRAME_MIN 15 /* bytes of a frame with an empty view */
+
+static bool
+frame_fits(const struct msg_frame *f)
+{
+    return f->width >= 1 && f->width <= MSG_MAX_SIDE && f->height >= 1 &&
+           f->height <= MSG_MAX_SIDE;
+}
+
+static void
+pack_frames(struct wire_out *o, const struct msg_spec *b)
+{
+    put_must(o, b->nframes >= 1 && b->nframes <= MSG_MAX_FRAMES);
+    wire_put_u32(o, b->nframes);
+    for (uint32_t i = 0; i < b->nframes && !o->bad; i++) {
+        const struct msg_frame *f = &b->frames[i];
+
+        put_must(o, frame_fits(f));
+        wire_put_u32(o, f->number);
+        wire_put_u32(o, f->width);
+        wire_put_u32(o, f->height);
+        wire_put_str(o, f->view, MSG_MAX_VIEW);
+    }
+}
+
+static void
+unpack_frames(struct wire_in *in, struct msg_spec *b, struct msg *m)
+{
+    struct msg_frame *f;
+
+    b->nframes = wire_get_count(in, FRAME_MIN, MSG_MAX_FRAMES);
+    must(in, b->nframes >= 1);
+    b->frames = f = list_room(m, in, b->nframes, sizeof *f);
+    if (!f)
+        b->nframes = 0;
+    for (uint32_t i = 0; i < b->nframes; i++) {
+        f[i].number = wire_get_u32(in);
+        f[i].width = wire_get_u32(in);
+        f[i].height = wire_get_u32(in);
+        f[i].view = wire_get_str(in, MSG_MAX_VIEW);
+        must(in, frame_fits(&f[i]));
+    }
+}
+
+static bool
+spec_fits(const struct msg_spec *b)
+{
+    return (b->flags & ~MSG_JOB_FLAGS) == 0 && b->partition < MSG_NPART &&
+           b->order < MSG_NORDER;
+}
+
+static void
+pack_spec(struct wire_out *o, const struct msg_spec *b)
+{
+    put_must(o, spec_fits(b));
+    put_job(o, b->job);
+    put_hash(o, b->manifest);
+    wire_put_str(o, b->name, MSG_MAX_NAME);
+    wire_put_str(o, b->params, MSG_MAX_PARAMS);
+    wire_put_str(o, b->needs, MSG_MAX_NEEDS);
+    wire_put_str(o, b->estimate, MSG_MAX_NAME);
+    wire_put_u64(o, b->seed);
+    wire_put_i32(o, b->priority);
+    wire_put_u32(o, b->flags);
+    wire_put_u8(o, b->partition);
+    wire_put_u8(o, b->order);
+    wire_put_u32(o, b->windows);
+    wire_put_u32(o, b->objects);
+    wire_put_u64(o, b->bundle_bytes);
+    wire_put_f64(o, b->compile_s);
+    pack_hashes(o, &b->files);
+    pack_frames(o, b);
+}
+
+static void
+unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
+{
+    b->job = wire_get_view(in, MSG_JOB);
+    b->manifest = wire_get_view(in, MSG_HASH);
+    b->name = wire_get_str(in, MSG_MAX_NAME);
+    b->params = wire_get_str(in, MSG_MAX_PARAMS);
+    b->needs = wire_get_str(in, MSG_MAX_NEEDS);
+    b->estimate = wire_get_str(in, MSG_MAX_NAME);
+    b->seed = wire_get_u64(in);
+    b->priority = wire_get_i32(in);
+    b->flags = wire_get_u32(in);
+    b->partition = wire_get_u8(in);
+    b->order = wire_get_u8(in);
+    b->windows = wire_get_u32(in);
+    b->objects = wire_get_u32(in);
+    b->bundle_bytes = wire_get_u64(in);
+    b->compile_s = wire_get_f64(in);
+    must(in, spec_fits(b) && b->compile_s >= 0);
+    unpack_hashes(in, &b->files, m);
+    unpack_frames(in, b, m);
+}
+
+static void
+pack_accept(struct wire_out *o, const struct msg_accept *b)
+{
+    put_job(o, b->job);
+    wire_put_u8(o, b->again);
+}
+
+static void
+unpack_accept(struct wire_in *in, struct msg_accept *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->again = get_below(in, 2);
+}
+
+static void
+pack_progress(struct wire_out *o, const struct msg_progress *b)
+{
+    put_job(o, b->job);
+    wire_put_u8(o, b->state);
+    wire_put_u64(o, b->pixels_done);
+    wire_put_u64(o, b->pixels_total);
+    wire_put_u32(o, b->units_done);
+    wire_put_u32(o, b->units_total);
+    wire_put_u32(o, b->units_redone);
+    wire_put_f64(o, b->cost_done);
+    wire_put_f64(o, b->cost_total);
+    wire_put_u64(o, b->rays);
+    wire_put_u32(o, b->workers);
+    wire_put_u32(o, b->frames_ready);
+    wire_put_f64(o, b->elapsed_s);
+}
+
+static void
+unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->state = wire_get_u8(in);
+    b->pixels_done = wire_get_u64(in);
+    b->pixels_total = wire_get_u64(in);
+    b->units_done = wire_get_u32(in);
+    b->units_total = wire_get_u32(in);
+    b->units_redone = wire_get_u32(in);
+    b->cost_done = wire_get_f64(in);
+    b->cost_total = wire_get_f64(in);
+    b->rays = wire_get_u64(in);
+    b->workers = wire_get_u32(in);
+    b->frames_ready = wire_get_u32(in);
+    b->elapsed_s = wire_get_f64(in);
+}
+
+static void
+pack_done(struct wire_out *o, const struct msg_done *b)
+{
+    put_job(o, b->job);
+    wire_put_u32(o, b->frames);
+}
+
+static void
+unpack_done(struct wire_in *in, struct msg_done *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->frames = wire_get_u32(in);
+}
+
+static void
+pack_failed(struct wire_out *o, const struct msg_failed *b)
+{
+    put_job(o, b->job);
+    wire_put_u16(o, b->status);
+    wire_put_str(o, b->text, MSG_MAX_TEXT);
+}
+
+static void
+unpack_failed(struct wire_in *in, struct msg_failed *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->status = wire_get_u16(in);
+    b->text = wire_get_str(in, MSG_MAX_TEXT);
+}
+
+static void
+pack_jobid(struct wire_out *o, const struct msg_jobid *b)
+{
+    put_job(o, b->job);
+}
+
+static void
+unpack_jobid(struct wire_in *in, struct msg_jobid *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+}
+
+static void
+pack_fetch(struct wire_out *o, const struct msg_fetch *b)
+{
+    put_must(o, b->what < MSG_NWHAT);
+    put_job(o, b->job);
+    wire_put_u32(o, b->frame);
+    wire_put_u8(o, b->what);
+}
+
+static void
+unpack_fetch(struct wire_in *in, struct msg_fetch *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->frame = wire_get_u32(in);
+    b->what = get_below(in, MSG_NWHAT);
+}
+
+static void
+pack_query(struct wire_out *o, const struct msg_query *b)
+{
+    put_must(o, b->what < MSG_NQUERY);
+    wire_put_u8(o, b->what);
+    wire_put_str(o, b->text, MSG_MAX_NAME);
+}
+
+static void
+unpack_query(struct wire_in *in, struct msg_query *b, struct msg *m)
+{
+    (void)m;
+    b->what = get_below(in, MSG_NQUERY);
+    b->text = wire_get_str(in, MSG_MAX_NAME);
+}
+
+static void
+pack_answer(struct wire_out *o, const struct msg_answer *b)
+{
+    wire_put_blob(o, b->text, b->len, MSG_MAX - 4);
+}
+
+static void
+unpack_answer(struct wire_in *in, struct msg_answer *b, struct msg *m)
+{
+    (void)m;
+    b->text = wire_get_blob(in, MSG_MAX - 4, &b->len);
+}
+
+static void
+pack_worker(struct wire_out *o, const struct msg_worker *b)
+{
+    wire_put_str(o, b->name, MSG_MAX_NAME);
+}
+
+static void
+unpack_worker(struct wire_in *in, struct msg_worker *b, struct msg *m)
+{
+    (void)m;
+    b->name = wire_get_str(in, MSG_MAX_NAME);
+}
+
+/* --- work --- */
+
+static void
+pack_ready(struct wire_out *o, const struct msg_ready *b)
+{
+    put_job(o, b->job);
+    wire_put_f64(o, b->load_s);
+    wire_put_u64(o, b->fingerprint);
+    wire_put_u16(o, b->threads);
+}
+
+static void
+unpack_ready(struct wire_in *in, struct msg_ready *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->load_s = wire_get_f64(in);
+    b->fingerprint = wire_get_u64(in);
+    b->threads = wire_get_u16(in);
+    must(in, b->load_s >= 0 && b->threads >= 1);
+}
+
+static bool
+unit_fits(const struct msg_unit *b)
+{
+    return b->width >= 1 && b->width <= MSG_MAX_SIDE && b->height >= 1 &&
+           b->height <= MSG_MAX_SIDE && b->x <= MSG_MAX_SIDE - b->width &&
+           b->y <= MSG_MAX_SIDE - b->height;
+}
+
+static void
+pack_unit(struct wire_out *o, const struct msg_unit *b)
+{
+    put_must(o, unit_fits(b));
+    put_job(o, b->job);
+    wire_put_u32(o, b->unit);
+    wire_put_u32(o, b->attempt);
+    wire_put_u32(o, b->frame);
+    wire_put_u32(o, b->x);
+    wire_put_u32(o, b->y);
+    wire_put_u32(o, b->width);
+    wire_put_u32(o, b->height);
+}
+
+static void
+unpack_unit(struct wire_in *in, struct msg_unit *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->unit = wire_get_u32(in);
+    b->attempt = wire_get_u32(in);
+    b->frame = wire_get_u32(in);
+    b->x = wire_get_u32(in);
+    b->y = wire_get_u32(in);
+    b->width = wire_get_u32(in);
+    b->height = wire_get_u32(in);
+    must(in, unit_fits(b));
+}
+
+static void
+put_counts(struct wire_out *o, const struct msg_counts *c)
+{
+    wire_put_u64(o, c->rays);
+    wire_put_u64(o, c->primary_rays);
+    wire_put_u64(o, c->speculative_rays);
+    wire_put_u64(o, c->shadow_rays);
+    wire_put_u64(o, c->ambient_rays);
+    wire_put_u64(o, c->paint_rays);
+    wire_put_u64(o, c->estimate_rays);
+    wire_put_u64(o, c->intersection_tests);
+    wire_put_u64(o, c->ambient_values);
+    wire_put_u64(o, c->nan_pixels);
+    wire_put_f64(o, c->cpu_s);
+    wire_put_f64(o, c->wall_s);
+}
+
+static void
+get_counts(struct wire_in *in, struct msg_counts *c)
+{
+    c->rays = wire_get_u64(in);
+    c->primary_rays = wire_get_u64(in);
+    c->speculative_rays = wire_get_u64(in);
+    c->shadow_rays = wire_get_u64(in);
+    c->ambient_rays = wire_get_u64(in);
+    c->paint_rays = wire_get_u64(in);
+    c->estimate_rays = wire_get_u64(in);
+    c->intersection_tests = wire_get_u64(in);
+    c->ambient_values = wire_get_u64(in);
+    c->nan_pixels = wire_get_u64(in);
+    c->cpu_s = wire_get_f64(in);
+    c->wall_s = wire_get_f64(in);
+    must(in, c->cpu_s >= 0 && c->wall_s >= 0);
+}
+
+/* Bytes of a RESULT's pixels; false when they cannot be. */
+static bool
+result_bytes(const struct msg_result *b, size_t *n)
+{
+    if (b->rows < 1 || b->rows > MSG_MAX_SIDE || b->row > MSG_MAX_SIDE ||
+        b->width < 1 || b->width > MSG_MAX_SIDE ||
+        (b->channels != 3 && b->channels != 4))
+        return false;
+    *n = (size_t)b->rows * b->width * b->channels * 4; /* below 2^36 */
+    return *n <= MSG_MAX_PIXELS;
+}
+
+static void
+pack_result(struct wire_out *o, const struct msg_result *b)
+{
+    size_t n;
+
+    if (!result_bytes(b, &n)) {
+        o->bad = true;
+        return;
+    }
+    put_job(o, b->job);
+    wire_put_u32(o, b->unit);
+    wire_put_u32(o, b->attempt);
+    wire_put_u32(o, b->row);
+    wire_put_u32(o, b->rows);
+    wire_put_u32(o, b->width);
+    wire_put_u8(o, b->channels);
+    wire_put_u8(o, b->last);
+    if (b->last)
+        put_counts(o, &b->counts);
+    wire_put_bytes(o, b->pixels, n);
+}
+
+static void
+unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
+{
+    size_t n;
+
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->unit = wire_get_u32(in);
+    b->attempt = wire_get_u32(in);
+    b->row = wire_get_u32(in);
+    b->rows = wire_get_u32(in);
+    b->width = wire_get_u32(in);
+    b->channels = wire_get_u8(in);
+    b->last = get_below(in, 2);
+    if (b->last)
+        get_counts(in, &b->counts);
+    if (result_bytes(b, &n))
+        b->pixels = wire_get_view(in, n);
+    else
+        in->bad = true;
+}
+
+static void
+pack_ack(struct wire_out *o, const struct msg_ack *b)
+{
+    put_job(o, b->job);
+    wire_put_u32(o, b->unit);
+    wire_put_u32(o, b->attempt);
+    wire_put_u32(o, b->row);
+    wire_put_u32(o, b->rows);
+}
+
+static void
+unpack_ack(struct wire_in *in, struct msg_ack *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->unit = wire_get_u32(in);
+    b->attempt = wire_get_u32(in);
+    b->row = wire_get_u32(in);
+    b->rows = wire_get_u32(in);
+}
+
+static void
+pack_revoke(struct wire_out *o, const struct msg_revoke *b)
+{
+    put_job(o, b->job);
+    wire_put_u32(o, b->unit);
+    wire_put_u32(o, b->attempt);
+}
+
+static void
+unpack_revoke(struct wire_in *in, struct msg_revoke *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->unit = wire_get_u32(in);
+    b->attempt = wire_get_u32(in);
+}
+
+#define MAX_LOST 4096 /* units that one child can be at work on */
+
+static void
+pack_lost(struct wire_out *o, const struct msg_lost *b)
+{
+    put_must(o, b->nunits <= MAX_LOST);
+    put_job(o, b->job);
+    wire_put_str(o, b->text, MSG_MAX_TEXT);
+    wire_put_u32(o, b->nunits);
+    for (uint32_t i = 0; i < b->nunits && !o->bad; i++)
+        wire_put_u32(o, b->units[i]);
+}
+
+static void
+unpack_lost(struct wire_in *in, struct msg_lost *b, struct msg *m)
+{
+    uint32_t *u;
+
+    b->job = wire_get_view(in, MSG_JOB);
+    b->text = wire_get_str(in, MSG_MAX_TEXT);
+    b->nunits = wire_get_count(in, 4, MAX_LOST);
+    b->units = u = list_room(m, in, b->nunits, sizeof *u);
+    if (!u)
+        b->nunits = 0;
+    for (uint32_t i = 0; i < b->nunits; i++)
+        u[i] = wire_get_u32(in);
+}
+
+static void
+pack_tally(struct wire_out *o, const struct msg_tally *b)
+{
+    put_job(o, b->job);
+    wire_put_u64(o, b->ambient_sent);
+    wire_put_u64(o, b->ambient_received);
+    wire_put_u64(o, b->ambient_redundant);
+    wire_put_u64(o, b->peak_rss_bytes);
+    wire_put_u64(o, b->bytes_in);
+    wire_put_u64(o, b->bytes_out);
+    wire_put_f64(o, b->busy_s);
+}
+
+static void
+unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->ambient_sent = wire_get_u64(in);
+    b->ambient_received = wire_get_u64(in);
+    b->ambient_redundant = wire_get_u64(in);
+    b->peak_rss_bytes = wire_get_u64(in);
+    b->bytes_in = wire_get_u64(in);
+    b->bytes_out = wire_get_u64(in);
+    b->busy_s = wire_get_f64(in);
+    must(in, b->busy_s >= 0);
+}
+
+/* --- peers --- */
+
+#define PEER_MIN 26 /* bytes of a peer with empty strings */
+#define MAX_PEERS 4096
+
+static void
+pack_job_peers(struct wire_out *o, const struct msg_job_peers *b)
+{
+    put_must(o, b->npeers <= MAX_PEERS);
+    put_job(o, b->job);
+    wire_put_u32(o, b->npeers);
+    for (uint32_t i = 0; i < b->npeers && !o->bad; i++) {
+        wire_put_str(o, b->peers[i].name, MSG_MAX_NAME);
+        wire_put_str(o, b->peers[i].address, MSG_MAX_ADDRESS);
+        wire_put_bytes(o, b->peers[i].token, MSG_TOKEN);
+        wire_put_u32(o, b->peers[i].flags);
+    }
+}
+
+static void
+unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
+{
+    struct msg_peer *p;
+
+    b->job = wire_get_view(in, MSG_JOB);
+    b->npeers = wire_get_count(in, PEER_MIN, MAX_PEERS);
+    b->peers = p = list_room(m, in, b->npeers, sizeof *p);
+    if (!p)
+        b->npeers = 0;
+    for (uint32_t i = 0; i < b->npeers; i++) {
+        p[i].name = wire_get_str(in, MSG_MAX_NAME);
+        p[i].address = wire_get_str(in, MSG_MAX_ADDRESS);
+        p[i].token = wire_get_view(in, MSG_TOKEN);
+        p[i].flags = wire_get_u32(in);
+        must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE));
+    }
+}
+
+static void
+pack_peer_hello(struct wire_out *o, const struct msg_peer_hello *b)
+{
+    put_job(o, b->job);
+    wire_put_str(o, b->name, MSG_MAX_NAME);
+    wire_put_bytes(o, b->token, MSG_TOKEN);
+}
+
+static void
+unpack_peer_hello(struct wire_in *in, struct msg_peer_hello *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->name = wire_get_str(in, MSG_MAX_NAME);
+    b->token = wire_get_view(in, MSG_TOKEN);
+}
+
+static void
+pack_ambient(struct wire_out *o, const struct msg_ambient *b)
+{
+    wire_put_u32(o, b->to);
+    wire_put_u32(o, b->count);
+    wire_put_blob(o, b->data, b->len, MSG_MAX_AMBIENT);
+}
+
+static void
+unpack_ambient(struct wire_in *in, struct msg_ambient *b, struct msg *m)
+{
+    (void)m;
+    b->to = wire_get_u32(in);
+    b->count = wire_get_u32(in);
+    b->data = wire_get_blob(in, MSG_MAX_AMBIENT, &b->len);
+    must(in, b->count <= b->len);
+}
+
+static void
+pack_give(struct wire_out *o, const struct msg_give *b)
+{
+    wire_put_u32(o, b->to);
+}
+
+static void
+unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
+{
+    (void)m;
+    b->to = wire_get_u32(in);
+}
+
+/* --- the table --- */
+
+#define AT(session) (1u << MSG_AT_##session)
+#define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
+#define AT_PARENT (AT(PARENT_NEW) | AT(PARENT))
+/* wherever both sides have said who they are, over a network */
+#define AT_LIVE                                                              \
+    (AT(COORD_WORKER) | AT_COORD_CLIENT | AT(WORKER) | AT(CLIENT) | AT(PEER))
+
+struct row {
+    uint16_t type;
+    const char *name;
+    size_t limit;
+    unsigned at; /* bit per enum msg_session */
+    void (*pack)(struct wire_out *o, const struct msg *m);
+    void (*unpack)(struct wire_in *in, struct msg *m);
+};
+
+/* From the body's codec to one that takes the whole message. */
+#define MSG(NAME, lower, body, number, limit, at)                            \
+    static void msg_pack_##lower(struct wire_out *o, const struct msg *m)    \
+    {                                                                        \
+        pack_##body(o, &m->lower);                                           \
+    }                                                                        \
+    static void msg_unpack_##lower(struct wire_in *in, struct msg *m)        \
+    {                                                                        \
+        unpack_##body(in, &m->lower, m);                                     \
+    }
+#include "message.def"
+
+static const struct row rows[] = {
+#define MSG(NAME, lower, body, number, limit, at)                            \
+    { number, #NAME, limit, at, msg_pack_##lower, msg_unpack_##lower },
+#include "message.def"
+};
+
+#define NROWS (sizeof rows / sizeof rows[0])
+
+static const struct row *
+find_row(uint16_t type)
+{
+    for (size_t i = 0; i < NROWS; i++)
+        if (rows[i].type == type)
+            return &rows[i];
+    return NULL;
+}
+
+void
+msg_release(struct msg *m)
+{
+    free(m->list);
+    *m = (struct msg){ 0 };
+}
+
+int
+msg_pack(struct wire_out *out, const struct msg *m)
+{
+    const struct row *row = find_row(m->type);
+    size_t start = out->len;
+
+    if (!row || out->bad)
+        return RAD_EPROTO;
+    wire_put_u32(out, MSG_MAGIC);
+    wire_put_u16(out, m->type);
+    wire_put_u16(out, 0);
+    wire_put_u32(out, m->request);
+    wire_put_u32(out, 0);
+    row->pack(out, m);
+    if (!out->bad && out->len - start - MSG_HEADER > row->limit)
+        out->bad = true;
+    if (out->bad) {
+        out->len = start;
+        out->bad = false;
+        return RAD_EPROTO;
+    }
+    wire_set_u32(out, start + 12, (uint32_t)(out->len - start - MSG_HEADER));
+    return 0;
+}
+
+int
+msg_unpack(struct msg *m, uint16_t type, uint32_t request,
+           const uint8_t *payload, size_t n, struct rad_error *err)
+{
+    const struct row *row = find_row(type);
+    void *list = m->list;
+    size_t list_size = m->list_size;
+    struct wire_in in;
+
+    *m = (struct msg){ .type = type,
+                       .request = request,
+                       .list = list,
+                       .list_size = list_size };
+    if (!row)
+        return rad_fail(err, RAD_EPROTO, "unknown message %u", type);
+    wire_in_init(&in, payload, n);
+    row->unpack(&in, m);
+    if (in.bad)
+        return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes",
+                        row->name, n);
+    if (wire_left(&in) > 0)
+        return rad_fail(err, RAD_EPROTO, "%s has %zu bytes too many",
+                        row->name, wire_left(&in));
+    return 0;
+}
+
+const char *
+msg_name(uint16_t type)
+{
+    const struct row *row = find_row(type);
+
+    return row ? row->name : "?";
+}
+
+size_t
+msg_limit(uint16_t type)
+{
+    const struct row *row = find_row(type);
+
+    return row ? row->limit : 0;
+}
+
+bool
+msg_allowed(enum msg_session session, uint16_t type)
+{
+    const struct row *row = find_row(type);
+
+    return row && (row->at >> session & 1);
+}
+
+uint16_t
+msg_nth(size_t i)
+{
+    return i < NROWS ? rows[i].type : 0;
+}
+
+void
+msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX])
+{
+    static const char digit[] = "0123456789abcdef";
+
+    for (int i = 0; i < MSG_JOB; i++) {
+        hex[2 * i] = digit[job[i] >> 4];
+        hex[2 * i + 1] = digit[job[i] & 15];
+    }
+    hex[2 * MSG_JOB] = '\0';
+}
+
+static int
+hex_digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    if (c >= 'a' && c <= 'f')
+        return c - 'a' + 10;
+    return -1;
+}
+
+bool
+msg_job_parse(const char *hex, uint8_t job[MSG_JOB])
+{
+    if (strlen(hex) != 2 * MSG_JOB)
+        return false;
+    for (int i = 0; i < MSG_JOB; i++) {
+        int hi = hex_digit(hex[2 * i]), lo = hex_digit(hex[2 * i + 1]);
+
+        if (hi < 0 || lo < 0)
+            return false;
+        job[i] = (uint8_t)(hi << 4 | lo);
+    }
+    return true;
+}

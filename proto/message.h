@@ -1,0 +1,405 @@
+/* message.h - what coordinator, workers, users and children say to each other
+ *
+ * One struct per message, all in the tagged struct msg.  message.def lists
+ * them with their numbers, limits and where each may arrive; doc/protocol.md
+ * has their bytes.
+ *
+ * A message that was unpacked borrows: its strings and byte ranges point into
+ * the payload, its list (frames, peers, units) into msg.list.  Both are valid
+ * until the payload goes or the same struct msg is unpacked into again.
+ * Strings are never NULL, always terminated and UTF-8.
+ * Thread: a struct msg belongs to one thread. */
+#ifndef MESSAGE_H
+#define MESSAGE_H
+
+#include "base/error.h"
+#include "wire.h"
+
+#define MSG_VERSION 1
+#define MSG_MAX (1u << 20)        /* largest payload [bytes] */
+#define MSG_MAX_CHUNK (1u << 18)  /* most file bytes in a CHUNK */
+#define MSG_MAX_AMBIENT (1u << 17) /* most record bytes in an AMBIENT */
+#define MSG_MAX_PIXELS (MSG_MAX - 256) /* most pixel bytes in a RESULT */
+
+/* String limits [bytes, without the NUL]. */
+#define MSG_MAX_NAME 64
+#define MSG_MAX_ADDRESS 200
+#define MSG_MAX_TEXT 500
+#define MSG_MAX_NEEDS 1024
+#define MSG_MAX_PARAMS 4096
+#define MSG_MAX_VIEW 1024
+
+#define MSG_MAX_FILES 16384   /* hashes in one list */
+#define MSG_MAX_FRAMES 65536  /* of a job; the payload's limit comes first */
+#define MSG_MAX_SIDE 65535    /* columns or rows of a picture */
+
+#define MSG_HASH 32  /* bytes of a SHA-256 */
+#define MSG_JOB 16   /* bytes of a job's id */
+#define MSG_TOKEN 16 /* bytes of a peer's token */
+
+enum msg_type {
+#define MSG(NAME, name, body, number, limit, at) MSG_##NAME = number,
+#include "message.def"
+};
+
+/* Where a message arrives: who reads it, and in which state. */
+enum msg_session {
+    MSG_AT_COORD_NEW,    /* coordinator: a connection before its HELLO */
+    MSG_AT_COORD_WORKER, /* coordinator: from a worker */
+    MSG_AT_COORD_USER,   /* coordinator: from radsubmit or radctl */
+    MSG_AT_COORD_ADMIN,  /* coordinator: the same, of an admin */
+    MSG_AT_DIALLER,      /* worker or client: HELLO sent, no answer yet */
+    MSG_AT_WORKER,       /* worker: from the coordinator */
+    MSG_AT_CLIENT,       /* radsubmit, radctl: from the coordinator */
+    MSG_AT_PEER_NEW,     /* worker: a peer's connection before PEER-HELLO */
+    MSG_AT_PEER,         /* worker: from a peer of the same job */
+    MSG_AT_CHILD_NEW,    /* job's child: before JOB-START */
+    MSG_AT_CHILD,        /* job's child: from its radd */
+    MSG_AT_PARENT_NEW,   /* radd: from a child that is not READY yet */
+    MSG_AT_PARENT,       /* radd: from a child */
+    MSG_NSESSION
+};
+
+enum msg_role { MSG_ROLE_WORKER = 1, MSG_ROLE_USER, MSG_ROLE_ADMIN };
+
+enum msg_partition {
+    MSG_PART_AUTO,
+    MSG_PART_STATIC,
+    MSG_PART_SCANBAR,
+    MSG_PART_WINDOW,
+    MSG_NPART
+};
+
+enum msg_order {
+    MSG_ORDER_FORWARD,
+    MSG_ORDER_BACKWARD,
+    MSG_ORDER_RANDOM,
+    MSG_ORDER_COST,
+    MSG_NORDER
+};
+
+/* Flags of a job. */
+#define MSG_JOB_DEPTH (1u << 0)        /* distances are wanted */
+#define MSG_JOB_SHARE (1u << 1)        /* ambient records are shared */
+#define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing kept between frames */
+#define MSG_JOB_NO_BALANCE (1u << 3)
+#define MSG_JOB_SAME_BITS (1u << 4)    /* workers of one fingerprint only */
+#define MSG_JOB_FLAGS 31u              /* all of them */
+
+/* What FETCH asks for. */
+enum msg_what {
+    MSG_WHAT_PICTURE, /* bytes of FRAME.hdr */
+    MSG_WHAT_DEPTH,   /* distances, as floats in the machine's order */
+    MSG_WHAT_STATS,   /* JSON of the statistics */
+    MSG_WHAT_PREVIEW, /* a .hdr of the rows so far, black where none is */
+    MSG_NWHAT
+};
+
+/* What QUERY asks for; the answer is JSON. */
+enum msg_topic {
+    MSG_QUERY_STATUS,
+    MSG_QUERY_WORKERS,
+    MSG_QUERY_JOBS,
+    MSG_QUERY_JOB, /* text: the job's id, or the beginning of it, in hex */
+    MSG_NQUERY
+};
+
+/* --- session --- */
+
+/* When [min, max] leaves our version out, the fields after role are not read
+ * (another version may have others) and are empty. */
+struct msg_hello {
+    uint16_t min, max;     /* versions that the sender speaks */
+    uint8_t role;          /* enum msg_role that it asks for */
+    const char *name;      /* worker's name; may be empty for the others */
+    const char *program;   /* "radd 0.1.0" */
+    const char *address;   /* where peers dial it: "tcp 127.0.0.1:41234" or
+                            * "unix /path"; empty: nowhere */
+    uint16_t threads;      /* of a worker */
+    uint64_t fingerprint;  /* numeric fingerprint; 0 before a job is loaded */
+};
+
+struct msg_welcome {
+    uint16_t version;
+    uint64_t epoch; /* life of the coordinator */
+    const char *program;
+};
+
+/* status: of sysexits.h, here and below. */
+struct msg_refuse {
+    uint16_t status;
+    const char *text;
+};
+
+/* PING and PONG, which repeats the number. */
+struct msg_ping {
+    uint64_t progress; /* grows while the sender gets on with its work */
+};
+
+struct msg_bye {
+    const char *text;
+};
+
+/* --- store --- */
+
+/* OFFER, WANT, and part of a job's spec: hashes lie one after another, MSG_HASH
+ * bytes each. */
+struct msg_hashes {
+    uint32_t n;
+    const uint8_t *hash;
+};
+
+/* A piece of a file, or of the answer to a FETCH (then hash is zero and the
+ * request id says which).  Pieces come in order; the last ends at total; an
+ * empty file is one empty piece. */
+struct msg_chunk {
+    const uint8_t *hash;
+    uint64_t offset, total;
+    const uint8_t *data;
+    size_t len;
+};
+
+/* The file is stored whole. */
+struct msg_have {
+    const uint8_t *hash;
+};
+
+/* --- jobs --- */
+
+struct msg_frame {
+    uint32_t number;        /* 0 for a still, the view's number in an
+                             * animation */
+    uint32_t width, height; /* pixels */
+    const char *view;       /* rpict's view options */
+};
+
+/* SUBMIT, JOB-START: what a job is, the same for the coordinator, a worker and
+ * a child. */
+struct msg_spec {
+    const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
+    const uint8_t *manifest; /* hash of the bundle's manifest */
+    const char *name;
+    const char *params;      /* rad_params_format() */
+    const char *needs;       /* features the scene uses, blanks between */
+    const char *estimate;    /* --estimate, "uniform" by default */
+    uint64_t seed;
+    int32_t priority;
+    uint32_t flags;          /* MSG_JOB_... */
+    uint8_t partition;       /* enum msg_partition */
+    uint8_t order;           /* enum msg_order */
+    uint32_t windows;        /* 0: by the picture's size */
+    uint32_t objects;        /* in the scene, for the statistics */
+    uint64_t bundle_bytes;
+    double compile_s;
+    struct msg_hashes files; /* all of the bundle, the manifest among them */
+    uint32_t nframes;
+    const struct msg_frame *frames;
+};
+
+/* The job is in the queue, whole. */
+struct msg_accept {
+    const uint8_t *job;
+    uint8_t again; /* it was there already: attached to it */
+};
+
+struct msg_progress {
+    const uint8_t *job;
+    uint8_t state;         /* enum job_state of daemon/job.h: 0 waiting,
+                            * 1 running, 2 paused, 3 done, 4 failed,
+                            * 5 cancelled */
+    uint64_t pixels_done, pixels_total;
+    uint32_t units_done, units_total, units_redone;
+    double cost_done, cost_total; /* estimated; same unit for both */
+    uint64_t rays;
+    uint32_t workers;      /* that work on the job now */
+    uint32_t frames_ready; /* the first so many frames can be fetched */
+    double elapsed_s;      /* since the job was accepted */
+};
+
+struct msg_done {
+    const uint8_t *job;
+    uint32_t frames;
+};
+
+/* A job, or the request that this answers, failed; the job's id is zero when
+ * it is about none. */
+struct msg_failed {
+    const uint8_t *job;
+    uint16_t status;
+    const char *text;
+};
+
+/* CANCEL, PAUSE, RESUME, JOB-END. */
+struct msg_jobid {
+    const uint8_t *job;
+};
+
+struct msg_fetch {
+    const uint8_t *job;
+    uint32_t frame; /* index, from 0 */
+    uint8_t what;   /* enum msg_what */
+};
+
+struct msg_query {
+    uint8_t what; /* enum msg_topic */
+    const char *text;
+};
+
+/* JSON; not terminated.  Empty as the answer to CANCEL and the like. */
+struct msg_answer {
+    const uint8_t *text;
+    size_t len;
+};
+
+/* DRAIN, UNDRAIN: a worker's name. */
+struct msg_worker {
+    const char *name;
+};
+
+/* --- work --- */
+
+struct msg_ready {
+    const uint8_t *job;
+    double load_s;
+    uint64_t fingerprint;
+    uint16_t threads;
+};
+
+/* x, y of the top left pixel, y from the top. */
+struct msg_unit {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t frame; /* index into the job's frames */
+    uint32_t x, y, width, height;
+};
+
+/* What one unit cost. */
+struct msg_counts {
+    uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
+        paint_rays, estimate_rays, intersection_tests, ambient_values,
+        nan_pixels;
+    double cpu_s;  /* processor time of the render thread */
+    double wall_s; /* from taking the unit to its last row */
+};
+
+/* Rows of a unit, from its top, each piece following the last.  Pixels are
+ * r g b, or r g b distance with channels 4, as floats on the wire
+ * (wire_floats_get).  counts only with last; zero else. */
+struct msg_result {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t row, rows, width; /* row from the unit's top */
+    uint8_t channels;          /* 3 or 4 */
+    uint8_t last;
+    struct msg_counts counts;
+    const uint8_t *pixels; /* rows * width * channels floats */
+};
+
+struct msg_ack {
+    const uint8_t *job;
+    uint32_t unit, attempt, row, rows;
+};
+
+struct msg_revoke {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+};
+
+/* The job's child ended by itself; units are those it was at work on, the
+ * likely causes. */
+struct msg_lost {
+    const uint8_t *job;
+    const char *text; /* "killed by signal 11" */
+    uint32_t nunits;
+    const uint32_t *units;
+};
+
+/* What a worker did for a job so far; the last one counts. */
+struct msg_tally {
+    const uint8_t *job;
+    uint64_t ambient_sent, ambient_received, ambient_redundant;
+    uint64_t peak_rss_bytes, bytes_in, bytes_out;
+    double busy_s; /* summed over render threads */
+};
+
+/* --- peers --- */
+
+#define MSG_PEER_DIAL (1u << 0) /* you dial; else wait for its call */
+#define MSG_PEER_GIVE (1u << 1) /* send it all that your cache holds */
+
+struct msg_peer {
+    const char *name, *address;
+    const uint8_t *token; /* MSG_TOKEN bytes, of this pair and job */
+    uint32_t flags;
+};
+
+/* New peers of a job, besides those named before. */
+struct msg_job_peers {
+    const uint8_t *job;
+    uint32_t npeers;
+    const struct msg_peer *peers;
+};
+
+struct msg_peer_hello {
+    const uint8_t *job;
+    const char *name;
+    const uint8_t *token;
+};
+
+/* A batch of ambient records, opaque here (daemon/ambshare.c packs them). */
+struct msg_ambient {
+    uint32_t to;    /* child to radd: the GIVE that it answers, 0: all peers */
+    uint32_t count; /* records */
+    const uint8_t *data;
+    size_t len;
+};
+
+/* radd to child: send every record you have, in AMBIENTs with this `to`. */
+struct msg_give {
+    uint32_t to;
+};
+
+struct msg {
+    uint16_t type;    /* enum msg_type */
+    uint32_t request; /* a reply repeats its request's; 0 where none is due */
+    union {
+#define MSG(NAME, name, body, number, limit, at) struct msg_##body name;
+#include "message.def"
+    };
+    /* scratch of the unpacked list; see msg_release() */
+    void *list;
+    size_t list_size;
+};
+
+/* A struct msg starts as { .type = MSG_X, ... } for packing, or { 0 } for
+ * unpacking; release what was unpacked into. */
+void msg_release(struct msg *m);
+
+/* Append m as one whole frame, header and payload, to out (whose max should
+ * leave room for MSG_FRAME_MAX bytes).  0, or RAD_EPROTO when a field is out
+ * of its bounds or memory is out; out is as before then. */
+int msg_pack(struct wire_out *out, const struct msg *m);
+
+/* Decode a payload of n bytes.  0, or RAD_EPROTO: fields missing, out of
+ * range, or bytes left over; or RAD_ENOMEM. */
+int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
+               const uint8_t *payload, size_t n, struct rad_error *err);
+
+/* "JOB-START"; "?" for a number that is no message. */
+const char *msg_name(uint16_t type);
+
+/* Largest payload; 0 for a number that is no message. */
+size_t msg_limit(uint16_t type);
+
+/* May this type arrive there?  Default: no. */
+bool msg_allowed(enum msg_session session, uint16_t type);
+
+/* Walk the table: the i-th message's number, 0 past the end. */
+uint16_t msg_nth(size_t i);
+
+/* A job's id as 32 hex digits and back; false when text is no id. */
+#define MSG_JOB_HEX (2 * MSG_JOB + 1)
+void msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX]);
+bool msg_job_parse(const char *hex, uint8_t job[MSG_JOB]);
+
+#endif
