@@ -51,7 +51,9 @@ librad_a_SOURCES = \
 	src/picture/view.c \
 	src/picture/view.h \
 	src/scene/bundle.c \
-	src/scene/bundle.h
+	src/scene/bundle.h \
+	src/scene/font.c \
+	src/scene/font.h
 
 # what a program that uses librad links with
 LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

@@ -8,6 +8,7 @@ UNIT_TESTS = \
 	tests/check_bundle \
 	tests/check_bvh \
 	tests/check_client \
+	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
 	tests/check_params \
@@ -44,6 +45,10 @@ tests_check_params_LDADD = $(UNIT_LIBS)
 tests_check_view_SOURCES = tests/check_view.c tests/unit.h
 tests_check_view_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_view_LDADD = $(UNIT_LIBS)
+
+tests_check_font_SOURCES = tests/check_font.c tests/unit.h
+tests_check_font_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_font_LDADD = $(UNIT_LIBS)
 
 tests_check_hdr_SOURCES = tests/check_hdr.c tests/unit.h
 tests_check_hdr_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -5,6 +5,7 @@
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bundle \
+	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_hdr \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_view
@@ -41,3 +42,7 @@ tests_fuzz_fuzz_view_LDFLAGS = $(FUZZ_LDFLAGS)
 tests_fuzz_fuzz_hdr_SOURCES = tests/fuzz/fuzz_hdr.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_hdr_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_hdr_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_font_SOURCES = tests/fuzz/fuzz_font.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_font_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LDFLAGS)
