@@ -53,7 +53,23 @@ librad_a_SOURCES = \
 	src/scene/bundle.c \
 	src/scene/bundle.h \
 	src/scene/font.c \
-	src/scene/font.h
+	src/scene/font.h \
+	src/shade/dielectric.c \
+	src/shade/dielectric.h \
+	src/shade/emitter.c \
+	src/shade/emitter.h \
+	src/shade/glass.c \
+	src/shade/glass.h \
+	src/shade/job.c \
+	src/shade/job.h \
+	src/shade/material.c \
+	src/shade/material.h \
+	src/shade/normal.c \
+	src/shade/normal.h \
+	src/shade/ray.c \
+	src/shade/ray.h \
+	src/shade/text.c \
+	src/shade/text.h
 
 # what a program that uses librad links with
 LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

@@ -23,4 +23,10 @@ struct rad_emitter {
 const struct rad_emitter *rad_emitter_of(const struct rad_job *job,
                                          int32_t obj);
 
+int rad_emitter_prepare(struct rad_job *job, int32_t index,
+                        const struct rad_files *files, const void **data,
+                        struct rad_error *err);
+bool rad_emitter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                       struct rad_ray *r);
+
 #endif

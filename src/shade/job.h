@@ -25,7 +25,7 @@ struct rad_job {
     struct rad_params params;
     struct rad_arena arena;     /* of the compiled modifiers and sources */
     struct rad_geom *geom;
-    struct rad_material *materials; /* one per object of the scene */
+    struct rad_material *materials; /* by object, up to the last modifier */
     struct rad_sources *sources;
     struct rad_ambient *ambient;    /* NULL: no cache (-ab 0 or -aa 0) */
     bool see_through; /* something lets shadow rays pass: glass, trans, ... */
@@ -48,6 +48,9 @@ struct rad_counts {
     uint64_t paint_rays;    /* of painted small sources */
     uint64_t ambient_values; /* records made here */
     uint64_t nan_pixels;
+    uint64_t unsound_rays;  /* brought back no radiance (NaN, infinite or
+                             * negative), made black: who sees it grow knows
+                             * that what it has traced is touched by it */
     struct rad_geom_counts geom;
 };
 

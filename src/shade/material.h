@@ -22,7 +22,8 @@ enum {
     RAD_MAT_TRANSPARENT = 1, /* loses ties, and -i sees through it (glass,
                               * dielectric, trans, ...) */
     RAD_MAT_OPAQUE = 2,      /* no shadow ray passes, on either side */
-    RAD_MAT_EMITS = 4        /* light, illum, glow, spotlight */
+    RAD_MAT_EMITS = 4,       /* light, illum, glow, spotlight */
+    RAD_MAT_PATTERN = 8      /* no material: only changes pattern and pert */
 };
 
 struct rad_shader {
@@ -36,7 +37,16 @@ struct rad_shader {
                   struct rad_ray *r);
 };
 
+/* Fractions of light below this are none, as in Radiance, where they decide
+ * which parts of a material are there at all. */
+#define RAD_TINY 1e-6
+
 const struct rad_shader *rad_shader_find(enum rad_otype type);
+
+/* Does object index have between least and most real arguments?  What
+ * rad_scene_check() has passed has. */
+int rad_material_reals(const struct rad_job *job, int32_t index, int least,
+                       int most, struct rad_error *err);
 
 /* Compile all modifiers into job->materials. */
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,

@@ -54,12 +54,16 @@ enum {
 enum {
     RAD_DIM_ROULETTE = 0,          /* does this ray live on (-lr <= 0)? */
     RAD_DIM_PIXEL = 1,             /* and 2, 3: place in the pixel */
-    RAD_DIM_AXIS = 4,              /* and 5: turn of the tangent frame (-u) */
-    RAD_DIM_RSPECULAR = 0x100,     /* + 2 * trial, two numbers each */
-    RAD_DIM_TSPECULAR = 0x20000,   /* + 2 * trial, two numbers each */
+    RAD_DIM_RSPECULAR = 4,         /* and 5: glossy reflection */
+    RAD_DIM_TSPECULAR = 6,         /* and 7: glossy transmission */
     RAD_DIM_SOURCE = 0x01000000,   /* + anything below 2^24 */
     RAD_DIM_AMBIENT = 0x02000000   /* + anything below 2^24 */
 };
+
+/* No ray has more ancestors than this, whatever -lr and -lw say: it bounds the
+ * stack (less than 2 KiB a ray) where surfaces without end lie one behind the
+ * other.  What lies deeper is black. */
+#define RAD_MAX_DEPTH 1500
 
 struct rad_ray {
     /* set by the spawner */
@@ -70,6 +74,7 @@ struct rad_ray {
     struct rad_rgb coef;   /* contribution to the parent's L */
     float weight;          /* product of coefs along the path, for -lw */
     int16_t level;         /* reflections so far */
+    uint16_t depth;        /* ancestors: see RAD_MAX_DEPTH */
     uint16_t kind;         /* RAD_RAY_* of this ray */
     uint16_t path;         /* kinds of it and all its ancestors */
     int32_t source;        /* shadow ray: index of the source aimed at; else
@@ -143,6 +148,10 @@ double rad_ray_normal(const struct rad_ray *r, double norm[3]);
 /* Turn n, cos_o and pert to the other side. */
 void rad_ray_flip(struct rad_ray *r);
 
+/* Did it meet a flat surface, polygon or ring?  What flat mirrors show looks as
+ * far away as the light's way is long. */
+bool rad_ray_on_flat(const struct rad_ctx *ctx, const struct rad_ray *r);
+
 /* Does dir point to the side of the hit that the ray does not come from? */
 bool rad_ray_through(const struct rad_ray *r, const double dir[3]);
 
@@ -152,7 +161,7 @@ double rad_ray_distance(const struct rad_ray *r);
 
 /* The irradiance at a point of the scene, on the side of unit normal n: a
  * white surface there, without one being there.  Fills *r as a primary ray
- * that met it, r->L the irradiance [W/m^2].  Counts one ray.
+ * that met it, r->L the irradiance [W/m^2].
  * p is taken as exact to a millionth of its largest coordinate or of the
  * scene's extent, whichever is more: that is what six written digits say. */
 void rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r,

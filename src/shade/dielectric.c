@@ -1,0 +1,199 @@
+/* dielectric.c - see dielectric.h
+ *
+ * The surface stands between two media: the inner one that its normal points
+ * away from, and the outer one.  A ray that arrives from within is charged for
+ * its way only now (r->ext), when it is known what it went through. */
+#include "config.h"
+
+#include "shade/dielectric.h"
+#include "base/vec.h"
+
+#define HARTMANN_NM 500.0 /* wavelength that the index is taken at */
+
+struct dielectric {
+    double n_ratio;                 /* index inside / index outside */
+    double in[3], out[3];           /* transmission per unit length */
+    struct rad_rgb in_ext, out_ext; /* the same as extinction */
+    bool interface;                 /* something else than air outside */
+};
+
+/* A hit on a dielectric. */
+struct boundary {
+    double norm[3], cos_i; /* perturbed normal on the ray's side */
+    double eta;            /* index on the ray's side / beyond */
+    double cos_r;          /* of refraction; 0: total reflection */
+    double side;           /* 1: the ray is outside, -1: inside */
+    bool textured;
+    bool unmirrored; /* flat: images lie at the distance of their path */
+};
+
+/* Extinction for a transmission per unit length; what would be 0 or less is
+ * held at 100, more than a float times exp() can tell from nothing. */
+static float
+extinction(double transmission)
+{
+    if (transmission < 1e-40)
+        return 100;
+    return transmission >= 1 ? 0 : (float)-log(transmission);
+}
+
+static struct rad_rgb
+extinction_rgb(const double t[3], struct rad_rgb pattern)
+{
+    return rad_rgb(extinction(t[0] * pattern.r), extinction(t[1] * pattern.g),
+                   extinction(t[2] * pattern.b));
+}
+
+int
+rad_dielectric_prepare(struct rad_job *job, int32_t index,
+                       const struct rad_files *files, const void **data,
+                       struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    bool interface = o->type == RAD_INTERFACE;
+    int n = interface ? 8 : 5;
+    int code = rad_material_reals(job, index, n, n, err);
+    struct dielectric *m;
+
+    (void)files;
+    if (code < 0)
+        return code;
+    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
+    if (!m)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rad_copy(m->in, o->reals);
+    m->in_ext = extinction_rgb(m->in, rad_grey(1));
+    m->interface = interface;
+    if (interface) {
+        m->n_ratio = o->reals[3] / o->reals[7];
+        rad_copy(m->out, o->reals + 4);
+        m->out_ext = extinction_rgb(m->out, rad_grey(1));
+    } else {
+        m->n_ratio = o->reals[3] + o->reals[4] / HARTMANN_NM;
+        m->out_ext = job->params.cextinction;
+    }
+    if (!(m->n_ratio > 0 && m->n_ratio < INFINITY))
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "refractive index must be positive");
+    *data = m;
+    return 0;
+}
+
+static bool
+is_white(struct rad_rgb c)
+{
+    return c.r == 1 && c.g == 1 && c.b == 1;
+}
+
+/* Settle what the ray came through, and return what lies beyond. */
+static struct rad_rgb
+cross_media(const struct dielectric *m, struct rad_ray *r, bool inside)
+{
+    struct rad_rgb in = m->in_ext, out = m->out_ext;
+
+    if (!is_white(r->pattern)) {
+        in = extinction_rgb(m->in, r->pattern);
+        if (m->interface)
+            out = extinction_rgb(m->out, r->pattern);
+    }
+    if (inside)
+        r->ext = in;
+    else if (m->interface)
+        r->ext = out;
+    return inside ? out : in;
+}
+
+static void
+enter(struct rad_ctx *ctx, const struct dielectric *m, struct rad_ray *r,
+      struct boundary *b)
+{
+    double cos2_r;
+
+    b->textured = rad_ray_perturbed(r);
+    b->unmirrored =
+        rad_ray_on_flat(ctx, r) && (!b->textured || r->path & RAD_RAY_AMBIENT);
+    b->cos_i = rad_ray_normal(r, b->norm);
+    b->side = b->cos_i < 0 ? -1 : 1;
+    b->cos_i *= b->side;
+    rad_scale(b->norm, b->side, b->norm);
+    b->eta = b->side < 0 ? m->n_ratio : 1 / m->n_ratio;
+    cos2_r = 1 - b->eta * b->eta * (1 - b->cos_i * b->cos_i); /* Snell */
+    b->cos_r = cos2_r < RAD_TINY ? 0 : sqrt(cos2_r);
+}
+
+/* Fresnel's reflectance, the mean of both polarizations. */
+static double
+reflectance(const struct boundary *b)
+{
+    double rp = (b->cos_i - b->eta * b->cos_r) / (b->cos_i + b->eta * b->cos_r);
+    double rs = (b->cos_r - b->eta * b->cos_i) / (b->cos_r + b->eta * b->cos_i);
+
+    return b->cos_r > 0 ? .5 * (rp * rp + rs * rs) : 1;
+}
+
+static void
+refract(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
+        double share, struct rad_rgb beyond)
+{
+    /* radiance grows with the square of the index: the same light in a
+     * narrower cone */
+    struct rad_rgb coef = rad_grey((float)(share * b->eta * b->eta));
+    double bend = b->eta * b->cos_i - b->cos_r, along[3];
+    struct rad_ray tr;
+
+    if (!rad_ray_spawn(ctx, &tr, RAD_RAY_REFRACTED, r, &coef,
+                       RAD_BRANCH_REFRACT))
+        return;
+    tr.ext = beyond;
+    rad_scale(along, b->eta, r->dir);
+    rad_madd(tr.dir, along, bend, b->norm);
+    if (b->textured && rad_dot(tr.dir, r->n) * b->side >= -RAD_TINY)
+        rad_madd(tr.dir, along, bend * b->side, r->n); /* not back out */
+    rad_normalize(tr.dir);
+    rad_ray_trace(ctx, &tr);
+    r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
+    if (b->unmirrored || fabs(b->eta - 1) <= RAD_TINY)
+        r->dist = r->hit.t + rad_ray_distance(&tr);
+}
+
+static void
+reflect(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
+        double share)
+{
+    struct rad_rgb coef = rad_grey((float)share);
+    struct rad_ray lr;
+
+    if (!rad_ray_spawn(ctx, &lr, RAD_RAY_REFLECTED, r, &coef,
+                       RAD_BRANCH_REFLECT))
+        return;
+    rad_madd(lr.dir, r->dir, 2 * b->cos_i, b->norm);
+    if (b->textured && rad_dot(lr.dir, r->n) * b->side <= RAD_TINY)
+        rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not through it */
+    rad_normalize(lr.dir);
+    rad_ray_trace(ctx, &lr);
+    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
+    r->L = rad_rgb_add(r->L, r->L_mirror);
+    r->mirror_dist = r->hit.t;
+    if (b->unmirrored)
+        r->mirror_dist += rad_ray_distance(&lr);
+}
+
+bool
+rad_dielectric_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                     struct rad_ray *r)
+{
+    const struct dielectric *m = mat->data;
+    struct rad_rgb beyond;
+    struct boundary b;
+    double share;
+
+    rad_ray_texture(ctx, r, mat->next);
+    enter(ctx, m, r, &b);
+    beyond = cross_media(m, r, b.side < 0);
+    share = reflectance(&b);
+    if (b.cos_r > 0)
+        refract(ctx, &b, r, 1 - share, beyond);
+    if (!(r->path & RAD_RAY_SHADOW))
+        reflect(ctx, &b, r, share);
+    return true;
+}

@@ -1,0 +1,163 @@
+/* glass.c - see glass.h */
+#include "config.h"
+
+#include "shade/glass.h"
+#include "base/vec.h"
+
+#define GLASS_INDEX 1.52 /* window glass, where no index is given */
+
+/* A transmissivity below this is raised to it, so that it has a logarithm. */
+#define LEAST_TRANSMISSIVITY 1e-15
+
+struct glass {
+    double log_tn[3]; /* logarithm of the transmissivity at normal incidence */
+    double index;
+    bool clear; /* lets some light through */
+};
+
+/* A hit on glass. */
+struct pane {
+    const struct glass *m;
+    double norm[3], cos_n; /* perturbed normal, toward the ray */
+    bool textured;
+    struct rad_rgb T, R; /* transmittance, reflectance */
+};
+
+int
+rad_glass_prepare(struct rad_job *job, int32_t index,
+                  const struct rad_files *files, const void **data,
+                  struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    int code = rad_material_reals(job, index, 3, 4, err);
+    struct glass *m;
+
+    (void)files;
+    if (code < 0)
+        return code;
+    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
+    if (!m)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int i = 0; i < 3; i++) {
+        m->clear |= o->reals[i] > LEAST_TRANSMISSIVITY;
+        m->log_tn[i] = log(fmax(o->reals[i], LEAST_TRANSMISSIVITY));
+    }
+    m->index = o->nreals == 4 ? o->reals[3] : GLASS_INDEX;
+    if (!(m->index > 0))
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "refractive index must be positive");
+    *data = m;
+    return 0;
+}
+
+/* What a slab with surface reflectance r and inner transmittance t passes and
+ * reflects, all inner reflections summed:
+ *   T = (1-r)^2 t / (1 - r^2 t^2),  R = r (1 + (1-2r) t^2) / (1 - r^2 t^2) */
+static void
+slab(double r, double t, double *T, double *R)
+{
+    double q = 1 - r * r * t * t;
+
+    if (q > 0) {
+        *T = (1 - r) * (1 - r) * t / q;
+        *R = r * (1 + (1 - 2 * r) * t * t) / q;
+    } else { /* grazing, where both surfaces reflect all */
+        *T = 0;
+        *R = 1;
+    }
+}
+
+/* Transmittance and reflectance for both polarizations, by channel.  cos_r is
+ * the cosine within the glass, so light travels 1/cos_r times its thickness. */
+static void
+pane_fresnel(struct pane *p)
+{
+    double n = p->m->index, cos_i = p->cos_n, T[3], R[3];
+    double cos2_r = 1 - (1 - cos_i * cos_i) / (n * n);
+    double cos_r, rs, rp;
+
+    if (!(cos2_r > 0)) { /* an index below 1: total reflection */
+        p->T = rad_grey(0);
+        p->R = rad_grey(1);
+        return;
+    }
+    cos_r = sqrt(cos2_r);
+    rs = (cos_i - n * cos_r) / (cos_i + n * cos_r);
+    rp = (cos_r - n * cos_i) / (cos_r + n * cos_i);
+    for (int i = 0; i < 3; i++) {
+        double t = p->m->clear ? exp(p->m->log_tn[i] / cos_r) : 0;
+        double Ts, Rs, Tp, Rp;
+
+        slab(rs * rs, t, &Ts, &Rs);
+        slab(rp * rp, t, &Tp, &Rp);
+        T[i] = .5 * (Ts + Tp);
+        R[i] = .5 * (Rs + Rp);
+    }
+    p->T = rad_rgb((float)T[0], (float)T[1], (float)T[2]);
+    p->R = rad_rgb((float)R[0], (float)R[1], (float)R[2]);
+}
+
+static void
+pass(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
+{
+    struct rad_rgb coef = rad_rgb_mul(p->T, r->pattern);
+    bool straight =
+        !p->textured || r->path & (RAD_RAY_SHADOW | RAD_RAY_AMBIENT);
+    struct rad_ray tr;
+
+    if (!rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, r, &coef, RAD_BRANCH_TRANSMIT))
+        return;
+    rad_copy(tr.dir, r->dir);
+    if (!straight) { /* a tilted surface bends as a thin prism would */
+        rad_madd(tr.dir, r->dir, 2 * (1 - p->m->index), r->pert);
+        if (rad_normalize(tr.dir) == 0)
+            rad_copy(tr.dir, r->dir);
+    }
+    rad_ray_trace(ctx, &tr);
+    r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
+    if (straight)
+        r->dist = r->hit.t + rad_ray_distance(&tr);
+}
+
+static void
+reflect(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
+{
+    struct rad_ray lr;
+
+    if (!rad_ray_spawn(ctx, &lr, RAD_RAY_REFLECTED, r, &p->R,
+                       RAD_BRANCH_REFLECT))
+        return;
+    rad_madd(lr.dir, r->dir, 2 * p->cos_n, p->norm);
+    rad_normalize(lr.dir);
+    rad_ray_trace(ctx, &lr);
+    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
+    r->L = rad_rgb_add(r->L, r->L_mirror);
+    r->mirror_dist = r->hit.t;
+    if (rad_ray_on_flat(ctx, r) && (!p->textured || r->path & RAD_RAY_AMBIENT))
+        r->mirror_dist += rad_ray_distance(&lr);
+}
+
+bool
+rad_glass_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                struct rad_ray *r)
+{
+    struct pane p = { .m = mat->data };
+
+    if (!ctx->job->params.backvis && r->cos_o <= 0) {
+        rad_ray_transmit(ctx, r);
+        return true;
+    }
+    if (!p.m->clear && r->path & RAD_RAY_SHADOW)
+        return true;
+    rad_ray_texture(ctx, r, mat->next);
+    if (r->cos_o < 0)
+        rad_ray_flip(r);
+    p.textured = rad_ray_perturbed(r);
+    p.cos_n = rad_ray_normal(r, p.norm);
+    pane_fresnel(&p);
+    if (p.m->clear)
+        pass(ctx, &p, r);
+    if (!(r->path & RAD_RAY_SHADOW))
+        reflect(ctx, &p, r);
+    return true;
+}

@@ -1,0 +1,124 @@
+/* job.c - see job.h */
+#include "config.h"
+
+#include "shade/job.h"
+#include "light/ambient.h"
+#include "light/source.h"
+#include "shade/material.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What intersection must know of surface i's material. */
+static uint8_t
+surface_flags(const struct rad_job *job, int32_t i)
+{
+    const struct rad_scene *scene = job->scene;
+    int32_t m = rad_material_of(scene, scene->objects[i].modifier);
+    unsigned flags;
+
+    if (m == RAD_VOID)
+        return RAD_SURF_NOMATERIAL;
+    flags = job->materials[m].shader->flags;
+    return (uint8_t)((flags & RAD_MAT_OPAQUE ? RAD_SURF_OPAQUE : 0) |
+                     (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0));
+}
+
+static int
+compile_geometry(struct rad_job *job, struct rad_error *err)
+{
+    int32_t n = job->scene->nobjects;
+    uint8_t *surf = calloc(n > 0 ? (size_t)n : 1, sizeof *surf);
+
+    if (!surf)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < n; i++) {
+        enum rad_otype type = job->scene->objects[i].type;
+
+        if (rad_otype_class(type) != RAD_CLASS_SURFACE)
+            continue;
+        surf[i] = surface_flags(job, i);
+        if (type != RAD_SOURCE && !(surf[i] & RAD_SURF_OPAQUE))
+            job->see_through = true;
+    }
+    job->geom = rad_geom_new(job->scene, surf, err);
+    free(surf);
+    return job->geom ? 0 : RAD_EDATA;
+}
+
+static int
+compile(struct rad_job *job, const struct rad_files *files,
+        struct rad_error *err)
+{
+    const struct rad_params *p = &job->params;
+    int code = rad_materials_compile(job, files, err);
+
+    if (code < 0 || (code = compile_geometry(job, err)) < 0)
+        return code;
+    job->sources = rad_sources_new(job, err);
+    if (!job->sources)
+        return RAD_EDATA;
+    if (p->ambounce > 0 && p->ambacc > 0) {
+        job->ambient = rad_ambient_new(job, err);
+        if (!job->ambient)
+            return RAD_ENOMEM;
+    }
+    return 0;
+}
+
+struct rad_job *
+rad_job_new(const struct rad_scene *scene, const struct rad_params *params,
+            const struct rad_files *files, struct rad_error *err)
+{
+    struct rad_job *job = calloc(1, sizeof *job);
+
+    if (!job) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    job->scene = scene;
+    job->params = *params;
+    rad_arena_init(&job->arena);
+    if (compile(job, files, err) < 0) {
+        rad_job_free(job);
+        return NULL;
+    }
+    return job;
+}
+
+void
+rad_job_free(struct rad_job *job)
+{
+    if (!job)
+        return;
+    rad_ambient_free(job->ambient);
+    rad_geom_free(job->geom);
+    rad_arena_release(&job->arena);
+    free(job);
+}
+
+int
+rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
+             struct rad_error *err)
+{
+    int32_t n = rad_sources_count(job->sources);
+
+    memset(ctx, 0, sizeof *ctx);
+    ctx->job = job;
+    rad_arena_init(&ctx->scratch);
+    ctx->last_blocker =
+        malloc((n > 0 ? (size_t)n : 1) * sizeof *ctx->last_blocker);
+    if (!ctx->last_blocker)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < n; i++)
+        ctx->last_blocker[i] = RAD_VOID;
+    return 0;
+}
+
+void
+rad_ctx_release(struct rad_ctx *ctx)
+{
+    rad_arena_release(&ctx->scratch);
+    free(ctx->last_blocker);
+    ctx->last_blocker = NULL;
+}

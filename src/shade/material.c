@@ -1,0 +1,173 @@
+/* material.c - the table of modifiers, and their compilation
+ *
+ * An alias is gone after compilation: its entry is what it stands for, with
+ * the alias's own modifier behind it. */
+#include "config.h"
+
+#include "shade/material.h"
+#include "shade/dielectric.h"
+#include "shade/emitter.h"
+#include "shade/glass.h"
+#include "shade/normal.h"
+#include "shade/text.h"
+
+static const struct rad_shader table[] = {
+    { RAD_PLASTIC, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
+    { RAD_METAL, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
+    { RAD_TRANS, RAD_MAT_TRANSPARENT, rad_normal_prepare, rad_normal_shade },
+    { RAD_GLASS, RAD_MAT_TRANSPARENT, rad_glass_prepare, rad_glass_shade },
+    { RAD_DIELECTRIC, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
+      rad_dielectric_shade },
+    { RAD_INTERFACE, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
+      rad_dielectric_shade },
+    { RAD_LIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_ILLUM, RAD_MAT_EMITS, rad_emitter_prepare, rad_emitter_shade },
+    { RAD_GLOW, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
+    { RAD_COLORTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
+};
+
+const struct rad_shader *
+rad_shader_find(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
+        if (table[i].type == type)
+            return &table[i];
+    return NULL;
+}
+
+/* What an alias stands for: its target, found among what was defined before
+ * it.  RAD_VOID: nothing of that name. */
+static int32_t
+alias_target(const struct rad_scene *scene, int32_t alias)
+{
+    const struct rad_object *o = &scene->objects[alias];
+
+    if (o->nstrings == 0)
+        return o->modifier;
+    return rad_scene_find_modifier(scene, o->strings[0], alias);
+}
+
+int32_t
+rad_material_of(const struct rad_scene *scene, int32_t mod)
+{
+    while (mod != RAD_VOID) {
+        const struct rad_object *o = &scene->objects[mod];
+
+        if (rad_otype_class(o->type) == RAD_CLASS_MATERIAL)
+            return mod;
+        if (o->type == RAD_ALIAS && o->nstrings > 0) {
+            int32_t target = alias_target(scene, mod);
+
+            while (target != RAD_VOID &&
+                   scene->objects[target].type == RAD_ALIAS)
+                target = alias_target(scene, target);
+            if (target != RAD_VOID &&
+                rad_otype_class(scene->objects[target].type) ==
+                    RAD_CLASS_MATERIAL)
+                return target;
+        }
+        mod = o->modifier;
+    }
+    return RAD_VOID;
+}
+
+static int
+compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[index];
+    int32_t target;
+
+    if (o->nstrings == 0)
+        return 0; /* shader stays NULL: rays go on to the modifier */
+    target = alias_target(scene, index);
+    if (target == RAD_VOID)
+        return rad_scene_fail(scene, o, err, RAD_EDATA,
+                              "undefined modifier '%s'", o->strings[0]);
+    job->materials[index].shader = job->materials[target].shader;
+    job->materials[index].data = job->materials[target].data;
+    return 0;
+}
+
+static int
+compile_modifier(struct rad_job *job, int32_t index,
+                 const struct rad_files *files, struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    struct rad_material *mat = &job->materials[index];
+
+    mat->next = o->modifier;
+    if (o->type == RAD_ALIAS)
+        return compile_alias(job, index, err);
+    mat->shader = rad_shader_find(o->type);
+    if (!mat->shader)
+        return rad_scene_fail(job->scene, o, err, RAD_EUNSUPPORTED,
+                              "not supported");
+    return mat->shader->prepare(job, index, files, &mat->data, err);
+}
+
+/* A surface's material may have no other material behind it: which of them
+ * would colour the ray? */
+static int
+check_chain(const struct rad_job *job, int32_t surface, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[surface];
+    int32_t m = rad_material_of(scene, o->modifier), second;
+
+    if (m == RAD_VOID)
+        return 0;
+    second = rad_material_of(scene, scene->objects[m].modifier);
+    if (second == RAD_VOID)
+        return 0;
+    return rad_scene_fail(scene, &scene->objects[m], err, RAD_EDATA,
+                          "conflicting material '%s' behind this one",
+                          scene->objects[second].name);
+}
+
+int
+rad_material_reals(const struct rad_job *job, int32_t index, int least,
+                   int most, struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+
+    if (o->nreals < least || o->nreals > most)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "expected %d real arguments, got %d",
+                              o->nreals < least ? least : most, o->nreals);
+    return 0;
+}
+
+static bool
+is_surface(const struct rad_object *o)
+{
+    return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
+}
+
+int
+rad_materials_compile(struct rad_job *job, const struct rad_files *files,
+                      struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    int32_t n = scene->nobjects;
+    int code = 0;
+
+    while (n > 0 && is_surface(&scene->objects[n - 1]))
+        n--;
+    job->materials =
+        rad_arena_calloc(&job->arena, (size_t)n, sizeof *job->materials);
+    if (!job->materials)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < n && code == 0; i++)
+        if (!is_surface(&scene->objects[i]))
+            code = compile_modifier(job, i, files, err);
+    for (int32_t i = 0; i < scene->nobjects && code == 0; i++)
+        if (is_surface(&scene->objects[i]))
+            code = check_chain(job, i, err);
+    return code;
+}

@@ -1,0 +1,363 @@
+/* ray.c - see ray.h
+ *
+ * Which surfaces a ray sees and what its length is follow Radiance's ray
+ * tracing core, so that depth pictures and irradiance agree with rpict's. */
+#include "config.h"
+
+#include "shade/ray.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/source.h"
+#include "shade/material.h"
+#include "shade/normal.h"
+
+#include <stdlib.h>
+
+/* Optical depth beyond which nothing is left: exp(-92) is below what a float
+ * times any sensible radiance can hold. */
+#define OPAQUE_DEPTH 92.0
+
+/* Extinction along the parent's length, for the weight: of the clearest
+ * channel, and only where it is worth an exponential. */
+static float
+medium_weight(const struct rad_ray *parent)
+{
+    const struct rad_rgb *e = &parent->ext;
+    double least = fmin(e->r, fmin(e->g, e->b)), depth;
+
+    if (least <= 0)
+        return 1;
+    depth = least * parent->hit.t;
+    return depth <= .1 ? 1 : depth > OPAQUE_DEPTH ? 0 : (float)exp(-depth);
+}
+
+static void
+spawn_primary(const struct rad_ctx *ctx, struct rad_ray *r,
+              enum rad_raykind kind)
+{
+    r->level = 0;
+    r->depth = 0;
+    r->path = (uint16_t)kind;
+    r->source = -1;
+    r->ext = ctx->job->params.cextinction;
+}
+
+static void
+spawn_child(struct rad_ray *r, enum rad_raykind kind,
+            const struct rad_ray *parent, uint32_t branch)
+{
+    r->key = rad_key_branch(parent->key, branch);
+    r->depth = parent->depth + 1;
+    r->level = parent->level;
+    r->path = (uint16_t)(parent->path | kind);
+    r->ext = parent->ext;
+    if (kind & RAD_RAY_REFL) {
+        if (r->level < INT16_MAX)
+            r->level++;
+        r->source = -1;
+        r->tmax = INFINITY;
+    } else {
+        r->source = parent->source;
+        r->tmax = parent->tmax - parent->hit.t;
+    }
+    r->weight *= parent->weight * medium_weight(parent);
+}
+
+/* Let rays below minweight die at random, and the survivors count for the
+ * dead: -lr 0, or -lr below 0 to bound the reflections too. */
+static bool
+roulette(const struct rad_params *p, struct rad_ray *r)
+{
+    if (p->maxdepth < 0 && r->level > -p->maxdepth)
+        return false;
+    if (r->weight >= p->minweight)
+        return true;
+    if (rad_rand(r->key, RAD_DIM_ROULETTE) > r->weight / p->minweight)
+        return false;
+    r->coef = rad_rgb_scale(r->coef, (float)(p->minweight / r->weight));
+    r->weight = (float)p->minweight;
+    return true;
+}
+
+/* All of a ray but its direction.  False: it cannot exist, or nothing would
+ * come of it. */
+static bool
+begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
+      const struct rad_ray *parent, const struct rad_rgb *coef, uint32_t branch)
+{
+    r->coef = coef ? *coef : rad_grey(1);
+    /* coefficients above 1 must not let paths grow */
+    r->weight = coef ? fminf(rad_rgb_max(*coef), 1) : 1;
+    r->kind = (uint16_t)kind;
+    r->parent = parent;
+    if (!parent) {
+        spawn_primary(ctx, r, kind);
+    } else {
+        if (!(parent->hit.t < INFINITY) || parent->depth >= RAD_MAX_DEPTH)
+            return false;
+        spawn_child(r, kind, parent, branch);
+    }
+    return r->weight > 0;
+}
+
+bool
+rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
+              const struct rad_ray *parent, const struct rad_rgb *coef,
+              uint32_t branch)
+{
+    const struct rad_params *p = &ctx->job->params;
+
+    if (!begin(ctx, r, kind, parent, coef, branch))
+        return false;
+    if (r->path & RAD_RAY_SHADOW) /* once aimed, a shadow ray goes through */
+        return true;
+    if (p->maxdepth <= 0 && coef)
+        return roulette(p, r);
+    return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
+}
+
+void
+rad_ray_clear(struct rad_ray *r)
+{
+    r->hit.obj = RAD_VOID;
+    r->hit.t = INFINITY;
+    r->far_source = -1;
+    r->L = rad_grey(0);
+    r->L_mirror = rad_grey(0);
+    r->dist = INFINITY;
+    r->mirror_dist = INFINITY;
+}
+
+void
+rad_ray_leave(struct rad_ray *r)
+{
+    if (r->parent)
+        rad_geom_leave(&r->parent->hit, r->dir, r->org);
+}
+
+void
+rad_ray_enter(struct rad_ray *r)
+{
+    rad_copy(r->n, r->hit.n);
+    r->cos_o = -rad_dot(r->dir, r->n);
+    r->pert[0] = r->pert[1] = r->pert[2] = 0;
+    r->pattern = rad_grey(1);
+    r->dist = r->hit.t;
+}
+
+void
+rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    const struct rad_job *job = ctx->job;
+    struct rad_span span;
+
+    rad_ray_leave(r);
+    rad_ray_clear(r);
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    span.tmin = 0;
+    span.tmax = r->tmax;
+    ctx->counts.rays++;
+    if (rad_geom_nearest(job->geom, &span, &r->hit, &ctx->counts.geom)) {
+        rad_ray_enter(r);
+        rad_ray_continue(ctx, r);
+    } else if (!(r->tmax < INFINITY)) { /* else the aft plane hides it */
+        int32_t mod = rad_source_behind(ctx, r);
+
+        if (mod != RAD_VOID)
+            rad_ray_shade(ctx, r, mod);
+    }
+    rad_ray_absorb(r);
+    if (!rad_rgb_sound(r->L)) {
+        r->L = r->L_mirror = rad_grey(0);
+        ctx->counts.unsound_rays++;
+    }
+}
+
+void
+rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    int32_t mod = ctx->job->scene->objects[r->hit.obj].modifier;
+
+    if (!rad_ray_shade(ctx, r, mod))
+        rad_ray_transmit(ctx, r);
+}
+
+/* With -i, what the eye sees directly is replaced by its irradiance: clear
+ * materials let the ray through, emitters are seen as they are. */
+static bool
+shade_irradiance(struct rad_ctx *ctx, const struct rad_material *mat,
+                 struct rad_ray *r)
+{
+    if (mat->shader->flags & RAD_MAT_TRANSPARENT) {
+        rad_ray_transmit(ctx, r);
+        return true;
+    }
+    if (mat->shader->flags & RAD_MAT_EMITS)
+        return mat->shader->shade(ctx, mat, r);
+    r->pattern = rad_grey(1);
+    return rad_normal_irradiance(ctx, r);
+}
+
+bool
+rad_ray_shade(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    const struct rad_job *job = ctx->job;
+    bool irradiance = job->params.irradiance &&
+                      !(r->path & ~(RAD_RAY_PRIMARY | RAD_RAY_TRANS));
+
+    while (mod != RAD_VOID) {
+        const struct rad_material *mat = &job->materials[mod];
+
+        mod = mat->next;
+        if (!mat->shader)
+            continue;
+        if (irradiance && !(mat->shader->flags & RAD_MAT_PATTERN)) {
+            if (shade_irradiance(ctx, mat, r))
+                return true;
+        } else if (mat->shader->shade(ctx, mat, r)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void
+rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_ray tr;
+
+    /* no limit applies: nothing is lost here */
+    if (!begin(ctx, &tr, RAD_RAY_TRANS, r, NULL, RAD_BRANCH_TRANSMIT))
+        return;
+    rad_copy(tr.dir, r->dir);
+    rad_ray_trace(ctx, &tr);
+    r->L = tr.L;
+    r->L_mirror = tr.L_mirror;
+    r->dist = r->hit.t + tr.dist;
+    r->mirror_dist = r->hit.t + tr.mirror_dist;
+}
+
+void
+rad_ray_absorb(struct rad_ray *r)
+{
+    const struct rad_rgb *e = &r->ext;
+    double t = r->hit.t;
+
+    if (e->r <= 0 && e->g <= 0 && e->b <= 0)
+        return;
+    /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
+    r->L.r *= e->r > 0 ? (float)exp(-e->r * t) : 1;
+    r->L.g *= e->g > 0 ? (float)exp(-e->g * t) : 1;
+    r->L.b *= e->b > 0 ? (float)exp(-e->b * t) : 1;
+}
+
+void
+rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    while (mod != RAD_VOID) {
+        const struct rad_material *mat = &ctx->job->materials[mod];
+
+        if (mat->shader) {
+            if (!(mat->shader->flags & RAD_MAT_PATTERN))
+                return; /* a second material is refused where surfaces
+                         * have it; elsewhere nothing lies behind it */
+            mat->shader->shade(ctx, mat, r);
+        }
+        mod = mat->next;
+    }
+}
+
+bool
+rad_ray_perturbed(const struct rad_ray *r)
+{
+    return r->pert[0] != 0 || r->pert[1] != 0 || r->pert[2] != 0;
+}
+
+double
+rad_ray_normal(const struct rad_ray *r, double norm[3])
+{
+    double cos_n;
+
+    if (!rad_ray_perturbed(r)) {
+        rad_copy(norm, r->n);
+        return r->cos_o;
+    }
+    for (int i = 0; i < 3; i++)
+        norm[i] = r->n[i] + r->pert[i];
+    if (rad_normalize(norm) == 0) {
+        rad_copy(norm, r->n);
+        return r->cos_o;
+    }
+    cos_n = -rad_dot(norm, r->dir);
+    if ((cos_n > 0) != (r->cos_o > 0)) {
+        /* mirror it about the plane across the ray, so that the side that
+         * is seen stays the side that was hit */
+        rad_madd(norm, norm, 2 * cos_n, r->dir);
+        cos_n = -cos_n;
+    }
+    return cos_n;
+}
+
+void
+rad_ray_flip(struct rad_ray *r)
+{
+    rad_scale(r->n, -1, r->n);
+    rad_scale(r->pert, -1, r->pert);
+    r->cos_o = -r->cos_o;
+}
+
+bool
+rad_ray_on_flat(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    enum rad_otype type;
+
+    if (r->hit.obj == RAD_VOID)
+        return false;
+    type = ctx->job->scene->objects[r->hit.obj].type;
+    return type == RAD_POLYGON || type == RAD_RING;
+}
+
+bool
+rad_ray_through(const struct rad_ray *r, const double dir[3])
+{
+    return (r->cos_o > 0) != (rad_dot(r->n, dir) > 0);
+}
+
+double
+rad_ray_distance(const struct rad_ray *r)
+{
+    double d = rad_rgb_lum(r->L_mirror) > .5f * rad_rgb_lum(r->L)
+                   ? r->mirror_dist
+                   : r->dist;
+
+    return d < INFINITY ? d : 1e10;
+}
+
+void
+rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
+                   const double n[3], uint64_t key)
+{
+    double lo[3], hi[3], size = 0;
+
+    rad_geom_bounds(ctx->job->geom, lo, hi);
+    for (int i = 0; i < 3; i++)
+        size = fmax(size, fmax(fabs(p[i]), hi[i] - lo[i]));
+    r->tmax = INFINITY;
+    r->key = key;
+    rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_ray_clear(r);
+    rad_scale(r->dir, -1, n);
+    rad_copy(r->org, p);
+    rad_copy(r->hit.p, p);
+    rad_copy(r->hit.n, n);
+    r->hit.t = 0;
+    r->hit.err = 1e-6 * size;
+    r->hit.uv[0] = r->hit.uv[1] = 0;
+    rad_ray_enter(r);
+    rad_normal_irradiance(ctx, r);
+    if (!rad_rgb_sound(r->L)) {
+        r->L = rad_grey(0);
+        ctx->counts.unsound_rays++;
+    }
+}

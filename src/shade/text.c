@@ -1,0 +1,258 @@
+/* text.c - see text.h
+ *
+ * Text lies in a plane: the anchor is its upper left corner, one vector is a
+ * character's width to the right, one a line's height down.  Both are turned
+ * into covectors once, so that a point's column and line are two products.
+ * A point off the plane is projected onto it along the plane's normal. */
+#include "config.h"
+
+#include "shade/text.h"
+#include "base/vec.h"
+#include "scene/font.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define CELL      255.0
+#define MAX_LINES 1000000
+
+struct text {
+    double anchor[3], right[3], down[3]; /* covectors: lines, columns */
+    double column;                       /* font units in one column */
+    const struct rad_font *font;
+    struct rad_textline *line;
+    int32_t nlines;
+    int spacing;
+    struct rad_rgb fore, back;
+};
+
+/* right, down: the parts of R and D across each other, scaled so that
+ * right.R = down.D = 1. */
+static int
+set_plane(const struct rad_job *job, const struct rad_object *o, struct text *t,
+          struct rad_error *err)
+{
+    const double *R = o->reals + 3, *D = o->reals + 6;
+    double n[3], r2, d2;
+
+    rad_copy(t->anchor, o->reals);
+    rad_cross(n, D, R);
+    rad_cross(t->right, n, D);
+    rad_cross(t->down, R, n);
+    r2 = rad_dot(t->right, R);
+    d2 = rad_dot(t->down, D);
+    if (!(r2 > 0 && d2 > 0 && r2 < INFINITY && d2 < INFINITY))
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "right and down must span a plane");
+    rad_scale(t->right, 1 / r2, t->right);
+    rad_scale(t->down, 1 / d2, t->down);
+    return 0;
+}
+
+static char *
+read_file(const struct rad_files *files, const char *name, size_t *len,
+          struct rad_error *err)
+{
+    if (!files || !files->read) {
+        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+        return NULL;
+    }
+    return (char *)files->read(files->arg, name, len, err);
+}
+
+/* The font of an earlier text serves again. */
+static const struct rad_font *
+find_font(const struct rad_job *job, int32_t index, const char *name)
+{
+    const struct rad_object *objects = job->scene->objects;
+
+    for (int32_t i = 0; i < index; i++) {
+        const struct rad_object *o = &objects[i];
+
+        if ((o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT) &&
+            strcmp(o->strings[0], name) == 0)
+            return ((const struct text *)job->materials[i].data)->font;
+    }
+    return NULL;
+}
+
+static int
+load_font(struct rad_job *job, int32_t index, const struct rad_files *files,
+          struct text *t, struct rad_error *err)
+{
+    const char *name = job->scene->objects[index].strings[0];
+    size_t len;
+    char *data;
+
+    t->font = find_font(job, index, name);
+    if (t->font)
+        return 0;
+    data = read_file(files, name, &len, err);
+    if (!data)
+        return err && err->code ? err->code : RAD_ENOINPUT;
+    t->font = rad_font_parse(&job->arena, data, len, err);
+    free(data);
+    rad_error_where(err, "%s", name);
+    return t->font ? 0 : err ? err->code : RAD_EDATA;
+}
+
+static int
+add_line(struct rad_job *job, struct text *t, const char *s, size_t len,
+         struct rad_error *err)
+{
+    return rad_textline_set(&t->line[t->nlines++], t->font, &job->arena, s, len,
+                            t->spacing, err);
+}
+
+static int
+set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
+          struct rad_error *err)
+{
+    const char *end = s + len, *eol;
+    size_t n = 1;
+
+    for (const char *p = s; p < end; p++)
+        n += *p == '\n';
+    if (n > MAX_LINES)
+        return rad_fail(err, RAD_EDATA, "more than %d lines of text",
+                        MAX_LINES);
+    t->line = rad_arena_calloc(&job->arena, n, sizeof *t->line);
+    if (!t->line)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    while (s < end) {
+        int code;
+
+        eol = memchr(s, '\n', (size_t)(end - s));
+        code = add_line(job, t, s, (size_t)((eol ? eol : end) - s), err);
+        if (code < 0)
+            return code;
+        s = eol ? eol + 1 : end;
+    }
+    return 0;
+}
+
+/* The words from the third argument on are one line. */
+static int
+set_words(struct rad_job *job, const struct rad_object *o, struct text *t,
+          struct rad_error *err)
+{
+    size_t len = 0;
+    char *buf, *p;
+    int code;
+
+    for (int32_t i = 2; i < o->nstrings; i++)
+        len += strlen(o->strings[i]) + 1;
+    p = buf = malloc(len);
+    if (!buf)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 2; i < o->nstrings; i++) {
+        size_t n = strlen(o->strings[i]);
+
+        memcpy(p, o->strings[i], n);
+        p += n;
+        *p++ = ' ';
+    }
+    code = set_lines(job, t, buf, len - 1, err);
+    free(buf);
+    return code;
+}
+
+static int
+set_text(struct rad_job *job, const struct rad_object *o,
+         const struct rad_files *files, struct text *t, struct rad_error *err)
+{
+    size_t len;
+    char *data;
+    int code;
+
+    if (o->nstrings > 2)
+        return set_words(job, o, t, err);
+    data = read_file(files, o->strings[1], &len, err);
+    if (!data)
+        return err && err->code ? err->code : RAD_ENOINPUT;
+    code = set_lines(job, t, data, len, err);
+    free(data);
+    if (code < 0)
+        rad_error_where(err, "%s", o->strings[1]);
+    return code;
+}
+
+static void
+set_colors(const struct rad_object *o, struct text *t)
+{
+    const double *v = o->reals + 9;
+
+    if (o->type == RAD_BRIGHTTEXT) {
+        t->fore = rad_grey((float)v[0]);
+        t->back = rad_grey((float)v[1]);
+    } else {
+        t->fore = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
+        t->back = rad_rgb((float)v[3], (float)v[4], (float)v[5]);
+    }
+}
+
+int
+rad_text_prepare(struct rad_job *job, int32_t index,
+                 const struct rad_files *files, const void **data,
+                 struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    int n = o->type == RAD_BRIGHTTEXT ? 11 : 15;
+    int code = rad_material_reals(job, index, n, n + 1, err);
+    double spacing = 0;
+    struct text *t;
+
+    if (code < 0)
+        return code;
+    if (o->nstrings < 2)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "expected a font and a text");
+    t = rad_arena_calloc(&job->arena, 1, sizeof *t);
+    if (!t)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (o->nreals > n)
+        spacing = o->reals[n];
+    if (!(fabs(spacing) <= 30)) /* in letters: keeps widths in range */
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "spacing out of range");
+    t->spacing = (int)(CELL * spacing);
+    set_colors(o, t);
+    code = set_plane(job, o, t, err);
+    if (code == 0)
+        code = load_font(job, index, files, t, err);
+    if (code == 0)
+        code = set_text(job, o, files, t, err);
+    if (code < 0)
+        return code;
+    t->column =
+        o->nreals > n ? t->font->mean_width + CELL * fabs(spacing) : CELL;
+    *data = t;
+    return 0;
+}
+
+static bool
+is_foreground(const struct text *t, const double p[3])
+{
+    double v[3], x, y;
+    int32_t line;
+
+    rad_sub(v, p, t->anchor);
+    x = rad_dot(v, t->right) * t->column;
+    y = rad_dot(v, t->down);
+    if (!(x >= 0 && y >= 0 && y < t->nlines))
+        return false;
+    line = (int32_t)y;
+    return rad_textline_inside(&t->line[line], x, (line + 1 - y) * CELL);
+}
+
+bool
+rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+               struct rad_ray *r)
+{
+    const struct text *t = mat->data;
+
+    (void)ctx;
+    r->pattern =
+        rad_rgb_mul(r->pattern, is_foreground(t, r->hit.p) ? t->fore : t->back);
+    return false;
+}

@@ -1,0 +1,15 @@
+/* text.h - brighttext and colortext: writing as a pattern
+ *
+ * Source: Radiance's reference manual, "brighttext". */
+#ifndef RAD_SHADE_TEXT_H
+#define RAD_SHADE_TEXT_H
+
+#include "shade/material.h"
+
+int rad_text_prepare(struct rad_job *job, int32_t index,
+                     const struct rad_files *files, const void **data,
+                     struct rad_error *err);
+bool rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                    struct rad_ray *r);
+
+#endif
