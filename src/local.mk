@@ -28,7 +28,10 @@ librad_a_SOURCES = \
 	src/geom/sphere.c \
 	src/geom/walk.h \
 	src/geom/walk_avx2.c \
+	src/geom/walk_avx512.c \
+	src/geom/walk_neon.c \
 	src/geom/walk_plain.c \
+	src/geom/walk_sse2.c \
 	src/light/ambient.c \
 	src/light/ambient.h \
 	src/light/polytree.c \

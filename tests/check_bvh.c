@@ -1,12 +1,13 @@
 /* check_bvh.c - the tree finds what testing every surface finds */
 #include "config.h"
 
-#include "geom/bvh.h"
 #include "geom/geom.h"
+#include "geom/kernel.h"
 #include "geom_scene.h"
 #include "unit.h"
 
 #include <math.h>
+#include <stdio.h>
 
 enum { NSURFACES = 600, NRAYS = 4000 };
 
@@ -159,6 +160,68 @@ START_TEST(tree_finds_what_testing_all_finds)
 }
 END_TEST
 
+/* One ray's answers by one kernel. */
+struct answer {
+    struct rad_hit hit;
+    bool shadow;
+    int32_t blocker;
+    struct rad_geom_counts counts;
+};
+
+static void
+ask(struct rad_geom *geom, const struct rad_kernel *k,
+    const struct rad_span *span, struct answer *a)
+{
+    memset(a, 0, sizeof *a);
+    a->blocker = RAD_VOID;
+    rad_geom_use(geom, k);
+    rad_geom_nearest(geom, span, &a->hit, &a->counts);
+    a->shadow =
+        rad_geom_occluded(geom, span, RAD_VOID, &a->blocker, &a->counts);
+}
+
+START_TEST(kernels_give_the_same_bits)
+{
+    double size = place[_i].size, off = place[_i].offset;
+    const double c[3] = { off, -off, off };
+    const struct rad_kernel *const *k;
+    struct geom_scene g;
+    struct rad_geom *geom;
+
+    geom_scene_init(&g, NSURFACES, NSURFACES * 12);
+    for (uint64_t i = 0; i < NSURFACES; i++)
+        add_random(&g, rad_key_branch(7, i), size, c);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < NRAYS; i++) {
+        struct rad_span s = random_ray(rad_key_branch(98, i), size, c);
+        struct answer want, got;
+
+        ask(geom, &rad_kernel_plain, &s, &want);
+        for (k = rad_kernels(); *k; k++) {
+            if (!(*k)->usable())
+                continue;
+            ask(geom, *k, &s, &got);
+            /* all of it: hit, blocker, and what was visited on the way */
+            ck_assert_msg(memcmp(&got, &want, sizeof got) == 0, "%s, ray %d",
+                          (*k)->name, (int)i);
+        }
+    }
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+static void
+name_kernels(void)
+{
+    const struct rad_kernel *const *k;
+
+    printf("kernels:");
+    for (k = rad_kernels(); *k; k++)
+        printf(" %s%s", (*k)->name, (*k)->usable() ? "" : " (not here)");
+    printf("\n");
+}
+
 int
 main(void)
 {
@@ -168,6 +231,8 @@ main(void)
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
                         N_ELEM(place));
+    tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));
     suite_add_tcase(s, tc);
+    name_kernels();
     return unit_run(s);
 }

@@ -149,15 +149,524 @@ START_TEST(empty_scene_is_never_met)
 }
 END_TEST
 
+/* A mesh around the origin: a grid of longitude and latitude with every vertex
+ * pushed about, as triangles and (warped) quadrilaterals, closed at the
+ * poles. */
+enum { MESH_NU = 24, MESH_NV = 16 };
+
+static void
+mesh_vertex(int u, int v, double size, const double c[3], double p[3])
+{
+    uint64_t key = rad_key_branch(5, (uint64_t)(v * MESH_NU + u % MESH_NU));
+    double r = size, phi = 6.283185307179586 * (u % MESH_NU) / MESH_NU;
+    double theta = 3.141592653589793 * v / MESH_NV;
+
+    if (v > 0 && v < MESH_NV)
+        r *= geom_rand(key, 0, .8, 1.2);
+    p[0] = c[0] + (v % MESH_NV ? r * sin(theta) * cos(phi) : 0);
+    p[1] = c[1] + (v % MESH_NV ? r * sin(theta) * sin(phi) : 0);
+    p[2] = c[2] + r * cos(theta);
+}
+
+static void
+mesh_make(struct geom_scene *g, double size, const double c[3])
+{
+    for (int v = 0; v < MESH_NV; v++)
+        for (int u = 0; u < MESH_NU; u++) {
+            double q[4][3], t[3][3];
+
+            mesh_vertex(u, v, size, c, q[0]);
+            mesh_vertex(u, v + 1, size, c, q[1]);
+            mesh_vertex(u + 1, v + 1, size, c, q[2]);
+            mesh_vertex(u + 1, v, size, c, q[3]);
+            if (u % 3 == 0) {
+                geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, q[0],
+                               12);
+                continue;
+            }
+            geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, q[0], 9);
+            rad_copy(t[0], q[0]);
+            rad_copy(t[1], q[2]);
+            rad_copy(t[2], q[3]);
+            geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, t[0], 9);
+        }
+}
+
+/* A vertex, or a point on an edge as near as double allows. */
+static void
+mesh_target(uint64_t key, double size, const double c[3], double p[3])
+{
+    int u = (int)geom_rand(key, 0, 0, MESH_NU);
+    int v = (int)geom_rand(key, 1, 0, MESH_NV);
+    double s = rad_rand(key, 2), a[3], b[3];
+
+    mesh_vertex(u, v, size, c, a);
+    mesh_vertex(rad_rand(key, 3) < .5 ? u : u + 1, v + 1, size, c, b);
+    if (s < .2)
+        s = 0;
+    for (int i = 0; i < 3; i++)
+        p[i] = a[i] + s * (b[i] - a[i]);
+}
+
+static const struct {
+    double size, offset;
+} mesh_place[] = { { 1, 0 },    { 1e-6, 0 }, { 1e9, 0 },   { 1, 1e6 },
+                   { 10, 1e9 }, { 1e-3, 1 }, { 1e9, 1e9 }, { .1, -3 } };
+
+START_TEST(closed_mesh_does_not_leak)
+{
+    enum { N = 1000000 / N_ELEM(mesh_place) };
+    double size = mesh_place[_i].size, off = mesh_place[_i].offset;
+    const double c[3] = { off, off, -off };
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    int leaks = 0;
+
+    geom_scene_init(&g, 2 * MESH_NU * MESH_NV, 24 * MESH_NU * MESH_NV);
+    mesh_make(&g, size, c);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < N; i++) {
+        uint64_t key = rad_key_branch(6, i);
+        struct rad_span s = { .tmin = 0, .tmax = INFINITY };
+        struct rad_hit hit;
+
+        for (int a = 0; a < 3; a++)
+            s.org[a] = c[a] + size * geom_rand(key, (uint32_t)(4 + a), -.2, .2);
+        mesh_target(key, size, c, s.dir);
+        rad_sub(s.dir, s.dir, s.org);
+        rad_normalize(s.dir);
+        leaks += !rad_geom_nearest(geom, &s, &hit, &counts);
+        leaks += !rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
+    }
+    ck_assert_int_eq(leaks, 0);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+/* A square with a square hole, joined by a seam as Radiance's scenes do. */
+START_TEST(seam_makes_a_hole)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+    int met = 0;
+
+    geom_scene_init(&g, 1, 30);
+    GEOM_ADD(&g, RAD_POLYGON, 0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, 0, 0, 0, 1, 1,
+             0, 1, 3, 0, 3, 3, 0, 3, 1, 0, 1, 1, 0);
+    geom = geom_scene_compile(&g);
+    for (int i = 0; i < 64 * 64; i++) {
+        /* multiples of 1/16 hit the seam and the corners on the spot */
+        double x = i % 64 / 16., y = i / 64 / 16.;
+        struct rad_span s = geom_span(x, y, 1, 0, 0, -1);
+        bool hole = x > 1 && x < 3 && y > 1 && y < 3;
+        bool edge = x == 0 || y == 0 ||
+                    ((x == 1 || x == 3) && y >= 1 && y <= 3) ||
+                    ((y == 1 || y == 3) && x >= 1 && x <= 3);
+
+        if (edge)
+            continue;
+        ck_assert_msg(rad_geom_nearest(geom, &s, &hit, &counts) == !hole,
+                      "%g %g", x, y);
+        met += !hole;
+    }
+    ck_assert_int_gt(met, 2000);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+/* Surfaces without area, or made of numbers that are none: left out. */
+static const struct {
+    enum rad_otype type;
+    int nreals;
+    double reals[12];
+} degenerate[] = {
+    { RAD_POLYGON, 9, { 1, 1, 1, 1, 1, 1, 1, 1, 1 } },
+    { RAD_POLYGON, 9, { 0, 0, 0, 1, 2, 3, 2, 4, 6 } },
+    { RAD_POLYGON, 9, { .1, .2, .3, 1.1, 2.2, 3.3, 2.1, 4.2, 6.3 } },
+    { RAD_POLYGON, 12, { 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0 } },
+    { RAD_POLYGON, 6, { 0, 0, 0, 1, 0, 0 } },
+    { RAD_POLYGON, 9, { 0, 0, 0, 1, 0, 0, 0, NAN, 0 } },
+    { RAD_POLYGON, 9, { 0, 0, 0, INFINITY, 0, 0, 0, 1, 0 } },
+    { RAD_SPHERE, 4, { 0, 0, 0, 0 } },
+    { RAD_SPHERE, 4, { 0, 0, 0, NAN } },
+    { RAD_SPHERE, 4, { 0, NAN, 0, 1 } },
+    { RAD_BUBBLE, 3, { 0, 0, 0 } },
+    { RAD_CYLINDER, 7, { 1, 2, 3, 1, 2, 3, 1 } },
+    { RAD_TUBE, 7, { 0, 0, 0, 0, 0, 1, 0 } },
+    { RAD_CYLINDER, 7, { 0, 0, 0, 0, NAN, 1, 1 } },
+    { RAD_CONE, 8, { 0, 0, 0, 0, 0, 1, 0, 0 } },
+    { RAD_CONE, 8, { 0, 0, 0, 0, 0, 1, 1, NAN } },
+    { RAD_RING, 8, { 0, 0, 0, 0, 0, 0, 0, 1 } },
+    { RAD_RING, 8, { 0, 0, 0, 0, 0, 1, 1, 1 } },
+    { RAD_RING, 8, { 0, 0, 0, 0, 0, 1, 0, INFINITY } },
+    { RAD_SOURCE, 4, { 0, 0, 1, 180 } },
+};
+
+START_TEST(degenerate_surface_is_left_out)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+    double lo[3], hi[3];
+
+    geom_scene_init(&g, 2, 30);
+    geom_scene_add(&g, degenerate[_i].type, RAD_VOID, RAD_SURF_OPAQUE,
+                   degenerate[_i].reals, degenerate[_i].nreals);
+    GEOM_ADD(&g, RAD_SPHERE, 0, 0, 0, 1);
+    geom = geom_scene_compile(&g);
+    rad_geom_bounds(geom, lo, hi); /* of the sphere alone */
+    for (int a = 0; a < 3; a++)
+        ck_assert(fabs(lo[a] + 1) < 1e-14 && fabs(hi[a] - 1) < 1e-14);
+    ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+    ck_assert_int_eq(hit.obj, 1);
+    ck_assert(!rad_geom_hit_object(geom, 0, &s, &hit, &counts));
+    ck_assert(rad_geom_hit_object(geom, 1, &s, &hit, &counts));
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+/* Two coincident squares that both face +z unless turned; the ray comes from
+ * above.  Which of the two is met, whatever their order in the scene. */
+static const struct {
+    uint8_t surf[2];
+    bool turned[2];
+    int32_t modifier[2];
+    int winner;
+} tie[] = {
+    { { RAD_SURF_OPAQUE, RAD_SURF_TRANSPARENT }, { 0, 0 }, { 2, 3 }, 0 },
+    { { RAD_SURF_TRANSPARENT, RAD_SURF_OPAQUE }, { 0, 0 }, { 3, 2 }, 1 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_TRANSPARENT }, { 1, 0 }, { 2, 3 }, 0 },
+    { { RAD_SURF_TRANSPARENT, RAD_SURF_NOMATERIAL }, { 1, 0 }, { 2, 3 }, 0 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_OPAQUE }, { 1, 0 }, { 3, 2 }, 1 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_OPAQUE }, { 0, 1 }, { 2, 3 }, 0 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_OPAQUE }, { 0, 0 }, { 2, 3 }, 1 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_OPAQUE }, { 0, 0 }, { 3, 2 }, 0 },
+    { { RAD_SURF_OPAQUE, RAD_SURF_OPAQUE }, { 1, 1 }, { 3, 2 }, 0 },
+};
+
+/* A square across (1,1,1)/sqrt 3, scaled and turned within its plane: the same
+ * plane from other vertices, so that the two differ by rounding. */
+static void
+tilted_square(double v[12], double turn, double size, bool turned)
+{
+    static const double n[3] = { .5773502691896258, .5773502691896258,
+                                 .5773502691896258 };
+    double x[3], y[3];
+
+    rad_frame(x, y, n);
+    for (int i = 0; i < 4; i++) {
+        double a = turn + (turned ? -1 : 1) * i * 1.5707963267948966;
+
+        for (int j = 0; j < 3; j++)
+            v[3 * i + j] = n[j] * 7.3 + size * (cos(a) * x[j] + sin(a) * y[j]);
+    }
+}
+
+START_TEST(coincident_faces_are_told_apart_by_rule)
+{
+    int row = _i / 2, swap = _i % 2;
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+    double v[2][12];
+
+    geom_scene_init(&g, 6, 24);
+    /* stand-ins for modifiers 0 to 3 */
+    for (int i = 0; i < 4; i++)
+        geom_scene_add(&g, RAD_PLASTIC, RAD_VOID, 0, NULL, 0);
+    tilted_square(v[0], .1, 3, tie[row].turned[0]);
+    tilted_square(v[1], .9, 5, tie[row].turned[1]);
+    for (int i = 0; i < 2; i++) {
+        int k = i ^ swap;
+
+        geom_scene_add(&g, RAD_POLYGON, tie[row].modifier[k], tie[row].surf[k],
+                       v[k], 12);
+    }
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < 500; i++) {
+        struct rad_span s = geom_span(20, 18, 25, 0, 0, 0);
+        uint64_t key = rad_key_branch(2, i);
+
+        for (int a = 0; a < 3; a++)
+            s.dir[a] = 7.3 * .5773502691896258 +
+                       geom_rand(key, (uint32_t)a, -.8, .8) - s.org[a];
+        rad_normalize(s.dir);
+        ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+        ck_assert_msg(hit.obj == 4 + (tie[row].winner ^ swap), "ray %d",
+                      (int)i);
+    }
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+START_TEST(nearby_faces_are_no_tie)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_span s = geom_span(.3, .4, 10, 0, 0, -1);
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+
+    geom_scene_init(&g, 3, 30);
+    /* the nearer one would lose by every rule */
+    geom_scene_add(&g, RAD_RING, RAD_VOID, RAD_SURF_TRANSPARENT,
+                   (double[]){ 0, 0, 1 + 1e-12, 0, 0, -1, 0, 1 }, 8);
+    GEOM_ADD(&g, RAD_RING, 0, 0, 1, 0, 0, 1, 0, 1);
+    geom = geom_scene_compile(&g);
+    ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+    ck_assert_int_eq(hit.obj, 0);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+START_TEST(span_with_nan_meets_nothing)
+{
+    static const double bad[] = { NAN, INFINITY, -INFINITY };
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+
+    geom_scene_init(&g, 1, 4);
+    GEOM_ADD(&g, RAD_BUBBLE, 0, 0, 0, 1);
+    geom = geom_scene_compile(&g);
+    for (int i = 0; i < 6 * N_ELEM(bad); i++) {
+        struct rad_span s = geom_span(0, 0, 0, 1, 2, 3);
+
+        *(i % 6 < 3 ? &s.org[i % 3] : &s.dir[i % 3]) = bad[i / 6];
+        ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+        ck_assert(!rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts));
+        ck_assert(!rad_geom_hit_object(geom, 0, &s, &hit, &counts));
+    }
+    struct rad_span s = geom_span(0, 0, 0, 0, 0, 0);
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    s = geom_span(0, 0, 0, 1, 2, 3);
+    s.tmax = NAN;
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    s.tmax = INFINITY;
+    s.tmin = NAN;
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+START_TEST(span_ends_where_it_says)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+
+    geom_scene_init(&g, 1, 4);
+    GEOM_ADD(&g, RAD_SPHERE, 0, 0, 0, 1);
+    geom = geom_scene_compile(&g);
+    s.tmax = 4; /* the sphere is met at 4 and 6, and the ends are open */
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    s.tmax = 4.001;
+    ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+    s.tmin = 4;
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    s.tmax = INFINITY;
+    ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+    ck_assert_double_eq_tol(hit.t, 6, 1e-14);
+    s.tmin = 6;
+    ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+START_TEST(blocker_is_remembered_and_skipped)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
+    int32_t blocker = RAD_VOID;
+    struct geom_scene g;
+    struct rad_geom *geom;
+
+    geom_scene_init(&g, 3, 30);
+    GEOM_ADD(&g, RAD_RING, 0, 0, 0, 0, 0, 1, 0, 1);
+    GEOM_ADD(&g, RAD_RING, 0, 0, -2, 0, 0, 1, 0, 1);
+    geom_scene_add(&g, RAD_RING, RAD_VOID, RAD_SURF_TRANSPARENT,
+                   (double[]){ 0, 0, 2, 0, 0, 1, 0, 1 }, 8);
+    geom = geom_scene_compile(&g);
+    ck_assert(rad_geom_occluded(geom, &s, 0, &blocker, &counts));
+    ck_assert_int_eq(blocker, 1);
+    counts.tests = counts.nodes = 0;
+    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert_int_eq(blocker, 1); /* tested first, though not the nearest */
+    ck_assert_uint_eq(counts.tests, 1);
+    ck_assert_uint_eq(counts.nodes, 0);
+    ck_assert(rad_geom_occluded(geom, &s, 1, &blocker, &counts));
+    ck_assert_int_eq(blocker, 0);
+    blocker = 2; /* see-through: no blocker, but no reason to forget others */
+    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert_int_ne(blocker, 2);
+    blocker = 77; /* from another scene */
+    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    s.tmax = 4;
+    ck_assert(!rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+/* Distance from p to the surface, in a wider format than the code's. */
+static long double
+off_surface(enum rad_otype type, const double *a, const double *p)
+{
+    long double d[3], x[3], h = 0, len = 0, rho = 0, r;
+
+    for (int i = 0; i < 3; i++)
+        d[i] = (long double)p[i] - a[i];
+    if (type == RAD_SPHERE || type == RAD_BUBBLE)
+        return fabsl(hypotl(hypotl(d[0], d[1]), d[2]) - a[3]);
+    for (int i = 0; i < 3; i++) {
+        x[i] = type == RAD_RING ? a[3 + i] : (long double)a[3 + i] - a[i];
+        len += x[i] * x[i];
+    }
+    len = sqrtl(len);
+    for (int i = 0; i < 3; i++)
+        h += d[i] * x[i] / len;
+    if (type == RAD_RING)
+        return fabsl(h);
+    for (int i = 0; i < 3; i++) {
+        d[i] -= h * x[i] / len;
+        rho += d[i] * d[i];
+    }
+    r = a[6];
+    if (type == RAD_CONE || type == RAD_CUP)
+        r += (a[7] - (long double)a[6]) * h / len;
+    return fabsl(sqrtl(rho) - r);
+}
+
+/* Surfaces from near and far, at many sizes: the hit's error bound holds, and
+ * a ray that leaves as rad_geom_leave says does not meet the same place. */
+static const struct {
+    enum rad_otype type;
+    int nreals;
+    double reals[8];
+} leaving[] = {
+    { RAD_SPHERE, 4, { .1, .2, .3, 1 } },
+    { RAD_SPHERE, 4, { .1, .2, .3, 1e-6 } },
+    { RAD_SPHERE, 4, { .1, .2, 1e10, 1e10 } },
+    { RAD_BUBBLE, 4, { 1e9, 1e9, -1e9, 3 } },
+    { RAD_CYLINDER, 7, { .1, .2, .3, .7, .8, .2, .5 } },
+    { RAD_CYLINDER, 7, { .1, .2, .3, 100, 80, 20, 1e-4 } },
+    { RAD_TUBE, 7, { 1e6, .2, .3, 1e6, .8, 20, 1e3 } },
+    { RAD_CONE, 8, { .1, .2, .3, .7, .8, .2, 0, .5 } },
+    { RAD_CUP, 8, { .1, .2, 1e6, .7, .8, 1e6, 1, .5 } },
+    { RAD_RING, 8, { .1, 1e9, .3, .3, .4, .5, 0, 2 } },
+};
+
+/* A ray towards somewhere on the surface, from about dist away. */
+static struct rad_span
+aim(uint64_t key, int row, double dist)
+{
+    const double *a = leaving[row].reals;
+    bool ball =
+        leaving[row].type == RAD_SPHERE || leaving[row].type == RAD_BUBBLE;
+    double r = ball ? a[3] : leaving[row].type == RAD_RING ? a[7] : a[6];
+    double s = rad_rand(key, 9), to[3];
+    struct rad_span span = { .tmin = 0, .tmax = INFINITY };
+
+    geom_rand_dir(key, 0, to);
+    geom_rand_dir(key, 2, span.org);
+    for (int i = 0; i < 3; i++) {
+        double at = ball || leaving[row].type == RAD_RING
+                        ? a[i]
+                        : a[i] + s * (a[3 + i] - a[i]);
+
+        to[i] = at + r * to[i];
+        span.org[i] = to[i] + dist * span.org[i];
+    }
+    rad_sub(span.dir, to, span.org);
+    rad_normalize(span.dir);
+    return span;
+}
+
+START_TEST(hit_is_within_its_bound_and_is_left_behind)
+{
+    static const double dists[] = { 1e-3, 1, 1e3, 1e7 };
+    const double *a = leaving[_i].reals;
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    int met = 0;
+
+    geom_scene_init(&g, 1, 8);
+    geom_scene_add(&g, leaving[_i].type, RAD_VOID, RAD_SURF_OPAQUE, a,
+                   leaving[_i].nreals);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < 40000; i++) {
+        uint64_t key = rad_key_branch(8, i);
+        struct rad_span s = aim(key, _i, dists[i % 4]), away = s;
+        struct rad_hit hit, again;
+        double cos_out;
+
+        if (!rad_geom_nearest(geom, &s, &hit, &counts))
+            continue;
+        met++;
+        ck_assert_msg(off_surface(leaving[_i].type, a, hit.p) <= hit.err,
+                      "off by %Lg, bound %g",
+                      off_surface(leaving[_i].type, a, hit.p), hit.err);
+        ck_assert(fabs(rad_dot(hit.n, hit.n) - 1) < 1e-14);
+        geom_rand_dir(key, 20, away.dir);
+        if (i % 3 == 0) { /* all but along the surface */
+            rad_madd(away.dir, away.dir, -rad_dot(away.dir, hit.n), hit.n);
+            rad_madd(away.dir, away.dir, i % 2 ? 1e-9 : -1e-9, hit.n);
+            rad_normalize(away.dir);
+        }
+        rad_geom_leave(&hit, away.dir, away.org);
+        cos_out = rad_dot(away.dir, hit.n);
+        if (!rad_geom_nearest(geom, &away, &again, &counts))
+            continue;
+        /* inside a round thing the far wall may be met, and only there */
+        ck_assert_int_ne(leaving[_i].type, RAD_RING);
+        ck_assert_msg(rad_dot(again.n, away.dir) * cos_out < 0,
+                      "met again after %g", again.t);
+    }
+    ck_assert_int_gt(met, 300);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
 int
 main(void)
 {
     Suite *s = suite_create("geom");
     TCase *tc = tcase_create("geom");
 
+    tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, surface_is_met_where_geometry_says, 0,
                         N_ELEM(closed) * N_ELEM(scales));
     tcase_add_test(tc, empty_scene_is_never_met);
+    tcase_add_loop_test(tc, closed_mesh_does_not_leak, 0, N_ELEM(mesh_place));
+    tcase_add_test(tc, seam_makes_a_hole);
+    tcase_add_loop_test(tc, degenerate_surface_is_left_out, 0,
+                        N_ELEM(degenerate));
+    tcase_add_loop_test(tc, coincident_faces_are_told_apart_by_rule, 0,
+                        2 * N_ELEM(tie));
+    tcase_add_test(tc, nearby_faces_are_no_tie);
+    tcase_add_test(tc, span_with_nan_meets_nothing);
+    tcase_add_test(tc, span_ends_where_it_says);
+    tcase_add_test(tc, blocker_is_remembered_and_skipped);
+    tcase_add_loop_test(tc, hit_is_within_its_bound_and_is_left_behind, 0,
+                        N_ELEM(leaving));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

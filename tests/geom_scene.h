@@ -51,7 +51,9 @@ geom_scene_add(struct geom_scene *g, enum rad_otype type, int32_t modifier,
     o->modifier = modifier;
     o->name = "it";
     o->nreals = n;
-    o->reals = memcpy(g->reals + g->nreals, reals, (size_t)n * sizeof *reals);
+    o->reals = g->reals + g->nreals;
+    for (int i = 0; i < n; i++)
+        g->reals[g->nreals + (size_t)i] = reals[i];
     g->nreals += (size_t)n;
     g->surf[g->scene.nobjects] = surf;
     return g->scene.nobjects++;

@@ -100,7 +100,4 @@ struct rad_kernel {
     void (*all)(struct rad_walk *w);
 };
 
-/* Best first, ended by NULL. */
-const struct rad_kernel *const *rad_kernels(void);
-
 #endif

@@ -14,7 +14,7 @@
 
 #include "base/arena.h"
 #include "base/vec.h"
-#include "geom/bvh.h"
+#include "geom/kernel.h"
 
 #include <float.h>
 #include <math.h>
@@ -159,6 +159,12 @@ rad_geom_free(struct rad_geom *g)
     free(g->prims);
     free(g->prim_of);
     free(g);
+}
+
+void
+rad_geom_use(struct rad_geom *g, const struct rad_kernel *k)
+{
+    g->kernel = k;
 }
 
 void

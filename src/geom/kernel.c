@@ -7,9 +7,13 @@
 
 static const struct rad_kernel *const kernels[] = {
 #ifdef RAD_X86
-    &rad_kernel_avx2,
+    &rad_kernel_avx512, &rad_kernel_avx2,
+    &rad_kernel_sse2,
 #endif
-    &rad_kernel_plain, NULL
+#ifdef RAD_ARM64
+    &rad_kernel_neon,
+#endif
+    &rad_kernel_plain,  NULL
 };
 
 const struct rad_kernel *const *

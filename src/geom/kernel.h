@@ -9,15 +9,29 @@
 
 #if defined(__x86_64__) || defined(__i386__)
 #define RAD_X86 1
+#elif defined(__aarch64__)
+#define RAD_ARM64 1
 #endif
 
 /* Pays for the three roundings of each plane's distance, entering and leaving:
  * 1 + 2 gamma_3 < 1 + 2^-21 in float (Ize 2013). */
 #define RAD_BVH_WIDEN (1 + 0x1p-21f)
 
+/* Best first, ended by NULL. */
+const struct rad_kernel *const *rad_kernels(void);
+
+/* Walk with k from now on; rad_geom_new() takes the best.  For measuring and
+ * comparing kernels. */
+void rad_geom_use(struct rad_geom *g, const struct rad_kernel *k);
+
 extern const struct rad_kernel rad_kernel_plain;
 #ifdef RAD_X86
+extern const struct rad_kernel rad_kernel_sse2;
 extern const struct rad_kernel rad_kernel_avx2;
+extern const struct rad_kernel rad_kernel_avx512;
+#endif
+#ifdef RAD_ARM64
+extern const struct rad_kernel rad_kernel_neon;
 #endif
 
 #endif
