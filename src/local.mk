@@ -55,8 +55,18 @@ librad_a_SOURCES = \
 	src/picture/view.h \
 	src/scene/bundle.c \
 	src/scene/bundle.h \
+	src/scene/check.c \
 	src/scene/font.c \
 	src/scene/font.h \
+	src/scene/lex.c \
+	src/scene/lex.h \
+	src/scene/otype.c \
+	src/scene/otype.def \
+	src/scene/otype.h \
+	src/scene/parse.c \
+	src/scene/parse.h \
+	src/scene/scene.c \
+	src/scene/scene.h \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
 	src/shade/emitter.c \

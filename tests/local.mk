@@ -12,6 +12,7 @@ UNIT_TESTS = \
 	tests/check_geom \
 	tests/check_hdr \
 	tests/check_params \
+	tests/check_parse \
 	tests/check_source \
 	tests/check_view
 
@@ -61,6 +62,10 @@ tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_source_SOURCES = tests/check_source.c tests/unit.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_source_LDADD = $(UNIT_LIBS)
+
+tests_check_parse_SOURCES = tests/check_parse.c tests/unit.h
+tests_check_parse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_parse_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =

@@ -6,7 +6,10 @@
  * parse.h makes one from .rad text, octfile.h from an octree; both give the
  * same array.  The array says nothing of how a ray meets it: job.h compiles
  * it for rendering.
- * Memory: all of it lives in `arena`; rad_scene_free() ends it.
+ * Limits: RAD_MAX_OBJECTS objects, RAD_MAX_ARGS string and as many real
+ * arguments each, words (names and strings) of RAD_MAX_WORD bytes: what
+ * Radiance's octree files can hold, and its programs read.
+ * Memory: rad_scene_free() ends all of it.
  * Thread: immutable once made; any number of threads may read it.
  * Source: Radiance's reference manual, "Scene description". */
 #ifndef RAD_SCENE_SCENE_H
@@ -20,6 +23,12 @@
 #include <stdint.h>
 
 #define RAD_VOID (-1) /* no modifier, no object */
+
+#define RAD_MAX_OBJECTS 100000000
+#define RAD_MAX_ARGS    32767
+#define RAD_MAX_WORD    511
+
+struct rad_names;
 
 struct rad_object {
     enum rad_otype type;
@@ -40,19 +49,29 @@ struct rad_scene {
     int32_t capacity;
     const char **files; /* names of the files that it was read from */
     int32_t nfiles;
+    struct rad_names *names; /* modifiers by name */
 };
 
 struct rad_scene *rad_scene_new(void); /* NULL: out of memory */
 void rad_scene_free(struct rad_scene *s);
 
+/* Remember a file's name; returns its index or a negative code. */
+int rad_scene_add_file(struct rad_scene *s, const char *name,
+                       struct rad_error *err);
+
+/* Make room for n objects in all, so that no more is taken than they need. */
+int rad_scene_reserve(struct rad_scene *s, int32_t n, struct rad_error *err);
+
 /* Append a copy of *o (name and arguments are copied into the arena).
- * Returns its index or a negative code (RAD_ENOMEM; RAD_EDATA beyond
- * RAD_MAX_OBJECTS). */
+ * Returns its index or a negative code (RAD_ENOMEM; RAD_EDATA beyond a limit
+ * above). */
 int rad_scene_add(struct rad_scene *s, const struct rad_object *o,
                   struct rad_error *err);
 
 /* Index of the last modifier called name among the first `before` objects, or
- * RAD_VOID.  Logarithmic or better: the scene keeps an index by name. */
+ * RAD_VOID.  Logarithmic or better: the scene keeps an index by name.  As in
+ * Radiance, a definition that repeats the one before it of that name does not
+ * replace it: the first of the two is found. */
 int rad_scene_find_modifier(const struct rad_scene *s, const char *name,
                             int32_t before);
 
@@ -62,8 +81,19 @@ int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
                    struct rad_error *err, int code, const char *fmt, ...)
     __attribute__((format(printf, 5, 6)));
 
+/* The modifier that an alias stands for: the end of the chain of aliases that
+ * starts at object `index`, which is no alias itself; RAD_VOID where the chain
+ * ends in nothing.  For another type, index itself.  What modifies the result
+ * is the first alias' own modifier if *own is set, else the result's. */
+int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
+
+/* Which types do the surfaces reach, with their own?  needs[t] is set for
+ * those. */
+void rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES]);
+
 /* Check the arguments of every object against what its type demands, and
- * refuse by name what this renderer lacks (RAD_EUNSUPPORTED).  The first
+ * refuse by name what this renderer lacks (RAD_EUNSUPPORTED) where a surface
+ * reaches it: modifiers that nothing uses may be of any type.  The first
  * problem is put in *err; if `each` is not NULL it is called with every one
  * (radscene check prints them all).  Returns 0 or the first code. */
 int rad_scene_check(const struct rad_scene *s,

@@ -8,6 +8,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_hdr \
 	tests/fuzz/fuzz_params \
+	tests/fuzz/fuzz_parse \
 	tests/fuzz/fuzz_view
 
 if FUZZERS
@@ -46,3 +47,7 @@ tests_fuzz_fuzz_hdr_LDFLAGS = $(FUZZ_LDFLAGS)
 tests_fuzz_fuzz_font_SOURCES = tests/fuzz/fuzz_font.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_font_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_parse_SOURCES = tests/fuzz/fuzz_parse.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_parse_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LDFLAGS)

@@ -1,0 +1,415 @@
+/* check.c - are a scene's objects what their types demand?
+ *
+ * First every object by itself: the counts of its arguments from one table,
+ * then what else its type asks for.  Then each surface's chain of modifiers:
+ * does it lead through types that this renderer has, to one material?  An
+ * object refers only to such as were defined before it, so that passes over
+ * the array find this out without recursion.
+ * Source: Radiance's reference manual, "Scene description", and what its
+ * renderers refuse. */
+#include "config.h"
+
+#include "scene/scene.h"
+
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct checker {
+    const struct rad_scene *scene;
+    void (*each)(void *arg, const struct rad_error *err);
+    void *arg;
+    struct rad_error *err; /* the first problem */
+    int rc;                /* its code */
+    uint8_t *reached;      /* by object: does a surface lead to it? */
+    int32_t *material;     /* by object: of the chain from it on */
+};
+
+/* Note a problem of object o; later ones only go to `each`. */
+__attribute__((format(printf, 4, 5))) static void
+report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
+       ...)
+{
+    struct rad_error err = { 0 };
+    char text[sizeof err.what];
+    va_list ap;
+
+    va_start(ap, fmt);
+    vsnprintf(text, sizeof text, fmt, ap);
+    va_end(ap);
+    rad_scene_fail(c->scene, o, &err, code, "%s", text);
+    if (c->rc == 0) {
+        c->rc = code;
+        if (c->err && c->err->code == 0)
+            *c->err = err;
+    }
+    if (c->each)
+        c->each(c->arg, &err);
+}
+
+/* --- one object ------------------------------------------------------- */
+
+static void
+check_polygon(struct checker *c, const struct rad_object *o)
+{
+    if (o->nreals % 3)
+        report(c, o, RAD_EDATA,
+               "expected three real arguments for each vertex, got %d",
+               (int)o->nreals);
+}
+
+static void
+check_sphere(struct checker *c, const struct rad_object *o)
+{
+    if (o->reals[3] == 0)
+        report(c, o, RAD_EDATA, "zero radius");
+}
+
+static void
+check_cone(struct checker *c, const struct rad_object *o)
+{
+    double r0 = o->reals[6], r1 = o->reals[7];
+
+    if ((r0 < 0 && r1 > 0) || (r0 > 0 && r1 < 0))
+        report(c, o, RAD_EDATA, "radii of opposite sign");
+}
+
+static void
+check_ring(struct checker *c, const struct rad_object *o)
+{
+    if (o->reals[6] < 0 || o->reals[7] < 0)
+        report(c, o, RAD_EDATA, "negative radius");
+}
+
+static bool
+zero_vector(const double v[3])
+{
+    return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+static void
+check_source(struct checker *c, const struct rad_object *o)
+{
+    if (zero_vector(o->reals))
+        report(c, o, RAD_EDATA, "zero direction");
+    if (o->reals[3] <= 0)
+        report(c, o, RAD_EDATA, "angle %g is not above 0", o->reals[3]);
+}
+
+static void
+check_spotlight(struct checker *c, const struct rad_object *o)
+{
+    if (o->reals[3] <= 0)
+        report(c, o, RAD_EDATA, "angle %g is not above 0", o->reals[3]);
+    if (zero_vector(o->reals + 4))
+        report(c, o, RAD_EDATA, "zero direction");
+}
+
+static void
+check_glass(struct checker *c, const struct rad_object *o)
+{
+    if (o->nreals == 4 && o->reals[3] <= 0)
+        report(c, o, RAD_EDATA, "refractive index %g is not above 0",
+               o->reals[3]);
+}
+
+static void
+check_interface(struct checker *c, const struct rad_object *o)
+{
+    if (o->reals[3] <= 0 || o->reals[7] <= 0)
+        report(c, o, RAD_EDATA, "refractive index is not above 0");
+}
+
+/* Right and down must span a plane: the cross product of parallel vectors
+ * vanishes but for its rounding, a few units in the last place of |R||D|. */
+static void
+check_text(struct checker *c, const struct rad_object *o)
+{
+    const double *r = o->reals + 3, *d = o->reals + 6;
+    double n[3] = { r[1] * d[2] - r[2] * d[1], r[2] * d[0] - r[0] * d[2],
+                    r[0] * d[1] - r[1] * d[0] };
+    double rr = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+    double dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+
+    if (!(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 1e-30 * rr * dd))
+        report(c, o, RAD_EDATA, "right and down vectors are parallel");
+}
+
+/* The string arguments that name a modifier defined before. */
+static void
+check_reference(struct checker *c, const struct rad_object *o)
+{
+    int32_t index = (int32_t)(o - c->scene->objects);
+
+    if (o->nstrings && strcmp(o->strings[0], "void") != 0 &&
+        rad_scene_find_modifier(c->scene, o->strings[0], index) == RAD_VOID)
+        report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[0]);
+}
+
+static void
+check_alias(struct checker *c, const struct rad_object *o)
+{
+    if (o->nstrings == 0 ? o->modifier == RAD_VOID
+                         : strcmp(o->strings[0], "void") == 0)
+        report(c, o, RAD_EDATA, "alias of nothing");
+    check_reference(c, o);
+}
+
+/* What the supported types take.  Strings that a type does not use are
+ * ignored, as in Radiance. */
+static const struct rule {
+    enum rad_otype type;
+    int min_strings, max_strings;
+    int min_reals, max_reals;
+    void (*check)(struct checker *c, const struct rad_object *o);
+} rules[] = {
+    /* clang-format off */
+    { RAD_ALIAS,      0, 1,       0, INT_MAX,  check_alias },
+    { RAD_SOURCE,     0, INT_MAX, 4, 4,        check_source },
+    { RAD_SPHERE,     0, INT_MAX, 4, 4,        check_sphere },
+    { RAD_BUBBLE,     0, INT_MAX, 4, 4,        check_sphere },
+    { RAD_POLYGON,    0, INT_MAX, 9, INT_MAX,  check_polygon },
+    { RAD_CONE,       0, INT_MAX, 8, 8,        check_cone },
+    { RAD_CUP,        0, INT_MAX, 8, 8,        check_cone },
+    { RAD_CYLINDER,   0, INT_MAX, 7, 7,        NULL },
+    { RAD_TUBE,       0, INT_MAX, 7, 7,        NULL },
+    { RAD_RING,       0, INT_MAX, 8, 8,        check_ring },
+    { RAD_LIGHT,      0, INT_MAX, 3, 3,        NULL },
+    { RAD_ILLUM,      0, 1,       3, 3,        check_reference },
+    { RAD_GLOW,       0, INT_MAX, 4, 4,        NULL },
+    { RAD_SPOTLIGHT,  0, INT_MAX, 7, 7,        check_spotlight },
+    { RAD_PLASTIC,    0, INT_MAX, 5, 5,        NULL },
+    { RAD_METAL,      0, INT_MAX, 5, 5,        NULL },
+    { RAD_TRANS,      0, INT_MAX, 7, 7,        NULL },
+    { RAD_DIELECTRIC, 0, INT_MAX, 5, 5,        NULL },
+    { RAD_INTERFACE,  0, INT_MAX, 8, 8,        check_interface },
+    { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },
+    { RAD_COLORTEXT,  2, INT_MAX, 15, INT_MAX, check_text },
+    { RAD_BRIGHTTEXT, 2, INT_MAX, 11, INT_MAX, check_text },
+    /* clang-format on */
+};
+
+/* NULL: not supported. */
+static const struct rule *
+find_rule(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++)
+        if (rules[i].type == type)
+            return &rules[i];
+    return NULL;
+}
+
+static bool
+check_count(struct checker *c, const struct rad_object *o, const char *kind,
+            int n, int min, int max)
+{
+    if (n >= min && n <= max)
+        return true;
+    if (min == max)
+        report(c, o, RAD_EDATA, "expected %d %s argument%s, got %d", min, kind,
+               min == 1 ? "" : "s", n);
+    else if (max == INT_MAX)
+        report(c, o, RAD_EDATA, "expected at least %d %s arguments, got %d",
+               min, kind, n);
+    else
+        report(c, o, RAD_EDATA, "expected %d to %d %s arguments, got %d", min,
+               max, kind, n);
+    return false;
+}
+
+static void
+check_object(struct checker *c, const struct rad_object *o)
+{
+    const struct rule *r = find_rule(o->type);
+
+    if (!r)
+        return;
+    if (check_count(c, o, "string", o->nstrings, r->min_strings,
+                    r->max_strings) &&
+        check_count(c, o, "real", o->nreals, r->min_reals, r->max_reals) &&
+        r->check)
+        r->check(c, o);
+}
+
+/* --- chains of modifiers ---------------------------------------------- */
+
+/* Modifier that object o names by string, or RAD_VOID. */
+static int32_t
+named_modifier(const struct rad_scene *s, const struct rad_object *o)
+{
+    if ((o->type != RAD_ILLUM && o->type != RAD_ALIAS) || o->nstrings == 0)
+        return RAD_VOID;
+    return rad_scene_find_modifier(s, o->strings[0], (int32_t)(o - s->objects));
+}
+
+/* Set reached[i] for surfaces and what they lead to.  An object refers to
+ * lower indices only, so one pass downwards finds all. */
+static void
+mark_reached(const struct rad_scene *s, uint8_t *reached)
+{
+    for (int32_t i = s->nobjects; i-- > 0;) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t named;
+
+        if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
+            reached[i] = 1;
+        if (!reached[i])
+            continue;
+        if (o->modifier != RAD_VOID)
+            reached[o->modifier] = 1;
+        named = named_modifier(s, o);
+        if (named != RAD_VOID)
+            reached[named] = 1;
+    }
+}
+
+/* Find the material of the chain that starts at each object, upwards for the
+ * same reason.  `stands_for` is what an alias is replaced by. */
+static void
+find_materials(const struct rad_scene *s, int32_t *material,
+               int32_t *stands_for)
+{
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t m = i;
+
+        if (o->type == RAD_ALIAS) {
+            m = o->nstrings ? named_modifier(s, o) : o->modifier;
+            if (m != RAD_VOID)
+                m = stands_for[m];
+        }
+        stands_for[i] = m;
+        if (m == RAD_VOID ||
+            rad_otype_class(s->objects[m].type) == RAD_CLASS_MATERIAL)
+            material[i] = m;
+        else
+            material[i] =
+                o->modifier == RAD_VOID ? RAD_VOID : material[o->modifier];
+    }
+}
+
+/* The material behind object o, its own type apart. */
+static const struct rad_object *
+material_behind(const struct checker *c, const struct rad_object *o)
+{
+    int32_t m = o->modifier == RAD_VOID ? RAD_VOID : c->material[o->modifier];
+
+    return m == RAD_VOID ? NULL : &c->scene->objects[m];
+}
+
+/* A material whose own modifiers hold another one has no meaning. */
+static void
+check_material(struct checker *c, const struct rad_object *o)
+{
+    const struct rad_object *other = material_behind(c, o);
+
+    if (other && rad_otype_class(o->type) == RAD_CLASS_MATERIAL)
+        report(c, o, RAD_EDATA, "modified by another material, '%s'",
+               other->name);
+}
+
+static bool
+gives_light(const struct rad_object *m)
+{
+    switch (m->type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+        break;
+    case RAD_GLOW: /* one without a radius is no source of direct light */
+        if (m->nreals == 4 && m->reals[3] <= 0)
+            return false;
+        break;
+    default:
+        return false;
+    }
+    return m->nreals >= 3 &&
+           (m->reals[0] > 0 || m->reals[1] > 0 || m->reals[2] > 0);
+}
+
+static void
+check_surface(struct checker *c, const struct rad_object *o)
+{
+    const struct rad_object *m = material_behind(c, o);
+
+    switch (o->type) {
+    case RAD_SOURCE:
+    case RAD_SPHERE:
+    case RAD_POLYGON:
+    case RAD_CYLINDER:
+    case RAD_RING:
+        return;
+    default:
+        break;
+    }
+    if (m && gives_light(m))
+        report(c, o, RAD_EDATA,
+               "a %s cannot be a light source (its material is %s '%s')",
+               rad_otype_name(o->type), rad_otype_name(m->type), m->name);
+}
+
+static void
+check_reached(struct checker *c, const struct rad_object *o)
+{
+    if (!find_rule(o->type))
+        report(c, o, RAD_EUNSUPPORTED, "type '%s' is not supported yet",
+               rad_otype_name(o->type));
+    else if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
+        check_surface(c, o);
+    else
+        check_material(c, o);
+}
+
+/* --- the whole scene --------------------------------------------------- */
+
+void
+rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
+{
+    uint8_t *reached = calloc((size_t)s->nobjects + 1, 1);
+
+    memset(needs, 0, RAD_NOTYPES * sizeof *needs);
+    if (reached)
+        mark_reached(s, reached);
+    for (int32_t i = 0; i < s->nobjects; i++)
+        if (!reached || reached[i]) /* out of memory: all there are */
+            needs[s->objects[i].type] = true;
+    free(reached);
+}
+
+static void
+check_all(struct checker *c)
+{
+    const struct rad_scene *s = c->scene;
+
+    for (int32_t i = 0; i < s->nobjects && (c->each || !c->rc); i++)
+        check_object(c, &s->objects[i]);
+    for (int32_t i = 0; i < s->nobjects && (c->each || !c->rc); i++)
+        if (c->reached[i])
+            check_reached(c, &s->objects[i]);
+}
+
+int
+rad_scene_check(const struct rad_scene *s,
+                void (*each)(void *arg, const struct rad_error *err), void *arg,
+                struct rad_error *err)
+{
+    struct checker c = { .scene = s, .each = each, .arg = arg, .err = err };
+    size_t n = (size_t)s->nobjects + 1;
+    int32_t *stands_for = malloc(n * sizeof *stands_for);
+
+    c.reached = calloc(n, 1);
+    c.material = malloc(n * sizeof *c.material);
+    if (stands_for && c.reached && c.material) {
+        mark_reached(s, c.reached);
+        find_materials(s, c.material, stands_for);
+        check_all(&c);
+    } else {
+        c.rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    free(stands_for);
+    free(c.reached);
+    free(c.material);
+    return c.rc;
+}

@@ -1,0 +1,382 @@
+/* scene.c - see scene.h
+ *
+ * Objects are an array on the heap, what they point to lies in the arena, name
+ * and arguments of one object side by side.  Modifiers are found by name in a
+ * hash table with open addressing; an entry keeps all definitions of its name
+ * in order, so that "the last one before" is a binary search. */
+#include "config.h"
+
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct name_entry {
+    const char *name; /* NULL: free */
+    uint64_t hash;
+    int32_t *defs; /* indices of objects, ascending */
+    int32_t ndefs;
+    int32_t capacity;
+};
+
+struct rad_names {
+    struct name_entry *entries;
+    size_t size; /* a power of two, or 0 */
+    size_t used;
+};
+
+struct rad_scene *
+rad_scene_new(void)
+{
+    struct rad_scene *s = calloc(1, sizeof *s);
+
+    if (!s)
+        return NULL;
+    rad_arena_init(&s->arena);
+    s->names = calloc(1, sizeof *s->names);
+    if (!s->names) {
+        free(s);
+        return NULL;
+    }
+    return s;
+}
+
+void
+rad_scene_free(struct rad_scene *s)
+{
+    if (!s)
+        return;
+    for (size_t i = 0; i < s->names->size; i++)
+        free(s->names->entries[i].defs);
+    free(s->names->entries);
+    free(s->names);
+    free(s->objects);
+    free(s->files);
+    rad_arena_release(&s->arena);
+    free(s);
+}
+
+static int
+out_of_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory for the scene");
+}
+
+int
+rad_scene_add_file(struct rad_scene *s, const char *name, struct rad_error *err)
+{
+    int32_t n = s->nfiles;
+
+    if ((n & (n - 1)) == 0) { /* full at each power of two */
+        const char **more =
+            realloc(s->files, (n ? 2 * (size_t)n : 1) * sizeof *more);
+
+        if (!more)
+            return out_of_memory(err);
+        s->files = more;
+    }
+    s->files[n] = rad_arena_strndup(&s->arena, name, strlen(name));
+    if (!s->files[n])
+        return out_of_memory(err);
+    return s->nfiles++;
+}
+
+int
+rad_scene_reserve(struct rad_scene *s, int32_t n, struct rad_error *err)
+{
+    struct rad_object *more;
+
+    if (n <= s->capacity)
+        return 0;
+    if (n > RAD_MAX_OBJECTS)
+        return rad_fail(err, RAD_EDATA, "more than %d objects",
+                        RAD_MAX_OBJECTS);
+    more = realloc(s->objects, (size_t)n * sizeof *more);
+    if (!more)
+        return out_of_memory(err);
+    s->objects = more;
+    s->capacity = n;
+    return 0;
+}
+
+/* FNV-1a, mixed once more: the table uses its low bits. */
+static uint64_t
+hash_name(const char *name)
+{
+    uint64_t h = UINT64_C(0xcbf29ce484222325);
+
+    for (; *name; name++)
+        h = (h ^ (unsigned char)*name) * UINT64_C(0x100000001b3);
+    return h ^ h >> 32;
+}
+
+/* The entry of name, or the free one where it would go; size is not 0. */
+static struct name_entry *
+find_entry(const struct rad_names *t, const char *name, uint64_t hash)
+{
+    size_t i = hash & (t->size - 1);
+
+    for (;; i = (i + 1) & (t->size - 1)) {
+        struct name_entry *e = &t->entries[i];
+
+        if (!e->name || (e->hash == hash && strcmp(e->name, name) == 0))
+            return e;
+    }
+}
+
+static int
+grow_names(struct rad_names *t, struct rad_error *err)
+{
+    struct rad_names bigger = { .size = t->size ? 2 * t->size : 64,
+                                .used = t->used };
+
+    bigger.entries = calloc(bigger.size, sizeof *bigger.entries);
+    if (!bigger.entries)
+        return out_of_memory(err);
+    for (size_t i = 0; i < t->size; i++)
+        if (t->entries[i].name)
+            *find_entry(&bigger, t->entries[i].name, t->entries[i].hash) =
+                t->entries[i];
+    free(t->entries);
+    *t = bigger;
+    return 0;
+}
+
+/* How many of a definition's first strings name modifiers. */
+static int32_t
+reference_count(const struct rad_object *o)
+{
+    switch (o->type) {
+    case RAD_ALIAS:
+    case RAD_ILLUM:
+    case RAD_MIRROR:
+        return o->nstrings > 0;
+    case RAD_MIXFUNC:
+    case RAD_MIXDATA:
+    case RAD_MIXTEXT:
+    case RAD_MIXPICT:
+        return o->nstrings >= 2 ? 2 : 0;
+    case RAD_ANTIMATTER:
+        return o->nstrings;
+    default:
+        return 0;
+    }
+}
+
+/* Equal to 1e-6 of the second, as Radiance compares definitions: what was
+ * written with six digits and read again is still the same. */
+static bool
+same_real(double a, double b)
+{
+    double d = b != 0 ? a / b - 1 : a;
+
+    return fabs(d) <= 1e-6;
+}
+
+static bool
+same_arguments(const struct rad_object *a, const struct rad_object *b)
+{
+    if (a->type != b->type || a->nstrings != b->nstrings ||
+        a->nreals != b->nreals)
+        return false;
+    for (int32_t i = 0; i < a->nreals; i++)
+        if (!same_real(a->reals[i], b->reals[i]))
+            return false;
+    for (int32_t i = 0; i < a->nstrings; i++)
+        if (strcmp(a->strings[i], b->strings[i]) != 0)
+            return false;
+    return true;
+}
+
+/* Do objects a and b mean the same?  References are compared by what they
+ * lead to; beyond `depth` they count as different, which is safe. */
+static bool
+same_definition(const struct rad_scene *s, int32_t a, int32_t b, int depth)
+{
+    for (; a != b; a = s->objects[a].modifier, b = s->objects[b].modifier) {
+        if (a == RAD_VOID || b == RAD_VOID || depth == 0)
+            return false;
+
+        const struct rad_object *x = &s->objects[a], *y = &s->objects[b];
+
+        if (!same_arguments(x, y))
+            return false;
+        for (int32_t i = 0; i < reference_count(x); i++)
+            if (!same_definition(
+                    s, rad_scene_find_modifier(s, x->strings[i], a),
+                    rad_scene_find_modifier(s, y->strings[i], b), depth - 1))
+                return false;
+    }
+    return true;
+}
+
+/* Enter object `index`, a modifier. */
+static int
+index_name(struct rad_scene *s, int32_t index, struct rad_error *err)
+{
+    struct rad_names *t = s->names;
+    const char *name = s->objects[index].name;
+    uint64_t hash = hash_name(name);
+    struct name_entry *e;
+
+    if (t->used >= t->size / 2 && grow_names(t, err))
+        return RAD_ENOMEM;
+    e = find_entry(t, name, hash);
+    if (e->name && same_definition(s, index, e->defs[e->ndefs - 1], 8))
+        return 0;
+    if (e->ndefs == e->capacity) {
+        int32_t capacity = e->capacity ? 2 * e->capacity : 1;
+        int32_t *more = realloc(e->defs, (size_t)capacity * sizeof *more);
+
+        if (!more)
+            return out_of_memory(err);
+        e->defs = more;
+        e->capacity = capacity;
+    }
+    if (!e->name) {
+        e->name = name;
+        e->hash = hash;
+        t->used++;
+    }
+    e->defs[e->ndefs++] = index;
+    return 0;
+}
+
+/* Copy name and arguments of *src into the arena, and their places to *dst. */
+static int
+copy_arguments(struct rad_scene *s, struct rad_object *dst,
+               const struct rad_object *src, struct rad_error *err)
+{
+    size_t reals = (size_t)src->nreals * sizeof *src->reals;
+    size_t ptrs = (size_t)src->nstrings * sizeof *src->strings;
+    size_t size = reals + ptrs + strlen(src->name) + 1;
+    const char **strings;
+    char *p;
+
+    for (int32_t i = 0; i < src->nstrings; i++)
+        size += strlen(src->strings[i]) + 1;
+    p = rad_arena_alloc(&s->arena, size);
+    if (!p)
+        return out_of_memory(err);
+    dst->reals = (const double *)(void *)p;
+    if (reals)
+        memcpy(p, src->reals, reals);
+    strings = (const char **)(void *)(p + reals);
+    dst->strings = strings;
+    p += reals + ptrs;
+    dst->name = p;
+    p = stpcpy(p, src->name) + 1;
+    for (int32_t i = 0; i < src->nstrings; i++) {
+        strings[i] = p;
+        p = stpcpy(p, src->strings[i]) + 1;
+    }
+    return 0;
+}
+
+static int
+check_limits(const struct rad_object *o, struct rad_error *err)
+{
+    if (o->nstrings > RAD_MAX_ARGS || o->nreals > RAD_MAX_ARGS)
+        return rad_fail(err, RAD_EDATA, "%s '%s': more than %d arguments",
+                        rad_otype_name(o->type), o->name, RAD_MAX_ARGS);
+    if (strlen(o->name) > RAD_MAX_WORD)
+        return rad_fail(err, RAD_EDATA, "name of more than %d bytes",
+                        RAD_MAX_WORD);
+    for (int32_t i = 0; i < o->nstrings; i++)
+        if (strlen(o->strings[i]) > RAD_MAX_WORD)
+            return rad_fail(err, RAD_EDATA,
+                            "%s '%s': argument of more than %d bytes",
+                            rad_otype_name(o->type), o->name, RAD_MAX_WORD);
+    return 0;
+}
+
+int
+rad_scene_add(struct rad_scene *s, const struct rad_object *o,
+              struct rad_error *err)
+{
+    struct rad_object copy = *o;
+    int rc = check_limits(o, err);
+
+    if (rc)
+        return rc;
+    if (s->nobjects == s->capacity) {
+        int32_t n = s->capacity < RAD_MAX_OBJECTS / 2 ? 2 * s->capacity + 64
+                                                      : RAD_MAX_OBJECTS;
+
+        rc = rad_scene_reserve(s, n > s->nobjects ? n : n + 1, err);
+        if (rc)
+            return rc;
+    }
+    rc = copy_arguments(s, &copy, o, err);
+    if (rc)
+        return rc;
+    s->objects[s->nobjects] = copy;
+    if (rad_otype_class(o->type) != RAD_CLASS_SURFACE) {
+        rc = index_name(s, s->nobjects, err);
+        if (rc)
+            return rc;
+    }
+    return s->nobjects++;
+}
+
+int
+rad_scene_find_modifier(const struct rad_scene *s, const char *name,
+                        int32_t before)
+{
+    const struct rad_names *t = s->names;
+    const struct name_entry *e;
+    int32_t lo = 0, hi;
+
+    if (t->size == 0)
+        return RAD_VOID;
+    e = find_entry(t, name, hash_name(name));
+    hi = e->name ? e->ndefs : 0;
+    if (hi && e->defs[hi - 1] < before)
+        return e->defs[hi - 1];
+    while (lo < hi) { /* how many definitions lie before? */
+        int32_t mid = lo + (hi - lo) / 2;
+
+        if (e->defs[mid] < before)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo ? e->defs[lo - 1] : RAD_VOID;
+}
+
+int32_t
+rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own)
+{
+    *own = index >= 0 && s->objects[index].type == RAD_ALIAS &&
+           s->objects[index].nstrings > 0;
+    while (index >= 0 && s->objects[index].type == RAD_ALIAS) {
+        const struct rad_object *o = &s->objects[index];
+
+        index = o->nstrings ? rad_scene_find_modifier(s, o->strings[0], index)
+                            : o->modifier;
+    }
+    return index;
+}
+
+int
+rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
+               struct rad_error *err, int code, const char *fmt, ...)
+{
+    char text[sizeof err->what];
+    va_list ap;
+
+    va_start(ap, fmt);
+    vsnprintf(text, sizeof text, fmt, ap);
+    va_end(ap);
+    if (err && err->code == 0 && o->file >= 0 && o->file < s->nfiles) {
+        if (o->line > 0)
+            rad_error_where(err, "%s:%d", s->files[o->file], (int)o->line);
+        else
+            rad_error_where(err, "%s", s->files[o->file]);
+    }
+    return rad_fail(err, code, "%s '%s': %s", rad_otype_name(o->type), o->name,
+                    text);
+}
