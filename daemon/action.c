@@ -1,0 +1,113 @@
+/* action.c - see action.h */
+#include "config.h"
+
+#include "action.h"
+
+#include "frame.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void
+actions_init(struct action_list *l)
+{
+    memset(l, 0, sizeof *l);
+    rad_arena_init(&l->mem);
+    wire_out_init(&l->scratch, MSG_FRAME_MAX);
+}
+
+void
+actions_release(struct action_list *l)
+{
+    free(l->v);
+    rad_arena_release(&l->mem);
+    wire_out_release(&l->scratch);
+}
+
+void
+actions_clear(struct action_list *l)
+{
+    l->n = 0;
+    rad_arena_rewind(&l->mem, (struct rad_arena_mark){ 0 });
+}
+
+struct action *
+actions_add(struct action_list *l, enum action_type type, uint64_t conn)
+{
+    if (l->n == l->cap) {
+        size_t cap = l->cap ? 2 * l->cap : 64;
+        struct action *v = realloc(l->v, cap * sizeof *v);
+
+        if (!v) {
+            l->failed = true;
+            return NULL;
+        }
+        l->v = v;
+        l->cap = cap;
+    }
+    l->v[l->n] = (struct action){ .type = type, .conn = conn };
+    return &l->v[l->n++];
+}
+
+void
+actions_send(struct action_list *l, uint64_t conn, const struct msg *m)
+{
+    l->scratch.len = 0;
+    if (msg_pack(&l->scratch, m) != 0) {
+        l->failed = true;
+        return;
+    }
+    actions_send_bytes(l, conn, l->scratch.buf, l->scratch.len);
+}
+
+void
+actions_send_bytes(struct action_list *l, uint64_t conn, const uint8_t *bytes,
+                   size_t len)
+{
+    uint8_t *copy = rad_arena_dup(&l->mem, bytes, len);
+    struct action *a = copy ? actions_add(l, ACT_SEND, conn) : NULL;
+
+    if (!a) {
+        l->failed = true;
+        return;
+    }
+    a->bytes = copy;
+    a->len = len;
+}
+
+void
+actions_session(struct action_list *l, uint64_t conn, enum msg_session session)
+{
+    struct action *a = actions_add(l, ACT_SESSION, conn);
+
+    if (a)
+        a->session = session;
+}
+
+void
+actions_close(struct action_list *l, uint64_t conn)
+{
+    actions_add(l, ACT_CLOSE, conn);
+}
+
+void
+actions_log(struct action_list *l, enum action_level level, const char *fmt,
+            ...)
+{
+    char buf[512];
+    struct action *a;
+    va_list ap;
+
+    va_start(ap, fmt);
+    vsnprintf(buf, sizeof buf, fmt, ap);
+    va_end(ap);
+    a = actions_add(l, ACT_LOG, 0);
+    if (!a)
+        return;
+    a->level = level;
+    a->text = rad_arena_strndup(&l->mem, buf, strlen(buf));
+    if (!a->text)
+        l->failed = true;
+}

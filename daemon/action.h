@@ -1,0 +1,114 @@
+/* action.h - what the pure machines want done
+ *
+ * coord.c and worker.c take events and append actions; the shell around them
+ * carries the actions out, in order, before it delivers the next event.  All
+ * that an action points at is valid until actions_clear().
+ *
+ * Connections have numbers: the shell chooses those of connections that came
+ * in, the machine those that it asks for (ACT_DIAL, ACT_SPAWN), with
+ * ACT_OWN_CONN set.  0 is none; a number is never used again.
+ * Thread: an action list belongs to one thread. */
+#ifndef DAEMON_ACTION_H
+#define DAEMON_ACTION_H
+
+#include "base/arena.h"
+#include "message.h"
+
+#define ACT_OWN_CONN (UINT64_C(1) << 63)
+
+enum action_type {
+    /* both daemons */
+    ACT_SEND,    /* conn, bytes: a whole frame; never dropped */
+    ACT_SESSION, /* conn, session: what may arrive from now on */
+    ACT_CLOSE,   /* conn: close once what was sent is out; its closed event
+                  * still comes */
+    ACT_LOG,     /* level, text */
+    ACT_PUT_CHUNK, /* conn, chunk: keep a piece of a file; when whole and its
+                    * hash right: file_stored, else file_failed */
+    /* coordinator */
+    ACT_SEND_FILE,     /* conn, request, hash: as CHUNKs, at the pace of the
+                        * connection; FAILED if it cannot be read */
+    ACT_JOB_OPEN,      /* job: room for its rows; then coord_job_opened */
+    ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */
+    ACT_WRITE_PICTURE, /* job, frame: write it whole; then
+                        * coord_picture_written */
+    ACT_SEND_PICTURE,  /* conn, request, job, frame, what: as CHUNKs; FAILED
+                        * with that request if there is none */
+    ACT_JOB_FORGET,    /* job: remove its files */
+    /* worker */
+    ACT_DIAL,  /* conn, text: address; empty: the coordinator's.  Then opened
+                * or closed */
+    ACT_SPAWN, /* conn, job: start a child, session MSG_AT_PARENT_NEW; frames
+                * may be sent at once.  Then child_ended, once */
+    ACT_KILL,  /* conn: end that child; no event follows */
+    ACT_STOP   /* leave: nothing is left to do */
+};
+
+/* Rows that one RESULT brought, and the key that comes back when they are
+ * kept. */
+struct action_rows {
+    uint64_t conn; /* worker's connection */
+    uint8_t job[MSG_JOB];
+    uint32_t unit, attempt;
+    uint32_t row, rows;        /* in the unit */
+    uint32_t frame;            /* index */
+    uint32_t x, y;             /* of the first pixel, in the picture */
+    uint32_t width;
+    uint8_t channels;          /* 3 or 4 */
+    uint8_t last;              /* of its unit */
+    const uint8_t *pixels;     /* floats as on the wire; not in the key */
+};
+
+enum action_level { ACT_ERR, ACT_WARN, ACT_INFO, ACT_DEBUG };
+
+struct action {
+    enum action_type type;
+    uint64_t conn;
+    uint32_t request;
+    uint32_t frame;               /* index */
+    enum msg_session session;
+    enum msg_what what;
+    enum action_level level;
+    const uint8_t *job, *hash;    /* MSG_JOB, MSG_HASH bytes */
+    const uint8_t *bytes;
+    size_t len;
+    const char *text;
+    struct msg_chunk chunk;
+    struct action_rows rows;
+};
+
+struct action_list {
+    struct action *v;
+    size_t n, cap;
+    struct rad_arena mem;
+    struct wire_out scratch; /* where messages are packed */
+    bool failed;             /* memory is out: the daemon must end */
+};
+
+void actions_init(struct action_list *l);
+void actions_release(struct action_list *l);
+
+/* Forget the actions, after they were carried out. */
+void actions_clear(struct action_list *l);
+
+/* Append one; NULL when memory is out (l->failed is set). */
+struct action *actions_add(struct action_list *l, enum action_type type,
+                           uint64_t conn);
+
+/* Pack a message into an ACT_SEND.  A message of ours that cannot be packed is
+ * a bug: it sets l->failed. */
+void actions_send(struct action_list *l, uint64_t conn, const struct msg *m);
+
+/* ACT_SEND of bytes that are a whole frame already (copied). */
+void actions_send_bytes(struct action_list *l, uint64_t conn,
+                        const uint8_t *bytes, size_t len);
+
+void actions_session(struct action_list *l, uint64_t conn,
+                     enum msg_session session);
+void actions_close(struct action_list *l, uint64_t conn);
+
+/* "fixed words key=value ...", one event a line. */
+void actions_log(struct action_list *l, enum action_level level,
+                 const char *fmt, ...) __attribute__((format(printf, 3, 4)));
+
+#endif

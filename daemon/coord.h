@@ -1,0 +1,93 @@
+/* coord.h - the coordinator's decisions, apart from sockets, disks and clocks
+ *
+ * A pure machine: each event function below may append actions (action.h) to
+ * the list that coord_actions() gives.  The shell (radcoord.c) carries them out
+ * in order and clears the list before it delivers the next event.  The same
+ * events with the same times and random bytes give the same actions.
+ *
+ * Workers are known by name, connections by number.  A worker's new connection
+ * replaces its old one; its units go back and are handed out again, unless the
+ * rows that were missing arrive first.  Jobs are served by priority, then in
+ * the order in which they came; a worker serves the first job that has a unit
+ * for it.
+ *
+ * now_ms: milliseconds on a clock that never goes back.
+ * Thread: one. */
+#ifndef DAEMON_COORD_H
+#define DAEMON_COORD_H
+
+#include "action.h"
+
+/* What the machine may ask at any time; answers must not block. */
+struct coord_env {
+    bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
+    void (*random)(void *arg, void *buf, size_t n); /* tokens of peers */
+    void *arg;
+    const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
+    uint64_t epoch;      /* this life of the coordinator */
+};
+
+/* Who is at the other end, as far as the shell knows. */
+struct coord_peer {
+    const char *address; /* for the log: "unix uid=1000", "127.0.0.1:4711" */
+    const char *owner;   /* user that its jobs belong to */
+    unsigned roles;      /* bit 1u << enum msg_role: what it may ask to be */
+};
+
+struct coord;
+
+/* NULL when memory is out. */
+struct coord *coord_new(const struct coord_env *env);
+void coord_free(struct coord *c);
+
+struct action_list *coord_actions(struct coord *c);
+
+/* --- events --- */
+
+/* A connection came in; its session is MSG_AT_COORD_NEW. */
+void coord_opened(struct coord *c, uint64_t now_ms, uint64_t conn,
+                  const struct coord_peer *peer);
+
+/* It is gone, for whatever reason; why is for the log. */
+void coord_closed(struct coord *c, uint64_t now_ms, uint64_t conn,
+                  const char *why);
+
+/* A message arrived that the session of the connection allows. */
+void coord_message(struct coord *c, uint64_t now_ms, uint64_t conn,
+                   const struct msg *m);
+
+/* ACT_PUT_CHUNK made a file whole, or failed (status of sysexits.h). */
+void coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t conn,
+                       const uint8_t hash[MSG_HASH]);
+void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
+                       const uint8_t hash[MSG_HASH], int status,
+                       const char *text);
+
+/* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
+ * sysexits.h with a text. */
+void coord_job_opened(struct coord *c, uint64_t now_ms,
+                      const uint8_t job[MSG_JOB], int status,
+                      const char *text);
+void coord_rows_stored(struct coord *c, uint64_t now_ms,
+                       const struct action_rows *key, int status,
+                       const char *text);
+void coord_picture_written(struct coord *c, uint64_t now_ms,
+                           const uint8_t job[MSG_JOB], uint32_t frame,
+                           int status, const char *text);
+
+/* Time passes; call it about every 100 ms. */
+void coord_tick(struct coord *c, uint64_t now_ms);
+
+/* --- what the shell may look at --- */
+
+/* The parts of a job that its pictures' headers need; NULL if there is no such
+ * job.  Valid until the next event. */
+struct coord_picture {
+    const char *name, *params;
+    const struct msg_frame *frames;
+    uint32_t nframes, flags;
+};
+bool coord_picture(const struct coord *c, const uint8_t job[MSG_JOB],
+                   struct coord_picture *out);
+
+#endif

@@ -1,0 +1,87 @@
+/* worker.h - a worker's side of the protocol, apart from sockets and processes
+ *
+ * A pure machine like coord.h: events in, actions (action.h) out.  It keeps
+ * the connection to the coordinator (dials again with a growing delay), asks
+ * for the files of a job that its cache lacks, starts a child per job, passes
+ * units down and results up, keeps results until the coordinator has
+ * acknowledged them, and carries ambient records between the job's children
+ * without looking into them.
+ *
+ * Ambient records may be dropped, oldest first, where a peer or a child takes
+ * them too slowly: the shell says what a connection has written.  Nothing else
+ * is ever dropped.
+ *
+ * now_ms: milliseconds on a clock that never goes back.
+ * Thread: one. */
+#ifndef DAEMON_WORKER_H
+#define DAEMON_WORKER_H
+
+#include "action.h"
+
+struct worker_env {
+    bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
+    void (*random)(void *arg, void *buf, size_t n); /* jitter */
+    void *arg;
+    const char *program; /* "radd 0.1.0"; all strings outlive the worker */
+    const char *name;
+    const char *address; /* where peers dial it, as in msg_hello */
+    unsigned threads;
+};
+
+struct worker;
+
+/* NULL when memory is out. */
+struct worker *worker_new(const struct worker_env *env);
+void worker_free(struct worker *w);
+
+struct action_list *worker_actions(struct worker *w);
+
+/* --- events --- */
+
+/* Dials the coordinator. */
+void worker_start(struct worker *w, uint64_t now_ms);
+
+/* An ACT_DIAL succeeded.  (worker_closed when it fails.) */
+void worker_opened(struct worker *w, uint64_t now_ms, uint64_t conn);
+
+/* A peer dialled us; its session is MSG_AT_PEER_NEW. */
+void worker_accepted(struct worker *w, uint64_t now_ms, uint64_t conn);
+
+/* A connection to the coordinator or a peer is gone or did not come about. */
+void worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn,
+                   const char *why);
+
+/* A message arrived that the session of the connection allows, a child's
+ * too. */
+void worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
+                    const struct msg *m);
+
+/* A child (its connection) ended by itself; all that it sent has been
+ * delivered.  text: "killed by signal 11", "exit status 70". */
+void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
+                        const char *text);
+
+void worker_file_stored(struct worker *w, uint64_t now_ms,
+                        const uint8_t hash[MSG_HASH]);
+void worker_file_failed(struct worker *w, uint64_t now_ms,
+                        const uint8_t hash[MSG_HASH], int status,
+                        const char *text);
+
+/* n bytes of what was sent to a connection have been written out. */
+void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn,
+                    size_t n);
+
+/* Leave: finish the units in hand, then ACT_STOP.  A second call, or no
+ * coordinator: ACT_STOP at once. */
+void worker_drain(struct worker *w, uint64_t now_ms);
+
+/* Time passes; call it about every 100 ms. */
+void worker_tick(struct worker *w, uint64_t now_ms);
+
+/* --- what the shell may look at --- */
+
+bool worker_connected(const struct worker *w); /* WELCOME was received */
+/* Grows with units and rows that pass, for PING. */
+uint64_t worker_progress(const struct worker *w);
+
+#endif
