@@ -16,8 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NBINS 16
-#define LEAF  4 /* a range of so few items needs no node of its own */
+#define NBINS     16
+#define LEAF      4    /* a larger range always gets a node of its own */
+#define NODE_COST 1.0f /* of testing a node, in tests of an item */
 
 /* An item's bounds in the tree's coordinates, rounded outwards. */
 struct item {
@@ -207,9 +208,23 @@ split(struct item *items, struct range *r, struct range *right, bool halve)
     fit(items, right);
 }
 
+/* Does a node for the items of r save tests enough to pay for itself?  The
+ * chance that a ray which meets r meets an item is the ratio of surfaces. */
+static bool
+wants_node(const struct item *items, const struct range *r)
+{
+    float whole = half_area(r->lo, r->hi), parts = 0;
+
+    if (r->count == 1 || r->count > LEAF)
+        return r->count > LEAF;
+    for (uint32_t i = r->first; i < r->first + r->count; i++)
+        parts += half_area(items[i].lo, items[i].hi);
+    return NODE_COST * whole + parts < (float)r->count * whole;
+}
+
 /* Which of the n ranges to split next, or -1. */
 static int
-choose(const struct range *r, int n, bool halve)
+choose(const struct item *items, const struct range *r, int n, bool halve)
 {
     int best = -1;
     float most = -1;
@@ -217,9 +232,9 @@ choose(const struct range *r, int n, bool halve)
     for (int i = 0; i < n; i++) {
         float area = half_area(r[i].lo, r[i].hi);
         /* those that need a node come first */
-        float score = halve               ? (float)r[i].count
-                      : r[i].count > LEAF ? 1e3f + area
-                                          : area;
+        float score = halve                      ? (float)r[i].count
+                      : wants_node(items, &r[i]) ? 1e3f + area
+                                                 : area;
 
         if (r[i].count > 1 && score > most) {
             best = i;
@@ -290,7 +305,7 @@ build_node(struct build *b, const struct range *whole, int depth,
     bool halve = depth >= RAD_BVH_DEPTH;
     int n = 1, i, rc;
 
-    for (; n < RAD_BVH_WIDTH && (i = choose(r, n, halve)) >= 0; n++)
+    for (; n < RAD_BVH_WIDTH && (i = choose(b->items, r, n, halve)) >= 0; n++)
         split(b->items, &r[i], &r[n], halve);
     qsort(r, (size_t)n, sizeof r[0], by_area);
     rc = new_node(b, index);
@@ -299,7 +314,7 @@ build_node(struct build *b, const struct range *whole, int depth,
     for (i = 0; i < n; i++)
         set_lane(&b->bvh->nodes[*index], i, &r[i]);
     for (i = 0; i < n; i++)
-        if (r[i].count > LEAF) {
+        if (wants_node(b->items, &r[i])) {
             uint32_t child;
 
             rc = build_node(b, &r[i], depth + 1, &child);
@@ -375,25 +390,18 @@ rad_bvh_release(struct rad_bvh *bvh)
 
 void
 rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
-                 const struct rad_span *span)
+                 const double org[3], const double rcp[3], double tmin)
 {
     for (int a = 0; a < 3; a++) {
-        double x = (span->org[a] - bvh->centre[a]) * bvh->scale;
-        double pad = fmax(fabs(x) * 0x1p-22, 0x1p-60), d = span->dir[a];
-        bool up = d >= 0;
+        double x = (org[a] - bvh->centre[a]) * bvh->scale;
+        double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp[a]);
+        double most = copysign(0x1p120, rcp[a]);
 
-        r->org[a][0] = (float)(up ? x + pad : x - pad);
-        r->org[a][1] = (float)(up ? x - pad : x + pad);
-        r->enter[a] = up ? 0 : 1;
-        r->inv[a] = fabs(d) > 0x1p-120 ? (float)(1 / d)
-                    : up               ? 0x1p120f
-                                       : -0x1p120f;
+        r->org[a][0] = (float)(x + pad);
+        r->org[a][1] = (float)(x - pad);
+        r->enter[a] = signbit(rcp[a]) ? 1 : 0;
+        r->inv[a] = (float)(fabs(rcp[a]) < 0x1p120 ? rcp[a] : most);
     }
-    r->tmin = round_down(span->tmin * bvh->scale * (1 - 0x1p-20));
-}
-
-float
-rad_bvh_limit(const struct rad_bvh *bvh, double t)
-{
-    return nextafterf((float)(t * bvh->scale * (1 + 0x1p-20)), INFINITY);
+    /* 2^-20 outweighs what float rounds, here and in the slab test */
+    r->tmin = (float)(tmin * bvh->scale * (1 - 0x1p-20));
 }

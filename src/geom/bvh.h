@@ -81,12 +81,17 @@ int rad_bvh_build(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 
+/* A ray from org; rcp: 1/direction, by component. */
 void rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
-                      const struct rad_span *span);
+                      const double org[3], const double rcp[3], double tmin);
 
 /* The double t as a float in the tree's coordinates that is not below it, with
  * the rounding of a slab test paid for. */
-float rad_bvh_limit(const struct rad_bvh *bvh, double t);
+static inline float
+rad_bvh_limit(const struct rad_bvh *bvh, double t)
+{
+    return (float)(t * bvh->scale * (1 + 0x1p-20));
+}
 
 /* One instruction set's walks; all give the same bits. */
 struct rad_kernel {

@@ -197,7 +197,7 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
     w->skip = RAD_VOID;
     w->tests = w->nodes = 0;
     rad_probe_init(&w->probe, span);
-    rad_bvh_ray_init(&w->ray, &g->bvh, span);
+    rad_bvh_ray_init(&w->ray, &g->bvh, span->org, w->probe.rcp, span->tmin);
     return true;
 }
 

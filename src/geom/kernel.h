@@ -6,6 +6,7 @@
 #include "geom/bvh.h"
 
 #include <math.h>
+#include <string.h>
 
 #if defined(__x86_64__) || defined(__i386__)
 #define RAD_X86 1

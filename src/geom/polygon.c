@@ -94,32 +94,35 @@ rad_polygon_make(struct rad_prim *p, struct rad_box *box,
 }
 
 /* Does the ray pass inside?  [*zlo, *zhi] gets the span of the vertices along
- * axis kz, from the origin. */
+ * axis kz, from the origin.  Without branches but the loop: they would be
+ * taken at random. */
 static bool
 inside(const double *v, int nv, const struct rad_probe *r, double *zlo,
        double *zhi)
 {
-    const double *a = v + 3 * (nv - 1);
-    double az = a[r->kz] - r->org[r->kz];
-    double ax = a[r->kx] - r->org[r->kx] - r->sx * az;
-    double ay = a[r->ky] - r->org[r->ky] - r->sy * az;
-    double lo = az, hi = az;
-    bool odd = false;
+    const double *end = v + 3 * nv, *b = end - 3;
+    int kx = r->kx, ky = r->ky, kz = r->kz;
+    double ox = r->org[kx], oy = r->org[ky], oz = r->org[kz];
+    double bz = b[kz] - oz;
+    double bx = b[kx] - ox - r->sx * bz;
+    double by = b[ky] - oy - r->sy * bz;
+    double lo = bz, hi = bz;
+    int odd = 0;
 
-    for (int i = 0; i < nv; i++) {
-        const double *b = v + 3 * i;
-        double bz = b[r->kz] - r->org[r->kz];
-        double bx = b[r->kx] - r->org[r->kx] - r->sx * bz;
-        double by = b[r->ky] - r->org[r->ky] - r->sy * bz;
+    for (b = v; b < end; b += 3) {
+        double ax = bx, ay = by;
 
+        bz = b[kz] - oz;
+        bx = b[kx] - ox - r->sx * bz;
+        by = b[ky] - oy - r->sy * bz;
         /* does a-b cross the positive x axis?  ax*by and ay*bx swap when
          * the edge is walked the other way, and so does the comparison */
-        if ((ay > 0) != (by > 0))
-            odd ^= by > ay ? ax * by > ay * bx : ax * by < ay * bx;
+        double p = ax * by, q = ay * bx;
+        int up = by > ay;
+
+        odd ^= ((ay > 0) != (by > 0)) & ((up & (p > q)) | (!up & (p < q)));
         lo = bz < lo ? bz : lo;
         hi = bz > hi ? bz : hi;
-        ax = bx;
-        ay = by;
     }
     *zlo = lo;
     *zhi = hi;
@@ -133,21 +136,21 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     double den = rad_dot(p->k, r->dir);
     double num = p->k[3] - rad_dot(p->k, r->org);
     double err = RAD_GEOM_ROUND * r->size + p->slack;
-    double zlo, zhi, s;
+    double sign = copysign(1, den), rcp, zlo, zhi, lo, hi, s;
 
-    if (den < 0) {
-        den = -den;
-        num = -num;
-    }
+    den *= sign;
+    num *= sign;
     /* out of reach whatever the rounding; t itself can wait */
-    if (!(num >= tmin * den - err && num <= tmax * den + err))
+    if (!((num >= tmin * den - err) & (num <= tmax * den + err)))
         return false;
     if (!inside(p->v, p->nv, r, &zlo, &zhi))
         return false;
-    zlo *= r->sz;
-    zhi *= r->sz;
+    rcp = r->rcp[r->kz];
+    lo = (rcp > 0 ? zlo : zhi) * rcp;
+    hi = (rcp > 0 ? zhi : zlo) * rcp;
     s = num / den;
-    s = fmin(fmax(s, fmin(zlo, zhi)), fmax(zlo, zhi));
+    s = s > lo ? s : lo; /* a NaN becomes lo */
+    s = s < hi ? s : hi;
     *t = s;
     return s > tmin && s < tmax;
 }

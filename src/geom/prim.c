@@ -12,17 +12,22 @@ void
 rad_probe_init(struct rad_probe *r, const struct rad_span *span)
 {
     double ax = fabs(span->dir[0]), ay = fabs(span->dir[1]);
-    double az = fabs(span->dir[2]);
+    double az = fabs(span->dir[2]), m = ax;
 
-    rad_copy(r->org, span->org);
-    rad_copy(r->dir, span->dir);
-    r->size = fabs(r->org[0]) + fabs(r->org[1]) + fabs(r->org[2]);
-    r->kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
+    r->size = 0;
+    for (int i = 0; i < 3; i++) {
+        r->org[i] = span->org[i];
+        r->dir[i] = span->dir[i];
+        r->rcp[i] = 1 / span->dir[i];
+        r->size += fabs(span->org[i]);
+    }
+    r->kz = ay > m ? 1 : 0;
+    m = ay > m ? ay : m;
+    r->kz = az > m ? 2 : r->kz;
     r->kx = r->kz == 2 ? 0 : r->kz + 1;
-    r->ky = r->kx == 2 ? 0 : r->kx + 1;
-    r->sz = 1 / r->dir[r->kz];
-    r->sx = r->dir[r->kx] * r->sz;
-    r->sy = r->dir[r->ky] * r->sz;
+    r->ky = r->kz == 0 ? 2 : r->kz - 1;
+    r->sx = r->dir[r->kx] * r->rcp[r->kz];
+    r->sy = r->dir[r->ky] * r->rcp[r->kz];
 }
 
 bool

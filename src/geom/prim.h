@@ -49,9 +49,10 @@ struct rad_prim {
 /* A ray with what every test needs of it, worked out once. */
 struct rad_probe {
     double org[3], dir[3];
-    double size;       /* |org|_1 */
-    int kx, ky, kz;    /* axes; dir is longest along kz */
-    double sx, sy, sz; /* shear that turns dir into the kz axis */
+    double rcp[3];  /* 1/dir */
+    double size;    /* |org|_1 */
+    int kx, ky, kz; /* axes; dir is longest along kz */
+    double sx, sy;  /* shear that turns dir into the kz axis */
 };
 
 /* Bounds of a surface, widened by its slack. */

@@ -8,11 +8,6 @@
  * Everything that decides lies here, and a box test is the same IEEE
  * operations in any width, so all kernels give the same bits. */
 
-struct WALK(entry) {
-    uint32_t child;
-    float enter;
-};
-
 /* How far behind the nearest hit another may tie with it: 2^-30 of the size of
  * the numbers, ample for grazing faces; geom.c applies the bound proper. */
 static inline WALK_TARGET double
@@ -42,21 +37,36 @@ WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
     }
 }
 
-/* The top of the stack is the nearest of what was pushed. */
-static inline WALK_TARGET int
-WALK(push_sorted)(struct WALK(entry) * stack, int n,
-                  const struct rad_bvh_node *node, unsigned mask,
-                  const float *enter)
+/* A node or leaf yet to be visited and where the ray enters it: the float's
+ * bits, which order as its value does since it is not negative, above the
+ * child's. */
+static inline WALK_TARGET uint64_t
+WALK(entry)(float enter, uint32_t child)
 {
-    int base = n;
+    uint32_t bits;
 
-    for (; mask; mask &= mask - 1) {
-        int lane = __builtin_ctz(mask), i = n++;
+    memcpy(&bits, &enter, sizeof bits);
+    return (uint64_t)bits << 32 | child;
+}
 
-        for (; i > base && stack[i - 1].enter < enter[lane]; i--)
-            stack[i] = stack[i - 1];
-        stack[i].child = node->child[lane];
-        stack[i].enter = enter[lane];
+/* Push the lanes of mask so that the nearest ends on top.  Each new one sinks
+ * through what was pushed before by minima and maxima: which of two is nearer
+ * is a coin toss that no branch should hang on. */
+static inline WALK_TARGET int
+WALK(push_sorted)(uint64_t *stack, int n, const struct rad_bvh_node *node,
+                  unsigned mask, const float *enter)
+{
+    for (int base = n; mask; mask &= mask - 1) {
+        int lane = __builtin_ctz(mask);
+        uint64_t e = WALK(entry)(enter[lane], node->child[lane]);
+
+        for (int i = base; i < n; i++) {
+            uint64_t old = stack[i];
+
+            stack[i] = old > e ? old : e;
+            e = old > e ? e : old;
+        }
+        stack[n++] = e;
     }
     return n;
 }
@@ -64,25 +74,24 @@ WALK(push_sorted)(struct WALK(entry) * stack, int n,
 static WALK_TARGET void
 WALK(nearest)(struct rad_walk *w)
 {
-    struct WALK(entry) stack[RAD_BVH_STACK];
-    float limit = rad_bvh_limit(w->bvh, w->cut), enter[RAD_BVH_WIDTH];
-    uint64_t tests = 0, nodes = 0;
+    uint64_t stack[RAD_BVH_STACK], tests = 0, nodes = 0;
+    float enter[RAD_BVH_WIDTH], limit = rad_bvh_limit(w->bvh, w->cut);
+    uint64_t past = WALK(entry)(limit, UINT32_MAX);
     int n = 1;
 
-    stack[0].child = 0;
-    stack[0].enter = 0;
+    stack[0] = 0;
     while (n > 0) {
-        uint32_t child = stack[--n].child;
+        uint64_t top = stack[--n];
+        uint32_t child = (uint32_t)top;
 
-        if (stack[n].enter > limit)
+        if (top > past)
             continue;
         if (child & RAD_BVH_LEAF) {
             uint32_t count = (child >> RAD_BVH_SHIFT & 7) + 1;
-            double cut = w->cut;
 
             WALK(leaf_nearest)(w, child & (RAD_BVH_MAX_ITEMS - 1), count);
-            if (w->cut < cut)
-                limit = rad_bvh_limit(w->bvh, w->cut);
+            limit = rad_bvh_limit(w->bvh, w->cut);
+            past = WALK(entry)(limit, UINT32_MAX);
             tests += count;
         } else {
             const struct rad_bvh_node *node = &w->bvh->nodes[child];
