@@ -32,8 +32,14 @@ librad_a_SOURCES = \
 	src/geom/walk_neon.c \
 	src/geom/walk_plain.c \
 	src/geom/walk_sse2.c \
+	src/light/ambcache.c \
+	src/light/ambcache.h \
 	src/light/ambient.c \
 	src/light/ambient.h \
+	src/light/gradient.c \
+	src/light/gradient.h \
+	src/light/hemisphere.c \
+	src/light/hemisphere.h \
 	src/light/polytree.c \
 	src/light/polytree.h \
 	src/light/sample.c \

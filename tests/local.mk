@@ -4,6 +4,7 @@ AM_TESTS_ENVIRONMENT = \
 	top_builddir='$(abs_top_builddir)'; export top_builddir;
 
 UNIT_TESTS = \
+	tests/check_ambient \
 	tests/check_base \
 	tests/check_bundle \
 	tests/check_bvh \
@@ -22,6 +23,10 @@ TESTS += $(UNIT_TESTS)
 endif
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
+
+tests_check_ambient_SOURCES = tests/check_ambient.c tests/unit.h
+tests_check_ambient_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ambient_LDADD = $(UNIT_LIBS)
 
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

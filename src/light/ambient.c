@@ -1,27 +1,644 @@
-/* ambient.c - see ambient.h */
+/* ambient.c - see ambient.h
+ *
+ * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a
+ * record is made of it: E, how it changes as the point moves and the normal
+ * turns, and an elliptic zone in which a linear extrapolation is good.  The
+ * zone's radii come from the Hessian of E (gradient.c).  They are kept as for
+ * -aa 1, and count times -aa.
+ *
+ * Where the zones of several records reach, their extrapolations are averaged
+ * with weights that fall to zero at the edges of the zones, in distance and in
+ * angle, so nothing jumps where a zone ends.
+ *
+ * Light leaks: a record made in the open, near a wall that does not reach down
+ * to it, must not serve beyond the wall.  A record remembers in which
+ * directions something stood near by at the horizon; asked for from there, it
+ * serves only if a ray toward a place above it passes.
+ *
+ * The cache's cube is the one in which oconv would put the scene, and -ar
+ * counts in it as rpict has it.  */
 #include "config.h"
 
 #include "light/ambient.h"
+#include "light/ambcache.h"
+#include "light/gradient.h"
+#include "light/hemisphere.h"
+#include "base/vec.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Reflectance that is assumed where the real one must not matter: each bounce
+ * halves the weight of records, and -aw averages radiance, not irradiance. */
+#define MEAN_REFLECTANCE .5
+
+/* A factor beyond which an extrapolation is not believed. */
+#define LEAST_FACTOR   .05
+#define LARGEST_FACTOR 20.
+
+/* Zones of the smaller cells suffice if their weights sum to this. */
+#define ENOUGH_WEIGHT .05
+
+/* -aw: luminances are averaged by logarithm, in units of 2^-20, for sums of
+ * integers do not depend on their order. */
+#define LOG_UNIT 0x1p-20
+
+/* Stands for infinity in the positions of what is seen, in sides of the
+ * scene's cube: far enough to be still as the point moves. */
+#define FAR_SIDES 10.
+
+/* The length that stands for the unit in radius_of(), in sides of the cube. */
+#define ERROR_UNIT .25
+
+struct rad_ambient {
+    const struct rad_job *job;  /* [fixed] */
+    struct rad_ambcache *cache; /* [fixed] */
+    double org[3], side;        /* [fixed] the cube */
+    double least, most;         /* [fixed] limits of radii */
+    _Atomic int64_t log_sum;    /* [atomic] relaxed: an average may lag */
+    _Atomic int64_t log_count;
+    uint64_t drained; /* [loop] log position of rad_ambient_drain */
+};
 
 struct rad_ambient *
 rad_ambient_new(const struct rad_job *job, struct rad_error *err)
 {
-    (void)job;
-    rad_fail(err, RAD_EUNSUPPORTED, "option -ab: only 0 is supported");
+    struct rad_ambient *amb = calloc(1, sizeof *amb);
+    double lo[3], hi[3];
+    int res = job->params.ambres;
+
+    if (!amb)
+        goto nomem;
+    amb->job = job;
+    rad_geom_bounds(job->geom, lo, hi);
+    for (int k = 0; k < 3; k++)
+        amb->side = fmax(amb->side, hi[k] - lo[k]);
+    if (!(amb->side > 0))
+        amb->side = 1; /* nothing to stand on: any cube will do */
+    for (int k = 0; k < 3; k++)
+        amb->org[k] = (lo[k] + hi[k] - amb->side) / 2;
+    /* as in rpict: no zone larger than a fifth of the scene, or than 64 times
+     * the smallest; without -ar, none too small for rounding */
+    amb->most = .2 * amb->side;
+    amb->least = res > 0 ? amb->side / res : 1e-7 * amb->side;
+    if (res > 0)
+        amb->most = fmin(amb->most, 64 * amb->least);
+    if (amb->most <= amb->least)
+        amb->most = 64 * amb->least;
+    amb->cache = rad_ambcache_new(amb->org, amb->side);
+    if (amb->cache)
+        return amb;
+nomem:
+    free(amb);
+    rad_fail(err, RAD_ENOMEM, "out of memory");
     return NULL;
 }
 
 void
 rad_ambient_free(struct rad_ambient *amb)
 {
-    (void)amb;
+    if (!amb)
+        return;
+    rad_ambcache_free(amb->cache);
+    free(amb);
+}
+
+/* --- records --- */
+
+static bool
+is_finite(const float *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(v[i] >= -3.4e38f && v[i] <= 3.4e38f))
+            return false;
+    return true;
+}
+
+/* Unit length, and perpendicular to w unless w is NULL, to what single
+ * precision and a conversion on the way may lose. */
+static bool
+is_direction(const float v[3], const float *w)
+{
+    double len2 =
+        (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+
+    if (!(fabs(len2 - 1) < 1e-4))
+        return false;
+    return !w || fabs((double)v[0] * w[0] + (double)v[1] * w[1] +
+                      (double)v[2] * w[2]) < 1e-3;
+}
+
+/* Could this be a record of ours?  In the cube, or off it by rounding. */
+static bool
+is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    for (int k = 0; k < 3; k++) {
+        double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->side;
+
+        if (!(off >= -slack && off <= amb->side + slack))
+            return false;
+    }
+    return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
+           rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
+           rec->radius[1] <= 1.001 * amb->most && rad_rgb_sound(rec->E) &&
+           is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
+           rec->weight > 0 && rec->weight <= 2 &&
+           rec->level < amb->job->params.ambounce;
+}
+
+static bool
+insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
+{
+    double reach = rec->radius[1] * amb->job->params.ambacc;
+    float lum = rad_rgb_lum(rec->E);
+
+    if (!is_plausible(amb, rec) ||
+        !rad_ambcache_insert(amb->cache, rec, reach, local))
+        return false;
+    if (amb->job->params.ambvwt > 0 && lum > 0) {
+        atomic_fetch_add_explicit(
+            &amb->log_sum, (int64_t)floor(log(lum / M_PI) / LOG_UNIT + .5),
+            memory_order_relaxed);
+        atomic_fetch_add_explicit(&amb->log_count, 1, memory_order_relaxed);
+    }
+    return true;
+}
+
+bool
+rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    return insert(amb, rec, false);
+}
+
+size_t
+rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out, size_t max)
+{
+    return rad_ambcache_read(amb->cache, &amb->drained, true, out, max);
+}
+
+size_t
+rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
+                 struct rad_ambrec *out, size_t max)
+{
+    return rad_ambcache_read(amb->cache, cursor, false, out, max);
+}
+
+size_t
+rad_ambient_count(const struct rad_ambient *amb)
+{
+    return rad_ambcache_count(amb->cache);
+}
+
+/* --- interpolation --- */
+
+/* The frame of a record: axes u, n x u, n. */
+static void
+record_frame(const struct rad_ambrec *rec, double f[3][3])
+{
+    for (int k = 0; k < 3; k++) {
+        f[0][k] = rec->u[k];
+        f[2][k] = rec->n[k];
+    }
+    rad_cross(f[1], f[2], f[0]);
+}
+
+/* The factor by which E of the record at the frame's origin changes at
+ * displacement d with normal pn; false: too far to be believed. */
+static bool
+extrapolate(const struct rad_ambrec *rec, const double f[3][3],
+            const double d[3], const double pn[3], double *factor)
+{
+    double turn[3];
+
+    rad_cross(turn, f[2], pn);
+    *factor = 1;
+    for (int k = 0; k < 2; k++)
+        *factor += rec->gpos[k] * rad_dot(d, f[k]) +
+                   rec->gdir[k] * rad_dot(turn, f[k]);
+    *factor = fmin(*factor, LARGEST_FACTOR);
+    if (*factor > LEAST_FACTOR)
+        return true;
+    *factor = LEAST_FACTOR;
+    return false;
+}
+
+/* Is something between the point and the air above the record?  The ray rises
+ * at 20 degrees from the plane of the point, over what is small and does not
+ * matter.  d is the displacement from the record to the point, of which u and v
+ * are the components in the record's plane. */
+static bool
+is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
+              const struct rad_ambrec *rec, const double f[3][3],
+              const double d[3], double u, double v,
+              struct rad_geom_counts *counts, uint64_t *rays)
+{
+    double angle = atan2(v, u), to[3], rise = tan(M_PI / 9);
+    unsigned bin =
+        (unsigned)((angle < 0 ? angle + 2 * M_PI : angle) * (16 / M_PI)) & 31;
+    struct rad_span span = { .tmin = 0 };
+    struct rad_hit hit = { .err = at->err };
+
+    if (!(rec->corral >> bin & 1))
+        return false;
+    rad_scale(to, -1, d);
+    double height = rad_dot(to, at->n), d2 = rad_dot(d, d);
+    double along = sqrt(fmax(0, d2 - height * height));
+    double up = (rise * along - height) / rad_dot(f[2], at->n);
+
+    if (!(up > 0))
+        return false; /* the record is high enough itself */
+    rad_madd(span.dir, to, up, f[2]);
+    span.tmax = rad_normalize(span.dir);
+    rad_copy(hit.p, at->p);
+    rad_copy(hit.n, at->n);
+    rad_geom_leave(&hit, span.dir, span.org);
+    ++*rays;
+    return rad_geom_occluded(amb->job->geom, &span, RAD_VOID, NULL, counts);
+}
+
+struct search {
+    const struct rad_ambient *amb;
+    const struct rad_ambplace *at;
+    double max_angle;
+    double weight; /* found so far */
+    double E[3];   /* weighted */
+    struct rad_geom_counts *counts;
+    uint64_t *rays;
+};
+
+/* Relative distance squared of the place from the record, in its zone's
+ * units; beyond aa^2 it is outside.  Behind the record's surface nothing. */
+static double
+zone_distance2(const struct search *s, const struct rad_ambrec *rec,
+               const double f[3][3], const double d[3], double uv[2])
+{
+    double aa = s->amb->job->params.ambacc, z = rad_dot(d, f[2]);
+    double h = z / rec->radius[0];
+
+    uv[0] = rad_dot(d, f[0]);
+    uv[1] = rad_dot(d, f[1]);
+    if (z < -s->amb->least * aa)
+        return INFINITY;
+    double x = uv[0] / rec->radius[0], y = uv[1] / rec->radius[1];
+
+    return h * h + x * x + y * y;
+}
+
+static void
+add_record(void *arg, const struct rad_ambrec *rec)
+{
+    struct search *s = arg;
+    const struct rad_ambplace *at = s->at;
+    double aa = s->amb->job->params.ambacc;
+    double f[3][3], d[3], uv[2], factor, cosine, turn, dist2, w;
+
+    if (rec->level > at->level ||
+        (rec->level == at->level && rec->weight < .9 * at->weight))
+        return;
+    rad_sub(d, at->p, rec->p);
+    if (rad_dot(d, d) >= aa * aa * rec->radius[1] * rec->radius[1])
+        return;
+    record_frame(rec, f);
+    cosine = rad_dot(f[2], at->n);
+    /* the chord, which is the angle for small ones */
+    turn = sqrt(fmax(0, 2 - 2 * cosine));
+    if (cosine <= 0 || turn >= s->max_angle)
+        return;
+    dist2 = zone_distance2(s, rec, f, d, uv);
+    if (!(dist2 < aa * aa))
+        return;
+    if (rec->corral &&
+        is_walled_off(s->amb, at, rec, f, d, uv[0], uv[1], s->counts, s->rays))
+        return;
+    if (!extrapolate(rec, f, d, at->pn, &factor))
+        return;
+    w = (1 - turn / s->max_angle) * (1 - sqrt(dist2) / aa);
+    s->E[0] += w * factor * rec->E.r;
+    s->E[1] += w * factor * rec->E.g;
+    s->E[2] += w * factor * rec->E.b;
+    s->weight += w;
+}
+
+/* Where small zones have given enough, large ones are left out, unless they
+ * could not be much larger. */
+static bool
+want_more(void *arg, double side)
+{
+    const struct search *s = arg;
+
+    return s->weight < ENOUGH_WEIGHT ||
+           side * s->amb->job->params.ambacc <= s->amb->least;
+}
+
+double
+rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
+                 struct rad_rgb *E, struct rad_geom_counts *counts,
+                 uint64_t *rays)
+{
+    struct search s = { .amb = amb, .at = at, .counts = counts, .rays = rays };
+
+    /* ten degrees and -aa radians; more for rays that weigh little */
+    s.max_angle = M_PI / 18 + amb->job->params.ambacc;
+    if (at->weight < .6)
+        s.max_angle =
+            M_PI / 2 - (M_PI / 2 - s.max_angle) * pow(at->weight, .13);
+    rad_ambcache_visit(amb->cache, at->p, add_record, want_more, &s);
+    if (s.weight > 0)
+        *E = rad_rgb((float)(s.E[0] / s.weight), (float)(s.E[1] / s.weight),
+                     (float)(s.E[2] / s.weight));
+    return s.weight;
+}
+
+bool
+rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    struct rad_ambplace at = { .level = rec->level, .weight = rec->weight };
+    struct rad_geom_counts counts = { 0, 0 };
+    struct rad_rgb E;
+    uint64_t rays = 0;
+
+    if (!is_plausible(amb, rec))
+        return false;
+    rad_copy(at.p, rec->p);
+    at.err = 1e-6 * amb->least;
+    for (int k = 0; k < 3; k++)
+        at.n[k] = at.pn[k] = rec->n[k];
+    return rad_ambient_find(amb, &at, &E, &counts, &rays) > 0;
+}
+
+/* --- making records --- */
+
+/* Radius for an eigenvalue of the Hessian over E.  The error that a record
+ * leaves in its zone, summed over the zone's area, grows as value * r^4
+ * (Schwarzhaupt et al. 2012): equal for all records if r is its fourth root.
+ * The scene's size stands for the unit, so that units do not matter. */
+static double
+radius_of(const struct rad_ambient *amb, double value)
+{
+    double unit = amb->side * ERROR_UNIT;
+
+    value = fabs(value);
+    return value > 0 ? sqrt(2 * unit / sqrt(value)) : INFINITY;
+}
+
+/* Limit the radii: E must not double over them, and they keep to -ar; lighter
+ * rays may do with larger ones. */
+static void
+limit_radii(const struct rad_ambient *amb, const double gpos[2], double weight,
+            double r[2])
+{
+    for (int k = 0; k < 2; k++)
+        if (r[k] * fabs(gpos[k]) > 1)
+            r[k] = 1 / fabs(gpos[k]);
+    r[0] = fmin(r[0], r[1]);
+    for (int k = 0; k < 2; k++)
+        r[k] = fmin(fmax(r[k], amb->least) / sqrt(weight), amb->most);
+    r[1] = fmin(r[1], 2 * r[0]);
+}
+
+/* Does the cell's ray end inside the ellipse with half-axes r about f? */
+static bool
+is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
+{
+    double a = u / r[0], b = v / r[1];
+
+    /* the distance is that of the nearest thing met, (u, v) a direction */
+    return (u * u + v * v) * c->near * c->near > a * a + b * b;
+}
+
+/* Directions, 32 of them about the normal from axis u on, in which something
+ * at the horizon is nearer than the zone's edge. */
+static uint32_t
+find_corral(const struct rad_ambient *amb, const struct rad_hemi *h,
+            const double f[3][3], const double r[2])
+{
+    double nearest = amb->least * amb->job->params.ambacc, overhead = 0;
+    double half = M_PI / 2 / h->n; /* twice what a cell spans, for safety */
+    int n = h->n, quarter = n / 4, k = 0;
+    uint32_t bins = 0;
+
+    for (int i = quarter; i < n - quarter; i++)
+        for (int j = quarter; j < n - quarter; j++, k++)
+            overhead += h->cell[i * n + j].near;
+    overhead /= k;
+    /* under a low ceiling, or in a corner too small to see, all is near */
+    if (overhead * r[0] >= 1 || overhead * nearest >= 1)
+        return 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j += i == 0 || i == n - 1 ? 1 : n - 1) {
+            const struct rad_hemicell *c = &h->cell[i * n + j];
+            double u = rad_dot(c->p, f[0]), v = rad_dot(c->p, f[1]);
+
+            if (c->near * nearest >= 1 || !is_inside(c, u, v, r))
+                continue;
+            int from = (int)floor((atan2(v, u) - half) * (16 / M_PI));
+            int to = (int)floor((atan2(v, u) + half) * (16 / M_PI));
+
+            for (int bin = from; bin <= to; bin++)
+                bins |= UINT32_C(1) << (bin & 31);
+        }
+    return bins;
+}
+
+/* Harmonic mean distance of what is seen (Ward et al. 1988). */
+static double
+mean_distance(const struct rad_hemi *h)
+{
+    double near = 0;
+
+    for (int k = 0; k < h->n * h->n; k++)
+        near += h->cell[k].near;
+    return h->n * h->n / near;
+}
+
+/* Radii, axes and gradients of *rec, from the sampling that gave its E.
+ * Where all is black there is nothing to differ: distance alone decides. */
+static void
+shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
+             struct rad_ambrec *rec)
+{
+    double aa = amb->job->params.ambacc, value[2], vec[2] = { 1, 0 };
+    double r[2], gpos[2] = { 0, 0 }, gdir[2] = { 0, 0 };
+    struct rad_gradients g;
+
+    if (rad_rgb_lum(h->E) > 0) {
+        rad_hemi_gradients(h, &g);
+        rad_eigen2(g.hess, value, vec);
+        gpos[0] = g.move[0] * vec[0] + g.move[1] * vec[1];
+        gpos[1] = g.move[1] * vec[0] - g.move[0] * vec[1];
+        gdir[0] = g.turn[0] * vec[0] + g.turn[1] * vec[1];
+        gdir[1] = g.turn[1] * vec[0] - g.turn[0] * vec[1];
+        for (int k = 0; k < 2; k++)
+            r[k] = radius_of(amb, value[k]);
+    } else {
+        r[0] = r[1] = mean_distance(h);
+    }
+    limit_radii(amb, gpos, rec->weight, r);
+    /* over the zone E may double, not more */
+    double swing = hypot(gpos[0] * r[0], gpos[1] * r[1]);
+    double cap = swing > 1 ? 1 / swing : 1;
+
+    for (int k = 0; k < 3; k++)
+        rec->u[k] = (float)(vec[0] * h->u[k] + vec[1] * h->v[k]);
+    for (int k = 0; k < 2; k++) {
+        rec->radius[k] = (float)r[k];
+        rec->gpos[k] = (float)(gpos[k] * cap);
+        rec->gdir[k] = (float)gdir[k];
+    }
+    double f[3][3], zone[2] = { r[0] * aa, r[1] * aa };
+
+    record_frame(rec, f);
+    rec->corral = find_corral(amb, h, f, zone);
+}
+
+/* Sample the hemisphere at a place and keep the result if it is fit to be
+ * kept.  False: no light could be traced. */
+static bool
+make_record(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind, struct rad_rgb *E)
+{
+    struct rad_ambient *amb = ctx->job->ambient;
+    struct rad_ambrec rec = { .level = (uint16_t)at->level };
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind, .store = true };
+    uint64_t unsound = ctx->counts.unsound_rays;
+    struct rad_hemi h;
+    bool ok;
+
+    plan.weight = pow(MEAN_REFLECTANCE, at->level);
+    if (at->weight < .1 * plan.weight)
+        plan.weight = 1.25 * at->weight;
+    plan.coef = rad_grey((float)MEAN_REFLECTANCE);
+    plan.far = FAR_SIDES * amb->side;
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok)
+        *E = h.E;
+    /* what a NaN has touched on the way, now black, is not kept */
+    if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
+        double f[3][3], factor, here[3] = { 0, 0, 0 };
+
+        rad_copy(rec.p, at->p);
+        for (int k = 0; k < 3; k++)
+            rec.n[k] = (float)at->n[k];
+        rec.E = h.E;
+        rec.weight = (float)plan.weight;
+        shape_record(amb, &h, &rec);
+        if (insert(amb, &rec, true))
+            ctx->counts.ambient_values++;
+        record_frame(&rec, f);
+        extrapolate(&rec, f, here, at->pn, &factor);
+        *E = rad_rgb_scale(*E, (float)factor);
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* Without a cache: sample for this place alone. */
+static bool
+sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind,
+            const struct rad_rgb *coef, struct rad_rgb *E)
+{
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind,
+                                  .coef = *coef,
+                                  .weight = at->weight };
+    struct rad_hemi h;
+    double turn[2], axis[3];
+    bool ok;
+
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok) {
+        *E = h.E;
+        rad_cross(axis, at->n, at->pn);
+        if (rad_dot(axis, axis) > 0 && rad_rgb_lum(*E) > 0) {
+            rad_hemi_turn(&h, turn);
+            double f =
+                1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
+
+            *E = rad_rgb_scale(*E, (float)fmax(f, LEAST_FACTOR));
+        }
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* --- use --- */
+
+/* Diffuse bounces on the way to r's hit. */
+static int
+bounces(const struct rad_ray *r)
+{
+    int n = 0;
+
+    for (; r; r = r->parent)
+        if (r->kind & RAD_RAY_AMBIENT)
+            n++;
+    return n;
+}
+
+/* -av, or its mean with the records so far (-aw), times what a surface leaves
+ * of it. */
+static struct rad_rgb
+constant_radiance(const struct rad_job *job)
+{
+    const struct rad_params *par = &job->params;
+    struct rad_rgb av = par->ambval;
+    const struct rad_ambient *amb = job->ambient;
+    double lum = rad_rgb_lum(av), sum, n;
+
+    if (!amb || par->ambvwt <= 0)
+        return av;
+    sum = (double)atomic_load_explicit(&amb->log_sum, memory_order_relaxed) *
+          LOG_UNIT;
+    n = (double)atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    if (!(n > 0))
+        return av;
+    sum += n * log(1 - MEAN_REFLECTANCE);
+    if (!(lum > 0))
+        return rad_grey((float)exp(sum / n));
+    sum += par->ambvwt * log(lum);
+    return rad_rgb_scale(av, (float)(exp(sum / (par->ambvwt + n)) / lum));
+}
+
+/* E at the place, interpolated or sampled; false: neither is possible. */
+static bool
+irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
+           const struct rad_ambplace *at, bool behind,
+           const struct rad_rgb *coef, struct rad_rgb *E)
+{
+    const struct rad_ambient *amb = ctx->job->ambient;
+
+    if (!amb)
+        return sample_here(ctx, r, at, behind, coef, E);
+    if (rad_ambient_find(amb, at, E, &ctx->counts.geom, &ctx->counts.rays) > 0)
+        return true;
+    return make_record(ctx, r, at, behind, E);
 }
 
 void
 rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
                   struct rad_rgb *coef)
 {
-    (void)r;
-    (void)n;
-    *coef = rad_rgb_mul(*coef, ctx->job->params.ambval);
+    const struct rad_params *par = &ctx->job->params;
+    struct rad_ambplace at;
+    struct rad_rgb E;
+    bool behind = rad_dot(r->n, n) < 0;
+
+    if (par->ambounce > 0 && par->ambdiv > 0 &&
+        (at.level = bounces(r)) < par->ambounce) {
+        at.weight = r->weight;
+        rad_copy(at.p, r->hit.p);
+        at.err = r->hit.err;
+        rad_scale(at.n, behind ? -1 : 1, r->n);
+        rad_copy(at.pn, n);
+        if (irradiance(ctx, r, &at, behind, coef, &E)) {
+            *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
+            return;
+        }
+    }
+    *coef = rad_rgb_mul(*coef, constant_radiance(ctx->job));
 }

@@ -33,37 +33,47 @@ struct rad_ambrec {
     uint16_t level;   /* diffuse bounces before it, 0 for a primary ray */
 };
 
-/* Thread: any number of threads may find and insert at once. */
+/* Thread: one thread makes and frees it; any number may find and insert. */
 struct rad_ambient *rad_ambient_new(const struct rad_job *job,
                                     struct rad_error *err);
 void rad_ambient_free(struct rad_ambient *amb);
 
-/* Insert a record that this worker made or received.  False: refused (not
- * finite, not plausible, or memory is out), which costs time, not
+/* Insert a record that came from another worker.  False: refused (not finite,
+ * not plausible in this scene, or memory is out), which costs time, not
  * correctness. */
 bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
 
 /* Would the cache have served a new record's place already?  For the
- * redundancy meter. */
+ * redundancy meter: ask before inserting. */
 bool rad_ambient_covers(const struct rad_ambient *amb,
                         const struct rad_ambrec *rec);
 
-/* Interpolate E at p with normal n; *E is untouched on a miss.
- *   level    diffuse bounces so far, 0 for a primary ray
- *   weight   ray weight in (0, 1]
- * Returns the summed record weight, 0 on a miss; cannot fail.
- * Takes no lock. */
-double rad_ambient_find(const struct rad_ambient *amb, const double p[3],
-                        const double n[3], int level, double weight,
-                        struct rad_rgb *E);
+/* Where indirect light is asked for. */
+struct rad_ambplace {
+    double p[3];   /* point on a surface */
+    double err;    /* bound of its distance from that [scene units] */
+    double n[3];   /* its unit normal, on the side asked for */
+    double pn[3];  /* the same as textures tilt it */
+    int level;     /* diffuse bounces so far, 0 for a primary ray */
+    double weight; /* of the ray, in (0, 1] */
+};
+
+/* Interpolate E at a place; *E is untouched on a miss.  A record made at a
+ * deeper level, or at this level for a clearly lighter ray, does not serve.
+ * Returns the summed record weight, 0 on a miss; cannot fail.  Takes no lock.
+ *   counts  of the tests for light leaks; their number is added to *rays */
+double rad_ambient_find(const struct rad_ambient *amb,
+                        const struct rad_ambplace *at, struct rad_rgb *E,
+                        struct rad_geom_counts *counts, uint64_t *rays);
 
 /* Records that were made here since the last call, oldest first, at most max;
  * the loop thread sends them to the other workers.  One thread at a time. */
 size_t rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out,
                          size_t max);
 
-/* Walk all records (a late joiner gets what there is): call with *cursor = 0
- * first; returns how many were copied, 0 at the end. */
+/* Walk all records, made here or received (a late joiner gets what there is):
+ * call with *cursor = 0 first; returns how many were copied, 0 at the end.
+ * Any number of walks may go on. */
 size_t rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
                         struct rad_ambrec *out, size_t max);
 size_t rad_ambient_count(const struct rad_ambient *amb);

@@ -70,18 +70,21 @@ reserve(struct direct *d)
     return true;
 }
 
-/* A shadow ray along p->aim, not yet traced. */
-static void
+/* A shadow ray along p->aim, not yet traced.  False: the path is too deep. */
+static bool
 start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
 {
     enum rad_raykind kind =
         rad_ray_through(d->r, p->aim) ? RAD_RAY_TSHADOW : RAD_RAY_RSHADOW;
 
-    rad_ray_spawn(d->ctx, sr, kind, d->r, &p->coef, p->branch);
+    if (!rad_ray_spawn(d->ctx, sr, kind, d->r, &p->coef, p->branch))
+        return false;
     rad_copy(sr->dir, p->aim);
     sr->source = p->source;
     sr->tmax = INFINITY;
     rad_ray_leave(sr);
+    rad_ray_clear(sr);
+    return true;
 }
 
 static void
@@ -157,8 +160,7 @@ weigh(void *arg, const struct rad_light_sample *s)
     p->source = d->source;
     p->branch = branch;
     rad_copy(p->aim, s->aim);
-    start_ray(d, p, &sr);
-    if (!meet_source(d, p, &sr))
+    if (!start_ray(d, p, &sr) || !meet_source(d, p, &sr))
         return;
     source_radiance(d, src, &sr);
     p->val = rad_rgb_mul(sr.L, p->coef);
@@ -174,7 +176,6 @@ see_through(const struct direct *d, struct potential *p, struct rad_ray *sr)
     const struct rad_job *job = d->ctx->job;
     struct rad_span span;
 
-    rad_ray_clear(sr);
     ray_span(sr, p->tmax, &span);
     if (!rad_geom_nearest(job->geom, &span, &sr->hit, &d->ctx->counts.geom) ||
         sr->hit.obj == job->sources->list[p->source].obj)
@@ -197,7 +198,8 @@ test(const struct direct *d, struct potential *p)
 
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
-    start_ray(d, p, &sr);
+    if (!start_ray(d, p, &sr))
+        return false;
     ray_span(&sr, p->tmax, &span);
     if (rad_geom_occluded(job->geom, &span, job->sources->list[p->source].obj,
                           &ctx->last_blocker[p->source], &ctx->counts.geom))

@@ -1,0 +1,246 @@
+/* check_ambient.c - tests of src/light: hemisphere, gradients, cache */
+#include "config.h"
+
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/gradient.h"
+#include "unit.h"
+
+#include <string.h>
+
+/* --- edges --- */
+
+/* Lambert's formula for the irradiance per radiance at p of a polygon. */
+static double
+lambert(const double *v, int nv, const double p[3], const double n[3])
+{
+    double E = 0;
+
+    for (int i = 0; i < nv; i++) {
+        double a[3], b[3], c[3];
+
+        rad_sub(a, v + 3 * i, p);
+        rad_sub(b, v + 3 * ((i + 1) % nv), p);
+        rad_cross(c, a, b);
+        double sine = rad_normalize(c), cosine = rad_dot(a, b);
+
+        E += atan2(sine, cosine) * rad_dot(c, n) / 2;
+    }
+    return E;
+}
+
+static const double quad[] = { -1, -.5, 1, 2, -.3, 1.2, 1.5, 2, 2, -.4, 1, .8 };
+
+/* Central differences of the closed form; step and tolerance balance their own
+ * rounding. */
+START_TEST(edge_derivatives_match_differences)
+{
+    static const double place[][3] = { { 0, 0, 0 },
+                                       { 3, -1, .2 },
+                                       { -9, 4, 0 } };
+    const double *p = place[_i];
+    double grad[3] = { 0 }, hess[6] = { 0 };
+    double n[3] = { .1, -.2, 1 }, step = 1e-4;
+
+    rad_normalize(n);
+    for (int i = 0; i < 4; i++) {
+        double a[3], b[3];
+
+        rad_sub(a, quad + 3 * i, p);
+        rad_sub(b, quad + 3 * ((i + 1) % 4), p);
+        rad_edge_derivatives(a, b, n, 1, grad, hess);
+    }
+    double E = lambert(quad, 4, p, n), q[3];
+    double scale = fabs(grad[0]) + fabs(grad[1]) + fabs(grad[2]);
+
+    for (int i = 0, k = 0; i < 3; i++)
+        for (int j = i; j < 3; j++, k++) {
+            double f[2][2], want;
+
+            for (int s = 0; s < 4; s++) {
+                rad_copy(q, p);
+                q[i] += s & 1 ? step : -step;
+                q[j] += s & 2 ? step : -step;
+                f[s & 1][s >> 1] = lambert(quad, 4, q, n);
+            }
+            want = i == j ? (f[1][1] + f[0][0] - 2 * E) / (4 * step * step)
+                          : (f[1][1] + f[0][0] - f[0][1] - f[1][0]) /
+                                (4 * step * step);
+            ck_assert_msg(fabs(hess[k] - want) < 1e-5 * (1 + fabs(want)),
+                          "hess %d%d: %g, not %g", i, j, hess[k], want);
+            if (i == j) {
+                want = (f[1][1] - f[0][0]) / (4 * step);
+                ck_assert_msg(fabs(grad[i] - want) < 1e-5 * scale,
+                              "grad %d: %g, not %g", i, grad[i], want);
+            }
+        }
+}
+END_TEST
+
+START_TEST(eigenvector_belongs_to_the_larger_value)
+{
+    static const double m[][3] = { { 2, 0, 1 },   { 1, 0, -2 }, { 1, 3, -2 },
+                                   { 0, 1, 0 },   { -5, 2, 1 }, { 4, 0, 4 },
+                                   { -1, .1, -3 } };
+    double value[2], v[2];
+
+    for (int i = 0; i < N_ELEM(m); i++) {
+        rad_eigen2(m[i], value, v);
+        ck_assert(fabs(value[0]) >= fabs(value[1]));
+        ck_assert_double_eq_tol(m[i][0] * v[0] + m[i][1] * v[1],
+                                value[0] * v[0], 1e-12);
+        ck_assert_double_eq_tol(m[i][1] * v[0] + m[i][2] * v[1],
+                                value[0] * v[1], 1e-12);
+        ck_assert_double_eq_tol(value[0] + value[1], m[i][0] + m[i][2], 1e-12);
+    }
+}
+END_TEST
+
+/* --- gradients of a made-up sampling --- */
+
+enum { SIDE = 64 };
+static struct rad_hemicell cells[SIDE * SIDE];
+
+/* A hemisphere about the z axis that sees a disk of radiance 1 parallel to the
+ * surface, of radius 1, centred at (x, 0, 1), before a far background of
+ * radiance `back`. */
+static void
+look_at_disk(struct rad_hemi *h, double x, float back)
+{
+    static const double frame[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    double sum = 0;
+
+    rad_copy(h->u, frame[0]);
+    rad_copy(h->v, frame[1]);
+    rad_copy(h->w, frame[2]);
+    h->n = SIDE;
+    h->cell = cells;
+    for (int i = 0; i < SIDE; i++)
+        for (int j = 0; j < SIDE; j++) {
+            struct rad_hemicell *c = &cells[i * SIDE + j];
+            double a = 2 * (j + .5) / SIDE - 1, b = 2 * (i + .5) / SIDE - 1;
+            double r = fabs(a) > fabs(b) ? a : b;
+            double phi = fabs(a) > fabs(b) ? M_PI / 4 * b / a
+                                           : M_PI / 2 - M_PI / 4 * a / b;
+            double d[3] = { r * cos(phi), r * sin(phi), sqrt(1 - r * r) };
+            double hx = d[0] / d[2] - x, hy = d[1] / d[2];
+            bool hit = hx * hx + hy * hy < 1;
+            double t = hit ? 1 / d[2] : 1e4;
+
+            rad_scale(c->p, t, d);
+            c->near = (float)(1 / t);
+            c->L = rad_grey(hit ? 1 : back);
+            sum += c->L.g;
+        }
+    h->E = rad_grey((float)(sum * M_PI / (SIDE * SIDE)));
+}
+
+static double
+disk_irradiance(double x)
+{
+    double z = x * x + 2;
+
+    return M_PI / 2 * (1 - (z - 2) / sqrt(z * z - 4 * x * x));
+}
+
+START_TEST(gradient_of_a_disk_matches_the_closed_form)
+{
+    static const double offset[] = { .3, .8, 1.5 };
+    double x = offset[_i], step = 1e-3;
+    struct rad_gradients g;
+    struct rad_hemi h;
+
+    look_at_disk(&h, x, 0);
+    rad_hemi_gradients(&h, &g);
+    double E = disk_irradiance(x);
+    /* the point moves along x, so the disk moves back */
+    double want =
+        (disk_irradiance(x - step) - disk_irradiance(x + step)) / (2 * step);
+    double want2 =
+        (disk_irradiance(x - step) + disk_irradiance(x + step) - 2 * E) /
+        (step * step);
+
+    ck_assert_double_eq_tol(h.E.g, E, .02 * E);
+    ck_assert_msg(fabs(g.move[0] - want / E) < .12 * fabs(want / E),
+                  "%g, not %g", g.move[0], want / E);
+    ck_assert_double_eq_tol(g.move[1], 0, .02 * fabs(want / E));
+    ck_assert_msg(fabs(g.hess[0] - want2 / E) < .15 * fabs(want / E) + .15,
+                  "%g, not %g", g.hess[0], want2 / E);
+}
+END_TEST
+
+/* A black disk before a bright background is the complement. */
+START_TEST(gradient_sees_what_an_occluder_hides)
+{
+    struct rad_gradients g, g1;
+    struct rad_hemi h;
+
+    look_at_disk(&h, .8, 0);
+    rad_hemi_gradients(&h, &g);
+    double dE = g.move[0] * h.E.g;
+
+    look_at_disk(&h, .8, 2);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        if (cells[k].L.g == 1)
+            cells[k].L = rad_grey(0);
+    h.E = rad_grey((float)(2 * (M_PI - disk_irradiance(.8))));
+    rad_hemi_gradients(&h, &g1);
+    ck_assert_double_eq_tol(g1.move[0] * h.E.g / 2, -dE, .1 * fabs(dE));
+}
+END_TEST
+
+START_TEST(uniform_surrounding_has_no_gradient)
+{
+    struct rad_gradients g;
+    struct rad_hemi h;
+
+    look_at_disk(&h, .3, 1);
+    rad_hemi_gradients(&h, &g);
+    ck_assert(g.move[0] == 0 && g.move[1] == 0);
+    ck_assert(g.hess[0] == 0 && g.hess[1] == 0 && g.hess[2] == 0);
+    ck_assert_double_eq_tol(g.turn[0], 0, 1e-6);
+    ck_assert_double_eq_tol(g.turn[1], 0, 1e-6);
+}
+END_TEST
+
+/* Half the sky bright, x > 0: turning the normal about y by da toward +x gives
+ * E = pi/2 (1 + sin da). */
+START_TEST(turning_toward_the_light_brightens)
+{
+    struct rad_gradients g;
+    struct rad_hemi h;
+
+    look_at_disk(&h, 0, 1);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        if (cells[k].p[0] < 0)
+            cells[k].L = rad_grey(0);
+    h.E = rad_grey((float)(M_PI / 2));
+    rad_hemi_gradients(&h, &g);
+    /* the tangent that is summed grows without bound at the horizon, where the
+     * cells' middles miss a tenth of it */
+    ck_assert_double_eq_tol(g.turn[1], 1, .12);
+    ck_assert_double_eq_tol(g.turn[0], 0, 1e-6);
+}
+END_TEST
+
+static Suite *
+make_suite(void)
+{
+    Suite *s = suite_create("ambient");
+    TCase *tc = tcase_create("gradients");
+
+    tcase_add_loop_test(tc, edge_derivatives_match_differences, 0, 3);
+    tcase_add_test(tc, eigenvector_belongs_to_the_larger_value);
+    tcase_add_loop_test(tc, gradient_of_a_disk_matches_the_closed_form, 0, 3);
+    tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
+    tcase_add_test(tc, uniform_surrounding_has_no_gradient);
+    tcase_add_test(tc, turning_toward_the_light_brightens);
+    suite_add_tcase(s, tc);
+    return s;
+}
+
+int
+main(void)
+{
+    return unit_run(make_suite());
+}
