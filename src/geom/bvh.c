@@ -25,7 +25,7 @@ struct item {
     float lo[3];
     uint32_t index; /* the caller's */
     float hi[3];
-    uint32_t bin;
+    uint32_t unused; /* 32 bytes: half a cache line */
 };
 
 struct range {
@@ -325,29 +325,54 @@ build_node(struct build *b, const struct range *whole, int depth,
     return 0;
 }
 
-/* Centre and scale from the bounds of all. */
+/* Bounds of all, and the frame that they give. */
 static void
-set_frame(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n)
+set_frame(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n)
 {
     double half = 0;
     int e;
 
-    for (int a = 0; a < 3; a++) {
-        double lo = INFINITY, hi = -INFINITY;
+    for (int a = 0; a < 3 && n; a++) {
+        bvh->lo[a] = INFINITY;
+        bvh->hi[a] = -INFINITY;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        struct rad_box box;
 
-        for (uint32_t i = 0; i < n; i++) {
-            lo = fmin(lo, box[i].lo[a]);
-            hi = fmax(hi, box[i].hi[a]);
+        rad_prim_bounds(&prims[i], &box);
+        for (int a = 0; a < 3; a++) {
+            bvh->lo[a] = box.lo[a] < bvh->lo[a] ? box.lo[a] : bvh->lo[a];
+            bvh->hi[a] = box.hi[a] > bvh->hi[a] ? box.hi[a] : bvh->hi[a];
         }
-        bvh->centre[a] = n ? lo / 2 + hi / 2 : 0;
-        half = n ? fmax(half, hi / 2 - lo / 2) : 0;
+    }
+    for (int a = 0; a < 3; a++) {
+        bvh->centre[a] = bvh->lo[a] / 2 + bvh->hi[a] / 2;
+        half = fmax(half, bvh->hi[a] / 2 - bvh->lo[a] / 2);
     }
     frexp(half, &e);
     bvh->scale = half > 0 ? ldexp(1, -e) : 1;
 }
 
+static void
+set_items(struct item *items, const struct rad_bvh *bvh,
+          const struct rad_prim *prims, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        struct rad_box box;
+
+        rad_prim_bounds(&prims[i], &box);
+        items[i].index = i;
+        for (int a = 0; a < 3; a++) {
+            double c = bvh->centre[a], s = bvh->scale;
+
+            items[i].lo[a] = round_down((box.lo[a] - c) * s);
+            items[i].hi[a] = round_up((box.hi[a] - c) * s);
+        }
+    }
+}
+
 int
-rad_bvh_build(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n,
+rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
               uint32_t *order, struct rad_error *err)
 {
     struct build b = { bvh, NULL, err };
@@ -361,16 +386,8 @@ rad_bvh_build(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n,
     b.items = calloc(n ? n : 1, sizeof *b.items);
     if (!b.items)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    set_frame(bvh, box, n);
-    for (uint32_t i = 0; i < n; i++) {
-        b.items[i].index = i;
-        for (int a = 0; a < 3; a++) {
-            double c = bvh->centre[a], s = bvh->scale;
-
-            b.items[i].lo[a] = round_down((box[i].lo[a] - c) * s);
-            b.items[i].hi[a] = round_up((box[i].hi[a] - c) * s);
-        }
-    }
+    set_frame(bvh, prims, n);
+    set_items(b.items, bvh, prims, n);
     fit(b.items, &all);
     rc = n ? build_node(&b, &all, 0, &root) : new_node(&b, &root);
     for (uint32_t i = 0; i < n; i++)

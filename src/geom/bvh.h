@@ -47,6 +47,7 @@ struct rad_bvh {
     struct rad_bvh_node *nodes; /* [0] is the root */
     uint32_t nnodes, capacity;
     double centre[3], scale;
+    double lo[3], hi[3]; /* of all items, in the scene's coordinates */
 };
 
 /* A ray in the tree's coordinates. */
@@ -75,9 +76,9 @@ struct rad_walk {
     void *arg; /* of offer */
 };
 
-/* Build over n boxes.  order (of n) gets which item is where: the tree's item
- * i is the caller's order[i].  Returns 0 or RAD_ENOMEM. */
-int rad_bvh_build(struct rad_bvh *bvh, const struct rad_box *box, uint32_t n,
+/* Build over n prims.  order (of n) gets which prim is where: the tree's item
+ * i is prims[order[i]].  Returns 0 or RAD_ENOMEM. */
+int rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 

@@ -22,48 +22,34 @@
 struct cone {
     double p0[3];
     double x[3], y[3], axis[3]; /* orthonormal */
-    double len, r0, k;
+    double len, r0, r1, k;
     double slant; /* sqrt(1 + k^2) */
 };
 
-static void
-cone_box(struct rad_box *box, const struct cone *c, double r1)
-{
-    for (int i = 0; i < 3; i++) {
-        /* half-width of a unit circle across the axis, along axis i */
-        double h = sqrt(c->x[i] * c->x[i] + c->y[i] * c->y[i]);
-        double a = c->p0[i], b = a + c->len * c->axis[i];
-
-        box->lo[i] = fmin(a - c->r0 * h, b - r1 * h);
-        box->hi[i] = fmax(a + c->r0 * h, b + r1 * h);
-    }
-}
-
 bool
-rad_cone_make(struct rad_prim *p, struct rad_box *box,
-              const struct rad_object *o, struct rad_arena *arena, bool *nomem)
+rad_cone_make(struct rad_prim *p, const struct rad_object *o,
+              struct rad_arena *arena, bool *nomem)
 {
     const double *a = o->reals;
     bool straight = o->type == RAD_CYLINDER || o->type == RAD_TUBE;
     struct cone c, *keep;
-    double r1, big = 0;
+    double big = 0;
 
     if (o->nreals < (straight ? 7 : 8))
         return false;
     rad_copy(c.p0, a);
     rad_sub(c.axis, a + 3, a);
     c.r0 = fabs(a[6]);
-    r1 = straight ? c.r0 : fabs(a[7]);
+    c.r1 = straight ? c.r0 : fabs(a[7]);
     c.len = rad_normalize(c.axis);
     for (int i = 0; i < 6; i++)
         big += fabs(a[i]);
-    big += c.r0 + r1;
-    if (!(c.len > 0) || !(c.r0 + r1 > 0) || !(big < INFINITY))
+    big += c.r0 + c.r1;
+    if (!(c.len > 0) || !(c.r0 + c.r1 > 0) || !(big < INFINITY))
         return false;
     rad_frame(c.x, c.y, c.axis);
-    c.k = (r1 - c.r0) / c.len;
+    c.k = (c.r1 - c.r0) / c.len;
     c.slant = sqrt(1 + c.k * c.k);
-    cone_box(box, &c, r1);
     keep = rad_arena_dup(arena, &c, sizeof c);
     if (!keep) {
         *nomem = true;
@@ -76,6 +62,21 @@ rad_cone_make(struct rad_prim *p, struct rad_box *box,
         p->side = (int8_t)-p->side; /* negative radii turn it inside out */
     p->slack = (float)(RAD_GEOM_ROUND * big * 2);
     return true;
+}
+
+void
+rad_cone_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    const struct cone *c = (const struct cone *)p->v;
+
+    for (int i = 0; i < 3; i++) {
+        /* half-width of a unit circle across the axis, along axis i */
+        double h = sqrt(c->x[i] * c->x[i] + c->y[i] * c->y[i]);
+        double a = c->p0[i], b = a + c->len * c->axis[i];
+
+        box->lo[i] = fmin(a - c->r0 * h, b - c->r1 * h);
+        box->hi[i] = fmax(a + c->r0 * h, b + c->r1 * h);
+    }
 }
 
 /* Is t on the ray's stretch, and between the ends? */

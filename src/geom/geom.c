@@ -28,7 +28,6 @@ struct rad_geom {
     uint32_t nprims;
     uint32_t *prim_of; /* by object; NOPRIM: none */
     struct rad_bvh bvh;
-    double lo[3], hi[3];
 };
 
 #define NOPRIM UINT32_MAX
@@ -45,25 +44,19 @@ best_kernel(void)
 
 /* Compile all surfaces, in the scene's order. */
 static int
-make_prims(struct rad_geom *g, const uint8_t *surf, struct rad_box *box,
-           struct rad_error *err)
+make_prims(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 {
     for (int32_t i = 0; i < g->scene->nobjects; i++) {
         struct rad_prim *p = &g->prims[g->nprims];
         bool nomem = false;
 
-        if (!rad_prim_make(p, &box[g->nprims], &g->scene->objects[i], &g->arena,
-                           &nomem)) {
+        if (!rad_prim_make(p, &g->scene->objects[i], &g->arena, &nomem)) {
             if (nomem)
                 return rad_fail(err, RAD_ENOMEM, "out of memory");
             continue;
         }
         p->obj = i;
         p->surf = surf[i];
-        for (int a = 0; a < 3; a++) {
-            g->lo[a] = fmin(g->lo[a], box[g->nprims].lo[a]);
-            g->hi[a] = fmax(g->hi[a], box[g->nprims].hi[a]);
-        }
         g->nprims++;
     }
     return 0;
@@ -105,21 +98,17 @@ static int
 compile(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 {
     size_t n = count_surfaces(g->scene) + 1; /* one past, to try in */
-    struct rad_box *box = malloc(n * sizeof *box);
     int rc;
 
     g->prims = malloc(n * sizeof *g->prims);
     g->prim_of = malloc(((size_t)g->scene->nobjects + 1) * sizeof *g->prim_of);
-    if (!box || !g->prims || !g->prim_of) {
-        free(box);
+    if (!g->prims || !g->prim_of)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    }
-    rc = make_prims(g, surf, box, err);
+    rc = make_prims(g, surf, err);
     if (rc == 0)
-        rc = rad_bvh_build(&g->bvh, box, g->nprims, g->prim_of, err);
+        rc = rad_bvh_build(&g->bvh, g->prims, g->nprims, g->prim_of, err);
     if (rc == 0)
         reorder(g, g->prim_of);
-    free(box);
     return rc;
 }
 
@@ -136,16 +125,10 @@ rad_geom_new(const struct rad_scene *scene, const uint8_t *surf,
     rad_arena_init(&g->arena);
     g->scene = scene;
     g->kernel = best_kernel();
-    for (int a = 0; a < 3; a++) {
-        g->lo[a] = INFINITY;
-        g->hi[a] = -INFINITY;
-    }
     if (compile(g, surf, err) < 0) {
         rad_geom_free(g);
         return NULL;
     }
-    for (int a = 0; a < 3 && !g->nprims; a++)
-        g->lo[a] = g->hi[a] = 0;
     return g;
 }
 
@@ -170,8 +153,8 @@ rad_geom_use(struct rad_geom *g, const struct rad_kernel *k)
 void
 rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3])
 {
-    rad_copy(lo, g->lo);
-    rad_copy(hi, g->hi);
+    rad_copy(lo, g->bvh.lo);
+    rad_copy(hi, g->bvh.hi);
 }
 
 /* False: the ray is no ray (a NaN or an infinity in it). */

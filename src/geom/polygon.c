@@ -46,12 +46,11 @@ area_vector(double n[3], const double *v, int nv)
 }
 
 bool
-rad_polygon_make(struct rad_prim *p, struct rad_box *box,
-                 const struct rad_object *o)
+rad_polygon_make(struct rad_prim *p, const struct rad_object *o)
 {
     const double *v = o->reals;
     int nv = o->nreals / 3;
-    double d[3], size2, mean = 0, low = 0, high = 0, big = 0, warp;
+    double size2, mean = 0, low = 0, high = 0, big = 0;
 
     if (nv < 3)
         return false;
@@ -61,21 +60,16 @@ rad_polygon_make(struct rad_prim *p, struct rad_box *box,
         !(sqrt(rad_dot(p->k, p->k)) > nv * 0x1p-51 * size2) ||
         !(rad_normalize(p->k) > 0))
         return false;
-    rad_copy(box->lo, v);
-    rad_copy(box->hi, v);
     for (int i = 0; i < nv; i++) {
-        double h;
+        double d[3], h;
 
         rad_sub(d, v + 3 * i, v);
         h = rad_dot(p->k, d);
         mean += h / nv;
-        low = fmin(low, h);
-        high = fmax(high, h);
-        for (int j = 0; j < 3; j++) {
-            box->lo[j] = fmin(box->lo[j], v[3 * i + j]);
-            box->hi[j] = fmax(box->hi[j], v[3 * i + j]);
+        low = h < low ? h : low;
+        high = h > high ? h : high;
+        for (int j = 0; j < 3; j++)
             big = fmax(big, fabs(v[3 * i + j]));
-        }
     }
     p->k[3] = rad_dot(p->k, v) + mean;
     if (!(fabs(p->k[3]) <= big * 4 && big < INFINITY))
@@ -83,14 +77,29 @@ rad_polygon_make(struct rad_prim *p, struct rad_box *box,
     p->kind = PRIM_POLYGON;
     p->v = v;
     p->nv = nv;
-    warp = fmax(high - mean, mean - low);
-    for (int j = 0; j < 3; j++) { /* points lie on the mean plane */
-        box->lo[j] -= warp * fabs(p->k[j]);
-        box->hi[j] += warp * fabs(p->k[j]);
-    }
-    p->slack =
-        (float)(RAD_GEOM_ROUND * 3 * big + fmin(warp, STORED_ROUND * big));
+    p->slack = (float)(RAD_GEOM_ROUND * 3 * big +
+                       fmin(fmax(high - mean, mean - low), STORED_ROUND * big));
     return true;
+}
+
+void
+rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    double warp = 0;
+
+    rad_copy(box->lo, p->v);
+    rad_copy(box->hi, p->v);
+    for (const double *v = p->v; v < p->v + 3 * p->nv; v += 3) {
+        warp = fmax(warp, fabs(rad_dot(p->k, v) - p->k[3]));
+        for (int i = 0; i < 3; i++) {
+            box->lo[i] = v[i] < box->lo[i] ? v[i] : box->lo[i];
+            box->hi[i] = v[i] > box->hi[i] ? v[i] : box->hi[i];
+        }
+    }
+    for (int i = 0; i < 3; i++) { /* points lie on the mean plane */
+        box->lo[i] -= warp * fabs(p->k[i]);
+        box->hi[i] += warp * fabs(p->k[i]);
+    }
 }
 
 /* Does the ray pass inside?  [*zlo, *zhi] gets the span of the vertices along

@@ -49,41 +49,57 @@ rad_prim_has(enum rad_otype type)
 }
 
 bool
-rad_prim_make(struct rad_prim *p, struct rad_box *box,
-              const struct rad_object *o, struct rad_arena *arena, bool *nomem)
+rad_prim_make(struct rad_prim *p, const struct rad_object *o,
+              struct rad_arena *arena, bool *nomem)
 {
     bool good;
 
     memset(p, 0, sizeof *p);
     switch (o->type) {
     case RAD_POLYGON:
-        good = rad_polygon_make(p, box, o);
+        good = rad_polygon_make(p, o);
         break;
     case RAD_SPHERE:
     case RAD_BUBBLE:
-        good = rad_sphere_make(p, box, o);
+        good = rad_sphere_make(p, o);
         break;
     case RAD_CONE:
     case RAD_CUP:
     case RAD_CYLINDER:
     case RAD_TUBE:
-        good = rad_cone_make(p, box, o, arena, nomem);
+        good = rad_cone_make(p, o, arena, nomem);
         break;
     case RAD_RING:
-        good = rad_ring_make(p, box, o);
+        good = rad_ring_make(p, o);
         break;
     default:
         return false;
     }
-    if (good) {
-        /* float rounds to nearest: one step up keeps it a bound */
-        p->slack = nextafterf(p->slack, INFINITY);
-        for (int i = 0; i < 3; i++) {
-            box->lo[i] -= p->slack;
-            box->hi[i] += p->slack;
-        }
-    }
+    /* float rounds to nearest: one step up keeps it a bound */
+    p->slack = nextafterf(p->slack, INFINITY);
     return good;
+}
+
+void
+rad_prim_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    switch (p->kind) {
+    case PRIM_POLYGON:
+        rad_polygon_bounds(p, box);
+        break;
+    case PRIM_SPHERE:
+        rad_sphere_bounds(p, box);
+        break;
+    case PRIM_CONE:
+        rad_cone_bounds(p, box);
+        break;
+    default:
+        rad_ring_bounds(p, box);
+    }
+    for (int i = 0; i < 3; i++) {
+        box->lo[i] -= p->slack;
+        box->hi[i] += p->slack;
+    }
 }
 
 void

@@ -1,8 +1,9 @@
 /* prim.h - one surface, ready to be met by a ray (inside geom/ only)
  *
  * Each family of surfaces (polygon.c sphere.c cone.c ring.c) offers the same
- * three functions:
+ * four functions:
  *   rad_X_make     compile an object; false if it is degenerate (no area)
+ *   rad_X_bounds   its bounds, before widening by its slack
  *   rad_X_hit      the first t in (tmin, tmax) where the ray meets it
  *   rad_X_surface  point, normal and error bound of a hit found by rad_X_hit
  *
@@ -55,7 +56,6 @@ struct rad_probe {
     double sx, sy;  /* shear that turns dir into the kz axis */
 };
 
-/* Bounds of a surface, widened by its slack. */
 struct rad_box {
     double lo[3], hi[3];
 };
@@ -65,21 +65,24 @@ void rad_probe_init(struct rad_probe *r, const struct rad_span *span);
 /* Is this a type of surface that has a family here? */
 bool rad_prim_has(enum rad_otype type);
 
-/* Compile object o.  False: it has no area, or is no surface; or
- * memory ran out, which sets *nomem. */
-bool rad_prim_make(struct rad_prim *p, struct rad_box *box,
-                   const struct rad_object *o, struct rad_arena *arena,
-                   bool *nomem);
+/* Compile object o.  False: it has no area, or is no surface; or memory ran
+ * out, which sets *nomem. */
+bool rad_prim_make(struct rad_prim *p, const struct rad_object *o,
+                   struct rad_arena *arena, bool *nomem);
 
-bool rad_polygon_make(struct rad_prim *p, struct rad_box *box,
-                      const struct rad_object *o);
-bool rad_sphere_make(struct rad_prim *p, struct rad_box *box,
-                     const struct rad_object *o);
-bool rad_ring_make(struct rad_prim *p, struct rad_box *box,
-                   const struct rad_object *o);
-bool rad_cone_make(struct rad_prim *p, struct rad_box *box,
-                   const struct rad_object *o, struct rad_arena *arena,
-                   bool *nomem);
+bool rad_polygon_make(struct rad_prim *p, const struct rad_object *o);
+bool rad_sphere_make(struct rad_prim *p, const struct rad_object *o);
+bool rad_ring_make(struct rad_prim *p, const struct rad_object *o);
+bool rad_cone_make(struct rad_prim *p, const struct rad_object *o,
+                   struct rad_arena *arena, bool *nomem);
+
+/* Bounds that hold every point that a hit can have. */
+void rad_prim_bounds(const struct rad_prim *p, struct rad_box *box);
+
+void rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box);
+void rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box);
+void rad_ring_bounds(const struct rad_prim *p, struct rad_box *box);
+void rad_cone_bounds(const struct rad_prim *p, struct rad_box *box);
 
 bool rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
                      double tmin, double tmax, double *t);

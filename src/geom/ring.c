@@ -12,8 +12,7 @@
 #include <math.h>
 
 bool
-rad_ring_make(struct rad_prim *p, struct rad_box *box,
-              const struct rad_object *o)
+rad_ring_make(struct rad_prim *p, const struct rad_object *o)
 {
     const double *a = o->reals; /* centre, normal, radii */
     double r, big = 0;
@@ -25,21 +24,30 @@ rad_ring_make(struct rad_prim *p, struct rad_box *box,
     if (!(r > 0 && r < INFINITY) || !(a[6] != a[7]) ||
         !(rad_normalize(p->k) > 0))
         return false;
-    for (int i = 0; i < 3; i++) {
-        double h = r * sqrt(fmax(0, 1 - p->k[i] * p->k[i]));
-
+    for (int i = 0; i < 3; i++)
         big += fabs(a[i]);
-        box->lo[i] = a[i] - h;
-        box->hi[i] = a[i] + h;
-    }
     if (!(big < INFINITY))
         return false;
     p->k[3] = rad_dot(p->k, a);
     p->kind = PRIM_RING;
     p->v = a;
-    /* 1 - n^2 cancels where n is near an axis: half of the digits */
     p->slack = (float)(RAD_GEOM_ROUND * (big + r));
     return true;
+}
+
+void
+rad_ring_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    double r = fmax(p->v[6], p->v[7]);
+
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        /* not r sqrt(1 - n_i^2), which cancels for n near the axis */
+        double h = r * sqrt(p->k[j] * p->k[j] + p->k[k] * p->k[k]);
+
+        box->lo[i] = p->v[i] - h;
+        box->hi[i] = p->v[i] + h;
+    }
 }
 
 bool

@@ -15,8 +15,7 @@
 #include <math.h>
 
 bool
-rad_sphere_make(struct rad_prim *p, struct rad_box *box,
-                const struct rad_object *o)
+rad_sphere_make(struct rad_prim *p, const struct rad_object *o)
 {
     double r, big = 0;
 
@@ -27,8 +26,6 @@ rad_sphere_make(struct rad_prim *p, struct rad_box *box,
         return false;
     for (int i = 0; i < 3; i++) {
         p->k[i] = o->reals[i];
-        box->lo[i] = p->k[i] - r;
-        box->hi[i] = p->k[i] + r;
         big += fabs(p->k[i]);
     }
     if (!(big < INFINITY))
@@ -39,6 +36,15 @@ rad_sphere_make(struct rad_prim *p, struct rad_box *box,
     p->side = (o->type == RAD_BUBBLE) == (o->reals[3] < 0) ? 1 : -1;
     p->slack = (float)(RAD_GEOM_ROUND * (big + r));
     return true;
+}
+
+void
+rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    for (int i = 0; i < 3; i++) {
+        box->lo[i] = p->k[i] - p->k[3];
+        box->hi[i] = p->k[i] + p->k[3];
+    }
 }
 
 bool
