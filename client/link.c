@@ -1,0 +1,564 @@
+/* link.c - see link.h
+ *
+ * Bytes that arrive are kept until link_recv() cuts messages from them; above
+ * a mark reading stops, so that a coordinator cannot fill our memory.  Only
+ * the handles' callbacks touch the struct behind a caller's back, and all that
+ * they do is to set `failed`, `done` or the input. */
+#include "config.h"
+
+#include "link.h"
+
+#include "frame.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+enum {
+    READ_SIZE = 1 << 16,
+    INPUT_MARK = 4 << 20, /* stop reading above */
+    QUEUE_MARK = 1 << 20, /* stop sending above */
+    PING_MS = 5000,
+    SILENT_PINGS = 3 /* so many without a byte: 15 s */
+};
+
+struct link {
+    struct link_where where;
+    char name[sizeof((struct target *)0)->text];
+    union {
+        uv_stream_t stream;
+        uv_pipe_t pipe;
+        uv_tcp_t tcp;
+    } s;
+    bool stream_open;
+    uv_timer_t ping;  /* sends PINGs, notices silence */
+    uv_timer_t limit; /* of one wait */
+    uv_connect_t connect;
+    struct resolving *resolving;
+    int nhandles; /* open ones */
+    bool done;    /* what a wait is for */
+    int failed;   /* UV_E* or RAD_E*; 0 while the link is sound */
+    bool timeout;
+    bool welcome; /* the handshake is over */
+    int silent;   /* PINGs since the last byte */
+    uint64_t epoch;
+    struct frame_reader reader;
+    struct msg in;
+    uint8_t *input; /* bytes not cut up yet: start..end of cap */
+    size_t start, end, cap;
+    bool reading;
+};
+
+/* A name that is looked up.  A resolver cannot be stopped, so it may outlive
+ * the link: l is NULL then. */
+struct resolving {
+    uv_getaddrinfo_t req;
+    struct link *l;
+};
+
+/* One write; owns its bytes until it is done. */
+struct outgoing {
+    uv_write_t req;
+    uint8_t *bytes;
+};
+
+int
+link_code(unsigned status)
+{
+    static const int codes[] = { RAD_EUSAGE,     RAD_EDATA,     RAD_ENOINPUT,
+                                 RAD_EUNAVAIL,   RAD_EINTERNAL, RAD_ENOMEM,
+                                 RAD_ECANTCREAT, RAD_EIO,       RAD_ETEMPFAIL,
+                                 RAD_EPROTO,     RAD_EPERM,     RAD_ECONFIG };
+
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
+        if (rad_exit_status(codes[i]) == (int)status)
+            return codes[i];
+    return RAD_EINTERNAL;
+}
+
+static int
+lost(struct link *l, struct rad_error *err)
+{
+    int code = l->failed;
+
+    if (code == UV_EOF)
+        return rad_fail(err, RAD_EUNAVAIL,
+                        "the coordinator at '%s' closed the connection",
+                        l->name);
+    if (code == UV_ETIMEDOUT)
+        return rad_fail(err, RAD_EUNAVAIL,
+                        "the coordinator at '%s' does not answer", l->name);
+    if (code == RAD_EPERM)
+        return rad_fail(err, code,
+                        "'%s' is not on this machine: without keys only a "
+                        "Unix socket or a loopback address is spoken to",
+                        l->name);
+    if (code == RAD_ENOMEM)
+        return rad_fail(err, code, "out of memory");
+    if (code == RAD_EPROTO)
+        return rad_fail(err, code, "'%s' breaks the protocol", l->name);
+    return rad_fail(err, RAD_EUNAVAIL, "no coordinator at '%s': %s", l->name,
+                    uv_strerror(code));
+}
+
+static void
+fail(struct link *l, int code)
+{
+    if (l->failed == 0)
+        l->failed = code;
+}
+
+static void
+on_limit(uv_timer_t *t)
+{
+    ((struct link *)t->data)->timeout = true;
+}
+
+/* Run the loop until `done`, a failure, the time (ms < 0: none) or a wake.
+ * True when done. */
+static bool
+wait_for(struct link *l, int ms)
+{
+    int wake = *l->where.wake;
+
+    l->timeout = false;
+    if (ms >= 0)
+        uv_timer_start(&l->limit, on_limit, (uint64_t)ms, 0);
+    while (!l->done && !l->failed && !l->timeout && *l->where.wake == wake)
+        uv_run(l->where.loop, UV_RUN_ONCE);
+    uv_timer_stop(&l->limit);
+    return l->done && !l->failed;
+}
+
+/* --- input --- */
+
+static void
+on_alloc(uv_handle_t *h, size_t suggested, uv_buf_t *buf)
+{
+    struct link *l = h->data;
+
+    (void)suggested;
+    if (l->start > 0) {
+        memmove(l->input, l->input + l->start, l->end - l->start);
+        l->end -= l->start;
+        l->start = 0;
+    }
+    if (l->cap - l->end < READ_SIZE) {
+        size_t cap = l->cap ? 2 * l->cap : 4 * READ_SIZE;
+        uint8_t *p = realloc(l->input, cap);
+
+        if (!p) {
+            *buf = uv_buf_init(NULL, 0); /* on_read gets UV_ENOBUFS */
+            return;
+        }
+        l->input = p;
+        l->cap = cap;
+    }
+    *buf = uv_buf_init((char *)l->input + l->end, READ_SIZE);
+}
+
+static void
+on_read(uv_stream_t *s, ssize_t n, const uv_buf_t *buf)
+{
+    struct link *l = s->data;
+
+    (void)buf;
+    if (n < 0) {
+        uv_read_stop(s);
+        l->reading = false;
+        fail(l, n == UV_ENOBUFS ? RAD_ENOMEM : (int)n);
+        return;
+    }
+    l->end += (size_t)n;
+    l->silent = 0;
+    l->done = true;
+    if (l->end - l->start > INPUT_MARK) {
+        uv_read_stop(s);
+        l->reading = false;
+    }
+}
+
+static void
+keep_reading(struct link *l)
+{
+    if (l->reading || l->failed || l->end - l->start > INPUT_MARK / 2)
+        return;
+    if (uv_read_start(&l->s.stream, on_alloc, on_read) == 0)
+        l->reading = true;
+}
+
+/* --- output --- */
+
+static void
+on_written(uv_write_t *req, int status)
+{
+    struct outgoing *o = (struct outgoing *)req;
+    struct link *l = req->data;
+
+    if (status < 0 && status != UV_ECANCELED)
+        fail(l, status);
+    l->done = true; /* there is room again */
+    free(o->bytes);
+    free(o);
+}
+
+static int
+queue(struct link *l, const struct msg *m, struct rad_error *err)
+{
+    struct wire_out out;
+    struct outgoing *o = malloc(sizeof *o);
+    uv_buf_t buf;
+    int rc;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    rc = o ? msg_pack(&out, m) : RAD_ENOMEM;
+    if (rc < 0) {
+        wire_out_release(&out);
+        free(o);
+        return rad_fail(err, rc,
+                        rc == RAD_ENOMEM ? "out of memory"
+                                         : "%s: too long to be sent",
+                        msg_name(m->type));
+    }
+    o->bytes = out.buf;
+    o->req.data = l;
+    buf = uv_buf_init((char *)out.buf, (unsigned)out.len);
+    rc = uv_write(&o->req, &l->s.stream, &buf, 1, on_written);
+    if (rc < 0) {
+        fail(l, rc);
+        free(o->bytes);
+        free(o);
+    }
+    return rc < 0 ? lost(l, err) : 0;
+}
+
+int
+link_send(struct link *l, const struct msg *m, struct rad_error *err)
+{
+    int rc = l->failed ? lost(l, err) : queue(l, m, err);
+
+    while (rc == 0 &&
+           uv_stream_get_write_queue_size(&l->s.stream) > QUEUE_MARK) {
+        l->done = false;
+        wait_for(l, -1);
+        if (l->failed)
+            rc = lost(l, err);
+    }
+    return rc;
+}
+
+static void
+on_ping(uv_timer_t *t)
+{
+    struct link *l = t->data;
+    struct msg ping = { .type = MSG_PING };
+
+    /* counted in PINGs, not in time: a caller that was busy elsewhere gets
+     * the bytes that lie ready before the next one */
+    if (l->reading && l->silent++ >= SILENT_PINGS)
+        fail(l, UV_ETIMEDOUT);
+    else if (l->welcome)
+        queue(l, &ping, NULL);
+}
+
+/* --- messages --- */
+
+/* Cut one message from the input; 1, 0 when more bytes are needed. */
+static int
+cut(struct link *l, struct rad_error *err)
+{
+    const uint8_t *p = l->input + l->start;
+    size_t n = l->end - l->start;
+    int rc = 0;
+
+    if (n > 0) {
+        rc = frame_read(&l->reader, &p, &n, &l->in, err);
+        l->start = l->end - n;
+    }
+    if (rc < 0) {
+        fail(l, rc);
+        rad_error_where(err, "%s", l->name);
+    }
+    keep_reading(l);
+    return rc;
+}
+
+/* Messages that belong to the link itself; true if it was one. */
+static bool
+handle_own(struct link *l)
+{
+    struct msg pong = { .type = MSG_PONG, .request = l->in.request };
+
+    if (l->in.type == MSG_PONG)
+        return true;
+    if (l->in.type != MSG_PING)
+        return false;
+    pong.pong.progress = l->in.ping.progress;
+    queue(l, &pong, NULL);
+    return true;
+}
+
+int
+link_recv(struct link *l, int timeout_ms, const struct msg **m,
+          struct rad_error *err)
+{
+    uint64_t until = uv_now(l->where.loop) + (uint64_t)timeout_ms, now;
+    int rc;
+
+    for (;;) {
+        rc = cut(l, err); /* what has come is read even from a closed link */
+        if (rc < 0)
+            return rc;
+        if (rc == 1) {
+            if (handle_own(l))
+                continue;
+            *m = &l->in;
+            if (l->in.type != MSG_BYE)
+                return 1;
+            fail(l, UV_EOF);
+        }
+        if (l->failed)
+            return lost(l, err);
+        now = uv_now(l->where.loop);
+        l->done = false;
+        if (!wait_for(l, now < until ? (int)(until - now) : 0) && !l->failed)
+            return 0;
+    }
+}
+
+/* --- opening and closing --- */
+
+static void
+on_connected(uv_connect_t *req, int status)
+{
+    struct link *l = req->data;
+
+    if (status < 0)
+        fail(l, status);
+    else
+        l->done = true;
+}
+
+static void
+on_resolved(uv_getaddrinfo_t *req, int status, struct addrinfo *found)
+{
+    struct resolving *r = (struct resolving *)req;
+
+    (void)found; /* in req->addrinfo */
+    if (!r->l) {
+        uv_freeaddrinfo(req->addrinfo);
+        free(r);
+    } else if (status < 0) {
+        fail(r->l, status);
+    } else {
+        r->l->done = true;
+    }
+}
+
+static bool
+is_loopback(const struct sockaddr *sa)
+{
+    if (sa->sa_family == AF_INET) {
+        const struct sockaddr_in *in = (const struct sockaddr_in *)sa;
+
+        return (ntohl(in->sin_addr.s_addr) >> 24) == 127;
+    }
+    return sa->sa_family == AF_INET6 &&
+           IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)sa)->sin6_addr);
+}
+
+static void
+on_closed(uv_handle_t *h)
+{
+    ((struct link *)h->data)->nhandles--;
+}
+
+static void
+close_stream(struct link *l)
+{
+    if (l->stream_open)
+        uv_close((uv_handle_t *)&l->s.stream, on_closed);
+    l->stream_open = l->reading = false;
+}
+
+/* Look the host up; the addresses stay in l->resolving. */
+static void
+resolve(struct link *l, const struct target *to, int ms)
+{
+    struct addrinfo hints = { .ai_socktype = SOCK_STREAM };
+    struct resolving *r = calloc(1, sizeof *r);
+    int rc;
+
+    if (!r) {
+        fail(l, RAD_ENOMEM);
+        return;
+    }
+    r->l = l;
+    rc = uv_getaddrinfo(l->where.loop, &r->req, on_resolved, to->host, to->port,
+                        &hints);
+    if (rc < 0) {
+        fail(l, rc);
+        free(r);
+    } else if (wait_for(l, ms) || l->failed) {
+        l->resolving = r; /* it is through */
+    } else {
+        fail(l, UV_ETIMEDOUT);
+        r->l = NULL;
+    }
+}
+
+static void
+connect_address(struct link *l, const struct sockaddr *sa, int ms)
+{
+    int rc;
+
+    if (!is_loopback(sa)) {
+        fail(l, RAD_EPERM);
+        return;
+    }
+    uv_tcp_init(l->where.loop, &l->s.tcp);
+    l->s.tcp.data = l;
+    l->stream_open = true;
+    l->nhandles++;
+    uv_tcp_nodelay(&l->s.tcp, 1);
+    rc = uv_tcp_connect(&l->connect, &l->s.tcp, sa, on_connected);
+    if (rc < 0)
+        fail(l, rc);
+    else if (!wait_for(l, ms))
+        fail(l, UV_ETIMEDOUT);
+}
+
+/* Try one address after the other; the last one's reason remains. */
+static void
+connect_tcp(struct link *l, const struct target *to, int ms)
+{
+    resolve(l, to, ms);
+    if (l->failed)
+        return;
+    for (struct addrinfo *a = l->resolving->req.addrinfo; a; a = a->ai_next) {
+        l->failed = 0;
+        l->done = false;
+        connect_address(l, a->ai_addr, ms);
+        if (l->failed == 0 || l->failed == RAD_EPERM)
+            break;
+        close_stream(l);
+        while (l->nhandles > 2) /* the two timers stay */
+            uv_run(l->where.loop, UV_RUN_ONCE);
+    }
+}
+
+static void
+connect_local(struct link *l, const struct target *to, int ms)
+{
+    uv_pipe_init(l->where.loop, &l->s.pipe, 0);
+    l->s.pipe.data = l;
+    l->stream_open = true;
+    l->nhandles++;
+    uv_pipe_connect(&l->connect, &l->s.pipe, to->path, on_connected);
+    if (!wait_for(l, ms))
+        fail(l, UV_ETIMEDOUT);
+}
+
+static int
+handshake(struct link *l, enum msg_role role, int ms, struct rad_error *err)
+{
+    struct msg hello = { .type = MSG_HELLO };
+    const struct msg *m;
+    int rc;
+
+    hello.hello.min = hello.hello.max = MSG_VERSION;
+    hello.hello.role = (uint8_t)role;
+    hello.hello.name = hello.hello.address = "";
+    hello.hello.program = PACKAGE_STRING;
+    if ((rc = link_send(l, &hello, err)) < 0)
+        return rc;
+    keep_reading(l);
+    rc = link_recv(l, ms, &m, err);
+    if (rc < 0)
+        return rc;
+    if (rc == 0) {
+        fail(l, UV_ETIMEDOUT);
+        return lost(l, err);
+    }
+    if (m->type == MSG_REFUSE)
+        return rad_fail(err, link_code(m->refuse.status),
+                        "the coordinator at '%s' refuses: %s", l->name,
+                        m->refuse.text);
+    l->epoch = m->welcome.epoch;
+    l->reader.session = MSG_AT_CLIENT;
+    l->welcome = true;
+    return 0;
+}
+
+static struct link *
+link_new(const struct link_where *where, const struct target *to)
+{
+    struct link *l = calloc(1, sizeof *l);
+
+    if (!l)
+        return NULL;
+    l->where = *where;
+    strcpy(l->name, to->text);
+    frame_reader_init(&l->reader, MSG_AT_DIALLER);
+    uv_timer_init(where->loop, &l->ping);
+    uv_timer_init(where->loop, &l->limit);
+    l->ping.data = l->limit.data = l->connect.data = l;
+    l->nhandles = 2;
+    uv_update_time(where->loop);
+    return l;
+}
+
+int
+link_open(struct link **out, const struct link_where *where,
+          const struct target *to, enum msg_role role, int timeout_ms,
+          struct rad_error *err)
+{
+    struct link *l = link_new(where, to);
+    int rc = 0;
+
+    *out = NULL;
+    if (!l)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (to->local)
+        connect_local(l, to, timeout_ms);
+    else
+        connect_tcp(l, to, timeout_ms);
+    if (l->failed)
+        rc = lost(l, err);
+    if (rc == 0) {
+        uv_timer_start(&l->ping, on_ping, PING_MS, PING_MS);
+        rc = handshake(l, role, timeout_ms, err);
+    }
+    if (rc < 0) {
+        link_close(l);
+        return rc;
+    }
+    *out = l;
+    return 0;
+}
+
+void
+link_close(struct link *l)
+{
+    if (!l)
+        return;
+    close_stream(l);
+    uv_close((uv_handle_t *)&l->ping, on_closed);
+    uv_close((uv_handle_t *)&l->limit, on_closed);
+    while (l->nhandles > 0)
+        uv_run(l->where.loop, UV_RUN_ONCE);
+    if (l->resolving) {
+        uv_freeaddrinfo(l->resolving->req.addrinfo);
+        free(l->resolving);
+    }
+    frame_reader_release(&l->reader);
+    msg_release(&l->in);
+    free(l->input);
+    free(l);
+}
+
+uint64_t
+link_epoch(const struct link *l)
+{
+    return l->epoch;
+}
