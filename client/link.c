@@ -39,8 +39,9 @@ struct link {
     bool done;    /* what a wait is for */
     int failed;   /* UV_E* or RAD_E*; 0 while the link is sound */
     bool timeout;
-    bool welcome; /* the handshake is over */
-    int silent;   /* PINGs since the last byte */
+    bool welcome;      /* the handshake is over */
+    uint64_t until_ms; /* when opening must be over, in the loop's time */
+    int silent;        /* PINGs since the last byte */
     uint64_t epoch;
     struct frame_reader reader;
     struct msg in;
@@ -381,9 +382,18 @@ close_stream(struct link *l)
     l->stream_open = l->reading = false;
 }
 
+/* What is left of the time to open the link. */
+static int
+left_ms(const struct link *l)
+{
+    uint64_t now = uv_now(l->where.loop);
+
+    return now < l->until_ms ? (int)(l->until_ms - now) : 0;
+}
+
 /* Look the host up; the addresses stay in l->resolving. */
 static void
-resolve(struct link *l, const struct target *to, int ms)
+resolve(struct link *l, const struct target *to)
 {
     struct addrinfo hints = { .ai_socktype = SOCK_STREAM };
     struct resolving *r = calloc(1, sizeof *r);
@@ -399,7 +409,7 @@ resolve(struct link *l, const struct target *to, int ms)
     if (rc < 0) {
         fail(l, rc);
         free(r);
-    } else if (wait_for(l, ms) || l->failed) {
+    } else if (wait_for(l, left_ms(l)) || l->failed) {
         l->resolving = r; /* it is through */
     } else {
         fail(l, UV_ETIMEDOUT);
@@ -408,7 +418,7 @@ resolve(struct link *l, const struct target *to, int ms)
 }
 
 static void
-connect_address(struct link *l, const struct sockaddr *sa, int ms)
+connect_address(struct link *l, const struct sockaddr *sa)
 {
     int rc;
 
@@ -424,21 +434,21 @@ connect_address(struct link *l, const struct sockaddr *sa, int ms)
     rc = uv_tcp_connect(&l->connect, &l->s.tcp, sa, on_connected);
     if (rc < 0)
         fail(l, rc);
-    else if (!wait_for(l, ms))
+    else if (!wait_for(l, left_ms(l)))
         fail(l, UV_ETIMEDOUT);
 }
 
 /* Try one address after the other; the last one's reason remains. */
 static void
-connect_tcp(struct link *l, const struct target *to, int ms)
+connect_tcp(struct link *l, const struct target *to)
 {
-    resolve(l, to, ms);
+    resolve(l, to);
     if (l->failed)
         return;
     for (struct addrinfo *a = l->resolving->req.addrinfo; a; a = a->ai_next) {
         l->failed = 0;
         l->done = false;
-        connect_address(l, a->ai_addr, ms);
+        connect_address(l, a->ai_addr);
         if (l->failed == 0 || l->failed == RAD_EPERM)
             break;
         close_stream(l);
@@ -448,19 +458,19 @@ connect_tcp(struct link *l, const struct target *to, int ms)
 }
 
 static void
-connect_local(struct link *l, const struct target *to, int ms)
+connect_local(struct link *l, const struct target *to)
 {
     uv_pipe_init(l->where.loop, &l->s.pipe, 0);
     l->s.pipe.data = l;
     l->stream_open = true;
     l->nhandles++;
     uv_pipe_connect(&l->connect, &l->s.pipe, to->path, on_connected);
-    if (!wait_for(l, ms))
+    if (!wait_for(l, left_ms(l)))
         fail(l, UV_ETIMEDOUT);
 }
 
 static int
-handshake(struct link *l, enum msg_role role, int ms, struct rad_error *err)
+handshake(struct link *l, enum msg_role role, struct rad_error *err)
 {
     struct msg hello = { .type = MSG_HELLO };
     const struct msg *m;
@@ -473,7 +483,7 @@ handshake(struct link *l, enum msg_role role, int ms, struct rad_error *err)
     if ((rc = link_send(l, &hello, err)) < 0)
         return rc;
     keep_reading(l);
-    rc = link_recv(l, ms, &m, err);
+    rc = link_recv(l, left_ms(l), &m, err);
     if (rc < 0)
         return rc;
     if (rc == 0) {
@@ -519,15 +529,16 @@ link_open(struct link **out, const struct link_where *where,
     *out = NULL;
     if (!l)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    l->until_ms = uv_now(where->loop) + (uint64_t)timeout_ms;
     if (to->local)
-        connect_local(l, to, timeout_ms);
+        connect_local(l, to);
     else
-        connect_tcp(l, to, timeout_ms);
+        connect_tcp(l, to);
     if (l->failed)
         rc = lost(l, err);
     if (rc == 0) {
         uv_timer_start(&l->ping, on_ping, PING_MS, PING_MS);
-        rc = handshake(l, role, timeout_ms, err);
+        rc = handshake(l, role, err);
     }
     if (rc < 0) {
         link_close(l);

@@ -3,10 +3,22 @@ noinst_LIBRARIES += libclient.a
 libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
 libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(UV_CFLAGS)
 libclient_a_SOURCES = \
+	client/cargo.c \
+	client/cargo.h \
+	client/fetch.c \
+	client/fetch.h \
+	client/frames.c \
+	client/frames.h \
+	client/link.c \
+	client/link.h \
+	client/local.c \
+	client/local.h \
 	client/output.c \
 	client/output.h \
 	client/progress.c \
 	client/progress.h \
+	client/submit.c \
+	client/submit.h \
 	client/submit_options.c \
 	client/submit_options.h \
 	client/target.c \
@@ -15,4 +27,4 @@ libclient_a_SOURCES = \
 	client/words.h
 
 # what a client links with, before LIBRAD
-LIBCLIENT = libclient.a $(INIH_LIBS) $(UV_LIBS)
+LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(UV_LIBS)

@@ -19,7 +19,6 @@
 enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS };
 
 /* the order of the words in the tables of submit_options.c */
-enum submit_format { FORMAT_BY_SUFFIX, FORMAT_RGBE, FORMAT_PNG };
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
 enum submit_partition { PARTITION_AUTO, PARTITION_WINDOW };
 enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM };
@@ -31,7 +30,7 @@ struct submit_options {
     const char *output, *depth;
     const char *views; /* --views; NULL with -S: stdin */
     int first_frame;   /* -S: number of the first view; 0: one picture */
-    int format;        /* enum submit_format */
+    int format;        /* enum picfile_format */
     const char *stats, *preview;
     /* where */
     const char *coordinator;

@@ -15,6 +15,7 @@ UNIT_TESTS = \
 	tests/check_params \
 	tests/check_parse \
 	tests/check_source \
+	tests/check_submit \
 	tests/check_view
 
 if HAVE_CHECK
@@ -63,6 +64,10 @@ tests_check_hdr_LDADD = $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_submit_SOURCES = tests/check_submit.c tests/unit.h
+tests_check_submit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
+tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
 
 tests_check_source_SOURCES = tests/check_source.c tests/unit.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

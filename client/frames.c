@@ -1,0 +1,137 @@
+/* frames.c - see frames.h */
+#include "config.h"
+
+#include "frames.h"
+
+#include "base/files.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST_VIEWS = 64 << 20 /* bytes of a views file */ };
+
+static int
+no_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+/* Room for one more. */
+static int
+reserve(struct frames *f, struct rad_error *err)
+{
+    struct msg_frame *list;
+    uint32_t room = f->room ? 2 * f->room : 1;
+
+    if (f->n < f->room)
+        return 0;
+    if (f->n >= MSG_MAX_FRAMES)
+        return rad_fail(err, RAD_EDATA, "more than %d views", MSG_MAX_FRAMES);
+    list = rad_arena_calloc(&f->arena, room, sizeof *list);
+    if (!list)
+        return no_memory(err);
+    if (f->n > 0)
+        memcpy(list, f->list, f->n * sizeof *list);
+    f->list = list;
+    f->room = room;
+    return 0;
+}
+
+static int
+add(struct frames *f, const struct submit_options *o,
+    const struct rad_view *as_given, uint32_t number, struct rad_error *err)
+{
+    struct rad_view v = *as_given;
+    double aspect = o->params.pixaspect;
+    int width = o->params.xres, height = o->params.yres, rc;
+    char text[RAD_VIEW_TEXT];
+    struct msg_frame *frame;
+
+    if ((rc = rad_view_setup(&v, err)) < 0 || (rc = reserve(f, err)) < 0)
+        return rc;
+    rad_view_resolution(&v, &aspect, &width, &height);
+    if (width > MSG_MAX_SIDE || height > MSG_MAX_SIDE)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a picture of %d by %d pixels: at most %d are allowed "
+                        "a side",
+                        width, height, MSG_MAX_SIDE);
+    rad_view_format(as_given, text, sizeof text);
+    frame = &f->list[f->n];
+    frame->number = number;
+    frame->width = (uint32_t)width;
+    frame->height = (uint32_t)height;
+    frame->view = rad_arena_strndup(&f->arena, text, strlen(text));
+    if (!frame->view)
+        return no_memory(err);
+    f->n++;
+    return 0;
+}
+
+/* Each view line of the text is a frame. */
+static int
+add_lines(struct frames *f, const struct submit_options *o, const char *name,
+          const char *text, size_t len, struct rad_error *err)
+{
+    struct rad_view v = o->view;
+    const char *end = text + len;
+
+    for (int line = 1; text < end; line++) {
+        const char *nl = memchr(text, '\n', (size_t)(end - text));
+        size_t n = nl ? (size_t)(nl - text) : (size_t)(end - text);
+        int rc = rad_view_read(&v, text, n, err);
+
+        if (rc > 0 && f->n > (uint32_t)(INT_MAX - o->first_frame))
+            rc = rad_fail(err, RAD_EUSAGE, "frame numbers beyond %d", INT_MAX);
+        if (rc > 0)
+            rc = add(f, o, &v, (uint32_t)o->first_frame + f->n, err);
+        if (rc < 0) {
+            rad_error_where(err, "%s:%d", name, line);
+            return rc;
+        }
+        text += n + (nl != NULL);
+    }
+    return 0;
+}
+
+static int
+add_file(struct frames *f, const struct submit_options *o,
+         struct rad_error *err)
+{
+    const char *name = o->views ? o->views : "standard input";
+    unsigned char *text;
+    size_t len;
+    int rc;
+
+    if (o->views)
+        text = rad_file_read(name, LONGEST_VIEWS, &len, err);
+    else
+        text = rad_fd_read(0, name, LONGEST_VIEWS, &len, err);
+    if (!text)
+        return err->code;
+    rc = add_lines(f, o, name, (const char *)text, len, err);
+    free(text);
+    if (rc == 0 && f->n == 0) {
+        rad_error_where(err, "%s", name);
+        rc = rad_fail(err, RAD_EDATA, "no view line in it");
+    }
+    return rc;
+}
+
+int
+frames_init(struct frames *f, const struct submit_options *o,
+            struct rad_error *err)
+{
+    memset(f, 0, sizeof *f);
+    rad_arena_init(&f->arena);
+    if (o->first_frame > 0)
+        return add_file(f, o, err);
+    return add(f, o, &o->view, 0, err);
+}
+
+void
+frames_release(struct frames *f)
+{
+    rad_arena_release(&f->arena);
+    memset(f, 0, sizeof *f);
+}

@@ -1,0 +1,506 @@
+/* submit.c - see submit.h
+ *
+ * One function a step, each of which waits for the answer it needs; what else
+ * arrives meanwhile goes through take().  Any step that fails with
+ * RAD_EUNAVAIL starts the whole conversation again on a new connection: every
+ * step may be said twice. */
+#include "config.h"
+
+#include "submit.h"
+
+#include "fetch.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    CONNECT_MS = 5000,
+    BACKOFF_MS = 500,
+    BACKOFF_MAX_MS = 30000,
+    LOOK_MS = 500,      /* how often a quiet wait looks around */
+    PREVIEW_MS = 1000,  /* least time between previews ... */
+    PREVIEW_SHARE = 10, /* ... and this many times what one takes */
+    CANCEL_MS = 5000    /* a coordinator that is slow to cancel is left */
+};
+
+struct submit {
+    const struct submit_job *job;
+    const struct submit_callbacks *cb;
+    struct link_where where;
+    struct link *link;
+    struct rad_error *err;
+    uint32_t request;  /* of the last request that we sent */
+    uint64_t start_ms; /* when we began; then, when the job was accepted */
+    bool accepted, met_worker, done, cancelled;
+    uint32_t delivered;       /* frames */
+    struct msg_progress last; /* its job id is not kept */
+    uint64_t preview_due_ms;
+};
+
+static uint64_t
+now_ms(const struct submit *s)
+{
+    uv_update_time(s->where.loop);
+    return uv_now(s->where.loop);
+}
+
+static int
+interrupted(struct submit *s)
+{
+    return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
+}
+
+static bool
+is_ours(const struct submit *s, const uint8_t *job)
+{
+    static const uint8_t none[MSG_JOB];
+
+    return memcmp(job, s->job->spec->job, MSG_JOB) == 0 ||
+           memcmp(job, none, MSG_JOB) == 0;
+}
+
+/* --- what may come at any time --- */
+
+static int
+take(struct submit *s, const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_PROGRESS:
+        if (!is_ours(s, m->progress.job))
+            return 0;
+        s->last = m->progress;
+        if (m->progress.workers > 0)
+            s->met_worker = true;
+        if (s->cb->progress)
+            s->cb->progress(s->cb->arg, &m->progress);
+        return 0;
+    case MSG_DONE:
+        s->done |= is_ours(s, m->done.job);
+        return 0;
+    case MSG_FAILED:
+        if (!is_ours(s, m->failed.job))
+            return 0;
+        if (s->cancelled)
+            return interrupted(s);
+        return rad_fail(s->err, link_code(m->failed.status), "%s",
+                        m->failed.text);
+    default:
+        return 0;
+    }
+}
+
+/* Wait for the next message, for ms at most.  1 and *m (taken already), 0, or
+ * a failure; an interrupt is one while the job need not be cancelled. */
+static int
+next(struct submit *s, int ms, const struct msg **m)
+{
+    int rc;
+
+    if (*s->where.wake > (s->accepted ? 1 : 0))
+        return interrupted(s);
+    rc = link_recv(s->link, ms, m, s->err);
+    if (rc == 1) {
+        int taken = take(s, *m);
+
+        if (taken < 0)
+            return taken;
+    }
+    return rc;
+}
+
+/* Wait for a message of that type. */
+static int
+await(struct submit *s, uint16_t type, const struct msg **m)
+{
+    int rc;
+
+    do
+        rc = next(s, LOOK_MS, m);
+    while (rc == 0 || (rc == 1 && (*m)->type != type));
+    return rc < 0 ? rc : 0;
+}
+
+/* --- the scene goes out --- */
+
+static int
+send_file(struct submit *s, const uint8_t hash[MSG_HASH])
+{
+    struct msg m = { .type = MSG_CHUNK };
+    unsigned char *bytes;
+    size_t len;
+    uint64_t at = 0;
+    int rc = cargo_read(s->job->cargo, hash, &bytes, &len, s->err);
+
+    if (rc < 0)
+        return rc;
+    do {
+        m.chunk.hash = hash;
+        m.chunk.offset = at;
+        m.chunk.total = len;
+        m.chunk.data = bytes + at;
+        m.chunk.len = len - at < MSG_MAX_CHUNK ? len - at : MSG_MAX_CHUNK;
+        rc = link_send(s->link, &m, s->err);
+        at += m.chunk.len;
+        if (rc == 0 && *s->where.wake > 0)
+            rc = interrupted(s);
+    } while (rc == 0 && at < len);
+    free(bytes);
+    return rc;
+}
+
+/* Offer everything, send what is wanted, wait until it is stored. */
+static int
+send_scene(struct submit *s)
+{
+    struct msg offer = { .type = MSG_OFFER, .request = ++s->request };
+    const struct msg *m;
+    uint8_t *wanted;
+    uint32_t n;
+    int rc;
+
+    offer.offer.n = s->job->cargo->n;
+    offer.offer.hash = s->job->cargo->hashes;
+    if ((rc = link_send(s->link, &offer, s->err)) < 0 ||
+        (rc = await(s, MSG_WANT, &m)) < 0)
+        return rc;
+    n = m->want.n;
+    wanted = malloc((size_t)n * MSG_HASH + 1);
+    if (!wanted)
+        return rad_fail(s->err, RAD_ENOMEM, "out of memory");
+    memcpy(wanted, m->want.hash, (size_t)n * MSG_HASH);
+    for (uint32_t i = 0; i < n && rc == 0; i++)
+        rc = send_file(s, wanted + (size_t)i * MSG_HASH);
+    for (uint32_t i = 0; i < n && rc == 0; i++)
+        rc = await(s, MSG_HAVE, &m);
+    free(wanted);
+    return rc;
+}
+
+static int
+send_job(struct submit *s)
+{
+    struct msg m = { .type = MSG_SUBMIT, .request = ++s->request };
+    const struct msg *answer;
+    int rc;
+
+    m.submit = *s->job->spec;
+    if ((rc = link_send(s->link, &m, s->err)) < 0 ||
+        (rc = await(s, MSG_ACCEPT, &answer)) < 0)
+        return rc;
+    if (!s->accepted)
+        s->start_ms = now_ms(s);
+    s->accepted = true;
+    return 0;
+}
+
+/* --- pictures come in --- */
+
+/* 0 and the bytes, which the caller frees whatever is returned. */
+static int
+fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
+{
+    const struct msg *m;
+    int rc;
+
+    *f = (struct fetched){ 0 };
+    rc = fetch_start(s->link, s->job->spec->job, frame, what, ++s->request,
+                     s->err);
+    while (rc == 0) {
+        rc = next(s, LOOK_MS, &m);
+        if (rc == 1)
+            rc = m->request == s->request ? fetch_take(f, m, s->err) : 0;
+    }
+    return rc < 0 ? rc : 0;
+}
+
+static int
+deliver_frame(struct submit *s)
+{
+    struct fetched picture = { 0 }, depth = { 0 };
+    bool wanted = s->job->spec->flags & MSG_JOB_DEPTH;
+    int rc = fetch(s, s->delivered, MSG_WHAT_PICTURE, &picture);
+
+    if (rc == 0 && wanted)
+        rc = fetch(s, s->delivered, MSG_WHAT_DEPTH, &depth);
+    if (rc == 0)
+        rc = s->cb->frame(s->cb->arg, s->delivered, picture.bytes, picture.len,
+                          wanted ? depth.bytes : NULL, depth.len, s->err);
+    free(picture.bytes);
+    free(depth.bytes);
+    if (rc == 0)
+        s->delivered++;
+    return rc;
+}
+
+/* A preview that is not to be had is none; the job goes on. */
+static int
+fetch_preview(struct submit *s, struct fetched *f)
+{
+    struct rad_error *err = s->err;
+    struct rad_error why = { 0 };
+    int rc;
+
+    s->err = &why;
+    rc = fetch(s, s->delivered, MSG_WHAT_PREVIEW, f);
+    s->err = err;
+    if (rc == 0 || rc == RAD_ETEMPFAIL || rc == RAD_ENOINPUT)
+        return rc;
+    if (err)
+        *err = why;
+    return rc;
+}
+
+static int
+preview(struct submit *s)
+{
+    uint64_t begin = now_ms(s), end;
+    struct fetched f;
+    int rc;
+
+    if (!s->cb->preview || begin < s->preview_due_ms ||
+        s->last.pixels_done == 0)
+        return 0;
+    rc = fetch_preview(s, &f);
+    if (rc == 0)
+        rc = s->cb->preview(s->cb->arg, f.bytes, f.len, s->err);
+    else if (rc == RAD_ETEMPFAIL || rc == RAD_ENOINPUT)
+        rc = 0;
+    free(f.bytes);
+    end = now_ms(s);
+    s->preview_due_ms = end + PREVIEW_MS + PREVIEW_SHARE * (end - begin);
+    return rc;
+}
+
+static int
+deliver_stats(struct submit *s)
+{
+    struct fetched f;
+    int rc;
+
+    if (!s->cb->stats)
+        return 0;
+    rc = fetch(s, 0, MSG_WHAT_STATS, &f);
+    if (rc == 0)
+        rc = s->cb->stats(s->cb->arg, f.bytes, f.len, s->err);
+    free(f.bytes);
+    return rc;
+}
+
+/* --- while it renders --- */
+
+static void
+say_what_it_got(struct submit *s)
+{
+    const struct msg_progress *p = &s->last;
+    char text[200];
+
+    snprintf(text, sizeof text,
+             "cancelled: %.0f %% of the pixels, %" PRIu32 " of %" PRIu32
+             " units, %" PRIu64 " rays in %.1f s; %" PRIu32 " of %" PRIu32
+             " pictures written",
+             p->pixels_total ? floor(100. * (double)p->pixels_done /
+                                     (double)p->pixels_total)
+                             : 0,
+             p->units_done, p->units_total, p->rays, p->elapsed_s, s->delivered,
+             s->job->spec->nframes);
+    s->cb->say(s->cb->arg, text);
+}
+
+/* Tell the coordinator and wait, not for long, until it has ended the job. */
+static int
+cancel(struct submit *s)
+{
+    struct msg m = { .type = MSG_CANCEL, .request = ++s->request };
+    const struct msg *answer;
+    uint64_t until = now_ms(s) + CANCEL_MS;
+    int rc;
+
+    s->cancelled = true;
+    m.cancel.job = s->job->spec->job;
+    rc = link_send(s->link, &m, s->err);
+    while (rc >= 0 && now_ms(s) < until) {
+        rc = next(s, LOOK_MS, &answer);
+        if (rc == 1 && answer->type == MSG_ANSWER &&
+            answer->request == s->request)
+            break;
+    }
+    say_what_it_got(s);
+    return interrupted(s);
+}
+
+static int
+no_worker(struct submit *s)
+{
+    struct rad_error *err = s->err;
+    struct rad_error ignored = { 0 };
+
+    s->err = &ignored;
+    cancel(s);
+    s->err = err;
+    return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s",
+                    s->job->wait_s);
+}
+
+static bool
+waited(struct submit *s)
+{
+    return (double)(now_ms(s) - s->start_ms) >= 1000 * s->job->wait_s;
+}
+
+/* Take pictures until the last is there. */
+static int
+watch(struct submit *s)
+{
+    const struct msg *m;
+    int rc;
+
+    while (s->delivered < s->job->spec->nframes) {
+        if (*s->where.wake > 0)
+            return cancel(s);
+        if (s->done || s->last.frames_ready > s->delivered) {
+            if ((rc = deliver_frame(s)) < 0)
+                return rc;
+            continue;
+        }
+        if (!s->met_worker && waited(s))
+            return no_worker(s);
+        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0)
+            return rc;
+        if (rc == 0 && s->cb->alive && !s->cb->alive(s->cb->arg))
+            return rad_fail(s->err, RAD_EINTERNAL,
+                            "the cluster on this machine has ended");
+    }
+    while (!s->done) /* the last frame may be ready before the job is */
+        if ((rc = next(s, LOOK_MS, &m)) < 0)
+            return rc;
+    return deliver_stats(s);
+}
+
+static int
+converse(struct submit *s)
+{
+    int rc;
+
+    s->done = false;
+    s->last.frames_ready = 0;
+    if ((rc = send_scene(s)) < 0 || (rc = send_job(s)) < 0 || s->job->detach)
+        return rc;
+    return watch(s);
+}
+
+/* --- connections come and go --- */
+
+static void
+on_pause_over(uv_timer_t *t)
+{
+    *(bool *)t->data = true;
+}
+
+static void
+on_pause_closed(uv_handle_t *h)
+{
+    h->data = NULL;
+}
+
+/* Let ms go by, or an interrupt come. */
+static void
+pause_for(struct submit *s, uint64_t ms)
+{
+    uv_timer_t timer;
+    bool over = false;
+    int wake = *s->where.wake;
+
+    uv_timer_init(s->where.loop, &timer);
+    timer.data = &over;
+    uv_update_time(s->where.loop);
+    uv_timer_start(&timer, on_pause_over, ms, 0);
+    while (!over && *s->where.wake == wake)
+        uv_run(s->where.loop, UV_RUN_ONCE);
+    uv_close((uv_handle_t *)&timer, on_pause_closed);
+    while (timer.data)
+        uv_run(s->where.loop, UV_RUN_ONCE);
+}
+
+/* 0 if trying again is of use. */
+static int
+may_retry(struct submit *s, const struct rad_error *why)
+{
+    if (*s->where.wake > 0)
+        return interrupted(s);
+    if (s->cb->alive && !s->cb->alive(s->cb->arg))
+        return rad_fail(s->err, RAD_EINTERNAL,
+                        "the cluster on this machine has ended: %s", why->what);
+    if (!s->accepted && waited(s))
+        return rad_fail(s->err, RAD_EUNAVAIL, "%s", why->what);
+    return 0;
+}
+
+/* How long to wait before the n-th next try, with up to a quarter of jitter,
+ * so that many clients do not all call at once; not beyond --wait. */
+static uint64_t
+backoff_ms(struct submit *s, int n)
+{
+    uint64_t ms = BACKOFF_MAX_MS, r;
+    double left;
+
+    if (n < 6)
+        ms = (uint64_t)BACKOFF_MS << n;
+    if (uv_random(NULL, NULL, &r, sizeof r, 0, NULL) == 0)
+        ms += r % (ms / 4);
+    left = 1000 * s->job->wait_s - (double)(now_ms(s) - s->start_ms);
+    if (!s->accepted && (double)ms > left)
+        ms = left > 0 ? (uint64_t)left + 1 : 0;
+    return ms;
+}
+
+/* One connection's life. */
+static int
+attempt(struct submit *s, int *failures)
+{
+    int rc = link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
+                       CONNECT_MS, s->err);
+
+    if (rc < 0)
+        return rc;
+    if (s->accepted)
+        s->cb->say(s->cb->arg, "connected again");
+    *failures = 0;
+    rc = converse(s);
+    link_close(s->link);
+    s->link = NULL;
+    return rc;
+}
+
+int
+submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
+           const struct submit_callbacks *cb, struct rad_error *err)
+{
+    struct submit s = { .job = job, .cb = cb };
+    struct rad_error why;
+    int rc, failures = 0;
+    char text[sizeof why.what + 40];
+
+    s.where = (struct link_where){ loop, interrupts };
+    s.start_ms = now_ms(&s);
+    for (;;) {
+        why = (struct rad_error){ 0 };
+        s.err = &why;
+        rc = attempt(&s, &failures);
+        s.err = err;
+        if (rc != RAD_EUNAVAIL || s.cancelled)
+            break;
+        if ((rc = may_retry(&s, &why)) < 0)
+            return rc;
+        if (failures == 0) {
+            snprintf(text, sizeof text, "%s; trying again", why.what);
+            cb->say(cb->arg, text);
+        }
+        pause_for(&s, backoff_ms(&s, failures++));
+    }
+    if (rc < 0 && err)
+        *err = why;
+    return rc;
+}

@@ -1,0 +1,557 @@
+/* check_submit.c - radsubmit's conversation against coordinators of all kinds
+ *
+ * Each test forks a process that plays the coordinator on a Unix socket by a
+ * script, and checks what the client made of it; the player's exit status says
+ * whether the client said what it should have. */
+#include "config.h"
+
+#include "frame.h"
+#include "submit.h"
+#include "unit.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/check_submit.XXXXXX";
+static struct target target;
+
+/* --- the player: a coordinator in a process of its own --- */
+
+struct player {
+    int listening, fd;
+    struct frame_reader reader;
+    struct msg in;
+    uint8_t bytes[1 << 16];
+    const uint8_t *next;
+    size_t left;
+};
+
+enum { WRONG = 99 }; /* exit status when the client strays from the script */
+
+static void
+player_send(struct player *p, const struct msg *m)
+{
+    struct wire_out out;
+    size_t done = 0;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    if (msg_pack(&out, m) < 0)
+        _exit(WRONG);
+    while (done < out.len) {
+        ssize_t n = write(p->fd, out.buf + done, out.len - done);
+
+        if (n <= 0)
+            _exit(WRONG);
+        done += (size_t)n;
+    }
+    wire_out_release(&out);
+}
+
+/* The next message but PINGs; it must be of that type. */
+static const struct msg *
+player_expect(struct player *p, uint16_t type)
+{
+    for (;;) {
+        int rc = frame_read(&p->reader, &p->next, &p->left, &p->in, NULL);
+
+        if (rc < 0)
+            _exit(WRONG);
+        if (rc == 1 && p->in.type != MSG_PING) {
+            if (p->in.type != type) {
+                fprintf(stderr, "expected %s, got %s\n", msg_name(type),
+                        msg_name(p->in.type));
+                _exit(WRONG);
+            }
+            return &p->in;
+        }
+        if (rc == 0) {
+            ssize_t n = read(p->fd, p->bytes, sizeof p->bytes);
+
+            if (n <= 0)
+                _exit(WRONG);
+            p->next = p->bytes;
+            p->left = (size_t)n;
+        }
+    }
+}
+
+static void
+player_accept(struct player *p)
+{
+    p->fd = accept(p->listening, NULL, NULL);
+    if (p->fd < 0)
+        _exit(WRONG);
+    frame_reader_init(&p->reader, MSG_AT_COORD_NEW);
+    p->left = 0;
+}
+
+static void
+player_welcome(struct player *p, uint64_t epoch)
+{
+    struct msg m = { .type = MSG_WELCOME };
+
+    player_accept(p);
+    if (player_expect(p, MSG_HELLO)->hello.role != MSG_ROLE_USER)
+        _exit(WRONG);
+    p->reader.session = MSG_AT_COORD_USER;
+    m.welcome.version = MSG_VERSION;
+    m.welcome.epoch = epoch;
+    m.welcome.program = "player";
+    player_send(p, &m);
+}
+
+static void
+player_hang_up(struct player *p)
+{
+    close(p->fd);
+    frame_reader_release(&p->reader);
+}
+
+static const char file_text[] = "the scene";
+
+/* OFFER to ACCEPT; want: ask for the second file offered. */
+static void
+player_take_job(struct player *p, bool want)
+{
+    struct msg m = { 0 };
+    const struct msg *in = player_expect(p, MSG_OFFER);
+    uint8_t hash[MSG_HASH];
+
+    if (in->offer.n != 2)
+        _exit(WRONG);
+    memcpy(hash, in->offer.hash + MSG_HASH, MSG_HASH);
+    m.type = MSG_WANT;
+    m.request = in->request;
+    m.want.n = want ? 1 : 0;
+    m.want.hash = hash;
+    player_send(p, &m);
+    if (want) {
+        in = player_expect(p, MSG_CHUNK);
+        if (memcmp(in->chunk.hash, hash, MSG_HASH) != 0 ||
+            in->chunk.total != strlen(file_text) ||
+            memcmp(in->chunk.data, file_text, in->chunk.len) != 0)
+            _exit(WRONG);
+        m = (struct msg){ .type = MSG_HAVE };
+        m.have.hash = hash;
+        player_send(p, &m);
+    }
+    in = player_expect(p, MSG_SUBMIT);
+    if (strcmp(in->submit.params, "-ab 0") != 0 || in->submit.nframes != 1)
+        _exit(WRONG);
+    m = (struct msg){ .type = MSG_ACCEPT, .request = in->request };
+    m.accept.job = in->submit.job;
+    player_send(p, &m);
+}
+
+static uint8_t job_id[MSG_JOB] = { 1, 2, 3 };
+
+static void
+player_progress(struct player *p, uint32_t workers, uint32_t ready)
+{
+    struct msg m = { .type = MSG_PROGRESS };
+
+    m.progress.job = job_id;
+    m.progress.state = 1;
+    m.progress.pixels_done = 10;
+    m.progress.pixels_total = 100;
+    m.progress.workers = workers;
+    m.progress.frames_ready = ready;
+    player_send(p, &m);
+}
+
+static void
+player_done(struct player *p)
+{
+    struct msg m = { .type = MSG_DONE };
+
+    m.done.job = job_id;
+    m.done.frames = 1;
+    player_send(p, &m);
+}
+
+/* Answer a FETCH with text in two pieces that overlap by some bytes. */
+static void
+player_give(struct player *p, enum msg_what what, const char *text,
+            size_t overlap)
+{
+    static const uint8_t none[MSG_HASH];
+    const struct msg *in = player_expect(p, MSG_FETCH);
+    struct msg m = { .type = MSG_CHUNK, .request = in->request };
+    size_t half = strlen(text) / 2;
+
+    if (in->fetch.what != what)
+        _exit(WRONG);
+    m.chunk.hash = none;
+    m.chunk.total = strlen(text);
+    m.chunk.data = (const uint8_t *)text;
+    m.chunk.len = half;
+    player_send(p, &m);
+    m.chunk.offset = half - overlap;
+    m.chunk.data += half;
+    m.chunk.len = strlen(text) - half;
+    player_send(p, &m);
+}
+
+static void
+player_cancelled(struct player *p)
+{
+    const struct msg *in = player_expect(p, MSG_CANCEL);
+    struct msg m = { .type = MSG_ANSWER, .request = in->request };
+
+    m.answer.text = (const uint8_t *)"";
+    player_send(p, &m);
+}
+
+/* --- the scripts --- */
+
+static void
+script_refuses(struct player *p)
+{
+    struct msg m = { .type = MSG_REFUSE };
+
+    player_accept(p);
+    player_expect(p, MSG_HELLO);
+    m.refuse.status = EX_NOPERM;
+    m.refuse.text = "not you";
+    player_send(p, &m);
+}
+
+static void
+script_speaks_nonsense(struct player *p)
+{
+    player_accept(p);
+    player_expect(p, MSG_HELLO);
+    if (write(p->fd, "HTTP/1.1 400 Bad Request\r\n\r\n", 28) != 28)
+        _exit(WRONG);
+}
+
+static void
+script_speaks_out_of_turn(struct player *p)
+{
+    struct msg m = { .type = MSG_OFFER }; /* may not arrive at a client */
+
+    player_welcome(p, 1);
+    player_expect(p, MSG_OFFER);
+    m.offer.hash = (const uint8_t *)"";
+    player_send(p, &m);
+}
+
+static void
+script_renders(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, true);
+    player_progress(p, 1, 0);
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
+static void
+script_starts_again(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, true);
+    player_progress(p, 1, 0);
+    player_hang_up(p);
+    player_welcome(p, 2);
+    player_take_job(p, false);
+    player_done(p);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
+static void
+script_fails_the_job(struct player *p)
+{
+    struct msg m = { .type = MSG_FAILED };
+
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    m.failed.job = job_id;
+    m.failed.status = EX_SOFTWARE;
+    m.failed.text = "unit 7 crashed twice";
+    player_send(p, &m);
+}
+
+static void
+script_gives_pieces_that_do_not_fit(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_done(p);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 1);
+}
+
+static void
+script_is_cancelled(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 1, 0);
+    player_cancelled(p);
+}
+
+static void
+script_has_no_worker(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 0, 0);
+    player_cancelled(p);
+}
+
+static void
+script_detaches(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, true);
+}
+
+/* --- the client --- */
+
+struct client {
+    pid_t player;
+    char picture[32], stats[32];
+    int interrupts;
+    bool interrupt_at_progress;
+    int nsaid;
+};
+
+static void
+on_say(void *arg, const char *text)
+{
+    (void)text;
+    ((struct client *)arg)->nsaid++;
+}
+
+static void
+on_progress(void *arg, const struct msg_progress *m)
+{
+    struct client *c = arg;
+
+    (void)m;
+    if (c->interrupt_at_progress)
+        c->interrupts = 1;
+}
+
+static int
+on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
+         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+{
+    struct client *c = arg;
+
+    (void)depth_len;
+    ck_assert_uint_eq(frame, 0);
+    ck_assert_ptr_null(depth);
+    if (len >= sizeof c->picture)
+        return rad_fail(err, RAD_EINTERNAL, "picture of %zu bytes", len);
+    memcpy(c->picture, picture, len);
+    c->picture[len] = '\0';
+    return 0;
+}
+
+static int
+on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+{
+    struct client *c = arg;
+
+    (void)err;
+    snprintf(c->stats, sizeof c->stats, "%.*s", (int)len, (const char *)json);
+    return 0;
+}
+
+/* A player that has ended serves no other call. */
+static bool
+on_alive(void *arg)
+{
+    siginfo_t info = { 0 };
+
+    return waitid(P_PID, (id_t)((struct client *)arg)->player, &info,
+                  WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == 0;
+}
+
+static const struct script {
+    const char *name;
+    void (*play)(struct player *p); /* NULL: nobody listens */
+    int rc;
+    double wait_s;
+    bool interrupt, detach;
+} scripts[] = {
+    { "nobody", NULL, RAD_EUNAVAIL, 0, false, false },
+    { "refuses", script_refuses, RAD_EPERM, 30, false, false },
+    { "nonsense", script_speaks_nonsense, RAD_EPROTO, 30, false, false },
+    { "out of turn", script_speaks_out_of_turn, RAD_EPROTO, 30, false, false },
+    { "renders", script_renders, 0, 30, false, false },
+    { "starts again", script_starts_again, 0, 30, false, false },
+    { "fails", script_fails_the_job, RAD_EINTERNAL, 30, false, false },
+    { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30, false,
+      false },
+    { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, true, false },
+    { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, false, false },
+    { "detaches", script_detaches, 0, 30, false, true },
+};
+
+static int
+listen_at(const char *path)
+{
+    struct sockaddr_un un = { .sun_family = AF_UNIX };
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+
+    snprintf(un.sun_path, sizeof un.sun_path, "%s", path);
+    unlink(path);
+    ck_assert_int_eq(bind(fd, (struct sockaddr *)&un, sizeof un), 0);
+    ck_assert_int_eq(listen(fd, 5), 0);
+    return fd;
+}
+
+static pid_t
+start_player(const struct script *s, const char *path)
+{
+    struct player *p;
+    int fd = listen_at(path);
+    pid_t pid = fork();
+
+    ck_assert_int_ge(pid, 0);
+    if (pid > 0) {
+        close(fd);
+        return pid;
+    }
+    p = calloc(1, sizeof *p);
+    p->listening = fd;
+    alarm(60); /* a client that hangs must not hang the tests */
+    s->play(p);
+    /* wait for the client to go, so that it reads all that was sent */
+    while (read(p->fd, p->bytes, sizeof p->bytes) > 0)
+        ;
+    _exit(0);
+}
+
+static void
+make_cargo(struct cargo *c, struct rad_bundle *b)
+{
+    char hex[RAD_SHA_HEX + 1], path[200];
+    FILE *f;
+
+    ck_assert_int_eq(rad_sha_hex(file_text, strlen(file_text), hex, NULL), 0);
+    snprintf(path, sizeof path, "%s/%s", folder, hex);
+    f = fopen(path, "w");
+    fputs(file_text, f);
+    fclose(f);
+    rad_bundle_init(b);
+    ck_assert_int_eq(
+        rad_bundle_add(b, RAD_BUNDLE_SCENE, "-", hex, strlen(file_text), NULL),
+        0);
+    ck_assert_int_eq(cargo_init(c, b, folder, NULL), 0);
+}
+
+static int
+run_client(const struct script *s, struct client *c, struct rad_error *err)
+{
+    struct msg_frame frame = { 0, 4, 4, "-vtv" };
+    struct msg_spec spec = { .job = job_id, .params = "-ab 0", .nframes = 1 };
+    struct submit_callbacks cb = { .say = on_say,
+                                   .progress = on_progress,
+                                   .frame = on_frame,
+                                   .stats = on_stats,
+                                   .arg = c };
+    struct submit_job job = {
+        .spec = &spec, .to = target, .wait_s = s->wait_s, .detach = s->detach
+    };
+    struct rad_bundle bundle;
+    struct cargo cargo;
+    uv_loop_t loop;
+    int rc;
+
+    if (s->play)
+        cb.alive = on_alive;
+    make_cargo(&cargo, &bundle);
+    job.cargo = &cargo;
+    spec.frames = &frame;
+    spec.manifest = cargo.hashes;
+    spec.files.n = cargo.n;
+    spec.files.hash = cargo.hashes;
+    spec.windows = 0;
+    c->interrupt_at_progress = s->interrupt;
+    uv_loop_init(&loop);
+    rc = submit_run(&job, &loop, &c->interrupts, &cb, err);
+    ck_assert_int_eq(uv_loop_close(&loop), 0); /* no handle is left */
+    cargo_release(&cargo);
+    rad_bundle_release(&bundle);
+    return rc;
+}
+
+START_TEST(conversations_end_as_they_should)
+{
+    const struct script *s = &scripts[_i];
+    struct client c = { .picture = "" };
+    struct rad_error err = { 0 };
+    char path[100];
+    int rc, status = 0;
+
+    snprintf(path, sizeof path, "%s/socket", folder);
+    unlink(path);
+    ck_assert_int_eq(target_parse(&target, path, NULL), 0);
+    if (s->play)
+        c.player = start_player(s, path);
+    rc = run_client(s, &c, &err);
+    ck_assert_msg(rc == s->rc, "%s: %d (%s), expected %d", s->name, rc,
+                  err.what, s->rc);
+    if (c.player)
+        waitpid(c.player, &status, 0);
+    ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == 0,
+                  "%s: the coordinator ended with %d", s->name, status);
+    if (s->rc == 0 && !s->detach) {
+        ck_assert_str_eq(c.picture, "a picture");
+        ck_assert_str_eq(c.stats, "{ }");
+    }
+}
+END_TEST
+
+START_TEST(loopback_alone_is_spoken_to)
+{
+    struct link_where where;
+    struct link *l;
+    uv_loop_t loop;
+    int wake = 0;
+
+    uv_loop_init(&loop);
+    where = (struct link_where){ &loop, &wake };
+    ck_assert_int_eq(target_parse(&target, "192.0.2.1:7420", NULL), 0);
+    ck_assert_int_eq(link_open(&l, &where, &target, MSG_ROLE_USER, 1000, NULL),
+                     RAD_EPERM);
+    ck_assert_int_eq(target_parse(&target, "127.0.0.1:1", NULL), 0);
+    ck_assert_int_eq(link_open(&l, &where, &target, MSG_ROLE_USER, 1000, NULL),
+                     RAD_EUNAVAIL);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("submit");
+    TCase *tc = tcase_create("submit");
+    char command[100];
+    int rc;
+
+    if (!mkdtemp(folder))
+        return EXIT_FAILURE;
+    tcase_set_timeout(tc, 120);
+    tcase_add_loop_test(tc, conversations_end_as_they_should, 0,
+                        N_ELEM(scripts));
+    tcase_add_test(tc, loopback_alone_is_spoken_to);
+    suite_add_tcase(s, tc);
+    rc = unit_run(s);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command) == 0 ? rc : EXIT_FAILURE;
+}
