@@ -21,6 +21,10 @@ librad_a_SOURCES = \
 	src/geom/geom.h \
 	src/geom/kernel.c \
 	src/geom/kernel.h \
+	src/geom/octree.c \
+	src/geom/octree.h \
+	src/geom/overlap.c \
+	src/geom/overlap.h \
 	src/geom/polygon.c \
 	src/geom/prim.c \
 	src/geom/prim.h \
@@ -66,6 +70,8 @@ librad_a_SOURCES = \
 	src/scene/font.h \
 	src/scene/lex.c \
 	src/scene/lex.h \
+	src/scene/octfile.c \
+	src/scene/octfile.h \
 	src/scene/otype.c \
 	src/scene/otype.def \
 	src/scene/otype.h \

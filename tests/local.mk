@@ -12,6 +12,8 @@ UNIT_TESTS = \
 	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
+	tests/check_octfile \
+	tests/check_octree \
 	tests/check_params \
 	tests/check_parse \
 	tests/check_source \
@@ -72,6 +74,14 @@ tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
 tests_check_source_SOURCES = tests/check_source.c tests/unit.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_source_LDADD = $(UNIT_LIBS)
+
+tests_check_octfile_SOURCES = tests/check_octfile.c tests/unit.h
+tests_check_octfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_octfile_LDADD = $(UNIT_LIBS)
+
+tests_check_octree_SOURCES = tests/check_octree.c tests/unit.h
+tests_check_octree_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_octree_LDADD = $(UNIT_LIBS)
 
 tests_check_parse_SOURCES = tests/check_parse.c tests/unit.h
 tests_check_parse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -84,3 +84,106 @@ rad_file_read(const char *path, size_t max, size_t *len, struct rad_error *err)
     close(fd);
     return buf;
 }
+
+static long
+read_memory(void *arg, void *buf, size_t n, struct rad_error *err)
+{
+    struct rad_memory_in *from = arg;
+
+    (void)err;
+    if (n > from->left)
+        n = from->left;
+    if (n)
+        memcpy(buf, from->p, n);
+    from->p = (const char *)from->p + n;
+    from->left -= n;
+    return (long)n;
+}
+
+struct rad_stream
+rad_memory_stream(struct rad_memory_in *from)
+{
+    struct rad_stream in = { read_memory, from };
+
+    return in;
+}
+
+static long
+read_fd(void *arg, void *buf, size_t n, struct rad_error *err)
+{
+    const struct rad_fd *from = arg;
+    ssize_t got;
+
+    do
+        got = read(from->fd, buf, n);
+    while (got < 0 && errno == EINTR);
+    if (got < 0)
+        return rad_fail(err, errno == EISDIR ? RAD_ENOINPUT : RAD_EIO,
+                        "cannot read '%s': %s", from->name, strerror(errno));
+    return (long)got;
+}
+
+struct rad_stream
+rad_fd_stream(struct rad_fd *from)
+{
+    struct rad_stream in = { read_fd, from };
+
+    return in;
+}
+
+static int
+write_fd(void *arg, const void *p, size_t n, struct rad_error *err)
+{
+    const struct rad_fd *to = arg;
+    const char *next = p;
+
+    while (n > 0) {
+        ssize_t put = write(to->fd, next, n);
+
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return rad_fail(err, RAD_EIO, "cannot write '%s': %s", to->name,
+                            strerror(errno));
+        next += put;
+        n -= (size_t)put;
+    }
+    return 0;
+}
+
+struct rad_sink
+rad_fd_sink(struct rad_fd *to)
+{
+    struct rad_sink out = { write_fd, to };
+
+    return out;
+}
+
+static int
+write_memory(void *arg, const void *p, size_t n, struct rad_error *err)
+{
+    struct rad_memory_out *to = arg;
+
+    if (n > to->size - to->len) {
+        size_t size = 2 * to->size + n;
+        unsigned char *more = realloc(to->bytes, size);
+
+        if (!more)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        to->bytes = more;
+        to->size = size;
+    }
+    if (n)
+        memcpy(to->bytes + to->len, p, n);
+    to->len += n;
+    return 0;
+}
+
+struct rad_sink
+rad_memory_sink(struct rad_memory_out *to)
+{
+    struct rad_sink out = { write_memory, to };
+
+    memset(to, 0, sizeof *to);
+    return out;
+}

@@ -3,7 +3,9 @@
  * What a scene needs at run time it names; what lies behind a name is for
  * whoever provides struct rad_files to say: along RAYPATH (client/paths.h), or
  * in a bundle (scene/bundle.h).
- * Thread: as its provider says; those two may be used from one thread at a
+ * Streams and sinks are bytes that come or go piece by piece, so that readers
+ * and writers of formats need not know what is behind them.
+ * Thread: as its provider says; those here may be used from one thread at a
  * time.  */
 #ifndef RAD_BASE_FILES_H
 #define RAD_BASE_FILES_H
@@ -30,5 +32,39 @@ unsigned char *rad_file_read(const char *path, size_t max, size_t *len,
  * for messages. */
 unsigned char *rad_fd_read(int fd, const char *name, size_t max, size_t *len,
                            struct rad_error *err);
+
+/* Bytes from somewhere.  read returns how many it put into buf (at most n, 0
+ * at the end) or a negative code with *err set. */
+struct rad_stream {
+    long (*read)(void *arg, void *buf, size_t n, struct rad_error *err);
+    void *arg;
+};
+
+/* Bytes to somewhere.  write takes all n or fails with a negative code. */
+struct rad_sink {
+    int (*write)(void *arg, const void *p, size_t n, struct rad_error *err);
+    void *arg;
+};
+
+/* A stream from memory, and one from a descriptor, and a sink to one; `name`
+ * is for messages.  The structs must outlive the result. */
+struct rad_memory_in {
+    const void *p;
+    size_t left;
+};
+struct rad_fd {
+    int fd;
+    const char *name;
+};
+struct rad_stream rad_memory_stream(struct rad_memory_in *from);
+struct rad_stream rad_fd_stream(struct rad_fd *from);
+struct rad_sink rad_fd_sink(struct rad_fd *to);
+
+/* A sink that keeps all in memory; free(bytes) when done with it. */
+struct rad_memory_out {
+    unsigned char *bytes;
+    size_t len, size;
+};
+struct rad_sink rad_memory_sink(struct rad_memory_out *to);
 
 #endif

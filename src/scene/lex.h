@@ -13,19 +13,13 @@
 #define RAD_SCENE_LEX_H
 
 #include "base/error.h"
+#include "base/files.h"
 #include "scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
 #define RAD_MAX_COMMAND 65535 /* bytes of a command line with continuations */
-
-/* Bytes from somewhere.  read returns how many it put into buf (at most n, 0
- * at the end) or a negative code with *err set. */
-struct rad_stream {
-    long (*read)(void *arg, void *buf, size_t n, struct rad_error *err);
-    void *arg;
-};
 
 struct rad_lex {
     struct rad_stream in;

@@ -480,33 +480,13 @@ rad_parse(struct rad_scene *s, const struct rad_stream *in, const char *name,
     return p.first.code;
 }
 
-struct memory {
-    const char *p;
-    size_t left;
-};
-
-static long
-read_memory(void *arg, void *buf, size_t n, struct rad_error *err)
-{
-    struct memory *m = arg;
-
-    (void)err;
-    if (n > m->left)
-        n = m->left;
-    if (n)
-        memcpy(buf, m->p, n);
-    m->p += n;
-    m->left -= n;
-    return (long)n;
-}
-
 int
 rad_parse_text(struct rad_scene *s, const char *text, size_t len,
                const char *name, const struct rad_parse_io *io,
                struct rad_error *err)
 {
-    struct memory m = { text, len };
-    struct rad_stream in = { read_memory, &m };
+    struct rad_memory_in from = { text, len };
+    struct rad_stream in = rad_memory_stream(&from);
 
     return rad_parse(s, &in, name, io, err);
 }

@@ -84,21 +84,24 @@ rad_scene_add_file(struct rad_scene *s, const char *name, struct rad_error *err)
     return s->nfiles++;
 }
 
-int
-rad_scene_reserve(struct rad_scene *s, int32_t n, struct rad_error *err)
+/* Room for one more object.  What doubling takes too much is never touched,
+ * so it costs addresses, not memory. */
+static int
+reserve_object(struct rad_scene *s, struct rad_error *err)
 {
+    size_t n = 2 * (size_t)s->capacity + 64;
     struct rad_object *more;
 
-    if (n <= s->capacity)
+    if (s->nobjects < s->capacity)
         return 0;
-    if (n > RAD_MAX_OBJECTS)
+    if (s->nobjects >= RAD_MAX_OBJECTS)
         return rad_fail(err, RAD_EDATA, "more than %d objects",
                         RAD_MAX_OBJECTS);
-    more = realloc(s->objects, (size_t)n * sizeof *more);
+    more = realloc(s->objects, n * sizeof *more);
     if (!more)
         return out_of_memory(err);
     s->objects = more;
-    s->capacity = n;
+    s->capacity = (int32_t)n;
     return 0;
 }
 
@@ -302,14 +305,9 @@ rad_scene_add(struct rad_scene *s, const struct rad_object *o,
 
     if (rc)
         return rc;
-    if (s->nobjects == s->capacity) {
-        int32_t n = s->capacity < RAD_MAX_OBJECTS / 2 ? 2 * s->capacity + 64
-                                                      : RAD_MAX_OBJECTS;
-
-        rc = rad_scene_reserve(s, n > s->nobjects ? n : n + 1, err);
-        if (rc)
-            return rc;
-    }
+    rc = reserve_object(s, err);
+    if (rc)
+        return rc;
     rc = copy_arguments(s, &copy, o, err);
     if (rc)
         return rc;

@@ -59,9 +59,6 @@ void rad_scene_free(struct rad_scene *s);
 int rad_scene_add_file(struct rad_scene *s, const char *name,
                        struct rad_error *err);
 
-/* Make room for n objects in all, so that no more is taken than they need. */
-int rad_scene_reserve(struct rad_scene *s, int32_t n, struct rad_error *err);
-
 /* Append a copy of *o (name and arguments are copied into the arena).
  * Returns its index or a negative code (RAD_ENOMEM; RAD_EDATA beyond a limit
  * above). */

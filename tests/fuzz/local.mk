@@ -7,6 +7,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_hdr \
+	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
 	tests/fuzz/fuzz_view
@@ -51,3 +52,7 @@ tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LDFLAGS)
 tests_fuzz_fuzz_parse_SOURCES = tests/fuzz/fuzz_parse.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_parse_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_octfile_SOURCES = tests/fuzz/fuzz_octfile.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_octfile_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LDFLAGS)

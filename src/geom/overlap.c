@@ -1,0 +1,346 @@
+/* overlap.c - see overlap.h */
+#include "config.h"
+
+#include "geom/overlap.h"
+
+#include "base/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rounding of the few dozen operations of a test, relative to the largest
+ * coordinate that takes part: 2^-53 each, with a lot to spare. */
+#define ROUND 1e-13
+
+/* --- extents ---------------------------------------------------------------
+ */
+
+static void
+include_point(struct rad_extent *e, const double p[3])
+{
+    for (int i = 0; i < 3; i++) {
+        e->lo[i] = fmin(e->lo[i], p[i]);
+        e->hi[i] = fmax(e->hi[i], p[i]);
+    }
+}
+
+/* Sum of cross products: twice the area, along the normal. */
+static void
+polygon_normal(const struct rad_object *o, double n[3])
+{
+    const double *v = o->reals;
+    double a[3], b[3], c[3];
+
+    n[0] = n[1] = n[2] = 0;
+    for (int32_t i = 3; i + 5 < o->nreals; i += 3) {
+        rad_sub(a, v + i, v);
+        rad_sub(b, v + i + 3, v);
+        rad_cross(c, a, b);
+        rad_madd(n, n, 1, c);
+    }
+}
+
+/* The surface lies in the mean plane of the vertices, which may leave it. */
+static bool
+polygon_extent(const struct rad_object *o, struct rad_extent *e)
+{
+    double n[3], mean = 0, off = 0;
+
+    for (int32_t i = 0; i + 2 < o->nreals; i += 3)
+        include_point(e, o->reals + i);
+    polygon_normal(o, n);
+    if (!(rad_normalize(n) > 0))
+        return false;
+    for (int32_t i = 0; i + 2 < o->nreals; i += 3)
+        mean += rad_dot(n, o->reals + i) / (o->nreals / 3);
+    for (int32_t i = 0; i + 2 < o->nreals; i += 3)
+        off = fmax(off, fabs(rad_dot(n, o->reals + i) - mean));
+    e->slack = off;
+    return true;
+}
+
+/* The curve that makes a cone, cylinder or ring when turned about its axis:
+ * from height 0 and radius r0 to height len and radius r1. */
+struct generator {
+    double base[3], axis[3]; /* axis of unit length */
+    double len, r0, r1;
+};
+
+static bool
+get_generator(const struct rad_object *o, struct generator *g)
+{
+    const double *a = o->reals;
+    double len;
+
+    rad_copy(g->base, a);
+    if (o->type == RAD_RING)
+        rad_copy(g->axis, a + 3);
+    else
+        rad_sub(g->axis, a + 3, a);
+    len = rad_normalize(g->axis);
+    g->len = o->type == RAD_RING ? 0 : len;
+    g->r0 = fabs(a[6]);
+    g->r1 = o->nreals > 7 ? fabs(a[7]) : g->r0;
+    return len > 0 &&
+           (o->type == RAD_RING ? g->r0 != g->r1 : g->r0 + g->r1 > 0);
+}
+
+static bool
+generator_extent(const struct rad_object *o, struct rad_extent *e)
+{
+    struct generator g;
+
+    if (!get_generator(o, &g))
+        return false;
+    for (int end = 0; end < 2; end++) {
+        double r = end ? g.r1 : g.r0;
+
+        for (int i = 0; i < 3; i++) {
+            double w = r * sqrt(fmax(0, 1 - g.axis[i] * g.axis[i]));
+            double c = g.base[i] + (end ? g.len : 0) * g.axis[i];
+
+            e->lo[i] = fmin(e->lo[i], c - w);
+            e->hi[i] = fmax(e->hi[i], c + w);
+        }
+    }
+    /* 1 - axis^2 has lost half of its digits where it is small */
+    e->slack = 1e-8 * fmax(g.r0, g.r1);
+    return true;
+}
+
+bool
+rad_extent_of(const struct rad_object *o, struct rad_extent *e)
+{
+    bool good = false;
+
+    e->slack = 0;
+    for (int i = 0; i < 3; i++) {
+        e->lo[i] = INFINITY;
+        e->hi[i] = -INFINITY;
+    }
+    switch (o->type) {
+    case RAD_POLYGON:
+        good = o->nreals >= 9 && polygon_extent(o, e);
+        break;
+    case RAD_SPHERE:
+    case RAD_BUBBLE:
+        good = o->nreals == 4 && o->reals[3] != 0;
+        for (int i = 0; good && i < 3; i++) {
+            e->lo[i] = o->reals[i] - fabs(o->reals[3]);
+            e->hi[i] = o->reals[i] + fabs(o->reals[3]);
+        }
+        break;
+    case RAD_CONE:
+    case RAD_CUP:
+    case RAD_CYLINDER:
+    case RAD_TUBE:
+    case RAD_RING:
+        good = o->nreals >= 7 && generator_extent(o, e);
+        break;
+    default:
+        break;
+    }
+    for (int i = 0; good && i < 3; i++) {
+        e->slack += ROUND * fmax(fabs(e->lo[i]), fabs(e->hi[i]));
+        good = isfinite(e->lo[i]) && isfinite(e->hi[i]);
+    }
+    for (int i = 0; good && i < 3; i++) {
+        e->lo[i] -= e->slack;
+        e->hi[i] += e->slack;
+    }
+    return good;
+}
+
+/* --- polygons ----------------------------------------------------------------
+ */
+
+/* Do triangle and cube (centre at 0, half-edge h) have a common shadow along
+ * the axis, or are they parted by no more than pad?  An axis without length
+ * parts nothing. */
+static bool
+meet_along(const double axis[3], const double v[3][3], double h, double pad)
+{
+    double a = rad_dot(axis, v[0]), b = rad_dot(axis, v[1]);
+    double c = rad_dot(axis, v[2]);
+    double r = h * (fabs(axis[0]) + fabs(axis[1]) + fabs(axis[2])) + pad;
+
+    return fmin(a, fmin(b, c)) <= r && fmax(a, fmax(b, c)) >= -r;
+}
+
+/* The bounds are known to meet: left are the plane and nine products of
+ * edges.  The pads bound what rounding does to an edge, |v|, and from there to
+ * the products: it must not lose a sliver. */
+static bool
+triangle_meets_cube(const double v[3][3], double h)
+{
+    double e[3][3], n[3], size = 0, pad;
+
+    for (int i = 0; i < 3; i++) {
+        rad_sub(e[i], v[(i + 1) % 3], v[i]);
+        for (int k = 0; k < 3; k++)
+            size = fmax(size, fabs(v[i][k]));
+    }
+    pad = 1e-15 * size * size;
+    rad_cross(n, e[0], e[1]);
+    if (!meet_along(n, v, h, 4 * size * pad))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        double x[3] = { 0, -e[i][2], e[i][1] };
+        double y[3] = { e[i][2], 0, -e[i][0] };
+        double z[3] = { -e[i][1], e[i][0], 0 };
+
+        if (!meet_along(x, v, h, pad) || !meet_along(y, v, h, pad) ||
+            !meet_along(z, v, h, pad))
+            return false;
+    }
+    return true;
+}
+
+/* Polygons of more vertices than this are not clipped: their bounds and their
+ * plane decide. */
+#define MAX_CLIPPED 32
+/* each of six planes adds at most one vertex per two edges */
+#define MAX_VERTICES (MAX_CLIPPED * 12)
+
+/* Keep what lies at side * v[axis] <= h. */
+static int
+clip_loop(double out[][3], const double in[][3], int n, int axis, double side,
+          double h)
+{
+    int m = 0;
+
+    for (int i = 0; i < n; i++) {
+        const double *a = in[i], *b = in[i + 1 < n ? i + 1 : 0];
+        double da = h - side * a[axis], db = h - side * b[axis];
+
+        if (da >= 0)
+            rad_copy(out[m++], a);
+        if ((da < 0) != (db < 0)) {
+            double t = da / (da - db);
+
+            for (int k = 0; k < 3; k++)
+                out[m][k] = a[k] + t * (b[k] - a[k]);
+            out[m++][axis] = side * h;
+        }
+    }
+    return m;
+}
+
+static bool
+loop_meets_cube(double v[][3], int n, double h)
+{
+    double other[MAX_VERTICES][3];
+
+    for (int axis = 0; axis < 3 && n > 0; axis++) {
+        n = clip_loop(other, (const double(*)[3])v, n, axis, 1, h);
+        n = clip_loop(v, (const double(*)[3])other, n, axis, -1, h);
+    }
+    return n > 0;
+}
+
+static bool
+plane_meets_cube(const struct rad_object *o, const double centre[3], double h)
+{
+    double n[3], d[3], mean = 0;
+
+    polygon_normal(o, n);
+    for (int32_t i = 0; i + 2 < o->nreals; i += 3) {
+        rad_sub(d, o->reals + i, centre);
+        mean += rad_dot(n, d) / (o->nreals / 3);
+    }
+    return fabs(mean) <= h * (fabs(n[0]) + fabs(n[1]) + fabs(n[2]));
+}
+
+static bool
+polygon_meets_cube(const struct rad_object *o, const double centre[3], double h)
+{
+    double v[MAX_VERTICES][3];
+    int n = o->nreals / 3;
+
+    if (n > MAX_CLIPPED)
+        return plane_meets_cube(o, centre, h);
+    for (int i = 0; i < n; i++)
+        rad_sub(v[i], o->reals + 3 * (size_t)i, centre);
+    if (n == 3)
+        return triangle_meets_cube((const double(*)[3])v, h);
+    return loop_meets_cube(v, n, h);
+}
+
+/* --- curved surfaces
+ * ---------------------------------------------------------- */
+
+static bool
+sphere_meets_cube(const struct rad_object *o, const double centre[3], double h)
+{
+    double near = 0, far = 0, r2 = o->reals[3] * o->reals[3];
+
+    for (int i = 0; i < 3; i++) {
+        double d = fabs(o->reals[i] - centre[i]);
+
+        if (d > h)
+            near += (d - h) * (d - h);
+        far += (d + h) * (d + h);
+    }
+    return near <= r2 && far >= r2;
+}
+
+/* Distance of p from the surface. */
+static double
+generator_distance(const struct generator *g, const double p[3])
+{
+    double d[3], q[3], height, radius, dh = g->len, dr = g->r1 - g->r0, t;
+
+    rad_sub(d, p, g->base);
+    height = rad_dot(d, g->axis);
+    rad_madd(q, d, -height, g->axis);
+    radius = sqrt(rad_dot(q, q));
+    t = (height * dh + (radius - g->r0) * dr) / (dh * dh + dr * dr);
+    t = fmin(1, fmax(0, t));
+    return hypot(height - t * dh, radius - g->r0 - t * dr);
+}
+
+/* The balls within and around the cube decide, or its eight parts. */
+static bool
+generator_meets_cube(const struct generator *g, const double centre[3],
+                     double h, double slack, int depth)
+{
+    double d = generator_distance(g, centre);
+
+    if (d <= h + slack)
+        return true;
+    if (d > 1.7320508075688774 * h + slack)
+        return false;
+    if (depth == 0)
+        return true;
+    for (int k = 0; k < 8; k++) {
+        double c[3];
+
+        for (int i = 0; i < 3; i++)
+            c[i] = centre[i] + (k >> i & 1 ? h / 2 : -h / 2);
+        if (generator_meets_cube(g, c, h / 2, slack, depth - 1))
+            return true;
+    }
+    return false;
+}
+
+bool
+rad_overlaps_cube(const struct rad_object *o, const struct rad_extent *e,
+                  const double centre[3], double half)
+{
+    struct generator g;
+
+    for (int i = 0; i < 3; i++)
+        if (e->lo[i] > centre[i] + half || e->hi[i] < centre[i] - half)
+            return false;
+    half += e->slack;
+    switch (o->type) {
+    case RAD_POLYGON:
+        return polygon_meets_cube(o, centre, half);
+    case RAD_SPHERE:
+    case RAD_BUBBLE:
+        return sphere_meets_cube(o, centre, half);
+    default:
+        return get_generator(o, &g) &&
+               generator_meets_cube(&g, centre, half, e->slack, 2);
+    }
+}

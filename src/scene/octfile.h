@@ -1,0 +1,60 @@
+/* octfile.h - Radiance's octree files, frozen
+ *
+ * What Radiance's programs read and write (oconv -f):
+ *
+ *     text    "#?RADIANCE\n", lines, "FORMAT=Radiance_octree\n", an empty line
+ *     u16     283 + w, w the bytes of an object's index (4)
+ *     string  four times: lowest corner and edge of the cube, in decimal
+ *     string  names of scene files, ending with an empty one; frozen: none
+ *     int w   number of objects
+ *     tree    u8 0: empty; 1: int w count, as many int w indices of objects;
+ *             2: eight trees, the upper half along x, y, z for bits 0, 1, 2
+ *     string  names of types, ending with an empty one
+ *     objects u8 type's place in that list; int w modifier, -1 none; string
+ *             name; u16 count, as many strings; u16 count, as many reals;
+ *             ending with type 255
+ *
+ * Integers are big-endian, in two's complement; strings end with a NUL; a real
+ * is an int 4 mantissa m and an int 1 exponent e, (m +- 1/2) / (2^31 - 1) *
+ * 2^e, so 31 bits of the 53.
+ *
+ * What we write goes on behind that, where Radiance's programs look no
+ * further: "radd", u8 1, and for each real of each object in order the
+ * difference of its bits (IEEE double) from those that the 31 bits give, as
+ * signed LEB128 of zigzag.  So a scene read back is the scene that was
+ * written, to the last bit.
+ *
+ * Sources: Radiance's file formats; the header is that of all its files.
+ * Thread: any, one at a time for a scene.  */
+#ifndef RAD_SCENE_OCTFILE_H
+#define RAD_SCENE_OCTFILE_H
+
+#include "base/error.h"
+#include "base/files.h"
+#include "geom/octree.h"
+#include "scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Does a file that begins with these bytes say that it is an octree? */
+bool rad_octfile_is(const void *start, size_t len);
+
+/* Append the objects of an octree file called `name` to the scene, which must
+ * be empty; and its tree to *tree (initialised here) unless that is NULL:
+ * skipping it is much faster.  RAD_EDATA with the offset ("x.oct: truncated at
+ * byte 812"), RAD_EUNSUPPORTED for one that is not frozen; the scene and the
+ * tree are then to be thrown away. */
+int rad_octfile_read(struct rad_scene *s, struct rad_octree *tree,
+                     const struct rad_stream *in, const char *name,
+                     struct rad_error *err);
+
+/* The scene in the octree file at path, without its tree; NULL and *err on
+ * failure (RAD_ENOINPUT: it cannot be opened). */
+struct rad_scene *rad_octfile_load(const char *path, struct rad_error *err);
+
+/* Write scene and tree. */
+int rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
+                      const struct rad_sink *out, struct rad_error *err);
+
+#endif
