@@ -60,13 +60,17 @@ rad_emitter_prepare(struct rad_job *job, int32_t index,
 const struct rad_emitter *
 rad_emitter_of(const struct rad_job *job, int32_t obj)
 {
-    int32_t m = rad_material_of(job->scene, job->scene->objects[obj].modifier);
+    const struct rad_object *o = &job->scene->objects[obj];
     const struct rad_material *mat;
+    int32_t m;
 
+    if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+        return NULL;
+    m = rad_material_of(job->scene, o->modifier);
     if (m == RAD_VOID)
         return NULL;
     mat = &job->materials[m];
-    return mat->shader && mat->shader->flags & RAD_MAT_EMITS ? mat->data : NULL;
+    return mat->shader->flags & RAD_MAT_EMITS ? mat->data : NULL;
 }
 
 /* Where a ray is aimed (RAD_VOID: nowhere) and what it met. */

@@ -19,7 +19,8 @@ struct rad_emitter {
     int32_t alternate; /* illum: modifier that other rays see, or RAD_VOID */
 };
 
-/* The emitter that surface obj has for its material, or NULL. */
+/* The emitter that obj has for its material; NULL: it has none, or is no
+ * surface. */
 const struct rad_emitter *rad_emitter_of(const struct rad_job *job,
                                          int32_t obj);
 
