@@ -16,6 +16,8 @@ UNIT_TESTS = \
 	tests/check_octree \
 	tests/check_params \
 	tests/check_parse \
+	tests/check_ray \
+	tests/check_shade \
 	tests/check_source \
 	tests/check_submit \
 	tests/check_view
@@ -70,6 +72,13 @@ tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_submit_SOURCES = tests/check_submit.c tests/unit.h
 tests_check_submit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
 tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
+tests_check_ray_SOURCES = tests/check_ray.c tests/unit.h tests/world.h
+tests_check_ray_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ray_LDADD = $(UNIT_LIBS)
+
+tests_check_shade_SOURCES = tests/check_shade.c tests/unit.h tests/world.h
+tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_shade_LDADD = $(UNIT_LIBS)
 
 tests_check_source_SOURCES = tests/check_source.c tests/unit.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

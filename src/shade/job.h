@@ -31,8 +31,8 @@ struct rad_job {
     bool see_through; /* something lets shadow rays pass: glass, trans, ... */
 };
 
-/* The scene must outlive the job; files is used during the call only.  NULL
- * and *err on failure. */
+/* The scene must have passed rad_scene_check() and must outlive the job; files
+ * is used during the call only.  NULL and *err on failure. */
 struct rad_job *rad_job_new(const struct rad_scene *scene,
                             const struct rad_params *params,
                             const struct rad_files *files,

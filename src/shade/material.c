@@ -111,25 +111,6 @@ compile_modifier(struct rad_job *job, int32_t index,
     return mat->shader->prepare(job, index, files, &mat->data, err);
 }
 
-/* A surface's material may have no other material behind it: which of them
- * would colour the ray? */
-static int
-check_chain(const struct rad_job *job, int32_t surface, struct rad_error *err)
-{
-    const struct rad_scene *scene = job->scene;
-    const struct rad_object *o = &scene->objects[surface];
-    int32_t m = rad_material_of(scene, o->modifier), second;
-
-    if (m == RAD_VOID)
-        return 0;
-    second = rad_material_of(scene, scene->objects[m].modifier);
-    if (second == RAD_VOID)
-        return 0;
-    return rad_scene_fail(scene, &scene->objects[m], err, RAD_EDATA,
-                          "conflicting material '%s' behind this one",
-                          scene->objects[second].name);
-}
-
 int
 rad_material_reals(const struct rad_job *job, int32_t index, int least,
                    int most, struct rad_error *err)
@@ -166,8 +147,5 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
     for (int32_t i = 0; i < n && code == 0; i++)
         if (!is_surface(&scene->objects[i]))
             code = compile_modifier(job, i, files, err);
-    for (int32_t i = 0; i < scene->nobjects && code == 0; i++)
-        if (is_surface(&scene->objects[i]))
-            code = check_chain(job, i, err);
     return code;
 }

@@ -81,7 +81,7 @@ rad_normal_prepare(struct rad_job *job, int32_t index,
 static double
 fresnel_rise(double cos_i)
 {
-    return exp(-5.85 * cos_i) - 0.00287989916; /* exp(-5.85) */
+    return fmax(0, exp(-5.85 * cos_i) - 0.00287989916); /* exp(-5.85) */
 }
 
 static struct rad_rgb

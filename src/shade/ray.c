@@ -260,8 +260,8 @@ rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
 
         if (mat->shader) {
             if (!(mat->shader->flags & RAD_MAT_PATTERN))
-                return; /* a second material is refused where surfaces
-                         * have it; elsewhere nothing lies behind it */
+                return; /* a second material: rad_scene_check() lets none
+                         * reach a surface */
             mat->shader->shade(ctx, mat, r);
         }
         mod = mat->next;

@@ -1,0 +1,310 @@
+/* check_ray.c - tests of src/shade/ray: what starts a ray and ends it */
+#include "config.h"
+
+#include "world.h"
+#include "base/rng.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define SKY    "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 360\n"
+#define SQUARE " polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+
+/* A parent that has met something one unit away. */
+static void
+met(struct world *w, struct rad_ray *r, float weight, int level)
+{
+    world_ray(w, r, 0, 0, 1, 0, 0, -1);
+    rad_ray_clear(r);
+    r->hit.t = 1;
+    r->hit.obj = 0;
+    r->weight = weight;
+    r->level = (int16_t)level;
+}
+
+static const struct {
+    const char *options;
+    enum rad_raykind kind;
+    float weight, coef;
+    int level;
+    bool lives;
+} limit[] = {
+    { "-lw .1 -lr 3", RAD_RAY_REFLECTED, 1, .2f, 0, true },
+    { "-lw .1 -lr 3", RAD_RAY_REFLECTED, .4f, .2f, 0, false }, /* weight */
+    { "-lw .1 -lr 3", RAD_RAY_REFLECTED, 1, .2f, 2, true },
+    { "-lw .1 -lr 3", RAD_RAY_REFLECTED, 1, .2f, 3, false }, /* level */
+    { "-lw .1 -lr 3", RAD_RAY_REFRACTED, 1, .2f, 3, true },  /* none */
+    { "-lw .1 -lr 3", RAD_RAY_TRANS, 1, .2f, 3, true },
+    { "-lw .1 -lr 3", RAD_RAY_RSHADOW, .1f, .1f, 9, true }, /* goes through */
+    { "-lw .1 -lr 3", RAD_RAY_REFLECTED, 1, 0, 0, false },
+    { "-lw .1 -lr -3", RAD_RAY_REFLECTED, 1, .2f, 3, false },
+    { "-lw .1 -lr -3", RAD_RAY_REFLECTED, 1, .2f, 2, true },
+    { "-lw .1 -lr 0", RAD_RAY_REFLECTED, 1, .2f, 500, true },
+};
+
+START_TEST(limits_end_rays)
+{
+    struct rad_rgb coef = rad_rgb(0, limit[_i].coef, limit[_i].coef / 2);
+    struct rad_ray parent, r;
+    struct world w;
+
+    world_open(&w, SKY, limit[_i].options);
+    met(&w, &parent, limit[_i].weight, limit[_i].level);
+    ck_assert_int_eq(
+        rad_ray_spawn(&w.ctx, &r, limit[_i].kind, &parent, &coef, 1),
+        limit[_i].lives);
+    if (limit[_i].lives) {
+        ck_assert_float_eq_tol(r.weight, limit[_i].weight * limit[_i].coef,
+                               1e-6);
+        ck_assert_int_eq(r.level,
+                         limit[_i].level + !!(limit[_i].kind & RAD_RAY_REFL));
+    }
+    world_close(&w);
+}
+END_TEST
+
+/* What dies and what is raised for it must balance: the mean coefficient is
+ * what it was.  100000 draws: four standard errors are 1.2 %. */
+START_TEST(roulette_keeps_the_mean)
+{
+    enum { N = 100000 };
+    struct rad_rgb coef = rad_rgb(.06f, .03f, 0);
+    struct rad_ray parent, r;
+    struct world w;
+    double sum = 0;
+    int lived = 0;
+
+    world_open(&w, SKY, "-lw .3 -lr -8");
+    met(&w, &parent, 1, 0);
+    for (int i = 0; i < N; i++) {
+        parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
+        if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &coef, 1))
+            continue;
+        lived++;
+        sum += r.coef.r;
+        ck_assert_float_eq_tol(r.coef.g, r.coef.r / 2, 1e-6);
+        ck_assert_float_eq_tol(r.weight, .3f, 1e-6);
+    }
+    ck_assert_double_eq_tol(sum / N, .06, .012 * .06 * 2);
+    ck_assert_double_eq_tol((double)lived / N, .2, .012);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(aft_plane_hides_what_lies_beyond)
+{
+    struct rad_ray r;
+    struct world w;
+
+    /* a void surface and a pane on the way do not move the plane */
+    world_open(&w,
+               SKY "void polygon v 0 0 12 -9 -9 5 9 -9 5 9 9 5 -9 9 5\n"
+                   "void glow m 0 0 4 3 3 3 0 m" SQUARE,
+               "");
+    world_ray(&w, &r, 0, 0, 10, 0, 0, -1);
+    r.tmax = 10.5;
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq_tol(r.L.r, 3, 1e-6);
+    world_ray(&w, &r, 0, 0, 10, 0, 0, -1);
+    r.tmax = 9.5;
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq(r.L.r, 0);
+    world_ray(&w, &r, 0, 0, 10, 0, 0, 1);
+    r.tmax = 1e6;
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq(r.L.r, 0);
+    world_close(&w);
+}
+END_TEST
+
+/* Distances that -z gives: through a pane, in a mirror, nothing. */
+static const struct {
+    const char *material;
+    double dist;
+} depth[] = {
+    { "plastic m 0 0 5 .5 .5 .5 0 0", 2 },
+    { "glass m 0 0 3 .9 .9 .9", 5 },
+    { "trans m 0 0 7 1 1 1 0 0 1 1", 5 },
+    { "trans m 0 0 7 1 1 1 0 0 .9 .8", 5 },
+    { "trans m 0 0 7 1 1 1 0 0 .9 .1", 2 },
+    { "metal m 0 0 5 .9 .9 .9 1 0", 2 }, /* a mirror is seen, not its image */
+    { "dielectric m 0 0 5 1 1 1 1.5 0", 5 },
+    { "illum m 0 0 3 1 1 1", 5 },
+};
+
+START_TEST(distance_is_of_what_is_seen)
+{
+    char text[1024];
+    struct rad_ray r;
+    struct world w;
+
+    snprintf(text, sizeof text,
+             SKY "void plastic g 0 0 5 .5 .5 .5 0 0 g polygon q 0 0 12 -9 -9 "
+                 "-3 9 -9 -3 9 9 -3 -9 9 -3 void %s m" SQUARE,
+             depth[_i].material);
+    world_open(&w, text, "-av 1 1 1");
+    world_ray(&w, &r, 0, 0, 2, 0, 0, -1);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq_tol(rad_ray_distance(&r), depth[_i].dist, 1e-9);
+    world_ray(&w, &r, 0, 0, 2, 0, 0, 1);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq(rad_ray_distance(&r), 1e10);
+    world_close(&w);
+}
+END_TEST
+
+/* n square sheets of material m, one above the other. */
+static char *
+sheets(const char *material, int n)
+{
+    size_t size = 300 + 100 * (size_t)n, at;
+    char *text = malloc(size);
+
+    ck_assert_ptr_nonnull(text);
+    at = (size_t)snprintf(text, size, SKY "%s\n", material);
+    for (int i = 0; i < n; i++)
+        at += (size_t)snprintf(
+            text + at, size - at,
+            "m polygon s%d 0 0 12 -1 -1 -%d 1 -1 -%d 1 1 -%d -1 1 -%d\n", i, i,
+            i, i, i);
+    return text;
+}
+
+START_TEST(many_layers_pass_and_endless_ones_end)
+{
+    static const int n[] = { 100, RAD_MAX_DEPTH - 10, 20000 };
+    char *text = sheets("void illum m 0 0 3 0 0 0", n[_i]);
+    struct world w;
+
+    world_open(&w, text, "-lw 0");
+    ck_assert_double_eq_tol(world_see(&w, 0, 0, 1, 0, 0, -1).r,
+                            n[_i] < RAD_MAX_DEPTH, 1e-6);
+    world_close(&w);
+    free(text);
+}
+END_TEST
+
+/* Two facing mirrors that lose nothing: only the limits end it. */
+START_TEST(perfect_mirrors_end)
+{
+    struct world w;
+
+    world_open(&w,
+               "void metal m 0 0 5 1 1 1 1 0 m" SQUARE
+               "m polygon t 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2",
+               "-lw 0 -lr 30000");
+    ck_assert_double_eq(world_see(&w, 0, 0, 1, 0, 0, -1).r, 0);
+    ck_assert_uint_eq(w.ctx.counts.rays, RAD_MAX_DEPTH + 1);
+    world_close(&w);
+}
+END_TEST
+
+/* An infinite or negative radiance is black, and counted. */
+static const char *const unsound[] = {
+    "void light m 0 0 3 1e39 1 1 m",
+    "void brighttext t 3 f . A 0 11 0 0 0 1 0 0 0 1 0 -1 -1\n"
+    "t light m 0 0 3 1 1 1 m",
+};
+
+static unsigned char *
+empty_font(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    (void)arg;
+    (void)name;
+    (void)err;
+    *len = 0;
+    return calloc(1, 1);
+}
+
+START_TEST(unsound_radiance_is_black_and_counted)
+{
+    static const struct rad_files files = { empty_font, NULL };
+    char text[512];
+    struct rad_rgb c;
+    struct world w;
+
+    snprintf(text, sizeof text, "%s" SQUARE, unsound[_i]);
+    ck_assert_int_eq(world_try(&w, text, "", &files), 0);
+    c = world_see(&w, 0, 0, 1, 0, 0, -1);
+    ck_assert(c.r == 0 && c.g == 0 && c.b == 0);
+    ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
+    world_close(&w);
+}
+END_TEST
+
+/* A pixel is a function: whatever was traced before, and in which context. */
+START_TEST(ray_does_not_depend_on_those_before_it)
+{
+    static const char text[] =
+        SKY "void metal m 0 0 5 .9 .8 .7 .8 .3 m" SQUARE
+            "void light l 0 0 3 9 9 9 l sphere s 0 0 4 1 1 3 .2\n"
+            "void glass g 0 0 3 .9 .9 .9 g sphere s 0 0 4 0 0 2 .4\n";
+    struct rad_rgb first[50], again;
+    struct rad_ctx fresh;
+    struct rad_ray r;
+    struct world w;
+    int differ = 0;
+
+    world_open(&w, text, "-ss 3 -lr -4 -lw .2 -dj .8");
+    for (int i = 0; i < 50; i++) {
+        world_ray(&w, &r, 0, -1, 3, .01 * i, .5, -1);
+        r.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
+        rad_ray_trace(&w.ctx, &r);
+        first[i] = r.L;
+    }
+    ck_assert_int_eq(rad_ctx_init(&fresh, w.job, NULL), 0);
+    for (int i = 50; i-- > 0;) {
+        world_ray(&w, &r, 0, -1, 3, .01 * i, .5, -1);
+        r.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
+        rad_ray_trace(&fresh, &r);
+        again = r.L;
+        ck_assert(memcmp(&again, &first[i], sizeof again) == 0);
+        r.key++; /* and it does depend on its key */
+        rad_ray_trace(&fresh, &r);
+        differ += memcmp(&r.L, &again, sizeof again) != 0;
+    }
+    ck_assert_int_gt(differ, 25);
+    rad_ctx_release(&fresh);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(normal_never_turns_away_from_the_ray)
+{
+    struct rad_ray r = { .dir = { 0, .6, -.8 }, .n = { 0, 0, 1 } };
+    double norm[3], cos_n;
+
+    r.cos_o = .8;
+    for (int i = 0; i < 1000; i++) {
+        for (int k = 0; k < 3; k++)
+            r.pert[k] = 4 * rad_rand(9, 3 * (uint32_t)i + (uint32_t)k) - 2;
+        cos_n = rad_ray_normal(&r, norm);
+        ck_assert_double_ge(cos_n, 0);
+        ck_assert_double_eq_tol(-rad_dot(norm, r.dir), cos_n, 1e-12);
+        ck_assert_double_eq_tol(rad_dot(norm, norm), 1, 1e-12);
+    }
+    r.pert[0] = r.pert[1] = 0;
+    r.pert[2] = -1; /* nothing left of it: the surface's own */
+    ck_assert_double_eq(rad_ray_normal(&r, norm), .8);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("ray");
+    TCase *tc = tcase_create("ray");
+
+    tcase_add_loop_test(tc, limits_end_rays, 0, N_ELEM(limit));
+    tcase_add_test(tc, roulette_keeps_the_mean);
+    tcase_add_test(tc, aft_plane_hides_what_lies_beyond);
+    tcase_add_loop_test(tc, distance_is_of_what_is_seen, 0, N_ELEM(depth));
+    tcase_add_loop_test(tc, many_layers_pass_and_endless_ones_end, 0, 3);
+    tcase_add_test(tc, perfect_mirrors_end);
+    tcase_add_loop_test(tc, unsound_radiance_is_black_and_counted, 0,
+                        N_ELEM(unsound));
+    tcase_add_test(tc, ray_does_not_depend_on_those_before_it);
+    tcase_add_test(tc, normal_never_turns_away_from_the_ray);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

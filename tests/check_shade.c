@@ -1,0 +1,616 @@
+/* check_shade.c - tests of src/shade: materials against closed forms
+ *
+ * Most scenes are one square in the plane z = 0, seen from above, with a glow
+ * of radiance 1 above it or below: then what comes back is a reflectance or a
+ * transmittance. */
+#include "config.h"
+
+#include "world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define ABOVE "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 180\n"
+#define BELOW                                                                  \
+    "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 -1 180\n"
+#define SQUARE " polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+
+/* no ambient light, every part of a material followed to its end */
+#define PLAIN "-av 0 0 0 -st 0 -lw 0 -lr 30 -ss 0"
+
+/* Fresnel's reflectances from Snell's angles, the formulas with sines and
+ * tangents that the code does not use. */
+static void
+fresnel(double n, double deg, double *rs, double *rp)
+{
+    double i = deg * M_PI / 180, t = asin(sin(i) / n);
+
+    if (i == 0) {
+        *rs = *rp = pow((n - 1) / (n + 1), 2);
+        return;
+    }
+    *rs = pow(sin(i - t) / sin(i + t), 2);
+    *rp = pow(tan(i - t) / tan(i + t), 2);
+}
+
+static const double angles[] = { 0, 10, 30, 45, 56.659, 70, 80, 89 };
+
+/* Radiance's manual: T = (1-r)^2 t / (1-r^2 t^2), mean of polarizations, with
+ * t = tn^(1/cos of the angle inside). */
+START_TEST(glass_transmits_as_the_manual_says)
+{
+    double rs, rp, t, T, deg = angles[_i];
+    struct world w;
+
+    world_open(&w, BELOW "void glass m 0 0 3 .96 .5 1\n m" SQUARE, PLAIN);
+    fresnel(1.52, deg, &rs, &rp);
+    t = pow(.5, 1 / sqrt(1 - pow(sin(deg * M_PI / 180) / 1.52, 2)));
+    T = .5 * pow(1 - rs, 2) * t / (1 - rs * rs * t * t) +
+        .5 * pow(1 - rp, 2) * t / (1 - rp * rp * t * t);
+    ck_assert_double_eq_tol(world_tilted(&w, deg).g, T, 1e-6);
+    ck_assert_double_eq_tol(world_tilted(&w, -deg).g, T, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* Clear glass loses nothing. */
+START_TEST(clear_glass_reflects_what_it_does_not_transmit)
+{
+    struct world a, b;
+
+    world_open(&a, ABOVE "void glass m 0 0 4 1 1 1 1.8\n m" SQUARE, PLAIN);
+    world_open(&b, BELOW "void glass m 0 0 4 1 1 1 1.8\n m" SQUARE, PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&a, angles[_i]).r +
+                                world_tilted(&b, angles[_i]).r,
+                            1, 1e-6);
+    world_close(&a);
+    world_close(&b);
+}
+END_TEST
+
+/* The transmissivity that the manual gives for 88 % transmittance. */
+START_TEST(glass_of_96_percent_is_the_88_percent_pane)
+{
+    struct world w;
+
+    world_open(&w, BELOW "void glass m 0 0 3 .96 .96 .96\n m" SQUARE, PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&w, 0).r, .88, .0016);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(dielectric_reflects_by_fresnel)
+{
+    double rs, rp, deg = angles[_i];
+    struct world w;
+
+    world_open(&w, ABOVE "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
+               PLAIN);
+    fresnel(1.5, deg, &rs, &rp);
+    ck_assert_double_eq_tol(world_tilted(&w, deg).g, .5 * (rs + rp), 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(dielectric_at_brewsters_angle_reflects_one_polarization)
+{
+    double n = 1.5, rs = pow((1 - n * n) / (1 + n * n), 2);
+    struct world w;
+
+    world_open(&w, ABOVE "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
+               PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&w, atan(n) * 180 / M_PI).r, rs / 2,
+                            1e-7);
+    world_close(&w);
+}
+END_TEST
+
+/* Seen from within, the surface is a mirror beyond the critical angle, 41.8
+ * degrees, and none before. */
+START_TEST(dielectric_reflects_totally_from_within)
+{
+    struct world w;
+    double rs, rp;
+
+    world_open(&w, BELOW "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
+               PLAIN);
+    ck_assert_double_eq_tol(world_see(&w, 0, 0, -1, sin(.74), 0, cos(.74)).r, 1,
+                            1e-6);
+    fresnel(1.5, asin(1.5 * sin(.6)) * 180 / M_PI, &rs, &rp);
+    ck_assert_double_eq_tol(world_see(&w, 0, 0, -1, sin(.6), 0, cos(.6)).r,
+                            .5 * (rs + rp), 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* A small sun where Snell's law sends the ray, and one a degree off. */
+START_TEST(dielectric_refracts_by_snell)
+{
+    double i = M_PI / 4, t = asin(sin(i) / 1.5), rs, rp;
+    struct world w;
+    char text[512];
+
+    for (int off = 0; off < 2; off++) {
+        double a = t + off * M_PI / 180;
+
+        snprintf(text, sizeof text,
+                 "void light sun 0 0 3 9 9 9 sun source sun 0 0 4 %.12g 0 "
+                 "%.12g .2 void dielectric m 0 0 5 1 1 1 1.5 0 m" SQUARE,
+                 sin(a), -cos(a));
+        world_open(&w, text, PLAIN);
+        fresnel(1.5, 45, &rs, &rp);
+        ck_assert_double_eq_tol(
+            world_tilted(&w, 45).r,
+            off ? 0 : 9 * (1 - .5 * (rs + rp)) / (1.5 * 1.5), 1e-6);
+        world_close(&w);
+    }
+}
+END_TEST
+
+/* A slab of two faces: the gain by the index is gone, what is absorbed on the
+ * way is the transmission per length to the power of its thickness. */
+START_TEST(dielectric_slab_absorbs_by_length)
+{
+    double r = .04, t = pow(.5, 2);
+    struct world w;
+
+    world_open(&w,
+               BELOW "void dielectric m 0 0 5 .5 1 .25 1.5 0\n m" SQUARE
+                     " m polygon b 0 0 12 -9 -9 -2 -9 9 -2 9 9 -2 9 -9 -2",
+               PLAIN " -lr 40");
+    ck_assert_double_eq_tol(world_tilted(&w, 0).r,
+                            (1 - r) * (1 - r) * t / (1 - r * r * t * t), 1e-6);
+    ck_assert_double_eq_tol(world_tilted(&w, 0).g, (1 - r) / (1 + r), 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* An interface of equal sides is not there, but for what it absorbs. */
+START_TEST(interface_of_equal_indices_lets_all_pass)
+{
+    struct world w;
+
+    world_open(&w,
+               BELOW "void interface m 0 0 8 1 1 1 1.4 1 1 .5 1.4\n m" SQUARE,
+               PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&w, 60).r, 1, 1e-6);
+    /* outside is the second medium: 2 units to the square at 60 degrees */
+    ck_assert_double_eq_tol(
+        world_see(&w, -2 * sin(1), 0, 2 * cos(1), sin(1), 0, -cos(1)).b, .25,
+        1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* A smooth surface: part that is reflected toward a white sky. */
+static const struct {
+    const char *material;
+    double deg, r, g;
+} mirror[] = {
+    { "plastic m 0 0 5 0 0 0 .05 0", 0, .05, .05 },
+    { "plastic m 0 0 5 0 0 0 .05 0", 60, .05 + .95 * .050782, .098243 },
+    { "plastic m 0 0 5 0 0 0 .05 0", 85, .05 + .95 * .597699, .617814 },
+    { "plastic m 0 0 5 0 0 0 .015 0", 85, .015, .015 }, /* too dull for it */
+    { "plastic m 0 0 5 0 0 0 .05 .001", 85, .617814, .617814 },
+    { "metal m 0 0 5 .5 .9 0 .8 0", 0, .4, .72 },
+    { "metal m 0 0 5 .5 .9 0 .8 0", 60, .4 + .6 * .050782,
+      .72 + .28 * .050782 },
+    { "trans m 0 0 7 0 0 0 .05 0 .5 .5", 0, .05, .05 },
+};
+
+START_TEST(mirror_brightens_toward_grazing)
+{
+    char text[512];
+    struct world w;
+
+    snprintf(text, sizeof text, ABOVE "void %s m" SQUARE, mirror[_i].material);
+    world_open(&w, text, PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&w, mirror[_i].deg).r, mirror[_i].r,
+                            1e-5);
+    ck_assert_double_eq_tol(world_tilted(&w, mirror[_i].deg).g, mirror[_i].g,
+                            1e-5);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(clear_trans_passes_its_specular_part)
+{
+    struct world w;
+
+    world_open(&w, BELOW "void trans m 0 0 7 .5 1 0 .01 0 .6 .7\n m" SQUARE,
+               PLAIN);
+    ck_assert_double_eq_tol(world_tilted(&w, 30).r, .5 * .99 * .6 * .7, 1e-6);
+    ck_assert_double_eq_tol(world_tilted(&w, 30).g, .99 * .6 * .7, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* Ambient light alone: each part of the material takes its share, gloss below
+ * the threshold too. */
+static const struct {
+    const char *material, *options;
+    double L;
+} shares[] = {
+    { "plastic m 0 0 5 .5 .5 .5 0 0", "-st 0", .5 },
+    { "plastic m 0 0 5 .5 .5 .5 .1 .2", "-st 0", .5 * .9 },
+    { "plastic m 0 0 5 .5 .5 .5 .1 .2", "-st .2", .5 * .9 + .1 },
+    { "metal m 0 0 5 .5 .5 .5 .4 .2", "-st .5", .5 * .6 + .5 * .4 },
+    { "trans m 0 0 7 .5 .5 .5 0 .1 .6 .5", "-st 0", .5 * .4 + .5 * .3 },
+    { "trans m 0 0 7 .5 .5 .5 0 .1 .6 .5", "-st .4", .5 * .4 + .5 * .6 },
+};
+
+START_TEST(ambient_light_is_shared_out)
+{
+    char text[512], options[64];
+    struct world w;
+
+    snprintf(text, sizeof text, "void %s m" SQUARE, shares[_i].material);
+    snprintf(options, sizeof options, "-av 1 1 1 %s", shares[_i].options);
+    world_open(&w, text, options);
+    ck_assert_double_eq_tol(world_tilted(&w, 20).r, shares[_i].L, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* Suns spread evenly (a Fibonacci spiral) over the half space of sign z, each
+ * as strong as its share of it would be at radiance 1. */
+static void
+add_suns(char *text, size_t size, double z)
+{
+    enum { N = 3000 };
+    double deg = .01, omega = 2 * M_PI * (1 - cos(deg * M_PI / 360));
+    size_t at = strlen(text);
+
+    at += (size_t)snprintf(
+        text + at, size - at, "void light sun 0 0 3 %.9g %.9g %.9g\n",
+        2 * M_PI / N / omega, 2 * M_PI / N / omega, 2 * M_PI / N / omega);
+    for (int i = 0; i < N && at < size; i++) {
+        double c = (i + .5) / N, s = sqrt(1 - c * c), phi = i * 2.39996322973;
+
+        at += (size_t)snprintf(text + at, size - at,
+                               "sun source s 0 0 4 %.9g %.9g %.9g %g\n",
+                               s * cos(phi), s * sin(phi), z * c, deg);
+    }
+    ck_assert_uint_lt(at, size);
+}
+
+static const struct {
+    const char *material;
+    double deg, diffuse, tol; /* tol: of the spiral's sum over the lobe */
+} gloss[] = {
+    { "plastic m 0 0 5 .5 .5 .5 .2 .3", 0, .4, .004 },
+    { "plastic m 0 0 5 .5 .5 .5 .2 .3", 45, .4, .004 },
+    { "plastic m 0 0 5 .5 .5 .5 .2 .3", 75, .4, .004 },
+    { "plastic m 0 0 5 .5 .5 .5 .5 .15", 30, .25, .008 },
+    { "plastic m 0 0 5 0 0 0 1 .5", 80, 0, .01 },
+    { "metal m 0 0 5 .8 .8 .8 .9 .2", 0, .08, .008 },
+    { "metal m 0 0 5 .8 .8 .8 .9 .2", 60, .08, .008 },
+};
+
+/* The light of many suns by rad_direct() is the integral of the BRDF; a white
+ * sky by sampled rays is the lobe's albedo. */
+START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
+{
+    static char text[400000];
+    double direct, sampled;
+    struct world w;
+
+    snprintf(text, sizeof text, "void %s m" SQUARE, gloss[_i].material);
+    add_suns(text, sizeof text, 1);
+    world_open(&w, text, "-av 0 0 0 -st 1 -dj 0 -dt 0");
+    direct = world_tilted(&w, gloss[_i].deg).r;
+    world_close(&w);
+    snprintf(text, sizeof text, ABOVE "void %s m" SQUARE, gloss[_i].material);
+    world_open(&w, text, PLAIN " -ss 9000");
+    sampled = world_tilted(&w, gloss[_i].deg).r;
+    world_close(&w);
+    ck_assert_double_le(direct, 1 + gloss[_i].tol);
+    ck_assert_double_gt(sampled, 0);
+    ck_assert_double_eq_tol(direct, gloss[_i].diffuse + sampled, gloss[_i].tol);
+}
+END_TEST
+
+/* One sample, and the one that -ss 0 sends the mirror's way, weigh in full. */
+START_TEST(single_gloss_sample_has_the_weight_of_the_lobe)
+{
+    struct world w;
+
+    world_open(&w, ABOVE "void plastic m 0 0 5 0 0 0 .2 .3\n m" SQUARE,
+               _i ? PLAIN " -ss 1" : PLAIN);
+    for (int deg = 0; deg < 60; deg += 10)
+        ck_assert_double_eq_tol(world_tilted(&w, deg).r, .2, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(rough_trans_keeps_its_energy)
+{
+    static char text[800000];
+    double direct, sampled;
+    struct world w;
+
+    snprintf(text, sizeof text,
+             "void trans m 0 0 7 1 1 1 .1 .25 .8 .5\n m" SQUARE);
+    add_suns(text, sizeof text, -1);
+    world_open(&w, text, "-av 0 0 0 -st 1 -dj 0 -dt 0");
+    direct = world_tilted(&w, 0).r;
+    world_close(&w);
+    world_open(&w, BELOW "void trans m 0 0 7 1 1 1 .1 .25 .8 .5\n m" SQUARE,
+               PLAIN " -ss 5000");
+    sampled = world_tilted(&w, 0).r;
+    world_close(&w);
+    ck_assert_double_eq_tol(sampled, .9 * .8 * .5, 1e-5);
+    /* Ward's transmitted lobe is normalized for small roughness only */
+    ck_assert_double_eq_tol(direct, .9 * .8, .03);
+}
+END_TEST
+
+/* What rays of each path see of emitters.  The square faces up; from below its
+ * back is seen, and a grey sky through it where it is not there. */
+#define GREY_BELOW                                                             \
+    "void glow grey 0 0 4 .25 .25 .25 0 grey source sky 0 0 4 0 0 -1 180\n"    \
+    "void glow dim 0 0 4 .5 .5 .5 0 dim source sky 0 0 4 0 0 1 180\n"          \
+    "void plastic mirror 0 0 5 0 0 0 1 0\n"
+
+enum { AMB = RAD_RAY_RAMBIENT, SPEC = RAD_RAY_RSPECULAR };
+
+static const struct {
+    const char *material, *options;
+    double z; /* where the ray comes from: the front if positive */
+    unsigned path;
+    double L;
+} emitter[] = {
+    { "light m 0 0 3 2 2 2", "", 1, 0, 2 },
+    { "light m 0 0 3 2 2 2", "", -1, 0, 0 },
+    { "light m 0 0 3 2 2 2", "-bv-", -1, 0, .5 },
+    { "light m 0 0 3 2 2 2", "-dv-", 1, 0, 0 },
+    { "light m 0 0 3 2 2 2", "", 1, RAD_RAY_REFLECTED, 2 },
+    { "light m 0 0 3 2 2 2", "", 1, AMB, 0 },
+    { "light m 0 0 3 2 2 2", "", 1, SPEC, 0 },
+    { "light m 0 0 3 2 2 2", "", 1, AMB | RAD_RAY_TRANS, 0 },
+    /* the hit is one unit away */
+    { "glow m 0 0 4 2 2 2 0", "", 1, AMB, 2 },
+    { "glow m 0 0 4 2 2 2 .9", "", 1, AMB, 2 },
+    { "glow m 0 0 4 2 2 2 1.1", "", 1, AMB, 0 },
+    { "glow m 0 0 4 2 2 2 -1", "", 1, AMB, 0 },
+    { "glow m 0 0 4 2 2 2 -1", "", 1, 0, 2 },
+    { "glow m 0 0 4 2 2 2 .9", "-dv-", 1, 0, 2 },
+    { "glow m 0 0 4 2 2 2 1.1", "-dv-", 1, 0, 0 },
+    { "glow m 0 0 4 2 2 2 -1", "-dv-", 1, 0, 0 },
+    { "illum m 0 0 3 2 2 2", "", 1, 0, .25 },
+    { "illum m 1 void 0 3 2 2 2", "", 1, 0, .25 },
+    { "illum m 1 mirror 0 3 2 2 2", "", 1, 0, .5 },
+    { "illum m 1 mirror 0 3 2 2 2", "", 1, AMB, 0 },
+    { "illum m 1 mirror 0 3 2 2 2", "", 1, SPEC, 0 },
+    { "spotlight m 0 0 7 2 2 2 40 0 0 1", "", 1, 0, 2 },
+    { "spotlight m 0 0 7 2 2 2 40 1 0 1", "", 1, 0, 0 },
+    { "spotlight m 0 0 7 2 2 2 100 1 0 1", "", 1, 0, 2 },
+};
+
+START_TEST(emitter_shows_each_ray_what_it_may_count)
+{
+    char text[1024];
+    struct rad_ray r;
+    struct world w;
+
+    snprintf(text, sizeof text, GREY_BELOW "void %s m" SQUARE,
+             emitter[_i].material);
+    world_open(&w, text, emitter[_i].options);
+    world_ray(&w, &r, 0, 0, emitter[_i].z, 0, 0, -emitter[_i].z);
+    r.path |= (uint16_t)emitter[_i].path;
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq_tol(r.L.g, emitter[_i].L, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* A surface in the sun, with something between them. */
+START_TEST(shadow_ray_is_dimmed_by_glass_and_trans)
+{
+    static const char sun[] =
+        "void light sun 0 0 3 1e6 1e6 1e6 sun source s 0 0 4 0 0 1 .5\n"
+        "void plastic m 0 0 5 .5 .5 .5 0 0 m" SQUARE;
+    static const char *const pane[] = {
+        "void glass g 0 0 3 .96 .96 .96 g",
+        "void trans g 0 0 7 .8 .8 .8 0 0 .5 .5 g",
+        "void plastic g 0 0 5 .8 .8 .8 0 0 g",
+        "void",
+        "void illum g 0 0 3 1 1 1 g",
+    };
+    /* of the sun, at normal incidence on the pane */
+    static const double share[] = { .8815, .8 * .25, 0, 1, 1 };
+    struct world open, shut;
+    char text[1024];
+
+    world_open(&open, sun, PLAIN);
+    snprintf(text, sizeof text,
+             "%s %s polygon p 0 0 12 -9 -9 2 9 -9 2 9 9 2 -9 9 2", sun,
+             pane[_i]);
+    world_open(&shut, text, PLAIN);
+    ck_assert_double_gt(world_tilted(&open, 20).r, 1);
+    ck_assert_double_eq_tol(
+        world_tilted(&shut, 20).r / world_tilted(&open, 20).r, share[_i], 1e-4);
+    world_close(&open);
+    world_close(&shut);
+}
+END_TEST
+
+#define GLASS_R 0.042579994960 /* ((1.52 - 1) / (1.52 + 1))^2 */
+
+/* E = L omega cos. */
+START_TEST(irradiance_of_a_sun_follows_the_cosine)
+{
+    static const char sun[] =
+        "void light sun 0 0 3 1e4 1e4 1e4 sun source s 0 0 4 0 0 1 .5\n"
+        "void glass g 0 0 3 1 1 1 g polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 "
+        "9 0 void metal m 0 0 5 .1 .1 .1 .9 0\n"
+        "m polygon q 0 0 12 -9 -9 -2 9 -9 -2 9 9 -2 -9 9 -2";
+    double E = 1e4 * 2 * M_PI * (1 - cos(.25 * M_PI / 180));
+    double p[3] = { 0, 0, 5 };
+    struct rad_ray r;
+    struct world w;
+
+    world_open(&w, sun, PLAIN);
+    for (double a = 0; a < 1.5; a += .25) {
+        double n[3] = { sin(a), 0, cos(a) };
+
+        rad_ray_irradiance(&w.ctx, &r, p, n, 1);
+        ck_assert_double_eq_tol(r.L.r, E * cos(a), 1e-4 * E);
+    }
+    world_close(&w);
+    /* -i: what the eye sees through the pane, whatever its material */
+    world_open(&w, sun, PLAIN " -i+");
+    ck_assert_double_eq_tol(world_see(&w, 0, 0, 1, 0, 0, -1).r,
+                            E * (1 - GLASS_R) / (1 + GLASS_R), 1e-4 * E);
+    world_close(&w);
+}
+END_TEST
+
+static unsigned char *
+test_files(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    const char *text = strcmp(name, "box.fnt") == 0
+                           ? "65 4 50 50 200 50 200 200 50 200 32 0"
+                       : strcmp(name, "two.txt") == 0 ? "A\n A"
+                                                      : NULL;
+    unsigned char *copy;
+
+    (void)arg;
+    if (!text) {
+        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+        return NULL;
+    }
+    *len = strlen(text);
+    copy = malloc(*len + 1);
+    ck_assert_ptr_nonnull(copy);
+    memcpy(copy, text, *len + 1);
+    return copy;
+}
+
+/* Cells are 1 by 1, the anchor is the origin, lines go toward -y; a box covers
+ * 50/255 to 200/255 of its cell. */
+static const struct {
+    const char *text;
+    double x, y;
+    bool fore;
+} cell[] = {
+    { "3 box.fnt . A_A", .5, -.5, true },
+    { "3 box.fnt . A_A", .1, -.5, false },
+    { "3 box.fnt . A_A", .5, -.1, false },
+    { "3 box.fnt . A_A", 1.5, -.5, true },  /* '_' has no glyph, no room */
+    { "4 box.fnt . A A", 1.5, -.5, false }, /* a space has */
+    { "4 box.fnt . A A", 2.5, -.5, true },
+    { "4 box.fnt . A A", 3.5, -.5, false },
+    { "4 box.fnt . A A", -.5, -.5, false },
+    { "4 box.fnt . A A", .5, .5, false },
+    { "4 box.fnt . A A", .5, -1.5, false },
+    { "2 box.fnt two.txt", .5, -.5, true },
+    { "2 box.fnt two.txt", .5, -1.5, false },
+    { "2 box.fnt two.txt", 1.5, -1.5, true },
+};
+
+START_TEST(text_colours_its_cells)
+{
+    static const struct rad_files files = { test_files, NULL };
+    char text[1024];
+    struct world w;
+
+    snprintf(text, sizeof text,
+             "void colortext t %s 0 15 0 0 0 1 0 0 0 -1 0 .1 .2 .3 .4 .5 .6\n"
+             "t plastic m 0 0 5 .5 .5 .5 0 0 m" SQUARE,
+             cell[_i].text);
+    ck_assert_int_eq(world_try(&w, text, "-av 1 1 1", &files), 0);
+    ck_assert_double_eq_tol(
+        world_see(&w, cell[_i].x, cell[_i].y, 3, 0, 0, -1).b,
+        .5 * (cell[_i].fore ? .3 : .6), 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+static const struct {
+    const char *text, *message;
+} bad[] = {
+    { "void plastic a 0 0 5 1 1 1 0 0 a plastic b 0 0 5 1 1 1 0 0 b" SQUARE,
+      "another material, 'a'" },
+    { "void illum a 1 nowhere 0 3 1 1 1 a" SQUARE,
+      "undefined modifier 'nowhere'" },
+    { "void brighttext t 2 none.fnt none.txt 0 11 0 0 0 1 0 0 0 1 0 1 1 "
+      "t plastic a 0 0 5 1 1 1 0 0 a" SQUARE,
+      "no file 'none.fnt'" },
+    { "void brighttext t 2 box.fnt none.txt 0 11 0 0 0 1 0 0 0 1 0 1 1 "
+      "t plastic a 0 0 5 1 1 1 0 0 a" SQUARE,
+      "no file 'none.txt'" },
+    { "void brighttext t 2 box.fnt two.txt 0 11 0 0 0 1 0 0 2 0 0 1 1 "
+      "t plastic a 0 0 5 1 1 1 0 0 a" SQUARE,
+      "parallel" },
+    { "void spotlight a 0 0 7 1 1 1 0 0 0 1 a" SQUARE, "spotlight" },
+    { "void glass a 0 0 4 1 1 1 0 a" SQUARE, "index" },
+};
+
+START_TEST(bad_material_is_refused_by_name)
+{
+    static const struct rad_files files = { test_files, NULL };
+    struct world w;
+
+    ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
+    ck_assert_ptr_null(w.job);
+    ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
+                  w.err.where, w.err.what);
+    world_close(&w);
+}
+END_TEST
+
+/* An alias is its target, with its own pattern in front of nothing else. */
+START_TEST(alias_takes_the_target_and_its_own_modifier)
+{
+    static const struct rad_files files = { test_files, NULL };
+    struct world w;
+
+    ck_assert_int_eq(
+        world_try(&w,
+                  "void plastic red 0 0 5 .5 0 0 0 0\n"
+                  "void brighttext t 3 box.fnt . A 0 11 0 0 0 1 0 0 0 -1 0 "
+                  "2 1\n t alias tred red tred" SQUARE,
+                  "-av 1 1 1", &files),
+        0);
+    ck_assert_double_eq_tol(world_see(&w, .5, -.5, 3, 0, 0, -1).r, 1, 1e-6);
+    ck_assert_double_eq_tol(world_see(&w, 2.5, -.5, 3, 0, 0, -1).r, .5, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("shade");
+    TCase *tc = tcase_create("materials");
+
+    tcase_add_loop_test(tc, glass_transmits_as_the_manual_says, 0,
+                        N_ELEM(angles));
+    tcase_add_loop_test(tc, clear_glass_reflects_what_it_does_not_transmit, 0,
+                        N_ELEM(angles));
+    tcase_add_test(tc, glass_of_96_percent_is_the_88_percent_pane);
+    tcase_add_loop_test(tc, dielectric_reflects_by_fresnel, 0, N_ELEM(angles));
+    tcase_add_test(tc, dielectric_at_brewsters_angle_reflects_one_polarization);
+    tcase_add_test(tc, dielectric_reflects_totally_from_within);
+    tcase_add_test(tc, dielectric_refracts_by_snell);
+    tcase_add_test(tc, dielectric_slab_absorbs_by_length);
+    tcase_add_test(tc, interface_of_equal_indices_lets_all_pass);
+    tcase_add_loop_test(tc, mirror_brightens_toward_grazing, 0, N_ELEM(mirror));
+    tcase_add_test(tc, clear_trans_passes_its_specular_part);
+    tcase_add_loop_test(tc, ambient_light_is_shared_out, 0, N_ELEM(shares));
+    tcase_add_loop_test(tc, gloss_drawn_in_samples_is_the_integral_of_the_brdf,
+                        0, N_ELEM(gloss));
+    tcase_add_loop_test(tc, single_gloss_sample_has_the_weight_of_the_lobe, 0,
+                        2);
+    tcase_add_test(tc, rough_trans_keeps_its_energy);
+    tcase_add_loop_test(tc, emitter_shows_each_ray_what_it_may_count, 0,
+                        N_ELEM(emitter));
+    tcase_add_loop_test(tc, shadow_ray_is_dimmed_by_glass_and_trans, 0, 5);
+    tcase_add_test(tc, irradiance_of_a_sun_follows_the_cosine);
+    tcase_add_loop_test(tc, text_colours_its_cells, 0, N_ELEM(cell));
+    tcase_add_loop_test(tc, bad_material_is_refused_by_name, 0, N_ELEM(bad));
+    tcase_add_test(tc, alias_takes_the_target_and_its_own_modifier);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

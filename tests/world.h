@@ -1,0 +1,115 @@
+/* world.h - a scene from text, made ready to trace, for tests */
+#ifndef RADD_TESTS_WORLD_H
+#define RADD_TESTS_WORLD_H
+
+#include "base/vec.h"
+#include "scene/parse.h"
+#include "shade/job.h"
+#include "shade/ray.h"
+#include "unit.h"
+
+#include <string.h>
+
+struct world {
+    struct rad_scene *scene;
+    struct rad_params params;
+    struct rad_job *job;
+    struct rad_ctx ctx;
+    struct rad_error err;
+};
+
+/* Rendering options, blank-separated, on top of what is there. */
+static inline void
+world_options(struct world *w, const char *options)
+{
+    char buf[512], *argv[64], *save = NULL;
+    int argc = 0, n;
+
+    ck_assert_uint_lt(strlen(options), sizeof buf);
+    strcpy(buf, options);
+    for (char *p = strtok_r(buf, " ", &save); p && argc < 63;
+         p = strtok_r(NULL, " ", &save))
+        argv[argc++] = p;
+    argv[argc] = NULL;
+    for (int i = 0; i < argc; i += n) {
+        n = rad_params_option(&w->params, argc - i, argv + i, &w->err);
+        ck_assert_msg(n > 0, "option %s: %s", argv[i], w->err.what);
+    }
+}
+
+/* 0, or the code of what is wrong with the scene. */
+static inline int
+world_try(struct world *w, const char *text, const char *options,
+          const struct rad_files *files)
+{
+    int rc;
+
+    memset(w, 0, sizeof *w);
+    rad_params_init(&w->params);
+    world_options(w, options);
+    w->scene = rad_scene_new();
+    ck_assert_ptr_nonnull(w->scene);
+    rc =
+        rad_parse_text(w->scene, text, strlen(text), "test.rad", NULL, &w->err);
+    if (rc < 0 || (rc = rad_scene_check(w->scene, NULL, NULL, &w->err)) < 0)
+        return rc;
+    w->job = rad_job_new(w->scene, &w->params, files, &w->err);
+    return w->job ? rad_ctx_init(&w->ctx, w->job, &w->err) : w->err.code;
+}
+
+static inline void
+world_open(struct world *w, const char *text, const char *options)
+{
+    int rc = world_try(w, text, options, NULL);
+
+    ck_assert_msg(rc == 0, "%s: %s", w->err.where, w->err.what);
+}
+
+static inline void
+world_close(struct world *w)
+{
+    if (w->job)
+        rad_ctx_release(&w->ctx);
+    rad_job_free(w->job);
+    rad_scene_free(w->scene);
+}
+
+/* A primary ray, ready to trace; dir need not be of unit length. */
+static inline void
+world_ray(struct world *w, struct rad_ray *r, double ox, double oy, double oz,
+          double dx, double dy, double dz)
+{
+    r->key = 1;
+    r->tmax = INFINITY;
+    rad_ray_spawn(&w->ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    r->org[0] = ox;
+    r->org[1] = oy;
+    r->org[2] = oz;
+    r->dir[0] = dx;
+    r->dir[1] = dy;
+    r->dir[2] = dz;
+    ck_assert(rad_normalize(r->dir) > 0);
+}
+
+static inline struct rad_rgb
+world_see(struct world *w, double ox, double oy, double oz, double dx,
+          double dy, double dz)
+{
+    struct rad_ray r;
+
+    world_ray(w, &r, ox, oy, oz, dx, dy, dz);
+    rad_ray_trace(&w->ctx, &r);
+    return r.L;
+}
+
+/* What is seen at the origin from above, deg from the vertical, in the plane
+ * y = 0. */
+static inline struct rad_rgb
+world_tilted(struct world *w, double deg)
+{
+    double a = deg * M_PI / 180;
+
+    return world_see(w, -sin(a), 0, cos(a), sin(a), 0, -cos(a));
+}
+
+#endif
