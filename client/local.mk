@@ -17,6 +17,8 @@ libclient_a_SOURCES = \
 	client/output.h \
 	client/progress.c \
 	client/progress.h \
+	client/rays.c \
+	client/rays.h \
 	client/submit.c \
 	client/submit.h \
 	client/submit_options.c \

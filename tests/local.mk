@@ -72,6 +72,7 @@ tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_submit_SOURCES = tests/check_submit.c tests/unit.h
 tests_check_submit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
 tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
+
 tests_check_ray_SOURCES = tests/check_ray.c tests/unit.h tests/world.h
 tests_check_ray_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ray_LDADD = $(UNIT_LIBS)

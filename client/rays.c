@@ -1,0 +1,141 @@
+/* rays.c - see rays.h */
+#include "config.h"
+
+#include "rays.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "shade/ray.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+int
+rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
+{
+    int at = 0;
+
+    rad_params_init(&o->params);
+    o->irradiance = false;
+    for (;;) {
+        int n, rc = words_expand(w, at, err);
+        const char *word = w->list[at];
+
+        if (rc < 0)
+            return rc;
+        if (!word)
+            return rad_fail(err, RAD_EUSAGE, "no scene file");
+        if (word[0] != '-' || word[1] == '\0')
+            break;
+        if (strcmp(word, "-I") == 0) {
+            o->irradiance = true;
+            at++;
+            continue;
+        }
+        n = rad_params_option(&o->params, w->n - at, w->list + at, err);
+        if (n < 0)
+            return n;
+        if (n == 0)
+            return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", word);
+        at += n;
+    }
+    return rad_params_check(&o->params, err) < 0 ? RAD_EUSAGE : at;
+}
+
+/* Six numbers and nothing else: 1; an empty line: 0. */
+static int
+read_line(const char *line, double v[6], struct rad_error *err)
+{
+    char *end;
+    int n = 0;
+
+    line += strspn(line, " \t\r\n");
+    if (*line == '\0')
+        return 0;
+    while (n < 6) {
+        v[n] = strtod(line, &end);
+        if (end == line || !isfinite(v[n]))
+            break;
+        n++;
+        line = end;
+    }
+    line += strspn(line, " \t\r\n");
+    if (n < 6 || *line != '\0')
+        return rad_fail(err, RAD_EDATA, "expected six numbers");
+    return 1;
+}
+
+static struct rad_rgb
+see(struct rad_ctx *ctx, double v[6], bool irradiance, uint64_t key)
+{
+    struct rad_ray r;
+
+    if (rad_normalize(v + 3) == 0)
+        return rad_grey(0);
+    if (irradiance) {
+        rad_ray_irradiance(ctx, &r, v, v + 3, key);
+        return r.L;
+    }
+    rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_copy(r.org, v);
+    rad_copy(r.dir, v + 3);
+    r.tmax = INFINITY;
+    r.key = key;
+    rad_ray_trace(ctx, &r);
+    return r.L;
+}
+
+static int
+trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
+            struct rad_error *err)
+{
+    uint64_t seed = ctx->job->params.seed;
+    uint32_t number = 0;
+    char *line = NULL;
+    size_t size = 0;
+    int rc = 0;
+
+    for (long at = 1; rc >= 0 && getline(&line, &size, in) >= 0; at++) {
+        double v[6];
+        struct rad_rgb c;
+
+        rc = read_line(line, v, err);
+        if (rc < 0)
+            rad_error_where(err, "stdin:%ld", at);
+        if (rc <= 0)
+            continue;
+        c = see(ctx, v, irradiance, rad_key_pixel(seed, 0, number++, 0));
+        fprintf(out, "%.9g %.9g %.9g\n", (double)c.r, (double)c.g, (double)c.b);
+    }
+    free(line);
+    if (rc >= 0 && ferror(in))
+        rc =
+            rad_fail(err, RAD_EIO, "cannot read the rays: %s", strerror(errno));
+    if (fflush(out) != 0 && rc >= 0)
+        rc = rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
+    return rc < 0 ? rc : 0;
+}
+
+int
+rays_run(const struct rays_options *o, const struct rad_scene *scene,
+         const struct rad_files *files, FILE *in, FILE *out,
+         struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    struct rad_job *job = rad_job_new(scene, &o->params, files, &why);
+    struct rad_ctx ctx;
+    int rc;
+
+    if (!job) {
+        if (err && err->code == 0)
+            *err = why;
+        return why.code;
+    }
+    rc = rad_ctx_init(&ctx, job, err);
+    if (rc == 0) {
+        rc = trace_lines(&ctx, o->irradiance, in, out, err);
+        rad_ctx_release(&ctx);
+    }
+    rad_job_free(job);
+    return rc;
+}
