@@ -51,6 +51,21 @@ actions_add(struct action_list *l, enum action_type type, uint64_t conn)
     return &l->v[l->n++];
 }
 
+struct action *
+actions_add_job(struct action_list *l, enum action_type type, uint64_t conn,
+                const uint8_t job[MSG_JOB])
+{
+    const uint8_t *copy = rad_arena_dup(&l->mem, job, MSG_JOB);
+    struct action *a = copy ? actions_add(l, type, conn) : NULL;
+
+    if (!a) {
+        l->failed = true;
+        return NULL;
+    }
+    a->job = copy;
+    return a;
+}
+
 void
 actions_send(struct action_list *l, uint64_t conn, const struct msg *m)
 {

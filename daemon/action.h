@@ -1,8 +1,10 @@
 /* action.h - what the pure machines want done
  *
  * coord.c and worker.c take events and append actions; the shell around them
- * carries the actions out, in order, before it delivers the next event.  All
- * that an action points at is valid until actions_clear().
+ * carries the actions out, in order, before it delivers the next event.  What
+ * an action points at is valid until actions_clear(); the chunk of
+ * ACT_PUT_CHUNK and the pixels of ACT_PUT_ROWS as long as the message that
+ * brought them.
  *
  * Connections have numbers: the shell chooses those of connections that came
  * in, the machine those that it asks for (ACT_DIAL, ACT_SPAWN), with
@@ -18,11 +20,11 @@
 
 enum action_type {
     /* both daemons */
-    ACT_SEND,    /* conn, bytes: a whole frame; never dropped */
-    ACT_SESSION, /* conn, session: what may arrive from now on */
-    ACT_CLOSE,   /* conn: close once what was sent is out; its closed event
-                  * still comes */
-    ACT_LOG,     /* level, text */
+    ACT_SEND,      /* conn, bytes: a whole frame; never dropped */
+    ACT_SESSION,   /* conn, session: what may arrive from now on */
+    ACT_CLOSE,     /* conn: close once what was sent is out; its closed event
+                    * still comes */
+    ACT_LOG,       /* level, text */
     ACT_PUT_CHUNK, /* conn, chunk: keep a piece of a file; when whole and its
                     * hash right: file_stored, else file_failed */
     /* coordinator */
@@ -37,11 +39,11 @@ enum action_type {
     ACT_JOB_FORGET,    /* job: remove its files */
     /* worker */
     ACT_DIAL,  /* conn, text: address; empty: the coordinator's.  Then opened
-                * or closed */
+                * (an ACT_SESSION follows) or closed */
     ACT_SPAWN, /* conn, job: start a child, session MSG_AT_PARENT_NEW; frames
                 * may be sent at once.  Then child_ended, once */
     ACT_KILL,  /* conn: end that child; no event follows */
-    ACT_STOP   /* leave: nothing is left to do */
+    ACT_STOP   /* leave with an exit status; text says why, or is empty */
 };
 
 /* Rows that one RESULT brought, and the key that comes back when they are
@@ -50,13 +52,13 @@ struct action_rows {
     uint64_t conn; /* worker's connection */
     uint8_t job[MSG_JOB];
     uint32_t unit, attempt;
-    uint32_t row, rows;        /* in the unit */
-    uint32_t frame;            /* index */
-    uint32_t x, y;             /* of the first pixel, in the picture */
+    uint32_t row, rows; /* in the unit */
+    uint32_t frame;     /* index */
+    uint32_t x, y;      /* of the first pixel, in the picture */
     uint32_t width;
-    uint8_t channels;          /* 3 or 4 */
-    uint8_t last;              /* of its unit */
-    const uint8_t *pixels;     /* floats as on the wire; not in the key */
+    uint8_t channels;      /* 3 or 4 */
+    uint8_t last;          /* of its unit */
+    const uint8_t *pixels; /* floats as on the wire; not in the key */
 };
 
 enum action_level { ACT_ERR, ACT_WARN, ACT_INFO, ACT_DEBUG };
@@ -65,14 +67,15 @@ struct action {
     enum action_type type;
     uint64_t conn;
     uint32_t request;
-    uint32_t frame;               /* index */
+    uint32_t frame; /* index */
     enum msg_session session;
     enum msg_what what;
     enum action_level level;
-    const uint8_t *job, *hash;    /* MSG_JOB, MSG_HASH bytes */
+    const uint8_t *job, *hash; /* MSG_JOB, MSG_HASH bytes */
     const uint8_t *bytes;
     size_t len;
     const char *text;
+    int status; /* of sysexits.h */
     struct msg_chunk chunk;
     struct action_rows rows;
 };
@@ -94,6 +97,10 @@ void actions_clear(struct action_list *l);
 /* Append one; NULL when memory is out (l->failed is set). */
 struct action *actions_add(struct action_list *l, enum action_type type,
                            uint64_t conn);
+
+/* Append one about a job, whose id is copied. */
+struct action *actions_add_job(struct action_list *l, enum action_type type,
+                               uint64_t conn, const uint8_t job[MSG_JOB]);
 
 /* Pack a message into an ACT_SEND.  A message of ours that cannot be packed is
  * a bug: it sets l->failed. */

@@ -66,8 +66,7 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
 /* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
  * sysexits.h with a text. */
 void coord_job_opened(struct coord *c, uint64_t now_ms,
-                      const uint8_t job[MSG_JOB], int status,
-                      const char *text);
+                      const uint8_t job[MSG_JOB], int status, const char *text);
 void coord_rows_stored(struct coord *c, uint64_t now_ms,
                        const struct action_rows *key, int status,
                        const char *text);

@@ -18,8 +18,8 @@
  * nothing, and is small enough that several workers end together; a small
  * picture is still cut so that a few workers have something to do. */
 #define PIXELS_PER_WINDOW 4096
-#define LEAST_WINDOWS 16
-#define MOST_WINDOWS 4096
+#define LEAST_WINDOWS     16
+#define MOST_WINDOWS      4096
 
 /* A row of pixels must fit a RESULT. */
 #define WIDEST (MSG_MAX_PIXELS / 16)
@@ -217,8 +217,7 @@ partition_new(const struct partition_spec *spec, struct rad_error *err)
     for (uint32_t i = 0; i < spec->nframes; i++) {
         uint32_t first = p->total;
 
-        add_frame(p, i, &spec->frames[i],
-                  windows_of(spec, &spec->frames[i]));
+        add_frame(p, i, &spec->frames[i], windows_of(spec, &spec->frames[i]));
         for (uint32_t u = first; u < p->total; u++)
             p->order[u] = u;
         order_frame(p->order + first, p->total - first, spec, i);
@@ -344,8 +343,7 @@ partition_kind(const struct partition *p)
 const char *
 partition_kind_name(enum msg_partition kind)
 {
-    static const char *const name[] = { "auto", "static", "scanbar",
-                                        "window" };
+    static const char *const name[] = { "auto", "static", "scanbar", "window" };
 
     return kind < MSG_NPART ? name[kind] : "?";
 }

@@ -38,9 +38,10 @@ struct partition *partition_new(const struct partition_spec *spec,
                                 struct rad_error *err);
 void partition_free(struct partition *p);
 
-uint32_t partition_total(const struct partition *p);   /* units */
-uint32_t partition_waiting(const struct partition *p); /* neither out nor done */
-uint32_t partition_left(const struct partition *p);    /* not done */
+uint32_t partition_total(const struct partition *p); /* units */
+uint32_t
+partition_waiting(const struct partition *p);       /* neither out nor done */
+uint32_t partition_left(const struct partition *p); /* not done */
 
 /* The unit that the worker (a number that stays with it) should do next, out
  * of the queue from now on; false when none waits. */

@@ -68,8 +68,7 @@ void worker_file_failed(struct worker *w, uint64_t now_ms,
                         const char *text);
 
 /* n bytes of what was sent to a connection have been written out. */
-void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn,
-                    size_t n);
+void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n);
 
 /* Leave: finish the units in hand, then ACT_STOP.  A second call, or no
  * coordinator: ACT_STOP at once. */

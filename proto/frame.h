@@ -11,8 +11,8 @@
 
 #include "message.h"
 
-#define MSG_MAGIC 0x52414444u /* "RADD" */
-#define MSG_HEADER 16
+#define MSG_MAGIC     0x52414444u /* "RADD" */
+#define MSG_HEADER    16
 #define MSG_FRAME_MAX (MSG_HEADER + MSG_MAX)
 
 struct msg_header {

@@ -730,7 +730,7 @@ unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
 
 /* --- peers --- */
 
-#define PEER_MIN 26 /* bytes of a peer with empty strings */
+#define PEER_MIN  26 /* bytes of a peer with empty strings */
 #define MAX_PEERS 4096
 
 static void
@@ -816,11 +816,11 @@ unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
 
 /* --- the table --- */
 
-#define AT(session) (1u << MSG_AT_##session)
+#define AT(session)     (1u << MSG_AT_##session)
 #define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
-#define AT_PARENT (AT(PARENT_NEW) | AT(PARENT))
+#define AT_PARENT       (AT(PARENT_NEW) | AT(PARENT))
 /* wherever both sides have said who they are, over a network */
-#define AT_LIVE                                                              \
+#define AT_LIVE                                                                \
     (AT(COORD_WORKER) | AT_COORD_CLIENT | AT(WORKER) | AT(CLIENT) | AT(PEER))
 
 struct row {
@@ -833,19 +833,19 @@ struct row {
 };
 
 /* From the body's codec to one that takes the whole message. */
-#define MSG(NAME, lower, body, number, limit, at)                            \
-    static void msg_pack_##lower(struct wire_out *o, const struct msg *m)    \
-    {                                                                        \
-        pack_##body(o, &m->lower);                                           \
-    }                                                                        \
-    static void msg_unpack_##lower(struct wire_in *in, struct msg *m)        \
-    {                                                                        \
-        unpack_##body(in, &m->lower, m);                                     \
+#define MSG(NAME, lower, body, number, limit, at)                              \
+    static void msg_pack_##lower(struct wire_out *o, const struct msg *m)      \
+    {                                                                          \
+        pack_##body(o, &m->lower);                                             \
+    }                                                                          \
+    static void msg_unpack_##lower(struct wire_in *in, struct msg *m)          \
+    {                                                                          \
+        unpack_##body(in, &m->lower, m);                                       \
     }
 #include "message.def"
 
 static const struct row rows[] = {
-#define MSG(NAME, lower, body, number, limit, at)                            \
+#define MSG(NAME, lower, body, number, limit, at)                              \
     { number, #NAME, limit, at, msg_pack_##lower, msg_unpack_##lower },
 #include "message.def"
 };
@@ -902,20 +902,19 @@ msg_unpack(struct msg *m, uint16_t type, uint32_t request,
     size_t list_size = m->list_size;
     struct wire_in in;
 
-    *m = (struct msg){ .type = type,
-                       .request = request,
-                       .list = list,
-                       .list_size = list_size };
+    *m = (struct msg){
+        .type = type, .request = request, .list = list, .list_size = list_size
+    };
     if (!row)
         return rad_fail(err, RAD_EPROTO, "unknown message %u", type);
     wire_in_init(&in, payload, n);
     row->unpack(&in, m);
     if (in.bad)
-        return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes",
-                        row->name, n);
+        return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes", row->name,
+                        n);
     if (wire_left(&in) > 0)
-        return rad_fail(err, RAD_EPROTO, "%s has %zu bytes too many",
-                        row->name, wire_left(&in));
+        return rad_fail(err, RAD_EPROTO, "%s has %zu bytes too many", row->name,
+                        wire_left(&in));
     return 0;
 }
 

@@ -15,26 +15,26 @@
 #include "base/error.h"
 #include "wire.h"
 
-#define MSG_VERSION 1
-#define MSG_MAX (1u << 20)        /* largest payload [bytes] */
-#define MSG_MAX_CHUNK (1u << 18)  /* most file bytes in a CHUNK */
-#define MSG_MAX_AMBIENT (1u << 17) /* most record bytes in an AMBIENT */
-#define MSG_MAX_PIXELS (MSG_MAX - 256) /* most pixel bytes in a RESULT */
+#define MSG_VERSION     1
+#define MSG_MAX         (1u << 20)      /* largest payload [bytes] */
+#define MSG_MAX_CHUNK   (1u << 18)      /* most file bytes in a CHUNK */
+#define MSG_MAX_AMBIENT (1u << 17)      /* most record bytes in an AMBIENT */
+#define MSG_MAX_PIXELS  (MSG_MAX - 256) /* most pixel bytes in a RESULT */
 
 /* String limits [bytes, without the NUL]. */
-#define MSG_MAX_NAME 64
+#define MSG_MAX_NAME    64
 #define MSG_MAX_ADDRESS 200
-#define MSG_MAX_TEXT 500
-#define MSG_MAX_NEEDS 1024
-#define MSG_MAX_PARAMS 4096
-#define MSG_MAX_VIEW 1024
+#define MSG_MAX_TEXT    500
+#define MSG_MAX_NEEDS   1024
+#define MSG_MAX_PARAMS  4096
+#define MSG_MAX_VIEW    1024
 
-#define MSG_MAX_FILES 16384   /* hashes in one list */
-#define MSG_MAX_FRAMES 65536  /* of a job; the payload's limit comes first */
-#define MSG_MAX_SIDE 65535    /* columns or rows of a picture */
+#define MSG_MAX_FILES  16384 /* hashes in one list */
+#define MSG_MAX_FRAMES 65536 /* of a job; the payload's limit comes first */
+#define MSG_MAX_SIDE   65535 /* columns or rows of a picture */
 
-#define MSG_HASH 32  /* bytes of a SHA-256 */
-#define MSG_JOB 16   /* bytes of a job's id */
+#define MSG_HASH  32 /* bytes of a SHA-256 */
+#define MSG_JOB   16 /* bytes of a job's id */
 #define MSG_TOKEN 16 /* bytes of a peer's token */
 
 enum msg_type {
@@ -79,12 +79,12 @@ enum msg_order {
 };
 
 /* Flags of a job. */
-#define MSG_JOB_DEPTH (1u << 0)        /* distances are wanted */
-#define MSG_JOB_SHARE (1u << 1)        /* ambient records are shared */
+#define MSG_JOB_DEPTH        (1u << 0) /* distances are wanted */
+#define MSG_JOB_SHARE        (1u << 1) /* ambient records are shared */
 #define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing kept between frames */
-#define MSG_JOB_NO_BALANCE (1u << 3)
-#define MSG_JOB_SAME_BITS (1u << 4)    /* workers of one fingerprint only */
-#define MSG_JOB_FLAGS 31u              /* all of them */
+#define MSG_JOB_NO_BALANCE   (1u << 3)
+#define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
+#define MSG_JOB_FLAGS        31u       /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {
@@ -109,14 +109,14 @@ enum msg_topic {
 /* When [min, max] leaves our version out, the fields after role are not read
  * (another version may have others) and are empty. */
 struct msg_hello {
-    uint16_t min, max;     /* versions that the sender speaks */
-    uint8_t role;          /* enum msg_role that it asks for */
-    const char *name;      /* worker's name; may be empty for the others */
-    const char *program;   /* "radd 0.1.0" */
-    const char *address;   /* where peers dial it: "tcp 127.0.0.1:41234" or
-                            * "unix /path"; empty: nowhere */
-    uint16_t threads;      /* of a worker */
-    uint64_t fingerprint;  /* numeric fingerprint; 0 before a job is loaded */
+    uint16_t min, max;    /* versions that the sender speaks */
+    uint8_t role;         /* enum msg_role that it asks for */
+    const char *name;     /* worker's name; may be empty for the others */
+    const char *program;  /* "radd 0.1.0" */
+    const char *address;  /* where peers dial it: "tcp 127.0.0.1:41234" or
+                           * "unix /path"; empty: nowhere */
+    uint16_t threads;     /* of a worker */
+    uint64_t fingerprint; /* numeric fingerprint; 0 before a job is loaded */
 };
 
 struct msg_welcome {
@@ -179,16 +179,16 @@ struct msg_spec {
     const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
     const uint8_t *manifest; /* hash of the bundle's manifest */
     const char *name;
-    const char *params;      /* rad_params_format() */
-    const char *needs;       /* features the scene uses, blanks between */
-    const char *estimate;    /* --estimate, "uniform" by default */
+    const char *params;   /* rad_params_format() */
+    const char *needs;    /* features the scene uses, blanks between */
+    const char *estimate; /* --estimate, "uniform" by default */
     uint64_t seed;
     int32_t priority;
-    uint32_t flags;          /* MSG_JOB_... */
-    uint8_t partition;       /* enum msg_partition */
-    uint8_t order;           /* enum msg_order */
-    uint32_t windows;        /* 0: by the picture's size */
-    uint32_t objects;        /* in the scene, for the statistics */
+    uint32_t flags;    /* MSG_JOB_... */
+    uint8_t partition; /* enum msg_partition */
+    uint8_t order;     /* enum msg_order */
+    uint32_t windows;  /* 0: by the picture's size */
+    uint32_t objects;  /* in the scene, for the statistics */
     uint64_t bundle_bytes;
     double compile_s;
     struct msg_hashes files; /* all of the bundle, the manifest among them */
@@ -204,9 +204,9 @@ struct msg_accept {
 
 struct msg_progress {
     const uint8_t *job;
-    uint8_t state;         /* enum job_state of daemon/job.h: 0 waiting,
-                            * 1 running, 2 paused, 3 done, 4 failed,
-                            * 5 cancelled */
+    uint8_t state; /* enum job_state of daemon/job.h: 0 waiting,
+                    * 1 running, 2 paused, 3 done, 4 failed,
+                    * 5 cancelled */
     uint64_t pixels_done, pixels_total;
     uint32_t units_done, units_total, units_redone;
     double cost_done, cost_total; /* estimated; same unit for both */

@@ -29,7 +29,7 @@ static size_t
 utf8_sequence(const uint8_t *s, size_t n)
 {
     static const uint32_t least[] = { 0, 1, 0x80, 0x800, 0x10000 };
-    size_t len = s[0] < 0x80            ? 1
+    size_t len = s[0] < 0x80             ? 1
                  : (s[0] & 0xe0) == 0xc0 ? 2
                  : (s[0] & 0xf0) == 0xe0 ? 3
                  : (s[0] & 0xf8) == 0xf0 ? 4

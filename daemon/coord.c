@@ -1,0 +1,943 @@
+/* coord.c - see coord.h
+ *
+ * Connections, requests and the life of a job; who works on what is in
+ * sched.c.  Messages go through one table of short handlers; which of them may
+ * come from whom was checked by the session before (proto/message.def).
+ *
+ * A job waits until its bundle is stored and there is room for its rows; then
+ * it is accepted.  It is over when every frame's picture is written, when it
+ * failed, or when it was cancelled; it is then remembered, without its place
+ * in the queue, until KEPT_JOBS later ones are over too. */
+#include "config.h"
+
+#include "coord.h"
+
+#include "report.h"
+#include "sched.h"
+#include "stats.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define PROGRESS_MS  500
+#define KEPT_JOBS    100  /* that are over */
+#define MOST_JOBS    1000 /* that are not */
+#define MOST_THREADS 4096 /* of one worker */
+
+struct coord *
+coord_new(const struct coord_env *env)
+{
+    struct coord *c = calloc(1, sizeof *c);
+
+    if (!c)
+        return NULL;
+    c->env = *env;
+    actions_init(&c->actions);
+    return c;
+}
+
+void
+coord_free(struct coord *c)
+{
+    if (!c)
+        return;
+    while (c->conns) {
+        struct coord_conn *next = c->conns->next;
+
+        free(c->conns);
+        c->conns = next;
+    }
+    while (c->workers) {
+        struct coord_worker *next = c->workers->next;
+
+        free(c->workers);
+        c->workers = next;
+    }
+    for (size_t i = 0; i < c->njobs; i++)
+        job_free(c->jobs[i]);
+    free(c->jobs);
+    actions_release(&c->actions);
+    free(c);
+}
+
+struct action_list *
+coord_actions(struct coord *c)
+{
+    return &c->actions;
+}
+
+struct coord_conn *
+coord_find_conn(const struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = c->conns;
+
+    while (conn && conn->id != id)
+        conn = conn->next;
+    return conn;
+}
+
+struct job *
+coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
+{
+    for (size_t i = 0; i < c->njobs; i++)
+        if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
+            return c->jobs[i];
+    return NULL;
+}
+
+/* --- replies --- */
+
+static void
+reply_failed(struct coord *c, const struct coord_conn *conn, uint32_t request,
+             const uint8_t *job, int status, const char *text)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .request = request,
+                     .failed = { job, (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+static void
+reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
+             const char *text)
+{
+    struct msg m = { .type = MSG_ANSWER,
+                     .request = request,
+                     .answer = { (const uint8_t *)text, strlen(text) } };
+
+    if (m.answer.len > MSG_MAX - 4)
+        reply_failed(c, conn, request, NULL, EX_SOFTWARE,
+                     "the answer is too long");
+    else
+        actions_send(&c->actions, conn->id, &m);
+}
+
+/* --- the life of a job --- */
+
+static void
+send_progress(struct coord *c, const struct coord_conn *conn,
+              const struct job *job)
+{
+    struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
+
+    job_progress(job, c->now_ms, &m.progress);
+    actions_send(&c->actions, conn->id, &m);
+}
+
+/* The last words to one who watches the job. */
+static void
+send_end(struct coord *c, const struct coord_conn *conn, const struct job *job)
+{
+    struct msg m = { .type = MSG_DONE,
+                     .request = conn->watch_request,
+                     .done = { job->id, job->spec.nframes } };
+
+    send_progress(c, conn, job);
+    if (job->state == JOB_DONE)
+        actions_send(&c->actions, conn->id, &m);
+    else
+        reply_failed(c, conn, conn->watch_request, job->id, job->status,
+                     job->text);
+}
+
+static void
+send_accept(struct coord *c, const struct coord_conn *conn,
+            const struct job *job, bool again)
+{
+    struct msg m = { .type = MSG_ACCEPT,
+                     .request = conn->watch_request,
+                     .accept = { job->id, again } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+/* Forget the oldest of the jobs that are over when there are too many. */
+static void
+forget_old(struct coord *c)
+{
+    size_t over = 0, oldest = 0;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        if (!job_over(c->jobs[i]))
+            continue;
+        if (over++ == 0 || c->jobs[i]->end_ms < c->jobs[oldest]->end_ms)
+            oldest = i;
+    }
+    if (over <= KEPT_JOBS)
+        return;
+    actions_add_job(&c->actions, ACT_JOB_FORGET, 0, c->jobs[oldest]->id);
+    job_free(c->jobs[oldest]);
+    memmove(c->jobs + oldest, c->jobs + oldest + 1,
+            (c->njobs - oldest - 1) * sizeof *c->jobs);
+    c->njobs--;
+}
+
+void
+coord_job_ends(struct coord *c, struct job *job, enum job_state state,
+               int status, const char *text)
+{
+    if (job_over(job))
+        return;
+    job->state = state;
+    job->status = status;
+    job->end_ms = c->now_ms;
+    snprintf(job->text, sizeof job->text, "%s", text ? text : "");
+    actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
+                job->hex, job_state_name(state), job->text);
+    sched_job_over(c, job);
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch == job) {
+            send_end(c, conn, job);
+            conn->watch = NULL;
+        }
+}
+
+/* Once its files are all there, ask for room for its rows. */
+static void
+try_open(struct coord *c, struct job *job)
+{
+    const struct msg_hashes *f = &job->spec.files;
+
+    if (job->asked_open || job_over(job))
+        return;
+    for (uint32_t i = 0; i < f->n; i++)
+        if (!c->env.has_file(c->env.arg, f->hash + (size_t)i * MSG_HASH))
+            return;
+    job->asked_open = true;
+    actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
+}
+
+static bool
+add_job(struct coord *c, struct job *job)
+{
+    size_t i = c->njobs;
+
+    if (c->njobs == c->cap_jobs) {
+        size_t cap = c->cap_jobs ? 2 * c->cap_jobs : 16;
+        struct job **v = realloc(c->jobs, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        c->jobs = v;
+        c->cap_jobs = cap;
+    }
+    while (i > 0 && c->jobs[i - 1]->spec.priority < job->spec.priority) {
+        c->jobs[i] = c->jobs[i - 1];
+        i--;
+    }
+    c->jobs[i] = job;
+    c->njobs++;
+    job->sequence = ++c->sequence;
+    return true;
+}
+
+/* --- session messages --- */
+
+/* Forget a connection that is closed, or about to be. */
+static void
+drop_conn(struct coord *c, struct coord_conn *conn)
+{
+    struct coord_conn **link = &c->conns;
+
+    while (*link != conn)
+        link = &(*link)->next;
+    *link = conn->next;
+    if (conn->worker) {
+        conn->worker->conn = 0;
+        conn->worker->since_ms = c->now_ms;
+        sched_worker_gone(c, conn->worker);
+    }
+    free(conn);
+}
+
+void
+coord_break(struct coord *c, uint64_t id, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    if (!conn)
+        return;
+    actions_log(&c->actions, ACT_WARN,
+                "connection closed peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+    actions_session(&c->actions, id, MSG_NSESSION);
+    actions_close(&c->actions, id);
+    drop_conn(c, conn);
+}
+
+static void
+refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
+       const char *text)
+{
+    struct msg m = { .type = MSG_REFUSE,
+                     .request = request,
+                     .refuse = { (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+    coord_break(c, conn->id, text);
+}
+
+/* Names go into logs, JSON and file names: letters, digits, '.', '_', '-'. */
+static bool
+good_name(const char *name)
+{
+    if (name[0] == '\0')
+        return false;
+    for (; *name; name++)
+        if (!isalnum((unsigned char)*name) && !strchr("._-", *name))
+            return false;
+    return true;
+}
+
+/* The record of that name, a new one if it never was here; NULL when memory is
+ * out. */
+static struct coord_worker *
+worker_of_name(struct coord *c, const char *name)
+{
+    struct coord_worker *w, **link = &c->workers;
+
+    for (; (w = *link) != NULL; link = &w->next)
+        if (strcmp(w->name, name) == 0)
+            return w;
+    w = calloc(1, sizeof *w);
+    if (w) {
+        snprintf(w->name, sizeof w->name, "%s", name);
+        *link = w;
+    }
+    return w;
+}
+
+static bool
+join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
+{
+    struct coord_worker *w = worker_of_name(c, m->name);
+
+    if (!w) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (w->conn != 0)
+        coord_break(c, w->conn, "replaced by a new connection of that name");
+    w->conn = conn->id;
+    w->threads = m->threads;
+    w->fingerprint = m->fingerprint;
+    w->since_ms = c->now_ms;
+    w->leaving = w->alone = false;
+    snprintf(w->program, sizeof w->program, "%s", m->program);
+    snprintf(w->address, sizeof w->address, "%s", m->address);
+    conn->worker = w;
+    return true;
+}
+
+/* Why a HELLO is not welcome; NULL: it is. */
+static const char *
+hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
+            char text[MSG_MAX_TEXT + 1], int *status)
+{
+    *status = EX_PROTOCOL;
+    if (m->min > MSG_VERSION || m->max < MSG_VERSION) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "protocol versions %u to %u are not spoken here, only %u",
+                 m->min, m->max, MSG_VERSION);
+        return text;
+    }
+    if (!(conn->roles >> m->role & 1)) {
+        *status = EX_NOPERM;
+        return "this role is not allowed from there";
+    }
+    if (m->role != MSG_ROLE_WORKER)
+        return NULL;
+    *status = EX_CONFIG;
+    if (!good_name(m->name))
+        return "a worker's name needs letters, digits, '.', '_' or '-'";
+    if (m->threads < 1 || m->threads > MOST_THREADS)
+        return "a worker needs 1 to 4096 threads";
+    return NULL;
+}
+
+static void
+on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    static const enum msg_session session[] = {
+        [MSG_ROLE_WORKER] = MSG_AT_COORD_WORKER,
+        [MSG_ROLE_USER] = MSG_AT_COORD_USER,
+        [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
+    };
+    struct msg welcome = { .type = MSG_WELCOME,
+                           .request = m->request,
+                           .welcome = { MSG_VERSION, c->env.epoch,
+                                        c->env.program } };
+    char text[MSG_MAX_TEXT + 1];
+    int status;
+    const char *fault = hello_fault(conn, &m->hello, text, &status);
+
+    if (fault) {
+        refuse(c, conn, m->request, status, fault);
+        return;
+    }
+    if (m->hello.role == MSG_ROLE_WORKER && !join_worker(c, conn, &m->hello))
+        return;
+    conn->session = session[m->hello.role];
+    actions_log(&c->actions, ACT_INFO,
+                "hello peer=%s role=%u name=%s threads=%u", conn->address,
+                m->hello.role, m->hello.name, m->hello.threads);
+    actions_session(&c->actions, conn->id, conn->session);
+    actions_send(&c->actions, conn->id, &welcome);
+}
+
+/* PING is the shell's; BYE is followed by the end of the connection. */
+static void
+on_nothing(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    (void)c;
+    (void)conn;
+    (void)m;
+}
+
+/* --- files --- */
+
+static void
+on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct msg want = { .type = MSG_WANT, .request = m->request };
+    const struct msg_hashes *f = &m->offer;
+    uint8_t *list = rad_arena_alloc(&c->actions.mem, (size_t)f->n * MSG_HASH);
+
+    if (!list) {
+        c->actions.failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < f->n; i++) {
+        const uint8_t *hash = f->hash + (size_t)i * MSG_HASH;
+
+        if (!c->env.has_file(c->env.arg, hash))
+            memcpy(list + (size_t)want.want.n++ * MSG_HASH, hash, MSG_HASH);
+    }
+    want.want.hash = list;
+    if (conn->offer_ms == 0)
+        conn->offer_ms = c->now_ms;
+    actions_send(&c->actions, conn->id, &want);
+}
+
+static void
+on_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct action *a = actions_add(&c->actions, ACT_PUT_CHUNK, conn->id);
+
+    conn->sent_bytes += m->chunk.len;
+    if (!a)
+        return;
+    a->request = m->request;
+    a->chunk = m->chunk;
+}
+
+/* A worker lacks files. */
+static void
+on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    for (uint32_t i = 0; i < m->want.n; i++) {
+        struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn->id);
+
+        if (!a)
+            return;
+        a->request = m->request;
+        a->hash = rad_arena_dup(&c->actions.mem,
+                                m->want.hash + (size_t)i * MSG_HASH, MSG_HASH);
+        if (!a->hash)
+            c->actions.failed = true;
+    }
+}
+
+/* --- requests about jobs --- */
+
+static bool
+may_steer(const struct coord_conn *conn, const struct job *job)
+{
+    return conn->session == MSG_AT_COORD_ADMIN ||
+           strcmp(conn->owner, job->owner) == 0;
+}
+
+/* The job that a request names, if there is one and the sender may steer it;
+ * else NULL, and the sender is told. */
+static struct job *
+job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
+               const uint8_t *id)
+{
+    struct job *job = coord_find_job(c, id);
+
+    if (!job) {
+        reply_failed(c, conn, request, id, EX_NOINPUT, "no such job");
+        return NULL;
+    }
+    if (!may_steer(conn, job)) {
+        reply_failed(c, conn, request, id, EX_NOPERM,
+                     "the job belongs to another user");
+        return NULL;
+    }
+    return job;
+}
+
+/* Why a new job cannot be taken; 0: it can. */
+static int
+submit_fault(const struct coord *c, const struct msg_spec *spec,
+             struct rad_error *err)
+{
+    struct partition_spec p = { .kind = spec->partition,
+                                .order = spec->order,
+                                .windows = spec->windows,
+                                .nframes = spec->nframes,
+                                .frames = spec->frames };
+    size_t active = 0;
+
+    for (size_t i = 0; i < c->njobs; i++)
+        active += !job_over(c->jobs[i]);
+    if (active >= MOST_JOBS)
+        return rad_fail(err, RAD_ETEMPFAIL, "the queue is full");
+    return partition_check(&p, err);
+}
+
+/* Somebody submits a job that is here already: attach to it. */
+static void
+attach(struct coord *c, struct coord_conn *conn, uint32_t request,
+       const uint8_t *id)
+{
+    struct job *job = job_of_request(c, conn, request, id);
+
+    if (!job)
+        return;
+    conn->watch_request = request;
+    if (job->opened || job_over(job))
+        send_accept(c, conn, job, true);
+    if (job_over(job))
+        send_end(c, conn, job);
+    else
+        conn->watch = job;
+}
+
+static void
+on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct rad_error err = { 0 };
+    struct job *job;
+
+    if (coord_find_job(c, m->submit.job)) {
+        attach(c, conn, m->request, m->submit.job);
+        return;
+    }
+    if (submit_fault(c, &m->submit, &err) != 0) {
+        reply_failed(c, conn, m->request, m->submit.job,
+                     rad_exit_status(err.code), err.what);
+        return;
+    }
+    job = job_new(&m->submit, conn->owner);
+    if (!job || !add_job(c, job)) {
+        job_free(job);
+        c->actions.failed = true;
+        return;
+    }
+    job->submit_ms = c->now_ms;
+    job->offer_ms = conn->offer_ms ? conn->offer_ms : c->now_ms;
+    job->sent_bytes = conn->sent_bytes;
+    conn->offer_ms = conn->sent_bytes = 0;
+    conn->watch = job;
+    conn->watch_request = m->request;
+    actions_log(&c->actions, ACT_INFO, "job new job=%s owner=%s name=%s",
+                job->hex, job->owner, job->spec.name);
+    try_open(c, job);
+}
+
+static void
+on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = job_of_request(c, conn, m->request, m->cancel.job);
+
+    if (!job)
+        return;
+    coord_job_ends(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
+    reply_answer(c, conn, m->request, "");
+}
+
+static void
+on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = job_of_request(c, conn, m->request, m->pause.job);
+
+    if (!job)
+        return;
+    if (job_over(job)) {
+        reply_failed(c, conn, m->request, job->id, EX_USAGE, "the job is over");
+        return;
+    }
+    job->state = JOB_PAUSED;
+    reply_answer(c, conn, m->request, "");
+}
+
+static void
+on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = job_of_request(c, conn, m->request, m->resume.job);
+
+    if (!job)
+        return;
+    if (job->state == JOB_PAUSED)
+        job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
+    reply_answer(c, conn, m->request, "");
+}
+
+/* Text as CHUNKs. */
+static void
+send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
+          const char *text)
+{
+    size_t total = strlen(text);
+
+    for (size_t at = 0; at < total; at += MSG_MAX_CHUNK) {
+        size_t n = total - at < MSG_MAX_CHUNK ? total - at : MSG_MAX_CHUNK;
+        struct msg m = { .type = MSG_CHUNK,
+                         .request = request,
+                         .chunk = { NULL, at, total, (const uint8_t *)text + at,
+                                    n } };
+
+        actions_send(&c->actions, conn->id, &m);
+    }
+}
+
+static void
+fetch_stats(struct coord *c, const struct coord_conn *conn, const struct msg *m,
+            const struct job *job)
+{
+    char *text = stats_json(job, c->now_ms);
+
+    if (text)
+        send_text(c, conn, m->request, text);
+    else
+        c->actions.failed = true;
+    free(text);
+}
+
+/* Why a frame cannot be fetched; NULL: it can. */
+static const char *
+fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
+{
+    *status = EX_USAGE;
+    if (m->frame >= job->spec.nframes)
+        return "no such frame";
+    if (m->what == MSG_WHAT_DEPTH && !(job->spec.flags & MSG_JOB_DEPTH))
+        return "the job has no distances";
+    *status = EX_TEMPFAIL;
+    if (m->what == MSG_WHAT_PREVIEW)
+        return job->opened ? NULL : "nothing is rendered yet";
+    if (job->frames[m->frame].written)
+        return NULL;
+    if (!job_over(job))
+        return "the frame is not finished yet";
+    *status = job->status;
+    return job->text;
+}
+
+static void
+on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = job_of_request(c, conn, m->request, m->fetch.job);
+    const char *fault;
+    struct action *a;
+    int status;
+
+    if (!job)
+        return;
+    if (m->fetch.what == MSG_WHAT_STATS) {
+        fetch_stats(c, conn, m, job);
+        return;
+    }
+    fault = fetch_fault(job, &m->fetch, &status);
+    if (fault) {
+        reply_failed(c, conn, m->request, job->id, status, fault);
+        return;
+    }
+    a = actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
+    if (!a)
+        return;
+    a->request = m->request;
+    a->frame = m->fetch.frame;
+    a->what = m->fetch.what;
+}
+
+static void
+on_query(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    int status;
+    char *text = report_query(c, m->query.what, m->query.text, &status);
+
+    if (!text)
+        c->actions.failed = true;
+    else if (status != 0)
+        reply_failed(c, conn, m->request, NULL, status, text);
+    else
+        reply_answer(c, conn, m->request, text);
+    free(text);
+}
+
+/* --- workers --- */
+
+static void
+set_drained(struct coord *c, struct coord_conn *conn, uint32_t request,
+            const char *name, bool drained)
+{
+    struct coord_worker *w = c->workers;
+
+    while (w && strcmp(w->name, name) != 0)
+        w = w->next;
+    if (!w) {
+        reply_failed(c, conn, request, NULL, EX_NOINPUT, "no such worker");
+        return;
+    }
+    w->drained = drained;
+    reply_answer(c, conn, request, "");
+}
+
+static void
+on_drain(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (conn->worker) /* of itself; sched_run sends BYE when it is empty */
+        conn->worker->leaving = true;
+    else
+        set_drained(c, conn, m->request, m->drain.name, true);
+}
+
+static void
+on_undrain(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    set_drained(c, conn, m->request, m->undrain.name, false);
+}
+
+static void
+on_ready(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_ready(c, conn->worker, &m->ready);
+}
+
+static void
+on_result(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_result(c, conn->worker, &m->result);
+}
+
+static void
+on_lost(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_lost(c, conn->worker, &m->lost);
+}
+
+static void
+on_tally(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_tally(c, conn->worker, &m->tally);
+}
+
+/* The child says that the job cannot be rendered: it would be so anywhere. */
+static void
+on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = coord_find_job(c, m->failed.job);
+    char text[MSG_MAX_TEXT + 1];
+
+    if (!job || job_worker_find(job, conn->worker->name) == JOB_NOBODY)
+        return;
+    snprintf(text, sizeof text, "%.400s (worker %s)", m->failed.text,
+             conn->worker->name);
+    coord_job_ends(c, job, JOB_FAILED, m->failed.status, text);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct coord *c, struct coord_conn *conn,
+                   const struct msg *m);
+} handlers[] = {
+    { MSG_RESULT, on_result }, { MSG_HELLO, on_hello },
+    { MSG_PING, on_nothing },  { MSG_PONG, on_nothing },
+    { MSG_BYE, on_nothing },   { MSG_OFFER, on_offer },
+    { MSG_WANT, on_want },     { MSG_CHUNK, on_chunk },
+    { MSG_SUBMIT, on_submit }, { MSG_CANCEL, on_cancel },
+    { MSG_PAUSE, on_pause },   { MSG_RESUME, on_resume },
+    { MSG_FETCH, on_fetch },   { MSG_QUERY, on_query },
+    { MSG_DRAIN, on_drain },   { MSG_UNDRAIN, on_undrain },
+    { MSG_READY, on_ready },   { MSG_LOST, on_lost },
+    { MSG_TALLY, on_tally },   { MSG_FAILED, on_failed },
+};
+
+/* --- events --- */
+
+void
+coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
+             const struct coord_peer *peer)
+{
+    struct coord_conn *conn = calloc(1, sizeof *conn);
+
+    c->now_ms = now_ms;
+    if (!conn) {
+        c->actions.failed = true;
+        return;
+    }
+    conn->id = id;
+    conn->session = MSG_AT_COORD_NEW;
+    conn->roles = peer->roles;
+    snprintf(conn->address, sizeof conn->address, "%s", peer->address);
+    snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    conn->next = c->conns;
+    c->conns = conn;
+}
+
+void
+coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (!conn)
+        return;
+    actions_log(&c->actions, conn->worker ? ACT_WARN : ACT_DEBUG,
+                "connection lost peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+    drop_conn(c, conn);
+    sched_run(c);
+}
+
+void
+coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
+              const struct msg *m)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (!conn || !msg_allowed(conn->session, m->type))
+        return; /* it was on its way when we closed the connection */
+    for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
+        if (handlers[i].type == m->type) {
+            handlers[i].handle(c, conn, m);
+            break;
+        }
+    sched_run(c);
+    forget_old(c);
+}
+
+void
+coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
+                  const uint8_t hash[MSG_HASH])
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+    struct msg m = { .type = MSG_HAVE, .have = { hash } };
+
+    c->now_ms = now_ms;
+    if (conn)
+        actions_send(&c->actions, id, &m);
+    for (size_t i = 0; i < c->njobs; i++)
+        try_open(c, c->jobs[i]);
+}
+
+void
+coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t id,
+                  const uint8_t hash[MSG_HASH], int status, const char *text)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    (void)hash;
+    c->now_ms = now_ms;
+    if (conn)
+        reply_failed(c, conn, 0, NULL, status, text);
+}
+
+void
+coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                 int status, const char *text)
+{
+    struct job *job = coord_find_job(c, id);
+
+    c->now_ms = now_ms;
+    if (!job || job_over(job))
+        return;
+    if (status != 0) {
+        coord_job_ends(c, job, JOB_FAILED, status, text);
+        return;
+    }
+    job->opened = true;
+    job->open_ms = now_ms;
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch == job)
+            send_accept(c, conn, job, false);
+    sched_run(c);
+}
+
+void
+coord_rows_stored(struct coord *c, uint64_t now_ms,
+                  const struct action_rows *key, int status, const char *text)
+{
+    struct job *job = coord_find_job(c, key->job);
+
+    c->now_ms = now_ms;
+    if (status == 0)
+        sched_rows_stored(c, key);
+    else if (job)
+        coord_job_ends(c, job, JOB_FAILED, status, text);
+    sched_run(c);
+}
+
+/* Frames are delivered in order: the first ones without a gap. */
+static void
+count_ready(struct job *job)
+{
+    while (job->frames_ready < job->spec.nframes &&
+           job->frames[job->frames_ready].written)
+        job->frames_ready++;
+}
+
+void
+coord_picture_written(struct coord *c, uint64_t now_ms,
+                      const uint8_t id[MSG_JOB], uint32_t frame, int status,
+                      const char *text)
+{
+    struct job *job = coord_find_job(c, id);
+
+    c->now_ms = now_ms;
+    if (!job || job_over(job))
+        return;
+    if (status != 0) {
+        coord_job_ends(c, job, JOB_FAILED, status, text);
+        return;
+    }
+    job->frames[frame].writing = false;
+    job->frames[frame].written = true;
+    count_ready(job);
+    if (job->frames_ready == job->spec.nframes)
+        coord_job_ends(c, job, JOB_DONE, 0, NULL);
+    forget_old(c);
+}
+
+void
+coord_tick(struct coord *c, uint64_t now_ms)
+{
+    c->now_ms = now_ms;
+    if (now_ms - c->progress_ms < PROGRESS_MS)
+        return;
+    c->progress_ms = now_ms;
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch)
+            send_progress(c, conn, conn->watch);
+}
+
+bool
+coord_picture(const struct coord *c, const uint8_t id[MSG_JOB],
+              struct coord_picture *out)
+{
+    const struct job *job = coord_find_job(c, id);
+
+    if (!job)
+        return false;
+    *out = (struct coord_picture){ job->spec.name, job->spec.params,
+                                   job->spec.frames, job->spec.nframes,
+                                   job->spec.flags };
+    return true;
+}

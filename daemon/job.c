@@ -1,0 +1,251 @@
+/* job.c - see job.h */
+#include "config.h"
+
+#include "job.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *
+copy_str(struct rad_arena *mem, const char *s, bool *ok)
+{
+    const char *p = rad_arena_strndup(mem, s, strlen(s));
+
+    if (!p)
+        *ok = false;
+    return p;
+}
+
+static const uint8_t *
+copy_bytes(struct rad_arena *mem, const uint8_t *src, size_t n, bool *ok)
+{
+    const uint8_t *p = rad_arena_dup(mem, src, n);
+
+    if (!p)
+        *ok = false;
+    return p;
+}
+
+/* Own everything that the message lent. */
+static bool
+copy_spec(struct job *job, const struct msg_spec *from)
+{
+    struct rad_arena *mem = &job->mem;
+    struct msg_spec *s = &job->spec;
+    struct msg_frame *f = rad_arena_calloc(mem, from->nframes, sizeof *f);
+    bool ok = f != NULL;
+
+    *s = *from;
+    s->job = job->id;
+    s->manifest = copy_bytes(mem, from->manifest, MSG_HASH, &ok);
+    s->name = copy_str(mem, from->name, &ok);
+    s->params = copy_str(mem, from->params, &ok);
+    s->needs = copy_str(mem, from->needs, &ok);
+    s->estimate = copy_str(mem, from->estimate, &ok);
+    s->files.hash = copy_bytes(mem, from->files.hash,
+                               (size_t)from->files.n * MSG_HASH, &ok);
+    for (uint32_t i = 0; ok && i < from->nframes; i++) {
+        f[i] = from->frames[i];
+        f[i].view = copy_str(mem, from->frames[i].view, &ok);
+        job->pixels_total += (uint64_t)f[i].width * f[i].height;
+    }
+    s->frames = f;
+    return ok;
+}
+
+struct job *
+job_new(const struct msg_spec *spec, const char *owner)
+{
+    struct job *job = calloc(1, sizeof *job);
+
+    if (!job)
+        return NULL;
+    rad_arena_init(&job->mem);
+    memcpy(job->id, spec->job, MSG_JOB);
+    msg_job_format(job->id, job->hex);
+    snprintf(job->owner, sizeof job->owner, "%s", owner);
+    job->frames = calloc(spec->nframes, sizeof *job->frames);
+    if (!job->frames || !copy_spec(job, spec)) {
+        job_free(job);
+        return NULL;
+    }
+    job->cost_total = (double)job->pixels_total;
+    return job;
+}
+
+void
+job_free(struct job *job)
+{
+    if (!job)
+        return;
+    partition_free(job->partition);
+    free(job->units);
+    free(job->suspects);
+    free(job->frames);
+    free(job->workers);
+    rad_arena_release(&job->mem);
+    free(job);
+}
+
+bool
+job_over(const struct job *job)
+{
+    return job->state >= JOB_DONE;
+}
+
+const char *
+job_state_name(enum job_state state)
+{
+    static const char *const name[] = { "waiting", "running", "paused",
+                                        "done",    "failed",  "cancelled" };
+
+    return name[state];
+}
+
+int
+job_split(struct job *job, bool single, struct rad_error *err)
+{
+    struct partition_spec spec = { .kind = job->spec.partition,
+                                   .order = job->spec.order,
+                                   .windows = job->spec.windows,
+                                   .seed = job->spec.seed,
+                                   .single = single,
+                                   .nframes = job->spec.nframes,
+                                   .frames = job->spec.frames };
+    struct partition *p = partition_new(&spec, err);
+    uint32_t n;
+
+    if (!p)
+        return err ? err->code : RAD_ENOMEM;
+    n = partition_total(p);
+    job->units = calloc(n, sizeof *job->units);
+    if (!job->units) {
+        partition_free(p);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    job->cost_total = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        struct partition_area a;
+
+        partition_area(p, i, &a);
+        job->units[i].holder = job->units[i].worker = JOB_NOBODY;
+        job->frames[a.frame].units_left++;
+        job->cost_total += partition_cost(p, i);
+    }
+    job->partition = p;
+    return 0;
+}
+
+uint32_t
+job_worker_find(const struct job *job, const char *name)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (strcmp(job->workers[i].name, name) == 0)
+            return i;
+    return JOB_NOBODY;
+}
+
+uint32_t
+job_worker_add(struct job *job, const char *name)
+{
+    uint32_t i = job_worker_find(job, name);
+    struct job_worker *w;
+
+    if (i != JOB_NOBODY)
+        return i;
+    if (job->nworkers == job->cap_workers) {
+        uint32_t cap = job->cap_workers ? 2 * job->cap_workers : 8;
+
+        w = realloc(job->workers, cap * sizeof *w);
+        if (!w)
+            return JOB_NOBODY;
+        job->workers = w;
+        job->cap_workers = cap;
+    }
+    w = &job->workers[job->nworkers];
+    memset(w, 0, sizeof *w);
+    snprintf(w->name, sizeof w->name, "%s", name);
+    return job->nworkers++;
+}
+
+uint32_t
+job_waiting(const struct job *job)
+{
+    return partition_waiting(job->partition) + job->nsuspects;
+}
+
+bool
+job_suspect_add(struct job *job, uint32_t unit)
+{
+    if (job->nsuspects == job->cap_suspects) {
+        uint32_t cap = job->cap_suspects ? 2 * job->cap_suspects : 16;
+        uint32_t *v = realloc(job->suspects, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->suspects = v;
+        job->cap_suspects = cap;
+    }
+    job->suspects[job->nsuspects++] = unit;
+    return true;
+}
+
+bool
+job_suspect_remove(struct job *job, uint32_t unit)
+{
+    for (uint32_t i = 0; i < job->nsuspects; i++)
+        if (job->suspects[i] == unit) {
+            job->suspects[i] = job->suspects[--job->nsuspects];
+            return true;
+        }
+    return false;
+}
+
+uint32_t
+job_active(const struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += job->workers[i].state != JW_GONE;
+    return n;
+}
+
+struct msg_tally
+job_tally(const struct job_worker *w)
+{
+    struct msg_tally t = w->past;
+
+    t.ambient_sent += w->tally.ambient_sent;
+    t.ambient_received += w->tally.ambient_received;
+    t.ambient_redundant += w->tally.ambient_redundant;
+    t.bytes_in += w->tally.bytes_in;
+    t.bytes_out += w->tally.bytes_out;
+    t.busy_s += w->tally.busy_s;
+    if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
+        t.peak_rss_bytes = w->tally.peak_rss_bytes;
+    return t;
+}
+
+void
+job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
+{
+    uint64_t until = job_over(job) ? job->end_ms : now_ms;
+
+    *p = (struct msg_progress){
+        .job = job->id,
+        .state = (uint8_t)job->state,
+        .pixels_done = job->pixels_done,
+        .pixels_total = job->pixels_total,
+        .units_done = job->units_done,
+        .units_total = job->partition ? partition_total(job->partition) : 0,
+        .units_redone = job->units_redone,
+        .cost_done = job->cost_done,
+        .cost_total = job->cost_total,
+        .rays = job->rays,
+        .workers = job_active(job),
+        .frames_ready = job->frames_ready,
+        .elapsed_s = (double)(until - job->submit_ms) / 1000,
+    };
+}

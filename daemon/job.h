@@ -1,0 +1,143 @@
+/* job.h - what the coordinator knows about one job
+ *
+ * Plain data that coord.c and sched.c change and stats.c and report.c read.
+ * Units are numbers of the job's partition; a worker of the job keeps its
+ * index for the job's life, gone or not, so that what it did stays counted.
+ * Thread: one. */
+#ifndef DAEMON_JOB_H
+#define DAEMON_JOB_H
+
+#include "base/arena.h"
+#include "partition.h"
+
+/* As in msg_progress. */
+enum job_state {
+    JOB_WAITING, /* not stored whole yet, or no unit went out yet */
+    JOB_RUNNING,
+    JOB_PAUSED,
+    JOB_DONE,
+    JOB_FAILED,
+    JOB_CANCELLED
+};
+
+/* A unit fails its job when it brought down the children of two workers, or,
+ * where there is but one worker, that worker's child this often. */
+#define JOB_MAX_CRASHES 3
+
+#define JOB_NOBODY UINT32_MAX
+
+struct job_unit {
+    uint32_t attempt;     /* the latest; 0: never went out */
+    uint32_t holder;      /* worker that has it, or JOB_NOBODY */
+    uint32_t worker;      /* worker of the latest attempt */
+    uint32_t next_row;    /* rows of this attempt that came */
+    uint32_t stored_rows; /* of those, kept */
+    uint8_t crashes;
+    uint32_t crasher; /* worker of the first crash */
+    bool done;
+    uint64_t end_ms;
+    struct msg_counts counts; /* of the attempt that was accepted */
+};
+
+enum job_worker_state {
+    JW_GONE,    /* no connection, or not told of the job */
+    JW_LOADING, /* JOB-START sent */
+    JW_READY
+};
+
+struct job_worker {
+    char name[MSG_MAX_NAME + 1];
+    enum job_worker_state state;
+    uint32_t threads;
+    uint32_t in_flight;    /* units of this job that it has */
+    uint32_t load_crashes; /* children that died before READY */
+    bool took_part;        /* it was READY once */
+    bool excluded;         /* --same-bits: of another fingerprint */
+    uint64_t ready_ms;     /* first READY */
+    double load_s;
+    uint64_t fingerprint;
+    uint64_t rays; /* of its accepted units */
+    double cpu_s;
+    uint32_t units;         /* accepted */
+    struct msg_tally tally; /* of its present child; job is not kept */
+    struct msg_tally past;  /* summed over earlier children */
+};
+
+struct job_frame {
+    uint32_t units_left;
+    uint64_t rows_pixels; /* pixels kept so far */
+    bool writing, written;
+};
+
+struct job {
+    uint8_t id[MSG_JOB];
+    char hex[MSG_JOB_HEX];
+    char owner[MSG_MAX_NAME + 1];
+    struct msg_spec spec; /* all it points at lies in mem */
+    struct rad_arena mem;
+    uint64_t sequence; /* order of submission */
+    enum job_state state;
+    bool opened; /* bundle and room for rows are there */
+    bool asked_open;
+    int status; /* of sysexits.h, with JOB_FAILED */
+    char text[MSG_MAX_TEXT + 1];
+
+    struct partition *partition; /* NULL until the first worker is ready */
+    struct job_unit *units;      /* partition_total of them */
+    uint32_t *suspects; /* units that crashed a child: out of the partition's
+                         * queue, each to go to another worker alone */
+    uint32_t nsuspects, cap_suspects;
+    struct job_frame *frames;
+    uint32_t frames_ready; /* the first so many are written */
+    struct job_worker *workers;
+    uint32_t nworkers, cap_workers;
+
+    uint32_t units_done, units_redone;
+    uint64_t pixels_done, pixels_total;
+    double cost_done, cost_total;
+    uint64_t rays;
+    uint64_t sent_bytes; /* of the bundle, by radsubmit */
+
+    uint64_t offer_ms;  /* its radsubmit began to send */
+    uint64_t submit_ms; /* SUBMIT came */
+    uint64_t open_ms;   /* accepted */
+    uint64_t first_ms;  /* first unit went out; 0: none yet */
+    uint64_t last_ms;   /* last row was kept */
+    uint64_t end_ms;
+};
+
+/* Copies all that spec lends.  NULL when memory is out. */
+struct job *job_new(const struct msg_spec *spec, const char *owner);
+void job_free(struct job *job);
+
+/* Is it over, one way or the other? */
+bool job_over(const struct job *job);
+
+/* "running". */
+const char *job_state_name(enum job_state state);
+
+/* Lay out the units; single as in partition_spec. */
+int job_split(struct job *job, bool single, struct rad_error *err);
+
+/* The worker of that name, JOB_NOBODY if it never was one; job_worker_add
+ * makes it one (JOB_NOBODY when memory is out). */
+uint32_t job_worker_find(const struct job *job, const char *name);
+uint32_t job_worker_add(struct job *job, const char *name);
+
+/* Units that may go out: waiting ones and suspects. */
+uint32_t job_waiting(const struct job *job);
+
+/* Put a unit among the suspects, or take it out (false: it was none). */
+bool job_suspect_add(struct job *job, uint32_t unit);
+bool job_suspect_remove(struct job *job, uint32_t unit);
+
+/* Workers that were told of the job and are still there. */
+uint32_t job_active(const struct job *job);
+
+/* Sum of a worker's tallies. */
+struct msg_tally job_tally(const struct job_worker *w);
+
+void job_progress(const struct job *job, uint64_t now_ms,
+                  struct msg_progress *p);
+
+#endif

@@ -1,0 +1,171 @@
+/* report.c - see report.h */
+#include "config.h"
+
+#include "report.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+static double
+since(const struct coord *c, uint64_t ms)
+{
+    return c->now_ms > ms ? (double)(c->now_ms - ms) / 1000 : 0;
+}
+
+static const char *
+worker_state(const struct coord_worker *w)
+{
+    if (w->conn == 0)
+        return "gone";
+    if (w->drained || w->leaving)
+        return w->in_flight ? "draining" : "drained";
+    if (w->in_flight)
+        return "working";
+    return w->loading ? "loading" : "idle";
+}
+
+static json_t *
+one_worker(const struct coord *c, const struct coord_worker *w)
+{
+    return json_pack("{s:s,s:s,s:I,s:I,s:s,s:s,s:f}", "name", w->name, "state",
+                     worker_state(w), "threads", (json_int_t)w->threads,
+                     "units", (json_int_t)w->in_flight, "address", w->address,
+                     "program", w->program, "since_s", since(c, w->since_ms));
+}
+
+static json_t *
+all_workers(const struct coord *c)
+{
+    json_t *list = json_array();
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        json_array_append_new(list, one_worker(c, w));
+    return list;
+}
+
+static json_t *
+one_job(const struct coord *c, const struct job *job)
+{
+    struct msg_progress p;
+    double done;
+
+    job_progress(job, c->now_ms, &p);
+    done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
+    return json_pack(
+        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
+        "s:s,s:i}",
+        "job", job->hex, "name", job->spec.name, "owner", job->owner, "state",
+        job_state_name(job->state), "priority", (int)job->spec.priority, "done",
+        done, "frames", (json_int_t)job->spec.nframes, "frames_ready",
+        (json_int_t)p.frames_ready, "width",
+        (json_int_t)job->spec.frames[0].width, "height",
+        (json_int_t)job->spec.frames[0].height, "units_done",
+        (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
+        "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
+        "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
+        job->text, "status", job->status);
+}
+
+static json_t *
+all_jobs(const struct coord *c)
+{
+    json_t *list = json_array();
+
+    for (size_t i = 0; i < c->njobs; i++)
+        json_array_append_new(list, one_job(c, c->jobs[i]));
+    return list;
+}
+
+static json_t *
+status_of(const struct coord *c)
+{
+    json_int_t workers = 0, threads = 0, jobs = 0;
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        if (w->conn != 0) {
+            workers++;
+            threads += w->threads;
+        }
+    for (size_t i = 0; i < c->njobs; i++)
+        jobs += !job_over(c->jobs[i]);
+    return json_pack("{s:s,s:I,s:I,s:I,s:I,s:I}", "program", c->env.program,
+                     "epoch", (json_int_t)(c->env.epoch & INT64_MAX), "workers",
+                     workers, "threads", threads, "jobs", jobs, "jobs_kept",
+                     (json_int_t)c->njobs);
+}
+
+/* The job whose id begins with text; *status says why there is none. */
+static const struct job *
+find_prefix(const struct coord *c, const char *text, int *status)
+{
+    const struct job *found = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        if (strncmp(c->jobs[i]->hex, text, strlen(text)) != 0)
+            continue;
+        if (found) {
+            *status = EX_USAGE;
+            return NULL;
+        }
+        found = c->jobs[i];
+    }
+    *status = found ? 0 : EX_NOINPUT;
+    return found;
+}
+
+static char *
+message(const char *fmt, const char *text)
+{
+    char buf[256];
+
+    snprintf(buf, sizeof buf, fmt, text);
+    return strdup(buf);
+}
+
+static char *
+query_job(const struct coord *c, const char *text, int *status, json_t **root)
+{
+    const struct job *job = find_prefix(c, text, status);
+
+    if (job) {
+        *root = one_job(c, job);
+        return NULL;
+    }
+    return message(*status == EX_USAGE ? "several jobs begin with '%s'"
+                                       : "no job '%s'",
+                   text);
+}
+
+char *
+report_query(const struct coord *c, enum msg_topic what, const char *text,
+             int *status)
+{
+    json_t *root = NULL;
+    char *out = NULL;
+
+    *status = 0;
+    switch (what) {
+    case MSG_QUERY_STATUS:
+        root = status_of(c);
+        break;
+    case MSG_QUERY_WORKERS:
+        root = all_workers(c);
+        break;
+    case MSG_QUERY_JOBS:
+        root = all_jobs(c);
+        break;
+    case MSG_QUERY_JOB:
+        out = query_job(c, text, status, &root);
+        break;
+    case MSG_NQUERY:
+        break;
+    }
+    if (!root)
+        return out;
+    out = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    return out;
+}

@@ -1,0 +1,220 @@
+/* stats.c - see stats.h */
+#include "config.h"
+
+#include "stats.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Seconds from a to b, 0 when one of them has not come. */
+static double
+seconds(uint64_t a, uint64_t b)
+{
+    return a == 0 || b < a ? 0 : (double)(b - a) / 1000;
+}
+
+static json_int_t
+integer(uint64_t n)
+{
+    return n > INT64_MAX ? INT64_MAX : (json_int_t)n;
+}
+
+/* Features, blanks between, as an array. */
+static json_t *
+needs(const char *text)
+{
+    json_t *list = json_array();
+
+    while (*text) {
+        size_t n = strcspn(text, " ");
+
+        if (n > 0)
+            json_array_append_new(list, json_stringn(text, n));
+        text += n + (text[n] == ' ');
+    }
+    return list;
+}
+
+/* Fingerprints that took part: one, or "mixed". */
+static json_t *
+fingerprint(const struct job *job)
+{
+    const struct job_worker *first = NULL;
+    char hex[17];
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+
+        if (!w->took_part)
+            continue;
+        if (first && w->fingerprint != first->fingerprint)
+            return json_string("mixed");
+        first = w;
+    }
+    snprintf(hex, sizeof hex, "%016llx",
+             first ? (unsigned long long)first->fingerprint : 0);
+    return json_string(first ? hex : "");
+}
+
+static json_t *
+times(const struct job *job, uint64_t now_ms)
+{
+    const struct msg_spec *s = &job->spec;
+    uint64_t end = job_over(job) ? job->end_ms : now_ms;
+    double load = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].load_s > load)
+            load = job->workers[i].load_s;
+    return json_pack(
+        "{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "wall_s",
+        s->compile_s + seconds(job->offer_ms, end), "compile_s", s->compile_s,
+        "transfer_s", seconds(job->offer_ms, job->open_ms), "load_s", load,
+        "estimate_s", 0.0, "render_s", seconds(job->first_ms, job->last_ms),
+        "write_s",
+        job_over(job) && job->last_ms ? seconds(job->last_ms, end) : 0.0);
+}
+
+/* Sum over accepted units. */
+static struct msg_counts
+sum_counts(const struct job *job)
+{
+    uint32_t n = job->partition ? partition_total(job->partition) : 0;
+    struct msg_counts t = { 0 };
+
+    for (uint32_t i = 0; i < n; i++) {
+        const struct msg_counts *c = &job->units[i].counts;
+
+        if (!job->units[i].done)
+            continue;
+        t.rays += c->rays;
+        t.primary_rays += c->primary_rays;
+        t.speculative_rays += c->speculative_rays;
+        t.shadow_rays += c->shadow_rays;
+        t.ambient_rays += c->ambient_rays;
+        t.paint_rays += c->paint_rays;
+        t.estimate_rays += c->estimate_rays;
+        t.intersection_tests += c->intersection_tests;
+        t.ambient_values += c->ambient_values;
+        t.nan_pixels += c->nan_pixels;
+    }
+    return t;
+}
+
+static json_t *
+totals(const struct job *job)
+{
+    struct msg_counts t = sum_counts(job);
+    uint64_t sent = 0, received = 0, redundant = 0;
+    uint32_t took_part = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct msg_tally w = job_tally(&job->workers[i]);
+
+        sent += w.ambient_sent;
+        received += w.ambient_received;
+        redundant += w.ambient_redundant;
+        took_part += job->workers[i].took_part;
+    }
+    return json_pack(
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I}", "rays",
+        integer(t.rays), "primary_rays", integer(t.primary_rays),
+        "speculative_rays", integer(t.speculative_rays), "shadow_rays",
+        integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
+        "intersection_tests", integer(t.intersection_tests), "ambient_values",
+        integer(t.ambient_values), "ambient_sent", integer(sent),
+        "ambient_received", integer(received), "ambient_redundant",
+        took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",
+        integer(t.nan_pixels), "units_redone", integer(job->units_redone),
+        "estimate_rays", integer(t.estimate_rays), "paint_rays",
+        integer(t.paint_rays));
+}
+
+static json_t *
+workers(const struct job *job)
+{
+    json_t *list = json_array();
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+        struct msg_tally t = job_tally(w);
+        double busy = t.busy_s > w->cpu_s ? t.busy_s : w->cpu_s;
+        double idle = w->threads * seconds(w->ready_ms, job->last_ms) - busy;
+
+        if (!w->took_part)
+            continue;
+        json_array_append_new(
+            list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
+                            w->name, "threads", (json_int_t)w->threads, "rays",
+                            integer(w->rays), "busy_s", busy, "idle_s",
+                            idle > 0 ? idle : 0.0, "wait_base_line_s", 0.0,
+                            "bytes_in", integer(t.bytes_in), "bytes_out",
+                            integer(t.bytes_out), "peak_rss_bytes",
+                            integer(t.peak_rss_bytes), "units",
+                            (json_int_t)w->units));
+    }
+    return list;
+}
+
+/* One unit; times count from when the job came. */
+static json_t *
+unit(const struct job *job, uint32_t i)
+{
+    const struct job_unit *u = &job->units[i];
+    struct partition_area a;
+    double end = seconds(job->submit_ms, u->end_ms);
+    double start = end > u->counts.wall_s ? end - u->counts.wall_s : 0;
+
+    partition_area(job->partition, i, &a);
+    return json_pack(
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:f,s:f,s:f,s:s,s:I}", "frame",
+        (json_int_t)job->spec.frames[a.frame].number, "x", (json_int_t)a.x, "y",
+        (json_int_t)a.y, "width", (json_int_t)a.width, "height",
+        (json_int_t)a.height, "rays", integer(u->counts.rays), "primary_rays",
+        integer(u->counts.primary_rays), "intersection_tests",
+        integer(u->counts.intersection_tests), "estimate",
+        partition_cost(job->partition, i), "cpu_s", u->counts.cpu_s, "start_s",
+        start, "end_s", end, "worker", job->workers[u->worker].name, "attempts",
+        (json_int_t)u->attempt);
+}
+
+static json_t *
+units(const struct job *job)
+{
+    uint32_t n = job->partition ? partition_total(job->partition) : 0;
+    json_t *list = json_array();
+
+    for (uint32_t i = 0; i < n; i++)
+        if (job->units[i].done)
+            json_array_append_new(list, unit(job, i));
+    return list;
+}
+
+char *
+stats_json(const struct job *job, uint64_t now_ms)
+{
+    const struct msg_spec *s = &job->spec;
+    const struct partition *p = job->partition;
+    char *text;
+    json_t *root = json_pack(
+        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:{s:I,s:I,s:I,s:o},"
+        "s:{s:I,s:I,s:I},s:o,s:o,s:o,s:o}",
+        "job", job->hex, "radd", PACKAGE_VERSION, "options", s->params,
+        "partition", partition_kind_name(p ? partition_kind(p) : s->partition),
+        "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
+        "seed", integer(s->seed), "scene", "objects", (json_int_t)s->objects,
+        "bundle_bytes", integer(s->bundle_bytes), "sent_bytes",
+        integer(job->sent_bytes), "needs", needs(s->needs), "picture", "width",
+        (json_int_t)s->frames[0].width, "height",
+        (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
+        "time", times(job, now_ms), "totals", totals(job), "workers",
+        workers(job), "units", units(job));
+
+    if (!root)
+        return NULL;
+    text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    return text;
+}

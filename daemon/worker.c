@@ -1,0 +1,870 @@
+/* worker.c - see worker.h
+ *
+ * A job at a worker goes from fetching its files to loading (a child was
+ * started) to ready.  Its units are with the child in the order in which they
+ * came; when the child dies, the first of them, one per thread, are named as
+ * suspects.
+ *
+ * When the coordinator is lost, the children go on and results are kept.  When
+ * it is back and starts the job again, finished units that it has not
+ * acknowledged are sent first, then READY; unfinished ones are given up, since
+ * it may have handed them to others. */
+#include "config.h"
+
+#include "worker.h"
+
+#include "peer.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define FIRST_DELAY_MS 500
+#define LAST_DELAY_MS  30000
+#define STEADY_MS      10000 /* a connection that lasted as long was a good one */
+
+/* --- small things --- */
+
+uint64_t
+worker_new_conn(struct worker *w)
+{
+    return ACT_OWN_CONN | ++w->next_conn;
+}
+
+struct wjob *
+worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB])
+{
+    struct wjob *job = w->jobs;
+
+    while (job && memcmp(job->id, id, MSG_JOB) != 0)
+        job = job->next;
+    return job;
+}
+
+static struct wjob *
+find_child(const struct worker *w, uint64_t conn)
+{
+    struct wjob *job = w->jobs;
+
+    while (job && job->child != conn)
+        job = job->next;
+    return conn ? job : NULL;
+}
+
+/* To the coordinator, if it is there. */
+static void
+send_coord(struct worker *w, const struct msg *m)
+{
+    if (w->welcome)
+        actions_send(&w->actions, w->coord, m);
+}
+
+static void
+send_child_bytes(struct worker *w, struct wjob *job, const uint8_t *bytes,
+                 size_t len)
+{
+    lossy_sent(&job->to_child, len);
+    actions_send_bytes(&w->actions, job->child, bytes, len);
+}
+
+void
+worker_send_child(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+
+    out->len = 0;
+    if (msg_pack(out, m) != 0)
+        w->actions.failed = true;
+    else
+        send_child_bytes(w, job, out->buf, out->len);
+}
+
+static void
+stop(struct worker *w, int status, const char *text)
+{
+    struct action *a;
+
+    if (w->stopped)
+        return;
+    w->stopped = true;
+    a = actions_add(&w->actions, ACT_STOP, 0);
+    if (!a)
+        return;
+    a->status = status;
+    a->text = rad_arena_strndup(&w->actions.mem, text, strlen(text));
+    if (!a->text)
+        w->actions.failed = true;
+}
+
+/* --- units and results of a job --- */
+
+static void
+drop_kept(struct wjob *job, struct wkept **link)
+{
+    struct wkept *k = *link;
+
+    *link = k->next;
+    if (!*link)
+        job->kept_tail = link;
+    free(k->bytes);
+    free(k);
+}
+
+static bool
+has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    for (size_t i = 0; i < job->nunits; i++)
+        if (job->units[i].unit == unit && job->units[i].attempt == attempt)
+            return true;
+    return false;
+}
+
+static void
+drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    for (size_t i = 0; i < job->nunits; i++)
+        if (job->units[i].unit == unit && job->units[i].attempt == attempt) {
+            memmove(job->units + i, job->units + i + 1,
+                    (job->nunits - i - 1) * sizeof *job->units);
+            job->nunits--;
+            return;
+        }
+}
+
+static bool
+add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    if (job->nunits == job->cap_units) {
+        size_t cap = job->cap_units ? 2 * job->cap_units : 16;
+        struct wunit *v = realloc(job->units, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->units = v;
+        job->cap_units = cap;
+    }
+    job->units[job->nunits++] = (struct wunit){ unit, attempt };
+    return true;
+}
+
+/* Units that are not finished will not be: forget them and their rows. */
+static void
+drop_units(struct wjob *job)
+{
+    for (struct wkept **link = &job->kept; *link;)
+        if (has_unit(job, (*link)->unit, (*link)->attempt))
+            drop_kept(job, link);
+        else
+            link = &(*link)->next;
+    job->nunits = 0;
+}
+
+static void
+revoke_units(struct worker *w, struct wjob *job)
+{
+    for (size_t i = 0; i < job->nunits; i++) {
+        struct msg m = { .type = MSG_REVOKE,
+                         .revoke = { job->id, job->units[i].unit,
+                                     job->units[i].attempt } };
+
+        worker_send_child(w, job, &m);
+    }
+    drop_units(job);
+}
+
+static bool
+keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
+     size_t len)
+{
+    struct wkept *k = calloc(1, sizeof *k);
+
+    if (!k || !(k->bytes = malloc(len))) {
+        free(k);
+        return false;
+    }
+    k->unit = r->unit;
+    k->attempt = r->attempt;
+    k->row = r->row;
+    k->rows = r->rows;
+    memcpy(k->bytes, bytes, len);
+    k->len = len;
+    *job->kept_tail = k;
+    job->kept_tail = &k->next;
+    return true;
+}
+
+/* --- jobs and their children --- */
+
+static void
+free_job(struct wjob *job)
+{
+    while (job->kept)
+        drop_kept(job, &job->kept);
+    lossy_release(&job->to_child);
+    free(job->start);
+    free(job->files);
+    free(job->units);
+    free(job);
+}
+
+static void
+kill_child(struct worker *w, struct wjob *job)
+{
+    if (job->child == 0)
+        return;
+    actions_add(&w->actions, ACT_KILL, job->child);
+    job->child = 0;
+    lossy_release(&job->to_child);
+    lossy_init(&job->to_child);
+}
+
+static void
+end_job(struct worker *w, struct wjob *job)
+{
+    struct wjob **link = &w->jobs;
+
+    while (*link != job)
+        link = &(*link)->next;
+    *link = job->next;
+    kill_child(w, job);
+    peer_release_job(w, job);
+    free_job(job);
+}
+
+static struct wjob *
+new_job(struct worker *w, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+    const struct msg_spec *spec = &m->job_start;
+    size_t nbytes = (size_t)spec->files.n * MSG_HASH;
+    struct wjob *job = calloc(1, sizeof *job);
+
+    if (!job)
+        return NULL;
+    job->kept_tail = &job->kept;
+    lossy_init(&job->to_child);
+    out->len = 0;
+    job->files = malloc(nbytes ? nbytes : 1);
+    if (!job->files || msg_pack(out, m) != 0 ||
+        !(job->start = malloc(out->len))) {
+        free_job(job);
+        return NULL;
+    }
+    memcpy(job->id, spec->job, MSG_JOB);
+    msg_job_format(job->id, job->hex);
+    memcpy(job->start, out->buf, out->len);
+    job->start_len = out->len;
+    if (nbytes)
+        memcpy(job->files, spec->files.hash, nbytes);
+    job->nfiles = spec->files.n;
+    job->next = w->jobs;
+    w->jobs = job;
+    return job;
+}
+
+static void
+spawn(struct worker *w, struct wjob *job)
+{
+    job->child = worker_new_conn(w);
+    job->state = WJOB_LOADING;
+    actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);
+    actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
+    send_child_bytes(w, job, job->start, job->start_len);
+}
+
+/* Tell the coordinator that the job has no child here any more. */
+static void
+send_lost(struct worker *w, struct wjob *job, const char *text)
+{
+    uint32_t list[64];
+    struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
+
+    while (m.lost.nunits < job->nunits && m.lost.nunits < w->env.threads &&
+           m.lost.nunits < 64) {
+        list[m.lost.nunits] = job->units[m.lost.nunits].unit;
+        m.lost.nunits++;
+    }
+    send_coord(w, &m);
+    drop_units(job);
+    job->state = WJOB_IDLE;
+}
+
+/* --- files --- */
+
+static bool
+is_asked(const struct worker *w, const uint8_t *hash)
+{
+    for (uint32_t i = 0; i < w->nasked; i++)
+        if (memcmp(w->asked + (size_t)i * MSG_HASH, hash, MSG_HASH) == 0)
+            return true;
+    return false;
+}
+
+static void
+forget_asked(struct worker *w, const uint8_t *hash)
+{
+    for (uint32_t i = 0; i < w->nasked; i++)
+        if (memcmp(w->asked + (size_t)i * MSG_HASH, hash, MSG_HASH) == 0) {
+            memmove(w->asked + (size_t)i * MSG_HASH,
+                    w->asked + (size_t)(w->nasked - 1) * MSG_HASH, MSG_HASH);
+            w->nasked--;
+            return;
+        }
+}
+
+static bool
+add_asked(struct worker *w, const uint8_t *hash)
+{
+    if (w->nasked == w->cap_asked) {
+        uint32_t cap = w->cap_asked ? 2 * w->cap_asked : 64;
+        uint8_t *v = realloc(w->asked, (size_t)cap * MSG_HASH);
+
+        if (!v)
+            return false;
+        w->asked = v;
+        w->cap_asked = cap;
+    }
+    memcpy(w->asked + (size_t)w->nasked++ * MSG_HASH, hash, MSG_HASH);
+    return true;
+}
+
+/* Ask for what is missing and was not asked for; start the child when nothing
+ * is. */
+static void
+fetch(struct worker *w, struct wjob *job)
+{
+    uint32_t first = w->nasked;
+    struct msg m = { .type = MSG_WANT };
+    bool missing = false;
+
+    job->state = WJOB_FETCHING;
+    for (uint32_t i = 0; i < job->nfiles; i++) {
+        const uint8_t *hash = job->files + (size_t)i * MSG_HASH;
+
+        if (w->env.has_file(w->env.arg, hash))
+            continue;
+        missing = true;
+        if (!is_asked(w, hash) && !add_asked(w, hash))
+            w->actions.failed = true;
+    }
+    m.want.n = w->nasked - first;
+    m.want.hash = w->asked + (size_t)first * MSG_HASH;
+    if (m.want.n > 0)
+        send_coord(w, &m);
+    if (!missing)
+        spawn(w, job);
+}
+
+static bool
+needs_file(const struct wjob *job, const uint8_t *hash)
+{
+    for (uint32_t i = 0; i < job->nfiles; i++)
+        if (memcmp(job->files + (size_t)i * MSG_HASH, hash, MSG_HASH) == 0)
+            return true;
+    return false;
+}
+
+/* --- messages of the coordinator --- */
+
+static void
+on_welcome(struct worker *w, const struct msg *m)
+{
+    w->welcome = true;
+    w->welcome_ms = w->now_ms;
+    actions_session(&w->actions, w->coord, MSG_AT_WORKER);
+    actions_log(&w->actions, ACT_INFO, "welcome program=%s epoch=%llu",
+                m->welcome.program, (unsigned long long)m->welcome.epoch);
+    /* the answer to a TALLY of a job that is over is JOB-END */
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        struct msg tally = { .type = MSG_TALLY, .tally = job->tally };
+
+        tally.tally.job = job->id;
+        send_coord(w, &tally);
+    }
+    if (w->draining) {
+        struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+        send_coord(w, &drain);
+    }
+}
+
+static void
+on_refuse(struct worker *w, const struct msg *m)
+{
+    actions_log(&w->actions, ACT_ERR, "refused by the coordinator why=%s",
+                m->refuse.text);
+    if (m->refuse.status != EX_TEMPFAIL)
+        stop(w, m->refuse.status, m->refuse.text);
+}
+
+static void
+on_bye(struct worker *w, const struct msg *m)
+{
+    (void)m;
+    if (w->draining)
+        stop(w, 0, "");
+}
+
+static void
+on_chunk(struct worker *w, const struct msg *m)
+{
+    struct action *a = actions_add(&w->actions, ACT_PUT_CHUNK, w->coord);
+
+    if (a)
+        a->chunk = m->chunk;
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && needs_file(job, m->chunk.hash))
+            job->bytes_in += m->chunk.len;
+}
+
+/* The coordinator, which was away, starts a job that is here already. */
+static void
+resume_job(struct worker *w, struct wjob *job)
+{
+    struct msg ready = { .type = MSG_READY, .ready = job->ready };
+
+    revoke_units(w, job);
+    for (const struct wkept *k = job->kept; k; k = k->next)
+        actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
+    send_coord(w, &ready);
+}
+
+static void
+on_job_start(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_start.job);
+
+    if (job && job->state == WJOB_READY) {
+        resume_job(w, job);
+        return;
+    }
+    if (job && job->state == WJOB_LOADING)
+        return;
+    if (!job)
+        job = new_job(w, m);
+    if (job)
+        fetch(w, job);
+    else
+        w->actions.failed = true;
+}
+
+static void
+on_job_end(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_end.job);
+
+    if (!job)
+        return;
+    actions_log(&w->actions, ACT_INFO, "job end job=%s", job->hex);
+    end_job(w, job);
+}
+
+static void
+on_unit(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->unit.job);
+
+    if (!job || job->state != WJOB_READY)
+        return; /* the coordinator will hear of the lost child */
+    if (!add_unit(job, m->unit.unit, m->unit.attempt)) {
+        w->actions.failed = true;
+        return;
+    }
+    w->progress++;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_revoke(struct worker *w, const struct msg *m)
+{
+    const struct msg_revoke *r = &m->revoke;
+    struct wjob *job = worker_find_job(w, r->job);
+
+    if (!job || !has_unit(job, r->unit, r->attempt))
+        return;
+    for (struct wkept **link = &job->kept; *link;)
+        if ((*link)->unit == r->unit && (*link)->attempt == r->attempt)
+            drop_kept(job, link);
+        else
+            link = &(*link)->next;
+    drop_unit(job, r->unit, r->attempt);
+    worker_send_child(w, job, m);
+}
+
+static void
+on_ack(struct worker *w, const struct msg *m)
+{
+    const struct msg_ack *a = &m->ack;
+    struct wjob *job = worker_find_job(w, a->job);
+
+    if (!job)
+        return;
+    for (struct wkept **link = &job->kept; *link; link = &(*link)->next)
+        if ((*link)->unit == a->unit && (*link)->attempt == a->attempt &&
+            (*link)->row == a->row) {
+            drop_kept(job, link);
+            return;
+        }
+}
+
+static void
+on_job_peers(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_peers.job);
+
+    if (job)
+        peer_introduce(w, job, &m->job_peers);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct worker *w, const struct msg *m);
+} coord_handlers[] = {
+    { MSG_UNIT, on_unit },
+    { MSG_ACK, on_ack },
+    { MSG_WELCOME, on_welcome },
+    { MSG_REFUSE, on_refuse },
+    { MSG_BYE, on_bye },
+    { MSG_CHUNK, on_chunk },
+    { MSG_JOB_START, on_job_start },
+    { MSG_JOB_END, on_job_end },
+    { MSG_REVOKE, on_revoke },
+    { MSG_JOB_PEERS, on_job_peers },
+};
+
+static void
+from_coord(struct worker *w, const struct msg *m)
+{
+    for (size_t i = 0; i < sizeof coord_handlers / sizeof coord_handlers[0];
+         i++)
+        if (coord_handlers[i].type == m->type) {
+            coord_handlers[i].handle(w, m);
+            return;
+        }
+}
+
+/* --- messages of a child --- */
+
+static void
+child_ready(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg ready = { .type = MSG_READY, .ready = m->ready };
+
+    if (job->state != WJOB_LOADING)
+        return;
+    job->state = WJOB_READY;
+    job->ready = m->ready;
+    job->ready.job = ready.ready.job = job->id;
+    actions_session(&w->actions, job->child, MSG_AT_PARENT);
+    send_coord(w, &ready);
+}
+
+static void
+child_result(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+    struct msg pass = *m;
+    const struct msg_result *r = &m->result;
+
+    if (!has_unit(job, r->unit, r->attempt))
+        return; /* revoked meanwhile */
+    pass.result.job = job->id;
+    pass.request = 0;
+    out->len = 0;
+    if (msg_pack(out, &pass) != 0 || !keep(job, r, out->buf, out->len)) {
+        w->actions.failed = true;
+        return;
+    }
+    w->progress++;
+    job->bytes_out += out->len;
+    if (r->last)
+        drop_unit(job, r->unit, r->attempt);
+    if (w->welcome)
+        actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
+}
+
+static void
+child_tally(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg tally = { .type = MSG_TALLY, .tally = m->tally };
+
+    tally.tally.job = job->id;
+    tally.tally.bytes_in = job->bytes_in;
+    tally.tally.bytes_out = job->bytes_out;
+    job->tally = tally.tally;
+    send_coord(w, &tally);
+}
+
+static void
+child_failed(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg failed = { .type = MSG_FAILED, .failed = m->failed };
+
+    failed.failed.job = job->id;
+    actions_log(&w->actions, ACT_ERR, "job failed job=%s why=%s", job->hex,
+                m->failed.text);
+    send_coord(w, &failed);
+    kill_child(w, job);
+    drop_units(job);
+    job->state = WJOB_IDLE;
+}
+
+static void
+child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    peer_spread(w, job, &m->ambient);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
+} child_handlers[] = {
+    { MSG_RESULT, child_result }, { MSG_AMBIENT, child_ambient },
+    { MSG_TALLY, child_tally },   { MSG_READY, child_ready },
+    { MSG_FAILED, child_failed },
+};
+
+static void
+from_child(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    for (size_t i = 0; i < sizeof child_handlers / sizeof child_handlers[0];
+         i++)
+        if (child_handlers[i].type == m->type) {
+            child_handlers[i].handle(w, job, m);
+            return;
+        }
+}
+
+/* --- the connection to the coordinator --- */
+
+static void
+dial(struct worker *w)
+{
+    struct action *a;
+
+    w->coord = worker_new_conn(w);
+    a = actions_add(&w->actions, ACT_DIAL, w->coord);
+    if (a)
+        a->text = "";
+}
+
+/* Wait longer each time, up to half as long again by chance, so that workers
+ * do not come back all at once. */
+static void
+dial_later(struct worker *w)
+{
+    uint16_t jitter;
+
+    if (w->delay_ms == 0 ||
+        (w->welcome && w->now_ms - w->welcome_ms >= STEADY_MS))
+        w->delay_ms = FIRST_DELAY_MS;
+    w->env.random(w->env.arg, &jitter, sizeof jitter);
+    w->dial_ms = w->now_ms + w->delay_ms + w->delay_ms * jitter / 131072;
+    w->delay_ms *= 2;
+    if (w->delay_ms > LAST_DELAY_MS)
+        w->delay_ms = LAST_DELAY_MS;
+}
+
+static void
+lost_coord(struct worker *w, const char *why)
+{
+    actions_log(&w->actions, ACT_WARN, "coordinator lost why=%s", why);
+    dial_later(w);
+    w->coord = 0;
+    w->opened = w->welcome = false;
+    w->nasked = 0;
+    if (w->draining)
+        stop(w, 0, "");
+}
+
+static void
+say_hello(struct worker *w)
+{
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { .min = MSG_VERSION,
+                                .max = MSG_VERSION,
+                                .role = MSG_ROLE_WORKER,
+                                .name = w->env.name,
+                                .program = w->env.program,
+                                .address = w->env.address,
+                                .threads = (uint16_t)w->env.threads } };
+
+    w->opened = true;
+    actions_session(&w->actions, w->coord, MSG_AT_DIALLER);
+    actions_send(&w->actions, w->coord, &m);
+}
+
+/* --- public --- */
+
+struct worker *
+worker_new(const struct worker_env *env)
+{
+    struct worker *w = calloc(1, sizeof *w);
+
+    if (!w)
+        return NULL;
+    w->env = *env;
+    actions_init(&w->actions);
+    return w;
+}
+
+void
+worker_free(struct worker *w)
+{
+    if (!w)
+        return;
+    while (w->jobs)
+        end_job(w, w->jobs);
+    peer_release_callers(w);
+    free(w->asked);
+    actions_release(&w->actions);
+    free(w);
+}
+
+struct action_list *
+worker_actions(struct worker *w)
+{
+    return &w->actions;
+}
+
+void
+worker_start(struct worker *w, uint64_t now_ms)
+{
+    w->now_ms = now_ms;
+    dial(w);
+}
+
+void
+worker_opened(struct worker *w, uint64_t now_ms, uint64_t conn)
+{
+    w->now_ms = now_ms;
+    if (conn == w->coord)
+        say_hello(w);
+    else
+        peer_opened(w, conn);
+}
+
+void
+worker_accepted(struct worker *w, uint64_t now_ms, uint64_t conn)
+{
+    w->now_ms = now_ms;
+    peer_accepted(w, conn);
+}
+
+void
+worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn, const char *why)
+{
+    w->now_ms = now_ms;
+    if (conn == w->coord)
+        lost_coord(w, why);
+    else
+        peer_closed(w, conn);
+}
+
+void
+worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
+               const struct msg *m)
+{
+    struct wjob *job;
+
+    w->now_ms = now_ms;
+    if (conn == w->coord) {
+        from_coord(w, m);
+        return;
+    }
+    job = find_child(w, conn);
+    if (job)
+        from_child(w, job, m);
+    else
+        peer_message(w, conn, m);
+}
+
+void
+worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
+                   const char *text)
+{
+    struct wjob *job = find_child(w, conn);
+
+    w->now_ms = now_ms;
+    if (!job)
+        return;
+    actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
+                text);
+    job->child = 0;
+    lossy_release(&job->to_child);
+    lossy_init(&job->to_child);
+    send_lost(w, job, text);
+}
+
+void
+worker_file_stored(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH])
+{
+    w->now_ms = now_ms;
+    forget_asked(w, hash);
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && needs_file(job, hash))
+            fetch(w, job);
+}
+
+void
+worker_file_failed(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH], int status, const char *text)
+{
+    (void)status;
+    w->now_ms = now_ms;
+    forget_asked(w, hash);
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && needs_file(job, hash))
+            send_lost(w, job, text);
+}
+
+void
+worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
+{
+    struct wjob *job = find_child(w, conn);
+
+    w->now_ms = now_ms;
+    if (job) {
+        lossy_written(&job->to_child, n);
+        peer_feed_child(w, job);
+    } else {
+        peer_written(w, conn, n);
+    }
+}
+
+void
+worker_drain(struct worker *w, uint64_t now_ms)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+    w->now_ms = now_ms;
+    if (w->draining || !w->welcome) {
+        stop(w, 0, "");
+        return;
+    }
+    w->draining = true;
+    send_coord(w, &m);
+}
+
+void
+worker_tick(struct worker *w, uint64_t now_ms)
+{
+    w->now_ms = now_ms;
+    if (w->coord == 0 && !w->stopped && now_ms >= w->dial_ms)
+        dial(w);
+    peer_tick(w);
+}
+
+bool
+worker_connected(const struct worker *w)
+{
+    return w->welcome;
+}
+
+uint64_t
+worker_progress(const struct worker *w)
+{
+    return w->progress;
+}
