@@ -12,17 +12,11 @@
 
 #include "base/color.h"
 #include "base/error.h"
+#include "base/files.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* Where a writer's bytes go: 0 or a negative code with *err set. */
-struct rad_sink {
-    int (*write)(void *arg, const void *data, size_t len,
-                 struct rad_error *err);
-    void *arg;
-};
 
 /* What a picture's header says of it. */
 struct rad_hdr_info {
