@@ -61,6 +61,8 @@ librad_a_SOURCES = \
 	src/picture/number.h \
 	src/picture/params.c \
 	src/picture/params.h \
+	src/picture/quincunx.c \
+	src/picture/quincunx.h \
 	src/picture/view.c \
 	src/picture/view.h \
 	src/scene/bundle.c \

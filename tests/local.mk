@@ -16,6 +16,7 @@ UNIT_TESTS = \
 	tests/check_octree \
 	tests/check_params \
 	tests/check_parse \
+	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_shade \
 	tests/check_source \
@@ -96,6 +97,10 @@ tests_check_octree_LDADD = $(UNIT_LIBS)
 tests_check_parse_SOURCES = tests/check_parse.c tests/unit.h
 tests_check_parse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_parse_LDADD = $(UNIT_LIBS)
+
+tests_check_quincunx_SOURCES = tests/check_quincunx.c tests/unit.h
+tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_quincunx_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS =
