@@ -55,10 +55,14 @@ librad_a_SOURCES = \
 	src/light/sources.h \
 	src/light/spot.c \
 	src/light/spot.h \
+	src/picture/frame.c \
+	src/picture/frame.h \
 	src/picture/hdr.c \
 	src/picture/hdr.h \
 	src/picture/number.c \
 	src/picture/number.h \
+	src/picture/paint.c \
+	src/picture/paint.h \
 	src/picture/params.c \
 	src/picture/params.h \
 	src/picture/quincunx.c \

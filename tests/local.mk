@@ -28,6 +28,11 @@ check_PROGRAMS += $(UNIT_TESTS)
 TESTS += $(UNIT_TESTS)
 endif
 
+# The renderer alone, the reference for the cluster.
+check_PROGRAMS += tests/seqpict
+tests_seqpict_SOURCES = tests/seqpict.c
+tests_seqpict_LDADD = $(LIBRAD)
+
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
 tests_check_ambient_SOURCES = tests/check_ambient.c tests/unit.h

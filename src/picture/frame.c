@@ -1,0 +1,184 @@
+/* frame.c - see frame.h
+ *
+ * Radiance counts rows from the bottom where it aims its rays; here that shows
+ * in aim() alone. */
+#include "config.h"
+
+#include "picture/frame.h"
+#include "base/rng.h"
+
+#include <math.h>
+#include <string.h>
+
+int
+rad_frame_size(const struct rad_params *p, const struct rad_view *view,
+               int *width, int *height, double *pixaspect,
+               struct rad_error *err)
+{
+    *width = p->xres;
+    *height = p->yres;
+    *pixaspect = p->pixaspect;
+    rad_view_resolution(view, pixaspect, width, height);
+    if (*width < 1 || *height < 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "empty picture: '-x %d -y %d -pa %g' with this view "
+                        "is %d by %d pixels",
+                        p->xres, p->yres, p->pixaspect, *width, *height);
+    return 0;
+}
+
+int
+rad_frame_init(struct rad_frame *f, const struct rad_job *job,
+               const struct rad_view *view, uint32_t number, bool depth,
+               struct rad_error *err)
+{
+    int rc;
+
+    memset(f, 0, sizeof *f);
+    f->job = job;
+    f->view = *view;
+    f->number = number;
+    f->depth = depth;
+    if ((rc = rad_view_setup(&f->view, err)) < 0 ||
+        (rc = rad_frame_size(&job->params, &f->view, &f->width, &f->height,
+                             &f->pixaspect, err)) < 0)
+        return rc;
+    if (!job->params.directvis)
+        return 0;
+    return rad_paint_init(&f->paint, job, &f->view, f->width, err);
+}
+
+void
+rad_frame_release(struct rad_frame *f)
+{
+    rad_paint_release(&f->paint);
+}
+
+/* Set up the primary ray of a pixel; false: the view has none there. */
+static bool
+aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
+{
+    const struct rad_params *p = &f->job->params;
+    double jx, jy, aft;
+
+    r->key = rad_key_pixel(p->seed, f->number, (uint32_t)x, (uint32_t)y);
+    jx = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
+    jy = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));
+    aft = rad_view_ray(&f->view, (x + jx) / f->width,
+                       (f->height - 1 - y + jy) / f->height, r->org, r->dir);
+    r->tmax = aft > 0 ? aft : INFINITY;
+    return aft >= 0;
+}
+
+void
+rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
+                struct rad_pixel *out)
+{
+    uint64_t unsound = ctx->counts.unsound_rays;
+    struct rad_ray r;
+
+    out->L = rad_grey(0);
+    out->z = 0;
+    if (!aim(f, x, y, &r) ||
+        !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return;
+    ctx->counts.primary_rays++;
+    rad_ray_trace(ctx, &r);
+    if (ctx->counts.unsound_rays != unsound)
+        ctx->counts.nan_pixels++;
+    out->L = r.L;
+    if (f->depth)
+        out->z = (float)rad_ray_distance(&r);
+}
+
+struct tracer {
+    const struct rad_frame *frame;
+    struct rad_ctx *ctx;
+};
+
+static void
+trace(void *arg, int x, int y, struct rad_pixel *out)
+{
+    const struct tracer *t = arg;
+
+    rad_frame_pixel(t->frame, t->ctx, x, y, out);
+}
+
+/* Paint rows y0 to y1-1 of the window; the line that two bars share is painted
+ * once, with the bar above it. */
+static void
+paint(const struct rad_frame *f, struct rad_ctx *ctx,
+      const struct rad_window *w, struct rad_pixel *const rows[], int y0,
+      int y1)
+{
+    struct rad_canvas canvas = { .view = &f->view,
+                                 .width = f->width,
+                                 .height = f->height,
+                                 .seed = f->job->params.seed,
+                                 .frame = f->number,
+                                 .depth = f->depth };
+
+    for (int y = y0; y < y1; y++)
+        rad_paint_row(&f->paint, &canvas, ctx, w->x, w->x + w->width, w->y + y,
+                      rows[y]);
+}
+
+static int
+render_bars(const struct rad_frame *f, const struct rad_quincunx *q,
+            struct rad_ctx *ctx, const struct rad_window *w, uint8_t *density,
+            struct rad_pixel *const rows[],
+            bool (*stop)(void *arg, int rows_done), void *arg)
+{
+    int n = rad_quincunx_nbases(q), above = 0;
+
+    rad_quincunx_base(q, 0, density, rows[0]);
+    paint(f, ctx, w, rows, 0, 1);
+    for (int i = 1; i < n; i++) {
+        int y = rad_quincunx_base_row(q, i);
+
+        if (stop && stop(arg, above))
+            return RAD_ETEMPFAIL;
+        rad_quincunx_base(q, i, density, rows[y]);
+        rad_quincunx_bar(q, i - 1, rows + above);
+        paint(f, ctx, w, rows, above + 1, y + 1);
+        above = y;
+    }
+    return 0;
+}
+
+static bool
+within(const struct rad_frame *f, const struct rad_window *w)
+{
+    return w->width > 0 && w->height > 0 && w->x >= 0 && w->y >= 0 &&
+           w->width <= f->width - w->x && w->height <= f->height - w->y;
+}
+
+int
+rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
+                 const struct rad_window *w, struct rad_pixel *const rows[],
+                 bool (*stop)(void *arg, int rows_done), void *arg)
+{
+    struct tracer t = { f, ctx };
+    struct rad_quincunx q = { .x0 = w->x,
+                              .y0 = w->y,
+                              .width = w->width,
+                              .height = w->height,
+                              .maxdiff = f->job->params.maxdiff,
+                              .depth = f->depth,
+                              .trace = trace,
+                              .arg = &t };
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    uint8_t *density;
+    int rc;
+
+    if (!within(f, w))
+        return RAD_EUSAGE;
+    rad_quincunx_steps(f->job->params.psample, &q.xstep, &q.ystep);
+    density = rad_arena_alloc(&ctx->scratch, rad_quincunx_ndensity(&q));
+    if (!density)
+        return RAD_ENOMEM;
+    rad_quincunx_start(&q, density);
+    rc = render_bars(f, &q, ctx, w, density, rows, stop, arg);
+    rad_arena_rewind(&ctx->scratch, mark);
+    return rc;
+}

@@ -1,0 +1,59 @@
+/* paint.h - light sources that are smaller in the picture than a sample
+ *
+ * The sampler may miss a source that is narrower than -ps pixels.  With -dv+
+ * those are drawn after a bar is filled, each pixel with the share of its area
+ * that the source covers and the radiance of a ray through the covered part.
+ * Illums are left out, and what is not wholly in view, as in rpict.
+ * What a pixel gets depends on the pixel and the picture alone, not on the bar
+ * or window that it is painted in.
+ * Source: rpict(1) on -dv and -ps. */
+#ifndef RAD_PICTURE_PAINT_H
+#define RAD_PICTURE_PAINT_H
+
+#include "picture/quincunx.h"
+#include "picture/view.h"
+#include "shade/ray.h"
+
+/* The eight corners of a box give at most eight. */
+enum { RAD_PAINT_CORNERS = 8 };
+
+/* A source's outline: a convex polygon in picture positions (0..1). */
+struct rad_paint_source {
+    int32_t source;
+    int ncorners;
+    double corner[RAD_PAINT_CORNERS][2];
+};
+
+struct rad_paint {
+    struct rad_paint_source *list; /* in the order of the scene */
+    int32_t n;
+};
+
+/* Find the sources of a job that need painting in a picture of width columns.
+ * 0 or RAD_ENOMEM. */
+int rad_paint_init(struct rad_paint *p, const struct rad_job *job,
+                   const struct rad_view *v, int width, struct rad_error *err);
+void rad_paint_release(struct rad_paint *p);
+
+/* The picture that is painted in. */
+struct rad_canvas {
+    const struct rad_view *view;
+    int width, height;
+    uint64_t seed;
+    uint32_t frame;
+    bool depth;
+};
+
+/* Paint pixels x0 to x1-1 of row y (from the top) of the picture; row[0] is
+ * that of column x0.  Counts paint_rays. */
+void rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
+                   struct rad_ctx *ctx, int x0, int x1, int y,
+                   struct rad_pixel *row);
+
+/* The area of pixel (x, y), y from the bottom, that a convex polygon of
+ * picture positions covers, as a share of the pixel, and the mean of the
+ * covered part's corners.  0: none. */
+double rad_paint_coverage(const double (*corner)[2], int n, int width,
+                          int height, int x, int y, double centre[2]);
+
+#endif

@@ -1,0 +1,302 @@
+/* seqpict.c - the renderer alone: one thread, the whole picture one window
+ *
+ * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
+ *                [--window=X,Y,W,H] -o OUT.hdr scene.rad...
+ * What a cluster must agree with.  -vf is a view file, -z gets distances as
+ * rpict writes them; --counts prints what was counted on standard error;
+ * --window renders that part of the picture by itself, the rest is black. */
+#include "config.h"
+
+#include "picture/frame.h"
+#include "picture/hdr.h"
+#include "scene/parse.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+struct task {
+    struct rad_params params;
+    struct rad_view view;
+    struct rad_window window; /* width 0: all */
+    const char *out, *depth;
+    bool counts;
+    int nscenes;
+    char **scenes;
+};
+
+static int
+say(const struct rad_error *err)
+{
+    char text[600];
+
+    rad_error_format(err, text, sizeof text);
+    fprintf(stderr, "seqpict: %s\n", text);
+    return rad_exit_status(err->code);
+}
+
+static int
+read_view(struct rad_view *v, const char *path, struct rad_error *err)
+{
+    size_t len;
+    unsigned char *text = rad_file_read(path, 1 << 26, &len, err);
+    int rc;
+
+    if (!text)
+        return err->code;
+    rc = rad_view_read(v, (char *)text, len, err);
+    free(text);
+    if (rc == 0)
+        return rad_fail(err, RAD_EDATA, "%s: no view in it", path);
+    return rc;
+}
+
+/* An option of this program's own: words used, 0 if it is none. */
+static int
+own_option(struct task *t, int argc, char **argv, struct rad_error *err)
+{
+    struct rad_window *w = &t->window;
+
+    if (strcmp(argv[0], "--counts") == 0) {
+        t->counts = true;
+        return 1;
+    }
+    if (sscanf(argv[0], "--window=%d,%d,%d,%d", &w->x, &w->y, &w->width,
+               &w->height) == 4)
+        return 1;
+    if (argc < 2)
+        return 0;
+    if (strcmp(argv[0], "-o") == 0)
+        t->out = argv[1];
+    else if (strcmp(argv[0], "-z") == 0)
+        t->depth = argv[1];
+    else if (strcmp(argv[0], "-vf") != 0)
+        return 0;
+    else if (read_view(&t->view, argv[1], err) < 0)
+        return err->code;
+    return 2;
+}
+
+static int
+read_options(struct task *t, int argc, char **argv, struct rad_error *err)
+{
+    int i = 1, rc;
+
+    rad_params_init(&t->params);
+    rad_view_init(&t->view);
+    for (; i < argc && argv[i][0] == '-'; i += rc) {
+        rc = own_option(t, argc - i, argv + i, err);
+        if (rc == 0)
+            rc = rad_params_option(&t->params, argc - i, argv + i, err);
+        if (rc == 0)
+            rc = rad_view_option(&t->view, argc - i, argv + i, err);
+        if (rc == 0)
+            return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", argv[i]);
+        if (rc < 0)
+            return rc;
+    }
+    t->nscenes = argc - i;
+    t->scenes = argv + i;
+    if (t->nscenes == 0 || !t->out)
+        return rad_fail(err, RAD_EUSAGE, "no scene or no -o");
+    return rad_params_check(&t->params, err);
+}
+
+static int
+write_file(void *arg, const void *data, size_t len, struct rad_error *err)
+{
+    if (fwrite(data, 1, len, arg) != len)
+        return rad_fail(err, RAD_EIO, "write failed");
+    return 0;
+}
+
+static int
+write_rows(const struct rad_frame *f, const struct rad_pixel *pixels,
+           const struct rad_sink *sink, struct rad_error *err)
+{
+    struct rad_rgb *L = malloc((size_t)f->width * sizeof *L);
+    uint8_t *bytes = malloc(RAD_HDR_ROW_BYTES(f->width));
+    int rc = L && bytes ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    for (int y = 0; rc == 0 && y < f->height; y++) {
+        for (int x = 0; x < f->width; x++)
+            L[x] = pixels[(size_t)y * (size_t)f->width + (size_t)x].L;
+        rc = sink->write(sink->arg, bytes,
+                         rad_hdr_encode_row(L, f->width, bytes), err);
+    }
+    free(bytes);
+    free(L);
+    return rc;
+}
+
+static int
+write_picture(const struct task *t, const struct rad_frame *f,
+              const struct rad_pixel *pixels, struct rad_error *err)
+{
+    char options[RAD_PARAMS_TEXT], view[RAD_VIEW_TEXT];
+    struct rad_hdr_info info = { .program = "seqpict",
+                                 .options = options,
+                                 .view = view,
+                                 .pixaspect = f->pixaspect,
+                                 .width = f->width,
+                                 .height = f->height };
+    FILE *file = fopen(t->out, "wb");
+    struct rad_sink sink = { write_file, file };
+    int rc;
+
+    if (!file)
+        return rad_fail(err, RAD_ECANTCREAT, "cannot write %s", t->out);
+    rad_params_format(&t->params, options, sizeof options);
+    rad_view_format(&f->view, view, sizeof view);
+    rc = rad_hdr_write_header(&info, &sink, err);
+    if (rc == 0)
+        rc = write_rows(f, pixels, &sink, err);
+    if (fclose(file) != 0)
+        rc = rad_fail(err, RAD_EIO, "cannot write %s", t->out);
+    return rc;
+}
+
+static int
+write_depth(const struct task *t, const struct rad_frame *f,
+            const struct rad_pixel *pixels, struct rad_error *err)
+{
+    size_t n = (size_t)f->width * (size_t)f->height;
+    FILE *file = fopen(t->depth, "wb");
+    size_t done = 0;
+
+    if (!file)
+        return rad_fail(err, RAD_ECANTCREAT, "cannot write %s", t->depth);
+    while (done < n && fwrite(&pixels[done].z, sizeof(float), 1, file) == 1)
+        done++;
+    if (fclose(file) != 0 || done < n)
+        return rad_fail(err, RAD_EIO, "cannot write %s", t->depth);
+    return 0;
+}
+
+static void
+print_counts(const struct rad_counts *c)
+{
+    fprintf(stderr,
+            "rays %" PRIu64 "\nprimary_rays %" PRIu64 "\nshadow_rays %" PRIu64
+            "\nambient_rays %" PRIu64 "\npaint_rays %" PRIu64
+            "\nambient_values %" PRIu64 "\nnan_pixels %" PRIu64
+            "\nintersection_tests %" PRIu64 "\n",
+            c->rays, c->primary_rays, c->shadow_rays, c->ambient_rays,
+            c->paint_rays, c->ambient_values, c->nan_pixels, c->geom.tests);
+}
+
+static int
+render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
+       struct rad_error *err)
+{
+    size_t width = (size_t)f->width, height = (size_t)f->height;
+    struct rad_pixel *pixels = calloc(width * height, sizeof *pixels);
+    struct rad_pixel **rows = malloc(height * sizeof *rows);
+    struct rad_window w = t->window;
+    int rc = pixels && rows ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    if (w.width == 0)
+        w = (struct rad_window){ 0, 0, f->width, f->height };
+    for (int k = 0; rc == 0 && k < w.height; k++)
+        rows[k] = pixels + (size_t)(w.y + k) * width + w.x;
+    if (rc == 0 && (rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL)) < 0)
+        rad_fail(err, rc, "cannot render that window");
+    if (rc == 0)
+        rc = write_picture(t, f, pixels, err);
+    if (rc == 0 && t->depth)
+        rc = write_depth(t, f, pixels, err);
+    free(rows);
+    free(pixels);
+    return rc;
+}
+
+/* A run-time file, here or along RAYPATH. */
+static unsigned char *
+read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    const char *dir = getenv("RAYPATH");
+    char path[4096];
+
+    (void)arg;
+    while (dir && *dir && name[0] != '/') {
+        int n = (int)strcspn(dir, ":");
+        struct rad_error miss = { 0 };
+        unsigned char *data;
+
+        snprintf(path, sizeof path, "%.*s/%s", n, dir, name);
+        data = rad_file_read(path, 1 << 26, len, &miss);
+        if (data)
+            return data;
+        dir += n + (dir[n] == ':');
+    }
+    return rad_file_read(name, 1 << 26, len, err);
+}
+
+static struct rad_scene *
+read_scene(const struct task *t, struct rad_error *err)
+{
+    struct rad_scene *scene = rad_scene_new();
+    int rc = scene ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    for (int i = 0; rc == 0 && i < t->nscenes; i++) {
+        size_t len;
+        unsigned char *text = rad_file_read(t->scenes[i], 1 << 30, &len, err);
+
+        if (!text)
+            rc = err->code;
+        else
+            rc = rad_parse_text(scene, (char *)text, len, t->scenes[i], NULL,
+                                err);
+        free(text);
+    }
+    if (rc == 0)
+        rc = rad_scene_check(scene, NULL, NULL, err);
+    if (rc < 0) {
+        rad_scene_free(scene);
+        return NULL;
+    }
+    return scene;
+}
+
+static int
+render_scene(const struct task *t, const struct rad_scene *scene,
+             struct rad_error *err)
+{
+    struct rad_files files = { read_file, NULL };
+    struct rad_job *job = rad_job_new(scene, &t->params, &files, err);
+    struct rad_frame f = { 0 };
+    struct rad_ctx ctx = { 0 };
+    int rc = err->code;
+
+    if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
+        rc = rad_frame_init(&f, job, &t->view, 0, t->depth != NULL, err);
+        if (rc == 0)
+            rc = render(t, &f, &ctx, err);
+        if (rc == 0 && t->counts)
+            print_counts(&ctx.counts);
+        rad_frame_release(&f);
+        rad_ctx_release(&ctx);
+    }
+    rad_job_free(job);
+    return rc;
+}
+
+int
+main(int argc, char **argv)
+{
+    struct rad_error err = { 0 };
+    struct task t = { 0 };
+    struct rad_scene *scene;
+
+    if (read_options(&t, argc, argv, &err) < 0)
+        return say(&err);
+    scene = read_scene(&t, &err);
+    if (!scene || render_scene(&t, scene, &err) < 0) {
+        rad_scene_free(scene);
+        return say(&err);
+    }
+    rad_scene_free(scene);
+    return EX_OK;
+}
