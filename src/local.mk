@@ -26,6 +26,7 @@ librad_a_SOURCES = \
 	src/geom/overlap.c \
 	src/geom/overlap.h \
 	src/geom/polygon.c \
+	src/geom/polygon.h \
 	src/geom/prim.c \
 	src/geom/prim.h \
 	src/geom/ring.c \

@@ -211,6 +211,100 @@ START_TEST(kernels_give_the_same_bits)
 }
 END_TEST
 
+/* Numbers of every size and kind, as a hostile scene may hold them. */
+static double
+wild(uint64_t key, uint32_t dim)
+{
+    static const double odd[] = { 0,        -0.,       1,     -1,     NAN,
+                                  INFINITY, -INFINITY, 1e308, -1e308, 4.9e-324,
+                                  1e-308,   1e154,     1e77,  -1e38,  1e-40 };
+
+    if (rad_rand(key, dim) < .5)
+        return odd[(int)geom_rand(key, dim + 100, 0, N_ELEM(odd))];
+    return ldexp(geom_rand(key, dim + 200, -1, 1),
+                 (int)geom_rand(key, dim + 300, -80, 80));
+}
+
+START_TEST(wild_numbers_do_no_harm)
+{
+    static const enum rad_otype types[] = { RAD_POLYGON, RAD_SPHERE, RAD_CONE,
+                                            RAD_CYLINDER, RAD_RING };
+    static const int nreals[] = { 12, 4, 8, 7, 8 };
+    struct rad_geom_counts counts = { 0 };
+    const struct rad_kernel *const *k = rad_kernels();
+    struct geom_scene g;
+    struct rad_geom *geom;
+
+    geom_scene_init(&g, NSURFACES, NSURFACES * 12);
+    for (uint64_t i = 0; i < NSURFACES; i++) {
+        uint64_t key = rad_key_branch((uint64_t)_i, i);
+        int type = (int)geom_rand(key, 99, 0, N_ELEM(types));
+        double v[12];
+
+        for (uint32_t j = 0; j < 12; j++) /* most are finite in part 0 */
+            v[j] = _i ? wild(key, j) : geom_rand(key, j, -9, 9);
+        geom_scene_add(&g, types[type], RAD_VOID, RAD_SURF_OPAQUE, v,
+                       nreals[type]);
+    }
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < NRAYS; i++) {
+        uint64_t key = rad_key_branch(77, i);
+        struct rad_span s = { .tmin = 0, .tmax = INFINITY };
+        struct rad_hit hit;
+
+        for (uint32_t a = 0; a < 3; a++)
+            s.org[a] = wild(key, a);
+        geom_rand_dir(key, 20, s.dir);
+        if (i % 4 == 0)
+            s.dir[i / 4 % 3] = i % 8 ? 4.9e-324 : -0.;
+        while (!*k || !(*k)->usable())
+            k = *k ? k + 1 : rad_kernels();
+        rad_geom_use(geom, *k++);
+        if (rad_geom_nearest(geom, &s, &hit, &counts)) {
+            ck_assert(hit.t > 0 && hit.t < INFINITY);
+            ck_assert(hit.obj >= 0 && hit.obj < NSURFACES);
+            ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts));
+        }
+    }
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
+/* Sizes in a geometric row make the deepest trees: each split takes few off.
+ * And a thousand surfaces in one place, which no split can part. */
+START_TEST(lopsided_trees_are_walked_whole)
+{
+    enum { N = 1000 };
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+
+    geom_scene_init(&g, N, 4 * N);
+    for (int i = 0; i < N; i++)
+        if (_i == 0)
+            GEOM_ADD(&g, RAD_SPHERE, ldexp(1, i - N / 2), 0, 0,
+                     ldexp(.3, i - N / 2));
+        else
+            GEOM_ADD(&g, RAD_SPHERE, 1, 2, 3, 1);
+    /* the largest are beyond 2^170 and left out, as geom.h says */
+    geom = geom_scene_compile(&g);
+    for (int i = _i == 0 ? N / 2 - 400 : 0; i < N - 331; i++) {
+        double r = ldexp(1, i - N / 2);
+        struct rad_span s = geom_span(r, 0, r, 0, 0, -1);
+
+        if (_i == 1)
+            s = geom_span(1, 2, 9, 0, 0, -1);
+        ck_assert_msg(rad_geom_nearest(geom, &s, &hit, &counts), "%d", i);
+        /* of those in one place the last wins */
+        ck_assert_int_eq(hit.obj, _i == 0 ? i : N - 1);
+    }
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
 static void
 name_kernels(void)
 {
@@ -232,6 +326,8 @@ main(void)
     tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
                         N_ELEM(place));
     tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));
+    tcase_add_loop_test(tc, wild_numbers_do_no_harm, 0, 4);
+    tcase_add_loop_test(tc, lopsided_trees_are_walked_whole, 0, 2);
     suite_add_tcase(s, tc);
     name_kernels();
     return unit_run(s);

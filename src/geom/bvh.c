@@ -12,6 +12,7 @@
 
 #include "base/vec.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -260,8 +261,8 @@ clear_lanes(struct rad_bvh_node *node)
 {
     for (int i = 0; i < RAD_BVH_WIDTH; i++) {
         for (int a = 0; a < 3; a++) {
-            node->bound[a][0][i] = INFINITY;
-            node->bound[a][1][i] = -INFINITY;
+            node->bound[RAD_BVH_BOUND(a, 0) + i] = FLT_MAX;
+            node->bound[RAD_BVH_BOUND(a, 1) + i] = -FLT_MAX;
         }
         node->child[i] = 0;
     }
@@ -290,8 +291,8 @@ static void
 set_lane(struct rad_bvh_node *node, int lane, const struct range *r)
 {
     for (int a = 0; a < 3; a++) {
-        node->bound[a][0][lane] = r->lo[a];
-        node->bound[a][1][lane] = r->hi[a];
+        node->bound[RAD_BVH_BOUND(a, 0) + lane] = r->lo[a];
+        node->bound[RAD_BVH_BOUND(a, 1) + lane] = r->hi[a];
     }
     node->child[lane] =
         RAD_BVH_LEAF | (r->count - 1) << RAD_BVH_SHIFT | r->first;
@@ -403,22 +404,4 @@ rad_bvh_release(struct rad_bvh *bvh)
 {
     free(bvh->nodes);
     memset(bvh, 0, sizeof *bvh);
-}
-
-void
-rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
-                 const double org[3], const double rcp[3], double tmin)
-{
-    for (int a = 0; a < 3; a++) {
-        double x = (org[a] - bvh->centre[a]) * bvh->scale;
-        double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp[a]);
-        double most = copysign(0x1p120, rcp[a]);
-
-        r->org[a][0] = (float)(x + pad);
-        r->org[a][1] = (float)(x - pad);
-        r->enter[a] = signbit(rcp[a]) ? 1 : 0;
-        r->inv[a] = (float)(fabs(rcp[a]) < 0x1p120 ? rcp[a] : most);
-    }
-    /* 2^-20 outweighs what float rounds, here and in the slab test */
-    r->tmin = (float)(tmin * bvh->scale * (1 - 0x1p-20));
 }

@@ -15,17 +15,22 @@
  * three roundings of (bound - org) * inv are paid for by a factor on the
  * leaving side.  A direction component that is (nearly) zero has inv held at
  * 2^120, and the origins are at least 2^-60 off, so that no product is NaN and
- * a ray inside the slab or on its face stays in.
+ * a ray inside the slab or on its face stays in.  Bounds and limits are finite,
+ * also those of lanes without a child.
  * Thread: immutable once made. */
 #ifndef RAD_GEOM_BVH_H
 #define RAD_GEOM_BVH_H
 
 #include "geom/prim.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #define RAD_BVH_WIDTH 8
+/* where a node's bounds of an axis start, side 0 lo, 1 hi */
+#define RAD_BVH_BOUND(axis, side) ((2 * (axis) + (side)) * RAD_BVH_WIDTH)
 /* Deeper than RAD_BVH_DEPTH a range is halved by count, so that a stack of
  * RAD_BVH_STACK holds any tree: 11 more levels reach 8^11 > 2^32 items. */
 #define RAD_BVH_DEPTH 32
@@ -33,8 +38,8 @@
 
 /* children, biggest surface first; a lane without a child has lo > hi */
 struct rad_bvh_node {
-    float bound[3][2][RAD_BVH_WIDTH]; /* axis, lo or hi, lane */
-    uint32_t child[RAD_BVH_WIDTH];    /* node index, or leaf: see below */
+    float bound[6 * RAD_BVH_WIDTH]; /* axis by axis the lo, then the hi */
+    uint32_t child[RAD_BVH_WIDTH];  /* node index, or leaf: see below */
 };
 
 /* A leaf is RAD_BVH_LEAF | (count - 1) << RAD_BVH_SHIFT | first item. */
@@ -54,7 +59,7 @@ struct rad_bvh {
 struct rad_bvh_ray {
     float org[3][2]; /* axis; for the bound where it enters, leaves */
     float inv[3];
-    int enter[3]; /* which bound it enters by: 0 lo, 1 hi */
+    int32_t enter[3], leave[3]; /* by which bounds, as places in a node's */
     float tmin;
 };
 
@@ -82,16 +87,36 @@ int rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 
-/* A ray from org; rcp: 1/direction, by component. */
-void rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
-                      const double org[3], const double rcp[3], double tmin);
+/* A probe in the tree's coordinates. */
+static inline void
+rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
+                 const struct rad_probe *probe, double tmin)
+{
+    for (int a = 0; a < 3; a++) {
+        double rcp = probe->rcp[a];
+        double x = (probe->org[a] - bvh->centre[a]) * bvh->scale;
+        double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp);
+        double most = copysign(0x1p120, rcp);
+
+        r->org[a][0] = (float)(x + pad);
+        r->org[a][1] = (float)(x - pad);
+        r->enter[a] = RAD_BVH_BOUND(a, rcp < 0);
+        r->leave[a] = RAD_BVH_BOUND(a, rcp > 0);
+        r->inv[a] = (float)(fabs(rcp) < 0x1p120 ? rcp : most);
+    }
+    /* 2^-20 outweighs what float rounds, here and in the slab test */
+    r->tmin = (float)(tmin * bvh->scale * (1 - 0x1p-20));
+}
 
 /* The double t as a float in the tree's coordinates that is not below it, with
- * the rounding of a slab test paid for. */
+ * the rounding of a slab test paid for.  Finite, so that what lies infinitely
+ * far (a ray from beyond float's range) is not met. */
 static inline float
 rad_bvh_limit(const struct rad_bvh *bvh, double t)
 {
-    return (float)(t * bvh->scale * (1 + 0x1p-20));
+    double x = t * bvh->scale * (1 + 0x1p-20);
+
+    return x < FLT_MAX ? (float)x : FLT_MAX;
 }
 
 /* One instruction set's walks; all give the same bits. */

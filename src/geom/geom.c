@@ -162,17 +162,18 @@ static bool
 walk_init(struct rad_walk *w, const struct rad_geom *g,
           const struct rad_span *span)
 {
-    double sum = 0;
+    double sum = 0, len = 0;
 
-    for (int a = 0; a < 3; a++)
-        sum += fabs(span->org[a]) + fabs(span->dir[a]);
-    if (!(sum < INFINITY) || !(span->tmin < span->tmax) ||
-        !(rad_dot(span->dir, span->dir) > 0))
+    for (int a = 0; a < 3; a++) {
+        sum += fabs(span->org[a]);
+        len += fabs(span->dir[a]);
+    }
+    if (!((sum + len < INFINITY) & (len > 0) & (span->tmin < span->tmax)))
         return false;
     w->bvh = &g->bvh;
     w->prims = g->prims;
     w->tmin = span->tmin;
-    w->tmax = fmin(span->tmax, DBL_MAX);
+    w->tmax = span->tmax < DBL_MAX ? span->tmax : DBL_MAX;
     w->cut = w->tmax;
     w->best = INFINITY;
     w->prim = NOPRIM;
@@ -180,7 +181,7 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
     w->skip = RAD_VOID;
     w->tests = w->nodes = 0;
     rad_probe_init(&w->probe, span);
-    rad_bvh_ray_init(&w->ray, &g->bvh, span->org, w->probe.rcp, span->tmin);
+    rad_bvh_ray_init(&w->ray, &g->bvh, &w->probe, span->tmin);
     return true;
 }
 

@@ -54,7 +54,8 @@ struct rad_geom_counts {
 
 /* Compile.  surf[i] holds the RAD_SURF_ bits of object i (0 for modifiers).
  * The scene must outlive the result.  NULL and *err on failure; a degenerate
- * surface (no area) is left out, not an error. */
+ * surface (no area, or coordinates that are no numbers or beyond 2^170) is
+ * left out, not an error. */
 struct rad_geom *rad_geom_new(const struct rad_scene *scene,
                               const uint8_t *surf, struct rad_error *err);
 void rad_geom_free(struct rad_geom *g);

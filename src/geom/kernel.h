@@ -4,6 +4,7 @@
 #define RAD_GEOM_KERNEL_H
 
 #include "geom/bvh.h"
+#include "geom/polygon.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,21 +1,9 @@
 /* polygon.c - flat faces of any number of vertices, concave or with holes
  *
- * A face is inside out where its edges cross the ray an odd number of times to
- * one side; so seams (edges run both ways, by which the scene language makes
- * holes) cancel, repeated vertices do not matter, and no triangulation is
- * needed.  The test is made in the plane across the ray after the shear of
- * Woop, Benthin & Wald 2013 (Watertight ray/triangle intersection): a vertex's
- * place there depends on ray and vertex alone, and the side of an edge is
- * decided from products that are bitwise the same for a->b and b->a.  Two
- * faces that share an edge therefore agree on it, rounding or not: the ray
- * meets an odd number of the faces on either side, never none.
- *
- * The distance comes from the plane (Newell's normal; mean offset, for faces
- * that are not quite flat), held between the nearest and the farthest vertex
- * along the ray: in a face seen edge-on the quotient would be noise. */
+ * The test of a ray is in polygon.h; here is what happens once or seldom. */
 #include "config.h"
 
-#include "geom/prim.h"
+#include "geom/polygon.h"
 
 #include "base/vec.h"
 
@@ -102,14 +90,11 @@ rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
     }
 }
 
-/* Does the ray pass inside?  [*zlo, *zhi] gets the span of the vertices along
- * axis kz, from the origin.  Without branches but the loop: they would be
- * taken at random. */
-static bool
-inside(const double *v, int nv, const struct rad_probe *r, double *zlo,
-       double *zhi)
+bool
+rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
+                   double *zlo, double *zhi)
 {
-    const double *end = v + 3 * nv, *b = end - 3;
+    const double *v = p->v, *end = v + 3 * p->nv, *b = end - 3;
     int kx = r->kx, ky = r->ky, kz = r->kz;
     double ox = r->org[kx], oy = r->org[ky], oz = r->org[kz];
     double bz = b[kz] - oz;
@@ -124,44 +109,18 @@ inside(const double *v, int nv, const struct rad_probe *r, double *zlo,
         bz = b[kz] - oz;
         bx = b[kx] - ox - r->sx * bz;
         by = b[ky] - oy - r->sy * bz;
-        /* does a-b cross the positive x axis?  ax*by and ay*bx swap when
-         * the edge is walked the other way, and so does the comparison */
-        double p = ax * by, q = ay * bx;
+        /* as in rad_quad_inside(), and as there without a branch, which
+         * would be taken at random */
+        double e = ax * by, f = ay * bx;
         int up = by > ay;
 
-        odd ^= ((ay > 0) != (by > 0)) & ((up & (p > q)) | (!up & (p < q)));
+        odd ^= ((ay > 0) != (by > 0)) & ((up & (e > f)) | (!up & (e < f)));
         lo = bz < lo ? bz : lo;
         hi = bz > hi ? bz : hi;
     }
     *zlo = lo;
     *zhi = hi;
     return odd;
-}
-
-bool
-rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
-                double tmin, double tmax, double *t)
-{
-    double den = rad_dot(p->k, r->dir);
-    double num = p->k[3] - rad_dot(p->k, r->org);
-    double err = RAD_GEOM_ROUND * r->size + p->slack;
-    double sign = copysign(1, den), rcp, zlo, zhi, lo, hi, s;
-
-    den *= sign;
-    num *= sign;
-    /* out of reach whatever the rounding; t itself can wait */
-    if (!((num >= tmin * den - err) & (num <= tmax * den + err)))
-        return false;
-    if (!inside(p->v, p->nv, r, &zlo, &zhi))
-        return false;
-    rcp = r->rcp[r->kz];
-    lo = (rcp > 0 ? zlo : zhi) * rcp;
-    hi = (rcp > 0 ? zhi : zlo) * rcp;
-    s = num / den;
-    s = s > lo ? s : lo; /* a NaN becomes lo */
-    s = s < hi ? s : hi;
-    *t = s;
-    return s > tmin && s < tmax;
 }
 
 void

@@ -8,28 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-void
-rad_probe_init(struct rad_probe *r, const struct rad_span *span)
-{
-    double ax = fabs(span->dir[0]), ay = fabs(span->dir[1]);
-    double az = fabs(span->dir[2]), m = ax;
-
-    r->size = 0;
-    for (int i = 0; i < 3; i++) {
-        r->org[i] = span->org[i];
-        r->dir[i] = span->dir[i];
-        r->rcp[i] = 1 / span->dir[i];
-        r->size += fabs(span->org[i]);
-    }
-    r->kz = ay > m ? 1 : 0;
-    m = ay > m ? ay : m;
-    r->kz = az > m ? 2 : r->kz;
-    r->kx = r->kz == 2 ? 0 : r->kz + 1;
-    r->ky = r->kz == 0 ? 2 : r->kz - 1;
-    r->sx = r->dir[r->kx] * r->rcp[r->kz];
-    r->sy = r->dir[r->ky] * r->rcp[r->kz];
-}
-
 bool
 rad_prim_has(enum rad_otype type)
 {
@@ -46,6 +24,20 @@ rad_prim_has(enum rad_otype type)
     default:
         return false;
     }
+}
+
+/* Is it of a size that can be computed with?  Squares must not overflow. */
+static bool
+bounded(const struct rad_prim *p)
+{
+    struct rad_box box;
+    bool good = true;
+
+    rad_prim_bounds(p, &box);
+    for (int i = 0; i < 3; i++)
+        good &=
+            fabs(box.lo[i]) < RAD_GEOM_MOST && fabs(box.hi[i]) < RAD_GEOM_MOST;
+    return good;
 }
 
 bool
@@ -77,7 +69,7 @@ rad_prim_make(struct rad_prim *p, const struct rad_object *o,
     }
     /* float rounds to nearest: one step up keeps it a bound */
     p->slack = nextafterf(p->slack, INFINITY);
-    return good;
+    return good && bounded(p);
 }
 
 void

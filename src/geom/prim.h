@@ -23,10 +23,15 @@
 #include "geom/geom.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #define RAD_GEOM_ROUND 0x1p-50
+
+/* Coordinates from here on are refused: slack would leave the range of float,
+ * and soon products that of double. */
+#define RAD_GEOM_MOST 0x1p+170
 
 enum rad_prim_kind {
     PRIM_POLYGON,
@@ -60,7 +65,27 @@ struct rad_box {
     double lo[3], hi[3];
 };
 
-void rad_probe_init(struct rad_probe *r, const struct rad_span *span);
+static inline void
+rad_probe_init(struct rad_probe *r, const struct rad_span *span)
+{
+    double ax = fabs(span->dir[0]), ay = fabs(span->dir[1]);
+    double az = fabs(span->dir[2]), m = ax;
+
+    r->size = 0;
+    for (int i = 0; i < 3; i++) {
+        r->org[i] = span->org[i];
+        r->dir[i] = span->dir[i];
+        r->rcp[i] = 1 / span->dir[i];
+        r->size += fabs(span->org[i]);
+    }
+    r->kz = ay > m ? 1 : 0;
+    m = ay > m ? ay : m;
+    r->kz = az > m ? 2 : r->kz;
+    r->kx = r->kz == 2 ? 0 : r->kz + 1;
+    r->ky = r->kz == 0 ? 2 : r->kz - 1;
+    r->sx = r->dir[r->kx] * r->rcp[r->kz];
+    r->sy = r->dir[r->ky] * r->rcp[r->kz];
+}
 
 /* Is this a type of surface that has a family here? */
 bool rad_prim_has(enum rad_otype type);
@@ -84,8 +109,6 @@ void rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_ring_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_cone_bounds(const struct rad_prim *p, struct rad_box *box);
 
-bool rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
-                     double tmin, double tmax, double *t);
 bool rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r,
                     double tmin, double tmax, double *t);
 bool rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r,
@@ -104,21 +127,5 @@ void rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
 /* All of *hit for a hit at t. */
 void rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r,
                       double t, struct rad_hit *hit);
-
-static inline bool
-rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
-             double tmax, double *t)
-{
-    switch (p->kind) {
-    case PRIM_POLYGON:
-        return rad_polygon_hit(p, r, tmin, tmax, t);
-    case PRIM_SPHERE:
-        return rad_sphere_hit(p, r, tmin, tmax, t);
-    case PRIM_CONE:
-        return rad_cone_hit(p, r, tmin, tmax, t);
-    default:
-        return rad_ring_hit(p, r, tmin, tmax, t);
-    }
-}
 
 #endif

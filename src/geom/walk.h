@@ -71,38 +71,52 @@ WALK(push_sorted)(uint64_t *stack, int n, const struct rad_bvh_node *node,
     return n;
 }
 
+/* From a node down to the nearest leaf under it that the ray may meet; what it
+ * passes by is pushed.  False: there is none. */
+static inline WALK_TARGET bool
+WALK(descend)(struct rad_walk *w, uint64_t *stack, int *n, uint32_t *child,
+              float limit)
+{
+    float enter[RAD_BVH_WIDTH];
+
+    while (!(*child & RAD_BVH_LEAF)) {
+        const struct rad_bvh_node *node = &w->bvh->nodes[*child];
+        unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
+
+        w->nodes++;
+        if (!mask)
+            return false;
+        *n = WALK(push_sorted)(stack, *n, node, mask, enter);
+        *child = (uint32_t)stack[--*n];
+    }
+    return true;
+}
+
 static WALK_TARGET void
 WALK(nearest)(struct rad_walk *w)
 {
-    uint64_t stack[RAD_BVH_STACK], tests = 0, nodes = 0;
-    float enter[RAD_BVH_WIDTH], limit = rad_bvh_limit(w->bvh, w->cut);
-    uint64_t past = WALK(entry)(limit, UINT32_MAX);
-    int n = 1;
+    uint64_t stack[RAD_BVH_STACK];
+    float limit = rad_bvh_limit(w->bvh, w->cut);
+    uint64_t past = WALK(entry)(limit, UINT32_MAX), top;
+    uint32_t child = 0;
+    int n = 0;
 
-    stack[0] = 0;
-    while (n > 0) {
-        uint64_t top = stack[--n];
-        uint32_t child = (uint32_t)top;
-
-        if (top > past)
-            continue;
-        if (child & RAD_BVH_LEAF) {
+    for (;;) {
+        if (WALK(descend)(w, stack, &n, &child, limit)) {
             uint32_t count = (child >> RAD_BVH_SHIFT & 7) + 1;
 
             WALK(leaf_nearest)(w, child & (RAD_BVH_MAX_ITEMS - 1), count);
             limit = rad_bvh_limit(w->bvh, w->cut);
             past = WALK(entry)(limit, UINT32_MAX);
-            tests += count;
-        } else {
-            const struct rad_bvh_node *node = &w->bvh->nodes[child];
-            unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
-
-            nodes++;
-            n = WALK(push_sorted)(stack, n, node, mask, enter);
+            w->tests += count;
         }
+        do {
+            if (n == 0)
+                return;
+            top = stack[--n];
+        } while (top > past);
+        child = (uint32_t)top;
     }
-    w->tests += tests;
-    w->nodes += nodes;
 }
 
 static inline WALK_TARGET bool

@@ -25,11 +25,10 @@ avx2_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     __m256 in = _mm256_set1_ps(r->tmin), out = _mm256_set1_ps(INFINITY);
 
     for (int a = 0; a < 3; a++) {
-        const float(*b)[RAD_BVH_WIDTH] = node->bound[a];
-        int side = r->enter[a];
-
-        in = _mm256_max_ps(avx2_slab(b[side], r->org[a][0], r->inv[a]), in);
-        out = _mm256_min_ps(avx2_slab(b[!side], r->org[a][1], r->inv[a]), out);
+        in = _mm256_max_ps(
+            avx2_slab(node->bound + r->enter[a], r->org[a][0], r->inv[a]), in);
+        out = _mm256_min_ps(
+            avx2_slab(node->bound + r->leave[a], r->org[a][1], r->inv[a]), out);
     }
     out = _mm256_mul_ps(out, _mm256_set1_ps(RAD_BVH_WIDEN));
     out = _mm256_min_ps(out, _mm256_set1_ps(limit));

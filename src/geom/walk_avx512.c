@@ -29,9 +29,9 @@ avx512_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     __m512 m = avx512_halves(r->tmin, -INFINITY);
 
     for (int a = 0; a < 3; a++) {
-        __m512 b = _mm512_loadu_ps(node->bound[a][0]);
+        __m512 b = _mm512_loadu_ps(node->bound + RAD_BVH_BOUND(a, 0));
 
-        if (r->enter[a]) /* enters by the upper bound */
+        if (r->enter[a] > r->leave[a]) /* enters by the upper bound */
             b = _mm512_shuffle_f32x4(b, b, 0x4e);
         b = _mm512_sub_ps(b, avx512_halves(r->org[a][0], r->org[a][1]));
         b = _mm512_mul_ps(b, avx512_halves(r->inv[a], -r->inv[a]));

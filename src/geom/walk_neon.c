@@ -25,11 +25,12 @@ neon_half(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     float32x4_t in = vdupq_n_f32(r->tmin), out = vdupq_n_f32(INFINITY);
 
     for (int a = 0; a < 3; a++) {
-        const float(*b)[RAD_BVH_WIDTH] = node->bound[a];
-        int side = r->enter[a];
-
-        in = vmaxq_f32(neon_slab(b[side] + i, r->org[a][0], r->inv[a]), in);
-        out = vminq_f32(neon_slab(b[!side] + i, r->org[a][1], r->inv[a]), out);
+        in = vmaxq_f32(
+            neon_slab(node->bound + r->enter[a] + i, r->org[a][0], r->inv[a]),
+            in);
+        out = vminq_f32(
+            neon_slab(node->bound + r->leave[a] + i, r->org[a][1], r->inv[a]),
+            out);
     }
     out = vmulq_n_f32(out, RAD_BVH_WIDEN);
     out = vminq_f32(out, vdupq_n_f32(limit));

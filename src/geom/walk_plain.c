@@ -16,9 +16,10 @@ plain_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
         float in = r->tmin, out = INFINITY;
 
         for (int a = 0; a < 3; a++) {
-            const float(*b)[RAD_BVH_WIDTH] = node->bound[a];
-            float near = (b[r->enter[a]][i] - r->org[a][0]) * r->inv[a];
-            float far = (b[!r->enter[a]][i] - r->org[a][1]) * r->inv[a];
+            float near =
+                (node->bound[r->enter[a] + i] - r->org[a][0]) * r->inv[a];
+            float far =
+                (node->bound[r->leave[a] + i] - r->org[a][1]) * r->inv[a];
 
             in = near > in ? near : in;
             out = far < out ? far : out;

@@ -25,11 +25,12 @@ sse2_half(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     __m128 in = _mm_set1_ps(r->tmin), out = _mm_set1_ps(INFINITY);
 
     for (int a = 0; a < 3; a++) {
-        const float(*b)[RAD_BVH_WIDTH] = node->bound[a];
-        int side = r->enter[a];
-
-        in = _mm_max_ps(sse2_slab(b[side] + i, r->org[a][0], r->inv[a]), in);
-        out = _mm_min_ps(sse2_slab(b[!side] + i, r->org[a][1], r->inv[a]), out);
+        in = _mm_max_ps(
+            sse2_slab(node->bound + r->enter[a] + i, r->org[a][0], r->inv[a]),
+            in);
+        out = _mm_min_ps(
+            sse2_slab(node->bound + r->leave[a] + i, r->org[a][1], r->inv[a]),
+            out);
     }
     out = _mm_mul_ps(out, _mm_set1_ps(RAD_BVH_WIDEN));
     out = _mm_min_ps(out, _mm_set1_ps(limit));
