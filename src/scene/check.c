@@ -244,10 +244,9 @@ named_modifier(const struct rad_scene *s, const struct rad_object *o)
     return rad_scene_find_modifier(s, o->strings[0], (int32_t)(o - s->objects));
 }
 
-/* Set reached[i] for surfaces and what they lead to.  An object refers to
- * lower indices only, so one pass downwards finds all. */
-static void
-mark_reached(const struct rad_scene *s, uint8_t *reached)
+/* An object refers to lower indices only, so one pass downwards finds all. */
+void
+rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
 {
     for (int32_t i = s->nobjects; i-- > 0;) {
         const struct rad_object *o = &s->objects[i];
@@ -371,7 +370,7 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
 
     memset(needs, 0, RAD_NOTYPES * sizeof *needs);
     if (reached)
-        mark_reached(s, reached);
+        rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects; i++)
         if (!reached || reached[i]) /* out of memory: all there are */
             needs[s->objects[i].type] = true;
@@ -402,7 +401,7 @@ rad_scene_check(const struct rad_scene *s,
     c.reached = calloc(n, 1);
     c.material = malloc(n * sizeof *c.material);
     if (stands_for && c.reached && c.material) {
-        mark_reached(s, c.reached);
+        rad_scene_reach(s, c.reached);
         find_materials(s, c.material, stands_for);
         check_all(&c);
     } else {

@@ -84,6 +84,10 @@ int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
  * is the first alias' own modifier if *own is set, else the result's. */
 int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
 
+/* Set reached[i], one of nobjects, for each surface and for what surfaces lead
+ * to: the modifiers behind them, and those that they name (aliases, illum). */
+void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
+
 /* Which types do the surfaces reach, with their own?  needs[t] is set for
  * those. */
 void rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES]);
