@@ -560,6 +560,42 @@ START_TEST(bad_material_is_refused_by_name)
 }
 END_TEST
 
+START_TEST(missing_font_is_told_with_the_scenes_line)
+{
+    static const struct rad_files files = { test_files, NULL };
+    struct world w;
+
+    ck_assert_int_eq(
+        world_try(&w,
+                  "\n\nvoid brighttext t 3 none.fnt . A 0 11 0 0 0 "
+                  "1 0 0 0 1 0 1 1\nt light m 0 0 3 1 1 1 m" SQUARE,
+                  "", &files),
+        RAD_ENOINPUT);
+    ck_assert_str_eq(w.err.where, "test.rad:3");
+    ck_assert_str_eq(w.err.what, "brighttext 't': no file 'none.fnt'");
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
+{
+    static const struct rad_files files = { test_files, NULL };
+    struct world w;
+
+    ck_assert_int_eq(
+        world_try(
+            &w,
+            "void brighttext t 3 none.fnt . A 0 11 0 0 0 1 0 0 0 1 0 1 1\n"
+            "t plastic unused 0 0 5 .5 .5 .5 0 0\n"
+            "void mist fog 0 0 0\n"
+            "void plastic m 0 0 5 .5 .5 .5 0 0 m" SQUARE,
+            "-av 1 1 1", &files),
+        0);
+    ck_assert_double_eq_tol(world_tilted(&w, 0).r, .5, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
 /* An alias is its target, with its own pattern in front of nothing else. */
 START_TEST(alias_takes_the_target_and_its_own_modifier)
 {
@@ -610,6 +646,8 @@ main(void)
     tcase_add_test(tc, irradiance_of_a_sun_follows_the_cosine);
     tcase_add_loop_test(tc, text_colours_its_cells, 0, N_ELEM(cell));
     tcase_add_loop_test(tc, bad_material_is_refused_by_name, 0, N_ELEM(bad));
+    tcase_add_test(tc, missing_font_is_told_with_the_scenes_line);
+    tcase_add_test(tc, modifier_that_nothing_uses_needs_no_file_and_no_support);
     tcase_add_test(tc, alias_takes_the_target_and_its_own_modifier);
     suite_add_tcase(s, tc);
     return unit_run(s);

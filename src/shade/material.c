@@ -1,7 +1,8 @@
 /* material.c - the table of modifiers, and their compilation
  *
  * An alias is gone after compilation: its entry is what it stands for, with
- * the alias's own modifier behind it. */
+ * the alias's own modifier behind it.  Modifiers that no surface leads to are
+ * not compiled: they may be of any type, and their files need not exist. */
 #include "config.h"
 
 #include "shade/material.h"
@@ -10,6 +11,8 @@
 #include "shade/glass.h"
 #include "shade/normal.h"
 #include "shade/text.h"
+
+#include <stdlib.h>
 
 static const struct rad_shader table[] = {
     { RAD_PLASTIC, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
@@ -40,37 +43,20 @@ rad_shader_find(enum rad_otype type)
     return NULL;
 }
 
-/* What an alias stands for: its target, found among what was defined before
- * it.  RAD_VOID: nothing of that name. */
-static int32_t
-alias_target(const struct rad_scene *scene, int32_t alias)
-{
-    const struct rad_object *o = &scene->objects[alias];
-
-    if (o->nstrings == 0)
-        return o->modifier;
-    return rad_scene_find_modifier(scene, o->strings[0], alias);
-}
-
 int32_t
 rad_material_of(const struct rad_scene *scene, int32_t mod)
 {
     while (mod != RAD_VOID) {
         const struct rad_object *o = &scene->objects[mod];
+        int32_t target;
+        bool own;
 
         if (rad_otype_class(o->type) == RAD_CLASS_MATERIAL)
             return mod;
-        if (o->type == RAD_ALIAS && o->nstrings > 0) {
-            int32_t target = alias_target(scene, mod);
-
-            while (target != RAD_VOID &&
-                   scene->objects[target].type == RAD_ALIAS)
-                target = alias_target(scene, target);
-            if (target != RAD_VOID &&
-                rad_otype_class(scene->objects[target].type) ==
-                    RAD_CLASS_MATERIAL)
-                return target;
-        }
+        target = rad_scene_alias(scene, mod, &own);
+        if (own && target != RAD_VOID &&
+            rad_otype_class(scene->objects[target].type) == RAD_CLASS_MATERIAL)
+            return target;
         mod = o->modifier;
     }
     return RAD_VOID;
@@ -81,11 +67,11 @@ compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
 {
     const struct rad_scene *scene = job->scene;
     const struct rad_object *o = &scene->objects[index];
-    int32_t target;
+    bool own;
+    int32_t target = rad_scene_alias(scene, index, &own);
 
-    if (o->nstrings == 0)
+    if (!own)
         return 0; /* shader stays NULL: rays go on to the modifier */
-    target = alias_target(scene, index);
     if (target == RAD_VOID)
         return rad_scene_fail(scene, o, err, RAD_EDATA,
                               "undefined modifier '%s'", o->strings[0]);
@@ -136,16 +122,22 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
 {
     const struct rad_scene *scene = job->scene;
     int32_t n = scene->nobjects;
+    uint8_t *reached;
     int code = 0;
 
+    reached = calloc((size_t)n + 1, sizeof *reached);
     while (n > 0 && is_surface(&scene->objects[n - 1]))
         n--;
     job->materials =
         rad_arena_calloc(&job->arena, (size_t)n, sizeof *job->materials);
-    if (!job->materials)
+    if (!reached || !job->materials) {
+        free(reached);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    rad_scene_reach(scene, reached);
     for (int32_t i = 0; i < n && code == 0; i++)
-        if (!is_surface(&scene->objects[i]))
+        if (reached[i] && !is_surface(&scene->objects[i]))
             code = compile_modifier(job, i, files, err);
+    free(reached);
     return code;
 }

@@ -48,7 +48,7 @@ const struct rad_shader *rad_shader_find(enum rad_otype type);
 int rad_material_reals(const struct rad_job *job, int32_t index, int least,
                        int most, struct rad_error *err);
 
-/* Compile all modifiers into job->materials. */
+/* Compile the modifiers that surfaces lead to into job->materials. */
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,
                           struct rad_error *err);
 

@@ -49,15 +49,34 @@ set_plane(const struct rad_job *job, const struct rad_object *o, struct text *t,
     return 0;
 }
 
-static char *
-read_file(const struct rad_files *files, const char *name, size_t *len,
-          struct rad_error *err)
+/* The scene's place comes first in what is wrong with a file. */
+static int
+fail_file(const struct rad_job *job, const struct rad_object *o,
+          const char *name, const struct rad_error *why, struct rad_error *err)
 {
-    if (!files || !files->read) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    return (char *)files->read(files->arg, name, len, err);
+    char text[512];
+
+    rad_error_format(why, text, sizeof text);
+    if (strstr(text, name))
+        return rad_scene_fail(job->scene, o, err, why->code, "%s", text);
+    return rad_scene_fail(job->scene, o, err, why->code, "'%s': %s", name,
+                          text);
+}
+
+static int
+read_file(const struct rad_job *job, const struct rad_object *o,
+          const struct rad_files *files, const char *name, char **data,
+          size_t *len, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    *data = NULL;
+    if (files)
+        *data = (char *)files->read(files->arg, name, len, &why);
+    if (*data)
+        return 0;
+    rad_fail(&why, RAD_ENOINPUT, "no file '%s'", name);
+    return fail_file(job, o, name, &why, err);
 }
 
 /* The font of an earlier text serves again. */
@@ -68,10 +87,11 @@ find_font(const struct rad_job *job, int32_t index, const char *name)
 
     for (int32_t i = 0; i < index; i++) {
         const struct rad_object *o = &objects[i];
+        const struct text *t = job->materials[i].data;
 
-        if ((o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT) &&
+        if ((o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT) && t &&
             strcmp(o->strings[0], name) == 0)
-            return ((const struct text *)job->materials[i].data)->font;
+            return t->font;
     }
     return NULL;
 }
@@ -80,20 +100,22 @@ static int
 load_font(struct rad_job *job, int32_t index, const struct rad_files *files,
           struct text *t, struct rad_error *err)
 {
-    const char *name = job->scene->objects[index].strings[0];
+    const struct rad_object *o = &job->scene->objects[index];
+    const char *name = o->strings[0];
+    struct rad_error why = { 0 };
     size_t len;
     char *data;
+    int code;
 
     t->font = find_font(job, index, name);
     if (t->font)
         return 0;
-    data = read_file(files, name, &len, err);
-    if (!data)
-        return err && err->code ? err->code : RAD_ENOINPUT;
-    t->font = rad_font_parse(&job->arena, data, len, err);
+    code = read_file(job, o, files, name, &data, &len, err);
+    if (code < 0)
+        return code;
+    t->font = rad_font_parse(&job->arena, data, len, &why);
     free(data);
-    rad_error_where(err, "%s", name);
-    return t->font ? 0 : err ? err->code : RAD_EDATA;
+    return t->font ? 0 : fail_file(job, o, name, &why, err);
 }
 
 static int
@@ -136,6 +158,7 @@ static int
 set_words(struct rad_job *job, const struct rad_object *o, struct text *t,
           struct rad_error *err)
 {
+    struct rad_error why = { 0 };
     size_t len = 0;
     char *buf, *p;
     int code;
@@ -152,29 +175,28 @@ set_words(struct rad_job *job, const struct rad_object *o, struct text *t,
         p += n;
         *p++ = ' ';
     }
-    code = set_lines(job, t, buf, len - 1, err);
+    code = set_lines(job, t, buf, len - 1, &why);
     free(buf);
-    return code;
+    return code < 0 ? fail_file(job, o, "text", &why, err) : 0;
 }
 
 static int
 set_text(struct rad_job *job, const struct rad_object *o,
          const struct rad_files *files, struct text *t, struct rad_error *err)
 {
+    struct rad_error why = { 0 };
     size_t len;
     char *data;
     int code;
 
     if (o->nstrings > 2)
         return set_words(job, o, t, err);
-    data = read_file(files, o->strings[1], &len, err);
-    if (!data)
-        return err && err->code ? err->code : RAD_ENOINPUT;
-    code = set_lines(job, t, data, len, err);
-    free(data);
+    code = read_file(job, o, files, o->strings[1], &data, &len, err);
     if (code < 0)
-        rad_error_where(err, "%s", o->strings[1]);
-    return code;
+        return code;
+    code = set_lines(job, t, data, len, &why);
+    free(data);
+    return code < 0 ? fail_file(job, o, o->strings[1], &why, err) : 0;
 }
 
 static void
