@@ -6,8 +6,9 @@
 #include "base/vec.h"
 #include "light/polytree.h"
 #include "light/sample.h"
-#include "unit.h"
+#include "world.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* --- sources from bare arguments --- */
@@ -355,6 +356,265 @@ START_TEST(no_area_and_cones_are_no_light)
 }
 END_TEST
 
+/* --- what a point sees, in whole scenes --- */
+
+#define LAMP    "void light bright 0 0 3 1 1 1\n"
+#define PLASTIC "void plastic white 0 0 5 .5 .5 .5 0 0\n"
+/* 2 x 2 facing down at z = 2 */
+#define SQUARE_LAMP                                                            \
+    LAMP "bright polygon lamp 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+#define DIRECT "-ab 0 -av 0 0 0 -dj 0 -dt 0 "
+
+static double
+irradiance_at(struct world *w, double x, double y, double z)
+{
+    double p[3] = { x, y, z };
+    struct rad_ray r;
+
+    rad_ray_irradiance(&w->ctx, &r, p, up, 1);
+    return r.L.g;
+}
+
+static double
+irradiance_of(const char *text, const char *options, double x, double y,
+              double z)
+{
+    struct world w;
+    double E;
+
+    world_open(&w, text, options);
+    E = irradiance_at(&w, x, y, z);
+    world_close(&w);
+    return E;
+}
+
+START_TEST(lamp_lights_and_counts_its_rays)
+{
+    struct world w;
+
+    world_open(&w, SQUARE_LAMP, DIRECT "-ds .2");
+    ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0),
+                            lambert(square, 4, place[0], up), 1e-3);
+    ck_assert_uint_gt(w.ctx.counts.shadow_rays, 16);
+    ck_assert_uint_ge(w.ctx.counts.rays, w.ctx.counts.shadow_rays);
+    world_close(&w);
+}
+END_TEST
+
+/* What is in the way: name, text, what passes. */
+static const struct {
+    const char *name, *text;
+    double passes;
+} blocker[] = {
+    { "nothing", "", 1 },
+    { "a plate",
+      PLASTIC "white polygon plate 0 0 12 -1 -1 1 1 -1 1 1 1 1 "
+              "-1 1 1\n",
+      0 },
+    { "a plate from behind",
+      PLASTIC "white polygon plate 0 0 12 -1 1 1 1 1 1 1 -1 1 -1 -1 1\n", 0 },
+    { "the plane that the lamp is set in",
+      PLASTIC "white polygon ceiling 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n", 1 },
+    { "that plane, turned round",
+      PLASTIC "white polygon ceiling 0 0 12 9 -9 2 9 9 2 -9 9 2 -9 -9 2\n", 1 },
+    { "a plate beyond the lamp",
+      PLASTIC "white polygon plate 0 0 12 -9 -9 2.001 9 -9 2.001 9 9 2.001 "
+              "-9 9 2.001\n",
+      1 },
+    { "another lamp, from behind",
+      "void light dim 0 0 3 1e-9 1e-9 1e-9\n"
+      "dim polygon plate 0 0 12 -1 1 1 1 1 1 1 -1 1 -1 -1 1\n",
+      0 },
+    { "clear glass, straight through",
+      "void glass pane 0 0 3 .96 .96 .96\n"
+      "pane polygon plate 0 0 12 -1 -1 1 1 -1 1 1 1 1 -1 1 1\n",
+      .88 },
+    { "a plate behind clear glass",
+      PLASTIC "void glass pane 0 0 3 .96 .96 .96\n"
+              "pane polygon plate 0 0 12 -1 -1 .5 1 -1 .5 1 1 .5 -1 1 .5\n"
+              "white polygon plate 0 0 12 -1 -1 1 1 -1 1 1 1 1 -1 1 1\n",
+      0 },
+};
+
+START_TEST(shadow_ray_meets)
+{
+    char text[1024];
+
+    snprintf(text, sizeof text, SQUARE_LAMP "%s", blocker[_i].text);
+    double E = irradiance_of(text, DIRECT "-ds 0", 0, 0, 0);
+
+    /* one small patch of 4 at distance 2 */
+    ck_assert_msg(fabs(E - blocker[_i].passes) < 2e-3, "%s: %g, not %g",
+                  blocker[_i].name, E, blocker[_i].passes);
+}
+END_TEST
+
+START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
+{
+    struct world bare, flush;
+
+    world_open(&bare, SQUARE_LAMP, DIRECT "-ds .2");
+    world_open(&flush,
+               SQUARE_LAMP PLASTIC
+               "white polygon c 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n",
+               DIRECT "-ds .2");
+    for (int i = 0; i < 200; i++) {
+        double x = 16 * rad_rand(7, (uint32_t)(3 * i)) - 8;
+        double y = 16 * rad_rand(7, (uint32_t)(3 * i + 1)) - 8;
+        double z = 1.99 * rad_rand(7, (uint32_t)(3 * i + 2));
+
+        ck_assert_double_eq(irradiance_at(&bare, x, y, z),
+                            irradiance_at(&flush, x, y, z));
+    }
+    world_close(&bare);
+    world_close(&flush);
+}
+END_TEST
+
+/* Half of the lamp is hidden: so is half of the light, near enough. */
+START_TEST(half_a_lamp_gives_a_penumbra)
+{
+    static const char text[] = SQUARE_LAMP PLASTIC
+        "white polygon plate 0 0 12 0 -9 1 9 -9 1 9 9 1 0 9 1\n";
+    double all = lambert(square, 4, place[0], up);
+
+    ck_assert_double_eq_tol(irradiance_of(text, DIRECT "-ds .1", 0, 0, 0),
+                            all / 2, .02 * all);
+}
+END_TEST
+
+/* A sun of half a degree and an even sky: the sun is sampled, the sky seen. */
+START_TEST(distant_lights_are_sampled_and_glows_are_seen)
+{
+    static const char text[] =
+        "void light sun 0 0 3 1e5 1e5 1e5\nsun source s 0 0 4 0 1 1 .5\n"
+        "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n";
+    double omega = 2 * M_PI * (1 - cos(M_PI / 720));
+    struct world w;
+
+    world_open(&w, text, DIRECT "-ds 0");
+    ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0), 1e5 * omega * sqrt(.5),
+                            1e-3);
+    /* looked at: the sun before the sky, the sky, nothing below */
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 1e5);
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, 1).b, 3);
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, -1).b, 0);
+    world_close(&w);
+    /* the order in the scene does not matter: a light comes before a glow */
+    world_open(&w,
+               "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n"
+               "void light sun 0 0 3 9 9 9\nsun source s 0 0 4 0 1 1 .5\n",
+               DIRECT);
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 9);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(glow_reaches_as_far_as_it_says)
+{
+    static const char text[] =
+        "void glow g 0 0 4 1 1 1 3\n"
+        "g polygon p 0 0 12 -.1 -.1 2 -.1 .1 2 .1 .1 2 .1 -.1 2\n";
+    double near = irradiance_of(text, DIRECT, 0, 0, 0);
+
+    ck_assert_double_eq_tol(near, .04 / 4, 1e-4);
+    ck_assert_double_eq(irradiance_of(text, DIRECT, 0, 0, -1.5), 0);
+    ck_assert_double_eq(irradiance_of("void glow g 0 0 4 1 1 1 0\n"
+                                      "g sphere p 0 0 4 0 0 2 1\n",
+                                      DIRECT, 0, 0, 0),
+                        0);
+}
+END_TEST
+
+START_TEST(spotlight_falls_off_from_its_focus)
+{
+    static const char text[] = "void spotlight s 0 0 7 9 9 9 40 0 0 -3\n"
+                               "s ring r 0 0 8 0 0 2 0 0 -1 0 .1\n";
+    double area = M_PI * .01;
+
+    ck_assert_double_eq_tol(irradiance_of(text, DIRECT "-ds 0", 0, 0, 0),
+                            9 * area / 25, 1e-6);
+    ck_assert_double_eq(irradiance_of(text, DIRECT, 1, 0, 0), 0);
+}
+END_TEST
+
+/* With -dt, the weak ones of a hundred lamps are not tested, but estimated by
+ * the visible share of those that were: here, all or nothing. */
+START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
+{
+    char text[16384] = LAMP;
+    size_t len = strlen(text);
+    struct world w;
+    double all;
+
+    for (int i = 0; i < 100; i++)
+        len += (size_t)snprintf(text + len, sizeof text - len,
+                                "bright sphere s%d 0 0 4 %d %d %g .01\n", i,
+                                i % 10, i / 10, i == 55 ? 1. : 3.);
+    all = irradiance_of(text, DIRECT, 5.1, 5.1, 0);
+    world_open(&w, text, "-ab 0 -dj 0 -dt .2 -dc .5");
+    ck_assert_double_eq_tol(irradiance_at(&w, 5.1, 5.1, 0), all, 1e-6 * all);
+    ck_assert_uint_lt(w.ctx.counts.shadow_rays, 60);
+    ck_assert_uint_ge(w.ctx.counts.shadow_rays, 2);
+    world_close(&w);
+    snprintf(text + len, sizeof text - len,
+             PLASTIC "white ring cover 0 0 8 5 5 .5 0 0 1 0 99\n");
+    ck_assert_double_eq(
+        irradiance_of(text, "-ab 0 -dj 0 -dt .2 -dc .5", 5.1, 5.1, 0), 0);
+}
+END_TEST
+
+/* What blocked the last ray may make a test shorter, never different. */
+START_TEST(memory_of_the_last_blocker_changes_nothing)
+{
+    static const char text[] = SQUARE_LAMP PLASTIC
+        "white sphere ball 0 0 4 .3 0 1 .4\nwhite sphere b2 0 0 4 -.6 0 1 .3\n";
+    struct world warm, cold;
+
+    world_open(&warm, text, DIRECT "-ds .2");
+    world_open(&cold, text, DIRECT "-ds .2");
+    for (int i = 0; i < 100; i++) {
+        double x = 4 * rad_rand(3, (uint32_t)(2 * i)) - 2;
+        double y = 4 * rad_rand(3, (uint32_t)(2 * i + 1)) - 2;
+
+        cold.ctx.last_blocker[0] = RAD_VOID;
+        ck_assert_double_eq(irradiance_at(&warm, x, y, 0),
+                            irradiance_at(&cold, x, y, 0));
+        ck_assert_uint_eq(warm.ctx.counts.rays, cold.ctx.counts.rays);
+    }
+    world_close(&warm);
+    world_close(&cold);
+}
+END_TEST
+
+START_TEST(illum_over_void_is_a_light_and_a_window)
+{
+    static const char text[] =
+        "void illum i 0 0 3 2 2 2\n"
+        "i polygon p 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+        "void glow g 0 0 4 7 7 7 0\ng source sky 0 0 4 0 0 1 180\n";
+    struct world w;
+
+    world_open(&w, text, DIRECT "-ds 0");
+    ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0), 2, 1e-6);
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 0, 1).g, 7);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(cone_cannot_be_a_light)
+{
+    struct world w;
+    int rc =
+        world_try(&w, LAMP "bright cone c 0 0 8 0 0 0 0 0 1 .5 .2\n", "", NULL);
+
+    ck_assert_int_eq(rc, RAD_EDATA);
+    ck_assert_str_eq(w.err.where, "test.rad:2");
+    ck_assert_ptr_nonnull(strstr(w.err.what, "a cone cannot be a light"));
+    world_close(&w);
+}
+END_TEST
+
 static Suite *
 make_suite(void)
 {
@@ -376,6 +636,19 @@ make_suite(void)
     tcase_add_test(tc, scale_changes_nothing);
     tcase_add_test(tc, spot_keeps_to_its_cone);
     tcase_add_test(tc, no_area_and_cones_are_no_light);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("shadows");
+    tcase_add_test(tc, lamp_lights_and_counts_its_rays);
+    tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
+    tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
+    tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
+    tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
+    tcase_add_test(tc, glow_reaches_as_far_as_it_says);
+    tcase_add_test(tc, spotlight_falls_off_from_its_focus);
+    tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);
+    tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
+    tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
+    tcase_add_test(tc, cone_cannot_be_a_light);
     suite_add_tcase(s, tc);
     return s;
 }

@@ -87,7 +87,8 @@ tests_check_shade_SOURCES = tests/check_shade.c tests/unit.h tests/world.h
 tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_shade_LDADD = $(UNIT_LIBS)
 
-tests_check_source_SOURCES = tests/check_source.c tests/unit.h
+tests_check_source_SOURCES = tests/check_source.c tests/unit.h \
+	tests/world.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_source_LDADD = $(UNIT_LIBS)
 
