@@ -84,6 +84,7 @@ librad_a_SOURCES = \
 	src/scene/otype.h \
 	src/scene/parse.c \
 	src/scene/parse.h \
+	src/scene/reach.c \
 	src/scene/scene.c \
 	src/scene/scene.h \
 	src/shade/dielectric.c \

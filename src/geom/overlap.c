@@ -154,46 +154,64 @@ rad_extent_of(const struct rad_object *o, struct rad_extent *e)
 /* --- polygons ----------------------------------------------------------------
  */
 
-/* Do triangle and cube (centre at 0, half-edge h) have a common shadow along
- * the axis, or are they parted by no more than pad?  An axis without length
- * parts nothing. */
-static bool
-meet_along(const double axis[3], const double v[3][3], double h, double pad)
+/* Are the shadows a and b of a triangle, and the shadow of a cube, which is
+ * -r to r, apart?  Plain comparisons: this is where most of the time of a
+ * large mesh goes. */
+static inline bool
+apart(double a, double b, double r)
 {
-    double a = rad_dot(axis, v[0]), b = rad_dot(axis, v[1]);
-    double c = rad_dot(axis, v[2]);
-    double r = h * (fabs(axis[0]) + fabs(axis[1]) + fabs(axis[2])) + pad;
-
-    return fmin(a, fmin(b, c)) <= r && fmax(a, fmax(b, c)) >= -r;
+    return (a > r && b > r) || (a < -r && b < -r);
 }
 
-/* The bounds are known to meet: left are the plane and nine products of
- * edges.  The pads bound what rounding does to an edge, |v|, and from there to
- * the products: it must not lose a sliver. */
+/* Is an axis along the cross product of edge and x, y or z one that parts the
+ * triangle (an end of the edge, and the corner opposite) from the cube? */
+static inline bool
+edge_parts(const double e[3], const double end[3], const double corner[3],
+           double h, double pad)
+{
+    for (int i = 0; i < 3; i++) {
+        int j = i == 2 ? 0 : i + 1;
+        double r = h * (fabs(e[i]) + fabs(e[j])) + pad;
+
+        if (apart(e[i] * end[j] - e[j] * end[i],
+                  e[i] * corner[j] - e[j] * corner[i], r))
+            return true;
+    }
+    return false;
+}
+
+static inline bool
+within(const double p[3], double h)
+{
+    return fabs(p[0]) <= h && fabs(p[1]) <= h && fabs(p[2]) <= h;
+}
+
+/* Cube around 0 with half-edge h.  The bounds are known to meet: left are the
+ * plane and nine products of edges.  The pads bound what rounding does to an
+ * edge, |v|, and from there to the products: it must not lose a sliver.  An
+ * axis without length parts nothing. */
 static bool
 triangle_meets_cube(const double v[3][3], double h)
 {
-    double e[3][3], n[3], size = 0, pad;
+    double e[3][3], n[3], size = 0, pad, d;
 
+    if (within(v[0], h) || within(v[1], h) || within(v[2], h))
+        return true;
     for (int i = 0; i < 3; i++) {
-        rad_sub(e[i], v[(i + 1) % 3], v[i]);
+        rad_sub(e[i], v[i == 2 ? 0 : i + 1], v[i]);
         for (int k = 0; k < 3; k++)
-            size = fmax(size, fabs(v[i][k]));
+            if (fabs(v[i][k]) > size)
+                size = fabs(v[i][k]);
     }
     pad = 1e-15 * size * size;
     rad_cross(n, e[0], e[1]);
-    if (!meet_along(n, v, h, 4 * size * pad))
+    d = rad_dot(n, v[0]);
+    if (apart(d, d,
+              h * (fabs(n[0]) + fabs(n[1]) + fabs(n[2])) + 4 * size * pad))
         return false;
-    for (int i = 0; i < 3; i++) {
-        double x[3] = { 0, -e[i][2], e[i][1] };
-        double y[3] = { e[i][2], 0, -e[i][0] };
-        double z[3] = { -e[i][1], e[i][0], 0 };
-
-        if (!meet_along(x, v, h, pad) || !meet_along(y, v, h, pad) ||
-            !meet_along(z, v, h, pad))
-            return false;
-    }
-    return true;
+    return !edge_parts(e[0], v[0], v[2], h, pad) &&
+           !edge_parts(e[1], v[1], v[0], h, pad) &&
+           !edge_parts(e[2], v[2], v[1], h, pad);
 }
 
 /* Polygons of more vertices than this are not clipped: their bounds and their

@@ -235,35 +235,6 @@ check_object(struct checker *c, const struct rad_object *o)
 
 /* --- chains of modifiers ---------------------------------------------- */
 
-/* Modifier that object o names by string, or RAD_VOID. */
-static int32_t
-named_modifier(const struct rad_scene *s, const struct rad_object *o)
-{
-    if ((o->type != RAD_ILLUM && o->type != RAD_ALIAS) || o->nstrings == 0)
-        return RAD_VOID;
-    return rad_scene_find_modifier(s, o->strings[0], (int32_t)(o - s->objects));
-}
-
-/* An object refers to lower indices only, so one pass downwards finds all. */
-void
-rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
-{
-    for (int32_t i = s->nobjects; i-- > 0;) {
-        const struct rad_object *o = &s->objects[i];
-        int32_t named;
-
-        if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
-            reached[i] = 1;
-        if (!reached[i])
-            continue;
-        if (o->modifier != RAD_VOID)
-            reached[o->modifier] = 1;
-        named = named_modifier(s, o);
-        if (named != RAD_VOID)
-            reached[named] = 1;
-    }
-}
-
 /* Find the material of the chain that starts at each object, upwards for the
  * same reason.  `stands_for` is what an alias is replaced by. */
 static void
@@ -275,7 +246,8 @@ find_materials(const struct rad_scene *s, int32_t *material,
         int32_t m = i;
 
         if (o->type == RAD_ALIAS) {
-            m = o->nstrings ? named_modifier(s, o) : o->modifier;
+            m = o->nstrings ? rad_scene_find_modifier(s, o->strings[0], i)
+                            : o->modifier;
             if (m != RAD_VOID)
                 m = stands_for[m];
         }
@@ -362,20 +334,6 @@ check_reached(struct checker *c, const struct rad_object *o)
 }
 
 /* --- the whole scene --------------------------------------------------- */
-
-void
-rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
-{
-    uint8_t *reached = calloc((size_t)s->nobjects + 1, 1);
-
-    memset(needs, 0, RAD_NOTYPES * sizeof *needs);
-    if (reached)
-        rad_scene_reach(s, reached);
-    for (int32_t i = 0; i < s->nobjects; i++)
-        if (!reached || reached[i]) /* out of memory: all there are */
-            needs[s->objects[i].type] = true;
-    free(reached);
-}
 
 static void
 check_all(struct checker *c)

@@ -345,20 +345,6 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
     return lo ? e->defs[lo - 1] : RAD_VOID;
 }
 
-int32_t
-rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own)
-{
-    *own = index >= 0 && s->objects[index].type == RAD_ALIAS &&
-           s->objects[index].nstrings > 0;
-    while (index >= 0 && s->objects[index].type == RAD_ALIAS) {
-        const struct rad_object *o = &s->objects[index];
-
-        index = o->nstrings ? rad_scene_find_modifier(s, o->strings[0], index)
-                            : o->modifier;
-    }
-    return index;
-}
-
 int
 rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
                struct rad_error *err, int code, const char *fmt, ...)

@@ -84,9 +84,13 @@ int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
  * is the first alias' own modifier if *own is set, else the result's. */
 int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
 
-/* Set reached[i], one of nobjects, for each surface and for what surfaces lead
- * to: the modifiers behind them, and those that they name (aliases, illum). */
+/* Set reached[i], for all i, to whether object i is a surface or what one leads
+ * to: its modifiers, theirs, and those named by strings. */
 void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
+
+/* The k-th file that an object reads when it is rendered, as it names it; NULL
+ * beyond the last. */
+const char *rad_object_file(const struct rad_object *o, int k);
 
 /* Which types do the surfaces reach, with their own?  needs[t] is set for
  * those. */
