@@ -5,6 +5,10 @@ libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(UV_CFLAGS)
 libclient_a_SOURCES = \
 	client/cargo.c \
 	client/cargo.h \
+	client/command.c \
+	client/command.h \
+	client/compile.c \
+	client/compile.h \
 	client/fetch.c \
 	client/fetch.h \
 	client/frames.c \
@@ -15,6 +19,8 @@ libclient_a_SOURCES = \
 	client/local.h \
 	client/output.c \
 	client/output.h \
+	client/paths.c \
+	client/paths.h \
 	client/progress.c \
 	client/progress.h \
 	client/rays.c \
@@ -30,3 +36,7 @@ libclient_a_SOURCES = \
 
 # what a client links with, before LIBRAD
 LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(UV_LIBS)
+
+bin_PROGRAMS += radscene
+radscene_SOURCES = client/radscene.c
+radscene_LDADD = $(LIBCLIENT) $(LIBRAD)

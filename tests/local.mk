@@ -9,6 +9,7 @@ UNIT_TESTS = \
 	tests/check_bundle \
 	tests/check_bvh \
 	tests/check_client \
+	tests/check_compile \
 	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
@@ -74,6 +75,10 @@ tests_check_hdr_LDADD = $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_compile_SOURCES = tests/check_compile.c tests/unit.h
+tests_check_compile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_compile_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_submit_SOURCES = tests/check_submit.c tests/unit.h
 tests_check_submit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)

@@ -1,0 +1,50 @@
+/* compile.h - scene files to what is submitted
+ *
+ * Reads scene files, runs their commands (command.h), finds the files that
+ * they need (paths.h), checks everything, builds the octree and writes the
+ * bundle (scene/bundle.h).  All of it in the client, as the user: a bad scene
+ * ends here, before anything is sent.
+ * No sockets, and nothing printed but by the commands.
+ * Thread: one in the whole program, because of the commands. */
+#ifndef RADD_CLIENT_COMPILE_H
+#define RADD_CLIENT_COMPILE_H
+
+#include "geom/octree.h"
+#include "paths.h"
+#include "scene/bundle.h"
+#include "scene/scene.h"
+
+struct compiled {
+    struct rad_scene *scene;
+    struct paths paths; /* where its files are found: paths_files() */
+    /* by compile_octree(): */
+    struct rad_octree octree;
+    /* by compile_bundle(): */
+    struct rad_bundle bundle;
+};
+
+/* Read and check the scene that is in n files: one octree, or scene text from
+ * any number of files, "-" being the standard input.  With `each` all errors
+ * that can be found are told, one by one; *err gets the first.  On failure *c
+ * is empty.
+ *   RAD_ENOINPUT      a file that is missing, or not readable
+ *   RAD_EDATA         what is wrong, with file and line
+ *   RAD_EUNSUPPORTED  a type that the renderer lacks */
+int compile_read(struct compiled *c, const char *const *files, int n,
+                 void (*each)(void *arg, const struct rad_error *err),
+                 void *arg, struct rad_error *err);
+
+int compile_octree(struct compiled *c, struct rad_error *err);
+
+/* Put the frozen octree and the files that the scene needs into the folder
+ * dir, which must be there, under their hashes (cargo.h); needs
+ * compile_octree(). */
+int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
+
+/* All three. */
+int compile_scene(struct compiled *c, const char *const *files, int n,
+                  const char *dir, struct rad_error *err);
+
+void compile_release(struct compiled *c);
+
+#endif

@@ -1,0 +1,250 @@
+/* radscene.c - looks at scenes: check, info, needs, freeze, rays */
+#include "config.h"
+
+#include "compile.h"
+#include "geom/overlap.h"
+#include "rays.h"
+#include "scene/octfile.h"
+#include "shade/material.h"
+#include "words.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+static const char usage_text[] =
+    "usage: radscene check FILE...\n"
+    "       radscene info FILE...\n"
+    "       radscene needs FILE...\n"
+    "       radscene freeze FILE... > scene.oct\n"
+    "       radscene rays [-I] [rendering options] FILE...\n"
+    "       radscene --help | --version\n";
+
+static const char help_text[] =
+    "\n"
+    "FILE... is a scene: one octree, or scene text; \"-\" is the standard "
+    "input.\n"
+    "  check   tell every error, with file and line\n"
+    "  info    objects, light sources, bounds\n"
+    "  needs   the types that the scene's surfaces use, one a line\n"
+    "  freeze  write an octree that Radiance's programs read\n"
+    "  rays    trace the rays of the standard input, six numbers a line:\n"
+    "          origin and direction, or with -I a point and its normal;\n"
+    "          prints radiance, or irradiance, as \"r g b\"\n";
+
+static void
+print_error(void *arg, const struct rad_error *err)
+{
+    char message[600];
+
+    (void)arg;
+    rad_error_format(err, message, sizeof message);
+    fprintf(stderr, "radscene: %s\n", message);
+}
+
+/* --- info ------------------------------------------------------------------
+ */
+
+static bool
+gives_direct_light(const struct rad_scene *s, const struct rad_object *o)
+{
+    int32_t m = rad_material_of(s, o->modifier);
+
+    if (m == RAD_VOID)
+        return false;
+    switch (s->objects[m].type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+        return true;
+    case RAD_GLOW:
+        return s->objects[m].reals[3] > 0;
+    default:
+        return false;
+    }
+}
+
+struct summary {
+    long surfaces, sources;
+    long count[RAD_NOTYPES];
+    double lo[3], hi[3];
+};
+
+static void
+summarize(struct summary *sum, const struct rad_scene *s)
+{
+    memset(sum, 0, sizeof *sum);
+    for (int i = 0; i < 3; i++) {
+        sum->lo[i] = INFINITY;
+        sum->hi[i] = -INFINITY;
+    }
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+        struct rad_extent e;
+
+        sum->count[o->type]++;
+        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+            continue;
+        sum->surfaces++;
+        sum->sources += gives_direct_light(s, o);
+        if (!rad_extent_of(o, &e))
+            continue;
+        for (int k = 0; k < 3; k++) {
+            sum->lo[k] = fmin(sum->lo[k], e.lo[k] + e.slack);
+            sum->hi[k] = fmax(sum->hi[k], e.hi[k] - e.slack);
+        }
+    }
+}
+
+static int
+run_info(struct compiled *c, struct rad_error *err)
+{
+    struct summary sum;
+
+    (void)err;
+    summarize(&sum, c->scene);
+    printf("objects %ld\n", (long)c->scene->nobjects);
+    printf("surfaces %ld\n", sum.surfaces);
+    printf("sources %ld\n", sum.sources);
+    if (sum.lo[0] <= sum.hi[0])
+        printf("bounds %.9g %.9g %.9g  %.9g %.9g %.9g\n", sum.lo[0], sum.lo[1],
+               sum.lo[2], sum.hi[0], sum.hi[1], sum.hi[2]);
+    for (int t = 0; t < RAD_NOTYPES; t++)
+        if (sum.count[t])
+            printf("  %s %ld\n", rad_otype_name((enum rad_otype)t),
+                   sum.count[t]);
+    return 0;
+}
+
+/* --- the others --------------------------------------------------------------
+ */
+
+static int
+run_needs(struct compiled *c, struct rad_error *err)
+{
+    bool needs[RAD_NOTYPES];
+
+    (void)err;
+    rad_scene_needs(c->scene, needs);
+    for (int t = 0; t < RAD_NOTYPES; t++)
+        if (needs[t])
+            puts(rad_otype_name((enum rad_otype)t));
+    return 0;
+}
+
+static int
+run_freeze(struct compiled *c, struct rad_error *err)
+{
+    struct rad_fd to = { STDOUT_FILENO, "standard output" };
+    struct rad_sink out = rad_fd_sink(&to);
+    int rc;
+
+    if (isatty(STDOUT_FILENO))
+        return rad_fail(err, RAD_EUSAGE,
+                        "the octree is binary: send it to a file");
+    rc = compile_octree(c, err);
+    return rc ? rc : rad_octfile_write(c->scene, &c->octree, &out, err);
+}
+
+static int
+run_check(struct compiled *c, struct rad_error *err)
+{
+    (void)c;
+    (void)err;
+    return 0; /* reading has told all */
+}
+
+/* Its options come before the files. */
+static int
+run_rays(int argc, char **argv, struct rad_error *err)
+{
+    struct rays_options options;
+    struct compiled c;
+    struct rad_files files;
+    struct words w;
+    int first, rc = words_init(&w, argc, argv, err);
+
+    if (rc)
+        return rc;
+    first = rays_options(&options, &w, err);
+    rc = first < 0 ? first
+                   : compile_read(&c, (const char *const *)w.list + first,
+                                  w.n - first, NULL, NULL, err);
+    if (!rc) {
+        files = paths_files(&c.paths);
+        rc = rays_run(&options, c.scene, &files, stdin, stdout, err);
+        compile_release(&c);
+    }
+    words_release(&w);
+    return rc;
+}
+
+static const struct subcommand {
+    const char *name;
+    bool every_error; /* are told, not the first alone */
+    int (*run)(struct compiled *c, struct rad_error *err);
+} subcommands[] = {
+    { "check", true, run_check },
+    { "info", false, run_info },
+    { "needs", false, run_needs },
+    { "freeze", false, run_freeze },
+};
+
+/* argv holds the subcommand's name and its files. */
+static int
+run_on_files(const struct subcommand *sub, int argc, char **argv,
+             struct rad_error *err)
+{
+    struct compiled c;
+    int rc;
+
+    if (argc < 2)
+        return rad_fail(err, RAD_EUSAGE, "no scene file");
+    for (int i = 1; i < argc; i++)
+        if (argv[i][0] == '-' && argv[i][1] != '\0')
+            return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", argv[i]);
+    rc = compile_read(&c, (const char *const *)argv + 1, argc - 1,
+                      sub->every_error ? print_error : NULL, NULL, err);
+    if (rc)
+        return rc;
+    rc = sub->run(&c, err);
+    compile_release(&c);
+    if (!rc && (fflush(stdout) || ferror(stdout)))
+        rc = rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
+    return rc;
+}
+
+int
+main(int argc, char **argv)
+{
+    struct rad_error err = { 0 };
+    const struct subcommand *sub = NULL;
+    const char *name = argc > 1 ? argv[1] : "";
+    int rc;
+
+    if (strcmp(name, "--help") == 0) {
+        printf("%s%s", usage_text, help_text);
+        return EX_OK;
+    }
+    if (strcmp(name, "--version") == 0) {
+        printf("radscene %s\n", PACKAGE_VERSION);
+        return EX_OK;
+    }
+    for (size_t i = 0; i < sizeof subcommands / sizeof subcommands[0]; i++)
+        if (strcmp(name, subcommands[i].name) == 0)
+            sub = &subcommands[i];
+    if (sub) {
+        rc = run_on_files(sub, argc - 1, argv + 1, &err);
+    } else if (strcmp(name, "rays") == 0) {
+        rc = run_rays(argc - 1, argv + 1, &err);
+    } else {
+        fputs(usage_text, stderr);
+        return EX_USAGE;
+    }
+    if (rc && !(sub && sub->every_error && rc != RAD_EUSAGE))
+        print_error(NULL, &err);
+    return rad_exit_status(rc);
+}
