@@ -19,6 +19,7 @@ UNIT_TESTS = \
 	tests/check_parse \
 	tests/check_quincunx \
 	tests/check_ray \
+	tests/check_rays \
 	tests/check_shade \
 	tests/check_source \
 	tests/check_submit \
@@ -87,6 +88,10 @@ tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
 tests_check_ray_SOURCES = tests/check_ray.c tests/unit.h tests/world.h
 tests_check_ray_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ray_LDADD = $(UNIT_LIBS)
+
+tests_check_rays_SOURCES = tests/check_rays.c tests/unit.h
+tests_check_rays_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_rays_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_shade_SOURCES = tests/check_shade.c tests/unit.h tests/world.h
 tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
