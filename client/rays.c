@@ -39,6 +39,10 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", word);
         at += n;
     }
+    for (int i = at; i < w->n; i++)
+        if (strcmp(w->list[i], "-") == 0)
+            return rad_fail(err, RAD_EUSAGE,
+                            "the standard input has the rays, not a scene");
     return rad_params_check(&o->params, err) < 0 ? RAD_EUSAGE : at;
 }
 

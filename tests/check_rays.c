@@ -116,6 +116,8 @@ static const struct {
     { "-q scene.rad", "", RAD_EUSAGE, "", "unknown option '-q'" },
     { "-I -ab 0", "", RAD_EUSAGE, "", "no scene file" },
     { "", "", RAD_EUSAGE, "", "no scene file" },
+    { "scene.rad -", "", RAD_EUSAGE, "",
+      "the standard input has the rays, not a scene" },
 };
 
 START_TEST(bad_input_is_told_with_its_line)
