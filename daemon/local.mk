@@ -5,24 +5,72 @@ libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS)
 libdaemon_a_SOURCES = \
 	daemon/action.c \
 	daemon/action.h \
+	daemon/address.c \
+	daemon/address.h \
+	daemon/ambshare.c \
+	daemon/ambshare.h \
+	daemon/blobs.c \
+	daemon/blobs.h \
+	daemon/children.c \
+	daemon/children.h \
+	daemon/conf.c \
+	daemon/conf.h \
+	daemon/conn.c \
+	daemon/conn.h \
 	daemon/coord.c \
 	daemon/coord.h \
+	daemon/dial.c \
+	daemon/dial.h \
+	daemon/fingerprint.c \
+	daemon/fingerprint.h \
 	daemon/job.c \
 	daemon/job.h \
+	daemon/jobtext.c \
+	daemon/jobtext.h \
+	daemon/listen.c \
+	daemon/listen.h \
+	daemon/log.c \
+	daemon/log.h \
 	daemon/lossy.c \
 	daemon/lossy.h \
 	daemon/partition.c \
 	daemon/partition.h \
 	daemon/peer.c \
 	daemon/peer.h \
+	daemon/pool.c \
+	daemon/pool.h \
+	daemon/render.c \
+	daemon/render.h \
 	daemon/report.c \
 	daemon/report.h \
+	daemon/rows.c \
+	daemon/rows.h \
 	daemon/sched.c \
 	daemon/sched.h \
+	daemon/service.c \
+	daemon/service.h \
+	daemon/shell.c \
+	daemon/shell.h \
 	daemon/stats.c \
 	daemon/stats.h \
+	daemon/store.c \
+	daemon/store.h \
+	daemon/task.c \
+	daemon/task.h \
+	daemon/transfer.c \
+	daemon/transfer.h \
 	daemon/worker.c \
 	daemon/worker.h
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(JANSSON_LIBS) $(INIH_LIBS)
+
+sbin_PROGRAMS += radcoord radd
+radcoord_SOURCES = daemon/radcoord.c
+radcoord_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"'
+radcoord_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+radcoord_LDADD = $(LIBDAEMON) $(LIBRAD)
+radd_SOURCES = daemon/radd.c
+radd_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"'
+radd_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+radd_LDADD = $(LIBDAEMON) $(LIBRAD)

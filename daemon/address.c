@@ -1,0 +1,127 @@
+/* address.c - see address.h */
+#include "config.h"
+
+#include "address.h"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <stdio.h>
+#include <string.h>
+
+int
+address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
+              bool *local, struct rad_error *err)
+{
+    const char *colon = strrchr(text, ':'), *start = text;
+    size_t n;
+
+    host[0] = port[0] = '\0';
+    *local = strchr(text, '/') != NULL;
+    if (*local)
+        return strlen(text) < sizeof((struct sockaddr_un *)0)->sun_path
+                   ? 0
+                   : rad_fail(err, RAD_EUSAGE, "socket path too long: '%s'",
+                              text);
+    if (!colon || strspn(colon + 1, "0123456789") != strlen(colon + 1) ||
+        strlen(colon + 1) < 1 || strlen(colon + 1) > 5)
+        return rad_fail(err, RAD_EUSAGE,
+                        "expected HOST:PORT or a path with '/', got '%s'",
+                        text);
+    n = (size_t)(colon - text);
+    if (n >= 2 && text[0] == '[' && colon[-1] == ']') {
+        start++;
+        n -= 2;
+    }
+    if (n == 0 || n >= ADDRESS_TEXT)
+        return rad_fail(err, RAD_EUSAGE, "bad host in '%s'", text);
+    memcpy(host, start, n);
+    host[n] = '\0';
+    memcpy(port, colon + 1, strlen(colon + 1) + 1);
+    return 0;
+}
+
+int
+address_resolve(const char *text, struct address *a, struct rad_error *err)
+{
+    struct addrinfo hints = { .ai_socktype = SOCK_STREAM,
+                              .ai_flags = AI_NUMERICSERV };
+    struct addrinfo *found;
+    char host[ADDRESS_TEXT], port[8];
+    bool local;
+    int rc = address_split(text, host, port, &local, err);
+
+    if (rc < 0)
+        return rc;
+    memset(a, 0, sizeof *a);
+    if (local) {
+        a->sa.un.sun_family = AF_UNIX;
+        memcpy(a->sa.un.sun_path, text, strlen(text) + 1);
+        return 0;
+    }
+    rc = getaddrinfo(host, port, &hints, &found);
+    if (rc)
+        return rad_fail(err, RAD_EUNAVAIL, "cannot look up '%s': %s", text,
+                        gai_strerror(rc));
+    if (found->ai_addrlen <= sizeof a->sa)
+        memcpy(&a->sa, found->ai_addr, found->ai_addrlen);
+    freeaddrinfo(found);
+    return 0;
+}
+
+bool
+address_is_local(const struct address *a)
+{
+    return a->sa.any.sa_family == AF_UNIX;
+}
+
+bool
+address_is_loopback(const struct address *a)
+{
+    switch (a->sa.any.sa_family) {
+    case AF_UNIX:
+        return true;
+    case AF_INET:
+        return ntohl(a->sa.in.sin_addr.s_addr) >> 24 == 127;
+    case AF_INET6:
+        return IN6_IS_ADDR_LOOPBACK(&a->sa.in6.sin6_addr);
+    default:
+        return false;
+    }
+}
+
+int
+address_permitted(const struct address *a, const char *text,
+                  struct rad_error *err)
+{
+    if (address_is_loopback(a))
+        return 0;
+    return rad_fail(err, RAD_EPERM,
+                    "'%s' is not a loopback address, and without keys hosts "
+                    "cannot prove who they are: use 127.0.0.1, [::1] or a "
+                    "Unix socket",
+                    text);
+}
+
+void
+address_format(const struct address *a, char text[ADDRESS_TEXT])
+{
+    char host[INET6_ADDRSTRLEN] = "?";
+
+    switch (a->sa.any.sa_family) {
+    case AF_UNIX:
+        snprintf(text, ADDRESS_TEXT, "%.*s", (int)sizeof a->sa.un.sun_path,
+                 a->sa.un.sun_path);
+        break;
+    case AF_INET:
+        inet_ntop(AF_INET, &a->sa.in.sin_addr, host, sizeof host);
+        snprintf(text, ADDRESS_TEXT, "%s:%d", host, ntohs(a->sa.in.sin_port));
+        break;
+    case AF_INET6:
+        inet_ntop(AF_INET6, &a->sa.in6.sin6_addr, host, sizeof host);
+        snprintf(text, ADDRESS_TEXT, "[%s]:%d", host,
+                 ntohs(a->sa.in6.sin6_port));
+        break;
+    default:
+        snprintf(text, ADDRESS_TEXT, "?");
+    }
+}

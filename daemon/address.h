@@ -1,0 +1,47 @@
+/* address.h - where to listen and whom to dial
+ *
+ * "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a Unix socket.
+ * Until peers prove who they are, only Unix sockets and loopback addresses
+ * (127.0.0.0/8, ::1) are spoken to.
+ * Thread: any; address_resolve() may wait for the resolver. */
+#ifndef RADD_DAEMON_ADDRESS_H
+#define RADD_DAEMON_ADDRESS_H
+
+#include "base/error.h"
+
+#include <netinet/in.h>
+#include <stdbool.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#define ADDRESS_TEXT 256
+
+struct address {
+    union {
+        struct sockaddr any;
+        struct sockaddr_in in;
+        struct sockaddr_in6 in6;
+        struct sockaddr_un un;
+    } sa;
+};
+
+/* A text's host and port; true for a Unix socket's path (host gets nothing).
+ * RAD_EUSAGE when it is neither. */
+int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
+                  bool *local, struct rad_error *err);
+
+/* Text to address; a host's name is looked up (the first answer counts).
+ * RAD_EUSAGE for a bad text, RAD_EUNAVAIL for an unknown host. */
+int address_resolve(const char *text, struct address *a, struct rad_error *err);
+
+bool address_is_local(const struct address *a);    /* a Unix socket */
+bool address_is_loopback(const struct address *a); /* or a loopback address */
+
+/* 0, or RAD_EPERM with the reason: not loopback. */
+int address_permitted(const struct address *a, const char *text,
+                      struct rad_error *err);
+
+/* "127.0.0.1:7420", "[::1]:7420" or the path. */
+void address_format(const struct address *a, char text[ADDRESS_TEXT]);
+
+#endif

@@ -1,0 +1,239 @@
+/* blobs.c - see blobs.h */
+#include "config.h"
+
+#include "blobs.h"
+
+#include "service.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char part_suffix[] = ".part";
+
+void
+blobs_name(const uint8_t digest[RAD_SHA_BYTES], char hash[RAD_SHA_HEX + 1])
+{
+    for (int i = 0; i < RAD_SHA_BYTES; i++)
+        snprintf(hash + 2 * i, 3, "%02x", digest[i]);
+}
+
+static void
+drop_parts(const struct blobs *b)
+{
+    DIR *d = opendir(b->dir);
+    struct dirent *e;
+
+    if (!d)
+        return;
+    while ((e = readdir(d)) != NULL) {
+        size_t n = strlen(e->d_name), m = sizeof part_suffix - 1;
+
+        if (n > m && strcmp(e->d_name + n - m, part_suffix) == 0)
+            unlinkat(dirfd(d), e->d_name, 0);
+    }
+    closedir(d);
+}
+
+int
+blobs_open(struct blobs *b, const char *dir, bool durable,
+           struct rad_error *err)
+{
+    int rc;
+
+    if (strlen(dir) >= sizeof b->dir)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
+    memcpy(b->dir, dir, strlen(dir) + 1);
+    b->durable = durable;
+    b->parts = 0;
+    rc = service_make_dir(dir, 0755, err);
+    if (rc == 0)
+        drop_parts(b);
+    return rc;
+}
+
+void
+blobs_path(const struct blobs *b, const char *hash, char path[BLOBS_PATH_MAX])
+{
+    snprintf(path, BLOBS_PATH_MAX, "%s/%.*s", b->dir, RAD_SHA_HEX, hash);
+}
+
+bool
+blobs_has(const struct blobs *b, const char *hash, uint64_t *size)
+{
+    char path[BLOBS_PATH_MAX];
+    struct stat st;
+
+    if (!rad_sha_valid(hash))
+        return false;
+    blobs_path(b, hash, path);
+    if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
+        return false;
+    if (size)
+        *size = (uint64_t)st.st_size;
+    return true;
+}
+
+static int
+read_exactly(int fd, void *buf, size_t n, off_t offset)
+{
+    char *p = buf;
+
+    while (n > 0) {
+        ssize_t got = pread(fd, p, n, offset);
+
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            return -1;
+        p += got;
+        n -= (size_t)got;
+        offset += got;
+    }
+    return 0;
+}
+
+int
+blobs_read(const struct blobs *b, const char *hash, uint64_t offset, void *buf,
+           size_t n, struct rad_error *err)
+{
+    char path[BLOBS_PATH_MAX];
+    int fd, rc = 0;
+
+    if (!rad_sha_valid(hash))
+        return rad_fail(err, RAD_EPROTO, "bad file hash");
+    blobs_path(b, hash, path);
+    fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
+                        strerror(errno));
+    if (read_exactly(fd, buf, n, (off_t)offset) < 0)
+        rc = rad_fail(err, RAD_EIO, "cannot read '%s'", path);
+    close(fd);
+    return rc;
+}
+
+static void
+part_path(const struct blob_part *p, char path[BLOBS_PATH_MAX])
+{
+    snprintf(path, BLOBS_PATH_MAX, "%s/%u%s", p->blobs->dir, p->serial,
+             part_suffix);
+}
+
+int
+blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
+               uint64_t total, struct rad_error *err)
+{
+    char path[BLOBS_PATH_MAX];
+    int rc;
+
+    memset(p, 0, sizeof *p);
+    if (!rad_sha_valid(hash))
+        return rad_fail(err, RAD_EPROTO, "bad file hash");
+    p->blobs = b;
+    p->serial = b->parts++;
+    p->total = total;
+    memcpy(p->hash, hash, sizeof p->hash);
+    rc = rad_sha_init(&p->sha, err);
+    if (rc < 0)
+        return rc;
+    part_path(p, path);
+    p->fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (p->fd < 0) {
+        rad_sha_release(&p->sha);
+        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path,
+                        strerror(errno));
+    }
+    p->open = true;
+    return 0;
+}
+
+static int
+append(struct blob_part *p, const void *data, size_t n, struct rad_error *err)
+{
+    const char *from = data;
+
+    for (size_t left = n; left > 0;) {
+        ssize_t put = write(p->fd, from, left);
+
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return rad_fail(err, RAD_EIO, "cannot write in '%s': %s",
+                            p->blobs->dir, strerror(errno));
+        from += put;
+        left -= (size_t)put;
+    }
+    rad_sha_update(&p->sha, data, n);
+    p->got += n;
+    return 0;
+}
+
+/* All bytes are there: check them, make them last, give them their name. */
+static int
+finish(struct blob_part *p, struct rad_error *err)
+{
+    char hex[RAD_SHA_HEX + 1], from[BLOBS_PATH_MAX], to[BLOBS_PATH_MAX];
+    int rc = rad_sha_final(&p->sha, hex, err), fd;
+
+    if (rc < 0)
+        return rc;
+    if (strcmp(hex, p->hash) != 0)
+        return rad_fail(err, RAD_EPROTO, "a file came as %.12s but is %.12s",
+                        p->hash, hex);
+    part_path(p, from);
+    blobs_path(p->blobs, p->hash, to);
+    if ((p->blobs->durable && fsync(p->fd) < 0) || rename(from, to) < 0)
+        return rad_fail(err, RAD_EIO, "cannot keep '%s': %s", to,
+                        strerror(errno));
+    close(p->fd);
+    p->open = false;
+    if (!p->blobs->durable)
+        return 1;
+    /* the name lasts only when the folder does */
+    fd = open(p->blobs->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0 || fsync(fd) < 0)
+        rc = rad_fail(err, RAD_EIO, "cannot sync '%s': %s", p->blobs->dir,
+                      strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return rc < 0 ? rc : 1;
+}
+
+int
+blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
+                size_t n, struct rad_error *err)
+{
+    int rc;
+
+    if (offset != p->got || n > p->total - p->got)
+        rc = rad_fail(err, RAD_EPROTO,
+                      "%zu bytes at %llu do not follow %llu of %llu", n,
+                      (unsigned long long)offset, (unsigned long long)p->got,
+                      (unsigned long long)p->total);
+    else
+        rc = append(p, data, n, err);
+    if (rc == 0 && p->got == p->total)
+        rc = finish(p, err);
+    if (rc < 0)
+        blob_part_abort(p);
+    return rc;
+}
+
+void
+blob_part_abort(struct blob_part *p)
+{
+    char path[BLOBS_PATH_MAX];
+
+    if (!p->open)
+        return;
+    rad_sha_release(&p->sha);
+    part_path(p, path);
+    close(p->fd);
+    unlink(path);
+    p->open = false;
+}

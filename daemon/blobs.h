@@ -1,0 +1,72 @@
+/* blobs.h - files named by the SHA-256 of their bytes, in one folder
+ *
+ * dir/<64 hex digits> is such a file; dir/<number>.part is one that is
+ * arriving.  A file gets its name only when all its bytes have come and have
+ * that hash, so what is there is right.
+ * All calls do I/O and may wait for the disk.
+ * Thread: one at a time, but blobs_has() and blobs_path() may be called from
+ * any. */
+#ifndef RADD_DAEMON_BLOBS_H
+#define RADD_DAEMON_BLOBS_H
+
+#include "base/error.h"
+#include "base/sha.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define BLOBS_DIR_MAX 1024
+
+struct blobs {
+    char dir[BLOBS_DIR_MAX];
+    bool durable;   /* fsync before a file gets its name */
+    unsigned parts; /* files begun so far, for their temporary names */
+};
+
+/* The name of a digest. */
+void blobs_name(const uint8_t digest[RAD_SHA_BYTES],
+                char hash[RAD_SHA_HEX + 1]);
+
+/* Make the folder if it is missing, and drop what was half there. */
+int blobs_open(struct blobs *b, const char *dir, bool durable,
+               struct rad_error *err);
+
+/* dir/<hash>; hash must be rad_sha_valid(). */
+#define BLOBS_PATH_MAX (BLOBS_DIR_MAX + RAD_SHA_HEX + 8)
+void blobs_path(const struct blobs *b, const char *hash,
+                char path[BLOBS_PATH_MAX]);
+
+/* Is it there?  *size (may be NULL) gets its length. */
+bool blobs_has(const struct blobs *b, const char *hash, uint64_t *size);
+
+/* Copy n bytes from `offset` on into buf; RAD_ENOINPUT when it is not there,
+ * RAD_EIO when it is shorter. */
+int blobs_read(const struct blobs *b, const char *hash, uint64_t offset,
+               void *buf, size_t n, struct rad_error *err);
+
+/* A file that is arriving.  Zeroed, it is closed. */
+struct blob_part {
+    struct blobs *blobs;
+    unsigned serial;
+    char hash[RAD_SHA_HEX + 1];
+    uint64_t total, got;
+    struct rad_sha sha;
+    int fd;
+    bool open;
+};
+
+/* RAD_EPROTO for a bad hash; RAD_ECANTCREAT. */
+int blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
+                   uint64_t total, struct rad_error *err);
+
+/* Append n bytes, which must be those at offset p->got.  Returns 1 when that
+ * completed it: the file is there and p closed.  RAD_EPROTO for bytes out of
+ * order, too many, or of another hash; RAD_EIO.  After an error p is closed. */
+int blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
+                    size_t n, struct rad_error *err);
+
+/* Forget it; a closed one is fine. */
+void blob_part_abort(struct blob_part *p);
+
+#endif

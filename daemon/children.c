@@ -1,0 +1,188 @@
+/* children.c - see children.h */
+#include "config.h"
+
+#include "children.h"
+
+#include "log.h"
+#include "render.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct child {
+    uv_process_t process;
+    struct child *next;
+    struct children *all;
+    uint64_t id;
+    bool exited;    /* the process has */
+    bool link_gone; /* nothing more will come from it */
+    bool silent;    /* nobody wants to know */
+    char text[160];
+};
+
+void
+children_init(struct children *all, struct shell *shell,
+              const struct children_conf *conf, child_ended_fn *ended,
+              void *arg)
+{
+    all->shell = shell;
+    all->conf = *conf;
+    all->ended = ended;
+    all->arg = arg;
+    all->list = NULL;
+}
+
+static void
+free_child(uv_handle_t *h)
+{
+    free(h->data);
+}
+
+static struct child *
+find(struct children *all, uint64_t id)
+{
+    struct child *c = all->list;
+
+    while (c && c->id != id)
+        c = c->next;
+    return c;
+}
+
+/* Both ends have been seen: tell of it and forget it. */
+static void
+settle(struct child *c)
+{
+    struct children *all = c->all;
+    struct child **at = &all->list;
+
+    if (!c->exited || !c->link_gone)
+        return;
+    while (*at != c)
+        at = &(*at)->next;
+    *at = c->next;
+    if (!c->silent)
+        all->ended(all->arg, c->id, c->text);
+    uv_close((uv_handle_t *)&c->process, free_child);
+}
+
+static void
+on_exit_cb(uv_process_t *process, int64_t status, int signum)
+{
+    struct child *c = process->data;
+
+    c->exited = true;
+    if (!c->text[0] && signum)
+        snprintf(c->text, sizeof c->text, "killed by signal %d", signum);
+    else if (!c->text[0])
+        snprintf(c->text, sizeof c->text, "exit status %d", (int)status);
+    settle(c);
+}
+
+static int
+start(struct child *c, uv_stream_t *stream)
+{
+    struct children *all = c->all;
+    char threads[16], memory[16];
+    char *args[] = { (char *)"radd",
+                     (char *)RENDER_CHILD_OPTION,
+                     (char *)all->conf.files_dir,
+                     threads,
+                     memory,
+                     NULL };
+    uv_stdio_container_t fds[] = {
+        { .flags = UV_IGNORE },
+        { .flags = UV_INHERIT_FD, .data.fd = 2 },
+        { .flags = UV_INHERIT_FD, .data.fd = 2 },
+        { .flags = (uv_stdio_flags)(UV_CREATE_PIPE | UV_READABLE_PIPE |
+                                    UV_WRITABLE_PIPE),
+          .data.stream = stream },
+    };
+    uv_process_options_t o = { .exit_cb = on_exit_cb,
+                               .file = "/proc/self/exe",
+                               .args = args,
+                               .stdio = fds,
+                               .stdio_count = RENDER_LINK_FD + 1 };
+
+    snprintf(threads, sizeof threads, "%d", all->conf.threads);
+    snprintf(memory, sizeof memory, "%d", all->conf.memory_mib);
+    return uv_spawn(all->shell->loop, &c->process, &o);
+}
+
+void
+children_spawn(struct children *all, uint64_t id)
+{
+    struct child *c = calloc(1, sizeof *c);
+    uv_stream_t *stream = conn_stream_new(all->shell->loop, true);
+    char name[32];
+    int rc;
+
+    if (!c || !stream)
+        abort(); /* the machine would wait for ever */
+    c->all = all;
+    c->id = id;
+    c->process.data = c;
+    c->next = all->list;
+    all->list = c;
+    rc = start(c, stream);
+    if (rc < 0) {
+        c->exited = true;
+        snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
+        conn_stream_close(stream);
+        shell_gone(all->shell, id, c->text);
+        return;
+    }
+    snprintf(name, sizeof name, "child:%d", c->process.pid);
+    log_debug("child started pid=%d", c->process.pid);
+    if (!shell_add(all->shell, id, stream, MSG_AT_PARENT_NEW, name))
+        shell_gone(all->shell, id, "out of memory");
+    else /* it may take its time */
+        conn_live(shell_conn(all->shell, id), false);
+}
+
+static void
+kill_child(struct child *c)
+{
+    if (!c->exited)
+        uv_process_kill(&c->process, SIGKILL);
+}
+
+void
+children_kill(struct children *all, uint64_t id)
+{
+    struct child *c = find(all, id);
+
+    if (!c)
+        return;
+    c->silent = true;
+    c->link_gone = true;
+    shell_remove(all->shell, id);
+    kill_child(c);
+    settle(c);
+}
+
+bool
+children_closed(struct children *all, uint64_t id, const char *why)
+{
+    struct child *c = find(all, id);
+
+    if (!c)
+        return false;
+    c->link_gone = true;
+    if (!c->exited && strcmp(why, "closed by peer") != 0 && !c->text[0])
+        snprintf(c->text, sizeof c->text, "link lost: %s", why);
+    kill_child(c); /* without a link it is of no use */
+    settle(c);
+    return true;
+}
+
+void
+children_kill_all(struct children *all)
+{
+    for (struct child *c = all->list; c; c = c->next) {
+        c->silent = true;
+        c->link_gone = true;
+        kill_child(c);
+    }
+}

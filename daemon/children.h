@@ -1,0 +1,49 @@
+/* children.h - the processes that render, one for each job
+ *
+ * A child is this program run again (render.h) with one end of a socket pair;
+ * the other end is a connection of the shell.  When a child has ended and all
+ * that it sent was delivered, its owner is told once.
+ * Thread: the loop's. */
+#ifndef RADD_DAEMON_CHILDREN_H
+#define RADD_DAEMON_CHILDREN_H
+
+#include "shell.h"
+
+#include <uv.h>
+
+struct children_conf {
+    const char *files_dir; /* of the store */
+    int threads;
+    int memory_mib; /* most that a child may use; 0: no limit */
+};
+
+/* text: "killed by signal 11", "exit status 70" */
+typedef void child_ended_fn(void *arg, uint64_t id, const char *text);
+
+struct child;
+struct children {
+    struct shell *shell;
+    struct children_conf conf;
+    child_ended_fn *ended;
+    void *arg;
+    struct child *list;
+};
+
+void children_init(struct children *all, struct shell *shell,
+                   const struct children_conf *conf, child_ended_fn *ended,
+                   void *arg);
+
+/* Start one as connection id.  If that fails, ended() is called from
+ * children_tell(), as for every other end. */
+void children_spawn(struct children *all, uint64_t id);
+
+/* End one; ended() will not be called. */
+void children_kill(struct children *all, uint64_t id);
+
+/* The shell says that connection id is gone.  False: it is no child's. */
+bool children_closed(struct children *all, uint64_t id, const char *why);
+
+/* End all, at once. */
+void children_kill_all(struct children *all);
+
+#endif

@@ -1,0 +1,333 @@
+/* conf.c - see conf.h
+ *
+ * inih calls its reader a line at a time; ours counts the lines, so that an
+ * error can name the one it is in, and notices lines that inih would split. */
+#include "config.h"
+
+#include "conf.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <ini.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_KEYS 48
+
+/* options that are no keys, as getopt_long's values above any key's index */
+enum { OPT_CONFIG = 1000, OPT_HELP, OPT_VERSION };
+
+static int
+parse_int(const struct conf_key *k, const char *value, int *out,
+          struct rad_error *err)
+{
+    char *end;
+    long v;
+
+    errno = 0;
+    v = strtol(value, &end, 10);
+    if (end == value || *end || errno)
+        return rad_fail(err, RAD_ECONFIG, "'%s': bad number '%s'", k->name,
+                        value);
+    if (v < k->min || v > k->max)
+        return rad_fail(err, RAD_ECONFIG, "'%s': %ld is not within %d to %d",
+                        k->name, v, k->min, k->max);
+    *out = (int)v;
+    return 0;
+}
+
+static int
+parse_bool(const struct conf_key *k, const char *value, bool *out,
+           struct rad_error *err)
+{
+    if (strcmp(value, "yes") == 0 || strcmp(value, "true") == 0) {
+        *out = true;
+        return 0;
+    }
+    if (strcmp(value, "no") == 0 || strcmp(value, "false") == 0) {
+        *out = false;
+        return 0;
+    }
+    return rad_fail(err, RAD_ECONFIG, "'%s': expected yes or no, got '%s'",
+                    k->name, value);
+}
+
+static int
+set_key(const struct conf_key *k, void *settings, const char *value,
+        struct rad_error *err)
+{
+    char *field = (char *)settings + k->offset;
+    size_t n = strlen(value);
+
+    switch (k->kind) {
+    case CONF_INT_KEY:
+        return parse_int(k, value, (int *)(void *)field, err);
+    case CONF_BOOL_KEY:
+        return parse_bool(k, value, (bool *)(void *)field, err);
+    case CONF_TEXT_KEY:
+        if (n >= CONF_TEXT)
+            return rad_fail(err, RAD_ECONFIG, "'%s': value longer than %d",
+                            k->name, CONF_TEXT - 1);
+        memcpy(field, value, n + 1);
+        return 0;
+    }
+    return rad_fail(err, RAD_EINTERNAL, "'%s': no such kind", k->name);
+}
+
+void
+conf_defaults(const struct conf_table *t, void *settings)
+{
+    memset(settings, 0, t->size);
+    for (const struct conf_key *k = t->keys; k->name; k++)
+        if (k->def)
+            set_key(k, settings, k->def, NULL);
+}
+
+int
+conf_set(const struct conf_table *t, void *settings, const char *name,
+         const char *value, struct rad_error *err)
+{
+    for (const struct conf_key *k = t->keys; k->name; k++)
+        if (k->arg && strcmp(k->name, name) == 0)
+            return set_key(k, settings, value, err);
+    return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", name);
+}
+
+struct reader {
+    const struct conf_table *table;
+    void *settings;
+    FILE *file;
+    const char *path;
+    int line;
+    int code; /* of the first error */
+    struct rad_error *err;
+};
+
+static void
+reader_failed(struct reader *r, int code)
+{
+    if (r->code == 0) {
+        r->code = code;
+        rad_error_where(r->err, "%s:%d", r->path, r->line);
+    }
+}
+
+static char *
+read_line(char *str, int num, void *stream)
+{
+    struct reader *r = stream;
+
+    if (r->code || !fgets(str, num, r->file))
+        return NULL;
+    r->line++;
+    if (!strchr(str, '\n') && !feof(r->file)) {
+        reader_failed(r, rad_fail(r->err, RAD_ECONFIG,
+                                  "line longer than %d bytes", num - 2));
+        return NULL;
+    }
+    return str;
+}
+
+static int
+take_pair(void *user, const char *section, const char *name, const char *value)
+{
+    struct reader *r = user;
+    int rc;
+
+    if (section[0] && strcmp(section, r->table->program) != 0)
+        rc = rad_fail(r->err, RAD_ECONFIG, "unknown section '%s'", section);
+    else
+        rc = conf_set(r->table, r->settings, name, value, r->err);
+    if (rc < 0)
+        reader_failed(r, rc);
+    return rc == 0;
+}
+
+int
+conf_read(const struct conf_table *t, void *settings, const char *path,
+          struct rad_error *err)
+{
+    struct reader r = {
+        .table = t, .settings = settings, .path = path, .err = err
+    };
+    int line;
+
+    r.file = fopen(path, "re");
+    if (!r.file)
+        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
+                        strerror(errno));
+    line = ini_parse_stream(read_line, &r, take_pair, &r);
+    if (r.code == 0 && ferror(r.file))
+        r.code = rad_fail(err, RAD_EIO, "cannot read '%s'", path);
+    if (r.code == 0 && line != 0) {
+        r.line = line > 0 ? line : r.line;
+        reader_failed(&r, rad_fail(err, RAD_ECONFIG,
+                                   "expected 'key = value' or '[section]'"));
+    }
+    fclose(r.file);
+    return r.code;
+}
+
+/* The command line as getopt_long knows it: a row per key. */
+struct options {
+    struct option rows[MAX_KEYS + 4];
+    char names[MAX_KEYS][32];
+};
+
+static void
+make_options(const struct conf_table *t, struct options *o)
+{
+    static const struct option fixed[] = {
+        { "config", required_argument, NULL, OPT_CONFIG },
+        { "help", no_argument, NULL, OPT_HELP },
+        { "version", no_argument, NULL, OPT_VERSION },
+        { NULL, 0, NULL, 0 },
+    };
+    int n = 0;
+
+    for (const struct conf_key *k = t->keys; k->name && n < MAX_KEYS; k++) {
+        snprintf(o->names[n], sizeof o->names[n], "%s", k->name);
+        for (char *p = o->names[n]; *p; p++)
+            if (*p == '_')
+                *p = '-';
+        o->rows[n].name = o->names[n];
+        o->rows[n].has_arg =
+            k->kind == CONF_BOOL_KEY ? no_argument : required_argument;
+        o->rows[n].flag = NULL;
+        o->rows[n].val = n;
+        n++;
+    }
+    memcpy(o->rows + n, fixed, sizeof fixed);
+}
+
+/* Walk the command line once.  With settings NULL only --config, --help,
+ * --version and the private key are looked at; *config is "" for the latter. */
+static int
+walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
+             const char **config, struct rad_error *err)
+{
+    struct options o;
+    int c, wish = CONF_RUN, rc = 0;
+
+    make_options(t, &o);
+    opterr = 0;
+    optind = 0; /* start anew: glibc's way */
+    while (rc == 0 && (c = getopt_long(argc, argv, "+:", o.rows, NULL)) != -1) {
+        if (c == OPT_CONFIG)
+            *config = optarg;
+        else if (c == OPT_HELP)
+            wish = CONF_HELP;
+        else if (c == OPT_VERSION)
+            wish = CONF_VERSION;
+        else if (c == ':')
+            rc = rad_fail(err, RAD_EUSAGE, "option '%s' needs a value",
+                          argv[optind - 1]);
+        else if (c == '?')
+            rc = rad_fail(err, RAD_EUSAGE, "unknown or ambiguous option '%s'",
+                          argv[optind - 1]);
+        else if (!settings && t->private_key &&
+                 strcmp(t->keys[c].name, t->private_key) == 0)
+            *config = *config ? *config : "";
+        else if (settings)
+            rc = set_key(&t->keys[c], settings, optarg ? optarg : "yes", err);
+    }
+    if (rc == 0 && optind < argc)
+        rc =
+            rad_fail(err, RAD_EUSAGE, "unexpected argument '%s'", argv[optind]);
+    return rc < 0 ? rc : wish;
+}
+
+int
+conf_load(const struct conf_table *t, void *settings, int argc, char *argv[],
+          struct rad_error *err)
+{
+    const char *config = NULL;
+    FILE *there;
+    int rc;
+
+    conf_defaults(t, settings);
+    rc = walk_options(t, NULL, argc, argv, &config, err);
+    if (rc != CONF_RUN)
+        return rc;
+    if (!config && t->file && (there = fopen(t->file, "re")) != NULL) {
+        fclose(there);
+        config = t->file;
+    }
+    if (config && config[0] && (rc = conf_read(t, settings, config, err)) < 0)
+        return rc;
+    rc = walk_options(t, settings, argc, argv, &config, err);
+    if (rc == RAD_ECONFIG) { /* a key's value, but not from a file */
+        rc = RAD_EUSAGE;
+        if (err)
+            err->code = rc;
+    }
+    if (rc == CONF_RUN && t->check)
+        rc = t->check(settings, err);
+    return rc;
+}
+
+static size_t
+field_size(enum conf_kind kind)
+{
+    return kind == CONF_TEXT_KEY  ? CONF_TEXT
+           : kind == CONF_INT_KEY ? sizeof(int)
+                                  : sizeof(bool);
+}
+
+int
+conf_reload(const struct conf_table *t, void *settings, int argc, char *argv[],
+            struct rad_error *err)
+{
+    void *fresh = malloc(t->size);
+    int rc;
+
+    if (!fresh)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = conf_load(t, fresh, argc, argv, err);
+    if (rc == CONF_RUN)
+        for (const struct conf_key *k = t->keys; k->name; k++)
+            if (k->reload)
+                memcpy((char *)settings + k->offset, (char *)fresh + k->offset,
+                       field_size(k->kind));
+    free(fresh);
+    return rc < 0 ? rc : 0;
+}
+
+static void
+help_line(const char *option, const char *help, const char *def)
+{
+    printf("  --%-26s %s", option, help);
+    if (def && def[0])
+        printf(" (%s)", def);
+    putchar('\n');
+}
+
+void
+conf_help(const struct conf_table *t)
+{
+    struct options o;
+    char option[64];
+
+    make_options(t, &o);
+    printf("usage: %s %s\n", t->program, t->synopsis);
+    for (int i = 0; t->keys[i].name; i++) {
+        const struct conf_key *k = &t->keys[i];
+
+        if (!k->arg)
+            continue;
+        snprintf(option, sizeof option, "%s%s%s", o.names[i],
+                 k->arg[0] ? "=" : "", k->arg);
+        help_line(option, k->help, k->def);
+    }
+    help_line("config=FILE", "settings, one 'key = value' a line", t->file);
+    help_line("help", "this text", NULL);
+    help_line("version", "the program's version", NULL);
+}
+
+void
+conf_version(const struct conf_table *t)
+{
+    printf("%s (radd) %s\n", t->program, PACKAGE_VERSION);
+}

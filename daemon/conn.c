@@ -1,0 +1,400 @@
+/* conn.c - see conn.h */
+#include "config.h"
+
+#include "conn.h"
+
+#include "log.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#define READ_BYTES (64u << 10)
+
+/* One message on its way out; owns its bytes until it is written. */
+struct out {
+    uv_write_t req;
+    struct conn *conn;
+    size_t len;
+    uint8_t bytes[];
+};
+
+struct conn {
+    union conn_stream *stream;
+    uv_timer_t timer;
+    int handles; /* still to be closed before c may go */
+    const struct conn_handler *handler;
+    void *arg;
+    struct frame_reader reader;
+    struct msg in;
+    size_t queued; /* bytes with libuv */
+    uint64_t progress, bytes_in, bytes_out;
+    uint64_t opened_ms, heard_ms;
+    bool live, ping; /* conn_live() */
+    bool paused;     /* conn_pause() */
+    bool finishing;  /* conn_finish() */
+    bool closing;
+    char peer[ADDRESS_TEXT];
+    char buf[READ_BYTES];
+};
+
+uv_stream_t *
+conn_stream_new(uv_loop_t *loop, bool local)
+{
+    union conn_stream *s = calloc(1, sizeof *s);
+
+    if (!s)
+        return NULL;
+    if (local)
+        uv_pipe_init(loop, &s->pipe, 0);
+    else
+        uv_tcp_init(loop, &s->tcp);
+    return &s->stream;
+}
+
+static void
+free_stream(uv_handle_t *h)
+{
+    free(h);
+}
+
+void
+conn_stream_close(uv_stream_t *stream)
+{
+    uv_close((uv_handle_t *)stream, free_stream);
+}
+
+long
+conn_stream_uid(uv_stream_t *stream)
+{
+    struct ucred cred;
+    socklen_t n = sizeof cred;
+    int fd;
+
+    if (stream->type != UV_NAMED_PIPE ||
+        uv_fileno((uv_handle_t *)stream, &fd) < 0 ||
+        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &cred, &n) < 0)
+        return -1;
+    return (long)cred.uid;
+}
+
+bool
+conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT])
+{
+    struct address a;
+    int n = sizeof a.sa;
+
+    if (stream->type == UV_NAMED_PIPE) {
+        snprintf(text, ADDRESS_TEXT, "uid:%ld", conn_stream_uid(stream));
+        return true;
+    }
+    memset(&a, 0, sizeof a);
+    if (uv_tcp_getpeername((uv_tcp_t *)stream, &a.sa.any, &n) < 0) {
+        snprintf(text, ADDRESS_TEXT, "?");
+        return false;
+    }
+    address_format(&a, text);
+    return address_is_loopback(&a);
+}
+
+static void
+handle_closed(uv_handle_t *h)
+{
+    struct conn *c = h->data;
+
+    if (--c->handles > 0)
+        return;
+    frame_reader_release(&c->reader);
+    msg_release(&c->in);
+    free(c->stream);
+    free(c);
+}
+
+void
+conn_close(struct conn *c)
+{
+    if (!c || c->closing)
+        return;
+    c->closing = true;
+    uv_close(&c->stream->handle, handle_closed);
+    uv_close((uv_handle_t *)&c->timer, handle_closed);
+}
+
+/* The connection ends by itself. */
+static void
+end(struct conn *c, const char *why)
+{
+    if (c->closing)
+        return;
+    if (!c->finishing)
+        c->handler->closed(c->arg, c, why);
+    conn_close(c);
+}
+
+static void
+written(uv_write_t *req, int status)
+{
+    struct out *o = req->data;
+    struct conn *c = o->conn;
+    size_t n = o->len;
+
+    c->queued -= n;
+    free(o);
+    if (c->closing)
+        return;
+    if (status < 0) {
+        end(c, uv_strerror(status));
+        return;
+    }
+    if (c->finishing) {
+        if (c->queued == 0)
+            conn_close(c);
+        return;
+    }
+    if (c->handler->written)
+        c->handler->written(c->arg, c, n);
+}
+
+/* Hand o to libuv. */
+static bool
+write_out(struct conn *c, struct out *o)
+{
+    uv_buf_t buf = uv_buf_init((char *)o->bytes, (unsigned)o->len);
+    int rc;
+
+    o->conn = c;
+    o->req.data = o;
+    c->queued += o->len;
+    c->bytes_out += o->len;
+    rc = uv_write(&o->req, &c->stream->stream, &buf, 1, written);
+    if (rc == 0)
+        return true;
+    c->queued -= o->len; /* no callback will come */
+    free(o);
+    end(c, uv_strerror(rc));
+    return false;
+}
+
+bool
+conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
+{
+    struct out *o;
+
+    if (c->closing || c->finishing)
+        return false;
+    o = malloc(sizeof *o + len);
+    if (!o) {
+        log_err("message not sent peer=%s: out of memory", c->peer);
+        return false;
+    }
+    o->len = len;
+    memcpy(o->bytes, bytes, len);
+    return write_out(c, o);
+}
+
+bool
+conn_send(struct conn *c, const struct msg *m)
+{
+    struct wire_out w;
+    bool ok = false;
+
+    if (c->closing || c->finishing)
+        return false;
+    wire_out_init(&w, MSG_FRAME_MAX);
+    if (msg_pack(&w, m) < 0)
+        log_err("message not sent peer=%s type=%s: too long or out of memory",
+                c->peer, msg_name(m->type));
+    else
+        ok = conn_send_frame(c, w.buf, w.len);
+    wire_out_release(&w);
+    return ok;
+}
+
+static void
+answer_ping(struct conn *c, const struct msg *ping)
+{
+    struct msg pong = { .type = MSG_PONG, .request = ping->request };
+
+    pong.pong.progress = ping->ping.progress;
+    conn_send(c, &pong);
+}
+
+static void
+garbage(struct conn *c, const struct rad_error *err)
+{
+    log_warn("protocol error peer=%s: %s", c->peer, err->what);
+    end(c, "protocol error");
+}
+
+static void
+on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
+{
+    struct conn *c = stream->data;
+    const uint8_t *p = (const uint8_t *)buf->base;
+    size_t left = n > 0 ? (size_t)n : 0;
+    struct rad_error err = { 0 };
+
+    if (n < 0) {
+        end(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
+        return;
+    }
+    c->heard_ms = uv_now(stream->loop);
+    c->bytes_in += left;
+    while (left > 0 && !c->closing && !c->finishing) {
+        int rc = frame_read(&c->reader, &p, &left, &c->in, &err);
+
+        if (rc < 0) {
+            garbage(c, &err);
+            return;
+        }
+        if (rc == 0)
+            return;
+        if (c->in.type == MSG_PING)
+            answer_ping(c, &c->in);
+        c->handler->message(c->arg, c, &c->in);
+    }
+}
+
+static void
+on_alloc(uv_handle_t *h, size_t wish, uv_buf_t *buf)
+{
+    struct conn *c = h->data;
+
+    (void)wish;
+    *buf = uv_buf_init(c->buf, sizeof c->buf);
+}
+
+static void
+on_timer(uv_timer_t *timer)
+{
+    struct conn *c = timer->data;
+    uint64_t now = uv_now(timer->loop);
+    struct msg ping = { .type = MSG_PING };
+
+    if (c->finishing || (!c->live && now - c->opened_ms >= CONN_HANDSHAKE_MS)) {
+        end(c, "took too long");
+        return;
+    }
+    if (!c->live || !c->ping)
+        return;
+    if (!c->paused && now - c->heard_ms >= CONN_DEAD_MS) {
+        end(c, "silent for 15 s");
+        return;
+    }
+    ping.ping.progress = c->progress;
+    conn_send(c, &ping);
+}
+
+struct conn *
+conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
+         const struct conn_handler *handler, void *arg)
+{
+    struct conn *c = calloc(1, sizeof *c);
+
+    if (!c) {
+        conn_stream_close(stream);
+        return NULL;
+    }
+    c->stream = (union conn_stream *)stream;
+    c->stream->handle.data = c;
+    c->handler = handler;
+    c->arg = arg;
+    c->handles = 2;
+    snprintf(c->peer, sizeof c->peer, "%s", peer);
+    frame_reader_init(&c->reader, session);
+    uv_timer_init(stream->loop, &c->timer);
+    c->timer.data = c;
+    c->opened_ms = c->heard_ms = uv_now(stream->loop);
+    uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
+    uv_read_start(stream, on_alloc, on_read);
+    return c;
+}
+
+void
+conn_set_session(struct conn *c, enum msg_session session)
+{
+    c->reader.session = session;
+}
+
+enum msg_session
+conn_session(const struct conn *c)
+{
+    return c->reader.session;
+}
+
+void
+conn_live(struct conn *c, bool ping)
+{
+    c->live = true;
+    c->ping = ping;
+}
+
+void
+conn_set_progress(struct conn *c, uint64_t progress)
+{
+    c->progress = progress;
+}
+
+size_t
+conn_queued(const struct conn *c)
+{
+    return c->queued;
+}
+
+uint64_t
+conn_bytes_in(const struct conn *c)
+{
+    return c->bytes_in;
+}
+
+uint64_t
+conn_bytes_out(const struct conn *c)
+{
+    return c->bytes_out;
+}
+
+const char *
+conn_peer(const struct conn *c)
+{
+    return c->peer;
+}
+
+void *
+conn_arg(const struct conn *c)
+{
+    return c->arg;
+}
+
+void
+conn_set_arg(struct conn *c, void *arg)
+{
+    c->arg = arg;
+}
+
+void
+conn_pause(struct conn *c, bool pause)
+{
+    if (c->closing || c->finishing || c->paused == pause)
+        return;
+    c->paused = pause;
+    /* a silence of our own making does not count */
+    c->heard_ms = uv_now(c->timer.loop);
+    if (pause)
+        uv_read_stop(&c->stream->stream);
+    else
+        uv_read_start(&c->stream->stream, on_alloc, on_read);
+}
+
+void
+conn_finish(struct conn *c)
+{
+    if (!c || c->closing)
+        return;
+    c->finishing = true;
+    uv_read_stop(&c->stream->stream);
+    if (c->queued == 0)
+        conn_close(c);
+    else
+        uv_timer_start(&c->timer, on_timer, CONN_HANDSHAKE_MS, 0);
+}

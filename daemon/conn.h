@@ -1,0 +1,102 @@
+/* conn.h - one connection: messages in and out of a stream
+ *
+ * Cuts what comes into messages (proto/frame.h), hands each to its owner, and
+ * sends the owner's.  What is against the protocol ends the connection with
+ * one line in the log that names the peer; no byte that a peer sends can do
+ * more.
+ *
+ * Liveness, once the owner says that the connection is live: a PING each 5 s,
+ * a PONG for each PING, and the end after 15 s without a byte.  Before that:
+ * the end after 10 s.
+ *
+ * Back-pressure: what waits to be sent is counted, and the owner is told what
+ * has been written.  Above CONN_HIGH it should stop producing for this peer.
+ *
+ * Lifetime: a struct conn lives until its handles are closed, which is some
+ * time after conn_close() or the closed() call; from either on the owner may
+ * not use it any more.
+ * Thread: the loop's. */
+#ifndef RADD_DAEMON_CONN_H
+#define RADD_DAEMON_CONN_H
+
+#include "address.h"
+#include "frame.h"
+
+#include <stdbool.h>
+#include <uv.h>
+
+#define CONN_HIGH         (8u << 20) /* bytes that may wait for a peer */
+#define CONN_PING_MS      5000
+#define CONN_DEAD_MS      15000
+#define CONN_HANDSHAKE_MS 10000
+
+/* A stream's handle, whichever kind it is. */
+union conn_stream {
+    uv_handle_t handle;
+    uv_stream_t stream;
+    uv_tcp_t tcp;
+    uv_pipe_t pipe;
+};
+
+/* A heap-allocated, initialised stream for uv_accept or connecting; NULL when
+ * memory is out. */
+uv_stream_t *conn_stream_new(uv_loop_t *loop, bool local);
+/* Close and free one that no conn has taken. */
+void conn_stream_close(uv_stream_t *stream);
+/* Name the other side of an open stream; false if it is no Unix socket and
+ * not on a loopback address. */
+bool conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT]);
+/* The user id at the other end of a Unix socket; -1 for TCP. */
+long conn_stream_uid(uv_stream_t *stream);
+
+struct conn;
+
+struct conn_handler {
+    /* PING and PONG come here too, PING after it was answered. */
+    void (*message)(void *arg, struct conn *c, const struct msg *m);
+    /* The connection ended by itself; why is for the log. */
+    void (*closed)(void *arg, struct conn *c, const char *why);
+    /* n bytes have been written; may be NULL. */
+    void (*written)(void *arg, struct conn *c, size_t n);
+};
+
+/* Take an open stream and read from it.  handler must outlive the
+ * connection.  NULL when memory is out; the stream is then closed. */
+struct conn *conn_new(uv_stream_t *stream, enum msg_session session,
+                      const char *peer, const struct conn_handler *handler,
+                      void *arg);
+
+/* Which messages may come from now on. */
+void conn_set_session(struct conn *c, enum msg_session session);
+enum msg_session conn_session(const struct conn *c);
+
+/* The handshake is over.  ping: keep it alive with PINGs and end it when it
+ * is silent; else it may be silent for ever (a child that loads). */
+void conn_live(struct conn *c, bool ping);
+
+/* The counter that goes out with PINGs. */
+void conn_set_progress(struct conn *c, uint64_t progress);
+
+/* Queue a message; its bytes are copied.  False if it cannot be packed or
+ * memory is out, which is logged. */
+bool conn_send(struct conn *c, const struct msg *m);
+/* The same for a message that is packed already: a whole frame. */
+bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
+
+size_t conn_queued(const struct conn *c);
+uint64_t conn_bytes_in(const struct conn *c);
+uint64_t conn_bytes_out(const struct conn *c);
+const char *conn_peer(const struct conn *c);
+void *conn_arg(const struct conn *c);
+void conn_set_arg(struct conn *c, void *arg);
+
+/* Stop and start reading: the back-pressure on what feeds a slow one. */
+void conn_pause(struct conn *c, bool pause);
+
+/* End it now; closed() is not called.  NULL is accepted. */
+void conn_close(struct conn *c);
+/* End it when what waits has been sent, at most CONN_HANDSHAKE_MS from now;
+ * nothing more is read, closed() is not called. */
+void conn_finish(struct conn *c);
+
+#endif

@@ -1,0 +1,180 @@
+/* listen.c - see listen.h */
+#include "config.h"
+
+#include "listen.h"
+
+#include "conn.h"
+#include "log.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define BACKLOG 64
+
+struct listener {
+    union conn_stream server;
+    bool local;
+    listener_fn *fn;
+    void *arg;
+    struct log_limit refused;
+    char text[ADDRESS_TEXT + 8];
+};
+
+/* Is somebody serving the socket at a?  0: no file; 1: a dead one; otherwise
+ * RAD_ECANTCREAT. */
+static int
+probe_socket(const struct address *a, struct rad_error *err)
+{
+    const char *path = a->sa.un.sun_path;
+    struct stat st;
+    int fd, rc;
+
+    if (lstat(path, &st) < 0)
+        return 0;
+    if (!S_ISSOCK(st.st_mode))
+        return rad_fail(err, RAD_ECANTCREAT, "'%s' is there and no socket",
+                        path);
+    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return rad_fail(err, RAD_ECANTCREAT, "no socket: %s", strerror(errno));
+    rc = connect(fd, &a->sa.any, sizeof a->sa.un);
+    if (rc < 0 && errno == ECONNREFUSED)
+        rc = 1;
+    else
+        rc = rad_fail(err, RAD_ECANTCREAT, "'%s' is in use", path);
+    close(fd);
+    return rc;
+}
+
+static int
+bind_local(struct listener *l, uv_loop_t *loop, const struct address *a,
+           struct rad_error *err)
+{
+    int rc = probe_socket(a, err);
+
+    if (rc < 0)
+        return rc;
+    if (rc == 1)
+        unlink(a->sa.un.sun_path);
+    uv_pipe_init(loop, &l->server.pipe, 0);
+    rc = uv_pipe_bind(&l->server.pipe, a->sa.un.sun_path);
+    if (rc == 0) /* who may do what is decided by SO_PEERCRED, not by mode */
+        rc = uv_pipe_chmod(&l->server.pipe, UV_READABLE | UV_WRITABLE);
+    return rc;
+}
+
+static int
+bind_tcp(struct listener *l, uv_loop_t *loop, const struct address *a)
+{
+    uv_tcp_init(loop, &l->server.tcp);
+    return uv_tcp_bind(&l->server.tcp, &a->sa.any, 0);
+}
+
+static void
+free_listener(uv_handle_t *h)
+{
+    free(h->data);
+}
+
+/* The address that the kernel gave (port 0 in the wish). */
+static void
+note_address(struct listener *l, const struct address *wished)
+{
+    struct address a = *wished;
+    char text[ADDRESS_TEXT];
+    int n = sizeof a.sa;
+
+    if (!l->local)
+        uv_tcp_getsockname(&l->server.tcp, &a.sa.any, &n);
+    address_format(&a, text);
+    snprintf(l->text, sizeof l->text, "%s %s", l->local ? "unix" : "tcp", text);
+}
+
+static void
+on_connection(uv_stream_t *server, int status)
+{
+    struct listener *l = server->data;
+    uv_stream_t *stream;
+    char peer[ADDRESS_TEXT];
+    unsigned dropped;
+
+    if (status < 0)
+        return;
+    stream = conn_stream_new(server->loop, l->local);
+    if (!stream) {
+        log_err("connection refused on=%s: out of memory", l->text);
+        return;
+    }
+    if (uv_accept(server, stream) < 0) {
+        conn_stream_close(stream);
+        return;
+    }
+    if (!conn_stream_peer(stream, peer)) {
+        if (log_allowed(&l->refused, uv_now(server->loop), &dropped))
+            log_warn("connection refused peer=%s: not a loopback address",
+                     peer);
+        conn_stream_close(stream);
+        return;
+    }
+    l->fn(l->arg, stream, peer);
+}
+
+struct listener *
+listener_open(uv_loop_t *loop, const char *where, listener_fn *fn, void *arg,
+              struct rad_error *err)
+{
+    struct address a;
+    struct listener *l;
+    int rc;
+
+    if (address_resolve(where, &a, err) < 0 ||
+        address_permitted(&a, where, err) < 0)
+        return NULL;
+    l = calloc(1, sizeof *l);
+    if (!l) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    l->local = address_is_local(&a);
+    l->fn = fn;
+    l->arg = arg;
+    rc = l->local ? bind_local(l, loop, &a, err) : bind_tcp(l, loop, &a);
+    if (rc == RAD_ECANTCREAT) { /* no handle yet */
+        free(l);
+        return NULL;
+    }
+    l->server.stream.data = l;
+    if (rc == 0)
+        rc = uv_listen(&l->server.stream, BACKLOG, on_connection);
+    if (rc < 0) {
+        rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
+                 uv_strerror(rc));
+        uv_close(&l->server.handle, free_listener);
+        return NULL;
+    }
+    note_address(l, &a);
+    return l;
+}
+
+const char *
+listener_text(const struct listener *l)
+{
+    return l->text;
+}
+
+const char *
+listener_address(const struct listener *l)
+{
+    return strchr(l->text, ' ') + 1;
+}
+
+void
+listener_close(struct listener *l)
+{
+    if (l && !uv_is_closing(&l->server.handle))
+        uv_close(&l->server.handle, free_listener);
+}

@@ -1,0 +1,64 @@
+/* pool.h - the threads that render
+ *
+ * T threads, each with a rad_ctx of its own, take units from one queue and
+ * leave rows in another, which the loop empties.  The queues are locked once
+ * per unit and per piece of rows, never per ray; the only call into the loop
+ * from a render thread is uv_async_send().
+ * Thread: all calls on the loop's. */
+#ifndef RADD_DAEMON_POOL_H
+#define RADD_DAEMON_POOL_H
+
+#include "message.h"
+#include "picture/frame.h"
+
+#include <uv.h>
+
+struct pool_unit {
+    uint32_t unit, attempt;
+    uint32_t frame; /* index */
+    struct rad_window window;
+};
+
+/* Rows of a unit, each piece following the last; or the end of it all. */
+struct pool_rows {
+    struct pool_rows *next;
+    struct pool_unit unit;
+    uint32_t row, rows; /* from the top of the unit */
+    int channels;       /* 3, or 4 with the distance */
+    bool last;          /* counts are the unit's */
+    struct msg_counts counts;
+    struct rad_error err; /* code is not 0: the unit failed, no rows */
+    float pixels[];
+};
+
+struct pool;
+
+/* rows is borrowed for the call. */
+typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
+
+/* Start nthreads threads.  job and frames must outlive the pool.  NULL and
+ * *err on failure. */
+struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
+                      const struct rad_frame *frames, int nthreads,
+                      pool_rows_fn *fn, void *arg, struct rad_error *err);
+
+/* Queue a unit, whose window must lie in its frame. */
+bool pool_push(struct pool *p, const struct pool_unit *u);
+
+/* Forget a unit: it is dropped, or stops at its next bar; rows of it may still
+ * come. */
+void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
+
+/* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
+ * threads do. */
+#define POOL_UNSENT (8u << 20)
+void pool_sent(struct pool *p, size_t n);
+
+/* Time that the threads have spent on units so far, summed [s]. */
+double pool_busy(struct pool *p);
+
+/* Stop at the next bars, wait for the threads, free.  The loop must run once
+ * more for the last handle. */
+void pool_free(struct pool *p);
+
+#endif

@@ -1,0 +1,502 @@
+/* radcoord.c - the coordinator daemon: the shell around coord.h
+ *
+ * Everything here carries bytes: what is decided is decided in coord.c. */
+#include "config.h"
+
+#include "conf.h"
+#include "coord.h"
+#include "listen.h"
+#include "log.h"
+#include "service.h"
+#include "shell.h"
+#include "store.h"
+#include "transfer.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+#define TICK_MS        100
+#define DEFAULT_LISTEN "127.0.0.1:" RADCOORD_PORT
+
+struct settings {
+    char listen[CONF_TEXT];
+    char socket[CONF_TEXT];
+    char state[CONF_TEXT];
+    char ports_file[CONF_TEXT];
+    char log_level[CONF_TEXT];
+    bool embedded;
+    int lifetime_fd;
+};
+
+#define FIELD(f) offsetof(struct settings, f)
+static const struct conf_key keys[] = {
+    { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, DEFAULT_LISTEN, "ADDR:PORT",
+      "where workers and users dial; empty: nowhere", false },
+    { "socket", CONF_TEXT_KEY, FIELD(socket), 0, 0, "/run/radd/radcoord.sock",
+      "PATH", "Unix socket of this machine's users; empty: none", false },
+    { "state", CONF_TEXT_KEY, FIELD(state), 0, 0, "/var/lib/radd", "DIR",
+      "folder of scenes, rows and pictures", false },
+    { "ports_file", CONF_TEXT_KEY, FIELD(ports_file), 0, 0, "", "FILE",
+      "gets the sockets in use, one a line", false },
+    { "log_level", CONF_TEXT_KEY, FIELD(log_level), 0, 0, "info", "LEVEL",
+      "err, warn, info or debug", true },
+    /* of the embedded cluster: no waiting for the disk, and no life longer
+     * than that of whoever holds the other end of a pipe */
+    { "embedded", CONF_BOOL_KEY, FIELD(embedded), 0, 0, "no", NULL, NULL,
+      false },
+    { "lifetime_fd", CONF_INT_KEY, FIELD(lifetime_fd), -1, 1 << 20, "-1", NULL,
+      NULL, false },
+    { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
+};
+
+static int
+check_settings(const void *settings, struct rad_error *err)
+{
+    const struct settings *s = settings;
+
+    if (log_level_parse(s->log_level) < 0)
+        return rad_fail(err, RAD_EUSAGE, "unknown log level '%s'",
+                        s->log_level);
+    if (!s->listen[0] && !s->socket[0])
+        return rad_fail(err, RAD_EUSAGE, "neither 'listen' nor 'socket' set");
+    return 0;
+}
+
+static const struct conf_table table = {
+    .program = "radcoord",
+    .synopsis = "[--listen=ADDR:PORT] [--socket=PATH] [--state=DIR] ...",
+    .file = SYSCONFDIR "/radd/radcoord.conf",
+    .private_key = "embedded",
+    .keys = keys,
+    .size = sizeof(struct settings),
+    .check = check_settings,
+};
+
+struct radcoord {
+    struct settings set;
+    int argc;
+    char **argv;
+    uv_loop_t loop;
+    uv_timer_t ticker;
+    uv_signal_t term, intr, hup;
+    struct service_lifetime lifetime;
+    struct listener *tcp, *local;
+    struct store *store;
+    struct transfers *transfers;
+    struct shell shell;
+    struct coord *coord;
+    bool stopping;
+    int status;
+};
+
+static uint64_t
+now(struct radcoord *r)
+{
+    return uv_now(&r->loop);
+}
+
+static void
+stop(struct radcoord *r, int status)
+{
+    if (r->stopping)
+        return;
+    r->stopping = true;
+    r->status = status;
+    service_notify("STOPPING=1");
+    uv_stop(&r->loop);
+}
+
+/* --- from the connections to the machine --- */
+
+static void
+on_message(void *arg, uint64_t id, const struct msg *m)
+{
+    struct radcoord *r = arg;
+
+    coord_message(r->coord, now(r), id, m);
+}
+
+static void
+on_closed(void *arg, uint64_t id, const char *why)
+{
+    struct radcoord *r = arg;
+
+    transfers_drop(r->transfers, id);
+    coord_closed(r->coord, now(r), id, why);
+}
+
+static void
+on_written(void *arg, uint64_t id, size_t n)
+{
+    struct radcoord *r = arg;
+
+    (void)n;
+    transfers_resume(r->transfers, id);
+}
+
+static struct action_list *
+actions(void *arg)
+{
+    struct radcoord *r = arg;
+
+    return coord_actions(r->coord);
+}
+
+static void
+out_of_memory(void *arg)
+{
+    log_err("out of memory");
+    stop(arg, EX_OSERR);
+}
+
+/* --- from the machine to the store --- */
+
+static void
+open_job(struct radcoord *r, const uint8_t *job)
+{
+    struct coord_picture p;
+
+    if (coord_picture(r->coord, job, &p))
+        store_open_job(r->store, job, &p);
+}
+
+static void
+send_source(struct radcoord *r, const struct action *a, bool file)
+{
+    struct conn *c = shell_conn(&r->shell, a->conn);
+    struct store_source from = { .file = file,
+                                 .frame = a->frame,
+                                 .what = a->what };
+
+    if (!c)
+        return;
+    if (file)
+        memcpy(from.hash, a->hash, MSG_HASH);
+    else
+        memcpy(from.job, a->job, MSG_JOB);
+    transfers_start(r->transfers, a->conn, c, a->request, &from);
+}
+
+static void
+on_action(void *arg, const struct action *a)
+{
+    struct radcoord *r = arg;
+
+    switch (a->type) {
+    case ACT_SEND_FILE:
+        send_source(r, a, true);
+        break;
+    case ACT_SEND_PICTURE:
+        send_source(r, a, false);
+        break;
+    case ACT_JOB_OPEN:
+        open_job(r, a->job);
+        break;
+    case ACT_PUT_ROWS:
+        store_put_rows(r->store, &a->rows);
+        break;
+    case ACT_WRITE_PICTURE:
+        store_write_picture(r->store, a->job, a->frame);
+        break;
+    case ACT_JOB_FORGET:
+        store_forget_job(r->store, a->job);
+        break;
+    default:
+        log_err("action unknown type=%d", (int)a->type);
+        break;
+    }
+}
+
+static const struct shell_ops ops = {
+    .message = on_message,
+    .closed = on_closed,
+    .written = on_written,
+    .action = on_action,
+    .actions = actions,
+    .failed = out_of_memory,
+};
+
+/* --- from the store to the machine --- */
+
+static void
+settled(struct radcoord *r)
+{
+    shell_run(&r->shell);
+    shell_store_progress(&r->shell);
+}
+
+static void
+file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
+          const char *text)
+{
+    struct radcoord *r = arg;
+
+    if (status == 0)
+        coord_file_stored(r->coord, now(r), conn, hash);
+    else
+        coord_file_failed(r->coord, now(r), conn, hash, status, text);
+    settled(r);
+}
+
+static void
+job_done(void *arg, const uint8_t job[MSG_JOB], int status, const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_job_opened(r->coord, now(r), job, status, text);
+    settled(r);
+}
+
+static void
+rows_done(void *arg, const struct action_rows *key, int status,
+          const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_rows_stored(r->coord, now(r), key, status, text);
+    settled(r);
+}
+
+static void
+picture_done(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
+             const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_picture_written(r->coord, now(r), job, frame, status, text);
+    settled(r);
+}
+
+static const struct store_handler store_handler = { file_done, job_done,
+                                                    rows_done, picture_done };
+
+static bool
+has_file(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct radcoord *r = arg;
+
+    return store_has_file(r->store, hash);
+}
+
+/* --- connections --- */
+
+/* On one machine: its root and the daemon's own user may be anything, others
+ * only use it.  Loopback addresses are the machine's, without names. */
+static unsigned
+roles_of(long uid)
+{
+    unsigned user = 1u << MSG_ROLE_USER;
+
+    if (uid > 0 && uid != (long)geteuid())
+        return user;
+    return user | 1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_ADMIN;
+}
+
+static void
+on_connection(void *arg, uv_stream_t *stream, const char *peer)
+{
+    struct radcoord *r = arg;
+    uint64_t id = shell_new_id(&r->shell);
+    long uid = conn_stream_uid(stream);
+    struct coord_peer who = { .address = peer,
+                              .owner = uid < 0 ? "local" : peer,
+                              .roles = roles_of(uid) };
+
+    if (!shell_add(&r->shell, id, stream, MSG_AT_COORD_NEW, peer)) {
+        log_err("connection refused peer=%s: out of memory", peer);
+        return;
+    }
+    coord_opened(r->coord, now(r), id, &who);
+    shell_run(&r->shell);
+}
+
+static int
+open_sockets(struct radcoord *r, struct rad_error *err)
+{
+    const char *lines[2];
+    int n = 0;
+
+    if (r->set.socket[0]) {
+        r->local =
+            listener_open(&r->loop, r->set.socket, on_connection, r, err);
+        if (!r->local)
+            return err->code;
+        lines[n++] = listener_text(r->local);
+    }
+    if (r->set.listen[0] &&
+        !(r->set.embedded && strcmp(r->set.listen, DEFAULT_LISTEN) == 0)) {
+        r->tcp = listener_open(&r->loop, r->set.listen, on_connection, r, err);
+        if (!r->tcp)
+            return err->code;
+        lines[n++] = listener_text(r->tcp);
+    }
+    for (int i = 0; i < n; i++)
+        log_info("listening on=%s", lines[i]);
+    if (r->set.ports_file[0])
+        return service_ports_file(r->set.ports_file, lines, n, err);
+    return 0;
+}
+
+/* --- time and signals --- */
+
+static void
+on_tick(uv_timer_t *t)
+{
+    struct radcoord *r = t->data;
+
+    coord_tick(r->coord, now(r));
+    shell_run(&r->shell);
+}
+
+static void
+on_term(uv_signal_t *sig, int signum)
+{
+    struct radcoord *r = sig->data;
+
+    if (r->stopping) /* asked twice: do not wait for the disk */
+        _exit(EX_TEMPFAIL);
+    log_info("stopping signal=%d", signum);
+    stop(r, EX_OK);
+}
+
+static void
+on_hup(uv_signal_t *sig, int signum)
+{
+    struct radcoord *r = sig->data;
+    struct rad_error err = { 0 };
+    char text[600];
+
+    (void)signum;
+    service_notify("RELOADING=1");
+    if (conf_reload(&table, &r->set, r->argc, r->argv, &err) < 0) {
+        rad_error_format(&err, text, sizeof text);
+        log_err("reload failed: %s", text);
+    } else {
+        log_set_level((enum log_level)log_level_parse(r->set.log_level));
+        log_info("reloaded");
+    }
+    service_notify("READY=1");
+}
+
+static void
+on_lifetime_end(void *arg)
+{
+    log_debug("stopping: whoever started this is gone");
+    stop(arg, EX_OK);
+}
+
+static void
+catch_signal(struct radcoord *r, uv_signal_t *sig, uv_signal_cb cb, int signum)
+{
+    uv_signal_init(&r->loop, sig);
+    sig->data = r;
+    uv_signal_start(sig, cb, signum);
+}
+
+/* --- start and end --- */
+
+static int
+start(struct radcoord *r, struct rad_error *err)
+{
+    uv_timeval64_t wall;
+    struct coord_env env = { .has_file = has_file,
+                             .random = shell_random,
+                             .arg = r,
+                             .program = "radcoord " PACKAGE_VERSION };
+
+    uv_gettimeofday(&wall);
+    env.epoch = (uint64_t)wall.tv_sec;
+    r->store = store_open(&r->loop, r->set.state, !r->set.embedded,
+                          &store_handler, r, err);
+    if (!r->store)
+        return err->code;
+    r->shell.store = r->store;
+    r->transfers = transfers_new(r->store);
+    r->coord = coord_new(&env);
+    if (!r->transfers || !r->coord)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (open_sockets(r, err) < 0 ||
+        service_watch_lifetime(&r->lifetime, &r->loop, r->set.lifetime_fd,
+                               on_lifetime_end, r, err) < 0)
+        return err->code;
+    uv_timer_init(&r->loop, &r->ticker);
+    r->ticker.data = r;
+    uv_timer_start(&r->ticker, on_tick, TICK_MS, TICK_MS);
+    catch_signal(r, &r->term, on_term, SIGTERM);
+    catch_signal(r, &r->intr, on_term, SIGINT);
+    catch_signal(r, &r->hup, on_hup, SIGHUP);
+    return 0;
+}
+
+static void
+close_own(void *handle)
+{
+    uv_handle_t *h = handle;
+
+    if (h->type != UV_UNKNOWN_HANDLE) /* was started */
+        uv_close(h, NULL);
+}
+
+/* What was handed to the store is still written; then all is given back. */
+static void
+finish(struct radcoord *r)
+{
+    listener_close(r->tcp);
+    listener_close(r->local);
+    shell_close(&r->shell);
+    while (r->store && !store_idle(r->store))
+        uv_run(&r->loop, UV_RUN_ONCE);
+    close_own(&r->ticker);
+    close_own(&r->term);
+    close_own(&r->intr);
+    close_own(&r->hup);
+    close_own(&r->lifetime.poll);
+    uv_run(&r->loop, UV_RUN_DEFAULT);
+    transfers_free(r->transfers);
+    coord_free(r->coord);
+    store_close(r->store);
+    uv_loop_close(&r->loop);
+}
+
+static int
+fail(const struct rad_error *err)
+{
+    char text[600];
+
+    rad_error_format(err, text, sizeof text);
+    fprintf(stderr, "radcoord: %s\n", text);
+    return rad_exit_status(err->code);
+}
+
+int
+main(int argc, char *argv[])
+{
+    static struct radcoord r;
+    struct rad_error err = { 0 };
+    int rc = conf_load(&table, &r.set, argc, argv, &err);
+
+    if (rc < 0)
+        return fail(&err);
+    if (rc != CONF_RUN) {
+        (rc == CONF_HELP ? conf_help : conf_version)(&table);
+        return EX_OK;
+    }
+    r.argc = argc;
+    r.argv = argv;
+    log_open("radcoord", (enum log_level)log_level_parse(r.set.log_level));
+    signal(SIGPIPE, SIG_IGN);
+    uv_loop_init(&r.loop);
+    shell_init(&r.shell, &r.loop, &ops, &r);
+    if (start(&r, &err) == 0) {
+        service_notify("READY=1");
+        uv_run(&r.loop, UV_RUN_DEFAULT);
+    } else {
+        r.status = fail(&err);
+    }
+    finish(&r);
+    return r.status;
+}

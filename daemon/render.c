@@ -1,0 +1,534 @@
+/* render.c - see render.h
+ *
+ * The loop's thread talks and loads; the pool's threads render.  Ambient
+ * records that the threads made are collected every DRAIN_MS; those that
+ * arrive are put into the cache by the loop's thread while the others go on. */
+#include "config.h"
+
+#include "render.h"
+
+#include "ambshare.h"
+#include "conn.h"
+#include "fingerprint.h"
+#include "jobtext.h"
+#include "log.h"
+#include "pool.h"
+#include "scene/bundle.h"
+#include "scene/octfile.h"
+#include "blobs.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+#define DRAIN_MS      50
+#define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
+/* someone who gets the whole cache is given more when so little waits */
+#define GIVE_AHEAD       (1u << 20)
+#define LARGEST_MANIFEST (64u << 20)
+
+/* Somebody who is being sent all records. */
+struct give {
+    struct give *next;
+    uint32_t to;
+    uint64_t cursor;
+};
+
+struct render {
+    uv_loop_t loop;
+    uv_timer_t drain;
+    struct conn *link; /* NULL once it is gone */
+    const char *files_dir;
+    int nthreads;
+    uint8_t id[MSG_JOB];
+    bool share, ended;
+    struct rad_scene *scene;
+    struct rad_job *job;
+    struct rad_frame *frames;
+    uint32_t nframes;
+    struct pool *pool;
+    struct give *gives;
+    uint64_t sent, received, redundant; /* ambient records */
+    int status;
+};
+
+/* --- what is said --- */
+
+static void
+send_failed(struct render *r, const struct rad_error *err)
+{
+    struct msg m = { .type = MSG_FAILED };
+    char text[MSG_MAX_TEXT + 1];
+
+    rad_error_format(err, text, sizeof text);
+    m.failed.job = r->id;
+    m.failed.status = (uint16_t)rad_exit_status(err->code);
+    m.failed.text = text;
+    if (r->link)
+        conn_send(r->link, &m);
+}
+
+static void
+send_tally(struct render *r)
+{
+    struct msg m = { .type = MSG_TALLY };
+    struct rusage use;
+
+    getrusage(RUSAGE_SELF, &use);
+    m.tally.job = r->id;
+    m.tally.ambient_sent = r->sent;
+    m.tally.ambient_received = r->received;
+    m.tally.ambient_redundant = r->redundant;
+    m.tally.peak_rss_bytes = (uint64_t)use.ru_maxrss * 1024;
+    m.tally.busy_s = r->pool ? pool_busy(r->pool) : 0;
+    conn_send(r->link, &m);
+}
+
+/* Leave when what was said is out. */
+static void
+end(struct render *r, int status)
+{
+    if (r->ended)
+        return;
+    r->ended = true;
+    r->status = status;
+    uv_timer_stop(&r->drain);
+    conn_finish(r->link);
+    r->link = NULL;
+}
+
+static void
+on_rows(void *arg, const struct pool_rows *p)
+{
+    struct render *r = arg;
+    struct msg m = { .type = MSG_RESULT };
+    size_t n = (size_t)p->rows * p->unit.window.width * p->channels;
+    uint8_t *bytes;
+
+    if (!r->link)
+        return;
+    if (p->err.code) {
+        send_failed(r, &p->err);
+        end(r, rad_exit_status(p->err.code));
+        return;
+    }
+    bytes = malloc(n * sizeof(float) + 1);
+    if (!bytes)
+        abort(); /* radd hands the unit to somebody else */
+    wire_floats_put(bytes, p->pixels, n);
+    m.result.job = r->id;
+    m.result.unit = p->unit.unit;
+    m.result.attempt = p->unit.attempt;
+    m.result.row = p->row;
+    m.result.rows = p->rows;
+    m.result.width = (uint32_t)p->unit.window.width;
+    m.result.channels = (uint8_t)p->channels;
+    m.result.last = p->last;
+    m.result.counts = p->counts;
+    m.result.pixels = bytes;
+    if (p->last)
+        send_tally(r);
+    conn_send(r->link, &m);
+    free(bytes);
+}
+
+/* --- ambient records --- */
+
+static void
+send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
+           size_t n)
+{
+    struct msg m = { .type = MSG_AMBIENT };
+    struct wire_out w;
+
+    wire_out_init(&w, MSG_MAX_AMBIENT);
+    for (size_t i = 0; i < n; i++)
+        ambshare_pack(&w, &recs[i]);
+    m.ambient.to = to;
+    m.ambient.count = (uint32_t)n;
+    m.ambient.data = w.buf;
+    m.ambient.len = w.len;
+    if (!w.bad && conn_send(r->link, &m))
+        r->sent += n;
+    wire_out_release(&w);
+}
+
+/* Go on sending everything to those that asked. */
+static void
+go_on_giving(struct render *r, struct rad_ambrec *recs)
+{
+    while (r->gives && r->link && conn_queued(r->link) < GIVE_AHEAD) {
+        struct give *g = r->gives;
+        size_t n =
+            rad_ambient_list(r->job->ambient, &g->cursor, recs, BATCH_RECORDS);
+
+        if (n > 0) {
+            send_batch(r, g->to, recs, n);
+            continue;
+        }
+        r->gives = g->next;
+        free(g);
+    }
+}
+
+static void
+on_drain(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+    struct rad_ambrec recs[BATCH_RECORDS];
+    size_t n;
+
+    while (r->link &&
+           (n = rad_ambient_drain(r->job->ambient, recs, BATCH_RECORDS)) > 0)
+        send_batch(r, 0, recs, n);
+    go_on_giving(r, recs);
+}
+
+static void
+take_ambient(struct render *r, const struct msg_ambient *a)
+{
+    struct wire_in in;
+    struct rad_ambrec rec;
+
+    if (!r->job || !r->job->ambient)
+        return;
+    wire_in_init(&in, a->data, a->len);
+    for (uint32_t i = 0; i < a->count && !in.bad; i++) {
+        if (!ambshare_unpack(&in, &rec))
+            continue;
+        r->received++;
+        if (rad_ambient_covers(r->job->ambient, &rec))
+            r->redundant++;
+        rad_ambient_insert(r->job->ambient, &rec);
+    }
+}
+
+static void
+take_give(struct render *r, const struct msg_give *m)
+{
+    struct give *g;
+
+    if (!r->job || !r->job->ambient)
+        return;
+    g = calloc(1, sizeof *g);
+    if (!g)
+        return; /* costs the other one time, nothing else */
+    g->to = m->to;
+    g->next = r->gives;
+    r->gives = g;
+}
+
+/* --- loading --- */
+
+static int
+read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
+              struct rad_error *err)
+{
+    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    unsigned char *text;
+    size_t len;
+    int rc;
+
+    blobs_name(hash, name);
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, name);
+    text = rad_file_read(path, LARGEST_MANIFEST, &len, err);
+    if (!text)
+        return err->code;
+    rc = rad_bundle_parse(bundle, (const char *)text, len, err);
+    free(text);
+    return rc;
+}
+
+static int
+load_job(struct render *r, const struct rad_bundle *bundle,
+         const struct msg_spec *spec, struct rad_error *err)
+{
+    const struct rad_bundle_entry *e =
+        rad_bundle_find(bundle, RAD_BUNDLE_SCENE, NULL);
+    struct rad_bundle_dir where = { bundle, r->files_dir };
+    struct rad_files files = rad_bundle_files(&where);
+    struct rad_params params;
+    char path[BLOBS_PATH_MAX];
+    int rc = jobtext_params(spec->params, &params, err);
+
+    if (rc < 0)
+        return rc;
+    if (!e)
+        return rad_fail(err, RAD_EDATA, "the bundle has no scene");
+    params.seed = spec->seed;
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
+    r->scene = rad_octfile_load(path, err);
+    if (r->scene)
+        r->job = rad_job_new(r->scene, &params, &files, err);
+    return r->job ? 0 : err->code;
+}
+
+static int
+load_frames(struct render *r, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    bool depth = spec->flags & MSG_JOB_DEPTH;
+
+    r->frames = calloc(spec->nframes + 1, sizeof *r->frames);
+    if (!r->frames)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+        struct rad_view view;
+        int rc = jobtext_view(f->view, &view, err);
+
+        if (rc == 0)
+            rc = rad_frame_init(&r->frames[i], r->job, &view, f->number, depth,
+                                err);
+        if (rc < 0)
+            return rc;
+        r->nframes = i + 1;
+        if (r->frames[i].width != (int)f->width ||
+            r->frames[i].height != (int)f->height)
+            return rad_fail(
+                err, RAD_EDATA, "frame %u is %dx%d by its view, not %ux%u", i,
+                r->frames[i].width, r->frames[i].height, f->width, f->height);
+    }
+    return 0;
+}
+
+static int
+load(struct render *r, const struct msg_spec *spec, struct rad_error *err)
+{
+    struct rad_bundle bundle;
+    int rc;
+
+    if (spec->flags & MSG_JOB_FRESH_FRAMES && spec->nframes > 1)
+        return rad_fail(err, RAD_EUSAGE, "--fresh-frames is not there yet");
+    rad_bundle_init(&bundle);
+    rc = read_manifest(r, spec->manifest, &bundle, err);
+    if (rc == 0)
+        rc = load_job(r, &bundle, spec, err);
+    if (rc == 0)
+        rc = load_frames(r, spec, err);
+    rad_bundle_release(&bundle);
+    if (rc < 0)
+        return rc;
+    r->pool =
+        pool_new(&r->loop, r->job, r->frames, r->nthreads, on_rows, r, err);
+    return r->pool ? 0 : err->code;
+}
+
+static void
+start_job(struct render *r, const struct msg_spec *spec)
+{
+    struct msg ready = { .type = MSG_READY };
+    struct rad_error err = { 0 };
+    uint64_t t0 = uv_hrtime();
+
+    memcpy(r->id, spec->job, MSG_JOB);
+    conn_set_session(r->link, MSG_AT_CHILD);
+    conn_live(r->link, false);
+    if (load(r, spec, &err) < 0 ||
+        fingerprint(&ready.ready.fingerprint, &err) < 0) {
+        send_failed(r, &err);
+        end(r, rad_exit_status(err.code));
+        return;
+    }
+    r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
+    if (r->share)
+        uv_timer_start(&r->drain, on_drain, DRAIN_MS, DRAIN_MS);
+    ready.ready.job = r->id;
+    ready.ready.load_s = 1e-9 * (double)(uv_hrtime() - t0);
+    ready.ready.threads = (uint16_t)r->nthreads;
+    conn_send(r->link, &ready);
+}
+
+/* --- units --- */
+
+static int
+check_unit(const struct render *r, const struct msg_unit *u,
+           struct rad_error *err)
+{
+    const struct rad_frame *f;
+
+    if (u->frame >= r->nframes)
+        return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", u->unit,
+                        u->frame, r->nframes);
+    f = &r->frames[u->frame];
+    if (u->width < 1 || u->height < 1 || u->width > (uint32_t)f->width ||
+        u->height > (uint32_t)f->height ||
+        u->x > (uint32_t)f->width - u->width ||
+        u->y > (uint32_t)f->height - u->height)
+        return rad_fail(err, RAD_EPROTO, "unit %u lies outside the picture",
+                        u->unit);
+    /* what comes with a row in its message takes far less than this */
+    if ((size_t)u->width * (f->depth ? 16 : 12) > MSG_MAX - 1024)
+        return rad_fail(err, RAD_EDATA, "a row of %u pixels is too wide",
+                        u->width);
+    return 0;
+}
+
+static void
+take_unit(struct render *r, const struct msg_unit *u)
+{
+    struct pool_unit unit = { .unit = u->unit,
+                              .attempt = u->attempt,
+                              .frame = u->frame,
+                              .window = { (int)u->x, (int)u->y, (int)u->width,
+                                          (int)u->height } };
+    struct rad_error err = { 0 };
+
+    if (check_unit(r, u, &err) == 0 && !pool_push(r->pool, &unit))
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+    if (err.code) {
+        send_failed(r, &err);
+        end(r, rad_exit_status(err.code));
+    }
+}
+
+/* --- the link --- */
+
+static void
+on_message(void *arg, struct conn *c, const struct msg *m)
+{
+    struct render *r = arg;
+
+    (void)c;
+    switch (m->type) {
+    case MSG_JOB_START:
+        start_job(r, &m->job_start);
+        break;
+    case MSG_UNIT:
+        take_unit(r, &m->unit);
+        break;
+    case MSG_REVOKE:
+        pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);
+        break;
+    case MSG_AMBIENT:
+        take_ambient(r, &m->ambient);
+        break;
+    case MSG_GIVE:
+        take_give(r, &m->give);
+        break;
+    case MSG_JOB_END:
+        send_tally(r);
+        end(r, EX_OK);
+        break;
+    default:
+        break;
+    }
+}
+
+static void
+on_closed(void *arg, struct conn *c, const char *why)
+{
+    (void)arg;
+    (void)c;
+    (void)why;
+    /* nobody is left to render for, and threads may be deep in a bar */
+    _exit(EX_OK);
+}
+
+static void
+on_written(void *arg, struct conn *c, size_t n)
+{
+    struct render *r = arg;
+
+    (void)c;
+    if (r->pool)
+        pool_sent(r->pool, n);
+}
+
+static const struct conn_handler handler = { on_message, on_closed,
+                                             on_written };
+
+/* --- the process --- */
+
+/* Give way to whoever sits at the machine, leave no core, die with radd. */
+static void
+confine(int memory_mib)
+{
+    struct rlimit none = { 0, 0 };
+    struct rlimit memory = { (rlim_t)memory_mib << 20,
+                             (rlim_t)memory_mib << 20 };
+    int ignored;
+
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == 1)
+        _exit(EX_OK); /* radd was gone before that took effect */
+    setrlimit(RLIMIT_CORE, &none);
+    if (memory_mib > 0)
+        setrlimit(RLIMIT_DATA, &memory);
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGINT, SIG_IGN); /* a terminal's; radd decides */
+    ignored = nice(19);
+    (void)ignored;
+}
+
+static int
+open_link(struct render *r)
+{
+    uv_stream_t *stream = conn_stream_new(&r->loop, true);
+    int rc;
+
+    if (!stream)
+        return UV_ENOMEM;
+    rc = uv_pipe_open((uv_pipe_t *)stream, RENDER_LINK_FD);
+    if (rc < 0) {
+        conn_stream_close(stream);
+        return rc;
+    }
+    r->link = conn_new(stream, MSG_AT_CHILD_NEW, "radd", &handler, r);
+    if (!r->link)
+        return UV_ENOMEM;
+    conn_live(r->link, false);
+    return 0;
+}
+
+static void
+release(struct render *r)
+{
+    pool_free(r->pool);
+    uv_close((uv_handle_t *)&r->drain, NULL);
+    uv_run(&r->loop, UV_RUN_DEFAULT);
+    for (uint32_t i = 0; i < r->nframes; i++)
+        rad_frame_release(&r->frames[i]);
+    free(r->frames);
+    rad_job_free(r->job);
+    rad_scene_free(r->scene);
+    while (r->gives) {
+        struct give *g = r->gives;
+
+        r->gives = g->next;
+        free(g);
+    }
+    uv_loop_close(&r->loop);
+}
+
+int
+render_main(int argc, char *argv[])
+{
+    static struct render r;
+    int rc;
+
+    if (argc != 5)
+        return EX_USAGE; /* radd starts this, nobody else */
+    r.files_dir = argv[2];
+    r.nthreads = atoi(argv[3]);
+    confine(atoi(argv[4]));
+    log_open("radd-child", LOG_LEVEL_WARN);
+    uv_loop_init(&r.loop);
+    uv_timer_init(&r.loop, &r.drain);
+    r.drain.data = &r;
+    rc = open_link(&r);
+    if (rc < 0) {
+        log_err("no link to radd: %s", uv_strerror(rc));
+        return EX_USAGE;
+    }
+    while (!r.ended)
+        uv_run(&r.loop, UV_RUN_ONCE);
+    release(&r);
+    return r.status;
+}

@@ -1,0 +1,16 @@
+/* render.h - the body of a job's child: threads that render, a loop that talks
+ *
+ * radd starts this in a process of its own, with one end of a socket pair as
+ * descriptor RENDER_LINK_FD.  What is said on it is JOB-START, READY, UNIT,
+ * RESULT, AMBIENT, GIVE, REVOKE, TALLY, FAILED and JOB-END of
+ * proto/message.def.  The process ends when the link does. */
+#ifndef RADD_DAEMON_RENDER_H
+#define RADD_DAEMON_RENDER_H
+
+#define RENDER_CHILD_OPTION "--child"
+#define RENDER_LINK_FD      3
+
+/* radd --child FILES-DIR THREADS MEMORY-MIB; returns the exit status. */
+int render_main(int argc, char *argv[]);
+
+#endif

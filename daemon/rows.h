@@ -1,0 +1,58 @@
+/* rows.h - the pixels of one frame on disk, and the picture made of them
+ *
+ * A preallocated file of width * height pixels, the top row first, each
+ * `channels` floats (red, green, blue radiance, and the distance with -z) in
+ * the machine's own byte order: it is read by nobody else.  What has not
+ * come is zero.
+ * All calls do I/O and may wait for the disk.
+ * Thread: one at a time. */
+#ifndef RADD_DAEMON_ROWS_H
+#define RADD_DAEMON_ROWS_H
+
+#include "base/error.h"
+#include "picture/hdr.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define ROWS_PATH_MAX 1280
+
+struct rows {
+    char path[ROWS_PATH_MAX];
+    int fd; /* -1 while nothing has used it: it is opened when needed */
+    int width, height, channels; /* channels is 3 or 4 */
+    bool dirty;                  /* written to since the last rows_sync() */
+};
+
+/* Make the file; `reserve` asks for the disk's space at once, so that a full
+ * disk shows here.  RAD_ECANTCREAT, RAD_EIO. */
+int rows_create(struct rows *r, const char *path, int width, int height,
+                int channels, bool reserve, struct rad_error *err);
+
+/* Put h rows of w pixels at column x, row y; pixels is w * h * channels
+ * floats.  RAD_EPROTO if they do not lie in the picture. */
+int rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
+               struct rad_error *err);
+
+/* Wait until what was written is on the disk. */
+int rows_sync(struct rows *r, struct rad_error *err);
+
+/* Read whole row y into width * channels floats. */
+int rows_read(struct rows *r, int y, float *pixels, struct rad_error *err);
+
+/* Close the file for now. */
+void rows_rest(struct rows *r);
+
+/* Close, and delete the file. */
+void rows_remove(struct rows *r);
+
+/* Make the RGBE picture at path, whole: temporary file, fsync if durable,
+ * rename.  info's width and height are those of the rows. */
+int rows_picture(struct rows *r, const struct rad_hdr_info *info,
+                 const char *path, bool durable, struct rad_error *err);
+
+/* The same of the distances: width * height floats; needs 4 channels. */
+int rows_depth(struct rows *r, const char *path, bool durable,
+               struct rad_error *err);
+
+#endif

@@ -1,0 +1,148 @@
+/* service.c - see service.h */
+#include "config.h"
+
+#include "service.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+void
+service_notify(const char *state)
+{
+    const char *path = getenv("NOTIFY_SOCKET");
+    struct sockaddr_un to = { .sun_family = AF_UNIX };
+    size_t n;
+    int fd;
+
+    if (!path || !path[0] || strlen(path) >= sizeof to.sun_path)
+        return;
+    n = strlen(path);
+    memcpy(to.sun_path, path, n);
+    if (to.sun_path[0] == '@') /* the abstract namespace */
+        to.sun_path[0] = '\0';
+    fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0)
+        return;
+    sendto(fd, state, strlen(state), MSG_NOSIGNAL, (struct sockaddr *)&to,
+           (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n));
+    close(fd);
+}
+
+int
+service_ports_file(const char *path, const char *const lines[], int n,
+                   struct rad_error *err)
+{
+    char tmp[PATH_MAX];
+    FILE *f;
+    int bad;
+
+    if (snprintf(tmp, sizeof tmp, "%s.tmp", path) >= (int)sizeof tmp)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    f = fopen(tmp, "we");
+    if (!f)
+        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", tmp,
+                        strerror(errno));
+    for (int i = 0; i < n; i++)
+        fprintf(f, "%s\n", lines[i]);
+    bad = ferror(f);
+    if (fclose(f) || bad || rename(tmp, path)) {
+        unlink(tmp);
+        return rad_fail(err, RAD_EIO, "cannot write '%s': %s", path,
+                        strerror(errno));
+    }
+    return 0;
+}
+
+int
+service_make_dir(const char *path, int mode, struct rad_error *err)
+{
+    char part[PATH_MAX];
+    size_t n = strlen(path);
+
+    if (n == 0 || n >= sizeof part)
+        return rad_fail(err, RAD_ECANTCREAT, "bad folder name '%s'", path);
+    memcpy(part, path, n + 1);
+    for (char *p = part + 1;; p++) {
+        char c = *p;
+        struct stat st;
+
+        if (c != '/' && c != '\0')
+            continue;
+        *p = '\0';
+        if (mkdir(part, c ? 0755 : (mode_t)mode) < 0 && errno != EEXIST)
+            return rad_fail(err, RAD_ECANTCREAT, "cannot make folder '%s': %s",
+                            part, strerror(errno));
+        if (stat(part, &st) < 0 || !S_ISDIR(st.st_mode))
+            return rad_fail(err, RAD_ECANTCREAT, "'%s' is no folder", part);
+        if (c == '\0')
+            return 0;
+        *p = c;
+    }
+}
+
+int
+service_lock_dir(const char *path, struct rad_error *err)
+{
+    char lock[PATH_MAX];
+    int fd;
+
+    if (snprintf(lock, sizeof lock, "%s/lock", path) >= (int)sizeof lock)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", lock,
+                        strerror(errno));
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0)
+        return 0; /* held until the process ends */
+    close(fd);
+    return rad_fail(err, RAD_ECANTCREAT, "another process uses folder '%s'",
+                    path);
+}
+
+static void
+lifetime_event(uv_poll_t *poll, int status, int events)
+{
+    struct service_lifetime *l = poll->data;
+    char byte;
+    int fd;
+
+    (void)events;
+    uv_fileno((uv_handle_t *)poll, &fd);
+    /* nothing is ever written: what can be read is the end */
+    if (status < 0 || read(fd, &byte, 1) <= 0) {
+        uv_poll_stop(poll);
+        l->end(l->arg);
+    }
+}
+
+int
+service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
+                       void (*end)(void *arg), void *arg, struct rad_error *err)
+{
+    int rc;
+
+    if (fd < 0)
+        return 0;
+    fcntl(fd, F_SETFD, FD_CLOEXEC);
+    l->end = end;
+    l->arg = arg;
+    l->poll.data = l;
+    rc = uv_poll_init(loop, &l->poll, fd);
+    if (rc == 0)
+        rc = uv_poll_start(&l->poll, UV_READABLE | UV_DISCONNECT,
+                           lifetime_event);
+    if (rc < 0)
+        return rad_fail(err, RAD_EUSAGE, "cannot watch descriptor %d: %s", fd,
+                        uv_strerror(rc));
+    uv_unref((uv_handle_t *)&l->poll);
+    return 0;
+}

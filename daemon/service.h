@@ -1,0 +1,43 @@
+/* service.h - what a daemon does for the system that runs it
+ *
+ * Thread: main's, and the loop's. */
+#ifndef RADD_DAEMON_SERVICE_H
+#define RADD_DAEMON_SERVICE_H
+
+#include "base/error.h"
+
+#include <uv.h>
+
+/* Where daemons listen unless told otherwise. */
+#define RADCOORD_PORT "7420"
+#define RADD_PORT     "7421"
+
+/* Tell systemd: "READY=1", "RELOADING=1", "STOPPING=1", "STATUS=..."; does
+ * nothing unless NOTIFY_SOCKET is set (sd_notify(3)). */
+void service_notify(const char *state);
+
+/* Write lines to path, whole: a temporary file is renamed over it.
+ * RAD_ECANTCREAT or RAD_EIO. */
+int service_ports_file(const char *path, const char *const lines[], int n,
+                       struct rad_error *err);
+
+/* Make the folder and those above it, mode 0755 (the last one `mode`); it is
+ * fine if it is there.  RAD_ECANTCREAT. */
+int service_make_dir(const char *path, int mode, struct rad_error *err);
+
+/* Take the folder for this process alone, until it ends; RAD_ECANTCREAT when
+ * another has it. */
+int service_lock_dir(const char *path, struct rad_error *err);
+
+/* Call end(arg) once when the pipe at fd reaches its end: whoever started
+ * this process is gone.  fd < 0 does nothing. */
+struct service_lifetime {
+    uv_poll_t poll;
+    void (*end)(void *arg);
+    void *arg;
+};
+int service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
+                           void (*end)(void *arg), void *arg,
+                           struct rad_error *err);
+
+#endif
