@@ -3,9 +3,12 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
+#include "light/ambient.h"
 #include "light/gradient.h"
-#include "unit.h"
+#include "world.h"
 
+#include <pthread.h>
+#include <stdio.h>
 #include <string.h>
 
 /* --- edges --- */
@@ -223,6 +226,580 @@ START_TEST(turning_toward_the_light_brightens)
 }
 END_TEST
 
+/* --- irradiance by sampling --- */
+
+static struct rad_rgb
+irradiance_up(struct world *w, double x, double y, double z)
+{
+    static const double up[3] = { 0, 0, 1 };
+    double p[3] = { x, y, z };
+    struct rad_ray r;
+
+    rad_ray_irradiance(&w->ctx, &r, p, up,
+                       rad_key_branch((uint64_t)(1000 * x), (uint64_t)(y * 7)));
+    return r.L;
+}
+
+#define SKY     "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n"
+#define PLASTIC "void plastic white 0 0 5 .5 .5 .5 0 0\n"
+/* faces of the cube from -1 to 1 in all axes, seen from inside */
+#define CUBE                                                                   \
+    "white polygon z0 0 0 12 -1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1\n"                \
+    "white polygon z1 0 0 12 -1 -1 1 -1 1 1 1 1 1 1 -1 1\n"                    \
+    "white polygon y0 0 0 12 -1 -1 -1 -1 -1 1 1 -1 1 1 -1 -1\n"                \
+    "white polygon y1 0 0 12 -1 1 -1 1 1 -1 1 1 1 -1 1 1\n"                    \
+    "white polygon x0 0 0 12 -1 -1 -1 -1 1 -1 -1 1 1 -1 -1 1\n"                \
+    "white polygon x1 0 0 12 1 -1 -1 1 -1 1 1 1 1 1 1 -1\n"
+
+/* An even sky gives pi L however it is sampled; with nothing in the way, a
+ * plane under it is one record. */
+START_TEST(even_sky_gives_pi_times_its_radiance)
+{
+    static const char *const options[] = {
+        "-ab 1 -aa 0 -ad 64 -as 0",           "-ab 1 -aa 0 -ad 1 -as 0",
+        "-ab 3 -aa .2 -ad 256 -as 0",         "-ab 1 -aa .2 -ad 256 -as 128",
+        "-ab 1 -aa 0 -ad 64 -lr -4 -lw 1e-3",
+    };
+    struct world w;
+
+    world_open(&w, SKY, options[_i]);
+    for (int k = 0; k < 10; k++) {
+        struct rad_rgb E = irradiance_up(&w, .01 * k, -.02 * k, 0);
+
+        ck_assert_double_eq_tol(E.r, M_PI, 1e-5);
+        ck_assert_double_eq_tol(E.g, 2 * M_PI, 1e-5);
+        ck_assert_double_eq_tol(E.b, 3 * M_PI, 1e-5);
+    }
+    world_close(&w);
+}
+END_TEST
+
+/* In a closed box, -av after n bounces has been reflected n times.  Beyond two
+ * bounces the cache may serve deep rays with records of more bounces. */
+START_TEST(furnace_loses_the_reflectance_at_each_bounce)
+{
+    static const char *const cache[] = { "-aa 0 -ad 16", "-aa .2 -ad 64" };
+    char options[128];
+    struct world w;
+
+    for (int bounces = 0; bounces <= (_i == 0 ? 3 : 2); bounces++) {
+        snprintf(options, sizeof options,
+                 "-as 0 -av 8 8 8 -lw 0 -lr 9 -ab %d %s", bounces, cache[_i]);
+        world_open(&w, PLASTIC CUBE, options);
+        ck_assert_double_eq_tol(irradiance_up(&w, .1, .2, -.9).g,
+                                8 * M_PI * pow(.5, bounces), 1e-5);
+        world_close(&w);
+    }
+}
+END_TEST
+
+/* A glow that fills a quarter of the hemisphere's projection: the mean of many
+ * samplings is right, with and without extra samples, in the dark half and at
+ * the edge, for these must not depend on what they find. */
+START_TEST(super_samples_leave_the_mean_alone)
+{
+    static const char scene[] =
+        "void glow g 0 0 4 1 1 1 0\n"
+        "g polygon p 0 0 12 0 0 1 0 50 1 50 50 1 50 0 1\n";
+    static const char *const options[] = { "-ab 1 -aa 0 -ad 49 -as 0",
+                                           "-ab 1 -aa 0 -ad 49 -as 200" };
+    struct world w;
+    double sum = 0, want;
+    double v[] = { 0, 0, 1, 50, 0, 1, 50, 50, 1, 0, 50, 1 };
+    const double p[3] = { .1, .2, 0 }, n[3] = { 0, 0, 1 };
+    enum { TIMES = 2000 };
+
+    want = lambert(v, 4, p, n);
+    world_open(&w, scene, options[_i]);
+    for (uint64_t k = 0; k < TIMES; k++) {
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w.ctx, &r, p, n, rad_key_branch(9, k));
+        sum += r.L.g / TIMES;
+    }
+    ck_assert_msg(fabs(sum - want) < 2e-3 * want, "%g, not %g", sum, want);
+    if (_i == 1)
+        ck_assert_uint_gt(w.ctx.counts.ambient_rays, 200 * TIMES);
+    world_close(&w);
+}
+END_TEST
+
+/* --- the cache --- */
+
+#define CACHED "-ab 2 -aa .2 -ar 64 -ad 64 -as 0"
+
+static struct rad_ambrec
+record(double x, double y, double z, float E, int level)
+{
+    struct rad_ambrec rec = { .p = { x, y, z },
+                              .n = { 0, 0, 1 },
+                              .u = { 1, 0, 0 },
+                              .radius = { .1f, .2f },
+                              .E = { E, 2 * E, 3 * E },
+                              .weight = 1,
+                              .level = (uint16_t)level };
+
+    return rec;
+}
+
+static double
+find(struct world *w, double x, double y, double z, int level, double weight,
+     struct rad_rgb *E)
+{
+    struct rad_ambplace at = { .p = { x, y, z },
+                               .n = { 0, 0, 1 },
+                               .pn = { 0, 0, 1 },
+                               .level = level,
+                               .weight = weight };
+    struct rad_geom_counts counts = { 0, 0 };
+    uint64_t rays = 0;
+
+    return rad_ambient_find(w->job->ambient, &at, E, &counts, &rays);
+}
+
+START_TEST(record_serves_its_zone_and_no_more)
+{
+    struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
+    struct rad_rgb E = { 0, 0, 0 };
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert(rad_ambient_covers(w.job->ambient, &rec));
+    ck_assert_double_eq_tol(find(&w, .1, .2, -.5, 0, 1, &E), 1, 1e-12);
+    ck_assert_double_eq(E.r, 2);
+    ck_assert_double_eq(E.b, 6);
+    /* the ellipse: .2 * .1 along x, .2 * .2 along y */
+    ck_assert(find(&w, .119, .2, -.5, 0, 1, &E) > 0);
+    ck_assert(find(&w, .121, .2, -.5, 0, 1, &E) == 0);
+    ck_assert(find(&w, .1, .239, -.5, 0, 1, &E) > 0);
+    ck_assert(find(&w, .1, .241, -.5, 0, 1, &E) == 0);
+    ck_assert(find(&w, .1, .2, -.521, 0, 1, &E) == 0);
+    /* deeper rays take it, and lighter ones; heavier ones do not */
+    ck_assert(find(&w, .1, .2, -.5, 1, .3, &E) > 0);
+    rec.p[0] = -.5;
+    rec.level = 1;
+    rec.weight = .5;
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert(find(&w, -.5, .2, -.5, 0, .5, &E) == 0);
+    ck_assert(find(&w, -.5, .2, -.5, 1, .5, &E) > 0);
+    ck_assert(find(&w, -.5, .2, -.5, 1, 1, &E) == 0);
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 2);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(other_side_is_not_served)
+{
+    struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
+    struct rad_rgb E = { 7, 7, 7 };
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rec.n[2] = -1;
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert(find(&w, .1, .2, -.5, 0, 1, &E) == 0);
+    ck_assert_double_eq(E.r, 7); /* untouched */
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(gradients_extrapolate_and_are_bounded)
+{
+    struct rad_ambrec rec = record(0, 0, -.5, 1, 0);
+    struct rad_rgb E;
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rec.gpos[0] = 5;   /* per unit along x */
+    rec.gpos[1] = -60; /* along y: below nothing within the zone */
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert(find(&w, .01, 0, -.5, 0, 1, &E) > 0);
+    ck_assert_double_eq_tol(E.r, 1.05, 1e-6);
+    ck_assert(find(&w, 0, .03, -.5, 0, 1, &E) == 0);
+    ck_assert(find(&w, 0, -.03, -.5, 0, 1, &E) > 0);
+    ck_assert_double_eq_tol(E.r, 2.8, 1e-5);
+    world_close(&w);
+}
+END_TEST
+
+/* What a broken or hostile worker might send; each row spoils one thing. */
+START_TEST(implausible_record_is_refused)
+{
+    struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    switch (_i) {
+    case 0:
+        rec.p[1] = NAN;
+        break;
+    case 1:
+        rec.p[2] = 1e3;
+        break;
+    case 2:
+        rec.n[2] = 2;
+        break;
+    case 3:
+        rec.n[0] = NAN;
+        break;
+    case 4:
+        rec.u[2] = 1;
+        break;
+    case 5:
+        rec.u[0] = 0;
+        rec.u[2] = 1; /* along the normal */
+        break;
+    case 6:
+        rec.radius[0] = 0;
+        break;
+    case 7:
+        rec.radius[1] = .05f; /* less than the smaller one */
+        break;
+    case 8:
+        rec.radius[1] = 1e6f;
+        break;
+    case 9:
+        rec.E.g = INFINITY;
+        break;
+    case 10:
+        rec.E.b = -1;
+        break;
+    case 11:
+        rec.gpos[1] = NAN;
+        break;
+    case 12:
+        rec.gdir[0] = -INFINITY;
+        break;
+    case 13:
+        rec.weight = 0;
+        break;
+    case 14:
+        rec.weight = NAN;
+        break;
+    case 15:
+        rec.level = 2; /* -ab 2 has levels 0 and 1 */
+        break;
+    }
+    ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
+    world_close(&w);
+}
+END_TEST
+
+/* The log has all records in order, the drain those made here. */
+START_TEST(log_gives_each_record_once)
+{
+    enum { N = 1000 };
+    static struct rad_ambrec out[N];
+    uint64_t cursor = 0;
+    size_t got = 0, n;
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, out, N), 0);
+    irradiance_up(&w, .1, .2, -.5);
+    uint64_t made = w.ctx.counts.ambient_values;
+
+    ck_assert_uint_gt(made, 0);
+    for (int i = 0; i < N - (int)made; i++) {
+        struct rad_ambrec rec =
+            record(1.9 * rad_rand(1, (uint32_t)i) - .95, 0, 0, (float)i, 0);
+
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    }
+    while ((n = rad_ambient_list(w.job->ambient, &cursor, out + got, 77)) > 0)
+        got += n;
+    ck_assert_uint_eq(got, N);
+    for (size_t i = made; i < N; i++)
+        ck_assert_double_eq(out[i].E.r, (double)(i - made));
+    ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, 1), 1);
+    ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), made - 1);
+    ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), 0);
+    world_close(&w);
+}
+END_TEST
+
+/* The light that a glow in the ceiling sends, interpolated, against the same
+ * sampled anew with many rays. */
+#define ROOM                                                                   \
+    "void glow g 0 0 4 9 9 9 0\n"                                              \
+    "g polygon p 0 0 12 -.3 -.3 .9 -.3 .3 .9 .3 .3 .9 .3 -.3 .9\n" PLASTIC     \
+        CUBE
+
+START_TEST(interpolation_is_close_to_sampling)
+{
+    struct world cached, sampled;
+    double sum2 = 0;
+    int n = 0;
+
+    world_open(&cached, ROOM, "-ab 1 -aa .1 -ar 64 -ad 1024 -as 512 -av 0 0 0");
+    world_open(&sampled, ROOM, "-ab 1 -aa 0 -ad 40000 -as 0 -lw 0 -av 0 0 0");
+    /* once over, so that nearly all is interpolated when it counts */
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < 12; i++)
+            for (int j = 0; j < 12; j++) {
+                double x = .02 * i - .4, y = .02 * j + .1;
+                double E = irradiance_up(&cached, x, y, -.9).g;
+
+                if (pass == 0)
+                    continue;
+                double d = log(E / irradiance_up(&sampled, x, y, -.9).g);
+
+                sum2 += d * d;
+                n++;
+            }
+    ck_assert_msg(sqrt(sum2 / n) < .025, "rms %g", sqrt(sum2 / n));
+    ck_assert_uint_lt(rad_ambient_count(cached.job->ambient), 144);
+    world_close(&cached);
+    world_close(&sampled);
+}
+END_TEST
+
+/* Two rooms that share a floor, one dark; the cache is filled in the lit one,
+ * right up to the wall. */
+START_TEST(no_light_leaks_through_a_wall)
+{
+    static const char scene[] =
+        ROOM "white polygon wall 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n";
+    struct world w;
+
+    world_open(&w, scene, "-ab 1 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
+    for (int i = 0; i < 400; i++)
+        irradiance_up(&w, .499 - .01 * (i % 20), -.9 + .09 * (i / 20), -.99);
+    for (int i = 0; i < 20; i++)
+        ck_assert_double_eq(
+            irradiance_up(&w, .501 + .02 * (i % 4), -.9 + .09 * i, -.99).g, 0);
+    world_close(&w);
+}
+END_TEST
+
+/* Too bright to be summed: black, counted, and not kept. */
+START_TEST(infinite_irradiance_is_not_kept)
+{
+    struct world w;
+
+    world_open(&w,
+               "void glow g 0 0 4 3e38 3e38 3e38 0\n"
+               "g source sky 0 0 4 0 0 1 180\n",
+               CACHED);
+    ck_assert_double_eq(irradiance_up(&w, 0, 0, 0).g, 0);
+    ck_assert_uint_gt(w.ctx.counts.unsound_rays, 0);
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
+    world_close(&w);
+}
+END_TEST
+
+/* The same room in other units, by powers of two: the same bits. */
+START_TEST(units_do_not_matter)
+{
+    static const double scale[] = { 1, 0x1p-10, 0x1p20 };
+    struct rad_rgb first[20];
+    uint64_t values = 0;
+
+    for (int k = 0; k < N_ELEM(scale); k++) {
+        char text[4096], *at = text;
+        struct world w;
+
+        at += sprintf(at, "void glow g 0 0 4 9 9 9 0\n" PLASTIC);
+        for (int face = 0; face < 7; face++) {
+            static const int uv[3][2] = { { 1, 2 }, { 2, 0 }, { 0, 1 } };
+            int axis = face < 6 ? face / 2 : 2;
+
+            at += sprintf(at, "%s polygon f%d 0 0 12", face < 6 ? "white" : "g",
+                          face);
+            for (int c = 0; c < 4; c++) {
+                double q[3], side = face < 6 ? 1 : .25;
+
+                q[axis] = face < 6 ? face % 2 * 2 - 1 : .875;
+                q[uv[axis][0]] = c == 1 || c == 2 ? side : -side;
+                q[uv[axis][1]] = c >= 2 ? -side : side;
+                at += sprintf(at, " %.17g %.17g %.17g", q[0] * scale[k],
+                              q[1] * scale[k], q[2] * scale[k]);
+            }
+            at += sprintf(at, "\n");
+        }
+        world_open(&w, text, "-ab 2 -aa .2 -ar 32 -ad 64 -as 32 -av 0 0 0");
+        for (int i = 0; i < 20; i++) {
+            static const double up[3] = { 0, 0, 1 };
+            double p[3] = { (.09 * i - .9) * scale[k], .1 * scale[k],
+                            -.5 * scale[k] };
+            struct rad_ray r;
+
+            rad_ray_irradiance(&w.ctx, &r, p, up, (uint64_t)i);
+            if (k == 0)
+                first[i] = r.L;
+            ck_assert_double_eq_tol(r.L.g, first[i].g, 1e-5 * first[i].g);
+        }
+        if (k == 0)
+            values = w.ctx.counts.ambient_values;
+        ck_assert_uint_eq(w.ctx.counts.ambient_values, values);
+        world_close(&w);
+    }
+}
+END_TEST
+
+/* --- threads --- */
+
+enum { THREADS = 8, PER_THREAD = 2000 };
+
+struct worker {
+    pthread_t thread;
+    struct world *w;
+    int number;
+    int missed; /* own records not found at once */
+    struct rad_counts counts;
+};
+
+static double
+spread(int thread, int i, int axis)
+{
+    return 1.9 * rad_rand((uint64_t)thread, (uint32_t)(2 * i + axis)) - .95;
+}
+
+static void *
+insert_and_find(void *arg)
+{
+    struct worker *me = arg;
+    struct rad_rgb E;
+
+    for (int i = 0; i < PER_THREAD; i++) {
+        double x = spread(me->number, i, 0), y = spread(me->number, i, 1);
+        struct rad_ambrec rec = record(x, y, -.5, 1, 0);
+
+        rec.radius[0] = rec.radius[1] = .05f;
+        if (!rad_ambient_insert(me->w->job->ambient, &rec) ||
+            !(find(me->w, x, y, -.5, 0, 1, &E) > 0))
+            me->missed++;
+        /* what another may have put there by now */
+        find(me->w, spread((me->number + 1) % THREADS, i, 0),
+             spread((me->number + 1) % THREADS, i, 1), -.5, 0, 1, &E);
+    }
+    return NULL;
+}
+
+static void
+run(struct worker *worker, struct world *w, void *(*body)(void *))
+{
+    for (int i = 0; i < THREADS; i++) {
+        worker[i] = (struct worker){ .w = w, .number = i };
+        ck_assert_int_eq(
+            pthread_create(&worker[i].thread, NULL, body, &worker[i]), 0);
+    }
+}
+
+static void
+join(struct worker *worker)
+{
+    for (int i = 0; i < THREADS; i++)
+        pthread_join(worker[i].thread, NULL);
+}
+
+START_TEST(threads_lose_no_record)
+{
+    static struct rad_ambrec out[THREADS * PER_THREAD + 1];
+    struct worker worker[THREADS];
+    uint64_t cursor = 0;
+    struct rad_rgb E;
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    run(worker, &w, insert_and_find);
+    join(worker);
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), THREADS * PER_THREAD);
+    ck_assert_uint_eq(
+        rad_ambient_list(w.job->ambient, &cursor, out, N_ELEM(out)),
+        THREADS * PER_THREAD);
+    for (int i = 0; i < THREADS; i++) {
+        ck_assert_int_eq(worker[i].missed, 0);
+        for (int k = 0; k < PER_THREAD; k++)
+            ck_assert(
+                find(&w, spread(i, k, 0), spread(i, k, 1), -.5, 0, 1, &E) > 0);
+    }
+    world_close(&w);
+}
+END_TEST
+
+static void *
+trace_points(void *arg)
+{
+    static const double up[3] = { 0, 0, 1 };
+    struct worker *me = arg;
+    struct rad_ctx ctx;
+
+    if (rad_ctx_init(&ctx, me->w->job, NULL) < 0)
+        return NULL;
+    for (int i = 0; i < 300; i++) {
+        double p[3] = { spread(me->number, i, 0), spread(me->number, i, 1),
+                        -.99 };
+        struct rad_ray r;
+
+        rad_ray_irradiance(&ctx, &r, p, up, (uint64_t)i);
+        if (!(r.L.g > 0))
+            me->missed++;
+    }
+    me->counts = ctx.counts;
+    rad_ctx_release(&ctx);
+    return NULL;
+}
+
+/* Eight render threads, and this one in the loop thread's part. */
+START_TEST(threads_share_what_they_sample)
+{
+    static struct rad_ambrec out[64];
+    struct worker worker[THREADS];
+    size_t drained = 0, n;
+    uint64_t made = 0;
+    struct world w;
+
+    world_open(&w, ROOM, "-ab 2 -aa .2 -ar 32 -ad 64 -as 32 -av 0 0 0");
+    run(worker, &w, trace_points);
+    for (int i = 0; i < 1000; i++) {
+        struct rad_ambrec rec =
+            record(spread(99, i, 0), spread(99, i, 1), .99, 1, 1);
+
+        rec.n[2] = -1;
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+        drained += rad_ambient_drain(w.job->ambient, out, N_ELEM(out));
+    }
+    join(worker);
+    while ((n = rad_ambient_drain(w.job->ambient, out, N_ELEM(out))) > 0)
+        drained += n;
+    for (int i = 0; i < THREADS; i++) {
+        ck_assert_int_eq(worker[i].missed, 0);
+        made += worker[i].counts.ambient_values;
+    }
+    ck_assert_uint_gt(made, 0);
+    ck_assert_uint_eq(drained, made);
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), made + 1000);
+    world_close(&w);
+}
+END_TEST
+
+/* One thread alone always makes the same records. */
+START_TEST(one_thread_is_deterministic)
+{
+    struct rad_rgb first[50];
+
+    for (int round = 0; round < 2; round++) {
+        struct world w;
+
+        world_open(&w, ROOM, "-ab 2 -aa .2 -ar 32 -ad 64 -as 32 -av 0 0 0");
+        for (int i = 0; i < N_ELEM(first); i++) {
+            struct rad_rgb E =
+                irradiance_up(&w, spread(5, i, 0), spread(5, i, 1), -.9);
+
+            if (round == 0)
+                first[i] = E;
+            ck_assert_mem_eq(&E, &first[i], sizeof E);
+        }
+        world_close(&w);
+    }
+}
+END_TEST
+
 static Suite *
 make_suite(void)
 {
@@ -235,6 +812,28 @@ make_suite(void)
     tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
     tcase_add_test(tc, uniform_surrounding_has_no_gradient);
     tcase_add_test(tc, turning_toward_the_light_brightens);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("hemisphere");
+    tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
+    tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
+    tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("cache");
+    tcase_add_test(tc, record_serves_its_zone_and_no_more);
+    tcase_add_test(tc, other_side_is_not_served);
+    tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
+    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 16);
+    tcase_add_test(tc, log_gives_each_record_once);
+    tcase_add_test(tc, interpolation_is_close_to_sampling);
+    tcase_add_test(tc, no_light_leaks_through_a_wall);
+    tcase_add_test(tc, infinite_irradiance_is_not_kept);
+    tcase_add_test(tc, units_do_not_matter);
+    tcase_add_test(tc, one_thread_is_deterministic);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("threads");
+    tcase_set_timeout(tc, 60);
+    tcase_add_test(tc, threads_lose_no_record);
+    tcase_add_test(tc, threads_share_what_they_sample);
     suite_add_tcase(s, tc);
     return s;
 }

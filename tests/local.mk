@@ -37,7 +37,8 @@ tests_seqpict_LDADD = $(LIBRAD)
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
-tests_check_ambient_SOURCES = tests/check_ambient.c tests/unit.h
+tests_check_ambient_SOURCES = tests/check_ambient.c tests/unit.h \
+	tests/world.h
 tests_check_ambient_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambient_LDADD = $(UNIT_LIBS)
 
@@ -119,7 +120,8 @@ tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_quincunx_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
-THREAD_TESTS =
+THREAD_TESTS = \
+	tests/check_ambient
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E =
 

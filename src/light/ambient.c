@@ -410,27 +410,25 @@ is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
 /* Directions, 32 of them about the normal from axis u on, in which something
  * at the horizon is nearer than the zone's edge. */
 static uint32_t
-find_corral(const struct rad_ambient *amb, const struct rad_hemi *h,
-            const double f[3][3], const double r[2])
+find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
 {
-    double nearest = amb->least * amb->job->params.ambacc, overhead = 0;
+    double overhead = INFINITY; /* 1 / distance of what is farthest there */
     double half = M_PI / 2 / h->n; /* twice what a cell spans, for safety */
-    int n = h->n, quarter = n / 4, k = 0;
+    int n = h->n, quarter = n / 4;
     uint32_t bins = 0;
 
     for (int i = quarter; i < n - quarter; i++)
-        for (int j = quarter; j < n - quarter; j++, k++)
-            overhead += h->cell[i * n + j].near;
-    overhead /= k;
-    /* under a low ceiling, or in a corner too small to see, all is near */
-    if (overhead * r[0] >= 1 || overhead * nearest >= 1)
+        for (int j = quarter; j < n - quarter; j++)
+            overhead = fmin(overhead, h->cell[i * n + j].near);
+    /* under a low ceiling all is near, and the test would find the ceiling */
+    if (overhead * r[0] >= 1)
         return 0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j += i == 0 || i == n - 1 ? 1 : n - 1) {
             const struct rad_hemicell *c = &h->cell[i * n + j];
             double u = rad_dot(c->p, f[0]), v = rad_dot(c->p, f[1]);
 
-            if (c->near * nearest >= 1 || !is_inside(c, u, v, r))
+            if (!is_inside(c, u, v, r))
                 continue;
             int from = (int)floor((atan2(v, u) - half) * (16 / M_PI));
             int to = (int)floor((atan2(v, u) + half) * (16 / M_PI));
@@ -489,7 +487,7 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
     double f[3][3], zone[2] = { r[0] * aa, r[1] * aa };
 
     record_frame(rec, f);
-    rec->corral = find_corral(amb, h, f, zone);
+    rec->corral = find_corral(h, f, zone);
 }
 
 /* Sample the hemisphere at a place and keep the result if it is fit to be
