@@ -118,9 +118,9 @@ executable(const char *path)
 static void
 program_path(const struct local *l, const char *name, char *path, size_t size)
 {
-    static const char *const beside[] = { "", "../sbin/", "../daemon/" };
+    static const char *const beside[] = { "", "../sbin/" };
 
-    for (size_t i = 0; l->programs[0] && i < 3; i++) {
+    for (size_t i = 0; l->programs[0] && i < 2; i++) {
         int n = snprintf(path, size, "%s%s%s", l->programs, beside[i], name);
 
         if (n < (int)size && executable(path))
@@ -195,7 +195,7 @@ start(pid_t *pid, const struct local *l, const char *name,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     argv[argc++] = path;
     argv[argc++] = lifetime;
-    argv[argc++] = (char *)"--log-level=warn";
+    argv[argc++] = (char *)"--log-level=err";
     for (int i = 0; options[i] && argc < MOST_ARGS - 1; i++)
         argv[argc++] = (char *)options[i];
     argv[argc] = NULL;
@@ -279,7 +279,7 @@ static int
 start_coordinator(struct local *l, struct rad_error *err)
 {
     char socket[120], state[120];
-    const char *options[] = { socket, state, "--embedded", NULL };
+    const char *options[] = { socket, state, "--listen=", "--embedded", NULL };
 
     snprintf(socket, sizeof socket, "--socket=%s/coord", l->folder);
     snprintf(state, sizeof state, "--state=%s/state", l->folder);

@@ -21,6 +21,8 @@ libclient_a_SOURCES = \
 	client/output.h \
 	client/paths.c \
 	client/paths.h \
+	client/picfile.c \
+	client/picfile.h \
 	client/progress.c \
 	client/progress.h \
 	client/rays.c \
@@ -40,3 +42,11 @@ LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(UV_LIBS)
 bin_PROGRAMS += radscene
 radscene_SOURCES = client/radscene.c
 radscene_LDADD = $(LIBCLIENT) $(LIBRAD)
+
+bin_PROGRAMS += radctl radsubmit
+radctl_SOURCES = client/radctl.c client/table.c client/table.h
+radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
+radctl_LDADD = $(LIBCLIENT) $(LIBRAD) $(JANSSON_LIBS)
+radsubmit_SOURCES = client/radsubmit.c
+radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+radsubmit_LDADD = $(LIBCLIENT) $(LIBRAD)

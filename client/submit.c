@@ -35,7 +35,9 @@ struct submit {
     uint32_t request;  /* of the last request that we sent */
     uint64_t start_ms; /* when we began; then, when the job was accepted */
     bool accepted, met_worker, done, cancelled;
-    uint32_t delivered;       /* frames */
+    bool fetching;      /* a FAILED that answers this request is fetch()'s */
+    bool over;          /* the job itself has failed */
+    uint32_t delivered; /* frames */
     struct msg_progress last; /* its job id is not kept */
     uint64_t preview_due_ms;
 };
@@ -81,8 +83,10 @@ take(struct submit *s, const struct msg *m)
         s->done |= is_ours(s, m->done.job);
         return 0;
     case MSG_FAILED:
-        if (!is_ours(s, m->failed.job))
+        if (!is_ours(s, m->failed.job) ||
+            (s->fetching && m->request == s->request))
             return 0;
+        s->over = true;
         if (s->cancelled)
             return interrupted(s);
         return rad_fail(s->err, link_code(m->failed.status), "%s",
@@ -206,6 +210,7 @@ fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
     int rc;
 
     *f = (struct fetched){ 0 };
+    s->fetching = true;
     rc = fetch_start(s->link, s->job->spec->job, frame, what, ++s->request,
                      s->err);
     while (rc == 0) {
@@ -213,6 +218,7 @@ fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
         if (rc == 1)
             rc = m->request == s->request ? fetch_take(f, m, s->err) : 0;
     }
+    s->fetching = false;
     return rc < 0 ? rc : 0;
 }
 
@@ -235,7 +241,7 @@ deliver_frame(struct submit *s)
     return rc;
 }
 
-/* A preview that is not to be had is none; the job goes on. */
+/* 1, or 0 where there is none to be had: the job goes on without. */
 static int
 fetch_preview(struct submit *s, struct fetched *f)
 {
@@ -246,8 +252,8 @@ fetch_preview(struct submit *s, struct fetched *f)
     s->err = &why;
     rc = fetch(s, s->delivered, MSG_WHAT_PREVIEW, f);
     s->err = err;
-    if (rc == 0 || rc == RAD_ETEMPFAIL || rc == RAD_ENOINPUT)
-        return rc;
+    if (rc == 0 || (!s->over && rc != RAD_EUNAVAIL && rc != RAD_EPROTO))
+        return rc < 0 ? 0 : 1;
     if (err)
         *err = why;
     return rc;
@@ -264,10 +270,8 @@ preview(struct submit *s)
         s->last.pixels_done == 0)
         return 0;
     rc = fetch_preview(s, &f);
-    if (rc == 0)
+    if (rc == 1)
         rc = s->cb->preview(s->cb->arg, f.bytes, f.len, s->err);
-    else if (rc == RAD_ETEMPFAIL || rc == RAD_ENOINPUT)
-        rc = 0;
     free(f.bytes);
     end = now_ms(s);
     s->preview_due_ms = end + PREVIEW_MS + PREVIEW_SHARE * (end - begin);

@@ -1,0 +1,469 @@
+/* radsubmit.c - render a Radiance scene on a cluster; see radsubmit(1)
+ *
+ * Puts the parts together: the command line (submit_options), the pictures
+ * that it asks for (frames), the scene's files (compile, cargo), a cluster of
+ * its own where none is named (local), the conversation (submit).
+ * The scene is compiled on a thread of libuv's pool, so that the loop can end
+ * the program meanwhile. */
+#include "config.h"
+
+#include "compile.h"
+#include "frames.h"
+#include "local.h"
+#include "output.h"
+#include "picfile.h"
+#include "progress.h"
+#include "submit.h"
+#include "submit_options.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+struct program {
+    struct submit_options o;
+    struct words words;
+    struct frames frames;
+    struct compiled scene;
+    struct cargo cargo;
+    struct msg_spec spec;
+    uint8_t id[MSG_JOB];
+    char params[RAD_PARAMS_TEXT];
+    char needs[MSG_MAX_NEEDS + 1];
+    struct local *local; /* its folder holds the scene's files too */
+    bool embedded;
+    struct target target;
+    struct progress progress;
+    uv_loop_t loop;
+    uv_signal_t signals[3];
+    int interrupts;
+    bool compiled;
+    int compile_rc;
+    double compile_s;
+    struct rad_error *err;
+};
+
+/* --- what is said --- */
+
+static void
+say(void *arg, const char *text)
+{
+    struct program *p = arg;
+
+    progress_clear(&p->progress);
+    fprintf(stderr, "radsubmit: %s\n", text);
+}
+
+static void
+on_progress(void *arg, const struct msg_progress *m)
+{
+    struct program *p = arg;
+    struct progress_report r;
+
+    r.elapsed_s = m->elapsed_s;
+    r.done = m->cost_total > 0 ? m->cost_done / m->cost_total : 0;
+    r.rays = m->rays;
+    r.workers = (int)m->workers;
+    progress_update(&p->progress, &r);
+}
+
+/* --- what is written --- */
+
+/* The file's name for a frame; to be freed. */
+static int
+name_for(const struct program *p, const char *pattern, uint32_t frame,
+         char **name, struct rad_error *err)
+{
+    if (p->o.first_frame > 0)
+        return output_frame_name(name, pattern,
+                                 (int)p->frames.list[frame].number, true, err);
+    *name = strdup(pattern);
+    return *name ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+static int
+write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
+              size_t len, struct rad_error *err)
+{
+    char *name = NULL;
+    int rc = 0;
+
+    if (p->o.output)
+        rc = name_for(p, p->o.output, frame, &name, err);
+    if (rc == 0)
+        rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
+                           !p->embedded, err);
+    free(name);
+    return rc;
+}
+
+static int
+write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
+            struct rad_error *err)
+{
+    char *name = NULL;
+    int rc = name_for(p, p->o.depth, frame, &name, err);
+
+    if (rc == 0)
+        rc = output_write(name, depth, len, !p->embedded, err);
+    free(name);
+    return rc;
+}
+
+static int
+on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
+{
+    struct program *p = arg;
+
+    return picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, err);
+}
+
+static int
+on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
+         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+{
+    struct program *p = arg;
+    int rc;
+
+    progress_clear(&p->progress); /* it may share the terminal with stdout */
+    rc = write_picture(p, frame, picture, picture_len, err);
+    if (rc == 0 && depth)
+        rc = write_depth(p, frame, depth, depth_len, err);
+    if (rc == 0 && p->o.preview)
+        rc = on_preview(p, picture, picture_len, err);
+    return rc;
+}
+
+static int
+on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+{
+    struct program *p = arg;
+
+    return output_write(p->o.stats, json, len, !p->embedded, err);
+}
+
+static bool
+on_alive(void *arg)
+{
+    return local_alive(((struct program *)arg)->local);
+}
+
+/* A picture that nobody can keep need not be rendered. */
+static int
+check_output(const struct program *p, const char *path, bool of_frame)
+{
+    char *name = NULL;
+    int rc = 0;
+
+    if (!path)
+        return 0;
+    if (of_frame)
+        rc = name_for(p, path, 0, &name, p->err);
+    if (rc == 0)
+        rc = output_check(name ? name : path, p->err);
+    free(name);
+    return rc;
+}
+
+static int
+check_outputs(const struct program *p)
+{
+    int rc;
+
+    if ((rc = check_output(p, p->o.output, true)) < 0 ||
+        (rc = check_output(p, p->o.depth, true)) < 0 ||
+        (rc = check_output(p, p->o.preview, false)) < 0 ||
+        (rc = check_output(p, p->o.stats, false)) < 0)
+        return rc;
+    if (!p->o.output && !p->o.detach && isatty(1))
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "standard output is a terminal: use -o");
+    return 0;
+}
+
+/* --- signals --- */
+
+/* An interrupt counts once; what ends a session counts as two, so that a job
+ * of a real coordinator goes on. */
+static void
+on_signal(uv_signal_t *h, int signum)
+{
+    struct program *p = h->data;
+
+    p->interrupts += signum == SIGINT ? 1 : 2;
+    uv_stop(&p->loop);
+}
+
+static int
+watch_signals(struct program *p)
+{
+    static const int which[] = { SIGINT, SIGTERM, SIGHUP };
+
+    if (uv_loop_init(&p->loop) != 0)
+        return rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    signal(SIGPIPE, SIG_IGN);
+    for (int i = 0; i < 3; i++) {
+        uv_signal_init(&p->loop, &p->signals[i]);
+        p->signals[i].data = p;
+        uv_signal_start(&p->signals[i], on_signal, which[i]);
+        uv_unref((uv_handle_t *)&p->signals[i]);
+    }
+    return 0;
+}
+
+static void
+release_loop(struct program *p)
+{
+    for (int i = 0; i < 3; i++)
+        uv_close((uv_handle_t *)&p->signals[i], NULL);
+    while (uv_loop_close(&p->loop) == UV_EBUSY)
+        uv_run(&p->loop, UV_RUN_ONCE);
+}
+
+/* --- the scene --- */
+
+static void
+compile_work(uv_work_t *w)
+{
+    struct program *p = w->data;
+    uint64_t begin = uv_hrtime();
+
+    p->compile_rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
+                                  p->o.nscenes, local_folder(p->local), p->err);
+    p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
+}
+
+static void
+compile_done(uv_work_t *w, int status)
+{
+    (void)status;
+    ((struct program *)w->data)->compiled = true;
+}
+
+/* Ends the program when it is interrupted: the thread cannot be. */
+static int
+compile(struct program *p)
+{
+    uv_work_t work = { .data = p };
+
+    if (uv_queue_work(&p->loop, &work, compile_work, compile_done) != 0)
+        return rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    while (!p->compiled) {
+        uv_run(&p->loop, UV_RUN_ONCE);
+        if (p->interrupts > 0 && !p->compiled) {
+            local_stop(p->local);
+            _exit(EX_TEMPFAIL);
+        }
+    }
+    return p->compile_rc;
+}
+
+/* The types that the scene uses, blanks between. */
+static void
+list_needs(struct program *p)
+{
+    bool needs[RAD_NOTYPES] = { false };
+    size_t used = 0;
+
+    rad_scene_needs(p->scene.scene, needs);
+    for (int t = 0; t < RAD_NOTYPES; t++)
+        if (needs[t] && used < sizeof p->needs)
+            used += (size_t)snprintf(p->needs + used, sizeof p->needs - used,
+                                     "%s%s", used ? " " : "",
+                                     rad_otype_name((enum rad_otype)t));
+}
+
+static void
+fill_spec(struct program *p)
+{
+    struct msg_spec *s = &p->spec;
+    const struct submit_options *o = &p->o;
+
+    rad_params_format(&o->params, p->params, sizeof p->params);
+    list_needs(p);
+    s->job = p->id;
+    s->manifest = p->cargo.hashes;
+    s->name = o->name ? o->name : o->scenes[0];
+    s->params = p->params;
+    s->needs = p->needs;
+    s->estimate = "uniform";
+    s->seed = o->params.seed;
+    s->priority = o->priority;
+    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
+               (o->no_share ? 0 : MSG_JOB_SHARE) |
+               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0);
+    s->partition =
+        o->partition == PARTITION_WINDOW ? MSG_PART_WINDOW : MSG_PART_AUTO;
+    s->order = (uint8_t)o->order; /* the same words in the same order */
+    s->windows = (uint32_t)o->windows;
+    s->objects = (uint32_t)p->scene.scene->nobjects;
+    s->bundle_bytes = rad_bundle_bytes(&p->scene.bundle);
+    s->compile_s = p->compile_s;
+    s->files.n = p->cargo.n;
+    s->files.hash = p->cargo.hashes;
+    s->nframes = p->frames.n;
+    s->frames = p->frames.list;
+}
+
+/* --- the job --- */
+
+static int
+choose_cluster(struct program *p)
+{
+    int rc = 0;
+
+    if (!p->o.local)
+        rc = target_find(&p->target, p->o.coordinator, p->err);
+    if (rc < 0)
+        return rc;
+    p->embedded = rc == 0;
+    if (p->embedded && p->o.detach)
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "--detach needs a coordinator: a cluster of "
+                        "radsubmit's own ends with it");
+    if (!p->embedded && (p->o.workers || p->o.threads))
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "--workers and --threads are for a cluster of "
+                        "radsubmit's own: use --local with them");
+    return 0;
+}
+
+/* The id is what a user has to find the job again: it is said before the
+ * work begins. */
+static int
+make_id(struct program *p)
+{
+    char hex[MSG_JOB_HEX];
+
+    if (getrandom(p->id, sizeof p->id, 0) != (ssize_t)sizeof p->id)
+        return rad_fail(p->err, RAD_EINTERNAL, "no random numbers: %s",
+                        strerror(errno));
+    msg_job_format(p->id, hex);
+    fprintf(stderr, "radsubmit: job %s\n", hex);
+    return 0;
+}
+
+static int
+start_local(struct program *p)
+{
+    int rc = local_start(p->local, p->o.workers ? p->o.workers : 1,
+                         p->o.threads, &p->interrupts, p->err);
+
+    if (rc == 0)
+        p->target = *local_target(p->local);
+    return rc;
+}
+
+static int
+converse(struct program *p)
+{
+    struct submit_callbacks cb = {
+        .say = say, .progress = on_progress, .frame = on_frame, .arg = p
+    };
+    struct submit_job job = { .spec = &p->spec,
+                              .cargo = &p->cargo,
+                              .to = p->target,
+                              .wait_s = p->o.wait_s,
+                              .detach = p->o.detach };
+    int rc;
+
+    if (p->o.preview)
+        cb.preview = on_preview;
+    if (p->o.stats)
+        cb.stats = on_stats;
+    if (p->embedded)
+        cb.alive = on_alive;
+    rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
+    progress_clear(&p->progress);
+    return rc;
+}
+
+static int
+run_job(struct program *p)
+{
+    char hex[MSG_JOB_HEX];
+    int rc;
+
+    if ((rc = compile(p)) < 0 ||
+        (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
+                         p->err)) < 0)
+        return rc;
+    fill_spec(p);
+    if (p->embedded && (rc = start_local(p)) < 0)
+        return rc;
+    rc = converse(p);
+    if (rc == 0 && p->o.detach) {
+        msg_job_format(p->id, hex);
+        puts(hex);
+        if (fflush(stdout) != 0)
+            rc = rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
+    }
+    return rc;
+}
+
+static int
+run(struct program *p)
+{
+    int rc;
+
+    progress_init(&p->progress, stderr, p->o.progress == PROGRESS_ALWAYS,
+                  p->o.progress == PROGRESS_NEVER || p->o.detach);
+    if ((rc = choose_cluster(p)) < 0 ||
+        (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
+        (rc = check_outputs(p)) < 0 || (rc = watch_signals(p)) < 0)
+        return rc;
+    if ((rc = local_new(&p->local, p->err)) == 0 && (rc = make_id(p)) == 0)
+        rc = run_job(p);
+    local_stop(p->local);
+    cargo_release(&p->cargo);
+    compile_release(&p->scene);
+    if (rc != RAD_EUNAVAIL) /* a resolver may still be at work then */
+        release_loop(p);
+    return rc;
+}
+
+static int
+act(struct program *p, int argc, char *argv[])
+{
+    int rc = words_init(&p->words, argc, argv, p->err);
+
+    if (rc == 0)
+        rc = submit_options_parse(&p->o, &p->words, p->err);
+    switch (rc) {
+    case SUBMIT_RUN:
+        rc = run(p);
+        break;
+    case SUBMIT_HELP:
+        submit_options_help(stdout);
+        break;
+    case SUBMIT_VERSION:
+        puts("radsubmit (radd) " PACKAGE_VERSION);
+        break;
+    case SUBMIT_DEFAULTS:
+        submit_options_defaults(&p->o, stdout);
+        break;
+    }
+    frames_release(&p->frames);
+    words_release(&p->words);
+    return rc;
+}
+
+int
+main(int argc, char *argv[])
+{
+    struct rad_error err = { 0 };
+    struct program p = { .err = &err };
+    char text[600];
+    int rc = act(&p, argc, argv);
+
+    if (rc >= 0) /* done, or an enum submit_wish that was granted */
+        return EX_OK;
+    rad_error_format(&err, text, sizeof text);
+    fprintf(stderr, "radsubmit: %s\n", text);
+    /* exit() would wait for a resolver that still looks for the host */
+    _exit(rad_exit_status(rc));
+}

@@ -1,0 +1,18 @@
+/* table.h - JSON objects as people read them
+ *
+ * An object's plain members are lines "name  value"; a list of objects is a
+ * table, its columns the members of the first one; an object inside is a
+ * paragraph of its own.  What needs more than a line (a list inside a table's
+ * row) is left to --json.
+ * Thread: any.  */
+#ifndef RADD_CLIENT_TABLE_H
+#define RADD_CLIENT_TABLE_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+/* root is an object or a list.  Lists of more than most rows are counted, not
+ * shown. */
+void table_print(FILE *to, const json_t *root, size_t most);
+
+#endif
