@@ -119,6 +119,19 @@ tests_check_quincunx_SOURCES = tests/check_quincunx.c tests/unit.h
 tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_quincunx_LDADD = $(UNIT_LIBS)
 
+# Shell tests of the programs; client_lib.sh is what they share.
+dist_check_SCRIPTS += \
+	tests/e2e/submit_bad_input.sh \
+	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_interrupt.sh
+EXTRA_DIST += \
+	tests/e2e/client_lib.sh \
+	tests/scenes
+TESTS += \
+	tests/e2e/submit_bad_input.sh \
+	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_interrupt.sh
+
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
 	tests/check_ambient

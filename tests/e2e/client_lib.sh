@@ -1,0 +1,86 @@
+# shellcheck shell=sh
+# client_lib.sh - what the clients' tests share; read with "."
+#
+# Everything happens below $work, which is also the programs' TMPDIR: private
+# folders and processes that outlive their test are found by its name.
+: "${top_srcdir:=.}" "${top_builddir:=.}"
+top_srcdir=$(cd "$top_srcdir" && pwd)
+top_builddir=$(cd "$top_builddir" && pwd)
+scenes=$top_srcdir/tests/scenes
+radsubmit=$top_builddir/radsubmit
+radctl=$top_builddir/radctl
+radcoord=$top_builddir/radcoord
+radd=$top_builddir/radd
+failed=0
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/client.XXXXXX") || exit 99
+export TMPDIR="$work" XDG_CONFIG_HOME="$work/config"
+unset RADD_COORDINATOR
+cd "$work" || exit 99
+
+fail()
+{
+    echo "FAIL: $*"
+    failed=1
+}
+
+# The processes of this test, by the folder in their arguments.
+left_over()
+{
+    pgrep -f -- "$work" | while read -r pid; do
+        # not this script, which may have the folder in no argument but
+        # whose subshells share its name
+        [ "$pid" = $$ ] || echo "$pid"
+    done
+}
+
+# until_true SECONDS COMMAND...: wait for a condition; false after so long.
+until_true()
+{
+    tries=$(($1 * 20))
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ "$tries" -gt 0 ] || return 1
+        sleep .05
+    done
+}
+
+nothing_left()
+{
+    [ -z "$(left_over)" ] && ! ls -d "$work"/radsubmit.* 2>/dev/null
+}
+
+# After radsubmit has ended its cluster has, too.
+check_nothing_left()
+{
+    until_true 10 nothing_left || {
+        fail "$1: something is left running or lying about:"
+        left_over | xargs -r ps -o pid,args -p
+        ls -d "$work"/radsubmit.* 2>/dev/null
+    }
+}
+
+# expect STATUS "TEXT IN THE MESSAGE" NAME COMMAND...
+expect()
+{
+    want=$1 text=$2 name=$3
+    shift 3
+    "$@" >stdout 2>stderr </dev/null
+    status=$?
+    [ "$status" -eq "$want" ] || {
+        fail "$name: exit status $status, expected $want"
+        cat stderr
+    }
+    grep -qF -e "$text" stderr || {
+        fail "$name: the message does not say '$text'"
+        cat stderr
+    }
+}
+
+finish()
+{
+    left_over | xargs -r kill -9 2>/dev/null
+    cd / && rm -rf "$work"
+    exit $failed
+}

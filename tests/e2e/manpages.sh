@@ -1,0 +1,95 @@
+#!/bin/sh
+# manpages.sh - every program that is built has a page, every option that its
+# --help or -defaults prints is in that page, and the pages are well formed
+set -u
+: "${top_srcdir:=.}" "${top_builddir:=.}"
+failed=0
+
+fail()
+{
+    echo "manpages: $*"
+    failed=1
+}
+
+# The options that a page's item lines name, one a line, with their dashes.
+documented()
+{
+    sed -n 's/\\-/-/g; s/^\.It //p' "$1" | awk '{
+        flag = 0
+        for (i = 1; i <= NF; i++) {
+            if ($i == "Fl") { flag = 1; continue }
+            if (flag && $i != ",") { print "-" $i; flag = 0 }
+            if ($i == ",") flag = 1
+        }
+    }'
+}
+
+# Words of a help text that are options: -x, -vf, --name of --name=VALUE.
+offered()
+{
+    tr -s ' ,[]|' '\n\n\n\n\n' | sed -n 's/^\(--*[a-zA-Z0-9][-a-zA-Z0-9]*\).*/\1/p' |
+        sort -u
+}
+
+# rpict's -defaults prints "-dv+", "-vtv" for -dv and -vt.
+plain()
+{
+    sed 's/[-+]$//; s/^\(-vt\).*/\1/'
+}
+
+check_options() # PAGE TITLE < options
+{
+    known=$(documented "$1")
+    n=0
+    while read -r option; do
+        n=$((n + 1))
+        printf '%s\n' "$known" | grep -qxF -e "$option" ||
+            fail "$2: $option is not in $(basename "$1")"
+    done
+    [ "$n" -gt 0 ] || fail "$2: prints no option"
+}
+
+for program in radsubmit radctl radscene raderr radcoord radd; do
+    path=$top_builddir/$program
+    if [ ! -x "$path" ]; then
+        fail "$program is not built"
+        continue
+    fi
+    page=
+    for p in "$top_srcdir/man/$program".[1-8]; do
+        [ -f "$p" ] && page=$p
+    done
+    if [ -z "$page" ]; then
+        fail "$program has no page"
+        continue
+    fi
+    help=$("$path" --help) || fail "$program --help: exit status $?"
+    "$path" --version | grep -q '[0-9]\.[0-9]' ||
+        fail "$program --version: no version"
+    printf '%s\n' "$help" | offered >options.$$
+    check_options "$page" "$program --help" <options.$$
+done
+
+if defaults=$("$top_builddir/radsubmit" -defaults); then
+    printf '%s\n' "$defaults" | awk '{ print $1 }' | sed 's/=.*//' | plain |
+        sort -u >options.$$
+    check_options "$top_srcdir/man/radsubmit.1" "radsubmit -defaults" \
+        <options.$$
+else
+    fail "radsubmit -defaults: exit status $?"
+fi
+rm -f options.$$
+
+for page in "$top_srcdir"/man/*.[1-8]; do
+    for section in NAME SYNOPSIS DESCRIPTION 'SEE ALSO'; do
+        grep -qx ".Sh $section" "$page" ||
+            fail "$(basename "$page") lacks $section"
+    done
+done
+if command -v mandoc >/dev/null; then
+    out=$(mandoc -Tlint -W warning "$top_srcdir"/man/*.[1-8] 2>&1)
+    [ -z "$out" ] || fail "$out"
+else
+    echo "manpages: no mandoc here; the pages' form is not checked"
+fi
+exit $failed

@@ -1,0 +1,60 @@
+#!/bin/sh
+# submit_bad_input.sh - what cannot be rendered is refused with the right exit
+# status, a message that says where, and nothing left behind
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+room=$scenes/room.rad
+printf 'void plastic p\n0\n0\n' >short.rad # arguments are missing
+printf 'void plastic white 0 0 5 .5 .5 .5 0 0\n\nwhite nonsense x 0 0 0\n' \
+    >line3.rad
+printf 'wood sphere s 0 0 4 0 0 0 1\n' >unknown.rad
+printf 'void plastic p 0 0 5 .5 .5 .5 0 0\np polygon q\n0\n0\n4 1 2 3 4\n' \
+    >four.rad
+# random bytes, the same ones each time
+awk 'BEGIN { srand(7); for (i = 0; i < 102400; i++)
+    printf "%c", 1 + int(rand() * 255) }' >random.rad
+cp random.rad random.oct
+"$top_builddir/radscene" freeze "$room" >whole.oct ||
+    fail "radscene freeze"
+head -c $(($(wc -c <whole.oct) / 2)) whole.oct >truncated.oct
+printf 'rvu -vp 1 2\n' >bad.vf
+
+r="$radsubmit --local -x 16 -y 16 -o out.hdr"
+expect 66 "missing.rad" "missing file" $r missing.rad
+expect 66 "missing.oct" "missing octree" $r missing.oct
+expect 65 "line3.rad:3" "syntax error in line 3" $r line3.rad
+expect 65 "short.rad" "too few arguments" $r short.rad
+expect 65 "unknown.rad:1" "unknown modifier" $r unknown.rad
+grep -q wood stderr || fail "unknown modifier: not named"
+expect 65 "four.rad:2" "polygon with 4 numbers" $r four.rad
+expect 65 "truncated.oct" "truncated octree" $r truncated.oct
+expect 65 "random.rad" "random bytes" $r random.rad
+expect 65 "random.oct" "random bytes as an octree" $r random.oct
+expect 65 "bad.vf" "bad view file" $r -vf bad.vf "$room"
+expect 66 "missing.vf" "missing view file" $r -vf missing.vf "$room"
+expect 64 "-pm" "an option of rpict that is not there" $r -pm .1 "$room"
+expect 64 "-x" "-x abc" $r -x abc "$room"
+expect 64 "--partition=static" "a partition that is not there" \
+    $r --partition=static "$room"
+expect 64 "--detach" "--detach without a coordinator" \
+    "$radsubmit" --local --detach "$room"
+expect 64 "--local" "workers for a coordinator" \
+    "$radsubmit" --coordinator=127.0.0.1:1 --workers=2 -o out.hdr "$room"
+expect 73 "no/out.hdr" "output folder missing" \
+    "$radsubmit" --local -o no/out.hdr "$room"
+expect 73 "no/d.z" "depth folder missing" $r -z no/d.z "$room"
+expect 73 "no/s.json" "statistics folder missing" \
+    $r --stats=no/s.json "$room"
+expect 69 "127.0.0.1:1" "coordinator not there" \
+    "$radsubmit" --coordinator=127.0.0.1:1 --wait=1 -o out.hdr "$room"
+expect 69 "$work/no.sock" "socket not there" \
+    "$radsubmit" --coordinator="$work/no.sock" --wait=0 -o out.hdr "$room"
+expect 77 "192.0.2.1" "coordinator elsewhere" \
+    "$radsubmit" --coordinator=192.0.2.1:7420 --wait=0 -o out.hdr "$room"
+expect 69 "no.sock" "radctl without a coordinator" \
+    "$radctl" --coordinator="$work/no.sock" status
+expect 64 "frobnicate" "unknown command" "$radctl" frobnicate
+[ ! -e out.hdr ] || fail "a picture was written"
+check_nothing_left "after bad input"
+finish

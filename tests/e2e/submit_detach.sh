@@ -1,0 +1,83 @@
+#!/bin/sh
+# submit_detach.sh - a job on a real coordinator: left alone, watched and
+# fetched with radctl, cancelled, and waited for across a restart
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+sock=$work/coord.sock
+export RADD_COORDINATOR="$sock"
+view="-vf $scenes/room.vf -x 120 -y 90 -ab 0 --partition=window --windows=64"
+slow="-vf $scenes/room.vf -x 3000 -y 2250 -ps 1 -ds .02 -dj 1"
+room=$scenes/room.rad
+
+start_coordinator()
+{
+    "$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>coord.log &
+    coord=$!
+    until_true 20 "$radctl" status || fail "no coordinator"
+}
+
+start_worker()
+{
+    "$radd" --coordinator="$sock" --name="$1" --threads=1 \
+        --listen=127.0.0.1:0 --cache="$work/cache-$1" 2>>"$1.log" &
+}
+
+start_coordinator
+
+# no worker yet: accepted all the same, and not to be had yet
+# shellcheck disable=SC2086 # options are words
+id=$("$radsubmit" --detach --name=detached $view "$room" 2>stderr) ||
+    fail "--detach: $(cat stderr)"
+printf '%s\n' "$id" | grep -qE '^[0-9a-f]{32}$' || fail "'$id' is no id"
+expect 75 "" "fetch too early" "$radctl" fetch "$id" -o out.hdr
+"$radctl" jobs | grep -q detached || fail "radctl jobs does not name the job"
+
+start_worker ws1
+until_true 60 "$radctl" fetch "$id" -o out.hdr || fail "never to be fetched"
+# the beginning of an id will do
+"$radctl" fetch "$(printf '%.8s' "$id")" >again.hdr || fail "fetch by prefix"
+cmp out.hdr again.hdr || fail "two fetches differ"
+"$radsubmit" --local $view -o local.hdr "$room" 2>stderr ||
+    fail "local: $(cat stderr)"
+cmp out.hdr local.hdr || fail "the daemons' picture is not the embedded one"
+
+# what people and programs see
+"$radctl" workers | grep -q ws1 || fail "radctl workers does not name ws1"
+for q in status workers jobs "job $id"; do
+    # shellcheck disable=SC2086
+    "$radctl" --json $q | python3 -c 'import json, sys; json.load(sys.stdin)' ||
+        fail "radctl --json $q: no JSON"
+done
+expect 66 "" "a job that is not there" \
+    "$radctl" job 00000000000000000000000000000000
+
+# a drained worker gets no job; a cancelled job is not to be had
+"$radctl" drain ws1 || fail "drain"
+id=$("$radsubmit" --detach $view "$room" 2>stderr) || fail "second job"
+"$radctl" cancel "$id" || fail "cancel"
+"$radctl" fetch "$id" -o no.hdr 2>stderr && fail "a cancelled job was fetched"
+"$radctl" undrain ws1 || fail "undrain"
+
+# a cancelled job's radsubmit says so
+"$radsubmit" $slow --progress=always -o slow.hdr "$room" 2>slow.err &
+pid=$!
+until_true 60 grep -q '1 worker' slow.err || fail "the slow job does not start"
+"$radctl" cancel "$(sed -n 's/radsubmit: job //p' slow.err)" || fail "cancel"
+wait $pid && fail "a cancelled job ended well"
+grep -qi cancel slow.err || fail "not said: $(cat slow.err)"
+
+# the coordinator dies while radsubmit waits; both ends find it again
+"$radctl" drain ws1
+"$radsubmit" $view -o restart.hdr "$room" 2>restart.err &
+pid=$!
+job=$(until_true 20 grep -q 'radsubmit: job' restart.err &&
+    sed -n 's/radsubmit: job //p' restart.err)
+until_true 20 "$radctl" job "$job" || fail "the job does not arrive"
+kill -9 $coord
+wait $coord 2>/dev/null
+start_coordinator
+wait $pid || fail "after a restart: $(cat restart.err)"
+grep -q 'connected again' restart.err || fail "no word of the restart"
+cmp restart.hdr local.hdr || fail "the picture after a restart differs"
+finish

@@ -1,0 +1,78 @@
+#!/bin/sh
+# submit_embedded.sh - pictures of radsubmit's own cluster: complete, the same
+# however the work was shared, and nothing left behind
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+size="-x 120 -y 90"
+view="-vf $scenes/room.vf $size"
+room=$scenes/room.rad
+
+# render OUT OPTIONS...
+render()
+{
+    out=$1
+    shift
+    # shellcheck disable=SC2086 # options are words
+    "$radsubmit" --local $view -ab 0 -o "$out" "$@" "$room" 2>stderr || {
+        fail "radsubmit $*: exit status $?"
+        cat stderr
+    }
+}
+
+same()
+{
+    cmp "$1" "$2" || fail "$3"
+}
+
+# one window is what one loop over the picture makes
+render one.hdr --workers=1 --threads=1
+"$top_builddir/tests/seqpict" $view -ab 0 "$room" >seq.hdr 2>stderr ||
+    fail "seqpict: $(cat stderr)"
+# shellcheck disable=SC2016
+body() { sed '1,/^-Y /d' "$1"; }
+body one.hdr >one.body
+body seq.hdr >seq.body
+[ -s one.body ] || fail "no pixels in one.hdr"
+same one.body seq.body "one worker's picture is not the sequential one"
+
+# 64 windows, any number of workers
+render w11.hdr --partition=window --windows=64 --workers=1 --threads=1
+render w31.hdr --partition=window --windows=64 --workers=3 --threads=1
+render w22.hdr --partition=window --windows=64 --workers=2 --threads=2 \
+    --order=random
+same w11.hdr w31.hdr "3 workers change the picture"
+same w11.hdr w22.hdr "2 workers of 2 threads change the picture"
+[ "$(wc -l <stderr)" -eq 1 ] || fail "more than the job's id is said: $(cat stderr)"
+grep -qE '^radsubmit: job [0-9a-f]{32}$' stderr || fail "no job id is said"
+
+# where it goes
+"$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr
+same stdout.hdr one.hdr "standard output and -o differ"
+render out.png --threads=1 -z out.z --stats=stats.json --preview=preview.png
+head -c 8 out.png | od -An -c | grep -q 'P   N   G' || fail "out.png is no PNG"
+cmp out.png preview.png || fail "the last preview is not the picture"
+[ "$(wc -c <out.z)" -eq $((120 * 90 * 4)) ] || fail "out.z has not a float a pixel"
+render hdr.png --threads=1 --format=hdr
+same hdr.png one.hdr "--format=hdr does not overrule the suffix"
+python3 - <<'END' || fail "stats.json is not as it should be"
+import json
+s = json.load(open("stats.json"))
+assert s["picture"] == {"width": 120, "height": 90, "frames": 1}, s["picture"]
+assert s["totals"]["primary_rays"] > 0
+assert s["totals"]["rays"] >= s["totals"]["primary_rays"]
+assert s["time"]["wall_s"] >= s["time"]["render_s"] >= 0
+assert len(s["workers"]) == 1 and len(s["units"]) >= 1
+assert sum(u["width"] * u["height"] for u in s["units"]) == 120 * 90
+END
+
+# an animation: two views, two pictures, the first that of the still
+printf '%s\n%s\n' "$(cat "$scenes/room.vf")" "rvu -vh 40" |
+    "$radsubmit" --local $size -ab 0 --threads=1 -S 7 -o 'f%03d.hdr' "$room" \
+        2>stderr || fail "animation: $(cat stderr)"
+[ -s f008.hdr ] || fail "no second frame"
+body f007.hdr >f007.body
+same f007.body one.body "an animation's first frame is not the still"
+
+check_nothing_left "after all of them"
+finish

@@ -1,0 +1,50 @@
+#!/bin/sh
+# submit_interrupt.sh - one interrupt cancels a job and says what it got;
+# killing radsubmit leaves nothing of its cluster running
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+# A picture that takes minutes: every pixel, many samples of the lamp.
+start()
+{
+    # a background process of a shell starts with interrupts ignored
+    env python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --local --workers=2 \
+        --threads=1 --progress=always \
+        -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 -o out.hdr \
+        "$scenes/room.rad" 2>stderr &
+    pid=$!
+    until_true 30 grep -q '2 workers' stderr || {
+        fail "no progress"
+        cat stderr
+    }
+}
+
+start
+kill -INT $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "interrupted: exit status $status"
+grep -q 'cancelled: .* % of the pixels' stderr ||
+    fail "it is not said what was got: $(cat stderr)"
+[ ! -e out.hdr ] || fail "a picture that was cancelled is there"
+check_nothing_left "interrupted"
+
+start
+kill -TERM $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "terminated: exit status $status"
+check_nothing_left "terminated"
+
+start
+kill -KILL $pid
+wait $pid 2>/dev/null
+until_true 20 test -z "$(left_over)" || true
+no_process() { [ -z "$(left_over)" ]; }
+until_true 20 no_process || {
+    fail "killed: its cluster goes on:"
+    left_over | xargs -r ps -o pid,args -p
+}
+finish
