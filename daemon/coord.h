@@ -64,7 +64,7 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const char *text);
 
 /* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
- * sysexits.h with a text. */
+ * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order. */
 void coord_job_opened(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], int status, const char *text);
 void coord_rows_stored(struct coord *c, uint64_t now_ms,

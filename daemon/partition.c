@@ -79,16 +79,12 @@ grid_rows(const struct msg_frame *f, uint32_t n)
     return rows > f->height ? f->height : rows;
 }
 
-/* First pixel of part i when `length` is cut into cells of which `before`
- * of `n` lie before it; leaves at least one pixel to each of `parts`. */
+/* First pixel of part i of `parts` when `before` of n cells lie before it: one
+ * pixel to each part, the others in proportion to the cells. */
 static uint32_t
 cut(uint32_t length, uint32_t before, uint32_t n, uint32_t i, uint32_t parts)
 {
-    uint32_t at = (uint32_t)((uint64_t)length * before / n);
-
-    if (at < i)
-        at = i;
-    return at > length - (parts - i) ? length - (parts - i) : at;
+    return i + (uint32_t)((uint64_t)(length - parts) * before / n);
 }
 
 static void

@@ -60,8 +60,10 @@ free_peer(struct worker *w, struct wjob *job, struct wpeer *peer)
     while (*link != peer)
         link = &(*link)->next;
     *link = peer->next;
-    if (peer->conn != 0)
+    if (peer->conn != 0 && peer->state == PEER_LINKED)
         close_conn(w, peer->conn);
+    else if (peer->conn != 0)
+        actions_close(&w->actions, peer->conn); /* stop dialling */
     lossy_release(&peer->queue);
     free(peer);
 }

@@ -499,7 +499,8 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < n && job->workers[index].in_flight > 0; i++)
         if (job->units[i].holder == index) {
             take_back(c, job, &job->units[i]);
-            partition_lost(job->partition, i);
+            if (job->units[i].crashes == 0 || !job_suspect_add(job, i))
+                partition_lost(job->partition, i);
         }
 }
 
@@ -683,7 +684,7 @@ sched_job_over(struct coord *c, struct job *job)
 
         if (w->loading == job)
             w->loading = NULL;
-        if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
+        if (index == JOB_NOBODY)
             continue;
         jw = &job->workers[index];
         less_in_flight(w, jw->in_flight);

@@ -21,6 +21,7 @@ UNIT_TESTS = \
 	tests/check_ray \
 	tests/check_rays \
 	tests/check_shade \
+	tests/check_sim \
 	tests/check_source \
 	tests/check_submit \
 	tests/check_view
@@ -131,6 +132,16 @@ TESTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
+tests_check_sim_SOURCES = \
+	tests/sim/check_sim.c \
+	tests/sim/child.c \
+	tests/sim/client.c \
+	tests/sim/cluster.c \
+	tests/sim/cluster.h \
+	tests/sim/net.c \
+	tests/sim/net.h
+tests_check_sim_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_sim_LDADD = $(LIBDAEMON) $(LIBRAD)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \

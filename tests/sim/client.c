@@ -1,0 +1,186 @@
+/* client.c - radsubmit, played: offers, sends what is wanted, submits, waits;
+ * some change their mind, some vanish and come back */
+#include "config.h"
+
+#include "cluster.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct sim *
+of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+static struct sim_job *
+job_of(struct net *net, int node)
+{
+    return &of(net)->job[node - NODE_CLIENT];
+}
+
+static void
+send_chunk(struct net *net, int node, const uint8_t *hash, uint32_t request)
+{
+    struct msg m = { .type = MSG_CHUNK, .request = request };
+    uint64_t half = 5;
+
+    for (int i = 0; i < 2; i++) {
+        m.chunk = (struct msg_chunk){ hash, i * half, 2 * half,
+                                      (const uint8_t *)"helloworld" + i * half,
+                                      half };
+        net_send_msg(net, node, job_of(net, node)->conn, &m);
+    }
+}
+
+static void
+submit(struct net *net, int node)
+{
+    struct sim_job *job = job_of(net, node);
+    struct msg m = { .type = MSG_SUBMIT, .request = 7, .submit = job->spec };
+
+    net_send_msg(net, node, job->conn, &m);
+}
+
+static void
+cancel(struct net *net, struct net_event *e)
+{
+    struct sim_job *job = job_of(net, e->a);
+    struct msg m = { .type = MSG_CANCEL, .request = 8, .cancel = { job->id } };
+
+    if (job->done || job->failed || job->conn == 0)
+        return;
+    net_send_msg(net, e->a, job->conn, &m);
+}
+
+static void
+dial_again(struct net *net, struct net_event *e)
+{
+    sim_client_dial(of(net), e->a - NODE_CLIENT);
+}
+
+static void
+vanish(struct net *net, struct net_event *e)
+{
+    struct sim_job *job = job_of(net, e->a);
+
+    if (job->done || job->failed || job->conn == 0)
+        return;
+    net_close(net, e->a, job->conn);
+    job->conn = 0;
+    net_later(net, net_random(net, 5000), dial_again)->a = e->a;
+}
+
+static void
+accepted(struct net *net, int node)
+{
+    struct sim_job *job = job_of(net, node);
+
+    if (!job->accepted && job->cancel)
+        net_later(net, net_random(net, 1500), cancel)->a = node;
+    if (!job->accepted && job->vanish)
+        net_later(net, net_random(net, 1500), vanish)->a = node;
+    job->accepted = true;
+}
+
+static void
+ask_stats(struct net *net, int node)
+{
+    struct sim_job *job = job_of(net, node);
+    struct msg m = { .type = MSG_FETCH,
+                     .request = 9,
+                     .fetch = { job->id, 0, MSG_WHAT_STATS } };
+
+    net_send_msg(net, node, job->conn, &m);
+}
+
+static void
+failed(struct net *net, int node, const struct msg *m)
+{
+    struct sim_job *job = job_of(net, node);
+
+    SIM_CHECK(net, m->request == 7 || m->request == 8);
+    if (m->request == 8)
+        return; /* too late to cancel */
+    job->failed = true;
+    job->status = m->failed.status;
+    snprintf(job->text, sizeof job->text, "%s", m->failed.text);
+    ask_stats(net, node);
+}
+
+static void
+add_stats(struct net *net, struct sim_job *job, const struct msg_chunk *c)
+{
+    SIM_CHECK(net, c->offset == job->stats_len);
+    job->stats = realloc(job->stats, job->stats_len + c->len + 1);
+    SIM_CHECK(net, job->stats != NULL);
+    memcpy(job->stats + job->stats_len, c->data, c->len);
+    job->stats_len += c->len;
+    job->stats[job->stats_len] = '\0';
+}
+
+static void
+message(struct net *net, int node, uint64_t conn, const struct msg *m)
+{
+    struct sim_job *job = job_of(net, node);
+    struct msg offer = { .type = MSG_OFFER, .offer = job->spec.files };
+
+    switch (m->type) {
+    case MSG_WELCOME:
+        net_session(net, node, conn, MSG_AT_CLIENT);
+        net_send_msg(net, node, conn, &offer);
+        break;
+    case MSG_WANT:
+        for (uint32_t i = 0; i < m->want.n; i++)
+            send_chunk(net, node, m->want.hash + i * MSG_HASH, m->request);
+        submit(net, node);
+        break;
+    case MSG_ACCEPT:
+        accepted(net, node);
+        break;
+    case MSG_PROGRESS:
+        SIM_CHECK(net, m->progress.pixels_done <= m->progress.pixels_total);
+        SIM_CHECK(net, m->progress.units_done <= m->progress.units_total);
+        break;
+    case MSG_DONE:
+        job->done = true;
+        ask_stats(net, node);
+        break;
+    case MSG_FAILED:
+        failed(net, node, m);
+        break;
+    case MSG_CHUNK:
+        add_stats(net, job, &m->chunk);
+        break;
+    }
+}
+
+static void
+closed(struct net *net, int node, uint64_t conn)
+{
+    (void)conn;
+    net_fail(net, "client", node, "the coordinator closed the connection");
+}
+
+const struct node_ops sim_client_ops = { message, closed };
+
+void
+sim_client_dial(struct sim *s, int job)
+{
+    struct net *net = &s->net;
+    int node = NODE_CLIENT + job;
+    uint64_t there = ++net->next_conn;
+    struct coord_peer peer = { "sim", "ana", 1u << MSG_ROLE_USER };
+    struct msg hello = { .type = MSG_HELLO,
+                         .hello = { 1, 1, MSG_ROLE_USER, "", "radsubmit", "", 0,
+                                    0 } };
+
+    s->job[job].conn = ++net->next_conn;
+    net->ops[node] = &sim_client_ops;
+    net_join(net, node, s->job[job].conn, NODE_COORD, there, MSG_AT_DIALLER,
+             MSG_AT_COORD_NEW);
+    coord_opened(s->coord, net->now_ms, there, &peer);
+    sim_coord_actions(s);
+    net_send_msg(net, node, s->job[job].conn, &hello);
+}

@@ -1,0 +1,560 @@
+/* cluster.c - see cluster.h */
+#include "config.h"
+
+#include "cluster.h"
+
+#include "peer.h"
+#include "sched.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LIMIT_MS   3600000u /* virtual time that no job may need */
+#define TROUBLE_MS 20000u   /* accidents happen until then */
+
+static struct sim *
+of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+int
+sim_find_job(const struct sim *s, const uint8_t id[MSG_JOB])
+{
+    for (int i = 0; i < s->njobs; i++)
+        if (memcmp(s->job[i].id, id, MSG_JOB) == 0)
+            return i;
+    net_fail(&s->net, __FILE__, __LINE__, "unknown job");
+}
+
+int
+sim_file(const uint8_t hash[MSG_HASH])
+{
+    return hash[0];
+}
+
+/* --- the coordinator's shell --- */
+
+static bool
+coord_has(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct sim *s = arg;
+
+    return s->store[sim_file(hash)];
+}
+
+static void
+job_opened(struct net *net, struct net_event *e)
+{
+    coord_job_opened(of(net)->coord, net->now_ms, of(net)->job[e->a].id, 0,
+                     NULL);
+    sim_coord_actions(of(net));
+}
+
+static void
+picture_written(struct net *net, struct net_event *e)
+{
+    coord_picture_written(of(net)->coord, net->now_ms, of(net)->job[e->a].id,
+                          (uint32_t)e->b, 0, NULL);
+    sim_coord_actions(of(net));
+}
+
+static void
+rows_stored(struct net *net, struct net_event *e)
+{
+    const struct action_rows *key = (const void *)e->data;
+
+    coord_rows_stored(of(net)->coord, net->now_ms, key, 0, NULL);
+    sim_coord_actions(of(net));
+}
+
+static void
+put_rows(struct sim *s, const struct action_rows *r)
+{
+    struct sim_job *job = &s->job[sim_find_job(s, r->job)];
+    uint32_t width = job->frame[r->frame].width;
+    struct net_event *e;
+
+    for (uint32_t k = 0; k < r->rows; k++)
+        for (uint32_t i = 0; i < r->width; i++) {
+            struct sim_pixel *p =
+                &job->picture[r->frame][(r->y + k) * width + r->x + i];
+            float v[3];
+
+            wire_floats_get(v, r->pixels + 12 * ((size_t)k * r->width + i), 3);
+            *p = (struct sim_pixel){ v[0], v[1], v[2] };
+            SIM_CHECK(&s->net, p->attempt == (float)r->attempt);
+        }
+    /* the disk keeps its order, and falls behind */
+    s->disk_ms += net_random(&s->net, 8);
+    if (s->disk_ms < s->net.now_ms)
+        s->disk_ms = s->net.now_ms;
+    e = net_later(&s->net, (unsigned)(s->disk_ms - s->net.now_ms), rows_stored);
+    e->data = malloc(sizeof *r);
+    SIM_CHECK(&s->net, e->data != NULL);
+    memcpy(e->data, r, sizeof *r);
+}
+
+static void
+coord_put_chunk(struct sim *s, uint64_t conn, const struct msg_chunk *c)
+{
+    if (c->offset + c->len < c->total)
+        return;
+    s->store[sim_file(c->hash)] = true;
+    coord_file_stored(s->coord, s->net.now_ms, conn, c->hash);
+}
+
+static void
+send_file(struct sim *s, uint64_t conn, const uint8_t *hash)
+{
+    struct msg m = { .type = MSG_CHUNK,
+                     .chunk = { hash, 0, 10, (const uint8_t *)"helloworld",
+                                10 } };
+
+    SIM_CHECK(&s->net, s->store[sim_file(hash)]);
+    net_send_msg(&s->net, NODE_COORD, conn, &m);
+}
+
+static void
+coord_action(struct sim *s, const struct action *a)
+{
+    struct net *net = &s->net;
+    struct net_event *e;
+    int job = a->job ? sim_find_job(s, a->job) : 0;
+
+    switch (a->type) {
+    case ACT_SEND:
+        net_send(net, NODE_COORD, a->conn, a->bytes, a->len);
+        break;
+    case ACT_SESSION:
+        net_session(net, NODE_COORD, a->conn, a->session);
+        break;
+    case ACT_CLOSE:
+        net_close(net, NODE_COORD, a->conn);
+        break;
+    case ACT_LOG:
+        if (net->verbose)
+            printf("%8llu coord: %s\n", (unsigned long long)net->now_ms,
+                   a->text);
+        break;
+    case ACT_PUT_CHUNK:
+        coord_put_chunk(s, a->conn, &a->chunk);
+        break;
+    case ACT_SEND_FILE:
+        send_file(s, a->conn, a->hash);
+        break;
+    case ACT_JOB_OPEN:
+        net_later(net, net_random(net, 20), job_opened)->a = job;
+        break;
+    case ACT_PUT_ROWS:
+        put_rows(s, &a->rows);
+        break;
+    case ACT_WRITE_PICTURE:
+        SIM_CHECK(net, !s->job[job].written[a->frame]);
+        s->job[job].written[a->frame] = true;
+        e = net_later(net, net_random(net, 20), picture_written);
+        e->a = job;
+        e->b = (int)a->frame;
+        break;
+    default:
+        net_fail(net, __FILE__, __LINE__, "no action of a coordinator");
+    }
+}
+
+/* Actions may cause events that add actions: those come after. */
+void
+sim_coord_actions(struct sim *s)
+{
+    struct action_list *l = coord_actions(s->coord);
+
+    for (size_t i = 0; i < l->n; i++) {
+        struct action a = l->v[i];
+
+        coord_action(s, &a);
+    }
+    SIM_CHECK(&s->net, !l->failed);
+    actions_clear(l);
+}
+
+static void
+coord_node_message(struct net *net, int node, uint64_t conn,
+                   const struct msg *m)
+{
+    (void)node;
+    coord_message(of(net)->coord, net->now_ms, conn, m);
+    sim_coord_actions(of(net));
+}
+
+static void
+coord_node_closed(struct net *net, int node, uint64_t conn)
+{
+    (void)node;
+    coord_closed(of(net)->coord, net->now_ms, conn, "closed");
+    sim_coord_actions(of(net));
+}
+
+static const struct node_ops coord_ops = { coord_node_message,
+                                           coord_node_closed };
+
+/* --- a worker's shell --- */
+
+static bool
+worker_has(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct sim_worker *w = arg;
+
+    return w->cache[sim_file(hash)];
+}
+
+static void
+worker_random(void *arg, void *buf, size_t n)
+{
+    struct sim_worker *w = arg;
+
+    memset(buf, (int)(w->random++ * 37), n);
+}
+
+static const struct node_ops worker_ops;
+
+/* A dial ends: with a link if the other side lives. */
+static void
+dialled(struct net *net, struct net_event *e)
+{
+    struct sim *s = of(net);
+    int other = e->b;
+    struct sim_worker *w = &s->worker[e->a];
+    uint64_t there = ++net->next_conn;
+
+    if (!w->machine || w->life != (unsigned)e->len || e->c == w->given_up)
+        return;
+    if (!net->ops[other] || (!s->calm && net_chance(net, 10))) {
+        worker_closed(w->machine, net->now_ms, e->c, "refused");
+        sim_worker_actions(s, e->a);
+        return;
+    }
+    net_join(net, NODE_WORKER + e->a, e->c, other, there, MSG_NSESSION,
+             other == NODE_COORD ? MSG_AT_COORD_NEW : MSG_AT_PEER_NEW);
+    if (other == NODE_COORD) {
+        coord_opened(
+            s->coord, net->now_ms, there,
+            &(struct coord_peer){ w->name, "daemon", 1u << MSG_ROLE_WORKER });
+        sim_coord_actions(s);
+    } else {
+        worker_accepted(s->worker[other - NODE_WORKER].machine, net->now_ms,
+                        there);
+        sim_worker_actions(s, other - NODE_WORKER);
+    }
+    worker_opened(w->machine, net->now_ms, e->c);
+    sim_worker_actions(s, e->a);
+}
+
+static void
+dial(struct sim *s, int worker, uint64_t conn, const char *address)
+{
+    struct net_event *e = net_later(&s->net, net_random(&s->net, 30), dialled);
+
+    e->a = worker;
+    e->b = address[0] ? NODE_WORKER + atoi(address + 4) : NODE_COORD;
+    e->c = conn;
+    e->len = s->worker[worker].life;
+}
+
+static void
+worker_put_chunk(struct sim *s, int worker, const struct msg_chunk *c)
+{
+    struct sim_worker *w = &s->worker[worker];
+
+    w->cache[sim_file(c->hash)] = true;
+    worker_file_stored(w->machine, s->net.now_ms, c->hash);
+}
+
+static void
+worker_action(struct sim *s, int i, const struct action *a)
+{
+    struct net *net = &s->net;
+    int node = NODE_WORKER + i;
+
+    switch (a->type) {
+    case ACT_SEND:
+        net_send(net, node, a->conn, a->bytes, a->len);
+        worker_written(s->worker[i].machine, net->now_ms, a->conn, a->len);
+        break;
+    case ACT_SESSION:
+        net_session(net, node, a->conn, a->session);
+        break;
+    case ACT_CLOSE:
+        if (net_find(net, node, a->conn))
+            net_close(net, node, a->conn);
+        else
+            s->worker[i].given_up = a->conn; /* it was still dialling */
+        break;
+    case ACT_LOG:
+        if (net->verbose)
+            printf("%8llu %s: %s\n", (unsigned long long)net->now_ms,
+                   s->worker[i].name, a->text);
+        break;
+    case ACT_PUT_CHUNK:
+        worker_put_chunk(s, i, &a->chunk);
+        break;
+    case ACT_DIAL:
+        dial(s, i, a->conn, a->text);
+        break;
+    case ACT_SPAWN:
+        sim_spawn(s, i, a->conn);
+        break;
+    case ACT_KILL:
+        sim_kill(s, i, a->conn);
+        break;
+    default:
+        net_fail(net, __FILE__, __LINE__, "no action of a worker here");
+    }
+}
+
+void
+sim_worker_actions(struct sim *s, int i)
+{
+    struct action_list *l = worker_actions(s->worker[i].machine);
+
+    for (size_t k = 0; k < l->n; k++) {
+        struct action a = l->v[k];
+
+        worker_action(s, i, &a);
+    }
+    SIM_CHECK(&s->net, !l->failed);
+    actions_clear(l);
+}
+
+static void
+worker_node_message(struct net *net, int node, uint64_t conn,
+                    const struct msg *m)
+{
+    worker_message(of(net)->worker[node - NODE_WORKER].machine, net->now_ms,
+                   conn, m);
+    sim_worker_actions(of(net), node - NODE_WORKER);
+}
+
+static bool
+is_child(const struct worker *machine, uint64_t conn)
+{
+    for (const struct wjob *job = machine->jobs; job; job = job->next)
+        if (job->child == conn)
+            return true;
+    return false;
+}
+
+static void
+worker_node_closed(struct net *net, int node, uint64_t conn)
+{
+    struct worker *machine = of(net)->worker[node - NODE_WORKER].machine;
+
+    if (is_child(machine, conn))
+        worker_child_ended(machine, net->now_ms, conn, "killed by signal 11");
+    else
+        worker_closed(machine, net->now_ms, conn, "closed");
+    sim_worker_actions(of(net), node - NODE_WORKER);
+}
+
+static const struct node_ops worker_ops = { worker_node_message,
+                                            worker_node_closed };
+
+static void
+birth(struct sim *s, int i)
+{
+    struct sim_worker *w = &s->worker[i];
+    struct worker_env env = { worker_has, worker_random, w,         "radd",
+                              w->name,    w->address,    w->threads };
+
+    snprintf(w->name, sizeof w->name, "ws%d", i);
+    snprintf(w->address, sizeof w->address, "sim %d", i);
+    w->life++;
+    w->machine = worker_new(&env);
+    SIM_CHECK(&s->net, w->machine != NULL);
+    s->net.ops[NODE_WORKER + i] = &worker_ops;
+    worker_start(w->machine, s->net.now_ms);
+    sim_worker_actions(s, i);
+}
+
+static void
+reborn(struct net *net, struct net_event *e)
+{
+    if (!of(net)->worker[e->a].machine)
+        birth(of(net), e->a);
+}
+
+static void
+kill_worker(struct sim *s, int i)
+{
+    s->deaths++;
+    net_close_all(&s->net, NODE_WORKER + i);
+    s->net.ops[NODE_WORKER + i] = NULL;
+    worker_free(s->worker[i].machine);
+    s->worker[i].machine = NULL;
+    net_later(&s->net, net_random(&s->net, 4000), reborn)->a = i;
+}
+
+/* --- time, and accidents --- */
+
+static void
+accident(struct sim *s)
+{
+    int i = (int)net_random(&s->net, (unsigned)s->nworkers);
+    struct sim_worker *w = &s->worker[i];
+
+    if (!w->machine)
+        return;
+    if (net_chance(&s->net, 3)) {
+        kill_worker(s, i);
+    } else if (w->machine->opened) { /* the network breaks */
+        uint64_t conn = w->machine->coord;
+
+        if (!net_find(&s->net, NODE_WORKER + i, conn))
+            return;
+        s->cuts++;
+        net_close(&s->net, NODE_WORKER + i, conn);
+        worker_closed(w->machine, s->net.now_ms, conn, "cut");
+        sim_worker_actions(s, i);
+    }
+}
+
+static void
+tick(struct net *net, struct net_event *e)
+{
+    struct sim *s = of(net);
+
+    (void)e;
+    coord_tick(s->coord, net->now_ms);
+    sim_coord_actions(s);
+    for (int i = 0; i < s->nworkers; i++)
+        if (s->worker[i].machine) {
+            worker_tick(s->worker[i].machine, net->now_ms);
+            sim_worker_actions(s, i);
+        }
+    if (net->now_ms > TROUBLE_MS)
+        s->calm = true;
+    if (!s->calm && net_chance(net, 12))
+        accident(s);
+    net_later(net, 100, tick);
+}
+
+static void
+late_worker(struct net *net, struct net_event *e)
+{
+    birth(of(net), e->a);
+}
+
+static void
+new_client(struct net *net, struct net_event *e)
+{
+    sim_client_dial(of(net), e->a);
+}
+
+/* --- set-up --- */
+
+static void
+make_frames(struct sim *s, struct sim_job *job)
+{
+    struct net *net = &s->net;
+
+    job->spec.nframes = 1 + net_random(net, SIM_FRAMES);
+    job->spec.frames = job->frame;
+    for (uint32_t f = 0; f < job->spec.nframes; f++) {
+        uint32_t w = 1 + net_random(net, 40), h = 1 + net_random(net, 40);
+
+        job->frame[f] = (struct msg_frame){ f, w, h, "-vp 0 0 0" };
+        job->picture[f] = calloc((size_t)w * h, sizeof(struct sim_pixel));
+        SIM_CHECK(net, job->picture[f] != NULL);
+    }
+}
+
+static void
+make_job(struct sim *s, int i)
+{
+    struct net *net = &s->net;
+    struct sim_job *job = &s->job[i];
+
+    net_bytes(net, job->id, MSG_JOB);
+    for (int f = 0; f < SIM_FILES; f++)
+        job->hash[f * MSG_HASH] = (uint8_t)(i * SIM_FILES + f);
+    job->spec = (struct msg_spec){
+        .job = job->id,
+        .manifest = job->hash,
+        .name = "job",
+        .params = "-ab 0",
+        .needs = "mist glow",
+        .estimate = "uniform",
+        .seed = net->seed,
+        .priority = (int32_t)net_random(net, 3) - 1,
+        .flags = net_chance(net, 2) ? MSG_JOB_SHARE : 0,
+        .partition = net_chance(net, 2) ? MSG_PART_AUTO : MSG_PART_WINDOW,
+        .order = (uint8_t)net_random(net, MSG_ORDER_COST),
+        .windows = 1 + net_random(net, 30),
+        .files = { SIM_FILES, job->hash },
+    };
+    make_frames(s, job);
+    job->poison = net_chance(net, 8) ? 0 : UINT32_MAX;
+    job->cancel = net_chance(net, 6);
+    job->vanish = net_chance(net, 4);
+    net_later(net, net_random(net, 2000), new_client)->a = i;
+}
+
+void
+sim_init(struct sim *s, uint64_t seed)
+{
+    struct coord_env env = { coord_has, net_bytes, s, "radcoord", seed };
+    struct net *net = &s->net;
+
+    memset(s, 0, sizeof *s);
+    net_init(net, seed);
+    net->most_delay_ms = net_random(net, 120);
+    s->nworkers = 1 + (int)net_random(net, SIM_WORKERS);
+    s->njobs = 1 + (int)net_random(net, SIM_JOBS);
+    s->calm = net_chance(net, 4);
+    s->coord = coord_new(&env);
+    SIM_CHECK(net, s->coord != NULL);
+    net->ops[NODE_COORD] = &coord_ops;
+    for (int i = 0; i < s->nworkers; i++) {
+        s->worker[i].threads = 1 + net_random(net, 4);
+        net_later(net, net_random(net, i < 2 ? 10 : 6000), late_worker)->a = i;
+    }
+    for (int i = 0; i < s->njobs; i++)
+        make_job(s, i);
+    net_later(net, 100, tick);
+}
+
+/* Jobs that are over left nothing behind at the workers. */
+static bool
+at_rest(const struct sim *s)
+{
+    for (int i = 0; i < s->njobs; i++)
+        if (!s->job[i].stats)
+            return false;
+    for (int i = 0; i < s->nworkers; i++)
+        if (!s->worker[i].machine || s->worker[i].machine->jobs ||
+            !s->worker[i].machine->welcome)
+            return false;
+    return true;
+}
+
+void
+sim_run(struct sim *s)
+{
+    while (!at_rest(s)) {
+        SIM_CHECK(&s->net, s->net.now_ms < LIMIT_MS);
+        SIM_CHECK(&s->net, net_step(&s->net));
+    }
+}
+
+void
+sim_release(struct sim *s)
+{
+    coord_free(s->coord);
+    for (int i = 0; i < s->nworkers; i++)
+        worker_free(s->worker[i].machine);
+    for (int i = 0; i < s->njobs; i++) {
+        for (int f = 0; f < SIM_FRAMES; f++)
+            free(s->job[i].picture[f]);
+        free(s->job[i].stats);
+    }
+    net_release(&s->net);
+}

@@ -1,0 +1,317 @@
+/* net.c - see net.h */
+#include "config.h"
+
+#include "net.h"
+
+#include "base/rng.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void
+net_fail(const struct net *net, const char *file, int line, const char *what)
+{
+    fprintf(stderr,
+            "%s:%d: seed %llu at %llu ms: %s\n"
+            "replay with RADD_SIM_SEED=%llu\n",
+            file, line, (unsigned long long)net->seed,
+            (unsigned long long)net->now_ms, what,
+            (unsigned long long)net->seed);
+    exit(EXIT_FAILURE);
+}
+
+void
+net_init(struct net *net, uint64_t seed)
+{
+    memset(net, 0, sizeof *net);
+    net->seed = seed;
+    net->random = rad_mix64(seed + 1);
+    net->now_ms = 1000;
+}
+
+static void
+free_link(struct net_link *l)
+{
+    frame_reader_release(&l->end[0].reader);
+    frame_reader_release(&l->end[1].reader);
+    free(l);
+}
+
+void
+net_release(struct net *net)
+{
+    for (size_t i = 0; i < net->nheap; i++)
+        free(net->heap[i].data);
+    free(net->heap);
+    for (size_t i = 0; i < net->nlinks; i++)
+        free_link(net->links[i]);
+    free(net->links);
+    msg_release(&net->msg);
+}
+
+unsigned
+net_random(struct net *net, unsigned n)
+{
+    net->random = rad_mix64(net->random + UINT64_C(0x9e3779b97f4a7c15));
+    return (unsigned)((net->random >> 32) * n >> 32);
+}
+
+bool
+net_chance(struct net *net, unsigned n)
+{
+    return net_random(net, n) == 0;
+}
+
+void
+net_bytes(void *arg, void *buf, size_t n)
+{
+    uint8_t *p = buf;
+
+    while (n-- > 0)
+        *p++ = (uint8_t)net_random(arg, 256);
+}
+
+/* --- events: a heap by time, then by age --- */
+
+static bool
+before(const struct net_event *a, const struct net_event *b)
+{
+    return a->at_ms != b->at_ms ? a->at_ms < b->at_ms
+                                : a->sequence < b->sequence;
+}
+
+static void
+swap(struct net_event *a, struct net_event *b)
+{
+    struct net_event t = *a;
+
+    *a = *b;
+    *b = t;
+}
+
+static struct net_event *
+push(struct net *net, uint64_t at_ms,
+     void (*fn)(struct net *net, struct net_event *e), struct net_event e)
+{
+    size_t i = net->nheap++;
+
+    if (i == net->cap_heap) {
+        net->cap_heap = i ? 2 * i : 64;
+        net->heap = realloc(net->heap, net->cap_heap * sizeof *net->heap);
+        SIM_CHECK(net, net->heap != NULL);
+    }
+    e.at_ms = at_ms;
+    e.sequence = net->sequence++;
+    e.fn = fn;
+    net->heap[i] = e;
+    while (i > 0 && before(&net->heap[i], &net->heap[(i - 1) / 2])) {
+        swap(&net->heap[i], &net->heap[(i - 1) / 2]);
+        i = (i - 1) / 2;
+    }
+    return &net->heap[i];
+}
+
+static struct net_event
+pop(struct net *net)
+{
+    struct net_event top = net->heap[0];
+    size_t i = 0;
+
+    net->heap[0] = net->heap[--net->nheap];
+    for (;;) {
+        size_t least = i;
+
+        for (size_t k = 2 * i + 1; k <= 2 * i + 2 && k < net->nheap; k++)
+            if (before(&net->heap[k], &net->heap[least]))
+                least = k;
+        if (least == i)
+            return top;
+        swap(&net->heap[i], &net->heap[least]);
+        i = least;
+    }
+}
+
+struct net_event *
+net_later(struct net *net, unsigned delay_ms,
+          void (*fn)(struct net *net, struct net_event *e))
+{
+    return push(net, net->now_ms + delay_ms, fn, (struct net_event){ 0 });
+}
+
+bool
+net_step(struct net *net)
+{
+    struct net_event e;
+
+    if (net->nheap == 0)
+        return false;
+    e = pop(net);
+    net->now_ms = e.at_ms;
+    e.fn(net, &e);
+    free(e.data);
+    return true;
+}
+
+/* --- links --- */
+
+static struct net_end
+new_end(struct net *net, int node, uint64_t conn, enum msg_session session)
+{
+    struct net_end e = { .node = node, .conn = conn, .open = true };
+
+    if (conn == 0)
+        e.conn = ++net->next_conn;
+    frame_reader_init(&e.reader, session);
+    return e;
+}
+
+struct net_link *
+net_join(struct net *net, int a, uint64_t a_conn, int b, uint64_t b_conn,
+         enum msg_session a_session, enum msg_session b_session)
+{
+    struct net_link *l = calloc(1, sizeof *l);
+
+    SIM_CHECK(net, l != NULL);
+    l->end[0] = new_end(net, a, a_conn, a_session);
+    l->end[1] = new_end(net, b, b_conn, b_session);
+    if (net->nlinks == net->cap_links) {
+        net->cap_links = net->cap_links ? 2 * net->cap_links : 64;
+        net->links =
+            realloc(net->links, net->cap_links * sizeof(struct net_link *));
+        SIM_CHECK(net, net->links != NULL);
+    }
+    net->links[net->nlinks++] = l;
+    return l;
+}
+
+static struct net_end *
+find(struct net *net, int node, uint64_t conn, int *link, int *side)
+{
+    for (int i = (int)net->nlinks; i-- > 0;)
+        for (int s = 0; s < 2; s++) {
+            struct net_end *e = &net->links[i]->end[s];
+
+            if (e->open && e->node == node && e->conn == conn) {
+                *link = i;
+                *side = s;
+                return e;
+            }
+        }
+    return NULL;
+}
+
+struct net_end *
+net_find(struct net *net, int node, uint64_t conn)
+{
+    int link, side;
+
+    return find(net, node, conn, &link, &side);
+}
+
+/* Bytes, or with none the end of the connection, reach an end. */
+static void
+arrive(struct net *net, struct net_event *e)
+{
+    struct net_end *end = &net->links[e->a]->end[e->b];
+    const uint8_t *p = e->data;
+    size_t left = e->len;
+
+    if (!end->open || !net->ops[end->node])
+        return;
+    if (left == 0) {
+        end->open = false;
+        net->ops[end->node]->closed(net, end->node, end->conn);
+        return;
+    }
+    while (left > 0 && end->open && end->reader.session != MSG_NSESSION) {
+        struct rad_error err = { 0 };
+        size_t piece = 1 + net_random(net, 4096), rest;
+        int rc;
+
+        if (piece > left)
+            piece = left;
+        rest = piece;
+        rc = frame_read(&end->reader, &p, &rest, &net->msg, &err);
+        left -= piece - rest;
+        if (rc < 0)
+            net_fail(net, "frame", end->node, err.what);
+        if (rc == 1 && net->verbose)
+            printf("%8llu node %d conn %llx: %s\n",
+                   (unsigned long long)net->now_ms, end->node,
+                   (unsigned long long)end->conn, msg_name(net->msg.type));
+        if (rc == 1)
+            net->ops[end->node]->message(net, end->node, end->conn, &net->msg);
+    }
+}
+
+static struct net_event *
+to_other(struct net *net, int link, int side)
+{
+    struct net_end *other = &net->links[link]->end[!side];
+    uint64_t at = net->now_ms + net_random(net, net->most_delay_ms + 1);
+
+    if (at < other->busy_ms)
+        at = other->busy_ms;
+    other->busy_ms = at;
+    return push(net, at, arrive, (struct net_event){ .a = link, .b = !side });
+}
+
+void
+net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
+         size_t len)
+{
+    int link, side;
+    struct net_event *e;
+
+    /* no machine may speak into a connection that it knows is gone */
+    SIM_CHECK(net, find(net, node, conn, &link, &side) != NULL);
+    e = to_other(net, link, side);
+    e->data = malloc(len);
+    SIM_CHECK(net, e->data != NULL);
+    memcpy(e->data, bytes, len);
+    e->len = len;
+}
+
+void
+net_send_msg(struct net *net, int node, uint64_t conn, const struct msg *m)
+{
+    struct wire_out out;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    SIM_CHECK(net, msg_pack(&out, m) == 0);
+    net_send(net, node, conn, out.buf, out.len);
+    wire_out_release(&out);
+}
+
+void
+net_session(struct net *net, int node, uint64_t conn, enum msg_session session)
+{
+    struct net_end *e = net_find(net, node, conn);
+
+    SIM_CHECK(net, e != NULL);
+    e->reader.session = session;
+}
+
+void
+net_close(struct net *net, int node, uint64_t conn)
+{
+    int link, side;
+    struct net_end *e = find(net, node, conn, &link, &side);
+
+    SIM_CHECK(net, e != NULL);
+    e->open = false;
+    to_other(net, link, side);
+}
+
+void
+net_close_all(struct net *net, int node)
+{
+    for (size_t i = 0; i < net->nlinks; i++)
+        for (int s = 0; s < 2; s++)
+            if (net->links[i]->end[s].open &&
+                net->links[i]->end[s].node == node) {
+                net->links[i]->end[s].open = false;
+                to_other(net, (int)i, s);
+            }
+}

@@ -1,0 +1,104 @@
+/* net.h - a network in virtual time, under a seed
+ *
+ * Nodes are joined by links that carry bytes both ways.  Each direction keeps
+ * its order, as TCP does; links overtake each other freely.  Bytes arrive in
+ * pieces and pass through the real frame reader.
+ *
+ * A check that fails prints the seed and ends the program. */
+#ifndef SIM_NET_H
+#define SIM_NET_H
+
+#include "frame.h"
+
+struct net;
+
+/* What a kind of node does. */
+struct node_ops {
+    void (*message)(struct net *net, int node, uint64_t conn,
+                    const struct msg *m);
+    void (*closed)(struct net *net, int node, uint64_t conn);
+};
+
+struct net_end {
+    int node;
+    uint64_t conn;
+    bool open;
+    struct frame_reader reader;
+    uint64_t busy_ms; /* what is sent to it arrives no sooner */
+};
+
+struct net_link {
+    struct net_end end[2];
+};
+
+/* An event that comes due; a, b, data mean what fn takes them for. */
+struct net_event {
+    uint64_t at_ms, sequence;
+    void (*fn)(struct net *net, struct net_event *e);
+    int a, b;
+    uint64_t c;
+    uint8_t *data; /* freed afterwards */
+    size_t len;
+};
+
+struct net {
+    uint64_t seed, random;
+    uint64_t now_ms, sequence;
+    unsigned most_delay_ms;
+    bool verbose;
+    struct net_event *heap;
+    size_t nheap, cap_heap;
+    struct net_link **links;
+    size_t nlinks, cap_links;
+    uint64_t next_conn;
+    const struct node_ops *ops[64]; /* by node; NULL: not there */
+    struct msg msg;
+};
+
+#define SIM_CHECK(net, cond)                                                   \
+    do {                                                                       \
+        if (!(cond))                                                           \
+            net_fail(net, __FILE__, __LINE__, #cond);                          \
+    } while (0)
+
+_Noreturn void net_fail(const struct net *net, const char *file, int line,
+                        const char *what);
+
+void net_init(struct net *net, uint64_t seed);
+void net_release(struct net *net);
+
+/* Uniform in [0, n). */
+unsigned net_random(struct net *net, unsigned n);
+/* True once in n times. */
+bool net_chance(struct net *net, unsigned n);
+void net_bytes(void *net, void *buf, size_t n);
+
+/* Call fn after delay; data is taken. */
+struct net_event *net_later(struct net *net, unsigned delay_ms,
+                            void (*fn)(struct net *net, struct net_event *e));
+
+/* Deal with the next event; false: there is none. */
+bool net_step(struct net *net);
+
+/* Join two nodes; either number may be 0: one is made up. */
+struct net_link *net_join(struct net *net, int a, uint64_t a_conn, int b,
+                          uint64_t b_conn, enum msg_session a_session,
+                          enum msg_session b_session);
+
+/* The open end of a node; NULL if it is not open. */
+struct net_end *net_find(struct net *net, int node, uint64_t conn);
+
+/* Send bytes, or a message, from a node's open end. */
+void net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
+              size_t len);
+void net_send_msg(struct net *net, int node, uint64_t conn,
+                  const struct msg *m);
+void net_session(struct net *net, int node, uint64_t conn,
+                 enum msg_session session);
+
+/* Close from this side; the other hears of it after what was sent. */
+void net_close(struct net *net, int node, uint64_t conn);
+/* All ends of a node: it died. */
+void net_close_all(struct net *net, int node);
+
+#endif
