@@ -10,7 +10,7 @@
 #include "light/ambient.h"
 #include "wire.h"
 
-#define AMBSHARE_BYTES (3 * 8 + 17 * 4 + 4 + 4 + 2)
+#define AMBSHARE_BYTES (3 * 8 + 15 * 4 + 4 + 4 + 2)
 
 /* Append a record to out; out->bad when it does not fit. */
 void ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec);

@@ -5,11 +5,14 @@ AM_TESTS_ENVIRONMENT = \
 
 UNIT_TESTS = \
 	tests/check_ambient \
+	tests/check_ambshare \
 	tests/check_base \
 	tests/check_bundle \
 	tests/check_bvh \
 	tests/check_client \
 	tests/check_compile \
+	tests/check_conf \
+	tests/check_conn \
 	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
@@ -17,12 +20,14 @@ UNIT_TESTS = \
 	tests/check_octree \
 	tests/check_params \
 	tests/check_parse \
+	tests/check_pool \
 	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_rays \
 	tests/check_shade \
 	tests/check_sim \
 	tests/check_source \
+	tests/check_store \
 	tests/check_submit \
 	tests/check_view
 
@@ -143,9 +148,30 @@ tests_check_sim_SOURCES = \
 tests_check_sim_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_sim_LDADD = $(LIBDAEMON) $(LIBRAD)
 
+tests_check_ambshare_SOURCES = tests/check_ambshare.c tests/unit.h
+tests_check_ambshare_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ambshare_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_conf_SOURCES = tests/check_conf.c tests/unit.h
+tests_check_conf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_conf_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_conn_SOURCES = tests/check_conn.c tests/unit.h
+tests_check_conn_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_conn_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
+tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_store_SOURCES = tests/check_store.c tests/unit.h
+tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
-	tests/check_ambient
+	tests/check_ambient \
+	tests/check_pool
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E =
 

@@ -4,6 +4,7 @@
 #
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
+	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_hdr \
@@ -56,3 +57,7 @@ tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LDFLAGS)
 tests_fuzz_fuzz_octfile_SOURCES = tests/fuzz/fuzz_octfile.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_octfile_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LDFLAGS)
+
+tests_fuzz_fuzz_ambshare_SOURCES = tests/fuzz/fuzz_ambshare.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_ambshare_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LDFLAGS)

@@ -1,0 +1,153 @@
+/* check_ambshare.c - ambient records on the wire */
+#include "config.h"
+
+#include "ambshare.h"
+
+#include "unit.h"
+
+#include <math.h>
+#include <string.h>
+
+static const struct rad_ambrec good = {
+    .p = { 1.5, -2.25e6, 3e-9 },
+    .n = { 0.6f, 0, 0.8f },
+    .u = { 0, -1, 0 },
+    .radius = { 0.25f, 4 },
+    .E = { 1, 0, 1e6f },
+    .gpos = { -3, 0.5f },
+    .gdir = { 0, -7 },
+    .corral = 0xdeadbeef,
+    .weight = 0.125f,
+    .level = 3,
+};
+
+static bool
+trip(const struct rad_ambrec *in, struct rad_ambrec *out)
+{
+    struct wire_out w;
+    struct wire_in r;
+    bool ok;
+
+    wire_out_init(&w, 1000);
+    ambshare_pack(&w, in);
+    ck_assert(!w.bad);
+    ck_assert_uint_eq(w.len, AMBSHARE_BYTES);
+    wire_in_init(&r, w.buf, w.len);
+    ok = ambshare_unpack(&r, out);
+    ck_assert_uint_eq(wire_left(&r), 0);
+    wire_out_release(&w);
+    return ok;
+}
+
+START_TEST(record_survives_the_trip)
+{
+    struct rad_ambrec out;
+
+    memset(&out, 0x55, sizeof out);
+    ck_assert(trip(&good, &out));
+    ck_assert_mem_eq(out.p, good.p, sizeof good.p);
+    ck_assert_mem_eq(out.n, good.n, sizeof good.n);
+    ck_assert_mem_eq(out.u, good.u, sizeof good.u);
+    ck_assert_mem_eq(out.radius, good.radius, sizeof good.radius);
+    ck_assert_mem_eq(&out.E, &good.E, sizeof good.E);
+    ck_assert_mem_eq(out.gpos, good.gpos, sizeof good.gpos);
+    ck_assert_mem_eq(out.gdir, good.gdir, sizeof good.gdir);
+    ck_assert_uint_eq(out.corral, good.corral);
+    ck_assert_float_eq(out.weight, good.weight);
+    ck_assert_uint_eq(out.level, good.level);
+}
+END_TEST
+
+START_TEST(truncated_record_is_refused)
+{
+    struct wire_out w;
+    struct wire_in r;
+    struct rad_ambrec out;
+
+    wire_out_init(&w, 1000);
+    ambshare_pack(&w, &good);
+    for (size_t n = 0; n < AMBSHARE_BYTES; n++) {
+        wire_in_init(&r, w.buf, n);
+        ck_assert(!ambshare_unpack(&r, &out));
+        ck_assert(r.bad);
+    }
+    wire_out_release(&w);
+}
+END_TEST
+
+/* One field of a good record made wrong. */
+static struct rad_ambrec
+spoiled(int i)
+{
+    struct rad_ambrec r = good;
+
+    switch (i) {
+    case 0:
+        r.p[1] = NAN;
+        break;
+    case 1:
+        r.p[2] = INFINITY;
+        break;
+    case 2:
+        r.n[0] = 0.61f;
+        break;
+    case 3:
+        r.n[1] = NAN;
+        break;
+    case 4:
+        r.u[1] = 0;
+        break;
+    case 5:
+        r.radius[0] = 0;
+        break;
+    case 6:
+        r.radius[1] = -1;
+        break;
+    case 7:
+        r.radius[1] = INFINITY;
+        break;
+    case 8:
+        r.E.g = -1e-9f;
+        break;
+    case 9:
+        r.E.r = NAN;
+        break;
+    case 10:
+        r.gpos[0] = INFINITY;
+        break;
+    case 11:
+        r.gdir[1] = NAN;
+        break;
+    case 12:
+        r.weight = 0;
+        break;
+    case 13:
+        r.weight = 1.5f;
+        break;
+    case 14:
+        r.weight = NAN;
+        break;
+    }
+    return r;
+}
+
+START_TEST(unsound_record_is_refused)
+{
+    struct rad_ambrec bad = spoiled(_i), out;
+
+    ck_assert(!trip(&bad, &out));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("ambshare");
+    TCase *tc = tcase_create("ambshare");
+
+    tcase_add_test(tc, record_survives_the_trip);
+    tcase_add_test(tc, truncated_record_is_refused);
+    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 15);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

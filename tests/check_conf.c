@@ -1,0 +1,268 @@
+/* check_conf.c - settings from a file and a command line, and addresses */
+#include "config.h"
+
+#include "address.h"
+#include "conf.h"
+#include "log.h"
+
+#include "unit.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+struct settings {
+    char name[CONF_TEXT];
+    int threads;
+    bool loud;
+    int hidden;
+};
+
+static int
+check(const void *settings, struct rad_error *err)
+{
+    const struct settings *s = settings;
+
+    if (strcmp(s->name, "forbidden") == 0)
+        return rad_fail(err, RAD_EUSAGE, "forbidden name");
+    return 0;
+}
+
+#define FIELD(f) offsetof(struct settings, f)
+static const struct conf_key keys[] = {
+    { "host_name", CONF_TEXT_KEY, FIELD(name), 0, 0, "none", "NAME", "", true },
+    { "threads", CONF_INT_KEY, FIELD(threads), 0, 64, "2", "N", "", false },
+    { "loud", CONF_BOOL_KEY, FIELD(loud), 0, 0, "no", "", "", true },
+    { "hidden", CONF_INT_KEY, FIELD(hidden), 0, 9, "0", NULL, NULL, false },
+    { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
+};
+
+static const struct conf_table table = { "radd", "",   NULL,
+                                         NULL,   keys, sizeof(struct settings),
+                                         check };
+
+static char path[] = "/tmp/check_conf.XXXXXX";
+
+static void
+write_file(const char *text)
+{
+    FILE *f = fopen(path, "w");
+
+    ck_assert_ptr_nonnull(f);
+    ck_assert_int_ge(fputs(text, f), 0);
+    ck_assert_int_eq(fclose(f), 0);
+}
+
+static int
+load(struct settings *s, struct rad_error *err, const char *a, const char *b)
+{
+    char *argv[] = { (char *)"radd", (char *)a, (char *)b, NULL };
+    int argc = 1 + (a != NULL) + (b != NULL);
+
+    memset(err, 0, sizeof *err);
+    return conf_load(&table, s, argc, argv, err);
+}
+
+START_TEST(defaults_then_file_then_options)
+{
+    char config[64];
+    struct settings s;
+    struct rad_error err;
+
+    snprintf(config, sizeof config, "--config=%s", path);
+    ck_assert_int_eq(load(&s, &err, NULL, NULL), CONF_RUN);
+    ck_assert_str_eq(s.name, "none");
+    ck_assert_int_eq(s.threads, 2);
+    ck_assert(!s.loud);
+
+    write_file("# ours\nhost_name = ws3\n[radd]\nthreads=7\nloud = yes\n");
+    ck_assert_int_eq(load(&s, &err, config, NULL), CONF_RUN);
+    ck_assert_str_eq(s.name, "ws3");
+    ck_assert_int_eq(s.threads, 7);
+    ck_assert(s.loud);
+
+    ck_assert_int_eq(load(&s, &err, config, "--threads=9"), CONF_RUN);
+    ck_assert_int_eq(s.threads, 9);
+    ck_assert_str_eq(s.name, "ws3");
+}
+END_TEST
+
+START_TEST(reload_changes_what_may_change)
+{
+    char config[64];
+    char *argv[] = { (char *)"radd", config, NULL };
+    struct settings s;
+    struct rad_error err = { 0 };
+
+    snprintf(config, sizeof config, "--config=%s", path);
+    write_file("host_name = a\nthreads = 3\n");
+    ck_assert_int_eq(conf_load(&table, &s, 2, argv, &err), CONF_RUN);
+    write_file("host_name = b\nthreads = 4\n");
+    ck_assert_int_eq(conf_reload(&table, &s, 2, argv, &err), 0);
+    ck_assert_str_eq(s.name, "b");
+    ck_assert_int_eq(s.threads, 3);
+    write_file("host_name = c\nthreads = many\n");
+    ck_assert_int_eq(conf_reload(&table, &s, 2, argv, &err), RAD_ECONFIG);
+    ck_assert_str_eq(s.name, "b");
+}
+END_TEST
+
+static const struct {
+    const char *text, *where, *what;
+} bad_files[] = {
+    { "host_name = x\n\nthreads = 65\n", ":3", "'threads': 65 is not within" },
+    { "threads = 3x\n", ":1", "bad number '3x'" },
+    { "loud = perhaps\n", ":1", "expected yes or no" },
+    { "thread = 3\n", ":1", "unknown key 'thread'" },
+    { "hidden = 3\n", ":1", "unknown key 'hidden'" },
+    { "[radcoord]\nthreads = 3\n", ":2", "unknown section 'radcoord'" },
+    { "host_name = x\nnonsense\n", ":2", "expected 'key = value'" },
+    { "host_name = "
+      "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+      "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+      "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+      "\n",
+      ":1", "line longer than" },
+};
+
+START_TEST(bad_file_is_refused_with_its_line)
+{
+    struct settings s;
+    struct rad_error err = { 0 };
+
+    write_file(bad_files[_i].text);
+    conf_defaults(&table, &s);
+    ck_assert_int_eq(conf_read(&table, &s, path, &err), RAD_ECONFIG);
+    ck_assert_msg(strstr(err.where, bad_files[_i].where) != NULL, "%s",
+                  err.where);
+    ck_assert_msg(strstr(err.what, bad_files[_i].what) != NULL, "%s", err.what);
+}
+END_TEST
+
+static const char *const bad_options[] = { "--threads=x",
+                                           "--threads=-1",
+                                           "--threads=",
+                                           "--nothing",
+                                           "word",
+                                           "--host-name",
+                                           "--loud=yes",
+                                           "-x",
+                                           "--threads=99999999999999999999",
+                                           "--host-name=forbidden" };
+
+START_TEST(bad_option_is_a_usage_error)
+{
+    struct settings s;
+    struct rad_error err;
+
+    ck_assert_int_eq(load(&s, &err, bad_options[_i], NULL), RAD_EUSAGE);
+    ck_assert_int_eq(err.code, RAD_EUSAGE);
+    ck_assert_str_ne(err.what, "");
+}
+END_TEST
+
+START_TEST(missing_file_is_named)
+{
+    struct settings s;
+    struct rad_error err;
+
+    ck_assert_int_eq(load(&s, &err, "--config=/nonexistent/x", NULL),
+                     RAD_ENOINPUT);
+    ck_assert_ptr_nonnull(strstr(err.what, "/nonexistent/x"));
+}
+END_TEST
+
+START_TEST(help_and_version_win)
+{
+    struct settings s;
+    struct rad_error err;
+
+    ck_assert_int_eq(load(&s, &err, "--help", NULL), CONF_HELP);
+    ck_assert_int_eq(load(&s, &err, "--version", NULL), CONF_VERSION);
+}
+END_TEST
+
+static const struct {
+    const char *text;
+    int code; /* of address_resolve() */
+    bool loopback;
+    const char *again; /* address_format() */
+} addresses[] = {
+    { "127.0.0.1:7420", 0, true, "127.0.0.1:7420" },
+    { "127.200.3.4:0", 0, true, "127.200.3.4:0" },
+    { "[::1]:80", 0, true, "[::1]:80" },
+    { "128.0.0.1:80", 0, false, "128.0.0.1:80" },
+    { "0.0.0.0:80", 0, false, "0.0.0.0:80" },
+    { "[::]:80", 0, false, "[::]:80" },
+    { "[fe80::1]:80", 0, false, "[fe80::1]:80" },
+    { "/run/x.sock", 0, true, "/run/x.sock" },
+    { "./x", 0, true, "./x" },
+    { "", RAD_EUSAGE, false, NULL },
+    { ":80", RAD_EUSAGE, false, NULL },
+    { "127.0.0.1", RAD_EUSAGE, false, NULL },
+    { "127.0.0.1:", RAD_EUSAGE, false, NULL },
+    { "127.0.0.1:8x", RAD_EUSAGE, false, NULL },
+    { "127.0.0.1:123456", RAD_EUSAGE, false, NULL },
+    { "/a/socket/path/that/is/longer/than/the/hundred/and/eight/bytes/that/"
+      "the/kernel/has/room/for/xxxxxxxxxxxxxxxxxxxxxxxx",
+      RAD_EUSAGE, false, NULL },
+};
+
+START_TEST(address_is_read_and_judged)
+{
+    struct address a;
+    struct rad_error err = { 0 };
+    char text[ADDRESS_TEXT];
+
+    ck_assert_int_eq(address_resolve(addresses[_i].text, &a, &err),
+                     addresses[_i].code);
+    if (addresses[_i].code)
+        return;
+    ck_assert_int_eq(address_is_loopback(&a), addresses[_i].loopback);
+    ck_assert_int_eq(address_permitted(&a, "x", NULL),
+                     addresses[_i].loopback ? 0 : RAD_EPERM);
+    address_format(&a, text);
+    ck_assert_str_eq(text, addresses[_i].again);
+}
+END_TEST
+
+START_TEST(log_limit_lets_a_burst_through_and_counts_the_rest)
+{
+    struct log_limit l = { 0 };
+    unsigned dropped, passed = 0;
+
+    for (uint64_t t = 0; t < 1000; t++)
+        passed += log_allowed(&l, t, &dropped);
+    ck_assert_uint_eq(passed, LOG_BURST);
+    ck_assert(log_allowed(&l, LOG_WINDOW_MS, &dropped));
+    ck_assert_uint_eq(dropped, 1000 - LOG_BURST);
+    ck_assert_int_eq(log_level_parse("warn"), LOG_LEVEL_WARN);
+    ck_assert_int_lt(log_level_parse("loud"), 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("conf");
+    TCase *tc = tcase_create("conf");
+    int fd = mkstemp(path), failed;
+
+    if (fd < 0)
+        return EXIT_FAILURE;
+    close(fd);
+    tcase_add_test(tc, defaults_then_file_then_options);
+    tcase_add_test(tc, reload_changes_what_may_change);
+    tcase_add_loop_test(tc, bad_file_is_refused_with_its_line, 0,
+                        N_ELEM(bad_files));
+    tcase_add_loop_test(tc, bad_option_is_a_usage_error, 0,
+                        N_ELEM(bad_options));
+    tcase_add_test(tc, missing_file_is_named);
+    tcase_add_test(tc, help_and_version_win);
+    tcase_add_loop_test(tc, address_is_read_and_judged, 0, N_ELEM(addresses));
+    tcase_add_test(tc, log_limit_lets_a_burst_through_and_counts_the_rest);
+    suite_add_tcase(s, tc);
+    failed = unit_run(s);
+    unlink(path);
+    return failed;
+}

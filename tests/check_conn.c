@@ -1,0 +1,325 @@
+/* check_conn.c - messages over a socket pair, good bytes and bad */
+#include "config.h"
+
+#include "conn.h"
+#include "log.h"
+
+#include "unit.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/* One connection of ours, and a bare socket at its other end. */
+struct ends {
+    uv_loop_t loop;
+    struct conn *conn;
+    int fd;
+    int nmessages, nclosed;
+    uint16_t last_type;
+    uint64_t last_progress;
+    size_t written;
+    char why[100];
+    bool close_in_message;
+};
+
+static void
+on_message(void *arg, struct conn *c, const struct msg *m)
+{
+    struct ends *e = arg;
+
+    e->nmessages++;
+    e->last_type = m->type;
+    if (m->type == MSG_PING)
+        e->last_progress = m->ping.progress;
+    if (e->close_in_message) {
+        conn_close(c);
+        e->conn = NULL;
+    }
+}
+
+static void
+on_closed(void *arg, struct conn *c, const char *why)
+{
+    struct ends *e = arg;
+
+    (void)c;
+    e->nclosed++;
+    e->conn = NULL;
+    strncpy(e->why, why, sizeof e->why - 1);
+}
+
+static void
+on_written(void *arg, struct conn *c, size_t n)
+{
+    struct ends *e = arg;
+
+    (void)c;
+    e->written += n;
+}
+
+static const struct conn_handler handler = { on_message, on_closed,
+                                             on_written };
+
+static void
+open_ends(struct ends *e, enum msg_session session)
+{
+    int fds[2];
+    uv_stream_t *s;
+
+    memset(e, 0, sizeof *e);
+    log_set_level(LOG_LEVEL_ERR);
+    ck_assert_int_eq(uv_loop_init(&e->loop), 0);
+    ck_assert_int_eq(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds),
+                     0);
+    s = conn_stream_new(&e->loop, true);
+    ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
+    e->fd = fds[1];
+    e->conn = conn_new(s, session, "test", &handler, e);
+    ck_assert_ptr_nonnull(e->conn);
+}
+
+static void
+close_ends(struct ends *e)
+{
+    conn_close(e->conn);
+    close(e->fd);
+    uv_run(&e->loop, UV_RUN_DEFAULT);
+    ck_assert_int_eq(uv_loop_close(&e->loop), 0);
+}
+
+/* Run the loop until nothing happens any more at once. */
+static void
+run(struct ends *e)
+{
+    while (uv_run(&e->loop, UV_RUN_NOWAIT) && uv_backend_timeout(&e->loop) == 0)
+        ;
+    for (int i = 0; i < 4; i++)
+        uv_run(&e->loop, UV_RUN_NOWAIT);
+}
+
+static void
+pack_ping(struct wire_out *w, uint64_t progress)
+{
+    struct msg m = { .type = MSG_PING, .request = 7 };
+
+    m.ping.progress = progress;
+    wire_out_init(w, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(w, &m), 0);
+}
+
+START_TEST(ping_is_answered_however_it_is_cut)
+{
+    struct ends e;
+    struct wire_out w;
+    uint8_t back[64];
+
+    open_ends(&e, MSG_AT_PEER);
+    pack_ping(&w, 12345);
+    for (size_t i = 0; i < w.len; i++) {
+        ck_assert_int_eq(e.nmessages, 0);
+        ck_assert_int_eq(write(e.fd, w.buf + i, 1), 1);
+        run(&e);
+    }
+    ck_assert_int_eq(e.nmessages, 1);
+    ck_assert_uint_eq(e.last_progress, 12345);
+    ck_assert_int_eq(read(e.fd, back, sizeof back), MSG_HEADER + 8);
+    ck_assert_uint_eq(back[5], MSG_PONG);
+    ck_assert_uint_eq(back[11], 7);
+    ck_assert_uint_eq(conn_bytes_in(e.conn), w.len);
+    ck_assert_uint_eq(conn_bytes_out(e.conn), MSG_HEADER + 8);
+    ck_assert_uint_eq(e.written, MSG_HEADER + 8);
+    wire_out_release(&w);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(messages_in_one_piece_all_arrive)
+{
+    struct ends e;
+    struct wire_out w;
+
+    open_ends(&e, MSG_AT_PEER);
+    pack_ping(&w, 1);
+    for (int i = 0; i < 100; i++)
+        ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
+    run(&e);
+    ck_assert_int_eq(e.nmessages, 100);
+    wire_out_release(&w);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(owner_may_close_while_it_is_called)
+{
+    struct ends e;
+    struct wire_out w;
+
+    open_ends(&e, MSG_AT_PEER);
+    e.close_in_message = true;
+    pack_ping(&w, 1);
+    for (int i = 0; i < 3; i++)
+        ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
+    run(&e);
+    ck_assert_int_eq(e.nmessages, 1);
+    ck_assert_int_eq(e.nclosed, 0);
+    wire_out_release(&w);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(end_of_stream_is_told_once)
+{
+    struct ends e;
+
+    open_ends(&e, MSG_AT_PEER);
+    shutdown(e.fd, SHUT_WR);
+    run(&e);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_str_eq(e.why, "closed by peer");
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(message_that_may_not_come_here_ends_it)
+{
+    struct ends e;
+    struct wire_out w;
+
+    open_ends(&e, MSG_AT_COORD_NEW);
+    pack_ping(&w, 1);
+    ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
+    run(&e);
+    ck_assert_int_eq(e.nmessages, 0);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_str_eq(e.why, "protocol error");
+    wire_out_release(&w);
+    close_ends(&e);
+}
+END_TEST
+
+/* A simple generator: what matters is that it is the same each time. */
+static uint32_t
+next_random(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 16;
+}
+
+START_TEST(random_bytes_only_end_it)
+{
+    struct ends e;
+    uint8_t bytes[4096];
+    uint32_t state = (uint32_t)_i;
+
+    open_ends(&e, (enum msg_session)(_i % MSG_NSESSION));
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = (uint8_t)next_random(&state);
+    if (_i & 64) /* the right magic, random behind it */
+        memcpy(bytes, "RADD", 4);
+    if (_i & 128)
+        bytes[4] = bytes[6] = bytes[7] = bytes[12] = bytes[13] = 0;
+    ck_assert_int_gt(write(e.fd, bytes, sizeof bytes), 0);
+    run(&e);
+    if (e.nclosed == 0) { /* a header by chance: the rest never comes */
+        shutdown(e.fd, SHUT_WR);
+        run(&e);
+    }
+    ck_assert_int_eq(e.nclosed, 1);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(what_waits_is_counted_and_goes_out)
+{
+    static uint8_t payload[100000];
+    struct msg m = { .type = MSG_AMBIENT };
+    struct ends e;
+    uint8_t sink[65536];
+    size_t got = 0, sent;
+
+    open_ends(&e, MSG_AT_PEER);
+    m.ambient.count = 1;
+    m.ambient.data = payload;
+    m.ambient.len = sizeof payload;
+    for (int i = 0; i < 50; i++)
+        ck_assert(conn_send(e.conn, &m));
+    sent = conn_bytes_out(e.conn);
+    ck_assert_uint_gt(conn_queued(e.conn), 0); /* the socket's room is less */
+    while (got < sent) {
+        ssize_t n = read(e.fd, sink, sizeof sink);
+
+        if (n > 0)
+            got += (size_t)n;
+        else
+            ck_assert(n < 0 && errno == EAGAIN);
+        run(&e);
+    }
+    ck_assert_uint_eq(conn_queued(e.conn), 0);
+    ck_assert_uint_eq(e.written, sent);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(finish_sends_what_waits_and_says_nothing)
+{
+    struct msg m = { .type = MSG_REFUSE };
+    struct ends e;
+    uint8_t back[200];
+    ssize_t n;
+
+    open_ends(&e, MSG_AT_COORD_NEW);
+    m.refuse.status = 76;
+    m.refuse.text = "no";
+    ck_assert(conn_send(e.conn, &m));
+    conn_finish(e.conn);
+    e.conn = NULL;
+    run(&e);
+    n = read(e.fd, back, sizeof back);
+    ck_assert_int_gt(n, MSG_HEADER);
+    ck_assert_int_eq(read(e.fd, back, sizeof back), 0);
+    ck_assert_int_eq(e.nclosed, 0);
+    close_ends(&e);
+}
+END_TEST
+
+START_TEST(peer_that_goes_while_we_send_is_no_crash)
+{
+    static uint8_t payload[100000];
+    struct msg m = { .type = MSG_AMBIENT };
+    struct ends e;
+
+    signal(SIGPIPE, SIG_IGN);
+    open_ends(&e, MSG_AT_PEER);
+    m.ambient.count = 1;
+    m.ambient.data = payload;
+    m.ambient.len = sizeof payload;
+    for (int i = 0; i < 20; i++)
+        conn_send(e.conn, &m);
+    close(e.fd);
+    run(&e);
+    ck_assert_int_eq(e.nclosed, 1);
+    e.fd = dup(0);
+    close_ends(&e);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("conn");
+    TCase *tc = tcase_create("conn");
+
+    tcase_add_test(tc, ping_is_answered_however_it_is_cut);
+    tcase_add_test(tc, messages_in_one_piece_all_arrive);
+    tcase_add_test(tc, owner_may_close_while_it_is_called);
+    tcase_add_test(tc, end_of_stream_is_told_once);
+    tcase_add_test(tc, message_that_may_not_come_here_ends_it);
+    tcase_add_loop_test(tc, random_bytes_only_end_it, 0, 256);
+    tcase_add_test(tc, what_waits_is_counted_and_goes_out);
+    tcase_add_test(tc, finish_sends_what_waits_and_says_nothing);
+    tcase_add_test(tc, peer_that_goes_while_we_send_is_no_crash);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,297 @@
+/* check_pool.c - threads that render give the pixels that one alone gives */
+#include "config.h"
+
+#include "fingerprint.h"
+#include "jobtext.h"
+#include "pool.h"
+#include "scene/parse.h"
+
+#include "unit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 96, WINDOW = 24, PER_ROW = SIDE / WINDOW };
+
+static const char scene_text[] =
+    "void light lamp 0 0 3 60 60 60\n"
+    "lamp sphere bulb 0 0 4 2 -2 4 .4\n"
+    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
+    "red sphere ball 0 0 4 0 0 1 1\n"
+    "void plastic grey 0 0 5 .4 .4 .4 0 0\n"
+    "grey polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
+
+struct fixture {
+    struct rad_scene *scene;
+    struct rad_job *job;
+    struct rad_frame frame;
+    uv_loop_t loop;
+    struct pool *pool;
+    struct rad_pixel whole[SIDE][SIDE]; /* as the threads gave it */
+    int nlast, nrows[PER_ROW * PER_ROW];
+    uint64_t primary;
+    bool in_order;
+};
+
+static unsigned char *
+no_files(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    (void)arg;
+    (void)len;
+    rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+    return NULL;
+}
+
+static void
+on_rows(void *arg, const struct pool_rows *r)
+{
+    struct fixture *f = arg;
+    const struct rad_window *w = &r->unit.window;
+    const float *p = r->pixels;
+
+    ck_assert_int_eq(r->err.code, 0);
+    if (f->nrows[r->unit.unit] != (int)r->row)
+        f->in_order = false;
+    f->nrows[r->unit.unit] += (int)r->rows;
+    for (uint32_t k = 0; k < r->rows; k++)
+        for (int x = 0; x < w->width; x++, p += r->channels) {
+            struct rad_pixel *to =
+                &f->whole[w->y + (int)(r->row + k)][w->x + x];
+
+            to->L = rad_rgb(p[0], p[1], p[2]);
+            to->z = r->channels == 4 ? p[3] : 0;
+        }
+    if (r->last) {
+        f->nlast++;
+        f->primary += r->counts.primary_rays;
+        ck_assert_int_eq(f->nrows[r->unit.unit], w->height);
+    }
+    pool_sent(f->pool,
+              r->rows * (size_t)w->width * (size_t)r->channels * sizeof(float));
+}
+
+static void
+open_fixture(struct fixture *f, const char *options, bool depth, int threads)
+{
+    struct rad_files files = { no_files, NULL };
+    struct rad_error err = { 0 };
+    struct rad_params params;
+    struct rad_view view;
+
+    memset(f, 0, sizeof *f);
+    f->in_order = true;
+    f->scene = rad_scene_new();
+    ck_assert_int_eq(rad_parse_text(f->scene, scene_text, sizeof scene_text - 1,
+                                    "test", NULL, &err),
+                     0);
+    ck_assert_int_eq(jobtext_params(options, &params, &err), 0);
+    f->job = rad_job_new(f->scene, &params, &files, &err);
+    ck_assert_msg(f->job != NULL, "%s", err.what);
+    ck_assert_int_eq(jobtext_view("-vp 0 -6 2 -vd 0 1 -.2", &view, &err), 0);
+    ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
+                     0);
+    ck_assert_int_eq(uv_loop_init(&f->loop), 0);
+    f->pool = pool_new(&f->loop, f->job, &f->frame, threads, on_rows, f, &err);
+    ck_assert_msg(f->pool != NULL, "%s", err.what);
+}
+
+static void
+close_fixture(struct fixture *f)
+{
+    pool_free(f->pool);
+    uv_run(&f->loop, UV_RUN_DEFAULT);
+    ck_assert_int_eq(uv_loop_close(&f->loop), 0);
+    rad_frame_release(&f->frame);
+    rad_job_free(f->job);
+    rad_scene_free(f->scene);
+}
+
+static struct pool_unit
+unit(int i)
+{
+    struct pool_unit u = { .unit = (uint32_t)i,
+                           .attempt = 1,
+                           .window = { WINDOW * (i % PER_ROW),
+                                       WINDOW * (i / PER_ROW), WINDOW,
+                                       WINDOW } };
+
+    return u;
+}
+
+/* The same windows by one context. */
+static uint64_t
+render_alone(struct fixture *f, struct rad_pixel whole[SIDE][SIDE])
+{
+    struct rad_pixel *rows[WINDOW];
+    struct rad_ctx ctx;
+    uint64_t primary;
+
+    ck_assert_int_eq(rad_ctx_init(&ctx, f->job, NULL), 0);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        for (int k = 0; k < WINDOW; k++)
+            rows[k] = &whole[u.window.y + k][u.window.x];
+        ck_assert_int_eq(
+            rad_frame_window(&f->frame, &ctx, &u.window, rows, NULL, NULL), 0);
+    }
+    primary = ctx.counts.primary_rays;
+    rad_ctx_release(&ctx);
+    return primary;
+}
+
+static const struct {
+    const char *options;
+    bool depth;
+    int threads;
+} pools[] = {
+    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 1 },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 4 },
+    { "-x 96 -y 96 -ab 0 -ps 1 -dj .5", true, 3 },
+    { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 2 },
+};
+
+START_TEST(threads_give_the_pixels_of_one)
+{
+    static struct fixture f;
+    static struct rad_pixel alone[SIDE][SIDE];
+
+    open_fixture(&f, pools[_i].options, pools[_i].depth, pools[_i].threads);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        ck_assert(pool_push(f.pool, &u));
+    }
+    while (f.nlast < PER_ROW * PER_ROW)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    memset(alone, 0, sizeof alone);
+    ck_assert_uint_eq(render_alone(&f, alone), f.primary);
+    ck_assert(f.in_order);
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) {
+            ck_assert_mem_eq(&f.whole[y][x].L, &alone[y][x].L,
+                             sizeof alone[y][x].L);
+            if (pools[_i].depth)
+                ck_assert_mem_eq(&f.whole[y][x].z, &alone[y][x].z,
+                                 sizeof(float));
+        }
+    ck_assert_double_gt(pool_busy(f.pool), 0);
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(shared_cache_fills_while_threads_read_it)
+{
+    static struct fixture f;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 1 -ad 32 -as 0 -ps 4", false, 4);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        ck_assert(pool_push(f.pool, &u));
+    }
+    while (f.nlast < PER_ROW * PER_ROW)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++)
+            ck_assert(rad_rgb_sound(f.whole[y][x].L));
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(revoked_units_are_not_done)
+{
+    static struct fixture f;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 1", false, 1);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        ck_assert(pool_push(f.pool, &u));
+    }
+    pool_revoke(f.pool, 0, 2); /* another attempt's */
+    pool_revoke(f.pool, PER_ROW * PER_ROW - 1, 1);
+    pool_revoke(f.pool, 5, 1);
+    while (f.nlast < PER_ROW * PER_ROW - 2)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    ck_assert_int_eq(f.nrows[0], WINDOW);
+    ck_assert_int_eq(f.nrows[PER_ROW * PER_ROW - 1], 0);
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(pool_ends_in_the_middle)
+{
+    static struct fixture f;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 1", false, 2);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        ck_assert(pool_push(f.pool, &u));
+    }
+    uv_run(&f.loop, UV_RUN_ONCE);
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(fingerprint_is_the_same_each_time)
+{
+    uint64_t a = 0, b = 0;
+    struct rad_error err = { 0 };
+
+    ck_assert_msg(fingerprint(&a, &err) == 0, "%s", err.what);
+    ck_assert_int_eq(fingerprint(&b, &err), 0);
+    ck_assert_uint_eq(a, b);
+    ck_assert_uint_ne(a, 0);
+}
+END_TEST
+
+static const char *const bad_texts[] = { "-zz 1", "-ab", "-ab x", "office",
+                                         "-vp 0 0 0" };
+
+START_TEST(bad_options_of_a_job_are_refused)
+{
+    struct rad_params p;
+    struct rad_view v;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(jobtext_params(bad_texts[_i], &p, &err), RAD_EDATA);
+    ck_assert_str_ne(err.what, "");
+    ck_assert_int_eq(jobtext_view("-ab 1", &v, NULL), RAD_EDATA);
+    ck_assert_int_eq(jobtext_view("-vd 0 0 0", &v, NULL), RAD_EDATA);
+}
+END_TEST
+
+START_TEST(pixel_aspect_follows_the_view_where_it_is_free)
+{
+    double pa;
+
+    ck_assert_int_eq(
+        jobtext_pixaspect("-pa 1.5", "-vh 40 -vv 40", 300, 200, &pa, NULL), 0);
+    ck_assert_double_eq(pa, 1.5);
+    ck_assert_int_eq(
+        jobtext_pixaspect("-pa 0", "-vtl -vh 2 -vv 1", 400, 100, &pa, NULL), 0);
+    ck_assert_double_eq_tol(pa, 2, 1e-12);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("pool");
+    TCase *tc = tcase_create("pool");
+
+    tcase_set_timeout(tc, 120);
+    tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
+    tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
+    tcase_add_test(tc, revoked_units_are_not_done);
+    tcase_add_test(tc, pool_ends_in_the_middle);
+    tcase_add_test(tc, fingerprint_is_the_same_each_time);
+    tcase_add_loop_test(tc, bad_options_of_a_job_are_refused, 0,
+                        N_ELEM(bad_texts));
+    tcase_add_test(tc, pixel_aspect_follows_the_view_where_it_is_free);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

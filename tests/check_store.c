@@ -1,0 +1,525 @@
+/* check_store.c - files by hash, rows and pictures on disk */
+#include "config.h"
+
+#include "blobs.h"
+#include "picture/hdr.h"
+#include "rows.h"
+#include "service.h"
+#include "store.h"
+
+#include "unit.h"
+
+#include <ftw.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char dir[64];
+
+static int
+remove_entry(const char *path, const struct stat *st, int flag, struct FTW *f)
+{
+    (void)st;
+    (void)flag;
+    (void)f;
+    return remove(path);
+}
+
+static void
+setup(void)
+{
+    snprintf(dir, sizeof dir, "/tmp/check_store.XXXXXX");
+    ck_assert_ptr_nonnull(mkdtemp(dir));
+}
+
+static void
+teardown(void)
+{
+    nftw(dir, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+static void
+hash_of(const void *data, size_t n, char hex[RAD_SHA_HEX + 1])
+{
+    ck_assert_int_eq(rad_sha_hex(data, n, hex, NULL), 0);
+}
+
+/* --- blobs --- */
+
+START_TEST(file_that_came_in_pieces_is_there)
+{
+    static const char text[] = "void plastic white 0 0 5 1 1 1 0 0";
+    size_t n = sizeof text;
+    char hex[RAD_SHA_HEX + 1], back[sizeof text];
+    struct blob_part p;
+    struct blobs b;
+    uint64_t size;
+
+    hash_of(text, n, hex);
+    ck_assert_int_eq(blobs_open(&b, dir, true, NULL), 0);
+    ck_assert_int_eq(blob_part_open(&p, &b, hex, n, NULL), 0);
+    ck_assert_int_eq(blob_part_write(&p, 0, text, 10, NULL), 0);
+    ck_assert(!blobs_has(&b, hex, NULL));
+    ck_assert_int_eq(blob_part_write(&p, 10, text + 10, n - 10, NULL), 1);
+    ck_assert(blobs_has(&b, hex, &size));
+    ck_assert_uint_eq(size, n);
+    ck_assert_int_eq(blobs_read(&b, hex, 5, back, n - 5, NULL), 0);
+    ck_assert_mem_eq(back, text + 5, n - 5);
+    ck_assert_int_eq(blobs_read(&b, hex, 6, back, n - 5, NULL), RAD_EIO);
+}
+END_TEST
+
+START_TEST(empty_file_is_a_file)
+{
+    char hex[RAD_SHA_HEX + 1];
+    struct blob_part p;
+    struct blobs b;
+
+    hash_of("", 0, hex);
+    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blob_part_open(&p, &b, hex, 0, NULL), 0);
+    ck_assert_int_eq(blob_part_write(&p, 0, NULL, 0, NULL), 1);
+    ck_assert(blobs_has(&b, hex, NULL));
+}
+END_TEST
+
+static const struct {
+    uint64_t total, offset;
+    size_t n;
+    bool other; /* another file's hash */
+} wrong[] = {
+    { 8, 1, 4, false }, /* does not begin at 0 */
+    { 8, 0, 9, false }, /* more than was said */
+    { 8, UINT64_MAX, 1, false },
+    { 8, 0, 8, true }, /* not what its name says */
+};
+
+START_TEST(wrong_pieces_leave_nothing)
+{
+    static const char text[] = "12345678x";
+    struct blob_part p;
+    struct blobs b;
+    char hex[RAD_SHA_HEX + 1], path[160];
+    struct rad_error err = { 0 };
+
+    hash_of(wrong[_i].other ? "other" : text, wrong[_i].other ? 5 : 8, hex);
+    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blob_part_open(&p, &b, hex, wrong[_i].total, NULL), 0);
+    ck_assert_int_eq(
+        blob_part_write(&p, wrong[_i].offset, text, wrong[_i].n, &err),
+        RAD_EPROTO);
+    ck_assert_str_ne(err.what, "");
+    ck_assert(!blobs_has(&b, hex, NULL));
+    snprintf(path, sizeof path, "%s/0.part", dir);
+    ck_assert_int_ne(access(path, F_OK), 0);
+}
+END_TEST
+
+START_TEST(bad_names_are_refused)
+{
+    struct blob_part p;
+    struct blobs b;
+
+    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blob_part_open(&p, &b, "../../etc/passwd", 1, NULL),
+                     RAD_EPROTO);
+    ck_assert(!blobs_has(&b, "..", NULL));
+}
+END_TEST
+
+START_TEST(half_files_of_an_earlier_life_go)
+{
+    struct blobs b;
+    char path[160];
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/17.part", dir);
+    f = fopen(path, "w");
+    ck_assert_ptr_nonnull(f);
+    fclose(f);
+    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_ne(access(path, F_OK), 0);
+}
+END_TEST
+
+/* --- rows --- */
+
+enum { W = 10, H = 6 };
+
+static float
+value(int x, int y, int c)
+{
+    return (float)(1 + x + 100 * y) + 0.25f * (float)c;
+}
+
+static void
+put(struct rows *r, int x, int y, int w, int h)
+{
+    float px[W * H * 4];
+
+    for (int j = 0; j < h; j++)
+        for (int i = 0; i < w; i++)
+            for (int c = 0; c < r->channels; c++)
+                px[(j * w + i) * r->channels + c] = value(x + i, y + j, c);
+    ck_assert_int_eq(rows_write(r, x, y, w, h, px, NULL), 0);
+}
+
+static void
+make_rows(struct rows *r, int channels)
+{
+    char path[160];
+
+    snprintf(path, sizeof path, "%s/f.rows", dir);
+    ck_assert_int_eq(rows_create(r, path, W, H, channels, true, NULL), 0);
+}
+
+START_TEST(windows_make_a_whole)
+{
+    struct rows r;
+    float line[W * 4];
+
+    make_rows(&r, _i);
+    put(&r, 0, 0, 4, 3);
+    put(&r, 4, 0, 6, 3);
+    rows_rest(&r);
+    put(&r, 0, 3, W, 2);
+    ck_assert_int_eq(rows_sync(&r, NULL), 0);
+    for (int y = 0; y < 5; y++) {
+        ck_assert_int_eq(rows_read(&r, y, line, NULL), 0);
+        for (int x = 0; x < W; x++)
+            for (int c = 0; c < _i; c++)
+                ck_assert_float_eq(line[x * _i + c], value(x, y, c));
+    }
+    ck_assert_int_eq(rows_read(&r, 5, line, NULL), 0);
+    for (int i = 0; i < W * _i; i++)
+        ck_assert_float_eq(line[i], 0); /* has not come */
+    rows_remove(&r);
+}
+END_TEST
+
+static const int outside[][4] = {
+    { -1, 0, 1, 1 },    { 0, -1, 1, 1 },         { 0, 0, W + 1, 1 },
+    { 0, 0, 1, H + 1 }, { W, 0, 1, 1 },          { 0, H, 1, 1 },
+    { 0, 0, 0, 1 },     { 3, 3, 2000000000, 1 },
+};
+
+START_TEST(pixels_outside_are_refused)
+{
+    const int *o = outside[_i];
+    struct rows r;
+    float px[W * H * 4] = { 0 };
+
+    make_rows(&r, 3);
+    ck_assert_int_eq(rows_write(&r, o[0], o[1], o[2], o[3], px, NULL),
+                     RAD_EPROTO);
+    rows_remove(&r);
+}
+END_TEST
+
+static unsigned char *
+slurp(const char *path, size_t *n)
+{
+    struct rad_error err = { 0 };
+    unsigned char *p = rad_file_read(path, 1 << 20, n, &err);
+
+    ck_assert_msg(p != NULL, "%s", err.what);
+    return p;
+}
+
+START_TEST(picture_and_depth_hold_the_rows)
+{
+    struct rad_hdr_info info = { .program = "radsubmit",
+                                 .options = "-ab 0",
+                                 .view = "-vtv",
+                                 .pixaspect = 1,
+                                 .width = W,
+                                 .height = H };
+    struct rad_picture pic;
+    struct rows r;
+    char path[160];
+    unsigned char *data;
+    float z;
+    size_t n;
+
+    make_rows(&r, 4);
+    put(&r, 0, 0, W, H);
+    snprintf(path, sizeof path, "%s/f.hdr", dir);
+    ck_assert_int_eq(rows_picture(&r, &info, path, true, NULL), 0);
+    data = slurp(path, &n);
+    ck_assert_int_eq(rad_hdr_read(data, n, 1000, &pic, NULL), 0);
+    ck_assert_int_eq(pic.width, W);
+    ck_assert_int_eq(pic.height, H);
+    for (int y = 0; y < H; y++) /* a mantissa has eight bits */
+        for (int x = 0; x < W; x++)
+            ck_assert_float_eq_tol(pic.L[y * W + x].r, value(x, y, 0),
+                                   value(x, y, 2) / 128);
+    rad_picture_release(&pic);
+    free(data);
+    snprintf(path, sizeof path, "%s/f.z", dir);
+    ck_assert_int_eq(rows_depth(&r, path, true, NULL), 0);
+    data = slurp(path, &n);
+    ck_assert_uint_eq(n, W * H * sizeof(float));
+    memcpy(&z, data + (3 * W + 2) * sizeof z, sizeof z);
+    ck_assert_float_eq(z, value(2, 3, 3));
+    free(data);
+    rows_remove(&r);
+}
+END_TEST
+
+/* --- the store --- */
+
+struct heard {
+    int files, jobs, rows, pictures, status;
+    uint32_t unit;
+    ssize_t n;
+    uint64_t size;
+};
+
+static void
+on_file(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
+        const char *text)
+{
+    struct heard *h = arg;
+
+    (void)hash;
+    (void)text;
+    ck_assert_uint_eq(conn, 5);
+    h->files++;
+    h->status = status;
+}
+
+static void
+on_job(void *arg, const uint8_t job[MSG_JOB], int status, const char *text)
+{
+    struct heard *h = arg;
+
+    (void)job;
+    ck_assert_msg(status == 0, "%s", text);
+    h->jobs++;
+}
+
+static void
+on_rows(void *arg, const struct action_rows *key, int status, const char *text)
+{
+    struct heard *h = arg;
+
+    (void)text;
+    h->rows++;
+    h->unit = key->unit;
+    h->status = status;
+}
+
+static void
+on_picture(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
+           const char *text)
+{
+    struct heard *h = arg;
+
+    (void)job;
+    (void)frame;
+    ck_assert_msg(status == 0, "%s", text);
+    h->pictures++;
+}
+
+static void
+on_read(void *arg, ssize_t n, uint64_t size, const char *text)
+{
+    struct heard *h = arg;
+
+    (void)text;
+    h->n = n;
+    h->size = size;
+}
+
+static const struct store_handler handler = { on_file, on_job, on_rows,
+                                              on_picture };
+
+static void
+run(uv_loop_t *loop, struct store *s)
+{
+    while (!store_idle(s))
+        uv_run(loop, UV_RUN_ONCE);
+}
+
+static void
+put_file(struct store *s, const char *text, const char *name)
+{
+    uint8_t digest[MSG_HASH];
+    char hex[RAD_SHA_HEX + 1];
+    struct msg_chunk c = { .hash = digest,
+                           .offset = 0,
+                           .total = strlen(text),
+                           .data = (const uint8_t *)text,
+                           .len = strlen(text) };
+
+    hash_of(name, strlen(name), hex);
+    for (int i = 0; i < MSG_HASH; i++)
+        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    store_put_chunk(s, 5, &c);
+}
+
+START_TEST(store_keeps_files_and_refuses_impostors)
+{
+    struct heard h = { 0 };
+    uv_loop_t loop;
+    struct store *s;
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    put_file(s, "hello", "hello");
+    run(&loop, s);
+    ck_assert_int_eq(h.files, 1);
+    ck_assert_int_eq(h.status, 0);
+    put_file(s, "olleh", "other");
+    run(&loop, s);
+    ck_assert_int_eq(h.files, 2);
+    ck_assert_int_eq(h.status, 76);
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+END_TEST
+
+START_TEST(folder_serves_one_store)
+{
+    struct rad_error err = { 0 };
+    struct heard h = { 0 };
+    uv_loop_t loop;
+    struct store *s;
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    ck_assert_ptr_null(store_open(&loop, dir, true, &handler, &h, &err));
+    ck_assert_int_eq(err.code, RAD_ECANTCREAT);
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
+static void
+put_unit(struct store *s, const uint8_t *job, uint32_t unit, uint32_t rows,
+         uint8_t channels)
+{
+    static uint8_t bytes[W * H * 16];
+    float px[W * H * 4];
+    struct action_rows a = { .unit = unit,
+                             .rows = rows,
+                             .y = unit * rows,
+                             .width = W,
+                             .channels = channels,
+                             .pixels = bytes };
+
+    for (size_t i = 0; i < (size_t)W * rows * channels; i++)
+        px[i] = 2;
+    wire_floats_put(bytes, px, (size_t)W * rows * channels);
+    memcpy(a.job, job, MSG_JOB);
+    store_put_rows(s, &a);
+}
+
+START_TEST(job_becomes_a_picture)
+{
+    static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
+    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
+    struct coord_picture p = {
+        .name = "x", .params = "-ab 0", .frames = &frame, .nframes = 1
+    };
+    struct store_source from = { .what = MSG_WHAT_PREVIEW };
+    struct heard h = { 0 };
+    struct rad_picture pic;
+    char buf[4096];
+    uv_loop_t loop;
+    struct store *s;
+
+    memcpy(from.job, job, MSG_JOB);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, _i, &handler, &h, NULL);
+    store_open_job(s, job, &p);
+    put_unit(s, job, 0, 3, 3);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 1);
+    ck_assert_int_eq(h.rows, 1);
+    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_gt(h.n, 0);
+    ck_assert_int_eq(
+        rad_hdr_read((uint8_t *)buf, (size_t)h.n, 1000, &pic, NULL), 0);
+    ck_assert_float_gt(pic.L[0].r, 1.9f);
+    ck_assert_float_eq(pic.L[3 * W].r, 0); /* has not come */
+    rad_picture_release(&pic);
+
+    put_unit(s, job, 1, 3, 4); /* a distance that the job has not */
+    run(&loop, s);
+    ck_assert_int_eq(h.status, 76);
+    put_unit(s, job, 1, 3, 3);
+    store_write_picture(s, job, 0);
+    from.what = MSG_WHAT_PICTURE;
+    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.status, 0);
+    ck_assert_int_eq(h.pictures, 1);
+    ck_assert_uint_eq((uint64_t)h.n, h.size);
+    ck_assert_int_eq(
+        rad_hdr_read((uint8_t *)buf, (size_t)h.n, 1000, &pic, NULL), 0);
+    ck_assert_float_gt(pic.L[W * H - 1].r, 1.9f);
+    rad_picture_release(&pic);
+
+    store_forget_job(s, job);
+    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_lt(h.n, 0);
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
+/* --- service --- */
+
+START_TEST(folders_are_made_and_files_written_whole)
+{
+    char deep[160], ports[200], text[100];
+    const char *lines[] = { "unix /x", "tcp 127.0.0.1:1" };
+    struct rad_error err = { 0 };
+    FILE *f;
+
+    snprintf(deep, sizeof deep, "%s/a/b/c", dir);
+    ck_assert_int_eq(service_make_dir(deep, 0700, NULL), 0);
+    ck_assert_int_eq(service_make_dir(deep, 0700, NULL), 0);
+    snprintf(ports, sizeof ports, "%s/ports", deep);
+    ck_assert_int_eq(service_ports_file(ports, lines, 2, NULL), 0);
+    f = fopen(ports, "r");
+    ck_assert_ptr_nonnull(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    ck_assert_str_eq(text, "unix /x\ntcp 127.0.0.1:1\n");
+    snprintf(deep, sizeof deep, "%s/ports/x", dir);
+    snprintf(ports, sizeof ports, "%s/ports", dir);
+    ck_assert_int_eq(service_ports_file(ports, lines, 1, NULL), 0);
+    ck_assert_int_eq(service_make_dir(deep, 0700, &err), RAD_ECANTCREAT);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("store");
+    TCase *tc = tcase_create("store");
+
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_test(tc, file_that_came_in_pieces_is_there);
+    tcase_add_test(tc, empty_file_is_a_file);
+    tcase_add_loop_test(tc, wrong_pieces_leave_nothing, 0, N_ELEM(wrong));
+    tcase_add_test(tc, bad_names_are_refused);
+    tcase_add_test(tc, half_files_of_an_earlier_life_go);
+    tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
+    tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
+    tcase_add_test(tc, picture_and_depth_hold_the_rows);
+    tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
+    tcase_add_test(tc, folder_serves_one_store);
+    tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
+    tcase_add_test(tc, folders_are_made_and_files_written_whole);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
