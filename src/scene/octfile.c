@@ -60,6 +60,12 @@ unpack_real(struct packed_real p)
     return ldexp((p.mantissa + half) * (1. / LARGEST), p.exponent);
 }
 
+double
+rad_octfile_real(double x)
+{
+    return unpack_real(pack_real(x));
+}
+
 static uint64_t
 bits_of(double x)
 {

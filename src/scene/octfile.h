@@ -53,6 +53,10 @@ int rad_octfile_read(struct rad_scene *s, struct rad_octree *tree,
  * failure (RAD_ENOINPUT: it cannot be opened). */
 struct rad_scene *rad_octfile_load(const char *path, struct rad_error *err);
 
+/* What a real is to Radiance's programs once it has been in a frozen octree:
+ * the nearest of 31 bits, for whoever must cut it off at the same place. */
+double rad_octfile_real(double x);
+
 /* Write scene and tree. */
 int rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
                       const struct rad_sink *out, struct rad_error *err);

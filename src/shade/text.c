@@ -9,6 +9,7 @@
 #include "shade/text.h"
 #include "base/vec.h"
 #include "scene/font.h"
+#include "scene/octfile.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -237,7 +238,9 @@ rad_text_prepare(struct rad_job *job, int32_t index,
     if (!(fabs(spacing) <= 30)) /* in letters: keeps widths in range */
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "spacing out of range");
-    t->spacing = (int)(CELL * spacing);
+    /* a spacing of .2 is 51 units in theory, but 50 in every picture of a
+     * frozen octree, where it is a little less */
+    t->spacing = (int)(CELL * rad_octfile_real(spacing));
     set_colors(o, t);
     code = set_plane(job, o, t, err);
     if (code == 0)
