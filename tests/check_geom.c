@@ -409,6 +409,42 @@ START_TEST(coincident_faces_are_told_apart_by_rule)
 }
 END_TEST
 
+/* A floor and a wall whose edge each ray meets, exactly: both are hit, and the
+ * one with the later modifier is seen, in front or from behind. */
+START_TEST(shared_edge_goes_to_the_later_modifier)
+{
+    static const double floor[2][12] = {
+        { -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1 },
+        { -1, 1, -1, 1, 1, -1, 1, -1, -1, -1, -1, -1 },
+    };
+    static const double wall[2][12] = {
+        { -1, -1, 1, 1, -1, 1, 1, -1, -1, -1, -1, -1 },
+        { -1, -1, -1, 1, -1, -1, 1, -1, 1, -1, -1, 1 },
+    };
+    int later = _i % 2, turned = _i / 2;
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    struct rad_hit hit;
+
+    geom_scene_init(&g, 4, 24);
+    for (int i = 0; i < 2; i++) /* stand-ins for modifiers */
+        geom_scene_add(&g, RAD_PLASTIC, RAD_VOID, 0, NULL, 0);
+    geom_scene_add(&g, RAD_POLYGON, later, RAD_SURF_OPAQUE, floor[turned], 12);
+    geom_scene_add(&g, RAD_POLYGON, !later, RAD_SURF_OPAQUE, wall[turned],
+                   12);
+    geom = geom_scene_compile(&g);
+    for (int i = -9; i <= 9; i++) {
+        struct rad_span s = geom_span(3, 0, 0, i / 10. - 3, -1, -1);
+
+        ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
+        ck_assert_int_eq(hit.obj, later ? 2 : 3);
+    }
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
 START_TEST(nearby_faces_are_no_tie)
 {
     struct rad_geom_counts counts = { 0 };
@@ -661,6 +697,7 @@ main(void)
                         N_ELEM(degenerate));
     tcase_add_loop_test(tc, coincident_faces_are_told_apart_by_rule, 0,
                         2 * N_ELEM(tie));
+    tcase_add_loop_test(tc, shared_edge_goes_to_the_later_modifier, 0, 4);
     tcase_add_test(tc, nearby_faces_are_no_tie);
     tcase_add_test(tc, span_with_nan_meets_nothing);
     tcase_add_test(tc, span_ends_where_it_says);

@@ -92,7 +92,7 @@ rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
 
 bool
 rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
-                   double *zlo, double *zhi)
+                   bool edges, double *zlo, double *zhi)
 {
     const double *v = p->v, *end = v + 3 * p->nv, *b = end - 3;
     int kx = r->kx, ky = r->ky, kz = r->kz;
@@ -101,7 +101,7 @@ rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
     double bx = b[kx] - ox - r->sx * bz;
     double by = b[ky] - oy - r->sy * bz;
     double lo = bz, hi = bz;
-    int odd = 0;
+    int odd = 0, on = 0;
 
     for (b = v; b < end; b += 3) {
         double ax = bx, ay = by;
@@ -115,12 +115,13 @@ rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
         int up = by > ay;
 
         odd ^= ((ay > 0) != (by > 0)) & ((up & (e > f)) | (!up & (e < f)));
+        on |= rad_on_edge(ax, ay, bx, by);
         lo = bz < lo ? bz : lo;
         hi = bz > hi ? bz : hi;
     }
     *zlo = lo;
     *zhi = hi;
-    return odd;
+    return odd | (on & edges);
 }
 
 void

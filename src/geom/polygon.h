@@ -14,6 +14,8 @@
  * decided from products that are bitwise the same for a->b and b->a.  Two
  * faces that share an edge therefore agree on it, rounding or not: the ray
  * meets an odd number of the faces on either side, never none.
+ * A ray that meets an edge exactly meets both its faces, so that the tie rule
+ * chooses between them and not the direction of an edge.
  *
  * The distance comes from the plane (mean offset, for faces that are not quite
  * flat), held between the nearest and the farthest vertex along the ray: in a
@@ -43,15 +45,24 @@ rad_more(double a, double b)
     return a > b ? a : b;
 }
 
+/* Does the ray meet the edge from (x0, y0) to (x, y) exactly?  The edge's ends
+ * then lie in opposite quadrants. */
+static inline bool
+rad_on_edge(double x0, double y0, double x, double y)
+{
+    return x0 * y == y0 * x && x0 * x <= 0 && y0 * y <= 0;
+}
+
 /* The same for any number of vertices; in polygon.c. */
 bool rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
-                        double *zlo, double *zhi);
+                        bool edges, double *zlo, double *zhi);
 
-/* Does the ray pass inside a face of three or four vertices?  [*zlo, *zhi]
- * gets the span of the vertices along axis kz, from the origin.  A fourth
- * vertex equal to the first changes nothing: its edge has no length. */
+/* Does the ray pass inside a face of three or four vertices, or with `edges`
+ * meet an edge of it?  [*zlo, *zhi] gets the span of the vertices along axis
+ * kz, from the origin.  A fourth vertex equal to the first changes nothing: its
+ * edge has no length. */
 static inline __attribute__((always_inline)) bool
-rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r,
+rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r, bool edges,
                 double *zlo, double *zhi)
 {
     const double *a = p->v, *b = a + 3, *c = a + 6, *d = p->nv > 3 ? a + 9 : a;
@@ -60,7 +71,7 @@ rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r,
     rad_v4d x = (rad_v4d){ a[kx], b[kx], c[kx], d[kx] } - r->org[kx];
     rad_v4d y = (rad_v4d){ a[ky], b[ky], c[ky], d[ky] } - r->org[ky];
     rad_v4d x0, y0, e, f;
-    rad_v4i odd;
+    rad_v4i odd, near;
 
     x -= r->sx * z;
     y -= r->sy * z;
@@ -72,8 +83,15 @@ rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r,
     e = x0 * y;
     f = y0 * x;
     odd = ((y0 > 0) ^ (y > 0)) & (((y > y0) & (e > f)) | ((y < y0) & (e < f)));
+    near = e == f;
+    near[0] &= -(p->nv > 3); /* else an edge of no length */
     *zlo = rad_less(rad_less(z[0], z[1]), rad_less(z[2], z[3]));
     *zhi = rad_more(rad_more(z[0], z[1]), rad_more(z[2], z[3]));
+    if (__builtin_expect((near[0] | near[1] | near[2] | near[3]) != 0, 0) &&
+        edges)
+        for (int i = 0; i < 4; i++)
+            if (rad_on_edge(x0[i], y0[i], x[i], y[i]))
+                return true;
     return (odd[0] ^ odd[1] ^ odd[2] ^ odd[3]) != 0;
 }
 
@@ -85,14 +103,17 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     double num = p->k[3] - rad_dot(p->k, r->org);
     double err = RAD_GEOM_ROUND * r->size + p->slack;
     double sign = copysign(1, den), rcp, zlo, zhi, lo, hi, s;
+    bool edges;
 
     den *= sign;
     num *= sign;
     /* out of reach whatever the rounding; t itself can wait */
     if (!((num >= tmin * den - err) & (num <= tmax * den + err)))
         return false;
-    if (!(p->nv <= 4 ? rad_quad_inside(p, r, &zlo, &zhi)
-                     : rad_polygon_inside(p, r, &zlo, &zhi)))
+    /* all edges of a face seen edge-on are met: none counts */
+    edges = den > RAD_GEOM_ROUND;
+    if (!(p->nv <= 4 ? rad_quad_inside(p, r, edges, &zlo, &zhi)
+                     : rad_polygon_inside(p, r, edges, &zlo, &zhi)))
         return false;
     rcp = r->rcp[r->kz];
     lo = (rcp > 0 ? zlo : zhi) * rcp;
