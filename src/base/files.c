@@ -93,9 +93,10 @@ read_memory(void *arg, void *buf, size_t n, struct rad_error *err)
     (void)err;
     if (n > from->left)
         n = from->left;
-    if (n)
+    if (n) {
         memcpy(buf, from->p, n);
-    from->p = (const char *)from->p + n;
+        from->p = (const char *)from->p + n;
+    }
     from->left -= n;
     return (long)n;
 }

@@ -104,8 +104,8 @@ rad_bundle_add(struct rad_bundle *b, enum rad_bundle_role role,
     if (!rad_sha_valid(hash))
         return rad_fail(err, RAD_EDATA, "'%s' has no SHA-256", name);
     at = lower_bound(b, role, name);
-    e = b->entries + at;
-    if (at < b->n && compare(e, role, name) == 0) {
+    if (at < b->n && compare(&b->entries[at], role, name) == 0) {
+        e = &b->entries[at];
         if (strcmp(e->hash, hash) != 0 || e->size != size)
             return rad_fail(err, RAD_EDATA, "'%s' is named twice", name);
         return 0;
