@@ -173,7 +173,12 @@ THREAD_TESTS = \
 	tests/check_ambient \
 	tests/check_pool
 # Shell tests that also run with sanitized programs.
-SANITIZED_E2E =
+SANITIZED_E2E = \
+	tests/e2e/radscene.sh
+
+E2E_TESTS = $(SANITIZED_E2E)
+TESTS += $(E2E_TESTS)
+dist_check_SCRIPTS += $(E2E_TESTS)
 
 .PHONY: check-sanitized check-threads
 check-sanitized:

@@ -1,0 +1,124 @@
+#!/bin/sh
+# radscene: what it prints, its messages and its exit statuses.
+set -u
+radscene=$top_builddir/radscene
+tmp=$(mktemp -d) || exit 99
+trap 'rm -rf "$tmp"' EXIT
+cd "$tmp" || exit 99
+unset RAYPATH
+failed=0
+
+# expect STATUS TEXT COMMAND...: the command ends with that status, and its
+# standard error has the text, or is empty if the text is
+expect() {
+    status=$1 text=$2
+    shift 2
+    "$@" >out 2>err
+    got=$?
+    if [ "$got" -ne "$status" ] || { [ -s err ] && [ -z "$text" ]; } ||
+        { [ -n "$text" ] && ! grep -qF -- "$text" err; }; then
+        echo "FAIL: $*: status $got, expected $status and '$text':"
+        cat err
+        failed=1
+    fi
+}
+
+# same TEXT: the last command printed exactly that
+same() {
+    if [ "$(cat out)" != "$1" ]; then
+        echo "FAIL: printed"
+        cat out
+        failed=1
+    fi
+}
+
+cat >good.rad <<'END'
+# a ball under a lamp
+void plastic grey 0 0 5 .5 .5 .5 0 0
+void light lamp 0 0 3 10 10 10
+void mixfunc unused 4 grey grey .5 . 0 0
+grey sphere ball
+0
+0
+4 0 0 1 1
+!echo 'lamp ring top 0 0 8 0 0 4 0 0 -1 0 .5'
+END
+
+expect 0 '' $radscene check good.rad
+same ''
+expect 0 '' $radscene needs good.rad
+same 'sphere
+ring
+light
+plastic'
+expect 0 '' $radscene info good.rad
+same 'objects 5
+surfaces 2
+sources 1
+bounds -1 -1 0  1 1 4
+  sphere 1
+  ring 1
+  light 1
+  plastic 1
+  mixfunc 1'
+
+# a frozen scene is the scene, by any name and from standard input
+expect 0 '' $radscene info good.rad
+mv out info
+expect 0 '' $radscene freeze good.rad
+mv out good.oct
+expect 0 '' $radscene info good.oct
+same "$(cat info)"
+expect 0 '' sh -c "$radscene info - <good.oct"
+same "$(cat info)"
+expect 0 '' $radscene freeze good.oct
+cmp out good.oct || failed=1
+head -c 300 good.oct >cut.oct
+expect 65 'cut.oct: truncated at byte 300' $radscene check cut.oct
+head -c 5 good.oct >cut.oct
+expect 65 'cut.oct: ' $radscene check cut.oct
+expect 64 "octree 'good.oct' must be the only" $radscene check good.rad good.oct
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000a.rad\000' \
+    >thawed.oct
+expect 65 "octree is not frozen (it names scene file 'a.rad')" \
+    $radscene check thawed.oct
+
+# bad scenes
+printf 'void plastic m\n0\nO\n5 1 1 1 0 0\n' >bad.rad
+expect 65 'bad.rad:3: plastic' $radscene check bad.rad
+printf '\n\nwood sphere s 0 0 4 0 0 0 1\n' >bad.rad
+expect 65 "bad.rad:3: undefined modifier 'wood'" $radscene check bad.rad
+printf 'void polygon p 0 0 4 0 0 0 1\n' >bad.rad
+expect 65 "bad.rad:1: polygon 'p': expected at least 9 real arguments, got 4" \
+    $radscene check bad.rad
+printf 'void polygon p 0 0 4 0 0 0 1\nvoid sphere s 0 0 4 0 0 0 0\n' >bad.rad
+expect 65 "bad.rad:1: polygon 'p'" $radscene check bad.rad
+expect 65 "bad.rad:2: sphere 's': zero radius" $radscene check bad.rad
+expect 65 "bad.rad:1: polygon 'p'" $radscene info bad.rad
+head -c 100000 /dev/urandom >bad.rad
+expect 65 'bad.rad:1: ' $radscene check bad.rad
+expect 66 "cannot open 'none.rad'" $radscene check none.rad
+expect 66 "cannot read '.'" $radscene check .
+printf '!exit 3\n' >bad.rad
+expect 65 "bad.rad:1: '!exit 3' failed with exit status 3" \
+    $radscene check bad.rad
+
+# wrong command lines
+expect 64 'usage: radscene' $radscene
+expect 64 'usage: radscene' $radscene chekc good.rad
+expect 64 'no scene file' $radscene check
+expect 64 "unknown option '-x'" $radscene info -x good.rad
+expect 64 "unknown option '-zz'" $radscene rays -zz good.rad
+expect 0 '' $radscene --help
+grep -q 'usage: radscene check' out || failed=1
+expect 0 '' $radscene --version
+grep -q '^radscene [0-9]' out || failed=1
+expect 74 'cannot write' sh -c "$radscene needs good.rad >/dev/full"
+expect 74 'cannot write' sh -c "$radscene freeze good.rad >/dev/full"
+
+# rays: into the ball, and to the sky
+printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
+expect 0 '' sh -c "$radscene rays -ab 0 -av 1 1 1 good.rad <rays"
+same '0.5 0.5 0.5
+0 0 0'
+exit $failed
