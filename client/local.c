@@ -275,6 +275,14 @@ processors(void)
     return n > 0 ? n : 1;
 }
 
+int
+local_threads(int nworkers, int nthreads)
+{
+    int n = nthreads ? nthreads : processors() / nworkers;
+
+    return n > 0 ? n : 1;
+}
+
 static int
 start_coordinator(struct local *l, struct rad_error *err)
 {
@@ -308,10 +316,7 @@ local_start(struct local *l, int nworkers, int nthreads, const int *stop,
     char socket[sizeof l->target.path];
     int rc;
 
-    if (nthreads == 0)
-        nthreads = processors() / nworkers;
-    if (nthreads < 1)
-        nthreads = 1;
+    nthreads = local_threads(nworkers, nthreads);
     snprintf(socket, sizeof socket, "%s/coord", l->folder);
     if ((rc = target_parse(&l->target, socket, err)) < 0 ||
         (rc = open_notify(l, err)) < 0)

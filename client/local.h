@@ -28,6 +28,9 @@ const char *local_folder(const struct local *l);
 int local_start(struct local *l, int nworkers, int nthreads, const int *stop,
                 struct rad_error *err);
 
+/* Threads of each worker when nthreads are asked for. */
+int local_threads(int nworkers, int nthreads);
+
 /* Where its coordinator is. */
 const struct target *local_target(const struct local *l);
 

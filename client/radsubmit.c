@@ -262,6 +262,13 @@ compile(struct program *p)
     return p->compile_rc;
 }
 
+/* Of a cluster of our own. */
+static int
+workers_wanted(const struct program *p)
+{
+    return p->o.workers ? p->o.workers : 1;
+}
+
 /* The types that the scene uses, blanks between. */
 static void
 list_needs(struct program *p)
@@ -275,6 +282,20 @@ list_needs(struct program *p)
             used += (size_t)snprintf(p->needs + used, sizeof p->needs - used,
                                      "%s%s", used ? " " : "",
                                      rad_otype_name((enum rad_otype)t));
+}
+
+/* A coordinator decides by the workers that it has when the job begins; those
+ * of our own cluster come one after the other, but we know how many. */
+static uint8_t
+choose_partition(const struct program *p)
+{
+    int nworkers = workers_wanted(p);
+
+    if (p->o.partition == PARTITION_WINDOW)
+        return MSG_PART_WINDOW;
+    if (p->embedded && nworkers * local_threads(nworkers, p->o.threads) > 1)
+        return MSG_PART_WINDOW;
+    return MSG_PART_AUTO;
 }
 
 static void
@@ -296,8 +317,7 @@ fill_spec(struct program *p)
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
                (o->no_share ? 0 : MSG_JOB_SHARE) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0);
-    s->partition =
-        o->partition == PARTITION_WINDOW ? MSG_PART_WINDOW : MSG_PART_AUTO;
+    s->partition = choose_partition(p);
     s->order = (uint8_t)o->order; /* the same words in the same order */
     s->windows = (uint32_t)o->windows;
     s->objects = (uint32_t)p->scene.scene->nobjects;
@@ -350,8 +370,8 @@ make_id(struct program *p)
 static int
 start_local(struct program *p)
 {
-    int rc = local_start(p->local, p->o.workers ? p->o.workers : 1,
-                         p->o.threads, &p->interrupts, p->err);
+    int rc = local_start(p->local, workers_wanted(p), p->o.threads,
+                         &p->interrupts, p->err);
 
     if (rc == 0)
         p->target = *local_target(p->local);
