@@ -560,12 +560,33 @@ START_TEST(blocker_is_remembered_and_skipped)
 }
 END_TEST
 
+/* Distance from p to the plane of the first three vertices. */
+static long double
+off_plane(const double *v, const double *p)
+{
+    long double a[3], b[3], n[3], h = 0;
+
+    for (int i = 0; i < 3; i++) {
+        a[i] = (long double)v[3 + i] - v[i];
+        b[i] = (long double)v[6 + i] - v[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+
+        n[i] = a[j] * b[k] - a[k] * b[j];
+        h += n[i] * ((long double)p[i] - v[i]);
+    }
+    return fabsl(h) / hypotl(hypotl(n[0], n[1]), n[2]);
+}
+
 /* Distance from p to the surface, in a wider format than the code's. */
 static long double
 off_surface(enum rad_otype type, const double *a, const double *p)
 {
     long double d[3], x[3], h = 0, len = 0, rho = 0, r;
 
+    if (type == RAD_POLYGON)
+        return off_plane(a, p);
     for (int i = 0; i < 3; i++)
         d[i] = (long double)p[i] - a[i];
     if (type == RAD_SPHERE || type == RAD_BUBBLE)
@@ -594,8 +615,12 @@ off_surface(enum rad_otype type, const double *a, const double *p)
 static const struct {
     enum rad_otype type;
     int nreals;
-    double reals[8];
+    double reals[12];
 } leaving[] = {
+    { RAD_POLYGON, 9, { .1, .2, .3, 1.7, .8, .2, .5, 1.1, 2.3 } },
+    { RAD_POLYGON, 9, { 1e9, 7, 3, 1e9 + 4, 5, 8, 1e9 + 1, -2, 5 } },
+    { RAD_POLYGON, 9, { 3e-6, 1e-6, 2e-6, -4e-6, 5e-6, 8e-6, 0, 0, 5e-6 } },
+    { RAD_POLYGON, 12, { 1, 2, 3, 11, 2, 3, 11, 22, 3, 1, 22, 3 } },
     { RAD_SPHERE, 4, { .1, .2, .3, 1 } },
     { RAD_SPHERE, 4, { .1, .2, .3, 1e-6 } },
     { RAD_SPHERE, 4, { .1, .2, 1e10, 1e10 } },
@@ -615,6 +640,7 @@ aim(uint64_t key, int row, double dist)
     const double *a = leaving[row].reals;
     bool ball =
         leaving[row].type == RAD_SPHERE || leaving[row].type == RAD_BUBBLE;
+    bool face = leaving[row].type == RAD_POLYGON;
     double r = ball ? a[3] : leaving[row].type == RAD_RING ? a[7] : a[6];
     double s = rad_rand(key, 9), to[3];
     struct rad_span span = { .tmin = 0, .tmax = INFINITY };
@@ -622,11 +648,15 @@ aim(uint64_t key, int row, double dist)
     geom_rand_dir(key, 0, to);
     geom_rand_dir(key, 2, span.org);
     for (int i = 0; i < 3; i++) {
+        /* on the axis, or on an edge */
         double at = ball || leaving[row].type == RAD_RING
                         ? a[i]
                         : a[i] + s * (a[3 + i] - a[i]);
 
-        to[i] = at + r * to[i];
+        if (face) /* from there towards the third vertex, to the edge too */
+            to[i] = at + fmax(rad_rand(key, 10) - .1, 0) * (a[6 + i] - at);
+        else
+            to[i] = at + r * to[i];
         span.org[i] = to[i] + dist * span.org[i];
     }
     rad_sub(span.dir, to, span.org);
@@ -643,7 +673,7 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
     struct rad_geom *geom;
     int met = 0;
 
-    geom_scene_init(&g, 1, 8);
+    geom_scene_init(&g, 1, 12);
     geom_scene_add(&g, leaving[_i].type, RAD_VOID, RAD_SURF_OPAQUE, a,
                    leaving[_i].nreals);
     geom = geom_scene_compile(&g);
@@ -662,8 +692,10 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
         ck_assert(fabs(rad_dot(hit.n, hit.n) - 1) < 1e-14);
         geom_rand_dir(key, 20, away.dir);
         if (i % 3 == 0) { /* all but along the surface */
+            double tilt = pow(10, geom_rand(key, 22, -17, -3));
+
             rad_madd(away.dir, away.dir, -rad_dot(away.dir, hit.n), hit.n);
-            rad_madd(away.dir, away.dir, i % 2 ? 1e-9 : -1e-9, hit.n);
+            rad_madd(away.dir, away.dir, i % 2 ? tilt : -tilt, hit.n);
             rad_normalize(away.dir);
         }
         rad_geom_leave(&hit, away.dir, away.org);
@@ -671,8 +703,9 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
         if (!rad_geom_nearest(geom, &away, &again, &counts))
             continue;
         /* inside a round thing the far wall may be met, and only there */
-        ck_assert_int_ne(leaving[_i].type, RAD_RING);
-        ck_assert_msg(rad_dot(again.n, away.dir) * cos_out < 0,
+        ck_assert(leaving[_i].type != RAD_RING &&
+                  leaving[_i].type != RAD_POLYGON);
+        ck_assert_msg(!signbit(rad_dot(again.n, away.dir)) != !signbit(cos_out),
                       "met again after %g", again.t);
     }
     ck_assert_int_gt(met, 300);

@@ -124,11 +124,16 @@ rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
     return odd | (on & edges);
 }
 
+/* The point is put onto the plane along the normal: its error is then that of
+ * the face's own numbers, however far the ray came from. */
 void
 rad_plane_surface(const struct rad_prim *p, const struct rad_probe *r,
                   struct rad_hit *hit)
 {
     rad_madd(hit->p, r->org, hit->t, r->dir);
+    rad_madd(hit->p, hit->p, p->k[3] - rad_dot(p->k, hit->p), p->k);
     rad_copy(hit->n, p->k);
-    hit->err = RAD_GEOM_ROUND * (r->size + hit->t) + p->slack;
+    hit->err =
+        RAD_GEOM_ROUND * (fabs(hit->p[0]) + fabs(hit->p[1]) + fabs(hit->p[2])) +
+        p->slack;
 }
