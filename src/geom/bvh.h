@@ -75,6 +75,7 @@ struct rad_walk {
     uint32_t prim;     /* which item that is */
     bool tie;          /* another hit lies within the window behind best */
     int32_t skip;      /* object that does not count */
+    bool veiled;       /* a leaf on the way holds something not opaque */
     uint64_t tests, nodes;
     /* ties: called with every hit */
     void (*offer)(struct rad_walk *w, uint32_t prim, double t);

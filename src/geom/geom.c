@@ -291,17 +291,17 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     return rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t);
 }
 
-bool
-rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
-                  int32_t skip, int32_t *blocker,
-                  struct rad_geom_counts *counts)
+enum rad_sight
+rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
+               int32_t skip, int32_t *blocker, struct rad_geom_counts *counts)
 {
     struct rad_walk w;
     bool blocked;
 
     if (!walk_init(&w, g, span))
-        return false;
+        return RAD_SIGHT_CLEAR;
     w.skip = skip;
+    w.veiled = false;
     blocked = blocker && still_blocks(g, &w, *blocker);
     if (!blocked && g->kernel->any(&w)) {
         blocked = true;
@@ -309,7 +309,17 @@ rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
             *blocker = w.prims[w.prim].obj;
     }
     add_counts(counts, &w);
-    return blocked;
+    return blocked    ? RAD_SIGHT_BLOCKED
+           : w.veiled ? RAD_SIGHT_VEILED
+                      : RAD_SIGHT_CLEAR;
+}
+
+bool
+rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
+                  int32_t skip, int32_t *blocker,
+                  struct rad_geom_counts *counts)
+{
+    return rad_geom_sight(g, span, skip, blocker, counts) == RAD_SIGHT_BLOCKED;
 }
 
 bool

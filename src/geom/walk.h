@@ -127,8 +127,12 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         const struct rad_prim *p = &w->prims[i];
 
-        if (!(p->surf & RAD_SURF_OPAQUE) || p->obj == w->skip)
+        if (p->obj == w->skip)
             continue;
+        if (!(p->surf & RAD_SURF_OPAQUE)) {
+            w->veiled = true;
+            continue;
+        }
         w->tests++;
         if (rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t)) {
             w->prim = i;

@@ -10,8 +10,8 @@
  * this very point, so a pixel stays a function.
  *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
- * Only if there is none and the scene has something to see through does it go
- * on, from surface to surface, as a ray that materials shade.  */
+ * Only if there is none, but something to see through, does it go on, from
+ * surface to surface, as a ray that materials shade.  */
 #include "config.h"
 
 #include "light/sources.h"
@@ -201,10 +201,15 @@ test(const struct direct *d, struct potential *p)
     if (!start_ray(d, p, &sr))
         return false;
     ray_span(&sr, p->tmax, &span);
-    if (rad_geom_occluded(job->geom, &span, job->sources->list[p->source].obj,
-                          &ctx->last_blocker[p->source], &ctx->counts.geom))
+    switch (rad_geom_sight(job->geom, &span, job->sources->list[p->source].obj,
+                           &ctx->last_blocker[p->source], &ctx->counts.geom)) {
+    case RAD_SIGHT_BLOCKED:
         return false;
-    return !job->see_through || see_through(d, p, &sr);
+    case RAD_SIGHT_VEILED:
+        return see_through(d, p, &sr);
+    default:
+        return true;
+    }
 }
 
 /* Larger first; the order of the samples settles ties, so that it is one. */

@@ -35,11 +35,8 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
     for (int32_t i = 0; i < n; i++) {
         enum rad_otype type = job->scene->objects[i].type;
 
-        if (rad_otype_class(type) != RAD_CLASS_SURFACE)
-            continue;
-        surf[i] = surface_flags(job, i);
-        if (type != RAD_SOURCE && !(surf[i] & RAD_SURF_OPAQUE))
-            job->see_through = true;
+        if (rad_otype_class(type) == RAD_CLASS_SURFACE)
+            surf[i] = surface_flags(job, i);
     }
     job->geom = rad_geom_new(job->scene, surf, err);
     free(surf);

@@ -28,7 +28,6 @@ struct rad_job {
     struct rad_material *materials; /* by object, up to the last modifier */
     struct rad_sources *sources;
     struct rad_ambient *ambient;    /* NULL: no cache (-ab 0 or -aa 0) */
-    bool see_through; /* something lets shadow rays pass: glass, trans, ... */
 };
 
 /* The scene must have passed rad_scene_check() and must outlive the job; files
