@@ -52,12 +52,12 @@ enum {
 /* Dimensions of the random numbers that a ray's key is good for (rad_rand):
  * all of them, so that no two uses share one. */
 enum {
-    RAD_DIM_ROULETTE = 0,          /* does this ray live on (-lr <= 0)? */
-    RAD_DIM_PIXEL = 1,             /* and 2, 3: place in the pixel */
-    RAD_DIM_RSPECULAR = 4,         /* and 5: glossy reflection */
-    RAD_DIM_TSPECULAR = 6,         /* and 7: glossy transmission */
-    RAD_DIM_SOURCE = 0x01000000,   /* + anything below 2^24 */
-    RAD_DIM_AMBIENT = 0x02000000   /* + anything below 2^24 */
+    RAD_DIM_ROULETTE = 0,           /* does this ray live on (-lr <= 0)? */
+    RAD_DIM_PIXEL = 1,              /* and 2, 3: place in the pixel */
+    RAD_DIM_SOURCE = 0x01000000,    /* + anything below 2^24 */
+    RAD_DIM_AMBIENT = 0x02000000,   /* + anything below 2^24 */
+    RAD_DIM_RSPECULAR = 0x03000000, /* the same: glossy reflection */
+    RAD_DIM_TSPECULAR = 0x04000000  /* the same: glossy transmission */
 };
 
 /* No ray has more ancestors than this, whatever -lr and -lw say: it bounds the
