@@ -15,10 +15,10 @@ FUZZ_TARGETS = \
 
 if FUZZERS
 FUZZ_MAIN =
-FUZZ_LDFLAGS = $(AM_LDFLAGS) -fsanitize=fuzzer
+FUZZ_LINK = $(AM_LDFLAGS) -fsanitize=fuzzer
 else
 FUZZ_MAIN = tests/fuzz/replay.c
-FUZZ_LDFLAGS = $(AM_LDFLAGS)
+FUZZ_LINK = $(AM_LDFLAGS)
 endif
 
 check_PROGRAMS += $(FUZZ_TARGETS)
@@ -28,36 +28,36 @@ TESTS += tests/fuzz/replay.sh
 
 # tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
 # tests_fuzz_fuzz_x_LDADD = $(LIBRAD)
-# tests_fuzz_fuzz_x_LDFLAGS = $(FUZZ_LDFLAGS)
+# tests_fuzz_fuzz_x_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_bundle_SOURCES = tests/fuzz/fuzz_bundle.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_bundle_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_params_SOURCES = tests/fuzz/fuzz_params.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_params_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_params_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_params_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_view_SOURCES = tests/fuzz/fuzz_view.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_view_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_view_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_view_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_hdr_SOURCES = tests/fuzz/fuzz_hdr.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_hdr_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_hdr_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_hdr_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_font_SOURCES = tests/fuzz/fuzz_font.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_font_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_parse_SOURCES = tests/fuzz/fuzz_parse.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_parse_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_octfile_SOURCES = tests/fuzz/fuzz_octfile.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_octfile_LDADD = $(LIBRAD)
-tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_ambshare_SOURCES = tests/fuzz/fuzz_ambshare.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_ambshare_LDADD = $(LIBDAEMON) $(LIBRAD)
-tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LDFLAGS)
+tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LINK)
