@@ -335,32 +335,10 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 /* --- the whole ---------------------------------------------------------------
  */
 
-static int
-read_files(struct compiled *c, const char *const *files, int n,
-           struct reading *r, struct rad_error *err)
-{
-    int rc = 0;
-
-    for (int i = 0; i < n && (r->each || !rc); i++) {
-        int now = read_file(c, files[i], n == 1, r, err);
-
-        rc = rc ? rc : now;
-    }
-    /* what is missing would only be told again */
-    if (!rc)
-        rc = rad_scene_check(c->scene, r->each, r->arg, err);
-    if (!rc || r->each) {
-        int now = visit_files(c, r, find_file, NULL, err);
-
-        rc = rc ? rc : now;
-    }
-    return rc;
-}
-
 int
-compile_read(struct compiled *c, const char *const *files, int n,
-             void (*each)(void *arg, const struct rad_error *err), void *arg,
-             struct rad_error *err)
+compile_parse(struct compiled *c, const char *const *files, int n,
+              void (*each)(void *arg, const struct rad_error *err), void *arg,
+              struct rad_error *err)
 {
     struct reading r = { NULL, each, arg };
     int rc;
@@ -371,8 +349,31 @@ compile_read(struct compiled *c, const char *const *files, int n,
     c->scene = rad_scene_new();
     rc = c->scene ? paths_init(&c->paths, err)
                   : rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (!rc)
-        rc = read_files(c, files, n, &r, err);
+    for (int i = 0; c->paths.raypath && i < n && (each || !rc); i++) {
+        int now = read_file(c, files[i], n == 1, &r, err);
+
+        rc = rc ? rc : now;
+    }
+    if (rc)
+        compile_release(c);
+    return rc;
+}
+
+int
+compile_read(struct compiled *c, const char *const *files, int n,
+             void (*each)(void *arg, const struct rad_error *err), void *arg,
+             struct rad_error *err)
+{
+    struct reading r = { NULL, each, arg };
+    int missing, rc = compile_parse(c, files, n, each, arg, err);
+
+    if (rc)
+        return rc;
+    rc = rad_scene_check(c->scene, each, arg, err);
+    if (!rc || each) {
+        missing = visit_files(c, &r, find_file, NULL, err);
+        rc = rc ? rc : missing;
+    }
     if (rc)
         compile_release(c);
     return rc;

@@ -23,12 +23,17 @@ struct compiled {
     struct rad_bundle bundle;
 };
 
-/* Read and check the scene that is in n files: one octree, or scene text from
- * any number of files, "-" being the standard input.  With `each` all errors
- * that can be found are told, one by one; *err gets the first.  On failure *c
- * is empty.
- *   RAD_ENOINPUT      a file that is missing, or not readable
- *   RAD_EDATA         what is wrong, with file and line
+/* Read the scene that is in n files: one octree, or scene text from any number
+ * of files, "-" being the standard input.  With `each` all errors that can be
+ * found are told, one by one; *err gets the first.  On failure *c is empty.
+ *   RAD_ENOINPUT  a file that is missing, or not readable
+ *   RAD_EDATA     what is wrong, with file and line */
+int compile_parse(struct compiled *c, const char *const *files, int n,
+                  void (*each)(void *arg, const struct rad_error *err),
+                  void *arg, struct rad_error *err);
+
+/* Read and check it: besides the above,
+ *   RAD_ENOINPUT      a file that an object needs is missing
  *   RAD_EUNSUPPORTED  a type that the renderer lacks */
 int compile_read(struct compiled *c, const char *const *files, int n,
                  void (*each)(void *arg, const struct rad_error *err),
@@ -41,7 +46,7 @@ int compile_octree(struct compiled *c, struct rad_error *err);
  * compile_octree(). */
 int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
 
-/* All three. */
+/* Read, check and bundle it. */
 int compile_scene(struct compiled *c, const char *const *files, int n,
                   const char *dir, struct rad_error *err);
 

@@ -45,6 +45,31 @@ print_error(void *arg, const struct rad_error *err)
     fprintf(stderr, "radscene: %s\n", message);
 }
 
+/* The first error other than a type that the renderer lacks. */
+static void
+keep_first(void *arg, const struct rad_error *err)
+{
+    struct rad_error *first = arg;
+
+    if (err->code != RAD_EUNSUPPORTED && first->code == 0)
+        *first = *err;
+}
+
+/* Read a scene that may have types that the renderer lacks. */
+static int
+read_any(struct compiled *c, const char *const *files, int n,
+         struct rad_error *err)
+{
+    int rc = compile_parse(c, files, n, NULL, NULL, err);
+
+    if (rc)
+        return rc;
+    rad_scene_check(c->scene, keep_first, err, NULL);
+    if (err->code)
+        compile_release(c);
+    return err->code;
+}
+
 /* --- info ------------------------------------------------------------------
  */
 
@@ -61,7 +86,7 @@ gives_direct_light(const struct rad_scene *s, const struct rad_object *o)
     case RAD_SPOTLIGHT:
         return true;
     case RAD_GLOW:
-        return s->objects[m].reals[3] > 0;
+        return s->objects[m].nreals == 4 && s->objects[m].reals[3] > 0;
     default:
         return false;
     }
@@ -135,6 +160,21 @@ run_needs(struct compiled *c, struct rad_error *err)
     return 0;
 }
 
+/* Any material can be frozen; but what these surfaces fill, other files say. */
+static int
+check_surfaces(const struct rad_scene *s, struct rad_error *err)
+{
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        if (o->type == RAD_INSTANCE || o->type == RAD_MESH)
+            return rad_scene_fail(s, o, err, RAD_EUNSUPPORTED,
+                                  "type '%s' is not supported yet",
+                                  rad_otype_name(o->type));
+    }
+    return 0;
+}
+
 static int
 run_freeze(struct compiled *c, struct rad_error *err)
 {
@@ -145,6 +185,9 @@ run_freeze(struct compiled *c, struct rad_error *err)
     if (isatty(STDOUT_FILENO))
         return rad_fail(err, RAD_EUSAGE,
                         "the octree is binary: send it to a file");
+    rc = check_surfaces(c->scene, err);
+    if (rc)
+        return rc;
     rc = compile_octree(c, err);
     return rc ? rc : rad_octfile_write(c->scene, &c->octree, &out, err);
 }
@@ -184,7 +227,7 @@ run_rays(int argc, char **argv, struct rad_error *err)
 
 static const struct subcommand {
     const char *name;
-    bool every_error; /* are told, not the first alone */
+    bool strict; /* the scene must render, and every error of it is told */
     int (*run)(struct compiled *c, struct rad_error *err);
 } subcommands[] = {
     { "check", true, run_check },
@@ -206,8 +249,10 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
     for (int i = 1; i < argc; i++)
         if (argv[i][0] == '-' && argv[i][1] != '\0')
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", argv[i]);
-    rc = compile_read(&c, (const char *const *)argv + 1, argc - 1,
-                      sub->every_error ? print_error : NULL, NULL, err);
+    rc = sub->strict
+             ? compile_read(&c, (const char *const *)argv + 1, argc - 1,
+                            print_error, NULL, err)
+             : read_any(&c, (const char *const *)argv + 1, argc - 1, err);
     if (rc)
         return rc;
     rc = sub->run(&c, err);
@@ -244,7 +289,7 @@ main(int argc, char **argv)
         fputs(usage_text, stderr);
         return EX_USAGE;
     }
-    if (rc && !(sub && sub->every_error && rc != RAD_EUSAGE))
+    if (rc && !(sub && sub->strict && rc != RAD_EUSAGE))
         print_error(NULL, &err);
     return rad_exit_status(rc);
 }

@@ -103,6 +103,19 @@ printf '!exit 3\n' >bad.rad
 expect 65 "bad.rad:1: '!exit 3' failed with exit status 3" \
     $radscene check bad.rad
 
+# what the renderer lacks can be looked at and frozen, but for other files
+printf 'void mist fog 0 0 0\nfog sphere s 0 0 4 0 0 0 1\n' >fog.rad
+expect 65 "fog.rad:1: mist 'fog': type 'mist' is not supported yet" \
+    $radscene check fog.rad
+expect 0 '' $radscene needs fog.rad
+same 'sphere
+mist'
+expect 0 '' $radscene freeze fog.rad
+printf 'void mesh m 1 x.rtm 0 0\n' >mesh.rad
+expect 65 "mesh.rad:1: mesh 'm': type 'mesh' is not supported yet" \
+    $radscene freeze mesh.rad
+expect 0 '' $radscene info mesh.rad
+
 # wrong command lines
 expect 64 'usage: radscene' $radscene
 expect 64 'usage: radscene' $radscene chekc good.rad
