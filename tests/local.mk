@@ -125,15 +125,23 @@ tests_check_quincunx_SOURCES = tests/check_quincunx.c tests/unit.h
 tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_quincunx_LDADD = $(UNIT_LIBS)
 
+# sends bytes to a socket, for the shell tests
+check_PROGRAMS += tests/poke
+tests_poke_SOURCES = tests/poke.c
+tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
+
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
+	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
+	tests/e2e/cluster.sh \
 	tests/scenes
 TESTS += \
+	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
@@ -174,6 +182,8 @@ THREAD_TESTS = \
 	tests/check_pool
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \
+	tests/e2e/cluster_garbage.sh \
+	tests/e2e/cluster_kill.sh \
 	tests/e2e/radscene.sh
 
 E2E_TESTS = $(SANITIZED_E2E)

@@ -1,0 +1,110 @@
+# shellcheck shell=sh
+# cluster.sh - a real coordinator and workers on addresses of their own; read
+# with "." after client_lib.sh
+#
+# cluster_start N THREADS gives $sock (the coordinator's Unix socket), $tcp (its
+# address), worker K's process in pid_K and its files in $work/wK.
+poke=$top_builddir/tests/poke
+coord_pid=
+workers=
+
+wait_file()
+{
+    until_true 30 test -s "$1" || fail "$1 does not come"
+}
+
+coord_start()
+{
+    "$radcoord" --listen=127.0.0.1:0 --socket="$work/c.sock" \
+        --state="$work/state" --ports-file="$work/c.ports" 2>>"$work/c.log" &
+    coord_pid=$!
+    wait_file "$work/c.ports"
+    sock=$work/c.sock
+    tcp=$(sed -n 's/^tcp //p' "$work/c.ports")
+}
+
+# worker_start K THREADS: on 127.0.0.K, over TCP
+worker_start()
+{
+    rm -f "$work/w$1.ports"
+    "$radd" --coordinator="$tcp" --name="w$1" --threads="$2" \
+        --listen="127.0.0.$1:0" --cache="$work/w$1" \
+        --ports-file="$work/w$1.ports" 2>>"$work/w$1.log" &
+    eval "pid_$1=$!"
+    workers="$workers $1"
+    wait_file "$work/w$1.ports"
+}
+
+n_workers()
+{
+    [ "$("$radctl" --coordinator="$sock" --json workers |
+        grep -c '"name"')" -eq "$1" ]
+}
+
+cluster_start()
+{
+    coord_start
+    k=1
+    while [ $k -le "$1" ]; do
+        worker_start $k "$2"
+        k=$((k + 1))
+    done
+    until_true 30 n_workers "$1" || fail "the workers do not come"
+}
+
+gone()
+{
+    ! kill -0 "$1" 2>/dev/null
+}
+
+# All that was started ends when asked, with status 0.
+cluster_stop()
+{
+    for k in $workers; do
+        eval "pid=\$pid_$k"
+        gone "$pid" || end_one "$pid" "worker $k"
+    done
+    end_one "$coord_pid" coordinator
+    until_true 10 nothing_left || {
+        fail "left running:"
+        left_over | xargs -r ps -o pid,args -p
+    }
+}
+
+end_one()
+{
+    kill -TERM "$1"
+    wait "$1"
+    status=$?
+    [ $status -eq 0 ] || fail "$2 ended with status $status"
+}
+
+# The process that renders for worker K; false when there is none.
+child_of()
+{
+    pgrep -f -- "--child $work/w$1/"
+}
+
+no_child()
+{
+    ! child_of "$1"
+}
+
+# The job called $1 has got somewhere, and is not at its end.
+in_the_middle()
+{
+    "$radctl" --coordinator="$sock" --json jobs | python3 -c '
+import json, sys
+for job in json.load(sys.stdin):
+    if job["name"] == sys.argv[1] and job["units_done"] > 0:
+        sys.exit(0)
+sys.exit(1)' "$1"
+}
+
+# total FILE KEY: a number of a statistics file's totals
+total()
+{
+    python3 -c '
+import json, sys
+print(json.load(open(sys.argv[1]))["totals"][sys.argv[2]])' "$1" "$2"
+}

@@ -1,0 +1,63 @@
+#!/bin/sh
+# cluster_sockets.sh - where daemons listen, what they refuse, how they stop
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+for at in 0.0.0.0:0 192.0.2.1:0 '[::]:0'; do
+    expect 77 "loopback" "radcoord at $at" \
+        "$radcoord" --listen="$at" --socket= --state="$work/s"
+    expect 77 "loopback" "radd at $at" "$radd" --listen="$at" --cache="$work/s"
+done
+expect 64 "unknown" "unknown option" "$radd" --nonsense
+expect 64 "threads" "bad number" "$radd" --threads=many
+expect 64 "log level" "bad log level" "$radcoord" --log-level=shout
+expect 66 "nowhere.conf" "missing settings" "$radd" --config=nowhere.conf
+printf 'threads = 2\nthreds = 3\n' >bad.conf
+expect 78 "bad.conf:2" "bad settings" "$radd" --config=bad.conf
+expect 73 "" "no place for its state" \
+    "$radcoord" --state=/dev/null/x --listen=127.0.0.1:0 --socket=
+for program in "$radcoord" "$radd"; do
+    "$program" --help | grep -q -e --config || fail "$program --help"
+    "$program" --version | grep -q radd || fail "$program --version"
+done
+
+# one coordinator a folder, one a socket
+cluster_start 1 2
+expect 73 "another process" "a second coordinator" \
+    "$radcoord" --state="$work/state" --socket= --listen=127.0.0.1:0
+expect 73 "in use" "the same socket" \
+    "$radcoord" --state="$work/s2" --socket="$sock" --listen=
+expect 73 "in use" "the same port" \
+    "$radcoord" --state="$work/s3" --socket= --listen="$tcp"
+echo text >file
+expect 73 "no socket" "a file in the way" \
+    "$radcoord" --state="$work/s4" --socket="$work/file" --listen=
+
+# a dead socket is replaced, and workers find a coordinator that comes back
+kill -KILL "$coord_pid"
+[ -S "$sock" ] || fail "the socket went with the coordinator"
+wait "$coord_pid" 2>/dev/null
+"$radcoord" --listen="$tcp" --socket="$sock" --state="$work/state" \
+    2>>c.log &
+coord_pid=$!
+until_true 60 n_workers 1 || fail "the worker does not come back"
+
+# asked to stop in the middle of its units a worker does them first
+"$radsubmit" --coordinator="$sock" --name=drain -vf "$scenes/room.vf" -x 400 \
+    -y 300 -ps 1 -ds .1 -dj 1 -ab 0 --windows=40 --stats=drain.json \
+    -o drain.hdr "$scenes/room.rad" 2>stderr &
+job=$!
+until_true 60 in_the_middle drain || fail "the job does not start"
+worker_start 2 2
+end_one "$pid_1" "drained worker"
+wait $job || fail "drain: $(cat stderr)"
+[ "$(total drain.json units_redone)" -eq 0 ] || fail "a drained unit was lost"
+grep -q draining w1.log || fail "worker 1 does not say that it drains"
+
+# settings may change
+kill -HUP "$coord_pid"
+until_true 10 grep -q reloaded c.log || fail "no reload"
+cluster_stop
+[ -e "$sock" ] && fail "the socket outlives its coordinator"
+finish
