@@ -1,7 +1,8 @@
 /* action.h - what the pure machines want done
  *
  * coord.c and worker.c take events and append actions; the shell around them
- * carries the actions out, in order, before it delivers the next event.  What
+ * carries the actions out, in order.  An event that carrying one out causes may
+ * be delivered at once: its actions come after those that are there.  What
  * an action points at is valid until actions_clear(); the chunk of
  * ACT_PUT_CHUNK and the pixels of ACT_PUT_ROWS as long as the message that
  * brought them.

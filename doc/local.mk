@@ -4,4 +4,5 @@ dist_doc_DATA = \
 	LICENSE \
 	NEWS \
 	README.md \
-	doc/architecture.md
+	doc/architecture.md \
+	doc/protocol.md

@@ -16,6 +16,7 @@ UNIT_TESTS = \
 	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
+	tests/check_message \
 	tests/check_octfile \
 	tests/check_octree \
 	tests/check_params \
@@ -29,7 +30,8 @@ UNIT_TESTS = \
 	tests/check_source \
 	tests/check_store \
 	tests/check_submit \
-	tests/check_view
+	tests/check_view \
+	tests/check_wire
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -145,6 +147,16 @@ TESTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
+
+tests_check_message_SOURCES = tests/check_message.c tests/unit.h
+tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_message_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+EXTRA_DIST += tests/golden
+
+tests_check_wire_SOURCES = tests/check_wire.c tests/unit.h
+tests_check_wire_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_wire_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+
 tests_check_sim_SOURCES = \
 	tests/sim/check_sim.c \
 	tests/sim/child.c \

@@ -7,10 +7,12 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_font \
+	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
+	tests/fuzz/fuzz_session \
 	tests/fuzz/fuzz_view
 
 if FUZZERS
@@ -61,3 +63,11 @@ tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_ambshare_SOURCES = tests/fuzz/fuzz_ambshare.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_ambshare_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_frame_SOURCES = tests/fuzz/fuzz_frame.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_frame_LDADD = $(LIBPROTO) $(LIBRAD)
+tests_fuzz_fuzz_frame_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_session_SOURCES = tests/fuzz/fuzz_session.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_session_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_session_LDFLAGS = $(FUZZ_LINK)

@@ -1,0 +1,461 @@
+/* check_message.c - the bytes of every message, and what is refused
+ *
+ * tests/golden/NAME.hex holds the recorded frame of one example of each
+ * message; with RADD_RECORD=FOLDER in the environment they are written there
+ * instead (after a change of the protocol, with its new version). */
+#include "config.h"
+
+#include "frame.h"
+#include "unit.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define MOST 4096 /* bytes of an example frame */
+
+static const uint8_t ID[MSG_HASH] = { 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16,
+                                      0x17, 0x18, 0x19, 0x1a, 0x1b, 0x1c, 0x1d,
+                                      0x1e, 0x1f, 0x20, 0x21, 0x22, 0x23, 0x24,
+                                      0x25, 0x26, 0x27, 0x28, 0x29, 0x2a, 0x2b,
+                                      0x2c, 0x2d, 0x2e, 0x2f };
+static const uint8_t two_hashes[2 * MSG_HASH] = { 1, [MSG_HASH] = 2 };
+static const struct msg_frame frames[] = {
+    { 0, 640, 480, "-vtv -vp 1 2 3" },
+    { 7, 1, 65535, "" },
+};
+static const uint32_t units[] = { 5, 0x01020304 };
+static const struct msg_peer peers[] = {
+    { "ws1", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL },
+    { "ws2", "", ID + 1, MSG_PEER_GIVE },
+};
+static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
+
+#define SPEC                                                                   \
+    {                                                                          \
+        .job = ID, .manifest = ID, .name = "office", .params = "-ab 2",        \
+        .needs = "mist glow", .estimate = "uniform", .seed = 1,                \
+        .priority = -3, .flags = MSG_JOB_SHARE, .partition = MSG_PART_WINDOW,  \
+        .order = MSG_ORDER_RANDOM, .windows = 64, .objects = 4000,             \
+        .bundle_bytes = 1u << 20, .compile_s = .25,                            \
+        .files = { 2, two_hashes }, .nframes = 2, .frames = frames             \
+    }
+#define COUNTS                                                                 \
+    {                                                                          \
+        1, 2, 3, 4, 5, 6, 7, 8, 9, 10, .5, .75                                 \
+    }
+
+/* clang-format off */
+static const struct msg examples[] = {
+    { .type = MSG_HELLO, .request = 1,
+      .hello = { 1, 1, MSG_ROLE_WORKER, "ws1", "radd 0.1.0",
+                 "tcp 127.0.0.1:4711", 8, 0x0123456789abcdef } },
+    { .type = MSG_WELCOME, .request = 1,
+      .welcome = { 1, 0xfedcba9876543210, "radcoord 0.1.0" } },
+    { .type = MSG_REFUSE, .refuse = { 76, "version 2 is not spoken here" } },
+    { .type = MSG_PING, .ping = { 42 } },
+    { .type = MSG_PONG, .pong = { 42 } },
+    { .type = MSG_BYE, .bye = { "drained" } },
+    { .type = MSG_OFFER, .request = 2, .offer = { 2, two_hashes } },
+    { .type = MSG_WANT, .request = 2, .want = { 1, two_hashes } },
+    { .type = MSG_CHUNK, .request = 2,
+      .chunk = { ID, 4, 9, (const uint8_t *)"hello", 5 } },
+    { .type = MSG_HAVE, .have = { ID } },
+    { .type = MSG_SUBMIT, .request = 3, .submit = SPEC },
+    { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1 } },
+    { .type = MSG_PROGRESS, .request = 3,
+      .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5 } },
+    { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
+    { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
+    { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },
+    { .type = MSG_PAUSE, .request = 5, .pause = { ID } },
+    { .type = MSG_RESUME, .request = 6, .resume = { ID } },
+    { .type = MSG_FETCH, .request = 7, .fetch = { ID, 1, MSG_WHAT_DEPTH } },
+    { .type = MSG_QUERY, .request = 8, .query = { MSG_QUERY_JOB, "1011" } },
+    { .type = MSG_ANSWER, .request = 8,
+      .answer = { (const uint8_t *)"{}", 2 } },
+    { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } },
+    { .type = MSG_UNDRAIN, .request = 9, .undrain = { "ws1" } },
+    { .type = MSG_JOB_START, .job_start = SPEC },
+    { .type = MSG_READY, .ready = { ID, .125, 42, 8 } },
+    { .type = MSG_JOB_END, .job_end = { ID } },
+    { .type = MSG_UNIT, .unit = { ID, 1, 2, 3, 4, 5, 6, 7 } },
+    { .type = MSG_RESULT,
+      .result = { ID, 1, 2, 3, 1, 2, 3, 1, COUNTS, pixels } },
+    { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
+    { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
+    { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
+    { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7.5 } },
+    { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
+    { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
+    { .type = MSG_AMBIENT,
+      .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
+    { .type = MSG_GIVE, .give = { 3 } },
+};
+/* clang-format on */
+
+static size_t
+pack(const struct msg *m, uint8_t *buf)
+{
+    struct wire_out out;
+    size_t n;
+
+    wire_out_init(&out, MOST);
+    ck_assert_int_eq(msg_pack(&out, m), 0);
+    n = out.len;
+    memcpy(buf, out.buf, n);
+    wire_out_release(&out);
+    return n;
+}
+
+static FILE *
+golden(const char *folder, uint16_t type, const char *mode)
+{
+    const char *top = getenv("top_srcdir");
+    char path[4096];
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s%s/%s.hex",
+             folder ? folder
+             : top  ? top
+                    : ".",
+             folder ? "" : "/tests/golden", msg_name(type));
+    f = fopen(path, mode);
+    ck_assert_msg(f != NULL, "%s: cannot open", path);
+    return f;
+}
+
+static void
+record(const char *folder, uint16_t type, const uint8_t *bytes, size_t n)
+{
+    FILE *f = golden(folder, type, "w");
+
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%02x%c", bytes[i], i % 16 == 15 || i == n - 1 ? '\n' : ' ');
+    fclose(f);
+}
+
+START_TEST(every_message_has_its_recorded_bytes)
+{
+    uint8_t bytes[MOST];
+    size_t n = pack(&examples[_i], bytes), i = 0;
+    const char *folder = getenv("RADD_RECORD");
+    unsigned byte;
+    FILE *f;
+
+    if (folder) {
+        record(folder, examples[_i].type, bytes, n);
+        return;
+    }
+    f = golden(NULL, examples[_i].type, "r");
+    for (; fscanf(f, "%2x", &byte) == 1; i++) {
+        ck_assert_msg(i < n, "%s is shorter", msg_name(examples[_i].type));
+        ck_assert_msg(bytes[i] == byte, "%s: byte %zu",
+                      msg_name(examples[_i].type), i);
+    }
+    ck_assert_uint_eq(i, n);
+    fclose(f);
+}
+END_TEST
+
+START_TEST(every_message_has_an_example)
+{
+    uint16_t type;
+
+    for (size_t i = 0; (type = msg_nth(i)) != 0; i++)
+        ck_assert_msg(i < (size_t)N_ELEM(examples) && examples[i].type == type,
+                      "%s has none", msg_name(type));
+}
+END_TEST
+
+/* Unpacked and packed again it is the same. */
+START_TEST(every_message_comes_back)
+{
+    uint8_t first[MOST], again[MOST];
+    size_t n = pack(&examples[_i], first);
+    struct msg m = { 0 };
+
+    ck_assert_int_eq(msg_unpack(&m, examples[_i].type, examples[_i].request,
+                                first + MSG_HEADER, n - MSG_HEADER, NULL),
+                     0);
+    ck_assert_uint_eq(pack(&m, again), n);
+    ck_assert_mem_eq(again, first, n);
+    msg_release(&m);
+}
+END_TEST
+
+/* From a block of its own size, so that a sanitizer sees any read beyond. */
+static int
+unpack_exactly(uint16_t type, const uint8_t *payload, size_t n, struct msg *m)
+{
+    uint8_t *copy = malloc(n ? n : 1);
+    int rc;
+
+    ck_assert_ptr_nonnull(copy);
+    memcpy(copy, payload, n);
+    rc = msg_unpack(m, type, 0, copy, n, NULL);
+    if (rc == 0) { /* touch all that was lent */
+        struct wire_out out;
+
+        wire_out_init(&out, MSG_FRAME_MAX);
+        ck_assert_int_eq(msg_pack(&out, m), 0);
+        ck_assert_uint_eq(out.len, n + MSG_HEADER);
+        ck_assert_mem_eq(out.buf + MSG_HEADER, payload, n);
+        wire_out_release(&out);
+    }
+    free(copy);
+    return rc;
+}
+
+START_TEST(a_message_of_any_other_length_is_refused)
+{
+    uint8_t bytes[MOST] = { 0 };
+    size_t n = pack(&examples[_i], bytes) - MSG_HEADER;
+    struct msg m = { 0 };
+
+    for (size_t len = 0; len < n; len++)
+        ck_assert_int_eq(
+            unpack_exactly(examples[_i].type, bytes + MSG_HEADER, len, &m),
+            RAD_EPROTO);
+    ck_assert_int_eq(
+        unpack_exactly(examples[_i].type, bytes + MSG_HEADER, n + 1, &m),
+        RAD_EPROTO);
+    msg_release(&m);
+}
+END_TEST
+
+/* Whatever a byte is changed to: refused, or it packs to the same bytes. */
+START_TEST(a_damaged_message_is_refused_or_consistent)
+{
+    uint8_t bytes[MOST] = { 0 };
+    size_t n = pack(&examples[_i], bytes) - MSG_HEADER;
+    uint8_t *payload = bytes + MSG_HEADER;
+    struct msg m = { 0 };
+
+    if (examples[_i].type == MSG_HELLO)
+        return; /* of another version is not read to its end */
+    for (size_t at = 0; at < n; at++)
+        for (int flip = 1; flip < 256; flip *= 2) {
+            payload[at] ^= (uint8_t)flip;
+            unpack_exactly(examples[_i].type, payload, n, &m);
+            payload[at] ^= (uint8_t)flip;
+        }
+    msg_release(&m);
+}
+END_TEST
+
+START_TEST(a_hello_of_another_version_is_understood_so_far)
+{
+    static const uint8_t bytes[] = { 0, 2, 0, 3, 1, 0xff, 0xee };
+    struct msg m = { 0 };
+
+    ck_assert_int_eq(msg_unpack(&m, MSG_HELLO, 0, bytes, sizeof bytes, NULL),
+                     0);
+    ck_assert_uint_eq(m.hello.min, 2);
+    ck_assert_uint_eq(m.hello.max, 3);
+    ck_assert_str_eq(m.hello.name, "");
+    msg_release(&m);
+}
+END_TEST
+
+/* What may arrive where, said once more and in the other direction: a change
+ * of message.def must be meant. */
+static const struct {
+    enum msg_session session;
+    const char *types; /* blanks around each */
+} arrivals[] = {
+    { MSG_AT_COORD_NEW, " HELLO " },
+    { MSG_AT_COORD_WORKER,
+      " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY " },
+    { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
+                         "RESUME FETCH QUERY " },
+    { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
+                          "RESUME FETCH QUERY DRAIN UNDRAIN " },
+    { MSG_AT_DIALLER, " WELCOME REFUSE " },
+    { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
+                     "JOB_PEERS " },
+    { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
+                     "FAILED ANSWER " },
+    { MSG_AT_PEER_NEW, " PEER_HELLO " },
+    { MSG_AT_PEER, " PING PONG BYE AMBIENT " },
+    { MSG_AT_CHILD_NEW, " JOB_START " },
+    { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE " },
+    { MSG_AT_PARENT_NEW, " FAILED READY " },
+    { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT " },
+    { MSG_NSESSION, " " },
+};
+
+START_TEST(each_message_arrives_only_where_it_may)
+{
+    uint16_t type;
+
+    ck_assert_int_eq(N_ELEM(arrivals), MSG_NSESSION + 1);
+    for (size_t i = 0; (type = msg_nth(i)) != 0; i++) {
+        char word[40];
+        bool want;
+
+        snprintf(word, sizeof word, " %s ", msg_name(type));
+        want = strstr(arrivals[_i].types, word) != NULL;
+        ck_assert_msg(msg_allowed(arrivals[_i].session, type) == want,
+                      "%s in session %d", msg_name(type), _i);
+    }
+    ck_assert(!msg_allowed(arrivals[_i].session, 9999));
+}
+END_TEST
+
+static const struct {
+    const char *bytes; /* a header */
+    const char *what;
+} headers[] = {
+    { "RADX\0\1\0\0\0\0\0\0\0\0\0\0", "not radd's protocol" },
+    { "RADD\3\1\0\0\0\0\0\0\0\0\0\0", "unknown message 769, flags 0" },
+    { "RADD\0\1\0\1\0\0\0\0\0\0\0\0", "unknown message 1, flags 1" },
+    { "RADD\0\2\0\0\0\0\0\0\0\0\0\0", "unexpected WELCOME" },
+    { "RADD\0\1\0\0\0\0\0\0\0\0\4\1", "HELLO of 1025 bytes is too long" },
+    { "RADD\0\1\0\0\0\0\0\0\xff\xff\xff\xff",
+      "HELLO of 4294967295 bytes is too long" },
+};
+
+START_TEST(a_bad_header_is_refused_before_its_body)
+{
+    const uint8_t *p = (const uint8_t *)headers[_i].bytes;
+    struct frame_reader r;
+    struct rad_error err = { 0 };
+    struct msg m = { 0 };
+    size_t n = MSG_HEADER;
+
+    frame_reader_init(&r, MSG_AT_COORD_NEW);
+    ck_assert_int_eq(frame_read(&r, &p, &n, &m, &err), RAD_EPROTO);
+    ck_assert_str_eq(err.what, headers[_i].what);
+    ck_assert_int_eq(frame_read(&r, &p, &n, &m, NULL), RAD_EPROTO);
+    frame_reader_release(&r);
+}
+END_TEST
+
+START_TEST(frames_come_out_whole_however_they_come_in)
+{
+    size_t piece = (size_t)_i + 1, total = 0, count = 0;
+    uint8_t bytes[MOST];
+    struct frame_reader r;
+    struct msg m = { 0 };
+
+    for (int k = 0; k < 3; k++) {
+        struct msg ping = { .type = MSG_PING, .ping = { (uint64_t)k } };
+
+        total += pack(&ping, bytes + total);
+    }
+    frame_reader_init(&r, MSG_AT_PEER);
+    for (size_t at = 0; at < total; at += piece) {
+        const uint8_t *p = bytes + at;
+        size_t n = total - at < piece ? total - at : piece;
+        int rc;
+
+        while ((rc = frame_read(&r, &p, &n, &m, NULL)) == 1)
+            ck_assert_uint_eq(m.ping.progress, count++);
+        ck_assert_int_eq(rc, 0);
+        ck_assert_uint_eq(n, 0);
+    }
+    ck_assert_uint_eq(count, 3);
+    frame_reader_release(&r);
+    msg_release(&m);
+}
+END_TEST
+
+START_TEST(memory_follows_what_came_not_what_was_claimed)
+{
+    static const char head[] = "RADD\0\54\0\0\0\0\0\0\0\xf\xff\0"; /* RESULT */
+    const uint8_t *p = (const uint8_t *)head;
+    size_t n = MSG_HEADER;
+    struct frame_reader r;
+    struct msg m = { 0 };
+
+    frame_reader_init(&r, MSG_AT_PARENT);
+    ck_assert_int_eq(frame_read(&r, &p, &n, &m, NULL), 0);
+    ck_assert_uint_eq(r.head.length, 0xfff00);
+    ck_assert_uint_le(r.cap, 1024);
+    frame_reader_release(&r);
+}
+END_TEST
+
+static const struct msg impossible[] = {
+    { .type = 9999 },
+    { .type = MSG_SUBMIT, .submit = { .nframes = 0 } },
+    { .type = MSG_UNIT, .unit = { ID, 0, 0, 0, 65530, 0, 10, 1 } },
+    { .type = MSG_CHUNK, .chunk = { ID, 5, 9, (const uint8_t *)"hello", 5 } },
+    { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 1, 1, 5 } },
+    { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 60000, 60000, 3 } },
+    { .type = MSG_FETCH, .fetch = { ID, 0, MSG_NWHAT } },
+};
+
+START_TEST(what_cannot_be_read_is_not_written)
+{
+    struct wire_out out;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(&out, &impossible[_i]), RAD_EPROTO);
+    ck_assert_uint_eq(out.len, 0);
+    ck_assert(!out.bad); /* good for the next */
+    wire_out_release(&out);
+}
+END_TEST
+
+START_TEST(job_ids_are_32_hex_digits)
+{
+    char hex[MSG_JOB_HEX];
+    uint8_t id[MSG_JOB];
+
+    msg_job_format(ID, hex);
+    ck_assert_str_eq(hex, "101112131415161718191a1b1c1d1e1f");
+    ck_assert(msg_job_parse(hex, id));
+    ck_assert_mem_eq(id, ID, MSG_JOB);
+    ck_assert(!msg_job_parse("1011", id));
+    ck_assert(!msg_job_parse("101112131415161718191a1b1c1d1e1g", id));
+    ck_assert(!msg_job_parse("101112131415161718191a1b1c1d1e1f0", id));
+}
+END_TEST
+
+/* doc/protocol.md has a heading "### NAME (number)" for each. */
+START_TEST(every_message_is_documented)
+{
+    const char *top = getenv("top_srcdir");
+    char path[4096], line[512], want[64];
+    bool found = false;
+    uint16_t type = examples[_i].type;
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/doc/protocol.md", top ? top : ".");
+    f = fopen(path, "r");
+    ck_assert_msg(f != NULL, "%s: cannot open", path);
+    snprintf(want, sizeof want, "### %s (%u)\n", msg_name(type), type);
+    while (!found && fgets(line, sizeof line, f))
+        found = strcmp(line, want) == 0;
+    fclose(f);
+    ck_assert_msg(found, "%s has no table", msg_name(type));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("message");
+    TCase *tc = tcase_create("message");
+    int n = N_ELEM(examples);
+
+    tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
+    tcase_add_test(tc, every_message_has_an_example);
+    tcase_add_loop_test(tc, every_message_comes_back, 0, n);
+    tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, n);
+    tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, n);
+    tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
+    tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
+                        N_ELEM(arrivals));
+    tcase_add_loop_test(tc, a_bad_header_is_refused_before_its_body, 0,
+                        N_ELEM(headers));
+    tcase_add_loop_test(tc, frames_come_out_whole_however_they_come_in, 0, 40);
+    tcase_add_test(tc, memory_follows_what_came_not_what_was_claimed);
+    tcase_add_loop_test(tc, what_cannot_be_read_is_not_written, 0,
+                        N_ELEM(impossible));
+    tcase_add_test(tc, job_ids_are_32_hex_digits);
+    tcase_add_loop_test(tc, every_message_is_documented, 0, n);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
