@@ -34,12 +34,18 @@ static volatile sig_atomic_t running[MAX_RUNNING]; /* groups, 0: free */
 static volatile sig_atomic_t nrunning;
 static const int passed_on[] = { SIGINT, SIGTERM, SIGHUP };
 
-static void
-pass_on(int sig)
+void
+command_stop_all(void)
 {
     for (int i = 0; i < MAX_RUNNING; i++)
         if (running[i] > 0)
             kill(-(pid_t)running[i], SIGTERM);
+}
+
+static void
+pass_on(int sig)
+{
+    command_stop_all();
     signal(sig, SIG_DFL);
     raise(sig); /* takes effect when the handler returns */
 }

@@ -28,4 +28,8 @@ struct rad_stream command_output(struct command *c);
  * installed (in a pipeline, no status tells); 0 if it was stopped. */
 int command_end(struct command *c, bool stop, struct rad_error *err);
 
+/* Tell all that run to end: for a program that handles those signals itself.
+ * May be called in a signal handler and from any thread. */
+void command_stop_all(void);
+
 #endif

@@ -7,6 +7,7 @@
  * the program meanwhile. */
 #include "config.h"
 
+#include "command.h"
 #include "compile.h"
 #include "frames.h"
 #include "local.h"
@@ -255,6 +256,7 @@ compile(struct program *p)
     while (!p->compiled) {
         uv_run(&p->loop, UV_RUN_ONCE);
         if (p->interrupts > 0 && !p->compiled) {
+            command_stop_all();
             local_stop(p->local);
             _exit(EX_TEMPFAIL);
         }

@@ -4,22 +4,39 @@
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
+# A background process of a shell starts with interrupts ignored; this one
+# does not.
+interruptible()
+{
+    exec python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$@"
+}
+
 # A picture that takes minutes: every pixel, many samples of the lamp.
 start()
 {
-    # a background process of a shell starts with interrupts ignored
-    env python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --local --workers=2 \
-        --threads=1 --progress=always \
-        -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 -o out.hdr \
-        "$scenes/room.rad" 2>stderr &
+    interruptible "$radsubmit" --local --workers=2 --threads=1 \
+        --progress=always -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 \
+        -ds .02 -dj 1 -o out.hdr "$scenes/room.rad" 2>stderr &
     pid=$!
     until_true 30 grep -q '2 workers' stderr || {
         fail "no progress"
         cat stderr
     }
 }
+
+# while the scene is compiled: a command that never ends
+mkfifo never
+echo "!echo >'$work/runs'; cat '$work/never'" >waits.rad
+interruptible "$radsubmit" --local -o out.hdr waits.rad 2>stderr &
+pid=$!
+until_true 30 test -e runs || fail "the scene's command does not run"
+kill -INT $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "interrupted early: exit status $status"
+check_nothing_left "interrupted early"
 
 start
 kill -INT $pid
@@ -41,7 +58,6 @@ check_nothing_left "terminated"
 start
 kill -KILL $pid
 wait $pid 2>/dev/null
-until_true 20 test -z "$(left_over)" || true
 no_process() { [ -z "$(left_over)" ]; }
 until_true 20 no_process || {
     fail "killed: its cluster goes on:"
