@@ -1,7 +1,8 @@
 # What the clients share, as a library so that tests can link it.
 noinst_LIBRARIES += libclient.a
 libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
-libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(UV_CFLAGS)
+libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(JANSSON_CFLAGS) \
+	$(UV_CFLAGS)
 libclient_a_SOURCES = \
 	client/cargo.c \
 	client/cargo.h \
@@ -31,22 +32,24 @@ libclient_a_SOURCES = \
 	client/submit.h \
 	client/submit_options.c \
 	client/submit_options.h \
+	client/table.c \
+	client/table.h \
 	client/target.c \
 	client/target.h \
 	client/words.c \
 	client/words.h
 
 # what a client links with, before LIBRAD
-LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(UV_LIBS)
+LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(JANSSON_LIBS) $(UV_LIBS)
 
 bin_PROGRAMS += radscene
 radscene_SOURCES = client/radscene.c
 radscene_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 bin_PROGRAMS += radctl radsubmit
-radctl_SOURCES = client/radctl.c client/table.c client/table.h
+radctl_SOURCES = client/radctl.c
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
-radctl_LDADD = $(LIBCLIENT) $(LIBRAD) $(JANSSON_LIBS)
+radctl_LDADD = $(LIBCLIENT) $(LIBRAD)
 radsubmit_SOURCES = client/radsubmit.c
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radsubmit_LDADD = $(LIBCLIENT) $(LIBRAD)

@@ -4,6 +4,7 @@
 #include "output.h"
 #include "progress.h"
 #include "submit_options.h"
+#include "table.h"
 #include "target.h"
 #include "unit.h"
 #include "words.h"
@@ -413,6 +414,41 @@ START_TEST(progress_is_silent_where_nobody_looks)
 }
 END_TEST
 
+static const struct {
+    const char *json, *text;
+} tables[] = {
+    { "[ ]", "no entries\n" },
+    { "[{\"name\": \"ws1\", \"units\": 12}, {\"name\": \"w\\u00e4\", "
+      "\"units\": 3}]",
+      "name  units\nws1      12\nw\xc3\xa4        3\n" },
+    { "[{\"a\": 1, \"b\": 2}, {\"b\": 4.5}]",
+      "a      b\n1      2\n-  4.500\n" },
+    { "{\"job\": \"1f\", \"ok\": true, \"time\": {\"wall_s\": 2.5}}",
+      "job  1f\nok   yes\n\ntime\nwall_s  2.500\n" },
+    { "{\"units\": [1, 2, 3]}", "units: 3\n" },
+    /* what others named cannot steer the terminal */
+    { "{\"name\": \"\\u001b[31mred\"}", "name  ?[31mred\n" },
+    { "[{\"name\": \"a\\nb\"}]", "name\na?b\n" },
+};
+
+START_TEST(json_is_a_table_for_people)
+{
+    json_t *root = json_loads(tables[_i].json, 0, NULL);
+    FILE *f = tmpfile();
+    char buf[300];
+    size_t n;
+
+    ck_assert_ptr_nonnull(root);
+    table_print(f, root, 100);
+    rewind(f);
+    n = fread(buf, 1, sizeof buf - 1, f);
+    buf[n] = '\0';
+    ck_assert_str_eq(buf, tables[_i].text);
+    fclose(f);
+    json_decref(root);
+}
+END_TEST
+
 static void
 add_tests(TCase *tc)
 {
@@ -428,6 +464,7 @@ add_tests(TCase *tc)
     tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
     tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
+    tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
 }
 
 int

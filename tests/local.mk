@@ -83,7 +83,7 @@ tests_check_hdr_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_hdr_LDADD = $(UNIT_LIBS)
 
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
-tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_compile_SOURCES = tests/check_compile.c tests/unit.h

@@ -27,7 +27,7 @@ documented()
 # Words of a help text that are options: -x, -vf, --name of --name=VALUE.
 offered()
 {
-    tr -s ' ,[]|' '\n\n\n\n\n' | sed -n 's/^\(--*[a-zA-Z0-9][-a-zA-Z0-9]*\).*/\1/p' |
+    tr -s ' ,[]|' '\n' | sed -n 's/^\(--*[a-zA-Z0-9][-a-zA-Z0-9]*\).*/\1/p' |
         sort -u
 }
 
