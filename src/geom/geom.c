@@ -159,8 +159,7 @@ rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3])
 
 /* False: the ray is no ray (a NaN or an infinity in it). */
 static bool
-walk_init(struct rad_walk *w, const struct rad_geom *g,
-          const struct rad_span *span)
+is_ray(const struct rad_span *span)
 {
     double sum = 0, len = 0;
 
@@ -168,7 +167,15 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
         sum += fabs(span->org[a]);
         len += fabs(span->dir[a]);
     }
-    if (!((sum + len < INFINITY) & (len > 0) & (span->tmin < span->tmax)))
+    return (sum + len < INFINITY) & (len > 0) & (span->tmin < span->tmax);
+}
+
+/* False: the ray is no ray. */
+static bool
+walk_init(struct rad_walk *w, const struct rad_geom *g,
+          const struct rad_span *span)
+{
+    if (!is_ray(span))
         return false;
     w->bvh = &g->bvh;
     w->prims = g->prims;
@@ -327,17 +334,20 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                     const struct rad_span *span, struct rad_hit *hit,
                     struct rad_geom_counts *counts)
 {
-    struct rad_walk w;
+    const struct rad_prim *p;
+    struct rad_probe probe;
     double t;
 
     hit->obj = RAD_VOID;
     if (obj < 0 || obj >= g->scene->nobjects || g->prim_of[obj] == NOPRIM ||
-        !walk_init(&w, g, span))
+        !is_ray(span))
         return false;
+    p = &g->prims[g->prim_of[obj]];
+    rad_probe_init(&probe, span);
     counts->tests++;
-    if (!rad_prim_hit(&g->prims[g->prim_of[obj]], &w.probe, w.tmin, w.cut, &t))
+    if (!rad_prim_hit(p, &probe, span->tmin, fmin(span->tmax, DBL_MAX), &t))
         return false;
-    rad_prim_surface(&g->prims[g->prim_of[obj]], &w.probe, t, hit);
+    rad_prim_surface(p, &probe, t, hit);
     return true;
 }
 

@@ -240,11 +240,17 @@ static bool
 small_enough(const struct rad_moments *m, const struct rad_light_view *view)
 {
     double aa = rad_dot(m->a, m->a), bb = rad_dot(m->b, m->b);
-    double ab = rad_dot(m->a, m->b), half = (aa - bb) / 2;
-    double var = (aa + bb) / 2 + sqrt(half * half + ab * ab);
-    double limit = view->sizerat * view->sizerat;
+    double limit = view->sizerat * view->sizerat / 12;
 
-    return 12 * var <= limit * rad_dist2(view->p, m->c);
+    limit *= rad_dist2(view->p, m->c);
+    /* the largest variance is at least the larger, at most the sum */
+    if (aa > limit || bb > limit)
+        return false;
+    if (aa + bb <= limit)
+        return true;
+    double ab = rad_dot(m->a, m->b), half = (aa - bb) / 2;
+
+    return (aa + bb) / 2 + sqrt(half * half + ab * ab) <= limit;
 }
 
 /* --- samples of one patch --- */

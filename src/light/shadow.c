@@ -24,11 +24,15 @@
 /* Shadow rays sent whatever -dt says, as in rpict. */
 #define MIN_TESTS 2
 
+/* Bound of the rounding in a few dozen operations on coordinates, relative to
+ * the largest. */
+#define ROUNDING 0x1p-46
+
 struct potential {
-    double aim[3];
-    double tmax;         /* a shadow ray ends here, short of the source */
-    struct rad_rgb coef; /* of the source's radiance */
-    struct rad_rgb val;  /* coef times radiance, if all of it is seen */
+    struct rad_span span; /* of the shadow ray, which ends short of the
+                           * source */
+    struct rad_rgb coef;  /* of the source's radiance */
+    struct rad_rgb val;   /* coef times radiance, if all of it is seen */
     int32_t source;
     uint32_t branch; /* of the shadow ray */
 };
@@ -70,84 +74,110 @@ reserve(struct direct *d)
     return true;
 }
 
-/* A shadow ray along p->aim, not yet traced.  False: the path is too deep. */
+/* A ray along p's span, not yet traced.  False: the path is too deep. */
 static bool
 start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
 {
     enum rad_raykind kind =
-        rad_ray_through(d->r, p->aim) ? RAD_RAY_TSHADOW : RAD_RAY_RSHADOW;
+        rad_ray_through(d->r, p->span.dir) ? RAD_RAY_TSHADOW : RAD_RAY_RSHADOW;
 
     if (!rad_ray_spawn(d->ctx, sr, kind, d->r, &p->coef, p->branch))
         return false;
-    rad_copy(sr->dir, p->aim);
+    rad_copy(sr->org, p->span.org);
+    rad_copy(sr->dir, p->span.dir);
     sr->source = p->source;
     sr->tmax = INFINITY;
-    rad_ray_leave(sr);
     rad_ray_clear(sr);
     return true;
 }
 
-static void
-ray_span(const struct rad_ray *sr, double tmax, struct rad_span *span)
+static double
+largest(const double v[3])
 {
-    rad_copy(span->org, sr->org);
-    rad_copy(span->dir, sr->dir);
-    span->tmin = 0;
-    span->tmax = tmax;
+    return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
 }
 
-/* Find p's source along sr and stop the shadow ray short of it, so that what
- * it is mounted on, in the same plane, does not shade it.  Both surfaces may
- * be off by their error bounds. */
+/* Distance along the span to the plane of a flat source, less what rounding
+ * may have done to it and to another surface in that plane. */
+static double
+reach_plane(const struct rad_source *src, const struct rad_span *span)
+{
+    double cosine = -rad_dot(src->normal, span->dir), d[3];
+
+    rad_sub(d, span->org, src->centre);
+    return (rad_dot(d, src->normal) -
+            ROUNDING *
+                (largest(span->org) + largest(src->centre) + largest(d))) /
+           cosine;
+}
+
+/* Aim p's span at its source, and end it short of that, so that what a lamp is
+ * mounted on, in the same plane, does not shade it.  Both surfaces may be off
+ * by their error bounds.  False: the source is missed. */
 static bool
-meet_source(const struct direct *d, struct potential *p, struct rad_ray *sr)
+meet_source(const struct direct *d, struct potential *p, const double dir[3],
+            struct rad_hit *hit)
 {
     const struct rad_source *src = &d->ctx->job->sources->list[p->source];
-    struct rad_span span;
 
-    if (src->flags & RAD_LIGHT_DISTANT) {
-        p->tmax = INFINITY;
+    rad_copy(p->span.dir, dir);
+    rad_geom_leave(&d->r->hit, dir, p->span.org);
+    p->span.tmin = 0;
+    p->span.tmax = INFINITY;
+    if (src->flags & RAD_LIGHT_DISTANT)
         return true;
+    if (src->flags & RAD_LIGHT_FLAT && src->flags & RAD_LIGHT_PLAIN) {
+        /* the place aimed at is on it: nothing of it need be known */
+        p->span.tmax = reach_plane(src, &p->span);
+        return p->span.tmax > 0;
     }
-    ray_span(sr, INFINITY, &span);
-    if (!rad_geom_hit_object(d->ctx->job->geom, src->obj, &span, &sr->hit,
+    if (!rad_geom_hit_object(d->ctx->job->geom, src->obj, &p->span, hit,
                              &d->ctx->counts.geom))
         return false;
-    double cosine = fabs(rad_dot(sr->hit.n, sr->dir));
+    double cosine = fabs(rad_dot(hit->n, dir));
 
-    p->tmax = sr->hit.t - 2 * sr->hit.err / fmax(cosine, DBL_MIN);
-    return p->tmax > 0;
+    p->span.tmax = hit->t - 2 * hit->err / fmax(cosine, DBL_MIN);
+    return p->span.tmax > 0;
 }
 
-/* What the source sends along sr, which met it. */
-static void
-source_radiance(const struct direct *d, const struct rad_source *src,
-                struct rad_ray *sr)
+/* What the source, met at hit, sends along p's span. */
+static struct rad_rgb
+source_radiance(const struct direct *d, const struct potential *p,
+                const struct rad_hit *hit)
 {
-    int32_t mod;
+    const struct rad_job *job = d->ctx->job;
+    const struct rad_source *src = &job->sources->list[p->source];
+    struct rad_ray sr;
 
+    if (src->flags & RAD_LIGHT_PLAIN && rad_rgb_black(d->r->ext))
+        return src->L;
+    if (!start_ray(d, p, &sr))
+        return rad_grey(0);
     if (src->flags & RAD_LIGHT_PLAIN) {
-        sr->L = src->L;
-        if (src->flags & RAD_LIGHT_DISTANT)
-            sr->hit.t = INFINITY;
-    } else if (src->flags & RAD_LIGHT_DISTANT) {
-        mod = rad_source_behind(d->ctx, sr);
-        if (mod != RAD_VOID)
-            rad_ray_shade(d->ctx, sr, mod);
-    } else {
-        rad_ray_enter(sr);
-        rad_ray_shade(d->ctx, sr,
-                      d->ctx->job->scene->objects[src->obj].modifier);
+        sr.L = src->L;
+        sr.hit.t = p->span.tmax;
+        rad_ray_absorb(&sr);
+        return sr.L;
     }
-    rad_ray_absorb(sr);
+    if (src->flags & RAD_LIGHT_DISTANT) {
+        int32_t mod = rad_source_behind(d->ctx, &sr);
+
+        if (mod != RAD_VOID)
+            rad_ray_shade(d->ctx, &sr, mod);
+    } else {
+        sr.hit = *hit;
+        rad_ray_enter(&sr);
+        rad_ray_shade(d->ctx, &sr, job->scene->objects[src->obj].modifier);
+    }
+    rad_ray_absorb(&sr);
+    return sr.L;
 }
 
 static void
 weigh(void *arg, const struct rad_light_sample *s)
 {
     struct direct *d = arg;
-    const struct rad_source *src = &d->ctx->job->sources->list[d->source];
-    struct rad_ray sr;
+    struct rad_hit hit;
     struct potential *p;
     struct rad_rgb coef;
     uint32_t branch = RAD_BRANCH_SHADOW + d->nsamples++;
@@ -159,11 +189,9 @@ weigh(void *arg, const struct rad_light_sample *s)
     p->coef = coef;
     p->source = d->source;
     p->branch = branch;
-    rad_copy(p->aim, s->aim);
-    if (!start_ray(d, p, &sr) || !meet_source(d, p, &sr))
+    if (!meet_source(d, p, s->aim, &hit))
         return;
-    source_radiance(d, src, &sr);
-    p->val = rad_rgb_mul(sr.L, p->coef);
+    p->val = rad_rgb_mul(source_radiance(d, p, &hit), coef);
     if (rad_rgb_lum(p->val) > 0)
         d->n++;
 }
@@ -171,19 +199,22 @@ weigh(void *arg, const struct rad_light_sample *s)
 /* Follow the shadow ray of p through what is not opaque; false: no light
  * arrives.  Sets p->val to what does. */
 static bool
-see_through(const struct direct *d, struct potential *p, struct rad_ray *sr)
+see_through(const struct direct *d, struct potential *p)
 {
     const struct rad_job *job = d->ctx->job;
-    struct rad_span span;
+    struct rad_hit hit;
+    struct rad_ray sr;
 
-    ray_span(sr, p->tmax, &span);
-    if (!rad_geom_nearest(job->geom, &span, &sr->hit, &d->ctx->counts.geom) ||
-        sr->hit.obj == job->sources->list[p->source].obj)
+    if (!rad_geom_nearest(job->geom, &p->span, &hit, &d->ctx->counts.geom) ||
+        hit.obj == job->sources->list[p->source].obj)
         return true;
-    rad_ray_enter(sr);
-    rad_ray_continue(d->ctx, sr);
-    rad_ray_absorb(sr);
-    p->val = rad_rgb_mul(sr->L, p->coef);
+    if (!start_ray(d, p, &sr))
+        return false;
+    sr.hit = hit;
+    rad_ray_enter(&sr);
+    rad_ray_continue(d->ctx, &sr);
+    rad_ray_absorb(&sr);
+    p->val = rad_rgb_mul(sr.L, p->coef);
     return rad_rgb_lum(p->val) > 0;
 }
 
@@ -193,20 +224,16 @@ test(const struct direct *d, struct potential *p)
 {
     struct rad_ctx *ctx = d->ctx;
     const struct rad_job *job = ctx->job;
-    struct rad_span span;
-    struct rad_ray sr;
 
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
-    if (!start_ray(d, p, &sr))
-        return false;
-    ray_span(&sr, p->tmax, &span);
-    switch (rad_geom_sight(job->geom, &span, job->sources->list[p->source].obj,
+    switch (rad_geom_sight(job->geom, &p->span,
+                           job->sources->list[p->source].obj,
                            &ctx->last_blocker[p->source], &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
     case RAD_SIGHT_VEILED:
-        return see_through(d, p, &sr);
+        return see_through(d, p);
     default:
         return true;
     }
