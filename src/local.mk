@@ -60,12 +60,16 @@ librad_a_SOURCES = \
 	src/picture/frame.h \
 	src/picture/hdr.c \
 	src/picture/hdr.h \
+	src/picture/metric.c \
+	src/picture/metric.h \
 	src/picture/number.c \
 	src/picture/number.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
 	src/picture/params.c \
 	src/picture/params.h \
+	src/picture/png.c \
+	src/picture/png.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
 	src/picture/view.c \

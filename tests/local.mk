@@ -17,6 +17,7 @@ UNIT_TESTS = \
 	tests/check_geom \
 	tests/check_hdr \
 	tests/check_message \
+	tests/check_metric \
 	tests/check_octfile \
 	tests/check_octree \
 	tests/check_params \
@@ -187,6 +188,10 @@ tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_store_SOURCES = tests/check_store.c tests/unit.h
 tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
+tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_metric_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \

@@ -1,0 +1,236 @@
+/* check_metric.c - comparing pictures, tone mapping, PNG */
+#include "config.h"
+
+#include "picture/metric.h"
+#include "picture/png.h"
+#include "unit.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A grey picture of the values. */
+static struct rad_picture
+grey(int width, int height, const float *v)
+{
+    struct rad_picture p = { width, height, 1, NULL };
+
+    p.L = malloc((size_t)width * (size_t)height * sizeof *p.L);
+    ck_assert_ptr_nonnull(p.L);
+    for (int i = 0; i < width * height; i++)
+        p.L[i] = rad_grey(v[i]);
+    return p;
+}
+
+static const struct rad_metric_options as_is = { 1, 0, 1 };
+
+/* Worked by hand: reference 1 1 1 1, test 1 1 1 2, e = .001. */
+START_TEST(figures_agree_with_hand_calculation)
+{
+    static const float tv[] = { 1, 1, 1, 2 }, rv[] = { 1, 1, 1, 1 };
+    struct rad_picture t = grey(2, 2, tv), r = grey(2, 2, rv), a, b;
+    struct rad_metric m;
+
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &as_is, &a, &b, NULL), 0);
+    ck_assert_int_eq(rad_metric_compare(&a, &b, &m, NULL), 0);
+    ck_assert_double_eq_tol(m.mean_ratio, 1.25, 1e-7);
+    ck_assert_double_eq_tol(m.nrmse, .5, 1e-7);
+    ck_assert_double_eq_tol(m.log_rmse, log(2.001 / 1.001) / 2, 1e-6);
+    ck_assert_double_eq_tol(m.p50, 0, 1e-12);
+    /* places .95 * 3 = 2.85 and .999 * 3 = 2.997 of 0, 0, 0, 1/1.001 */
+    ck_assert_double_eq_tol(m.p95, .85 / 1.001, 1e-6);
+    ck_assert_double_eq_tol(m.p99_9, .997 / 1.001, 1e-6);
+    ck_assert_double_eq_tol(m.max, 1 / 1.001, 1e-6);
+    ck_assert_double_eq_tol(m.maxabs, 1, 1e-7);
+    rad_picture_release(&a);
+    rad_picture_release(&b);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(channels_weigh_by_luminance)
+{
+    static const float one[] = { 1 };
+    struct rad_picture t = grey(1, 1, one), r = grey(1, 1, one);
+    struct rad_metric m;
+
+    t.L[0].g = 2;
+    ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), 0);
+    ck_assert_double_eq_tol(m.mean_ratio, 1.670114631, 1e-6);
+    ck_assert_double_eq_tol(m.nrmse, sqrt(1. / 3), 1e-7);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(blocks_are_averaged_and_values_clipped)
+{
+    static const float tv[] = { 0, 2, 9, 0, 2, 9, 9, 9, 9 };
+    static const float rv[] = { 1, 1, 5, 1, 1, 5, 5, 5, 5 };
+    static const struct rad_metric_options block = { 1, 0, 2 };
+    static const struct rad_metric_options clip = { 1, .1, 1 };
+    struct rad_picture t = grey(3, 3, tv), r = grey(3, 3, rv), a, b;
+
+    /* the third row and column have no block */
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &block, &a, &b, NULL), 0);
+    ck_assert(a.width == 1 && a.height == 1);
+    ck_assert_float_eq(a.L[0].r, 1);
+    ck_assert_float_eq(b.L[0].r, 1);
+    rad_picture_release(&a);
+    rad_picture_release(&b);
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &clip, &a, &b, NULL), 0);
+    ck_assert_float_eq_tol(a.L[8].g, .1f * 29 / 9, 1e-6f);
+    ck_assert_float_eq(a.L[0].g, 0);
+    rad_picture_release(&a);
+    rad_picture_release(&b);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(larger_test_picture_is_brought_down)
+{
+    static const float tv[] = { 1, 3, 1, 3, 3, 1, 3, 1 }, rv[] = { 2, 2 };
+    static const struct rad_metric_options half = { 2, 0, 1 };
+    struct rad_picture t = grey(4, 2, tv), r = grey(2, 1, rv), a, b;
+    struct rad_metric m;
+
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &as_is, &a, &b, NULL),
+                     RAD_EDATA);
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &half, &a, &b, NULL), 0);
+    ck_assert_int_eq(rad_metric_compare(&a, &b, &m, NULL), 0);
+    ck_assert_double_eq(m.nrmse, 0);
+    rad_picture_release(&a);
+    rad_picture_release(&b);
+    ck_assert_int_eq(rad_metric_prepare(&r, &r, &half, &a, &b, NULL),
+                     RAD_EDATA);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(black_and_infinite_pictures_are_refused)
+{
+    static const float black[] = { 0 }, inf[] = { INFINITY };
+    struct rad_picture t = grey(1, 1, inf), r = grey(1, 1, black), a, b;
+    struct rad_metric m;
+
+    ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), RAD_EDATA);
+    ck_assert_int_eq(rad_metric_prepare(&t, &r, &as_is, &a, &b, NULL),
+                     RAD_EDATA);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(srgb_follows_its_standard)
+{
+    ck_assert_int_eq(rad_srgb(0), 0);
+    ck_assert_int_eq(rad_srgb(-1), 0);
+    ck_assert_int_eq(rad_srgb(NAN), 0);
+    ck_assert_int_eq(rad_srgb(.0031308), 10);
+    ck_assert_int_eq(rad_srgb(.2140411), 128 - 1); /* half, 127.5 below */
+    ck_assert_int_eq(rad_srgb(1), 255);
+    ck_assert_int_eq(rad_srgb(INFINITY), 255);
+}
+END_TEST
+
+START_TEST(tone_curve_rises_and_does_not_care_for_units)
+{
+    float v[100];
+    struct rad_picture p;
+    struct rad_tone tone, scaled;
+    uint8_t last = 0, rgb[3], other[3];
+
+    for (int i = 0; i < 100; i++)
+        v[i] = powf(1.1f, (float)i);
+    p = grey(10, 10, v);
+    tone = rad_tone_of(p.L, 100);
+    for (int i = 0; i < 100; i++)
+        p.L[i] = rad_rgb_scale(p.L[i], 1024);
+    scaled = rad_tone_of(p.L, 100);
+    for (int i = 0; i < 100; i++) {
+        rad_tone_map(&tone, rad_grey(v[i]), rgb);
+        rad_tone_map(&scaled, p.L[i], other);
+        ck_assert(rgb[0] >= last && rgb[0] == rgb[1] && rgb[1] == rgb[2]);
+        ck_assert_int_le(abs(rgb[0] - other[0]), 1);
+        last = rgb[0];
+    }
+    ck_assert_int_eq(last, 255);
+    rad_tone_map(&tone, rad_grey(0), rgb);
+    ck_assert_int_eq(rgb[0], 0);
+    rad_tone_map(&tone, rad_rgb(1e20f, 0, 0), rgb); /* burnt out: white */
+    ck_assert(rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255);
+    rad_picture_release(&p);
+}
+END_TEST
+
+START_TEST(black_pictures_stay_black)
+{
+    struct rad_rgb L[4] = { { 0, 0, 0 } };
+    struct rad_tone tone = rad_tone_of(L, 4);
+    uint8_t rgb[3] = { 1, 1, 1 };
+
+    rad_tone_map(&tone, L[0], rgb);
+    ck_assert(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
+}
+END_TEST
+
+START_TEST(png_has_its_signature_size_and_end)
+{
+    static const uint8_t start[] = { 0x89, 'P', 'N', 'G', 13,  10,  26,  10, 0,
+                                     0,    0,   13,  'I', 'H', 'D', 'R', 0,  0,
+                                     0,    3,   0,   0,   0,   2,   8,   2 };
+    static const float v[] = { 1, 2, 3, 4, 5, 6 };
+    struct rad_picture p = grey(3, 2, v);
+    struct rad_memory_out out = { 0 };
+    struct rad_sink sink = rad_memory_sink(&out);
+
+    ck_assert_int_eq(rad_png_picture(&p, &sink, NULL), 0);
+    ck_assert_uint_gt(out.len, sizeof start);
+    ck_assert_mem_eq(out.bytes, start, sizeof start);
+    ck_assert_mem_eq(out.bytes + out.len - 8, "IEND\xae\x42\x60\x82", 8);
+    free(out.bytes);
+    rad_picture_release(&p);
+}
+END_TEST
+
+static int
+refuse(void *arg, const void *data, size_t n, struct rad_error *err)
+{
+    (void)arg;
+    (void)data;
+    (void)n;
+    return rad_fail(err, RAD_EIO, "disk full");
+}
+
+START_TEST(png_passes_on_why_it_could_not_be_written)
+{
+    static const uint8_t rgb[3] = { 1, 2, 3 };
+    struct rad_sink sink = { refuse, NULL };
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(rad_png_write(rgb, 1, 1, 1, &sink, &err), RAD_EIO);
+    ck_assert_str_eq(err.what, "disk full");
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("metric");
+    TCase *tc = tcase_create("metric");
+
+    tcase_add_test(tc, figures_agree_with_hand_calculation);
+    tcase_add_test(tc, channels_weigh_by_luminance);
+    tcase_add_test(tc, blocks_are_averaged_and_values_clipped);
+    tcase_add_test(tc, larger_test_picture_is_brought_down);
+    tcase_add_test(tc, black_and_infinite_pictures_are_refused);
+    tcase_add_test(tc, srgb_follows_its_standard);
+    tcase_add_test(tc, tone_curve_rises_and_does_not_care_for_units);
+    tcase_add_test(tc, black_pictures_stay_black);
+    tcase_add_test(tc, png_has_its_signature_size_and_end);
+    tcase_add_test(tc, png_passes_on_why_it_could_not_be_written);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
