@@ -30,17 +30,9 @@ struct command {
 
 extern char **environ;
 
-static volatile sig_atomic_t running[MAX_RUNNING]; /* groups, 0: free */
-static volatile sig_atomic_t nrunning;
+static _Atomic int running[MAX_RUNNING]; /* groups, 0: free */
+static int nrunning;
 static const int passed_on[] = { SIGINT, SIGTERM, SIGHUP };
-
-void
-command_stop_all(void)
-{
-    for (int i = 0; i < MAX_RUNNING; i++)
-        if (running[i] > 0)
-            kill(-(pid_t)running[i], SIGTERM);
-}
 
 static void
 pass_on(int sig)
@@ -70,7 +62,7 @@ enter(pid_t group)
         if (running[i] == 0) {
             if (nrunning++ == 0)
                 swap_handlers(SIG_DFL, pass_on);
-            running[i] = (sig_atomic_t)group;
+            running[i] = (int)group;
             return i;
         }
     return -1;
@@ -272,4 +264,15 @@ command_end(struct command *c, bool stop, struct rad_error *err)
     free(c->text);
     free(c);
     return rc;
+}
+
+void
+command_stop_all(void)
+{
+    for (int i = 0; i < MAX_RUNNING; i++) {
+        int group = running[i];
+
+        if (group > 0)
+            kill(-(pid_t)group, SIGTERM);
+    }
 }

@@ -5,7 +5,8 @@
  * error goes where ours goes.  Its output is read as it comes.  It has a
  * process group of its own, so that all of a pipeline ends when it is stopped;
  * SIGINT, SIGTERM and SIGHUP, which reach our group only, are passed on to the
- * commands that run (see command.c on what that asks of the program).
+ * commands that run, unless the program handles them itself: then it calls
+ * command_stop_all() before it ends.
  * Thread: one in the whole program. */
 #ifndef RADD_CLIENT_COMMAND_H
 #define RADD_CLIENT_COMMAND_H
@@ -28,8 +29,8 @@ struct rad_stream command_output(struct command *c);
  * installed (in a pipeline, no status tells); 0 if it was stopped. */
 int command_end(struct command *c, bool stop, struct rad_error *err);
 
-/* Tell all that run to end: for a program that handles those signals itself.
- * May be called in a signal handler and from any thread. */
+/* End all commands that run, as SIGTERM does.  From any thread or signal
+ * handler. */
 void command_stop_all(void);
 
 #endif

@@ -116,6 +116,24 @@ expect 65 "mesh.rad:1: mesh 'm': type 'mesh' is not supported yet" \
     $radscene freeze mesh.rad
 expect 0 '' $radscene info mesh.rad
 
+# an interrupted radscene leaves no command running
+printf '!echo $$ >pid.new; mv pid.new pid; sleep 1000 | sleep 1000\n' >slow.rad
+$radscene check slow.rad &
+reader=$!
+while [ ! -s pid ] && kill -0 $reader 2>/dev/null; do
+    sleep .01
+done
+kill -TERM $reader
+wait $reader
+status=$?
+[ $status -eq 143 ] || { echo "FAIL: SIGTERM: status $status"; failed=1; }
+tries=0
+while kill -0 -- "-$(cat pid)" 2>/dev/null; do
+    tries=$((tries + 1))
+    [ $tries -lt 1000 ] || { echo 'FAIL: a command is left'; failed=1; break; }
+    sleep .01
+done
+
 # wrong command lines
 expect 64 'usage: radscene' $radscene
 expect 64 'usage: radscene' $radscene chekc good.rad
