@@ -75,7 +75,7 @@ struct rad_walk {
     uint32_t prim;     /* which item that is */
     bool tie;          /* another hit lies within the window behind best */
     int32_t skip;      /* object that does not count */
-    bool veiled;       /* a leaf on the way holds something not opaque */
+    bool veiled;       /* something not opaque is on the way */
     uint64_t tests, nodes;
     /* ties: called with every hit */
     void (*offer)(struct rad_walk *w, uint32_t prim, double t);
@@ -88,23 +88,29 @@ int rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 
-/* A probe in the tree's coordinates. */
+static inline void
+rad_bvh_ray_axis(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
+                 const struct rad_probe *probe, int a)
+{
+    double rcp = probe->rcp[a];
+    double x = (probe->org[a] - bvh->centre[a]) * bvh->scale;
+    double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp);
+
+    r->org[a][0] = (float)(x + pad);
+    r->org[a][1] = (float)(x - pad);
+    r->enter[a] = RAD_BVH_BOUND(a, rcp < 0);
+    r->leave[a] = RAD_BVH_BOUND(a, rcp > 0);
+    r->inv[a] = (float)(fabs(rcp) < 0x1p120 ? rcp : copysign(0x1p120, rcp));
+}
+
+/* A probe in the tree's coordinates.  (A loop here would stay one.) */
 static inline void
 rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
                  const struct rad_probe *probe, double tmin)
 {
-    for (int a = 0; a < 3; a++) {
-        double rcp = probe->rcp[a];
-        double x = (probe->org[a] - bvh->centre[a]) * bvh->scale;
-        double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp);
-        double most = copysign(0x1p120, rcp);
-
-        r->org[a][0] = (float)(x + pad);
-        r->org[a][1] = (float)(x - pad);
-        r->enter[a] = RAD_BVH_BOUND(a, rcp < 0);
-        r->leave[a] = RAD_BVH_BOUND(a, rcp > 0);
-        r->inv[a] = (float)(fabs(rcp) < 0x1p120 ? rcp : most);
-    }
+    rad_bvh_ray_axis(r, bvh, probe, 0);
+    rad_bvh_ray_axis(r, bvh, probe, 1);
+    rad_bvh_ray_axis(r, bvh, probe, 2);
     /* 2^-20 outweighs what float rounds, here and in the slab test */
     r->tmin = (float)(tmin * bvh->scale * (1 - 0x1p-20));
 }

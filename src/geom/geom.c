@@ -157,25 +157,24 @@ rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3])
     rad_copy(hi, g->bvh.hi);
 }
 
-/* False: the ray is no ray (a NaN or an infinity in it). */
+/* False: the span is no ray (a NaN or an infinity in it). */
 static bool
-is_ray(const struct rad_span *span)
+probe_span(struct rad_probe *probe, const struct rad_span *span)
 {
-    double sum = 0, len = 0;
+    const double *d = span->dir;
+    double len = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
 
-    for (int a = 0; a < 3; a++) {
-        sum += fabs(span->org[a]);
-        len += fabs(span->dir[a]);
-    }
-    return (sum + len < INFINITY) & (len > 0) & (span->tmin < span->tmax);
+    rad_probe_init(probe, span);
+    return (probe->size + len < INFINITY) & (len > 0) &
+           (span->tmin < span->tmax);
 }
 
-/* False: the ray is no ray. */
+/* Make ready to test prims by themselves.  False: the span is no ray. */
 static bool
 walk_init(struct rad_walk *w, const struct rad_geom *g,
           const struct rad_span *span)
 {
-    if (!is_ray(span))
+    if (!probe_span(&w->probe, span))
         return false;
     w->bvh = &g->bvh;
     w->prims = g->prims;
@@ -186,10 +185,24 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
     w->prim = NOPRIM;
     w->tie = false;
     w->skip = RAD_VOID;
+    w->veiled = false;
     w->tests = w->nodes = 0;
-    rad_probe_init(&w->probe, span);
-    rad_bvh_ray_init(&w->ray, &g->bvh, &w->probe, span->tmin);
     return true;
+}
+
+/* Make ready to walk. */
+static void
+walk_aim(struct rad_walk *w)
+{
+    rad_bvh_ray_init(&w->ray, w->bvh, &w->probe, w->tmin);
+}
+
+/* Anything opaque on the way?  Into w->prim. */
+static bool
+walk_any(struct rad_walk *w, const struct rad_kernel *k)
+{
+    walk_aim(w);
+    return k->any(w);
 }
 
 static void
@@ -271,6 +284,7 @@ rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
     hit->obj = RAD_VOID;
     if (!walk_init(&w, g, span))
         return false;
+    walk_aim(&w);
     g->kernel->nearest(&w);
     if (w.prim != NOPRIM) {
         rad_prim_surface(&w.prims[w.prim], &w.probe, w.best, hit);
@@ -308,9 +322,8 @@ rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
     if (!walk_init(&w, g, span))
         return RAD_SIGHT_CLEAR;
     w.skip = skip;
-    w.veiled = false;
     blocked = blocker && still_blocks(g, &w, *blocker);
-    if (!blocked && g->kernel->any(&w)) {
+    if (!blocked && walk_any(&w, g->kernel)) {
         blocked = true;
         if (blocker)
             *blocker = w.prims[w.prim].obj;
@@ -340,10 +353,9 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
 
     hit->obj = RAD_VOID;
     if (obj < 0 || obj >= g->scene->nobjects || g->prim_of[obj] == NOPRIM ||
-        !is_ray(span))
+        !probe_span(&probe, span))
         return false;
     p = &g->prims[g->prim_of[obj]];
-    rad_probe_init(&probe, span);
     counts->tests++;
     if (!rad_prim_hit(p, &probe, span->tmin, fmin(span->tmax, DBL_MAX), &t))
         return false;

@@ -20,6 +20,7 @@
 #define RAD_GEOM_PRIM_H
 
 #include "base/arena.h"
+#include "base/vec.h"
 #include "geom/geom.h"
 #include "scene/scene.h"
 
@@ -68,23 +69,22 @@ struct rad_box {
 static inline void
 rad_probe_init(struct rad_probe *r, const struct rad_span *span)
 {
-    double ax = fabs(span->dir[0]), ay = fabs(span->dir[1]);
-    double az = fabs(span->dir[2]), m = ax;
+    const double *org = span->org, *dir = span->dir;
+    double ax = fabs(dir[0]), ay = fabs(dir[1]), az = fabs(dir[2]);
+    int k = ay > ax ? 1 : 0;
 
-    r->size = 0;
-    for (int i = 0; i < 3; i++) {
-        r->org[i] = span->org[i];
-        r->dir[i] = span->dir[i];
-        r->rcp[i] = 1 / span->dir[i];
-        r->size += fabs(span->org[i]);
-    }
-    r->kz = ay > m ? 1 : 0;
-    m = ay > m ? ay : m;
-    r->kz = az > m ? 2 : r->kz;
-    r->kx = r->kz == 2 ? 0 : r->kz + 1;
-    r->ky = r->kz == 0 ? 2 : r->kz - 1;
-    r->sx = r->dir[r->kx] * r->rcp[r->kz];
-    r->sy = r->dir[r->ky] * r->rcp[r->kz];
+    k = az > (k ? ay : ax) ? 2 : k;
+    rad_copy(r->org, org);
+    rad_copy(r->dir, dir);
+    r->rcp[0] = 1 / dir[0];
+    r->rcp[1] = 1 / dir[1];
+    r->rcp[2] = 1 / dir[2];
+    r->size = fabs(org[0]) + fabs(org[1]) + fabs(org[2]);
+    r->kx = k == 2 ? 0 : k + 1;
+    r->ky = k == 0 ? 2 : k - 1;
+    r->kz = k;
+    r->sx = dir[r->kx] * r->rcp[k];
+    r->sy = dir[r->ky] * r->rcp[k];
 }
 
 /* Is this a type of surface that has a family here? */

@@ -127,17 +127,16 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         const struct rad_prim *p = &w->prims[i];
 
-        if (p->obj == w->skip)
+        if (p->obj == w->skip || (w->veiled && !(p->surf & RAD_SURF_OPAQUE)))
             continue;
-        if (!(p->surf & RAD_SURF_OPAQUE)) {
-            w->veiled = true;
-            continue;
-        }
         w->tests++;
-        if (rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t)) {
+        if (!rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t))
+            continue;
+        if (p->surf & RAD_SURF_OPAQUE) {
             w->prim = i;
             return true;
         }
+        w->veiled = true;
     }
     return false;
 }
