@@ -6,3 +6,5 @@ dist_doc_DATA = \
 	README.md \
 	doc/architecture.md \
 	doc/protocol.md
+	doc/accuracy.md \
+	doc/architecture.md
