@@ -1,8 +1,9 @@
 /* coord.c - see coord.h
  *
- * Connections, requests and the life of a job; who works on what is in
- * sched.c.  Messages go through one table of short handlers; which of them may
- * come from whom was checked by the session before (proto/message.def).
+ * Connections and the life of a job; who works on what is in sched.c, what
+ * users and admins ask for in request.c.  Messages go through tables of short
+ * handlers; which of them may come from whom was checked by the session before
+ * (proto/message.def).
  *
  * A job waits until its bundle is stored and there is room for its rows; then
  * it is accepted.  It is over when every frame's picture is written, when it
@@ -12,9 +13,8 @@
 
 #include "coord.h"
 
-#include "report.h"
+#include "request.h"
 #include "sched.h"
-#include "stats.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -90,30 +90,16 @@ coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
 
 /* --- replies --- */
 
-static void
-reply_failed(struct coord *c, const struct coord_conn *conn, uint32_t request,
-             const uint8_t *job, int status, const char *text)
+void
+coord_reply_failed(struct coord *c, const struct coord_conn *conn,
+                   uint32_t request, const uint8_t *job, int status,
+                   const char *text)
 {
     struct msg m = { .type = MSG_FAILED,
                      .request = request,
                      .failed = { job, (uint16_t)status, text } };
 
     actions_send(&c->actions, conn->id, &m);
-}
-
-static void
-reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
-             const char *text)
-{
-    struct msg m = { .type = MSG_ANSWER,
-                     .request = request,
-                     .answer = { (const uint8_t *)text, strlen(text) } };
-
-    if (m.answer.len > MSG_MAX - 4)
-        reply_failed(c, conn, request, NULL, EX_SOFTWARE,
-                     "the answer is too long");
-    else
-        actions_send(&c->actions, conn->id, &m);
 }
 
 /* --- the life of a job --- */
@@ -129,8 +115,9 @@ send_progress(struct coord *c, const struct coord_conn *conn,
 }
 
 /* The last words to one who watches the job. */
-static void
-send_end(struct coord *c, const struct coord_conn *conn, const struct job *job)
+void
+coord_send_end(struct coord *c, const struct coord_conn *conn,
+               const struct job *job)
 {
     struct msg m = { .type = MSG_DONE,
                      .request = conn->watch_request,
@@ -140,13 +127,13 @@ send_end(struct coord *c, const struct coord_conn *conn, const struct job *job)
     if (job->state == JOB_DONE)
         actions_send(&c->actions, conn->id, &m);
     else
-        reply_failed(c, conn, conn->watch_request, job->id, job->status,
-                     job->text);
+        coord_reply_failed(c, conn, conn->watch_request, job->id, job->status,
+                           job->text);
 }
 
-static void
-send_accept(struct coord *c, const struct coord_conn *conn,
-            const struct job *job, bool again)
+void
+coord_send_accept(struct coord *c, const struct coord_conn *conn,
+                  const struct job *job, bool again)
 {
     struct msg m = { .type = MSG_ACCEPT,
                      .request = conn->watch_request,
@@ -191,14 +178,14 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
     sched_job_over(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job) {
-            send_end(c, conn, job);
+            coord_send_end(c, conn, job);
             conn->watch = NULL;
         }
 }
 
 /* Once its files are all there, ask for room for its rows. */
-static void
-try_open(struct coord *c, struct job *job)
+void
+coord_try_open(struct coord *c, struct job *job)
 {
     const struct msg_hashes *f = &job->spec.files;
 
@@ -211,8 +198,8 @@ try_open(struct coord *c, struct job *job)
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
 }
 
-static bool
-add_job(struct coord *c, struct job *job)
+bool
+coord_add_job(struct coord *c, struct job *job)
 {
     size_t i = c->njobs;
 
@@ -389,51 +376,7 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
     actions_send(&c->actions, conn->id, &welcome);
 }
 
-/* PING is the shell's; BYE is followed by the end of the connection. */
-static void
-on_nothing(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    (void)c;
-    (void)conn;
-    (void)m;
-}
-
 /* --- files --- */
-
-static void
-on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct msg want = { .type = MSG_WANT, .request = m->request };
-    const struct msg_hashes *f = &m->offer;
-    uint8_t *list = rad_arena_alloc(&c->actions.mem, (size_t)f->n * MSG_HASH);
-
-    if (!list) {
-        c->actions.failed = true;
-        return;
-    }
-    for (uint32_t i = 0; i < f->n; i++) {
-        const uint8_t *hash = f->hash + (size_t)i * MSG_HASH;
-
-        if (!c->env.has_file(c->env.arg, hash))
-            memcpy(list + (size_t)want.want.n++ * MSG_HASH, hash, MSG_HASH);
-    }
-    want.want.hash = list;
-    if (conn->offer_ms == 0)
-        conn->offer_ms = c->now_ms;
-    actions_send(&c->actions, conn->id, &want);
-}
-
-static void
-on_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct action *a = actions_add(&c->actions, ACT_PUT_CHUNK, conn->id);
-
-    conn->sent_bytes += m->chunk.len;
-    if (!a)
-        return;
-    a->request = m->request;
-    a->chunk = m->chunk;
-}
 
 /* A worker lacks files. */
 static void
@@ -452,266 +395,15 @@ on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
     }
 }
 
-/* --- requests about jobs --- */
-
-static bool
-may_steer(const struct coord_conn *conn, const struct job *job)
-{
-    return conn->session == MSG_AT_COORD_ADMIN ||
-           strcmp(conn->owner, job->owner) == 0;
-}
-
-/* The job that a request names, if there is one and the sender may steer it;
- * else NULL, and the sender is told. */
-static struct job *
-job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
-               const uint8_t *id)
-{
-    struct job *job = coord_find_job(c, id);
-
-    if (!job) {
-        reply_failed(c, conn, request, id, EX_NOINPUT, "no such job");
-        return NULL;
-    }
-    if (!may_steer(conn, job)) {
-        reply_failed(c, conn, request, id, EX_NOPERM,
-                     "the job belongs to another user");
-        return NULL;
-    }
-    return job;
-}
-
-/* Why a new job cannot be taken; 0: it can. */
-static int
-submit_fault(const struct coord *c, const struct msg_spec *spec,
-             struct rad_error *err)
-{
-    struct partition_spec p = { .kind = spec->partition,
-                                .order = spec->order,
-                                .windows = spec->windows,
-                                .nframes = spec->nframes,
-                                .frames = spec->frames };
-    size_t active = 0;
-
-    for (size_t i = 0; i < c->njobs; i++)
-        active += !job_over(c->jobs[i]);
-    if (active >= MOST_JOBS)
-        return rad_fail(err, RAD_ETEMPFAIL, "the queue is full");
-    return partition_check(&p, err);
-}
-
-/* Somebody submits a job that is here already: attach to it. */
-static void
-attach(struct coord *c, struct coord_conn *conn, uint32_t request,
-       const uint8_t *id)
-{
-    struct job *job = job_of_request(c, conn, request, id);
-
-    if (!job)
-        return;
-    conn->watch_request = request;
-    if (job->opened || job_over(job))
-        send_accept(c, conn, job, true);
-    if (job_over(job))
-        send_end(c, conn, job);
-    else
-        conn->watch = job;
-}
-
-static void
-on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct rad_error err = { 0 };
-    struct job *job;
-
-    if (coord_find_job(c, m->submit.job)) {
-        attach(c, conn, m->request, m->submit.job);
-        return;
-    }
-    if (submit_fault(c, &m->submit, &err) != 0) {
-        reply_failed(c, conn, m->request, m->submit.job,
-                     rad_exit_status(err.code), err.what);
-        return;
-    }
-    job = job_new(&m->submit, conn->owner);
-    if (!job || !add_job(c, job)) {
-        job_free(job);
-        c->actions.failed = true;
-        return;
-    }
-    job->submit_ms = c->now_ms;
-    job->offer_ms = conn->offer_ms ? conn->offer_ms : c->now_ms;
-    job->sent_bytes = conn->sent_bytes;
-    conn->offer_ms = conn->sent_bytes = 0;
-    conn->watch = job;
-    conn->watch_request = m->request;
-    actions_log(&c->actions, ACT_INFO, "job new job=%s owner=%s name=%s",
-                job->hex, job->owner, job->spec.name);
-    try_open(c, job);
-}
-
-static void
-on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct job *job = job_of_request(c, conn, m->request, m->cancel.job);
-
-    if (!job)
-        return;
-    coord_job_ends(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
-    reply_answer(c, conn, m->request, "");
-}
-
-static void
-on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct job *job = job_of_request(c, conn, m->request, m->pause.job);
-
-    if (!job)
-        return;
-    if (job_over(job)) {
-        reply_failed(c, conn, m->request, job->id, EX_USAGE, "the job is over");
-        return;
-    }
-    job->state = JOB_PAUSED;
-    reply_answer(c, conn, m->request, "");
-}
-
-static void
-on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct job *job = job_of_request(c, conn, m->request, m->resume.job);
-
-    if (!job)
-        return;
-    if (job->state == JOB_PAUSED)
-        job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
-    reply_answer(c, conn, m->request, "");
-}
-
-/* Text as CHUNKs. */
-static void
-send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
-          const char *text)
-{
-    size_t total = strlen(text);
-
-    for (size_t at = 0; at < total; at += MSG_MAX_CHUNK) {
-        size_t n = total - at < MSG_MAX_CHUNK ? total - at : MSG_MAX_CHUNK;
-        struct msg m = { .type = MSG_CHUNK,
-                         .request = request,
-                         .chunk = { NULL, at, total, (const uint8_t *)text + at,
-                                    n } };
-
-        actions_send(&c->actions, conn->id, &m);
-    }
-}
-
-static void
-fetch_stats(struct coord *c, const struct coord_conn *conn, const struct msg *m,
-            const struct job *job)
-{
-    char *text = stats_json(job, c->now_ms);
-
-    if (text)
-        send_text(c, conn, m->request, text);
-    else
-        c->actions.failed = true;
-    free(text);
-}
-
-/* Why a frame cannot be fetched; NULL: it can. */
-static const char *
-fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
-{
-    *status = EX_USAGE;
-    if (m->frame >= job->spec.nframes)
-        return "no such frame";
-    if (m->what == MSG_WHAT_DEPTH && !(job->spec.flags & MSG_JOB_DEPTH))
-        return "the job has no distances";
-    *status = EX_TEMPFAIL;
-    if (m->what == MSG_WHAT_PREVIEW)
-        return job->opened ? NULL : "nothing is rendered yet";
-    if (job->frames[m->frame].written)
-        return NULL;
-    if (!job_over(job))
-        return "the frame is not finished yet";
-    *status = job->status;
-    return job->text;
-}
-
-static void
-on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    struct job *job = job_of_request(c, conn, m->request, m->fetch.job);
-    const char *fault;
-    struct action *a;
-    int status;
-
-    if (!job)
-        return;
-    if (m->fetch.what == MSG_WHAT_STATS) {
-        fetch_stats(c, conn, m, job);
-        return;
-    }
-    fault = fetch_fault(job, &m->fetch, &status);
-    if (fault) {
-        reply_failed(c, conn, m->request, job->id, status, fault);
-        return;
-    }
-    a = actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
-    if (!a)
-        return;
-    a->request = m->request;
-    a->frame = m->fetch.frame;
-    a->what = m->fetch.what;
-}
-
-static void
-on_query(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    int status;
-    char *text = report_query(c, m->query.what, m->query.text, &status);
-
-    if (!text)
-        c->actions.failed = true;
-    else if (status != 0)
-        reply_failed(c, conn, m->request, NULL, status, text);
-    else
-        reply_answer(c, conn, m->request, text);
-    free(text);
-}
-
 /* --- workers --- */
 
-static void
-set_drained(struct coord *c, struct coord_conn *conn, uint32_t request,
-            const char *name, bool drained)
-{
-    struct coord_worker *w = c->workers;
-
-    while (w && strcmp(w->name, name) != 0)
-        w = w->next;
-    if (!w) {
-        reply_failed(c, conn, request, NULL, EX_NOINPUT, "no such worker");
-        return;
-    }
-    w->drained = drained;
-    reply_answer(c, conn, request, "");
-}
-
+/* Of itself; sched_run says BYE when it has nothing left. */
 static void
 on_drain(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    if (conn->worker) /* of itself; sched_run sends BYE when it is empty */
-        conn->worker->leaving = true;
-    else
-        set_drained(c, conn, m->request, m->drain.name, true);
-}
-
-static void
-on_undrain(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    set_drained(c, conn, m->request, m->undrain.name, false);
+    (void)c;
+    (void)m;
+    conn->worker->leaving = true;
 }
 
 static void
@@ -752,22 +444,32 @@ on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
     coord_job_ends(c, job, JOB_FAILED, m->failed.status, text);
 }
 
+/* Of workers, and of those who have not said who they are. */
 static const struct {
     enum msg_type type;
     void (*handle)(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, on_result }, { MSG_HELLO, on_hello },
-    { MSG_PING, on_nothing },  { MSG_PONG, on_nothing },
-    { MSG_BYE, on_nothing },   { MSG_OFFER, on_offer },
-    { MSG_WANT, on_want },     { MSG_CHUNK, on_chunk },
-    { MSG_SUBMIT, on_submit }, { MSG_CANCEL, on_cancel },
-    { MSG_PAUSE, on_pause },   { MSG_RESUME, on_resume },
-    { MSG_FETCH, on_fetch },   { MSG_QUERY, on_query },
-    { MSG_DRAIN, on_drain },   { MSG_UNDRAIN, on_undrain },
-    { MSG_READY, on_ready },   { MSG_LOST, on_lost },
-    { MSG_TALLY, on_tally },   { MSG_FAILED, on_failed },
+    { MSG_RESULT, on_result }, { MSG_HELLO, on_hello }, { MSG_WANT, on_want },
+    { MSG_READY, on_ready },   { MSG_LOST, on_lost },   { MSG_TALLY, on_tally },
+    { MSG_FAILED, on_failed }, { MSG_DRAIN, on_drain },
 };
+
+/* PING is the shell's; BYE is followed by the end of the connection. */
+static void
+handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (conn->session == MSG_AT_COORD_USER ||
+        conn->session == MSG_AT_COORD_ADMIN) {
+        request_handle(c, conn, m);
+        return;
+    }
+    for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
+        if (handlers[i].type == m->type) {
+            handlers[i].handle(c, conn, m);
+            return;
+        }
+}
 
 /* --- events --- */
 
@@ -815,11 +517,7 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
     c->now_ms = now_ms;
     if (!conn || !msg_allowed(conn->session, m->type))
         return; /* it was on its way when we closed the connection */
-    for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
-        if (handlers[i].type == m->type) {
-            handlers[i].handle(c, conn, m);
-            break;
-        }
+    handle(c, conn, m);
     sched_run(c);
     forget_old(c);
 }
@@ -835,7 +533,7 @@ coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
     if (conn)
         actions_send(&c->actions, id, &m);
     for (size_t i = 0; i < c->njobs; i++)
-        try_open(c, c->jobs[i]);
+        coord_try_open(c, c->jobs[i]);
 }
 
 void
@@ -847,7 +545,7 @@ coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t id,
     (void)hash;
     c->now_ms = now_ms;
     if (conn)
-        reply_failed(c, conn, 0, NULL, status, text);
+        coord_reply_failed(c, conn, 0, NULL, status, text);
 }
 
 void
@@ -867,7 +565,7 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     job->open_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job)
-            send_accept(c, conn, job, false);
+            coord_send_accept(c, conn, job, false);
     sched_run(c);
 }
 

@@ -43,6 +43,8 @@ libdaemon_a_SOURCES = \
 	daemon/render.h \
 	daemon/report.c \
 	daemon/report.h \
+	daemon/request.c \
+	daemon/request.h \
 	daemon/rows.c \
 	daemon/rows.h \
 	daemon/sched.c \

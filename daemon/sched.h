@@ -1,7 +1,7 @@
 /* sched.h - who works on what: the part of the coordinator that hands out
  *
  * coord.c keeps connections and requests and calls these; both change the
- * structs below.  Private to coord.c, sched.c and report.c.
+ * structs below.  Private to coord.c, request.c, sched.c and report.c.
  * Thread: one. */
 #ifndef DAEMON_SCHED_H
 #define DAEMON_SCHED_H
@@ -74,15 +74,30 @@ void sched_rows_stored(struct coord *c, const struct action_rows *key);
 /* Take the units of a job back and tell its workers that it is over. */
 void sched_job_over(struct coord *c, struct job *job);
 
-/* coord.c: end a job; text may be NULL. */
-void coord_job_ends(struct coord *c, struct job *job, enum job_state state,
-                    int status, const char *text);
+/* --- coord.c --- */
 
-/* coord.c: the job or connection of that id, or NULL. */
+/* The job or connection of that id, or NULL. */
 struct job *coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
 struct coord_conn *coord_find_conn(const struct coord *c, uint64_t id);
 
-/* coord.c: close a connection that broke the rules. */
+/* Close a connection that broke the rules, or that is not needed. */
 void coord_break(struct coord *c, uint64_t conn, const char *why);
+
+void coord_reply_failed(struct coord *c, const struct coord_conn *conn,
+                        uint32_t request, const uint8_t *job, int status,
+                        const char *text);
+void coord_send_accept(struct coord *c, const struct coord_conn *conn,
+                       const struct job *job, bool again);
+/* The last words to one who watches the job. */
+void coord_send_end(struct coord *c, const struct coord_conn *conn,
+                    const struct job *job);
+
+/* Put a job into the queue; false when memory is out. */
+bool coord_add_job(struct coord *c, struct job *job);
+/* Once its files are all there, ask for room for its rows. */
+void coord_try_open(struct coord *c, struct job *job);
+/* End a job; text may be NULL. */
+void coord_job_ends(struct coord *c, struct job *job, enum job_state state,
+                    int status, const char *text);
 
 #endif

@@ -1,0 +1,14 @@
+/* request.h - what users and admins ask of the coordinator
+ *
+ * Private to the coordinator's own files.
+ * Thread: one. */
+#ifndef DAEMON_REQUEST_H
+#define DAEMON_REQUEST_H
+
+#include "sched.h"
+
+/* A message that arrived in MSG_AT_COORD_USER or MSG_AT_COORD_ADMIN. */
+void request_handle(struct coord *c, struct coord_conn *conn,
+                    const struct msg *m);
+
+#endif
