@@ -3,27 +3,39 @@
 
 #include "picfile.h"
 
+#include "picture/hdr.h"
 #include "picture/png.h"
 
-#include <stdlib.h>
+#include <limits.h>
 
-/* Larger pictures are for programs, not for the eye. */
-#define MOST_PIXELS ((size_t)1 << 28)
+static int
+put(void *arg, const void *data, size_t len, struct rad_error *err)
+{
+    (void)err; /* a failure shows at the commit */
+    (void)!fwrite(data, 1, len, arg);
+    return 0;
+}
 
+/* Tone-mapped, 8 bits. */
 static int
 write_png(const char *path, const uint8_t *hdr, size_t n, bool durable,
           struct rad_error *err)
 {
-    struct rad_memory_out png = { 0 };
-    struct rad_sink sink = rad_memory_sink(&png);
-    struct rad_picture pic;
-    int rc = rad_hdr_read(hdr, n, MOST_PIXELS, &pic, err);
+    struct rad_picture pic = { 0 };
+    struct output out = { 0 };
+    struct rad_sink sink = { .write = put };
+    int rc = rad_hdr_read(hdr, n, INT_MAX, &pic, err);
 
     if (rc == 0)
+        rc = output_open(&out, path, durable, err);
+    if (rc == 0) {
+        sink.arg = out.file;
         rc = rad_png_picture(&pic, &sink, err);
-    if (rc == 0)
-        rc = output_write(path, png.bytes, png.len, durable, err);
-    free(png.bytes);
+        if (rc == 0)
+            rc = output_commit(&out, err);
+        else
+            output_abort(&out);
+    }
     rad_picture_release(&pic);
     return rc;
 }

@@ -138,6 +138,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_embedded.sh \
 	tests/e2e/submit_interrupt.sh
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
@@ -147,6 +148,7 @@ TESTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_embedded.sh \
 	tests/e2e/submit_interrupt.sh
 
 tests_check_message_SOURCES = tests/check_message.c tests/unit.h

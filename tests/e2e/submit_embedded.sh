@@ -27,9 +27,10 @@ same()
 
 # one window is what one loop over the picture makes
 render one.hdr --workers=1 --threads=1
-"$top_builddir/tests/seqpict" $view -ab 0 "$room" >seq.hdr 2>stderr ||
+# shellcheck disable=SC2086
+"$top_builddir/tests/seqpict" $view -ab 0 -o seq.hdr "$room" 2>stderr ||
     fail "seqpict: $(cat stderr)"
-# shellcheck disable=SC2016
+# the pixels of a picture: what follows its resolution line
 body() { sed '1,/^-Y /d' "$1"; }
 body one.hdr >one.body
 body seq.hdr >seq.body
@@ -66,13 +67,16 @@ assert len(s["workers"]) == 1 and len(s["units"]) >= 1
 assert sum(u["width"] * u["height"] for u in s["units"]) == 120 * 90
 END
 
-# an animation: two views, two pictures, the first that of the still
+# an animation: two views, two pictures, the first that of the still where
+# nothing is random
+render still.hdr --threads=1 -pj 0 -ss 0
 printf '%s\n%s\n' "$(cat "$scenes/room.vf")" "rvu -vh 40" |
-    "$radsubmit" --local $size -ab 0 --threads=1 -S 7 -o 'f%03d.hdr' "$room" \
+    "$radsubmit" --local $size -ab 0 -pj 0 -ss 0 --threads=1 -S 7 -o 'f%03d.hdr' "$room" \
         2>stderr || fail "animation: $(cat stderr)"
 [ -s f008.hdr ] || fail "no second frame"
 body f007.hdr >f007.body
-same f007.body one.body "an animation's first frame is not the still"
+body still.hdr >still.body
+same f007.body still.body "an animation's first frame is not the still"
 
 check_nothing_left "after all of them"
 finish
