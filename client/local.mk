@@ -53,3 +53,7 @@ radctl_LDADD = $(LIBCLIENT) $(LIBRAD)
 radsubmit_SOURCES = client/radsubmit.c
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radsubmit_LDADD = $(LIBCLIENT) $(LIBRAD)
+
+bin_PROGRAMS += raderr
+raderr_SOURCES = client/raderr.c
+raderr_LDADD = $(LIBCLIENT) $(LIBRAD)

@@ -56,6 +56,8 @@ librad_a_SOURCES = \
 	src/light/sources.h \
 	src/light/spot.c \
 	src/light/spot.h \
+	src/picture/falsecolour.c \
+	src/picture/falsecolour.h \
 	src/picture/frame.c \
 	src/picture/frame.h \
 	src/picture/hdr.c \

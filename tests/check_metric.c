@@ -1,6 +1,7 @@
 /* check_metric.c - comparing pictures, tone mapping, PNG */
 #include "config.h"
 
+#include "picture/falsecolour.h"
 #include "picture/metric.h"
 #include "picture/png.h"
 #include "unit.h"
@@ -215,6 +216,42 @@ START_TEST(png_passes_on_why_it_could_not_be_written)
 }
 END_TEST
 
+START_TEST(differences_are_red_and_blue)
+{
+    static const float tv[] = { 1000, 2000, 500, 1e9f, 0, 1000 };
+    static const float rv[] = { 1000, 1000, 1000, 1000, 1000, 1000 };
+    static const uint8_t want[6][3] = { { 200, 200, 200 }, { 160, 20, 30 },
+                                        { 20, 40, 160 },   { 160, 20, 30 },
+                                        { 20, 40, 160 },   { 200, 200, 200 } };
+    struct rad_picture t = grey(6, 1, tv), r = grey(6, 1, rv);
+    struct rad_image image;
+
+    ck_assert_int_eq(rad_difference_map(&t, &r, &image, NULL), 0);
+    ck_assert_int_gt(image.width, 6);
+    for (int x = 0; x < 6; x++)
+        for (int c = 0; c < 3; c++)
+            ck_assert_int_le(abs(image.rgb[3 * x + c] - want[x][c]), 1);
+    free(image.rgb);
+    rad_picture_release(&t);
+    rad_picture_release(&r);
+}
+END_TEST
+
+START_TEST(false_colours_span_three_decades)
+{
+    static const float v[] = { 1, .001f, 1e-9f, 0, INFINITY, NAN };
+    struct rad_picture p = grey(6, 1, v);
+    struct rad_image image;
+
+    ck_assert_int_eq(rad_false_colour(&p, &image, NULL), 0);
+    ck_assert_mem_eq(image.rgb, "\377\377\334", 3);
+    for (int x = 1; x < 6; x++) /* at and below the scale's lower end */
+        ck_assert_int_eq(image.rgb[3 * x], x == 4 ? 255 : 10);
+    free(image.rgb);
+    rad_picture_release(&p);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -229,6 +266,8 @@ main(void)
     tcase_add_test(tc, srgb_follows_its_standard);
     tcase_add_test(tc, tone_curve_rises_and_does_not_care_for_units);
     tcase_add_test(tc, black_pictures_stay_black);
+    tcase_add_test(tc, differences_are_red_and_blue);
+    tcase_add_test(tc, false_colours_span_three_decades);
     tcase_add_test(tc, png_has_its_signature_size_and_end);
     tcase_add_test(tc, png_passes_on_why_it_could_not_be_written);
     suite_add_tcase(s, tc);
