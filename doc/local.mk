@@ -4,7 +4,6 @@ dist_doc_DATA = \
 	LICENSE \
 	NEWS \
 	README.md \
+	doc/accuracy.md \
 	doc/architecture.md \
 	doc/protocol.md
-	doc/accuracy.md \
-	doc/architecture.md
