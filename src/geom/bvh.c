@@ -294,8 +294,7 @@ set_lane(struct rad_bvh_node *node, int lane, const struct range *r)
         node->bound[RAD_BVH_BOUND(a, 0) + lane] = r->lo[a];
         node->bound[RAD_BVH_BOUND(a, 1) + lane] = r->hi[a];
     }
-    node->child[lane] =
-        RAD_BVH_LEAF | (r->count - 1) << RAD_BVH_SHIFT | r->first;
+    node->child[lane] = rad_bvh_leaf(r->first, r->count);
 }
 
 static int

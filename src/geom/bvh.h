@@ -10,9 +10,9 @@
  * outwards twice over (the second step pays for the rounding in double).
  *
  * A ray is widened, not an epsilon added (Ize 2013, Robust BVH ray traversal):
- * each axis has two origins, `near` for the plane where the ray enters and
- * `far` where it leaves, moved apart by the rounding of double to float; the
- * three roundings of (bound - org) * inv are paid for by a factor on the
+ * each axis has two origins, one for the plane where the ray enters and one for
+ * where it leaves, moved apart by the rounding of double to float; the three
+ * roundings of (bound - org) * inv are paid for by a factor on the
  * leaving side.  A direction component that is (nearly) zero has inv held at
  * 2^120, and the origins are at least 2^-60 off, so that no product is NaN and
  * a ray inside the slab or on its face stays in.  Bounds and limits are finite,
@@ -45,8 +45,25 @@ struct rad_bvh_node {
 /* A leaf is RAD_BVH_LEAF | (count - 1) << RAD_BVH_SHIFT | first item. */
 #define RAD_BVH_LEAF      0x80000000u
 #define RAD_BVH_SHIFT     28
-#define RAD_BVH_LEAF_MAX  8
 #define RAD_BVH_MAX_ITEMS (1u << RAD_BVH_SHIFT)
+
+static inline uint32_t
+rad_bvh_leaf(uint32_t first, uint32_t count)
+{
+    return RAD_BVH_LEAF | (count - 1) << RAD_BVH_SHIFT | first;
+}
+
+static inline uint32_t
+rad_bvh_leaf_first(uint32_t leaf)
+{
+    return leaf & (RAD_BVH_MAX_ITEMS - 1);
+}
+
+static inline uint32_t
+rad_bvh_leaf_count(uint32_t leaf) /* 1 to 8 */
+{
+    return (leaf >> RAD_BVH_SHIFT & 7) + 1;
+}
 
 struct rad_bvh {
     struct rad_bvh_node *nodes; /* [0] is the root */
@@ -59,7 +76,7 @@ struct rad_bvh {
 struct rad_bvh_ray {
     float org[3][2]; /* axis; for the bound where it enters, leaves */
     float inv[3];
-    int32_t enter[3], leave[3]; /* by which bounds, as places in a node's */
+    int32_t enter[3], leave[3]; /* by which of a node's bounds: their index */
     float tmin;
 };
 

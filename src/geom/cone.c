@@ -19,7 +19,7 @@
 #include <math.h>
 #include <stddef.h>
 
-struct cone {
+struct rad_cone {
     double p0[3];
     double x[3], y[3], axis[3]; /* orthonormal */
     double len, r0, r1, k;
@@ -32,7 +32,7 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
 {
     const double *a = o->reals;
     bool straight = o->type == RAD_CYLINDER || o->type == RAD_TUBE;
-    struct cone c, *keep;
+    struct rad_cone c, *keep;
     double big = 0;
 
     if (o->nreals < (straight ? 7 : 8))
@@ -56,7 +56,7 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
         return false;
     }
     p->kind = PRIM_CONE;
-    p->v = (const double *)keep;
+    p->cone = keep;
     p->side = o->type == RAD_CONE || o->type == RAD_CYLINDER ? 1 : -1;
     if (a[6] < 0 || (!straight && a[7] < 0))
         p->side = (int8_t)-p->side; /* negative radii turn it inside out */
@@ -67,7 +67,7 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
 void
 rad_cone_bounds(const struct rad_prim *p, struct rad_box *box)
 {
-    const struct cone *c = (const struct cone *)p->v;
+    const struct rad_cone *c = p->cone;
 
     for (int i = 0; i < 3; i++) {
         /* half-width of a unit circle across the axis, along axis i */
@@ -82,7 +82,7 @@ rad_cone_bounds(const struct rad_prim *p, struct rad_box *box)
 /* Is t on the ray's stretch, and between the ends? */
 static bool
 between(double t, double tmin, double tmax, double h, double rise,
-        const struct cone *c, double err)
+        const struct rad_cone *c, double err)
 {
     double at = h + t * rise;
 
@@ -93,7 +93,7 @@ bool
 rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
              double tmax, double *t)
 {
-    const struct cone *c = (const struct cone *)p->v;
+    const struct rad_cone *c = p->cone;
     double o[3];
 
     rad_sub(o, r->org, c->p0);
@@ -125,7 +125,7 @@ void
 rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
                  struct rad_hit *hit)
 {
-    const struct cone *c = (const struct cone *)p->v;
+    const struct rad_cone *c = p->cone;
     double d[3], radial[3], h;
 
     rad_madd(hit->p, r->org, hit->t, r->dir);

@@ -41,16 +41,21 @@ enum rad_prim_kind {
     PRIM_RING
 };
 
+struct rad_cone; /* cone.c */
+
 struct rad_prim {
-    double k[4];     /* polygon, ring: unit normal n and n.p of the plane;
-                      * sphere: centre and radius; cone: unused */
-    const double *v; /* polygon: vertices; ring: arguments; cone: see cone.c */
-    int32_t obj;     /* index in the scene */
-    int32_t nv;      /* polygon: number of vertices */
-    float slack;     /* bound of the error that its own numbers bring */
-    uint8_t kind;    /* enum rad_prim_kind */
-    uint8_t surf;    /* RAD_SURF_ bits of the object */
-    int8_t side;     /* sphere, cone: 1 normal outward, -1 inward */
+    double k[4]; /* polygon, ring: unit normal n and n.p of the plane;
+                  * sphere: centre and radius; cone: unused */
+    union {
+        const double *v; /* polygon: vertices; ring: its arguments */
+        const struct rad_cone *cone;
+    };
+    int32_t obj;  /* index in the scene */
+    int32_t nv;   /* polygon: number of vertices */
+    float slack;  /* bound of the error that its own numbers bring */
+    uint8_t kind; /* enum rad_prim_kind */
+    uint8_t surf; /* RAD_SURF_ bits of the object */
+    int8_t side;  /* sphere, cone: 1 normal outward, -1 inward */
 };
 
 /* A ray with what every test needs of it, worked out once. */

@@ -103,9 +103,9 @@ WALK(nearest)(struct rad_walk *w)
 
     for (;;) {
         if (WALK(descend)(w, stack, &n, &child, limit)) {
-            uint32_t count = (child >> RAD_BVH_SHIFT & 7) + 1;
+            uint32_t count = rad_bvh_leaf_count(child);
 
-            WALK(leaf_nearest)(w, child & (RAD_BVH_MAX_ITEMS - 1), count);
+            WALK(leaf_nearest)(w, rad_bvh_leaf_first(child), count);
             limit = rad_bvh_limit(w->bvh, w->cut);
             past = WALK(entry)(limit, UINT32_MAX);
             w->tests += count;
@@ -167,8 +167,7 @@ WALK(visit)(struct rad_walk *w,
         uint32_t child = stack[--n];
 
         if (child & RAD_BVH_LEAF) {
-            if (leaf(w, child & (RAD_BVH_MAX_ITEMS - 1),
-                     (child >> RAD_BVH_SHIFT & 7) + 1))
+            if (leaf(w, rad_bvh_leaf_first(child), rad_bvh_leaf_count(child)))
                 return true;
         } else {
             const struct rad_bvh_node *node = &w->bvh->nodes[child];
