@@ -13,6 +13,7 @@ UNIT_TESTS = \
 	tests/check_compile \
 	tests/check_conf \
 	tests/check_conn \
+	tests/check_coord \
 	tests/check_font \
 	tests/check_geom \
 	tests/check_hdr \
@@ -22,6 +23,7 @@ UNIT_TESTS = \
 	tests/check_octree \
 	tests/check_params \
 	tests/check_parse \
+	tests/check_partition \
 	tests/check_pool \
 	tests/check_quincunx \
 	tests/check_ray \
@@ -150,6 +152,14 @@ TESTS += \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_embedded.sh \
 	tests/e2e/submit_interrupt.sh
+
+tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
+tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_partition_SOURCES = tests/check_partition.c tests/unit.h
+tests_check_partition_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_partition_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

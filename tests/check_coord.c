@@ -1,0 +1,465 @@
+/* check_coord.c - the coordinator's answers, one at a time
+ *
+ * What it does under accidents is tested by sim/; here are the refusals, the
+ * roles, and the order in which jobs are served. */
+#include "config.h"
+
+#include "coord.h"
+#include "frame.h"
+#include "unit.h"
+
+#include <jansson.h>
+#include <string.h>
+#include <sysexits.h>
+
+enum { WORKER = 1, ANA, BOB, ADMIN, SECOND };
+
+static const struct msg_frame frame = { 0, 8, 8, "" };
+static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
+static const uint8_t hash[MSG_HASH] = { 1 };
+static const uint8_t pixels[8 * 8 * 12];
+
+struct fixture {
+    struct coord *c;
+    uint64_t now_ms;
+    bool have;          /* the file is stored */
+    struct msg last[8]; /* by connection: what was said to it last */
+    struct wire_out bytes[8];
+    unsigned sent[8];
+    bool closed[8];
+    unsigned units[8]; /* UNITs by connection */
+    uint8_t unit_job;  /* first byte of the job of the last UNIT */
+};
+
+static bool
+has_file(void *arg, const uint8_t *h)
+{
+    (void)h;
+    return ((struct fixture *)arg)->have;
+}
+
+static void
+no_random(void *arg, void *buf, size_t n)
+{
+    (void)arg;
+    memset(buf, 1, n);
+}
+
+static void
+sent(struct fixture *f, const struct action *a)
+{
+    struct msg *m = &f->last[a->conn];
+    struct msg_header h;
+    struct wire_out *b = &f->bytes[a->conn];
+
+    ck_assert(!f->closed[a->conn]);
+    b->len = 0;
+    wire_put_bytes(b, a->bytes, a->len);
+    h.type = (uint16_t)(b->buf[4] << 8 | b->buf[5]);
+    ck_assert_int_eq(msg_unpack(m, h.type, b->buf[11], b->buf + MSG_HEADER,
+                                b->len - MSG_HEADER, NULL),
+                     0);
+    f->sent[a->conn]++;
+    if (m->type == MSG_UNIT) {
+        f->units[a->conn]++;
+        f->unit_job = m->unit.job[0];
+    }
+}
+
+static void
+carry_out(struct fixture *f)
+{
+    struct action_list *l = coord_actions(f->c);
+
+    for (size_t i = 0; i < l->n; i++) {
+        struct action a = l->v[i];
+
+        if (a.type == ACT_SEND)
+            sent(f, &a);
+        else if (a.type == ACT_CLOSE)
+            f->closed[a.conn] = true;
+        else if (a.type == ACT_JOB_OPEN)
+            coord_job_opened(f->c, f->now_ms, a.job, 0, NULL);
+        else if (a.type == ACT_PUT_ROWS)
+            coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
+        else if (a.type == ACT_WRITE_PICTURE)
+            coord_picture_written(f->c, f->now_ms, a.job, a.frame, 0, NULL);
+    }
+    ck_assert(!l->failed);
+    actions_clear(l);
+}
+
+static void
+say(struct fixture *f, uint64_t conn, const struct msg *m)
+{
+    coord_message(f->c, ++f->now_ms, conn, m);
+    carry_out(f);
+}
+
+static void
+join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
+     const char *owner)
+{
+    struct coord_peer peer = { "test", owner, 14 };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { 1, 1, (uint8_t)role, name, "t", "", 2, 0 } };
+
+    coord_opened(f->c, f->now_ms, conn, &peer);
+    say(f, conn, &m);
+}
+
+static void
+submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
+{
+    struct msg m = { .type = MSG_SUBMIT,
+                     .request = 5,
+                     .submit = { .job = job,
+                                 .manifest = hash,
+                                 .name = "n",
+                                 .params = "",
+                                 .needs = "",
+                                 .estimate = "",
+                                 .priority = priority,
+                                 .partition = MSG_PART_WINDOW,
+                                 .windows = 4,
+                                 .files = { 1, hash },
+                                 .nframes = 1,
+                                 .frames = &frame } };
+
+    say(f, conn, &m);
+}
+
+static void
+ready(struct fixture *f, uint64_t conn, const uint8_t *job)
+{
+    struct msg m = { .type = MSG_READY, .ready = { job, .1, 7, 2 } };
+
+    say(f, conn, &m);
+}
+
+static void
+result(struct fixture *f, uint64_t conn, const uint8_t *job, uint32_t unit,
+       uint32_t attempt)
+{
+    struct msg m = {
+        .type = MSG_RESULT,
+        .result = { job, unit, attempt, 0, 4, 4, 3, 1, { .rays = 10 }, pixels }
+    };
+
+    say(f, conn, &m);
+}
+
+static void
+about(struct fixture *f, uint64_t conn, uint16_t type, const uint8_t *job)
+{
+    struct msg m = { .type = type, .request = 6, .cancel = { job } };
+
+    say(f, conn, &m);
+}
+
+static struct fixture f;
+
+static void
+set_up(void)
+{
+    struct coord_env env = { has_file, no_random, &f, "radcoord", 1 };
+
+    memset(&f, 0, sizeof f);
+    f.c = coord_new(&env);
+    f.now_ms = 1;
+    f.have = true;
+    for (int i = 0; i < 8; i++)
+        wire_out_init(&f.bytes[i], MSG_FRAME_MAX);
+    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    join(&f, ANA, MSG_ROLE_USER, "", "ana");
+    join(&f, BOB, MSG_ROLE_USER, "", "bob");
+    join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
+}
+
+static void
+tear_down(void)
+{
+    coord_free(f.c);
+    for (int i = 0; i < 8; i++) {
+        wire_out_release(&f.bytes[i]);
+        msg_release(&f.last[i]);
+    }
+}
+
+START_TEST(a_job_goes_from_submit_to_done)
+{
+    submit(&f, ANA, job_a, 0);
+    ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ready(&f, WORKER, job_a);
+    /* two threads, and with two left nothing ahead */
+    ck_assert_uint_eq(f.units[WORKER], 2);
+    for (uint32_t u = 0; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+}
+END_TEST
+
+START_TEST(a_job_waits_for_its_files)
+{
+    f.have = false;
+    submit(&f, ANA, job_a, 0);
+    ck_assert_int_eq(f.last[ANA].type, MSG_WELCOME);
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, ANA, hash);
+    carry_out(&f);
+    ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+}
+END_TEST
+
+START_TEST(the_same_id_again_attaches)
+{
+    submit(&f, ANA, job_a, 0);
+    submit(&f, ANA, job_a, 0);
+    ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+    ck_assert_uint_eq(f.last[ANA].accept.again, 1);
+    submit(&f, BOB, job_a, 0); /* somebody else's */
+    ck_assert_int_eq(f.last[BOB].type, MSG_FAILED);
+    ck_assert_int_eq(f.last[BOB].failed.status, EX_NOPERM);
+}
+END_TEST
+
+START_TEST(only_owner_and_admin_steer_a_job)
+{
+    static const uint16_t types[] = { MSG_PAUSE, MSG_RESUME, MSG_CANCEL };
+
+    submit(&f, ANA, job_a, 0);
+    for (int i = 0; i < N_ELEM(types); i++) {
+        about(&f, BOB, types[i], job_a);
+        ck_assert_int_eq(f.last[BOB].failed.status, EX_NOPERM);
+    }
+    about(&f, ADMIN, MSG_PAUSE, job_a);
+    ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
+    about(&f, ADMIN, MSG_CANCEL, job_b);
+    ck_assert_int_eq(f.last[ADMIN].failed.status, EX_NOINPUT);
+    about(&f, ADMIN, MSG_CANCEL, job_a);
+    ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+    ck_assert_str_eq(f.last[ANA].failed.text, "cancelled");
+}
+END_TEST
+
+START_TEST(a_paused_job_gets_no_units)
+{
+    submit(&f, ANA, job_a, 0);
+    about(&f, ANA, MSG_PAUSE, job_a);
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(f.units[WORKER], 0);
+    about(&f, ANA, MSG_RESUME, job_a);
+    ck_assert_uint_eq(f.units[WORKER], 2);
+}
+END_TEST
+
+START_TEST(a_drained_worker_gets_nothing_new)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+
+    say(&f, ADMIN, &m);
+    submit(&f, ANA, job_a, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_WELCOME);
+    m.type = MSG_UNDRAIN;
+    say(&f, ADMIN, &m);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+}
+END_TEST
+
+START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    for (uint32_t u = 0; u < 2; u++) {
+        ck_assert(!f.closed[WORKER]);
+        result(&f, WORKER, job_a, u, 1);
+    }
+    ck_assert_int_eq(f.last[WORKER].type, MSG_BYE);
+    ck_assert(f.closed[WORKER]);
+    ck_assert_uint_eq(f.units[WORKER], 2);
+}
+END_TEST
+
+START_TEST(higher_priority_goes_first)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    submit(&f, BOB, job_b, 1);
+    ready(&f, WORKER, job_b);
+    result(&f, WORKER, job_a, 0, 1);
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
+START_TEST(a_new_connection_of_a_name_replaces_the_old)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
+    ck_assert(f.closed[WORKER]);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
+    result(&f, SECOND, job_a, 0, 1); /* finished before the connection broke */
+    ck_assert_int_eq(f.last[SECOND].type, MSG_ACK);
+    ready(&f, SECOND, job_a);
+    ck_assert_uint_eq(f.units[SECOND], 2);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, SECOND, job_a, u, u == 1 ? 2 : 1);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+}
+END_TEST
+
+START_TEST(a_late_result_of_an_old_attempt_is_dropped)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    coord_closed(f.c, f.now_ms, WORKER, "cut");
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a); /* has them all again */
+    join(&f, 6, MSG_ROLE_WORKER, "ws1", "daemon");
+    result(&f, 6, job_a, f.last[SECOND].unit.unit, 1);
+    ck_assert_int_eq(f.last[6].type, MSG_ACK); /* so that it forgets it */
+    ck_assert_int_ne(f.last[ANA].type, MSG_DONE);
+}
+END_TEST
+
+static const struct {
+    uint16_t min, max;
+    uint8_t role;
+    const char *name;
+    uint16_t threads;
+    int status;
+} hellos[] = {
+    { 2, 3, MSG_ROLE_WORKER, "w", 1, EX_PROTOCOL },
+    { 1, 1, MSG_ROLE_WORKER, "", 1, EX_CONFIG },
+    { 1, 1, MSG_ROLE_WORKER, "a b", 1, EX_CONFIG },
+    { 1, 1, MSG_ROLE_WORKER, "w", 0, EX_CONFIG },
+    { 1, 1, MSG_ROLE_ADMIN, "", 0, EX_NOPERM },
+};
+
+START_TEST(a_hello_that_does_not_fit_is_refused)
+{
+    struct coord_peer peer = { "test", "x",
+                               1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { hellos[_i].min, hellos[_i].max, hellos[_i].role,
+                                hellos[_i].name, "t", "", hellos[_i].threads,
+                                0 } };
+
+    coord_opened(f.c, f.now_ms, 7, &peer);
+    say(&f, 7, &m);
+    ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
+    ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
+    ck_assert(f.closed[7]);
+}
+END_TEST
+
+START_TEST(a_result_that_fits_no_unit_ends_the_connection)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    result(&f, WORKER, job_a, 4, 1);
+    ck_assert(f.closed[WORKER]);
+}
+END_TEST
+
+START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
+{
+    uint32_t both[] = { 0, 1 }, one[] = { 1 };
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { job_a, "killed by signal 11", 2, both } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    ck_assert_uint_eq(f.units[SECOND], 1); /* a suspect goes alone */
+    ck_assert_uint_le(f.last[SECOND].unit.unit, 1);
+    one[0] = f.last[SECOND].unit.unit;
+    m.lost.nunits = 1;
+    m.lost.units = one;
+    say(&f, SECOND, &m);
+    ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_SOFTWARE);
+    ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "brought the"));
+}
+END_TEST
+
+START_TEST(frames_are_fetched_when_they_are_there)
+{
+    struct msg m = { .type = MSG_FETCH,
+                     .request = 6,
+                     .fetch = { job_a, 0, 0 } };
+
+    submit(&f, ANA, job_a, 0);
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_TEMPFAIL);
+    m.fetch.frame = 1;
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_USAGE);
+    m.fetch = (struct msg_fetch){ job_a, 0, MSG_WHAT_DEPTH };
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_USAGE);
+    m.fetch.what = MSG_WHAT_STATS;
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[ANA].type, MSG_CHUNK);
+}
+END_TEST
+
+START_TEST(queries_are_answered_in_json)
+{
+    static const struct {
+        uint8_t what;
+        const char *text, *begins;
+    } q[] = { { MSG_QUERY_STATUS, "", "{" },
+              { MSG_QUERY_WORKERS, "", "[" },
+              { MSG_QUERY_JOBS, "", "[" },
+              { MSG_QUERY_JOB, "aa", "{" } };
+
+    submit(&f, ANA, job_a, 0);
+    for (int i = 0; i < N_ELEM(q); i++) {
+        struct msg m = { .type = MSG_QUERY, .query = { q[i].what, q[i].text } };
+        json_t *root;
+
+        say(&f, BOB, &m);
+        ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
+        ck_assert_int_eq(f.last[BOB].answer.text[0], q[i].begins[0]);
+        root = json_loadb((const char *)f.last[BOB].answer.text,
+                          f.last[BOB].answer.len, 0, NULL);
+        ck_assert_ptr_nonnull(root);
+        json_decref(root);
+    }
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord");
+    TCase *tc = tcase_create("coord");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, a_job_goes_from_submit_to_done);
+    tcase_add_test(tc, a_job_waits_for_its_files);
+    tcase_add_test(tc, the_same_id_again_attaches);
+    tcase_add_test(tc, only_owner_and_admin_steer_a_job);
+    tcase_add_test(tc, a_paused_job_gets_no_units);
+    tcase_add_test(tc, a_drained_worker_gets_nothing_new);
+    tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
+    tcase_add_test(tc, higher_priority_goes_first);
+    tcase_add_test(tc, a_new_connection_of_a_name_replaces_the_old);
+    tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
+    tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
+                        N_ELEM(hellos));
+    tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
+    tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
+    tcase_add_test(tc, frames_are_fetched_when_they_are_there);
+    tcase_add_test(tc, queries_are_answered_in_json);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
