@@ -34,7 +34,8 @@ UNIT_TESTS = \
 	tests/check_store \
 	tests/check_submit \
 	tests/check_view \
-	tests/check_wire
+	tests/check_wire \
+	tests/check_worker
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -160,6 +161,10 @@ tests_check_coord_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_partition_SOURCES = tests/check_partition.c tests/unit.h
 tests_check_partition_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_partition_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_worker_SOURCES = tests/check_worker.c tests/unit.h
+tests_check_worker_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_worker_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -1,0 +1,527 @@
+/* check_worker.c - a worker's side of the protocol, one event at a time */
+#include "config.h"
+
+#include "frame.h"
+#include "lossy.h"
+#include "unit.h"
+#include "worker.h"
+
+#include <string.h>
+
+static const struct msg_frame frame = { 0, 8, 8, "" };
+static const uint8_t job_id[MSG_JOB] = { 0xaa }, token[MSG_TOKEN] = { 3 };
+static const uint8_t hash[MSG_HASH] = { 1 };
+static const uint8_t pixels[4 * 2 * 12];
+
+struct fixture {
+    struct worker *w;
+    uint64_t now_ms;
+    bool have;
+    uint64_t coord, child, peer; /* connections that it asked for */
+    unsigned dials, spawns, kills;
+    bool stopped;
+    int status;
+    struct {
+        uint64_t conn;
+        uint16_t type;
+    } said[64]; /* since the last clear() */
+    int nsaid;
+    struct msg last; /* what was said last */
+    struct wire_out bytes;
+    enum msg_session session; /* set last */
+};
+
+static struct fixture f;
+
+static bool
+has_file(void *arg, const uint8_t *h)
+{
+    (void)arg;
+    (void)h;
+    return f.have;
+}
+
+static void
+no_random(void *arg, void *buf, size_t n)
+{
+    (void)arg;
+    memset(buf, 0, n);
+}
+
+static void
+sent(const struct action *a)
+{
+    uint16_t type;
+
+    f.bytes.len = 0;
+    wire_put_bytes(&f.bytes, a->bytes, a->len);
+    type = (uint16_t)(f.bytes.buf[4] << 8 | f.bytes.buf[5]);
+    ck_assert_int_eq(msg_unpack(&f.last, type, 0, f.bytes.buf + MSG_HEADER,
+                                f.bytes.len - MSG_HEADER, NULL),
+                     0);
+    ck_assert_int_lt(f.nsaid, N_ELEM(f.said));
+    f.said[f.nsaid].conn = a->conn;
+    f.said[f.nsaid++].type = type;
+}
+
+static void
+dialled(const struct action *a)
+{
+    f.dials++;
+    if (a->text[0])
+        f.peer = a->conn;
+    else
+        f.coord = a->conn;
+}
+
+static void
+carry_out(void)
+{
+    struct action_list *l = worker_actions(f.w);
+
+    for (size_t i = 0; i < l->n; i++) {
+        const struct action *a = &l->v[i];
+
+        if (a->type == ACT_SEND)
+            sent(a);
+        else if (a->type == ACT_DIAL)
+            dialled(a);
+        else if (a->type == ACT_SPAWN)
+            f.child = a->conn, f.spawns++;
+        else if (a->type == ACT_KILL)
+            f.kills++;
+        else if (a->type == ACT_STOP)
+            f.stopped = true, f.status = a->status;
+        else if (a->type == ACT_SESSION)
+            f.session = a->session;
+    }
+    ck_assert(!l->failed);
+    actions_clear(l);
+}
+
+static void
+clear(void)
+{
+    f.nsaid = 0;
+}
+
+/* How often it said that to a connection since clear(). */
+static int
+said(uint64_t conn, uint16_t type)
+{
+    int n = 0;
+
+    for (int i = 0; i < f.nsaid; i++)
+        n += f.said[i].conn == conn && f.said[i].type == type;
+    return n;
+}
+
+static void
+hear(uint64_t conn, const struct msg *m)
+{
+    worker_message(f.w, ++f.now_ms, conn, m);
+    carry_out();
+}
+
+static void
+tick(unsigned ms)
+{
+    f.now_ms += ms;
+    worker_tick(f.w, f.now_ms);
+    carry_out();
+}
+
+static void
+connect(void)
+{
+    struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 1, "radcoord" } };
+
+    worker_opened(f.w, f.now_ms, f.coord);
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_HELLO);
+    ck_assert_int_eq(f.session, MSG_AT_DIALLER);
+    hear(f.coord, &m);
+    ck_assert_int_eq(f.session, MSG_AT_WORKER);
+}
+
+static void
+cut(void)
+{
+    worker_closed(f.w, f.now_ms, f.coord, "cut");
+    carry_out();
+}
+
+static void
+start_job(void)
+{
+    struct msg m = { .type = MSG_JOB_START,
+                     .job_start = { .job = job_id,
+                                    .manifest = hash,
+                                    .name = "",
+                                    .params = "",
+                                    .needs = "",
+                                    .estimate = "",
+                                    .files = { 1, hash },
+                                    .nframes = 1,
+                                    .frames = &frame } };
+
+    hear(f.coord, &m);
+}
+
+static void
+child_ready(void)
+{
+    struct msg m = { .type = MSG_READY, .ready = { job_id, .5, 7, 2 } };
+
+    hear(f.child, &m);
+}
+
+static void
+unit(uint32_t number)
+{
+    struct msg m = { .type = MSG_UNIT,
+                     .unit = { job_id, number, 1, 0, 0, 0, 4, 4 } };
+
+    hear(f.coord, &m);
+}
+
+/* Two of a unit's four rows. */
+static void
+rows(uint32_t number, uint32_t row)
+{
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { job_id,
+                                 number,
+                                 1,
+                                 row,
+                                 2,
+                                 4,
+                                 3,
+                                 row == 2,
+                                 { .rays = 1 },
+                                 pixels } };
+
+    hear(f.child, &m);
+}
+
+static void
+ack(uint32_t number, uint32_t row)
+{
+    struct msg m = { .type = MSG_ACK, .ack = { job_id, number, 1, row, 2 } };
+
+    hear(f.coord, &m);
+}
+
+static void
+set_up(void)
+{
+    static const struct worker_env env = { has_file, no_random, NULL, "radd",
+                                           "ws1",    "",        2 };
+
+    memset(&f, 0, sizeof f);
+    wire_out_init(&f.bytes, MSG_FRAME_MAX);
+    f.have = true;
+    f.now_ms = 1000;
+    f.w = worker_new(&env);
+    worker_start(f.w, f.now_ms);
+    carry_out();
+    connect();
+}
+
+static void
+tear_down(void)
+{
+    worker_free(f.w);
+    wire_out_release(&f.bytes);
+    msg_release(&f.last);
+}
+
+START_TEST(it_dials_again_and_waits_longer_each_time)
+{
+    static const unsigned delays[] = { 500,  1000,  2000,  4000,
+                                       8000, 16000, 30000, 30000 };
+
+    for (int i = 0; i < N_ELEM(delays); i++) {
+        cut();
+        f.dials = 0;
+        tick(delays[i] - 1);
+        ck_assert_uint_eq(f.dials, 0);
+        tick(1);
+        ck_assert_uint_eq(f.dials, 1);
+    }
+    connect(); /* and after a good connection it begins anew */
+    f.now_ms += 20000;
+    cut();
+    f.dials = 0;
+    tick(500);
+    ck_assert_uint_eq(f.dials, 1);
+}
+END_TEST
+
+START_TEST(files_that_it_lacks_come_before_the_child)
+{
+    f.have = false;
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+    ck_assert_uint_eq(f.last.want.n, 1);
+    ck_assert_uint_eq(f.spawns, 0);
+    f.have = true;
+    worker_file_stored(f.w, f.now_ms, hash);
+    carry_out();
+    ck_assert_uint_eq(f.spawns, 1);
+    ck_assert_int_eq(said(f.child, MSG_JOB_START), 1);
+}
+END_TEST
+
+START_TEST(units_go_down_and_results_up)
+{
+    start_job();
+    child_ready();
+    ck_assert_int_eq(said(f.coord, MSG_READY), 1);
+    unit(3);
+    ck_assert_int_eq(said(f.child, MSG_UNIT), 1);
+    rows(3, 0);
+    ck_assert_int_eq(f.last.type, MSG_RESULT);
+    ck_assert_uint_eq(f.last.result.row, 0);
+    rows(3, 2);
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+    rows(3, 2); /* of a unit that it does not have any more */
+    rows(9, 0);
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+}
+END_TEST
+
+START_TEST(what_was_not_acknowledged_is_sent_again)
+{
+    start_job();
+    child_ready();
+    for (uint32_t u = 0; u < 3; u++)
+        unit(u);
+    rows(0, 0);
+    rows(0, 2);
+    ack(0, 0);
+    rows(1, 0); /* and its second half is missing */
+    cut();
+    clear();
+    tick(500);
+    connect();
+    start_job();
+    /* the unit that is complete, without what is known; then READY; the
+     * others are given up */
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 1);
+    ck_assert_int_eq(said(f.child, MSG_REVOKE), 2);
+    ck_assert_int_eq(f.last.type, MSG_READY);
+    ack(0, 2);
+    cut();
+    clear();
+    tick(1000);
+    connect();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 0);
+    ck_assert_uint_eq(f.spawns, 1); /* the child lived on */
+}
+END_TEST
+
+START_TEST(a_lost_child_is_reported_with_its_suspects)
+{
+    start_job();
+    child_ready();
+    for (uint32_t u = 0; u < 4; u++)
+        unit(u);
+    rows(0, 0);
+    rows(0, 2);
+    worker_child_ended(f.w, f.now_ms, f.child, "killed by signal 9");
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_LOST);
+    ck_assert_str_eq(f.last.lost.text, "killed by signal 9");
+    ck_assert_uint_eq(f.last.lost.nunits, 2); /* as many as threads */
+    ck_assert_uint_eq(f.last.lost.units[0], 1);
+    ck_assert_uint_eq(f.last.lost.units[1], 2);
+    start_job();
+    ck_assert_uint_eq(f.spawns, 2);
+}
+END_TEST
+
+START_TEST(the_end_of_a_job_ends_its_child)
+{
+    struct msg m = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    start_job();
+    child_ready();
+    hear(f.coord, &m);
+    ck_assert_uint_eq(f.kills, 1);
+    clear();
+    child_ready(); /* from beyond the grave */
+    hear(f.coord, &m);
+    ck_assert_int_eq(f.nsaid, 0);
+}
+END_TEST
+
+START_TEST(a_child_that_gives_up_is_reported)
+{
+    struct msg m = { .type = MSG_FAILED, .failed = { job_id, 65, "no light" } };
+
+    start_job();
+    hear(f.child, &m);
+    ck_assert_int_eq(f.last.type, MSG_FAILED);
+    ck_assert_uint_eq(f.last.failed.status, 65);
+    ck_assert_uint_eq(f.kills, 1);
+}
+END_TEST
+
+static void
+introduce(uint32_t flags)
+{
+    struct msg_peer p = { "ws2", flags & MSG_PEER_DIAL ? "tcp x" : "", token,
+                          flags };
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
+
+    hear(f.coord, &m);
+}
+
+static void
+child_records(uint32_t to)
+{
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { to, 1, token, 9 } };
+
+    hear(f.child, &m);
+}
+
+START_TEST(records_go_to_peers_and_from_peers_to_the_child)
+{
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { 0, 1, token, 9 } };
+
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    ck_assert_uint_ne(f.peer, 0);
+    child_records(0); /* not linked yet: lost */
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 0);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    ck_assert_int_eq(said(f.peer, MSG_PEER_HELLO), 1);
+    ck_assert_int_eq(f.last.type, MSG_GIVE); /* to the child */
+    child_records(f.last.give.to);
+    child_records(0);
+    child_records(99); /* for a peer that is gone */
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 2);
+    hear(f.peer, &m);
+    ck_assert_int_eq(said(f.child, MSG_AMBIENT), 1);
+}
+END_TEST
+
+static void
+peer_says_hello(uint64_t conn, const uint8_t *its_token)
+{
+    struct msg m = { .type = MSG_PEER_HELLO,
+                     .peer_hello = { job_id, "ws2", its_token } };
+
+    worker_accepted(f.w, f.now_ms, conn);
+    hear(conn, &m);
+}
+
+START_TEST(a_peer_is_let_in_by_its_token_alone)
+{
+    static const uint8_t wrong[MSG_TOKEN] = { 4 };
+
+    start_job();
+    child_ready();
+    introduce(0);
+    peer_says_hello(7, wrong);
+    child_records(0);
+    ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
+    peer_says_hello(8, token);
+    child_records(0);
+    ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
+    ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
+}
+END_TEST
+
+START_TEST(a_peer_may_call_before_the_coordinator_named_it)
+{
+    start_job();
+    child_ready();
+    peer_says_hello(8, token);
+    introduce(0);
+    child_records(0);
+    ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
+}
+END_TEST
+
+START_TEST(a_refusal_ends_it_with_the_status)
+{
+    struct msg m = { .type = MSG_REFUSE, .refuse = { 76, "version" } };
+
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    hear(f.coord, &m);
+    ck_assert(f.stopped);
+    ck_assert_int_eq(f.status, 76);
+}
+END_TEST
+
+START_TEST(it_leaves_when_the_coordinator_lets_it_go)
+{
+    struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
+
+    worker_drain(f.w, f.now_ms);
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert(!f.stopped);
+    hear(f.coord, &m);
+    ck_assert(f.stopped);
+    ck_assert_int_eq(f.status, 0);
+}
+END_TEST
+
+START_TEST(a_slow_peer_loses_the_oldest_records)
+{
+    static uint8_t data[LOSSY_WINDOW / 2];
+    struct lossy_frame *frame_out;
+    struct lossy q;
+    unsigned n = 0;
+
+    lossy_init(&q);
+    for (int i = 0; i < 30; i++) { /* 15 MiB */
+        data[0] = (uint8_t)i;
+        lossy_put(&q, data, sizeof data);
+    }
+    ck_assert_uint_eq(q.dropped, 30 - LOSSY_MAX / sizeof data);
+    while ((frame_out = lossy_take(&q)) != NULL) {
+        ck_assert_uint_eq(frame_out->bytes[0], q.dropped + n++);
+        free(frame_out);
+    }
+    ck_assert_uint_eq(n, 2); /* until they are written */
+    lossy_written(&q, sizeof data);
+    frame_out = lossy_take(&q);
+    ck_assert_ptr_nonnull(frame_out);
+    free(frame_out);
+    ck_assert_ptr_null(lossy_take(&q));
+    lossy_release(&q);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("worker");
+    TCase *tc = tcase_create("worker");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
+    tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
+    tcase_add_test(tc, units_go_down_and_results_up);
+    tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
+    tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
+    tcase_add_test(tc, the_end_of_a_job_ends_its_child);
+    tcase_add_test(tc, a_child_that_gives_up_is_reported);
+    tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
+    tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
+    tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
+    tcase_add_test(tc, a_refusal_ends_it_with_the_status);
+    tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
+    tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
