@@ -170,8 +170,9 @@ children_closed(struct children *all, uint64_t id, const char *why)
     if (!c)
         return false;
     c->link_gone = true;
-    if (!c->exited && strcmp(why, "closed by peer") != 0 && !c->text[0])
-        snprintf(c->text, sizeof c->text, "link lost: %s", why);
+    /* a child that dies closes its link first: how it died says more */
+    if (!c->exited && strcmp(why, CONN_BROKE_PROTOCOL) == 0)
+        snprintf(c->text, sizeof c->text, "it broke the protocol");
     kill_child(c); /* without a link it is of no use */
     settle(c);
     return true;

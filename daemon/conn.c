@@ -224,7 +224,7 @@ static void
 garbage(struct conn *c, const struct rad_error *err)
 {
     log_warn("protocol error peer=%s: %s", c->peer, err->what);
-    end(c, "protocol error");
+    end(c, CONN_BROKE_PROTOCOL);
 }
 
 static void

@@ -49,6 +49,9 @@ bool conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT]);
 /* The user id at the other end of a Unix socket; -1 for TCP. */
 long conn_stream_uid(uv_stream_t *stream);
 
+/* closed()'s reason for a peer that did not speak the protocol. */
+#define CONN_BROKE_PROTOCOL "protocol error"
+
 struct conn;
 
 struct conn_handler {

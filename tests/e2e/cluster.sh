@@ -69,6 +69,8 @@ cluster_stop()
         fail "left running:"
         left_over | xargs -r ps -o pid,args -p
     }
+    # a child's status is nobody's, but a sanitizer says what it found
+    grep -h -A 30 'Sanitizer' ./*.log && fail "a sanitizer complains"
 }
 
 end_one()
