@@ -1,1 +1,50 @@
-# see DESIGN; files of etc/, one a line
+# samples of settings, systemd's units and user, completion for bash
+EXTRA_DIST += \
+	etc/radcoord.conf \
+	etc/radcoord.service.in \
+	etc/radd.completion \
+	etc/radd.conf \
+	etc/radd.service.in \
+	etc/radd.sysusers
+
+# samples, where they overwrite nobody's settings
+sampledir = $(docdir)/examples
+dist_sample_DATA = \
+	etc/radcoord.conf \
+	etc/radd.conf
+
+systemdsystemunit_DATA = \
+	etc/radcoord.service \
+	etc/radd.service
+CLEANFILES += $(systemdsystemunit_DATA)
+
+# paths are make's to know, not configure's
+%.service: %.service.in Makefile
+	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
+	$(SED) -e 's|[@]sbindir[@]|$(sbindir)|g' $< >$@.tmp && mv $@.tmp $@
+
+install-data-local: install-sysusers install-completion
+uninstall-local:
+	rm -f '$(DESTDIR)$(prefix)/lib/sysusers.d/radd.conf' \
+		'$(DESTDIR)$(datadir)/bash-completion/completions/radd'
+	for p in $(COMPLETED); do \
+	    rm -f "$(DESTDIR)$(datadir)/bash-completion/completions/$$p"; \
+	done
+
+# systemd's folder wants another name than the file has here
+.PHONY: install-sysusers install-completion
+install-sysusers:
+	$(MKDIR_P) '$(DESTDIR)$(prefix)/lib/sysusers.d'
+	$(INSTALL_DATA) $(srcdir)/etc/radd.sysusers \
+		'$(DESTDIR)$(prefix)/lib/sysusers.d/radd.conf'
+
+# one file for all programs, found under the name of each
+COMPLETED = radcoord radctl raderr radscene radsubmit
+install-completion:
+	$(MKDIR_P) '$(DESTDIR)$(datadir)/bash-completion/completions'
+	$(INSTALL_DATA) $(srcdir)/etc/radd.completion \
+		'$(DESTDIR)$(datadir)/bash-completion/completions/radd'
+	for p in $(COMPLETED); do \
+	    ln -sf radd \
+		"$(DESTDIR)$(datadir)/bash-completion/completions/$$p"; \
+	done
