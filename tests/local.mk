@@ -15,6 +15,7 @@ UNIT_TESTS = \
 	tests/check_conn \
 	tests/check_coord \
 	tests/check_font \
+	tests/check_frame \
 	tests/check_geom \
 	tests/check_hdr \
 	tests/check_message \
@@ -45,7 +46,7 @@ endif
 # The renderer alone, the reference for the cluster.
 check_PROGRAMS += tests/seqpict
 tests_seqpict_SOURCES = tests/seqpict.c
-tests_seqpict_LDADD = $(LIBRAD)
+tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
@@ -209,6 +210,10 @@ tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_metric_LDADD = $(UNIT_LIBS)
+
+tests_check_frame_SOURCES = tests/check_frame.c tests/unit.h
+tests_check_frame_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_frame_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \

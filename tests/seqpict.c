@@ -7,9 +7,9 @@
  * --window renders that part of the picture by itself, the rest is black. */
 #include "config.h"
 
+#include "compile.h"
 #include "picture/frame.h"
 #include "picture/hdr.h"
-#include "scene/parse.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -212,60 +212,11 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
-/* A run-time file, here or along RAYPATH. */
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    const char *dir = getenv("RAYPATH");
-    char path[4096];
-
-    (void)arg;
-    while (dir && *dir && name[0] != '/') {
-        int n = (int)strcspn(dir, ":");
-        struct rad_error miss = { 0 };
-        unsigned char *data;
-
-        snprintf(path, sizeof path, "%.*s/%s", n, dir, name);
-        data = rad_file_read(path, 1 << 26, len, &miss);
-        if (data)
-            return data;
-        dir += n + (dir[n] == ':');
-    }
-    return rad_file_read(name, 1 << 26, len, err);
-}
-
-static struct rad_scene *
-read_scene(const struct task *t, struct rad_error *err)
-{
-    struct rad_scene *scene = rad_scene_new();
-    int rc = scene ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
-
-    for (int i = 0; rc == 0 && i < t->nscenes; i++) {
-        size_t len;
-        unsigned char *text = rad_file_read(t->scenes[i], 1 << 30, &len, err);
-
-        if (!text)
-            rc = err->code;
-        else
-            rc = rad_parse_text(scene, (char *)text, len, t->scenes[i], NULL,
-                                err);
-        free(text);
-    }
-    if (rc == 0)
-        rc = rad_scene_check(scene, NULL, NULL, err);
-    if (rc < 0) {
-        rad_scene_free(scene);
-        return NULL;
-    }
-    return scene;
-}
-
 static int
-render_scene(const struct task *t, const struct rad_scene *scene,
-             struct rad_error *err)
+render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
 {
-    struct rad_files files = { read_file, NULL };
-    struct rad_job *job = rad_job_new(scene, &t->params, &files, err);
+    struct rad_files files = paths_files(&c->paths);
+    struct rad_job *job = rad_job_new(c->scene, &t->params, &files, err);
     struct rad_frame f = { 0 };
     struct rad_ctx ctx = { 0 };
     int rc = err->code;
@@ -288,15 +239,14 @@ main(int argc, char **argv)
 {
     struct rad_error err = { 0 };
     struct task t = { 0 };
-    struct rad_scene *scene;
+    struct compiled c;
+    int rc;
 
-    if (read_options(&t, argc, argv, &err) < 0)
+    if (read_options(&t, argc, argv, &err) < 0 ||
+        compile_read(&c, (const char *const *)t.scenes, t.nscenes, NULL, NULL,
+                     &err) < 0)
         return say(&err);
-    scene = read_scene(&t, &err);
-    if (!scene || render_scene(&t, scene, &err) < 0) {
-        rad_scene_free(scene);
-        return say(&err);
-    }
-    rad_scene_free(scene);
-    return EX_OK;
+    rc = render_scene(&t, &c, &err);
+    compile_release(&c);
+    return rc < 0 ? say(&err) : EX_OK;
 }

@@ -1,0 +1,347 @@
+/* check_frame.c - pixels, windows, depth and painted sources of small scenes */
+#include "config.h"
+
+#include "picture/frame.h"
+#include "scene/parse.h"
+#include "unit.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A scene in text, ready to be looked at. */
+struct stage {
+    struct rad_scene *scene;
+    struct rad_job *job;
+    struct rad_ctx ctx;
+    struct rad_frame frame;
+};
+
+static void
+stage_init(struct stage *s, const char *scene, struct rad_params p,
+           const char *view, bool depth)
+{
+    static const struct rad_files none = { NULL, NULL };
+    struct rad_error err = { 0 };
+    struct rad_view v;
+
+    s->scene = rad_scene_new();
+    ck_assert_msg(rad_parse_text(s->scene, scene, strlen(scene), "scene", NULL,
+                                 &err) == 0,
+                  "%s", err.what);
+    s->job = rad_job_new(s->scene, &p, &none, &err);
+    ck_assert_msg(s->job != NULL, "%s", err.what);
+    ck_assert_int_eq(rad_ctx_init(&s->ctx, s->job, &err), 0);
+    rad_view_init(&v);
+    rad_view_line(&v, view, strlen(view), NULL);
+    ck_assert_msg(rad_frame_init(&s->frame, s->job, &v, 0, depth, &err) == 0,
+                  "%s", err.what);
+}
+
+static void
+stage_release(struct stage *s)
+{
+    rad_frame_release(&s->frame);
+    rad_ctx_release(&s->ctx);
+    rad_job_free(s->job);
+    rad_scene_free(s->scene);
+}
+
+static struct rad_params
+params(int size, int psample)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    p.xres = p.yres = size;
+    p.psample = psample;
+    p.shadthresh = 0;
+    return p;
+}
+
+/* Render window w into its place in the picture. */
+static void
+render(struct stage *s, struct rad_pixel *picture, struct rad_window w)
+{
+    struct rad_pixel **rows = malloc((size_t)w.height * sizeof *rows);
+
+    for (int k = 0; k < w.height; k++)
+        rows[k] = picture + (w.y + k) * s->frame.width + w.x;
+    ck_assert_int_eq(rad_frame_window(&s->frame, &s->ctx, &w, rows, NULL, NULL),
+                     0);
+    free(rows);
+}
+
+static struct rad_pixel *
+render_all(struct stage *s)
+{
+    struct rad_window all = { 0, 0, s->frame.width, s->frame.height };
+    struct rad_pixel *picture =
+        calloc((size_t)(all.width * all.height), sizeof *picture);
+
+    ck_assert_ptr_nonnull(picture);
+    render(s, picture, all);
+    return picture;
+}
+
+/* A lamp overhead and a ball before a wall; a lamp too small to be met. */
+static const char room[] =
+    "void plastic grey 0 0 5 .5 .5 .5 0 0 void light lamp 0 0 3 9 9 9\n"
+    "void light dot 0 0 3 4000 4000 4000\n"
+    "grey polygon wall 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+    "grey sphere ball 0 0 4 .4 4 -.2 .5\n"
+    "lamp polygon l 0 0 12 -1 3 3 -1 4 3 1 4 3 1 3 3\n"
+    "dot sphere d 0 0 4 -.61 4.01 .33 .003\n";
+static const char ahead[] = "VIEW= -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 40 -vv 40";
+
+START_TEST(windows_make_the_whole_with_every_pixel_traced)
+{
+    struct stage s;
+    struct rad_pixel *whole, *parts;
+    struct rad_counts first;
+
+    stage_init(&s, room, params(48, 1), ahead, true);
+    ck_assert_int_eq(s.frame.paint.n, 1);
+    whole = render_all(&s);
+    first = s.ctx.counts;
+    ck_assert_uint_eq(first.primary_rays, 48 * 48);
+    ck_assert_uint_gt(first.paint_rays, 0);
+    parts = calloc(48 * 48, sizeof *parts);
+    for (int i = 11; i >= 0; i--) { /* 3 by 4 windows, the last one first */
+        struct rad_window w = { i % 3 * 16, i / 3 * 12, 16, 12 };
+
+        render(&s, parts, w);
+    }
+    ck_assert_mem_eq(whole, parts, 48 * 48 * sizeof *whole);
+    ck_assert_uint_eq(s.ctx.counts.primary_rays, 2 * first.primary_rays);
+    ck_assert_uint_eq(s.ctx.counts.paint_rays, 2 * first.paint_rays);
+    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 0);
+    free(whole);
+    free(parts);
+    stage_release(&s);
+}
+END_TEST
+
+START_TEST(sampled_windows_repeat_themselves_in_any_order)
+{
+    static const struct rad_window w[] = { { 0, 0, 31, 17 },
+                                           { 31, 0, 17, 48 },
+                                           { 0, 17, 31, 31 } };
+    struct stage s;
+    struct rad_pixel *a, *b;
+    uint64_t n;
+
+    stage_init(&s, room, params(48, 4), ahead, false);
+    a = calloc(48 * 48, sizeof *a);
+    b = calloc(48 * 48, sizeof *b);
+    for (int i = 0; i < 3; i++)
+        render(&s, a, w[i]);
+    n = s.ctx.counts.primary_rays;
+    ck_assert_uint_lt(n, 48 * 48);
+    for (int i = 2; i >= 0; i--)
+        render(&s, b, w[i]);
+    ck_assert_mem_eq(a, b, 48 * 48 * sizeof *a);
+    ck_assert_uint_eq(s.ctx.counts.primary_rays, 2 * n);
+    free(a);
+    free(b);
+    stage_release(&s);
+}
+END_TEST
+
+START_TEST(seed_and_frame_move_the_jitter)
+{
+    struct rad_params p = params(16, 1);
+    struct rad_pixel *seen[3];
+
+    for (int i = 0; i < 3; i++) {
+        struct stage s;
+
+        p.seed = i == 1;
+        stage_init(&s, room, p, ahead, true);
+        s.frame.number = i == 2;
+        seen[i] = render_all(&s);
+        stage_release(&s);
+    }
+    ck_assert_mem_ne(seen[0], seen[1], 256 * sizeof *seen[0]);
+    ck_assert_mem_ne(seen[0], seen[2], 256 * sizeof *seen[0]);
+    for (int i = 0; i < 3; i++)
+        free(seen[i]);
+}
+END_TEST
+
+/* A glowing square in the upper left quarter, seen without perspective; the
+ * edge of each pixel's jitter stays within the pixel. */
+START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
+{
+    static const char square[] =
+        "void glow g 0 0 4 1 1 1 -1\n"
+        "g polygon q 0 0 12 -1 2 0 0 2 0 0 2 1 -1 2 1\n";
+    struct rad_params p = params(10, 1);
+    struct stage s;
+    struct rad_pixel *picture;
+
+    p.pixjitter = 1;
+    stage_init(&s, square, p,
+               "VIEW= -vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 2 -vv 2", true);
+    picture = render_all(&s);
+    for (int y = 0; y < 10; y++)
+        for (int x = 0; x < 10; x++) {
+            bool lit = x < 5 && y < 5;
+
+            ck_assert_float_eq(picture[10 * y + x].L.g, lit);
+            ck_assert_float_eq_tol(picture[10 * y + x].z, lit ? 2 : 1e10f,
+                                   lit ? 1e-6f : 1);
+        }
+    free(picture);
+    stage_release(&s);
+}
+END_TEST
+
+/* One lamp, smaller than a pixel, between the centres of pixels: what it sends
+ * is what its area says, spread over the pixels that it covers. */
+START_TEST(small_lamps_are_painted_with_their_area)
+{
+    static const char lamp[] =
+        "void light l 0 0 3 100 50 25\n"
+        "l polygon q 0 0 12 -.004 1 -.003 .006 1 -.003 .006 1 .005 "
+        "-.004 1 .005\n";
+    double area = .01 * .008; /* of the picture's 2 by 2 */
+    struct rad_params p = params(20, 4);
+    double sum[3] = { 0 };
+
+    for (int visible = 0; visible < 2; visible++) {
+        struct stage s;
+        struct rad_pixel *picture;
+
+        p.directvis = visible;
+        p.pixjitter = 0;
+        stage_init(&s, lamp, p, "VIEW= -vh 90 -vv 90", false);
+        ck_assert_int_eq(s.frame.paint.n, visible);
+        picture = render_all(&s);
+        sum[0] = sum[1] = sum[2] = 0;
+        for (int i = 0; i < 400; i++) {
+            sum[0] += picture[i].L.r;
+            sum[1] += picture[i].L.g;
+            sum[2] += picture[i].L.b;
+        }
+        if (!visible)
+            ck_assert_double_eq(sum[0] + sum[1] + sum[2], 0);
+        /* about the picture's centre: four pixels share it */
+        ck_assert_uint_eq(s.ctx.counts.paint_rays, visible ? 4 : 0);
+        free(picture);
+        stage_release(&s);
+    }
+    ck_assert_double_eq_tol(sum[0], 100 * area / 4 * 400, 1e-4);
+    ck_assert_double_eq_tol(sum[2], 25 * area / 4 * 400, 1e-4);
+}
+END_TEST
+
+START_TEST(wide_lamps_and_illums_are_not_painted)
+{
+    static const char lamps[] =
+        "void light l 0 0 3 1 1 1 void illum i 0 0 3 1 1 1\n"
+        "l polygon wide 0 0 12 -.3 1 -.3 .3 1 -.3 .3 1 .3 -.3 1 .3\n"
+        "i sphere window 0 0 4 .1 .9 .1 .001\n"
+        "l sphere behind 0 0 4 0 -1 0 .001\n"
+        "l sphere beside 0 0 4 5 1 0 .001\n";
+    struct stage s;
+
+    stage_init(&s, lamps, params(20, 1), "VIEW= -vh 90 -vv 90", false);
+    ck_assert_int_eq(s.frame.paint.n, 0);
+    stage_release(&s);
+}
+END_TEST
+
+START_TEST(coverage_of_all_pixels_is_the_area)
+{
+    static const double poly[][2] = {
+        { .11, .13 }, { .83, .27 }, { .71, .9 }, { .2, .66 }
+    };
+    double sum = 0, twice = 0, centre[2];
+
+    for (int i = 0; i < 4; i++)
+        twice += poly[i][0] * poly[(i + 1) % 4][1] -
+                 poly[(i + 1) % 4][0] * poly[i][1];
+    for (int y = 0; y < 7; y++)
+        for (int x = 0; x < 9; x++) {
+            double w = rad_paint_coverage(poly, 4, 9, 7, x, y, centre);
+
+            ck_assert(w >= 0 && w <= 1 + 1e-12);
+            if (w > 0)
+                ck_assert(centre[0] >= x / 9. && centre[0] <= (x + 1) / 9. &&
+                          centre[1] >= y / 7. && centre[1] <= (y + 1) / 7.);
+            sum += w;
+        }
+    ck_assert_double_eq_tol(sum / 63, twice / 2, 1e-12);
+}
+END_TEST
+
+static bool
+stop_at_ten(void *arg, int rows_done)
+{
+    *(int *)arg = rows_done;
+    return rows_done >= 10;
+}
+
+START_TEST(windows_stop_when_asked_and_stay_in_the_picture)
+{
+    static const struct rad_window bad[] = {
+        { -1, 0, 5, 5 }, { 0, 0, 49, 5 }, { 44, 44, 5, 5 },
+        { 0, 0, 0, 5 },  { 0, 0, 5, -1 }, { 5, 2147483647, 5, 2147483647 }
+    };
+    struct rad_pixel line[48], *rows[48];
+    struct rad_window all = { 0, 0, 48, 48 };
+    struct stage s;
+    int done = -1;
+
+    for (int k = 0; k < 48; k++)
+        rows[k] = line;
+    stage_init(&s, room, params(48, 4), ahead, false);
+    for (int i = 0; i < N_ELEM(bad); i++)
+        ck_assert_int_eq(
+            rad_frame_window(&s.frame, &s.ctx, &bad[i], rows, NULL, NULL),
+            RAD_EUSAGE);
+    ck_assert_int_eq(
+        rad_frame_window(&s.frame, &s.ctx, &all, rows, stop_at_ten, &done),
+        RAD_ETEMPFAIL);
+    ck_assert(done >= 10 && done < 20);
+    stage_release(&s);
+}
+END_TEST
+
+START_TEST(pictures_without_pixels_are_refused)
+{
+    struct rad_params p = params(300, 1);
+    struct rad_view v;
+    struct rad_error err = { 0 };
+    int width, height;
+    double aspect;
+
+    rad_view_init(&v);
+    v.type = 'l';
+    v.horiz = 1000;
+    v.vert = 1;
+    ck_assert_int_eq(rad_view_setup(&v, NULL), 0);
+    ck_assert_int_eq(rad_frame_size(&p, &v, &width, &height, &aspect, &err),
+                     RAD_EUSAGE);
+    ck_assert_ptr_nonnull(strstr(err.what, "empty picture"));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("frame");
+    TCase *tc = tcase_create("frame");
+
+    tcase_add_test(tc, windows_make_the_whole_with_every_pixel_traced);
+    tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
+    tcase_add_test(tc, seed_and_frame_move_the_jitter);
+    tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);
+    tcase_add_test(tc, small_lamps_are_painted_with_their_area);
+    tcase_add_test(tc, wide_lamps_and_illums_are_not_painted);
+    tcase_add_test(tc, coverage_of_all_pixels_is_the_area);
+    tcase_add_test(tc, windows_stop_when_asked_and_stay_in_the_picture);
+    tcase_add_test(tc, pictures_without_pixels_are_refused);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
