@@ -85,6 +85,8 @@ librad_a_SOURCES = \
 	src/scene/lex.h \
 	src/scene/octfile.c \
 	src/scene/octfile.h \
+	src/scene/octreal.h \
+	src/scene/octwrite.c \
 	src/scene/otype.c \
 	src/scene/otype.def \
 	src/scene/otype.h \

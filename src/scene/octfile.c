@@ -1,11 +1,12 @@
-/* octfile.c - see octfile.h
+/* octfile.c - reading octree files; see octfile.h, and octwrite.c for the rest
  *
- * Reader and writer go through a buffer each and remember their first failure,
- * so that the code that follows the format is straight and checks at its ends.
- * The reader believes no count: arrays grow with what really arrives. */
+ * The input remembers its first failure, so that the code that follows the
+ * format is straight and checks at its ends.  No count is believed: arrays
+ * grow with what really arrives. */
 #include "config.h"
 
 #include "scene/octfile.h"
+#include "scene/octreal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -16,66 +17,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FORMAT_LINE "FORMAT=Radiance_octree"
-#define MAGIC       283 /* plus the bytes of an index */
-#define EXACT_MAGIC "radd\1"
-#define MAX_HEADER  (1024 * 1024)
-#define MAX_LINE    2048
-#define MAX_DEPTH   64  /* of a tree that we read; Radiance's go to 14 */
-#define MAX_TYPES   128 /* a type's place is a signed byte */
-#define LARGEST     0x7fffffff
-
-enum { NODE_EMPTY, NODE_FULL, NODE_TREE };
-
-/* --- reals --------------------------------------------------------------- */
-
-struct packed_real {
-    int32_t mantissa;
-    int exponent;
-};
-
-static struct packed_real
-pack_real(double x)
-{
-    struct packed_real p;
-
-    p.mantissa = (int32_t)(frexp(x, &p.exponent) * LARGEST);
-    if (p.exponent > 127) {
-        p.mantissa = x > 0 ? LARGEST : -LARGEST;
-        p.exponent = 127;
-    } else if (p.exponent < -128) {
-        p.mantissa = 0;
-        p.exponent = 0;
-    }
-    return p;
-}
-
-static double
-unpack_real(struct packed_real p)
-{
-    double half = p.mantissa < 0 ? -.5 : .5;
-
-    if (p.mantissa == 0)
-        return 0;
-    return ldexp((p.mantissa + half) * (1. / LARGEST), p.exponent);
-}
-
-double
-rad_octfile_real(double x)
-{
-    return unpack_real(pack_real(x));
-}
-
-static uint64_t
-bits_of(double x)
-{
-    uint64_t u;
-
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-/* --- reading -------------------------------------------------------------- */
+#define MAX_HEADER (1024 * 1024)
+#define MAX_LINE   2048
+#define MAX_DEPTH  64  /* of a tree that we read; Radiance's go to 14 */
+#define MAX_TYPES  128 /* a type's place is a signed byte */
 
 struct input {
     struct rad_stream in;
@@ -137,11 +82,20 @@ get_byte(struct input *f)
     return f->buf[f->pos++];
 }
 
-/* Big-endian, two's complement, 1 to 8 bytes. */
+/* Big-endian, two's complement, 1 to 8 bytes.  Four that are there, nearly all
+ * of a file, need no look at each. */
 static int64_t
 get_int(struct input *f, int bytes)
 {
-    uint64_t v = get_byte(f);
+    const unsigned char *p = f->buf + f->pos;
+    uint64_t v;
+
+    if (bytes == 4 && f->len - f->pos >= 4) {
+        f->pos += 4;
+        return (int32_t)((uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 |
+                         (uint32_t)p[2] << 8 | p[3]);
+    }
+    v = (uint64_t)get_byte(f);
 
     if (v & 0x80)
         v |= ~UINT64_C(0xff);
@@ -185,11 +139,11 @@ get_string(struct input *f, char *buf, size_t size)
 static double
 get_real(struct input *f)
 {
-    struct packed_real p;
+    struct rad_octreal p;
 
     p.mantissa = (int32_t)get_int(f, 4);
     p.exponent = (int)get_int(f, 1);
-    return unpack_real(p);
+    return rad_octreal_value(p);
 }
 
 /* An index or count of 0 to max, else the failure and 0. */
@@ -227,12 +181,12 @@ get_line(struct input *f, char *buf, size_t size)
 static bool
 says_octree(const char *line)
 {
-    const char *format = strchr(FORMAT_LINE, '=') + 1;
+    const char *format = strchr(RAD_OCT_FORMAT, '=') + 1;
     size_t n = strlen(format);
 
-    if (strncmp(line, FORMAT_LINE, (size_t)(format - FORMAT_LINE)) != 0)
+    if (strncmp(line, RAD_OCT_FORMAT, (size_t)(format - RAD_OCT_FORMAT)) != 0)
         return false;
-    line += format - FORMAT_LINE;
+    line += format - RAD_OCT_FORMAT;
     line += strspn(line, " \t");
     return strncmp(line, format, n) == 0 &&
            line[n + strspn(line + n, " \t")] == '\0';
@@ -296,8 +250,8 @@ get_start(struct input *f, struct rad_octree *tree)
     if (get_header(f))
         return f->rc;
     magic = get_int(f, 2);
-    f->width = (int)(magic - MAGIC);
-    if (!f->rc && (magic <= MAGIC || magic > MAGIC + 8))
+    f->width = (int)(magic - RAD_OCT_MAGIC);
+    if (!f->rc && (magic <= RAD_OCT_MAGIC || magic > RAD_OCT_MAGIC + 8))
         return bad(f, "not an octree of a version that is known");
     if (get_cube(f, tree) || get_string(f, name, sizeof name))
         return f->rc;
@@ -329,13 +283,13 @@ skip_tree(struct input *f)
         }
         left[depth]--;
         switch (get_byte(f)) {
-        case NODE_EMPTY:
+        case RAD_OCT_EMPTY:
             break;
-        case NODE_FULL:
+        case RAD_OCT_FULL:
             skip_bytes(f, (uint64_t)get_index(f, RAD_OCTREE_MAX_SET, "a set") *
                               (uint64_t)f->width);
             break;
-        case NODE_TREE:
+        case RAD_OCT_TREE:
             if (depth == MAX_DEPTH)
                 bad(f, "tree of more than %d levels", MAX_DEPTH);
             else
@@ -403,11 +357,11 @@ get_tree(struct input *f, struct rad_octree *t, int depth)
     int32_t node;
 
     switch (get_byte(f)) {
-    case NODE_EMPTY:
+    case RAD_OCT_EMPTY:
         return RAD_OCTREE_EMPTY;
-    case NODE_FULL:
+    case RAD_OCT_FULL:
         return get_set(f, t);
-    case NODE_TREE:
+    case RAD_OCT_TREE:
         break;
     default:
         bad(f, "damaged tree");
@@ -566,7 +520,7 @@ get_exact_reals(struct input *f, struct rad_object *o)
 {
     for (int32_t i = 0; i < o->nreals; i++) {
         double *x = (double *)(uintptr_t)&o->reals[i];
-        uint64_t zigzag = 0, bits;
+        uint64_t zigzag = 0;
         int c, shift = 0;
 
         do {
@@ -578,8 +532,8 @@ get_exact_reals(struct input *f, struct rad_object *o)
         } while (c & 0x80);
         if (f->rc)
             return f->rc;
-        bits = bits_of(*x) + (zigzag >> 1 ^ (0 - (zigzag & 1)));
-        memcpy(x, &bits, sizeof *x);
+        *x =
+            rad_double_of(rad_bits_of(*x) + (zigzag >> 1 ^ (0 - (zigzag & 1))));
         if (!isfinite(*x))
             return bad(f, "number is not finite");
     }
@@ -589,7 +543,7 @@ get_exact_reals(struct input *f, struct rad_object *o)
 static int
 get_exact(struct input *f, struct rad_scene *s)
 {
-    const char *magic = EXACT_MAGIC;
+    const char *magic = RAD_OCT_EXACT;
 
     if (!fill(f)) /* the file ends as Radiance's do */
         return f->rc;
@@ -685,169 +639,4 @@ rad_octfile_load(const char *path, struct rad_error *err)
     }
     close(from.fd);
     return s;
-}
-
-/* --- writing ---------------------------------------------------------------
- */
-
-struct output {
-    struct rad_sink out;
-    struct rad_error *err;
-    int rc;
-    size_t used;
-    unsigned char buf[64 * 1024];
-};
-
-static void
-flush(struct output *f)
-{
-    if (!f->rc && f->used)
-        f->rc = f->out.write(f->out.arg, f->buf, f->used, f->err);
-    f->used = 0;
-}
-
-static void
-put_byte(struct output *f, int c)
-{
-    if (f->used == sizeof f->buf)
-        flush(f);
-    f->buf[f->used++] = (unsigned char)c;
-}
-
-static void
-put_int(struct output *f, int64_t v, int bytes)
-{
-    while (bytes-- > 0)
-        put_byte(f, (int)((uint64_t)v >> 8 * bytes & 0xff));
-}
-
-/* With its NUL, or without. */
-static void
-put_text(struct output *f, const char *s, bool nul)
-{
-    for (; *s; s++)
-        put_byte(f, *s);
-    if (nul)
-        put_byte(f, '\0');
-}
-
-static void
-put_real(struct output *f, double x)
-{
-    struct packed_real p = pack_real(x);
-
-    put_int(f, p.mantissa, 4);
-    put_int(f, p.exponent, 1);
-}
-
-static void
-put_start(struct output *f, const struct rad_scene *s,
-          const struct rad_octree *t)
-{
-    char text[64];
-
-    put_text(f, "#?RADIANCE\nSOFTWARE= radd\n" FORMAT_LINE "\n\n", false);
-    put_int(f, MAGIC + 4, 2);
-    for (int i = 0; i < 4; i++) {
-        snprintf(text, sizeof text, "%.12g", i < 3 ? t->org[i] : t->size);
-        put_text(f, text, true);
-    }
-    put_byte(f, '\0'); /* no scene files */
-    put_int(f, s->nobjects, 4);
-}
-
-static void
-put_tree(struct output *f, const struct rad_octree *t, int32_t node)
-{
-    const int32_t *set;
-    int32_t n;
-
-    if (node == RAD_OCTREE_EMPTY) {
-        put_byte(f, NODE_EMPTY);
-    } else if (node < 0) {
-        set = rad_octree_set(t, node, &n);
-        put_byte(f, NODE_FULL);
-        put_int(f, n, 4);
-        for (int32_t i = 0; i < n; i++)
-            put_int(f, set[i], 4);
-    } else {
-        put_byte(f, NODE_TREE);
-        for (int i = 0; i < 8; i++)
-            put_tree(f, t, t->kids[node][i]);
-    }
-}
-
-static void
-put_object(struct output *f, const struct rad_object *o, int place)
-{
-    put_int(f, place, 1);
-    put_int(f, o->modifier, 4);
-    put_text(f, o->name, true);
-    put_int(f, o->nstrings, 2);
-    for (int32_t i = 0; i < o->nstrings; i++)
-        put_text(f, o->strings[i], true);
-    put_int(f, o->nreals, 2);
-    for (int32_t i = 0; i < o->nreals; i++)
-        put_real(f, o->reals[i]);
-}
-
-/* Only types that are there are listed: programs that know fewer can read
- * what does not use the others. */
-static void
-put_objects(struct output *f, const struct rad_scene *s)
-{
-    int place[RAD_NOTYPES], n = 0;
-
-    for (int t = 0; t < RAD_NOTYPES; t++)
-        place[t] = -1;
-    for (int32_t i = 0; i < s->nobjects; i++)
-        place[s->objects[i].type] = 0;
-    for (int t = 0; t < RAD_NOTYPES; t++)
-        if (place[t] == 0) {
-            place[t] = n++;
-            put_text(f, rad_otype_name((enum rad_otype)t), true);
-        }
-    put_byte(f, '\0');
-    for (int32_t i = 0; i < s->nobjects && !f->rc; i++)
-        put_object(f, &s->objects[i], place[s->objects[i].type]);
-    put_int(f, -1, 1);
-}
-
-static void
-put_exact(struct output *f, const struct rad_scene *s)
-{
-    put_text(f, EXACT_MAGIC, false);
-    for (int32_t i = 0; i < s->nobjects && !f->rc; i++)
-        for (int32_t k = 0; k < s->objects[i].nreals; k++) {
-            double x = s->objects[i].reals[k];
-            uint64_t d = bits_of(x) - bits_of(unpack_real(pack_real(x)));
-            uint64_t zigzag = d << 1 ^ (0 - (d >> 63));
-
-            for (; zigzag > 0x7f; zigzag >>= 7)
-                put_byte(f, 0x80 | (int)(zigzag & 0x7f));
-            put_byte(f, (int)zigzag);
-        }
-}
-
-int
-rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
-                  const struct rad_sink *out, struct rad_error *err)
-{
-    struct output *f = malloc(sizeof *f);
-    int rc;
-
-    if (!f)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    f->out = *out;
-    f->err = err;
-    f->rc = 0;
-    f->used = 0;
-    put_start(f, s, tree);
-    put_tree(f, tree, tree->root);
-    put_objects(f, s);
-    put_exact(f, s);
-    flush(f);
-    rc = f->rc;
-    free(f);
-    return rc;
 }
