@@ -536,7 +536,7 @@ START_TEST(interpolation_is_close_to_sampling)
     int n = 0;
 
     world_open(&cached, ROOM, "-ab 1 -aa .1 -ar 64 -ad 1024 -as 512 -av 0 0 0");
-    world_open(&sampled, ROOM, "-ab 1 -aa 0 -ad 40000 -as 0 -lw 0 -av 0 0 0");
+    world_open(&sampled, ROOM, "-ab 1 -aa 0 -ad 10000 -as 0 -lw 0 -av 0 0 0");
     /* once over, so that nearly all is interpolated when it counts */
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < 12; i++)
@@ -814,11 +814,13 @@ make_suite(void)
     tcase_add_test(tc, turning_toward_the_light_brightens);
     suite_add_tcase(s, tc);
     tc = tcase_create("hemisphere");
+    tcase_set_timeout(tc, 60); /* for busy machines */
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
     tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
+    tcase_set_timeout(tc, 60);
     tcase_add_test(tc, record_serves_its_zone_and_no_more);
     tcase_add_test(tc, other_side_is_not_served);
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);

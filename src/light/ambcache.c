@@ -1,14 +1,21 @@
 /* ambcache.c - see ambcache.h
  *
+ * Look-up.  A record is listed in every cell that its zone touches, of the
+ * smallest cells that are larger than the zone's reach; so a look-up walks one
+ * path, from the root to the smallest cell about the point.  What a list holds
+ * of a record is a link with the centre and reach of the zone in single
+ * precision, relative to the cube and rounded up, so that most records that do
+ * not serve are never touched.
+ *
  * Growth.  Nothing is ever moved, changed or taken away until all is freed, so
  * a reader may hold on to whatever it has found.
- *
- * The log is a list of chunks of records.  A writer takes the next place of
- * the last chunk by adding to its counter; past the end it makes a new chunk
- * and hangs it behind the last by compare-and-swap; if another was quicker it
- * frees its own and uses that.  Having written the record it marks the place
- * ready, then pushes it on the list of its octree cell by compare-and-swap.
- * Children of a cell come eight at a time, hung in the same way.
+ * Records, links and cells come from pools, lists of chunks.  A writer takes
+ * the next place of the last chunk by adding to its counter; past the end it
+ * makes a new chunk and hangs it behind the last by compare-and-swap; if
+ * another was quicker it frees its own and uses that.  The pool of records is
+ * the log: having written the record, its writer marks the place ready, then
+ * pushes links to it on the lists of cells by compare-and-swap.  Children of a
+ * cell come eight at a time, hung in the same way; who is late wastes eight.
  * A writer that is stopped half way holds up the log's readers, who come again
  * later, and no render thread: those find records through the octree.
  *
@@ -20,37 +27,137 @@
 #include "base/vec.h"
 
 #include <stdatomic.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #define CHUNK     256
 #define MAX_DEPTH 48 /* beyond it cells are smaller than rounding */
 
-enum { EMPTY, LOCAL, RECEIVED };
-
-struct entry {
-    struct entry *next;    /* [fixed] once pushed: next in the cell's list */
-    struct rad_ambrec rec; /* [fixed] once ready */
-    _Atomic unsigned char state; /* EMPTY until ready */
-};
+/* --- pools --- */
 
 struct chunk {
     _Atomic(struct chunk *) newer;
     _Atomic uint32_t taken; /* places given out; may pass CHUNK */
-    uint64_t first;         /* [fixed] log position of its first place */
-    struct entry entry[CHUNK];
+    uint64_t first;         /* [fixed] number of its first place */
+    max_align_t item[];     /* CHUNK items, zero until taken */
+};
+
+struct pool {
+    size_t size;                    /* [fixed] of an item */
+    struct chunk *oldest;           /* [fixed] */
+    _Atomic(struct chunk *) newest; /* a hint: maybe one behind */
+};
+
+static void *
+item_at(const struct pool *pool, struct chunk *k, uint32_t i)
+{
+    return (char *)k->item + i * pool->size;
+}
+
+static struct chunk *
+new_chunk(const struct pool *pool, uint64_t first)
+{
+    struct chunk *k = calloc(1, sizeof *k + CHUNK * pool->size);
+
+    if (k)
+        k->first = first;
+    return k;
+}
+
+static bool
+pool_init(struct pool *pool, size_t size)
+{
+    pool->size = size;
+    pool->oldest = new_chunk(pool, 0);
+    atomic_init(&pool->newest, pool->oldest);
+    return pool->oldest != NULL;
+}
+
+static void
+pool_release(struct pool *pool)
+{
+    struct chunk *k, *newer;
+
+    for (k = pool->oldest; k; k = newer) {
+        newer = atomic_load_explicit(&k->newer, memory_order_relaxed);
+        free(k);
+    }
+}
+
+/* The chunk behind k, made if there is none yet; NULL: out of memory. */
+static struct chunk *
+chunk_after(const struct pool *pool, struct chunk *k)
+{
+    struct chunk *newer = atomic_load_explicit(&k->newer, memory_order_acquire);
+    struct chunk *mine;
+
+    if (newer)
+        return newer;
+    mine = new_chunk(pool, k->first + CHUNK);
+    if (!mine)
+        return NULL;
+    /* release: pairs with the acquires of k->newer here and in
+     * rad_ambcache_read, which then see an empty chunk */
+    if (atomic_compare_exchange_strong_explicit(&k->newer, &newer, mine,
+                                                memory_order_acq_rel,
+                                                memory_order_acquire))
+        return mine;
+    free(mine);
+    return newer;
+}
+
+/* A zeroed item of the caller's own; NULL: out of memory. */
+static void *
+pool_take(struct pool *pool)
+{
+    /* acquire: pairs with the release below */
+    struct chunk *k = atomic_load_explicit(&pool->newest, memory_order_acquire);
+
+    for (;;) {
+        uint32_t i = atomic_load_explicit(&k->taken, memory_order_relaxed);
+
+        /* asked first, so that the counter cannot wrap round */
+        if (i < CHUNK)
+            i = atomic_fetch_add_explicit(&k->taken, 1, memory_order_relaxed);
+        if (i < CHUNK)
+            return item_at(pool, k, i);
+        struct chunk *newer = chunk_after(pool, k), *old = k;
+
+        if (!newer)
+            return NULL;
+        /* a failure means that another has moved it on already */
+        atomic_compare_exchange_strong_explicit(&pool->newest, &old, newer,
+                                                memory_order_release,
+                                                memory_order_relaxed);
+        k = newer;
+    }
+}
+
+/* --- the octree --- */
+
+enum { EMPTY, LOCAL, RECEIVED };
+
+struct entry {
+    struct rad_ambrec rec;       /* [fixed] once ready */
+    _Atomic unsigned char state; /* EMPTY until ready */
+};
+
+struct link {
+    struct link *next;            /* [fixed] once pushed */
+    const struct rad_ambrec *rec; /* [fixed] */
+    float p[3], reach;            /* [fixed] in sides of the cube */
 };
 
 struct cell {
-    _Atomic(struct entry *) list;
+    _Atomic(struct link *) list;
     _Atomic(struct cell *) kids; /* eight, by x | y << 1 | z << 2 */
 };
 
 struct rad_ambcache {
     double org[3], side; /* [fixed] */
     struct cell root;
-    struct chunk *oldest;           /* [fixed] */
-    _Atomic(struct chunk *) newest; /* a hint: maybe one behind */
-    _Atomic size_t count;           /* relaxed: shown, never decided on */
+    struct pool entries, links, cells; /* cells: eight an item */
+    _Atomic size_t count;              /* relaxed: shown, never decided on */
 };
 
 struct rad_ambcache *
@@ -62,216 +169,195 @@ rad_ambcache_new(const double org[3], double side)
         return NULL;
     rad_copy(c->org, org);
     c->side = side;
-    c->oldest = calloc(1, sizeof *c->oldest);
-    if (!c->oldest) {
-        free(c);
-        return NULL;
-    }
-    atomic_init(&c->newest, c->oldest);
-    return c;
-}
-
-static void
-free_kids(struct cell *cell)
-{
-    struct cell *kids = atomic_load_explicit(&cell->kids, memory_order_relaxed);
-
-    if (!kids)
-        return;
-    for (int i = 0; i < 8; i++)
-        free_kids(&kids[i]);
-    free(kids);
+    if (pool_init(&c->entries, sizeof(struct entry)) &&
+        pool_init(&c->links, sizeof(struct link)) &&
+        pool_init(&c->cells, 8 * sizeof(struct cell)))
+        return c;
+    rad_ambcache_free(c);
+    return NULL;
 }
 
 void
 rad_ambcache_free(struct rad_ambcache *c)
 {
-    struct chunk *k, *newer;
-
     if (!c)
         return;
-    free_kids(&c->root);
-    for (k = c->oldest; k; k = newer) {
-        newer = atomic_load_explicit(&k->newer, memory_order_relaxed);
-        free(k);
-    }
+    pool_release(&c->entries);
+    pool_release(&c->links);
+    pool_release(&c->cells);
     free(c);
 }
 
-/* The chunk behind k, made if there is none yet; NULL: out of memory. */
-static struct chunk *
-chunk_after(struct chunk *k)
+/* p in sides of the cube, and drawn into it: what is a little outside counts
+ * as on its face, which brings no two points farther apart. */
+static void
+to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
 {
-    struct chunk *newer = atomic_load_explicit(&k->newer, memory_order_acquire);
-    struct chunk *mine;
-
-    if (newer)
-        return newer;
-    mine = calloc(1, sizeof *mine);
-    if (!mine)
-        return NULL;
-    mine->first = k->first + CHUNK;
-    /* release: pairs with the acquires of k->newer here and in
-     * rad_ambcache_read, which then see an empty chunk */
-    if (atomic_compare_exchange_strong_explicit(&k->newer, &newer, mine,
-                                                memory_order_acq_rel,
-                                                memory_order_acquire))
-        return mine;
-    free(mine);
-    return newer;
-}
-
-/* A place in the log, of the caller's own until it is marked ready. */
-static struct entry *
-take_place(struct rad_ambcache *c)
-{
-    /* acquire: pairs with the release below */
-    struct chunk *k = atomic_load_explicit(&c->newest, memory_order_acquire);
-
-    for (;;) {
-        uint32_t i = atomic_load_explicit(&k->taken, memory_order_relaxed);
-
-        /* asked first, so that the counter cannot wrap round */
-        if (i < CHUNK)
-            i = atomic_fetch_add_explicit(&k->taken, 1, memory_order_relaxed);
-        if (i < CHUNK)
-            return &k->entry[i];
-        struct chunk *newer = chunk_after(k), *old = k;
-
-        if (!newer)
-            return NULL;
-        /* a failure means that another has moved it on already */
-        atomic_compare_exchange_strong_explicit(&c->newest, &old, newer,
-                                                memory_order_release,
-                                                memory_order_relaxed);
-        k = newer;
-    }
+    for (int k = 0; k < 3; k++)
+        q[k] = fmin(fmax((p[k] - c->org[k]) / c->side, 0), 1);
 }
 
 /* The eight children of a cell, made if there are none; NULL: no memory. */
 static struct cell *
-kids_of(struct cell *cell)
+kids_of(struct rad_ambcache *c, struct cell *cell)
 {
     struct cell *kids = atomic_load_explicit(&cell->kids, memory_order_acquire);
     struct cell *mine;
 
     if (kids)
         return kids;
-    mine = calloc(8, sizeof *mine);
+    mine = pool_take(&c->cells);
     if (!mine)
         return NULL;
-    /* release: pairs with the acquires of cell->kids here and in visit_cell,
-     * which then see empty cells */
-    if (atomic_compare_exchange_strong_explicit(&cell->kids, &kids, mine,
-                                                memory_order_acq_rel,
-                                                memory_order_acquire))
-        return mine;
-    free(mine);
-    return kids;
+    /* release: pairs with the acquires of cell->kids here and in
+     * rad_ambcache_visit, which then see empty cells */
+    return atomic_compare_exchange_strong_explicit(&cell->kids, &kids, mine,
+                                                   memory_order_acq_rel,
+                                                   memory_order_acquire)
+               ? mine
+               : kids;
 }
 
-/* The smallest cell about p that is larger than reach; the cells are visited
- * as far as their side beyond their faces. */
-static struct cell *
-find_cell(struct rad_ambcache *c, const double p[3], double reach)
+/* A zone on its way into the octree. */
+struct zone {
+    const struct rad_ambrec *rec;
+    double q[3], reach; /* in sides of the cube */
+};
+
+static bool
+push(struct rad_ambcache *c, struct cell *cell, const struct zone *z)
 {
-    struct cell *cell = &c->root;
-    double org[3], side = c->side;
+    struct link *l = pool_take(&c->links);
 
-    rad_copy(org, c->org);
-    for (int depth = 0; side / 2 > reach && depth < MAX_DEPTH; depth++) {
-        struct cell *kids = kids_of(cell);
-        int octant = 0;
+    if (!l)
+        return false;
+    l->rec = z->rec;
+    for (int k = 0; k < 3; k++)
+        l->p[k] = (float)z->q[k];
+    l->reach = (float)z->reach;
+    l->next = atomic_load_explicit(&cell->list, memory_order_relaxed);
+    /* release: pairs with the acquire of cell->list in rad_ambcache_visit;
+     * what is further down the list was released by those who pushed it, and
+     * each push is part of the same release sequence */
+    while (!atomic_compare_exchange_weak_explicit(
+        &cell->list, &l->next, l, memory_order_release, memory_order_relaxed))
+        ;
+    return true;
+}
 
-        if (!kids)
-            return cell; /* larger than need be */
-        side /= 2;
-        for (int k = 0; k < 3; k++)
-            if (p[k] > org[k] + side) {
-                org[k] += side;
-                octant |= 1 << k;
-            }
-        cell = &kids[octant];
+/* Does the zone touch the cube at org with this side? */
+static bool
+touches(const struct zone *z, const double org[3], double side)
+{
+    double d2 = 0;
+
+    for (int k = 0; k < 3; k++) {
+        double d = fmax(org[k] - z->q[k], z->q[k] - org[k] - side);
+
+        if (d > 0)
+            d2 += d * d;
     }
-    return cell;
+    return d2 <= z->reach * z->reach;
+}
+
+/* List the zone in all cells of the right size below this one, at org. */
+static bool
+spread(struct rad_ambcache *c, struct cell *cell, const struct zone *z,
+       const double org[3], double side, int depth)
+{
+    struct cell *kids = NULL;
+    bool ok = true;
+
+    if (side / 2 > z->reach && depth < MAX_DEPTH)
+        kids = kids_of(c, cell);
+    if (!kids) /* or no memory for smaller ones */
+        return push(c, cell, z);
+    side /= 2;
+    for (int i = 0; i < 8; i++) {
+        double at[3];
+
+        for (int k = 0; k < 3; k++)
+            at[k] = i >> k & 1 ? org[k] + side : org[k];
+        if (touches(z, at, side))
+            ok &= spread(c, &kids[i], z, at, side, depth + 1);
+    }
+    return ok;
 }
 
 bool
 rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                     double reach, bool local)
 {
-    struct entry *e = take_place(c);
-    struct cell *cell;
+    const double origin[3] = { 0, 0, 0 };
+    struct entry *e = pool_take(&c->entries);
+    struct zone z;
 
     if (!e)
         return false;
     e->rec = *rec;
+    z.rec = &e->rec;
+    to_cube(c, rec->p, z.q);
+    /* rounded up by what floats lose of places in the cube, both ends */
+    z.reach = reach / c->side * (1 + 0x1p-20) + 0x1p-20;
     /* release: pairs with the acquire in rad_ambcache_read */
     atomic_store_explicit(&e->state, local ? LOCAL : RECEIVED,
                           memory_order_release);
-    cell = find_cell(c, rec->p, reach);
-    e->next = atomic_load_explicit(&cell->list, memory_order_relaxed);
-    /* release: pairs with the acquire of cell->list in visit_cell; what is
-     * further down the list was released by those who pushed it, and each push
-     * is part of the same release sequence */
-    while (!atomic_compare_exchange_weak_explicit(
-        &cell->list, &e->next, e, memory_order_release, memory_order_relaxed))
-        ;
     atomic_fetch_add_explicit(&c->count, 1, memory_order_relaxed);
-    return true;
+    return spread(c, &c->root, &z, origin, 1, 0);
 }
 
-struct visit {
-    const double *p;
-    rad_ambcache_fn *fn;
-    rad_ambcache_more_fn *more;
-    void *arg;
-};
-
 static void
-visit_cell(const struct visit *v, const struct cell *cell, const double org[3],
-           double side)
+visit_list(const struct cell *cell, const float q[3], rad_ambcache_fn *fn,
+           void *arg)
 {
-    const struct cell *kids =
-        atomic_load_explicit(&cell->kids, memory_order_acquire);
-    const struct entry *e;
+    const struct link *l =
+        atomic_load_explicit(&cell->list, memory_order_acquire);
 
-    if (kids) {
-        double half = side / 2, at[3];
+    for (; l; l = l->next) {
+        float x = q[0] - l->p[0], y = q[1] - l->p[1], z = q[2] - l->p[2];
 
-        for (int i = 0; i < 8; i++) {
-            int k;
-
-            for (k = 0; k < 3; k++) {
-                at[k] = i >> k & 1 ? org[k] + half : org[k];
-                if (v->p[k] < at[k] - half || v->p[k] > at[k] + 2 * half)
-                    break;
-            }
-            if (k == 3)
-                visit_cell(v, &kids[i], at, half);
-        }
-        if (!v->more(v->arg, half))
-            return;
+        if (x * x + y * y + z * z <= l->reach * l->reach)
+            fn(arg, l->rec);
     }
-    e = atomic_load_explicit(&cell->list, memory_order_acquire);
-    for (; e; e = e->next)
-        v->fn(v->arg, &e->rec);
 }
 
 void
 rad_ambcache_visit(const struct rad_ambcache *c, const double p[3],
                    rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
 {
-    struct visit v = { p, fn, more, arg };
+    const struct cell *path[MAX_DEPTH + 1] = { &c->root };
+    double q[3], mid[3] = { .5, .5, .5 }, side = 1;
+    int depth = 0;
 
-    visit_cell(&v, &c->root, c->org, c->side);
+    to_cube(c, p, q);
+    float qf[3] = { (float)q[0], (float)q[1], (float)q[2] };
+
+    for (;;) {
+        const struct cell *kids =
+            atomic_load_explicit(&path[depth]->kids, memory_order_acquire);
+        int octant = 0;
+
+        if (!kids)
+            break;
+        side /= 2;
+        for (int k = 0; k < 3; k++) {
+            octant |= (q[k] > mid[k]) << k;
+            mid[k] += q[k] > mid[k] ? side / 2 : -side / 2;
+        }
+        path[++depth] = &kids[octant];
+    }
+    for (;; depth--, side *= 2) {
+        visit_list(path[depth], qf, fn, arg);
+        if (depth == 0 || !more(arg, side * c->side))
+            return;
+    }
 }
 
 size_t
 rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
                   bool local_only, struct rad_ambrec *out, size_t max)
 {
-    const struct chunk *k = c->oldest;
+    struct chunk *k = c->entries.oldest;
     size_t n = 0;
 
     while (n < max) {
@@ -279,7 +365,8 @@ rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
             k = atomic_load_explicit(&k->newer, memory_order_acquire);
         if (!k)
             break;
-        const struct entry *e = &k->entry[*cursor - k->first];
+        const struct entry *e =
+            item_at(&c->entries, k, (uint32_t)(*cursor - k->first));
         unsigned char state =
             atomic_load_explicit(&e->state, memory_order_acquire);
 

@@ -21,9 +21,10 @@ void rad_ambcache_free(struct rad_ambcache *c);
 bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                          double reach, bool local);
 
-/* Call fn with every record whose zone may include p, smallest zones first.
- * fn is told the size of the octree's cell; when it returns false for the last
- * record of a cell the larger ones are left out. */
+/* Call fn with every record whose zone may include p, smallest cells first:
+ * the cell with the smallest zones, then the one about it, and so on.  After
+ * each cell, `more` is told its side and says whether larger ones are wanted.
+ */
 typedef void rad_ambcache_fn(void *arg, const struct rad_ambrec *rec);
 typedef bool rad_ambcache_more_fn(void *arg, double side);
 void rad_ambcache_visit(const struct rad_ambcache *c, const double p[3],

@@ -23,14 +23,15 @@ struct rad_ambrec {
     float n[3];       /* unit normal of the side it was made on */
     float u[3];       /* unit vector of the smaller radius, in the tangent
                        * plane; the other axis is n x u */
-    float radius[2];  /* validity radii along u and n x u [scene units] */
-    struct rad_rgb E; /* indirect irradiance [W/m^2] */
-    float gpos[2];    /* translation gradient of ln E-luminance along u,
-                       * n x u [1/unit] */
-    float gdir[2];    /* rotation gradient about u, n x u [1/rad] */
-    uint32_t corral;  /* directions blocked near by (leak plug) */
+    float radius[2];  /* validity radii along u and n x u, smaller first
+                       * [scene units] */
     float weight;     /* ray weight it was made for */
     uint16_t level;   /* diffuse bounces before it, 0 for a primary ray */
+    struct rad_rgb E; /* indirect irradiance [W/m^2] */
+    float gpos[2];    /* translation gradient of ln E along u, n x u
+                       * [1/unit], the same for all channels */
+    float gdir[2];    /* rotation gradient about u, n x u [1/rad] */
+    uint32_t corral;  /* directions blocked near by (leak plug) */
 };
 
 /* Thread: one thread makes and frees it; any number may find and insert. */
