@@ -291,11 +291,9 @@ list_needs(struct program *p)
 static uint8_t
 choose_partition(const struct program *p)
 {
-    int nworkers = workers_wanted(p);
-
     if (p->o.partition == PARTITION_WINDOW)
         return MSG_PART_WINDOW;
-    if (p->embedded && nworkers * local_threads(nworkers, p->o.threads) > 1)
+    if (p->embedded && workers_wanted(p) > 1)
         return MSG_PART_WINDOW;
     return MSG_PART_AUTO;
 }

@@ -59,6 +59,8 @@ libdaemon_a_SOURCES = \
 	daemon/store.h \
 	daemon/task.c \
 	daemon/task.h \
+	daemon/team.c \
+	daemon/team.h \
 	daemon/transfer.c \
 	daemon/transfer.h \
 	daemon/worker.c \

@@ -183,8 +183,8 @@ why(const struct partition_spec *spec)
     if (spec->kind == MSG_PART_WINDOW)
         return "asked for";
     if (spec->single)
-        return "one render thread: one window has the fewest samples";
-    return "several render threads: windows by the picture's size";
+        return "one worker: one window has the fewest samples";
+    return "several workers: windows by the picture's size";
 }
 
 static bool

@@ -22,7 +22,8 @@ struct partition_spec {
     enum msg_order order;
     uint32_t windows; /* per frame; 0: by the picture's size alone */
     uint64_t seed;    /* of MSG_ORDER_RANDOM */
-    bool single;      /* one render thread in all: auto is one window */
+    bool single;      /* one worker in all: auto is one window, which its
+                       * threads render together */
     uint32_t nframes;
     const struct msg_frame *frames; /* not kept */
 };

@@ -1,12 +1,14 @@
 /* pool.c - see pool.h
  *
- * A thread keeps only as many rows of its unit as the sampler still needs and
- * as wait to be sent: row k of the unit lies in slot k modulo `slots`.  When
- * the sampler asks whether to stop, the rows above the current base line are
- * done and go into a piece as soon as there are enough of them. */
+ * A thread takes a unit from the queue and renders it as the first member of
+ * its team (team.h); a thread that finds the queue empty joins a team that has
+ * lines left to begin.  So with many units each has a thread to itself, and
+ * one unit, or the last ones, have all of them.  The member that leaves last
+ * says that the unit is done, and what its members counted. */
 #include "config.h"
 
 #include "pool.h"
+#include "team.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -21,13 +23,25 @@ struct queued {
     struct pool_unit unit;
 };
 
+/* A unit that threads work on. */
+struct active {
+    struct active *next;      /* [mu] */
+    struct pool *pool;        /* [fixed] */
+    struct pool_unit unit;    /* [fixed] */
+    struct team *team;        /* [fixed] */
+    int members;              /* [mu] */
+    struct msg_counts counts; /* [mu] of members that left */
+    double wall0;             /* [fixed] */
+    /* the member that hands rows on */
+    int channels, piece_rows;
+    struct pool_rows *piece; /* NULL: none begun */
+    struct rad_error err;    /* of a piece that could not be made */
+};
+
 struct renderer {
     struct pool *pool;
     uv_thread_t thread;
     struct rad_ctx ctx;
-    _Atomic bool cancel;   /* relaxed: one bar more or less does not matter */
-    bool busy;             /* [pool->mu] */
-    struct pool_unit unit; /* [pool->mu] while busy; written by its thread */
 };
 
 struct pool {
@@ -43,24 +57,12 @@ struct pool {
     uv_cond_t room;              /* with unsent and stopping */
     struct queued *todo;         /* [mu] */
     struct queued **todo_end;    /* [mu] */
+    struct active *active;       /* [mu] */
     struct pool_rows *done;      /* [mu] */
     struct pool_rows **done_end; /* [mu] */
     size_t unsent;               /* [mu] bytes of pixels under way */
     double busy_s;               /* [mu] */
     _Atomic bool stopping;       /* written with mu held; read anywhere */
-};
-
-/* What one unit is rendered with. */
-struct rendering {
-    struct renderer *by;
-    const struct pool_unit *unit;
-    struct rad_pixel *slots; /* nslots * width */
-    int nslots, channels;
-    int sent;       /* rows that are in pieces */
-    int piece_rows; /* rows that make a piece */
-    bool failed;    /* memory is out */
-    struct rad_counts before;
-    double cpu0, wall0;
 };
 
 static double
@@ -98,177 +100,232 @@ copy_row(float *to, const struct rad_pixel *from, int width, int channels)
     }
 }
 
+/* Add what a member did for the unit: its counters since `before`. */
 static void
-fill_counts(const struct rendering *r, struct msg_counts *out)
+add_counts(struct msg_counts *sum, const struct rad_counts *a,
+           const struct rad_counts *b, double cpu_s)
 {
-    const struct rad_counts *a = &r->before, *b = &r->by->ctx.counts;
-
-    out->rays = b->rays - a->rays;
-    out->primary_rays = b->primary_rays - a->primary_rays;
-    out->shadow_rays = b->shadow_rays - a->shadow_rays;
-    out->ambient_rays = b->ambient_rays - a->ambient_rays;
-    out->paint_rays = b->paint_rays - a->paint_rays;
-    out->intersection_tests = b->geom.tests - a->geom.tests;
-    out->ambient_values = b->ambient_values - a->ambient_values;
-    out->nan_pixels = b->nan_pixels - a->nan_pixels;
-    out->cpu_s = seconds(CLOCK_THREAD_CPUTIME_ID) - r->cpu0;
-    out->wall_s = seconds(CLOCK_MONOTONIC) - r->wall0;
+    sum->rays += b->rays - a->rays;
+    sum->primary_rays += b->primary_rays - a->primary_rays;
+    sum->shadow_rays += b->shadow_rays - a->shadow_rays;
+    sum->ambient_rays += b->ambient_rays - a->ambient_rays;
+    sum->paint_rays += b->paint_rays - a->paint_rays;
+    sum->intersection_tests += b->geom.tests - a->geom.tests;
+    sum->ambient_values += b->ambient_values - a->ambient_values;
+    sum->nan_pixels += b->nan_pixels - a->nan_pixels;
+    sum->cpu_s += cpu_s;
 }
 
-/* Put the rows up to `end` into a piece. */
-static void
-send_rows(struct rendering *r, int end, bool last)
+static size_t
+row_floats(const struct active *u)
 {
-    int width = r->unit->window.width, n = end - r->sent;
-    size_t row = (size_t)width * (size_t)r->channels;
-    size_t bytes = (size_t)n * row * sizeof(float);
-    struct pool_rows *p = calloc(1, sizeof *p + bytes);
+    return (size_t)u->unit.window.width * (size_t)u->channels;
+}
 
+/* Begin a piece at `row`; NULL: memory is out, which ends the unit. */
+static struct pool_rows *
+new_piece(struct active *u, int row)
+{
+    int left = u->unit.window.height - row;
+    int n = left < u->piece_rows ? left : u->piece_rows;
+    struct pool_rows *p;
+
+    p = calloc(1, sizeof *p + (size_t)n * row_floats(u) * sizeof(float));
     if (!p) {
-        r->failed = true;
+        rad_fail(&u->err, RAD_ENOMEM, "out of memory");
+        team_stop(u->team);
+        return NULL;
+    }
+    p->unit = u->unit;
+    p->row = (uint32_t)row;
+    p->channels = u->channels;
+    return p;
+}
+
+/* A row is done: into the piece with it, which goes out when it is full.  The
+ * last piece waits for the counts. */
+static void
+on_row(void *arg, int row, const struct rad_pixel *pixels)
+{
+    struct active *u = arg;
+    size_t n = row_floats(u);
+
+    if (!u->piece && !(u->piece = new_piece(u, row)))
         return;
+    copy_row(u->piece->pixels + u->piece->rows * n, pixels,
+             u->unit.window.width, u->channels);
+    u->piece->rows++;
+    if ((int)u->piece->rows == u->piece_rows &&
+        row < u->unit.window.height - 1) {
+        put_done(u->pool, u->piece, u->piece->rows * n * sizeof(float));
+        u->piece = NULL;
     }
-    p->unit = *r->unit;
-    p->row = (uint32_t)r->sent;
-    p->rows = (uint32_t)n;
-    p->channels = r->channels;
-    p->last = last;
-    for (int k = 0; k < n; k++)
-        copy_row(p->pixels + (size_t)k * row,
-                 r->slots + (size_t)((r->sent + k) % r->nslots) * (size_t)width,
-                 width, r->channels);
-    if (last)
-        fill_counts(r, &p->counts);
-    r->sent = end;
-    put_done(r->by->pool, p, bytes);
-}
-
-/* Between bars: send what is done, see whether to go on. */
-static bool
-between_bars(void *arg, int rows_done)
-{
-    struct rendering *r = arg;
-    struct renderer *by = r->by;
-
-    if (atomic_load_explicit(&by->cancel, memory_order_relaxed) ||
-        atomic_load(&by->pool->stopping))
-        return true;
-    while (rows_done - r->sent >= r->piece_rows && !r->failed)
-        send_rows(r, r->sent + r->piece_rows, false);
-    return r->failed;
 }
 
 static void
-send_failure(struct rendering *r, const struct rad_error *err)
+free_active(struct active *u)
 {
-    struct pool_rows *p = calloc(1, sizeof *p);
+    if (u) {
+        team_free(u->team);
+        free(u->piece);
+        free(u);
+    }
+}
 
-    if (!p)
+static void
+send_failure(struct pool *p, const struct pool_unit *unit,
+             const struct rad_error *err)
+{
+    struct pool_rows *r = calloc(1, sizeof *r);
+
+    if (!r)
         abort(); /* the unit would never end */
-    p->unit = *r->unit;
-    p->err = *err;
-    put_done(r->by->pool, p, 0);
+    r->unit = *unit;
+    r->err = *err;
+    put_done(p, r, 0);
 }
 
-/* The rest of a unit, in pieces that fit a message. */
+/* Nobody works on the unit any more, and nobody knows of it: send the rest. */
 static void
-send_rest(struct rendering *r)
+end_active(struct active *u)
 {
-    int height = r->unit->window.height;
-
-    while (height - r->sent > r->piece_rows && !r->failed)
-        send_rows(r, r->sent + r->piece_rows, false);
-    if (!r->failed)
-        send_rows(r, height, true);
-}
-
-static int
-render_window(struct rendering *r, struct rad_error *err)
-{
-    struct renderer *by = r->by;
-    const struct rad_window *w = &r->unit->window;
-    const struct rad_frame *f = &by->pool->frames[r->unit->frame];
-    struct rad_pixel **rows = calloc((size_t)w->height, sizeof *rows);
-    int xstep, ystep, rc;
-
-    rad_quincunx_steps(by->pool->job->params.psample, &xstep, &ystep);
-    r->channels = f->depth ? 4 : 3;
-    r->piece_rows = (int)(PIECE_BYTES / ((size_t)w->width * sizeof(float) *
-                                         (size_t)r->channels)) +
-                    1;
-    r->nslots = r->piece_rows + ystep + 1;
-    if (r->nslots > w->height)
-        r->nslots = w->height;
-    r->slots = calloc((size_t)r->nslots * (size_t)w->width, sizeof *r->slots);
-    if (!rows || !r->slots) {
-        free(rows);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (u->err.code < 0) {
+        send_failure(u->pool, &u->unit, &u->err);
+    } else if (team_done(u->team)) {
+        u->piece->last = true;
+        u->piece->counts = u->counts;
+        u->piece->counts.wall_s = seconds(CLOCK_MONOTONIC) - u->wall0;
+        put_done(u->pool, u->piece,
+                 u->piece->rows * row_floats(u) * sizeof(float));
+        u->piece = NULL;
     }
-    for (int k = 0; k < w->height; k++)
-        rows[k] = r->slots + (size_t)(k % r->nslots) * (size_t)w->width;
-    rc = rad_frame_window(f, &by->ctx, w, rows, between_bars, r);
-    if (rc == 0)
-        send_rest(r);
-    if (r->failed)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    else if (rc < 0 && rc != RAD_ETEMPFAIL)
-        rad_fail(err, rc, "cannot render unit %u", r->unit->unit);
-    free(rows);
-    return rc;
+    free_active(u);
 }
 
-static void
-render_unit(struct renderer *by)
+static struct active *
+new_active(struct pool *p, const struct pool_unit *unit)
 {
-    struct rendering r = { .by = by,
-                           .unit = &by->unit,
-                           .before = by->ctx.counts,
-                           .cpu0 = seconds(CLOCK_THREAD_CPUTIME_ID),
-                           .wall0 = seconds(CLOCK_MONOTONIC) };
-    struct rad_error err = { 0 };
-    int rc = render_window(&r, &err);
-    double wall = seconds(CLOCK_MONOTONIC) - r.wall0;
+    const struct rad_frame *f = &p->frames[unit->frame];
+    struct active *u = calloc(1, sizeof *u);
 
-    if (rc < 0 && rc != RAD_ETEMPFAIL)
-        send_failure(&r, &err);
-    free(r.slots);
-    uv_mutex_lock(&by->pool->mu);
-    by->pool->busy_s += wall;
-    by->busy = false;
-    uv_mutex_unlock(&by->pool->mu);
+    if (!u)
+        return NULL;
+    u->pool = p;
+    u->unit = *unit;
+    u->wall0 = seconds(CLOCK_MONOTONIC);
+    u->channels = f->depth ? 4 : 3;
+    u->piece_rows = (int)(PIECE_BYTES / (row_floats(u) * sizeof(float))) + 1;
+    u->team = team_new(f, &unit->window, p->nthreads, on_row, u);
+    if (!u->team) {
+        free_active(u);
+        return NULL;
+    }
+    return u;
 }
 
-/* Wait for a unit; false when it is time to end. */
-static bool
-take_unit(struct renderer *by)
+/* Be a member of the unit's team until there is nothing left to begin. */
+static void
+work_on(struct renderer *by, struct active *u)
 {
     struct pool *p = by->pool;
-    struct queued *q;
+    struct rad_counts before = by->ctx.counts;
+    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
+    double wall = seconds(CLOCK_MONOTONIC);
+    bool last;
 
+    team_work(u->team, &by->ctx);
+    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
+    wall = seconds(CLOCK_MONOTONIC) - wall;
     uv_mutex_lock(&p->mu);
-    while (!p->todo && !atomic_load(&p->stopping))
-        uv_cond_wait(&p->work, &p->mu);
-    q = atomic_load(&p->stopping) ? NULL : p->todo;
-    if (q) {
-        p->todo = q->next;
-        if (!p->todo)
-            p->todo_end = &p->todo;
-        by->unit = q->unit;
-        by->busy = true;
-        atomic_store_explicit(&by->cancel, false, memory_order_relaxed);
+    p->busy_s += wall;
+    add_counts(&u->counts, &before, &by->ctx.counts, cpu);
+    last = --u->members == 0;
+    if (last) {
+        struct active **at = &p->active;
+
+        while (*at != u)
+            at = &(*at)->next;
+        *at = u->next;
     }
     uv_mutex_unlock(&p->mu);
+    if (last)
+        end_active(u);
+}
+
+/* Begin the unit that was taken from the queue. */
+static struct active *
+begin_unit(struct pool *p, struct queued *q)
+{
+    struct active *u = new_active(p, &q->unit);
+
+    if (!u) {
+        struct rad_error err = { 0 };
+
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        send_failure(p, &q->unit, &err);
+        free(q);
+        return NULL;
+    }
     free(q);
-    return q != NULL;
+    u->members = 1;
+    uv_mutex_lock(&p->mu);
+    u->next = p->active;
+    p->active = u;
+    if (atomic_load(&p->stopping))
+        team_stop(u->team);
+    if (!p->todo)
+        uv_cond_broadcast(&p->work); /* those who wait can help */
+    uv_mutex_unlock(&p->mu);
+    return u;
+}
+
+/* A unit that has lines left to begin. */
+static struct active *
+find_open_locked(const struct pool *p)
+{
+    struct active *u = p->active;
+
+    while (u && !team_open(u->team))
+        u = u->next;
+    return u;
+}
+
+/* Wait for something to do; false when it is time to end.  *u is a unit to
+ * help with, or else *q one to begin. */
+static bool
+find_work(struct pool *p, struct queued **q, struct active **u)
+{
+    *q = NULL;
+    *u = NULL;
+    uv_mutex_lock(&p->mu);
+    while (!atomic_load(&p->stopping) && !p->todo &&
+           !(*u = find_open_locked(p)))
+        uv_cond_wait(&p->work, &p->mu);
+    if (*u) {
+        (*u)->members++;
+    } else if (!atomic_load(&p->stopping)) {
+        *q = p->todo;
+        p->todo = (*q)->next;
+        if (!p->todo)
+            p->todo_end = &p->todo;
+    }
+    uv_mutex_unlock(&p->mu);
+    return *u || *q;
 }
 
 static void
 run_thread(void *arg)
 {
     struct renderer *by = arg;
+    struct queued *q;
+    struct active *u;
 
-    while (take_unit(by))
-        render_unit(by);
+    while (find_work(by->pool, &q, &u)) {
+        if (q)
+            u = begin_unit(by->pool, q);
+        if (u)
+            work_on(by, u);
+    }
 }
 
 static void
@@ -325,12 +382,9 @@ pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt)
                 p->todo_end = at;
             break;
         }
-    for (int i = 0; i < p->nthreads; i++) {
-        struct renderer *by = &p->renderers[i];
-
-        if (by->busy && same_unit(&by->unit, unit, attempt))
-            atomic_store_explicit(&by->cancel, true, memory_order_relaxed);
-    }
+    for (struct active *u = p->active; u; u = u->next)
+        if (same_unit(&u->unit, unit, attempt))
+            team_stop(u->team);
     uv_mutex_unlock(&p->mu);
     free(gone);
 }
@@ -375,6 +429,8 @@ pool_free(struct pool *p)
         return;
     uv_mutex_lock(&p->mu);
     atomic_store(&p->stopping, true);
+    for (struct active *u = p->active; u; u = u->next)
+        team_stop(u->team);
     uv_cond_broadcast(&p->work);
     uv_cond_broadcast(&p->room);
     uv_mutex_unlock(&p->mu);

@@ -1,7 +1,8 @@
 /* pool.h - the threads that render
  *
  * T threads, each with a rad_ctx of its own, take units from one queue and
- * leave rows in another, which the loop empties.  The queues are locked once
+ * leave rows in another, which the loop empties; those that find no unit help
+ * with one that another began (team.h), which changes no pixel.  The queues are locked once
  * per unit and per piece of rows, never per ray; the only call into the loop
  * from a render thread is uv_async_send().
  * Thread: all calls on the loop's. */

@@ -321,13 +321,12 @@ introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
 /* --- messages of workers --- */
 
 static bool
-one_thread_in_all(const struct coord *c)
+one_worker_in_all(const struct coord *c)
 {
     uint32_t n = 0;
 
     for (const struct coord_worker *w = c->workers; w; w = w->next)
-        if (takes_units(w))
-            n += w->threads;
+        n += takes_units(w);
     return n == 1;
 }
 
@@ -380,7 +379,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
         return;
     }
     worker_ready(c, job, w, jw, m);
-    if (!job->partition && job_split(job, one_thread_in_all(c), &err) != 0)
+    if (!job->partition && job_split(job, one_worker_in_all(c), &err) != 0)
         coord_job_ends(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
 }
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 96, WINDOW = 24, PER_ROW = SIDE / WINDOW };
+enum { SIDE = 96, WINDOW = 24, PER_ROW = SIDE / WINDOW, MOST = 16 };
 
 static const char scene_text[] =
     "void light lamp 0 0 3 60 60 60\n"
@@ -29,7 +29,8 @@ struct fixture {
     uv_loop_t loop;
     struct pool *pool;
     struct rad_pixel whole[SIDE][SIDE]; /* as the threads gave it */
-    int nlast, nrows[PER_ROW * PER_ROW];
+    int side; /* of a window */
+    int nlast, nrows[MOST];
     uint64_t primary;
     bool in_order;
 };
@@ -108,30 +109,37 @@ close_fixture(struct fixture *f)
 }
 
 static struct pool_unit
-unit(int i)
+unit_of(int i, int side)
 {
+    int per_row = SIDE / side;
     struct pool_unit u = { .unit = (uint32_t)i,
                            .attempt = 1,
-                           .window = { WINDOW * (i % PER_ROW),
-                                       WINDOW * (i / PER_ROW), WINDOW,
-                                       WINDOW } };
+                           .window = { side * (i % per_row),
+                                       side * (i / per_row), side, side } };
 
     return u;
+}
+
+static struct pool_unit
+unit(int i)
+{
+    return unit_of(i, WINDOW);
 }
 
 /* The same windows by one context. */
 static uint64_t
 render_alone(struct fixture *f, struct rad_pixel whole[SIDE][SIDE])
 {
-    struct rad_pixel *rows[WINDOW];
+    int n = SIDE / f->side * (SIDE / f->side);
+    struct rad_pixel *rows[SIDE];
     struct rad_ctx ctx;
     uint64_t primary;
 
     ck_assert_int_eq(rad_ctx_init(&ctx, f->job, NULL), 0);
-    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
-        struct pool_unit u = unit(i);
+    for (int i = 0; i < n; i++) {
+        struct pool_unit u = unit_of(i, f->side);
 
-        for (int k = 0; k < WINDOW; k++)
+        for (int k = 0; k < f->side; k++)
             rows[k] = &whole[u.window.y + k][u.window.x];
         ck_assert_int_eq(
             rad_frame_window(&f->frame, &ctx, &u.window, rows, NULL, NULL), 0);
@@ -145,11 +153,19 @@ static const struct {
     const char *options;
     bool depth;
     int threads;
+    int side;
 } pools[] = {
-    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 1 },
-    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 4 },
-    { "-x 96 -y 96 -ab 0 -ps 1 -dj .5", true, 3 },
-    { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 2 },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 1, WINDOW },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 4, WINDOW },
+    { "-x 96 -y 96 -ab 0 -ps 1 -dj .5", true, 3, WINDOW },
+    { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 2, WINDOW },
+    /* all threads on one window */
+    { "-x 96 -y 96 -ab 0 -ps 4 -pj .67", false, 1, SIDE },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pt .05 -pj .67", false, 2, SIDE },
+    { "-x 96 -y 96 -ab 0 -ps 6 -pt .01 -pj 0", true, 3, SIDE },
+    { "-x 96 -y 96 -ab 0 -ps 1", false, 7, SIDE },
+    { "-x 96 -y 96 -ab 0 -ps 2", false, 5, SIDE },
+    { "-x 96 -y 96 -ab 0 -ps 16 -pt .2", true, 16, SIDE },
 };
 
 START_TEST(threads_give_the_pixels_of_one)
@@ -157,13 +173,16 @@ START_TEST(threads_give_the_pixels_of_one)
     static struct fixture f;
     static struct rad_pixel alone[SIDE][SIDE];
 
+    int n = SIDE / pools[_i].side * (SIDE / pools[_i].side);
+
     open_fixture(&f, pools[_i].options, pools[_i].depth, pools[_i].threads);
-    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
-        struct pool_unit u = unit(i);
+    f.side = pools[_i].side;
+    for (int i = 0; i < n; i++) {
+        struct pool_unit u = unit_of(i, f.side);
 
         ck_assert(pool_push(f.pool, &u));
     }
-    while (f.nlast < PER_ROW * PER_ROW)
+    while (f.nlast < n)
         uv_run(&f.loop, UV_RUN_ONCE);
     memset(alone, 0, sizeof alone);
     ck_assert_uint_eq(render_alone(&f, alone), f.primary);

@@ -91,6 +91,21 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
         out->z = (float)rad_ray_distance(&r);
 }
 
+void
+rad_frame_paint_row(const struct rad_frame *f, struct rad_ctx *ctx, int x0,
+                    int x1, int y, struct rad_pixel *row)
+{
+    struct rad_canvas canvas = { .view = &f->view,
+                                 .width = f->width,
+                                 .height = f->height,
+                                 .seed = f->job->params.seed,
+                                 .frame = f->number,
+                                 .depth = f->depth };
+
+    if (f->paint.n > 0)
+        rad_paint_row(&f->paint, &canvas, ctx, x0, x1, y, row);
+}
+
 struct tracer {
     const struct rad_frame *frame;
     struct rad_ctx *ctx;
@@ -111,16 +126,8 @@ paint(const struct rad_frame *f, struct rad_ctx *ctx,
       const struct rad_window *w, struct rad_pixel *const rows[], int y0,
       int y1)
 {
-    struct rad_canvas canvas = { .view = &f->view,
-                                 .width = f->width,
-                                 .height = f->height,
-                                 .seed = f->job->params.seed,
-                                 .frame = f->number,
-                                 .depth = f->depth };
-
     for (int y = y0; y < y1; y++)
-        rad_paint_row(&f->paint, &canvas, ctx, w->x, w->x + w->width, w->y + y,
-                      rows[y]);
+        rad_frame_paint_row(f, ctx, w->x, w->x + w->width, w->y + y, rows[y]);
 }
 
 static int

@@ -48,6 +48,11 @@ void rad_frame_release(struct rad_frame *f);
 void rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                      int y, struct rad_pixel *out);
 
+/* Paint the small sources into pixels x0 to x1-1 of row y, once they are
+ * sampled; row[0] is that of column x0.  Nothing with -dv-. */
+void rad_frame_paint_row(const struct rad_frame *f, struct rad_ctx *ctx, int x0,
+                         int x1, int y, struct rad_pixel *row);
+
 /* Render a window by itself (its own edges and densities), small sources
  * painted with -dv.  rows[k] points at the k-th row of the window (from the
  * top), window.width pixels each.  stop (may be NULL) is asked between bars
