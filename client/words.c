@@ -149,7 +149,7 @@ words_expand(struct words *w, int at, struct rad_error *err)
 {
     while (at < w->n && (w->list[at][0] == '@' || w->list[at][0] == '$')) {
         const char *word = w->list[at];
-        char *text;
+        char *text = NULL;
         int rc;
 
         if (++w->expanded > MOST_EXPANSIONS)
