@@ -142,7 +142,6 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
-	tests/e2e/submit_embedded.sh \
 	tests/e2e/submit_interrupt.sh
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
@@ -152,7 +151,6 @@ TESTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
-	tests/e2e/submit_embedded.sh \
 	tests/e2e/submit_interrupt.sh
 
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
@@ -223,7 +221,8 @@ THREAD_TESTS = \
 SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \
 	tests/e2e/cluster_kill.sh \
-	tests/e2e/radscene.sh
+	tests/e2e/radscene.sh \
+	tests/e2e/submit_embedded.sh
 
 E2E_TESTS = $(SANITIZED_E2E)
 TESTS += $(E2E_TESTS)
