@@ -10,9 +10,9 @@
 #include "shade/material.h"
 
 int rad_dielectric_prepare(struct rad_job *job, int32_t index,
-                     const struct rad_files *files, const void **data,
-                     struct rad_error *err);
+                           const struct rad_files *files, const void **data,
+                           struct rad_error *err);
 bool rad_dielectric_shade(struct rad_ctx *ctx, const struct rad_material *mat,
-                    struct rad_ray *r);
+                          struct rad_ray *r);
 
 #endif

@@ -11,12 +11,12 @@
 
 struct rad_emitter {
     enum rad_otype type;
-    struct rad_rgb L;  /* radiance before patterns [W/sr/m^2] */
-    double radius;     /* glow: it lights what is nearer than this; 0: only
-                        * what is traced to it by chance; negative: nothing.
-                        * INFINITY for the other types */
+    struct rad_rgb L;     /* radiance before patterns [W/sr/m^2] */
+    double radius;        /* glow: it lights what is nearer than this; 0: only
+                           * what is traced to it by chance; negative: nothing.
+                           * INFINITY for the other types */
     struct rad_spot spot; /* spotlight */
-    int32_t alternate; /* illum: modifier that other rays see, or RAD_VOID */
+    int32_t alternate;    /* illum: modifier that other rays see, or RAD_VOID */
 };
 
 /* The emitter that obj has for its material; NULL: it has none, or is no

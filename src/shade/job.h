@@ -23,11 +23,11 @@ struct rad_sources;
 struct rad_job {
     const struct rad_scene *scene;
     struct rad_params params;
-    struct rad_arena arena;     /* of the compiled modifiers and sources */
+    struct rad_arena arena; /* of the compiled modifiers and sources */
     struct rad_geom *geom;
     struct rad_material *materials; /* by object, up to the last modifier */
     struct rad_sources *sources;
-    struct rad_ambient *ambient;    /* NULL: no cache (-ab 0 or -aa 0) */
+    struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
 
 /* The scene must have passed rad_scene_check() and must outlive the job; files
@@ -40,26 +40,26 @@ void rad_job_free(struct rad_job *job);
 
 /* What one thread counts; summed by whoever owns the contexts. */
 struct rad_counts {
-    uint64_t rays;          /* all, as rpict's report counts them */
-    uint64_t primary_rays;  /* pixels traced */
+    uint64_t rays;         /* all, as rpict's report counts them */
+    uint64_t primary_rays; /* pixels traced */
     uint64_t shadow_rays;
     uint64_t ambient_rays;
-    uint64_t paint_rays;    /* of painted small sources */
+    uint64_t paint_rays;     /* of painted small sources */
     uint64_t ambient_values; /* records made here */
     uint64_t nan_pixels;
-    uint64_t unsound_rays;  /* brought back no radiance (NaN, infinite or
-                             * negative), made black: who sees it grow knows
-                             * that what it has traced is touched by it */
+    uint64_t unsound_rays; /* brought back no radiance (NaN, infinite or
+                            * negative), made black: who sees it grow knows
+                            * that what it has traced is touched by it */
     struct rad_geom_counts geom;
 };
 
 /* What one thread needs to trace rays.  Not shared. */
 struct rad_ctx {
     const struct rad_job *job;
-    struct rad_arena scratch;   /* marked and rewound around its users */
+    struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
-    int32_t *last_blocker;      /* by source: object that blocked last, or
-                                 * RAD_VOID; only ever speeds a test up */
+    int32_t *last_blocker; /* by source: object that blocked last, or
+                            * RAD_VOID; only ever speeds a test up */
 };
 
 int rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,

@@ -18,23 +18,22 @@
 
 enum rad_raykind {
     RAD_RAY_PRIMARY = 01,
-    RAD_RAY_RSHADOW = 02,    /* to a light source, off the near side */
-    RAD_RAY_REFLECTED = 04,  /* mirror reflection */
+    RAD_RAY_RSHADOW = 02,   /* to a light source, off the near side */
+    RAD_RAY_REFLECTED = 04, /* mirror reflection */
     RAD_RAY_REFRACTED = 010,
-    RAD_RAY_TRANS = 020,     /* passed on unbent */
-    RAD_RAY_RAMBIENT = 040,  /* indirect diffuse, near side */
+    RAD_RAY_TRANS = 020,      /* passed on unbent */
+    RAD_RAY_RAMBIENT = 040,   /* indirect diffuse, near side */
     RAD_RAY_RSPECULAR = 0100, /* sampled gloss */
-    RAD_RAY_TSHADOW = 0200,  /* to a light source through the surface */
+    RAD_RAY_TSHADOW = 0200,   /* to a light source through the surface */
     RAD_RAY_TAMBIENT = 0400,
     RAD_RAY_TSPECULAR = 01000
 };
-#define RAD_RAY_SHADOW (RAD_RAY_RSHADOW | RAD_RAY_TSHADOW)
-#define RAD_RAY_AMBIENT (RAD_RAY_RAMBIENT | RAD_RAY_TAMBIENT)
+#define RAD_RAY_SHADOW   (RAD_RAY_RSHADOW | RAD_RAY_TSHADOW)
+#define RAD_RAY_AMBIENT  (RAD_RAY_RAMBIENT | RAD_RAY_TAMBIENT)
 #define RAD_RAY_SPECULAR (RAD_RAY_RSPECULAR | RAD_RAY_TSPECULAR)
 /* kinds that count as a reflection for -lr */
-#define RAD_RAY_REFL                                                          \
-    (RAD_RAY_RSHADOW | RAD_RAY_REFLECTED | RAD_RAY_RAMBIENT |                 \
-     RAD_RAY_RSPECULAR)
+#define RAD_RAY_REFL                                                           \
+    (RAD_RAY_RSHADOW | RAD_RAY_REFLECTED | RAD_RAY_RAMBIENT | RAD_RAY_RSPECULAR)
 
 /* Branch numbers of the rays that a surface spawns (rad_ray_spawn): a class in
  * the high byte, and below it an index, or 0 where there is one of a kind. */
@@ -70,30 +69,30 @@ struct rad_ray {
     double org[3], dir[3]; /* dir of unit length */
     double tmax;           /* aft clipping distance, INFINITY: none */
     const struct rad_ray *parent;
-    uint64_t key;          /* of its random numbers: rng.h */
-    struct rad_rgb coef;   /* contribution to the parent's L */
-    float weight;          /* product of coefs along the path, for -lw */
-    int16_t level;         /* reflections so far */
-    uint16_t depth;        /* ancestors: see RAD_MAX_DEPTH */
-    uint16_t kind;         /* RAD_RAY_* of this ray */
-    uint16_t path;         /* kinds of it and all its ancestors */
-    int32_t source;        /* shadow ray: index of the source aimed at; else
-                            * -1 */
-    struct rad_rgb ext;    /* extinction of the medium that it goes through
-                            * [1/unit]: inside a dielectric */
+    uint64_t key;        /* of its random numbers: rng.h */
+    struct rad_rgb coef; /* contribution to the parent's L */
+    float weight;        /* product of coefs along the path, for -lw */
+    int16_t level;       /* reflections so far */
+    uint16_t depth;      /* ancestors: see RAD_MAX_DEPTH */
+    uint16_t kind;       /* RAD_RAY_* of this ray */
+    uint16_t path;       /* kinds of it and all its ancestors */
+    int32_t source;      /* shadow ray: index of the source aimed at; else
+                          * -1 */
+    struct rad_rgb ext;  /* extinction of the medium that it goes through
+                          * [1/unit]: inside a dielectric */
     /* what it met */
-    struct rad_hit hit;    /* hit.obj is RAD_VOID: nothing (or a distant
-                            * source: then far_source says which) */
-    int32_t far_source;    /* index of the distant source met, or -1 */
-    double n[3];           /* hit.n, turned by rad_ray_flip() for back sides */
-    double cos_o;          /* -dir.n: positive on the side of the normal */
-    double pert[3];        /* perturbation of n by textures */
+    struct rad_hit hit;     /* hit.obj is RAD_VOID: nothing (or a distant
+                             * source: then far_source says which) */
+    int32_t far_source;     /* index of the distant source met, or -1 */
+    double n[3];            /* hit.n, turned by rad_ray_flip() for back sides */
+    double cos_o;           /* -dir.n: positive on the side of the normal */
+    double pert[3];         /* perturbation of n by textures */
     struct rad_rgb pattern; /* product of the patterns */
     /* what it brings back */
     struct rad_rgb L;
     struct rad_rgb L_mirror; /* part of L that came by mirror reflection */
-    double dist;           /* effective length, unmirrored (-z) */
-    double mirror_dist;    /* effective length of the mirrored part */
+    double dist;             /* effective length, unmirrored (-z) */
+    double mirror_dist;      /* effective length of the mirrored part */
 };
 
 /* Start *r off parent (NULL: a primary ray; then set org, dir, tmax, key
