@@ -140,6 +140,7 @@ tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/manpages.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
@@ -149,6 +150,7 @@ EXTRA_DIST += \
 	tests/scenes
 TESTS += \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/manpages.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh
