@@ -1,12 +1,14 @@
 /* check_params.c - rendering options: values, ranges, refusals, round trip */
 #include "config.h"
 
+#include "base/files.h"
 #include "base/rng.h"
 #include "picture/number.h"
 #include "picture/params.h"
 #include "unit.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { MOST_WORDS = 160 };
@@ -298,6 +300,43 @@ START_TEST(every_line_of_the_defaults_is_an_option)
 }
 END_TEST
 
+/* radsubmit(1) as text. */
+static char *
+manual(void)
+{
+    const char *top = getenv("top_srcdir");
+    char path[4096];
+    size_t n;
+
+    snprintf(path, sizeof path, "%s/man/radsubmit.1", top ? top : ".");
+    return (char *)rad_file_read(path, 1 << 20, &n, NULL);
+}
+
+static void
+look_up(void *arg, const char *text)
+{
+    char name[32], item[64];
+
+    ck_assert_int_eq(sscanf(text, "-%31[-a-zA-Z]", name), 1);
+    if (strchr("+-", name[strlen(name) - 1]))
+        name[strlen(name) - 1] = '\0'; /* -dv- */
+    snprintf(item, sizeof item, ".It Fl %s%s", name[0] == '-' ? "\\" : "",
+             name);
+    ck_assert_msg(strstr(arg, item) != NULL, "no '%s' in radsubmit(1)", item);
+}
+
+START_TEST(every_option_is_in_the_manual)
+{
+    struct rad_params p;
+    char *page = manual();
+
+    ck_assert_msg(page != NULL, "top_srcdir must say where man/ is");
+    rad_params_init(&p);
+    rad_params_print_defaults(&p, look_up, page);
+    free(page);
+}
+END_TEST
+
 START_TEST(reals_are_written_as_short_as_can_be)
 {
     static const struct {
@@ -339,6 +378,7 @@ main(void)
     tcase_add_test(tc, text_gives_the_same_parameters_bit_for_bit);
     tcase_add_test(tc, longest_text_fits);
     tcase_add_test(tc, every_line_of_the_defaults_is_an_option);
+    tcase_add_test(tc, every_option_is_in_the_manual);
     tcase_add_test(tc, reals_are_written_as_short_as_can_be);
     suite_add_tcase(s, tc);
     return unit_run(s);
