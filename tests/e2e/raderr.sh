@@ -1,0 +1,71 @@
+#!/bin/sh
+# raderr: its figures, its pictures, and what it answers to bad input
+set -u
+top_builddir=$(cd "${top_builddir:-.}" && pwd)
+raderr=$top_builddir/raderr
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 99
+failed=0
+
+fail()
+{
+    echo "FAIL: $*"
+    failed=1
+}
+
+# 2 by 2 grey pixels, flat; three octal mantissas alike, exponent 129
+picture()
+{
+    printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n'
+    for m in "$@"; do
+        printf "\\$m\\$m\\$m\\201"
+    done
+}
+
+# expect STATUS MESSAGE ARGUMENTS...
+expect()
+{
+    status=$1 message=$2
+    shift 2
+    "$raderr" "$@" >out 2>err
+    got=$?
+    [ $got -eq "$status" ] || fail "raderr $*: exit $got, not $status"
+    [ -z "$message" ] || grep -q -- "$message" err ||
+        fail "raderr $*: no '$message' in: $(cat err)"
+}
+
+picture 200 200 200 200 >ref.hdr
+picture 200 200 200 300 >test.hdr
+
+"$raderr" -1 ref.hdr ref.hdr >out || fail "equal pictures"
+echo 'mean_ratio 1  nrmse 0  log_rmse 0  p50 0  p95 0  p99.9 0  max 0  maxabs 0' |
+    cmp -s - out || fail "equal pictures: $(cat out)"
+"$raderr" test.hdr ref.hdr >out || fail "two pictures"
+[ "$(wc -l <out)" -eq 8 ] || fail "not eight figures"
+# 128.5 and 192.5 steps of 1/128: one of four is 1.498054 times as bright
+grep -q '^mean_ratio 1.12451$' out || fail "mean: $(cat out)"
+"$raderr" -b 2 -1 test.hdr ref.hdr | grep -q 'nrmse 0.124514 ' ||
+    fail "blocks are not averaged"
+"$raderr" --map=map.png test.hdr ref.hdr >out &&
+    "$raderr" --false-colour lum.png ref.hdr || fail "no false colours"
+for png in map.png lum.png; do
+    [ "$(od -An -c -N4 $png | tr -d ' ')" = '211PNG' ] || fail "$png is no PNG"
+done
+
+expect 0 '' --help
+expect 0 '' --version
+expect 64 'expected two pictures' ref.hdr
+expect 64 'unknown' -x ref.hdr ref.hdr
+expect 64 "option '-b'" -b 0 ref.hdr ref.hdr
+expect 64 "option '-c'" -c abc ref.hdr ref.hdr
+expect 65 'not a multiple' -d 3 test.hdr ref.hdr
+expect 65 'sizes differ' -d 2 test.hdr ref.hdr
+expect 65 'not a Radiance picture' map.png ref.hdr
+head -c 50 ref.hdr >short.hdr
+expect 65 'short.hdr' short.hdr ref.hdr
+picture 0 0 0 0 | tr '\201' '\0' >black.hdr
+expect 65 'black' ref.hdr black.hdr
+expect 66 'missing.hdr' missing.hdr ref.hdr
+expect 73 '' --map=no/such/folder.png test.hdr ref.hdr
+exit $failed
