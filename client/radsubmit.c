@@ -291,7 +291,7 @@ list_needs(struct program *p)
 static uint8_t
 choose_partition(const struct program *p)
 {
-    if (p->o.partition == PARTITION_WINDOW)
+    if (p->o.partition == PARTITION_WINDOW || p->o.windows > 0)
         return MSG_PART_WINDOW;
     if (p->embedded && workers_wanted(p) > 1)
         return MSG_PART_WINDOW;
