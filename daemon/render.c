@@ -27,7 +27,9 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-#define DRAIN_MS      50
+/* Far below the 50 ms that a record may wait: at 10 ms three workers on an
+ * office made 5 % of their records twice, at 50 ms 8 %, in the same time. */
+#define DRAIN_MS      10
 #define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
 /* someone who gets the whole cache is given more when so little waits */
 #define GIVE_AHEAD       (1u << 20)
