@@ -19,6 +19,8 @@ libdaemon_a_SOURCES = \
 	daemon/conn.h \
 	daemon/coord.c \
 	daemon/coord.h \
+	daemon/daemon.c \
+	daemon/daemon.h \
 	daemon/dial.c \
 	daemon/dial.h \
 	daemon/fingerprint.c \

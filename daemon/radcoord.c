@@ -3,33 +3,26 @@
  * Everything here carries bytes: what is decided is decided in coord.c. */
 #include "config.h"
 
-#include "conf.h"
 #include "coord.h"
+#include "daemon.h"
 #include "listen.h"
 #include "log.h"
-#include "service.h"
 #include "shell.h"
 #include "store.h"
 #include "transfer.h"
 
-#include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 #include <unistd.h>
 
-#define TICK_MS        100
 #define DEFAULT_LISTEN "127.0.0.1:" RADCOORD_PORT
 
 struct settings {
+    struct daemon_settings common;
     char listen[CONF_TEXT];
     char socket[CONF_TEXT];
     char state[CONF_TEXT];
-    char ports_file[CONF_TEXT];
-    char log_level[CONF_TEXT];
-    bool embedded;
-    int lifetime_fd;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -40,17 +33,7 @@ static const struct conf_key keys[] = {
       "PATH", "Unix socket of this machine's users; empty: none", false },
     { "state", CONF_TEXT_KEY, FIELD(state), 0, 0, "/var/lib/radd", "DIR",
       "folder of scenes, rows and pictures", false },
-    { "ports_file", CONF_TEXT_KEY, FIELD(ports_file), 0, 0, "", "FILE",
-      "gets the sockets in use, one a line", false },
-    { "log_level", CONF_TEXT_KEY, FIELD(log_level), 0, 0, "info", "LEVEL",
-      "err, warn, info or debug", true },
-    /* of the embedded cluster: no waiting for the disk, and no life longer
-     * than that of whoever holds the other end of a pipe */
-    { "embedded", CONF_BOOL_KEY, FIELD(embedded), 0, 0, "no", NULL, NULL,
-      false },
-    { "lifetime_fd", CONF_INT_KEY, FIELD(lifetime_fd), -1, 1 << 20, "-1", NULL,
-      NULL, false },
-    { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
+    DAEMON_KEYS,
 };
 
 static int
@@ -58,9 +41,6 @@ check_settings(const void *settings, struct rad_error *err)
 {
     const struct settings *s = settings;
 
-    if (log_level_parse(s->log_level) < 0)
-        return rad_fail(err, RAD_EUSAGE, "unknown log level '%s'",
-                        s->log_level);
     if (!s->listen[0] && !s->socket[0])
         return rad_fail(err, RAD_EUSAGE, "neither 'listen' nor 'socket' set");
     return 0;
@@ -78,36 +58,18 @@ static const struct conf_table table = {
 
 struct radcoord {
     struct settings set;
-    int argc;
-    char **argv;
-    uv_loop_t loop;
-    uv_timer_t ticker;
-    uv_signal_t term, intr, hup;
-    struct service_lifetime lifetime;
+    struct daemon daemon;
     struct listener *tcp, *local;
     struct store *store;
     struct transfers *transfers;
     struct shell shell;
     struct coord *coord;
-    bool stopping;
-    int status;
 };
 
 static uint64_t
 now(struct radcoord *r)
 {
-    return uv_now(&r->loop);
-}
-
-static void
-stop(struct radcoord *r, int status)
-{
-    if (r->stopping)
-        return;
-    r->stopping = true;
-    r->status = status;
-    service_notify("STOPPING=1");
-    uv_stop(&r->loop);
+    return daemon_now(&r->daemon);
 }
 
 /* --- from the connections to the machine --- */
@@ -149,8 +111,10 @@ actions(void *arg)
 static void
 out_of_memory(void *arg)
 {
+    struct radcoord *r = arg;
+
     log_err("out of memory");
-    stop(arg, EX_OSERR);
+    daemon_stop(&r->daemon, EX_OSERR);
 }
 
 /* --- from the machine to the store --- */
@@ -321,97 +285,67 @@ open_sockets(struct radcoord *r, struct rad_error *err)
     int n = 0;
 
     if (r->set.socket[0]) {
-        r->local =
-            listener_open(&r->loop, r->set.socket, on_connection, r, err);
+        r->local = listener_open(&r->daemon.loop, r->set.socket, on_connection,
+                                 r, err);
         if (!r->local)
             return err->code;
         lines[n++] = listener_text(r->local);
     }
-    if (r->set.listen[0] &&
-        !(r->set.embedded && strcmp(r->set.listen, DEFAULT_LISTEN) == 0)) {
-        r->tcp = listener_open(&r->loop, r->set.listen, on_connection, r, err);
+    if (r->set.listen[0] && !(r->set.common.embedded &&
+                              strcmp(r->set.listen, DEFAULT_LISTEN) == 0)) {
+        r->tcp = listener_open(&r->daemon.loop, r->set.listen, on_connection, r,
+                               err);
         if (!r->tcp)
             return err->code;
         lines[n++] = listener_text(r->tcp);
     }
     for (int i = 0; i < n; i++)
         log_info("listening on=%s", lines[i]);
-    if (r->set.ports_file[0])
-        return service_ports_file(r->set.ports_file, lines, n, err);
+    if (r->set.common.ports_file[0])
+        return service_ports_file(r->set.common.ports_file, lines, n, err);
     return 0;
 }
 
-/* --- time and signals --- */
+/* --- start and end --- */
 
 static void
-on_tick(uv_timer_t *t)
+on_tick(void *arg)
 {
-    struct radcoord *r = t->data;
+    struct radcoord *r = arg;
 
     coord_tick(r->coord, now(r));
     shell_run(&r->shell);
 }
 
 static void
-on_term(uv_signal_t *sig, int signum)
+on_term(void *arg)
 {
-    struct radcoord *r = sig->data;
+    struct radcoord *r = arg;
 
-    if (r->stopping) /* asked twice: do not wait for the disk */
-        _exit(EX_TEMPFAIL);
-    log_info("stopping signal=%d", signum);
-    stop(r, EX_OK);
+    daemon_stop(&r->daemon, EX_OK);
 }
 
 static void
-on_hup(uv_signal_t *sig, int signum)
+on_reload(void *arg)
 {
-    struct radcoord *r = sig->data;
-    struct rad_error err = { 0 };
-    char text[600];
-
-    (void)signum;
-    service_notify("RELOADING=1");
-    if (conf_reload(&table, &r->set, r->argc, r->argv, &err) < 0) {
-        rad_error_format(&err, text, sizeof text);
-        log_err("reload failed: %s", text);
-    } else {
-        log_set_level((enum log_level)log_level_parse(r->set.log_level));
-        log_info("reloaded");
-    }
-    service_notify("READY=1");
+    (void)arg; /* the log's level is all that changes */
 }
-
-static void
-on_lifetime_end(void *arg)
-{
-    log_debug("stopping: whoever started this is gone");
-    stop(arg, EX_OK);
-}
-
-static void
-catch_signal(struct radcoord *r, uv_signal_t *sig, uv_signal_cb cb, int signum)
-{
-    uv_signal_init(&r->loop, sig);
-    sig->data = r;
-    uv_signal_start(sig, cb, signum);
-}
-
-/* --- start and end --- */
 
 static int
-start(struct radcoord *r, struct rad_error *err)
+start(void *arg, struct rad_error *err)
 {
+    struct radcoord *r = arg;
     uv_timeval64_t wall;
     struct coord_env env = { .has_file = has_file,
                              .random = shell_random,
                              .arg = r,
                              .program = "radcoord " PACKAGE_VERSION };
 
+    shell_init(&r->shell, &r->daemon.loop, &ops, r);
     uv_gettimeofday(&wall);
     env.epoch = (uint64_t)wall.tv_sec;
-    r->store = store_open(&r->loop, r->set.state, !r->set.embedded,
-                          &store_handler, r, err);
+    r->store = store_open(&r->daemon.loop, r->set.state,
+                          !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
@@ -419,84 +353,42 @@ start(struct radcoord *r, struct rad_error *err)
     r->coord = coord_new(&env);
     if (!r->transfers || !r->coord)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (open_sockets(r, err) < 0 ||
-        service_watch_lifetime(&r->lifetime, &r->loop, r->set.lifetime_fd,
-                               on_lifetime_end, r, err) < 0)
-        return err->code;
-    uv_timer_init(&r->loop, &r->ticker);
-    r->ticker.data = r;
-    uv_timer_start(&r->ticker, on_tick, TICK_MS, TICK_MS);
-    catch_signal(r, &r->term, on_term, SIGTERM);
-    catch_signal(r, &r->intr, on_term, SIGINT);
-    catch_signal(r, &r->hup, on_hup, SIGHUP);
-    return 0;
+    return open_sockets(r, err);
 }
 
+/* What was handed to the store is still written. */
 static void
-close_own(void *handle)
+finish(void *arg)
 {
-    uv_handle_t *h = handle;
+    struct radcoord *r = arg;
 
-    if (h->type != UV_UNKNOWN_HANDLE) /* was started */
-        uv_close(h, NULL);
-}
-
-/* What was handed to the store is still written; then all is given back. */
-static void
-finish(struct radcoord *r)
-{
     listener_close(r->tcp);
     listener_close(r->local);
     shell_close(&r->shell);
     while (r->store && !store_idle(r->store))
-        uv_run(&r->loop, UV_RUN_ONCE);
-    close_own(&r->ticker);
-    close_own(&r->term);
-    close_own(&r->intr);
-    close_own(&r->hup);
-    close_own(&r->lifetime.poll);
-    uv_run(&r->loop, UV_RUN_DEFAULT);
+        uv_run(&r->daemon.loop, UV_RUN_ONCE);
+}
+
+static void
+release(void *arg)
+{
+    struct radcoord *r = arg;
+
     transfers_free(r->transfers);
     coord_free(r->coord);
     store_close(r->store);
-    uv_loop_close(&r->loop);
 }
 
-static int
-fail(const struct rad_error *err)
-{
-    char text[600];
-
-    rad_error_format(err, text, sizeof text);
-    fprintf(stderr, "radcoord: %s\n", text);
-    return rad_exit_status(err->code);
-}
+static const struct daemon_ops daemon_ops = { start,     on_tick, on_term,
+                                              on_reload, finish,  release };
 
 int
 main(int argc, char *argv[])
 {
-    static struct radcoord r;
-    struct rad_error err = { 0 };
-    int rc = conf_load(&table, &r.set, argc, argv, &err);
+    static struct radcoord r = { .daemon = { .table = &table,
+                                             .set = &r.set.common,
+                                             .ops = &daemon_ops,
+                                             .arg = &r } };
 
-    if (rc < 0)
-        return fail(&err);
-    if (rc != CONF_RUN) {
-        (rc == CONF_HELP ? conf_help : conf_version)(&table);
-        return EX_OK;
-    }
-    r.argc = argc;
-    r.argv = argv;
-    log_open("radcoord", (enum log_level)log_level_parse(r.set.log_level));
-    signal(SIGPIPE, SIG_IGN);
-    uv_loop_init(&r.loop);
-    shell_init(&r.shell, &r.loop, &ops, &r);
-    if (start(&r, &err) == 0) {
-        service_notify("READY=1");
-        uv_run(&r.loop, UV_RUN_DEFAULT);
-    } else {
-        r.status = fail(&err);
-    }
-    finish(&r);
-    return r.status;
+    return daemon_run(&r.daemon, argc, argv);
 }

@@ -5,38 +5,30 @@
 #include "config.h"
 
 #include "children.h"
-#include "conf.h"
+#include "daemon.h"
 #include "dial.h"
 #include "listen.h"
 #include "log.h"
 #include "render.h"
-#include "service.h"
 #include "shell.h"
 #include "store.h"
 #include "worker.h"
 
 #include <sched.h>
-#include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
-#include <unistd.h>
 
-#define TICK_MS     100
 #define MAX_THREADS 1024
 
 struct settings {
+    struct daemon_settings common;
     char coordinator[CONF_TEXT];
     char name[CONF_TEXT];
     char listen[CONF_TEXT];
     char cache[CONF_TEXT];
-    char ports_file[CONF_TEXT];
-    char log_level[CONF_TEXT];
     int threads;
     int memory_mib;
-    bool embedded;
-    int lifetime_fd;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -53,16 +45,7 @@ static const struct conf_key keys[] = {
       "that render; 0: one a processor", false },
     { "memory_mib", CONF_INT_KEY, FIELD(memory_mib), 0, 1 << 24, "0", "N",
       "most memory of a job's process [MiB]; 0: no limit", true },
-    { "ports_file", CONF_TEXT_KEY, FIELD(ports_file), 0, 0, "", "FILE",
-      "gets the sockets in use, one a line", false },
-    { "log_level", CONF_TEXT_KEY, FIELD(log_level), 0, 0, "info", "LEVEL",
-      "err, warn, info or debug", true },
-    /* as in radcoord.c */
-    { "embedded", CONF_BOOL_KEY, FIELD(embedded), 0, 0, "no", NULL, NULL,
-      false },
-    { "lifetime_fd", CONF_INT_KEY, FIELD(lifetime_fd), -1, 1 << 20, "-1", NULL,
-      NULL, false },
-    { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
+    DAEMON_KEYS,
 };
 
 static int
@@ -70,9 +53,6 @@ check_settings(const void *settings, struct rad_error *err)
 {
     const struct settings *s = settings;
 
-    if (log_level_parse(s->log_level) < 0)
-        return rad_fail(err, RAD_EUSAGE, "unknown log level '%s'",
-                        s->log_level);
     if (strlen(s->name) > MSG_MAX_NAME)
         return rad_fail(err, RAD_EUSAGE, "name longer than %d bytes",
                         MSG_MAX_NAME);
@@ -94,36 +74,18 @@ static const struct conf_table table = {
 
 struct radd {
     struct settings set;
-    int argc;
-    char **argv;
-    uv_loop_t loop;
-    uv_timer_t ticker;
-    uv_signal_t term, intr, hup;
-    struct service_lifetime lifetime;
+    struct daemon daemon;
     struct listener *peers;
     struct store *store;
     struct shell shell;
     struct children children;
     struct worker *worker;
-    bool stopping;
-    int status;
 };
 
 static uint64_t
 now(struct radd *r)
 {
-    return uv_now(&r->loop);
-}
-
-static void
-stop(struct radd *r, int status)
-{
-    if (r->stopping)
-        return;
-    r->stopping = true;
-    r->status = status;
-    service_notify("STOPPING=1");
-    uv_stop(&r->loop);
+    return daemon_now(&r->daemon);
 }
 
 /* --- from connections and children to the machine --- */
@@ -172,8 +134,10 @@ actions(void *arg)
 static void
 out_of_memory(void *arg)
 {
+    struct radd *r = arg;
+
     log_err("out of memory");
-    stop(arg, EX_OSERR);
+    daemon_stop(&r->daemon, EX_OSERR);
 }
 
 static void
@@ -191,7 +155,7 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, const char *peer,
 {
     struct radd *r = arg;
 
-    if (r->stopping) {
+    if (r->daemon.stopping) {
         if (stream)
             conn_stream_close(stream);
         return;
@@ -231,8 +195,9 @@ on_action(void *arg, const struct action *a)
 
     switch (a->type) {
     case ACT_DIAL:
-        dial(&r->loop, a->text && a->text[0] ? a->text : r->set.coordinator,
-             a->conn, on_dialled, r);
+        dial(&r->daemon.loop,
+             a->text && a->text[0] ? a->text : r->set.coordinator, a->conn,
+             on_dialled, r);
         break;
     case ACT_SPAWN:
         children_spawn(&r->children, a->conn);
@@ -241,7 +206,7 @@ on_action(void *arg, const struct action *a)
         children_kill(&r->children, a->conn);
         break;
     case ACT_STOP:
-        stop(r, EX_OK);
+        daemon_stop(&r->daemon, EX_OK);
         break;
     default:
         log_err("action unknown type=%d", (int)a->type);
@@ -286,66 +251,33 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
     return store_has_file(r->store, hash);
 }
 
-/* --- time and signals --- */
+/* --- start and end --- */
 
 static void
-on_tick(uv_timer_t *t)
+on_tick(void *arg)
 {
-    struct radd *r = t->data;
+    struct radd *r = arg;
 
     worker_tick(r->worker, now(r));
     shell_run(&r->shell);
 }
 
 static void
-on_term(uv_signal_t *sig, int signum)
+on_term(void *arg)
 {
-    struct radd *r = sig->data;
+    struct radd *r = arg;
 
-    if (r->stopping)
-        _exit(EX_TEMPFAIL);
-    log_info("draining signal=%d", signum);
-    service_notify("STOPPING=1");
     worker_drain(r->worker, now(r));
     shell_run(&r->shell);
 }
 
 static void
-on_hup(uv_signal_t *sig, int signum)
+on_reload(void *arg)
 {
-    struct radd *r = sig->data;
-    struct rad_error err = { 0 };
-    char text[600];
+    struct radd *r = arg;
 
-    (void)signum;
-    service_notify("RELOADING=1");
-    if (conf_reload(&table, &r->set, r->argc, r->argv, &err) < 0) {
-        rad_error_format(&err, text, sizeof text);
-        log_err("reload failed: %s", text);
-    } else {
-        log_set_level((enum log_level)log_level_parse(r->set.log_level));
-        r->children.conf.memory_mib = r->set.memory_mib;
-        log_info("reloaded");
-    }
-    service_notify("READY=1");
+    r->children.conf.memory_mib = r->set.memory_mib;
 }
-
-static void
-on_lifetime_end(void *arg)
-{
-    log_debug("stopping: whoever started this is gone");
-    stop(arg, EX_OK);
-}
-
-static void
-catch_signal(struct radd *r, uv_signal_t *sig, uv_signal_cb cb, int signum)
-{
-    uv_signal_init(&r->loop, sig);
-    sig->data = r;
-    uv_signal_start(sig, cb, signum);
-}
-
-/* --- start and end --- */
 
 static int
 processors(void)
@@ -362,13 +294,13 @@ open_socket(struct radd *r, struct rad_error *err)
 {
     const char *line;
 
-    r->peers = listener_open(&r->loop, r->set.listen, on_peer, r, err);
+    r->peers = listener_open(&r->daemon.loop, r->set.listen, on_peer, r, err);
     if (!r->peers)
         return err->code;
     line = listener_text(r->peers);
     log_info("listening on=%s", line);
-    if (r->set.ports_file[0])
-        return service_ports_file(r->set.ports_file, &line, 1, err);
+    if (r->set.common.ports_file[0])
+        return service_ports_file(r->set.common.ports_file, &line, 1, err);
     return 0;
 }
 
@@ -394,100 +326,65 @@ make_worker(struct radd *r, struct rad_error *err)
 }
 
 static int
-start(struct radd *r, struct rad_error *err)
+start(void *arg, struct rad_error *err)
 {
+    struct radd *r = arg;
     size_t n = MSG_MAX_NAME + 1;
+    int rc;
 
+    shell_init(&r->shell, &r->daemon.loop, &ops, r);
     if (!r->set.threads)
         r->set.threads = processors();
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
         return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
-    r->store = store_open(&r->loop, r->set.cache, !r->set.embedded,
-                          &store_handler, r, err);
+    r->store = store_open(&r->daemon.loop, r->set.cache,
+                          !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
-    if (open_socket(r, err) < 0 || make_worker(r, err) < 0 ||
-        service_watch_lifetime(&r->lifetime, &r->loop, r->set.lifetime_fd,
-                               on_lifetime_end, r, err) < 0)
-        return err->code;
-    uv_timer_init(&r->loop, &r->ticker);
-    r->ticker.data = r;
-    uv_timer_start(&r->ticker, on_tick, TICK_MS, TICK_MS);
-    catch_signal(r, &r->term, on_term, SIGTERM);
-    catch_signal(r, &r->intr, on_term, SIGINT);
-    catch_signal(r, &r->hup, on_hup, SIGHUP);
+    rc = open_socket(r, err);
+    if (rc == 0)
+        rc = make_worker(r, err);
+    if (rc < 0)
+        return rc;
     worker_start(r->worker, now(r));
     shell_run(&r->shell);
     return 0;
 }
 
 static void
-close_own(void *handle)
+finish(void *arg)
 {
-    uv_handle_t *h = handle;
+    struct radd *r = arg;
 
-    if (h->type != UV_UNKNOWN_HANDLE) /* was started */
-        uv_close(h, NULL);
-}
-
-static void
-finish(struct radd *r)
-{
     listener_close(r->peers);
     children_kill_all(&r->children);
     shell_close(&r->shell);
     while (r->store && !store_idle(r->store))
-        uv_run(&r->loop, UV_RUN_ONCE);
-    close_own(&r->ticker);
-    close_own(&r->term);
-    close_own(&r->intr);
-    close_own(&r->hup);
-    close_own(&r->lifetime.poll);
-    uv_run(&r->loop, UV_RUN_DEFAULT);
+        uv_run(&r->daemon.loop, UV_RUN_ONCE);
+}
+
+static void
+release(void *arg)
+{
+    struct radd *r = arg;
+
     worker_free(r->worker);
     store_close(r->store);
-    uv_loop_close(&r->loop);
 }
 
-static int
-fail(const struct rad_error *err)
-{
-    char text[600];
-
-    rad_error_format(err, text, sizeof text);
-    fprintf(stderr, "radd: %s\n", text);
-    return rad_exit_status(err->code);
-}
+static const struct daemon_ops daemon_ops = { start,     on_tick, on_term,
+                                              on_reload, finish,  release };
 
 int
 main(int argc, char *argv[])
 {
-    static struct radd r;
-    struct rad_error err = { 0 };
-    int rc;
+    static struct radd r = { .daemon = { .table = &table,
+                                         .set = &r.set.common,
+                                         .ops = &daemon_ops,
+                                         .arg = &r } };
 
     if (argc > 1 && strcmp(argv[1], RENDER_CHILD_OPTION) == 0)
         return render_main(argc, argv);
-    rc = conf_load(&table, &r.set, argc, argv, &err);
-    if (rc < 0)
-        return fail(&err);
-    if (rc != CONF_RUN) {
-        (rc == CONF_HELP ? conf_help : conf_version)(&table);
-        return EX_OK;
-    }
-    r.argc = argc;
-    r.argv = argv;
-    log_open("radd", (enum log_level)log_level_parse(r.set.log_level));
-    signal(SIGPIPE, SIG_IGN);
-    uv_loop_init(&r.loop);
-    shell_init(&r.shell, &r.loop, &ops, &r);
-    if (start(&r, &err) == 0) {
-        service_notify("READY=1");
-        uv_run(&r.loop, UV_RUN_DEFAULT);
-    } else {
-        r.status = fail(&err);
-    }
-    finish(&r);
-    return r.status;
+    return daemon_run(&r.daemon, argc, argv);
 }

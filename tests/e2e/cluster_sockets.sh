@@ -53,7 +53,7 @@ worker_start 2 2
 end_one "$pid_1" "drained worker"
 wait $job || fail "drain: $(cat stderr)"
 [ "$(total drain.json units_redone)" -eq 0 ] || fail "a drained unit was lost"
-grep -q draining w1.log || fail "worker 1 does not say that it drains"
+grep -q "stopping signal=15" w1.log || fail "worker 1 does not say why it ends"
 
 # settings may change
 kill -HUP "$coord_pid"

@@ -1,0 +1,166 @@
+/* daemon.c - see daemon.h */
+#include "config.h"
+
+#include "daemon.h"
+
+#include "log.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+uint64_t
+daemon_now(const struct daemon *d)
+{
+    return uv_now(&d->loop);
+}
+
+void
+daemon_stop(struct daemon *d, int status)
+{
+    if (d->stopping)
+        return;
+    d->stopping = true;
+    d->status = status;
+    service_notify("STOPPING=1");
+    uv_stop(&d->loop);
+}
+
+static void
+on_tick(uv_timer_t *timer)
+{
+    struct daemon *d = timer->data;
+
+    d->ops->tick(d->arg);
+}
+
+static void
+on_term(uv_signal_t *sig, int signum)
+{
+    struct daemon *d = sig->data;
+
+    if (d->stopping) /* asked again: wait for nothing */
+        _exit(EX_TEMPFAIL);
+    log_info("stopping signal=%d", signum);
+    service_notify("STOPPING=1");
+    d->ops->term(d->arg);
+}
+
+static void
+on_hup(uv_signal_t *sig, int signum)
+{
+    struct daemon *d = sig->data;
+    struct rad_error err = { 0 };
+    char text[600];
+
+    (void)signum;
+    service_notify("RELOADING=1");
+    if (conf_reload(d->table, d->set, d->argc, d->argv, &err) < 0) {
+        rad_error_format(&err, text, sizeof text);
+        log_err("reload failed: %s", text);
+    } else {
+        log_set_level((enum log_level)log_level_parse(d->set->log_level));
+        d->ops->reloaded(d->arg);
+        log_info("reloaded");
+    }
+    service_notify("READY=1");
+}
+
+static void
+on_lifetime_end(void *arg)
+{
+    log_debug("stopping: whoever started this is gone");
+    daemon_stop(arg, EX_OK);
+}
+
+static void
+catch_signal(struct daemon *d, uv_signal_t *sig, uv_signal_cb cb, int signum)
+{
+    uv_signal_init(&d->loop, sig);
+    sig->data = d;
+    uv_signal_start(sig, cb, signum);
+}
+
+static int
+start(struct daemon *d, struct rad_error *err)
+{
+    int rc = d->ops->start(d->arg, err);
+
+    if (rc == 0)
+        rc = service_watch_lifetime(&d->lifetime, &d->loop, d->set->lifetime_fd,
+                                    on_lifetime_end, d, err);
+    if (rc < 0)
+        return rc;
+    uv_timer_init(&d->loop, &d->ticker);
+    d->ticker.data = d;
+    uv_timer_start(&d->ticker, on_tick, DAEMON_TICK_MS, DAEMON_TICK_MS);
+    catch_signal(d, &d->sigterm, on_term, SIGTERM);
+    catch_signal(d, &d->sigint, on_term, SIGINT);
+    catch_signal(d, &d->sighup, on_hup, SIGHUP);
+    return 0;
+}
+
+static void
+close_own(void *handle)
+{
+    uv_handle_t *h = handle;
+
+    if (h->type != UV_UNKNOWN_HANDLE) /* was started */
+        uv_close(h, NULL);
+}
+
+static void
+finish(struct daemon *d)
+{
+    d->ops->finish(d->arg);
+    close_own(&d->ticker);
+    close_own(&d->sigterm);
+    close_own(&d->sigint);
+    close_own(&d->sighup);
+    close_own(&d->lifetime.poll);
+    uv_run(&d->loop, UV_RUN_DEFAULT);
+    d->ops->release(d->arg);
+    uv_loop_close(&d->loop);
+}
+
+static int
+fail(const struct daemon *d, const struct rad_error *err)
+{
+    char text[600];
+
+    rad_error_format(err, text, sizeof text);
+    fprintf(stderr, "%s: %s\n", d->table->program, text);
+    return rad_exit_status(err->code);
+}
+
+int
+daemon_run(struct daemon *d, int argc, char *argv[])
+{
+    struct rad_error err = { 0 };
+    int rc = conf_load(d->table, d->set, argc, argv, &err);
+
+    if (rc == CONF_RUN && log_level_parse(d->set->log_level) < 0)
+        rc = rad_fail(&err, RAD_EUSAGE, "unknown log level '%s'",
+                      d->set->log_level);
+    if (rc < 0)
+        return fail(d, &err);
+    if (rc != CONF_RUN) {
+        (rc == CONF_HELP ? conf_help : conf_version)(d->table);
+        return EX_OK;
+    }
+    d->argc = argc;
+    d->argv = argv;
+    log_open(d->table->program,
+             (enum log_level)log_level_parse(d->set->log_level));
+    signal(SIGPIPE, SIG_IGN);
+    uv_loop_init(&d->loop);
+    if (start(d, &err) == 0) {
+        service_notify("READY=1");
+        uv_run(&d->loop, UV_RUN_DEFAULT);
+    } else {
+        d->status = fail(d, &err);
+    }
+    finish(d);
+    return d->status;
+}
