@@ -60,7 +60,10 @@ progress_format(char *buf, size_t size, const struct progress_report *r,
     char rate[40], left[40];
     double done = r->done < 0 ? 0 : r->done > 1 ? 1 : r->done;
 
-    format_rate(rate, sizeof rate, rays_per_s);
+    if (r->rays > 0)
+        format_rate(rate, sizeof rate, rays_per_s);
+    else
+        snprintf(rate, sizeof rate, "? rays/s");
     format_left(left, sizeof left, left_s);
     /* rounded down: 100 % is said when all is done and not before */
     snprintf(buf, size, "%3d %%  %s  %s left  %d worker%s", (int)(done * 100),
@@ -72,7 +75,8 @@ take_rate(struct progress *p, const struct progress_report *r)
 {
     double dt = r->elapsed_s - p->last_s, keep;
 
-    if (p->last_s < 0) {
+    if (p->last_s < 0 || p->last_rays == 0) {
+        /* rays are told a unit at a time: the first ones began long ago */
         p->rate = r->elapsed_s > 0 ? (double)r->rays / r->elapsed_s : 0;
     } else if (r->rays < p->last_rays) {
         p->rate = 0; /* the job began again */

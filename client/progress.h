@@ -17,7 +17,7 @@
 struct progress_report {
     double elapsed_s; /* since the job began */
     double done;      /* share of the estimated cost, 0..1 */
-    uint64_t rays;    /* so far */
+    uint64_t rays;    /* so far; 0: none are known yet */
     int workers;      /* at it now */
 };
 

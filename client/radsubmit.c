@@ -59,6 +59,19 @@ say(void *arg, const char *text)
     fprintf(stderr, "radsubmit: %s\n", text);
 }
 
+/* By estimated cost, which counts whole units; by the rows that have come in
+ * while units are so large that it lags behind. */
+static double
+share_done(const struct msg_progress *m)
+{
+    double cost = m->cost_total > 0 ? m->cost_done / m->cost_total : 0;
+    double rows = m->pixels_total > 0
+                      ? (double)m->pixels_done / (double)m->pixels_total
+                      : 0;
+
+    return cost > rows ? cost : rows;
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
@@ -66,7 +79,7 @@ on_progress(void *arg, const struct msg_progress *m)
     struct progress_report r;
 
     r.elapsed_s = m->elapsed_s;
-    r.done = m->cost_total > 0 ? m->cost_done / m->cost_total : 0;
+    r.done = share_done(m);
     r.rays = m->rays;
     r.workers = (int)m->workers;
     progress_update(&p->progress, &r);

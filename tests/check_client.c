@@ -372,16 +372,16 @@ static const struct {
     double rate, left_s;
     const char *line;
 } lines[] = {
-    { { 9, .425, 0, 3 },
+    { { 9, .425, 5, 3 },
       1.254e6,
       65,
       " 42 %  1.25 M rays/s  1:05 left  3 workers" },
-    { { 9, 0, 0, 1 }, 0, -1, "  0 %  0 rays/s  ? left  1 worker" },
-    { { 9, .9999, 0, 2 },
+    { { 9, 0, 0, 1 }, 0, -1, "  0 %  ? rays/s  ? left  1 worker" },
+    { { 9, .9999, 5, 2 },
       999.6,
       3725,
       " 99 %  1.00 k rays/s  1:02:05 left  2 workers" },
-    { { 9, 1, 0, 2 }, 99960, 0, "100 %  100 k rays/s  0:00 left  2 workers" },
+    { { 9, 1, 5, 2 }, 99960, 0, "100 %  100 k rays/s  0:00 left  2 workers" },
 };
 
 START_TEST(progress_says_what_is_left)
