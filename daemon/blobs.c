@@ -50,7 +50,7 @@ blobs_open(struct blobs *b, const char *dir, bool durable,
     memcpy(b->dir, dir, strlen(dir) + 1);
     b->durable = durable;
     b->parts = 0;
-    rc = service_make_dir(dir, 0755, err);
+    rc = service_make_dir(dir, 0750, err);
     if (rc == 0)
         drop_parts(b);
     return rc;

@@ -357,7 +357,7 @@ open_run(struct task *t)
     s->jobs = j;
     o->job = NULL;
     job_path(s, o->id, path);
-    rc = service_make_dir(path, 0755, &t->err);
+    rc = service_make_dir(path, 0750, &t->err);
     for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
         struct frame_rows *f = &j->frames[i];
 
@@ -697,7 +697,7 @@ store_open(uv_loop_t *loop, const char *dir, bool durable,
         rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
         goto fail;
     }
-    if (service_make_dir(dir, 0755, err) < 0 ||
+    if (service_make_dir(dir, 0750, err) < 0 ||
         service_lock_dir(dir, err) < 0 ||
         blobs_open(&s->blobs, files, durable, err) < 0)
         goto fail;
