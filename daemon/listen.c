@@ -5,6 +5,7 @@
 
 #include "conn.h"
 #include "log.h"
+#include "service.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -51,13 +52,27 @@ probe_socket(const struct address *a, struct rad_error *err)
 }
 
 static int
+make_parent(const char *path, struct rad_error *err)
+{
+    char dir[sizeof((struct sockaddr_un *)0)->sun_path + 1];
+    char *slash;
+
+    snprintf(dir, sizeof dir, "%s", path);
+    slash = strrchr(dir, '/');
+    if (!slash || slash == dir)
+        return 0;
+    *slash = '\0';
+    return service_make_dir(dir, 0755, err) < 0 ? RAD_ECANTCREAT : 0;
+}
+
+static int
 bind_local(struct listener *l, uv_loop_t *loop, const struct address *a,
            struct rad_error *err)
 {
     int rc = probe_socket(a, err);
 
-    if (rc < 0)
-        return rc;
+    if (rc < 0 || (rc == 0 && make_parent(a->sa.un.sun_path, err) < 0))
+        return RAD_ECANTCREAT;
     if (rc == 1)
         unlink(a->sa.un.sun_path);
     uv_pipe_init(loop, &l->server.pipe, 0);

@@ -25,12 +25,13 @@ struct settings {
     char state[CONF_TEXT];
 };
 
-#define FIELD(f) offsetof(struct settings, f)
+#define DEFAULT_SOCKET "/run/radd/radcoord.sock"
+#define FIELD(f)       offsetof(struct settings, f)
 static const struct conf_key keys[] = {
     { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, DEFAULT_LISTEN, "ADDR:PORT",
       "where workers and users dial; empty: nowhere", false },
-    { "socket", CONF_TEXT_KEY, FIELD(socket), 0, 0, "/run/radd/radcoord.sock",
-      "PATH", "Unix socket of this machine's users; empty: none", false },
+    { "socket", CONF_TEXT_KEY, FIELD(socket), 0, 0, DEFAULT_SOCKET, "PATH",
+      "Unix socket of this machine's users; empty: none", false },
     { "state", CONF_TEXT_KEY, FIELD(state), 0, 0, "/var/lib/radd", "DIR",
       "folder of scenes, rows and pictures", false },
     DAEMON_KEYS,
@@ -278,19 +279,35 @@ on_connection(void *arg, uv_stream_t *stream, const char *peer)
     shell_run(&r->shell);
 }
 
+/* The default socket is one for a system's coordinator: who has not the right
+ * to make it, or runs a second one beside it, can do with an address. */
+static int
+open_local(struct radcoord *r, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    r->local =
+        listener_open(&r->daemon.loop, r->set.socket, on_connection, r, &why);
+    if (r->local)
+        return 0;
+    if (strcmp(r->set.socket, DEFAULT_SOCKET) != 0 || !r->set.listen[0]) {
+        *err = why;
+        return why.code;
+    }
+    log_warn("going on without the default socket: %s", why.what);
+    return 0;
+}
+
 static int
 open_sockets(struct radcoord *r, struct rad_error *err)
 {
     const char *lines[2];
     int n = 0;
 
-    if (r->set.socket[0]) {
-        r->local = listener_open(&r->daemon.loop, r->set.socket, on_connection,
-                                 r, err);
-        if (!r->local)
-            return err->code;
+    if (r->set.socket[0] && open_local(r, err) < 0)
+        return err->code;
+    if (r->local)
         lines[n++] = listener_text(r->local);
-    }
     if (r->set.listen[0] && !(r->set.common.embedded &&
                               strcmp(r->set.listen, DEFAULT_LISTEN) == 0)) {
         r->tcp = listener_open(&r->daemon.loop, r->set.listen, on_connection, r,

@@ -15,11 +15,11 @@ wait_file()
 
 coord_start()
 {
-    "$radcoord" --listen=127.0.0.1:0 --socket="$work/c.sock" \
+    "$radcoord" --listen=127.0.0.1:0 --socket="$work/run/c.sock" \
         --state="$work/state" --ports-file="$work/c.ports" 2>>"$work/c.log" &
     coord_pid=$!
     wait_file "$work/c.ports"
-    sock=$work/c.sock
+    sock=$work/run/c.sock # in a folder that was not there
     tcp=$(sed -n 's/^tcp //p' "$work/c.ports")
 }
 

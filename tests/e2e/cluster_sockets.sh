@@ -22,6 +22,18 @@ for program in "$radcoord" "$radd"; do
     "$program" --version | grep -q radd || fail "$program --version"
 done
 
+# whoever may not make the default socket gets along with an address
+if [ ! -w /run ]; then
+    "$radcoord" --listen=127.0.0.1:0 --state="$work/s5" \
+        --ports-file="$work/only.ports" 2>only.log &
+    coord_pid=$!
+    wait_file "$work/only.ports"
+    grep -q '^unix' only.ports && fail "it has a socket nevertheless"
+    grep -q 'without the default socket' only.log ||
+        fail "the missing socket is not said: $(cat only.log)"
+    end_one "$coord_pid" "coordinator without a socket"
+fi
+
 # one coordinator a folder, one a socket
 cluster_start 1 2
 expect 73 "another process" "a second coordinator" \
