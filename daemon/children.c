@@ -84,12 +84,13 @@ static int
 start(struct child *c, uv_stream_t *stream)
 {
     struct children *all = c->all;
-    char threads[16], memory[16];
+    char threads[16], memory[16], nice[16];
     char *args[] = { (char *)"radd",
                      (char *)RENDER_CHILD_OPTION,
                      (char *)all->conf.files_dir,
                      threads,
                      memory,
+                     nice,
                      NULL };
     uv_stdio_container_t fds[] = {
         { .flags = UV_IGNORE },
@@ -107,6 +108,7 @@ start(struct child *c, uv_stream_t *stream)
 
     snprintf(threads, sizeof threads, "%d", all->conf.threads);
     snprintf(memory, sizeof memory, "%d", all->conf.memory_mib);
+    snprintf(nice, sizeof nice, "%d", all->conf.nice);
     return uv_spawn(all->shell->loop, &c->process, &o);
 }
 

@@ -15,6 +15,7 @@ struct children_conf {
     const char *files_dir; /* of the store */
     int threads;
     int memory_mib; /* most that a child may use; 0: no limit */
+    int nice;       /* 0..19: how much a child gives way to others */
 };
 
 /* text: "killed by signal 11", "exit status 70" */

@@ -29,6 +29,7 @@ struct settings {
     char cache[CONF_TEXT];
     int threads;
     int memory_mib;
+    int nice;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -45,6 +46,8 @@ static const struct conf_key keys[] = {
       "that render; 0: one a processor", false },
     { "memory_mib", CONF_INT_KEY, FIELD(memory_mib), 0, 1 << 24, "0", "N",
       "most memory of a job's process [MiB]; 0: no limit", true },
+    { "nice", CONF_INT_KEY, FIELD(nice), 0, 19, "19", "N",
+      "how much a job's process gives way to others", true },
     DAEMON_KEYS,
 };
 
@@ -277,6 +280,7 @@ on_reload(void *arg)
     struct radd *r = arg;
 
     r->children.conf.memory_mib = r->set.memory_mib;
+    r->children.conf.nice = r->set.nice;
 }
 
 static int
@@ -309,7 +313,8 @@ make_worker(struct radd *r, struct rad_error *err)
 {
     struct children_conf conf = { .files_dir = store_files_dir(r->store),
                                   .threads = r->set.threads,
-                                  .memory_mib = r->set.memory_mib };
+                                  .memory_mib = r->set.memory_mib,
+                                  .nice = r->set.nice };
     struct worker_env env = { .has_file = has_file,
                               .random = shell_random,
                               .arg = r,

@@ -450,7 +450,7 @@ static const struct conn_handler handler = { on_message, on_closed,
 
 /* Give way to whoever sits at the machine, leave no core, die with radd. */
 static void
-confine(int memory_mib)
+confine(int memory_mib, int give_way)
 {
     struct rlimit none = { 0, 0 };
     struct rlimit memory = { (rlim_t)memory_mib << 20,
@@ -465,7 +465,7 @@ confine(int memory_mib)
         setrlimit(RLIMIT_DATA, &memory);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGINT, SIG_IGN); /* a terminal's; radd decides */
-    ignored = nice(19);
+    ignored = nice(give_way);
     (void)ignored;
 }
 
@@ -515,11 +515,11 @@ render_main(int argc, char *argv[])
     static struct render r;
     int rc;
 
-    if (argc != 5)
+    if (argc != 6)
         return EX_USAGE; /* radd starts this, nobody else */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
-    confine(atoi(argv[4]));
+    confine(atoi(argv[4]), atoi(argv[5]));
     log_open("radd-child", LOG_LEVEL_WARN);
     uv_loop_init(&r.loop);
     uv_timer_init(&r.loop, &r.drain);

@@ -10,7 +10,7 @@
 #define RENDER_CHILD_OPTION "--child"
 #define RENDER_LINK_FD      3
 
-/* radd --child FILES-DIR THREADS MEMORY-MIB; returns the exit status. */
+/* radd --child FILES-DIR THREADS MEMORY-MIB NICE; returns the exit status. */
 int render_main(int argc, char *argv[]);
 
 #endif
