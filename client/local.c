@@ -27,7 +27,8 @@ enum {
     LIFETIME_FD = 3, /* where a daemon finds the pipe */
     READY_MS = 10000,
     STOP_MS = 2000, /* a daemon that has not ended by then is killed */
-    LOOK_MS = 10
+    LOOK_MS = 10,
+    SWEEPS = 100 /* of a folder in which daemons may still write */
 };
 
 /* room for a socket's name in it, which the kernel bounds */
@@ -39,6 +40,7 @@ struct local {
     struct target target;
     int alive[2]; /* the pipe; [1] is what keeps them alive */
     int notify;   /* socket on which a daemon says that it is ready */
+    pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers, 0 for one that has ended */
     int nworkers;
@@ -65,6 +67,64 @@ find_programs(struct local *l)
         l->programs[n - 1] = '\0';
 }
 
+static int
+remove_entry(const char *path, const struct stat *st, int flag, struct FTW *ftw)
+{
+    (void)st;
+    (void)flag;
+    (void)ftw;
+    remove(path); /* what cannot be removed stays; the rest goes */
+    return 0;
+}
+
+static void
+remove_folder(const struct local *l)
+{
+    nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+/* The keeper's life: wait until radsubmit is gone, then remove the folder,
+ * again while daemons that are about to end put something into it. */
+static void
+keep(const struct local *l)
+{
+    int null = open("/dev/null", O_RDWR);
+    char byte;
+
+    setsid();
+    for (int fd = 0; fd < 3 && null >= 0; fd++)
+        dup2(null, fd); /* whoever reads radsubmit's output need not wait */
+    close(l->alive[1]);
+    while (read(l->alive[0], &byte, 1) < 0 && errno == EINTR)
+        ;
+    for (int i = 0; i < SWEEPS && access(l->folder, F_OK) == 0; i++) {
+        poll(NULL, 0, 2 * LOOK_MS);
+        remove_folder(l);
+    }
+}
+
+/* A process that removes the folder if radsubmit is killed.  Signals do not
+ * end it: libuv's handlers would answer them in radsubmit's name. */
+static int
+start_keeper(struct local *l, struct rad_error *err)
+{
+    if (pipe2(l->alive, O_CLOEXEC) != 0)
+        return rad_fail(err, RAD_ENOMEM, "cannot make a pipe: %s",
+                        strerror(errno));
+    l->keeper = fork();
+    if (l->keeper < 0)
+        return rad_fail(err, RAD_ENOMEM, "cannot start a process: %s",
+                        strerror(errno));
+    if (l->keeper == 0) {
+        signal(SIGINT, SIG_IGN);
+        signal(SIGTERM, SIG_IGN);
+        signal(SIGHUP, SIG_IGN);
+        keep(l);
+        _exit(0);
+    }
+    return 0;
+}
+
 int
 local_new(struct local **out, struct rad_error *err)
 {
@@ -84,23 +144,13 @@ local_new(struct local **out, struct rad_error *err)
     }
     find_programs(l);
     *out = l;
-    return 0;
+    return start_keeper(l, err);
 }
 
 const char *
 local_folder(const struct local *l)
 {
     return l->folder;
-}
-
-static int
-remove_entry(const char *path, const struct stat *st, int flag, struct FTW *ftw)
-{
-    (void)st;
-    (void)flag;
-    (void)ftw;
-    remove(path); /* what cannot be removed stays; the rest goes */
-    return 0;
 }
 
 /* --- programs --- */
@@ -298,8 +348,8 @@ static int
 start_worker(struct local *l, int i, int nthreads, struct rad_error *err)
 {
     char to[160], name[32], cache[128], threads[32], listen[128];
-    const char *options[] = { to,     name,         cache, threads,
-                              listen, "--embedded", NULL };
+    const char *options[] = { to,     name,       cache,        threads,
+                              listen, "--nice=0", "--embedded", NULL };
 
     snprintf(to, sizeof to, "--coordinator=%s/coord", l->folder);
     snprintf(name, sizeof name, "--name=local-%d", i + 1);
@@ -324,9 +374,6 @@ local_start(struct local *l, int nworkers, int nthreads, const int *stop,
     l->workers = calloc((size_t)nworkers, sizeof *l->workers);
     if (!l->workers)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (pipe2(l->alive, O_CLOEXEC) != 0)
-        return rad_fail(err, RAD_ENOMEM, "cannot make a pipe: %s",
-                        strerror(errno));
     if ((rc = start_coordinator(l, err)) < 0 ||
         (rc = wait_ready(l, stop, err)) < 0)
         return rc;
@@ -364,6 +411,16 @@ all_ended(struct local *l)
     return all;
 }
 
+static void
+end_keeper(struct local *l)
+{
+    if (l->keeper <= 0)
+        return;
+    kill(l->keeper, SIGKILL);
+    while (waitpid(l->keeper, NULL, 0) < 0 && errno == EINTR)
+        ;
+}
+
 /* A daemon leads its session, so its group has its children in it. */
 static void
 kill_one(pid_t *pid)
@@ -395,12 +452,13 @@ local_stop(struct local *l)
 {
     if (!l)
         return;
+    end_keeper(l);
     stop_daemons(l);
     if (l->alive[0] >= 0)
         close(l->alive[0]);
     if (l->notify >= 0)
         close(l->notify);
-    nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    remove_folder(l);
     free(l->workers);
     free(l);
 }

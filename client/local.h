@@ -16,7 +16,9 @@
 
 struct local;
 
-/* A private folder to begin with, removed by local_stop().  RAD_ECANTCREAT. */
+/* A private folder to begin with, removed by local_stop(), or by a process of
+ * its own when radsubmit is killed; so before any thread is started.  *l is to
+ * be stopped whatever is returned.  RAD_ECANTCREAT, RAD_ENOMEM. */
 int local_new(struct local **l, struct rad_error *err);
 
 const char *local_folder(const struct local *l);

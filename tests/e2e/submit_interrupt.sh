@@ -26,6 +26,14 @@ start()
     }
 }
 
+# Somebody waits for the picture: it has the priority of what they do.
+check_priority()
+{
+    child=$(pgrep -f -- "--child $work" | head -n 1)
+    [ "$(ps -o ni= -p "$child")" = "$(ps -o ni= -p $pid)" ] ||
+        fail "the job's process has another priority than radsubmit"
+}
+
 # while the scene is compiled: a command that never ends
 mkfifo never
 echo "!echo >'$work/runs'; cat '$work/never'" >waits.rad
@@ -49,6 +57,7 @@ grep -q 'cancelled: .* % of the pixels' stderr ||
 check_nothing_left "interrupted"
 
 start
+check_priority
 kill -TERM $pid
 wait $pid
 status=$?
@@ -58,9 +67,5 @@ check_nothing_left "terminated"
 start
 kill -KILL $pid
 wait $pid 2>/dev/null
-no_process() { [ -z "$(left_over)" ]; }
-until_true 20 no_process || {
-    fail "killed: its cluster goes on:"
-    left_over | xargs -r ps -o pid,args -p
-}
+check_nothing_left "killed"
 finish
