@@ -16,3 +16,6 @@ bench-kernel: bench/kernel$(EXEEXT)
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \
 		>bench/results/kernel.txt
 	cat bench/results/kernel.txt
+
+# Against rpict, where that is on PATH: bench/versus.sh says how to call it.
+dist_noinst_SCRIPTS += bench/versus.sh
