@@ -1,7 +1,9 @@
 # One program per module, named check_<module>; shell tests under e2e/.
 AM_TESTS_ENVIRONMENT = \
 	top_srcdir='$(abs_top_srcdir)'; export top_srcdir; \
-	top_builddir='$(abs_top_builddir)'; export top_builddir;
+	top_builddir='$(abs_top_builddir)'; export top_builddir; \
+	CK_DEFAULT_TIMEOUT=$${CK_DEFAULT_TIMEOUT:-120}; \
+	export CK_DEFAULT_TIMEOUT;
 
 UNIT_TESTS = \
 	tests/check_ambient \
