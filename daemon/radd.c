@@ -209,7 +209,7 @@ on_action(void *arg, const struct action *a)
         children_kill(&r->children, a->conn);
         break;
     case ACT_STOP:
-        daemon_stop(&r->daemon, EX_OK);
+        daemon_stop(&r->daemon, a->status);
         break;
     default:
         log_err("action unknown type=%d", (int)a->type);

@@ -389,13 +389,19 @@ on_welcome(struct worker *w, const struct msg *m)
     }
 }
 
+/* For good, unless it says that later may be better.  A status that is none
+ * of sysexits.h breaks the protocol. */
 static void
 on_refuse(struct worker *w, const struct msg *m)
 {
+    int status = m->refuse.status;
+
     actions_log(&w->actions, ACT_ERR, "refused by the coordinator why=%s",
                 m->refuse.text);
-    if (m->refuse.status != EX_TEMPFAIL)
-        stop(w, m->refuse.status, m->refuse.text);
+    if (status < EX__BASE || status > EX__MAX)
+        status = EX_PROTOCOL;
+    if (status != EX_TEMPFAIL)
+        stop(w, status, m->refuse.text);
 }
 
 static void

@@ -143,6 +143,7 @@ tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
+	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
@@ -154,6 +155,7 @@ EXTRA_DIST += \
 TESTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
+	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
