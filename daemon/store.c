@@ -539,6 +539,27 @@ remove_dir(const char *path)
     rmdir(path);
 }
 
+/* The folders of jobs that nobody knows any more: jobs live in memory. */
+static void
+remove_jobs(const struct store *s)
+{
+    char path[ROWS_PATH_MAX];
+    uint8_t id[MSG_JOB];
+    struct dirent *e;
+    DIR *d;
+
+    snprintf(path, sizeof path, "%s/jobs", s->dir);
+    d = opendir(path);
+    if (!d)
+        return;
+    while ((e = readdir(d)) != NULL)
+        if (msg_job_parse(e->d_name, id)) {
+            job_path(s, id, path);
+            remove_dir(path);
+        }
+    closedir(d);
+}
+
 static int
 forget_run(struct task *t)
 {
@@ -701,6 +722,7 @@ store_open(uv_loop_t *loop, const char *dir, bool durable,
         service_lock_dir(dir, err) < 0 ||
         blobs_open(&s->blobs, files, durable, err) < 0)
         goto fail;
+    remove_jobs(s);
     return s;
 fail:
     free(s);

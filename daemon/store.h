@@ -5,6 +5,8 @@
  * DIR/jobs/ID/N.rows pixels of frame N as they come (rows.h)
  * DIR/jobs/ID/N.hdr  its picture, N.z its distances, once it is complete
  *
+ * Files outlive the daemon, jobs do not: their folders go when a store opens.
+ *
  * Writing is done by one thread of libuv's pool, in order (task.h); each
  * request ends in one call of the handler, on the loop.  Unless the store is
  * volatile, what a handler hears of is on the disk: rows that wait together

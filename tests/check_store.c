@@ -399,6 +399,55 @@ START_TEST(folder_serves_one_store)
 }
 END_TEST
 
+/* File `name` of a folder below dir, made with it. */
+static void
+put_in(const char *folder, const char *name)
+{
+    char path[200];
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/%s", dir, folder);
+    ck_assert_int_eq(service_make_dir(path, 0700, NULL), 0);
+    snprintf(path, sizeof path, "%s/%s/%s", dir, folder, name);
+    f = fopen(path, "w");
+    ck_assert_ptr_nonnull(f);
+    fclose(f);
+}
+
+static bool
+is_there(const char *name)
+{
+    char path[200];
+
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    return access(path, F_OK) == 0;
+}
+
+#define OLD_JOB "jobs/00112233445566778899aabbccddeeff"
+#define OLD_HASH                                                               \
+    "2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b"
+
+START_TEST(jobs_of_an_earlier_life_go_and_files_stay)
+{
+    struct heard h = { 0 };
+    uv_loop_t loop;
+    struct store *s;
+
+    put_in(OLD_JOB, "0.rows");
+    put_in(OLD_JOB, "0.hdr");
+    put_in("jobs/of-another-program", "0.rows");
+    put_in("files", OLD_HASH);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    ck_assert(!is_there(OLD_JOB));
+    ck_assert(is_there("jobs/of-another-program/0.rows"));
+    ck_assert(is_there("files/" OLD_HASH));
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
 static void
 put_unit(struct store *s, const uint8_t *job, uint32_t unit, uint32_t rows,
          uint8_t channels)
@@ -518,6 +567,7 @@ main(void)
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_test(tc, folder_serves_one_store);
+    tcase_add_test(tc, jobs_of_an_earlier_life_go_and_files_stay);
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);
