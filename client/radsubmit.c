@@ -59,6 +59,21 @@ say(void *arg, const char *text)
     fprintf(stderr, "radsubmit: %s\n", text);
 }
 
+/* -ps is brought to what the sampler does; 0 is a usual way to say 1. */
+static void
+warn_of_psample(struct program *p)
+{
+    int asked = p->o.psample_asked, taken = p->o.params.psample;
+    char text[80];
+
+    if (asked == 0 || asked == taken)
+        return;
+    snprintf(text, sizeof text,
+             "warning: -ps %d is not within 1 to 16: taken as %d", asked,
+             taken);
+    say(p, text);
+}
+
 /* By estimated cost, which counts whole units; by the rows that have come in
  * while units are so large that it lags behind. */
 static double
@@ -445,6 +460,7 @@ run(struct program *p)
 
     progress_init(&p->progress, stderr, p->o.progress == PROGRESS_ALWAYS,
                   p->o.progress == PROGRESS_NEVER || p->o.detach);
+    warn_of_psample(p);
     if ((rc = choose_cluster(p)) < 0 ||
         (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
         (rc = check_outputs(p)) < 0 || (rc = watch_signals(p)) < 0)

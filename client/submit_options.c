@@ -291,6 +291,17 @@ is_wish(const char *word)
     return SUBMIT_RUN;
 }
 
+/* The renderer's; it brings -ps to what the sampler does. */
+static int
+take_params(struct cursor *c, int argc, char *const argv[])
+{
+    int rc = rad_params_option(&c->o->params, argc, argv, c->err);
+
+    if (rc > 0 && strcmp(argv[0], "-ps") == 0)
+        c->o->psample_asked = (int)strtol(argv[1], NULL, 10);
+    return rc;
+}
+
 static int
 take_option(struct cursor *c)
 {
@@ -306,7 +317,7 @@ take_option(struct cursor *c)
         if ((rc = take_from(c, rpicts, N_ELEM(rpicts))) != 0)
             return rc;
     }
-    if ((rc = rad_params_option(&c->o->params, argc, argv, c->err)) != 0 ||
+    if ((rc = take_params(c, argc, argv)) != 0 ||
         (rc = rad_view_option(&c->o->view, argc, argv, c->err)) != 0)
         return rc;
     return rad_fail(c->err, RAD_EUSAGE, "unknown option '%s'", argv[0]);

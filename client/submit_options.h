@@ -25,6 +25,7 @@ enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM };
 
 struct submit_options {
     struct rad_params params;
+    int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
     /* files; NULL where not given */
     const char *output, *depth;

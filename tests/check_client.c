@@ -168,6 +168,7 @@ START_TEST(files_and_variables_open_up_in_place)
     ck_assert_int_eq(o.params.ambounce, 3);
     ck_assert_double_eq(o.params.ambacc, .1);
     ck_assert_int_eq(o.params.psample, 2);
+    ck_assert_int_eq(o.psample_asked, 2);
     ck_assert_int_eq(o.workers, 5);
     ck_assert_str_eq(o.output, "@a"); /* a value is no option */
     ck_assert_int_eq(o.nscenes, 2);

@@ -47,6 +47,13 @@ same w11.hdr w22.hdr "2 workers of 2 threads change the picture"
 [ "$(wc -l <stderr)" -eq 1 ] || fail "more than the job's id is said: $(cat stderr)"
 grep -qE '^radsubmit: job [0-9a-f]{32}$' stderr || fail "no job id is said"
 
+# what is taken otherwise than it was said is told, and nothing else
+render ps.hdr -ps 40 --threads=1
+grep -q 'warning: -ps 40 .* taken as 16' stderr || fail "-ps 40: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 2 ] || fail "-ps 40 says more: $(cat stderr)"
+render ps.hdr -ps 0 --threads=1
+[ "$(wc -l <stderr)" -eq 1 ] || fail "-ps 0 is told of: $(cat stderr)"
+
 # where it goes
 "$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr
 same stdout.hdr one.hdr "standard output and -o differ"
