@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -383,6 +384,21 @@ int
 compile_octree(struct compiled *c, struct rad_error *err)
 {
     return rad_octree_build(&c->octree, c->scene, err);
+}
+
+bool
+compile_warning(const struct compiled *c, char text[COMPILE_WARNING])
+{
+    int32_t n = c->octree.left_out;
+
+    if (n == 0)
+        return false;
+    snprintf(text, COMPILE_WARNING,
+             "warning: full cubes of the octree lack %" PRId32 " surface%s, "
+             "%d a cube being Radiance's limit: its programs may miss %s "
+             "there; our own rendering is not affected",
+             n, n == 1 ? "" : "s", RAD_OCTREE_MAX_SET, n == 1 ? "it" : "them");
+    return true;
 }
 
 int

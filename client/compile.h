@@ -41,6 +41,10 @@ int compile_read(struct compiled *c, const char *const *files, int n,
 
 int compile_octree(struct compiled *c, struct rad_error *err);
 
+/* What the user should know of the octree; false: nothing. */
+#define COMPILE_WARNING 256
+bool compile_warning(const struct compiled *c, char text[COMPILE_WARNING]);
+
 /* Put the frozen octree and the files that the scene needs into the folder
  * dir, which must be there, under their hashes (cargo.h); needs
  * compile_octree(). */

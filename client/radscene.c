@@ -180,6 +180,7 @@ run_freeze(struct compiled *c, struct rad_error *err)
 {
     struct rad_fd to = { STDOUT_FILENO, "standard output" };
     struct rad_sink out = rad_fd_sink(&to);
+    char warning[COMPILE_WARNING];
     int rc;
 
     if (isatty(STDOUT_FILENO))
@@ -189,7 +190,11 @@ run_freeze(struct compiled *c, struct rad_error *err)
     if (rc)
         return rc;
     rc = compile_octree(c, err);
-    return rc ? rc : rad_octfile_write(c->scene, &c->octree, &out, err);
+    if (rc)
+        return rc;
+    if (compile_warning(c, warning))
+        fprintf(stderr, "radscene: %s\n", warning);
+    return rad_octfile_write(c->scene, &c->octree, &out, err);
 }
 
 static int

@@ -74,6 +74,16 @@ warn_of_psample(struct program *p)
     say(p, text);
 }
 
+/* Once for the octree, which holds what Radiance reads. */
+static void
+warn_of_octree(struct program *p)
+{
+    char text[COMPILE_WARNING];
+
+    if (compile_warning(&p->scene, text))
+        say(p, text);
+}
+
 /* By estimated cost, which counts whole units; by the rows that have come in
  * while units are so large that it lags behind. */
 static double
@@ -440,6 +450,7 @@ run_job(struct program *p)
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
+    warn_of_octree(p);
     fill_spec(p);
     if (p->embedded && (rc = start_local(p)) < 0)
         return rc;

@@ -147,6 +147,16 @@ grep -q '^radscene [0-9]' out || failed=1
 expect 74 'cannot write' sh -c "$radscene needs good.rad >/dev/full"
 expect 74 'cannot write' sh -c "$radscene freeze good.rad >/dev/full"
 
+# more surfaces in one place than Radiance's octree takes
+awk 'BEGIN { print "void plastic m 0 0 5 .5 .5 .5 0 0"
+             for (i = 0; i < 600; i++)
+                 print "m polygon p" i " 0 0 12 0 0 0 1 0 .1 1 1 .1 0 1 0" }' \
+    >stack.rad
+expect 0 'full cubes of the octree lack' \
+    sh -c "$radscene freeze stack.rad >stack.oct"
+[ "$(wc -l <err)" -eq 1 ] || { echo 'FAIL: said more than once'; failed=1; }
+expect 0 '' $radscene check stack.oct
+
 # rays: into the ball, and to the sky
 printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
 expect 0 '' sh -c "$radscene rays -ab 0 -av 1 1 1 good.rad <rays"
