@@ -89,14 +89,16 @@ static void
 keep(const struct local *l)
 {
     int null = open("/dev/null", O_RDWR);
+    struct pollfd life = { .fd = l->alive[0] };
     char byte;
 
     setsid();
     for (int fd = 0; fd < 3 && null >= 0; fd++)
         dup2(null, fd); /* whoever reads radsubmit's output need not wait */
     close(l->alive[1]);
-    while (read(l->alive[0], &byte, 1) < 0 && errno == EINTR)
-        ;
+    /* the daemons share this end, and their libuv makes it non-blocking */
+    while (read(l->alive[0], &byte, 1) != 0)
+        poll(&life, 1, -1);
     for (int i = 0; i < SWEEPS && access(l->folder, F_OK) == 0; i++) {
         poll(NULL, 0, 2 * LOOK_MS);
         remove_folder(l);
