@@ -360,7 +360,7 @@ start(void *arg, struct rad_error *err)
 
     shell_init(&r->shell, &r->daemon.loop, &ops, r);
     uv_gettimeofday(&wall);
-    env.epoch = (uint64_t)wall.tv_sec;
+    env.epoch = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000;
     r->store = store_open(&r->daemon.loop, r->set.state,
                           !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)

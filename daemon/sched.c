@@ -390,7 +390,7 @@ result_fits(const struct job *job, const struct msg_result *m,
 {
     uint8_t channels = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 
-    if (!job->partition || m->unit >= partition_total(job->partition))
+    if (m->unit >= partition_total(job->partition))
         return false;
     partition_area(job->partition, m->unit, a);
     return m->width == a->width && m->channels == channels &&
@@ -447,6 +447,10 @@ sched_result(struct coord *c, struct coord_worker *w,
 
     if (!job)
         return;
+    if (!job->partition) { /* of an earlier life of the coordinator */
+        send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
+        return;
+    }
     if (!result_fits(job, m, &a)) {
         coord_break(c, w->conn, "a RESULT that fits no unit");
         return;

@@ -367,9 +367,24 @@ needs_file(const struct wjob *job, const uint8_t *hash)
 
 /* --- messages of the coordinator --- */
 
+/* A coordinator that began anew knows neither our units nor their attempts:
+ * what is left of them would only be taken for others. */
+static void
+forget_epoch(struct worker *w, uint64_t epoch)
+{
+    if (w->epoch != 0 && w->epoch != epoch)
+        for (struct wjob *job = w->jobs; job; job = job->next) {
+            revoke_units(w, job);
+            while (job->kept)
+                drop_kept(job, &job->kept);
+        }
+    w->epoch = epoch;
+}
+
 static void
 on_welcome(struct worker *w, const struct msg *m)
 {
+    forget_epoch(w, m->welcome.epoch);
     w->welcome = true;
     w->welcome_ms = w->now_ms;
     actions_session(&w->actions, w->coord, MSG_AT_WORKER);

@@ -229,6 +229,7 @@ THREAD_TESTS = \
 SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \
 	tests/e2e/cluster_kill.sh \
+	tests/e2e/cluster_restart.sh \
 	tests/e2e/radscene.sh \
 	tests/e2e/submit_embedded.sh
 
