@@ -55,6 +55,8 @@ libdaemon_a_SOURCES = \
 	daemon/service.h \
 	daemon/shell.c \
 	daemon/shell.h \
+	daemon/sound.c \
+	daemon/sound.h \
 	daemon/stats.c \
 	daemon/stats.h \
 	daemon/store.c \

@@ -10,7 +10,9 @@
 #include "blobs.h"
 #include "jobtext.h"
 #include "rows.h"
+#include "log.h"
 #include "service.h"
+#include "sound.h"
 #include "task.h"
 
 #include <assert.h>
@@ -53,6 +55,7 @@ struct store {
     void *arg;
     char dir[BLOBS_DIR_MAX];
     struct blobs blobs;
+    struct sounds sounds;      /* [loop] */
     bool durable;              /* [fixed] */
     size_t backlog;            /* [loop] */
     struct arriving *arriving; /* [pool] */
@@ -162,12 +165,24 @@ chunk_run(struct task *t)
 }
 
 static void
+note_file(struct store *s, const uint8_t *hash)
+{
+    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+
+    blobs_name(hash, name);
+    blobs_path(&s->blobs, name, path);
+    sounds_note(&s->sounds, hash, path);
+}
+
+static void
 chunk_done(struct task *t)
 {
     struct chunk_task *c = (struct chunk_task *)t;
     struct store *s = c->store;
 
     s->backlog -= c->len;
+    if (t->code > 0)
+        note_file(s, c->hash);
     if (t->code != 0)
         s->handler->file(s->arg, c->conn, c->hash, status_of(t), failure(t));
     free(c);
@@ -755,6 +770,7 @@ store_close(struct store *s)
         s->jobs = j->next;
         free_job(j);
     }
+    sounds_release(&s->sounds);
     free(s);
 }
 
@@ -765,10 +781,15 @@ store_files_dir(const struct store *s)
 }
 
 bool
-store_has_file(const struct store *s, const uint8_t hash[MSG_HASH])
+store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
 {
-    char name[RAD_SHA_HEX + 1];
+    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    bool damaged, there;
 
     blobs_name(hash, name);
-    return blobs_has(&s->blobs, name, NULL);
+    blobs_path(&s->blobs, name, path);
+    there = sounds_check(&s->sounds, hash, path, &damaged);
+    if (damaged)
+        log_warn("file removed path=%s: it is damaged", path);
+    return there;
 }

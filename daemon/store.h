@@ -58,7 +58,10 @@ size_t store_backlog(const struct store *s);
 void store_close(struct store *s);
 
 const char *store_files_dir(const struct store *s);
-bool store_has_file(const struct store *s, const uint8_t hash[MSG_HASH]);
+
+/* Is the file there, and is it what its name says?  A damaged one is removed;
+ * see sound.h. */
+bool store_has_file(struct store *s, const uint8_t hash[MSG_HASH]);
 
 /* Append a piece of the file that `conn` sends. */
 void store_put_chunk(struct store *s, uint64_t conn,

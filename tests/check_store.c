@@ -382,6 +382,48 @@ START_TEST(store_keeps_files_and_refuses_impostors)
 }
 END_TEST
 
+/* Same length, another content. */
+static void
+damage(const char *file)
+{
+    char path[PATH_MAX];
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/files/%s", dir, file);
+    f = fopen(path, "r+");
+    ck_assert_ptr_nonnull(f);
+    fputs("HELLO", f);
+    fclose(f);
+}
+
+START_TEST(store_notices_damaged_files)
+{
+    struct heard h = { 0 };
+    uint8_t digest[MSG_HASH];
+    char hex[RAD_SHA_HEX + 1];
+    uv_loop_t loop;
+    struct store *s;
+
+    hash_of("hello", 5, hex);
+    for (int i = 0; i < MSG_HASH; i++)
+        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    for (int again = 0; again < 2; again++) {
+        put_file(s, "hello", "hello");
+        run(&loop, s);
+        ck_assert(store_has_file(s, digest));
+        ck_assert(store_has_file(s, digest)); /* now known */
+        damage(hex);
+        ck_assert(!store_has_file(s, digest));
+        ck_assert(!store_has_file(s, digest));
+    }
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
 START_TEST(folder_serves_one_store)
 {
     struct rad_error err = { 0 };
@@ -566,6 +608,7 @@ main(void)
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
+    tcase_add_test(tc, store_notices_damaged_files);
     tcase_add_test(tc, folder_serves_one_store);
     tcase_add_test(tc, jobs_of_an_earlier_life_go_and_files_stay);
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);

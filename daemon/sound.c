@@ -1,0 +1,132 @@
+/* sound.c - see sound.h */
+#include "config.h"
+
+#include "sound.h"
+
+#include "blobs.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define READ_BYTES (256u << 10)
+
+struct sound {
+    struct sound *next;
+    uint8_t digest[RAD_SHA_BYTES];
+    off_t size;
+    struct timespec changed;
+};
+
+static struct sound *
+find(const struct sounds *s, const uint8_t *digest)
+{
+    struct sound *f = s->bucket[digest[0] % SOUND_BUCKETS];
+
+    while (f && memcmp(f->digest, digest, RAD_SHA_BYTES) != 0)
+        f = f->next;
+    return f;
+}
+
+static bool
+unchanged(const struct sound *f, const struct stat *st)
+{
+    return f->size == st->st_size && f->changed.tv_sec == st->st_mtim.tv_sec &&
+           f->changed.tv_nsec == st->st_mtim.tv_nsec;
+}
+
+/* Without memory the file is read again next time. */
+static void
+note(struct sounds *s, const uint8_t *digest, const struct stat *st)
+{
+    struct sound *f = find(s, digest), **bucket;
+
+    if (!f) {
+        f = calloc(1, sizeof *f);
+        if (!f)
+            return;
+        memcpy(f->digest, digest, RAD_SHA_BYTES);
+        bucket = &s->bucket[digest[0] % SOUND_BUCKETS];
+        f->next = *bucket;
+        *bucket = f;
+    }
+    f->size = st->st_size;
+    f->changed = st->st_mtim;
+}
+
+/* 1: the file's digest is that; 0: another; -1: it cannot be told. */
+static int
+compare(int fd, const uint8_t *digest)
+{
+    char wanted[RAD_SHA_HEX + 1], hex[RAD_SHA_HEX + 1];
+    char *buf = malloc(READ_BYTES);
+    struct rad_sha sha;
+    ssize_t n;
+
+    if (!buf || rad_sha_init(&sha, NULL) < 0) {
+        free(buf);
+        return -1;
+    }
+    while ((n = read(fd, buf, READ_BYTES)) > 0)
+        rad_sha_update(&sha, buf, (size_t)n);
+    free(buf);
+    if (n < 0) {
+        rad_sha_release(&sha);
+        return -1;
+    }
+    if (rad_sha_final(&sha, hex, NULL) < 0)
+        return -1;
+    blobs_name(digest, wanted);
+    return strcmp(hex, wanted) == 0;
+}
+
+bool
+sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
+             const char *path, bool *damaged)
+{
+    const struct sound *known = find(s, digest);
+    struct stat st;
+    int fd, same = -1;
+
+    *damaged = false;
+    if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
+        return false;
+    if (known && unchanged(known, &st))
+        return true;
+    fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    if (fstat(fd, &st) == 0)
+        same = compare(fd, digest);
+    close(fd);
+    if (same == 1)
+        note(s, digest, &st);
+    *damaged = same == 0;
+    if (*damaged)
+        unlink(path);
+    return same == 1;
+}
+
+void
+sounds_note(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
+            const char *path)
+{
+    struct stat st;
+
+    if (stat(path, &st) == 0)
+        note(s, digest, &st);
+}
+
+void
+sounds_release(struct sounds *s)
+{
+    for (int i = 0; i < SOUND_BUCKETS; i++)
+        while (s->bucket[i]) {
+            struct sound *f = s->bucket[i];
+
+            s->bucket[i] = f->next;
+            free(f);
+        }
+}
