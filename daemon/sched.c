@@ -564,8 +564,11 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         workers += job->workers[i].load_crashes > 0;
     if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
         return true;
-    snprintf(text, sizeof text, "the scene brings the renderer down: %.400s",
-             why);
+    if (ready_threads(job) > 0) { /* it is this worker, not the scene */
+        jw->excluded = true;
+        return true;
+    }
+    snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
     coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
     return false;
 }
