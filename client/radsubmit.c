@@ -18,6 +18,7 @@
 #include "submit_options.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +40,7 @@ struct program {
     bool embedded;
     struct target target;
     struct progress progress;
+    struct msg_nan nan; /* as last told */
     uv_loop_t loop;
     uv_signal_t signals[3];
     int interrupts;
@@ -108,6 +110,24 @@ on_progress(void *arg, const struct msg_progress *m)
     r.rays = m->rays;
     r.workers = (int)m->workers;
     progress_update(&p->progress, &r);
+    p->nan = m->nan;
+}
+
+/* At the end: a pixel that reproduces what is wrong. */
+static void
+warn_of_nan(struct program *p)
+{
+    const struct msg_nan *n = &p->nan;
+    char text[160];
+
+    if (n->pixels == 0)
+        return;
+    snprintf(text, sizeof text,
+             "warning: %" PRIu64 " pixel%s not numbers and %s black; "
+             "first: frame %" PRIu32 ", column %" PRIu32 ", row %" PRIu32,
+             n->pixels, n->pixels == 1 ? " was" : "s were",
+             n->pixels == 1 ? "is" : "are", n->frame, n->x, n->y);
+    say(p, text);
 }
 
 /* --- what is written --- */
@@ -437,6 +457,7 @@ converse(struct program *p)
         cb.alive = on_alive;
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     progress_clear(&p->progress);
+    warn_of_nan(p);
     return rc;
 }
 

@@ -17,6 +17,7 @@
 #include "sched.h"
 
 #include <ctype.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -175,6 +176,12 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
     snprintf(job->text, sizeof job->text, "%s", text ? text : "");
     actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
                 job->hex, job_state_name(state), job->text);
+    if (job->nan.pixels > 0)
+        actions_log(&c->actions, ACT_WARN,
+                    "pixels are no numbers job=%s pixels=%" PRIu64
+                    " frame=%u x=%u y=%u",
+                    job->hex, job->nan.pixels, job->nan.frame, job->nan.x,
+                    job->nan.y);
     sched_job_over(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job) {

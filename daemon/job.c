@@ -247,5 +247,6 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .workers = job_active(job),
         .frames_ready = job->frames_ready,
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
+        .nan = job->nan,
     };
 }

@@ -96,6 +96,7 @@ struct job {
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total;
     uint64_t rays;
+    struct msg_nan nan;  /* frame: its number */
     uint64_t sent_bytes; /* of the bundle, by radsubmit */
 
     uint64_t offer_ms;  /* its radsubmit began to send */

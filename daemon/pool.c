@@ -100,19 +100,21 @@ copy_row(float *to, const struct rad_pixel *from, int width, int channels)
     }
 }
 
-/* Add what a member did for the unit: its counters since `before`. */
+/* Add what a member did for the unit. */
 static void
-add_counts(struct msg_counts *sum, const struct rad_counts *a,
-           const struct rad_counts *b, double cpu_s)
+add_counts(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
 {
-    sum->rays += b->rays - a->rays;
-    sum->primary_rays += b->primary_rays - a->primary_rays;
-    sum->shadow_rays += b->shadow_rays - a->shadow_rays;
-    sum->ambient_rays += b->ambient_rays - a->ambient_rays;
-    sum->paint_rays += b->paint_rays - a->paint_rays;
-    sum->intersection_tests += b->geom.tests - a->geom.tests;
-    sum->ambient_values += b->ambient_values - a->ambient_values;
-    sum->nan_pixels += b->nan_pixels - a->nan_pixels;
+    struct msg_nan nan = { c->nan_pixels, 0, (uint32_t)c->nan_x,
+                           (uint32_t)c->nan_y };
+
+    sum->rays += c->rays;
+    sum->primary_rays += c->primary_rays;
+    sum->shadow_rays += c->shadow_rays;
+    sum->ambient_rays += c->ambient_rays;
+    sum->paint_rays += c->paint_rays;
+    sum->intersection_tests += c->geom.tests;
+    sum->ambient_values += c->ambient_values;
+    msg_nan_add(&sum->nan, &nan);
     sum->cpu_s += cpu_s;
 }
 
@@ -228,17 +230,17 @@ static void
 work_on(struct renderer *by, struct active *u)
 {
     struct pool *p = by->pool;
-    struct rad_counts before = by->ctx.counts;
     double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
     double wall = seconds(CLOCK_MONOTONIC);
     bool last;
 
+    by->ctx.counts = (struct rad_counts){ 0 };
     team_work(u->team, &by->ctx);
     cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
     wall = seconds(CLOCK_MONOTONIC) - wall;
     uv_mutex_lock(&p->mu);
     p->busy_s += wall;
-    add_counts(&u->counts, &before, &by->ctx.counts, cpu);
+    add_counts(&u->counts, &by->ctx.counts, cpu);
     last = --u->members == 0;
     if (last) {
         struct active **at = &p->active;

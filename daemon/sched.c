@@ -652,6 +652,8 @@ unit_done(struct coord *c, struct job *job, uint32_t unit, uint32_t frame)
     jw->rays += u->counts.rays;
     jw->cpu_s += u->counts.cpu_s;
     job->rays += u->counts.rays;
+    u->counts.nan.frame = job->spec.frames[frame].number;
+    msg_nan_add(&job->nan, &u->counts.nan);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
     if (--job->frames[frame].units_left == 0)

@@ -98,7 +98,7 @@ sum_counts(const struct job *job)
         t.estimate_rays += c->estimate_rays;
         t.intersection_tests += c->intersection_tests;
         t.ambient_values += c->ambient_values;
-        t.nan_pixels += c->nan_pixels;
+        msg_nan_add(&t.nan, &c->nan);
     }
     return t;
 }
@@ -127,7 +127,7 @@ totals(const struct job *job)
         integer(t.ambient_values), "ambient_sent", integer(sent),
         "ambient_received", integer(received), "ambient_redundant",
         took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",
-        integer(t.nan_pixels), "units_redone", integer(job->units_redone),
+        integer(t.nan.pixels), "units_redone", integer(job->units_redone),
         "estimate_rays", integer(t.estimate_rays), "paint_rays",
         integer(t.paint_rays));
 }

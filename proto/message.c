@@ -358,6 +358,10 @@ pack_progress(struct wire_out *o, const struct msg_progress *b)
     wire_put_u32(o, b->workers);
     wire_put_u32(o, b->frames_ready);
     wire_put_f64(o, b->elapsed_s);
+    wire_put_u64(o, b->nan.pixels);
+    wire_put_u32(o, b->nan.frame);
+    wire_put_u32(o, b->nan.x);
+    wire_put_u32(o, b->nan.y);
 }
 
 static void
@@ -377,6 +381,10 @@ unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
     b->workers = wire_get_u32(in);
     b->frames_ready = wire_get_u32(in);
     b->elapsed_s = wire_get_f64(in);
+    b->nan.pixels = wire_get_u64(in);
+    b->nan.frame = wire_get_u32(in);
+    b->nan.x = wire_get_u32(in);
+    b->nan.y = wire_get_u32(in);
 }
 
 static void
@@ -555,7 +563,9 @@ put_counts(struct wire_out *o, const struct msg_counts *c)
     wire_put_u64(o, c->estimate_rays);
     wire_put_u64(o, c->intersection_tests);
     wire_put_u64(o, c->ambient_values);
-    wire_put_u64(o, c->nan_pixels);
+    wire_put_u64(o, c->nan.pixels);
+    wire_put_u32(o, c->nan.x);
+    wire_put_u32(o, c->nan.y);
     wire_put_f64(o, c->cpu_s);
     wire_put_f64(o, c->wall_s);
 }
@@ -572,7 +582,10 @@ get_counts(struct wire_in *in, struct msg_counts *c)
     c->estimate_rays = wire_get_u64(in);
     c->intersection_tests = wire_get_u64(in);
     c->ambient_values = wire_get_u64(in);
-    c->nan_pixels = wire_get_u64(in);
+    c->nan.pixels = wire_get_u64(in);
+    c->nan.frame = 0;
+    c->nan.x = wire_get_u32(in);
+    c->nan.y = wire_get_u32(in);
     c->cpu_s = wire_get_f64(in);
     c->wall_s = wire_get_f64(in);
     must(in, c->cpu_s >= 0 && c->wall_s >= 0);
@@ -916,6 +929,24 @@ msg_unpack(struct msg *m, uint16_t type, uint32_t request,
         return rad_fail(err, RAD_EPROTO, "%s has %zu bytes too many", row->name,
                         wire_left(&in));
     return 0;
+}
+
+static bool
+nan_before(const struct msg_nan *a, const struct msg_nan *b)
+{
+    if (a->frame != b->frame)
+        return a->frame < b->frame;
+    return a->y != b->y ? a->y < b->y : a->x < b->x;
+}
+
+void
+msg_nan_add(struct msg_nan *a, const struct msg_nan *b)
+{
+    uint64_t sum = a->pixels + b->pixels;
+
+    if (b->pixels > 0 && (a->pixels == 0 || nan_before(b, a)))
+        *a = *b;
+    a->pixels = sum;
 }
 
 const char *

@@ -202,6 +202,13 @@ struct msg_accept {
     uint8_t again; /* it was there already: attached to it */
 };
 
+/* Pixels that were no numbers, or infinite or negative, and are black. */
+struct msg_nan {
+    uint64_t pixels;
+    uint32_t frame, x, y; /* the first of them, by frame, y, x; 0 when there
+                           * are none */
+};
+
 struct msg_progress {
     const uint8_t *job;
     uint8_t state; /* enum job_state of daemon/job.h: 0 waiting,
@@ -214,6 +221,7 @@ struct msg_progress {
     uint32_t workers;      /* that work on the job now */
     uint32_t frames_ready; /* the first so many frames can be fetched */
     double elapsed_s;      /* since the job was accepted */
+    struct msg_nan nan;    /* in the units that are done; frame as named */
 };
 
 struct msg_done {
@@ -273,11 +281,11 @@ struct msg_unit {
     uint32_t x, y, width, height;
 };
 
-/* What one unit cost. */
+/* What one unit cost; nan.frame is the unit's and does not travel. */
 struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
-        paint_rays, estimate_rays, intersection_tests, ambient_values,
-        nan_pixels;
+        paint_rays, estimate_rays, intersection_tests, ambient_values;
+    struct msg_nan nan;
     double cpu_s;  /* processor time of the render thread */
     double wall_s; /* from taking the unit to its last row */
 };
@@ -384,6 +392,9 @@ int msg_pack(struct wire_out *out, const struct msg *m);
  * range, or bytes left over; or RAD_ENOMEM. */
 int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
                const uint8_t *payload, size_t n, struct rad_error *err);
+
+/* Add the pixels of b; the first of both is kept. */
+void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
 
 /* "JOB-START"; "?" for a number that is no message. */
 const char *msg_name(uint16_t type);

@@ -9,6 +9,7 @@
 #include "unit.h"
 
 #include <jansson.h>
+#include <stdio.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -27,8 +28,11 @@ struct fixture {
     struct wire_out bytes[8];
     unsigned sent[8];
     bool closed[8];
-    unsigned units[8]; /* UNITs by connection */
-    uint8_t unit_job;  /* first byte of the job of the last UNIT */
+    unsigned units[8];            /* UNITs by connection */
+    uint8_t unit_job;             /* first byte of the job of the last UNIT */
+    struct msg_progress progress; /* the last */
+    int nan_logs;
+    char nan_log[80];
 };
 
 static bool
@@ -64,6 +68,8 @@ sent(struct fixture *f, const struct action *a)
         f->units[a->conn]++;
         f->unit_job = m->unit.job[0];
     }
+    if (m->type == MSG_PROGRESS)
+        f->progress = m->progress;
 }
 
 static void
@@ -84,6 +90,9 @@ carry_out(struct fixture *f)
             coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
         else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f->c, f->now_ms, a.job, a.frame, 0, NULL);
+        else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
+            snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
+                     strstr(a.text, "pixels="));
     }
     ck_assert(!l->failed);
     actions_clear(l);
@@ -185,6 +194,26 @@ tear_down(void)
         msg_release(&f.last[i]);
     }
 }
+
+START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
+{
+    static const uint32_t order[] = { 1, 0, 3, 2 };
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { job_a, 0, 1, 0, 4, 4, 3, 1, { 0 }, pixels } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    for (int i = 0; i < 4; i++) {
+        m.result.unit = order[i];
+        m.result.counts.nan = (struct msg_nan){ order[i], 0, 5, 9 - order[i] };
+        say(&f, WORKER, &m);
+    }
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
+    ck_assert_uint_eq(f.progress.nan.pixels, 6);
+    ck_assert_uint_eq(f.progress.nan.y, 6);
+}
+END_TEST
 
 START_TEST(a_job_goes_from_submit_to_done)
 {
@@ -444,6 +473,7 @@ main(void)
     TCase *tc = tcase_create("coord");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
     tcase_add_test(tc, a_job_waits_for_its_files);
     tcase_add_test(tc, the_same_id_again_attaches);

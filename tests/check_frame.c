@@ -121,6 +121,32 @@ START_TEST(windows_make_the_whole_with_every_pixel_traced)
 }
 END_TEST
 
+/* What it sends is infinite; its edges lie between the centres of pixels. */
+static const char hot[] =
+    "void glow hot 0 0 4 1e39 1 1 0\n"
+    "hot polygon p 0 0 12 .11 .51 0 .39 .51 0 .39 .69 0 .11 .69 0\n";
+
+START_TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
+{
+    struct rad_params p = params(10, 1);
+    struct rad_pixel *whole;
+    struct stage s;
+
+    p.pixjitter = 0;
+    stage_init(&s, hot, p,
+               "VIEW= -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1",
+               false);
+    whole = render_all(&s);
+    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 6);
+    ck_assert_int_eq(s.ctx.counts.nan_x, 1);
+    ck_assert_int_eq(s.ctx.counts.nan_y, 3);
+    for (int i = 0; i < 100; i++)
+        ck_assert(whole[i].L.r == 0 && whole[i].L.g == 0 && whole[i].L.b == 0);
+    free(whole);
+    stage_release(&s);
+}
+END_TEST
+
 START_TEST(sampled_windows_repeat_themselves_in_any_order)
 {
     static const struct rad_window w[] = { { 0, 0, 31, 17 },
@@ -334,6 +360,8 @@ main(void)
     TCase *tc = tcase_create("frame");
 
     tcase_add_test(tc, windows_make_the_whole_with_every_pixel_traced);
+    tcase_add_test(tc,
+                   pixels_that_are_no_numbers_are_black_and_the_first_is_kept);
     tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
     tcase_add_test(tc, seed_and_frame_move_the_jitter);
     tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);

@@ -41,7 +41,7 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
     }
 #define COUNTS                                                                 \
     {                                                                          \
-        1, 2, 3, 4, 5, 6, 7, 8, 9, 10, .5, .75                                 \
+        1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, .5, .75                  \
     }
 
 /* clang-format off */
@@ -63,7 +63,8 @@ static const struct msg examples[] = {
     { .type = MSG_SUBMIT, .request = 3, .submit = SPEC },
     { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1 } },
     { .type = MSG_PROGRESS, .request = 3,
-      .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5 } },
+      .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
+                    { 13, 14, 15, 16 } } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },
@@ -133,6 +134,25 @@ record(const char *folder, uint16_t type, const uint8_t *bytes, size_t n)
         fprintf(f, "%02x%c", bytes[i], i % 16 == 15 || i == n - 1 ? '\n' : ' ');
     fclose(f);
 }
+
+/* The first by frame, then row, then column, in whatever order they come. */
+START_TEST(the_first_pixel_that_is_no_number_is_kept)
+{
+    static const struct msg_nan none, some[] = {
+        { 2, 1, 0, 0 }, { 1, 0, 9, 8 }, { 3, 0, 5, 7 }, { 1, 0, 6, 7 }
+    };
+    struct msg_nan up = none, down = none;
+
+    for (int i = 0; i < N_ELEM(some); i++) {
+        msg_nan_add(&up, &some[i]);
+        msg_nan_add(&up, &none);
+        msg_nan_add(&down, &some[N_ELEM(some) - 1 - i]);
+    }
+    ck_assert_uint_eq(up.pixels, 7);
+    ck_assert(up.frame == 0 && up.x == 5 && up.y == 7);
+    ck_assert(down.frame == 0 && down.x == 5 && down.y == 7);
+}
+END_TEST
 
 START_TEST(every_message_has_its_recorded_bytes)
 {
@@ -440,6 +460,7 @@ main(void)
     TCase *tc = tcase_create("message");
     int n = N_ELEM(examples);
 
+    tcase_add_test(tc, the_first_pixel_that_is_no_number_is_kept);
     tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
     tcase_add_test(tc, every_message_has_an_example);
     tcase_add_loop_test(tc, every_message_comes_back, 0, n);

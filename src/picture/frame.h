@@ -44,7 +44,7 @@ void rad_frame_release(struct rad_frame *f);
 
 /* Trace one pixel and count it as a primary ray; what the view does not show
  * is black and no ray.  A pixel that a value touched that is not finite or
- * negative is counted in nan_pixels. */
+ * negative is counted in nan_pixels; nan_x and nan_y keep the first. */
 void rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                      int y, struct rad_pixel *out);
 

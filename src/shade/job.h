@@ -46,10 +46,11 @@ struct rad_counts {
     uint64_t ambient_rays;
     uint64_t paint_rays;     /* of painted small sources */
     uint64_t ambient_values; /* records made here */
-    uint64_t nan_pixels;
-    uint64_t unsound_rays; /* brought back no radiance (NaN, infinite or
-                            * negative), made black: who sees it grow knows
-                            * that what it has traced is touched by it */
+    uint64_t nan_pixels;     /* that unsound rays touched */
+    int nan_x, nan_y;        /* the first of them, by row, then column */
+    uint64_t unsound_rays;   /* brought back no radiance (NaN, infinite or
+                              * negative), made black: who sees it grow knows
+                              * that what it has traced is touched by it */
     struct rad_geom_counts geom;
 };
 

@@ -74,6 +74,22 @@ assert len(s["workers"]) == 1 and len(s["units"]) >= 1
 assert sum(u["width"] * u["height"] for u in s["units"]) == 120 * 90
 END
 
+# six pixels that cannot be are black, and told with the first of them, however
+# the work was shared
+cat >hot.rad <<'END'
+void glow hot 0 0 4 1e39 1 1 0
+hot polygon p 0 0 12 .11 .51 0 .39 .51 0 .39 .69 0 .11 .69 0
+END
+for workers in 1 2; do
+    "$radsubmit" --local -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1 \
+        -x 10 -y 10 -ps 1 -pj 0 --workers=$workers --threads=2 --windows=9 \
+        --stats=hot.json -o hot.hdr hot.rad 2>stderr || fail "$(cat stderr)"
+    grep -q 'warning: 6 pixels were not numbers and are black; first: frame 0, column 1, row 3$' \
+        stderr || fail "black pixels are not told of: $(cat stderr)"
+    [ "$(wc -l <stderr)" -eq 2 ] || fail "said more than once: $(cat stderr)"
+    grep -q '"nan_pixels": 6,' hot.json || fail "not in the statistics"
+done
+
 # an animation: two views, two pictures, the first that of the still where
 # nothing is random
 render still.hdr --threads=1 -pj 0 -ss 0
