@@ -12,6 +12,11 @@
 
 #define READ_BYTES (64u << 10)
 
+/* A user with more unread answers than the one gets none of its requests
+ * looked at, until there are less than the other. */
+#define ANSWERS_HIGH (4u << 20)
+#define ANSWERS_LOW  (1u << 20)
+
 /* One message on its way out; owns its bytes until it is written. */
 struct out {
     uv_write_t req;
@@ -31,9 +36,12 @@ struct conn {
     size_t queued; /* bytes with libuv */
     uint64_t progress, bytes_in, bytes_out;
     uint64_t opened_ms, heard_ms;
-    bool live, ping; /* conn_live() */
-    bool paused;     /* conn_pause() */
-    bool finishing;  /* conn_finish() */
+    bool live, ping;     /* conn_live() */
+    bool paused;         /* conn_pause() */
+    bool finishing;      /* conn_finish() */
+    bool choked;         /* takes no requests until its answers are read */
+    const uint8_t *rest; /* of buf, not looked at while choked */
+    size_t nrest;
     bool closing;
     char peer[ADDRESS_TEXT];
     char buf[READ_BYTES];
@@ -98,6 +106,8 @@ conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT])
     return address_is_loopback(&a);
 }
 
+static void unchoke(struct conn *c);
+
 static void
 handle_closed(uv_handle_t *h)
 {
@@ -140,6 +150,8 @@ written(uv_write_t *req, int status)
     size_t n = o->len;
 
     c->queued -= n;
+    if (c->choked)
+        c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
     free(o);
     if (c->closing)
         return;
@@ -154,6 +166,8 @@ written(uv_write_t *req, int status)
     }
     if (c->handler->written)
         c->handler->written(c->arg, c, n);
+    if (c->choked && c->queued < ANSWERS_LOW)
+        unchoke(c);
 }
 
 /* Hand o to libuv. */
@@ -227,13 +241,48 @@ garbage(struct conn *c, const struct rad_error *err)
     end(c, CONN_BROKE_PROTOCOL);
 }
 
+/* Has it asked for more than it reads?  Workers and peers are not asked: what
+ * goes to them is bounded by other means. */
+static bool
+overfull(const struct conn *c)
+{
+    enum msg_session session = c->reader.session;
+
+    return (session == MSG_AT_COORD_USER || session == MSG_AT_COORD_ADMIN) &&
+           c->queued > ANSWERS_HIGH;
+}
+
+/* Bytes that were read: whole messages go to the handler. */
+static void
+take(struct conn *c, const uint8_t *p, size_t left)
+{
+    struct rad_error err = { 0 };
+
+    while (left > 0 && !c->closing && !c->finishing) {
+        int rc = frame_read(&c->reader, &p, &left, &c->in, &err);
+
+        if (rc < 0)
+            garbage(c, &err);
+        if (rc <= 0)
+            return;
+        if (c->in.type == MSG_PING)
+            answer_ping(c, &c->in);
+        c->handler->message(c->arg, c, &c->in);
+        if (overfull(c) && !c->closing && !c->finishing) {
+            c->choked = true;
+            c->rest = p;
+            c->nrest = left;
+            uv_read_stop(&c->stream->stream);
+            return;
+        }
+    }
+}
+
 static void
 on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
 {
     struct conn *c = stream->data;
-    const uint8_t *p = (const uint8_t *)buf->base;
     size_t left = n > 0 ? (size_t)n : 0;
-    struct rad_error err = { 0 };
 
     if (n < 0) {
         end(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
@@ -241,19 +290,7 @@ on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
     }
     c->heard_ms = uv_now(stream->loop);
     c->bytes_in += left;
-    while (left > 0 && !c->closing && !c->finishing) {
-        int rc = frame_read(&c->reader, &p, &left, &c->in, &err);
-
-        if (rc < 0) {
-            garbage(c, &err);
-            return;
-        }
-        if (rc == 0)
-            return;
-        if (c->in.type == MSG_PING)
-            answer_ping(c, &c->in);
-        c->handler->message(c->arg, c, &c->in);
-    }
+    take(c, (const uint8_t *)buf->base, left);
 }
 
 static void
@@ -263,6 +300,16 @@ on_alloc(uv_handle_t *h, size_t wish, uv_buf_t *buf)
 
     (void)wish;
     *buf = uv_buf_init(c->buf, sizeof c->buf);
+}
+
+/* Its answers have been read: go on with its requests. */
+static void
+unchoke(struct conn *c)
+{
+    c->choked = false;
+    take(c, c->rest, c->nrest);
+    if (!c->choked && !c->paused && !c->closing && !c->finishing)
+        uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 
 static void
@@ -382,7 +429,7 @@ conn_pause(struct conn *c, bool pause)
     c->heard_ms = uv_now(c->timer.loop);
     if (pause)
         uv_read_stop(&c->stream->stream);
-    else
+    else if (!c->choked)
         uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 

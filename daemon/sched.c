@@ -564,7 +564,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         workers += job->workers[i].load_crashes > 0;
     if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
         return true;
-    if (ready_threads(job) > 0) { /* it is this worker, not the scene */
+    /* as long as others can, or may, it is this worker and not the scene */
+    if (ready_threads(job) > 0 || (workers < 2 && others_than(c, jw->name))) {
         jw->excluded = true;
         return true;
     }

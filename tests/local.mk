@@ -141,6 +141,7 @@ tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
+	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/radd_refused.sh \
@@ -153,6 +154,7 @@ EXTRA_DIST += \
 	tests/e2e/cluster.sh \
 	tests/scenes
 TESTS += \
+	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/radd_refused.sh \
