@@ -223,9 +223,22 @@ job_tally(const struct job_worker *w)
     t.bytes_in += w->tally.bytes_in;
     t.bytes_out += w->tally.bytes_out;
     t.busy_s += w->tally.busy_s;
+    t.wait_base_line_s += w->tally.wait_base_line_s;
     if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
         t.peak_rss_bytes = w->tally.peak_rss_bytes;
     return t;
+}
+
+void
+job_see_rays(struct job *job)
+{
+    uint64_t n = job->rays;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].state == JW_READY)
+            n += job->workers[i].tally.rays_under_way;
+    if (n > job->rays_seen)
+        job->rays_seen = n;
 }
 
 void
@@ -243,7 +256,7 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .units_redone = job->units_redone,
         .cost_done = job->cost_done,
         .cost_total = job->cost_total,
-        .rays = job->rays,
+        .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
         .workers = job_active(job),
         .frames_ready = job->frames_ready,
         .elapsed_s = (double)(until - job->submit_ms) / 1000,

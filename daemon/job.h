@@ -95,7 +95,8 @@ struct job {
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total;
-    uint64_t rays;
+    uint64_t rays;       /* of units that are done */
+    uint64_t rays_seen;  /* and of those under way; what is lost stays in */
     struct msg_nan nan;  /* frame: its number */
     uint64_t sent_bytes; /* of the bundle, by radsubmit */
 
@@ -135,7 +136,10 @@ bool job_suspect_remove(struct job *job, uint32_t unit);
 /* Workers that were told of the job and are still there. */
 uint32_t job_active(const struct job *job);
 
-/* Sum of a worker's tallies. */
+/* Bring rays_seen up to date. */
+void job_see_rays(struct job *job);
+
+/* Sum of a worker's tallies, but for rays_under_way, which is 0. */
 struct msg_tally job_tally(const struct job_worker *w);
 
 void job_progress(const struct job *job, uint64_t now_ms,

@@ -61,7 +61,7 @@ struct pool {
     struct pool_rows *done;      /* [mu] */
     struct pool_rows **done_end; /* [mu] */
     size_t unsent;               /* [mu] bytes of pixels under way */
-    double busy_s;               /* [mu] */
+    double busy_s, wait_s;       /* [mu] of units that are done with */
     _Atomic bool stopping;       /* written with mu held; read anywhere */
 };
 
@@ -248,6 +248,7 @@ work_on(struct renderer *by, struct active *u)
         while (*at != u)
             at = &(*at)->next;
         *at = u->next;
+        p->wait_s += team_waited(u->team);
     }
     uv_mutex_unlock(&p->mu);
     if (last)
@@ -401,15 +402,20 @@ pool_sent(struct pool *p, size_t n)
     uv_mutex_unlock(&p->mu);
 }
 
-double
-pool_busy(struct pool *p)
+struct pool_tally
+pool_tally(struct pool *p)
 {
-    double s;
+    struct pool_tally t = { 0 };
 
     uv_mutex_lock(&p->mu);
-    s = p->busy_s;
+    t.busy_s = p->busy_s;
+    t.wait_base_line_s = p->wait_s;
+    for (const struct active *u = p->active; u; u = u->next) {
+        t.wait_base_line_s += team_waited(u->team);
+        t.rays_under_way += team_rays(u->team);
+    }
     uv_mutex_unlock(&p->mu);
-    return s;
+    return t;
 }
 
 static void

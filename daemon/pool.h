@@ -2,9 +2,9 @@
  *
  * T threads, each with a rad_ctx of its own, take units from one queue and
  * leave rows in another, which the loop empties; those that find no unit help
- * with one that another began (team.h), which changes no pixel.  The queues are locked once
- * per unit and per piece of rows, never per ray; the only call into the loop
- * from a render thread is uv_async_send().
+ * with one that another began (team.h), which changes no pixel.  The queues
+ * are locked once per unit and per piece of rows, never per ray; the only call
+ * into the loop from a render thread is uv_async_send().
  * Thread: all calls on the loop's. */
 #ifndef RADD_DAEMON_POOL_H
 #define RADD_DAEMON_POOL_H
@@ -55,8 +55,14 @@ void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 #define POOL_UNSENT (8u << 20)
 void pool_sent(struct pool *p, size_t n);
 
-/* Time that the threads have spent on units so far, summed [s]. */
-double pool_busy(struct pool *p);
+/* What the threads did so far, summed. */
+struct pool_tally {
+    double busy_s;           /* on units that they have left */
+    double wait_base_line_s; /* of that, and of units that they are at, asleep
+                              * until the line above was ready */
+    uint64_t rays_under_way; /* of units that are not done */
+};
+struct pool_tally pool_tally(struct pool *p);
 
 /* Stop at the next bars, wait for the threads, free.  The loop must run once
  * more for the last handle. */

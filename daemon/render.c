@@ -31,6 +31,8 @@
  * office made 5 % of their records twice, at 50 ms 8 %, in the same time. */
 #define DRAIN_MS      10
 #define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
+/* how often the coordinator hears of rays while units are under way */
+#define TALLY_MS 500
 /* someone who gets the whole cache is given more when so little waits */
 #define GIVE_AHEAD       (1u << 20)
 #define LARGEST_MANIFEST (64u << 20)
@@ -44,7 +46,8 @@ struct give {
 
 struct render {
     uv_loop_t loop;
-    uv_timer_t drain;
+    uv_timer_t drain;  /* of ambient records */
+    uv_timer_t teller; /* of what was done so far */
     struct conn *link; /* NULL once it is gone */
     const char *files_dir;
     int nthreads;
@@ -57,6 +60,7 @@ struct render {
     struct pool *pool;
     struct give *gives;
     uint64_t sent, received, redundant; /* ambient records */
+    uint64_t told_rays;                 /* under way, in the last TALLY */
     int status;
 };
 
@@ -80,7 +84,12 @@ static void
 send_tally(struct render *r)
 {
     struct msg m = { .type = MSG_TALLY };
+    struct pool_tally did = { 0 };
     struct rusage use;
+
+    if (r->pool)
+        did = pool_tally(r->pool);
+    r->told_rays = did.rays_under_way;
 
     getrusage(RUSAGE_SELF, &use);
     m.tally.job = r->id;
@@ -88,8 +97,19 @@ send_tally(struct render *r)
     m.tally.ambient_received = r->received;
     m.tally.ambient_redundant = r->redundant;
     m.tally.peak_rss_bytes = (uint64_t)use.ru_maxrss * 1024;
-    m.tally.busy_s = r->pool ? pool_busy(r->pool) : 0;
+    m.tally.busy_s = did.busy_s;
+    m.tally.wait_base_line_s = did.wait_base_line_s;
+    m.tally.rays_under_way = did.rays_under_way;
     conn_send(r->link, &m);
+}
+
+static void
+on_teller(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+
+    if (r->link && pool_tally(r->pool).rays_under_way != r->told_rays)
+        send_tally(r);
 }
 
 /* Leave when what was said is out. */
@@ -101,6 +121,7 @@ end(struct render *r, int status)
     r->ended = true;
     r->status = status;
     uv_timer_stop(&r->drain);
+    uv_timer_stop(&r->teller);
     conn_finish(r->link);
     r->link = NULL;
 }
@@ -341,6 +362,7 @@ start_job(struct render *r, const struct msg_spec *spec)
     r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
     if (r->share)
         uv_timer_start(&r->drain, on_drain, DRAIN_MS, DRAIN_MS);
+    uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
     ready.ready.job = r->id;
     ready.ready.load_s = 1e-9 * (double)(uv_hrtime() - t0);
     ready.ready.threads = (uint16_t)r->nthreads;
@@ -494,6 +516,7 @@ release(struct render *r)
 {
     pool_free(r->pool);
     uv_close((uv_handle_t *)&r->drain, NULL);
+    uv_close((uv_handle_t *)&r->teller, NULL);
     uv_run(&r->loop, UV_RUN_DEFAULT);
     for (uint32_t i = 0; i < r->nframes; i++)
         rad_frame_release(&r->frames[i]);
@@ -523,7 +546,8 @@ render_main(int argc, char *argv[])
     log_open("radd-child", LOG_LEVEL_WARN);
     uv_loop_init(&r.loop);
     uv_timer_init(&r.loop, &r.drain);
-    r.drain.data = &r;
+    uv_timer_init(&r.loop, &r.teller);
+    r.drain.data = r.teller.data = &r;
     rc = open_link(&r);
     if (rc < 0) {
         log_err("no link to radd: %s", uv_strerror(rc));

@@ -621,6 +621,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     }
     jw->tally = *m;
     jw->tally.job = NULL;
+    job_see_rays(job);
 }
 
 /* --- rows --- */
@@ -655,6 +656,7 @@ unit_done(struct coord *c, struct job *job, uint32_t unit, uint32_t frame)
     job->rays += u->counts.rays;
     u->counts.nan.frame = job->spec.frames[frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
+    job_see_rays(job);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
     if (--job->frames[frame].units_left == 0)

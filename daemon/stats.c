@@ -140,8 +140,10 @@ workers(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *w = &job->workers[i];
         struct msg_tally t = job_tally(w);
-        double busy = t.busy_s > w->cpu_s ? t.busy_s : w->cpu_s;
-        double idle = w->threads * seconds(w->ready_ms, job->last_ms) - busy;
+        double wait = t.wait_base_line_s;
+        double busy = t.busy_s - wait > w->cpu_s ? t.busy_s - wait : w->cpu_s;
+        double idle =
+            w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
 
         if (!w->took_part)
             continue;
@@ -149,7 +151,7 @@ workers(const struct job *job)
             list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
                             w->name, "threads", (json_int_t)w->threads, "rays",
                             integer(w->rays), "busy_s", busy, "idle_s",
-                            idle > 0 ? idle : 0.0, "wait_base_line_s", 0.0,
+                            idle > 0 ? idle : 0.0, "wait_base_line_s", wait,
                             "bytes_in", integer(t.bytes_in), "bytes_out",
                             integer(t.bytes_out), "peak_rss_bytes",
                             integer(t.peak_rss_bytes), "units",

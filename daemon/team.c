@@ -24,6 +24,10 @@
 /* Looks at a number that is about to change before a thread goes to sleep. */
 #define SPINS 200
 
+/* A member adds its rays to the team's when so many are new: some ms of work,
+ * so that members do not wait for each other's cache line. */
+#define RAYS_UNTOLD 4096
+
 struct line {
     uint8_t *density;          /* for the line below; written by its member */
     struct rad_pixel *sampled; /* written by its member */
@@ -46,12 +50,14 @@ struct team {
     struct rad_pixel *slots;       /* [fixed] row k in slot k modulo nslots */
     struct line *lines;            /* [fixed] line i is number i % nlines */
     uv_mutex_t mu;
-    uv_cond_t moved;      /* with ready, finished and stopped */
-    int begun;            /* [mu] lines */
-    int finished;         /* [mu] lines whose rows, and all above, are out */
-    bool handing_on;      /* [mu] a member hands rows on */
-    _Atomic int waiting;  /* threads in or about to be in uv_cond_wait() */
-    _Atomic bool stopped; /* relaxed where it only ends work earlier */
+    uv_cond_t moved;       /* with ready, finished and stopped */
+    int begun;             /* [mu] lines */
+    int finished;          /* [mu] lines whose rows, and all above, are out */
+    bool handing_on;       /* [mu] a member hands rows on */
+    double waited_s;       /* [mu] in wait_for() */
+    _Atomic uint64_t rays; /* relaxed: shown, never decided on */
+    _Atomic int waiting;   /* threads in or about to be in uv_cond_wait() */
+    _Atomic bool stopped;  /* relaxed where it only ends work earlier */
 };
 
 /* One member at work on one line. */
@@ -60,6 +66,7 @@ struct member {
     struct rad_ctx *ctx;
     struct rad_quincunx q;
     int i;
+    uint64_t told; /* of ctx->counts.rays */
 };
 
 static struct line *
@@ -110,16 +117,32 @@ publish(struct team *t, struct line *l, size_t ready)
 static bool
 wait_for(struct team *t, struct line *l, size_t need)
 {
+    uint64_t begin;
+
     for (int spin = 0; spin < SPINS; spin++)
         if (atomic_load(&l->ready) >= need)
             return true;
+    begin = uv_hrtime();
     uv_mutex_lock(&t->mu);
     atomic_fetch_add(&t->waiting, 1);
     while (atomic_load(&l->ready) < need && !is_stopped(t))
         uv_cond_wait(&t->moved, &t->mu);
     atomic_fetch_sub(&t->waiting, 1);
+    t->waited_s += 1e-9 * (double)(uv_hrtime() - begin);
     uv_mutex_unlock(&t->mu);
     return !is_stopped(t);
+}
+
+/* Let others see the rays that are new, if there are so many. */
+static void
+tell_rays(struct member *m, uint64_t least)
+{
+    uint64_t n = m->ctx->counts.rays - m->told;
+
+    if (n < least)
+        return;
+    m->told += n;
+    atomic_fetch_add_explicit(&m->team->rays, n, memory_order_relaxed);
 }
 
 static void
@@ -162,6 +185,7 @@ sample_line(struct member *m)
 
         if (s.ndensity > 0)
             publish(t, l, s.ndensity);
+        tell_rays(m, RAYS_UNTOLD);
         if (is_stopped(t) ||
             (m->i > 0 && need > 0 && !wait_for(t, line_at(t, m->i - 1), need)))
             return false;
@@ -259,6 +283,7 @@ team_work(struct team *t, struct rad_ctx *ctx)
 {
     struct member m = { .team = t, .ctx = ctx, .q = t->sampler };
 
+    m.told = ctx->counts.rays;
     m.q.trace = trace;
     m.q.arg = &m;
     while ((m.i = begin_line(t)) >= 0) {
@@ -267,6 +292,7 @@ team_work(struct team *t, struct rad_ctx *ctx)
         show_line(&m);
         if (m.i > 0 && !fill_bar(&m))
             return;
+        tell_rays(&m, 1);
         finish_line(t, m.i);
     }
 }
@@ -287,6 +313,23 @@ team_stop(struct team *t)
 {
     atomic_store(&t->stopped, true);
     wake(t);
+}
+
+uint64_t
+team_rays(const struct team *t)
+{
+    return atomic_load_explicit(&t->rays, memory_order_relaxed);
+}
+
+double
+team_waited(struct team *t)
+{
+    double s;
+
+    uv_mutex_lock(&t->mu);
+    s = t->waited_s;
+    uv_mutex_unlock(&t->mu);
+    return s;
 }
 
 bool

@@ -5,8 +5,9 @@
  * it samples the line close behind the member on the line above, whose
  * densities it needs, then fills the bar.  So the members move across the
  * window in echelon, and the hand-off between two lines is a number in memory.
- * Thread: team_work() from any number of threads at once; team_stop() and
- * team_open() from any; the others while nobody works.  Rows are handed on by
+ * Thread: team_work() from any number of threads at once; team_stop(),
+ * team_open(), team_rays() and team_waited() from any; the others while nobody
+ * works.  Rows are handed on by
  * one member at a time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
@@ -33,6 +34,12 @@ bool team_open(struct team *t);
 
 /* End early: each member leaves within a few pixels. */
 void team_stop(struct team *t);
+
+/* Of all members, so far; from any thread.  Rays are told some thousand at a
+ * time, waits for the line above [s] when they are over; what a member spins
+ * before it goes to sleep is no wait. */
+uint64_t team_rays(const struct team *t);
+double team_waited(struct team *t);
 
 /* All rows were handed on. */
 bool team_done(const struct team *t);

@@ -724,6 +724,8 @@ pack_tally(struct wire_out *o, const struct msg_tally *b)
     wire_put_u64(o, b->bytes_in);
     wire_put_u64(o, b->bytes_out);
     wire_put_f64(o, b->busy_s);
+    wire_put_f64(o, b->wait_base_line_s);
+    wire_put_u64(o, b->rays_under_way);
 }
 
 static void
@@ -738,7 +740,9 @@ unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
     b->bytes_in = wire_get_u64(in);
     b->bytes_out = wire_get_u64(in);
     b->busy_s = wire_get_f64(in);
-    must(in, b->busy_s >= 0);
+    b->wait_base_line_s = wire_get_f64(in);
+    b->rays_under_way = wire_get_u64(in);
+    must(in, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }
 
 /* --- peers --- */

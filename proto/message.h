@@ -327,7 +327,10 @@ struct msg_tally {
     const uint8_t *job;
     uint64_t ambient_sent, ambient_received, ambient_redundant;
     uint64_t peak_rss_bytes, bytes_in, bytes_out;
-    double busy_s; /* summed over render threads */
+    /* summed over render threads */
+    double busy_s;           /* on units, waits and all */
+    double wait_base_line_s; /* of that, for the line above */
+    uint64_t rays_under_way; /* of units that are not done */
 };
 
 /* --- peers --- */

@@ -6,10 +6,13 @@
 
 #include "coord.h"
 #include "frame.h"
+#include "sched.h"
+#include "stats.h"
 #include "unit.h"
 
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -212,6 +215,70 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
     ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
     ck_assert_uint_eq(f.progress.nan.pixels, 6);
     ck_assert_uint_eq(f.progress.nan.y, 6);
+}
+END_TEST
+
+static void
+tally(double busy_s, double wait_s, uint64_t rays)
+{
+    struct msg m = { .type = MSG_TALLY,
+                     .tally = { .job = job_a,
+                                .busy_s = busy_s,
+                                .wait_base_line_s = wait_s,
+                                .rays_under_way = rays } };
+
+    say(&f, WORKER, &m);
+}
+
+/* The number of the first worker's statistics. */
+static double
+worker_stat(const char *key)
+{
+    char *text = stats_json(coord_find_job(f.c, job_a), f.now_ms);
+    json_t *root = json_loads(text, 0, NULL);
+    json_t *w = json_array_get(json_object_get(root, "workers"), 0);
+    double v = json_number_value(json_object_get(w, key));
+
+    json_decref(root);
+    free(text);
+    return v;
+}
+
+START_TEST(waits_for_the_line_above_are_summed_over_children)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    tally(8, 2.5, 0);
+    ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.5);
+    ck_assert_double_eq(worker_stat("busy_s"), 5.5);
+    tally(1, .25, 0); /* less than before: another child's */
+    ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.75);
+    ck_assert_double_eq(worker_stat("busy_s"), 6.25);
+}
+END_TEST
+
+static uint64_t
+rays_told(void)
+{
+    f.now_ms += 1000;
+    coord_tick(f.c, f.now_ms);
+    carry_out(&f);
+    return f.progress.rays;
+}
+
+START_TEST(rays_under_way_are_told_and_never_fewer)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    tally(1, 0, 7);
+    ck_assert_uint_eq(rays_told(), 7);
+    tally(1, 0, 3); /* seven of a unit whose RESULT is on its way */
+    ck_assert_uint_eq(rays_told(), 7);
+    result(&f, WORKER, job_a, 0, 1); /* ten, and three under way */
+    ck_assert_uint_eq(rays_told(), 13);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    ck_assert_uint_eq(f.progress.rays, 40);
 }
 END_TEST
 
@@ -474,6 +541,8 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
+    tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
+    tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
     tcase_add_test(tc, a_job_waits_for_its_files);
     tcase_add_test(tc, the_same_id_again_attaches);

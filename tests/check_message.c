@@ -85,7 +85,7 @@ static const struct msg examples[] = {
     { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
-    { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7.5 } },
+    { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9 } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
     { .type = MSG_AMBIENT,

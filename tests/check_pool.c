@@ -5,6 +5,7 @@
 #include "jobtext.h"
 #include "pool.h"
 #include "scene/parse.h"
+#include "team.h"
 
 #include "unit.h"
 
@@ -29,7 +30,7 @@ struct fixture {
     uv_loop_t loop;
     struct pool *pool;
     struct rad_pixel whole[SIDE][SIDE]; /* as the threads gave it */
-    int side; /* of a window */
+    int side;                           /* of a window */
     int nlast, nrows[MOST];
     uint64_t primary;
     bool in_order;
@@ -195,7 +196,54 @@ START_TEST(threads_give_the_pixels_of_one)
                 ck_assert_mem_eq(&f.whole[y][x].z, &alone[y][x].z,
                                  sizeof(float));
         }
-    ck_assert_double_gt(pool_busy(f.pool), 0);
+    ck_assert_double_gt(pool_tally(f.pool).busy_s, 0);
+    ck_assert_double_le(pool_tally(f.pool).wait_base_line_s,
+                        pool_tally(f.pool).busy_s);
+    ck_assert_uint_eq(pool_tally(f.pool).rays_under_way, 0);
+    close_fixture(&f);
+}
+END_TEST
+
+struct rays_seen {
+    struct team *team;
+    const struct rad_ctx *ctx;
+    uint64_t last;
+    int rows;
+};
+
+/* A row is handed on when the line below it, too, has told its rays. */
+static void
+see_rays(void *arg, int row, const struct rad_pixel *pixels)
+{
+    struct rays_seen *s = arg;
+    uint64_t n = team_rays(s->team);
+
+    (void)row;
+    (void)pixels;
+    ck_assert_uint_gt(n, 0);
+    ck_assert_uint_ge(n, s->last);
+    ck_assert_uint_eq(n, s->ctx->counts.rays);
+    s->last = n;
+    s->rows++;
+}
+
+START_TEST(rays_are_told_while_a_window_is_under_way)
+{
+    static const struct rad_window all = { 0, 0, SIDE, SIDE };
+    static struct fixture f;
+    struct rays_seen seen = { 0 };
+    struct rad_ctx ctx;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 4", false, 1);
+    ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
+    seen.ctx = &ctx;
+    seen.team = team_new(&f.frame, &all, 1, see_rays, &seen);
+    ck_assert_ptr_nonnull(seen.team);
+    team_work(seen.team, &ctx);
+    ck_assert_int_eq(seen.rows, SIDE);
+    ck_assert(team_waited(seen.team) == 0); /* for whom? */
+    team_free(seen.team);
+    rad_ctx_release(&ctx);
     close_fixture(&f);
 }
 END_TEST
@@ -304,6 +352,7 @@ main(void)
 
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
+    tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);

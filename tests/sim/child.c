@@ -91,7 +91,8 @@ send_tally(struct net *net, int node)
     struct msg m = { .type = MSG_TALLY,
                      .tally = { .job = of(net)->job[k->job].id,
                                 .ambient_sent = k->nambient,
-                                .busy_s = k->busy_s } };
+                                .busy_s = k->busy_s,
+                                .wait_base_line_s = k->busy_s / 4 } };
 
     net_send_msg(net, node, k->conn, &m);
 }
