@@ -37,6 +37,7 @@ UNIT_TESTS = \
 	tests/check_store \
 	tests/check_submit \
 	tests/check_view \
+	tests/check_wild \
 	tests/check_wire \
 	tests/check_worker
 
@@ -218,6 +219,10 @@ tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_metric_LDADD = $(UNIT_LIBS)
+
+tests_check_wild_SOURCES = tests/check_wild.c tests/unit.h tests/world.h
+tests_check_wild_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_wild_LDADD = $(UNIT_LIBS)
 
 tests_check_frame_SOURCES = tests/check_frame.c tests/unit.h
 tests_check_frame_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

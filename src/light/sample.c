@@ -184,11 +184,20 @@ split_parallelogram(const struct patch *p, struct patch half[2])
     }
 }
 
+/* Is the middle of the patch the hole of a ring? */
+static bool
+is_hollow(const struct patch *p)
+{
+    return p->kind == SECTOR && p->r0 > 0 && p->delta > 1;
+}
+
+/* Across the longer axis; what is hollow only ever by angle, which ends that,
+ * whatever rounding has made of two axes that are equal. */
 static void
 split_sector(const struct patch *p, const struct rad_moments *m,
              struct patch half[2])
 {
-    if (rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
+    if (is_hollow(p) || rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
         half[0].delta = half[1].delta = p->delta / 2;
         half[0].phi -= p->delta / 2;
         half[1].phi += p->delta / 2;
@@ -434,10 +443,8 @@ line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
 static void
 visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
 {
-    bool hollow = p->kind == SECTOR && p->r0 > 0 && p->delta > 1;
-
     /* a ring with a hole is cut at least in four, for its middle is empty */
-    if (hollow ||
+    if (is_hollow(p) ||
         (w->view->sizerat > 0 && p->budget > 1 && !small_enough(m, w->view))) {
         struct patch half[2];
         struct rad_moments hm;
