@@ -56,6 +56,8 @@ librad_a_SOURCES = \
 	src/light/sources.h \
 	src/light/spot.c \
 	src/light/spot.h \
+	src/light/virtual.c \
+	src/light/virtual.h \
 	src/picture/falsecolour.c \
 	src/picture/falsecolour.h \
 	src/picture/frame.c \
@@ -95,6 +97,8 @@ librad_a_SOURCES = \
 	src/scene/reach.c \
 	src/scene/scene.c \
 	src/scene/scene.h \
+	src/shade/antimatter.c \
+	src/shade/antimatter.h \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
 	src/shade/emitter.c \
@@ -105,6 +109,8 @@ librad_a_SOURCES = \
 	src/shade/job.h \
 	src/shade/material.c \
 	src/shade/material.h \
+	src/shade/mirror.c \
+	src/shade/mirror.h \
 	src/shade/normal.c \
 	src/shade/normal.h \
 	src/shade/ray.c \

@@ -313,9 +313,13 @@ static const struct {
       "a.rad:1: mixfunc 'x': type 'mixfunc' is not supported yet" },
     { "void BRTDfunc b 0 0 0\nvoid alias a b\na sphere s 0 0 4 0 0 0 1",
       "a.rad:1: BRTDfunc 'b': type 'BRTDfunc' is not supported yet" },
-    { "void mirror m 0 0 3 1 1 1\nvoid illum i 1 m 0 3 1 1 1\n"
+    { "void prism1 m 0 0 0\nvoid illum i 1 m 0 3 1 1 1\n"
       "i sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: mirror 'm': type 'mirror' is not supported yet" },
+      "a.rad:1: prism1 'm': type 'prism1' is not supported yet" },
+    { "void mirror m 1 x 0 3 1 1 1",
+      "a.rad:1: mirror 'm': undefined modifier 'x'" },
+    { "void antimatter a 0 0 0",
+      "a.rad:1: antimatter 'a': expected at least 1 string arguments, got 0" },
     { "void instance i 1 x.oct 0 0",
       "a.rad:1: instance 'i': type 'instance' is not supported yet" },
     { MAT "m metal n 0 0 5 1 1 1 0 0\nn sphere s 0 0 4 0 0 0 1",

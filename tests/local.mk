@@ -8,6 +8,7 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_ambient \
 	tests/check_ambshare \
+	tests/check_antimatter \
 	tests/check_base \
 	tests/check_bundle \
 	tests/check_bvh \
@@ -22,6 +23,7 @@ UNIT_TESTS = \
 	tests/check_hdr \
 	tests/check_message \
 	tests/check_metric \
+	tests/check_mirror \
 	tests/check_octfile \
 	tests/check_octree \
 	tests/check_params \
@@ -113,6 +115,16 @@ tests_check_rays_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_shade_SOURCES = tests/check_shade.c tests/unit.h tests/world.h
 tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_shade_LDADD = $(UNIT_LIBS)
+
+tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/unit.h \
+	tests/world.h
+tests_check_antimatter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_antimatter_LDADD = $(UNIT_LIBS)
+
+tests_check_mirror_SOURCES = tests/check_mirror.c tests/unit.h \
+	tests/world.h
+tests_check_mirror_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_mirror_LDADD = $(UNIT_LIBS)
 
 tests_check_source_SOURCES = tests/check_source.c tests/unit.h \
 	tests/world.h

@@ -11,10 +11,13 @@
  *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
  * Only if there is none, but something to see through, does it go on, from
- * surface to surface, as a ray that materials shade.  */
+ * surface to surface, as a ray that materials shade.
+ *
+ * The ray to an image in a mirror ends at the mirror, which shows it what is at
+ * the end of the way (rad_source_aimed).  It is tested stretch by stretch.  */
 #include "config.h"
 
-#include "light/sources.h"
+#include "light/virtual.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -111,33 +114,76 @@ reach_plane(const struct rad_source *src, const struct rad_span *span)
            cosine;
 }
 
-/* Aim p's span at its source, and end it short of that, so that what a lamp is
- * mounted on, in the same plane, does not shade it.  Both surfaces may be off
- * by their error bounds.  False: the source is missed. */
+static bool
+is_distant(const struct rad_sources *s, int32_t source)
+{
+    return source < s->n && s->list[source].flags & RAD_LIGHT_DISTANT;
+}
+
+/* Aim a span from a hit at a source, and end it short of that, so that what a
+ * lamp is mounted on, in the same plane, does not shade it.  Both surfaces may
+ * be off by their error bounds.  False: the source is missed. */
+static bool
+meet_target(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
+            const double dir[3], struct rad_span *span, struct rad_hit *hit)
+{
+    const struct rad_sources *s = ctx->job->sources;
+
+    rad_copy(span->dir, dir);
+    rad_geom_leave(from, dir, span->org);
+    span->tmin = 0;
+    span->tmax = INFINITY;
+    if (is_distant(s, source))
+        return true;
+    if (!rad_geom_hit_object(ctx->job->geom, rad_source_object(s, source), span,
+                             hit, &ctx->counts.geom))
+        return false;
+    double cosine = fabs(rad_dot(hit->n, dir));
+
+    span->tmax = hit->t - 2 * hit->err / fmax(cosine, DBL_MIN);
+    return span->tmax > 0;
+}
+
+/* The same for p's span, in the direction of a sample. */
 static bool
 meet_source(const struct direct *d, struct potential *p, const double dir[3],
             struct rad_hit *hit)
 {
-    const struct rad_source *src = &d->ctx->job->sources->list[p->source];
+    const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_source *src;
 
-    rad_copy(p->span.dir, dir);
-    rad_geom_leave(&d->r->hit, dir, p->span.org);
-    p->span.tmin = 0;
-    p->span.tmax = INFINITY;
-    if (src->flags & RAD_LIGHT_DISTANT)
-        return true;
-    if (src->flags & RAD_LIGHT_FLAT && src->flags & RAD_LIGHT_PLAIN) {
-        /* the place aimed at is on it: nothing of it need be known */
-        p->span.tmax = reach_plane(src, &p->span);
-        return p->span.tmax > 0;
+    if (p->source < s->n) {
+        src = &s->list[p->source];
+        if (src->flags & RAD_LIGHT_FLAT && src->flags & RAD_LIGHT_PLAIN) {
+            /* the place aimed at is on it: nothing of it need be known */
+            rad_copy(p->span.dir, dir);
+            rad_geom_leave(&d->r->hit, dir, p->span.org);
+            p->span.tmin = 0;
+            p->span.tmax = reach_plane(src, &p->span);
+            return p->span.tmax > 0;
+        }
     }
-    if (!rad_geom_hit_object(d->ctx->job->geom, src->obj, &p->span, hit,
-                             &d->ctx->counts.geom))
-        return false;
-    double cosine = fabs(rad_dot(hit->n, dir));
+    return meet_target(d->ctx, &d->r->hit, p->source, dir, &p->span, hit);
+}
 
-    p->span.tmax = hit->t - 2 * hit->err / fmax(cosine, DBL_MIN);
-    return p->span.tmax > 0;
+/* Shade a ray that nothing has stopped on its way to its source, which it meets
+ * at hit. */
+static void
+shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
+{
+    const struct rad_job *job = ctx->job;
+
+    if (is_distant(job->sources, sr->source)) {
+        int32_t mod = rad_source_behind(ctx, sr);
+
+        if (mod != RAD_VOID)
+            rad_ray_shade(ctx, sr, mod);
+    } else {
+        sr->hit = *hit;
+        rad_ray_enter(sr);
+        rad_ray_shade(ctx, sr, job->scene->objects[hit->obj].modifier);
+    }
+    rad_ray_absorb(sr);
 }
 
 /* What the source, met at hit, sends along p's span. */
@@ -145,34 +191,28 @@ static struct rad_rgb
 source_radiance(const struct direct *d, const struct potential *p,
                 const struct rad_hit *hit)
 {
-    const struct rad_job *job = d->ctx->job;
-    const struct rad_source *src = &job->sources->list[p->source];
+    const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_source *src = NULL;
     struct rad_ray sr;
 
-    if (src->flags & RAD_LIGHT_PLAIN && rad_rgb_black(d->r->ext))
+    if (p->source < s->n && s->list[p->source].flags & RAD_LIGHT_PLAIN)
+        src = &s->list[p->source];
+    if (src && rad_rgb_black(d->r->ext))
         return src->L;
     if (!start_ray(d, p, &sr))
         return rad_grey(0);
-    if (src->flags & RAD_LIGHT_PLAIN) {
+    if (src) {
         sr.L = src->L;
         sr.hit.t = p->span.tmax;
         rad_ray_absorb(&sr);
         return sr.L;
     }
-    if (src->flags & RAD_LIGHT_DISTANT) {
-        int32_t mod = rad_source_behind(d->ctx, &sr);
-
-        if (mod != RAD_VOID)
-            rad_ray_shade(d->ctx, &sr, mod);
-    } else {
-        sr.hit = *hit;
-        rad_ray_enter(&sr);
-        rad_ray_shade(d->ctx, &sr, job->scene->objects[src->obj].modifier);
-    }
-    rad_ray_absorb(&sr);
+    sr.path |= RAD_RAY_UNTESTED;
+    shade_target(d->ctx, &sr, hit);
     return sr.L;
 }
 
+/* rad_light_fn */
 static void
 weigh(void *arg, const struct rad_light_sample *s)
 {
@@ -196,6 +236,26 @@ weigh(void *arg, const struct rad_light_sample *s)
         d->n++;
 }
 
+/* The way to p's source is clear; where that is an image, is it so behind the
+ * mirror too?  False: no light arrives.  Sets p->val to what does. */
+static bool
+see_beyond(const struct direct *d, struct potential *p)
+{
+    const struct rad_sources *s = d->ctx->job->sources;
+    struct rad_span span;
+    struct rad_hit hit;
+    struct rad_ray sr;
+
+    if (p->source < s->n || s->virtuals[p->source - s->n].sure)
+        return true;
+    if (!meet_target(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit) ||
+        !start_ray(d, p, &sr))
+        return false;
+    shade_target(d->ctx, &sr, &hit);
+    p->val = rad_rgb_mul(sr.L, p->coef);
+    return rad_rgb_lum(p->val) > 0;
+}
+
 /* Follow the shadow ray of p through what is not opaque; false: no light
  * arrives.  Sets p->val to what does. */
 static bool
@@ -206,8 +266,8 @@ see_through(const struct direct *d, struct potential *p)
     struct rad_ray sr;
 
     if (!rad_geom_nearest(job->geom, &p->span, &hit, &d->ctx->counts.geom) ||
-        hit.obj == job->sources->list[p->source].obj)
-        return true;
+        hit.obj == rad_source_object(job->sources, p->source))
+        return see_beyond(d, p);
     if (!start_ray(d, p, &sr))
         return false;
     sr.hit = hit;
@@ -228,15 +288,58 @@ test(const struct direct *d, struct potential *p)
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
     switch (rad_geom_sight(job->geom, &p->span,
-                           job->sources->list[p->source].obj,
+                           rad_source_object(job->sources, p->source),
                            &ctx->last_blocker[p->source], &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
     case RAD_SIGHT_VEILED:
         return see_through(d, p);
     default:
+        return see_beyond(d, p);
+    }
+}
+
+/* Is r's way to its source, along the span, clear?  If not, r gets what comes
+ * through. */
+static bool
+is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
+{
+    const struct rad_job *job = ctx->job;
+    int32_t target = rad_source_object(job->sources, r->source);
+    struct rad_hit hit;
+
+    ctx->counts.rays++;
+    ctx->counts.shadow_rays++;
+    switch (rad_geom_sight(job->geom, span, target,
+                           &ctx->last_blocker[r->source], &ctx->counts.geom)) {
+    case RAD_SIGHT_BLOCKED:
+        return false;
+    case RAD_SIGHT_VEILED:
+        if (!rad_geom_nearest(job->geom, span, &hit, &ctx->counts.geom) ||
+            hit.obj == target)
+            return true;
+        r->hit = hit;
+        rad_ray_enter(r);
+        rad_ray_continue(ctx, r);
+        rad_ray_absorb(r);
+        return false;
+    default:
         return true;
     }
+}
+
+void
+rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_span span;
+    struct rad_hit hit;
+
+    rad_ray_clear(r);
+    if (!meet_target(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
+        return;
+    rad_copy(r->org, span.org);
+    if (r->path & RAD_RAY_UNTESTED || is_clear(ctx, r, &span))
+        shade_target(ctx, r, &hit);
 }
 
 /* Larger first; the order of the samples settles ties, so that it is one. */
@@ -323,16 +426,35 @@ test_selected(struct direct *d, struct order *o)
     }
 }
 
-/* Is the whole source below the horizon of r's hit? */
+/* Is the whole source, with its centre there, below the horizon of r's hit? */
 static bool
-is_below(const struct rad_source *src, const struct rad_ray *r)
+is_below(const struct rad_source *src, const double centre[3],
+         const struct rad_ray *r)
 {
     double side = r->cos_o < 0 ? -1 : 1, d[3];
 
     if (src->flags & RAD_LIGHT_DISTANT)
-        return side * rad_dot(src->centre, r->n) < -src->radius;
-    rad_sub(d, src->centre, r->hit.p);
+        return side * rad_dot(centre, r->n) < -src->radius;
+    rad_sub(d, centre, r->hit.p);
     return side * rad_dot(d, r->n) < -src->radius;
+}
+
+/* Weigh the samples of what mirrors show. */
+static void
+weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
+{
+    const struct rad_sources *s = d->ctx->job->sources;
+
+    for (int32_t i = 0; i < s->nvirtuals; i++) {
+        const struct rad_virtual *v = &s->virtuals[i];
+
+        if (!rad_virtual_faces(v, view->p, d->r->hit.err) ||
+            (skip && is_below(&s->list[v->root], v->image, d->r)))
+            continue;
+        d->source = s->n + i;
+        view->key = rad_key_branch(d->r->key, (uint64_t)(d->source + 1) << 32);
+        rad_virtual_samples(s, v, view, weigh, d);
+    }
 }
 
 void
@@ -356,12 +478,15 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     for (d.source = 0; d.source < s->n; d.source++) {
         const struct rad_source *src = &s->list[d.source];
 
-        if (src->flags & RAD_LIGHT_SKIP || (skip && is_below(src, r)))
+        if (src->flags & RAD_LIGHT_SKIP ||
+            (skip && is_below(src, src->centre, r)))
             continue;
         /* above every ray's branch number, below every dimension's bit */
         view.key = rad_key_branch(r->key, (uint64_t)(d.source + 1) << 32);
         rad_light_samples(src, &view, weigh, &d);
     }
+    if (s->nvirtuals > 0)
+        weigh_images(&d, &view, skip);
     o = NULL;
     if (d.n > 0 && par->shadthresh > 0)
         o = rad_arena_alloc(&ctx->scratch, (size_t)d.n * sizeof *o);

@@ -5,7 +5,7 @@
  * of them a point sees in shadow.c.  */
 #include "config.h"
 
-#include "light/sources.h"
+#include "light/virtual.h"
 #include "base/vec.h"
 #include "shade/emitter.h"
 
@@ -118,7 +118,19 @@ rad_sources_count(const struct rad_sources *s)
 int32_t
 rad_source_object(const struct rad_sources *s, int32_t i)
 {
-    return s->list[i].obj;
+    return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
+}
+
+int32_t
+rad_source_shown(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? -1 : s->virtuals[i - s->n].from;
+}
+
+int32_t
+rad_sources_targets(const struct rad_sources *s)
+{
+    return s->n + s->nvirtuals;
 }
 
 /* Does direction dir meet distant source src?  A ray aimed at its very edge
@@ -144,6 +156,8 @@ find_behind(const struct rad_sources *s, const struct rad_ray *r)
     if (r->source >= 0) {
         const struct rad_source *src = &s->list[r->source];
 
+        if (r->source >= s->n) /* an image, whose mirror it has missed */
+            return -1;
         return src->flags & RAD_LIGHT_DISTANT && meets(src, r->dir, true)
                    ? r->source
                    : -1;

@@ -43,8 +43,20 @@ void rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
  * emitting material to say. */
 int32_t rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r);
 
-/* The object that is source number i. */
+/* A shadow ray aims at a source, or at the image of one in a mirror (see
+ * virtual.h): how many are there together?  The sources come first. */
+int32_t rad_sources_targets(const struct rad_sources *s);
+
+/* The object that is source number i, or the mirror that shows image i. */
 int32_t rad_source_object(const struct rad_sources *s, int32_t i);
+
+/* What image i shows: a source, or another image; -1: i is no image. */
+int32_t rad_source_shown(const struct rad_sources *s, int32_t i);
+
+/* The radiance that a shadow ray brings from where it is aimed: r->source, in
+ * direction r->dir from its parent's hit.  With RAD_RAY_UNTESTED in r->path
+ * whatever is in the way is ignored. */
+void rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Where a source is and how it extends, for painting those that look smaller
  * than a sample (see picture/paint.h).  What has no straight edges is stood in

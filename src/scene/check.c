@@ -186,6 +186,8 @@ static const struct rule {
     { RAD_DIELECTRIC, 0, INT_MAX, 5, 5,        NULL },
     { RAD_INTERFACE,  0, INT_MAX, 8, 8,        check_interface },
     { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },
+    { RAD_MIRROR,     0, 1,       3, 3,        check_reference },
+    { RAD_ANTIMATTER, 1, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORTEXT,  2, INT_MAX, 15, INT_MAX, check_text },
     { RAD_BRIGHTTEXT, 2, INT_MAX, 11, INT_MAX, check_text },
     /* clang-format on */

@@ -12,9 +12,17 @@ named_modifier(const struct rad_scene *s, int32_t i)
 {
     const struct rad_object *o = &s->objects[i];
 
-    if ((o->type != RAD_ILLUM && o->type != RAD_ALIAS) || o->nstrings == 0)
+    if (o->nstrings == 0)
         return RAD_VOID;
-    return rad_scene_find_modifier(s, o->strings[0], i);
+    switch (o->type) {
+    case RAD_ALIAS:
+    case RAD_ILLUM:
+    case RAD_MIRROR:
+    case RAD_ANTIMATTER: /* of the others only the name counts */
+        return rad_scene_find_modifier(s, o->strings[0], i);
+    default:
+        return RAD_VOID;
+    }
 }
 
 /* An object refers to lower indices only, so one pass downwards finds all. */

@@ -125,6 +125,17 @@ in_the_way(const struct rad_ctx *ctx, const struct rad_emitter *e,
            (target->type == RAD_ILLUM || target->type == RAD_GLOW);
 }
 
+/* Does the ray look for this very source, and not for what a mirror in its
+ * place shows? */
+static bool
+aimed_at(const struct rad_ctx *ctx, const struct rad_ray *r,
+         const struct aim *a)
+{
+    return a->target == a->met &&
+           (r->source < 0 ||
+            rad_source_shown(ctx->job->sources, r->source) < 0);
+}
+
 /* -dv- hides sources from all but shadow rays; a far glow is none. */
 static bool
 hidden(const struct rad_ctx *ctx, const struct rad_emitter *e,
@@ -151,7 +162,7 @@ rad_emitter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     a = aim_of(ctx, r);
     if (in_the_way(ctx, e, r, &a))
         return true;
-    if (e->type == RAD_ILLUM && a.target != a.met) {
+    if (e->type == RAD_ILLUM && !aimed_at(ctx, r, &a)) {
         if (e->alternate != RAD_VOID)
             return rad_ray_shade(ctx, r, e->alternate);
         rad_ray_transmit(ctx, r);

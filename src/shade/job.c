@@ -4,6 +4,7 @@
 #include "shade/job.h"
 #include "light/ambient.h"
 #include "light/source.h"
+#include "light/virtual.h"
 #include "shade/material.h"
 
 #include <stdlib.h>
@@ -14,12 +15,17 @@ static uint8_t
 surface_flags(const struct rad_job *job, int32_t i)
 {
     const struct rad_scene *scene = job->scene;
-    int32_t m = rad_material_of(scene, scene->objects[i].modifier);
+    int32_t mod = scene->objects[i].modifier;
+    int32_t m = rad_material_of(scene, mod);
     unsigned flags;
 
     if (m == RAD_VOID)
         return RAD_SURF_NOMATERIAL;
     flags = job->materials[m].shader->flags;
+    if (scene->objects[m].type == RAD_MIRROR && scene->objects[m].nstrings > 0)
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* another material's place */
+    if (job->cut && job->cut[mod])
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* not everywhere */
     return (uint8_t)((flags & RAD_MAT_OPAQUE ? RAD_SURF_OPAQUE : 0) |
                      (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0));
 }
@@ -55,6 +61,9 @@ compile(struct rad_job *job, const struct rad_files *files,
     job->sources = rad_sources_new(job, err);
     if (!job->sources)
         return RAD_EDATA;
+    code = rad_virtuals_make(job, err);
+    if (code < 0)
+        return code;
     if (p->ambounce > 0 && p->ambacc > 0) {
         job->ambient = rad_ambient_new(job, err);
         if (!job->ambient)
@@ -98,7 +107,7 @@ int
 rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
              struct rad_error *err)
 {
-    int32_t n = rad_sources_count(job->sources);
+    int32_t n = rad_sources_targets(job->sources);
 
     memset(ctx, 0, sizeof *ctx);
     ctx->job = job;

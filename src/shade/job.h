@@ -26,6 +26,8 @@ struct rad_job {
     struct rad_arena arena; /* of the compiled modifiers and sources */
     struct rad_geom *geom;
     struct rad_material *materials; /* by object, up to the last modifier */
+    uint8_t *cut; /* by object: does antimatter name this modifier?  NULL:
+                   * there is no antimatter */
     struct rad_sources *sources;
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
@@ -59,7 +61,7 @@ struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
-    int32_t *last_blocker; /* by source: object that blocked last, or
+    int32_t *last_blocker; /* by source or image of one: object that blocked last, or
                             * RAD_VOID; only ever speeds a test up */
 };
 

@@ -6,9 +6,11 @@
 #include "config.h"
 
 #include "shade/material.h"
+#include "shade/antimatter.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
 #include "shade/glass.h"
+#include "shade/mirror.h"
 #include "shade/normal.h"
 #include "shade/text.h"
 
@@ -30,6 +32,9 @@ static const struct rad_shader table[] = {
       rad_emitter_shade },
     { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
       rad_emitter_shade },
+    { RAD_MIRROR, RAD_MAT_OPAQUE, rad_mirror_prepare, rad_mirror_shade },
+    { RAD_ANTIMATTER, RAD_MAT_CUTS, rad_antimatter_prepare,
+      rad_antimatter_shade },
     { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
     { RAD_COLORTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
 };

@@ -2,7 +2,8 @@
  *
  * Every modifier type has one row in the table of material.c: how to compile
  * its arguments once, and what it does to a ray.  A family of materials lives
- * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, text.c).
+ * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, mirror.c,
+ * antimatter.c, text.c).
  * A shader returns true when it was a material and has set r->L; a texture or
  * pattern changes r->pert or r->pattern and returns false. */
 #ifndef RAD_SHADE_MATERIAL_H
@@ -23,7 +24,8 @@ enum {
                               * dielectric, trans, ...) */
     RAD_MAT_OPAQUE = 2,      /* no shadow ray passes, on either side */
     RAD_MAT_EMITS = 4,       /* light, illum, glow, spotlight */
-    RAD_MAT_PATTERN = 8      /* no material: only changes pattern and pert */
+    RAD_MAT_PATTERN = 8,     /* no material: only changes pattern and pert */
+    RAD_MAT_CUTS = 16        /* antimatter: no surface, even to -i */
 };
 
 struct rad_shader {

@@ -8,6 +8,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/source.h"
+#include "shade/antimatter.h"
 #include "shade/material.h"
 #include "shade/normal.h"
 
@@ -177,8 +178,16 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
 void
 rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
 {
-    int32_t mod = ctx->job->scene->objects[r->hit.obj].modifier;
+    const struct rad_job *job = ctx->job;
+    int32_t mod = job->scene->objects[r->hit.obj].modifier;
 
+    if (job->cut && mod != RAD_VOID) {
+        r->kind &= (uint16_t)~RAD_RAY_CUT;
+        if (job->cut[mod] && rad_antimatter_hides(ctx, r)) {
+            r->kind |= RAD_RAY_CUT;
+            mod = RAD_VOID;
+        }
+    }
     if (!rad_ray_shade(ctx, r, mod))
         rad_ray_transmit(ctx, r);
 }
@@ -212,7 +221,8 @@ rad_ray_shade(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
         mod = mat->next;
         if (!mat->shader)
             continue;
-        if (irradiance && !(mat->shader->flags & RAD_MAT_PATTERN)) {
+        if (irradiance &&
+            !(mat->shader->flags & (RAD_MAT_PATTERN | RAD_MAT_CUTS))) {
             if (shade_irradiance(ctx, mat, r))
                 return true;
         } else if (mat->shader->shade(ctx, mat, r)) {

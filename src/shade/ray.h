@@ -26,7 +26,11 @@ enum rad_raykind {
     RAD_RAY_RSPECULAR = 0100, /* sampled gloss */
     RAD_RAY_TSHADOW = 0200,   /* to a light source through the surface */
     RAD_RAY_TAMBIENT = 0400,
-    RAD_RAY_TSPECULAR = 01000
+    RAD_RAY_TSPECULAR = 01000,
+    /* no kinds, but kept with them: */
+    RAD_RAY_UNTESTED = 02000, /* in path: a shadow ray that nothing stops
+                               * between mirrors */
+    RAD_RAY_CUT = 04000       /* in kind: what it met is cut away */
 };
 #define RAD_RAY_SHADOW   (RAD_RAY_RSHADOW | RAD_RAY_TSHADOW)
 #define RAD_RAY_AMBIENT  (RAD_RAY_RAMBIENT | RAD_RAY_TAMBIENT)

@@ -1,0 +1,578 @@
+/* virtual.c - see virtual.h
+ *
+ * Images are made level by level: first of the sources, then of the first
+ * images, and so on.  A mirror relays what can possibly shine on it; these
+ * tests only save work, for a way that does not exist brings no light.  What
+ * -dp then finds does decide: an image that no ray of the test has reached is
+ * dropped, as in rpict, so the number of rays is rpict's.  */
+#include "config.h"
+
+#include "light/virtual.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "shade/emitter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays that test an image at least, and places tried for each, as in rpict. */
+#define MIN_SAMPLES 16
+#define MAX_TRIES   32
+#define MAX_SAMPLES (1 << 24)
+/* rpict's density of the test for distant sources: samples for a mirror as
+ * large as the scene, for each that -dp asks for. */
+#define DISTANT_SAMPLES 32.0
+/* A loss of more than this share of the light is something in the way. */
+#define DIMMED 1e-6
+
+struct mirror {
+    int32_t obj;
+    double normal[3], offset;
+    double centre[3], radius; /* of a disk that holds it */
+};
+
+struct maker {
+    struct rad_job *job;
+    struct rad_sources *s;
+    struct mirror *mirrors;
+    int32_t nmirrors;
+    int32_t capacity;
+    double size; /* of the scene */
+};
+
+/* --- mirrors --- */
+
+/* Is obj a mirror, by its material or by what an illum puts in its place? */
+static bool
+is_mirror(const struct rad_job *job, int32_t obj)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[obj];
+    const struct rad_emitter *em;
+    int32_t m;
+
+    if (o->type != RAD_POLYGON && o->type != RAD_RING)
+        return false;
+    m = rad_material_of(scene, o->modifier);
+    em = rad_emitter_of(job, obj);
+    if (em && em->alternate != RAD_VOID)
+        m = rad_material_of(scene, em->alternate);
+    return m != RAD_VOID && scene->objects[m].type == RAD_MIRROR;
+}
+
+/* 0, 1 if it has no area, or a negative code. */
+static int
+make_mirror(struct mirror *m, struct rad_job *job, int32_t obj)
+{
+    struct rad_source shape = { .obj = obj };
+    int rc = rad_light_shape(&shape, &job->scene->objects[obj], &job->arena);
+
+    m->obj = obj;
+    rad_copy(m->normal, shape.normal);
+    rad_copy(m->centre, shape.centre);
+    m->offset = rad_dot(m->normal, m->centre);
+    m->radius = shape.radius;
+    return rc;
+}
+
+static int
+find_mirrors(struct maker *mk, struct rad_error *err)
+{
+    int32_t n = 0;
+
+    for (int32_t i = 0; i < mk->job->scene->nobjects; i++)
+        n += is_mirror(mk->job, i);
+    if (n == 0)
+        return 0;
+    mk->mirrors = calloc((size_t)n, sizeof *mk->mirrors);
+    if (!mk->mirrors)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < mk->job->scene->nobjects; i++) {
+        int rc;
+
+        if (!is_mirror(mk->job, i))
+            continue;
+        rc = make_mirror(&mk->mirrors[mk->nmirrors], mk->job, i);
+        if (rc < 0)
+            return rad_fail(err, rc, "out of memory");
+        mk->nmirrors += rc == 0;
+    }
+    return 0;
+}
+
+/* --- may a mirror relay a source? --- */
+
+static const struct rad_virtual *
+virtual_of(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? NULL : &s->virtuals[i - s->n];
+}
+
+static const struct rad_source *
+root_of(const struct rad_sources *s, int32_t i)
+{
+    return &s->list[i < s->n ? i : s->virtuals[i - s->n].root];
+}
+
+/* A direction at the source as it is at image v (NULL: the source itself). */
+static void
+turn_back(const struct rad_virtual *v, const double from[3], double dir[3])
+{
+    if (!v) {
+        rad_copy(dir, from);
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        dir[k] = v->turn[0][k] * from[0] + v->turn[1][k] * from[1] +
+                 v->turn[2][k] * from[2];
+}
+
+/* How far a disk about a point of normal b reaches along a. */
+static double
+reach(const double a[3], const double b[3], double radius)
+{
+    double c = rad_dot(a, b);
+
+    return radius * sqrt(fmax(0, 1 - c * c));
+}
+
+/* Does any of the cone of a spotlight, which stands to[] before the mirror,
+ * fall on it? */
+static bool
+spot_meets(const struct rad_source *root, const double aim[3],
+           const double to[3], double radius)
+{
+    double d = sqrt(rad_dot(to, to)), wide = radius + root->radius;
+    double half = acos(fmax(-1, 1 - root->spot.omega / (2 * M_PI)));
+
+    if (d <= wide)
+        return true;
+    return acos(fmin(1, rad_dot(aim, to) / d)) <= half + asin(wide / d);
+}
+
+/* The same for a source or image that is not far away, at `image`. */
+static bool
+local_meets(const struct rad_source *root, const struct rad_virtual *v,
+            const double image[3], const struct mirror *m)
+{
+    double extent = root->radius, normal[3], aim[3], to[3];
+
+    rad_sub(to, m->centre, image);
+    if (root->flags & RAD_LIGHT_FLAT) {
+        turn_back(v, root->normal, normal);
+        if (!(rad_dot(normal, to) > -m->radius))
+            return false;
+        extent = reach(m->normal, normal, extent);
+    }
+    if (!(rad_dot(m->normal, image) - m->offset > -extent))
+        return false;
+    if (root->flags & RAD_LIGHT_NEAR &&
+        sqrt(rad_dot(to, to)) > root->reach + root->radius + m->radius)
+        return false;
+    turn_back(v, root->spot.aim, aim);
+    return !(root->flags & RAD_LIGHT_SPOT) ||
+           spot_meets(root, aim, to, m->radius);
+}
+
+static bool
+may_relay(const struct rad_sources *s, int32_t i, const struct mirror *m)
+{
+    const struct rad_source *root = root_of(s, i);
+    const struct rad_virtual *v = virtual_of(s, i);
+    const double *image = v ? v->image : root->centre;
+
+    if (root->flags & RAD_LIGHT_SKIP || rad_source_object(s, i) == m->obj)
+        return false;
+    /* what a mirror relays goes on before it */
+    if (v && !(rad_dot(v->normal, m->centre) - v->offset >
+               -reach(v->normal, m->normal, m->radius)))
+        return false;
+    if (root->flags & RAD_LIGHT_DISTANT)
+        return rad_dot(m->normal, image) > -root->radius;
+    return local_meets(root, v, image, m);
+}
+
+/* --- images --- */
+
+/* p mirrored in the plane, or as a direction where offset is 0. */
+static void
+mirrored(const double normal[3], double offset, const double p[3], double q[3])
+{
+    rad_madd(q, p, -2 * (rad_dot(normal, p) - offset), normal);
+}
+
+static void
+make_image(const struct rad_sources *s, int32_t from, const struct mirror *m,
+           struct rad_virtual *v)
+{
+    const struct rad_virtual *before = virtual_of(s, from);
+    const struct rad_source *root = root_of(s, from);
+    bool far = root->flags & RAD_LIGHT_DISTANT;
+
+    memset(v, 0, sizeof *v);
+    v->mirror = m->obj;
+    v->from = from;
+    v->root = before ? before->root : from;
+    rad_copy(v->normal, m->normal);
+    v->offset = m->offset;
+    for (int j = 0; j < 3; j++) {
+        double row[3] = { j == 0, j == 1, j == 2 };
+
+        if (before)
+            rad_copy(row, before->turn[j]);
+        mirrored(m->normal, 0, row, v->turn[j]);
+        v->move[j] = 2 * m->offset * rad_dot(row, m->normal) +
+                     (before ? before->move[j] : 0);
+    }
+    mirrored(m->normal, far ? 0 : m->offset,
+             before ? before->image : root->centre, v->image);
+}
+
+static int
+add_image(struct maker *mk, int32_t from, const struct mirror *m,
+          struct rad_error *err)
+{
+    struct rad_sources *s = mk->s;
+
+    if (s->nvirtuals == RAD_MAX_VIRTUALS)
+        return rad_fail(err, RAD_EDATA,
+                        "more than %d images of light sources in mirrors; "
+                        "lower -dr",
+                        RAD_MAX_VIRTUALS);
+    if (s->nvirtuals == mk->capacity) {
+        int32_t cap = mk->capacity ? 2 * mk->capacity : 16;
+        struct rad_virtual *more =
+            rad_arena_alloc(&mk->job->arena, (size_t)cap * sizeof *more);
+
+        if (!more)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        if (s->nvirtuals > 0)
+            memcpy(more, s->virtuals, (size_t)s->nvirtuals * sizeof *more);
+        s->virtuals = more;
+        mk->capacity = cap;
+    }
+    make_image(s, from, m, &s->virtuals[s->nvirtuals]);
+    s->nvirtuals++;
+    return 0;
+}
+
+/* --- the test for visibility --- */
+
+struct pick {
+    uint64_t key;
+    uint32_t n;
+    struct rad_light_sample sample;
+};
+
+/* rad_light_fn: keep one of all samples, each as likely. */
+static void
+pick_one(void *arg, const struct rad_light_sample *s)
+{
+    struct pick *p = arg;
+
+    if (rad_rand(p->key, RAD_DIM_SOURCE | p->n) * (p->n + 1) < 1)
+        p->sample = *s;
+    p->n++;
+}
+
+/* Let the disk hold only what a spotlight's cone meets of the mirror, whose
+ * plane is h before the image.  With a the half angle of the cone and b that
+ * between its axis and the plane's normal, the cone reaches farthest from its
+ * axis on the outer side: h (tan(a + b) - tan b). */
+static void
+shrink_to_spot(struct mirror *m, const struct rad_source *root,
+               const struct rad_virtual *from, const double image[3], double h)
+{
+    double a = acos(fmax(-1, 1 - root->spot.omega / (2 * M_PI)));
+    double aim[3], cosine, b, radius;
+
+    turn_back(from, root->spot.aim, aim);
+    cosine = -rad_dot(aim, m->normal);
+    b = acos(fmax(-1, fmin(1, cosine)));
+    if (a + b >= M_PI / 2)
+        return;
+    radius = h * (tan(a + b) - tan(b)) + root->radius / cos(a + b);
+    if (!(radius < m->radius))
+        return;
+    m->radius = radius;
+    rad_madd(m->centre, image, h / cosine, aim);
+}
+
+/* The same for the reach of a glow. */
+static void
+shrink_to_reach(struct mirror *m, const struct rad_source *root,
+                const double image[3], double h)
+{
+    double far = root->reach + root->radius, r2 = far * far - h * h;
+
+    if (!(r2 < m->radius * m->radius))
+        return;
+    m->radius = sqrt(fmax(0, r2));
+    rad_madd(m->centre, image, -h, m->normal);
+}
+
+/* The part of mirror m in which an image may be seen. */
+static void
+find_part(const struct rad_sources *s, const struct rad_virtual *v,
+          const struct mirror *m, struct mirror *part)
+{
+    const struct rad_source *root = &s->list[v->root];
+    const struct rad_virtual *from = virtual_of(s, v->from);
+    const double *image = from ? from->image : root->centre;
+    double h = rad_dot(m->normal, image) - m->offset;
+
+    *part = *m;
+    if (root->flags & RAD_LIGHT_DISTANT || !(h > 0))
+        return;
+    if (root->flags & RAD_LIGHT_SPOT)
+        shrink_to_spot(part, root, from, image, h);
+    else if (root->flags & RAD_LIGHT_NEAR)
+        shrink_to_reach(part, root, image, h);
+}
+
+static int32_t
+sample_count(const struct maker *mk, const struct rad_virtual *v,
+             const struct mirror *m)
+{
+    double r2 = m->radius * m->radius, n = mk->job->params.vspretest;
+
+    if (mk->s->list[v->root].flags & RAD_LIGHT_DISTANT)
+        n *= DISTANT_SAMPLES * r2 / (mk->size * mk->size);
+    else /* solid angle of the disk, as seen from its axis */
+        n *= 2 * M_PI *
+             (1 - sqrt(1 / (1 + r2 / rad_dist2(v->image, m->centre))));
+    return n > MIN_SAMPLES ? (int32_t)fmin(n + .5, MAX_SAMPLES) : MIN_SAMPLES;
+}
+
+/* A ray that has met a random place of the mirror; false: it has missed. */
+static bool
+meet_mirror(struct rad_ctx *ctx, const struct mirror *m, uint64_t key,
+            struct rad_ray *r)
+{
+    struct rad_span span = { .tmax = INFINITY };
+    double u[3], v[3];
+
+    rad_frame(u, v, m->normal);
+    rad_madd(span.org, m->centre, m->radius, m->normal);
+    rad_madd(span.org, span.org, m->radius * (2 * rad_rand(key, 0) - 1), u);
+    rad_madd(span.org, span.org, m->radius * (2 * rad_rand(key, 1) - 1), v);
+    rad_scale(span.dir, -1, m->normal);
+    r->key = key;
+    r->tmax = INFINITY;
+    rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_ray_clear(r);
+    rad_copy(r->org, span.org);
+    rad_copy(r->dir, span.dir);
+    if (!rad_geom_hit_object(ctx->job->geom, m->obj, &span, &r->hit,
+                             &ctx->counts.geom))
+        return false;
+    rad_ray_enter(r);
+    return true;
+}
+
+enum light { NO_LIGHT, HIDDEN, DIM, FULL };
+
+/* How much of the light of source i arrives where r met a mirror? */
+static enum light
+look(struct rad_ctx *ctx, const struct rad_ray *r, int32_t i)
+{
+    const struct rad_sources *s = ctx->job->sources;
+    const struct rad_virtual *v = virtual_of(s, i);
+    struct rad_light_view view = {
+        .sizerat = ctx->job->params.srcsizerat,
+        .jitter = ctx->job->params.srcjitter,
+        .key = rad_key_branch(r->key, 1),
+    };
+    struct pick pick = { .key = rad_key_branch(r->key, 2) };
+    struct rad_ray sr;
+    float all;
+
+    rad_copy(view.p, r->hit.p);
+    if (v && !rad_virtual_faces(v, view.p, r->hit.err))
+        return NO_LIGHT;
+    if (v)
+        rad_virtual_samples(s, v, &view, pick_one, &pick);
+    else
+        rad_light_samples(&s->list[i], &view, pick_one, &pick);
+    if (pick.n == 0 ||
+        !rad_ray_spawn(ctx, &sr, RAD_RAY_RSHADOW, r, NULL, RAD_BRANCH_SHADOW))
+        return NO_LIGHT;
+    sr.source = i;
+    rad_copy(sr.dir, pick.sample.aim);
+    sr.path |= RAD_RAY_UNTESTED;
+    rad_source_aimed(ctx, &sr);
+    all = rad_rgb_lum(sr.L);
+    if (!(all > 0))
+        return NO_LIGHT;
+    sr.path &= (uint16_t)~RAD_RAY_UNTESTED;
+    rad_source_aimed(ctx, &sr);
+    if (!(rad_rgb_lum(sr.L) > 0))
+        return HIDDEN;
+    return all - rad_rgb_lum(sr.L) > DIMMED * all ? DIM : FULL;
+}
+
+/* Test image v in m; sets v->sure.  False: nowhere on the mirror does any of
+ * it arrive. */
+static bool
+test_image(struct maker *mk, struct rad_ctx *ctx, struct rad_virtual *v,
+           const struct mirror *m, uint64_t key)
+{
+    struct mirror part;
+    bool full = false, hidden = false;
+    int64_t tries;
+    int32_t n;
+
+    find_part(mk->s, v, m, &part);
+    n = sample_count(mk, v, &part);
+    tries = (int64_t)n * MAX_TRIES;
+
+    for (int64_t t = 0; n > 0; t++) {
+        struct rad_ray r;
+
+        if (t == tries)
+            return true; /* too small to hit: as if it were not tested */
+        if (!meet_mirror(ctx, &part, rad_key_branch(key, (uint64_t)t), &r))
+            continue;
+        n--;
+        switch (look(ctx, &r, v->from)) {
+        case NO_LIGHT:
+            break;
+        case HIDDEN:
+            hidden = true;
+            break;
+        case DIM:
+            return true;
+        case FULL:
+            full = true;
+            break;
+        }
+        if (full && hidden)
+            return true;
+    }
+    v->sure = full;
+    return full;
+}
+
+/* The mirror that shows v; they are in the order of objects. */
+static const struct mirror *
+mirror_of(const struct maker *mk, const struct rad_virtual *v)
+{
+    int32_t lo = 0, hi = mk->nmirrors - 1;
+
+    while (lo < hi) {
+        int32_t mid = lo + (hi - lo) / 2;
+
+        if (mk->mirrors[mid].obj < v->mirror)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return &mk->mirrors[lo];
+}
+
+/* Test the images from `first` on, and drop those that are hidden. */
+static int
+test_images(struct maker *mk, int32_t first, struct rad_error *err)
+{
+    struct rad_sources *s = mk->s;
+    uint64_t seed =
+        rad_key_branch(rad_mix64(mk->job->params.seed), RAD_BRANCH_SHADOW);
+    struct rad_ctx ctx;
+    int32_t kept = first;
+    int code = rad_ctx_init(&ctx, mk->job, err);
+
+    for (int32_t i = first; code == 0 && i < s->nvirtuals; i++) {
+        struct rad_virtual *v = &s->virtuals[i];
+        uint64_t key =
+            rad_key_branch(seed, (uint64_t)v->from << 32 | (uint32_t)v->mirror);
+
+        if (test_image(mk, &ctx, v, mirror_of(mk, v), key))
+            s->virtuals[kept++] = *v;
+    }
+    rad_ctx_release(&ctx);
+    if (code == 0)
+        s->nvirtuals = kept;
+    return code;
+}
+
+/* --- all of them --- */
+
+/* Images of the sources from `first` to `end` in all mirrors. */
+static int
+relay(struct maker *mk, int32_t first, int32_t end, struct rad_error *err)
+{
+    int32_t old = mk->s->nvirtuals;
+    int code = 0;
+
+    for (int32_t i = first; i < end; i++)
+        for (int32_t k = 0; code == 0 && k < mk->nmirrors; k++)
+            if (may_relay(mk->s, i, &mk->mirrors[k]))
+                code = add_image(mk, i, &mk->mirrors[k], err);
+    if (code == 0 && mk->job->params.vspretest > 0 && mk->s->nvirtuals > old)
+        code = test_images(mk, old, err);
+    return code;
+}
+
+int
+rad_virtuals_make(struct rad_job *job, struct rad_error *err)
+{
+    struct maker mk = { .job = job, .s = job->sources };
+    int32_t first = 0, end = job->sources->n;
+    double lo[3], hi[3];
+    int code = 0;
+
+    if (job->params.directrelay <= 0 || job->sources->nlit == 0)
+        return 0;
+    code = find_mirrors(&mk, err);
+    rad_geom_bounds(job->geom, lo, hi);
+    for (int k = 0; k < 3; k++)
+        mk.size = fmax(mk.size, hi[k] - lo[k]);
+    for (int n = 0; code == 0 && mk.nmirrors > 0 && first < end &&
+                    n < job->params.directrelay;
+         n++) {
+        code = relay(&mk, first, end, err);
+        first = end;
+        end = mk.s->n + mk.s->nvirtuals;
+    }
+    free(mk.mirrors);
+    return code;
+}
+
+/* --- from a point --- */
+
+bool
+rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
+{
+    return rad_dot(v->normal, p) - v->offset > err;
+}
+
+struct unfolded {
+    const struct rad_virtual *v;
+    rad_light_fn *fn;
+    void *arg;
+};
+
+/* rad_light_fn: pass a sample of the source on as one of the image. */
+static void
+fold(void *arg, const struct rad_light_sample *s)
+{
+    const struct unfolded *u = arg;
+    struct rad_light_sample image = *s;
+
+    turn_back(u->v, s->aim, image.aim);
+    turn_back(u->v, s->dir, image.dir);
+    u->fn(u->arg, &image);
+}
+
+void
+rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
+                    const struct rad_light_view *view, rad_light_fn *fn,
+                    void *arg)
+{
+    struct rad_light_view there = *view;
+    struct unfolded u = { v, fn, arg };
+
+    for (int k = 0; k < 3; k++)
+        there.p[k] = rad_dot(v->turn[k], view->p) + v->move[k];
+    rad_light_samples(&s->list[v->root], &there, fold, &u);
+}

@@ -1,0 +1,46 @@
+/* virtual.h - light that reaches a point by way of mirrors
+ *
+ * A flat surface of material mirror relays each source that shines on it: seen
+ * from a point before the mirror, the source's image stands behind it, and the
+ * way to the image, folded at the mirror, is the way to the source.  Images
+ * are relayed again, up to -dr times.
+ * An image keeps no shape: its samples are the source's own, seen from where
+ * the mirrors put the point.  Sources are numbered first, images after them.
+ * Source: rpict(1) on -dr and -dp; Radiance's reference manual, "mirror". */
+#ifndef RAD_LIGHT_VIRTUAL_H
+#define RAD_LIGHT_VIRTUAL_H
+
+#include "light/sources.h"
+
+/* Images of all real sources in all mirrors at most. */
+#define RAD_MAX_VIRTUALS 1000000
+
+struct rad_virtual {
+    int32_t mirror; /* object that shows it */
+    int32_t from;   /* source or image that the mirror relays */
+    int32_t root;   /* source at the end of the way */
+    bool sure;      /* nothing between the mirror and the source (-dp) */
+    double normal[3], offset;   /* of the mirror: before it n.p > offset */
+    double turn[3][3], move[3]; /* p to where the source sees it from:
+                                 * turn p + move; turn is orthogonal */
+    double image[3];            /* centre, or direction, of the image */
+};
+
+/* Find the images of a job's sources, and with -dp above 0 test which of them
+ * are hidden for good, and which are in full view from all of their mirror.
+ * Nothing is done, and no memory taken, without mirrors.
+ * 0 or a negative code. */
+int rad_virtuals_make(struct rad_job *job, struct rad_error *err);
+
+/* Is p, whose error is err, before the image's mirror? */
+bool rad_virtual_faces(const struct rad_virtual *v, const double p[3],
+                       double err);
+
+/* The samples of the image, as rad_light_samples() gives those of a source;
+ * directions are those in which the ray leaves view->p. */
+void rad_virtual_samples(const struct rad_sources *s,
+                         const struct rad_virtual *v,
+                         const struct rad_light_view *view, rad_light_fn *fn,
+                         void *arg);
+
+#endif

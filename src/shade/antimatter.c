@@ -1,0 +1,122 @@
+/* antimatter.c - see antimatter.h
+ *
+ * A ray carries no list of what is cut away where it is: its ancestors know.
+ * The last antimatter that the path has passed through, and that names a
+ * modifier, says whether that is cut away: it is if the path went in.  Rays
+ * that go back from a surface stay on the side that it was met from.  Only
+ * rays that meet surfaces which some antimatter names look up their path. */
+#include "config.h"
+
+#include "shade/antimatter.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+struct antimatter {
+    bool filled;     /* the first name is a material's: */
+    int32_t filling; /* the modifier that cuts show */
+    int32_t n;       /* modifiers named */
+    int32_t names[];
+};
+
+static bool
+has(const struct antimatter *a, int32_t modifier)
+{
+    for (int32_t i = 0; i < a->n; i++)
+        if (a->names[i] == modifier)
+            return true;
+    return false;
+}
+
+int
+rad_antimatter_prepare(struct rad_job *job, int32_t index,
+                       const struct rad_files *files, const void **data,
+                       struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[index];
+    struct antimatter *a = rad_arena_calloc(
+        &job->arena, 1, sizeof *a + (size_t)o->nstrings * sizeof a->names[0]);
+
+    (void)files;
+    if (!job->cut)
+        job->cut = rad_arena_calloc(&job->arena, (size_t)scene->nobjects,
+                                    sizeof *job->cut);
+    if (!a || !job->cut)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (o->nstrings < 1)
+        return rad_scene_fail(scene, o, err, RAD_EDATA,
+                              "expected at least 1 string argument");
+    for (int32_t i = 0; i < o->nstrings; i++) {
+        int32_t m = rad_scene_find_modifier(scene, o->strings[i], index);
+
+        if (m == RAD_VOID) /* as in Radiance, an unknown one is none */
+            continue;
+        job->cut[m] = 1;
+        a->names[a->n++] = m;
+    }
+    a->filled = strcmp(o->strings[0], "void") != 0;
+    a->filling = rad_scene_find_modifier(scene, o->strings[0], index);
+    *data = a;
+    return 0;
+}
+
+/* Has the path left r's hit to the other side, by way of child? */
+static bool
+goes_through(const struct rad_ray *child)
+{
+    return !(child->kind & RAD_RAY_REFL);
+}
+
+bool
+rad_antimatter_hides(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    const struct rad_job *job = ctx->job;
+    const struct rad_object *objects = job->scene->objects;
+    int32_t modifier = objects[r->hit.obj].modifier, m;
+
+    for (; r->parent; r = r->parent) {
+        const struct rad_ray *p = r->parent;
+
+        if (!goes_through(r) || p->kind & RAD_RAY_CUT || p->hit.obj == RAD_VOID)
+            continue;
+        m = rad_material_of(job->scene, objects[p->hit.obj].modifier);
+        if (m == RAD_VOID || objects[m].type != RAD_ANTIMATTER)
+            continue;
+        if (has(job->materials[m].data, modifier))
+            return rad_dot(p->dir, p->hit.n) < 0; /* it went in */
+    }
+    return false;
+}
+
+/* How many surfaces of the named modifiers is r inside? */
+static int
+depth_inside(const struct rad_ctx *ctx, const struct antimatter *a,
+             const struct rad_ray *r)
+{
+    const struct rad_object *objects = ctx->job->scene->objects;
+    int depth = 0;
+
+    for (; r->parent; r = r->parent) {
+        const struct rad_ray *p = r->parent;
+
+        if (goes_through(r) && p->hit.obj != RAD_VOID &&
+            has(a, objects[p->hit.obj].modifier))
+            depth += p->cos_o > 0 ? 1 : -1;
+    }
+    return depth;
+}
+
+bool
+rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                     struct rad_ray *r)
+{
+    const struct antimatter *a = mat->data;
+
+    if (a->filled && depth_inside(ctx, a, r) > 0) {
+        rad_ray_flip(r); /* the cut faces the hole */
+        return rad_ray_shade(ctx, r, a->filling);
+    }
+    rad_ray_transmit(ctx, r);
+    return true;
+}

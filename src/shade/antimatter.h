@@ -1,0 +1,22 @@
+/* antimatter.h - surfaces that cut holes in others
+ *
+ * Within a closed surface of antimatter, the surfaces whose modifiers it names
+ * are not there.  Where the first name is a material's, and the ray is inside
+ * something made of the named ones, the cut shows that material.
+ * Source: Radiance's reference manual, "antimatter". */
+#ifndef RAD_SHADE_ANTIMATTER_H
+#define RAD_SHADE_ANTIMATTER_H
+
+#include "shade/material.h"
+
+int rad_antimatter_prepare(struct rad_job *job, int32_t index,
+                           const struct rad_files *files, const void **data,
+                           struct rad_error *err);
+bool rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                          struct rad_ray *r);
+
+/* Is the surface that r has met cut away?  Called where job->cut says that
+ * antimatter names its modifier. */
+bool rad_antimatter_hides(const struct rad_ctx *ctx, const struct rad_ray *r);
+
+#endif

@@ -1,0 +1,154 @@
+/* mirror.c - see mirror.h
+ *
+ * What a shadow ray brings from an image of a source, the mirror relays: it
+ * sends the ray on toward what it is the image of.  No other ray may count
+ * that light again; so where there is a material in the mirror's place,
+ * indirect rays on the mirror's front pass to it only if it is one to look
+ * through, as in Radiance. */
+#include "config.h"
+
+#include "shade/mirror.h"
+#include "base/vec.h"
+#include "light/source.h"
+
+#include <string.h>
+
+struct mirror {
+    struct rad_rgb color;
+    bool replaced;     /* there is a string argument; */
+    int32_t alternate; /* the modifier that it names, RAD_VOID: nothing */
+    bool see_through;  /* what it names is one to look through */
+};
+
+static int
+prepare_alternate(const struct rad_job *job, int32_t index, struct mirror *m,
+                  struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[index];
+    const struct rad_shader *shader;
+    int32_t mat;
+
+    m->alternate = RAD_VOID;
+    m->replaced = o->nstrings > 0;
+    if (!m->replaced || strcmp(o->strings[0], "void") == 0)
+        return 0;
+    m->alternate = rad_scene_find_modifier(scene, o->strings[0], index);
+    if (m->alternate == RAD_VOID)
+        return rad_scene_fail(scene, o, err, RAD_EDATA,
+                              "undefined modifier '%s'", o->strings[0]);
+    mat = rad_material_of(scene, m->alternate);
+    shader = mat == RAD_VOID ? NULL : job->materials[mat].shader;
+    m->see_through = !shader || shader->flags & RAD_MAT_TRANSPARENT;
+    return 0;
+}
+
+int
+rad_mirror_prepare(struct rad_job *job, int32_t index,
+                   const struct rad_files *files, const void **data,
+                   struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    int code = rad_material_reals(job, index, 3, 3, err);
+    struct mirror *m;
+
+    (void)files;
+    if (code < 0)
+        return code;
+    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
+    if (!m)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    m->color =
+        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    *data = m;
+    return prepare_alternate(job, index, m, err);
+}
+
+static void
+reflect(double dir[3], const struct rad_ray *r, double cosine,
+        const double norm[3])
+{
+    rad_madd(dir, r->dir, 2 * cosine, norm);
+}
+
+/* Send a shadow ray on to source `next`, which the mirror shows. */
+static void
+relay(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r,
+      int32_t next)
+{
+    struct rad_ray lr;
+
+    if (!rad_ray_spawn(ctx, &lr, RAD_RAY_REFLECTED, r, coef,
+                       RAD_BRANCH_REFLECT))
+        return;
+    reflect(lr.dir, r, r->cos_o, r->n); /* where a texture is cannot be aimed */
+    rad_normalize(lr.dir);
+    lr.source = next;
+    rad_source_aimed(ctx, &lr);
+    r->L = rad_rgb_mul(lr.L, lr.coef);
+}
+
+static void
+show(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r)
+{
+    bool plain = r->path & RAD_RAY_AMBIENT || !rad_ray_perturbed(r);
+    struct rad_ray lr;
+    double norm[3], cosine;
+
+    if (!rad_ray_spawn(ctx, &lr, RAD_RAY_REFLECTED, r, coef,
+                       RAD_BRANCH_REFLECT))
+        return;
+    reflect(lr.dir, r, r->cos_o, r->n);
+    if (!plain) {
+        double dir[3];
+
+        cosine = rad_ray_normal(r, norm);
+        reflect(dir, r, cosine, norm);
+        if (rad_dot(dir, r->n) > RAD_TINY) /* not into it */
+            rad_copy(lr.dir, dir);
+    }
+    rad_normalize(lr.dir);
+    rad_ray_trace(ctx, &lr);
+    r->L = r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
+    r->mirror_dist = r->hit.t;
+    if (plain && rad_ray_on_flat(ctx, r))
+        r->mirror_dist += rad_ray_distance(&lr);
+}
+
+bool
+rad_mirror_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                 struct rad_ray *r)
+{
+    const struct mirror *m = mat->data;
+    const struct rad_sources *s = ctx->job->sources;
+    int32_t next = -1; /* what it shows to a ray that looks for that here */
+    struct rad_rgb coef;
+
+    if (r->source >= 0 && rad_source_object(s, r->source) == r->hit.obj)
+        next = rad_source_shown(s, r->source);
+    if (m->replaced && next < 0) {
+        bool safe =
+            r->cos_o < 0 || !(r->path & (RAD_RAY_AMBIENT | RAD_RAY_SPECULAR));
+
+        if (m->alternate != RAD_VOID && (safe || m->see_through))
+            return rad_ray_shade(ctx, r, m->alternate);
+        if (m->alternate == RAD_VOID && safe) {
+            rad_ray_transmit(ctx, r);
+            return true;
+        }
+    }
+    if (r->source >= 0 && next < 0)
+        return true; /* it looks for something else */
+    if (r->cos_o < 0) {
+        if (!ctx->job->params.backvis)
+            rad_ray_transmit(ctx, r);
+        return true;
+    }
+    rad_ray_texture(ctx, r, mat->next);
+    coef = rad_rgb_mul(m->color, r->pattern);
+    if (next >= 0)
+        relay(ctx, &coef, r, next);
+    else
+        show(ctx, &coef, r);
+    return true;
+}

@@ -1,0 +1,188 @@
+/* check_antimatter.c - tests of src/shade/antimatter.c: holes in surfaces */
+#include "config.h"
+
+#include "world.h"
+
+#include <stdio.h>
+
+/* A wall at z = 0 that faces up, and a bright ground behind it. */
+#define WALL                                                                   \
+    "void glow bright 0 0 4 7 7 7 0\nbright ring ground 0 0 8 0 0 -5 0 0 1 0 " \
+    "99\nvoid plastic wall 0 0 5 .5 .5 .5 0 0\n"                               \
+    "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+
+static void
+near(double value, double truth)
+{
+    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
+}
+
+/* Length of the way down from (x, 0, 5). */
+static double
+depth(struct world *w, double x)
+{
+    struct rad_ray r;
+
+    world_ray(w, &r, x, 0, 5, 0, 0, -1);
+    rad_ray_trace(&w->ctx, &r);
+    return rad_ray_distance(&r);
+}
+
+START_TEST(hole_in_a_wall_lets_one_see_through)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void antimatter hole 2 void wall 0 0\n"
+                    "hole sphere s 0 0 4 0 0 0 1\n",
+               "-av 0 0 0");
+    near(world_see(&w, 0, 0, 5, 0, 0, -1).r, 7);
+    near(depth(&w, 0), 10);
+    near(depth(&w, .99), 10);
+    near(depth(&w, 1.01), 5);
+    ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, 0);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(names_that_are_not_there_cut_nothing)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void antimatter hole 2 void nobody 0 0\n"
+                    "hole sphere s 0 0 4 0 0 0 1\n",
+               "");
+    near(depth(&w, 0), 5);
+    world_close(&w);
+}
+END_TEST
+
+/* A lamp behind the wall shines through the hole, and only there. */
+START_TEST(light_falls_through_a_hole)
+{
+    static const double lit[3] = { 0, 0, -2 }, dark[3] = { 3, 0, -2 };
+    static const double up[3] = { 0, 0, 1 };
+    struct world w;
+    struct rad_ray r;
+
+    world_open(&w,
+               "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
+               "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+               "void antimatter hole 2 void wall 0 0\n"
+               "hole sphere s 0 0 4 0 0 0 1\n"
+               "void light l 0 0 3 100 100 100\nl sphere b 0 0 4 0 0 2 .01\n",
+               "");
+    rad_ray_irradiance(&w.ctx, &r, lit, up, 1);
+    near(r.L.r, M_PI * 100 * 1e-4 / 16);
+    rad_ray_irradiance(&w.ctx, &r, dark, up, 1);
+    ck_assert_double_eq(r.L.r, 0);
+    world_close(&w);
+}
+END_TEST
+
+/* A ball of radius 2 with a ball of radius 1 cut from its top: where the first
+ * name is its material, the cut is its surface; where it is void, the ball is
+ * hollow. */
+static const struct {
+    const char *names;
+    double depth;
+} cut[] = { { "1 ball", 4 }, { "2 void ball", 7 }, { "2 ball void", 4 } };
+
+START_TEST(cut_in_a_solid_shows_its_filling)
+{
+    char scene[512];
+    struct world w;
+
+    snprintf(scene, sizeof scene,
+             "void plastic ball 0 0 5 .5 .5 .5 0 0\n"
+             "ball sphere b 0 0 4 0 0 0 2\n"
+             "void antimatter a %s 0 0\na sphere s 0 0 4 0 0 2 1\n",
+             cut[_i].names);
+    world_open(&w, scene, "-av 1 1 1");
+    near(depth(&w, 0), cut[_i].depth);
+    near(depth(&w, 1.9), 5 - sqrt(4 - 1.9 * 1.9)); /* beside the cut */
+    near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .5);
+    world_close(&w);
+}
+END_TEST
+
+/* What reflects in the hole sends its ray back out of it: the wall is still cut
+ * away, and not where the ray has left the hole. */
+START_TEST(reflection_stays_on_its_side)
+{
+    struct world w;
+
+    world_open(&w,
+               "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
+               "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+               "wall polygon v 0 0 12 -9 9 3 9 9 3 9 -9 3 -9 -9 3\n"
+               "void metal mirror 0 0 5 1 1 1 1 0\n"
+               "mirror ring m 0 0 8 0 0 -.5 0 .6 .8 0 .3\n"
+               "void antimatter hole 2 void wall 0 0\n"
+               "hole sphere s 0 0 4 0 0 0 1\n",
+               "-av 1 1 1");
+    /* down through the hole, off the mirror, and up: w is cut away, v not */
+    near(world_see(&w, 0, 0, 2, 0, 0, -1).r, .5);
+    ck_assert_double_eq(world_see(&w, 0, 0, 2, 0, .8, -1.2).r, .5f);
+    world_close(&w);
+}
+END_TEST
+
+/* A hole in a hole: within the second the first is not there. */
+START_TEST(antimatter_may_be_cut_away)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void antimatter hole 2 void wall 0 0\n"
+                    "void antimatter plug 2 void hole 0 0\n"
+                    "hole cylinder s 0 0 7 0 0 -1 0 0 1 2\n"
+                    "hole ring top 0 0 8 0 0 1 0 0 1 0 2\n"
+                    "hole ring bottom 0 0 8 0 0 -1 0 0 -1 0 2\n"
+                    "plug sphere p 0 0 4 0 0 1 .5\n",
+               "");
+    near(depth(&w, 1), 10);
+    near(depth(&w, 0), 5);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(irradiance_of_the_eye_sees_no_antimatter)
+{
+    struct world w;
+
+    world_open(&w,
+               "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
+               "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+               "void antimatter hole 2 void other 0 0\n"
+               "hole sphere s 0 0 4 0 0 0 1\n",
+               "-i -av 1 1 1");
+    near(world_see(&w, 0, 0, 5, 0, 0, -1).r, M_PI);
+    near(depth(&w, 0), 5);
+    world_close(&w);
+}
+END_TEST
+
+static Suite *
+make_suite(void)
+{
+    Suite *s = suite_create("antimatter");
+    TCase *tc = tcase_create("antimatter");
+
+    tcase_add_test(tc, hole_in_a_wall_lets_one_see_through);
+    tcase_add_test(tc, names_that_are_not_there_cut_nothing);
+    tcase_add_test(tc, light_falls_through_a_hole);
+    tcase_add_loop_test(tc, cut_in_a_solid_shows_its_filling, 0, N_ELEM(cut));
+    tcase_add_test(tc, reflection_stays_on_its_side);
+    tcase_add_test(tc, antimatter_may_be_cut_away);
+    tcase_add_test(tc, irradiance_of_the_eye_sees_no_antimatter);
+    suite_add_tcase(s, tc);
+    return s;
+}
+
+int
+main(void)
+{
+    return unit_run(make_suite());
+}

@@ -1,0 +1,421 @@
+/* check_mirror.c - tests of src/shade/mirror.c and src/light/virtual.c: what
+ * mirrors show, and the light that they relay
+ *
+ * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,
+ * and so does its image, times the mirror's colour. */
+#include "config.h"
+
+#include "light/source.h"
+#include "world.h"
+
+#include <stdio.h>
+
+#define LAMP "void light lit 0 0 3 100 100 100\n"
+/* R = .01 at height 2 */
+#define BALL      LAMP "lit sphere ball 0 0 4 0 0 2 .01\n"
+#define BALL_FLUX (M_PI * 100 * 1e-4)
+
+/* Walls at x = 1 and x = -1 that face each other. */
+#define EAST "polygon east 0 0 12 1 -99 -99 1 -99 99 1 99 99 1 99 -99\n"
+#define WEST "polygon west 0 0 12 -1 99 -99 -1 99 99 -1 -99 99 -1 -99 -99\n"
+#define GOLD "void mirror gold 0 0 3 .8 .4 .2\n"
+#define GREY "void mirror grey 0 0 3 .5 .5 .5\n"
+
+/* A mirror where the light that reaches the origin meets it. */
+#define SMALL "polygon small 0 0 12 1 -1 .5 1 -1 1.5 1 1 1.5 1 1 .5\n"
+
+static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
+
+static struct rad_rgb
+irradiance(struct world *w, const double p[3], const double n[3])
+{
+    struct rad_ray r;
+
+    rad_ray_irradiance(&w->ctx, &r, p, n, 1);
+    return r.L;
+}
+
+/* At the origin, looking up. */
+static double
+light_of(const char *scene, const char *options)
+{
+    struct world w;
+    double E;
+
+    world_open(&w, scene, options);
+    E = irradiance(&w, origin, up).r;
+    world_close(&w);
+    return E;
+}
+
+static int32_t
+images_of(const char *scene, const char *options)
+{
+    struct world w;
+    int32_t n;
+
+    world_open(&w, scene, options);
+    n = rad_sources_targets(w.job->sources) - rad_sources_count(w.job->sources);
+    world_close(&w);
+    return n;
+}
+
+/* Of the ball or its image, x to the side of the origin. */
+static double
+from_ball(double x)
+{
+    double d2 = x * x + 4;
+
+    return BALL_FLUX / d2 * 2 / sqrt(d2);
+}
+
+static void
+near(double value, double truth)
+{
+    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
+}
+
+static const char *const pretest[] = { "-dp 0", "-dp 512" };
+
+START_TEST(wall_doubles_a_lamp_in_its_colour)
+{
+    struct rad_rgb E;
+    struct world w;
+
+    world_open(&w, BALL GOLD "gold " EAST, pretest[_i]);
+    E = irradiance(&w, origin, up);
+    near(E.r, from_ball(0) + .8 * from_ball(2));
+    near(E.g, from_ball(0) + .4 * from_ball(2));
+    near(E.b, from_ball(0) + .2 * from_ball(2));
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(no_relay_no_image)
+{
+    near(light_of(BALL GOLD "gold " EAST, "-dr 0"), from_ball(0));
+    ck_assert_int_eq(images_of(BALL GOLD "gold " EAST, "-dr 0"), 0);
+    ck_assert_int_eq(
+        images_of(BALL "void metal m 0 0 5 1 1 1 1 0 m " EAST, "-dr 9"), 0);
+}
+END_TEST
+
+/* Images stand at x = 2, 4, 6, ... on both sides. */
+START_TEST(facing_mirrors_relay_as_often_as_told)
+{
+    const char *scene = BALL GOLD GREY "gold " EAST "grey " WEST;
+    double truth = from_ball(0), gold = 1, grey = 1;
+    char options[64];
+
+    for (int n = 0; n <= 4; n++) {
+        if (n > 0) { /* the last mirror on the way is on the image's side */
+            gold *= n % 2 ? .8 : .5;
+            grey *= n % 2 ? .5 : .8;
+            truth += (gold + grey) * from_ball(2. * n);
+        }
+        snprintf(options, sizeof options, "-dr %d %s", n, pretest[_i]);
+        near(light_of(scene, options), truth);
+        ck_assert_int_eq(images_of(scene, options), 2 * n);
+    }
+}
+END_TEST
+
+/* Each blocker, beside the straight way down, and what is left of the image. */
+static const struct {
+    const char *what;
+    double share;
+} blocker[] = {
+    /* between the floor and the mirror, which the light leaves at z = 1 */
+    { "void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 .5 0 .5 .1", 0 },
+    /* between the mirror and the lamp */
+    { "void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 .5 0 1.5 .1", 0 },
+    { "void light p 0 0 3 0 0 0\np sphere s 0 0 4 .5 0 1.5 .1", 0 },
+    /* beyond both */
+    { "void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 .5 0 2.5 .1", 1 },
+    { "void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 1.5 0 .5 .1", 1 },
+    /* what lets light through, in each place */
+    { "void antimatter p 1 void 0 0\np sphere s 0 0 4 .5 0 .5 .1", 1 },
+    { "void antimatter p 1 void 0 0\np sphere s 0 0 4 .5 0 1.5 .1", 1 },
+    { "void antimatter p 1 void 0 0\np sphere s 0 0 4 1 0 1 .3", 1 },
+    /* half of the light straight on, twice */
+    { "void trans p 0 0 7 1 1 1 0 0 .5 1\np sphere s 0 0 4 .5 0 .5 .1", .25 },
+    { "void trans p 0 0 7 1 1 1 0 0 .5 1\np sphere s 0 0 4 .5 0 1.5 .1", .25 },
+};
+
+START_TEST(image_is_shaded_on_each_stretch)
+{
+    char scene[1024];
+
+    snprintf(scene, sizeof scene, "%s%s\n", BALL GOLD "gold " SMALL,
+             blocker[_i].what);
+    for (int i = 0; i < N_ELEM(pretest); i++)
+        near(light_of(scene, pretest[i]),
+             from_ball(0) + .8 * blocker[_i].share * from_ball(2));
+}
+END_TEST
+
+/* A box about the lamp, open below. */
+START_TEST(pretest_drops_what_never_arrives)
+{
+    const char *scene =
+        BALL GOLD "gold " SMALL "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+                  "p tube shade 0 0 7 0 0 1.5 0 0 3 .1\n";
+
+    ck_assert_int_eq(images_of(scene, "-dp 512"), 0);
+    ck_assert_int_eq(images_of(scene, "-dp 0"), 1);
+    near(light_of(scene, "-dp 512"), from_ball(0));
+    near(light_of(scene, "-dp 0"), from_ball(0));
+}
+END_TEST
+
+/* Where all of the image was found in view, only the stretch to the mirror is
+ * tested. */
+START_TEST(pretest_saves_rays)
+{
+    uint64_t rays[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct world w;
+
+        world_open(&w, BALL GOLD "gold " EAST, pretest[i]);
+        irradiance(&w, origin, up);
+        rays[i] = w.ctx.counts.shadow_rays;
+        world_close(&w);
+    }
+    ck_assert_uint_eq(rays[0], 3);
+    ck_assert_uint_eq(rays[1], 2);
+}
+END_TEST
+
+/* Behind the mirror there is no image, and before its edge it ends. */
+START_TEST(image_is_seen_in_the_mirror_alone)
+{
+    static const double behind[3] = { 1.5, 0, 0 }, off[3] = { 0, 0, -1 };
+    struct world w;
+
+    world_open(&w, BALL GOLD "gold " EAST, "-bv-");
+    ck_assert_double_eq(irradiance(&w, behind, up).r, 0);
+    world_close(&w);
+    world_open(&w, BALL GOLD "gold " SMALL, "");
+    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(&w, off, up).r,
+         BALL_FLUX / 9 + .8 * BALL_FLUX / 13 * 3 / sqrt(13));
+    world_close(&w);
+    world_open(
+        &w, BALL GOLD "gold polygon m 0 0 12 1 -1 .9 1 -1 1.1 1 1 1.1 1 1 .9\n",
+        "");
+    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(&w, off, up).r, BALL_FLUX / 9); /* it would be at .5 */
+    world_close(&w);
+}
+END_TEST
+
+/* The sun, 30 degrees from the zenith, off a mirror on the floor. */
+START_TEST(distant_light_is_relayed)
+{
+    static const double down[3] = { 0, 0, -1 }, p[3] = { 0, 0, 3 };
+    const char *scene = "void light sun 0 0 3 1e4 1e4 1e4\n"
+                        "sun source s 0 0 4 0 .5 .8660254 .5\n" GOLD
+                        "gold ring m 0 0 8 0 0 0 0 0 1 0 50\n";
+    double omega = 2 * M_PI * (1 - cos(M_PI / 720));
+    struct world w;
+
+    world_open(&w, scene, pretest[_i]);
+    near(irradiance(&w, p, down).r, .8 * 1e4 * omega * .8660254);
+    near(irradiance(&w, p, up).r, 1e4 * omega * .8660254);
+    world_close(&w);
+}
+END_TEST
+
+/* A panel that shines at the wall alone lights the floor as its image would,
+ * in as many parts, and a spotlight too. */
+static const struct {
+    const char *lamp, *image;
+} pair[] = {
+    { "polygon l 0 0 9 0 -.3 2 0 .3 2 0 0 2.9",
+      "polygon l 0 0 9 2 0 2.9 2 .3 2 2 -.3 2" },
+    { "polygon l 0 0 12 0 -.3 2 0 .3 2 0 .3 2.9 0 -.3 2.9",
+      "polygon l 0 0 12 2 -.3 2.9 2 .3 2.9 2 .3 2 2 -.3 2" },
+    { "ring l 0 0 8 0 0 2 1 0 0 0 .5", "ring l 0 0 8 2 0 2 -1 0 0 0 .5" },
+    { "cylinder l 0 0 7 0 0 2 .5 0 2.2 .1",
+      "cylinder l 0 0 7 2 0 2 1.5 0 2.2 .1" },
+};
+
+START_TEST(image_lights_as_the_lamp_itself_would)
+{
+    static const double p[3] = { -.5, .2, 0 };
+    bool flat = pair[_i].lamp[0] != 'c';
+    char scene[512];
+    struct world w;
+    double real, seen;
+
+    snprintf(scene, sizeof scene, LAMP "lit %s\n", pair[_i].image);
+    world_open(&w, scene, "-ds .1 -dj 0");
+    real = irradiance(&w, p, up).r;
+    world_close(&w);
+    ck_assert_double_gt(real, 0);
+    snprintf(scene, sizeof scene,
+             LAMP "lit %s\nvoid mirror m 0 0 3 1 1 1\nm " EAST, pair[_i].lamp);
+    world_open(&w, scene, "-ds .1 -dj 0");
+    seen = irradiance(&w, p, up).r;
+    world_close(&w);
+    if (!flat) { /* it shines on p itself as well */
+        snprintf(scene, sizeof scene, LAMP "lit %s\n", pair[_i].lamp);
+        world_open(&w, scene, "-ds .1 -dj 0");
+        real += irradiance(&w, p, up).r;
+        world_close(&w);
+    }
+    near(seen, real);
+}
+END_TEST
+
+/* A cone of 60 degrees toward the wall, which meets the floor from x = -1.46
+ * beyond it on: the origin is in the dark, -2.5 is not. */
+START_TEST(spotlight_stays_in_its_mirrored_cone)
+{
+    const char *scene = "void spotlight spot 0 0 7 100 100 100 60 1 0 0\n"
+                        "spot ring l 0 0 8 0 0 2 1 0 0 0 .01\n"
+                        "void mirror m 0 0 3 1 1 1\nm " EAST;
+    static const double lit[3] = { -2.5, 0, 0 };
+    double d = sqrt(4.5 * 4.5 + 4), E;
+    struct world w;
+
+    world_open(&w, scene, pretest[_i]);
+    ck_assert_double_eq(irradiance(&w, origin, up).r, 0);
+    /* area cos / (d + focal length)^2, the focus 1 behind the lamp */
+    E = 100 * M_PI * 1e-4 * (4.5 / d) / ((d + 1) * (d + 1)) * (2 / d);
+    ck_assert_double_eq_tol(irradiance(&w, lit, up).r, E, 1e-4 * E);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(glow_reaches_by_way_of_mirrors)
+{
+    const char *form = "void glow g 0 0 4 100 100 100 %g\n"
+                       "g sphere ball 0 0 4 0 0 2 .01\n"
+                       "void mirror m 0 0 3 .8 .8 .8\nm " EAST;
+    char scene[512];
+
+    snprintf(scene, sizeof scene, form, 2.9); /* the image is at 2.83 */
+    near(light_of(scene, ""), from_ball(0) + .8 * from_ball(2));
+    snprintf(scene, sizeof scene, form, 2.8);
+    near(light_of(scene, ""), from_ball(0));
+}
+END_TEST
+
+/* What the eye sees is the other material, lit by lamp, not mirror. */
+START_TEST(another_material_in_its_place_still_relays)
+{
+    struct rad_rgb L;
+    struct world w;
+
+    world_open(&w,
+               BALL "void plastic red 0 0 5 .5 0 0 0 0\n"
+                    "void mirror m 1 red 0 3 .8 .8 .8\nm " EAST,
+               "");
+    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    L = world_see(&w, 0, 1, 2, 1, -1, -1);
+    near(L.r, .5 / M_PI * BALL_FLUX / 2 / sqrt(2));
+    ck_assert_double_eq(L.g, 0);
+    world_close(&w);
+    /* nothing in its place: one sees what is behind it */
+    world_open(&w,
+               BALL "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 9 0 0 1\n"
+                    "void mirror m 1 void 0 3 .8 .8 .8\nm " EAST,
+               "");
+    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(world_see(&w, 0, 0, 0, 1, 0, 0).r, 7);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(illum_may_be_a_mirror)
+{
+    const char *scene = BALL "void mirror m 0 0 3 .8 .8 .8\n"
+                             "void illum i 1 m 0 3 0 0 0\ni " EAST;
+
+    for (int i = 0; i < N_ELEM(pretest); i++)
+        near(light_of(scene, pretest[i]), from_ball(0) + .8 * from_ball(2));
+}
+END_TEST
+
+START_TEST(mirror_shows_what_is_before_it)
+{
+    struct rad_ray r;
+    struct world w;
+
+    world_open(&w,
+               "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 -9 0 0 1\n" GOLD
+               "gold " EAST,
+               "");
+    world_ray(&w, &r, 0, 0, 0, 1, 0, 0);
+    rad_ray_trace(&w.ctx, &r);
+    near(r.L.r, 7 * .8);
+    near(r.L.b, 7 * .2);
+    near(rad_ray_distance(&r), 1 + 1 + 8); /* an image is as far as its way */
+    world_ray(&w, &r, 2, 0, 0, -1, 0, 0);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq(r.L.r, 0); /* black behind, */
+    world_close(&w);
+    world_open(&w,
+               "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 -9 0 0 1\n" GOLD
+               "gold " EAST,
+               "-bv-");
+    near(world_see(&w, 2, 0, 0, -1, 0, 0).r, 7); /* or not there */
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(scale_changes_nothing)
+{
+    static const double scale[] = { 1e-6, 1, 1e6 };
+    double s = scale[_i], a = 99 * s;
+    char scene[512];
+
+    snprintf(scene, sizeof scene,
+             LAMP "lit sphere ball 0 0 4 0 0 %.17g %.17g\n" GOLD
+                  "gold polygon m 0 0 12 %.17g %.17g %.17g %.17g %.17g %.17g "
+                  "%.17g %.17g %.17g %.17g %.17g %.17g\n",
+             2 * s, .01 * s, s, -a, -a, s, -a, a, s, a, a, s, a, -a);
+    for (int i = 0; i < N_ELEM(pretest); i++)
+        near(light_of(scene, pretest[i]), from_ball(0) + .8 * from_ball(2));
+}
+END_TEST
+
+static Suite *
+make_suite(void)
+{
+    Suite *s = suite_create("mirror");
+    TCase *tc = tcase_create("relayed light");
+
+    tcase_add_loop_test(tc, wall_doubles_a_lamp_in_its_colour, 0,
+                        N_ELEM(pretest));
+    tcase_add_test(tc, no_relay_no_image);
+    tcase_add_loop_test(tc, facing_mirrors_relay_as_often_as_told, 0,
+                        N_ELEM(pretest));
+    tcase_add_loop_test(tc, image_is_shaded_on_each_stretch, 0,
+                        N_ELEM(blocker));
+    tcase_add_test(tc, pretest_drops_what_never_arrives);
+    tcase_add_test(tc, pretest_saves_rays);
+    tcase_add_test(tc, image_is_seen_in_the_mirror_alone);
+    tcase_add_loop_test(tc, distant_light_is_relayed, 0, N_ELEM(pretest));
+    tcase_add_loop_test(tc, image_lights_as_the_lamp_itself_would, 0,
+                        N_ELEM(pair));
+    tcase_add_loop_test(tc, spotlight_stays_in_its_mirrored_cone, 0,
+                        N_ELEM(pretest));
+    tcase_add_test(tc, glow_reaches_by_way_of_mirrors);
+    tcase_add_test(tc, another_material_in_its_place_still_relays);
+    tcase_add_test(tc, illum_may_be_a_mirror);
+    tcase_add_loop_test(tc, scale_changes_nothing, 0, 3);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("material");
+    tcase_add_test(tc, mirror_shows_what_is_before_it);
+    suite_add_tcase(s, tc);
+    return s;
+}
+
+int
+main(void)
+{
+    return unit_run(make_suite());
+}
