@@ -494,6 +494,11 @@ handshake(struct link *l, enum msg_role role, struct rad_error *err)
         return rad_fail(err, link_code(m->refuse.status),
                         "the coordinator at '%s' refuses: %s", l->name,
                         m->refuse.text);
+    if (m->welcome.version != MSG_VERSION)
+        return rad_fail(err, RAD_EPROTO,
+                        "the coordinator at '%s' speaks protocol version %u, "
+                        "not %u",
+                        l->name, m->welcome.version, MSG_VERSION);
     l->epoch = m->welcome.epoch;
     l->reader.session = MSG_AT_CLIENT;
     l->welcome = true;

@@ -384,6 +384,13 @@ forget_epoch(struct worker *w, uint64_t epoch)
 static void
 on_welcome(struct worker *w, const struct msg *m)
 {
+    if (m->welcome.version != MSG_VERSION) {
+        actions_log(&w->actions, ACT_ERR,
+                    "the coordinator speaks protocol version %u, not %u",
+                    m->welcome.version, MSG_VERSION);
+        stop(w, EX_PROTOCOL, "the coordinator speaks another version");
+        return;
+    }
     forget_epoch(w, m->welcome.epoch);
     w->welcome = true;
     w->welcome_ms = w->now_ms;

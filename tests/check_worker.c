@@ -461,6 +461,40 @@ START_TEST(a_refusal_ends_it_with_the_status)
 }
 END_TEST
 
+START_TEST(it_ends_when_welcomed_in_another_version)
+{
+    struct msg m = { .type = MSG_WELCOME, .welcome = { 9, 1, "radcoord" } };
+
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    hear(f.coord, &m);
+    ck_assert(f.stopped);
+    ck_assert_int_eq(f.status, 76);
+    ck_assert(!worker_connected(f.w));
+}
+END_TEST
+
+START_TEST(results_for_an_earlier_coordinator_are_forgotten)
+{
+    struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 2, "radcoord" } };
+
+    start_job();
+    child_ready();
+    unit(3);
+    rows(3, 0);
+    rows(3, 2);
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    hear(f.coord, &m);
+    clear();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 0);
+    ck_assert_int_eq(said(f.coord, MSG_READY), 1);
+}
+END_TEST
+
 START_TEST(it_leaves_when_the_coordinator_lets_it_go)
 {
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
@@ -520,6 +554,8 @@ main(void)
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_refusal_ends_it_with_the_status);
+    tcase_add_test(tc, it_ends_when_welcomed_in_another_version);
+    tcase_add_test(tc, results_for_an_earlier_coordinator_are_forgotten);
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
     suite_add_tcase(s, tc);
