@@ -236,8 +236,17 @@ picture_done(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
     settled(r);
 }
 
+static void
+chunk_done(void *arg)
+{
+    struct radcoord *r = arg;
+
+    shell_store_progress(&r->shell);
+}
+
 static const struct store_handler store_handler = { file_done, job_done,
-                                                    rows_done, picture_done };
+                                                    rows_done, picture_done,
+                                                    chunk_done };
 
 static bool
 has_file(void *arg, const uint8_t hash[MSG_HASH])

@@ -244,7 +244,16 @@ file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
     shell_store_progress(&r->shell);
 }
 
-static const struct store_handler store_handler = { .file = file_done };
+static void
+chunk_done(void *arg)
+{
+    struct radd *r = arg;
+
+    shell_store_progress(&r->shell);
+}
+
+static const struct store_handler store_handler = { .file = file_done,
+                                                    .progress = chunk_done };
 
 static bool
 has_file(void *arg, const uint8_t hash[MSG_HASH])

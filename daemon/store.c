@@ -185,6 +185,8 @@ chunk_done(struct task *t)
         note_file(s, c->hash);
     if (t->code != 0)
         s->handler->file(s->arg, c->conn, c->hash, status_of(t), failure(t));
+    else if (s->handler->progress)
+        s->handler->progress(s->arg);
     free(c);
 }
 

@@ -31,6 +31,9 @@ struct store_handler {
                  const char *text);
     void (*picture)(void *arg, const uint8_t job[MSG_JOB], uint32_t frame,
                     int status, const char *text);
+    /* Part of a file is written and store_backlog() smaller, with none of the
+     * above to be told; may be NULL. */
+    void (*progress)(void *arg);
 };
 
 /* What can be read back: a file by its hash, or a job's picture. */
