@@ -272,6 +272,7 @@ END_TEST
 
 struct heard {
     int files, jobs, rows, pictures, status;
+    int chunks; /* written, of files not yet whole */
     uint32_t unit;
     ssize_t n;
     uint64_t size;
@@ -333,8 +334,16 @@ on_read(void *arg, ssize_t n, uint64_t size, const char *text)
     h->size = size;
 }
 
+static void
+on_progress(void *arg)
+{
+    struct heard *h = arg;
+
+    h->chunks++;
+}
+
 static const struct store_handler handler = { on_file, on_job, on_rows,
-                                              on_picture };
+                                              on_picture, on_progress };
 
 static void
 run(uv_loop_t *loop, struct store *s)
@@ -377,6 +386,42 @@ START_TEST(store_keeps_files_and_refuses_impostors)
     run(&loop, s);
     ck_assert_int_eq(h.files, 2);
     ck_assert_int_eq(h.status, 76);
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+END_TEST
+
+START_TEST(store_tells_of_every_chunk)
+{
+    static const char text[] = "in three parts";
+    struct heard h = { 0 };
+    uint8_t digest[MSG_HASH];
+    char hex[RAD_SHA_HEX + 1];
+    uv_loop_t loop;
+    struct store *s;
+
+    hash_of(text, strlen(text), hex);
+    for (int i = 0; i < MSG_HASH; i++)
+        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    for (size_t at = 0, n; at < strlen(text); at += n) {
+        struct msg_chunk c = { .hash = digest, .offset = at };
+
+        n = strlen(text) - at < 5 ? strlen(text) - at : 5;
+        c.total = strlen(text);
+        c.data = (const uint8_t *)text + at;
+        c.len = n;
+        store_put_chunk(s, 5, &c);
+        ck_assert_uint_ge(store_backlog(s), n);
+        run(&loop, s);
+        ck_assert_uint_eq(store_backlog(s), 0);
+        ck_assert_int_eq(h.chunks + h.files, (int)(at / 5) + 1);
+    }
+    ck_assert_int_eq(h.chunks, 2);
+    ck_assert_int_eq(h.files, 1);
+    ck_assert_int_eq(h.status, 0);
     store_close(s);
     ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
@@ -608,6 +653,7 @@ main(void)
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
+    tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
     tcase_add_test(tc, folder_serves_one_store);
     tcase_add_test(tc, jobs_of_an_earlier_life_go_and_files_stay);
