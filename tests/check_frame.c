@@ -147,6 +147,28 @@ START_TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
 }
 END_TEST
 
+/* No sample meets it, and what is painted for it is infinite. */
+START_TEST(painted_sources_that_are_no_numbers_count_too)
+{
+    static const char dot[] = "void light hot 0 0 3 1e39 1 1\n"
+                              "hot sphere p 0 0 4 .22 .52 0 .001\n";
+    struct rad_params p = params(10, 1);
+    struct rad_pixel *whole;
+    struct stage s;
+
+    p.pixjitter = 0;
+    stage_init(&s, dot, p,
+               "VIEW= -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1",
+               false);
+    whole = render_all(&s);
+    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 1);
+    ck_assert_int_eq(s.ctx.counts.nan_x, 2);
+    ck_assert_int_eq(s.ctx.counts.nan_y, 4);
+    free(whole);
+    stage_release(&s);
+}
+END_TEST
+
 START_TEST(sampled_windows_repeat_themselves_in_any_order)
 {
     static const struct rad_window w[] = { { 0, 0, 31, 17 },
@@ -362,6 +384,7 @@ main(void)
     tcase_add_test(tc, windows_make_the_whole_with_every_pixel_traced);
     tcase_add_test(tc,
                    pixels_that_are_no_numbers_are_black_and_the_first_is_kept);
+    tcase_add_test(tc, painted_sources_that_are_no_numbers_count_too);
     tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
     tcase_add_test(tc, seed_and_frame_move_the_jitter);
     tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);

@@ -70,16 +70,6 @@ aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
     return aft >= 0;
 }
 
-static void
-count_nan(struct rad_counts *c, int x, int y)
-{
-    if (c->nan_pixels++ == 0 || y < c->nan_y ||
-        (y == c->nan_y && x < c->nan_x)) {
-        c->nan_x = x;
-        c->nan_y = y;
-    }
-}
-
 void
 rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
                 struct rad_pixel *out)
@@ -95,7 +85,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     ctx->counts.primary_rays++;
     rad_ray_trace(ctx, &r);
     if (ctx->counts.unsound_rays != unsound)
-        count_nan(&ctx->counts, x, y);
+        rad_counts_nan(&ctx->counts, x, y);
     out->L = r.L;
     if (f->depth)
         out->z = (float)rad_ray_distance(&r);

@@ -313,6 +313,7 @@ rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
               struct rad_ctx *ctx, int x0, int x1, int y, struct rad_pixel *row)
 {
     int up = canvas->height - 1 - y;
+    uint64_t unsound = ctx->counts.unsound_rays;
 
     for (int32_t i = 0; i < p->n; i++) {
         const struct rad_paint_source *s = &p->list[i];
@@ -332,6 +333,9 @@ rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
                 continue;
             key = rad_key_branch(key, BRANCH_PAINT + (uint32_t)i);
             L = look(canvas, ctx, s->source, key, centre, &dist);
+            if (ctx->counts.unsound_rays != unsound)
+                rad_counts_nan(&ctx->counts, x, y);
+            unsound = ctx->counts.unsound_rays;
             if (!rad_rgb_black(L))
                 cover(&row[x - x0], L, dist, w, canvas->depth);
         }

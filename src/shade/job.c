@@ -122,6 +122,16 @@ rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
 }
 
 void
+rad_counts_nan(struct rad_counts *c, int x, int y)
+{
+    if (c->nan_pixels++ == 0 || y < c->nan_y ||
+        (y == c->nan_y && x < c->nan_x)) {
+        c->nan_x = x;
+        c->nan_y = y;
+    }
+}
+
+void
 rad_ctx_release(struct rad_ctx *ctx)
 {
     rad_arena_release(&ctx->scratch);

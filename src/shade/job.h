@@ -56,6 +56,10 @@ struct rad_counts {
     struct rad_geom_counts geom;
 };
 
+/* Unsound rays touched the pixel at column x and row y of the picture: by
+ * its sample, or by a small source painted into it, which count apart. */
+void rad_counts_nan(struct rad_counts *c, int x, int y);
+
 /* What one thread needs to trace rays.  Not shared. */
 struct rad_ctx {
     const struct rad_job *job;
