@@ -16,6 +16,7 @@ os.execv(sys.argv[1], sys.argv[1:])' "$@"
 # A picture that takes minutes: every pixel, many samples of the lamp.
 start()
 {
+    : >stderr # what an earlier one said is no sign of this one
     interruptible "$radsubmit" --local --workers=2 --threads=1 \
         --progress=always -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 \
         -ds .02 -dj 1 -o out.hdr "$scenes/room.rad" 2>stderr &
