@@ -17,7 +17,7 @@
  * the end of the way (rad_source_aimed).  It is tested stretch by stretch.  */
 #include "config.h"
 
-#include "light/virtual.h"
+#include "light/sources.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -135,7 +135,7 @@ meet_target(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
     span->tmax = INFINITY;
     if (is_distant(s, source))
         return true;
-    if (!rad_geom_hit_object(ctx->job->geom, rad_source_object(s, source), span,
+    if (!rad_geom_hit_object(ctx->job->geom, rad_source_target(s, source), span,
                              hit, &ctx->counts.geom))
         return false;
     double cosine = fabs(rad_dot(hit->n, dir));
@@ -236,17 +236,17 @@ weigh(void *arg, const struct rad_light_sample *s)
         d->n++;
 }
 
-/* The way to p's source is clear; where that is an image, is it so behind the
- * mirror too?  False: no light arrives.  Sets p->val to what does. */
+/* The way to the image that p aims at is clear; is it so behind the mirror?
+ * False: no light arrives.  Sets p->val to what does. */
 static bool
-see_beyond(const struct direct *d, struct potential *p)
+see_in_mirror(const struct direct *d, struct potential *p)
 {
     const struct rad_sources *s = d->ctx->job->sources;
     struct rad_span span;
     struct rad_hit hit;
     struct rad_ray sr;
 
-    if (p->source < s->n || s->virtuals[p->source - s->n].sure)
+    if (s->virtuals[p->source - s->n].sure)
         return true;
     if (!meet_target(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit) ||
         !start_ray(d, p, &sr))
@@ -254,6 +254,13 @@ see_beyond(const struct direct *d, struct potential *p)
     shade_target(d->ctx, &sr, &hit);
     p->val = rad_rgb_mul(sr.L, p->coef);
     return rad_rgb_lum(p->val) > 0;
+}
+
+/* The same for p's source, image or not. */
+static bool
+see_beyond(const struct direct *d, struct potential *p)
+{
+    return p->source < d->ctx->job->sources->n || see_in_mirror(d, p);
 }
 
 /* Follow the shadow ray of p through what is not opaque; false: no light
@@ -266,7 +273,7 @@ see_through(const struct direct *d, struct potential *p)
     struct rad_ray sr;
 
     if (!rad_geom_nearest(job->geom, &p->span, &hit, &d->ctx->counts.geom) ||
-        hit.obj == rad_source_object(job->sources, p->source))
+        hit.obj == rad_source_target(job->sources, p->source))
         return see_beyond(d, p);
     if (!start_ray(d, p, &sr))
         return false;
@@ -288,7 +295,7 @@ test(const struct direct *d, struct potential *p)
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
     switch (rad_geom_sight(job->geom, &p->span,
-                           rad_source_object(job->sources, p->source),
+                           rad_source_target(job->sources, p->source),
                            &ctx->last_blocker[p->source], &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
@@ -305,7 +312,7 @@ static bool
 is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
 {
     const struct rad_job *job = ctx->job;
-    int32_t target = rad_source_object(job->sources, r->source);
+    int32_t target = rad_source_target(job->sources, r->source);
     struct rad_hit hit;
 
     ctx->counts.rays++;

@@ -5,7 +5,7 @@
  * of them a point sees in shadow.c.  */
 #include "config.h"
 
-#include "light/virtual.h"
+#include "light/sources.h"
 #include "base/vec.h"
 #include "shade/emitter.h"
 
@@ -118,7 +118,7 @@ rad_sources_count(const struct rad_sources *s)
 int32_t
 rad_source_object(const struct rad_sources *s, int32_t i)
 {
-    return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
+    return rad_source_target(s, i);
 }
 
 int32_t

@@ -4,8 +4,7 @@
 
 #include "light/sample.h"
 #include "light/source.h"
-
-struct rad_virtual;
+#include "light/virtual.h"
 
 struct rad_sources {
     struct rad_source *list;
@@ -16,5 +15,12 @@ struct rad_sources {
     struct rad_virtual *virtuals; /* source i >= n is virtuals[i - n] */
     int32_t nvirtuals;
 };
+
+/* rad_source_object(), for each shadow ray. */
+static inline int32_t
+rad_source_target(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
+}
 
 #endif

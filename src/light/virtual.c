@@ -8,6 +8,7 @@
 #include "config.h"
 
 #include "light/virtual.h"
+#include "light/sources.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "shade/emitter.h"

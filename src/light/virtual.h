@@ -10,7 +10,8 @@
 #ifndef RAD_LIGHT_VIRTUAL_H
 #define RAD_LIGHT_VIRTUAL_H
 
-#include "light/sources.h"
+#include "light/sample.h"
+#include "light/source.h"
 
 /* Images of all real sources in all mirrors at most. */
 #define RAD_MAX_VIRTUALS 1000000

@@ -68,12 +68,12 @@ goes_through(const struct rad_ray *child)
     return !(child->kind & RAD_RAY_REFL);
 }
 
-bool
-rad_antimatter_hides(const struct rad_ctx *ctx, const struct rad_ray *r)
+/* Is r where antimatter cuts away what the modifier applies to? */
+static bool
+is_within(const struct rad_job *job, const struct rad_ray *r, int32_t modifier)
 {
-    const struct rad_job *job = ctx->job;
     const struct rad_object *objects = job->scene->objects;
-    int32_t modifier = objects[r->hit.obj].modifier, m;
+    int32_t m;
 
     for (; r->parent; r = r->parent) {
         const struct rad_ray *p = r->parent;
@@ -87,6 +87,20 @@ rad_antimatter_hides(const struct rad_ctx *ctx, const struct rad_ray *r)
             return rad_dot(p->dir, p->hit.n) < 0; /* it went in */
     }
     return false;
+}
+
+bool
+rad_antimatter_hides(const struct rad_ctx *ctx, struct rad_ray *r)
+{
+    const struct rad_job *job = ctx->job;
+    int32_t modifier = job->scene->objects[r->hit.obj].modifier;
+
+    r->kind &= (uint16_t)~RAD_RAY_CUT;
+    if (modifier == RAD_VOID || !job->cut[modifier] ||
+        !is_within(job, r, modifier))
+        return false;
+    r->kind |= RAD_RAY_CUT;
+    return true;
 }
 
 /* How many surfaces of the named modifiers is r inside? */

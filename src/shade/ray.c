@@ -181,14 +181,8 @@ rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
     const struct rad_job *job = ctx->job;
     int32_t mod = job->scene->objects[r->hit.obj].modifier;
 
-    if (job->cut && mod != RAD_VOID) {
-        r->kind &= (uint16_t)~RAD_RAY_CUT;
-        if (job->cut[mod] && rad_antimatter_hides(ctx, r)) {
-            r->kind |= RAD_RAY_CUT;
-            mod = RAD_VOID;
-        }
-    }
-    if (!rad_ray_shade(ctx, r, mod))
+    if ((job->cut && rad_antimatter_hides(ctx, r)) ||
+        !rad_ray_shade(ctx, r, mod))
         rad_ray_transmit(ctx, r);
 }
 
