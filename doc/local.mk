@@ -6,4 +6,5 @@ dist_doc_DATA = \
 	README.md \
 	doc/accuracy.md \
 	doc/architecture.md \
+	doc/performance.md \
 	doc/protocol.md
