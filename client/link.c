@@ -237,8 +237,10 @@ int
 link_send(struct link *l, const struct msg *m, struct rad_error *err)
 {
     int rc = l->failed ? lost(l, err) : queue(l, m, err);
+    int wake = *l->where.wake;
 
-    while (rc == 0 &&
+    /* an interrupt leaves the message queued and the caller to decide */
+    while (rc == 0 && *l->where.wake == wake &&
            uv_stream_get_write_queue_size(&l->s.stream) > QUEUE_MARK) {
         l->done = false;
         wait_for(l, -1);
