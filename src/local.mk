@@ -14,6 +14,8 @@ librad_a_SOURCES = \
 	src/base/sha.c \
 	src/base/sha.h \
 	src/base/vec.h \
+	src/base/xform.c \
+	src/base/xform.h \
 	src/geom/bvh.c \
 	src/geom/bvh.h \
 	src/geom/cone.c \
@@ -80,6 +82,13 @@ librad_a_SOURCES = \
 	src/picture/view.h \
 	src/scene/bundle.c \
 	src/scene/bundle.h \
+	src/scene/calc.c \
+	src/scene/calc.h \
+	src/scene/calceval.c \
+	src/scene/calcimpl.h \
+	src/scene/calcinit.c \
+	src/scene/calclib.c \
+	src/scene/calcparse.c \
 	src/scene/check.c \
 	src/scene/font.c \
 	src/scene/font.h \

@@ -12,6 +12,7 @@ UNIT_TESTS = \
 	tests/check_base \
 	tests/check_bundle \
 	tests/check_bvh \
+	tests/check_calc \
 	tests/check_client \
 	tests/check_compile \
 	tests/check_conf \
@@ -71,6 +72,10 @@ tests_check_bundle_LDADD = $(UNIT_LIBS)
 tests_check_bvh_SOURCES = tests/check_bvh.c tests/geom_scene.h tests/unit.h
 tests_check_bvh_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_bvh_LDADD = $(UNIT_LIBS)
+
+tests_check_calc_SOURCES = tests/check_calc.c tests/unit.h
+tests_check_calc_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_calc_LDADD = $(UNIT_LIBS)
 
 tests_check_geom_SOURCES = tests/check_geom.c tests/geom_scene.h tests/unit.h
 tests_check_geom_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -6,6 +6,7 @@
 FUZZ_TARGETS = \
 	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bundle \
+	tests/fuzz/fuzz_calc \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
@@ -71,3 +72,7 @@ tests_fuzz_fuzz_frame_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_session_SOURCES = tests/fuzz/fuzz_session.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_session_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_session_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_calc_SOURCES = tests/fuzz/fuzz_calc.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_calc_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_calc_LDFLAGS = $(FUZZ_LINK)

@@ -1,0 +1,94 @@
+/* calc.h - the function language of .cal files
+ *
+ * A program holds definitions: variables (x = ...), functions (f(a,b) = ...),
+ * constants (with : for =), each in a context, which is named after the file
+ * that it was read from.  A name is looked for in the context where it is used,
+ * then globally; `name is the context's own, name` the global one.  The global
+ * definitions are those that Radiance's renderers have before any file is read
+ * (Dx, Px, T, A1, PI, noise3, hermite, ...): rad_calc_new() makes them.
+ * Everything is compiled as it is read, into code for a small stack machine;
+ * arguments of functions are evaluated at most once, and only if used.
+ *
+ * Arithmetic that goes wrong (log(0), 1/0, sqrt(-1)) counts as 0, and marks the
+ * evaluation as faulty; the mark is carried and dropped as in Radiance: a call
+ * of a library function or a power drops what came before it, and is itself 0
+ * if its arguments were faulty.
+ * Limits: RAD_MAX_CALC_* below; what is beyond one is an error when read, and
+ * ends the evaluation with 0 when run.
+ * Thread: a program is read-only once all is read, and serves any number of
+ * threads; each has a rad_calc_env.
+ * Source: Radiance's reference manual, "Function files". */
+#ifndef RAD_SCENE_CALC_H
+#define RAD_SCENE_CALC_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define RAD_MAX_CALC_FILE    (1 << 24) /* bytes of one file */
+#define RAD_MAX_CALC_CODE    (1 << 22) /* instructions of a program */
+#define RAD_MAX_CALC_NESTING 200       /* of brackets, signs and calls */
+#define RAD_MAX_CALC_ARGS    32        /* of a function that a file defines */
+#define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
+#define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */
+
+enum { RAD_CALC_NCHANNELS = 27 };
+
+struct rad_calc;
+struct rad_calc_env;
+
+/* What went wrong in an evaluation, the mildest first. */
+enum rad_calc_fault {
+    RAD_CALC_SOUND,
+    RAD_CALC_MATH,       /* domain or range error, division by zero */
+    RAD_CALC_NO_ARG,     /* arg(n) or a parameter that was not given */
+    RAD_CALC_NO_CHANNEL, /* a variable of the ray where there is no ray */
+    RAD_CALC_NAME,       /* a function as a variable, or the reverse */
+    RAD_CALC_DEPTH,
+    RAD_CALC_STEPS
+};
+const char *rad_calc_fault_text(enum rad_calc_fault fault);
+
+/* What an evaluation takes from outside. */
+struct rad_calc_input {
+    const double *channel; /* $1 at [0]; RAD_CALC_NCHANNELS, or NULL */
+    const double *args;    /* arg(1) at [0] */
+    int nargs;
+};
+
+struct rad_calc *rad_calc_new(struct rad_error *err);
+void rad_calc_free(struct rad_calc *c);
+
+/* The context of a file: its name without .cal, and _ for what a name may not
+ * hold; "" for ".".  Returns an index >= 0 that stands for it, or a code. */
+int rad_calc_context(struct rad_calc *c, const char *file,
+                     struct rad_error *err);
+
+/* Has a file been read into it?  rad_calc_read() sets this. */
+int rad_calc_loaded(const struct rad_calc *c, int context);
+
+/* Read the definitions of a file; name is for messages.  RAD_EDATA with
+ * err->where "name:line". */
+int rad_calc_read(struct rad_calc *c, int context, const char *name,
+                  const char *text, size_t len, struct rad_error *err);
+
+/* Compile an expression.  Everything that it can reach must be defined by now:
+ * err->where is the place of a definition that lacks something, or empty.
+ * Returns its index >= 0 or a negative code. */
+int rad_calc_expression(struct rad_calc *c, int context, const char *text,
+                        struct rad_error *err);
+
+/* An evaluator for programs of this size; NULL: out of memory. */
+struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
+void rad_calc_env_free(struct rad_calc_env *env);
+
+/* Start anew: variables will be evaluated again.  in is kept. */
+void rad_calc_begin(struct rad_calc_env *env, const struct rad_calc_input *in);
+
+/* The value of an expression.  *fault is set to what is still wrong at its
+ * end; the value is 0 then for all but RAD_CALC_MATH. */
+double rad_calc_eval(const struct rad_calc *c, int expression,
+                     struct rad_calc_env *env, enum rad_calc_fault *fault);
+
+#endif

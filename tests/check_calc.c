@@ -1,0 +1,412 @@
+/* check_calc.c - tests of src/scene/calc and src/base/xform */
+#include "config.h"
+
+#include "base/xform.h"
+#include "scene/calc.h"
+#include "unit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What $1, $2, ... and arg(1), ... are in the tests. */
+static double channel[RAD_CALC_NCHANNELS];
+static const double args[] = { 2, -3, .5 };
+
+/* The value of an expression in the context of a file of that text. */
+static double
+evaluate(const char *file, const char *text, enum rad_calc_fault *fault)
+{
+    struct rad_error err = { 0 };
+    struct rad_calc_input in = { channel, args, N_ELEM(args) };
+    struct rad_calc *c = rad_calc_new(&err);
+    struct rad_calc_env *env;
+    int context, at;
+    double v;
+
+    ck_assert_msg(c != NULL, "%s: %s", err.where, err.what);
+    for (int i = 0; i < RAD_CALC_NCHANNELS; i++)
+        channel[i] = i + 1;
+    context = rad_calc_context(c, file ? "test.cal" : ".", &err);
+    ck_assert_int_ge(context, 0);
+    if (file)
+        rad_calc_read(c, context, "test.cal", file, strlen(file), &err);
+    at = rad_calc_expression(c, context, text, &err);
+    ck_assert_msg(at >= 0 && !err.code, "%s: %s: %s", text, err.where,
+                  err.what);
+    env = rad_calc_env_new(c);
+    ck_assert_ptr_nonnull(env);
+    rad_calc_begin(env, &in);
+    v = rad_calc_eval(c, at, env, fault);
+    ck_assert(rad_calc_eval(c, at, env, fault) == v);
+    rad_calc_env_free(env);
+    rad_calc_free(c);
+    return v;
+}
+
+static const struct {
+    const char *text;
+    double value;
+} expression[] = {
+    { "1+2*3", 7 },
+    { "(1+2)*3", 9 },
+    { "7-2-1", 4 },
+    { "8/4/2", 1 },
+    { "8/4*2", 4 },
+    { "2^3^2", 512 },
+    { "-2^2", 4 }, /* the sign binds first */
+    { "0-2^2", -4 },
+    { "2^-1", .5 },
+    { "2*-3", -6 },
+    { "+5", 5 },
+    { "1.5e1 + .5", 15.5 },
+    { "1 {a {nested} comment} + 1", 2 },
+    { "if(1,2,3)", 2 },
+    { "if(0,2,3)", 3 },
+    { "if(-1,2,3)", 3 },
+    { "if(1,2,1/0)", 2 }, /* what is not chosen does not count */
+    { "select(0,5,6,7)", 3 },
+    { "select(2,5,6,7)", 6 },
+    { "select(2.6,5,6,7)", 7 },
+    { "min(3,1,2)", 1 },
+    { "max(3,1,7,2)", 7 },
+    { "max(4)", 4 },
+    { "atan2(1,1)", M_PI / 4 },
+    { "sqrt(2)", 1.4142135623730951 },
+    { "floor(-1.5)", -2 },
+    { "ceil(-1.5)", -1 },
+    { "log10(1000)", 3 },
+    { "erf(.5)", .5204998778130465 },
+    { "PI/DEGREE", 180 },
+    { "mod(-1,3)", 2 },
+    { "tri(5,2)", 1 },
+    { "frac(-.25)", .75 },
+    { "bound(0,7,1)", 1 },
+    { "inside(0,.5,1)", .5 },
+    { "xor(1,1)", -1 },
+    { "and(1,-2)", -2 },
+    { "Acos(2)", 0 },
+    { "sgn(-7)", -1 },
+    { "abs(-7)", 7 },
+    { "linterp(.25,2,4)", 2.5 },
+    { "hermite(1,2,0,0,.5)", 1.5 },
+    { "hermite(1,2,3,4,.25)", 1.390625 },
+    { "bezier(1,2,3,4,.3)", 1.9 },
+    { "bspline(1,2,3,4,.3)", 2.3 },
+    { "bspline(0,1,0,0,0)", 2. / 3 },
+    { "fade(2,1,1)", 1.5 },
+    { "fade(2,1,17)", 1 },
+    { "grey(1,1,1)", 1 },
+    { "unif2norm(.5)", 0 },
+    { "unif2norm(.975)", 1.959964 },
+    { "AC+A1*A2", 3 - 6 },
+    { "arg(3)", .5 },
+    { "$10+T", 20 },
+    { "Dx*100+Ny*10+Pz", 100 + 50 + 9 },
+    { "D(3)+N(1)+P(2)", 3 + 4 + 8 },
+    { "Ts", 25 },
+    { "Lv", 27 },
+    { "dot(D,N)", 1 * 4 + 2 * 5 + 3 * 6 },
+    { "cross(3,D,N)", 1 * 5 - 2 * 4 },
+};
+
+START_TEST(expression_has_its_value)
+{
+    enum rad_calc_fault fault;
+    double v = evaluate(NULL, expression[_i].text, &fault);
+
+    ck_assert_int_eq(fault, RAD_CALC_SOUND);
+    /* the normal quantile is good to 4.5e-4 by its source */
+    ck_assert_msg(fabs(v - expression[_i].value) <=
+                      (strstr(expression[_i].text, "unif") ? 4.5e-4 : 1e-12),
+                  "%s = %.17g", expression[_i].text, v);
+}
+END_TEST
+
+static const struct {
+    const char *file, *text;
+    double value;
+} scoped[] = {
+    { "a = 2; b = a*3;", "b", 6 },
+    { "b = a*3; a = 2;", "b", 6 }, /* in any order */
+    { "f(x,y) = x-y;", "f(5,3)", 2 },
+    { "f(x) = x*x; g(x) = f(x+1);", "g(2)", 9 },
+    { "x = 10; f(x) = x;", "f(1)+x", 11 },
+    { "fact(n) = if(n-1.5, n*fact(n-1), 1);", "fact(10)", 3628800 },
+    { "fib(n):if(n-1.5,fib(n-1)+fib(n-2),n);", "fib(12)", 144 },
+    { "two(f,x) = f(f(x)); sq2(x) = x*x;", "two(sq2,3)", 81 },
+    { "two(f,x) = f(f(x));", "two(sqrt,16)", 2 },
+    { "two(f,x) = f(f(x)); four(g,x) = two(g,two(g,x)); h(x)=2*x;", "four(h,1)",
+      16 },
+    { "f(x) = 1; g(x) = g(x);", "f(g(1))", 1 }, /* not needed, not run */
+    { "PI : 3;", "PI", 3 },                     /* the file's own */
+    { "PI : 3;", "PI`", M_PI },                 /* the global one */
+    { "y = PI; PI : 3;", "y", M_PI },           /* bound when read */
+    { "y = `PI; `PI = 3;", "y", 3 },
+    { "sin(x) = 7;", "sin(0)", 7 },
+    { "a = 1; a = 2;", "a", 2 },
+    { "c : 4; d = c; c : 5;", "d", 4 }, /* a constant's value when read */
+    { "a.b_c1 = 3;", "a.b_c1", 3 },
+    { ";;a = 1;;", "a", 1 },
+    { "a = 1", "a", 1 }, /* the last ; may lack */
+    { "n=select(3,1,2,f(2)); f(x)=x+1;", "n", 3 },
+};
+
+START_TEST(names_are_found_in_their_scope)
+{
+    enum rad_calc_fault fault;
+    double v = evaluate(scoped[_i].file, scoped[_i].text, &fault);
+
+    ck_assert_int_eq(fault, RAD_CALC_SOUND);
+    ck_assert_double_eq_tol(v, scoped[_i].value, 1e-12);
+}
+END_TEST
+
+START_TEST(files_do_not_see_each_others_names)
+{
+    struct rad_error err = { 0 };
+    struct rad_calc *c = rad_calc_new(&err);
+    int a = rad_calc_context(c, "lib/a.cal", &err);
+    int b = rad_calc_context(c, "b.cal", &err);
+
+    ck_assert_int_ne(a, b);
+    ck_assert_int_eq(rad_calc_context(c, "lib_a.CAL", &err), a);
+    ck_assert_int_eq(rad_calc_read(c, a, "lib/a.cal", "own = 1;", 8, &err), 0);
+    ck_assert(rad_calc_loaded(c, a) && !rad_calc_loaded(c, b));
+    ck_assert_int_ge(rad_calc_expression(c, a, "own", &err), 0);
+    ck_assert_int_eq(rad_calc_expression(c, b, "own", &err), RAD_EDATA);
+    ck_assert_str_eq(err.what, "undefined variable 'own'");
+    rad_calc_free(c);
+}
+END_TEST
+
+static const struct {
+    const char *file, *text;
+    enum rad_calc_fault fault;
+    double value;
+} faulty[] = {
+    { NULL, "1+sqrt(-A1)", RAD_CALC_MATH, 1 },
+    { NULL, "1/(A1-2)", RAD_CALC_MATH, 0 },
+    { NULL, "cos(1/(A1-2))", RAD_CALC_MATH, 0 },       /* not cos(0) */
+    { NULL, "1/(A1-2)+cos(0*A1)", RAD_CALC_SOUND, 1 }, /* forgotten */
+    { NULL, "if(1,log(A1-2),3)", RAD_CALC_MATH, 0 },
+    { NULL, "A2^.5", RAD_CALC_MATH, 0 },
+    { NULL, "exp(1000*A1)", RAD_CALC_MATH, 0 },
+    { NULL, "select(A1,7)", RAD_CALC_MATH, 0 },
+    { NULL, "A4+1", RAD_CALC_NO_ARG, 0 },
+    { "f(x)=f(x)+1;", "f(1)", RAD_CALC_DEPTH, 0 },
+    { "v = w; w = v;", "v", RAD_CALC_DEPTH, 0 },
+    { "f(x)=x(1);", "f(A1)", RAD_CALC_NAME, 0 },
+    { "f(x)=1; g(y)=y;", "g(f)", RAD_CALC_NAME, 0 },
+    { "f(x,y)=y;", "f(1)", RAD_CALC_NO_ARG, 0 },
+    { "f(n)=if(n,f(n-1)+f(n-1),A1);", "f(40)", RAD_CALC_STEPS, 0 },
+};
+
+START_TEST(fault_is_told_and_bounded)
+{
+    enum rad_calc_fault fault;
+    double v = evaluate(faulty[_i].file, faulty[_i].text, &fault);
+
+    ck_assert_msg(fault == faulty[_i].fault, "%s: %s", faulty[_i].text,
+                  rad_calc_fault_text(fault));
+    ck_assert_double_eq_tol(v, faulty[_i].value, 1e-12);
+}
+END_TEST
+
+static const struct {
+    const char *text, *where, *what;
+} bad[] = {
+    { "a = 1;\nb = ;\n", "bad.cal:2", "expected a value, got ';'" },
+    { "a = 1\nb = 2;", "bad.cal:2", "expected ';', got 'b'" },
+    { "a = (1;", "bad.cal:1", "expected ')', got ';'" },
+    { "\n\n{ open", "bad.cal:3", "comment without an end" },
+    { "3 = 4;", "bad.cal:1", "expected a name to define, got '3'" },
+    { "a 4;", "bad.cal:1", "expected '=' or ':', got '4'" },
+    { "f(1) = 4;", "bad.cal:1", "expected a parameter's name, got '1'" },
+    { "f(a`b) = 4;", "bad.cal:1", "parameter's name holds '`'" },
+    { "a = 1e;", "bad.cal:1", "number lacks its exponent" },
+    { "a = .;", "bad.cal:1", "badly formed number" },
+    { "a = 1e999;", "bad.cal:1", "number out of range" },
+    { "a = $28;", "bad.cal:1", "no such channel" },
+    { "a = --1;", "bad.cal:1", "expected a value, got '-'" },
+    { "a = atan2(1);", "bad.cal:1", "too few arguments for atan2()" },
+    { "a = sin();", "bad.cal:1", "expected a value, got ')'" },
+};
+
+START_TEST(bad_text_is_refused_with_its_line)
+{
+    struct rad_error err = { 0 };
+    struct rad_calc *c = rad_calc_new(&err);
+    int context = rad_calc_context(c, "bad.cal", &err);
+
+    ck_assert_int_eq(rad_calc_read(c, context, "bad.cal", bad[_i].text,
+                                   strlen(bad[_i].text), &err),
+                     RAD_EDATA);
+    ck_assert_str_eq(err.where, bad[_i].where);
+    ck_assert_str_eq(err.what, bad[_i].what);
+    rad_calc_free(c);
+}
+END_TEST
+
+START_TEST(undefined_name_is_refused_where_it_is_used)
+{
+    static const char text[] = "a = 1;\nb = a+nope;\nc = 2;";
+    struct rad_error err = { 0 };
+    struct rad_calc *c = rad_calc_new(&err);
+    int context = rad_calc_context(c, "bad.cal", &err);
+
+    ck_assert_int_eq(
+        rad_calc_read(c, context, "bad.cal", text, strlen(text), &err), 0);
+    ck_assert_int_ge(rad_calc_expression(c, context, "a+c", &err), 0);
+    ck_assert_int_eq(rad_calc_expression(c, context, "b", &err), RAD_EDATA);
+    ck_assert_str_eq(err.where, "bad.cal:2");
+    ck_assert_str_eq(err.what, "undefined variable 'nope'");
+    rad_calc_free(c);
+}
+END_TEST
+
+/* Deep and long input must not reach the end of C's stack. */
+START_TEST(nesting_is_bounded)
+{
+    static char text[400001];
+    struct rad_error err = { 0 };
+    struct rad_calc *c = rad_calc_new(&err);
+
+    memset(text, '(', 400000);
+    ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
+    for (int i = 0; i < 400000; i += 2)
+        memcpy(text + i, "T+", 2);
+    text[399999] = '\0';
+    err = (struct rad_error){ 0 };
+    ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
+    ck_assert_str_eq(err.what, "expression of too many terms");
+    for (int i = 0; i < 400000; i += 2)
+        memcpy(text + i, "T^", 2);
+    err = (struct rad_error){ 0 };
+    ck_assert_int_eq(rad_calc_expression(c, 0, text, &err), RAD_EDATA);
+    rad_calc_free(c);
+}
+END_TEST
+
+/* Noise is 0 on the lattice, and its slope along an axis there is the gradient
+ * that the lattice point has, +-1 or 0. */
+START_TEST(noise_follows_its_definition)
+{
+    enum rad_calc_fault fault;
+    double x;
+
+    ck_assert_double_eq_tol(evaluate(NULL, "noise3(3,-4,17)", &fault), 0,
+                            1e-15);
+    x = evaluate(NULL, "noise3x(3,7,17)", &fault);
+    ck_assert_double_eq_tol(x, round(x), 1e-5);
+    /* the published reference implementation's value at this point */
+    ck_assert_double_eq_tol(evaluate(NULL, "noise3(3.14,42,7)", &fault),
+                            0.13691995878400012, 1e-12);
+    x = evaluate(NULL, "fnoise3(.3,.4,.5)", &fault);
+    ck_assert(x >= -1.5 && x <= 1.5 && x != 0);
+    /* at a lattice point the corner's own number */
+    ck_assert_double_eq_tol(evaluate(NULL, "fnoise3(.99999,1,1)", &fault),
+                            evaluate(NULL, "fnoise3(1.00001,1,1)", &fault),
+                            .01);
+}
+END_TEST
+
+START_TEST(rand_follows_its_formula)
+{
+    enum rad_calc_fault fault;
+    double x = 5 * (1 / 26. + 2.71828182845904);
+
+    x = 1e5 / (x + .785398163397447 - floor(x));
+    ck_assert_double_eq_tol(evaluate(NULL, "rand(5)", &fault), x - floor(x),
+                            1e-9);
+}
+END_TEST
+
+/* --- transforms ---------------------------------------------------------- */
+
+static const struct {
+    const char *words[12];
+    int n;
+    double p[3], q[3], scale;
+} xform[] = {
+    { { "-t", "1", "2", "3" }, 4, { 1, 1, 1 }, { 2, 3, 4 }, 1 },
+    { { "-rz", "90" }, 2, { 1, 0, 0 }, { 0, 1, 0 }, 1 },
+    { { "-rx", "90" }, 2, { 0, 1, 0 }, { 0, 0, 1 }, 1 },
+    { { "-ry", "90" }, 2, { 0, 0, 1 }, { 1, 0, 0 }, 1 },
+    { { "-s", "2", "-t", "1", "0", "0" }, 6, { 1, 1, 1 }, { 3, 2, 2 }, 2 },
+    { { "-t", "1", "0", "0", "-s", "-2" }, 6, { 1, 1, 1 }, { -4, -2, -2 }, 2 },
+    { { "-mx" }, 1, { 1, 2, 3 }, { -1, 2, 3 }, 1 },
+    { { "-i", "3", "-t", "1", "0", "0" }, 6, { 0, 0, 0 }, { 3, 0, 0 }, 1 },
+    { { "-i", "0", "-t", "1", "0", "0" }, 6, { 0, 0, 0 }, { 0, 0, 0 }, 1 },
+    { { "-i", "1", "-rx", "-90", "-ry", "90" },
+      6,
+      { 0, 1, 0 },
+      { -1, 0, 0 },
+      1 },
+};
+
+START_TEST(transform_moves_a_point_and_back)
+{
+    struct rad_xform x, back;
+    double q[3];
+
+    ck_assert_int_eq(rad_xform_parse(&x, xform[_i].words, xform[_i].n, NULL),
+                     0);
+    rad_xform_point(q, &x, xform[_i].p);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(q[i], xform[_i].q[i], 1e-14);
+    ck_assert_double_eq_tol(x.scale, xform[_i].scale, 1e-15);
+    rad_xform_invert(&back, &x);
+    rad_xform_point(q, &back, q);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(q[i], xform[_i].p[i], 1e-14);
+}
+END_TEST
+
+static const struct {
+    const char *words[4];
+    int n;
+} bad_xform[] = {
+    { { "-t", "1", "2" }, 3 },
+    { { "-s", "0" }, 2 },
+    { { "-s", "x" }, 2 },
+    { { "-rw", "1" }, 2 },
+    { { "3" }, 1 },
+    { { "-i", "1.5" }, 2 },
+    { { "-t", "1", "2", "nan" }, 4 },
+    { { "-s", "1e200" }, 2 },
+};
+
+START_TEST(bad_transform_is_refused)
+{
+    struct rad_xform x;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(
+        rad_xform_parse(&x, bad_xform[_i].words, bad_xform[_i].n, &err),
+        RAD_EDATA);
+    ck_assert_str_ne(err.what, "");
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("calc");
+    TCase *tc = tcase_create("calc");
+
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, expression_has_its_value, 0, N_ELEM(expression));
+    tcase_add_loop_test(tc, names_are_found_in_their_scope, 0, N_ELEM(scoped));
+    tcase_add_test(tc, files_do_not_see_each_others_names);
+    tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
+    tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
+    tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);
+    tcase_add_test(tc, nesting_is_bounded);
+    tcase_add_test(tc, noise_follows_its_definition);
+    tcase_add_test(tc, rand_follows_its_formula);
+    tcase_add_loop_test(tc, transform_moves_a_point_and_back, 0, N_ELEM(xform));
+    tcase_add_loop_test(tc, bad_transform_is_refused, 0, N_ELEM(bad_xform));
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,52 @@
+/* fuzz_calc.c - function files, and expressions that use them
+ *
+ * Up to the first NUL a file of definitions, behind it an expression. */
+#include "scene/calc.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void
+run(const struct rad_calc *c, int at)
+{
+    static const double args[] = { 1, 0, -2.5 };
+    double channel[RAD_CALC_NCHANNELS] = { 1, 0, 0, 0, 0, 1, 3, 4, 5, 9, 1 };
+    struct rad_calc_input in = { channel, args, 3 };
+    struct rad_calc_env *env = rad_calc_env_new(c);
+    enum rad_calc_fault fault;
+
+    if (!env)
+        return;
+    rad_calc_begin(env, &in);
+    rad_calc_eval(c, at, env, &fault);
+    rad_calc_env_free(env);
+}
+
+int
+LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const uint8_t *nul = size ? memchr(data, 0, size) : NULL;
+    size_t len = nul ? (size_t)(nul - data) : size;
+    struct rad_error err = { 0 };
+    struct rad_calc *c = rad_calc_new(&err);
+    int context = c ? rad_calc_context(c, "fuzz.cal", &err) : -1;
+
+    if (context >= 0 && rad_calc_read(c, context, "fuzz.cal",
+                                      (const char *)data, len, &err) == 0) {
+        char *text =
+            nul ? strndup((const char *)nul + 1, size - len - 1) : strdup("x");
+        int at = text ? rad_calc_expression(c, context, text, &err) : -1;
+
+        if (at >= 0)
+            run(c, at);
+        else if (text && err.code == 0)
+            abort();
+        free(text);
+    } else if (err.code == 0) {
+        abort();
+    }
+    rad_calc_free(c);
+    return 0;
+}
