@@ -20,6 +20,7 @@ UNIT_TESTS = \
 	tests/check_coord \
 	tests/check_font \
 	tests/check_frame \
+	tests/check_func \
 	tests/check_geom \
 	tests/check_hdr \
 	tests/check_message \
@@ -76,6 +77,10 @@ tests_check_bvh_LDADD = $(UNIT_LIBS)
 tests_check_calc_SOURCES = tests/check_calc.c tests/unit.h
 tests_check_calc_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_calc_LDADD = $(UNIT_LIBS)
+
+tests_check_func_SOURCES = tests/check_func.c tests/unit.h tests/world.h
+tests_check_func_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_func_LDADD = $(UNIT_LIBS)
 
 tests_check_geom_SOURCES = tests/check_geom.c tests/geom_scene.h tests/unit.h
 tests_check_geom_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

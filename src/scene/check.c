@@ -157,6 +157,18 @@ check_alias(struct checker *c, const struct rad_object *o)
     check_reference(c, o);
 }
 
+/* What it mixes is either defined before it or nothing, "void". */
+static void
+check_mixture(struct checker *c, const struct rad_object *o)
+{
+    int32_t index = (int32_t)(o - c->scene->objects);
+
+    for (int i = 0; i < 2; i++)
+        if (strcmp(o->strings[i], "void") != 0 &&
+            rad_scene_find_modifier(c->scene, o->strings[i], index) == RAD_VOID)
+            report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[i]);
+}
+
 /* What the supported types take.  Strings that a type does not use are
  * ignored, as in Radiance. */
 static const struct rule {
@@ -190,6 +202,10 @@ static const struct rule {
     { RAD_ANTIMATTER, 1, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORTEXT,  2, INT_MAX, 15, INT_MAX, check_text },
     { RAD_BRIGHTTEXT, 2, INT_MAX, 11, INT_MAX, check_text },
+    { RAD_COLORFUNC,  4, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_BRIGHTFUNC, 2, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_TEXFUNC,    4, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_MIXFUNC,    4, INT_MAX, 0, INT_MAX,  check_mixture },
     /* clang-format on */
 };
 

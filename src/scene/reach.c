@@ -6,22 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Modifier that object i names by string, or RAD_VOID. */
-static int32_t
-named_modifier(const struct rad_scene *s, int32_t i)
+/* How many of an object's first strings name modifiers. */
+static int
+named_count(const struct rad_object *o)
 {
-    const struct rad_object *o = &s->objects[i];
-
-    if (o->nstrings == 0)
-        return RAD_VOID;
     switch (o->type) {
     case RAD_ALIAS:
     case RAD_ILLUM:
     case RAD_MIRROR:
     case RAD_ANTIMATTER: /* of the others only the name counts */
-        return rad_scene_find_modifier(s, o->strings[0], i);
+        return o->nstrings > 0;
+    case RAD_MIXFUNC:
+        return o->nstrings >= 2 ? 2 : 0;
     default:
-        return RAD_VOID;
+        return 0;
     }
 }
 
@@ -32,17 +30,18 @@ rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
     memset(reached, 0, (size_t)s->nobjects);
     for (int32_t i = s->nobjects; i-- > 0;) {
         const struct rad_object *o = &s->objects[i];
-        int32_t named;
-
         if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
             reached[i] = 1;
         if (!reached[i])
             continue;
         if (o->modifier != RAD_VOID)
             reached[o->modifier] = 1;
-        named = named_modifier(s, i);
-        if (named != RAD_VOID)
-            reached[named] = 1;
+        for (int k = named_count(o); k-- > 0;) {
+            int32_t named = rad_scene_find_modifier(s, o->strings[k], i);
+
+            if (named != RAD_VOID)
+                reached[named] = 1;
+        }
     }
 }
 
@@ -60,6 +59,15 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
     free(reached);
 }
 
+/* A function file; "." stands for none. */
+static const char *
+function_file(const struct rad_object *o, int at)
+{
+    if (at >= o->nstrings || strcmp(o->strings[at], ".") == 0)
+        return NULL;
+    return o->strings[at];
+}
+
 const char *
 rad_object_file(const struct rad_object *o, int k)
 {
@@ -69,6 +77,12 @@ rad_object_file(const struct rad_object *o, int k)
         if (k < o->nstrings && (k == 0 || (k == 1 && o->nstrings == 2)))
             return o->strings[k];
         return NULL;
+    case RAD_BRIGHTFUNC:
+        return k == 0 ? function_file(o, 1) : NULL;
+    case RAD_COLORFUNC:
+    case RAD_TEXFUNC:
+    case RAD_MIXFUNC:
+        return k == 0 ? function_file(o, 3) : NULL;
     default:
         return NULL;
     }

@@ -5,6 +5,7 @@
 #include "light/ambient.h"
 #include "light/source.h"
 #include "light/virtual.h"
+#include "scene/calc.h"
 #include "shade/material.h"
 
 #include <stdlib.h>
@@ -99,6 +100,7 @@ rad_job_free(struct rad_job *job)
         return;
     rad_ambient_free(job->ambient);
     rad_geom_free(job->geom);
+    rad_calc_free(job->calc);
     rad_arena_release(&job->arena);
     free(job);
 }
@@ -118,6 +120,10 @@ rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int32_t i = 0; i < n; i++)
         ctx->last_blocker[i] = RAD_VOID;
+    if (job->calc && !(ctx->calc = rad_calc_env_new(job->calc))) {
+        rad_ctx_release(ctx);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
     return 0;
 }
 
@@ -135,6 +141,8 @@ void
 rad_ctx_release(struct rad_ctx *ctx)
 {
     rad_arena_release(&ctx->scratch);
+    rad_calc_env_free(ctx->calc);
+    ctx->calc = NULL;
     free(ctx->last_blocker);
     ctx->last_blocker = NULL;
 }

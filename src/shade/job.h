@@ -17,6 +17,8 @@
 #include "scene/scene.h"
 
 struct rad_ambient;
+struct rad_calc;
+struct rad_calc_env;
 struct rad_material;
 struct rad_sources;
 
@@ -29,6 +31,7 @@ struct rad_job {
     uint8_t *cut; /* by object: does antimatter name this modifier?  NULL:
                    * there is no antimatter */
     struct rad_sources *sources;
+    struct rad_calc *calc;       /* NULL: no functions */
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
 
@@ -65,6 +68,7 @@ struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
+    struct rad_calc_env *calc; /* NULL: no functions */
     int32_t *last_blocker; /* by source or image of one: object that blocked last, or
                             * RAD_VOID; only ever speeds a test up */
 };

@@ -9,12 +9,14 @@
 #include "shade/antimatter.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
+#include "shade/func.h"
 #include "shade/glass.h"
 #include "shade/mirror.h"
 #include "shade/normal.h"
 #include "shade/text.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const struct rad_shader table[] = {
     { RAD_PLASTIC, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
@@ -37,6 +39,10 @@ static const struct rad_shader table[] = {
       rad_antimatter_shade },
     { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
     { RAD_COLORTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
+    { RAD_BRIGHTFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_brighten },
+    { RAD_COLORFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_colour },
+    { RAD_TEXFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_perturb },
+    { RAD_MIXFUNC, RAD_MAT_MIXTURE, rad_func_prepare, rad_func_mix },
 };
 
 const struct rad_shader *
@@ -48,6 +54,17 @@ rad_shader_find(enum rad_otype type)
     return NULL;
 }
 
+/* A mixture that nothing modifies counts as a material: what it mixes may be
+ * some. */
+static bool
+is_material(const struct rad_object *o)
+{
+    enum rad_oclass class = rad_otype_class(o->type);
+
+    return class == RAD_CLASS_MATERIAL ||
+           (class == RAD_CLASS_MIXTURE && o->modifier == RAD_VOID);
+}
+
 int32_t
 rad_material_of(const struct rad_scene *scene, int32_t mod)
 {
@@ -56,11 +73,10 @@ rad_material_of(const struct rad_scene *scene, int32_t mod)
         int32_t target;
         bool own;
 
-        if (rad_otype_class(o->type) == RAD_CLASS_MATERIAL)
+        if (is_material(o))
             return mod;
         target = rad_scene_alias(scene, mod, &own);
-        if (own && target != RAD_VOID &&
-            rad_otype_class(scene->objects[target].type) == RAD_CLASS_MATERIAL)
+        if (own && target != RAD_VOID && is_material(&scene->objects[target]))
             return target;
         mod = o->modifier;
     }
@@ -113,6 +129,35 @@ rad_material_reals(const struct rad_job *job, int32_t index, int least,
                               "expected %d real arguments, got %d",
                               o->nreals < least ? least : most, o->nreals);
     return 0;
+}
+
+int
+rad_material_file_fail(const struct rad_job *job, const struct rad_object *o,
+          const char *name, const struct rad_error *why, struct rad_error *err)
+{
+    char text[512];
+
+    rad_error_format(why, text, sizeof text);
+    if (strstr(text, name))
+        return rad_scene_fail(job->scene, o, err, why->code, "%s", text);
+    return rad_scene_fail(job->scene, o, err, why->code, "'%s': %s", name,
+                          text);
+}
+
+int
+rad_material_file(const struct rad_job *job, const struct rad_object *o,
+          const struct rad_files *files, const char *name, char **data,
+          size_t *len, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    *data = NULL;
+    if (files)
+        *data = (char *)files->read(files->arg, name, len, &why);
+    if (*data)
+        return 0;
+    rad_fail(&why, RAD_ENOINPUT, "no file '%s'", name);
+    return rad_material_file_fail(job, o, name, &why, err);
 }
 
 static bool

@@ -3,7 +3,7 @@
  * Every modifier type has one row in the table of material.c: how to compile
  * its arguments once, and what it does to a ray.  A family of materials lives
  * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, mirror.c,
- * antimatter.c, text.c).
+ * antimatter.c, text.c, func.c).
  * A shader returns true when it was a material and has set r->L; a texture or
  * pattern changes r->pert or r->pattern and returns false. */
 #ifndef RAD_SHADE_MATERIAL_H
@@ -25,7 +25,8 @@ enum {
     RAD_MAT_OPAQUE = 2,      /* no shadow ray passes, on either side */
     RAD_MAT_EMITS = 4,       /* light, illum, glow, spotlight */
     RAD_MAT_PATTERN = 8,     /* no material: only changes pattern and pert */
-    RAD_MAT_CUTS = 16        /* antimatter: no surface, even to -i */
+    RAD_MAT_CUTS = 16,       /* antimatter: no surface, even to -i */
+    RAD_MAT_MIXTURE = 32     /* a material if it mixes any, else a pattern */
 };
 
 struct rad_shader {
@@ -49,6 +50,17 @@ const struct rad_shader *rad_shader_find(enum rad_otype type);
  * rad_scene_check() has passed has. */
 int rad_material_reals(const struct rad_job *job, int32_t index, int least,
                        int most, struct rad_error *err);
+
+/* The bytes of a file that object o names, malloc'd; what fails names o. */
+int rad_material_file(const struct rad_job *job, const struct rad_object *o,
+                      const struct rad_files *files, const char *name,
+                      char **data, size_t *len, struct rad_error *err);
+
+/* Something is wrong in a file: the scene's place comes first, then *why,
+ * which names the file or gets its name. */
+int rad_material_file_fail(const struct rad_job *job,
+                           const struct rad_object *o, const char *name,
+                           const struct rad_error *why, struct rad_error *err);
 
 /* Compile the modifiers that surfaces lead to into job->materials. */
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,

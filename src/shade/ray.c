@@ -263,7 +263,7 @@ rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
         const struct rad_material *mat = &ctx->job->materials[mod];
 
         if (mat->shader) {
-            if (!(mat->shader->flags & RAD_MAT_PATTERN))
+            if (!(mat->shader->flags & (RAD_MAT_PATTERN | RAD_MAT_MIXTURE)))
                 return; /* a second material: rad_scene_check() lets none
                          * reach a surface */
             mat->shader->shade(ctx, mat, r);

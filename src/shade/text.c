@@ -50,36 +50,6 @@ set_plane(const struct rad_job *job, const struct rad_object *o, struct text *t,
     return 0;
 }
 
-/* The scene's place comes first in what is wrong with a file. */
-static int
-fail_file(const struct rad_job *job, const struct rad_object *o,
-          const char *name, const struct rad_error *why, struct rad_error *err)
-{
-    char text[512];
-
-    rad_error_format(why, text, sizeof text);
-    if (strstr(text, name))
-        return rad_scene_fail(job->scene, o, err, why->code, "%s", text);
-    return rad_scene_fail(job->scene, o, err, why->code, "'%s': %s", name,
-                          text);
-}
-
-static int
-read_file(const struct rad_job *job, const struct rad_object *o,
-          const struct rad_files *files, const char *name, char **data,
-          size_t *len, struct rad_error *err)
-{
-    struct rad_error why = { 0 };
-
-    *data = NULL;
-    if (files)
-        *data = (char *)files->read(files->arg, name, len, &why);
-    if (*data)
-        return 0;
-    rad_fail(&why, RAD_ENOINPUT, "no file '%s'", name);
-    return fail_file(job, o, name, &why, err);
-}
-
 /* The font of an earlier text serves again. */
 static const struct rad_font *
 find_font(const struct rad_job *job, int32_t index, const char *name)
@@ -111,12 +81,12 @@ load_font(struct rad_job *job, int32_t index, const struct rad_files *files,
     t->font = find_font(job, index, name);
     if (t->font)
         return 0;
-    code = read_file(job, o, files, name, &data, &len, err);
+    code = rad_material_file(job, o, files, name, &data, &len, err);
     if (code < 0)
         return code;
     t->font = rad_font_parse(&job->arena, data, len, &why);
     free(data);
-    return t->font ? 0 : fail_file(job, o, name, &why, err);
+    return t->font ? 0 : rad_material_file_fail(job, o, name, &why, err);
 }
 
 static int
@@ -178,7 +148,7 @@ set_words(struct rad_job *job, const struct rad_object *o, struct text *t,
     }
     code = set_lines(job, t, buf, len - 1, &why);
     free(buf);
-    return code < 0 ? fail_file(job, o, "text", &why, err) : 0;
+    return code < 0 ? rad_material_file_fail(job, o, "text", &why, err) : 0;
 }
 
 static int
@@ -192,12 +162,12 @@ set_text(struct rad_job *job, const struct rad_object *o,
 
     if (o->nstrings > 2)
         return set_words(job, o, t, err);
-    code = read_file(job, o, files, o->strings[1], &data, &len, err);
+    code = rad_material_file(job, o, files, o->strings[1], &data, &len, err);
     if (code < 0)
         return code;
     code = set_lines(job, t, data, len, &why);
     free(data);
-    return code < 0 ? fail_file(job, o, o->strings[1], &why, err) : 0;
+    return code < 0 ? rad_material_file_fail(job, o, o->strings[1], &why, err) : 0;
 }
 
 static void

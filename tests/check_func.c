@@ -1,0 +1,230 @@
+/* check_func.c - tests of src/shade/func: functions as patterns, textures and
+ * mixtures
+ *
+ * A square in the plane z = 0 glows with radiance 1 and lights nothing, so that
+ * what comes back from it is its pattern. */
+#include "config.h"
+
+#include "world.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define SQUARE " polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+#define SHINE                                                                  \
+    " glow m 0 0 4 1 1 1 -1\n"                                                 \
+    "m" SQUARE
+#define PLAIN "-av 0 0 0 -st 0 -lw 0 -lr 30 -ss 0"
+
+/* The only file that there is. */
+static unsigned char *
+read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    const char *text = arg;
+
+    if (strcmp(name, "lib/own.cal") != 0) {
+        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+        return NULL;
+    }
+    *len = strlen(text);
+    return (unsigned char *)strdup(text);
+}
+
+/* What is seen of the point (2, 3, 0) from (2, 3, 4). */
+static struct rad_rgb
+see(const char *scene, const char *file)
+{
+    struct rad_files files = { read_file, (void *)(uintptr_t)file };
+    struct rad_rgb L;
+    struct world w;
+    int rc = world_try(&w, scene, PLAIN, file ? &files : NULL);
+
+    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
+    L = world_see(&w, 2, 3, 4, 0, 0, -1);
+    world_close(&w);
+    return L;
+}
+
+static const struct {
+    const char *pattern; /* the strings of a brightfunc in "." */
+    double value;
+} bright[] = {
+    { "2 Px*10+Py .", 23 },
+    { "2 T .", 4 },
+    { "2 Ts .", 4 },
+    { "2 Rdot .", 1 },
+    { "2 2-Dz .", 3 },
+    { "2 Nz+A2*AC .", 13 },
+    { "4 Px . -s .5", 4 },
+    { "4 T . -s .5", 8 },
+    { "4 S . -s .5", 2 },
+    { "6 Px*10+Py . -t 1 1 0", 12 },
+    { "4 Px*10+Py . -rz 90", 28 }, /* (2,3) was (3,-2) */
+    { "4 2-Dz . -s -3", 1 },       /* directions are turned, not scaled */
+    { "6 U . -t 0 -1 0", 2 },
+    { "2 sqrt(-Px) .", 1 }, /* no value: no effect */
+    { "2 1/(Px-2) .", 1 },
+    { "2 A4 .", 1 },
+};
+
+START_TEST(brightness_is_the_functions_value)
+{
+    char scene[512];
+
+    snprintf(scene, sizeof scene, "void brightfunc p %s 0 3 5 4 6\np" SHINE,
+             bright[_i].pattern);
+    ck_assert_double_eq_tol(see(scene, NULL).g, bright[_i].value, 1e-5);
+}
+END_TEST
+
+START_TEST(colour_has_a_function_for_each_channel)
+{
+    struct rad_rgb L =
+        see("void colorfunc p 4 Px Py Px*Py . 0 0\np" SHINE, NULL);
+
+    ck_assert_double_eq_tol(L.r, 2, 1e-6);
+    ck_assert_double_eq_tol(L.g, 3, 1e-6);
+    ck_assert_double_eq_tol(L.b, 6, 1e-6);
+}
+END_TEST
+
+START_TEST(function_file_is_found_and_has_its_arguments)
+{
+    struct rad_rgb L =
+        see("void brightfunc p 2 twice lib/own.cal 0 1 5\n"
+            "p brightfunc q 2 1+twice lib/own.cal 0 1 .5\nq" SHINE,
+            "f(x) = 2*x;\ntwice = f(A1);\n");
+
+    ck_assert_double_eq_tol(L.g, 10 * 2, 1e-5);
+}
+END_TEST
+
+START_TEST(texture_tilts_the_normal)
+{
+    /* a mirror tilted by .1 looks .2 away from the zenith */
+    struct rad_rgb L =
+        see("void brightfunc up 2 Dz . 0 0\nup glow sky 0 0 4 1 1 1 0\n"
+            "sky source s 0 0 4 0 0 1 180\n"
+            "void texfunc t 6 0 A1 0 . -rz -90 0 1 .10033467208545055\n"
+            "t metal m 0 0 5 1 1 1 1 0\nm" SQUARE,
+            NULL);
+
+    ck_assert_double_eq_tol(L.g, cos(.2), 1e-6);
+}
+END_TEST
+
+static const struct {
+    const char *mixture;
+    double r, g;
+} mixed[] = {
+    { "4 one two Px/8 .", .25, .75 },
+    { "4 one two 7 .", 1, 0 },
+    { "4 one two -7 .", 0, 1 },
+    { "4 one void .25 .", .25, 3 * .75 }, /* the rest shows what is behind */
+    { "4 void one .25 .", .75, 3 * .25 },
+};
+
+START_TEST(mixture_weighs_its_materials)
+{
+    struct rad_rgb L;
+    char scene[512];
+
+    snprintf(scene, sizeof scene,
+             "void glow one 0 0 4 1 0 0 -1\nvoid glow two 0 0 4 0 1 0 -1\n"
+             "void glow three 0 0 4 0 3 0 -1\n"
+             "three ring below 0 0 8 2 3 -1 0 0 1 0 1\n"
+             "void mixfunc m %s 0 0\nm" SQUARE,
+             mixed[_i].mixture);
+    L = see(scene, NULL);
+    ck_assert_double_eq_tol(L.r, mixed[_i].r, 1e-6);
+    ck_assert_double_eq_tol(L.g, mixed[_i].g, 1e-6);
+}
+END_TEST
+
+START_TEST(mixture_of_patterns_is_a_pattern)
+{
+    struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
+                           "void mixfunc p 4 two void .25 . 0 0\np" SHINE,
+                           NULL);
+
+    ck_assert_double_eq_tol(L.g, .25 * 2 + .75, 1e-6);
+}
+END_TEST
+
+static const struct {
+    const char *pattern, *file, *problem;
+} bad[] = {
+    { "brightfunc p 2 Px*( . 0 0", "", "expected a value, got the end" },
+    { "brightfunc p 2 nope . 0 0", "", "undefined variable 'nope'" },
+    { "brightfunc p 2 a other.cal 0 0", "", "other.cal" },
+    { "brightfunc p 2 a lib/own.cal 0 0", "a = ;", "lib/own.cal:1" },
+    { "brightfunc p 2 a lib/own.cal 0 0", "b = 1;\na = c;", "lib/own.cal:2" },
+    { "brightfunc p 4 1 . -s 0 0 0", "", "scales by 0" },
+    { "brightfunc p 1 1 0 0", "", "expected at least 2 string arguments" },
+    { "mixfunc p 4 void nope 1 . 0 0", "", "undefined modifier 'nope'" },
+};
+
+START_TEST(bad_function_is_refused_by_name)
+{
+    struct rad_files files = { read_file, (void *)(uintptr_t)bad[_i].file };
+    char scene[512], text[600];
+    struct world w;
+
+    snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);
+    ck_assert_int_lt(world_try(&w, scene, PLAIN, &files), 0);
+    rad_error_format(&w.err, text, sizeof text);
+    ck_assert_msg(strstr(text, bad[_i].problem) != NULL, "%s", text);
+    ck_assert_msg(strstr(text, "test.rad:1") != NULL, "%s", text);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(scene_without_functions_has_no_evaluator)
+{
+    struct world w;
+
+    world_open(&w, "void" SHINE, PLAIN);
+    ck_assert_ptr_null(w.job->calc);
+    ck_assert_ptr_null(w.ctx.calc);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(function_file_belongs_to_the_bundle)
+{
+    static const char *const in_file[] = { "a", "b", "c", "x.cal", "-s", "2" };
+    static const char *const alone[] = { "a", ".", "-s", "2" };
+    struct rad_object o = { .type = RAD_COLORFUNC,
+                            .strings = in_file,
+                            .nstrings = N_ELEM(in_file) };
+
+    ck_assert_str_eq(rad_object_file(&o, 0), "x.cal");
+    ck_assert_ptr_null(rad_object_file(&o, 1));
+    o = (struct rad_object){ .type = RAD_BRIGHTFUNC,
+                             .strings = alone,
+                             .nstrings = N_ELEM(alone) };
+    ck_assert_ptr_null(rad_object_file(&o, 0));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("func");
+    TCase *tc = tcase_create("func");
+
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, brightness_is_the_functions_value, 0,
+                        N_ELEM(bright));
+    tcase_add_test(tc, colour_has_a_function_for_each_channel);
+    tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
+    tcase_add_test(tc, texture_tilts_the_normal);
+    tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
+    tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
+    tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));
+    tcase_add_test(tc, scene_without_functions_has_no_evaluator);
+    tcase_add_test(tc, function_file_belongs_to_the_bundle);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
