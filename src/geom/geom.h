@@ -91,7 +91,8 @@ bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                          struct rad_geom_counts *counts);
 
 /* Where a ray that leaves the surface at hit in direction dir starts: the
- * point moved along the normal, to dir's side, by the hit's error bound. */
+ * point moved along the normal, to dir's side, by twice the hit's error bound
+ * (once for where the surface is, once for the next test's own rounding). */
 void rad_geom_leave(const struct rad_hit *hit, const double dir[3],
                     double org[3]);
 

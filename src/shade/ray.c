@@ -146,6 +146,16 @@ rad_ray_enter(struct rad_ray *r)
     r->dist = r->hit.t;
 }
 
+/* What is not finite or negative becomes black, and is counted. */
+static void
+drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    if (!rad_rgb_sound(r->L)) {
+        r->L = r->L_mirror = rad_grey(0);
+        ctx->counts.unsound_rays++;
+    }
+}
+
 void
 rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
 {
@@ -169,10 +179,7 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
             rad_ray_shade(ctx, r, mod);
     }
     rad_ray_absorb(r);
-    if (!rad_rgb_sound(r->L)) {
-        r->L = r->L_mirror = rad_grey(0);
-        ctx->counts.unsound_rays++;
-    }
+    drop_unsound(ctx, r);
 }
 
 void
@@ -360,8 +367,5 @@ rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
     r->hit.uv[0] = r->hit.uv[1] = 0;
     rad_ray_enter(r);
     rad_normal_irradiance(ctx, r);
-    if (!rad_rgb_sound(r->L)) {
-        r->L = rad_grey(0);
-        ctx->counts.unsound_rays++;
-    }
+    drop_unsound(ctx, r);
 }
