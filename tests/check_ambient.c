@@ -5,6 +5,7 @@
 #include "base/vec.h"
 #include "light/ambient.h"
 #include "light/gradient.h"
+#include "lambert.h"
 #include "world.h"
 
 #include <pthread.h>
@@ -13,25 +14,7 @@
 
 /* --- edges --- */
 
-/* Lambert's formula for the irradiance per radiance at p of a polygon. */
-static double
-lambert(const double *v, int nv, const double p[3], const double n[3])
-{
-    double E = 0;
-
-    for (int i = 0; i < nv; i++) {
-        double a[3], b[3], c[3];
-
-        rad_sub(a, v + 3 * i, p);
-        rad_sub(b, v + 3 * ((i + 1) % nv), p);
-        rad_cross(c, a, b);
-        double sine = rad_normalize(c), cosine = rad_dot(a, b);
-
-        E += atan2(sine, cosine) * rad_dot(c, n) / 2;
-    }
-    return E;
-}
-
+/* From below it shows its back: lambert() is negative. */
 static const double quad[] = { -1, -.5, 1, 2, -.3, 1.2, 1.5, 2, 2, -.4, 1, .8 };
 
 /* Central differences of the closed form; step and tolerance balance their own
@@ -53,7 +36,7 @@ START_TEST(edge_derivatives_match_differences)
         rad_sub(b, quad + 3 * ((i + 1) % 4), p);
         rad_edge_derivatives(a, b, n, 1, grad, hess);
     }
-    double E = lambert(quad, 4, p, n), q[3];
+    double E = -lambert(quad, 4, p, n), q[3];
     double scale = fabs(grad[0]) + fabs(grad[1]) + fabs(grad[2]);
 
     for (int i = 0, k = 0; i < 3; i++)
@@ -64,7 +47,7 @@ START_TEST(edge_derivatives_match_differences)
                 rad_copy(q, p);
                 q[i] += s & 1 ? step : -step;
                 q[j] += s & 2 ? step : -step;
-                f[s & 1][s >> 1] = lambert(quad, 4, q, n);
+                f[s & 1][s >> 1] = -lambert(quad, 4, q, n);
             }
             want = i == j ? (f[1][1] + f[0][0] - 2 * E) / (4 * step * step)
                           : (f[1][1] + f[0][0] - f[0][1] - f[1][0]) /
@@ -309,7 +292,7 @@ START_TEST(super_samples_leave_the_mean_alone)
     const double p[3] = { .1, .2, 0 }, n[3] = { 0, 0, 1 };
     enum { TIMES = 2000 };
 
-    want = lambert(v, 4, p, n);
+    want = -lambert(v, 4, p, n);
     world_open(&w, scene, options[_i]);
     for (uint64_t k = 0; k < TIMES; k++) {
         struct rad_ray r;

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "light/polytree.h"
 #include "light/sample.h"
+#include "lambert.h"
 #include "world.h"
 
 #include <stdio.h>
@@ -90,26 +91,6 @@ irradiance_jittered(const struct rad_source *src, const double p[3],
         rad_light_samples(src, &view, measure, &m);
     }
     return m.E / times;
-}
-
-/* Lambert's formula: irradiance per radiance at p with normal n from a
- * polygon that is wholly above the horizon, front side toward p. */
-static double
-lambert(const double *v, int nv, const double p[3], const double n[3])
-{
-    double E = 0;
-
-    for (int i = 0; i < nv; i++) {
-        double a[3], b[3], c[3];
-
-        rad_sub(a, v + 3 * i, p);
-        rad_sub(b, v + 3 * ((i + 1) % nv), p);
-        rad_cross(c, b, a);
-        double sine = rad_normalize(c), cosine = rad_dot(a, b);
-
-        E += atan2(sine, cosine) * rad_dot(c, n) / 2;
-    }
-    return E;
 }
 
 static const double up[3] = { 0, 0, 1 };

@@ -57,7 +57,7 @@ tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
-tests_check_ambient_SOURCES = tests/check_ambient.c tests/unit.h \
+tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h \
 	tests/world.h
 tests_check_ambient_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambient_LDADD = $(UNIT_LIBS)
@@ -136,7 +136,7 @@ tests_check_mirror_SOURCES = tests/check_mirror.c tests/unit.h \
 tests_check_mirror_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_mirror_LDADD = $(UNIT_LIBS)
 
-tests_check_source_SOURCES = tests/check_source.c tests/unit.h \
+tests_check_source_SOURCES = tests/check_source.c tests/lambert.h tests/unit.h \
 	tests/world.h
 tests_check_source_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_source_LDADD = $(UNIT_LIBS)
