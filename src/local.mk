@@ -112,6 +112,8 @@ librad_a_SOURCES = \
 	src/shade/dielectric.h \
 	src/shade/emitter.c \
 	src/shade/emitter.h \
+	src/shade/expr.c \
+	src/shade/expr.h \
 	src/shade/func.c \
 	src/shade/func.h \
 	src/shade/glass.c \

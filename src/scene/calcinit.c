@@ -2,7 +2,7 @@
  *
  * The names and what they mean are Radiance's, by its manual and its function
  * files; names with `P. are not meant to be used elsewhere.  Channels: see
- * func.c of shade/, which sets them.  The variables of *func materials (NxP,
+ * expr.c of shade/, which sets them.  The variables of *func materials (NxP,
  * CrP, ...) are not defined: their use is an error until those materials
  * provide them.
  * Source: Abramowitz & Stegun 1964, 26.2.23 (normal quantile); Catmull-Clark's

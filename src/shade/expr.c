@@ -1,0 +1,164 @@
+/* expr.c - see expr.h */
+#include "config.h"
+
+#include "shade/expr.h"
+#include "base/vec.h"
+
+#include <stdlib.h>
+
+#define FAR 1e10 /* how far away Radiance takes distant sources to be */
+
+/* --- compiling ------------------------------------------------------------ */
+
+/* Read a function file, unless it has been; returns its context. */
+static int
+load(struct rad_job *job, const struct rad_object *o,
+     const struct rad_files *files, const char *name, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    int context, rc;
+    size_t len;
+    char *text;
+
+    if (!job->calc && !(job->calc = rad_calc_new(err)))
+        return RAD_ENOMEM;
+    context = rad_calc_context(job->calc, name, err);
+    if (context < 0 || rad_calc_loaded(job->calc, context))
+        return context;
+    rc = rad_material_file(job, o, files, name, &text, &len, err);
+    if (rc)
+        return rc;
+    rc = rad_calc_read(job->calc, context, name, text, len, &why);
+    free(text);
+    return rc ? rad_material_file_fail(job, o, name, &why, err) : context;
+}
+
+static int
+compile_expressions(struct rad_job *job, const struct rad_object *o,
+                    unsigned which, struct rad_expr *e, struct rad_error *err)
+{
+    e->n = 0;
+    for (int i = 0; which >> i; i++) {
+        struct rad_error why = { 0 };
+        int code;
+
+        if (!(which >> i & 1))
+            continue;
+        code = rad_calc_expression(job->calc, e->context, o->strings[i], &why);
+        if (code < 0)
+            return rad_material_file_fail(job, o, o->strings[i], &why, err);
+        e->code[e->n++] = code;
+    }
+    return 0;
+}
+
+/* The transform starts at the first word that may, behind the file. */
+static int
+read_transform(const struct rad_job *job, const struct rad_object *o, int file,
+               struct rad_expr *e, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    int i = file + 1;
+
+    while (i < o->nstrings && !rad_xform_starts(o->strings[i]))
+        i++;
+    if (rad_xform_parse(&e->move, o->strings + i, o->nstrings - i, &why))
+        return rad_scene_fail(job->scene, o, err, why.code, "%s", why.what);
+    rad_xform_invert(&e->back, &e->move);
+    return 0;
+}
+
+int
+rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
+                 const struct rad_files *files, int file, unsigned which,
+                 struct rad_expr *e, struct rad_error *err)
+{
+    int rc;
+
+    if (o->nstrings <= file || which >> o->nstrings)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "too few string arguments");
+    e->args = o->reals;
+    e->nargs = o->nreals;
+    e->context = load(job, o, files, o->strings[file], err);
+    if (e->context < 0)
+        return e->context;
+    rc = compile_expressions(job, o, which, e, err);
+    return rc ? rc : read_transform(job, o, file, e, err);
+}
+
+/* --- what expressions see of a ray ---------------------------------------- */
+
+static double
+length(const struct rad_ray *r)
+{
+    return r->hit.t < FAR ? r->hit.t : FAR;
+}
+
+/* Length of the ray and its ancestors, as long as their path is of a kind. */
+static double
+way(const struct rad_ray *r, unsigned kind)
+{
+    double sum = 0;
+
+    for (; r && r->path & kind; r = r->parent)
+        sum += length(r);
+    return sum;
+}
+
+/* Channels $1 to $27, in the order that calcinit.c names them. */
+static void
+set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
+             const struct rad_ray *r)
+{
+    const struct rad_xform *b = &e->back;
+    double p[3];
+
+    rad_copy(p, r->hit.p);
+    if (!(r->hit.t < INFINITY))
+        rad_madd(p, r->org, FAR, r->dir);
+    rad_xform_vector(c, b, r->dir);
+    rad_scale(c, 1 / b->scale, c);
+    rad_xform_vector(c + 3, b, r->n);
+    rad_scale(c + 3, 1 / b->scale, c + 3);
+    rad_xform_point(c + 6, b, p);
+    c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
+    c[10] = fmin(fmax(r->cos_o, -1), 1);
+    c[11] = b->scale;
+    rad_copy(c + 12, b->t);
+    for (int i = 0; i < 3; i++)
+        rad_scale(c + 15 + 3 * i, 1 / b->scale, b->m[i]);
+    c[24] = (length(r) + way(r->parent, RAD_RAY_SHADOW)) * b->scale;
+    c[25] = r->hit.uv[0];
+    c[26] = r->hit.uv[1];
+}
+
+bool
+rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
+                const struct rad_ray *r, int first, int n, double value[])
+{
+    double channel[RAD_CALC_NCHANNELS];
+    struct rad_calc_input in = { channel, e->args, e->nargs };
+
+    set_channels(channel, e, r);
+    rad_calc_begin(ctx->calc, &in);
+    for (int i = 0; i < n; i++) {
+        enum rad_calc_fault fault;
+
+        value[i] = rad_calc_eval(ctx->job->calc, e->code[first + i], ctx->calc,
+                                 &fault);
+        if (fault || !isfinite(value[i]))
+            return false;
+    }
+    return true;
+}
+
+void
+rad_expr_outward(const struct rad_expr *e, const struct rad_ray *r, double v[3])
+{
+    double w[3];
+
+    (void)r;
+    rad_xform_vector(w, &e->move, v);
+    rad_scale(v, 1 / e->move.scale, w);
+}
