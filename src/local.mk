@@ -90,6 +90,8 @@ librad_a_SOURCES = \
 	src/scene/calclib.c \
 	src/scene/calcparse.c \
 	src/scene/check.c \
+	src/scene/data.c \
+	src/scene/data.h \
 	src/scene/font.c \
 	src/scene/font.h \
 	src/scene/lex.c \
@@ -128,6 +130,8 @@ librad_a_SOURCES = \
 	src/shade/normal.h \
 	src/shade/ray.c \
 	src/shade/ray.h \
+	src/shade/stored.c \
+	src/shade/stored.h \
 	src/shade/text.c \
 	src/shade/text.h
 

@@ -18,6 +18,7 @@ UNIT_TESTS = \
 	tests/check_conf \
 	tests/check_conn \
 	tests/check_coord \
+	tests/check_data \
 	tests/check_font \
 	tests/check_frame \
 	tests/check_func \
@@ -77,6 +78,10 @@ tests_check_bvh_LDADD = $(UNIT_LIBS)
 tests_check_calc_SOURCES = tests/check_calc.c tests/unit.h
 tests_check_calc_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_calc_LDADD = $(UNIT_LIBS)
+
+tests_check_data_SOURCES = tests/check_data.c tests/unit.h tests/world.h
+tests_check_data_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_data_LDADD = $(UNIT_LIBS)
 
 tests_check_func_SOURCES = tests/check_func.c tests/unit.h tests/world.h
 tests_check_func_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

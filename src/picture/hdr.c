@@ -397,6 +397,53 @@ decode_rows(struct reader *in, uint8_t **rgbe)
     return 0;
 }
 
+/* Where in rgbe the pixel in column x of row y lies, in standard order. */
+static const uint8_t *
+pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
+{
+    int w = in->xmajor ? in->nscan : in->nlength;
+    int h = in->xmajor ? in->nlength : in->nscan;
+    int u = in->xleft ? w - 1 - x : x, v = in->yup ? h - 1 - y : y;
+    size_t at = in->xmajor ? (size_t)u * (size_t)h + (size_t)v
+                           : (size_t)v * (size_t)w + (size_t)u;
+
+    return rgbe + 4 * at;
+}
+
+/* Header and pixels, the latter malloc'd in the file's order. */
+static int
+read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
+{
+    int rc;
+
+    *rgbe = NULL;
+    if ((rc = read_header(in)) < 0 || (rc = read_resolution(in)) < 0)
+        return rc;
+    if ((size_t)in->nscan > max_pixels / (size_t)in->nlength)
+        return rad_fail(in->err, RAD_EDATA,
+                        "picture: %d by %d is more than the %zu pixels that "
+                        "are read",
+                        in->nlength, in->nscan, max_pixels);
+    rc = decode_rows(in, rgbe);
+    if (rc < 0) {
+        free(*rgbe);
+        *rgbe = NULL;
+    }
+    return rc;
+}
+
+static struct reader
+start_reader(const uint8_t *data, size_t len, struct rad_error *err)
+{
+    struct reader in = { .at = data,
+                         .end = data + len,
+                         .err = err,
+                         .divide = { 1, 1, 1 },
+                         .pixaspect = 1 };
+
+    return in;
+}
+
 /* Turn coded pixels into radiance in standard order. */
 static int
 arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
@@ -409,10 +456,7 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
         return rad_fail(in->err, RAD_ENOMEM, "out of memory");
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
-            int u = in->xleft ? w - 1 - x : x, v = in->yup ? h - 1 - y : y;
-            size_t at = in->xmajor ? (size_t)u * (size_t)h + (size_t)v
-                                   : (size_t)v * (size_t)w + (size_t)u;
-            struct rad_rgb L = rad_rgbe_radiance(rgbe + 4 * at);
+            struct rad_rgb L = rad_rgbe_radiance(pixel_at(in, rgbe, x, y));
 
             pic->L[(size_t)y * (size_t)w + (size_t)x] = rad_rgb(
                 (float)(L.r / in->divide[0]), (float)(L.g / in->divide[1]),
@@ -428,25 +472,48 @@ int
 rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
              struct rad_picture *pic, struct rad_error *err)
 {
-    struct reader in = { .at = data,
-                         .end = data + len,
-                         .err = err,
-                         .divide = { 1, 1, 1 },
-                         .pixaspect = 1 };
-    uint8_t *rgbe = NULL;
+    struct reader in = start_reader(data, len, err);
+    uint8_t *rgbe;
     int rc;
 
     memset(pic, 0, sizeof *pic);
-    if ((rc = read_header(&in)) < 0 || (rc = read_resolution(&in)) < 0)
-        return rc;
-    if ((size_t)in.nscan > max_pixels / (size_t)in.nlength)
-        return rad_fail(err, RAD_EDATA,
-                        "picture: %d by %d is more than the %zu pixels that "
-                        "are read",
-                        in.nlength, in.nscan, max_pixels);
-    rc = decode_rows(&in, &rgbe);
+    rc = read_coded(&in, max_pixels, &rgbe);
     if (rc == 0)
         rc = arrange(&in, rgbe, pic);
     free(rgbe);
     return rc;
+}
+
+void
+rad_coded_picture_release(struct rad_coded_picture *pic)
+{
+    free(pic->rgbe);
+    memset(pic, 0, sizeof *pic);
+}
+
+int
+rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
+                   struct rad_coded_picture *pic, struct rad_error *err)
+{
+    struct reader in = start_reader(data, len, err);
+    uint8_t *rgbe, *to;
+    int rc;
+
+    memset(pic, 0, sizeof *pic);
+    rc = read_coded(&in, max_pixels, &rgbe);
+    if (rc < 0)
+        return rc;
+    pic->width = in.xmajor ? in.nscan : in.nlength;
+    pic->height = in.xmajor ? in.nlength : in.nscan;
+    pic->pixaspect = in.pixaspect;
+    to = malloc(4 * (size_t)pic->width * (size_t)pic->height);
+    pic->rgbe = to;
+    for (int y = 0; to && y < pic->height; y++)
+        for (int x = 0; x < pic->width; x++, to += 4)
+            memcpy(to, pixel_at(&in, rgbe, x, y), 4);
+    free(rgbe);
+    if (pic->rgbe)
+        return 0;
+    rad_coded_picture_release(pic);
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
 }

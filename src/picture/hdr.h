@@ -59,4 +59,16 @@ void rad_picture_release(struct rad_picture *pic);
 int rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
                  struct rad_picture *pic, struct rad_error *err);
 
+/* The same as it is coded, for what keeps many pixels and looks at few. */
+struct rad_coded_picture {
+    int width, height;
+    double pixaspect;
+    uint8_t *rgbe; /* 4 * width * height, malloc'd, the top row first */
+};
+void rad_coded_picture_release(struct rad_coded_picture *pic);
+
+/* Decode as rad_hdr_read() does, but leave EXPOSURE and COLORCORR alone. */
+int rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
+                       struct rad_coded_picture *pic, struct rad_error *err);
+
 #endif

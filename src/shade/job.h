@@ -21,6 +21,7 @@ struct rad_calc;
 struct rad_calc_env;
 struct rad_material;
 struct rad_sources;
+struct rad_stored;
 
 struct rad_job {
     const struct rad_scene *scene;
@@ -32,6 +33,7 @@ struct rad_job {
                    * there is no antimatter */
     struct rad_sources *sources;
     struct rad_calc *calc;       /* NULL: no functions */
+    struct rad_stored *stored;   /* data files and pictures; NULL: none */
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
 

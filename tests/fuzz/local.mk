@@ -7,6 +7,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_calc \
+	tests/fuzz/fuzz_dat \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
@@ -76,3 +77,7 @@ tests_fuzz_fuzz_session_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_calc_SOURCES = tests/fuzz/fuzz_calc.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_calc_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_calc_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_dat_SOURCES = tests/fuzz/fuzz_dat.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_dat_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_dat_LDFLAGS = $(FUZZ_LINK)
