@@ -45,6 +45,136 @@ evaluate(const char *file, const char *text, enum rad_calc_fault *fault)
 }
 
 static const struct {
+    const char *file, *name;
+    int n, nparams;
+    double value; /* for 7, 11, 13 */
+} called[] = {
+    { "f(a) = 2*a;", "f", 1, 1, 14 },
+    { "f(a) = 2*a;", "f", 3, 1, 14 }, /* what is too much is not used */
+    { "f(a,b,c) = 100*a+10*b+c;", "f", 3, 3, 823 },
+    { "f(a) = a+$2;", "f", 1, 1, 9 }, /* channels are there, too */
+    { "f(a) = g(a,a); g(a,b) = a*b*A1;", "f", 1, 1, 98 },
+    { "", "noop", 1, 1, 7 },
+    { "", "green", 3, 3, 11 },
+    { "", "max", 3, 1, 13 },
+    { "", "atan2", 3, 2, .56672921752350635 /* atan(7/11) */ },
+};
+
+START_TEST(function_is_called_by_its_name)
+{
+    static const double value[] = { 7, 11, 13 };
+    const char *file = called[_i].file, *name = called[_i].name;
+    struct rad_calc_input in = { channel, args, N_ELEM(args) };
+    struct rad_calc *c = rad_calc_new(NULL);
+    int context = rad_calc_context(c, "test.cal", NULL), f;
+    enum rad_calc_fault fault;
+    struct rad_calc_env *env;
+
+    for (int i = 0; i < RAD_CALC_NCHANNELS; i++)
+        channel[i] = i + 1;
+    rad_calc_read(c, context, "test.cal", file, strlen(file), NULL);
+    ck_assert_int_eq(rad_calc_params(c, context, name, NULL),
+                     called[_i].nparams);
+    f = rad_calc_function(c, context, name, called[_i].n, NULL);
+    ck_assert_int_ge(f, 0);
+    env = rad_calc_env_new(c);
+    ck_assert_ptr_nonnull(env);
+    rad_calc_begin(env, &in);
+    ck_assert_double_eq_tol(rad_calc_call(c, f, value, env, &fault),
+                            called[_i].value, 1e-9);
+    ck_assert_int_eq(fault, RAD_CALC_SOUND);
+    rad_calc_env_free(env);
+    rad_calc_free(c);
+}
+END_TEST
+
+static const struct {
+    const char *file, *name, *problem;
+} uncalled[] = {
+    { "f = 1;", "f", "undefined function 'f'" },
+    { "", "nope", "undefined function 'nope'" },
+    { "f(a) = nope;", "f", "undefined variable 'nope'" },
+    { "f(a) = a;", "f+1", "no name of a function" },
+    { "", "", "no name of a function" },
+    { "", "2", "no name of a function" },
+    { "", "atan2", "too few arguments for atan2()" },
+};
+
+START_TEST(what_is_no_function_is_not_called)
+{
+    const char *file = uncalled[_i].file;
+    struct rad_calc *c = rad_calc_new(NULL);
+    int context = rad_calc_context(c, "test.cal", NULL);
+    struct rad_error err = { 0 };
+
+    rad_calc_read(c, context, "test.cal", file, strlen(file), NULL);
+    ck_assert_int_eq(rad_calc_function(c, context, uncalled[_i].name, 1, &err),
+                     RAD_EDATA);
+    ck_assert_msg(strstr(err.what, uncalled[_i].problem) != NULL, "%s",
+                  err.what);
+    rad_calc_free(c);
+}
+END_TEST
+
+/* A luminaire of 2 by 3 by 4, or 2 across and 3 high, of multiplier 10, seen
+ * along D from P. */
+static const struct {
+    const char *text;
+    double D[3], value;
+} luminaire[] = {
+    { "source_corr(5,0)", { 0, 0, 1 }, 50 },
+    { "source_corr(-5,0)", { 0, 0, 1 }, 0 },
+    { "source_corr(5,1)", { 0, 0, 1 }, 100 }, /* over Rdot */
+    { "source_corr(5,2)", { .6, 0, -.8 }, 50 / (.6 * 12 + .8 * 6) },
+    { "source_corr(5,2)", { 0, 1, 0 }, 50 / 8. },
+    { "source_corr(5,4)", { .6, 0, .8 }, 50 / (6 * .6 + M_PI * .8) },
+    { "source_corr(5,4)",
+      { 0, 0, 1 },
+      50 / (6 * sqrt(1 - .999999 * .999999) + M_PI * .999999) },
+    /* from (2, 1, 0), 1 off the box's side of 3 by 4 */
+    { "source_corr(5,3)", { 1, 0, 0 }, 50 * 10 / 12. },
+    { "source_theta(180)", { 0, 0, -1 }, 180 },
+    { "source_theta(180)", { .5, 0, -.8660254037844386 }, 150 },
+    { "source_theta(180)", { 0, 0, 1.0000001 }, 0 },
+    { "source_phi(360)", { 1, 1, 0 }, 225 },
+    { "source_phi(360)", { 1, -1, 0 }, 135 },
+    { "source_phi(360)", { -1, 1, 0 }, 315 },
+    { "source_phi(180)", { -1, 1, 0 }, 45 },
+    { "source_phi(180)", { 1, 1, 0 }, 135 },
+    { "source_phi(90)", { 1, 1, 0 }, 45 },
+    { "source_phi(90)", { 1, -2, 0 }, 63.43494882292201 },
+    { "source_phi(90)", { -1, 2, 0 }, 63.43494882292201 },
+};
+
+START_TEST(luminaire_is_corrected_for_its_shape)
+{
+    static const double sizes[] = { 10, 2, 3, 4 };
+    struct rad_calc_input in = { channel, sizes, N_ELEM(sizes) };
+    struct rad_calc *c = rad_calc_new(NULL);
+    int at = rad_calc_expression(c, rad_calc_context(c, ".", NULL),
+                                 luminaire[_i].text, NULL);
+    struct rad_calc_env *env;
+    enum rad_calc_fault fault;
+
+    ck_assert_int_ge(at, 0);
+    memset(channel, 0, sizeof channel);
+    memcpy(channel, luminaire[_i].D, sizeof luminaire[_i].D);
+    channel[6] = 12; /* P */
+    channel[7] = 1;
+    channel[10] = .5; /* Rdot */
+    channel[24] = 10; /* Ts */
+    env = rad_calc_env_new(c);
+    ck_assert_ptr_nonnull(env);
+    rad_calc_begin(env, &in);
+    ck_assert_double_eq_tol(rad_calc_eval(c, at, env, &fault),
+                            luminaire[_i].value, 1e-9);
+    ck_assert_int_eq(fault, RAD_CALC_SOUND);
+    rad_calc_env_free(env);
+    rad_calc_free(c);
+}
+END_TEST
+
+static const struct {
     const char *text;
     double value;
 } expression[] = {
@@ -396,6 +526,11 @@ main(void)
     TCase *tc = tcase_create("calc");
 
     tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, function_is_called_by_its_name, 0, N_ELEM(called));
+    tcase_add_loop_test(tc, what_is_no_function_is_not_called, 0,
+                        N_ELEM(uncalled));
+    tcase_add_loop_test(tc, luminaire_is_corrected_for_its_shape, 0,
+                        N_ELEM(luminaire));
     tcase_add_loop_test(tc, expression_has_its_value, 0, N_ELEM(expression));
     tcase_add_loop_test(tc, names_are_found_in_their_scope, 0, N_ELEM(scoped));
     tcase_add_test(tc, files_do_not_see_each_others_names);

@@ -402,6 +402,9 @@ put_node(struct emitter *m, const struct node *n)
     case N_PARAM:
         put(m, OP_PARAM, 0, n->ref);
         break;
+    case N_VALUE:
+        put(m, OP_VALUE, 0, n->ref);
+        break;
     case N_NEGATE:
         put_node(m, n->kid);
         put(m, OP_NEGATE, 0, 0);

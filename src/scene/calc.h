@@ -79,6 +79,17 @@ int rad_calc_read(struct rad_calc *c, int context, const char *name,
 int rad_calc_expression(struct rad_calc *c, int context, const char *text,
                         struct rad_error *err);
 
+/* How many parameters the function of that name has where it is used in this
+ * context; 0 if there is no such function, or a code. */
+int rad_calc_params(struct rad_calc *c, int context, const char *name,
+                    struct rad_error *err);
+
+/* Compile a call of the function of that name with n values that will be given
+ * to rad_calc_call(), up to RAD_MAX_CALC_ARGS; those beyond its parameters are
+ * not used.  As rad_calc_expression(). */
+int rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
+                      struct rad_error *err);
+
 /* An evaluator for programs of this size; NULL: out of memory. */
 struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
 void rad_calc_env_free(struct rad_calc_env *env);
@@ -90,5 +101,11 @@ void rad_calc_begin(struct rad_calc_env *env, const struct rad_calc_input *in);
  * end; the value is 0 then for all but RAD_CALC_MATH. */
 double rad_calc_eval(const struct rad_calc *c, int expression,
                      struct rad_calc_env *env, enum rad_calc_fault *fault);
+
+/* The value of a function for as many values as it was compiled for; what
+ * rad_calc_begin() started with holds. */
+double rad_calc_call(const struct rad_calc *c, int function,
+                     const double value[], struct rad_calc_env *env,
+                     enum rad_calc_fault *fault);
 
 #endif

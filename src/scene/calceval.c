@@ -34,6 +34,7 @@ struct back {
 
 struct rad_calc_env {
     struct rad_calc_input in;
+    const double *call_value; /* of rad_calc_call() */
     uint64_t clock;
     struct known {
         uint64_t clock;
@@ -82,6 +83,7 @@ rad_calc_env_new(const struct rad_calc *c)
     e->known = calloc((size_t)c->nsymbol + 1, sizeof *e->known);
     e->clock = 1;
     e->in = (struct rad_calc_input){ 0 };
+    e->call_value = NULL;
     if (e->known)
         return e;
     free(e);
@@ -305,7 +307,7 @@ library(struct machine *m, const struct ins *in)
     struct rad_calc_env *e = m->e;
     double *v = &e->value[e->nvalues - in->n];
 
-    v[0] = rad_calc_call(in->a, v, &e->in, &m->fault);
+    v[0] = rad_calc_library_value(in->a, v, &e->in, &m->fault);
     e->nvalues -= in->n - 1;
 }
 
@@ -349,6 +351,12 @@ step(struct machine *m, const struct ins *in)
         break;
     case OP_PARAM:
         get_param(m, in->a);
+        break;
+    case OP_VALUE:
+        if (e->call_value)
+            push(m, e->call_value[in->a]);
+        else
+            m->fault = RAD_CALC_NO_ARG;
         break;
     case OP_NEGATE:
         e->value[e->nvalues - 1] = -e->value[e->nvalues - 1];
@@ -411,4 +419,16 @@ rad_calc_eval(const struct rad_calc *c, int expression, struct rad_calc_env *e,
               enum rad_calc_fault *fault)
 {
     return rad_calc_run(c, expression, RAD_MAX_CALC_STEPS, e, fault);
+}
+
+double
+rad_calc_call(const struct rad_calc *c, int function, const double value[],
+              struct rad_calc_env *e, enum rad_calc_fault *fault)
+{
+    double v;
+
+    e->call_value = value;
+    v = rad_calc_run(c, function, RAD_MAX_CALC_STEPS, e, fault);
+    e->call_value = NULL;
+    return v;
 }

@@ -17,6 +17,7 @@ enum op {
     OP_CHANNEL, /* push channel a */
     OP_VARIABLE,
     OP_PARAM,
+    OP_VALUE, /* push value a of rad_calc_call() */
     OP_NEGATE,
     OP_ADD,
     OP_SUBTRACT,
@@ -53,6 +54,7 @@ struct symbol {
     int32_t code;    /* of its definition, or of a library function's call */
     int32_t end;     /* behind it */
     int32_t library; /* index of the function that it names, or -1 */
+    int32_t nparams; /* of a function that a file defines */
     int32_t line;
     const char *file;
 };
@@ -70,8 +72,9 @@ extern const int rad_calc_nlibrary;
 enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ARG };
 
 /* Value of library function id; *fault may be set. */
-double rad_calc_call(int id, const double *v, const struct rad_calc_input *in,
-                     enum rad_calc_fault *fault);
+double rad_calc_library_value(int id, const double *v,
+                              const struct rad_calc_input *in,
+                              enum rad_calc_fault *fault);
 
 double rad_calc_noise(const double p[3]);
 double rad_calc_noise_slope(const double p[3], int axis);
@@ -113,6 +116,7 @@ struct node {
         N_CHANNEL,
         N_NAME,
         N_PARAM,
+        N_VALUE,
         N_NEGATE,
         N_BINARY,
         N_CALL
@@ -120,7 +124,7 @@ struct node {
     char op;       /* of N_BINARY: + - * / ^ */
     bool by_param; /* N_CALL: `ref` is a parameter */
     double number;
-    int32_t ref; /* channel, symbol or parameter, from 0 */
+    int32_t ref; /* channel, symbol, parameter or value, from 0 */
     int32_t nkids;
     int32_t height; /* of the tree below, bounded: compiling recurses */
     struct node *kid, *next;

@@ -248,8 +248,8 @@ real_argument(double which, const struct rad_calc_input *in,
 }
 
 double
-rad_calc_call(int id, const double *v, const struct rad_calc_input *in,
-              enum rad_calc_fault *fault)
+rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
+                       enum rad_calc_fault *fault)
 {
     switch (id) {
     case LIB_ARG:

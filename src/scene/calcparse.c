@@ -407,6 +407,7 @@ define(struct parser *ps, const char *name, const char *file, int line,
     c->symbol[i].checked = false;
     c->symbol[i].code = code;
     c->symbol[i].end = c->ncode;
+    c->symbol[i].nparams = ps->nparams;
     c->symbol[i].line = line;
     c->symbol[i].file = file;
 }
@@ -525,6 +526,19 @@ check_names(struct rad_calc *c, int32_t from, int32_t to, struct rad_error *err)
     return rc;
 }
 
+/* The code at pc is an expression's if all that it needs is there. */
+static int
+accept_code(struct rad_calc *c, int32_t pc, struct rad_error *why,
+            struct rad_error *err)
+{
+    if (pc >= 0 && check_names(c, pc, c->ncode, why) == 0)
+        return pc;
+    rad_fail(err, why->code, "%s", why->what);
+    if (why->where[0])
+        rad_error_where(err, "%s", why->where);
+    return why->code;
+}
+
 int
 rad_calc_expression(struct rad_calc *c, int context, const char *text,
                     struct rad_error *err)
@@ -546,10 +560,53 @@ rad_calc_expression(struct rad_calc *c, int context, const char *text,
     if (n && !ps.failed)
         pc = rad_calc_emit(c, n, &why);
     rad_arena_release(&ps.arena);
-    if (pc >= 0 && check_names(c, pc, c->ncode, &why) == 0)
-        return pc;
-    rad_fail(err, why.code, "%s", why.what);
-    if (why.where[0])
-        rad_error_where(err, "%s", why.where);
-    return why.code;
+    return accept_code(c, pc, &why, err);
+}
+
+/* The symbol that a name stands for, or a code. */
+static int32_t
+find_name(struct rad_calc *c, int context, const char *name,
+          struct rad_error *err)
+{
+    size_t n = 0;
+
+    while (is_name_byte((unsigned char)name[n]))
+        n++;
+    if (name[n] || n > MAX_NAME ||
+        !(isalpha((unsigned char)name[0]) || name[0] == '`'))
+        return rad_fail(err, RAD_EDATA, "no name of a function");
+    return rad_calc_symbol(c, c->context[context].name, name, false, err);
+}
+
+int
+rad_calc_params(struct rad_calc *c, int context, const char *name,
+                struct rad_error *err)
+{
+    int32_t i = find_name(c, context, name, err);
+
+    if (i < 0)
+        return i;
+    if (c->symbol[i].kind == SYM_LIBRARY)
+        return rad_calc_library[c->symbol[i].library].nargs;
+    return c->symbol[i].kind == SYM_FUNCTION ? c->symbol[i].nparams : 0;
+}
+
+int
+rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
+                  struct rad_error *err)
+{
+    struct node value[RAD_MAX_CALC_ARGS], call = { .type = N_CALL };
+    struct rad_error why = { 0 };
+    int32_t pc = -1;
+
+    call.ref = find_name(c, context, name, &why);
+    call.nkids = n;
+    call.kid = n > 0 ? value : NULL;
+    for (int i = 0; i < n; i++)
+        value[i] = (struct node){ .type = N_VALUE,
+                                  .ref = i,
+                                  .next = i + 1 < n ? &value[i + 1] : NULL };
+    if (call.ref >= 0)
+        pc = rad_calc_emit(c, &call, &why);
+    return accept_code(c, pc, &why, err);
 }

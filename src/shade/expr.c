@@ -87,6 +87,18 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
     return rc ? rc : read_transform(job, o, file, e, err);
 }
 
+int
+rad_expr_function(struct rad_job *job, const struct rad_object *o,
+                  const struct rad_expr *e, int which, int n,
+                  struct rad_error *err)
+{
+    const char *name = o->strings[which];
+    struct rad_error why = { 0 };
+    int f = rad_calc_function(job->calc, e->context, name, n, &why);
+
+    return f < 0 ? rad_material_file_fail(job, o, name, &why, err) : f;
+}
+
 /* --- what expressions see of a ray ---------------------------------------- */
 
 static double
@@ -133,15 +145,27 @@ set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
     c[26] = r->hit.uv[1];
 }
 
-bool
-rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
-                const struct rad_ray *r, int first, int n, double value[])
+void
+rad_expr_begin(struct rad_ctx *ctx, const struct rad_expr *e,
+               const struct rad_ray *r, struct rad_expr_scope *scope)
 {
-    double channel[RAD_CALC_NCHANNELS];
-    struct rad_calc_input in = { channel, e->args, e->nargs };
+    scope->in = (struct rad_calc_input){ .channel = scope->channel,
+                                         .args = e->args,
+                                         .nargs = e->nargs };
+    set_channels(scope->channel, e, r);
+    rad_calc_begin(ctx->calc, &scope->in);
+}
 
-    set_channels(channel, e, r);
-    rad_calc_begin(ctx->calc, &in);
+void
+rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope)
+{
+    rad_calc_begin(ctx->calc, &scope->in);
+}
+
+bool
+rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first, int n,
+             double value[])
+{
     for (int i = 0; i < n; i++) {
         enum rad_calc_fault fault;
 
@@ -151,6 +175,26 @@ rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
             return false;
     }
     return true;
+}
+
+bool
+rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
+                const struct rad_ray *r, int first, int n, double value[])
+{
+    struct rad_expr_scope scope;
+
+    rad_expr_begin(ctx, e, r, &scope);
+    return rad_expr_get(ctx, e, first, n, value);
+}
+
+bool
+rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
+              double *value)
+{
+    enum rad_calc_fault fault;
+
+    *value = rad_calc_call(ctx->job->calc, function, arg, ctx->calc, &fault);
+    return !fault && isfinite(*value);
 }
 
 void

@@ -27,6 +27,12 @@ struct rad_expr {
     int context; /* of the file, in job->calc */
 };
 
+/* What expressions see of one ray, while they are evaluated. */
+struct rad_expr_scope {
+    struct rad_calc_input in;
+    double channel[RAD_CALC_NCHANNELS];
+};
+
 /* Compile those strings of object o whose bits are set in `which`, in their
  * order; the function file is string number `file`.  0 or a negative code. */
 int rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
@@ -37,6 +43,25 @@ int rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
  * be worked out, or is not finite; value[] is undefined then. */
 bool rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
                      const struct rad_ray *r, int first, int n, double value[]);
+
+/* A call of the function that string number `which` of o names, with n values;
+ * at least 0, or a code. */
+int rad_expr_function(struct rad_job *job, const struct rad_object *o,
+                      const struct rad_expr *e, int which, int n,
+                      struct rad_error *err);
+
+/* Start with a ray: what follows is evaluated for it, until another one is
+ * begun or rad_expr_values() is called.  *scope must stay where it is;
+ * rad_expr_resume() goes back to it. */
+void rad_expr_begin(struct rad_ctx *ctx, const struct rad_expr *e,
+                    const struct rad_ray *r, struct rad_expr_scope *scope);
+void rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope);
+
+/* Values of expressions as above, and of a function for arg[0..n). */
+bool rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+                  int n, double value[]);
+bool rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
+                   double *value);
 
 /* Turn a direction of the function's coordinates into the world's, without a
  * change of its length. */
