@@ -108,6 +108,8 @@ librad_a_SOURCES = \
 	src/scene/reach.c \
 	src/scene/scene.c \
 	src/scene/scene.h \
+	src/shade/aniso.c \
+	src/shade/aniso.h \
 	src/shade/antimatter.c \
 	src/shade/antimatter.h \
 	src/shade/dielectric.c \
@@ -120,6 +122,8 @@ librad_a_SOURCES = \
 	src/shade/func.h \
 	src/shade/glass.c \
 	src/shade/glass.h \
+	src/shade/gloss.c \
+	src/shade/gloss.h \
 	src/shade/job.c \
 	src/shade/job.h \
 	src/shade/material.c \

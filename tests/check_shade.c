@@ -5,6 +5,7 @@
  * transmittance. */
 #include "config.h"
 
+#include "suns.h"
 #include "world.h"
 #include "base/rng.h"
 
@@ -252,28 +253,6 @@ START_TEST(ambient_light_is_shared_out)
     world_close(&w);
 }
 END_TEST
-
-/* Suns spread evenly (a Fibonacci spiral) over the half space of sign z, each
- * as strong as its share of it would be at radiance 1. */
-static void
-add_suns(char *text, size_t size, double z)
-{
-    enum { N = 3000 };
-    double deg = .01, omega = 2 * M_PI * (1 - cos(deg * M_PI / 360));
-    size_t at = strlen(text);
-
-    at += (size_t)snprintf(
-        text + at, size - at, "void light sun 0 0 3 %.9g %.9g %.9g\n",
-        2 * M_PI / N / omega, 2 * M_PI / N / omega, 2 * M_PI / N / omega);
-    for (int i = 0; i < N && at < size; i++) {
-        double c = (i + .5) / N, s = sqrt(1 - c * c), phi = i * 2.39996322973;
-
-        at += (size_t)snprintf(text + at, size - at,
-                               "sun source s 0 0 4 %.9g %.9g %.9g %g\n",
-                               s * cos(phi), s * sin(phi), z * c, deg);
-    }
-    ck_assert_uint_lt(at, size);
-}
 
 static const struct {
     const char *material;

@@ -8,6 +8,7 @@ AM_TESTS_ENVIRONMENT = \
 UNIT_TESTS = \
 	tests/check_ambient \
 	tests/check_ambshare \
+	tests/check_aniso \
 	tests/check_antimatter \
 	tests/check_base \
 	tests/check_bundle \
@@ -62,6 +63,11 @@ tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h
 	tests/world.h
 tests_check_ambient_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambient_LDADD = $(UNIT_LIBS)
+
+tests_check_aniso_SOURCES = tests/check_aniso.c tests/suns.h tests/unit.h \
+	tests/world.h
+tests_check_aniso_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_aniso_LDADD = $(UNIT_LIBS)
 
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -127,7 +133,7 @@ tests_check_rays_SOURCES = tests/check_rays.c tests/unit.h
 tests_check_rays_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_rays_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
-tests_check_shade_SOURCES = tests/check_shade.c tests/unit.h tests/world.h
+tests_check_shade_SOURCES = tests/check_shade.c tests/suns.h tests/unit.h tests/world.h
 tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_shade_LDADD = $(UNIT_LIBS)
 

@@ -137,6 +137,16 @@ check_text(struct checker *c, const struct rad_object *o)
         report(c, o, RAD_EDATA, "right and down vectors are parallel");
 }
 
+/* A surface of plastic2 and its like that no scene uses may be smooth. */
+static void
+check_rough(struct checker *c, const struct rad_object *o)
+{
+    if (c->reached[o - c->scene->objects] &&
+        !(o->reals[4] > 1e-6 && o->reals[5] > 1e-6))
+        report(c, o, RAD_EDATA, "roughness %g %g is not above 0", o->reals[4],
+               o->reals[5]);
+}
+
 /* The string arguments that name a modifier defined before. */
 static void
 check_reference(struct checker *c, const struct rad_object *o)
@@ -195,6 +205,9 @@ static const struct rule {
     { RAD_PLASTIC,    0, INT_MAX, 5, 5,        NULL },
     { RAD_METAL,      0, INT_MAX, 5, 5,        NULL },
     { RAD_TRANS,      0, INT_MAX, 7, 7,        NULL },
+    { RAD_PLASTIC2,   4, INT_MAX, 6, 6,        check_rough },
+    { RAD_METAL2,     4, INT_MAX, 6, 6,        check_rough },
+    { RAD_TRANS2,     4, INT_MAX, 8, 8,        check_rough },
     { RAD_DIELECTRIC, 0, INT_MAX, 5, 5,        NULL },
     { RAD_INTERFACE,  0, INT_MAX, 8, 8,        check_interface },
     { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },

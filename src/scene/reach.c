@@ -82,6 +82,9 @@ rad_object_file(const struct rad_object *o, int k)
     case RAD_COLORFUNC:
     case RAD_TEXFUNC:
     case RAD_MIXFUNC:
+    case RAD_PLASTIC2:
+    case RAD_METAL2:
+    case RAD_TRANS2:
         return k == 0 ? function_file(o, 3) : NULL;
     default:
         return NULL;

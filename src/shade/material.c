@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "shade/material.h"
+#include "shade/aniso.h"
 #include "shade/antimatter.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
@@ -22,6 +23,9 @@ static const struct rad_shader table[] = {
     { RAD_PLASTIC, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
     { RAD_METAL, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
     { RAD_TRANS, RAD_MAT_TRANSPARENT, rad_normal_prepare, rad_normal_shade },
+    { RAD_PLASTIC2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_METAL2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_TRANS2, RAD_MAT_TRANSPARENT, rad_aniso_prepare, rad_aniso_shade },
     { RAD_GLASS, RAD_MAT_TRANSPARENT, rad_glass_prepare, rad_glass_shade },
     { RAD_DIELECTRIC, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
       rad_dielectric_shade },

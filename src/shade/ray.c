@@ -311,6 +311,17 @@ rad_ray_normal(const struct rad_ray *r, double norm[3])
 }
 
 void
+rad_ray_ahead(const struct rad_ray *r, double ahead[3])
+{
+    rad_copy(ahead, r->dir);
+    if (!rad_ray_perturbed(r))
+        return;
+    rad_sub(ahead, r->dir, r->pert);
+    if (!(rad_dot(ahead, r->n) < -RAD_TINY) || rad_normalize(ahead) == 0)
+        rad_copy(ahead, r->dir);
+}
+
+void
 rad_ray_flip(struct rad_ray *r)
 {
     rad_scale(r->n, -1, r->n);

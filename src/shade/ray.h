@@ -148,6 +148,11 @@ bool rad_ray_perturbed(const struct rad_ray *r);
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */
 double rad_ray_normal(const struct rad_ray *r, double norm[3]);
 
+/* Where light goes that passes through: straight on, or turned by what a texture
+ * tilts the normal, as long as that is still through the surface.  n must be on
+ * the side that the ray comes from. */
+void rad_ray_ahead(const struct rad_ray *r, double ahead[3]);
+
 /* Turn n, cos_o and pert to the other side. */
 void rad_ray_flip(struct rad_ray *r);
 
