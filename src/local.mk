@@ -130,12 +130,16 @@ librad_a_SOURCES = \
 	src/shade/material.h \
 	src/shade/mirror.c \
 	src/shade/mirror.h \
+	src/shade/mixture.c \
+	src/shade/mixture.h \
 	src/shade/normal.c \
 	src/shade/normal.h \
 	src/shade/ray.c \
 	src/shade/ray.h \
 	src/shade/stored.c \
 	src/shade/stored.h \
+	src/shade/table.c \
+	src/shade/table.h \
 	src/shade/text.c \
 	src/shade/text.h
 

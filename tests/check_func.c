@@ -114,6 +114,17 @@ START_TEST(texture_tilts_the_normal)
 }
 END_TEST
 
+/* Radiance's bound: what is flat decides how far sources spread gloss. */
+START_TEST(texture_of_a_millionth_is_none)
+{
+    struct rad_ray r = { .pert = { 6e-7, 6e-7, 0 } };
+
+    ck_assert(!rad_ray_perturbed(&r));
+    r.pert[2] = 7e-7;
+    ck_assert(rad_ray_perturbed(&r));
+}
+END_TEST
+
 static const struct {
     const char *mixture;
     double r, g;
@@ -220,6 +231,7 @@ main(void)
     tcase_add_test(tc, colour_has_a_function_for_each_channel);
     tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
     tcase_add_test(tc, texture_tilts_the_normal);
+    tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
     tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));

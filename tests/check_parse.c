@@ -308,9 +308,9 @@ static const struct {
     { "void plastic 'open\n 0 0 5\n",
       "a.rad:3: the quote ' opened in line 1 is not closed" },
     { MAT "!echo", "a.rad:2: commands are not run here: '!echo'" },
-    { "void mixdata x 4 void void 1 . 0 0\n"
+    { "void spectrum x 0 0 5 380 780 1 1 1\n"
       "x sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: mixdata 'x': type 'mixdata' is not supported yet" },
+      "a.rad:1: spectrum 'x': type 'spectrum' is not supported yet" },
     { "void BRTDfunc b 0 0 0\nvoid alias a b\na sphere s 0 0 4 0 0 0 1",
       "a.rad:1: BRTDfunc 'b': type 'BRTDfunc' is not supported yet" },
     { "void prism1 m 0 0 0\nvoid illum i 1 m 0 3 1 1 1\n"

@@ -42,6 +42,7 @@ UNIT_TESTS = \
 	tests/check_source \
 	tests/check_store \
 	tests/check_submit \
+	tests/check_table \
 	tests/check_view \
 	tests/check_wild \
 	tests/check_wire \
@@ -88,6 +89,10 @@ tests_check_calc_LDADD = $(UNIT_LIBS)
 tests_check_data_SOURCES = tests/check_data.c tests/unit.h tests/world.h
 tests_check_data_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_data_LDADD = $(UNIT_LIBS)
+
+tests_check_table_SOURCES = tests/check_table.c tests/unit.h tests/world.h
+tests_check_table_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_table_LDADD = $(UNIT_LIBS)
 
 tests_check_func_SOURCES = tests/check_func.c tests/unit.h tests/world.h
 tests_check_func_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

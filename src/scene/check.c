@@ -179,6 +179,13 @@ check_mixture(struct checker *c, const struct rad_object *o)
             report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[i]);
 }
 
+static void
+check_mixtext(struct checker *c, const struct rad_object *o)
+{
+    check_mixture(c, o);
+    check_text(c, o);
+}
+
 /* What the supported types take.  Strings that a type does not use are
  * ignored, as in Radiance. */
 static const struct rule {
@@ -219,6 +226,13 @@ static const struct rule {
     { RAD_BRIGHTFUNC, 2, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_TEXFUNC,    4, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_MIXFUNC,    4, INT_MAX, 0, INT_MAX,  check_mixture },
+    { RAD_BRIGHTDATA, 4, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_COLORDATA,  8, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_COLORPICT,  7, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_TEXDATA,    8, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_MIXDATA,    6, INT_MAX, 0, INT_MAX,  check_mixture },
+    { RAD_MIXPICT,    7, INT_MAX, 0, INT_MAX,  check_mixture },
+    { RAD_MIXTEXT,    4, INT_MAX, 9, INT_MAX,  check_mixtext },
     /* clang-format on */
 };
 

@@ -17,6 +17,9 @@ named_count(const struct rad_object *o)
     case RAD_ANTIMATTER: /* of the others only the name counts */
         return o->nstrings > 0;
     case RAD_MIXFUNC:
+    case RAD_MIXDATA:
+    case RAD_MIXPICT:
+    case RAD_MIXTEXT:
         return o->nstrings >= 2 ? 2 : 0;
     default:
         return 0;
@@ -59,11 +62,44 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
     free(reached);
 }
 
-/* A function file; "." stands for none. */
-static const char *
-function_file(const struct rad_object *o, int at)
+/* Which strings of a type name files. */
+static const struct {
+    enum rad_otype type;
+    int function; /* the function file, or -1 */
+    int first, n; /* others */
+} named_files[] = {
+    { RAD_BRIGHTTEXT, -1, 0, 2 }, /* the font and the text */
+    { RAD_COLORTEXT, -1, 0, 2 },  { RAD_MIXTEXT, -1, 2, 2 },
+    { RAD_BRIGHTFUNC, 1, 0, 0 },  { RAD_COLORFUNC, 3, 0, 0 },
+    { RAD_TEXFUNC, 3, 0, 0 },     { RAD_MIXFUNC, 3, 0, 0 },
+    { RAD_BRIGHTDATA, 2, 1, 1 },  { RAD_COLORDATA, 6, 3, 3 },
+    { RAD_COLORPICT, 4, 3, 1 },   { RAD_TEXDATA, 6, 3, 3 },
+    { RAD_MIXDATA, 4, 3, 1 },     { RAD_MIXPICT, 4, 3, 1 },
+    { RAD_PLASTIC2, 3, 0, 0 },    { RAD_METAL2, 3, 0, 0 },
+    { RAD_TRANS2, 3, 0, 0 },
+};
+
+/* Is the text of a text type in the object itself, behind the font? */
+static bool
+is_own_text(const struct rad_object *o, int at)
 {
-    if (at >= o->nstrings || strcmp(o->strings[at], ".") == 0)
+    switch (o->type) {
+    case RAD_BRIGHTTEXT:
+    case RAD_COLORTEXT:
+        return at == 1 && o->nstrings > 2;
+    case RAD_MIXTEXT:
+        return at == 3 && o->nstrings > 4;
+    default:
+        return false;
+    }
+}
+
+/* String `at`, if it names a file; "." stands for no function file. */
+static const char *
+file_at(const struct rad_object *o, int at, bool function)
+{
+    if (at < 0 || at >= o->nstrings || is_own_text(o, at) ||
+        (function && strcmp(o->strings[at], ".") == 0))
         return NULL;
     return o->strings[at];
 }
@@ -71,24 +107,13 @@ function_file(const struct rad_object *o, int at)
 const char *
 rad_object_file(const struct rad_object *o, int k)
 {
-    switch (o->type) {
-    case RAD_COLORTEXT:
-    case RAD_BRIGHTTEXT: /* the font, and the text if it is in a file */
-        if (k < o->nstrings && (k == 0 || (k == 1 && o->nstrings == 2)))
-            return o->strings[k];
-        return NULL;
-    case RAD_BRIGHTFUNC:
-        return k == 0 ? function_file(o, 1) : NULL;
-    case RAD_COLORFUNC:
-    case RAD_TEXFUNC:
-    case RAD_MIXFUNC:
-    case RAD_PLASTIC2:
-    case RAD_METAL2:
-    case RAD_TRANS2:
-        return k == 0 ? function_file(o, 3) : NULL;
-    default:
-        return NULL;
-    }
+    for (size_t i = 0; i < sizeof named_files / sizeof named_files[0]; i++)
+        if (named_files[i].type == o->type && k <= named_files[i].n) {
+            if (k < named_files[i].n)
+                return file_at(o, named_files[i].first + k, false);
+            return file_at(o, named_files[i].function, true);
+        }
+    return NULL;
 }
 
 int32_t

@@ -75,7 +75,8 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
 {
     int rc;
 
-    if (o->nstrings <= file || which >> o->nstrings)
+    /* a shift by 32 or more has no meaning */
+    if (o->nstrings <= file || (o->nstrings < 32 && which >> o->nstrings))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
     e->args = o->reals;

@@ -14,6 +14,7 @@
 #include "shade/glass.h"
 #include "shade/mirror.h"
 #include "shade/normal.h"
+#include "shade/table.h"
 #include "shade/text.h"
 
 #include <stdlib.h>
@@ -47,6 +48,13 @@ static const struct rad_shader table[] = {
     { RAD_COLORFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_colour },
     { RAD_TEXFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_perturb },
     { RAD_MIXFUNC, RAD_MAT_MIXTURE, rad_func_prepare, rad_func_mix },
+    { RAD_BRIGHTDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_brighten },
+    { RAD_COLORDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_colour },
+    { RAD_COLORPICT, RAD_MAT_PATTERN, rad_table_prepare, rad_table_colour },
+    { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_perturb },
+    { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
+    { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
+    { RAD_MIXTEXT, RAD_MAT_MIXTURE, rad_text_prepare, rad_text_mix },
 };
 
 const struct rad_shader *

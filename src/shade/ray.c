@@ -282,7 +282,7 @@ rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
 bool
 rad_ray_perturbed(const struct rad_ray *r)
 {
-    return r->pert[0] != 0 || r->pert[1] != 0 || r->pert[2] != 0;
+    return rad_dot(r->pert, r->pert) > RAD_TINY * RAD_TINY;
 }
 
 double

@@ -142,7 +142,7 @@ void rad_ray_absorb(struct rad_ray *r);
 /* Apply the textures and patterns of the chain from mod. */
 void rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);
 
-/* Has a texture tilted the normal? */
+/* Has a texture tilted the normal, by more than RAD_TINY? */
 bool rad_ray_perturbed(const struct rad_ray *r);
 
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */

@@ -10,7 +10,9 @@
 #include "base/vec.h"
 #include "scene/font.h"
 #include "scene/octfile.h"
+#include "shade/mixture.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +27,15 @@ struct text {
     int32_t nlines;
     int spacing;
     struct rad_rgb fore, back;
+    int32_t part[2]; /* of mixtext: modifiers in their place */
 };
+
+/* Which string names the font; the text follows. */
+static int
+font_at(const struct rad_object *o)
+{
+    return o->type == RAD_MIXTEXT ? 2 : 0;
+}
 
 /* right, down: the parts of R and D across each other, scaled so that
  * right.R = down.D = 1. */
@@ -60,8 +70,9 @@ find_font(const struct rad_job *job, int32_t index, const char *name)
         const struct rad_object *o = &objects[i];
         const struct text *t = job->materials[i].data;
 
-        if ((o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT) && t &&
-            strcmp(o->strings[0], name) == 0)
+        if ((o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT ||
+             o->type == RAD_MIXTEXT) &&
+            t && strcmp(o->strings[font_at(o)], name) == 0)
             return t->font;
     }
     return NULL;
@@ -72,7 +83,7 @@ load_font(struct rad_job *job, int32_t index, const struct rad_files *files,
           struct text *t, struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    const char *name = o->strings[0];
+    const char *name = o->strings[font_at(o)];
     struct rad_error why = { 0 };
     size_t len;
     char *data;
@@ -124,22 +135,22 @@ set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
     return 0;
 }
 
-/* The words from the third argument on are one line. */
+/* The words from string `first` on are one line. */
 static int
-set_words(struct rad_job *job, const struct rad_object *o, struct text *t,
-          struct rad_error *err)
+set_words(struct rad_job *job, const struct rad_object *o, int first,
+          struct text *t, struct rad_error *err)
 {
     struct rad_error why = { 0 };
     size_t len = 0;
     char *buf, *p;
     int code;
 
-    for (int32_t i = 2; i < o->nstrings; i++)
+    for (int32_t i = first; i < o->nstrings; i++)
         len += strlen(o->strings[i]) + 1;
     p = buf = malloc(len);
     if (!buf)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (int32_t i = 2; i < o->nstrings; i++) {
+    for (int32_t i = first; i < o->nstrings; i++) {
         size_t n = strlen(o->strings[i]);
 
         memcpy(p, o->strings[i], n);
@@ -156,18 +167,19 @@ set_text(struct rad_job *job, const struct rad_object *o,
          const struct rad_files *files, struct text *t, struct rad_error *err)
 {
     struct rad_error why = { 0 };
+    int at = font_at(o) + 1, code;
     size_t len;
     char *data;
-    int code;
 
-    if (o->nstrings > 2)
-        return set_words(job, o, t, err);
-    code = rad_material_file(job, o, files, o->strings[1], &data, &len, err);
+    if (o->nstrings > at + 1)
+        return set_words(job, o, at + 1, t, err);
+    code = rad_material_file(job, o, files, o->strings[at], &data, &len, err);
     if (code < 0)
         return code;
     code = set_lines(job, t, data, len, &why);
     free(data);
-    return code < 0 ? rad_material_file_fail(job, o, o->strings[1], &why, err) : 0;
+    return code < 0 ? rad_material_file_fail(job, o, o->strings[at], &why, err)
+                    : 0;
 }
 
 static void
@@ -175,6 +187,8 @@ set_colors(const struct rad_object *o, struct text *t)
 {
     const double *v = o->reals + 9;
 
+    if (o->type == RAD_MIXTEXT)
+        return;
     if (o->type == RAD_BRIGHTTEXT) {
         t->fore = rad_grey((float)v[0]);
         t->back = rad_grey((float)v[1]);
@@ -190,14 +204,14 @@ rad_text_prepare(struct rad_job *job, int32_t index,
                  struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int n = o->type == RAD_BRIGHTTEXT ? 11 : 15;
-    int code = rad_material_reals(job, index, n, n + 1, err);
+    int n = o->type == RAD_BRIGHTTEXT ? 11 : o->type == RAD_COLORTEXT ? 15 : 9;
+    int code = rad_material_reals(job, index, n, INT_MAX, err);
     double spacing = 0;
     struct text *t;
 
     if (code < 0)
         return code;
-    if (o->nstrings < 2)
+    if (o->nstrings < font_at(o) + 2)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "expected a font and a text");
     t = rad_arena_calloc(&job->arena, 1, sizeof *t);
@@ -217,6 +231,8 @@ rad_text_prepare(struct rad_job *job, int32_t index,
         code = load_font(job, index, files, t, err);
     if (code == 0)
         code = set_text(job, o, files, t, err);
+    if (code == 0 && o->type == RAD_MIXTEXT)
+        code = rad_mixture_parts(job, index, t->part, err);
     if (code < 0)
         return code;
     t->column =
@@ -250,4 +266,14 @@ rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     r->pattern =
         rad_rgb_mul(r->pattern, is_foreground(t, r->hit.p) ? t->fore : t->back);
     return false;
+}
+
+/* What is written is one modifier's, all around it another's. */
+bool
+rad_text_mix(struct rad_ctx *ctx, const struct rad_material *mat,
+             struct rad_ray *r)
+{
+    const struct text *t = mat->data;
+
+    return rad_ray_shade(ctx, r, t->part[!is_foreground(t, r->hit.p)]);
 }

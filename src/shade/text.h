@@ -1,4 +1,4 @@
-/* text.h - brighttext and colortext: writing as a pattern
+/* text.h - brighttext, colortext and mixtext: writing as a pattern or mixture
  *
  * Source: Radiance's reference manual, "brighttext". */
 #ifndef RAD_SHADE_TEXT_H
@@ -11,5 +11,7 @@ int rad_text_prepare(struct rad_job *job, int32_t index,
                      struct rad_error *err);
 bool rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                     struct rad_ray *r);
+bool rad_text_mix(struct rad_ctx *ctx, const struct rad_material *mat,
+                  struct rad_ray *r);
 
 #endif
