@@ -154,8 +154,14 @@ hand_out(struct coord *c, struct job *job, struct coord_worker *w,
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    m.unit = (struct msg_unit){ job->id, unit, u->attempt, a.frame,
-                                a.x,     a.y,  a.width,    a.height };
+    m.unit = (struct msg_unit){ .job = job->id,
+                                .unit = unit,
+                                .attempt = u->attempt,
+                                .frame = a.frame,
+                                .x = a.x,
+                                .y = a.y,
+                                .width = a.width,
+                                .height = a.height };
     actions_send(&c->actions, w->conn, &m);
 }
 

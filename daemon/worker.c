@@ -506,7 +506,7 @@ on_unit(struct worker *w, const struct msg *m)
 static void
 on_revoke(struct worker *w, const struct msg *m)
 {
-    const struct msg_revoke *r = &m->revoke;
+    const struct msg_attempt *r = &m->revoke;
     struct wjob *job = worker_find_job(w, r->job);
 
     if (!job || !has_unit(job, r->unit, r->attempt))

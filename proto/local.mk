@@ -1,11 +1,14 @@
 # libproto, the codec of the protocol: bytes only
 noinst_LIBRARIES += libproto.a
 libproto_a_SOURCES = \
+	proto/codec.c \
+	proto/codec.h \
 	proto/frame.c \
 	proto/frame.h \
 	proto/message.c \
 	proto/message.def \
 	proto/message.h \
+	proto/sharing.c \
 	proto/wire.c \
 	proto/wire.h
 

@@ -1,83 +1,23 @@
 /* message.c - the codec of every message
  *
- * A pair of short functions per body, entered by message.def in one table.
+ * A pair of short functions per body, entered by message.def in one table;
+ * those of the messages by which workers share a picture are in sharing.c.
  * Readers rely on wire_in's sticky error: a range that is wrong sets it. */
 #include "config.h"
 
 #include "message.h"
 
+#include "codec.h"
 #include "frame.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* --- parts that several messages have --- */
-
-static void
-put_job(struct wire_out *o, const uint8_t *job)
-{
-    static const uint8_t none[MSG_JOB];
-
-    wire_put_bytes(o, job ? job : none, MSG_JOB);
-}
-
-static void
-put_hash(struct wire_out *o, const uint8_t *hash)
-{
-    static const uint8_t none[MSG_HASH];
-
-    wire_put_bytes(o, hash ? hash : none, MSG_HASH);
-}
-
-/* A byte that must be below n. */
-static uint8_t
-get_below(struct wire_in *in, uint8_t n)
-{
-    uint8_t v = wire_get_u8(in);
-
-    if (v >= n)
-        in->bad = true;
-    return v;
-}
-
-static void
-must(struct wire_in *in, bool cond)
-{
-    if (!cond)
-        in->bad = true;
-}
-
-static void
-put_must(struct wire_out *o, bool cond)
-{
-    if (!cond)
-        o->bad = true;
-}
-
-/* Room for n > 0 entries in the message's own list; NULL (and bad) when memory
- * is out.  n was checked against the payload, so this is bounded by it. */
-static void *
-list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
-{
-    if (n == 0)
-        return NULL;
-    if (m->list_size < n * entry) {
-        void *p = realloc(m->list, n * entry);
-
-        if (!p) {
-            in->bad = true;
-            return NULL;
-        }
-        m->list = p;
-        m->list_size = n * entry;
-    }
-    return m->list;
-}
 
 /* --- session --- */
 
 static void
-pack_hello(struct wire_out *o, const struct msg_hello *b)
+msg_pack_hello(struct wire_out *o, const struct msg_hello *b)
 {
     wire_put_u16(o, b->min);
     wire_put_u16(o, b->max);
@@ -90,7 +30,7 @@ pack_hello(struct wire_out *o, const struct msg_hello *b)
 }
 
 static void
-unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
+msg_unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
 {
     (void)m;
     b->min = wire_get_u16(in);
@@ -101,7 +41,7 @@ unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
         wire_get_view(in, wire_left(in));
         return;
     }
-    must(in, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
+    msg_must(in, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
     b->name = wire_get_str(in, MSG_MAX_NAME);
     b->program = wire_get_str(in, MSG_MAX_NAME);
     b->address = wire_get_str(in, MSG_MAX_ADDRESS);
@@ -110,7 +50,7 @@ unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
 }
 
 static void
-pack_welcome(struct wire_out *o, const struct msg_welcome *b)
+msg_pack_welcome(struct wire_out *o, const struct msg_welcome *b)
 {
     wire_put_u16(o, b->version);
     wire_put_u64(o, b->epoch);
@@ -118,7 +58,7 @@ pack_welcome(struct wire_out *o, const struct msg_welcome *b)
 }
 
 static void
-unpack_welcome(struct wire_in *in, struct msg_welcome *b, struct msg *m)
+msg_unpack_welcome(struct wire_in *in, struct msg_welcome *b, struct msg *m)
 {
     (void)m;
     b->version = wire_get_u16(in);
@@ -127,14 +67,14 @@ unpack_welcome(struct wire_in *in, struct msg_welcome *b, struct msg *m)
 }
 
 static void
-pack_refuse(struct wire_out *o, const struct msg_refuse *b)
+msg_pack_refuse(struct wire_out *o, const struct msg_refuse *b)
 {
     wire_put_u16(o, b->status);
     wire_put_str(o, b->text, MSG_MAX_TEXT);
 }
 
 static void
-unpack_refuse(struct wire_in *in, struct msg_refuse *b, struct msg *m)
+msg_unpack_refuse(struct wire_in *in, struct msg_refuse *b, struct msg *m)
 {
     (void)m;
     b->status = wire_get_u16(in);
@@ -142,26 +82,26 @@ unpack_refuse(struct wire_in *in, struct msg_refuse *b, struct msg *m)
 }
 
 static void
-pack_ping(struct wire_out *o, const struct msg_ping *b)
+msg_pack_ping(struct wire_out *o, const struct msg_ping *b)
 {
     wire_put_u64(o, b->progress);
 }
 
 static void
-unpack_ping(struct wire_in *in, struct msg_ping *b, struct msg *m)
+msg_unpack_ping(struct wire_in *in, struct msg_ping *b, struct msg *m)
 {
     (void)m;
     b->progress = wire_get_u64(in);
 }
 
 static void
-pack_bye(struct wire_out *o, const struct msg_bye *b)
+msg_pack_bye(struct wire_out *o, const struct msg_bye *b)
 {
     wire_put_str(o, b->text, MSG_MAX_TEXT);
 }
 
 static void
-unpack_bye(struct wire_in *in, struct msg_bye *b, struct msg *m)
+msg_unpack_bye(struct wire_in *in, struct msg_bye *b, struct msg *m)
 {
     (void)m;
     b->text = wire_get_str(in, MSG_MAX_TEXT);
@@ -170,9 +110,9 @@ unpack_bye(struct wire_in *in, struct msg_bye *b, struct msg *m)
 /* --- store --- */
 
 static void
-pack_hashes(struct wire_out *o, const struct msg_hashes *b)
+msg_pack_hashes(struct wire_out *o, const struct msg_hashes *b)
 {
-    put_must(o, b->n <= MSG_MAX_FILES);
+    msg_put_must(o, b->n <= MSG_MAX_FILES);
     if (o->bad)
         return;
     wire_put_u32(o, b->n);
@@ -180,7 +120,7 @@ pack_hashes(struct wire_out *o, const struct msg_hashes *b)
 }
 
 static void
-unpack_hashes(struct wire_in *in, struct msg_hashes *b, struct msg *m)
+msg_unpack_hashes(struct wire_in *in, struct msg_hashes *b, struct msg *m)
 {
     (void)m;
     b->n = wire_get_count(in, MSG_HASH, MSG_MAX_FILES);
@@ -195,34 +135,34 @@ chunk_fits(const struct msg_chunk *b)
 }
 
 static void
-pack_chunk(struct wire_out *o, const struct msg_chunk *b)
+msg_pack_chunk(struct wire_out *o, const struct msg_chunk *b)
 {
-    put_must(o, chunk_fits(b));
-    put_hash(o, b->hash);
+    msg_put_must(o, chunk_fits(b));
+    msg_put_hash(o, b->hash);
     wire_put_u64(o, b->offset);
     wire_put_u64(o, b->total);
     wire_put_blob(o, b->data, b->len, MSG_MAX_CHUNK);
 }
 
 static void
-unpack_chunk(struct wire_in *in, struct msg_chunk *b, struct msg *m)
+msg_unpack_chunk(struct wire_in *in, struct msg_chunk *b, struct msg *m)
 {
     (void)m;
     b->hash = wire_get_view(in, MSG_HASH);
     b->offset = wire_get_u64(in);
     b->total = wire_get_u64(in);
     b->data = wire_get_blob(in, MSG_MAX_CHUNK, &b->len);
-    must(in, chunk_fits(b));
+    msg_must(in, chunk_fits(b));
 }
 
 static void
-pack_have(struct wire_out *o, const struct msg_have *b)
+msg_pack_have(struct wire_out *o, const struct msg_have *b)
 {
-    put_hash(o, b->hash);
+    msg_put_hash(o, b->hash);
 }
 
 static void
-unpack_have(struct wire_in *in, struct msg_have *b, struct msg *m)
+msg_unpack_have(struct wire_in *in, struct msg_have *b, struct msg *m)
 {
     (void)m;
     b->hash = wire_get_view(in, MSG_HASH);
@@ -240,14 +180,14 @@ frame_fits(const struct msg_frame *f)
 }
 
 static void
-pack_frames(struct wire_out *o, const struct msg_spec *b)
+msg_pack_frames(struct wire_out *o, const struct msg_spec *b)
 {
-    put_must(o, b->nframes >= 1 && b->nframes <= MSG_MAX_FRAMES);
+    msg_put_must(o, b->nframes >= 1 && b->nframes <= MSG_MAX_FRAMES);
     wire_put_u32(o, b->nframes);
     for (uint32_t i = 0; i < b->nframes && !o->bad; i++) {
         const struct msg_frame *f = &b->frames[i];
 
-        put_must(o, frame_fits(f));
+        msg_put_must(o, frame_fits(f));
         wire_put_u32(o, f->number);
         wire_put_u32(o, f->width);
         wire_put_u32(o, f->height);
@@ -256,13 +196,13 @@ pack_frames(struct wire_out *o, const struct msg_spec *b)
 }
 
 static void
-unpack_frames(struct wire_in *in, struct msg_spec *b, struct msg *m)
+msg_unpack_frames(struct wire_in *in, struct msg_spec *b, struct msg *m)
 {
     struct msg_frame *f;
 
     b->nframes = wire_get_count(in, FRAME_MIN, MSG_MAX_FRAMES);
-    must(in, b->nframes >= 1);
-    b->frames = f = list_room(m, in, b->nframes, sizeof *f);
+    msg_must(in, b->nframes >= 1);
+    b->frames = f = msg_list_room(m, in, b->nframes, sizeof *f);
     if (!f)
         b->nframes = 0;
     for (uint32_t i = 0; i < b->nframes; i++) {
@@ -270,7 +210,7 @@ unpack_frames(struct wire_in *in, struct msg_spec *b, struct msg *m)
         f[i].width = wire_get_u32(in);
         f[i].height = wire_get_u32(in);
         f[i].view = wire_get_str(in, MSG_MAX_VIEW);
-        must(in, frame_fits(&f[i]));
+        msg_must(in, frame_fits(&f[i]));
     }
 }
 
@@ -281,16 +221,49 @@ spec_fits(const struct msg_spec *b)
            b->order < MSG_NORDER;
 }
 
-static void
-pack_spec(struct wire_out *o, const struct msg_spec *b)
+/* Each a number, and not below 0. */
+static bool
+costs_fit(const struct msg_spec *b)
 {
-    put_must(o, spec_fits(b));
-    put_job(o, b->job);
-    put_hash(o, b->manifest);
+    for (uint32_t i = 0; i < b->ncosts; i++) {
+        float cost;
+
+        wire_floats_get(&cost, b->costs + (size_t)i * 4, 1);
+        if (!(cost >= 0 && cost <= FLT_MAX))
+            return false;
+    }
+    return true;
+}
+
+static void
+put_costs(struct wire_out *o, const struct msg_spec *b)
+{
+    msg_put_must(o, b->ncosts <= MSG_MAX_COSTS && costs_fit(b));
+    if (o->bad)
+        return;
+    wire_put_u32(o, b->ncosts);
+    wire_put_bytes(o, b->costs, (size_t)b->ncosts * 4);
+}
+
+static void
+get_costs(struct wire_in *in, struct msg_spec *b)
+{
+    b->ncosts = wire_get_count(in, 4, MSG_MAX_COSTS);
+    b->costs = wire_get_view(in, (size_t)b->ncosts * 4);
+    msg_must(in, in->bad || costs_fit(b));
+}
+
+static void
+msg_pack_spec(struct wire_out *o, const struct msg_spec *b)
+{
+    msg_put_must(o, spec_fits(b));
+    msg_put_job(o, b->job);
+    msg_put_hash(o, b->manifest);
     wire_put_str(o, b->name, MSG_MAX_NAME);
     wire_put_str(o, b->params, MSG_MAX_PARAMS);
     wire_put_str(o, b->needs, MSG_MAX_NEEDS);
     wire_put_str(o, b->estimate, MSG_MAX_NAME);
+    put_costs(o, b);
     wire_put_u64(o, b->seed);
     wire_put_i32(o, b->priority);
     wire_put_u32(o, b->flags);
@@ -300,12 +273,12 @@ pack_spec(struct wire_out *o, const struct msg_spec *b)
     wire_put_u32(o, b->objects);
     wire_put_u64(o, b->bundle_bytes);
     wire_put_f64(o, b->compile_s);
-    pack_hashes(o, &b->files);
-    pack_frames(o, b);
+    msg_pack_hashes(o, &b->files);
+    msg_pack_frames(o, b);
 }
 
 static void
-unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
+msg_unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
 {
     b->job = wire_get_view(in, MSG_JOB);
     b->manifest = wire_get_view(in, MSG_HASH);
@@ -313,6 +286,7 @@ unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
     b->params = wire_get_str(in, MSG_MAX_PARAMS);
     b->needs = wire_get_str(in, MSG_MAX_NEEDS);
     b->estimate = wire_get_str(in, MSG_MAX_NAME);
+    get_costs(in, b);
     b->seed = wire_get_u64(in);
     b->priority = wire_get_i32(in);
     b->flags = wire_get_u32(in);
@@ -322,30 +296,30 @@ unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
     b->objects = wire_get_u32(in);
     b->bundle_bytes = wire_get_u64(in);
     b->compile_s = wire_get_f64(in);
-    must(in, spec_fits(b) && b->compile_s >= 0);
-    unpack_hashes(in, &b->files, m);
-    unpack_frames(in, b, m);
+    msg_must(in, spec_fits(b) && b->compile_s >= 0);
+    msg_unpack_hashes(in, &b->files, m);
+    msg_unpack_frames(in, b, m);
 }
 
 static void
-pack_accept(struct wire_out *o, const struct msg_accept *b)
+msg_pack_accept(struct wire_out *o, const struct msg_accept *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u8(o, b->again);
 }
 
 static void
-unpack_accept(struct wire_in *in, struct msg_accept *b, struct msg *m)
+msg_unpack_accept(struct wire_in *in, struct msg_accept *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
-    b->again = get_below(in, 2);
+    b->again = msg_get_below(in, 2);
 }
 
 static void
-pack_progress(struct wire_out *o, const struct msg_progress *b)
+msg_pack_progress(struct wire_out *o, const struct msg_progress *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u8(o, b->state);
     wire_put_u64(o, b->pixels_done);
     wire_put_u64(o, b->pixels_total);
@@ -365,7 +339,7 @@ pack_progress(struct wire_out *o, const struct msg_progress *b)
 }
 
 static void
-unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
+msg_unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -388,14 +362,14 @@ unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
 }
 
 static void
-pack_done(struct wire_out *o, const struct msg_done *b)
+msg_pack_done(struct wire_out *o, const struct msg_done *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u32(o, b->frames);
 }
 
 static void
-unpack_done(struct wire_in *in, struct msg_done *b, struct msg *m)
+msg_unpack_done(struct wire_in *in, struct msg_done *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -403,15 +377,15 @@ unpack_done(struct wire_in *in, struct msg_done *b, struct msg *m)
 }
 
 static void
-pack_failed(struct wire_out *o, const struct msg_failed *b)
+msg_pack_failed(struct wire_out *o, const struct msg_failed *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u16(o, b->status);
     wire_put_str(o, b->text, MSG_MAX_TEXT);
 }
 
 static void
-unpack_failed(struct wire_in *in, struct msg_failed *b, struct msg *m)
+msg_unpack_failed(struct wire_in *in, struct msg_failed *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -420,73 +394,73 @@ unpack_failed(struct wire_in *in, struct msg_failed *b, struct msg *m)
 }
 
 static void
-pack_jobid(struct wire_out *o, const struct msg_jobid *b)
+msg_pack_jobid(struct wire_out *o, const struct msg_jobid *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
 }
 
 static void
-unpack_jobid(struct wire_in *in, struct msg_jobid *b, struct msg *m)
+msg_unpack_jobid(struct wire_in *in, struct msg_jobid *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
 }
 
 static void
-pack_fetch(struct wire_out *o, const struct msg_fetch *b)
+msg_pack_fetch(struct wire_out *o, const struct msg_fetch *b)
 {
-    put_must(o, b->what < MSG_NWHAT);
-    put_job(o, b->job);
+    msg_put_must(o, b->what < MSG_NWHAT);
+    msg_put_job(o, b->job);
     wire_put_u32(o, b->frame);
     wire_put_u8(o, b->what);
 }
 
 static void
-unpack_fetch(struct wire_in *in, struct msg_fetch *b, struct msg *m)
+msg_unpack_fetch(struct wire_in *in, struct msg_fetch *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
     b->frame = wire_get_u32(in);
-    b->what = get_below(in, MSG_NWHAT);
+    b->what = msg_get_below(in, MSG_NWHAT);
 }
 
 static void
-pack_query(struct wire_out *o, const struct msg_query *b)
+msg_pack_query(struct wire_out *o, const struct msg_query *b)
 {
-    put_must(o, b->what < MSG_NQUERY);
+    msg_put_must(o, b->what < MSG_NQUERY);
     wire_put_u8(o, b->what);
     wire_put_str(o, b->text, MSG_MAX_NAME);
 }
 
 static void
-unpack_query(struct wire_in *in, struct msg_query *b, struct msg *m)
+msg_unpack_query(struct wire_in *in, struct msg_query *b, struct msg *m)
 {
     (void)m;
-    b->what = get_below(in, MSG_NQUERY);
+    b->what = msg_get_below(in, MSG_NQUERY);
     b->text = wire_get_str(in, MSG_MAX_NAME);
 }
 
 static void
-pack_answer(struct wire_out *o, const struct msg_answer *b)
+msg_pack_answer(struct wire_out *o, const struct msg_answer *b)
 {
     wire_put_blob(o, b->text, b->len, MSG_MAX - 4);
 }
 
 static void
-unpack_answer(struct wire_in *in, struct msg_answer *b, struct msg *m)
+msg_unpack_answer(struct wire_in *in, struct msg_answer *b, struct msg *m)
 {
     (void)m;
     b->text = wire_get_blob(in, MSG_MAX - 4, &b->len);
 }
 
 static void
-pack_worker(struct wire_out *o, const struct msg_worker *b)
+msg_pack_worker(struct wire_out *o, const struct msg_worker *b)
 {
     wire_put_str(o, b->name, MSG_MAX_NAME);
 }
 
 static void
-unpack_worker(struct wire_in *in, struct msg_worker *b, struct msg *m)
+msg_unpack_worker(struct wire_in *in, struct msg_worker *b, struct msg *m)
 {
     (void)m;
     b->name = wire_get_str(in, MSG_MAX_NAME);
@@ -495,100 +469,23 @@ unpack_worker(struct wire_in *in, struct msg_worker *b, struct msg *m)
 /* --- work --- */
 
 static void
-pack_ready(struct wire_out *o, const struct msg_ready *b)
+msg_pack_ready(struct wire_out *o, const struct msg_ready *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_f64(o, b->load_s);
     wire_put_u64(o, b->fingerprint);
     wire_put_u16(o, b->threads);
 }
 
 static void
-unpack_ready(struct wire_in *in, struct msg_ready *b, struct msg *m)
+msg_unpack_ready(struct wire_in *in, struct msg_ready *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
     b->load_s = wire_get_f64(in);
     b->fingerprint = wire_get_u64(in);
     b->threads = wire_get_u16(in);
-    must(in, b->load_s >= 0 && b->threads >= 1);
-}
-
-static bool
-unit_fits(const struct msg_unit *b)
-{
-    return b->width >= 1 && b->width <= MSG_MAX_SIDE && b->height >= 1 &&
-           b->height <= MSG_MAX_SIDE && b->x <= MSG_MAX_SIDE - b->width &&
-           b->y <= MSG_MAX_SIDE - b->height;
-}
-
-static void
-pack_unit(struct wire_out *o, const struct msg_unit *b)
-{
-    put_must(o, unit_fits(b));
-    put_job(o, b->job);
-    wire_put_u32(o, b->unit);
-    wire_put_u32(o, b->attempt);
-    wire_put_u32(o, b->frame);
-    wire_put_u32(o, b->x);
-    wire_put_u32(o, b->y);
-    wire_put_u32(o, b->width);
-    wire_put_u32(o, b->height);
-}
-
-static void
-unpack_unit(struct wire_in *in, struct msg_unit *b, struct msg *m)
-{
-    (void)m;
-    b->job = wire_get_view(in, MSG_JOB);
-    b->unit = wire_get_u32(in);
-    b->attempt = wire_get_u32(in);
-    b->frame = wire_get_u32(in);
-    b->x = wire_get_u32(in);
-    b->y = wire_get_u32(in);
-    b->width = wire_get_u32(in);
-    b->height = wire_get_u32(in);
-    must(in, unit_fits(b));
-}
-
-static void
-put_counts(struct wire_out *o, const struct msg_counts *c)
-{
-    wire_put_u64(o, c->rays);
-    wire_put_u64(o, c->primary_rays);
-    wire_put_u64(o, c->speculative_rays);
-    wire_put_u64(o, c->shadow_rays);
-    wire_put_u64(o, c->ambient_rays);
-    wire_put_u64(o, c->paint_rays);
-    wire_put_u64(o, c->estimate_rays);
-    wire_put_u64(o, c->intersection_tests);
-    wire_put_u64(o, c->ambient_values);
-    wire_put_u64(o, c->nan.pixels);
-    wire_put_u32(o, c->nan.x);
-    wire_put_u32(o, c->nan.y);
-    wire_put_f64(o, c->cpu_s);
-    wire_put_f64(o, c->wall_s);
-}
-
-static void
-get_counts(struct wire_in *in, struct msg_counts *c)
-{
-    c->rays = wire_get_u64(in);
-    c->primary_rays = wire_get_u64(in);
-    c->speculative_rays = wire_get_u64(in);
-    c->shadow_rays = wire_get_u64(in);
-    c->ambient_rays = wire_get_u64(in);
-    c->paint_rays = wire_get_u64(in);
-    c->estimate_rays = wire_get_u64(in);
-    c->intersection_tests = wire_get_u64(in);
-    c->ambient_values = wire_get_u64(in);
-    c->nan.pixels = wire_get_u64(in);
-    c->nan.frame = 0;
-    c->nan.x = wire_get_u32(in);
-    c->nan.y = wire_get_u32(in);
-    c->cpu_s = wire_get_f64(in);
-    c->wall_s = wire_get_f64(in);
-    must(in, c->cpu_s >= 0 && c->wall_s >= 0);
+    msg_must(in, b->load_s >= 0 && b->threads >= 1);
 }
 
 /* Bytes of a RESULT's pixels; false when they cannot be. */
@@ -604,7 +501,7 @@ result_bytes(const struct msg_result *b, size_t *n)
 }
 
 static void
-pack_result(struct wire_out *o, const struct msg_result *b)
+msg_pack_result(struct wire_out *o, const struct msg_result *b)
 {
     size_t n;
 
@@ -612,7 +509,7 @@ pack_result(struct wire_out *o, const struct msg_result *b)
         o->bad = true;
         return;
     }
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u32(o, b->unit);
     wire_put_u32(o, b->attempt);
     wire_put_u32(o, b->row);
@@ -621,12 +518,12 @@ pack_result(struct wire_out *o, const struct msg_result *b)
     wire_put_u8(o, b->channels);
     wire_put_u8(o, b->last);
     if (b->last)
-        put_counts(o, &b->counts);
+        msg_put_counts(o, &b->counts);
     wire_put_bytes(o, b->pixels, n);
 }
 
 static void
-unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
+msg_unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
 {
     size_t n;
 
@@ -638,9 +535,9 @@ unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
     b->rows = wire_get_u32(in);
     b->width = wire_get_u32(in);
     b->channels = wire_get_u8(in);
-    b->last = get_below(in, 2);
+    b->last = msg_get_below(in, 2);
     if (b->last)
-        get_counts(in, &b->counts);
+        msg_get_counts(in, &b->counts);
     if (result_bytes(b, &n))
         b->pixels = wire_get_view(in, n);
     else
@@ -648,9 +545,9 @@ unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
 }
 
 static void
-pack_ack(struct wire_out *o, const struct msg_ack *b)
+msg_pack_ack(struct wire_out *o, const struct msg_ack *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u32(o, b->unit);
     wire_put_u32(o, b->attempt);
     wire_put_u32(o, b->row);
@@ -658,7 +555,7 @@ pack_ack(struct wire_out *o, const struct msg_ack *b)
 }
 
 static void
-unpack_ack(struct wire_in *in, struct msg_ack *b, struct msg *m)
+msg_unpack_ack(struct wire_in *in, struct msg_ack *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -668,30 +565,13 @@ unpack_ack(struct wire_in *in, struct msg_ack *b, struct msg *m)
     b->rows = wire_get_u32(in);
 }
 
-static void
-pack_revoke(struct wire_out *o, const struct msg_revoke *b)
-{
-    put_job(o, b->job);
-    wire_put_u32(o, b->unit);
-    wire_put_u32(o, b->attempt);
-}
-
-static void
-unpack_revoke(struct wire_in *in, struct msg_revoke *b, struct msg *m)
-{
-    (void)m;
-    b->job = wire_get_view(in, MSG_JOB);
-    b->unit = wire_get_u32(in);
-    b->attempt = wire_get_u32(in);
-}
-
 #define MAX_LOST 4096 /* units that one child can be at work on */
 
 static void
-pack_lost(struct wire_out *o, const struct msg_lost *b)
+msg_pack_lost(struct wire_out *o, const struct msg_lost *b)
 {
-    put_must(o, b->nunits <= MAX_LOST);
-    put_job(o, b->job);
+    msg_put_must(o, b->nunits <= MAX_LOST);
+    msg_put_job(o, b->job);
     wire_put_str(o, b->text, MSG_MAX_TEXT);
     wire_put_u32(o, b->nunits);
     for (uint32_t i = 0; i < b->nunits && !o->bad; i++)
@@ -699,14 +579,14 @@ pack_lost(struct wire_out *o, const struct msg_lost *b)
 }
 
 static void
-unpack_lost(struct wire_in *in, struct msg_lost *b, struct msg *m)
+msg_unpack_lost(struct wire_in *in, struct msg_lost *b, struct msg *m)
 {
     uint32_t *u;
 
     b->job = wire_get_view(in, MSG_JOB);
     b->text = wire_get_str(in, MSG_MAX_TEXT);
     b->nunits = wire_get_count(in, 4, MAX_LOST);
-    b->units = u = list_room(m, in, b->nunits, sizeof *u);
+    b->units = u = msg_list_room(m, in, b->nunits, sizeof *u);
     if (!u)
         b->nunits = 0;
     for (uint32_t i = 0; i < b->nunits; i++)
@@ -714,9 +594,9 @@ unpack_lost(struct wire_in *in, struct msg_lost *b, struct msg *m)
 }
 
 static void
-pack_tally(struct wire_out *o, const struct msg_tally *b)
+msg_pack_tally(struct wire_out *o, const struct msg_tally *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_u64(o, b->ambient_sent);
     wire_put_u64(o, b->ambient_received);
     wire_put_u64(o, b->ambient_redundant);
@@ -729,7 +609,7 @@ pack_tally(struct wire_out *o, const struct msg_tally *b)
 }
 
 static void
-unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
+msg_unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -742,7 +622,7 @@ unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
     b->busy_s = wire_get_f64(in);
     b->wait_base_line_s = wire_get_f64(in);
     b->rays_under_way = wire_get_u64(in);
-    must(in, b->busy_s >= 0 && b->wait_base_line_s >= 0);
+    msg_must(in, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }
 
 /* --- peers --- */
@@ -751,10 +631,10 @@ unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
 #define MAX_PEERS 4096
 
 static void
-pack_job_peers(struct wire_out *o, const struct msg_job_peers *b)
+msg_pack_job_peers(struct wire_out *o, const struct msg_job_peers *b)
 {
-    put_must(o, b->npeers <= MAX_PEERS);
-    put_job(o, b->job);
+    msg_put_must(o, b->npeers <= MAX_PEERS);
+    msg_put_job(o, b->job);
     wire_put_u32(o, b->npeers);
     for (uint32_t i = 0; i < b->npeers && !o->bad; i++) {
         wire_put_str(o, b->peers[i].name, MSG_MAX_NAME);
@@ -765,13 +645,13 @@ pack_job_peers(struct wire_out *o, const struct msg_job_peers *b)
 }
 
 static void
-unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
+msg_unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
 {
     struct msg_peer *p;
 
     b->job = wire_get_view(in, MSG_JOB);
     b->npeers = wire_get_count(in, PEER_MIN, MAX_PEERS);
-    b->peers = p = list_room(m, in, b->npeers, sizeof *p);
+    b->peers = p = msg_list_room(m, in, b->npeers, sizeof *p);
     if (!p)
         b->npeers = 0;
     for (uint32_t i = 0; i < b->npeers; i++) {
@@ -779,20 +659,21 @@ unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
         p[i].address = wire_get_str(in, MSG_MAX_ADDRESS);
         p[i].token = wire_get_view(in, MSG_TOKEN);
         p[i].flags = wire_get_u32(in);
-        must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE));
+        msg_must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE));
     }
 }
 
 static void
-pack_peer_hello(struct wire_out *o, const struct msg_peer_hello *b)
+msg_pack_peer_hello(struct wire_out *o, const struct msg_peer_hello *b)
 {
-    put_job(o, b->job);
+    msg_put_job(o, b->job);
     wire_put_str(o, b->name, MSG_MAX_NAME);
     wire_put_bytes(o, b->token, MSG_TOKEN);
 }
 
 static void
-unpack_peer_hello(struct wire_in *in, struct msg_peer_hello *b, struct msg *m)
+msg_unpack_peer_hello(struct wire_in *in, struct msg_peer_hello *b,
+                      struct msg *m)
 {
     (void)m;
     b->job = wire_get_view(in, MSG_JOB);
@@ -801,7 +682,7 @@ unpack_peer_hello(struct wire_in *in, struct msg_peer_hello *b, struct msg *m)
 }
 
 static void
-pack_ambient(struct wire_out *o, const struct msg_ambient *b)
+msg_pack_ambient(struct wire_out *o, const struct msg_ambient *b)
 {
     wire_put_u32(o, b->to);
     wire_put_u32(o, b->count);
@@ -809,23 +690,23 @@ pack_ambient(struct wire_out *o, const struct msg_ambient *b)
 }
 
 static void
-unpack_ambient(struct wire_in *in, struct msg_ambient *b, struct msg *m)
+msg_unpack_ambient(struct wire_in *in, struct msg_ambient *b, struct msg *m)
 {
     (void)m;
     b->to = wire_get_u32(in);
     b->count = wire_get_u32(in);
     b->data = wire_get_blob(in, MSG_MAX_AMBIENT, &b->len);
-    must(in, b->count <= b->len);
+    msg_must(in, b->count <= b->len);
 }
 
 static void
-pack_give(struct wire_out *o, const struct msg_give *b)
+msg_pack_give(struct wire_out *o, const struct msg_give *b)
 {
     wire_put_u32(o, b->to);
 }
 
 static void
-unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
+msg_unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
 {
     (void)m;
     b->to = wire_get_u32(in);
@@ -836,6 +717,7 @@ unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
 #define AT(session)     (1u << MSG_AT_##session)
 #define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
 #define AT_PARENT       (AT(PARENT_NEW) | AT(PARENT))
+#define AT_SHARED       (AT(COORD_WORKER) | AT(PARENT)) /* from a child */
 /* wherever both sides have said who they are, over a network */
 #define AT_LIVE                                                                \
     (AT(COORD_WORKER) | AT_COORD_CLIENT | AT(WORKER) | AT(CLIENT) | AT(PEER))
@@ -851,19 +733,19 @@ struct row {
 
 /* From the body's codec to one that takes the whole message. */
 #define MSG(NAME, lower, body, number, limit, at)                              \
-    static void msg_pack_##lower(struct wire_out *o, const struct msg *m)      \
+    static void pack_##lower(struct wire_out *o, const struct msg *m)          \
     {                                                                          \
-        pack_##body(o, &m->lower);                                             \
+        msg_pack_##body(o, &m->lower);                                         \
     }                                                                          \
-    static void msg_unpack_##lower(struct wire_in *in, struct msg *m)          \
+    static void unpack_##lower(struct wire_in *in, struct msg *m)              \
     {                                                                          \
-        unpack_##body(in, &m->lower, m);                                       \
+        msg_unpack_##body(in, &m->lower, m);                                   \
     }
 #include "message.def"
 
 static const struct row rows[] = {
 #define MSG(NAME, lower, body, number, limit, at)                              \
-    { number, #NAME, limit, at, msg_pack_##lower, msg_unpack_##lower },
+    { number, #NAME, limit, at, pack_##lower, unpack_##lower },
 #include "message.def"
 };
 

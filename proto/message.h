@@ -29,9 +29,10 @@
 #define MSG_MAX_PARAMS  4096
 #define MSG_MAX_VIEW    1024
 
-#define MSG_MAX_FILES  16384 /* hashes in one list */
-#define MSG_MAX_FRAMES 65536 /* of a job; the payload's limit comes first */
-#define MSG_MAX_SIDE   65535 /* columns or rows of a picture */
+#define MSG_MAX_FILES  16384  /* hashes in one list */
+#define MSG_MAX_COSTS  250000 /* lines of a job whose costs are given */
+#define MSG_MAX_FRAMES 65536  /* of a job; the payload's limit comes first */
+#define MSG_MAX_SIDE   65535  /* columns or rows of a picture */
 
 #define MSG_HASH  32 /* bytes of a SHA-256 */
 #define MSG_JOB   16 /* bytes of a job's id */
@@ -182,6 +183,10 @@ struct msg_spec {
     const char *params;   /* rad_params_format() */
     const char *needs;    /* features the scene uses, blanks between */
     const char *estimate; /* --estimate, "uniform" by default */
+    uint32_t ncosts;      /* 0: none, or the base lines of all frames */
+    const uint8_t *costs; /* of each line of each frame, in any unit: as many
+                           * floats on the wire (wire_floats_get), none below
+                           * 0 */
     uint64_t seed;
     int32_t priority;
     uint32_t flags;    /* MSG_JOB_... */
@@ -273,14 +278,6 @@ struct msg_ready {
     uint16_t threads;
 };
 
-/* x, y of the top left pixel, y from the top. */
-struct msg_unit {
-    const uint8_t *job;
-    uint32_t unit, attempt;
-    uint32_t frame; /* index into the job's frames */
-    uint32_t x, y, width, height;
-};
-
 /* What one unit cost; nan.frame is the unit's and does not travel. */
 struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
@@ -308,7 +305,8 @@ struct msg_ack {
     uint32_t unit, attempt, row, rows;
 };
 
-struct msg_revoke {
+/* REVOKE, TWIN, PARKED, SPLIT: one worker's go at a unit. */
+struct msg_attempt {
     const uint8_t *job;
     uint32_t unit, attempt;
 };
@@ -331,6 +329,121 @@ struct msg_tally {
     double busy_s;           /* on units, waits and all */
     double wait_base_line_s; /* of that, for the line above */
     uint64_t rays_under_way; /* of units that are not done */
+};
+
+/* --- sharing a picture ---
+ *
+ * Line i of a frame stands for base line i (quincunx.h) and the bar above it:
+ * the rows from the one below base line i-1 to that of base line i; line 0 is
+ * row 0 alone.  A strict unit is whole lines of one frame, as wide as it; its
+ * top is the base line above it, its bottom the last of its own.
+ * A fact is the value of a pixel that was traced with a ray, before painting.
+ * Facts are pure: they may come in any order, twice, or never. */
+
+enum msg_mode {
+    MSG_MODE_WINDOW, /* sampled by itself */
+    MSG_MODE_STRICT, /* lines of the whole frame */
+    MSG_NMODE
+};
+
+/* Where a unit's worker begins each bar when it works ahead of the truth, so
+ * that twins meet late. */
+enum msg_end {
+    MSG_END_LEFT,  /* left to right */
+    MSG_END_RIGHT, /* right to left */
+    MSG_END_MIDDLE_RIGHT,
+    MSG_END_MIDDLE_LEFT,
+    MSG_NEND
+};
+
+#define MSG_UNIT_TOP                                                           \
+    (1u << 0)                    /* trace the base line above it too, ahead of \
+                                  * all: nobody has it; out as FACTS */
+#define MSG_UNIT_TWIN  (1u << 1) /* others have it too: FACTS as they come */
+#define MSG_UNIT_FLAGS 3u        /* all of them */
+
+/* x, y of the top left pixel, y from the top. */
+struct msg_unit {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t frame; /* index into the job's frames */
+    uint32_t x, y, width, height;
+    uint8_t mode;  /* enum msg_mode */
+    uint8_t end;   /* enum msg_end */
+    uint8_t flags; /* MSG_UNIT_...; none with MSG_MODE_WINDOW */
+};
+
+#define MSG_FACTS_ESTIMATE (1u << 0) /* traced for an estimate */
+#define MSG_FACTS_FLAGS    1u        /* all of them */
+
+#define MSG_MAX_LINE_ROWS 32 /* a line has no more rows */
+
+/* Facts of one line.  Pixels outside of a view cost no ray and are none. */
+struct msg_facts {
+    const uint8_t *job;
+    uint32_t frame, line;
+    uint32_t row, rows; /* row from the line's top, where a bar's rows come
+                         * first and the base line last */
+    uint32_t width;     /* of the picture */
+    uint8_t flags;      /* MSG_FACTS_... */
+    uint8_t channels;   /* 3 or 4, as in a RESULT */
+    /* (width + 7) / 8 bytes for each row: pixel x is 1 << x % 8 of byte x / 8;
+     * bits past the width are 0 */
+    const uint8_t *bitmap;
+    const uint8_t *pixels; /* of the bits that are set: channels floats each */
+    uint32_t npixels;      /* that many; known after unpacking */
+};
+
+/* A true piece of a base line, as it is made. */
+struct msg_base_line {
+    const uint8_t *job;
+    uint32_t frame, line;
+    uint32_t x, n;            /* columns of pixels */
+    uint32_t first, ndensity; /* densities */
+    uint8_t channels;         /* 3 or 4 */
+    const uint8_t *density;
+    const uint8_t *pixels; /* as in the picture: n * channels floats */
+};
+
+/* Who waits for a base line. */
+struct msg_next_holder {
+    const uint8_t *job;
+    uint32_t frame, line;
+    const char *name; /* a worker's; empty: nobody */
+};
+
+/* What was left after SPLIT. */
+struct msg_gave {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t height; /* rows from now on; as before: nothing was given */
+};
+
+struct msg_area {
+    uint32_t frame; /* index into the job's frames */
+    uint32_t x, y, width, height;
+};
+
+/* Trace a few random pixels of each area, the same whoever does it. */
+struct msg_estimate {
+    const uint8_t *job;
+    uint32_t id;
+    uint32_t rays; /* in each area */
+    uint32_t nareas;
+    const struct msg_area *areas;
+};
+
+struct msg_cost {
+    uint64_t rays, tests; /* tests: of intersection */
+};
+
+/* What they cost, in the order of the ESTIMATE of that id. */
+struct msg_estimated {
+    const uint8_t *job;
+    uint32_t id;
+    uint32_t ncosts;
+    const struct msg_cost *costs;
+    struct msg_counts counts; /* of all of it; cpu_s and wall_s are there */
 };
 
 /* --- peers --- */

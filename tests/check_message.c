@@ -28,16 +28,24 @@ static const struct msg_peer peers[] = {
     { "ws1", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL },
     { "ws2", "", ID + 1, MSG_PEER_GIVE },
 };
+static const uint8_t costs[2 * 4] = { 0x3f, 0x80, [4] = 0x40 };
+static const uint8_t bitmap[2 * 2] = { 0x81, 0x01, 0x00, 0x02 };
+static const uint8_t facts[4 * 3 * 4] = { 0x3f, 0x80 };
+static const uint8_t density[3] = { 4, 0, 2 };
+static const struct msg_area areas[] = { { 1, 2, 3, 4, 5 },
+                                         { 6, 7, 8, 9, 10 } };
+static const struct msg_cost line_costs[] = { { 1, 2 }, { 3, 4 } };
 static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
 
 #define SPEC                                                                   \
     {                                                                          \
         .job = ID, .manifest = ID, .name = "office", .params = "-ab 2",        \
-        .needs = "mist glow", .estimate = "uniform", .seed = 1,                \
-        .priority = -3, .flags = MSG_JOB_SHARE, .partition = MSG_PART_WINDOW,  \
-        .order = MSG_ORDER_RANDOM, .windows = 64, .objects = 4000,             \
-        .bundle_bytes = 1u << 20, .compile_s = .25,                            \
-        .files = { 2, two_hashes }, .nframes = 2, .frames = frames             \
+        .needs = "mist glow", .estimate = "uniform", .ncosts = 2,              \
+        .costs = costs, .seed = 1, .priority = -3, .flags = MSG_JOB_SHARE,     \
+        .partition = MSG_PART_WINDOW, .order = MSG_ORDER_RANDOM,               \
+        .windows = 64, .objects = 4000, .bundle_bytes = 1u << 20,              \
+        .compile_s = .25, .files = { 2, two_hashes }, .nframes = 2,            \
+        .frames = frames                                                       \
     }
 #define COUNTS                                                                 \
     {                                                                          \
@@ -79,13 +87,26 @@ static const struct msg examples[] = {
     { .type = MSG_JOB_START, .job_start = SPEC },
     { .type = MSG_READY, .ready = { ID, .125, 42, 8 } },
     { .type = MSG_JOB_END, .job_end = { ID } },
-    { .type = MSG_UNIT, .unit = { ID, 1, 2, 3, 4, 5, 6, 7 } },
+    { .type = MSG_UNIT, .unit = { ID, 1, 2, 3, 4, 5, 6, 7,
+                                    MSG_MODE_STRICT, MSG_END_RIGHT,
+                                    MSG_UNIT_TWIN } },
     { .type = MSG_RESULT,
       .result = { ID, 1, 2, 3, 1, 2, 3, 1, COUNTS, pixels } },
     { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9 } },
+    { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
+    { .type = MSG_FACTS,
+      .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, facts } },
+    { .type = MSG_PARKED, .parked = { ID, 1, 2 } },
+    { .type = MSG_BASE_LINE,
+      .base_line = { ID, 1, 2, 3, 2, 5, 3, 3, density, pixels } },
+    { .type = MSG_NEXT_HOLDER, .next_holder = { ID, 1, 2, "ws1" } },
+    { .type = MSG_SPLIT, .split = { ID, 1, 2 } },
+    { .type = MSG_GAVE, .gave = { ID, 1, 2, 3 } },
+    { .type = MSG_ESTIMATE, .estimate = { ID, 1, 2, 2, areas } },
+    { .type = MSG_ESTIMATED, .estimated = { ID, 1, 2, line_costs, COUNTS } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
     { .type = MSG_AMBIENT,
@@ -285,22 +306,26 @@ static const struct {
 } arrivals[] = {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
-      " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY " },
+      " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
+      "BASE_LINE GAVE ESTIMATED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                           "RESUME FETCH QUERY DRAIN UNDRAIN " },
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
-                     "JOB_PEERS " },
+                     "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
+                     "ESTIMATE " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
-    { MSG_AT_PEER, " PING PONG BYE AMBIENT " },
+    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
-    { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE " },
+    { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE TWIN FACTS BASE_LINE "
+                    "SPLIT ESTIMATE " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
-    { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT " },
+    { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
+                     "GAVE ESTIMATED " },
     { MSG_NSESSION, " " },
 };
 
@@ -396,6 +421,9 @@ START_TEST(memory_follows_what_came_not_what_was_claimed)
 }
 END_TEST
 
+static const uint8_t not_costs[2][4] = { { 0xbf, 0x80 }, { 0x7f, 0x80 } };
+static const uint8_t past_width[] = { 0, 4 };
+
 static const struct msg impossible[] = {
     { .type = 9999 },
     { .type = MSG_SUBMIT, .submit = { .nframes = 0 } },
@@ -404,6 +432,26 @@ static const struct msg impossible[] = {
     { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 1, 1, 5 } },
     { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 60000, 60000, 3 } },
     { .type = MSG_FETCH, .fetch = { ID, 0, MSG_NWHAT } },
+    { .type = MSG_SUBMIT, /* a cost below 0 */
+      .submit = { .ncosts = 1,
+                  .costs = not_costs[0],
+                  .nframes = 1,
+                  .frames = frames } },
+    { .type = MSG_SUBMIT, /* an infinite one */
+      .submit = { .ncosts = 1,
+                  .costs = not_costs[1],
+                  .nframes = 1,
+                  .frames = frames } },
+    { .type = MSG_UNIT, .unit = { ID, 0, 0, 0, 0, 0, 1, 1, MSG_NMODE } },
+    { .type = MSG_UNIT,
+      .unit = { ID, 0, 0, 0, 0, 0, 1, 1, MSG_MODE_WINDOW, 0, MSG_UNIT_TWIN } },
+    { .type = MSG_FACTS, /* a bit past the width */
+      .facts = { ID, 0, 0, 0, 1, 10, 0, 3, past_width, facts } },
+    { .type = MSG_FACTS, /* rows that no line has */
+      .facts = { ID, 0, 0, 31, 2, 10, 0, 3, bitmap, facts } },
+    { .type = MSG_BASE_LINE,
+      .base_line = { ID, 0, 0, 65535, 1, 0, 0, 3, density, pixels } },
+    { .type = MSG_GAVE, .gave = { ID, 0, 0, 0 } },
 };
 
 START_TEST(what_cannot_be_read_is_not_written)

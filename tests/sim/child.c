@@ -173,7 +173,7 @@ ready(struct net *net, struct net_event *e)
 }
 
 static void
-revoke(struct sim_child *k, const struct msg_revoke *r)
+revoke(struct sim_child *k, const struct msg_attempt *r)
 {
     for (unsigned i = 0; i < k->nqueue; i++)
         if (k->queue[i].unit.unit == r->unit &&

@@ -1,0 +1,103 @@
+/* codec.c - see codec.h */
+#include "config.h"
+
+#include "codec.h"
+
+#include <stdlib.h>
+
+void
+msg_put_job(struct wire_out *o, const uint8_t *job)
+{
+    static const uint8_t none[MSG_JOB];
+
+    wire_put_bytes(o, job ? job : none, MSG_JOB);
+}
+
+void
+msg_put_hash(struct wire_out *o, const uint8_t *hash)
+{
+    static const uint8_t none[MSG_HASH];
+
+    wire_put_bytes(o, hash ? hash : none, MSG_HASH);
+}
+
+void
+msg_put_must(struct wire_out *o, bool cond)
+{
+    if (!cond)
+        o->bad = true;
+}
+
+void
+msg_must(struct wire_in *in, bool cond)
+{
+    if (!cond)
+        in->bad = true;
+}
+
+uint8_t
+msg_get_below(struct wire_in *in, uint8_t n)
+{
+    uint8_t v = wire_get_u8(in);
+
+    msg_must(in, v < n);
+    return v;
+}
+
+void
+msg_put_counts(struct wire_out *o, const struct msg_counts *c)
+{
+    wire_put_u64(o, c->rays);
+    wire_put_u64(o, c->primary_rays);
+    wire_put_u64(o, c->speculative_rays);
+    wire_put_u64(o, c->shadow_rays);
+    wire_put_u64(o, c->ambient_rays);
+    wire_put_u64(o, c->paint_rays);
+    wire_put_u64(o, c->estimate_rays);
+    wire_put_u64(o, c->intersection_tests);
+    wire_put_u64(o, c->ambient_values);
+    wire_put_u64(o, c->nan.pixels);
+    wire_put_u32(o, c->nan.x);
+    wire_put_u32(o, c->nan.y);
+    wire_put_f64(o, c->cpu_s);
+    wire_put_f64(o, c->wall_s);
+}
+
+void
+msg_get_counts(struct wire_in *in, struct msg_counts *c)
+{
+    c->rays = wire_get_u64(in);
+    c->primary_rays = wire_get_u64(in);
+    c->speculative_rays = wire_get_u64(in);
+    c->shadow_rays = wire_get_u64(in);
+    c->ambient_rays = wire_get_u64(in);
+    c->paint_rays = wire_get_u64(in);
+    c->estimate_rays = wire_get_u64(in);
+    c->intersection_tests = wire_get_u64(in);
+    c->ambient_values = wire_get_u64(in);
+    c->nan.pixels = wire_get_u64(in);
+    c->nan.frame = 0;
+    c->nan.x = wire_get_u32(in);
+    c->nan.y = wire_get_u32(in);
+    c->cpu_s = wire_get_f64(in);
+    c->wall_s = wire_get_f64(in);
+    msg_must(in, c->cpu_s >= 0 && c->wall_s >= 0);
+}
+
+void *
+msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
+{
+    if (n == 0)
+        return NULL;
+    if (m->list_size < n * entry) {
+        void *p = realloc(m->list, n * entry);
+
+        if (!p) {
+            in->bad = true;
+            return NULL;
+        }
+        m->list = p;
+        m->list_size = n * entry;
+    }
+    return m->list;
+}
