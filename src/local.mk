@@ -130,6 +130,8 @@ librad_a_SOURCES = \
 	src/shade/material.h \
 	src/shade/mirror.c \
 	src/shade/mirror.h \
+	src/shade/mist.c \
+	src/shade/mist.h \
 	src/shade/mixture.c \
 	src/shade/mixture.h \
 	src/shade/normal.c \

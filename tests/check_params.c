@@ -213,9 +213,6 @@ START_TEST(check_refuses_what_does_not_go_together)
     ck_assert_int_gt(take(&p, "-lr -4 -lw 0", NULL), 0);
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "-lr -4"));
-    rad_params_init(&p);
-    ck_assert_int_gt(take(&p, "-me 0 .1 0", NULL), 0);
-    ck_assert_int_eq(rad_params_check(&p, NULL), RAD_EUSAGE);
 }
 END_TEST
 

@@ -624,7 +624,7 @@ START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
             &w,
             "void brighttext t 3 none.fnt . A 0 11 0 0 0 1 0 0 0 1 0 1 1\n"
             "t plastic unused 0 0 5 .5 .5 .5 0 0\n"
-            "void mist fog 0 0 0\n"
+            "void specfile dye 1 x.spc 0 0\n"
             "void plastic m 0 0 5 .5 .5 .5 0 0 m" SQUARE,
             "-av 1 1 1", &files),
         0);

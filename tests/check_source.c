@@ -265,6 +265,57 @@ START_TEST(cylinder_gives_the_closed_form)
 }
 END_TEST
 
+/* Jittered aims, seen from straight below, are even about the middle of the
+ * light whatever -dj, and reach about as far as -dj says. */
+static const struct {
+    enum rad_otype type;
+    double a[12];
+    int n;
+    double jitter, spread; /* mean squared distance from the middle */
+} jittered[] = {
+    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, 1, .005 },
+    /* as rpict's bent square: 2/3 .9^2 - 1/9 .9^4 */
+    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, .9, .00467 },
+    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, .5, .001597 },
+    { RAD_RING, { 0, 0, 2, 0, 0, -1, .05, .1 }, 8, .9, .00625 },
+    { RAD_POLYGON,
+      { -.1, -.1, 2, -.1, .1, 2, .1, .1, 2, .1, -.1, 2 },
+      12,
+      .9,
+      .81 * .02 / 3 },
+    { RAD_SPHERE, { 0, 0, 2, .1 }, 4, .9, .81 * .005 },
+};
+
+static void
+sum_place(void *arg, const struct rad_light_sample *s)
+{
+    double *sum = arg, x = 2 * s->aim[0] / s->aim[2];
+    double y = 2 * s->aim[1] / s->aim[2];
+
+    sum[0] += x;
+    sum[1] += y;
+    sum[2] += x * x + y * y;
+    sum[3]++;
+}
+
+START_TEST(jitter_is_even_about_the_middle)
+{
+    struct rad_light_view view = { .jitter = jittered[_i].jitter };
+    double sum[4] = { 0 };
+    struct rad_source src;
+
+    make_light(&src, jittered[_i].type, jittered[_i].a, jittered[_i].n);
+    for (int i = 0; i < 20000; i++) {
+        view.key = rad_key_branch(1, (uint64_t)i);
+        rad_light_samples(&src, &view, sum_place, sum);
+    }
+    ck_assert_double_le(fabs(sum[0] / sum[3]), .002);
+    ck_assert_double_le(fabs(sum[1] / sum[3]), .002);
+    ck_assert_double_eq_tol(sum[2] / sum[3], jittered[_i].spread,
+                            .02 * jittered[_i].spread);
+}
+END_TEST
+
 START_TEST(flat_light_has_a_dark_side)
 {
     static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
@@ -613,6 +664,8 @@ make_suite(void)
                         N_ELEM(ring));
     tcase_add_test(tc, sphere_gives_the_closed_form);
     tcase_add_test(tc, cylinder_gives_the_closed_form);
+    tcase_add_loop_test(tc, jitter_is_even_about_the_middle, 0,
+                        N_ELEM(jittered));
     tcase_add_test(tc, flat_light_has_a_dark_side);
     tcase_add_test(tc, scale_changes_nothing);
     tcase_add_test(tc, spot_keeps_to_its_cone);

@@ -28,6 +28,7 @@ UNIT_TESTS = \
 	tests/check_message \
 	tests/check_metric \
 	tests/check_mirror \
+	tests/check_mist \
 	tests/check_octfile \
 	tests/check_octree \
 	tests/check_params \
@@ -146,6 +147,10 @@ tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/unit.h \
 	tests/world.h
 tests_check_antimatter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_antimatter_LDADD = $(UNIT_LIBS)
+
+tests_check_mist_SOURCES = tests/check_mist.c tests/unit.h tests/world.h
+tests_check_mist_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_mist_LDADD = $(UNIT_LIBS)
 
 tests_check_mirror_SOURCES = tests/check_mirror.c tests/unit.h \
 	tests/world.h

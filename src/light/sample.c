@@ -335,6 +335,35 @@ triangle_point(double d[3], const double p0[3], const double e1[3],
     rad_madd(d, d, t, e2);
 }
 
+/* The same for a sector.  What is convex shrinks about its centroid, so that
+ * the mean stays there; a whole disk must not lose a wedge.  It shrinks to the
+ * spread of the square that rpict bends to a disk, so that -dj .9 means the
+ * same: points (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)) with u and v even in
+ * (-j, j), whose squared radius is 2/3 j^2 - 1/9 j^4 in the mean.
+ * What is bent about a hole shrinks in radius and angle, or it would leave the
+ * ring. */
+static void
+sector_point(const struct walk *w, const struct patch *p, double s, double u,
+             double d[3])
+{
+    double jit = w->view->jitter, r0 = p->r0 * p->r0, r1 = p->r1 * p->r1;
+    struct rad_moments m;
+
+    if (p->r0 > 0) {
+        s = .5 + (s - .5) * jit;
+        u = .5 + (u - .5) * jit;
+    }
+    ring_point(w->src, sqrt(r0 + s * (r1 - r0)),
+               p->phi + (2 * u - 1) * p->delta, d);
+    if (p->r0 > 0)
+        return;
+    if (p->delta == M_PI)
+        jit *= sqrt(fmin(4. / 3 - 2. / 9 * jit * jit, 1 / (jit * jit)));
+    sector_moments(&m, w->src, p);
+    for (int k = 0; k < 3; k++)
+        d[k] = m.c[k] + jit * (d[k] - m.c[k]);
+}
+
 /* A random point of the patch, drawn toward its middle by 1 - jitter. */
 static void
 jittered_point(struct walk *w, const struct patch *p, double d[3])
@@ -349,9 +378,7 @@ jittered_point(struct walk *w, const struct patch *p, double d[3])
         rad_madd(d, d, 2 * y - 1, p->v);
         break;
     case SECTOR:
-        ring_point(w->src,
-                   sqrt(p->r0 * p->r0 + x * (p->r1 * p->r1 - p->r0 * p->r0)),
-                   p->phi + (2 * y - 1) * p->delta, d);
+        sector_point(w, p, s, u, d);
         break;
     case LINE:
         rad_madd(d, p->p, 2 * x - 1, p->u);

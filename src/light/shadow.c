@@ -183,7 +183,7 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
         rad_ray_enter(sr);
         rad_ray_shade(ctx, sr, job->scene->objects[hit->obj].modifier);
     }
-    rad_ray_absorb(sr);
+    rad_ray_absorb(ctx, sr);
 }
 
 /* What the source, met at hit, sends along p's span. */
@@ -204,7 +204,7 @@ source_radiance(const struct direct *d, const struct potential *p,
     if (src) {
         sr.L = src->L;
         sr.hit.t = p->span.tmax;
-        rad_ray_absorb(&sr);
+        rad_ray_absorb(d->ctx, &sr);
         return sr.L;
     }
     sr.path |= RAD_RAY_UNTESTED;
@@ -280,7 +280,7 @@ see_through(const struct direct *d, struct potential *p)
     sr.hit = hit;
     rad_ray_enter(&sr);
     rad_ray_continue(d->ctx, &sr);
-    rad_ray_absorb(&sr);
+    rad_ray_absorb(d->ctx, &sr);
     p->val = rad_rgb_mul(sr.L, p->coef);
     return rad_rgb_lum(p->val) > 0;
 }
@@ -328,7 +328,7 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
         r->hit = hit;
         rad_ray_enter(r);
         rad_ray_continue(ctx, r);
-        rad_ray_absorb(r);
+        rad_ray_absorb(ctx, r);
         return false;
     default:
         return true;
@@ -501,5 +501,31 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
         test_selected(&d, o);
     else
         test_all(&d);
+    rad_arena_rewind(&ctx->scratch, mark);
+}
+
+void
+rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
+                rad_brdf_fn *brdf, void *data)
+{
+    const struct rad_sources *s = ctx->job->sources;
+    const struct rad_virtual *v =
+        source < s->n ? NULL : &s->virtuals[source - s->n];
+    struct direct d = {
+        .ctx = ctx, .r = r, .brdf = brdf, .data = data, .source = source
+    };
+    struct rad_light_view view = { .jitter = ctx->job->params.srcjitter };
+    struct rad_arena_mark mark;
+
+    if (s->list[v ? v->root : source].flags & RAD_LIGHT_SKIP)
+        return;
+    mark = rad_arena_mark(&ctx->scratch);
+    rad_copy(view.p, r->hit.p);
+    view.key = rad_key_branch(r->key, (uint64_t)(source + 1) << 32);
+    if (!v)
+        rad_light_samples(&s->list[source], &view, weigh, &d);
+    else if (rad_virtual_faces(v, view.p, r->hit.err))
+        rad_virtual_samples(s, v, &view, weigh, &d);
+    test_all(&d);
     rad_arena_rewind(&ctx->scratch, mark);
 }

@@ -36,6 +36,11 @@ typedef void rad_brdf_fn(struct rad_rgb *coef, void *data, const double ldir[3],
 void rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
                 void *data, bool through);
 
+/* Add to r->L what comes from one source (or image of one), undivided: for a
+ * place in mid-air, which r->hit is made to look like. */
+void rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
+                     rad_brdf_fn *brdf, void *data);
+
 /* Did a ray that left the scene meet a distant source?  Sets r->far_source and
  * the shading fields (infinitely far, facing the ray) and returns the source's
  * modifier, or RAD_VOID.  A ray aimed at a source (r->source) meets that one

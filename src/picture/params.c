@@ -337,10 +337,6 @@ rad_params_check(const struct rad_params *p, struct rad_error *err)
                         "option '-lr %d' is Russian roulette, which needs "
                         "'-lw' above 0",
                         p->maxdepth);
-    if (!rad_rgb_black(p->cextinction))
-        return rad_fail(err, RAD_EUSAGE,
-                        "option '-me': a mist that fills the scene is not "
-                        "supported");
     return 0;
 }
 

@@ -40,7 +40,7 @@ struct rad_params {
     bool backvis;      /* -bv */
     bool irradiance;   /* -i */
     bool rand_samp;    /* -u: pure Monte Carlo; never takes the clock */
-    /* medium: -me -ma -mg -ms; refused until mist is there unless zero */
+    /* medium: -me [1/unit] -ma -mg -ms [unit] */
     struct rad_rgb cextinction, salbedo;
     double seccg, ssampdist;
     /* indirect light */

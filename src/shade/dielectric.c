@@ -7,6 +7,7 @@
 
 #include "shade/dielectric.h"
 #include "base/vec.h"
+#include "shade/mist.h"
 
 #define HARTMANN_NM 500.0 /* wavelength that the index is taken at */
 
@@ -24,7 +25,10 @@ struct boundary {
     double cos_r;          /* of refraction; 0: total reflection */
     double side;           /* 1: the ray is outside, -1: inside */
     bool textured;
-    bool unmirrored; /* flat: images lie at the distance of their path */
+    bool unmirrored;       /* flat: images lie at the distance of their path */
+    struct rad_rgb beyond; /* extinction behind it, */
+    const struct rad_medium *medium; /* and what scatters there: */
+    struct rad_medium link;          /* often this */
 };
 
 /* Extinction for a transmission per unit length; what would be 0 or less is
@@ -85,11 +89,31 @@ is_white(struct rad_rgb c)
     return c.r == 1 && c.g == 1 && c.b == 1;
 }
 
-/* Settle what the ray came through, and return what lies beyond. */
-static struct rad_rgb
-cross_media(const struct dielectric *m, struct rad_ray *r, bool inside)
+/* What scatters on either side.  Beyond a dielectric's surface is what was
+ * there before the ray came in; that of an interface is between two solids. */
+static void
+cross_mists(const struct rad_job *job, const struct dielectric *m,
+            struct rad_ray *r, struct boundary *b, bool inside)
+{
+    const struct rad_medium *here = r->medium;
+
+    if ((inside || m->interface) && here && !here->solid)
+        r->medium = NULL; /* it started inside */
+    if (m->interface)
+        b->medium = r->medium;
+    else if (!inside)
+        b->medium = rad_medium_solid(&b->link, here);
+    else if ((b->medium = rad_medium_about(job, here)) && !b->medium->solid)
+        b->beyond = b->medium->ext;
+}
+
+/* Settle what the ray came through, and what lies beyond. */
+static void
+cross_media(const struct rad_job *job, const struct dielectric *m,
+            struct rad_ray *r, struct boundary *b)
 {
     struct rad_rgb in = m->in_ext, out = m->out_ext;
+    bool inside = b->side < 0;
 
     if (!is_white(r->pattern)) {
         in = extinction_rgb(m->in, r->pattern);
@@ -100,7 +124,8 @@ cross_media(const struct dielectric *m, struct rad_ray *r, bool inside)
         r->ext = in;
     else if (m->interface)
         r->ext = out;
-    return inside ? out : in;
+    b->beyond = inside ? out : in;
+    cross_mists(job, m, r, b, inside);
 }
 
 static void
@@ -133,7 +158,7 @@ reflectance(const struct boundary *b)
 
 static void
 refract(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
-        double share, struct rad_rgb beyond)
+        double share)
 {
     /* radiance grows with the square of the index: the same light in a
      * narrower cone */
@@ -144,7 +169,8 @@ refract(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
     if (!rad_ray_spawn(ctx, &tr, RAD_RAY_REFRACTED, r, &coef,
                        RAD_BRANCH_REFRACT))
         return;
-    tr.ext = beyond;
+    tr.ext = b->beyond;
+    tr.medium = b->medium;
     rad_scale(along, b->eta, r->dir);
     rad_madd(tr.dir, along, bend, b->norm);
     if (b->textured && rad_dot(tr.dir, r->n) * b->side >= -RAD_TINY)
@@ -183,16 +209,15 @@ rad_dielectric_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                      struct rad_ray *r)
 {
     const struct dielectric *m = mat->data;
-    struct rad_rgb beyond;
     struct boundary b;
     double share;
 
     rad_ray_texture(ctx, r, mat->next);
     enter(ctx, m, r, &b);
-    beyond = cross_media(m, r, b.side < 0);
+    cross_media(ctx->job, m, r, &b);
     share = reflectance(&b);
     if (b.cos_r > 0)
-        refract(ctx, &b, r, 1 - share, beyond);
+        refract(ctx, &b, r, 1 - share);
     if (!(r->path & RAD_RAY_SHADOW))
         reflect(ctx, &b, r, share);
     return true;

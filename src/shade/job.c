@@ -7,6 +7,7 @@
 #include "light/virtual.h"
 #include "scene/calc.h"
 #include "shade/material.h"
+#include "shade/mist.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -63,7 +64,7 @@ compile(struct rad_job *job, const struct rad_files *files,
     if (!job->sources)
         return RAD_EDATA;
     code = rad_virtuals_make(job, err);
-    if (code < 0)
+    if (code < 0 || (code = rad_mists_resolve(job, err)) < 0)
         return code;
     if (p->ambounce > 0 && p->ambacc > 0) {
         job->ambient = rad_ambient_new(job, err);

@@ -13,6 +13,7 @@
 #include "shade/func.h"
 #include "shade/glass.h"
 #include "shade/mirror.h"
+#include "shade/mist.h"
 #include "shade/normal.h"
 #include "shade/table.h"
 #include "shade/text.h"
@@ -40,6 +41,7 @@ static const struct rad_shader table[] = {
     { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
       rad_emitter_shade },
     { RAD_MIRROR, RAD_MAT_OPAQUE, rad_mirror_prepare, rad_mirror_shade },
+    { RAD_MIST, RAD_MAT_TRANSPARENT, rad_mist_prepare, rad_mist_shade },
     { RAD_ANTIMATTER, RAD_MAT_CUTS, rad_antimatter_prepare,
       rad_antimatter_shade },
     { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },

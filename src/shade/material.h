@@ -3,8 +3,8 @@
  * Every modifier type has one row in the table of material.c: how to compile
  * its arguments once, and what it does to a ray.  A family of materials lives
  * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, mirror.c,
- * antimatter.c, text.c, func.c); expr.c evaluates the functions that any of
- * them may hold.
+ * mist.c, antimatter.c, text.c, func.c); expr.c evaluates the functions that
+ * any of them may hold.
  * A shader returns true when it was a material and has set r->L; a texture or
  * pattern changes r->pert or r->pattern and returns false. */
 #ifndef RAD_SHADE_MATERIAL_H

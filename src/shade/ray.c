@@ -10,6 +10,7 @@
 #include "light/source.h"
 #include "shade/antimatter.h"
 #include "shade/material.h"
+#include "shade/mist.h"
 #include "shade/normal.h"
 
 #include <stdlib.h>
@@ -41,6 +42,7 @@ spawn_primary(const struct rad_ctx *ctx, struct rad_ray *r,
     r->path = (uint16_t)kind;
     r->source = -1;
     r->ext = ctx->job->params.cextinction;
+    r->medium = ctx->job->medium;
 }
 
 static void
@@ -52,6 +54,7 @@ spawn_child(struct rad_ray *r, enum rad_raykind kind,
     r->level = parent->level;
     r->path = (uint16_t)(parent->path | kind);
     r->ext = parent->ext;
+    r->medium = parent->medium;
     if (kind & RAD_RAY_REFL) {
         if (r->level < INT16_MAX)
             r->level++;
@@ -178,7 +181,7 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
         if (mod != RAD_VOID)
             rad_ray_shade(ctx, r, mod);
     }
-    rad_ray_absorb(r);
+    rad_ray_absorb(ctx, r);
     drop_unsound(ctx, r);
 }
 
@@ -250,13 +253,17 @@ rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r)
 }
 
 void
-rad_ray_absorb(struct rad_ray *r)
+rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
 {
     const struct rad_rgb *e = &r->ext;
     double t = r->hit.t;
 
     if (e->r <= 0 && e->g <= 0 && e->b <= 0)
         return;
+    if (r->medium) {
+        rad_mist_participate(ctx, r);
+        return;
+    }
     /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
     r->L.r *= e->r > 0 ? (float)exp(-e->r * t) : 1;
     r->L.g *= e->g > 0 ? (float)exp(-e->g * t) : 1;

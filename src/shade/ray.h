@@ -49,7 +49,8 @@ enum {
     RAD_BRANCH_TSPECULAR = 0x05000000, /* | sample */
     RAD_BRANCH_SHADOW = 0x06000000,    /* | light sample */
     RAD_BRANCH_RAMBIENT = 0x07000000,  /* | hemisphere sample */
-    RAD_BRANCH_TAMBIENT = 0x08000000   /* | hemisphere sample */
+    RAD_BRANCH_TAMBIENT = 0x08000000,  /* | hemisphere sample */
+    RAD_BRANCH_SCATTER = 0x09000000    /* a medium's sources: see mist.c */
 };
 
 /* Dimensions of the random numbers that a ray's key is good for (rad_rand):
@@ -83,7 +84,9 @@ struct rad_ray {
     int32_t source;      /* shadow ray: index of the source aimed at; else
                           * -1 */
     struct rad_rgb ext;  /* extinction of the medium that it goes through
-                          * [1/unit]: inside a dielectric */
+                          * [1/unit]: inside a dielectric or mist */
+    const struct rad_medium *medium; /* that scatters, or once did; NULL: none
+                                      * (shade/mist.h) */
     /* what it met */
     struct rad_hit hit;     /* hit.obj is RAD_VOID: nothing (or a distant
                              * source: then far_source says which) */
@@ -101,11 +104,11 @@ struct rad_ray {
 
 /* Start *r off parent (NULL: a primary ray; then set org, dir, tmax, key
  * yourself, before or after).  The caller sets r->dir before tracing; key,
- * level, weight, source, tmax and ext follow from parent, kind, coef (NULL:
- * unattenuated; may be &r->coef) and `branch`, a number that no other child of
- * this parent has (RAD_BRANCH_*).  False: too weak or too deep (-lw, -lr;
- * Russian roulette with -lr <= 0), or the parent is infinitely long: do not
- * trace it.  r->coef may have been raised by the roulette: weigh by it. */
+ * level, weight, source, tmax, ext and medium follow from parent, kind, coef
+ * (NULL: unattenuated; may be &r->coef) and `branch`, a number that no other
+ * child of this parent has (RAD_BRANCH_*).  False: too weak or too deep (-lw,
+ * -lr; Russian roulette with -lr <= 0), or the parent is infinitely long: do
+ * not trace it.  r->coef may have been raised by the roulette: weigh by it. */
 bool rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r,
                    enum rad_raykind kind, const struct rad_ray *parent,
                    const struct rad_rgb *coef, uint32_t branch);
@@ -135,9 +138,10 @@ void rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r);
 /* Pass the ray on as if the surface were not there. */
 void rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r);
 
-/* Dim r->L by what the medium absorbs from the origin to the hit; part of
- * rad_ray_trace(), and the last step of a shadow ray shaded without it. */
-void rad_ray_absorb(struct rad_ray *r);
+/* Let the medium from the origin to the hit dim r->L, and add what it scatters;
+ * part of rad_ray_trace(), and the last step of a shadow ray shaded without
+ * it. */
+void rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Apply the textures and patterns of the chain from mod. */
 void rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);

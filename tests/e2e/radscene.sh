@@ -104,13 +104,15 @@ expect 65 "bad.rad:1: '!exit 3' failed with exit status 3" \
     $radscene check bad.rad
 
 # what the renderer lacks can be looked at and frozen, but for other files
-printf 'void mist fog 0 0 0\nfog sphere s 0 0 4 0 0 0 1\n' >fog.rad
-expect 65 "fog.rad:1: mist 'fog': type 'mist' is not supported yet" \
-    $radscene check fog.rad
-expect 0 '' $radscene needs fog.rad
+printf 'void specfile dye 1 x.spc 0 0\ndye plastic p 0 0 5 1 1 1 0 0
+p sphere s 0 0 4 0 0 0 1\n' >dye.rad
+expect 65 "dye.rad:1: specfile 'dye': type 'specfile' is not supported yet" \
+    $radscene check dye.rad
+expect 0 '' $radscene needs dye.rad
 same 'sphere
-mist'
-expect 0 '' $radscene freeze fog.rad
+plastic
+specfile'
+expect 0 '' $radscene freeze dye.rad
 printf 'void mesh m 1 x.rtm 0 0\n' >mesh.rad
 expect 65 "mesh.rad:1: mesh 'm': type 'mesh' is not supported yet" \
     $radscene freeze mesh.rad

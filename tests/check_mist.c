@@ -1,0 +1,390 @@
+/* check_mist.c - tests of src/shade/mist.c: media that scatter light */
+#include "config.h"
+
+#include "base/rng.h"
+#include "world.h"
+
+#include <stdio.h>
+
+/* A wall at z = 0 of radiance 7 that is seen as it is. */
+#define WALL                                                                   \
+    "void glow bright 0 0 4 7 7 7 0\nbright ring wall 0 0 8 0 0 0 0 0 1 0 "    \
+    "99\n"
+/* A layer from z = lo to hi, of modifier `name`. */
+#define LAYER(name, lo, hi)                                                    \
+    name " ring top_" name " 0 0 8 0 0 " hi " 0 0 1 0 99\n" name               \
+         " ring bottom_" name " 0 0 8 0 0 " lo " 0 0 -1 0 99\n"
+
+static void
+near(double value, double truth)
+{
+    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
+}
+
+static double
+down(struct world *w, double x, double z)
+{
+    return world_see(w, x, 0, z, 0, 0, -1).r;
+}
+
+/* Mean over the random numbers of n rays that start at o in direction d. */
+static double
+mean_of(struct world *w, const double o[3], const double d[3], int n)
+{
+    double sum = 0;
+    struct rad_ray r;
+
+    for (int i = 0; i < n; i++) {
+        world_ray(w, &r, o[0], o[1], o[2], d[0], d[1], d[2]);
+        r.key = rad_mix64((uint64_t)i);
+        rad_ray_trace(&w->ctx, &r);
+        sum += r.L.r;
+    }
+    return sum / n;
+}
+
+START_TEST(layer_dims_by_its_optical_depth)
+{
+    struct world w;
+    struct rad_rgb L;
+
+    world_open(&w, WALL "void mist fog 0 0 3 .1 .2 .3\n" LAYER("fog", "1", "3"),
+               "-me .01 0 0");
+    L = world_see(&w, 0, 0, 5, 0, 0, -1);
+    near(L.r, 7 * exp(-.1 * 2 - .01 * 5));
+    near(L.g, 7 * exp(-.2 * 2));
+    near(L.b, 7 * exp(-.3 * 2));
+    near(down(&w, 0, 1), 7 * exp(-.01)); /* below it */
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(pattern_scales_the_extinction)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void brightfunc half 2 .5 . 0 0\n"
+                    "half mist fog 0 0 3 .2 .2 .2\n" LAYER("fog", "1", "3"),
+               "");
+    near(down(&w, 0, 5), 7 * exp(-.1 * 2));
+    world_close(&w);
+}
+END_TEST
+
+/* What is scattered of the ambient value replaces what is lost: with an albedo
+ * of 1 in an even surrounding nothing shows. */
+START_TEST(ambient_value_is_scattered_in)
+{
+    struct world w;
+
+    world_open(&w, WALL, "-me .2 .2 .2 -ma .5 1 0 -av 7 7 7");
+    struct rad_rgb L = world_see(&w, 0, 0, 5, 0, 0, -1);
+
+    near(L.r, 7 * (exp(-1) + .5 * (1 - exp(-1))));
+    near(L.g, 7);
+    near(L.b, 7 * exp(-1));
+    near(world_see(&w, 0, 0, 5, 0, 0, 1).g, 7); /* up to nowhere */
+    world_close(&w);
+}
+END_TEST
+
+/* Layers that overlap, one left before the other or inside it; what is outside
+ * at the end is as clear as before. */
+static const struct {
+    const char *a, *b;
+    double depth;
+} layers[] = {
+    { LAYER("a", "1", "4"), LAYER("b", "2", "3"), .1 * 3 + .3 * 1 },
+    { LAYER("a", "1", "3"), LAYER("b", "2", "4"), .1 * 2 + .3 * 2 },
+    { LAYER("a", "2", "4"), LAYER("b", "1", "3"), .1 * 2 + .3 * 2 },
+    { LAYER("a", "1", "2"), LAYER("b", "3", "4"), .1 * 1 + .3 * 1 },
+};
+
+START_TEST(overlapping_layers_add_up)
+{
+    char scene[1024];
+    struct world w;
+    struct rad_rgb up;
+
+    snprintf(scene, sizeof scene,
+             "%svoid mist a 0 0 3 .1 .1 .1\nvoid mist b 0 0 3 .3 .3 .3\n%s%s"
+             "void glow sky 0 0 4 5 5 5 0\nsky source s 0 0 4 0 0 1 180\n",
+             WALL, layers[_i].a, layers[_i].b);
+    world_open(&w, scene, "");
+    near(down(&w, 0, 5), 7 * exp(-layers[_i].depth));
+    /* no rest of extinction on the endless way to the sky */
+    up = world_see(&w, 0, 0, .5, 0, 0, 1);
+    near(up.r, 5 * exp(-layers[_i].depth));
+    world_close(&w);
+}
+END_TEST
+
+/* An inner mist with an albedo of its own gives way to the outer one's where
+ * it ends. */
+START_TEST(albedo_comes_back_when_the_inner_mist_ends)
+{
+    struct world w;
+    double e = exp(-.2);
+
+    world_open(&w,
+               "void mist a 0 0 7 .2 .2 .2 1 1 1 0\n"
+               "void mist b 0 0 7 0 0 0 0 0 0 0\n" LAYER("a", "1", "4")
+                   LAYER("b", "2", "3"),
+               "-av 1 1 1");
+    /* a's three units lose e each, and the outer two scatter in */
+    near(down(&w, 0, 5), (1 - e) + e * e * (1 - e));
+    world_close(&w);
+}
+END_TEST
+
+/* In front of, in, and behind a ball of index 1, which absorbs. */
+START_TEST(mist_is_back_behind_a_dielectric)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void mist fog 0 0 6 .1 .1 .1 0 0 0\n" LAYER(
+                   "fog", "1", "9") "void dielectric ball 0 0 5 .5 .5 .5 1 0\n"
+                                    "ball sphere s 0 0 4 0 0 5 1\n",
+               "-me .02 .02 .02 -ma .3 .3 .3");
+    near(down(&w, 0, 10), 7 * exp(-.02 * 8 - .1 * 6) * .25);
+    world_close(&w);
+}
+END_TEST
+
+/* The irradiance of a lamp through mist: what scatters out of the way to it
+ * scatters in as well, so absorption alone dims it. */
+START_TEST(shadow_rays_lose_what_is_absorbed)
+{
+    static const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
+    struct world w;
+    struct rad_ray r;
+
+    world_open(&w,
+               "void light l 0 0 3 100 100 100\nl sphere s 0 0 4 0 0 10 .01\n"
+               "void mist fog 0 0 6 .1 .1 .1 .8 0 1\n" LAYER("fog", "1", "5"),
+               "");
+    rad_ray_irradiance(&w.ctx, &r, p, n, 1);
+    double E = M_PI * 100 * 1e-6;
+
+    near(r.L.r, E * exp(-.1 * .2 * 4));
+    near(r.L.g, E * exp(-.1 * 4));
+    near(r.L.b, E);
+    world_close(&w);
+}
+END_TEST
+
+/* Single scattering of a small lamp beside a ray, by the midpoint rule over
+ * its way. */
+static double
+scattered(const double lamp[3], double z0, double z1, double z_eye, double ext,
+          double albedo, double g)
+{
+    int n = 100000;
+    double sum = 0, dz = (z1 - z0) / n;
+
+    for (int i = 0; i < n; i++) {
+        double z = z0 + (i + .5) * dz, d[3] = { lamp[0], lamp[1], lamp[2] - z };
+        double d2 = rad_dot(d, d), cosine = -d[2] / sqrt(d2);
+        double q = 1 + g * g - 2 * g * cosine;
+        double phase = (1 - g * g) / (4 * M_PI * q * sqrt(q));
+        double absorbed = exp(-ext * (1 - albedo) * sqrt(d2));
+
+        sum += albedo * ext * exp(-ext * (z_eye - z)) * phase * absorbed / d2;
+    }
+    return sum * dz;
+}
+
+static const struct {
+    const char *mist, *options;
+    double ext, albedo, g;
+} scattering[] = {
+    { "1 b 0 7 .1 .1 .1 .9 .9 .9 0", "", .1, .9, 0 },
+    { "1 b 0 7 .1 .1 .1 .9 .9 .9 .6", "-ms .5", .1, .9, .6 },
+    /* what the scene's own medium leaves to be said */
+    { "1 b 0 0", "-me .2 .2 .2 -ma .5 .5 .5 -mg .3 -ms 2", .2, .5, .3 },
+    /* as in Radiance, below 0 is even, and 1 scatters nothing aside */
+    { "1 b 0 7 .1 .1 .1 .9 .9 .9 -.5", "-ms 1", .1, .9, 0 },
+};
+
+START_TEST(source_is_scattered_into_the_ray)
+{
+    static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 20 },
+                        dir[3] = { 0, 0, -1 };
+    char scene[512];
+    struct world w;
+    int n = 40000;
+
+    snprintf(scene, sizeof scene,
+             "void light l 0 0 3 1e6 1e6 1e6\nl sphere b 0 0 4 2 0 4 1e-3\n"
+             "void mist fog %s\n%s%s",
+             scattering[_i].mist, "fog sphere s 0 0 4 0 0 4 8\n",
+             "void plastic floor 0 0 5 0 0 0 0 0\n"
+             "floor ring f 0 0 8 0 0 0 0 0 1 0 1\n");
+    world_open(&w, scene, scattering[_i].options);
+    double truth = M_PI * scattered(lamp, 0, 12, 12, scattering[_i].ext,
+                                    scattering[_i].albedo, scattering[_i].g);
+    double me = w.params.cextinction.r;
+
+    truth *= exp(-me * 8); /* from the mist's top to the eye */
+    double L = mean_of(&w, eye, dir, n);
+
+    ck_assert_double_eq_tol(L, truth, .01 * truth);
+    world_close(&w);
+}
+END_TEST
+
+/* Rays that start in the mist, and leave it, know of its sources. */
+START_TEST(eye_in_a_mist_with_sources_sees_them)
+{
+    static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 8 },
+                        down_[3] = { 0, 0, -1 };
+    struct world w;
+
+    world_open(&w,
+               "void light l 0 0 3 1e6 1e6 1e6\nl sphere b 0 0 4 2 0 4 1e-3\n"
+               "void mist fog 1 b 0 7 .1 .1 .1 .9 .9 .9 0\n"
+               "fog sphere s 0 0 4 0 0 4 8\n",
+               "-ms .5");
+    double truth = M_PI * scattered(lamp, -4, 8, 8, .1, .9, 0);
+
+    ck_assert_double_eq_tol(mean_of(&w, eye, down_, 20000), truth, .01 * truth);
+    world_close(&w);
+}
+END_TEST
+
+/* Which lamp lights the mist, by its colour. */
+static const struct {
+    const char *names, *options;
+    bool red, green, relayed;
+} named[] = {
+    { "1 r", "", true, false, false },
+    { "2 g r", "", true, true, false },
+    { "3 nobody r r", "", true, false, false },
+    { "1 twin", "", false, true, false }, /* the last of that name */
+    { "1 m>r", "-dp 0", true, false, true },
+    { "1 m>r", "-dr 0", false, false, false },
+    { "1 m", "-dp 0", false, false, false },
+    { "0", "", false, false, false },
+};
+
+START_TEST(names_say_which_sources_light_it)
+{
+    static const double eye[3] = { 0, 0, 9 }, dir[3] = { 0, 0, -1 };
+    char scene[1024];
+    struct world w;
+    struct rad_ray r;
+
+    snprintf(scene, sizeof scene,
+             "void light red 0 0 3 1e6 0 0\nvoid light green 0 0 3 0 1e6 0\n"
+             "red sphere twin 0 0 4 2 1 3 1e-3\nred sphere r 0 0 4 2 0 4 1e-3\n"
+             "green sphere g 0 0 4 -2 0 4 1e-3\n"
+             "green sphere twin 0 0 4 -2 1 3 1e-3\n"
+             "void mirror glass 0 0 3 1 1 1\n"
+             "glass polygon m 0 0 12 -5 -9 0 -5 9 0 -5 9 9 -5 -9 9\n"
+             "void mist fog %s 0 6 .1 .1 .1 .9 .9 .9\n"
+             "fog ring top 0 0 8 0 0 8 0 0 1 0 1\n"
+             "fog ring low 0 0 8 0 0 1 0 0 -1 0 1\n"
+             "void plastic floor 0 0 5 0 0 0 0 0\n"
+             "floor ring f 0 0 8 0 0 0 0 0 1 0 1\n",
+             named[_i].names);
+    world_open(&w, scene, named[_i].options);
+    world_ray(&w, &r, eye[0], eye[1], eye[2], dir[0], dir[1], dir[2]);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_int_eq(r.L.r > 0, named[_i].red);
+    ck_assert_int_eq(r.L.g > 0, named[_i].green);
+    if (named[_i].relayed) /* from 12 away, by way of the mirror */
+        ck_assert_double_lt(r.L.r, M_PI * .09 * 7 / (4 * M_PI) / 100);
+    world_close(&w);
+}
+END_TEST
+
+/* -ms says how many rays go to a source: as many as fit, 1 to 16. */
+static const struct {
+    const char *options;
+    int rays;
+} spacing[] = { { "-ms 0", 1 },
+                { "-ms 7", 1 },
+                { "-ms 2.1", 3 },
+                { "-ms .5", 14 },
+                { "-ms .1", 16 } };
+
+START_TEST(samples_are_as_far_apart_as_asked)
+{
+    struct world w;
+
+    world_open(&w,
+               "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 2 0 4 1e-3\n"
+               "void mist fog 1 b 0 6 .1 .1 .1 .9 .9 .9\n"
+               "fog ring top 0 0 8 0 0 8 0 0 1 0 1\n"
+               "fog ring low 0 0 8 0 0 1 0 0 -1 0 1\n",
+               spacing[_i].options);
+    down(&w, 0, 9);
+    ck_assert_uint_eq(w.ctx.counts.shadow_rays, (uint64_t)spacing[_i].rays);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(same_key_gives_the_same_value)
+{
+    static const double eye[3] = { 0, 0, 9 }, dir[3] = { 0, 0, -1 };
+    double L[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct world w;
+
+        world_open(&w,
+                   "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 2 0 4 1e-3\n"
+                   "void mist fog 1 b 0 6 .1 .1 .1 .9 .9 .9\n"
+                   "fog ring top 0 0 8 0 0 8 0 0 1 0 1\n"
+                   "fog ring low 0 0 8 0 0 1 0 0 -1 0 1\n",
+                   "-ms 1");
+        if (i == 1) /* history does not matter */
+            mean_of(&w, eye, dir, 10);
+        L[i] = mean_of(&w, eye, dir, 1);
+        world_close(&w);
+    }
+    ck_assert_double_eq(L[0], L[1]);
+    ck_assert_double_gt(L[0], 0);
+}
+END_TEST
+
+START_TEST(irradiance_of_the_eye_sees_no_mist)
+{
+    struct world w;
+
+    world_open(&w,
+               "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+               "p ring f 0 0 8 0 0 0 0 0 1 0 9\n"
+               "void mist fog 0 0 3 .1 .1 .1\n" LAYER("fog", "1", "3"),
+               "-i -av 1 1 1");
+    near(down(&w, 0, 5), M_PI);
+    world_close(&w);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("mist");
+    TCase *tc = tcase_create("mist");
+
+    tcase_add_test(tc, layer_dims_by_its_optical_depth);
+    tcase_add_test(tc, pattern_scales_the_extinction);
+    tcase_add_test(tc, ambient_value_is_scattered_in);
+    tcase_add_loop_test(tc, overlapping_layers_add_up, 0, N_ELEM(layers));
+    tcase_add_test(tc, albedo_comes_back_when_the_inner_mist_ends);
+    tcase_add_test(tc, mist_is_back_behind_a_dielectric);
+    tcase_add_test(tc, shadow_rays_lose_what_is_absorbed);
+    tcase_add_loop_test(tc, source_is_scattered_into_the_ray, 0,
+                        N_ELEM(scattering));
+    tcase_add_test(tc, eye_in_a_mist_with_sources_sees_them);
+    tcase_add_loop_test(tc, names_say_which_sources_light_it, 0, N_ELEM(named));
+    tcase_add_loop_test(tc, samples_are_as_far_apart_as_asked, 0,
+                        N_ELEM(spacing));
+    tcase_add_test(tc, same_key_gives_the_same_value);
+    tcase_add_test(tc, irradiance_of_the_eye_sees_no_mist);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
