@@ -212,6 +212,20 @@ START_TEST(exposure_and_colour_correction_are_undone)
 }
 END_TEST
 
+/* As Radiance 1 wrote it. */
+START_TEST(oldest_header_is_read)
+{
+    static const char text[] = "rpict -x 1 -y 1\nEXPOSURE=2\n\n"
+                               "-Y 1 +X 1\n\x80\x80\x80\x81";
+    struct rad_picture pic;
+
+    ck_assert_int_eq(
+        rad_hdr_read((const uint8_t *)text, sizeof text - 1, 1, &pic, NULL), 0);
+    ck_assert_float_eq(pic.L[0].r, 128.5f / 128 / 2);
+    rad_picture_release(&pic);
+}
+END_TEST
+
 START_TEST(old_runs_are_read)
 {
     /* one pixel, 2 repeats, then 1 + 1*256 repeats */
@@ -297,6 +311,7 @@ main(void)
                         4 * N_ELEM(widths));
     tcase_add_test(tc, header_holds_options_and_view);
     tcase_add_loop_test(tc, orientation_is_undone, 0, N_ELEM(orientations));
+    tcase_add_test(tc, oldest_header_is_read);
     tcase_add_test(tc, exposure_and_colour_correction_are_undone);
     tcase_add_test(tc, old_runs_are_read);
     tcase_add_loop_test(tc, damaged_pictures_are_refused, 0, N_ELEM(bad));

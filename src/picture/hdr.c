@@ -252,8 +252,6 @@ read_header(struct reader *in)
     bool more;
     int rc;
 
-    if (in->end - in->at < 2 || memcmp(in->at, "#?", 2) != 0)
-        return damaged(in, "not a Radiance picture (no #? at its start)");
     do {
         if ((rc = get_line(in, line, sizeof line)) < 0)
             return rc;
@@ -294,6 +292,26 @@ read_resolution(struct reader *in)
     in->nscan = n[0];
     in->nlength = n[1];
     return 0;
+}
+
+/* The oldest pictures do not begin with "#?": what is no picture at all is told
+ * by what follows. */
+static int
+read_head(struct reader *in)
+{
+    bool marked = in->end - in->at >= 2 && memcmp(in->at, "#?", 2) == 0;
+    struct rad_error why = { 0 }, *err = in->err;
+    int rc;
+
+    in->err = &why;
+    rc = read_header(in);
+    if (rc == 0)
+        rc = read_resolution(in);
+    in->err = err;
+    if (rc == 0)
+        return 0;
+    return marked ? rad_fail(err, rc, "%s", why.what)
+                  : damaged(in, "not a Radiance picture");
 }
 
 static int
@@ -417,7 +435,7 @@ read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
     int rc;
 
     *rgbe = NULL;
-    if ((rc = read_header(in)) < 0 || (rc = read_resolution(in)) < 0)
+    if ((rc = read_head(in)) < 0)
         return rc;
     if ((size_t)in->nscan > max_pixels / (size_t)in->nlength)
         return rad_fail(in->err, RAD_EDATA,

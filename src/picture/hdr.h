@@ -3,7 +3,7 @@
  * Four bytes a pixel: three mantissas that share an exponent.  The writer
  * makes the same bytes from the same picture: no date, no host.  The reader
  * takes every picture that Radiance wrote: flat, old and new run lengths, any
- * orientation, EXPOSURE and COLORCORR.
+ * orientation, EXPOSURE and COLORCORR, with and without "#?" at its start.
  * Rows count from the top, columns from the left; L is radiance.
  * Source: Ward 1991, Real pixels (Graphics Gems II); Radiance's file format
  * reference, "Picture file format". */
