@@ -112,6 +112,8 @@ librad_a_SOURCES = \
 	src/shade/aniso.h \
 	src/shade/antimatter.c \
 	src/shade/antimatter.h \
+	src/shade/ashik.c \
+	src/shade/ashik.h \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
 	src/shade/emitter.c \

@@ -10,6 +10,7 @@ UNIT_TESTS = \
 	tests/check_ambshare \
 	tests/check_aniso \
 	tests/check_antimatter \
+	tests/check_ashik \
 	tests/check_base \
 	tests/check_bundle \
 	tests/check_bvh \
@@ -70,6 +71,11 @@ tests_check_aniso_SOURCES = tests/check_aniso.c tests/suns.h tests/unit.h \
 	tests/world.h
 tests_check_aniso_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_aniso_LDADD = $(UNIT_LIBS)
+
+tests_check_ashik_SOURCES = tests/check_ashik.c tests/suns.h tests/unit.h \
+	tests/world.h
+tests_check_ashik_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ashik_LDADD = $(UNIT_LIBS)
 
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -147,6 +147,16 @@ check_rough(struct checker *c, const struct rad_object *o)
                o->reals[5]);
 }
 
+/* A power of -1 or less has no lobe. */
+static void
+check_powers(struct checker *c, const struct rad_object *o)
+{
+    if (c->reached[o - c->scene->objects] &&
+        !(o->reals[6] > -1 && o->reals[7] > -1))
+        report(c, o, RAD_EDATA, "power %g %g is not above -1", o->reals[6],
+               o->reals[7]);
+}
+
 /* The string arguments that name a modifier defined before. */
 static void
 check_reference(struct checker *c, const struct rad_object *o)
@@ -215,6 +225,7 @@ static const struct rule {
     { RAD_PLASTIC2,   4, INT_MAX, 6, 6,        check_rough },
     { RAD_METAL2,     4, INT_MAX, 6, 6,        check_rough },
     { RAD_TRANS2,     4, INT_MAX, 8, 8,        check_rough },
+    { RAD_ASHIK2,     4, INT_MAX, 8, 8,        check_powers },
     { RAD_DIELECTRIC, 0, INT_MAX, 5, 5,        NULL },
     { RAD_INTERFACE,  0, INT_MAX, 8, 8,        check_interface },
     { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },

@@ -76,7 +76,7 @@ static const struct {
     { RAD_COLORPICT, 4, 3, 1 },   { RAD_TEXDATA, 6, 3, 3 },
     { RAD_MIXDATA, 4, 3, 1 },     { RAD_MIXPICT, 4, 3, 1 },
     { RAD_PLASTIC2, 3, 0, 0 },    { RAD_METAL2, 3, 0, 0 },
-    { RAD_TRANS2, 3, 0, 0 },
+    { RAD_TRANS2, 3, 0, 0 },      { RAD_ASHIK2, 3, 0, 0 },
 };
 
 /* Is the text of a text type in the object itself, behind the font? */

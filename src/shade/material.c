@@ -8,6 +8,7 @@
 #include "shade/material.h"
 #include "shade/aniso.h"
 #include "shade/antimatter.h"
+#include "shade/ashik.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
 #include "shade/func.h"
@@ -28,6 +29,7 @@ static const struct rad_shader table[] = {
     { RAD_PLASTIC2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
     { RAD_METAL2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
     { RAD_TRANS2, RAD_MAT_TRANSPARENT, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_ASHIK2, RAD_MAT_OPAQUE, rad_ashik_prepare, rad_ashik_shade },
     { RAD_GLASS, RAD_MAT_TRANSPARENT, rad_glass_prepare, rad_glass_shade },
     { RAD_DIELECTRIC, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
       rad_dielectric_shade },

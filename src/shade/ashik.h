@@ -1,0 +1,21 @@
+/* ashik.h - ashik2: the anisotropic Phong model of Ashikhmin and Shirley
+ *
+ * A diffuse base under gloss whose highlight falls off by one power of the
+ * cosine along a vector u, which three expressions give, and by another across
+ * it; both change toward grazing as Schlick approximates Fresnel's formula.
+ * As in Radiance the base loses at the light's side alone, the gloss gains by
+ * the eye's angle, and -ss below 1 does not narrow the samples.
+ * Source: Ashikhmin & Shirley 2000, An anisotropic Phong BRDF model; Schlick
+ * 1994; Radiance's reference manual, "ashik2". */
+#ifndef RAD_SHADE_ASHIK_H
+#define RAD_SHADE_ASHIK_H
+
+#include "shade/material.h"
+
+int rad_ashik_prepare(struct rad_job *job, int32_t index,
+                      const struct rad_files *files, const void **data,
+                      struct rad_error *err);
+bool rad_ashik_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                     struct rad_ray *r);
+
+#endif
