@@ -192,6 +192,12 @@ rad_calc_loaded(const struct rad_calc *c, int context)
     return c->context[context].loaded;
 }
 
+void
+rad_calc_offer(struct rad_calc *c, unsigned offer)
+{
+    c->offer = offer;
+}
+
 /* --- code ---------------------------------------------------------------- */
 
 struct emitter {
@@ -500,8 +506,11 @@ begin(struct rad_calc *c, struct rad_error *err)
     global = rc ? rc : rad_calc_context(c, ".", err);
     if (global < 0)
         return global;
-    return rad_calc_read(c, global, "(standard functions)", rad_calc_standard,
-                         strlen(rad_calc_standard), err);
+    c->standard = true;
+    rc = rad_calc_read(c, global, "(standard functions)", rad_calc_standard,
+                       strlen(rad_calc_standard), err);
+    c->standard = false;
+    return rc;
 }
 
 struct rad_calc *

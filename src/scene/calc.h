@@ -23,6 +23,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -33,7 +34,22 @@
 #define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
 #define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */
 
-enum { RAD_CALC_NCHANNELS = 27 };
+/* Channels that a file may name, $1 to $27, and those behind them, which only
+ * the variables of materials stand for (enum rad_calc_offer). */
+enum {
+    RAD_CALC_NPUBLIC = 27,
+    RAD_CALC_NORMAL = RAD_CALC_NPUBLIC,   /* NxP NyP NzP RdotP */
+    RAD_CALC_COLOR = RAD_CALC_NORMAL + 4, /* CrP CgP CbP */
+    RAD_CALC_AIM = RAD_CALC_COLOR + 3,    /* DxA DyA DzA */
+    RAD_CALC_NCHANNELS = RAD_CALC_AIM + 3
+};
+
+/* Variables that not everything has which holds expressions. */
+enum rad_calc_offer {
+    RAD_CALC_OFFER_NORMAL = 1,
+    RAD_CALC_OFFER_COLOR = 2,
+    RAD_CALC_OFFER_AIM = 4
+};
 
 struct rad_calc;
 struct rad_calc_env;
@@ -73,6 +89,10 @@ int rad_calc_loaded(const struct rad_calc *c, int context);
 int rad_calc_read(struct rad_calc *c, int context, const char *name,
                   const char *text, size_t len, struct rad_error *err);
 
+/* What the expressions and calls compiled from here on may use: RAD_CALC_OFFER_*
+ * together.  To others these variables are not defined. */
+void rad_calc_offer(struct rad_calc *c, unsigned offer);
+
 /* Compile an expression.  Everything that it can reach must be defined by now:
  * err->where is the place of a definition that lacks something, or empty.
  * Returns its index >= 0 or a negative code. */
@@ -96,6 +116,10 @@ void rad_calc_env_free(struct rad_calc_env *env);
 
 /* Start anew: variables will be evaluated again.  in is kept. */
 void rad_calc_begin(struct rad_calc_env *env, const struct rad_calc_input *in);
+
+/* Is that what was last begun with, with these channels? */
+bool rad_calc_is_begun(const struct rad_calc_env *env,
+                       const struct rad_calc_input *in);
 
 /* The value of an expression.  *fault is set to what is still wrong at its
  * end; the value is 0 then for all but RAD_CALC_MATH. */

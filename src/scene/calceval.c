@@ -106,6 +106,12 @@ rad_calc_begin(struct rad_calc_env *e, const struct rad_calc_input *in)
     e->clock++;
 }
 
+bool
+rad_calc_is_begun(const struct rad_calc_env *e, const struct rad_calc_input *in)
+{
+    return e->in.channel == in->channel && e->in.args == in->args;
+}
+
 static void
 push(struct machine *m, double v)
 {

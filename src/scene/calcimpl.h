@@ -43,6 +43,8 @@ struct ins {
     int32_t a;
 };
 
+#define CHECKED 0x80u
+
 enum kind { SYM_UNDEFINED, SYM_VARIABLE, SYM_FUNCTION, SYM_LIBRARY };
 
 struct symbol {
@@ -50,11 +52,12 @@ struct symbol {
     uint64_t hash;
     enum kind kind;
     bool constant;
-    bool checked;    /* all that it leads to is defined */
-    int32_t code;    /* of its definition, or of a library function's call */
-    int32_t end;     /* behind it */
-    int32_t library; /* index of the function that it names, or -1 */
-    int32_t nparams; /* of a function that a file defines */
+    unsigned checked; /* CHECKED and the offer under which all that it leads to
+                       * is defined; 0: not looked at */
+    int32_t code;     /* of its definition, or of a library function's call */
+    int32_t end;      /* behind it */
+    int32_t library;  /* index of the function that it names, or -1 */
+    int32_t nparams;  /* of a function that a file defines */
     int32_t line;
     const char *file;
 };
@@ -101,6 +104,8 @@ struct rad_calc {
     struct context *context;
     int32_t ncontext;
     struct rad_calc_env *env; /* folds constants */
+    bool standard;            /* the global definitions are being read */
+    unsigned offer;
 };
 
 /* Find or make the symbol that a name stands for in a context.  A name that is

@@ -2,9 +2,8 @@
  *
  * The names and what they mean are Radiance's, by its manual and its function
  * files; names with `P. are not meant to be used elsewhere.  Channels: see
- * expr.c of shade/, which sets them.  The variables of *func materials (NxP,
- * CrP, ...) are not defined: their use is an error until those materials
- * provide them.
+ * expr.c of shade/, which sets them.  Those above $27 are the variables that
+ * only some materials have (rad_calc_offer).
  * source_corr() and its kin are what the library's source.cal for luminaires
  * calls; a single real argument is the multiplier, as that file says, though
  * Radiance 6 ignores it there.
@@ -19,6 +18,8 @@ const char rad_calc_standard[] =
     "T=$10; Rdot=$11; S=$12; Tx=$13; Ty=$14; Tz=$15;"
     "Ix=$16; Iy=$17; Iz=$18; Jx=$19; Jy=$20; Jz=$21; Kx=$22; Ky=$23; Kz=$24;"
     "Ts=$25; Lu=$26; Lv=$27;"
+    "NxP=$28; NyP=$29; NzP=$30; RdotP=$31; CrP=$32; CgP=$33; CbP=$34;"
+    "DxA=$35; DyA=$36; DzA=$37;"
     "D(axis)=select(axis,Dx,Dy,Dz); N(axis)=select(axis,Nx,Ny,Nz);"
     "P(axis)=select(axis,Px,Py,Pz);"
     "AC=arg(0); A1=arg(1); A2=arg(2); A3=arg(3); A4=arg(4); A5=arg(5);"
@@ -92,4 +93,15 @@ const char rad_calc_standard[] =
     /* U and V across the normal, V upright where it can be */
     "flat`P.=Nx*Nx+Ny*Ny;"
     "U=if(flat`P.-FTINY,(Nx*Py-Ny*Px)/flat`P.,Px);"
-    "V=if(flat`P.-FTINY,Pz-Nz*(Nx*Px+Ny*Py)/flat`P.,Py);";
+    "V=if(flat`P.-FTINY,Pz-Nz*(Nx*Px+Ny*Py)/flat`P.,Py);"
+    /* directions as a surface sees them, its y axis across the normal and the
+     * vector that the last three arguments are, up */
+    "up`P.(k)=arg(AC-3+k);"
+    "yx`P.=up`P.(2)*NzP-up`P.(3)*NyP; yy`P.=up`P.(3)*NxP-up`P.(1)*NzP;"
+    "yz`P.=up`P.(1)*NyP-up`P.(2)*NxP;"
+    "ylen`P.=sqrt(yx`P.*yx`P.+yy`P.*yy`P.+yz`P.*yz`P.);"
+    "Ldy(dx,dy,dz)=(dx*yx`P.+dy*yy`P.+dz*yz`P.)/ylen`P.;"
+    "Ldx(dx,dy,dz)=(dx*(NyP*yz`P.-NzP*yy`P.)+dy*(NzP*yx`P.-NxP*yz`P.)"
+    "+dz*(NxP*yy`P.-NyP*yx`P.))/ylen`P.;"
+    "Ldz(dx,dy,dz)=dx*NxP+dy*NyP+dz*NzP;"
+    "Idx=Ldx(-Dx,-Dy,-Dz); Idy=Ldy(-Dx,-Dy,-Dz); Idz=RdotP;";

@@ -185,7 +185,8 @@ channel(struct parser *ps)
     for (ps->p++; isdigit(peek(ps)); ps->p++)
         which = which < 1000 ? which * 10 + (*ps->p - '0') : which;
     skip_blanks(ps);
-    if (which < 1 || which > RAD_CALC_NCHANNELS)
+    if (which < 1 || which > (ps->c->standard ? (int)RAD_CALC_NCHANNELS
+                                              : (int)RAD_CALC_NPUBLIC))
         return fail(ps, RAD_EDATA, "no such channel");
     if (n)
         n->ref = which - 1;
@@ -404,7 +405,7 @@ define(struct parser *ps, const char *name, const char *file, int line,
     }
     c->symbol[i].kind = ps->nparams ? SYM_FUNCTION : SYM_VARIABLE;
     c->symbol[i].constant = constant;
-    c->symbol[i].checked = false;
+    c->symbol[i].checked = 0;
     c->symbol[i].code = code;
     c->symbol[i].end = c->ncode;
     c->symbol[i].nparams = ps->nparams;
@@ -479,6 +480,21 @@ rad_calc_read(struct rad_calc *c, int context, const char *name,
     return why.code;
 }
 
+/* Is this one of the variables that only some materials have? */
+static bool
+is_missing(const struct rad_calc *c, const struct symbol *s)
+{
+    const struct ins *in = s->kind == SYM_VARIABLE ? &c->code[s->code] : NULL;
+    unsigned offer;
+
+    if (!in || in->op != OP_CHANNEL || in->a < RAD_CALC_NPUBLIC)
+        return false;
+    offer = in->a < RAD_CALC_COLOR ? RAD_CALC_OFFER_NORMAL
+            : in->a < RAD_CALC_AIM ? RAD_CALC_OFFER_COLOR
+                                   : RAD_CALC_OFFER_AIM;
+    return !(c->offer & offer);
+}
+
 /* Is all defined that a piece of code uses?  Symbols that it leads to are put
  * on the stack, each once. */
 static int
@@ -492,13 +508,14 @@ check_code(struct rad_calc *c, int32_t from, int32_t to, int32_t *stack,
         if (in->op != OP_VARIABLE && in->op != OP_CALL)
             continue;
         s = &c->symbol[in->a];
-        if (s->kind == SYM_UNDEFINED ||
+        if (s->kind == SYM_UNDEFINED || is_missing(c, s) ||
             (s->kind == SYM_VARIABLE && in->op == OP_CALL))
             return rad_fail(err, RAD_EDATA, "undefined %s '%.*s'",
                             in->op == OP_CALL ? "function" : "variable",
                             (int)strcspn(s->name, "`"), s->name);
-        if (s->kind != SYM_LIBRARY && !s->checked) {
-            s->checked = true;
+        if (s->kind != SYM_LIBRARY &&
+            (!s->checked || s->checked & ~(CHECKED | c->offer))) {
+            s->checked = CHECKED | c->offer;
             stack[(*n)++] = in->a;
         }
     }

@@ -68,6 +68,29 @@ read_transform(const struct rad_job *job, const struct rad_object *o, int file,
     return 0;
 }
 
+/* The variables that a type has beyond those of all. */
+static unsigned
+offer_of(enum rad_otype type)
+{
+    switch (type) {
+    case RAD_PLASFUNC:
+    case RAD_METFUNC:
+    case RAD_TRANSFUNC:
+    case RAD_PLASDATA:
+    case RAD_METDATA:
+    case RAD_TRANSDATA:
+    case RAD_BRTDFUNC:
+        return RAD_CALC_OFFER_NORMAL | RAD_CALC_OFFER_COLOR;
+    case RAD_WGMDFUNC:
+        return RAD_CALC_OFFER_NORMAL;
+    case RAD_PRISM1:
+    case RAD_PRISM2:
+        return RAD_CALC_OFFER_AIM;
+    default:
+        return 0;
+    }
+}
+
 int
 rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
                  const struct rad_files *files, int file, unsigned which,
@@ -84,6 +107,7 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
     e->context = load(job, o, files, o->strings[file], err);
     if (e->context < 0)
         return e->context;
+    rad_calc_offer(job->calc, offer_of(o->type));
     rc = compile_expressions(job, o, which, e, err);
     return rc ? rc : read_transform(job, o, file, e, err);
 }
@@ -95,8 +119,10 @@ rad_expr_function(struct rad_job *job, const struct rad_object *o,
 {
     const char *name = o->strings[which];
     struct rad_error why = { 0 };
-    int f = rad_calc_function(job->calc, e->context, name, n, &why);
+    int f;
 
+    rad_calc_offer(job->calc, offer_of(o->type));
+    f = rad_calc_function(job->calc, e->context, name, n, &why);
     return f < 0 ? rad_material_file_fail(job, o, name, &why, err) : f;
 }
 
@@ -119,6 +145,13 @@ way(const struct rad_ray *r, unsigned kind)
     return sum;
 }
 
+void
+rad_expr_inward(const struct rad_expr *e, const double v[3], double w[3])
+{
+    rad_xform_vector(w, &e->back, v);
+    rad_scale(w, 1 / e->back.scale, w);
+}
+
 /* Channels $1 to $27, in the order that calcinit.c names them. */
 static void
 set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
@@ -130,10 +163,8 @@ set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
     rad_copy(p, r->hit.p);
     if (!(r->hit.t < INFINITY))
         rad_madd(p, r->org, FAR, r->dir);
-    rad_xform_vector(c, b, r->dir);
-    rad_scale(c, 1 / b->scale, c);
-    rad_xform_vector(c + 3, b, r->n);
-    rad_scale(c + 3, 1 / b->scale, c + 3);
+    rad_expr_inward(e, r->dir, c);
+    rad_expr_inward(e, r->n, c + 3);
     rad_xform_point(c + 6, b, p);
     c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
     c[10] = fmin(fmax(r->cos_o, -1), 1);
@@ -157,9 +188,41 @@ rad_expr_begin(struct rad_ctx *ctx, const struct rad_expr *e,
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
+/* Where nothing else was begun, variables keep their values. */
 void
 rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope)
 {
+    if (!rad_calc_is_begun(ctx->calc, &scope->in))
+        rad_calc_begin(ctx->calc, &scope->in);
+}
+
+void
+rad_expr_set_normal(struct rad_ctx *ctx, const struct rad_expr *e,
+                    struct rad_expr_scope *scope, const double norm[3],
+                    double cos_n)
+{
+    rad_expr_inward(e, norm, scope->channel + RAD_CALC_NORMAL);
+    scope->channel[RAD_CALC_NORMAL + 3] = cos_n;
+    rad_calc_begin(ctx->calc, &scope->in);
+}
+
+void
+rad_expr_set_color(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                   struct rad_rgb color)
+{
+    scope->channel[RAD_CALC_COLOR] = color.r;
+    scope->channel[RAD_CALC_COLOR + 1] = color.g;
+    scope->channel[RAD_CALC_COLOR + 2] = color.b;
+    rad_calc_begin(ctx->calc, &scope->in);
+}
+
+void
+rad_expr_set_aim(struct rad_ctx *ctx, const struct rad_expr *e,
+                 struct rad_expr_scope *scope, const double dir[3])
+{
+    static const double none[3];
+
+    rad_expr_inward(e, dir ? dir : none, scope->channel + RAD_CALC_AIM);
     rad_calc_begin(ctx->calc, &scope->in);
 }
 

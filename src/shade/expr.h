@@ -63,6 +63,23 @@ bool rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
 bool rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
                    double *value);
 
+/* After rad_expr_begin(), for types that have these variables (see
+ * rad_calc_offer): what the ray's material makes of the hit.
+ *   norm, cos_n  unit normal as textures tilt it, and -dir.norm
+ *   color        of the material with its patterns
+ *   dir          toward a light source, NULL: none */
+void rad_expr_set_normal(struct rad_ctx *ctx, const struct rad_expr *e,
+                         struct rad_expr_scope *scope, const double norm[3],
+                         double cos_n);
+void rad_expr_set_color(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                        struct rad_rgb color);
+void rad_expr_set_aim(struct rad_ctx *ctx, const struct rad_expr *e,
+                      struct rad_expr_scope *scope, const double dir[3]);
+
+/* Turn a direction of the world into the function's coordinates, without a
+ * change of its length. */
+void rad_expr_inward(const struct rad_expr *e, const double v[3], double w[3]);
+
 /* Turn a direction of the function's coordinates into the world's, without a
  * change of its length. */
 void rad_expr_outward(const struct rad_expr *e, const struct rad_ray *r,
