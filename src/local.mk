@@ -114,6 +114,8 @@ librad_a_SOURCES = \
 	src/shade/antimatter.h \
 	src/shade/ashik.c \
 	src/shade/ashik.h \
+	src/shade/brdf.c \
+	src/shade/brdf.h \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
 	src/shade/emitter.c \

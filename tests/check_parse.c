@@ -311,11 +311,11 @@ static const struct {
     { "void spectrum x 0 0 5 380 780 1 1 1\n"
       "x sphere s 0 0 4 0 0 0 1",
       "a.rad:1: spectrum 'x': type 'spectrum' is not supported yet" },
-    { "void BRTDfunc b 0 0 0\nvoid alias a b\na sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: BRTDfunc 'b': type 'BRTDfunc' is not supported yet" },
-    { "void prism1 m 0 0 0\nvoid illum i 1 m 0 3 1 1 1\n"
+    { "void spectrum b 0 0 0\nvoid alias a b\na sphere s 0 0 4 0 0 0 1",
+      "a.rad:1: spectrum 'b': type 'spectrum' is not supported yet" },
+    { "void specfile m 0 0 0\nvoid illum i 1 m 0 3 1 1 1\n"
       "i sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: prism1 'm': type 'prism1' is not supported yet" },
+      "a.rad:1: specfile 'm': type 'specfile' is not supported yet" },
     { "void mirror m 1 x 0 3 1 1 1",
       "a.rad:1: mirror 'm': undefined modifier 'x'" },
     { "void antimatter a 0 0 0",
@@ -343,7 +343,7 @@ static const char *const good[] = {
     "# nothing\n",
     /* modifiers that no surface reaches may be of any type */
     "void mixfunc x 4 void void 1 . 0 0\n" MAT TRI,
-    "void BRTDfunc b 0 0 0\n",
+    "void spectrum b 0 0 0\n",
     /* no source of direct light: any surface may have it */
     "void glow g 0 0 4 1 1 1 0\ng cone c 0 0 8 0 0 0 0 0 1 1 2",
     "void light l 0 0 3 0 0 0\nl cone c 0 0 8 0 0 0 0 0 1 1 2",

@@ -12,6 +12,7 @@ UNIT_TESTS = \
 	tests/check_antimatter \
 	tests/check_ashik \
 	tests/check_base \
+	tests/check_brdf \
 	tests/check_bundle \
 	tests/check_bvh \
 	tests/check_calc \
@@ -80,6 +81,11 @@ tests_check_ashik_LDADD = $(UNIT_LIBS)
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)
+
+tests_check_brdf_SOURCES = tests/check_brdf.c tests/suns.h tests/unit.h \
+	tests/world.h
+tests_check_brdf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_brdf_LDADD = $(UNIT_LIBS)
 
 tests_check_bundle_SOURCES = tests/check_bundle.c tests/unit.h
 tests_check_bundle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

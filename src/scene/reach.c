@@ -77,6 +77,8 @@ static const struct {
     { RAD_MIXDATA, 4, 3, 1 },     { RAD_MIXPICT, 4, 3, 1 },
     { RAD_PLASTIC2, 3, 0, 0 },    { RAD_METAL2, 3, 0, 0 },
     { RAD_TRANS2, 3, 0, 0 },      { RAD_ASHIK2, 3, 0, 0 },
+    { RAD_PLASFUNC, 1, 0, 0 },    { RAD_METFUNC, 1, 0, 0 },
+    { RAD_TRANSFUNC, 1, 0, 0 },   { RAD_BRTDFUNC, 9, 0, 0 },
 };
 
 /* Is the text of a text type in the object itself, behind the font? */

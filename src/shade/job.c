@@ -23,7 +23,7 @@ surface_flags(const struct rad_job *job, int32_t i)
 
     if (m == RAD_VOID)
         return RAD_SURF_NOMATERIAL;
-    flags = job->materials[m].shader->flags;
+    flags = job->materials[m].flags;
     if (scene->objects[m].type == RAD_MIRROR && scene->objects[m].nstrings > 0)
         flags &= ~(unsigned)RAD_MAT_OPAQUE; /* another material's place */
     if (job->cut && job->cut[mod])

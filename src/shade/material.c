@@ -9,6 +9,7 @@
 #include "shade/aniso.h"
 #include "shade/antimatter.h"
 #include "shade/ashik.h"
+#include "shade/brdf.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
 #include "shade/func.h"
@@ -30,6 +31,10 @@ static const struct rad_shader table[] = {
     { RAD_METAL2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
     { RAD_TRANS2, RAD_MAT_TRANSPARENT, rad_aniso_prepare, rad_aniso_shade },
     { RAD_ASHIK2, RAD_MAT_OPAQUE, rad_ashik_prepare, rad_ashik_shade },
+    { RAD_PLASFUNC, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_METFUNC, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_TRANSFUNC, 0, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_BRTDFUNC, 0, rad_brdf_prepare, rad_brtd_shade },
     { RAD_GLASS, RAD_MAT_TRANSPARENT, rad_glass_prepare, rad_glass_shade },
     { RAD_DIELECTRIC, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
       rad_dielectric_shade },
@@ -114,7 +119,30 @@ compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
                               "undefined modifier '%s'", o->strings[0]);
     job->materials[index].shader = job->materials[target].shader;
     job->materials[index].data = job->materials[target].data;
+    job->materials[index].flags = job->materials[target].flags;
     return 0;
+}
+
+/* What is seen through where a string of the object's, from `first` on, is no
+ * "0"; else it stops shadow rays. */
+static unsigned
+flags_by_strings(const struct rad_object *o, int first, int n)
+{
+    for (int i = first; i < first + n && i < o->nstrings; i++)
+        if (strcmp(o->strings[i], "0") != 0)
+            return RAD_MAT_TRANSPARENT;
+    return RAD_MAT_OPAQUE;
+}
+
+static unsigned
+flags_of(const struct rad_object *o, const struct rad_shader *shader)
+{
+    switch (o->type) {
+    case RAD_BRTDFUNC: /* what passes */
+        return flags_by_strings(o, 3, 3);
+    default:
+        return shader->flags;
+    }
 }
 
 static int
@@ -131,6 +159,7 @@ compile_modifier(struct rad_job *job, int32_t index,
     if (!mat->shader)
         return rad_scene_fail(job->scene, o, err, RAD_EUNSUPPORTED,
                               "not supported");
+    mat->flags = flags_of(o, mat->shader);
     return mat->shader->prepare(job, index, files, &mat->data, err);
 }
 
@@ -149,7 +178,8 @@ rad_material_reals(const struct rad_job *job, int32_t index, int least,
 
 int
 rad_material_file_fail(const struct rad_job *job, const struct rad_object *o,
-          const char *name, const struct rad_error *why, struct rad_error *err)
+                       const char *name, const struct rad_error *why,
+                       struct rad_error *err)
 {
     char text[512];
 
@@ -162,8 +192,8 @@ rad_material_file_fail(const struct rad_job *job, const struct rad_object *o,
 
 int
 rad_material_file(const struct rad_job *job, const struct rad_object *o,
-          const struct rad_files *files, const char *name, char **data,
-          size_t *len, struct rad_error *err)
+                  const struct rad_files *files, const char *name, char **data,
+                  size_t *len, struct rad_error *err)
 {
     struct rad_error why = { 0 };
 

@@ -17,6 +17,8 @@ struct rad_material {
                                       * need not stop (alias to inherit) */
     const void *data;                /* compiled arguments, in job->arena */
     int32_t next;                    /* modifier behind this one, RAD_VOID */
+    unsigned flags; /* RAD_MAT_*, the type's but where they depend on its
+                     * arguments */
 };
 
 /* what a material is to others */

@@ -26,7 +26,6 @@ prepare_alternate(const struct rad_job *job, int32_t index, struct mirror *m,
 {
     const struct rad_scene *scene = job->scene;
     const struct rad_object *o = &scene->objects[index];
-    const struct rad_shader *shader;
     int32_t mat;
 
     m->alternate = RAD_VOID;
@@ -38,8 +37,8 @@ prepare_alternate(const struct rad_job *job, int32_t index, struct mirror *m,
         return rad_scene_fail(scene, o, err, RAD_EDATA,
                               "undefined modifier '%s'", o->strings[0]);
     mat = rad_material_of(scene, m->alternate);
-    shader = mat == RAD_VOID ? NULL : job->materials[mat].shader;
-    m->see_through = !shader || shader->flags & RAD_MAT_TRANSPARENT;
+    m->see_through =
+        mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
     return 0;
 }
 

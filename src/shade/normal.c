@@ -332,7 +332,7 @@ rad_normal_irradiance(struct rad_ctx *ctx, struct rad_ray *r)
         .color = { (float)M_PI, (float)M_PI, (float)M_PI },
         .mirror = true,
     };
-    const struct rad_material mat = { NULL, &lambertian, RAD_VOID };
+    const struct rad_material mat = { .data = &lambertian, .next = RAD_VOID };
 
     return rad_normal_shade(ctx, &mat, r);
 }

@@ -202,7 +202,7 @@ static bool
 shade_irradiance(struct rad_ctx *ctx, const struct rad_material *mat,
                  struct rad_ray *r)
 {
-    if (mat->shader->flags & RAD_MAT_TRANSPARENT) {
+    if (mat->flags & RAD_MAT_TRANSPARENT) {
         rad_ray_transmit(ctx, r);
         return true;
     }
