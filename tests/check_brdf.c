@@ -27,18 +27,26 @@ static const char functions[] =
     "localx(x,y,z) = Ldx(x,y,z); localy(x,y,z) = Ldy(x,y,z);\n"
     "localz(x,y,z) = Ldz(x,y,z); fromx(x) = Idx; fromz(x) = Idz;\n"
     "before(x,y,z) = noneg(x*NxP + y*NyP + z*NzP);\n"
+    "first(v) = v; third(v,x,y) = y; fifth(v,x,y,z,omega) = omega * 1e7;\n"
     "retro(x,y,z) = 1 - noneg(-x*Dx - y*Dy - z*Dz);\n";
+
+/* Rises by 2 with the first place, by 30 with the second. */
+static const char plane[] = "2 0 1 3  0 0 2 -1 1  -30 30  -29 31  -28 32";
 
 static unsigned char *
 read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 {
+    const char *text = strcmp(name, "f.cal") == 0       ? functions
+                       : strcmp(name, "plane.dat") == 0 ? plane
+                                                        : NULL;
+
     (void)arg;
-    if (strcmp(name, "f.cal") != 0) {
+    if (!text) {
         rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
         return NULL;
     }
-    *len = sizeof functions - 1;
-    return (unsigned char *)strdup(functions);
+    *len = strlen(text);
+    return (unsigned char *)strdup(text);
 }
 
 static const struct rad_files files = { read_file, NULL };
@@ -115,6 +123,47 @@ START_TEST(function_scatters_the_suns_light)
     memcpy(strstr(scene, "plasfunc"), "metfunc ", 8);
     L = see(scene, DIRECT, 60);
     ck_assert_double_eq_tol(L.g, .4 * (.3 * f + .7 / M_PI) * cosine, 1e-5);
+}
+END_TEST
+
+/* Data are looked up where functions of the sun's direction point; the first
+ * function gets what is there, and the direction behind it. */
+static const struct {
+    const char *strings;
+    double value;
+} found[] = {
+    { "5 first plane.dat f.cal ly lz", 2 * .5 + 30 * 0.86602540378443865 },
+    { "5 first plane.dat f.cal lz ly", 2 * 0.86602540378443865 + 30 * .5 },
+    { "7 first plane.dat f.cal ly lx -rz 90", 30 * .5 },
+    { "5 third plane.dat f.cal ly lz", .5 },
+    { "5 fifth plane.dat f.cal ly lz", SUN_OMEGA * 1e7 },
+    { "5 first plane.dat f.cal none lz", 0 },
+};
+
+START_TEST(data_are_found_by_functions)
+{
+    double sun[3], cosine = cos(RADIANS(30)), f = found[_i].value;
+    struct rad_rgb L;
+    char scene[1024];
+
+    direction(sun, 30, 90);
+    for (int k = 0; k < 3; k++) {
+        static const char *const type[] = { "plasdata", "metdata",
+                                            "transdata" };
+        double side = k < 2 ? 1 : -1;
+
+        snprintf(scene, sizeof scene, "void %s m %s 0 %s\n" SQUARE, type[k],
+                 found[_i].strings,
+                 k < 2 ? "4 .8 .4 .2 .3" : "6 .8 .4 .2 0 1 .3");
+        sun[2] = side * fabs(sun[2]);
+        if (k == 2 && strstr(found[_i].strings, "lz"))
+            break; /* other places */
+        add_sun(scene, sizeof scene, sun, 1);
+        L = see(scene, DIRECT, 60);
+        ck_assert_double_eq_tol(
+            L.g, (.3 * f * (k ? .4 : 1) + .7 * .4 / M_PI) * cosine,
+            1e-5 * fmax(1, L.g));
+    }
 }
 END_TEST
 
@@ -295,6 +344,12 @@ static const struct {
     { "void BRTDfunc m 10 0 0 0 0 0 0 0 0 0 . 0 8 0 0 0 0 0 0 0 0 ",
       "9 real arguments" },
     /* others do not have these variables */
+    { "void plasdata m 4 first plane.dat f.cal lx 0 4 1 1 1 0 ",
+      "2 dimensions" },
+    { "void plasdata m 4 first none.dat f.cal lx 0 4 1 1 1 0 ", "none.dat" },
+    { "void plasdata m 5 first f.cal f.cal lx ly 0 4 1 1 1 0 ", "f.cal" },
+    { "void transdata m 5 first plane.dat f.cal lx ly 0 5 1 1 1 0 1 ",
+      "6 real arguments" },
     { "void brightfunc p 2 NxP . 0 0 p glow m 0 0 4 1 1 1 0 ",
       "undefined variable 'NxP'" },
     { "void brightfunc p 2 Ldx(1,2,3) . 0 3 0 0 1 p glow m 0 0 4 1 1 1 0 ",
@@ -330,6 +385,7 @@ main(void)
     TCase *tc = tcase_create("functions");
 
     tcase_add_loop_test(tc, function_scatters_the_suns_light, 0, N_ELEM(lit));
+    tcase_add_loop_test(tc, data_are_found_by_functions, 0, N_ELEM(found));
     tcase_add_test(tc, function_sees_textures_and_patterns);
     tcase_add_test(tc, transfunc_passes_light_of_its_colour);
     tcase_add_test(tc, ambient_light_is_scattered_evenly);

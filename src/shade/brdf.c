@@ -5,7 +5,9 @@
 #include "base/vec.h"
 #include "light/ambient.h"
 #include "light/source.h"
+#include "scene/data.h"
 #include "shade/expr.h"
+#include "shade/stored.h"
 
 #include <string.h>
 
@@ -15,9 +17,11 @@ struct brdf {
     double rdiff, rspec, trans, tdiff, tspec; /* parts of the light */
     struct rad_rgb front, back, through; /* BRTDfunc: diffuse reflectance of
                                           * both sides, transmittance */
-    struct rad_expr expr; /* BRTDfunc: what is mirrored, what passes */
-    int function[3];      /* by channel; -1: nothing */
-    bool shines;          /* there is one */
+    struct rad_expr expr;         /* BRTDfunc: what is mirrored, what passes */
+    int function[3];              /* by channel; -1: nothing */
+    bool shines;                  /* there is one */
+    const struct rad_data *data;  /* what the function is applied to, NULL */
+    int place[RAD_MAX_DATA_DIMS]; /* functions: where to look it up */
 };
 
 /* A hit on such a surface. */
@@ -47,6 +51,8 @@ static int
 compile_functions(struct rad_job *job, const struct rad_object *o, int first,
                   int n, struct brdf *m, struct rad_error *err)
 {
+    int nargs = m->data ? 5 : 4;
+
     for (int k = 0; k < 3; k++) {
         const char *name = o->strings[first + k % n];
         int same = 0;
@@ -58,9 +64,9 @@ compile_functions(struct rad_job *job, const struct rad_object *o, int first,
             continue;
         }
         m->shines = true;
-        m->function[k] =
-            same < k ? m->function[same]
-                     : rad_expr_function(job, o, &m->expr, first + k, 4, err);
+        m->function[k] = same < k ? m->function[same]
+                                  : rad_expr_function(job, o, &m->expr,
+                                                      first + k, nargs, err);
         if (m->function[k] < 0)
             return m->function[k];
     }
@@ -82,21 +88,62 @@ prepare_brtd(struct rad_job *job, const struct rad_object *o,
     return rc ? rc : compile_functions(job, o, 6, 3, m, err);
 }
 
+/* The data file behind the function's name, and a function for each of its
+ * dimensions behind the function file. */
+static int
+prepare_data(struct rad_job *job, const struct rad_object *o,
+             const struct rad_files *files, struct brdf *m,
+             struct rad_error *err)
+{
+    int n;
+
+    m->data = rad_stored_data(job, o, files, o->strings[1], err);
+    if (!m->data)
+        return RAD_EDATA;
+    n = rad_data_dims(m->data);
+    if (o->nstrings < 3 + n)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "'%s' has %d dimensions, which need as many "
+                              "functions",
+                              o->strings[1], n);
+    for (int i = 0; i < n; i++) {
+        m->place[i] = rad_expr_function(job, o, &m->expr, 3 + i, 4, err);
+        if (m->place[i] < 0)
+            return m->place[i];
+    }
+    return 0;
+}
+
+static bool
+has_data(enum rad_otype type)
+{
+    return type == RAD_PLASDATA || type == RAD_METDATA || type == RAD_TRANSDATA;
+}
+
+static bool
+is_trans(enum rad_otype type)
+{
+    return type == RAD_TRANSFUNC || type == RAD_TRANSDATA;
+}
+
 static int
 prepare_simple(struct rad_job *job, const struct rad_object *o,
                const struct rad_files *files, struct brdf *m,
                struct rad_error *err)
 {
-    int rc = rad_expr_prepare(job, o, files, 1, 0, &m->expr, err);
+    bool data = has_data(o->type);
+    int rc = rad_expr_prepare(job, o, files, data ? 2 : 1, 0, &m->expr, err);
 
     m->color = color_at(o, 0);
     m->rspec = o->reals[3];
-    if (o->type == RAD_TRANSFUNC) {
+    if (is_trans(o->type)) {
         m->trans = o->reals[4] * (1 - m->rspec);
         m->tspec = m->trans * o->reals[5];
         m->tdiff = m->trans - m->tspec;
     }
     m->rdiff = 1 - m->trans - m->rspec;
+    if (rc == 0 && data)
+        rc = prepare_data(job, o, files, m, err);
     return rc ? rc : compile_functions(job, o, 0, 1, m, err);
 }
 
@@ -106,7 +153,7 @@ rad_brdf_prepare(struct rad_job *job, int32_t index,
                  struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int least = o->type == RAD_BRTDFUNC ? 9 : o->type == RAD_TRANSFUNC ? 6 : 4;
+    int least = o->type == RAD_BRTDFUNC ? 9 : is_trans(o->type) ? 6 : 4;
     int code = rad_material_reals(job, index, least, INT32_MAX, err);
     struct brdf *m;
 
@@ -124,17 +171,33 @@ rad_brdf_prepare(struct rad_job *job, int32_t index,
 
 /* --- light sources -------------------------------------------------------- */
 
+/* The value at the place that the functions give, as arg[0]; false: none. */
+static bool
+look_up(struct brdf_hit *hit, double arg[5])
+{
+    double at[RAD_MAX_DATA_DIMS];
+
+    for (int i = 0; i < rad_data_dims(hit->m->data); i++)
+        if (!rad_expr_call(hit->ctx, hit->m->place[i], arg + 1, &at[i]))
+            return false;
+    arg[0] = rad_data_value(hit->m->data, at);
+    return true;
+}
+
 /* What the functions give for a light of omega at ldir; false: no value. */
 static bool
 scatter(struct brdf_hit *hit, const double ldir[3], double omega,
         struct rad_rgb *f)
 {
     const struct brdf *m = hit->m;
-    double arg[4], v[3];
+    double arg[5], v[3];
+    const double *args = m->data ? arg : arg + 1;
 
     rad_expr_resume(hit->ctx, &hit->scope);
-    rad_expr_inward(&m->expr, ldir, arg);
-    arg[3] = omega;
+    rad_expr_inward(&m->expr, ldir, arg + 1);
+    arg[4] = omega;
+    if (m->data && !look_up(hit, arg))
+        return false;
     for (int k = 0; k < 3; k++) {
         int same = 0;
 
@@ -144,7 +207,7 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
             v[k] = 0;
         else if (same < k)
             v[k] = v[same];
-        else if (!rad_expr_call(hit->ctx, m->function[k], arg, &v[k]))
+        else if (!rad_expr_call(hit->ctx, m->function[k], args, &v[k]))
             return false;
     }
     *f = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
@@ -158,7 +221,8 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     struct brdf_hit *hit = data;
     const struct brdf *m = hit->m;
     double cos_l = rad_dot(hit->norm, ldir), part;
-    bool tinted = cos_l > 0 ? m->type == RAD_METFUNC : m->type == RAD_TRANSFUNC;
+    bool metal = m->type == RAD_METFUNC || m->type == RAD_METDATA;
+    bool tinted = cos_l > 0 ? metal : is_trans(m->type);
     struct rad_rgb f;
 
     *coef = rad_grey(0);
