@@ -23,6 +23,8 @@ libdaemon_a_SOURCES = \
 	daemon/daemon.h \
 	daemon/dial.c \
 	daemon/dial.h \
+	daemon/estimate.c \
+	daemon/estimate.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
 	daemon/job.c \

@@ -38,6 +38,15 @@ struct active {
     struct rad_error err;    /* of a piece that could not be made */
 };
 
+/* An estimate that threads work on, or that is done. */
+struct estimating {
+    struct estimating *next; /* [mu] */
+    struct estimate *estimate;
+    pool_estimate_fn *fn;
+    int members;   /* [mu] */
+    double wall_s; /* [mu] when it came; in the end, how long it took */
+};
+
 struct renderer {
     struct pool *pool;
     uv_thread_t thread;
@@ -53,16 +62,17 @@ struct pool {
     void *arg;                      /* [fixed] */
     uv_async_t async;
     uv_mutex_t mu;
-    uv_cond_t work;              /* with todo and stopping */
-    uv_cond_t room;              /* with unsent and stopping */
-    struct queued *todo;         /* [mu] */
-    struct queued **todo_end;    /* [mu] */
-    struct active *active;       /* [mu] */
-    struct pool_rows *done;      /* [mu] */
-    struct pool_rows **done_end; /* [mu] */
-    size_t unsent;               /* [mu] bytes of pixels under way */
-    double busy_s, wait_s;       /* [mu] of units that are done with */
-    _Atomic bool stopping;       /* written with mu held; read anywhere */
+    uv_cond_t work;                           /* with todo and stopping */
+    uv_cond_t room;                           /* with unsent and stopping */
+    struct queued *todo;                      /* [mu] */
+    struct queued **todo_end;                 /* [mu] */
+    struct active *active;                    /* [mu] */
+    struct estimating *estimates, *estimated; /* [mu] under way; done */
+    struct pool_rows *done;                   /* [mu] */
+    struct pool_rows **done_end;              /* [mu] */
+    size_t unsent;         /* [mu] bytes of pixels under way */
+    double busy_s, wait_s; /* [mu] of units that are done with */
+    _Atomic bool stopping; /* written with mu held; read anywhere */
 };
 
 static double
@@ -282,6 +292,105 @@ begin_unit(struct pool *p, struct queued *q)
     return u;
 }
 
+/* --- estimates --- */
+
+static struct estimating *
+find_estimate_locked(const struct pool *p)
+{
+    struct estimating *e = p->estimates;
+
+    while (e && !estimate_open(e->estimate))
+        e = e->next;
+    return e;
+}
+
+/* The last member has left: it is for the loop. */
+static void
+end_estimate_locked(struct pool *p, struct estimating *e)
+{
+    struct estimating **at = &p->estimates;
+
+    while (*at != e)
+        at = &(*at)->next;
+    *at = e->next;
+    e->wall_s = seconds(CLOCK_MONOTONIC) - e->wall_s;
+    e->next = p->estimated;
+    p->estimated = e;
+    uv_async_send(&p->async);
+}
+
+/* Take areas until there are none. */
+static void
+work_on_estimate(struct renderer *by, struct estimating *e)
+{
+    struct pool *p = by->pool;
+    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
+    double wall = seconds(CLOCK_MONOTONIC);
+
+    by->ctx.counts = (struct rad_counts){ 0 };
+    estimate_work(e->estimate, &by->ctx, &p->stopping);
+    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
+    wall = seconds(CLOCK_MONOTONIC) - wall;
+    uv_mutex_lock(&p->mu);
+    p->busy_s += wall;
+    estimate_count(e->estimate, &by->ctx.counts, cpu);
+    if (--e->members == 0 && !estimate_open(e->estimate))
+        end_estimate_locked(p, e);
+    uv_mutex_unlock(&p->mu);
+}
+
+/* Hand on what is done. */
+static void
+give_estimates(struct pool *p)
+{
+    struct estimating *e, *next;
+
+    uv_mutex_lock(&p->mu);
+    e = p->estimated;
+    p->estimated = NULL;
+    uv_mutex_unlock(&p->mu);
+    for (; e; e = next) {
+        next = e->next;
+        e->fn(p->arg, e->estimate, e->wall_s);
+        free(e);
+    }
+}
+
+bool
+pool_estimate(struct pool *p, struct estimate *estimate, pool_estimate_fn *fn)
+{
+    struct estimating *e = calloc(1, sizeof *e);
+
+    if (!e)
+        return false;
+    e->estimate = estimate;
+    e->fn = fn;
+    e->wall_s = seconds(CLOCK_MONOTONIC);
+    uv_mutex_lock(&p->mu);
+    e->next = p->estimates;
+    p->estimates = e;
+    if (estimate_open(estimate))
+        uv_cond_broadcast(&p->work);
+    else
+        end_estimate_locked(p, e); /* no areas */
+    uv_mutex_unlock(&p->mu);
+    return true;
+}
+
+static void
+free_estimates(struct estimating *e)
+{
+    while (e) {
+        struct estimating *next = e->next;
+
+        estimate_free(e->estimate);
+        free(e);
+        e = next;
+    }
+}
+
+/* --- threads --- */
+
 /* A unit that has lines left to begin. */
 static struct active *
 find_open_locked(const struct pool *p)
@@ -293,18 +402,22 @@ find_open_locked(const struct pool *p)
     return u;
 }
 
-/* Wait for something to do; false when it is time to end.  *u is a unit to
- * help with, or else *q one to begin. */
+/* Wait for something to do; false when it is time to end.  *e is an estimate
+ * to work on, or else *u a unit to help with, or else *q one to begin. */
 static bool
-find_work(struct pool *p, struct queued **q, struct active **u)
+find_work(struct pool *p, struct queued **q, struct active **u,
+          struct estimating **e)
 {
     *q = NULL;
     *u = NULL;
+    *e = NULL;
     uv_mutex_lock(&p->mu);
-    while (!atomic_load(&p->stopping) && !p->todo &&
-           !(*u = find_open_locked(p)))
+    while (!atomic_load(&p->stopping) && !(*e = find_estimate_locked(p)) &&
+           !p->todo && !(*u = find_open_locked(p)))
         uv_cond_wait(&p->work, &p->mu);
-    if (*u) {
+    if (*e) {
+        (*e)->members++;
+    } else if (*u) {
         (*u)->members++;
     } else if (!atomic_load(&p->stopping)) {
         *q = p->todo;
@@ -313,17 +426,20 @@ find_work(struct pool *p, struct queued **q, struct active **u)
             p->todo_end = &p->todo;
     }
     uv_mutex_unlock(&p->mu);
-    return *u || *q;
+    return *e || *u || *q;
 }
 
 static void
 run_thread(void *arg)
 {
     struct renderer *by = arg;
+    struct estimating *e;
     struct queued *q;
     struct active *u;
 
-    while (find_work(by->pool, &q, &u)) {
+    while (find_work(by->pool, &q, &u, &e)) {
+        if (e)
+            work_on_estimate(by, e);
         if (q)
             u = begin_unit(by->pool, q);
         if (u)
@@ -347,6 +463,7 @@ on_async(uv_async_t *async)
         p->fn(p->arg, r);
         free(r);
     }
+    give_estimates(p);
 }
 
 bool
@@ -458,6 +575,8 @@ pool_free(struct pool *p)
         p->done = r->next;
         free(r);
     }
+    free_estimates(p->estimates);
+    free_estimates(p->estimated);
     uv_close((uv_handle_t *)&p->async, async_closed);
 }
 

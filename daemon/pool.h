@@ -9,8 +9,7 @@
 #ifndef RADD_DAEMON_POOL_H
 #define RADD_DAEMON_POOL_H
 
-#include "message.h"
-#include "picture/frame.h"
+#include "estimate.h"
 
 #include <uv.h>
 
@@ -49,6 +48,12 @@ bool pool_push(struct pool *p, const struct pool_unit *u);
 /* Forget a unit: it is dropped, or stops at its next bar; rows of it may still
  * come. */
 void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
+
+/* Have the threads make an estimate, before they begin another unit; it is the
+ * pool's until fn gets it, with the pool's arg, when it is done: then it is
+ * fn's, to be freed. */
+typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
+bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 
 /* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
  * threads do. */

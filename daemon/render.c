@@ -9,6 +9,7 @@
 
 #include "ambshare.h"
 #include "conn.h"
+#include "estimate.h"
 #include "fingerprint.h"
 #include "jobtext.h"
 #include "log.h"
@@ -53,6 +54,7 @@ struct render {
     int nthreads;
     uint8_t id[MSG_JOB];
     bool share, ended;
+    bool by_lines; /* the picture is shared by lines: facts are of use */
     struct rad_scene *scene;
     struct rad_job *job;
     struct rad_frame *frames;
@@ -360,6 +362,7 @@ start_job(struct render *r, const struct msg_spec *spec)
         return;
     }
     r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
+    r->by_lines = spec->partition != MSG_PART_WINDOW;
     if (r->share)
         uv_timer_start(&r->drain, on_drain, DRAIN_MS, DRAIN_MS);
     uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
@@ -412,6 +415,46 @@ take_unit(struct render *r, const struct msg_unit *u)
     }
 }
 
+/* --- estimates --- */
+
+/* What was traced goes first: it need not be traced again. */
+static void
+on_estimated(void *arg, struct estimate *e, double wall_s)
+{
+    struct render *r = arg;
+    struct msg m = { .type = MSG_FACTS };
+    struct msg_facts *f;
+
+    while (r->link && r->by_lines && (f = estimate_facts(e))) {
+        m.facts = *f;
+        m.facts.job = r->id;
+        conn_send(r->link, &m);
+    }
+    m = (struct msg){ .type = MSG_ESTIMATED };
+    estimate_result(e, &m.estimated);
+    m.estimated.job = r->id;
+    m.estimated.counts.wall_s = wall_s;
+    if (r->link)
+        conn_send(r->link, &m);
+    estimate_free(e);
+}
+
+static void
+take_estimate(struct render *r, const struct msg_estimate *m)
+{
+    struct rad_error err = { 0 };
+    struct estimate *e = estimate_new(r->frames, r->nframes, m, &err);
+
+    if (e && !pool_estimate(r->pool, e, on_estimated)) {
+        estimate_free(e);
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+    }
+    if (err.code) {
+        send_failed(r, &err);
+        end(r, rad_exit_status(err.code));
+    }
+}
+
 /* --- the link --- */
 
 static void
@@ -426,6 +469,9 @@ on_message(void *arg, struct conn *c, const struct msg *m)
         break;
     case MSG_UNIT:
         take_unit(r, &m->unit);
+        break;
+    case MSG_ESTIMATE:
+        take_estimate(r, &m->estimate);
         break;
     case MSG_REVOKE:
         pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);

@@ -60,6 +60,8 @@ librad_a_SOURCES = \
 	src/light/spot.h \
 	src/light/virtual.c \
 	src/light/virtual.h \
+	src/picture/estimate.c \
+	src/picture/estimate.h \
 	src/picture/falsecolour.c \
 	src/picture/falsecolour.h \
 	src/picture/frame.c \

@@ -22,6 +22,7 @@ UNIT_TESTS = \
 	tests/check_conn \
 	tests/check_coord \
 	tests/check_data \
+	tests/check_estimate \
 	tests/check_font \
 	tests/check_frame \
 	tests/check_func \
@@ -263,6 +264,10 @@ tests_check_conn_SOURCES = tests/check_conn.c tests/unit.h
 tests_check_conn_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_conn_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_estimate_SOURCES = tests/check_estimate.c tests/unit.h
+tests_check_estimate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_estimate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
 tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
@@ -286,6 +291,7 @@ tests_check_frame_LDADD = $(UNIT_LIBS)
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
 	tests/check_ambient \
+	tests/check_estimate \
 	tests/check_pool
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \

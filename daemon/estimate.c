@@ -1,0 +1,277 @@
+/* estimate.c - see estimate.h */
+#include "config.h"
+
+#include "estimate.h"
+
+#include "picture/estimate.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct area {
+    uint32_t frame; /* index */
+    struct rad_window part;
+    struct rad_sampled *sampled; /* made by the thread that took the area */
+    size_t n;                    /* of them */
+};
+
+struct estimate {
+    const struct rad_frame *frames; /* [fixed] */
+    uint32_t id, rays, nareas;      /* [fixed] */
+    struct area *areas;             /* [fixed]; each its taker's */
+    struct msg_cost *costs;         /* likewise */
+    _Atomic uint32_t taken;         /* areas */
+    struct msg_counts counts;       /* under the lock of who counts */
+    /* estimate_facts(): where it is, and the message's parts */
+    uint32_t at;
+    size_t at_pixel;
+    uint8_t *bitmap, *pixels;
+    struct msg_facts facts;
+};
+
+static int
+check_area(const struct rad_frame *frames, uint32_t nframes,
+           const struct msg_area *a, struct rad_error *err)
+{
+    const struct rad_frame *f;
+
+    if (a->frame >= nframes)
+        return rad_fail(err, RAD_EPROTO, "estimate of frame %u, of %u",
+                        a->frame, nframes);
+    f = &frames[a->frame];
+    if (a->width < 1 || a->height < 1 || a->width > (uint32_t)f->width ||
+        a->height > (uint32_t)f->height ||
+        a->x > (uint32_t)f->width - a->width ||
+        a->y > (uint32_t)f->height - a->height)
+        return rad_fail(err, RAD_EPROTO,
+                        "estimate of an area that lies outside the picture");
+    return 0;
+}
+
+static int
+copy_areas(struct estimate *e, const struct msg_estimate *m, uint32_t nframes,
+           struct rad_error *err)
+{
+    for (uint32_t i = 0; i < m->nareas; i++) {
+        const struct msg_area *a = &m->areas[i];
+        int rc = check_area(e->frames, nframes, a, err);
+
+        if (rc < 0)
+            return rc;
+        e->areas[i].frame = a->frame;
+        e->areas[i].part = (struct rad_window){ (int)a->x, (int)a->y,
+                                                (int)a->width, (int)a->height };
+    }
+    return 0;
+}
+
+struct estimate *
+estimate_new(const struct rad_frame *frames, uint32_t nframes,
+             const struct msg_estimate *m, struct rad_error *err)
+{
+    struct estimate *e;
+
+    if (m->rays > ESTIMATE_MOST_RAYS) {
+        rad_fail(err, RAD_EPROTO, "estimate by %u rays an area, at most %d",
+                 m->rays, ESTIMATE_MOST_RAYS);
+        return NULL;
+    }
+    e = calloc(1, sizeof *e);
+    if (e) {
+        e->frames = frames;
+        e->id = m->id;
+        e->rays = m->rays;
+        e->nareas = m->nareas;
+        e->areas = calloc(m->nareas + 1, sizeof *e->areas);
+        e->costs = calloc(m->nareas + 1, sizeof *e->costs);
+    }
+    if (!e || !e->areas || !e->costs) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+    } else if (copy_areas(e, m, nframes, err) == 0) {
+        return e;
+    }
+    estimate_free(e);
+    return NULL;
+}
+
+void
+estimate_free(struct estimate *e)
+{
+    if (!e)
+        return;
+    for (uint32_t i = 0; e->areas && i < e->nareas; i++)
+        free(e->areas[i].sampled);
+    free(e->areas);
+    free(e->costs);
+    free(e->bitmap);
+    free(e->pixels);
+    free(e);
+}
+
+bool
+estimate_open(const struct estimate *e)
+{
+    return atomic_load_explicit(&e->taken, memory_order_relaxed) < e->nareas;
+}
+
+static void
+work_on(struct estimate *e, uint32_t i, struct rad_ctx *ctx)
+{
+    struct area *a = &e->areas[i];
+    uint64_t pixels = (uint64_t)a->part.width * (uint64_t)a->part.height;
+    uint32_t n = e->rays < pixels ? e->rays : (uint32_t)pixels;
+    struct rad_estimate cost = { 0 };
+
+    a->sampled = malloc((n + 1) * sizeof *a->sampled);
+    if (!a->sampled)
+        abort(); /* the job goes on elsewhere */
+    a->n = rad_estimate_trace(&e->frames[a->frame], ctx, &a->part, n, &cost,
+                              a->sampled);
+    e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };
+}
+
+void
+estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
+{
+    uint32_t i;
+
+    while (!atomic_load_explicit(stop, memory_order_relaxed) &&
+           (i = atomic_fetch_add(&e->taken, 1)) < e->nareas)
+        work_on(e, i, ctx);
+}
+
+/* Pixels of an estimate are primary rays only where the picture uses them. */
+void
+estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
+{
+    struct msg_nan nan = { c->nan_pixels, 0, (uint32_t)c->nan_x,
+                           (uint32_t)c->nan_y };
+
+    e->counts.rays += c->rays;
+    e->counts.estimate_rays += c->primary_rays;
+    e->counts.shadow_rays += c->shadow_rays;
+    e->counts.ambient_rays += c->ambient_rays;
+    e->counts.intersection_tests += c->geom.tests;
+    e->counts.ambient_values += c->ambient_values;
+    msg_nan_add(&e->counts.nan, &nan);
+    e->counts.cpu_s += cpu_s;
+}
+
+/* --- pixels as facts --- */
+
+/* The line of a row: the first whose base line is not above it. */
+static int
+line_of(const struct rad_quincunx *q, int row)
+{
+    int i = row / q->ystep;
+
+    while (rad_quincunx_base_row(q, i) < row)
+        i++;
+    return i;
+}
+
+static struct rad_quincunx
+sampler_of(const struct rad_frame *f)
+{
+    struct rad_quincunx q = { .width = f->width,
+                              .height = f->height,
+                              .maxdiff = f->job->params.maxdiff,
+                              .depth = f->depth };
+
+    rad_quincunx_steps(f->job->params.psample, &q.xstep, &q.ystep);
+    return q;
+}
+
+/* Pixels of `from`, in order, that lie in rows up to `row`. */
+static size_t
+pixels_to(const struct rad_sampled *from, size_t n, int row)
+{
+    size_t k = 0;
+
+    while (k < n && from[k].y <= row)
+        k++;
+    return k;
+}
+
+/* Room for a message's parts; what the last one had goes. */
+static bool
+make_room(struct estimate *e, size_t bitmap, size_t pixels)
+{
+    free(e->bitmap);
+    free(e->pixels);
+    e->bitmap = calloc(bitmap, 1);
+    e->pixels = malloc(pixels);
+    return e->bitmap && e->pixels;
+}
+
+/* A message of the first pixels of `from`: those of one line.  *used of them
+ * are in it, or dropped where it would be too long or memory is out. */
+static bool
+pack_line(struct estimate *e, uint32_t frame, const struct rad_sampled *from,
+          size_t n, size_t *used)
+{
+    const struct rad_frame *f = &e->frames[frame];
+    struct rad_quincunx q = sampler_of(f);
+    int line = line_of(&q, from[0].y);
+    int top = line > 0 ? rad_quincunx_base_row(&q, line - 1) + 1 : 0;
+    size_t stride = ((size_t)f->width + 7) / 8, channels = f->depth ? 4 : 3;
+    int last;
+    size_t rows;
+
+    *used = pixels_to(from, n, rad_quincunx_base_row(&q, line));
+    last = from[*used - 1].y;
+    rows = (size_t)(last - from[0].y) + 1;
+    if (rows * stride + *used * channels * sizeof(float) > MSG_MAX - 64 ||
+        !make_room(e, rows * stride, *used * channels * sizeof(float)))
+        return false;
+    for (size_t k = 0; k < *used; k++) {
+        const struct rad_sampled *s = &from[k];
+        float v[4] = { s->pixel.L.r, s->pixel.L.g, s->pixel.L.b, s->pixel.z };
+        uint8_t *row = e->bitmap + (size_t)(s->y - from[0].y) * stride;
+
+        row[s->x / 8] |= (uint8_t)(1u << s->x % 8);
+        wire_floats_put(e->pixels + k * channels * sizeof(float), v, channels);
+    }
+    e->facts = (struct msg_facts){ .frame = frame,
+                                   .line = (uint32_t)line,
+                                   .row = (uint32_t)(from[0].y - top),
+                                   .rows = (uint32_t)rows,
+                                   .width = (uint32_t)f->width,
+                                   .flags = MSG_FACTS_ESTIMATE,
+                                   .channels = (uint8_t)channels,
+                                   .bitmap = e->bitmap,
+                                   .pixels = e->pixels,
+                                   .npixels = (uint32_t)*used };
+    return true;
+}
+
+struct msg_facts *
+estimate_facts(struct estimate *e)
+{
+    while (e->at < e->nareas) {
+        struct area *a = &e->areas[e->at];
+        const struct rad_sampled *from = a->sampled + e->at_pixel;
+        size_t left = a->n - e->at_pixel, used;
+        bool packed;
+
+        if (left == 0) {
+            e->at++;
+            e->at_pixel = 0;
+            continue;
+        }
+        packed = pack_line(e, a->frame, from, left, &used);
+        e->at_pixel += used;
+        if (packed)
+            return &e->facts;
+    }
+    return NULL;
+}
+
+void
+estimate_result(const struct estimate *e, struct msg_estimated *m)
+{
+    *m = (struct msg_estimated){
+        .id = e->id, .ncosts = e->nareas, .costs = e->costs, .counts = e->counts
+    };
+}
