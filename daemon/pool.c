@@ -154,6 +154,30 @@ new_piece(struct active *u, int row)
     return p;
 }
 
+static bool
+trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    const struct active *u = arg;
+
+    return rad_frame_pixel(&u->pool->frames[u->unit.frame], ctx, x, y, out);
+}
+
+static void
+paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+      struct rad_pixel *row)
+{
+    const struct active *u = arg;
+
+    rad_frame_paint_row(&u->pool->frames[u->unit.frame], ctx, x0, x1, y, row);
+}
+
+static uint64_t
+count(void *arg, const struct rad_ctx *ctx)
+{
+    (void)arg;
+    return ctx->counts.rays;
+}
+
 /* A row is done: into the piece with it, which goes out when it is full.  The
  * last piece waits for the counts. */
 static void
@@ -214,6 +238,22 @@ end_active(struct active *u)
     free_active(u);
 }
 
+static struct team *
+new_team(struct active *u, const struct rad_frame *f)
+{
+    struct team_spec spec = { .mode = TEAM_TRUTH,
+                              .trace = trace,
+                              .paint = paint,
+                              .rows = on_row,
+                              .count = count,
+                              .arg = u,
+                              .nthreads = u->pool->nthreads };
+
+    rad_frame_sampler(f, &u->unit.window, &spec.sampler);
+    spec.last = rad_quincunx_nbases(&spec.sampler);
+    return team_new(&spec);
+}
+
 static struct active *
 new_active(struct pool *p, const struct pool_unit *unit)
 {
@@ -227,7 +267,7 @@ new_active(struct pool *p, const struct pool_unit *unit)
     u->wall0 = seconds(CLOCK_MONOTONIC);
     u->channels = f->depth ? 4 : 3;
     u->piece_rows = (int)(PIECE_BYTES / (row_floats(u) * sizeof(float))) + 1;
-    u->team = team_new(f, &unit->window, p->nthreads, on_row, u);
+    u->team = new_team(u, f);
     if (!u->team) {
         free_active(u);
         return NULL;

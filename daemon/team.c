@@ -1,21 +1,21 @@
 /* team.c - see team.h
  *
- * Lines are numbered as the sampler's base lines; line i stands for base line
- * i and the bar above it.  What a line needs from the one above:
+ * What a line needs from the one above:
  *   - its densities, up to a little ahead of where it is itself (`ready`);
  *   - at last, its pixels as they are in the picture, small sources painted,
- *     as the top of the bar (`painted`).
+ *     as the top of the bar.
  * The bar's bottom is the line as it was sampled, before painting, as in
  * rpict; so a line keeps both.
  *
  * Lines are begun in order, and the lowest one that is not done waits for
  * nobody; so nobody waits for ever.  Buffers form a ring: line i is begun only
  * when line i - nlines + 1, the last to look at its buffers, is done and its
- * rows are handed on. */
+ * rows are handed on.  The top lies where the ring has line first - 1. */
 #include "config.h"
 
 #include "team.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,36 +28,44 @@
  * so that members do not wait for each other's cache line. */
 #define RAYS_UNTOLD 4096
 
+/* It counts them when it has traced so many pixels. */
+#define PIXELS_UNSEEN 16
+
+/* Columns of a bar between two looks at whether the team is stopped. */
+#define BAR_COLUMNS 32
+
+/* The bottom is painted, and told of, in pieces of so many columns at least. */
+#define BOTTOM_COLUMNS 64
+
 struct line {
     uint8_t *density;          /* for the line below; written by its member */
     struct rad_pixel *sampled; /* written by its member */
     /* Densities that are final, stored after them; pairs with the load in
      * wait_for().  One more than all of them: the line is painted. */
     _Atomic size_t ready;
-    bool done; /* [mu] and the bar above it */
+    _Atomic int shown; /* columns that are in their row, painted */
+    bool done;         /* [mu] and the bar above it */
 };
 
 struct team {
-    const struct rad_frame *frame; /* [fixed] */
-    struct rad_window window;      /* [fixed] */
-    struct rad_quincunx sampler;   /* [fixed] but for trace and arg */
-    size_t ndensity;               /* [fixed] */
-    int nbases, nlines, nslots;    /* [fixed] */
-    team_rows_fn *fn;              /* [fixed] */
-    void *arg;                     /* [fixed] */
-    uint8_t *density;              /* [fixed] above line 0, then the lines' */
-    struct rad_pixel *pixels;      /* [fixed] the lines' and the slots' */
-    struct rad_pixel *slots;       /* [fixed] row k in slot k modulo nslots */
-    struct line *lines;            /* [fixed] line i is number i % nlines */
+    struct team_spec spec;    /* [fixed] but for last; see there */
+    size_t ndensity;          /* [fixed] */
+    int nlines, nslots;       /* [fixed] */
+    uint8_t *density;         /* [fixed] the top's, then the lines' */
+    struct rad_pixel *pixels; /* [fixed] the lines' and the slots' */
+    struct rad_pixel *slots;  /* [fixed] row k in slot k modulo nslots */
+    struct line *lines;       /* [fixed] line i is number i % nlines */
     uv_mutex_t mu;
-    uv_cond_t moved;       /* with ready, finished and stopped */
+    uv_cond_t moved;       /* with ready, finished, last and stopped */
+    _Atomic int last;      /* written with mu held; relaxed without */
     int begun;             /* [mu] lines */
     int finished;          /* [mu] lines whose rows, and all above, are out */
     bool handing_on;       /* [mu] a member hands rows on */
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
-    _Atomic int waiting;   /* threads in or about to be in uv_cond_wait() */
-    _Atomic bool stopped;  /* relaxed where it only ends work earlier */
+    _Atomic uint64_t traced, primary; /* relaxed: read when all have left */
+    _Atomic int waiting;  /* threads in or about to be in uv_cond_wait() */
+    _Atomic bool stopped; /* relaxed where it only ends work earlier */
 };
 
 /* One member at work on one line. */
@@ -66,7 +74,12 @@ struct member {
     struct rad_ctx *ctx;
     struct rad_quincunx q;
     int i;
-    uint64_t told; /* of ctx->counts.rays */
+    _Atomic(struct rad_facts *) *facts; /* of line i; NULL: never any */
+    int row0;                           /* the first of line i */
+    bool truth;    /* what is asked for now is wanted indeed */
+    uint64_t told; /* of count(ctx) */
+    uint64_t traced, primary;
+    uint64_t looked; /* traced when the rays were last counted */
 };
 
 static struct line *
@@ -78,15 +91,82 @@ line_at(const struct team *t, int i)
 static struct rad_pixel *
 row_at(const struct team *t, int row)
 {
-    return t->slots + (size_t)(row % t->nslots) * (size_t)t->window.width;
+    return t->slots + (size_t)(row % t->nslots) * (size_t)t->spec.sampler.width;
+}
+
+int
+team_line_row(const struct rad_quincunx *q, int i)
+{
+    return i > 0 ? rad_quincunx_base_row(q, i - 1) + 1 : 0;
+}
+
+int
+team_line_rows(const struct rad_quincunx *q, int i)
+{
+    return rad_quincunx_base_row(q, i) + 1 - team_line_row(q, i);
+}
+
+/* The facts of the member's line; NULL: there are none. */
+static struct rad_facts *
+facts_of(const struct member *m)
+{
+    return m->facts ? atomic_load_explicit(m->facts, memory_order_acquire)
+                    : NULL;
+}
+
+static bool
+trace_new(struct member *m, int x, int y, struct rad_pixel *out)
+{
+    const struct team_spec *spec = &m->team->spec;
+
+    if (!spec->trace(spec->arg, m->ctx, x, y, out))
+        return false;
+    m->traced++;
+    return true;
+}
+
+/* A pixel that the true sampler wants. */
+static void
+trace_truth(struct member *m, struct rad_facts *f, int x, int y,
+            struct rad_pixel *out)
+{
+    int column = x - m->q.x0, row = y - m->q.y0 - m->row0;
+
+    if (rad_facts_use(f, column, row, out)) {
+        m->primary++;
+        return;
+    }
+    if (!trace_new(m, x, y, out))
+        return;
+    m->primary++;
+    /* another worker may have been first just now; then that one is used */
+    if (!rad_facts_put(f, column, row, out, RAD_FACT_USED))
+        rad_facts_use(f, column, row, out);
+}
+
+/* A pixel that may be wanted one day. */
+static void
+trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
+            struct rad_pixel *out)
+{
+    int column = x - m->q.x0, row = y - m->q.y0 - m->row0;
+
+    if (!rad_facts_get(f, column, row, out) && trace_new(m, x, y, out))
+        rad_facts_put(f, column, row, out, 0);
 }
 
 static void
 trace(void *arg, int x, int y, struct rad_pixel *out)
 {
-    const struct member *m = arg;
+    struct member *m = arg;
+    struct rad_facts *f = facts_of(m);
 
-    rad_frame_pixel(m->team->frame, m->ctx, x, y, out);
+    if (!f)
+        m->primary += trace_new(m, x, y, out);
+    else if (m->truth)
+        trace_truth(m, f, x, y, out);
+    else
+        trace_ahead(m, f, x, y, out);
 }
 
 static bool
@@ -133,25 +213,64 @@ wait_for(struct team *t, struct line *l, size_t need)
     return !is_stopped(t);
 }
 
-/* Let others see the rays that are new, if there are so many. */
-static void
-tell_rays(struct member *m, uint64_t least)
+static uint64_t
+count_rays(const struct member *m)
 {
-    uint64_t n = m->ctx->counts.rays - m->told;
+    const struct team_spec *spec = &m->team->spec;
 
-    if (n < least)
-        return;
+    return spec->count ? spec->count(spec->arg, m->ctx) : m->traced;
+}
+
+/* Let others see the rays that are new. */
+static void
+tell_rays(struct member *m)
+{
+    uint64_t n = count_rays(m) - m->told;
+
     m->told += n;
     atomic_fetch_add_explicit(&m->team->rays, n, memory_order_relaxed);
 }
 
+/* The same, if there are so many; called often. */
 static void
-paint(const struct member *m, int row)
+maybe_tell_rays(struct member *m)
 {
-    const struct rad_window *w = &m->team->window;
+    if (m->traced - m->looked < PIXELS_UNSEEN)
+        return;
+    m->looked = m->traced;
+    if (count_rays(m) - m->told >= RAYS_UNTOLD)
+        tell_rays(m);
+}
 
-    rad_frame_paint_row(m->team->frame, m->ctx, w->x, w->x + w->width,
-                        w->y + row, row_at(m->team, row));
+/* Put columns up to `end` of the member's base line into the picture. */
+static void
+show(struct member *m, int end)
+{
+    const struct team_spec *spec = &m->team->spec;
+    struct line *l = line_at(m->team, m->i);
+    int row = rad_quincunx_base_row(&m->q, m->i);
+    int x = atomic_load_explicit(&l->shown, memory_order_relaxed);
+    struct rad_pixel *to = row_at(m->team, row) + x;
+
+    memcpy(to, l->sampled + x, (size_t)(end - x) * sizeof *to);
+    if (m->truth && spec->paint)
+        spec->paint(spec->arg, m->ctx, m->q.x0 + x, m->q.x0 + end,
+                    m->q.y0 + row, to);
+    /* pairs with the load in team_bottom() */
+    atomic_store_explicit(&l->shown, end, memory_order_release);
+}
+
+/* The unit below may wait for what this line has: do not keep it. */
+static void
+show_bottom(struct member *m, int end)
+{
+    struct team *t = m->team;
+
+    if (m->i + 1 == atomic_load_explicit(&t->last, memory_order_relaxed) &&
+        end - atomic_load_explicit(&line_at(t, m->i)->shown,
+                                   memory_order_relaxed) >=
+            BOTTOM_COLUMNS)
+        show(m, end);
 }
 
 /* Densities of the line above that the next step reads.  The last step of a
@@ -168,43 +287,195 @@ needed(const struct member *m, const struct rad_quincunx_line *s)
     return n;
 }
 
+/* The first line's top is there from the start. */
+static bool
+wait_above(const struct member *m, size_t need)
+{
+    struct team *t = m->team;
+
+    return m->i == t->spec.first || need == 0 ||
+           wait_for(t, line_at(t, m->i - 1), need);
+}
+
+static const uint8_t *
+density_above(const struct member *m)
+{
+    const struct team *t = m->team;
+
+    if (t->ndensity == 0)
+        return NULL;
+    return m->i > t->spec.first ? line_at(t, m->i - 1)->density : t->density;
+}
+
+/* A line that is traced ahead in blocks of gaps or of columns. */
+struct sweep {
+    struct member *m;
+    int row, rows; /* of the line, that the blocks have */
+    int nblocks;   /* at most 64 */
+    int columns;   /* of a block, but for the last */
+    uint64_t done; /* blocks begun or not worth it */
+    int at, step;  /* the block that comes next, and which way then */
+};
+
+/* Begin where the spec says. */
+static void
+start_sweep(struct sweep *s, struct member *m, int row, int rows, int columns)
+{
+    enum team_end end = m->team->spec.end;
+    bool middle = end >= TEAM_MIDDLE_RIGHTWARDS;
+
+    s->m = m;
+    s->row = row;
+    s->rows = rows;
+    s->columns = columns;
+    s->nblocks = (m->q.width + columns - 1) / columns;
+    s->done = 0;
+    s->step = end == TEAM_FROM_RIGHT || end == TEAM_MIDDLE_LEFTWARDS ? -1 : 1;
+    s->at = s->step > 0 ? 0 : s->nblocks - 1;
+    if (middle)
+        s->at = s->nblocks / 2 - (s->step < 0 && s->nblocks > 1);
+}
+
+/* Is there nothing to do in block b: begun here, or by another worker? */
+static bool
+is_taken(struct sweep *s, int b)
+{
+    int x = b * s->columns, left = s->m->q.width - x;
+    const struct rad_facts *f = facts_of(s->m);
+
+    return s->done >> b & 1 ||
+           rad_facts_met(f, s->row, s->rows, x,
+                         left < s->columns ? left : s->columns);
+}
+
+/* The middle of the longest run of blocks that are not taken; -1: none. */
+static int
+widest_gap(struct sweep *s)
+{
+    int best = -1, most = 0, run = 0;
+
+    for (int b = 0; b < s->nblocks; b++) {
+        run = is_taken(s, b) ? 0 : run + 1;
+        if (run > most) {
+            most = run;
+            best = b;
+        }
+    }
+    return most > 0 ? best - most / 2 : -1;
+}
+
+/* The next block; -1: all are taken, or the team is stopped. */
+static int
+next_block(struct sweep *s)
+{
+    int b = s->at;
+
+    if (is_stopped(s->m->team))
+        return -1;
+    if (b < 0 || b >= s->nblocks || is_taken(s, b))
+        b = widest_gap(s);
+    if (b >= 0)
+        s->done |= UINT64_C(1) << b;
+    s->at = b + s->step;
+    return b;
+}
+
+/* At most 64 blocks, none too small to be worth the look at it. */
+static int
+block_columns(const struct rad_quincunx *q)
+{
+    int columns = (q->width + 63) / 64;
+
+    return columns > q->xstep ? columns : q->xstep;
+}
+
+/* Trace base line i ahead; false: stopped. */
+static bool
+sweep_line(struct member *m)
+{
+    const struct rad_quincunx *q = &m->q;
+    struct team *t = m->team;
+    int ngaps = rad_quincunx_ngaps(q, m->i), b;
+    bool truth = m->truth;
+    struct sweep s;
+
+    if (!wait_above(m, t->ndensity))
+        return false;
+    m->truth = false;
+    start_sweep(&s, m, team_line_rows(q, m->i) - 1, 1, block_columns(q));
+    while ((b = next_block(&s)) >= 0) {
+        int end = (b + 1) * s.columns;
+
+        for (int g = b * s.columns / q->xstep; g < ngaps; g++) {
+            int x = rad_quincunx_gap_begin(q, m->i, g);
+
+            if (x >= end)
+                break;
+            if (x >= b * s.columns)
+                rad_quincunx_gap(q, m->i, g, density_above(m),
+                                 line_at(t, m->i)->sampled);
+        }
+        maybe_tell_rays(m);
+    }
+    m->truth = truth;
+    return !is_stopped(t);
+}
+
+/* Trace the bar ahead whose rows those are; false: stopped. */
+static bool
+sweep_bar(struct member *m, struct rad_pixel *const rows[])
+{
+    bool truth = m->truth;
+    struct sweep s;
+    int b;
+
+    m->truth = false;
+    start_sweep(&s, m, 0, team_line_rows(&m->q, m->i) - 1,
+                block_columns(&m->q));
+    while ((b = next_block(&s)) >= 0) {
+        struct rad_quincunx_fill fill = { b * s.columns, 0 };
+        int end = fill.x + s.columns;
+
+        rad_quincunx_bar_to(&m->q, m->i - 1, rows, &fill,
+                            end < m->q.width ? end : m->q.width);
+        maybe_tell_rays(m);
+    }
+    m->truth = truth;
+    return !is_stopped(m->team);
+}
+
+/* Is the member's line to be traced ahead in an order of its own? */
+static bool
+wants_sweep(const struct member *m)
+{
+    return m->team->spec.end != TEAM_FROM_LEFT && facts_of(m);
+}
+
 /* Sample base line i; false: stopped. */
 static bool
 sample_line(struct member *m)
 {
     struct team *t = m->team;
     struct line *l = line_at(t, m->i);
-    const uint8_t *above = NULL;
     struct rad_quincunx_line s;
 
-    if (t->ndensity > 0)
-        above = m->i > 0 ? line_at(t, m->i - 1)->density : t->density;
-    rad_quincunx_line_start(&s, &m->q, m->i, above, l->density, l->sampled);
+    if (wants_sweep(m) && !sweep_line(m))
+        return false;
+    rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
+                            l->sampled);
     do {
         size_t need = needed(m, &s);
 
         if (s.ndensity > 0)
             publish(t, l, s.ndensity);
-        tell_rays(m, RAYS_UNTOLD);
-        if (is_stopped(t) ||
-            (m->i > 0 && need > 0 && !wait_for(t, line_at(t, m->i - 1), need)))
+        show_bottom(m, s.x + 1);
+        maybe_tell_rays(m);
+        if (is_stopped(t) || !wait_above(m, need))
             return false;
     } while (rad_quincunx_line_step(&s));
-    return true;
-}
-
-/* Put the line into the picture. */
-static void
-show_line(struct member *m)
-{
-    struct team *t = m->team;
-    struct line *l = line_at(t, m->i);
-    int row = rad_quincunx_base_row(&m->q, m->i);
-
-    memcpy(row_at(t, row), l->sampled,
-           (size_t)t->window.width * sizeof *l->sampled);
-    paint(m, row);
+    show(m, m->q.width);
     publish(t, l, t->ndensity + 1);
+    return true;
 }
 
 /* Fill the bar above base line i; false: stopped. */
@@ -212,30 +483,63 @@ static bool
 fill_bar(struct member *m)
 {
     struct team *t = m->team;
+    const struct team_spec *spec = &t->spec;
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
+    struct rad_quincunx_fill s = { 0, 0 };
     int top = rad_quincunx_base_row(&m->q, m->i - 1);
     int n = rad_quincunx_base_row(&m->q, m->i) - top;
 
-    if (!wait_for(t, line_at(t, m->i - 1), t->ndensity + 1))
+    if (!wait_above(m, t->ndensity + 1))
         return false;
     for (int k = 0; k < n; k++)
         rows[k] = row_at(t, top + k);
     rows[n] = line_at(t, m->i)->sampled;
-    rad_quincunx_bar(&m->q, m->i - 1, rows);
-    for (int k = 1; k < n; k++)
-        paint(m, top + k);
+    if (wants_sweep(m) && n > 1 && !sweep_bar(m, rows))
+        return false;
+    while (s.x < m->q.width) {
+        int left = m->q.width - s.x;
+
+        rad_quincunx_bar_to(&m->q, m->i - 1, rows, &s,
+                            s.x + (left < BAR_COLUMNS ? left : BAR_COLUMNS));
+        maybe_tell_rays(m);
+        if (is_stopped(t))
+            return false;
+    }
+    for (int k = 1; k < n && m->truth && spec->paint; k++)
+        spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width,
+                    m->q.y0 + top + k, rows[k]);
     return true;
+}
+
+/* Has line i's bar to be filled in this pass? */
+static bool
+has_bar(const struct team *t, int i)
+{
+    return i > 0 && t->spec.mode != TEAM_LINES &&
+           (i > t->spec.first || t->spec.top);
+}
+
+static bool
+do_line(struct member *m)
+{
+    const struct team *t = m->team;
+
+    m->row0 = team_line_row(&m->q, m->i);
+    m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
+    return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }
 
 /* Hand on the rows of line i: its bar's and its own. */
 static void
 hand_on(struct team *t, int i)
 {
-    int end = rad_quincunx_base_row(&t->sampler, i) + 1;
-    int row = i > 0 ? rad_quincunx_base_row(&t->sampler, i - 1) + 1 : 0;
+    int row = team_line_row(&t->spec.sampler, i);
+    int end = row + team_line_rows(&t->spec.sampler, i);
 
+    if (t->spec.mode != TEAM_TRUTH)
+        return;
     for (; row < end; row++)
-        t->fn(t->arg, row, row_at(t, row));
+        t->spec.rows(t->spec.arg, row, row_at(t, row));
 }
 
 /* Line i is done.  If it was the one that all others waited to come after,
@@ -259,6 +563,13 @@ finish_line(struct team *t, int i)
     uv_mutex_unlock(&t->mu);
 }
 
+static bool
+is_open_locked(const struct team *t)
+{
+    return t->begun < atomic_load_explicit(&t->last, memory_order_relaxed) &&
+           !is_stopped(t);
+}
+
 /* The next line to begin, once its buffers are free; -1: there is none. */
 static int
 begin_line(struct team *t)
@@ -266,35 +577,44 @@ begin_line(struct team *t)
     int i = -1;
 
     uv_mutex_lock(&t->mu);
-    while (t->begun < t->nbases && t->begun > t->finished + t->nlines - 2 &&
-           !is_stopped(t))
+    while (is_open_locked(t) && t->begun > t->finished + t->nlines - 2)
         uv_cond_wait(&t->moved, &t->mu);
-    if (t->begun < t->nbases && !is_stopped(t)) {
+    if (is_open_locked(t)) {
         i = t->begun++;
         line_at(t, i)->done = false;
         atomic_store(&line_at(t, i)->ready, 0);
+        atomic_store_explicit(&line_at(t, i)->shown, 0, memory_order_relaxed);
     }
     uv_mutex_unlock(&t->mu);
     return i;
 }
 
+/* Work on lines until there is none. */
+static void
+do_lines(struct member *m)
+{
+    while ((m->i = begin_line(m->team)) >= 0) {
+        if (!do_line(m))
+            return;
+        tell_rays(m);
+        finish_line(m->team, m->i);
+    }
+}
+
 void
 team_work(struct team *t, struct rad_ctx *ctx)
 {
-    struct member m = { .team = t, .ctx = ctx, .q = t->sampler };
+    const struct team_spec *spec = &t->spec;
+    struct member m = { .team = t, .ctx = ctx, .q = spec->sampler };
 
-    m.told = ctx->counts.rays;
+    m.truth = spec->mode == TEAM_TRUTH;
+    m.told = count_rays(&m);
     m.q.trace = trace;
     m.q.arg = &m;
-    while ((m.i = begin_line(t)) >= 0) {
-        if (!sample_line(&m))
-            return;
-        show_line(&m);
-        if (m.i > 0 && !fill_bar(&m))
-            return;
-        tell_rays(&m, 1);
-        finish_line(t, m.i);
-    }
+    do_lines(&m);
+    tell_rays(&m);
+    atomic_fetch_add_explicit(&t->traced, m.traced, memory_order_relaxed);
+    atomic_fetch_add_explicit(&t->primary, m.primary, memory_order_relaxed);
 }
 
 bool
@@ -303,7 +623,7 @@ team_open(struct team *t)
     bool open;
 
     uv_mutex_lock(&t->mu);
-    open = t->begun < t->nbases && !is_stopped(t);
+    open = is_open_locked(t);
     uv_mutex_unlock(&t->mu);
     return open;
 }
@@ -313,6 +633,47 @@ team_stop(struct team *t)
 {
     atomic_store(&t->stopped, true);
     wake(t);
+}
+
+int
+team_shrink(struct team *t, int least)
+{
+    int last, keep;
+
+    uv_mutex_lock(&t->mu);
+    last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    keep = last - (last - t->begun) / 2;
+    if (keep < least)
+        keep = least;
+    if (keep < last) {
+        last = keep;
+        atomic_store_explicit(&t->last, last, memory_order_relaxed);
+        uv_cond_broadcast(&t->moved);
+    }
+    uv_mutex_unlock(&t->mu);
+    return last;
+}
+
+void
+team_bottom(struct team *t, struct team_bottom *b)
+{
+    int last;
+
+    memset(b, 0, sizeof *b);
+    uv_mutex_lock(&t->mu);
+    last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    if (t->begun == last) {
+        struct line *l = line_at(t, last - 1);
+
+        b->pixels =
+            row_at(t, rad_quincunx_base_row(&t->spec.sampler, last - 1));
+        b->density = l->density;
+        b->columns = atomic_load_explicit(&l->shown, memory_order_acquire);
+        b->ndensity = atomic_load(&l->ready);
+        if (b->ndensity > t->ndensity)
+            b->ndensity = t->ndensity;
+    }
+    uv_mutex_unlock(&t->mu);
 }
 
 uint64_t
@@ -335,14 +696,26 @@ team_waited(struct team *t)
 bool
 team_done(const struct team *t)
 {
-    return t->finished == t->nbases;
+    return t->finished == atomic_load(&t->last);
+}
+
+uint64_t
+team_traced(const struct team *t)
+{
+    return atomic_load_explicit(&t->traced, memory_order_relaxed);
+}
+
+uint64_t
+team_primary(const struct team *t)
+{
+    return atomic_load_explicit(&t->primary, memory_order_relaxed);
 }
 
 /* Every buffer; the lines' densities and pixels lie one after the other. */
 static bool
 make_buffers(struct team *t)
 {
-    size_t width = (size_t)t->window.width, n = (size_t)t->nlines;
+    size_t width = (size_t)t->spec.sampler.width, n = (size_t)t->nlines;
 
     t->lines = calloc(n, sizeof *t->lines);
     t->density = calloc(n + 1, t->ndensity + 1);
@@ -357,39 +730,48 @@ make_buffers(struct team *t)
     return true;
 }
 
+static void
+put_top(struct team *t)
+{
+    const struct team_spec *spec = &t->spec;
+    int above = spec->first - 1;
+
+    if (spec->first == 0) {
+        rad_quincunx_start(&spec->sampler, t->density);
+        return;
+    }
+    if (spec->top_density)
+        memcpy(t->density, spec->top_density, t->ndensity);
+    if (spec->top)
+        memcpy(row_at(t, rad_quincunx_base_row(&spec->sampler, above)),
+               spec->top, (size_t)spec->sampler.width * sizeof *spec->top);
+}
+
 struct team *
-team_new(const struct rad_frame *f, const struct rad_window *w, int nthreads,
-         team_rows_fn *fn, void *arg)
+team_new(const struct team_spec *spec)
 {
     struct team *t = calloc(1, sizeof *t);
 
+    assert(spec->first >= 0 && spec->first < spec->last &&
+           spec->last <= rad_quincunx_nbases(&spec->sampler));
+    assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
+                                    : spec->facts != NULL);
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);
     uv_cond_init(&t->moved);
-    t->frame = f;
-    t->window = *w;
-    t->fn = fn;
-    t->arg = arg;
-    t->sampler = (struct rad_quincunx){ .x0 = w->x,
-                                        .y0 = w->y,
-                                        .width = w->width,
-                                        .height = w->height,
-                                        .maxdiff = f->job->params.maxdiff,
-                                        .depth = f->depth };
-    rad_quincunx_steps(f->job->params.psample, &t->sampler.xstep,
-                       &t->sampler.ystep);
-    t->ndensity = rad_quincunx_ndensity(&t->sampler);
-    t->nbases = rad_quincunx_nbases(&t->sampler);
+    t->spec = *spec;
+    t->last = spec->last;
+    t->begun = t->finished = spec->first;
+    t->ndensity = rad_quincunx_ndensity(&spec->sampler);
     /* each member's line, one above the first and one to begin meanwhile */
-    t->nlines = 2 * nthreads + 2;
-    t->nslots = t->nlines * t->sampler.ystep + 1;
+    t->nlines = 2 * spec->nthreads + 2;
+    t->nslots = t->nlines * spec->sampler.ystep + 1;
     if (!make_buffers(t)) {
         team_free(t);
         return NULL;
     }
-    if (t->ndensity > 0)
-        rad_quincunx_start(&t->sampler, t->density);
+    put_top(t);
     return t;
 }
 

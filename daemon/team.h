@@ -1,30 +1,104 @@
-/* team.h - the threads that render one window together
+/* team.h - the threads that go over one unit together
  *
- * The picture is the one that a thread alone would make, pixel by pixel, and
- * the rays are the same.  Each member takes a base line with the bar above it;
- * it samples the line close behind the member on the line above, whose
- * densities it needs, then fills the bar.  So the members move across the
- * window in echelon, and the hand-off between two lines is a number in memory.
+ * The unit is a run of lines of a sampler's area: a whole window, or some lines
+ * of a frame that is sampled as one (a strict unit).  Line i stands for base
+ * line i and the bar above it.  The pixels are those that a thread alone would
+ * make, and the rays are the same: each member takes a line; it samples the
+ * base line close behind the member on the line above, whose densities it
+ * needs, then fills the bar.  So the members move across the area in echelon,
+ * and the hand-off between two lines is a number in memory.
+ *
+ * What a unit needs from above is its top: the base line above its first line,
+ * as in the picture (small sources painted), and the densities after it.  With
+ * line 0 it needs none.  Its bottom is its last base line: the top of the unit
+ * below.  A team makes one pass over the unit; a unit whose top comes late gets
+ * several, each by a new team over the same facts (facts.h):
+ *   TEAM_TRUTH  the top is true.  What is a fact is used, the rest is traced;
+ *               rows are painted and handed on; the bottom is true.
+ *   TEAM_LINES  the top is a guess.  Base lines alone are traced, into facts.
+ *   TEAM_AHEAD  the top is a guess.  Base lines and bars, into facts.  A bar
+ *               without colours above it (of the first line, if top is NULL)
+ *               is left out.
+ * The two last hand nothing on and paint nothing; their bottom is a guess, its
+ * colours as they were sampled.  To make a base line for the unit above as well
+ * (MSG_UNIT_TOP), begin LINES and AHEAD one line earlier, with no top: the
+ * first line's bar is left out, all others have colours above.
+ *
+ * Knows no scene: pixels come from a callback, a pure function of its place.
  * Thread: team_work() from any number of threads at once; team_stop(),
- * team_open(), team_rays() and team_waited() from any; the others while nobody
- * works.  Rows are handed on by
- * one member at a time. */
+ * team_open(), team_shrink(), team_bottom(), team_rays() and team_waited() from
+ * any; the others while nobody works.  Rows are handed on by one member at a
+ * time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
 
-#include "picture/frame.h"
+#include "picture/facts.h"
+#include "picture/quincunx.h"
 
 struct team;
+struct rad_ctx; /* a member's own; the callbacks' affair */
 
-/* Row number `row` of the window is done; rows come in order, each once.  The
- * pixels are borrowed for the call, which may wait. */
+enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD };
+
+/* Where a line is begun, so that workers at the same unit meet late: a line is
+ * traced ahead in this order before it is gone over from the left, which other
+ * than TEAM_FROM_LEFT wants facts.  Where another worker's facts are met
+ * (RAD_FACT_FOREIGN) it goes on in the middle of the widest gap left. */
+enum team_end {
+    TEAM_FROM_LEFT,
+    TEAM_FROM_RIGHT,
+    TEAM_MIDDLE_RIGHTWARDS,
+    TEAM_MIDDLE_LEFTWARDS
+};
+
+/* Trace column x, row y of the picture; false: the view shows nothing there,
+ * and *out is what the picture has. */
+typedef bool team_trace_fn(void *arg, struct rad_ctx *ctx, int x, int y,
+                           struct rad_pixel *out);
+
+/* Paint columns x0 to x1-1 of row y of the picture; row[0] is column x0. */
+typedef void team_paint_fn(void *arg, struct rad_ctx *ctx, int x0, int x1,
+                           int y, struct rad_pixel *row);
+
+/* Row number `row` of the sampler's area is done; rows of the unit come in
+ * order, each once.  The pixels are borrowed for the call, which may wait. */
 typedef void team_rows_fn(void *arg, int row, const struct rad_pixel *pixels);
 
-/* A team of at most nthreads members for a window within the frame, which must
- * outlive it.  NULL: memory is out. */
-struct team *team_new(const struct rad_frame *f, const struct rad_window *w,
-                      int nthreads, team_rows_fn *fn, void *arg);
+/* All rays of a context so far. */
+typedef uint64_t team_count_fn(void *arg, const struct rad_ctx *ctx);
+
+struct team_spec {
+    struct rad_quincunx sampler; /* of the window or frame; trace and arg are
+                                  * not looked at */
+    enum team_mode mode;
+    enum team_end end;
+    int first, last; /* lines [first, last) of the sampler's */
+    /* Colours of base line first - 1, and the densities after it; copied.  With
+     * TEAM_TRUTH they are true, and there (but where first is 0, or the sampler
+     * has no densities).  Else NULL: no colours; nothing found. */
+    const struct rad_pixel *top;
+    const uint8_t *top_density;
+    /* facts[i] is for line i, as wide as the sampler's area and with as many
+     * rows as line i has (team_line_rows()); must stay until team_free().  NULL
+     * where there are none; TEAM_TRUTH looks again for each pixel, so they may
+     * be stored (release) meanwhile.  LINES and AHEAD want them for all of
+     * their lines from the start. */
+    _Atomic(struct rad_facts *) *facts;
+    team_trace_fn *trace;
+    team_paint_fn *paint; /* NULL: none */
+    team_rows_fn *rows;   /* called with TEAM_TRUTH alone */
+    team_count_fn *count; /* NULL: the pixels traced are counted */
+    void *arg;
+    int nthreads; /* members at once, at most */
+};
+
+/* NULL: memory is out. */
+struct team *team_new(const struct team_spec *spec);
 void team_free(struct team *t);
+
+/* The rows of line i of a sampler's area: the first, and how many. */
+int team_line_row(const struct rad_quincunx *q, int i);
+int team_line_rows(const struct rad_quincunx *q, int i);
 
 /* Work until there is no line left to begin, or the team is stopped. */
 void team_work(struct team *t, struct rad_ctx *ctx);
@@ -35,13 +109,34 @@ bool team_open(struct team *t);
 /* End early: each member leaves within a few pixels. */
 void team_stop(struct team *t);
 
+/* Give away half (rounded down) of the lines that are not begun, the lower
+ * ones, but none below `least`.  Returns `last` as it is from now on. */
+int team_shrink(struct team *t, int least);
+
+/* The unit's bottom so far: columns [0, columns) and densities [0, ndensity)
+ * are final.  It is complete when columns is the width.  None while the last
+ * line is not begun.  What it points to stays until team_free(). */
+struct team_bottom {
+    const struct rad_pixel *pixels; /* TEAM_TRUTH: painted */
+    const uint8_t *density;         /* rad_quincunx_ndensity() of them */
+    int columns;
+    size_t ndensity;
+};
+void team_bottom(struct team *t, struct team_bottom *b);
+
 /* Of all members, so far; from any thread.  Rays are told some thousand at a
  * time, waits for the line above [s] when they are over; what a member spins
  * before it goes to sleep is no wait. */
 uint64_t team_rays(const struct team *t);
 double team_waited(struct team *t);
 
-/* All rows were handed on. */
+/* All lines are done, and their rows were handed on. */
 bool team_done(const struct team *t);
+
+/* Pixels that the members traced, and, with TEAM_TRUTH, that they wanted,
+ * traced by whomever: the primary rays of the unit (a context's own count has
+ * those of all passes).  Both without what the view does not show. */
+uint64_t team_traced(const struct team *t);
+uint64_t team_primary(const struct team *t);
 
 #endif

@@ -62,6 +62,8 @@ librad_a_SOURCES = \
 	src/light/virtual.h \
 	src/picture/estimate.c \
 	src/picture/estimate.h \
+	src/picture/facts.c \
+	src/picture/facts.h \
 	src/picture/falsecolour.c \
 	src/picture/falsecolour.h \
 	src/picture/frame.c \

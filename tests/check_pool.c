@@ -206,6 +206,7 @@ END_TEST
 
 struct rays_seen {
     struct team *team;
+    const struct rad_frame *frame;
     const struct rad_ctx *ctx;
     uint64_t last;
     int rows;
@@ -227,17 +228,42 @@ see_rays(void *arg, int row, const struct rad_pixel *pixels)
     s->rows++;
 }
 
+static bool
+trace_frame(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    const struct rays_seen *s = arg;
+
+    return rad_frame_pixel(s->frame, ctx, x, y, out);
+}
+
+static uint64_t
+count_rays(void *arg, const struct rad_ctx *ctx)
+{
+    const struct rays_seen *s = arg;
+
+    ck_assert_ptr_eq(ctx, s->ctx);
+    return ctx->counts.rays;
+}
+
 START_TEST(rays_are_told_while_a_window_is_under_way)
 {
     static const struct rad_window all = { 0, 0, SIDE, SIDE };
     static struct fixture f;
-    struct rays_seen seen = { 0 };
+    struct rays_seen seen = { .frame = &f.frame };
+    struct team_spec spec = { .mode = TEAM_TRUTH,
+                              .trace = trace_frame,
+                              .rows = see_rays,
+                              .count = count_rays,
+                              .arg = &seen,
+                              .nthreads = 1 };
     struct rad_ctx ctx;
 
     open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 4", false, 1);
     ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
     seen.ctx = &ctx;
-    seen.team = team_new(&f.frame, &all, 1, see_rays, &seen);
+    rad_frame_sampler(&f.frame, &all, &spec.sampler);
+    spec.last = rad_quincunx_nbases(&spec.sampler);
+    seen.team = team_new(&spec);
     ck_assert_ptr_nonnull(seen.team);
     team_work(seen.team, &ctx);
     ck_assert_int_eq(seen.rows, SIDE);

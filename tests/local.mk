@@ -23,6 +23,7 @@ UNIT_TESTS = \
 	tests/check_coord \
 	tests/check_data \
 	tests/check_estimate \
+	tests/check_facts \
 	tests/check_font \
 	tests/check_frame \
 	tests/check_func \
@@ -47,6 +48,7 @@ UNIT_TESTS = \
 	tests/check_store \
 	tests/check_submit \
 	tests/check_table \
+	tests/check_team \
 	tests/check_view \
 	tests/check_wild \
 	tests/check_wire \
@@ -123,6 +125,10 @@ tests_check_params_LDADD = $(UNIT_LIBS)
 tests_check_view_SOURCES = tests/check_view.c tests/unit.h
 tests_check_view_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_view_LDADD = $(UNIT_LIBS)
+
+tests_check_facts_SOURCES = tests/check_facts.c tests/unit.h
+tests_check_facts_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_facts_LDADD = $(UNIT_LIBS)
 
 tests_check_font_SOURCES = tests/check_font.c tests/unit.h
 tests_check_font_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -272,6 +278,10 @@ tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
+tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
 tests_check_store_SOURCES = tests/check_store.c tests/unit.h
 tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
@@ -292,7 +302,9 @@ tests_check_frame_LDADD = $(UNIT_LIBS)
 THREAD_TESTS = \
 	tests/check_ambient \
 	tests/check_estimate \
-	tests/check_pool
+	tests/check_facts \
+	tests/check_pool \
+	tests/check_team
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \

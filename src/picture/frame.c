@@ -71,6 +71,19 @@ aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
 }
 
 void
+rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
+                  struct rad_quincunx *q)
+{
+    q->x0 = w->x;
+    q->y0 = w->y;
+    q->width = w->width;
+    q->height = w->height;
+    q->maxdiff = f->job->params.maxdiff;
+    q->depth = f->depth;
+    rad_quincunx_steps(f->job->params.psample, &q->xstep, &q->ystep);
+}
+
+bool
 rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
                 struct rad_pixel *out)
 {
@@ -81,7 +94,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     out->z = 0;
     if (!aim(f, x, y, &r) ||
         !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
-        return;
+        return false;
     ctx->counts.primary_rays++;
     rad_ray_trace(ctx, &r);
     if (ctx->counts.unsound_rays != unsound)
@@ -89,6 +102,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     out->L = r.L;
     if (f->depth)
         out->z = (float)rad_ray_distance(&r);
+    return true;
 }
 
 void
@@ -166,21 +180,14 @@ rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
                  bool (*stop)(void *arg, int rows_done), void *arg)
 {
     struct tracer t = { f, ctx };
-    struct rad_quincunx q = { .x0 = w->x,
-                              .y0 = w->y,
-                              .width = w->width,
-                              .height = w->height,
-                              .maxdiff = f->job->params.maxdiff,
-                              .depth = f->depth,
-                              .trace = trace,
-                              .arg = &t };
+    struct rad_quincunx q = { .trace = trace, .arg = &t };
     struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
     uint8_t *density;
     int rc;
 
     if (!within(f, w))
         return RAD_EUSAGE;
-    rad_quincunx_steps(f->job->params.psample, &q.xstep, &q.ystep);
+    rad_frame_sampler(f, w, &q);
     density = rad_arena_alloc(&ctx->scratch, rad_quincunx_ndensity(&q));
     if (!density)
         return RAD_ENOMEM;

@@ -42,10 +42,15 @@ int rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                    struct rad_error *err);
 void rad_frame_release(struct rad_frame *f);
 
+/* The sampler of a window (of the whole frame: how strict partitions see it)
+ * but for trace and arg, which are left alone. */
+void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
+                       struct rad_quincunx *q);
+
 /* Trace one pixel and count it as a primary ray; what the view does not show
- * is black and no ray.  A pixel that a value touched that is not finite or
- * negative is counted in nan_pixels; nan_x and nan_y keep the first. */
-void rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x,
+ * is black and no ray: false.  A pixel that a value touched that is not finite
+ * or negative is counted in nan_pixels; nan_x and nan_y keep the first. */
+bool rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                      int y, struct rad_pixel *out);
 
 /* Paint the small sources into pixels x0 to x1-1 of row y, once they are

@@ -128,6 +128,13 @@ is_offset(const struct rad_quincunx_line *s)
     return s->i & 1;
 }
 
+/* Columns that the first gap of base line i lacks. */
+static int
+cut_off(const struct rad_quincunx *q, int i)
+{
+    return i & 1 && q->xstep > 1 ? q->xstep - q->xstep / 2 : 0;
+}
+
 void
 rad_quincunx_line_start(struct rad_quincunx_line *s,
                         const struct rad_quincunx *q, int i,
@@ -218,6 +225,37 @@ rad_quincunx_base(const struct rad_quincunx *q, int i, uint8_t *density,
     rad_quincunx_line_start(&s, q, i, density, density, line);
     while (rad_quincunx_line_step(&s))
         ;
+}
+
+int
+rad_quincunx_ngaps(const struct rad_quincunx *q, int i)
+{
+    return (q->width - 1 + cut_off(q, i) + q->xstep - 1) / q->xstep;
+}
+
+int
+rad_quincunx_gap_begin(const struct rad_quincunx *q, int i, int g)
+{
+    int x = g == 0 ? 0 : g * q->xstep - cut_off(q, i);
+
+    return x < q->width - 1 ? x : q->width - 1;
+}
+
+void
+rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
+                 const uint8_t *above, struct rad_pixel *pixels)
+{
+    struct gap gap = { q, false };
+    int y = rad_quincunx_base_row(q, i);
+    int x = rad_quincunx_gap_begin(q, i, g);
+    int len = rad_quincunx_gap_begin(q, i, g + 1) - x;
+    int density = 0;
+
+    if (above)
+        density = above[g] > above[g + 1] ? above[g] : above[g + 1];
+    trace(q, x, y, &pixels[x]);
+    trace(q, x + len, y, &pixels[x + len]);
+    fill_gap(&gap, pixels + x, x, y, len, density / 2);
 }
 
 void

@@ -100,8 +100,19 @@ size_t rad_quincunx_line_needs(const struct rad_quincunx_line *s);
 /* Fill the next gap; false: the line was complete already. */
 bool rad_quincunx_line_step(struct rad_quincunx_line *s);
 
+/* A base line that is traced ahead gap by gap in any order: what lies between
+ * gap number g's ends depends on the densities above and on nothing else of the
+ * line.  Its pixels, both ends included, are filled; with above NULL only what
+ * the ends force.  Gap g begins in column gap_begin, and ends where the next
+ * one does. */
+int rad_quincunx_ngaps(const struct rad_quincunx *q, int i);
+int rad_quincunx_gap_begin(const struct rad_quincunx *q, int i, int g);
+void rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
+                      const uint8_t *above, struct rad_pixel *pixels);
+
 /* A bar that is filled from the left, as far as its base lines are there.
- * Set to { 0, 0 } first. */
+ * Set to { 0, 0 } first.  To trace ahead from another column than the first,
+ * set to { column, 0 }: nothing is known then of the column before it. */
 struct rad_quincunx_fill {
     int x;     /* columns that are done */
     int found; /* pixels traced in the last one */
