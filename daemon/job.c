@@ -3,6 +3,8 @@
 
 #include "job.h"
 
+#include "jobtext.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +45,8 @@ copy_spec(struct job *job, const struct msg_spec *from)
     s->params = copy_str(mem, from->params, &ok);
     s->needs = copy_str(mem, from->needs, &ok);
     s->estimate = copy_str(mem, from->estimate, &ok);
+    if (from->ncosts > 0)
+        s->costs = copy_bytes(mem, from->costs, (size_t)from->ncosts * 4, &ok);
     s->files.hash = copy_bytes(mem, from->files.hash,
                                (size_t)from->files.n * MSG_HASH, &ok);
     for (uint32_t i = 0; ok && i < from->nframes; i++) {
@@ -104,35 +108,72 @@ job_state_name(enum job_state state)
 }
 
 int
+job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
+                   struct rad_error *err)
+{
+    struct rad_params params;
+    int rc = jobtext_params(from->params, &params, err);
+
+    *spec = (struct partition_spec){
+        .kind = from->partition,
+        .order = from->order,
+        .windows = from->windows,
+        .seed = from->seed,
+        .balance = !(from->flags & MSG_JOB_NO_BALANCE),
+        .fresh = from->flags & MSG_JOB_FRESH_FRAMES,
+        .ncosts = from->ncosts,
+        .nframes = from->nframes,
+        .frames = from->frames,
+    };
+    if (rc == 0)
+        spec->psample = params.psample;
+    return rc;
+}
+
+/* The job's partition; NULL with *err. */
+static struct partition *
+make_partition(const struct job *job, bool single, struct rad_error *err)
+{
+    const struct msg_spec *s = &job->spec;
+    struct partition_spec spec;
+    struct partition *p = NULL;
+    float *costs = malloc(s->ncosts ? s->ncosts * sizeof *costs : 1);
+
+    if (!costs)
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+    else if (job_partition_spec(s, &spec, err) == 0) {
+        if (s->ncosts > 0)
+            wire_floats_get(costs, s->costs, s->ncosts);
+        spec.costs = costs;
+        spec.single = single;
+        p = partition_new(&spec, err);
+    }
+    free(costs);
+    return p;
+}
+
+int
 job_split(struct job *job, bool single, struct rad_error *err)
 {
-    struct partition_spec spec = { .kind = job->spec.partition,
-                                   .order = job->spec.order,
-                                   .windows = job->spec.windows,
-                                   .seed = job->spec.seed,
-                                   .single = single,
-                                   .nframes = job->spec.nframes,
-                                   .frames = job->spec.frames };
-    struct partition *p = partition_new(&spec, err);
+    struct partition *p = make_partition(job, single, err);
     uint32_t n;
 
     if (!p)
-        return err ? err->code : RAD_ENOMEM;
+        return err->code;
     n = partition_total(p);
     job->units = calloc(n, sizeof *job->units);
     if (!job->units) {
         partition_free(p);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
-    job->cost_total = 0;
     for (uint32_t i = 0; i < n; i++) {
         struct partition_area a;
 
         partition_area(p, i, &a);
         job->units[i].holder = job->units[i].worker = JOB_NOBODY;
         job->frames[a.frame].units_left++;
-        job->cost_total += partition_cost(p, i);
     }
+    job->cost_total = partition_cost_total(p);
     job->partition = p;
     return 0;
 }

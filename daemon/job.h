@@ -118,6 +118,11 @@ bool job_over(const struct job *job);
 /* "running". */
 const char *job_state_name(enum job_state state);
 
+/* How a job is to be split, but for single and the values of costs; RAD_EDATA
+ * when its options are no options. */
+int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
+                       struct rad_error *err);
+
 /* Lay out the units; single as in partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
 

@@ -39,6 +39,9 @@ libdaemon_a_SOURCES = \
 	daemon/lossy.h \
 	daemon/partition.c \
 	daemon/partition.h \
+	daemon/partition_impl.h \
+	daemon/partition_lines.c \
+	daemon/partition_window.c \
 	daemon/peer.c \
 	daemon/peer.h \
 	daemon/pool.c \

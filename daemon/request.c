@@ -98,17 +98,20 @@ static int
 submit_fault(const struct coord *c, const struct msg_spec *spec,
              struct rad_error *err)
 {
-    struct partition_spec p = { .kind = spec->partition,
-                                .order = spec->order,
-                                .windows = spec->windows,
-                                .nframes = spec->nframes,
-                                .frames = spec->frames };
+    struct partition_spec p;
     size_t active = 0;
 
     for (size_t i = 0; i < c->njobs; i++)
         active += !job_over(c->jobs[i]);
     if (active >= MOST_JOBS)
         return rad_fail(err, RAD_ETEMPFAIL, "the queue is full");
+    if (spec->partition == MSG_PART_STATIC ||
+        spec->partition == MSG_PART_SCANBAR)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--partition=%s is not supported yet; use window",
+                        partition_kind_name(spec->partition));
+    if (job_partition_spec(spec, &p, err) != 0)
+        return err->code;
     return partition_check(&p, err);
 }
 

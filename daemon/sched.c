@@ -214,7 +214,10 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
         job_suspect_remove(job, unit);
         w->alone = true;
     } else if (w->in_flight >= room_for(job, w) ||
-               !partition_next(job->partition, index, &unit)) {
+               !partition_next(job->partition,
+                               &(struct partition_who){
+                                   .worker = index, .workers = 1, .share = 1 },
+                               &unit)) {
         return false;
     }
     hand_out(c, job, w, index, unit);

@@ -22,6 +22,15 @@ make(uint32_t w, uint32_t h, uint32_t windows, enum msg_order order)
     return p;
 }
 
+/* The next unit for a worker that is alone. */
+static bool
+next(struct partition *p, uint32_t *unit)
+{
+    struct partition_who who = { .workers = 1, .share = 1, .idle = true };
+
+    return partition_next(p, &who, unit);
+}
+
 static const struct {
     uint32_t width, height, windows, units;
 } sizes[] = {
@@ -89,15 +98,15 @@ START_TEST(orders_are_what_their_names_say)
     int moved = 0;
 
     for (uint32_t i = 0; i < N; i++) {
-        ck_assert(partition_next(p, 0, &unit));
+        ck_assert(next(p, &unit));
         ck_assert_uint_eq(unit, N - 1 - i);
     }
-    ck_assert(!partition_next(p, 0, &unit));
+    ck_assert(!next(p, &unit));
     partition_free(p);
     for (int round = 0; round < 2; round++) { /* the same each time */
         p = make(100, 100, N, MSG_ORDER_RANDOM);
         for (uint32_t i = 0; i < N; i++) {
-            ck_assert(partition_next(p, 0, &unit));
+            ck_assert(next(p, &unit));
             if (round == 0) {
                 random[i] = unit;
                 moved += unit != i;
@@ -116,14 +125,14 @@ START_TEST(lost_units_go_out_before_the_others)
     uint32_t unit;
 
     for (int i = 0; i < 3; i++)
-        ck_assert(partition_next(p, 0, &unit));
+        ck_assert(next(p, &unit));
     partition_lost(p, 1);
     partition_lost(p, 1); /* twice is once */
     ck_assert_uint_eq(partition_waiting(p), 8);
-    ck_assert(partition_next(p, 0, &unit) && unit == 1);
+    ck_assert(next(p, &unit) && unit == 1);
     partition_done(p, 1);
     ck_assert_uint_eq(partition_left(p), 9);
-    ck_assert(partition_next(p, 0, &unit) && unit == 3);
+    ck_assert(next(p, &unit) && unit == 3);
     partition_free(p);
 }
 END_TEST
@@ -136,14 +145,14 @@ START_TEST(a_unit_that_was_taken_does_not_go_out)
     partition_take(p, 1);
     partition_take(p, 1);
     ck_assert_uint_eq(partition_waiting(p), 3);
-    ck_assert(partition_next(p, 0, &unit) && unit == 0);
-    ck_assert(partition_next(p, 0, &unit) && unit == 2);
+    ck_assert(next(p, &unit) && unit == 0);
+    ck_assert(next(p, &unit) && unit == 2);
     partition_lost(p, 0);
     partition_take(p, 0); /* out of those that came back, too */
-    ck_assert(partition_next(p, 0, &unit) && unit == 3);
-    ck_assert(!partition_next(p, 0, &unit));
+    ck_assert(next(p, &unit) && unit == 3);
+    ck_assert(!next(p, &unit));
     partition_lost(p, 1);
-    ck_assert(partition_next(p, 0, &unit) && unit == 1);
+    ck_assert(next(p, &unit) && unit == 1);
     partition_free(p);
 }
 END_TEST
@@ -164,7 +173,7 @@ START_TEST(frames_go_out_in_their_order)
 
     ck_assert_uint_eq(partition_total(p), 12);
     for (uint32_t i = 0; i < 12; i++) {
-        ck_assert(partition_next(p, 0, &unit));
+        ck_assert(next(p, &unit));
         partition_area(p, unit, &a);
         ck_assert_uint_eq(a.frame, i / 4);
     }
@@ -176,25 +185,331 @@ START_TEST(frames_go_out_in_their_order)
 }
 END_TEST
 
+/* --- lines --- */
+
+/* 61 rows at -ps 4: base lines 3 rows apart, 21 lines. */
+static struct msg_frame films[] = { { 0, 40, 61, "" },
+                                    { 1, 40, 61, "" },
+                                    { 2, 40, 61, "" } };
+enum { LINES = 21 };
+
+static struct partition_spec
+lines_spec(enum msg_partition kind, uint32_t nframes)
+{
+    return (struct partition_spec){ .kind = kind,
+                                    .strict = true,
+                                    .balance = true,
+                                    .psample = 4,
+                                    .nframes = nframes,
+                                    .frames = films };
+}
+
+static struct partition *
+lines(enum msg_partition kind, uint32_t nframes)
+{
+    struct partition_spec spec = lines_spec(kind, nframes);
+    struct partition *p = partition_new(&spec, NULL);
+
+    ck_assert_ptr_nonnull(p);
+    return p;
+}
+
+/* The lines of the worker's next unit, one of n of equal speed. */
+static bool
+cut(struct partition *p, uint32_t worker, uint32_t n, uint32_t *first,
+    uint32_t *last, uint32_t *unit)
+{
+    struct partition_who who = {
+        .worker = worker, .workers = n, .share = 1. / n, .idle = true
+    };
+
+    if (!partition_next(p, &who, unit))
+        return false;
+    partition_unit_lines(p, *unit, first, last);
+    return true;
+}
+
+/* Every line of every frame in one unit, and the rows of the units too. */
+static void
+check_cover(const struct partition *p, uint32_t nframes)
+{
+    uint8_t seen[3][61] = { { 0 } };
+
+    for (uint32_t f = 0; f < nframes; f++)
+        for (uint32_t i = 0; i < partition_lines(p, f); i++) {
+            uint32_t first, last, unit = partition_line_unit(p, f, i);
+
+            ck_assert_uint_lt(unit, partition_total(p));
+            partition_unit_lines(p, unit, &first, &last);
+            ck_assert(first <= i && i < last);
+        }
+    for (uint32_t u = 0; u < partition_total(p); u++) {
+        struct partition_area a;
+
+        partition_area(p, u, &a);
+        ck_assert(a.x == 0 && a.width == 40);
+        for (uint32_t y = a.y; y < a.y + a.height; y++)
+            ck_assert_uint_eq(seen[a.frame][y]++, 0);
+    }
+    for (uint32_t f = 0; f < nframes; f++)
+        for (int y = 0; y < 61; y++)
+            ck_assert_uint_eq(seen[f][y], 1);
+}
+
+START_TEST(lines_are_base_lines_with_the_bar_above)
+{
+    struct partition *p = lines(MSG_PART_SCANBAR, 2);
+    struct partition_area a;
+    uint32_t rows;
+
+    ck_assert_uint_eq(partition_lines(p, 0), LINES);
+    ck_assert_uint_eq(partition_lines(p, 7), 0);
+    ck_assert_uint_eq(partition_line_rows(p, 0, 0, &rows), 0);
+    ck_assert_uint_eq(rows, 1);
+    ck_assert_uint_eq(partition_line_rows(p, 0, 1, &rows), 1);
+    ck_assert_uint_eq(rows, 3);
+    ck_assert_uint_eq(partition_line_rows(p, 0, LINES - 1, &rows), 58);
+    ck_assert_uint_eq(partition_parts(p), 2 * LINES);
+    partition_part(p, LINES + 1, &a);
+    ck_assert(a.frame == 1 && a.y == 1 && a.height == 3 && a.width == 40);
+    ck_assert_double_eq(partition_cost_total(p), 2 * 40 * 61);
+    ck_assert_uint_eq(partition_line_unit(p, 0, 3), PARTITION_NONE);
+    partition_free(p);
+}
+END_TEST
+
+/* The first of three are spread, then each goes on with what follows, and at
+ * last they meet in the middle of what is left. */
+START_TEST(scanbar_hands_out_single_lines)
+{
+    static const struct {
+        uint32_t worker, first, last;
+    } want[] = { { 0, 0, 2 },   { 1, 7, 8 },   { 2, 14, 15 }, { 1, 8, 9 },
+                 { 0, 2, 3 },   { 2, 15, 16 }, { 2, 16, 17 }, { 2, 17, 18 },
+                 { 2, 18, 19 }, { 2, 19, 20 }, { 2, 20, 21 }, { 2, 11, 12 } };
+    struct partition *p = lines(MSG_PART_SCANBAR, 1);
+    uint32_t first, last, unit;
+
+    for (int i = 0; i < N_ELEM(want); i++) {
+        ck_assert(cut(p, want[i].worker, 3, &first, &last, &unit));
+        ck_assert_msg(first == want[i].first && last == want[i].last,
+                      "%d: lines %u to %u", i, first, last);
+    }
+    while (cut(p, 1, 3, &first, &last, &unit))
+        ck_assert_uint_eq(last, first + 1);
+    ck_assert_uint_eq(partition_waiting(p), 0);
+    check_cover(p, 1);
+    partition_free(p);
+}
+END_TEST
+
+START_TEST(auto_gives_one_worker_whole_frames)
+{
+    struct partition *p = lines(MSG_PART_AUTO, 3);
+    uint32_t first, last, unit;
+
+    for (uint32_t f = 0; f < 3; f++) {
+        struct partition_area a;
+
+        ck_assert(cut(p, 0, 1, &first, &last, &unit));
+        ck_assert(first == 0 && last == LINES);
+        partition_area(p, unit, &a);
+        ck_assert_uint_eq(a.frame, f);
+    }
+    ck_assert(!cut(p, 0, 1, &first, &last, &unit));
+    ck_assert_ptr_nonnull(strstr(partition_choice(p), "one worker"));
+    partition_free(p);
+}
+END_TEST
+
+/* Units of auto get smaller, none is below what is worth one, and several
+ * frames are cut only when few are left. */
+START_TEST(auto_cuts_what_is_left_in_halves)
+{
+    struct partition *p = lines(MSG_PART_AUTO, 3);
+    struct partition_who who = { .workers = 2, .share = .5, .least = 360 };
+    uint32_t first, last, unit, n = 0;
+    double before = 1e9;
+
+    ck_assert(partition_next(p, &who, &unit));
+    ck_assert_double_eq(partition_cost(p, unit), 40 * 61); /* one of three */
+    who.worker = 1;
+    ck_assert(partition_next(p, &who, &unit));
+    ck_assert_double_eq(partition_cost(p, unit), 40 * 61); /* one of two */
+    ck_assert(partition_next(p, &who, &unit));
+    partition_unit_lines(p, unit, &first, &last);
+    ck_assert(first == 0 && last == 5); /* a quarter of one: 13 rows */
+    while (partition_next(p, &who, &unit)) {
+        partition_unit_lines(p, unit, &first, &last);
+        ck_assert(partition_cost(p, unit) >= 360 || n == 0);
+        ck_assert(partition_cost(p, unit) <= before + 2 * 360);
+        before = partition_cost(p, unit);
+        who.worker = n++ % 2;
+    }
+    ck_assert_uint_ge(n, 4);
+    ck_assert_ptr_nonnull(strstr(partition_choice(p), "2 workers"));
+    check_cover(p, 3);
+    partition_free(p);
+}
+END_TEST
+
+/* Speeds 1 : 3, costs that differ by line. */
+START_TEST(static_gives_runs_of_equal_cost_for_the_speed)
+{
+    struct partition *p = lines(MSG_PART_STATIC, 2);
+    static const double speed[] = { 1, 3 };
+    double cost[2 * LINES], sum = 0;
+    uint32_t first, last, unit;
+
+    for (int i = 0; i < 2 * LINES; i++)
+        sum += cost[i] = i < LINES ? 1 + i : 5;
+    partition_set_costs(p, cost);
+    ck_assert_double_eq_tol(partition_cost_total(p), sum, 1e-6);
+    ck_assert(partition_set_speeds(p, speed, 2));
+    ck_assert(cut(p, 0, 2, &first, &last, &unit)); /* 231 in all: 55 or 66 */
+    ck_assert(first == 0 && last == 10);
+    ck_assert_double_eq_tol(partition_cost(p, unit), 55, 1e-6);
+    ck_assert(cut(p, 0, 2, &first, &last, &unit)); /* its run of frame 1 */
+    ck_assert(first == 0 && last == 5);
+    ck_assert(cut(p, 1, 2, &first, &last, &unit));
+    ck_assert(first == 10 && last == LINES);
+    ck_assert(cut(p, 0, 2, &first, &last, &unit)); /* balance: half of that */
+    ck_assert(first == 13 && last == LINES);
+    ck_assert(cut(p, 1, 2, &first, &last, &unit));
+    ck_assert(first == 5 && last == 13);
+    check_cover(p, 2);
+    partition_free(p);
+}
+END_TEST
+
+START_TEST(without_balance_only_absent_workers_lose_their_runs)
+{
+    struct partition_spec spec = lines_spec(MSG_PART_STATIC, 1);
+    static const double speed[] = { 1, 1 };
+    struct partition *p;
+    uint32_t first, last, unit;
+
+    spec.balance = false;
+    p = partition_new(&spec, NULL);
+    ck_assert(partition_set_speeds(p, speed, 2));
+    ck_assert(cut(p, 0, 2, &first, &last, &unit));
+    ck_assert(first == 0 && last == 10 + (last == 11));
+    ck_assert(!cut(p, 0, 2, &first, &last, &unit));
+    ck_assert_uint_gt(partition_waiting(p), 0);
+    partition_set_absent(p, 1, true);
+    ck_assert(cut(p, 0, 2, &first, &last, &unit));
+    ck_assert_uint_eq(last, LINES);
+    check_cover(p, 1);
+    partition_free(p);
+}
+END_TEST
+
+START_TEST(fresh_frames_go_out_one_after_another)
+{
+    struct partition_spec spec = lines_spec(MSG_PART_SCANBAR, 2);
+    struct partition *p;
+    uint32_t first, last, unit, n = 0;
+
+    spec.fresh = true;
+    p = partition_new(&spec, NULL);
+    while (cut(p, 0, 1, &first, &last, &unit))
+        n++;
+    ck_assert_uint_eq(n, LINES - 1);
+    ck_assert_uint_eq(partition_waiting(p), 0);
+    ck_assert_uint_eq(partition_left(p), n + LINES);
+    for (uint32_t u = 0; u < n; u++)
+        partition_done(p, u);
+    ck_assert_uint_eq(partition_waiting(p), LINES);
+    ck_assert(cut(p, 0, 1, &first, &last, &unit) && first == 0);
+    partition_free(p);
+}
+END_TEST
+
+START_TEST(a_unit_gives_whole_lines)
+{
+    struct partition *p = lines(MSG_PART_AUTO, 1);
+    struct partition_area a;
+    uint32_t first, last, unit, given;
+    double cost;
+
+    ck_assert(cut(p, 0, 1, &first, &last, &unit));
+    cost = partition_cost(p, unit);
+    ck_assert_uint_eq(partition_give(p, unit, 0), PARTITION_NONE);
+    ck_assert_uint_eq(partition_give(p, unit, 5), PARTITION_NONE);
+    ck_assert_uint_eq(partition_give(p, unit, 61), PARTITION_NONE);
+    ck_assert_uint_eq(partition_give(p, unit, 64), PARTITION_NONE);
+    given = partition_give(p, unit, 31); /* lines 0 to 10 */
+    ck_assert_uint_eq(given, 1);
+    partition_unit_lines(p, unit, &first, &last);
+    ck_assert(first == 0 && last == 11);
+    partition_unit_lines(p, given, &first, &last);
+    ck_assert(first == 11 && last == LINES);
+    partition_area(p, given, &a);
+    ck_assert(a.y == 31 && a.height == 30);
+    ck_assert_double_eq(partition_cost(p, unit) + partition_cost(p, given),
+                        cost);
+    ck_assert_uint_eq(partition_waiting(p), 1);
+    ck_assert(next(p, &unit) && unit == given);
+    check_cover(p, 1);
+    partition_lost(p, given);
+    ck_assert(next(p, &unit) && unit == given);
+    partition_free(p);
+}
+END_TEST
+
+/* Dearest first: by costs of lines that were given, and by an estimate. */
+START_TEST(windows_go_out_by_cost)
+{
+    float given[LINES] = { [12] = 10, [13] = 10 };
+    double cost[4] = { 1, 3, 2, 3 };
+    struct partition_spec spec = { .kind = MSG_PART_WINDOW,
+                                   .order = MSG_ORDER_COST,
+                                   .windows = 4,
+                                   .psample = 4,
+                                   .ncosts = LINES,
+                                   .costs = given,
+                                   .nframes = 1,
+                                   .frames = films };
+    struct partition *p = partition_new(&spec, NULL);
+    static const uint32_t want[] = { 1, 3, 2, 0 };
+    struct partition_area a;
+    uint32_t unit;
+
+    ck_assert_double_eq_tol(partition_cost_total(p), 20, 1e-3);
+    ck_assert(next(p, &unit));
+    partition_area(p, unit, &a); /* base rows 36 and 39, below the middle */
+    ck_assert(a.y <= 36 && a.y + a.height > 39);
+    partition_free(p);
+    spec.ncosts = 0;
+    p = partition_new(&spec, NULL);
+    ck_assert_uint_eq(partition_parts(p), 4);
+    partition_set_costs(p, cost);
+    for (int i = 0; i < 4; i++)
+        ck_assert(next(p, &unit) && unit == want[i]);
+    partition_free(p);
+}
+END_TEST
+
 static const struct {
     enum msg_partition kind;
-    enum msg_order order;
-    uint32_t width, windows;
+    uint32_t width, windows, ncosts;
     const char *what;
 } refused[] = {
-    { MSG_PART_STATIC, 0, 10, 0, "--partition=static is not supported" },
-    { MSG_PART_SCANBAR, 0, 10, 0, "--partition=scanbar is not supported" },
-    { MSG_PART_WINDOW, MSG_ORDER_COST, 10, 0, "--order=cost is not" },
-    { MSG_PART_WINDOW, 0, 65520, 2000000, "too many windows" },
-    { MSG_PART_WINDOW, 0, 65535, 0, "picture of 65535 columns" },
+    { MSG_PART_WINDOW, 65520, 2000000, 0, "too many windows" },
+    { MSG_PART_WINDOW, 65535, 0, 0, "picture of 65535 columns" },
+    { MSG_PART_SCANBAR, 65535, 0, 0, "picture of 65535 columns" },
+    { MSG_PART_SCANBAR, 10, 0, 3,
+      "costs of 3 lines, but the pictures have 65535" },
+    { MSG_PART_WINDOW, 10, 0, 65534, "costs of 65534 lines" },
 };
 
-START_TEST(what_is_not_there_is_refused_by_name)
+START_TEST(what_cannot_be_is_refused_by_name)
 {
     struct msg_frame f = { 0, refused[_i].width, 65535, "" };
     struct partition_spec spec = { .kind = refused[_i].kind,
-                                   .order = refused[_i].order,
                                    .windows = refused[_i].windows,
+                                   .ncosts = refused[_i].ncosts,
+                                   .psample = 1,
                                    .nframes = 1,
                                    .frames = &f };
     struct rad_error err = { 0 };
@@ -217,7 +532,16 @@ main(void)
     tcase_add_test(tc, lost_units_go_out_before_the_others);
     tcase_add_test(tc, a_unit_that_was_taken_does_not_go_out);
     tcase_add_test(tc, frames_go_out_in_their_order);
-    tcase_add_loop_test(tc, what_is_not_there_is_refused_by_name, 0,
+    tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
+    tcase_add_test(tc, scanbar_hands_out_single_lines);
+    tcase_add_test(tc, auto_gives_one_worker_whole_frames);
+    tcase_add_test(tc, auto_cuts_what_is_left_in_halves);
+    tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
+    tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
+    tcase_add_test(tc, fresh_frames_go_out_one_after_another);
+    tcase_add_test(tc, a_unit_gives_whole_lines);
+    tcase_add_test(tc, windows_go_out_by_cost);
+    tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
                         N_ELEM(refused));
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -1,0 +1,68 @@
+/* partition_impl.h - what partition.c shares with the two ways to partition
+ *
+ * Private to partition*.c. */
+#ifndef DAEMON_PARTITION_IMPL_H
+#define DAEMON_PARTITION_IMPL_H
+
+#include "partition.h"
+
+enum partition_state { PART_WAITING, PART_OUT, PART_DONE };
+
+struct partition_unit {
+    struct partition_area area;
+    enum partition_state state;
+    uint32_t first, last; /* lines, where they are shared */
+    double cost;
+};
+
+struct partition_window;
+struct partition_lines;
+
+struct partition {
+    struct partition_unit *unit;
+    uint32_t total, cap;
+    uint32_t waiting; /* units in state PART_WAITING */
+    uint32_t undone;  /* units that are not done */
+    uint32_t *back;   /* units that came back, a stack */
+    uint32_t nback, cap_back;
+    double cost_total;
+    enum msg_partition kind;
+    char choice[160];
+    struct partition_window *window; /* one of the two */
+    struct partition_lines *lines;
+};
+
+/* A new unit, waiting; PARTITION_NONE when memory is out. */
+uint32_t partition_add(struct partition *p, const struct partition_area *area);
+
+/* Put a waiting unit before the others; false when memory is out. */
+bool partition_back(struct partition *p, uint32_t unit);
+
+/* --- partition_window.c --- */
+
+int window_check(const struct partition_spec *spec, struct rad_error *err);
+bool window_new(struct partition *p, const struct partition_spec *spec);
+void window_free(struct partition_window *w);
+void window_set_costs(struct partition *p, const double *cost);
+/* The next of those that never went out. */
+bool window_next(struct partition *p, uint32_t *unit);
+
+/* --- partition_lines.c --- */
+
+/* Of all frames. */
+uint64_t lines_of(const struct partition_spec *spec);
+int lines_check(const struct partition_spec *spec, struct rad_error *err);
+bool lines_new(struct partition *p, const struct partition_spec *spec);
+void lines_free(struct partition_lines *s);
+void lines_set_costs(struct partition *p, const double *cost);
+void lines_part(const struct partition *p, uint32_t part,
+                struct partition_area *area);
+uint32_t lines_parts(const struct partition *p);
+/* Lines that are in no unit, of the frames that may begin, or of all. */
+uint32_t lines_free_count(const struct partition *p, bool all);
+/* Cut a new unit for a worker. */
+bool lines_next(struct partition *p, const struct partition_who *who,
+                uint32_t *unit);
+void lines_done(struct partition *p, uint32_t unit);
+
+#endif

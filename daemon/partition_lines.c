@@ -1,0 +1,712 @@
+/* partition_lines.c - the lines of each frame, and runs of them as units
+ *
+ * A unit is cut when it goes out.  Where:
+ * - A worker goes on with the line below its last one, so that the base line
+ *   between them stays at home.
+ * - Its first of a frame is spread over the frame by speed, the first worker's
+ *   at the top.
+ * - Else it begins in the middle of the longest stretch that is free.
+ * How much: scanbar, one line.  auto, half of the stretch, but not more than
+ * half of its share of all that is left, so that units shrink towards the end;
+ * whole frames as long as its share of what is left is as much.  static, its
+ * own run of the frame.
+ *
+ * Frames go out in order: one begins when the one before it has no free line
+ * left, or, where nothing may be kept between frames, when that is done. */
+#include "config.h"
+
+#include "partition_impl.h"
+
+#include "picture/quincunx.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct frame {
+    uint32_t width, height;
+    uint32_t first;    /* of its lines among all */
+    uint32_t n;        /* lines */
+    uint32_t nfree;    /* of them in no unit */
+    uint32_t undone;   /* lines that are not done */
+    double spread;     /* shares of the workers that began in it */
+    double cost, left; /* of all its lines, and of those that are free */
+};
+
+/* One that asked for a unit. */
+struct asker {
+    bool began, absent;
+    uint32_t frame, line; /* the one below its last */
+    uint32_t own;         /* static: it has no free line of its own before */
+    double from, to;      /* static: its part of each frame's cost */
+};
+
+struct partition_lines {
+    enum msg_partition kind;
+    bool balance, fresh;
+    int ystep;
+    uint32_t nframes, nlines;
+    struct frame *frame;
+    uint32_t *unit; /* by line of all frames: PARTITION_NONE, free */
+    float *cost;    /* likewise */
+    double left;    /* cost of all free lines */
+    uint32_t lo;    /* frames before have no free line */
+    uint32_t nfree; /* of all frames */
+    struct asker *who;
+    uint32_t nwho, cap_who;
+    uint32_t most; /* workers that took part at a time */
+};
+
+/* --- lines --- */
+
+static struct rad_quincunx
+sampler(const struct partition_lines *s, const struct frame *f)
+{
+    return (struct rad_quincunx){ .width = (int)f->width,
+                                  .height = (int)f->height,
+                                  .xstep = 1,
+                                  .ystep = s->ystep };
+}
+
+/* The row of base line i. */
+static uint32_t
+base_row(const struct partition_lines *s, const struct frame *f, uint32_t i)
+{
+    struct rad_quincunx q = sampler(s, f);
+
+    return (uint32_t)rad_quincunx_base_row(&q, (int)i);
+}
+
+/* First row of line i. */
+static uint32_t
+top_row(const struct partition_lines *s, const struct frame *f, uint32_t i)
+{
+    return i > 0 ? base_row(s, f, i - 1) + 1 : 0;
+}
+
+static bool
+is_free(const struct partition_lines *s, const struct frame *f, uint32_t line)
+{
+    return line < f->n && s->unit[f->first + line] == PARTITION_NONE;
+}
+
+static double
+line_cost(const struct partition_lines *s, const struct frame *f, uint32_t line)
+{
+    return s->cost[f->first + line];
+}
+
+static double
+cost_of(const struct partition_lines *s, const struct frame *f, uint32_t first,
+        uint32_t last)
+{
+    double sum = 0;
+
+    for (uint32_t i = first; i < last; i++)
+        sum += line_cost(s, f, i);
+    return sum;
+}
+
+/* Where the stretch of free lines that begins at line ends. */
+static uint32_t
+stretch(const struct partition_lines *s, const struct frame *f, uint32_t line)
+{
+    while (is_free(s, f, line))
+        line++;
+    return line;
+}
+
+/* The longest stretch; empty when none is free. */
+static void
+longest(const struct partition_lines *s, const struct frame *f, uint32_t *first,
+        uint32_t *last)
+{
+    *first = *last = 0;
+    for (uint32_t i = 0, end; i < f->n; i = end + 1) {
+        end = stretch(s, f, i);
+        if (end - i > *last - *first) {
+            *first = i;
+            *last = end;
+        }
+    }
+}
+
+/* May its lines go out? */
+static bool
+may_begin(const struct partition_lines *s, uint32_t frame)
+{
+    return frame < s->nframes &&
+           (!s->fresh || frame == 0 || s->frame[frame - 1].undone == 0);
+}
+
+/* --- set-up --- */
+
+uint64_t
+lines_of(const struct partition_spec *spec)
+{
+    struct rad_quincunx q = { 0 };
+    uint64_t n = 0;
+
+    rad_quincunx_steps(spec->psample, &q.xstep, &q.ystep);
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        q.width = (int)spec->frames[i].width;
+        q.height = (int)spec->frames[i].height;
+        n += (uint64_t)rad_quincunx_nbases(&q);
+    }
+    return n;
+}
+
+int
+lines_check(const struct partition_spec *spec, struct rad_error *err)
+{
+    if (lines_of(spec) > PARTITION_MAX_LINES)
+        return rad_fail(err, RAD_EUSAGE,
+                        "too many base lines in all frames: at most %d",
+                        PARTITION_MAX_LINES);
+    return 0;
+}
+
+static void
+set_cost(struct partition_lines *s, const double *cost)
+{
+    s->left = 0;
+    for (uint32_t i = 0; i < s->nframes; i++) {
+        struct frame *f = &s->frame[i];
+
+        f->cost = 0;
+        for (uint32_t k = 0; k < f->n; k++) {
+            s->cost[f->first + k] = (float)cost[f->first + k];
+            f->cost += s->cost[f->first + k];
+        }
+        f->left = f->cost;
+        s->left += f->cost;
+    }
+}
+
+void
+lines_set_costs(struct partition *p, const double *cost)
+{
+    set_cost(p->lines, cost);
+}
+
+/* Costs as given, else a line's pixels. */
+static bool
+first_costs(struct partition *p, const struct partition_spec *spec)
+{
+    struct partition_lines *s = p->lines;
+    double *cost = malloc(s->nlines * sizeof *cost);
+
+    if (!cost)
+        return false;
+    for (uint32_t i = 0; i < s->nframes; i++) {
+        const struct frame *f = &s->frame[i];
+
+        for (uint32_t k = 0; k < f->n; k++) {
+            uint32_t rows = base_row(s, f, k) + 1 - top_row(s, f, k);
+
+            cost[f->first + k] = spec->ncosts > 0
+                                     ? (double)spec->costs[f->first + k]
+                                     : (double)rows * f->width;
+        }
+    }
+    partition_set_costs(p, cost);
+    free(cost);
+    return true;
+}
+
+static void
+choose(struct partition *p)
+{
+    const struct partition_lines *s = p->lines;
+
+    if (s->kind != MSG_PART_AUTO)
+        snprintf(p->choice, sizeof p->choice, "asked for");
+    else if (s->most <= 1)
+        snprintf(p->choice, sizeof p->choice,
+                 "one worker: whole frames, which its threads render together");
+    else
+        snprintf(p->choice, sizeof p->choice,
+                 "%u workers: runs of base lines, half of what is left of each "
+                 "one's part, down to 50 ms; the rest by halves and twins",
+                 s->most);
+}
+
+bool
+lines_new(struct partition *p, const struct partition_spec *spec)
+{
+    struct partition_lines *s = calloc(1, sizeof *s);
+    uint32_t n = (uint32_t)lines_of(spec);
+    int xstep;
+
+    p->lines = s;
+    p->kind = spec->kind;
+    if (!s)
+        return false;
+    s->kind = spec->kind;
+    s->balance = spec->balance;
+    s->fresh = spec->fresh;
+    s->nframes = spec->nframes;
+    rad_quincunx_steps(spec->psample, &xstep, &s->ystep);
+    s->frame = calloc(s->nframes, sizeof *s->frame);
+    s->unit = malloc(n * sizeof *s->unit);
+    s->cost = malloc(n * sizeof *s->cost);
+    if (!s->frame || !s->unit || !s->cost)
+        return false;
+    for (uint32_t i = 0; i < s->nframes; i++) {
+        struct frame *f = &s->frame[i];
+        struct rad_quincunx q;
+
+        f->width = spec->frames[i].width;
+        f->height = spec->frames[i].height;
+        f->first = s->nlines;
+        q = sampler(s, f);
+        f->n = f->nfree = f->undone = (uint32_t)rad_quincunx_nbases(&q);
+        s->nlines += f->n;
+    }
+    s->nfree = s->nlines;
+    memset(s->unit, 0xff, n * sizeof *s->unit); /* PARTITION_NONE */
+    choose(p);
+    return first_costs(p, spec);
+}
+
+void
+lines_free(struct partition_lines *s)
+{
+    if (!s)
+        return;
+    free(s->frame);
+    free(s->unit);
+    free(s->cost);
+    free(s->who);
+    free(s);
+}
+
+uint32_t
+lines_parts(const struct partition *p)
+{
+    return p->lines->nlines;
+}
+
+static const struct frame *
+frame_of(const struct partition_lines *s, uint32_t part)
+{
+    uint32_t lo = 0, hi = s->nframes;
+
+    while (hi - lo > 1) {
+        uint32_t mid = (lo + hi) / 2;
+
+        if (s->frame[mid].first <= part)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return &s->frame[lo];
+}
+
+void
+lines_part(const struct partition *p, uint32_t part,
+           struct partition_area *area)
+{
+    const struct partition_lines *s = p->lines;
+    const struct frame *f = frame_of(s, part);
+    uint32_t line = part - f->first, y = top_row(s, f, line);
+
+    *area = (struct partition_area){ (uint32_t)(f - s->frame), 0, y, f->width,
+                                     base_row(s, f, line) + 1 - y };
+}
+
+uint32_t
+lines_free_count(const struct partition *p, bool all)
+{
+    const struct partition_lines *s = p->lines;
+
+    if (all || !s->fresh)
+        return s->nfree;
+    return may_begin(s, s->lo) ? s->frame[s->lo].nfree : 0;
+}
+
+/* --- cutting --- */
+
+/* NULL when memory is out. */
+static struct asker *
+asker(struct partition_lines *s, uint32_t worker)
+{
+    if (worker >= s->cap_who) {
+        uint32_t cap = worker < 8 ? 16 : 2 * worker;
+        struct asker *v = realloc(s->who, cap * sizeof *v);
+
+        if (!v)
+            return NULL;
+        s->who = v;
+        s->cap_who = cap;
+    }
+    while (s->nwho <= worker)
+        s->who[s->nwho++] = (struct asker){ .from = 0 };
+    return &s->who[worker];
+}
+
+static void
+take_lines(struct partition_lines *s, struct frame *f, uint32_t first,
+           uint32_t last, uint32_t unit)
+{
+    double cost = cost_of(s, f, first, last);
+
+    for (uint32_t i = first; i < last; i++)
+        s->unit[f->first + i] = unit;
+    f->nfree -= last - first;
+    s->nfree -= last - first;
+    f->left -= cost;
+    s->left -= cost;
+    while (s->lo < s->nframes && s->frame[s->lo].nfree == 0)
+        s->lo++;
+}
+
+static uint32_t
+add_unit(struct partition *p, struct frame *f, uint32_t first, uint32_t last)
+{
+    struct partition_lines *s = p->lines;
+    uint32_t y = top_row(s, f, first);
+    struct partition_area a = { (uint32_t)(f - s->frame), 0, y, f->width,
+                                base_row(s, f, last - 1) + 1 - y };
+    uint32_t unit = partition_add(p, &a);
+
+    if (unit == PARTITION_NONE)
+        return unit;
+    p->unit[unit].first = first;
+    p->unit[unit].last = last;
+    p->unit[unit].cost = cost_of(s, f, first, last);
+    return unit;
+}
+
+static bool
+cut(struct partition *p, uint32_t frame, uint32_t first, uint32_t last,
+    struct asker *w, uint32_t *unit)
+{
+    struct frame *f = &p->lines->frame[frame];
+
+    *unit = add_unit(p, f, first, last);
+    if (*unit == PARTITION_NONE)
+        return false;
+    take_lines(p->lines, f, first, last, *unit);
+    w->began = true;
+    w->frame = frame;
+    w->line = last;
+    return true;
+}
+
+/* --- scanbar, auto --- */
+
+/* As many lines from `first` on as cost no more, but one, and no more than to
+ * `end`. */
+static uint32_t
+reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
+      uint32_t end, double cost)
+{
+    uint32_t last = first + 1;
+
+    cost -= line_cost(s, f, first);
+    while (last < end && (cost -= line_cost(s, f, last)) >= 0)
+        last++;
+    return last;
+}
+
+/* Where a unit that begins at `first` ends. */
+static uint32_t
+unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
+         const struct partition_who *who)
+{
+    uint32_t end = stretch(s, f, first), last, half;
+    double rest = s->fresh ? f->left : s->left, most = rest * who->share / 2;
+
+    if (s->kind == MSG_PART_SCANBAR) {
+        last = first + 1;
+    } else if (first == 0 && f->nfree == f->n &&
+               f->cost <= rest * who->share * 1.000001) {
+        return end; /* a whole frame */
+    } else {
+        half = first + (end - first + 1) / 2;
+        last = reach(s, f, first, half, most > who->least ? most : who->least);
+        if (cost_of(s, f, first, last) < who->least)
+            last = reach(s, f, first, end, who->least);
+        if (last < end && cost_of(s, f, last, end) < who->least)
+            last = end; /* the rest is worth no unit */
+    }
+    if (first == 0 && last == 1 && end > 1)
+        last = 2; /* line 0 is a row without a bar */
+    return last;
+}
+
+/* Is all true above that line? */
+static bool
+has_top(const struct partition *p, const struct frame *f, uint32_t line)
+{
+    return line == 0 ||
+           p->unit[p->lines->unit[f->first + line - 1]].state == PART_DONE;
+}
+
+/* The line, or where its stretch begins, if what lies before it there is worth
+ * no unit. */
+static uint32_t
+without_scrap(const struct partition_lines *s, const struct frame *f,
+              uint32_t line, double least)
+{
+    uint32_t first = line;
+
+    while (first > 0 && is_free(s, f, first - 1))
+        first--;
+    return cost_of(s, f, first, line) < least ? first : line;
+}
+
+/* Where the worker's next unit of a frame that has free lines begins. */
+static uint32_t
+unit_start(const struct partition *p, struct frame *f, const struct asker *w,
+           const struct partition_who *who)
+{
+    const struct partition_lines *s = p->lines;
+    uint32_t frame = (uint32_t)(f - s->frame), first, last, line;
+
+    if (w->began && w->frame == frame) {
+        if (is_free(s, f, w->line))
+            return w->line;
+    } else if (f->spread < 1) {
+        line = (uint32_t)(f->spread * f->n + .5);
+        f->spread += who->share;
+        if (is_free(s, f, line))
+            return without_scrap(s, f, line, who->least);
+    }
+    longest(s, f, &first, &last);
+    if (has_top(p, f, first) || cost_of(s, f, first, last) < 2 * who->least)
+        return first; /* the latter: it is worth one unit, not two */
+    return first + (last - first) / 2;
+}
+
+static bool
+next_cut(struct partition *p, struct asker *w, const struct partition_who *who,
+         uint32_t *unit)
+{
+    struct partition_lines *s = p->lines;
+    uint32_t frame = s->lo, first;
+    struct frame *f;
+
+    if (!may_begin(s, frame))
+        return false;
+    f = &s->frame[frame];
+    first = unit_start(p, f, w, who);
+    return cut(p, frame, first, unit_end(s, f, first, who), w, unit);
+}
+
+/* --- static --- */
+
+/* The line where a part of a frame's cost ends. */
+static uint32_t
+part_line(const struct partition_lines *s, const struct frame *f, double part)
+{
+    double want = part * f->cost, sum = 0;
+    uint32_t i = 0;
+
+    while (i < f->n) {
+        double next = sum + line_cost(s, f, i);
+
+        if (next - want > want - sum)
+            break;
+        sum = next;
+        i++;
+    }
+    return i;
+}
+
+/* The worker's run of a frame, [*first, *last). */
+static void
+own_run(const struct partition_lines *s, const struct frame *f,
+        const struct asker *w, uint32_t *first, uint32_t *last)
+{
+    *first = part_line(s, f, w->from);
+    *last = w->to >= 1 ? f->n : part_line(s, f, w->to);
+}
+
+/* The first free stretch within [first, last); false: none. */
+static bool
+free_in(const struct partition_lines *s, const struct frame *f, uint32_t first,
+        uint32_t last, uint32_t *from, uint32_t *to)
+{
+    while (first < last && !is_free(s, f, first))
+        first++;
+    *from = first;
+    *to = stretch(s, f, first);
+    if (*to > last)
+        *to = last;
+    return first < last;
+}
+
+/* The next stretch of a worker's own; w may be one that is absent, of whom
+ * another takes. */
+static bool
+next_own(struct partition *p, struct asker *w, struct asker *taker,
+         uint32_t *unit)
+{
+    struct partition_lines *s = p->lines;
+
+    if (w->to <= w->from)
+        return false;
+    for (; w->own < s->nframes; w->own++) {
+        struct frame *f = &s->frame[w->own];
+        uint32_t first, last;
+
+        if (!may_begin(s, w->own))
+            return false;
+        own_run(s, f, w, &first, &last);
+        if (free_in(s, f, first, last, &first, &last))
+            return cut(p, w->own, first, last, taker, unit);
+    }
+    return false;
+}
+
+static bool
+next_static(struct partition *p, struct asker *w,
+            const struct partition_who *who, uint32_t *unit)
+{
+    struct partition_lines *s = p->lines;
+    uint32_t first, last;
+
+    if (next_own(p, w, w, unit))
+        return true;
+    if (!who->idle)
+        return false;
+    for (uint32_t i = 0; i < s->nwho; i++)
+        if (s->who[i].absent && next_own(p, &s->who[i], w, unit))
+            return true;
+    if (!s->balance || !may_begin(s, s->lo))
+        return false;
+    longest(s, &s->frame[s->lo], &first, &last);
+    return cut(p, s->lo, first + (last - first) / 2, last, w, unit);
+}
+
+/* Every frame in proportion to their speeds. */
+bool
+partition_set_speeds(struct partition *p, const double *speed, uint32_t n)
+{
+    double sum = 0, at = 0;
+
+    if (!p->lines || p->kind != MSG_PART_STATIC)
+        return true;
+    for (uint32_t i = 0; i < n; i++)
+        sum += speed[i];
+    for (uint32_t i = 0; i < n && sum > 0; i++) {
+        struct asker *w = asker(p->lines, i);
+
+        if (!w)
+            return false;
+        w->from = at / sum;
+        at += speed[i];
+        w->to = at / sum;
+    }
+    for (uint32_t i = sum > 0 ? n : 0; i-- > 0;)
+        if (speed[i] > 0) {
+            p->lines->who[i].to = 1; /* whatever rounding says */
+            break;
+        }
+    return true;
+}
+
+void
+partition_set_absent(struct partition *p, uint32_t worker, bool absent)
+{
+    struct asker *w = p->lines ? asker(p->lines, worker) : NULL;
+
+    if (w)
+        w->absent = absent;
+}
+
+/* --- units --- */
+
+bool
+lines_next(struct partition *p, const struct partition_who *who, uint32_t *unit)
+{
+    struct partition_lines *s = p->lines;
+    struct asker *w = asker(s, who->worker);
+
+    if (!w || s->nfree == 0)
+        return false;
+    if (who->workers > s->most) {
+        s->most = who->workers;
+        choose(p);
+    }
+    return s->kind == MSG_PART_STATIC ? next_static(p, w, who, unit)
+                                      : next_cut(p, w, who, unit);
+}
+
+void
+lines_done(struct partition *p, uint32_t unit)
+{
+    const struct partition_unit *u = &p->unit[unit];
+
+    p->lines->frame[u->area.frame].undone -= u->last - u->first;
+}
+
+uint32_t
+partition_give(struct partition *p, uint32_t unit, uint32_t height)
+{
+    struct partition_lines *s = p->lines;
+    struct partition_unit *u;
+    struct frame *f;
+    uint32_t line, last, given;
+
+    if (!s || unit >= p->total || p->unit[unit].state == PART_DONE)
+        return PARTITION_NONE;
+    u = &p->unit[unit];
+    f = &s->frame[u->area.frame];
+    last = u->last;
+    for (line = u->first; line < last; line++)
+        if (base_row(s, f, line) + 1 == u->area.y + height)
+            break;
+    if (++line >= last)
+        return PARTITION_NONE;
+    given = add_unit(p, f, line, last);
+    if (given == PARTITION_NONE)
+        return given;
+    if (!partition_back(p, given)) { /* it was never there */
+        p->total--;
+        p->waiting--;
+        p->undone--;
+        return PARTITION_NONE;
+    }
+    for (uint32_t i = line; i < last; i++)
+        s->unit[f->first + i] = given;
+    u = &p->unit[unit];
+    u->area.height = height;
+    u->last = line;
+    u->cost -= p->unit[given].cost;
+    return given;
+}
+
+uint32_t
+partition_lines(const struct partition *p, uint32_t frame)
+{
+    return p->lines && frame < p->lines->nframes ? p->lines->frame[frame].n : 0;
+}
+
+uint32_t
+partition_line_rows(const struct partition *p, uint32_t frame, uint32_t line,
+                    uint32_t *rows)
+{
+    const struct frame *f = &p->lines->frame[frame];
+    uint32_t y = top_row(p->lines, f, line);
+
+    *rows = base_row(p->lines, f, line) + 1 - y;
+    return y;
+}
+
+uint32_t
+partition_line_unit(const struct partition *p, uint32_t frame, uint32_t line)
+{
+    return p->lines->unit[p->lines->frame[frame].first + line];
+}
+
+void
+partition_unit_lines(const struct partition *p, uint32_t unit, uint32_t *first,
+                     uint32_t *last)
+{
+    *first = p->unit[unit].first;
+    *last = p->unit[unit].last;
+}
