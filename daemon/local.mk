@@ -66,6 +66,8 @@ libdaemon_a_SOURCES = \
 	daemon/stats.h \
 	daemon/store.c \
 	daemon/store.h \
+	daemon/strict.c \
+	daemon/strict.h \
 	daemon/task.c \
 	daemon/task.h \
 	daemon/team.c \

@@ -46,6 +46,7 @@ UNIT_TESTS = \
 	tests/check_sim \
 	tests/check_source \
 	tests/check_store \
+	tests/check_strict \
 	tests/check_submit \
 	tests/check_table \
 	tests/check_team \
@@ -285,6 +286,10 @@ tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_store_SOURCES = tests/check_store.c tests/unit.h
 tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_strict_SOURCES = tests/check_strict.c tests/unit.h
+tests_check_strict_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_strict_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -1,0 +1,1272 @@
+/* strict.c - see strict.h
+ *
+ * Everything is found by frame and line.  Facts belong to a line, not to a
+ * unit: they stay while a unit here covers the line, or while they wait to be
+ * sent.  So what one unit traced ahead of another's last line serves when that
+ * line comes here, and a unit that is split leaves its facts to the next.
+ * Tops belong to a line too (struct edge): they are put together from pieces,
+ * which may come in any order, twice, or before the unit that needs them.  A
+ * bottom that was made here is kept for a unit below that may come; since the
+ * coordinator has a copy, an edge that nobody has asked for may go when there
+ * are too many.
+ * What goes out is of two kinds: what others may wait for is sent at once, the
+ * facts of parked units, which only a lost worker makes needed, when there is
+ * room; these are dropped when the top comes first. */
+#include "config.h"
+
+#include "strict.h"
+
+#include <limits.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A unit has waited so long for its top before its facts go out: short waits
+ * cost no traffic. */
+#define PARK_MS 200
+
+/* Edges that no unit here asks for. */
+#define SPARE_EDGES 256
+
+/* The base line under some unit, true. */
+struct edge {
+    struct edge *next; /* the newer one */
+    uint32_t frame;
+    int line;
+    struct rad_pixel *pixels; /* the width */
+    uint8_t *density;
+    uint8_t *have;  /* by column, then by density: it is there */
+    size_t missing; /* how many are not */
+};
+
+struct strict_unit {
+    struct strict_unit *next;
+    uint32_t unit, attempt, frame;
+    int first, last; /* lines [first, last) */
+    enum team_end end;
+    bool make_top; /* base line first - 1 is traced ahead here too */
+    bool twin;     /* facts go out as they are made */
+    bool gone;     /* to be freed when its pass has ended */
+    bool split;    /* GAVE is due when its pass has ended */
+    bool lines_done, ahead_done;
+    bool ahead_guessed; /* AHEAD had colours above the first bar */
+    bool parked;        /* said, or about to be */
+    bool waiting;
+    uint64_t since_ms; /* waiting: from when */
+    struct strict_pass *pass;
+    /* its bottom after LINES or AHEAD; NULL: none yet */
+    struct rad_pixel *guess;
+    uint8_t *guess_density;
+};
+
+/* Something to send. */
+struct item {
+    struct item *next;
+    enum { ITEM_FACTS, ITEM_PARKED, ITEM_GAVE, ITEM_PIECE } kind;
+    uint32_t unit, attempt; /* of PARKED and GAVE, and of lazy FACTS */
+    uint32_t height;        /* of GAVE */
+    uint32_t frame;
+    int line;
+    int row;                  /* of FACTS: those above are out */
+    uint32_t x, n;            /* of PIECE */
+    uint32_t first, ndensity; /* of PIECE */
+    uint8_t *bytes;           /* of PIECE: densities, then pixels */
+};
+
+struct queue {
+    struct item *first;
+    struct item **end;
+};
+
+struct frame {
+    struct rad_quincunx q;
+    size_t ndensity;
+    int nlines;
+    _Atomic(struct rad_facts *) *facts; /* by line; NULL: none needed yet */
+};
+
+struct strict {
+    uint8_t job[MSG_JOB];
+    struct frame *frames;
+    uint32_t nframes;
+    struct strict_unit *units;
+    struct edge *edges; /* the oldest first */
+    struct queue urgent, lazy;
+    struct item *saying; /* what the message lies in */
+    struct msg msg;
+    uint8_t *bitmap, *bytes; /* of the message */
+    float *floats;
+    size_t bitmap_room, floats_room;
+    int error;
+};
+
+/* --- lines --- */
+
+static const struct frame *
+frame_of(const struct strict *s, uint32_t frame)
+{
+    return &s->frames[frame];
+}
+
+static int
+channels_of(const struct frame *f)
+{
+    return f->q.depth ? 4 : 3;
+}
+
+/* The first row of the lines from i on: nlines gives the height. */
+static int
+row_of(const struct frame *f, int i)
+{
+    return i < f->nlines ? team_line_row(&f->q, i) : f->q.height;
+}
+
+/* The line whose first row it is, or nlines for the height; -1: none. */
+static int
+line_from_row(const struct frame *f, uint32_t row)
+{
+    int i = row == 0 ? 0 : (int)((row - 1) / (uint32_t)f->q.ystep) + 1;
+
+    if (row == (uint32_t)f->q.height)
+        return f->nlines;
+    return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
+}
+
+static bool
+covers(const struct strict_unit *u, uint32_t frame, int line)
+{
+    return u->frame == frame && line < u->last &&
+           line >= u->first - (u->make_top ? 1 : 0);
+}
+
+static struct strict_unit *
+find_unit(const struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = s->units;
+
+    while (u && (u->unit != unit || u->attempt != attempt || u->gone))
+        u = u->next;
+    return u;
+}
+
+/* --- facts --- */
+
+static bool
+facts_needed(const struct strict *s, uint32_t frame, int line)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (covers(u, frame, line))
+            return true;
+    for (const struct item *i = s->urgent.first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == frame && i->line == line)
+            return true;
+    return false; /* lazy ones are of units that are there */
+}
+
+static struct rad_facts *
+facts_at(const struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+
+    if (!f->facts)
+        return NULL;
+    return atomic_load_explicit(&f->facts[line], memory_order_relaxed);
+}
+
+/* Room for the facts of a frame's lines; teams look there for new ones. */
+static bool
+facts_table(struct strict *s, uint32_t frame)
+{
+    struct frame *f = &s->frames[frame];
+
+    if (!f->facts)
+        f->facts = calloc((size_t)f->nlines, sizeof *f->facts);
+    if (!f->facts)
+        s->error = RAD_ENOMEM;
+    return f->facts;
+}
+
+/* Facts of a line, new ones if there are none; NULL: memory is out. */
+static struct rad_facts *
+facts_make(struct strict *s, uint32_t frame, int line)
+{
+    struct frame *f = &s->frames[frame];
+    struct rad_facts *facts = facts_at(s, frame, line);
+
+    if (facts)
+        return facts;
+    if (facts_table(s, frame))
+        facts = rad_facts_new(f->q.width, team_line_rows(&f->q, line));
+    if (!facts) {
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    /* pairs with the loads of a team that looks for new facts */
+    atomic_store_explicit(&f->facts[line], facts, memory_order_release);
+    return facts;
+}
+
+static bool
+facts_make_all(struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+        if (!facts_make(s, u->frame, i))
+            return false;
+    return true;
+}
+
+static void
+facts_drop(struct strict *s, uint32_t frame, int line)
+{
+    struct rad_facts *facts = facts_at(s, frame, line);
+
+    if (!facts || facts_needed(s, frame, line))
+        return;
+    atomic_store_explicit(&s->frames[frame].facts[line], NULL,
+                          memory_order_relaxed);
+    rad_facts_free(facts);
+}
+
+/* --- tops and bottoms --- */
+
+static struct edge *
+find_edge(const struct strict *s, uint32_t frame, int line)
+{
+    struct edge *e = s->edges;
+
+    while (e && (e->frame != frame || e->line != line))
+        e = e->next;
+    return e;
+}
+
+static bool
+edge_needed(const struct strict *s, const struct edge *e)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (!u->gone && u->frame == e->frame && u->first - 1 == e->line)
+            return true;
+    return false;
+}
+
+static void
+edge_free(struct edge *e)
+{
+    if (!e)
+        return;
+    free(e->pixels);
+    free(e->density);
+    free(e->have);
+    free(e);
+}
+
+static void
+edge_drop(struct strict *s, uint32_t frame, int line)
+{
+    struct edge **at = &s->edges, *e;
+
+    while (*at && ((*at)->frame != frame || (*at)->line != line))
+        at = &(*at)->next;
+    e = *at;
+    if (!e || edge_needed(s, e))
+        return;
+    *at = e->next;
+    edge_free(e);
+}
+
+/* Let the oldest go that nobody asks for, if there are too many. */
+static void
+edges_limit(struct strict *s)
+{
+    size_t spare = 0;
+
+    for (const struct edge *e = s->edges; e; e = e->next)
+        spare += !edge_needed(s, e);
+    for (struct edge *e = s->edges, *next; e && spare > SPARE_EDGES; e = next) {
+        next = e->next;
+        if (edge_needed(s, e))
+            continue;
+        spare--;
+        edge_drop(s, e->frame, e->line);
+    }
+}
+
+static struct edge *
+edge_make(struct strict *s, uint32_t frame, int line)
+{
+    struct edge *e = find_edge(s, frame, line), **at = &s->edges;
+    const struct frame *f = frame_of(s, frame);
+    size_t width = (size_t)f->q.width;
+
+    if (e)
+        return e;
+    edges_limit(s);
+    e = calloc(1, sizeof *e);
+    if (e) {
+        e->frame = frame;
+        e->line = line;
+        e->pixels = calloc(width, sizeof *e->pixels);
+        e->density = calloc(f->ndensity + 1, 1);
+        e->have = calloc(width + f->ndensity, 1);
+        e->missing = width + f->ndensity;
+    }
+    if (!e || !e->pixels || !e->density || !e->have) {
+        edge_free(e);
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    while (*at)
+        at = &(*at)->next;
+    *at = e;
+    return e;
+}
+
+static void
+edge_have(struct edge *e, size_t i)
+{
+    e->missing -= !e->have[i];
+    e->have[i] = 1;
+}
+
+static void
+edge_pixel(struct edge *e, int x, const struct rad_pixel *p)
+{
+    e->pixels[x] = *p;
+    edge_have(e, (size_t)x);
+}
+
+static void
+edge_density(struct edge *e, const struct frame *f, size_t d, uint8_t density)
+{
+    e->density[d] = density;
+    edge_have(e, (size_t)f->q.width + d);
+}
+
+/* --- what waits to be sent --- */
+
+static void
+queue_init(struct queue *q)
+{
+    q->first = NULL;
+    q->end = &q->first;
+}
+
+static struct item *
+push(struct strict *s, struct queue *q, const struct item *it)
+{
+    struct item *copy = malloc(sizeof *copy);
+
+    if (!copy) {
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    *copy = *it;
+    copy->next = NULL;
+    *q->end = copy;
+    q->end = &copy->next;
+    return copy;
+}
+
+static struct item *
+pop(struct queue *q)
+{
+    struct item *it = q->first;
+
+    if (it) {
+        q->first = it->next;
+        if (!q->first)
+            q->end = &q->first;
+    }
+    return it;
+}
+
+static void
+item_free(struct item *it)
+{
+    if (it)
+        free(it->bytes);
+    free(it);
+}
+
+/* Send the facts of a line that are new, once. */
+static void
+push_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+           int line)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, line);
+    struct item it = { .kind = ITEM_FACTS,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .frame = u->frame,
+                       .line = line };
+
+    if (!facts || rad_facts_fresh(facts) == 0)
+        return;
+    for (const struct item *i = q->first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == u->frame && i->line == line &&
+            i->row == 0)
+            return;
+    push(s, q, &it);
+}
+
+/* Nobody needs the facts of a parked unit any more. */
+static void
+forget_lazy(struct strict *s, const struct strict_unit *u)
+{
+    struct item **at = &s->lazy.first, *it;
+
+    while ((it = *at)) {
+        if (it->unit == u->unit && it->attempt == u->attempt) {
+            *at = it->next;
+            item_free(it);
+        } else {
+            at = &it->next;
+        }
+    }
+    s->lazy.end = at;
+}
+
+static void
+push_gave(struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct item it = { .kind = ITEM_GAVE,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .height = (uint32_t)(row_of(f, u->last) -
+                                            row_of(f, u->first)) };
+
+    push(s, &s->urgent, &it);
+}
+
+/* --- units --- */
+
+static void
+unit_free(struct strict_unit *u)
+{
+    free(u->guess);
+    free(u->guess_density);
+    free(u);
+}
+
+/* Forget a unit that has no pass, its facts and its top. */
+static void
+unit_drop(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = &s->units;
+
+    while (*at != u)
+        at = &(*at)->next;
+    *at = u->next;
+    forget_lazy(s, u);
+    for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+        if (i >= 0)
+            facts_drop(s, u->frame, i);
+    unit_free(u);
+}
+
+static bool
+top_is_true(const struct strict *s, const struct strict_unit *u)
+{
+    const struct edge *e;
+
+    if (u->first == 0)
+        return true;
+    e = find_edge(s, u->frame, u->first - 1);
+    return e && e->missing == 0;
+}
+
+/* The unit here whose bottom is this one's top; NULL: none. */
+static struct strict_unit *
+unit_above(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *a = s->units;
+
+    while (a && (a->gone || a->frame != u->frame || a->last != u->first))
+        a = a->next;
+    return a;
+}
+
+static bool
+top_is_guessed(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return !u->make_top && a && a->guess;
+}
+
+/* What to do for a unit next; false: nothing. */
+static bool
+next_mode(const struct strict *s, const struct strict_unit *u,
+          enum team_mode *mode)
+{
+    if (u->pass || u->gone)
+        return false;
+    if (top_is_true(s, u))
+        *mode = TEAM_TRUTH;
+    else if (!u->lines_done)
+        *mode = TEAM_LINES;
+    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
+        *mode = TEAM_AHEAD;
+    else
+        return false;
+    return true;
+}
+
+static bool
+is_waiting(const struct strict *s, const struct strict_unit *u)
+{
+    enum team_mode mode;
+
+    return !u->pass && !u->gone && !next_mode(s, u, &mode);
+}
+
+bool
+strict_waits(const struct strict *s)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (is_waiting(s, u))
+            return true;
+    return false;
+}
+
+/* The tops that this edge was: stop what goes on without it. */
+static void
+edge_is_true(struct strict *s, const struct edge *e)
+{
+    for (struct strict_unit *u = s->units; u; u = u->next) {
+        if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
+            continue;
+        forget_lazy(s, u);
+        if (u->pass && u->pass->mode != TEAM_TRUTH)
+            u->pass->stop = true;
+    }
+}
+
+/* --- what comes in --- */
+
+static int
+unit_lines(const struct strict *s, const struct msg_unit *m,
+           struct strict_unit *u, struct rad_error *err)
+{
+    const struct frame *f;
+    uint32_t end = m->y + m->height;
+
+    if (m->frame >= s->nframes)
+        return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", m->unit,
+                        m->frame, s->nframes);
+    f = frame_of(s, m->frame);
+    if (m->height < 1 || m->y >= (uint32_t)f->q.height || end < m->y ||
+        end > (uint32_t)f->q.height || m->x != 0 ||
+        m->width != (uint32_t)f->q.width)
+        return rad_fail(err, RAD_EPROTO, "unit %u is not within the frame",
+                        m->unit);
+    u->first = line_from_row(f, m->y);
+    u->last = line_from_row(f, end);
+    if (u->first < 0 || u->last <= u->first)
+        return rad_fail(err, RAD_EPROTO, "unit %u is no run of lines", m->unit);
+    return 0;
+}
+
+int
+strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
+{
+    struct strict_unit *u, **at = &s->units;
+    int rc;
+
+    if (find_unit(s, m->unit, m->attempt))
+        return 0;
+    u = calloc(1, sizeof *u);
+    if (!u)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = unit_lines(s, m, u, err);
+    if (rc < 0) {
+        free(u);
+        return rc;
+    }
+    u->unit = m->unit;
+    u->attempt = m->attempt;
+    u->frame = m->frame;
+    u->end = (enum team_end)m->end;
+    u->make_top = m->flags & MSG_UNIT_TOP && u->first > 0;
+    u->twin = m->flags & MSG_UNIT_TWIN;
+    while (*at)
+        at = &(*at)->next;
+    *at = u;
+    return 0;
+}
+
+void
+strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = find_unit(s, unit, attempt);
+
+    if (!u)
+        return;
+    if (u->pass) {
+        u->gone = true;
+        u->pass->stop = true;
+    } else {
+        unit_drop(s, u);
+    }
+}
+
+/* Lines from `last` on are no longer the unit's; say so. */
+static void
+give_lines(struct strict *s, struct strict_unit *u, int last)
+{
+    int end = u->last;
+
+    if (last < end) {
+        for (int i = last; i < end; i++)
+            push_facts(s, &s->urgent, u, i);
+        u->last = last;
+        /* it was that of another line */
+        free(u->guess);
+        free(u->guess_density);
+        u->guess = NULL;
+        u->guess_density = NULL;
+        for (int i = last; i < end; i++)
+            facts_drop(s, u->frame, i);
+    }
+    push_gave(s, u);
+}
+
+/* Give half of a unit that no team is at. */
+static void
+split_idle(struct strict *s, struct strict_unit *u)
+{
+    bool begun = u->lines_done && u->ahead_done;
+
+    u->split = false;
+    give_lines(s, u, begun ? u->last : u->last - (u->last - u->first) / 2);
+}
+
+/* Bars count, so a LINES pass has begun nothing; but its lines are everywhere:
+ * it ends first, and is made again, through its facts. */
+void
+strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = find_unit(s, unit, attempt);
+
+    if (!u)
+        return;
+    if (!u->pass) {
+        split_idle(s, u);
+    } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
+        u->split = true;
+        u->pass->stop = true;
+    } else {
+        u->split = true;
+        u->pass->split = true;
+    }
+}
+
+void
+strict_shrunk(struct strict *s, struct strict_pass *p, int last)
+{
+    struct strict_unit *u = p->of;
+
+    p->split = false;
+    if (!u->split)
+        return;
+    u->split = false;
+    p->last = last;
+    give_lines(s, u, last);
+}
+
+void
+strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = find_unit(s, unit, attempt);
+
+    if (!u || u->twin)
+        return;
+    u->twin = true;
+    facts_make_all(s, u);
+}
+
+static bool
+facts_fit(const struct strict *s, const struct msg_facts *m)
+{
+    const struct frame *f;
+
+    if (m->frame >= s->nframes)
+        return false;
+    f = frame_of(s, m->frame);
+    return m->line < (uint32_t)f->nlines && m->width == (uint32_t)f->q.width &&
+           m->channels == channels_of(f);
+}
+
+void
+strict_facts(struct strict *s, const struct msg_facts *m)
+{
+    unsigned origin = RAD_FACT_FOREIGN;
+    struct rad_facts *facts;
+    size_t n = (size_t)m->npixels * m->channels;
+    float *pixels;
+
+    if (!facts_fit(s, m) || !facts_needed(s, m->frame, (int)m->line))
+        return;
+    facts = facts_make(s, m->frame, (int)m->line);
+    pixels = malloc(n * sizeof *pixels + 1);
+    if (facts && pixels) {
+        if (m->flags & MSG_FACTS_ESTIMATE)
+            origin |= RAD_FACT_ESTIMATE;
+        wire_floats_get(pixels, m->pixels, n);
+        rad_facts_import(facts, (int)m->row, (int)m->rows, m->channels, origin,
+                         m->bitmap, pixels, m->npixels);
+    }
+    free(pixels);
+}
+
+static bool
+base_line_fits(const struct strict *s, const struct msg_base_line *m)
+{
+    const struct frame *f;
+
+    if (m->frame >= s->nframes)
+        return false;
+    f = frame_of(s, m->frame);
+    return m->line < (uint32_t)f->nlines - 1 && m->x <= (uint32_t)f->q.width &&
+           m->n <= (uint32_t)f->q.width - m->x && m->first <= f->ndensity &&
+           m->ndensity <= f->ndensity - m->first &&
+           m->channels == channels_of(f);
+}
+
+static void
+take_pixel(struct edge *e, uint32_t x, const uint8_t *from, int channels)
+{
+    struct rad_pixel p = { .z = 0 };
+    float v[4];
+
+    wire_floats_get(v, from, (size_t)channels);
+    p.L = rad_rgb(v[0], v[1], v[2]);
+    if (channels == 4)
+        p.z = v[3];
+    edge_pixel(e, (int)x, &p);
+}
+
+void
+strict_base_line(struct strict *s, const struct msg_base_line *m)
+{
+    size_t size = m->channels * sizeof(float);
+    struct edge *e;
+
+    if (!base_line_fits(s, m))
+        return;
+    e = edge_make(s, m->frame, (int)m->line);
+    if (!e || e->missing == 0)
+        return;
+    for (uint32_t i = 0; i < m->n; i++)
+        take_pixel(e, m->x + i, m->pixels + i * size, m->channels);
+    for (uint32_t i = 0; i < m->ndensity; i++)
+        edge_density(e, frame_of(s, m->frame), m->first + i, m->density[i]);
+    if (e->missing == 0)
+        edge_is_true(s, e);
+}
+
+/* The unit above is here and gets on with its work: it comes soon enough. */
+static bool
+is_near(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return a && !is_waiting(s, a);
+}
+
+static void
+park(struct strict *s, struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_PARKED,
+                       .unit = u->unit,
+                       .attempt = u->attempt };
+
+    u->parked = true;
+    for (int i = u->first; i < u->last; i++)
+        push_facts(s, &s->lazy, u, i);
+    push(s, &s->lazy, &it);
+}
+
+void
+strict_tick(struct strict *s, uint64_t now_ms)
+{
+    for (struct strict_unit *u = s->units; u; u = u->next) {
+        bool waiting = is_waiting(s, u);
+
+        if (u->make_top && !u->gone)
+            push_facts(s, &s->urgent, u, u->first - 1);
+        for (int i = u->first; u->twin && !u->gone && i < u->last; i++)
+            push_facts(s, &s->urgent, u, i);
+        if (waiting && !u->waiting)
+            u->since_ms = now_ms;
+        u->waiting = waiting;
+        if (waiting && !u->parked && now_ms - u->since_ms >= PARK_MS &&
+            !is_near(s, u))
+            park(s, u);
+    }
+}
+
+/* --- passes --- */
+
+/* Before which others a pass is made: of units that wait for nobody, then base
+ * lines, which others may wait for, then bars; from the top. */
+static bool
+comes_before(enum team_mode mode, const struct strict_unit *u,
+             enum team_mode than_mode, const struct strict_unit *than)
+{
+    if (mode != than_mode)
+        return mode < than_mode;
+    if (u->frame != than->frame)
+        return u->frame < than->frame;
+    return u->first < than->first;
+}
+
+static struct strict_unit *
+choose(const struct strict *s, enum team_mode *mode)
+{
+    struct strict_unit *best = NULL;
+    enum team_mode m;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (next_mode(s, u, &m) && (!best || comes_before(m, u, *mode, best))) {
+            best = u;
+            *mode = m;
+        }
+    return best;
+}
+
+/* Copy what there is of a top: pixels may be NULL. */
+static bool
+copy_top(const struct strict *s, struct strict_pass *p,
+         const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    size_t n = (size_t)f->q.width * sizeof *p->top;
+
+    if (pixels) {
+        p->top = malloc(n);
+        if (!p->top)
+            return false;
+        memcpy(p->top, pixels, n);
+    }
+    if (f->ndensity > 0) {
+        p->top_density = malloc(f->ndensity);
+        if (!p->top_density)
+            return false;
+        memcpy(p->top_density, density, f->ndensity);
+    }
+    return true;
+}
+
+/* The top of a pass, as it is known. */
+static bool
+set_top(struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of, *a = unit_above(s, u);
+    const struct edge *e = find_edge(s, u->frame, p->first - 1);
+
+    if (e && e->missing == 0)
+        return copy_top(s, p, e->pixels, e->density);
+    if (p->first == u->first && a && a->guess)
+        return copy_top(s, p, a->guess, a->guess_density);
+    return true;
+}
+
+static void
+pass_free(struct strict_pass *p)
+{
+    if (!p)
+        return;
+    free(p->top);
+    free(p->top_density);
+    free(p);
+}
+
+static struct strict_pass *
+pass_new(struct strict *s, struct strict_unit *u, enum team_mode mode)
+{
+    struct strict_pass *p = calloc(1, sizeof *p);
+
+    if (!p)
+        return NULL;
+    p->of = u;
+    p->unit = u->unit;
+    p->attempt = u->attempt;
+    p->frame = u->frame;
+    p->first = u->first - (mode != TEAM_TRUTH && u->make_top ? 1 : 0);
+    p->last = u->last;
+    p->mode = mode;
+    p->least = u->first + 1;
+    p->end = u->end;
+    if (!facts_table(s, u->frame) ||
+        ((mode != TEAM_TRUTH || u->twin || u->end != TEAM_FROM_LEFT) &&
+         !facts_make_all(s, u)) ||
+        !set_top(s, p)) {
+        pass_free(p);
+        return NULL;
+    }
+    p->facts = frame_of(s, u->frame)->facts;
+    return p;
+}
+
+struct strict_pass *
+strict_next(struct strict *s)
+{
+    enum team_mode mode = TEAM_TRUTH;
+    struct strict_unit *u = s->error ? NULL : choose(s, &mode);
+    struct strict_pass *p;
+
+    if (!u)
+        return NULL;
+    p = pass_new(s, u, mode);
+    if (!p)
+        s->error = RAD_ENOMEM;
+    u->pass = p;
+    u->waiting = false;
+    return p;
+}
+
+/* Something of a bottom goes out. */
+static void
+push_piece(struct strict *s, const struct strict_pass *p, int columns,
+           size_t densities, const struct rad_pixel *pixels,
+           const uint8_t *density)
+{
+    int channels = channels_of(frame_of(s, p->frame));
+    struct item it = { .kind = ITEM_PIECE,
+                       .frame = p->frame,
+                       .line = p->last - 1,
+                       .x = (uint32_t)p->sent_columns,
+                       .n = (uint32_t)(columns - p->sent_columns),
+                       .first = (uint32_t)p->sent_densities,
+                       .ndensity = (uint32_t)(densities - p->sent_densities) };
+    uint8_t *to;
+
+    it.bytes = to = malloc(it.ndensity + it.n * sizeof(float) * 4 + 1);
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(to, density + it.first, it.ndensity);
+    to += it.ndensity;
+    for (int x = p->sent_columns; x < columns; x++) {
+        const float v[4] = { pixels[x].L.r, pixels[x].L.g, pixels[x].L.b,
+                             pixels[x].z };
+
+        wire_floats_put(to, v, (size_t)channels);
+        to += (size_t)channels * sizeof(float);
+    }
+    if (!push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
+void
+strict_bottom(struct strict *s, struct strict_pass *p, int columns,
+              size_t densities, const struct rad_pixel *pixels,
+              const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    bool all = columns == f->q.width && densities == f->ndensity;
+    struct edge *e;
+
+    if (p->mode != TEAM_TRUTH || p->of->gone || p->last == f->nlines ||
+        columns < p->sent_columns || densities < p->sent_densities ||
+        (columns - p->sent_columns < f->q.xstep && !all) ||
+        (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
+        !(e = edge_make(s, p->frame, p->last - 1)))
+        return;
+    push_piece(s, p, columns, densities, pixels, density);
+    for (int x = p->sent_columns; x < columns; x++)
+        edge_pixel(e, x, &pixels[x]);
+    for (size_t d = p->sent_densities; d < densities; d++)
+        edge_density(e, f, d, density[d]);
+    p->sent_columns = columns;
+    p->sent_densities = densities;
+    if (all)
+        edge_is_true(s, e);
+}
+
+/* LINES or AHEAD is done: its bottom is a guess for the unit below. */
+static void
+keep_guess(struct strict *s, struct strict_unit *u,
+           const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    size_t n = (size_t)f->q.width * sizeof *u->guess;
+
+    if (!u->guess) {
+        u->guess = malloc(n);
+        u->guess_density = malloc(f->ndensity + 1);
+    }
+    if (!u->guess || !u->guess_density) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(u->guess, pixels, n);
+    if (f->ndensity > 0)
+        memcpy(u->guess_density, density, f->ndensity);
+}
+
+/* Facts of its lines that are there for nothing. */
+static uint64_t
+count_unused(const struct strict *s, const struct strict_unit *u)
+{
+    uint64_t n = 0;
+
+    for (int i = u->first; i < u->last; i++) {
+        const struct rad_facts *facts = facts_at(s, u->frame, i);
+
+        n += facts ? rad_facts_unused(facts) : 0;
+    }
+    return n;
+}
+
+static void
+end_ahead(struct strict *s, struct strict_unit *u, const struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density)
+{
+    if (p->mode == TEAM_AHEAD) {
+        u->ahead_done = true;
+        u->ahead_guessed = p->top || u->make_top;
+    }
+    u->lines_done = true;
+    if (pixels)
+        keep_guess(s, u, pixels, density);
+}
+
+void
+strict_ended(struct strict *s, struct strict_pass *p, bool done,
+             const struct rad_pixel *pixels, const uint8_t *density,
+             uint64_t *speculative)
+{
+    struct strict_unit *u = p->of;
+    const struct frame *f = frame_of(s, u->frame);
+    bool split = u->split, over = u->gone;
+
+    *speculative = 0;
+    if (u->make_top && !u->gone)
+        push_facts(s, &s->urgent, u, u->first - 1);
+    if (done && !u->gone) {
+        if (p->mode == TEAM_TRUTH) {
+            strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+            *speculative = count_unused(s, u);
+            over = true;
+        } else if (!p->stop) {
+            end_ahead(s, u, p, pixels, density);
+        }
+    }
+    u->pass = NULL;
+    pass_free(p);
+    if (over) {
+        int top = u->first - 1;
+        uint32_t frame = u->frame;
+
+        unit_drop(s, u);
+        edge_drop(s, frame, top);
+    } else if (split) {
+        split_idle(s, u);
+    }
+}
+
+/* --- what goes out --- */
+
+static bool
+room_for(struct strict *s, size_t bitmap, size_t floats)
+{
+    if (s->bitmap_room < bitmap) {
+        free(s->bitmap);
+        s->bitmap = malloc(bitmap);
+        s->bitmap_room = s->bitmap ? bitmap : 0;
+    }
+    if (s->floats_room < floats) {
+        free(s->floats);
+        free(s->bytes);
+        s->floats = malloc(floats * sizeof *s->floats);
+        s->bytes = malloc(floats * sizeof *s->floats);
+        s->floats_room = s->floats && s->bytes ? floats : 0;
+    }
+    if (!s->bitmap || !s->floats_room)
+        s->error = RAD_ENOMEM;
+    return !s->error;
+}
+
+/* The next rows' facts of an item into the message; false: there are no more.
+ */
+static bool
+say_facts(struct strict *s, struct item *it)
+{
+    const struct frame *f = frame_of(s, it->frame);
+    struct rad_facts *facts = facts_at(s, it->frame, it->line);
+    size_t width = (size_t)f->q.width, stride = rad_facts_stride(f->q.width);
+    size_t channels = (size_t)channels_of(f);
+    size_t most = (MSG_MAX - 256) / (stride + width * channels * sizeof(float));
+
+    while (facts && it->row < rad_facts_rows(facts)) {
+        int left = rad_facts_rows(facts) - it->row;
+        int n = most < 1 ? 1 : (size_t)left < most ? left : (int)most;
+        int row = it->row;
+        size_t count;
+
+        if (!room_for(s, (size_t)n * stride, (size_t)n * width * channels))
+            return false;
+        it->row += n;
+        count = rad_facts_export(facts, row, n, (int)channels, 0, s->bitmap,
+                                 s->floats);
+        if (count == 0)
+            continue;
+        wire_floats_put(s->bytes, s->floats, count * channels);
+        s->msg.type = MSG_FACTS;
+        s->msg.facts = (struct msg_facts){ .job = s->job,
+                                           .frame = it->frame,
+                                           .line = (uint32_t)it->line,
+                                           .row = (uint32_t)row,
+                                           .rows = (uint32_t)n,
+                                           .width = (uint32_t)width,
+                                           .channels = (uint8_t)channels,
+                                           .bitmap = s->bitmap,
+                                           .pixels = s->bytes,
+                                           .npixels = (uint32_t)count };
+        return true;
+    }
+    return false;
+}
+
+static void
+say_piece(struct strict *s, const struct item *it)
+{
+    s->msg.type = MSG_BASE_LINE;
+    s->msg.base_line = (struct msg_base_line){
+        .job = s->job,
+        .frame = it->frame,
+        .line = (uint32_t)it->line,
+        .x = it->x,
+        .n = it->n,
+        .first = it->first,
+        .ndensity = it->ndensity,
+        .channels = (uint8_t)channels_of(frame_of(s, it->frame)),
+        .density = it->bytes,
+        .pixels = it->bytes + it->ndensity
+    };
+}
+
+/* Put an item into the message; false: there is nothing (more) to say. */
+static bool
+say(struct strict *s, struct item *it)
+{
+    switch (it->kind) {
+    case ITEM_FACTS:
+        return say_facts(s, it);
+    case ITEM_PIECE:
+        say_piece(s, it);
+        break;
+    case ITEM_PARKED:
+        s->msg.type = MSG_PARKED;
+        s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_GAVE:
+        s->msg.type = MSG_GAVE;
+        s->msg.gave =
+            (struct msg_gave){ s->job, it->unit, it->attempt, it->height };
+        break;
+    }
+    return true;
+}
+
+const struct msg *
+strict_message(struct strict *s, bool room)
+{
+    struct queue *q;
+
+    item_free(s->saying);
+    s->saying = NULL;
+    while ((q = s->urgent.first         ? &s->urgent
+                : room && s->lazy.first ? &s->lazy
+                                        : NULL)) {
+        struct item *it = q->first;
+        bool said = say(s, it);
+
+        if (said && it->kind == ITEM_FACTS)
+            return &s->msg; /* there may be more of it */
+        pop(q);
+        if (said) {
+            s->saying = it;
+            return &s->msg;
+        }
+        facts_drop(s, it->frame, it->line);
+        item_free(it);
+    }
+    return NULL;
+}
+
+/* --- life --- */
+
+int
+strict_error(const struct strict *s)
+{
+    return s->error;
+}
+
+static void
+frame_release(struct frame *f)
+{
+    for (int i = 0; f->facts && i < f->nlines; i++)
+        rad_facts_free(
+            atomic_load_explicit(&f->facts[i], memory_order_relaxed));
+    free((void *)f->facts);
+}
+
+void
+strict_free(struct strict *s)
+{
+    struct item *it;
+
+    if (!s)
+        return;
+    while (s->units) {
+        struct strict_unit *u = s->units;
+
+        s->units = u->next;
+        unit_free(u);
+    }
+    while (s->edges) {
+        struct edge *e = s->edges;
+
+        s->edges = e->next;
+        edge_free(e);
+    }
+    while ((it = pop(&s->urgent)) || (it = pop(&s->lazy)))
+        item_free(it);
+    item_free(s->saying);
+    for (uint32_t i = 0; i < s->nframes; i++)
+        frame_release(&s->frames[i]);
+    free(s->frames);
+    free(s->bitmap);
+    free(s->bytes);
+    free(s->floats);
+    free(s);
+}
+
+struct strict *
+strict_new(const struct rad_quincunx *frames, uint32_t nframes,
+           const uint8_t job[MSG_JOB])
+{
+    struct strict *s = calloc(1, sizeof *s);
+
+    if (!s)
+        return NULL;
+    queue_init(&s->urgent);
+    queue_init(&s->lazy);
+    memcpy(s->job, job, MSG_JOB);
+    s->frames = calloc(nframes + 1, sizeof *s->frames);
+    if (!s->frames) {
+        strict_free(s);
+        return NULL;
+    }
+    s->nframes = nframes;
+    for (uint32_t i = 0; i < nframes; i++) {
+        s->frames[i].q = frames[i];
+        s->frames[i].ndensity = rad_quincunx_ndensity(&frames[i]);
+        s->frames[i].nlines = rad_quincunx_nbases(&frames[i]);
+    }
+    return s;
+}

@@ -1,0 +1,98 @@
+/* strict.h - the strict units of a job's child: what is done next, what is said
+ *
+ * A strict unit is lines of a frame (team.h); its top is the base line above
+ * it, its bottom the last of its own.  Line 0 needs no top.  Until the true top
+ * is there, from another worker or another unit here, the unit's pixels are
+ * traced ahead, on a guess, and kept as facts; then TRUTH makes the rows over
+ * the facts and leaves the top of the unit below.  So a unit has passes, each
+ * the work of one team: first LINES, then AHEAD, after which it is parked, and
+ * TRUTH as soon as may be; TRUTH alone where the top is true from the start.
+ * This machine holds units, tops and facts, chooses the passes, takes messages
+ * and makes those that go out.  It has no thread, socket or clock: the caller
+ * gives the time, runs a team for each pass and says how far it is.
+ * Thread: all calls under one lock, but for what teams do with facts. */
+#ifndef RADD_DAEMON_STRICT_H
+#define RADD_DAEMON_STRICT_H
+
+#include "message.h"
+#include "team.h"
+
+struct strict;
+
+/* The frames' samplers, each for the whole frame, are copied; their trace is
+ * not used.  job is the id for messages.  NULL: memory is out. */
+struct strict *strict_new(const struct rad_quincunx *frames, uint32_t nframes,
+                          const uint8_t job[MSG_JOB]);
+
+/* No pass may be under way. */
+void strict_free(struct strict *s);
+
+/* 0, or RAD_ENOMEM once memory ran out for what cannot be done without. */
+int strict_error(const struct strict *s);
+
+/* --- what comes in ---
+ * UNIT: RAD_EPROTO if its rows are no lines of a frame.  The others are ignored
+ * where they are about nothing that is here. */
+int strict_unit(struct strict *s, const struct msg_unit *u,
+                struct rad_error *err);
+void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);
+void strict_split(struct strict *s, uint32_t unit, uint32_t attempt);
+void strict_twin(struct strict *s, uint32_t unit, uint32_t attempt);
+void strict_facts(struct strict *s, const struct msg_facts *m);
+void strict_base_line(struct strict *s, const struct msg_base_line *m);
+
+/* Time passes; call it every 10 ms or so while there are units. */
+void strict_tick(struct strict *s, uint64_t now_ms);
+
+/* --- passes --- */
+
+/* Work for one team.  After any call above its caller looks at stop and split
+ * of those that are under way. */
+struct strict_pass {
+    uint32_t unit, attempt, frame;
+    int first, last; /* lines [first, last) of the frame; see strict_shrunk() */
+    enum team_mode mode;
+    enum team_end end;
+    struct rad_pixel *top;              /* NULL: not known */
+    uint8_t *top_density;               /* NULL: not known, or none at all */
+    _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
+    bool stop;                          /* end it: nobody wants it any more */
+    bool split; /* call team_shrink() with least, and tell
+                 * strict_shrunk() */
+    int least;
+    /* strict.c's */
+    struct strict_unit *of;
+    int sent_columns;
+    size_t sent_densities;
+};
+
+/* Begin the pass that matters most; NULL: there is none.  It is the caller's
+ * until strict_ended(). */
+struct strict_pass *strict_next(struct strict *s);
+
+/* The team gave its lines from `last` on, none of them begun, or nothing. */
+void strict_shrunk(struct strict *s, struct strict_pass *p, int last);
+
+/* So many columns and densities of the bottom line of a TRUTH pass are final,
+ * as in the picture. */
+void strict_bottom(struct strict *s, struct strict_pass *p, int columns,
+                   size_t densities, const struct rad_pixel *pixels,
+                   const uint8_t *density);
+
+/* The team has left the pass, which is gone now.  done: it came to its end;
+ * pixels and density are its bottom then.  With TRUTH the unit is done, and
+ * *speculative the number of its facts that nobody wanted; else 0. */
+void strict_ended(struct strict *s, struct strict_pass *p, bool done,
+                  const struct rad_pixel *pixels, const uint8_t *density,
+                  uint64_t *speculative);
+
+/* Is there a unit that can do nothing but wait for its top? */
+bool strict_waits(const struct strict *s);
+
+/* --- what goes out --- */
+
+/* The next message, in order; valid until the next call.  NULL: none.  Without
+ * room only what others may wait for, not facts for the case of a loss. */
+const struct msg *strict_message(struct strict *s, bool room);
+
+#endif
