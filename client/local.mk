@@ -4,6 +4,8 @@ libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
 libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(JANSSON_CFLAGS) \
 	$(UV_CFLAGS)
 libclient_a_SOURCES = \
+	client/amblist.c \
+	client/amblist.h \
 	client/cargo.c \
 	client/cargo.h \
 	client/command.c \

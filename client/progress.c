@@ -16,7 +16,28 @@ progress_init(struct progress *p, FILE *to, bool always, bool never)
     memset(p, 0, sizeof *p);
     p->terminal = isatty(fileno(to)) == 1;
     p->to = !never && (always || p->terminal) ? to : NULL;
-    p->last_s = -1;
+    p->last_s = p->said_s = -1;
+}
+
+void
+progress_every(struct progress *p, FILE *to, double every_s)
+{
+    p->to = to;
+    p->terminal = false;
+    p->every_s = every_s;
+}
+
+/* Is it too soon for another line? */
+static bool
+too_soon(struct progress *p, double now_s)
+{
+    double since_s = p->said_s < 0 ? now_s : now_s - p->said_s;
+
+    /* reports come a second apart, more or less; a job may begin again */
+    if (since_s >= 0 && since_s < p->every_s - .5)
+        return true;
+    p->said_s = now_s;
+    return false;
 }
 
 static void
@@ -100,6 +121,8 @@ progress_update(struct progress *p, const struct progress_report *r)
     if (!p->to)
         return;
     take_rate(p, r);
+    if (too_soon(p, r->elapsed_s))
+        return;
     if (r->done > 0)
         left_s = r->elapsed_s * (1 - r->done) / r->done;
     progress_format(line, sizeof line, r, p->rate, left_s);

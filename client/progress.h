@@ -24,14 +24,21 @@ struct progress_report {
 struct progress {
     FILE *to; /* NULL: silent */
     bool terminal;
-    bool shown;    /* a line stands on the terminal */
-    double last_s; /* elapsed_s of the last report; < 0: none yet */
+    bool shown;     /* a line stands on the terminal */
+    double every_s; /* one line each time so much has gone by; 0: a line for
+                     * every report, in place on a terminal */
+    double said_s;  /* elapsed_s of the last line; < 0: none yet */
+    double last_s;  /* elapsed_s of the last report; < 0: none yet */
     uint64_t last_rays;
     double rate; /* rays a second, smoothed */
 };
 
 /* always: report even where `to` is no terminal; never: not even there. */
 void progress_init(struct progress *p, FILE *to, bool always, bool never);
+
+/* Show a line each every_s seconds, below each other, unless nothing is to be
+ * shown at all. */
+void progress_every(struct progress *p, FILE *to, double every_s);
 
 /* Take a report and show it. */
 void progress_update(struct progress *p, const struct progress_report *r);

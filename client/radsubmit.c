@@ -61,6 +61,14 @@ say(void *arg, const char *text)
     fprintf(stderr, "radsubmit: %s\n", text);
 }
 
+/* -w- */
+static void
+warn(struct program *p, const char *text)
+{
+    if (!p->o.quiet)
+        say(p, text);
+}
+
 /* -ps is brought to what the sampler does; 0 is a usual way to say 1. */
 static void
 warn_of_psample(struct program *p)
@@ -73,7 +81,7 @@ warn_of_psample(struct program *p)
     snprintf(text, sizeof text,
              "warning: -ps %d is not within 1 to 16: taken as %d", asked,
              taken);
-    say(p, text);
+    warn(p, text);
 }
 
 /* Once for the octree, which holds what Radiance reads. */
@@ -83,7 +91,7 @@ warn_of_octree(struct program *p)
     char text[COMPILE_WARNING];
 
     if (compile_warning(&p->scene, text))
-        say(p, text);
+        warn(p, text);
 }
 
 /* By estimated cost, which counts whole units; by the rows that have come in
@@ -127,7 +135,7 @@ warn_of_nan(struct program *p)
              "first: frame %" PRIu32 ", column %" PRIu32 ", row %" PRIu32,
              n->pixels, n->pixels == 1 ? " was" : "s were",
              n->pixels == 1 ? "is" : "are", n->frame, n->x, n->y);
-    say(p, text);
+    warn(p, text);
 }
 
 /* --- what is written --- */
@@ -485,13 +493,33 @@ run_job(struct program *p)
     return rc;
 }
 
+/* -e: what is said from here on goes there. */
+static int
+open_errors(const struct program *p)
+{
+    FILE *f;
+
+    if (!p->o.errors)
+        return 0;
+    f = fopen(p->o.errors, "w");
+    if (!f || dup2(fileno(f), STDERR_FILENO) < 0)
+        return rad_fail(p->err, RAD_ECANTCREAT, "cannot create '%s': %s",
+                        p->o.errors, strerror(errno));
+    fclose(f);
+    return 0;
+}
+
 static int
 run(struct program *p)
 {
-    int rc;
+    int rc = open_errors(p);
 
+    if (rc < 0)
+        return rc;
     progress_init(&p->progress, stderr, p->o.progress == PROGRESS_ALWAYS,
                   p->o.progress == PROGRESS_NEVER || p->o.detach);
+    if (p->o.report_s > 0 && p->o.progress != PROGRESS_NEVER)
+        progress_every(&p->progress, stderr, p->o.report_s);
     warn_of_psample(p);
     if ((rc = choose_cluster(p)) < 0 ||
         (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||

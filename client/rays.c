@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "rays.h"
+#include "amblist.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "shade/ray.h"
@@ -32,7 +33,9 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             at++;
             continue;
         }
-        n = rad_params_option(&o->params, w->n - at, w->list + at, err);
+        n = amblist_option(&o->params, w->n - at, w->list + at, err);
+        if (n == 0)
+            n = rad_params_option(&o->params, w->n - at, w->list + at, err);
         if (n < 0)
             return n;
         if (n == 0)

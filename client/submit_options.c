@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "submit_options.h"
+#include "amblist.h"
 
 #include "picture/number.h"
 
@@ -92,7 +93,9 @@ static const struct option own[] = {
 static const struct option rpicts[] = {
     TEXT("-o", output, "FILE", "the picture (standard output)"),
     TEXT("-z", depth, "FILE", "distances, as floats"),
-    INT("-S", first_frame, 1, INT_MAX, "N", "animation, first frame's number")
+    INT("-S", first_frame, 1, INT_MAX, "N", "animation, first frame's number"),
+    INT("-t", report_s, 0, INT_MAX, "S", "seconds between progress reports"),
+    TEXT("-e", errors, "FILE", "errors and progress reports, for stderr")
 };
 
 /* promised by radsubmit(1)'s synopsis of a later version, or rpict's own */
@@ -279,6 +282,19 @@ take_view_file(struct cursor *c)
     return rc < 0 ? rc : 2;
 }
 
+/* -w, -w+, -w-: warnings, which are on. */
+static int
+take_warnings(struct cursor *c)
+{
+    const char *word = c->w->list[c->at];
+
+    if (strncmp(word, "-w", 2) != 0 || (word[2] && word[3]) ||
+        !strchr("+-10", word[2]))
+        return 0;
+    c->o->quiet = word[2] ? strchr("-0", word[2]) != NULL : !c->o->quiet;
+    return 1;
+}
+
 static int
 is_wish(const char *word)
 {
@@ -308,7 +324,9 @@ take_option(struct cursor *c)
     char *const *argv = c->w->list + c->at;
     int argc = c->w->n - c->at, rc;
 
-    if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0)
+    if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0 ||
+        (rc = take_warnings(c)) != 0 ||
+        (rc = amblist_option(&c->o->params, argc, argv, c->err)) != 0)
         return rc;
     if (strncmp(argv[0], "--", 2) == 0) {
         if ((rc = take_from(c, own, N_ELEM(own))) != 0)
@@ -392,6 +410,15 @@ check_together(struct submit_options *o, struct rad_error *err)
                         "--local and --coordinator exclude each other");
     if (o->views && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--views needs -S");
+    if (o->errors && strpbrk(o->errors, "=:"))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-e': '%.40s' is an expression, and "
+                        "definitions belong in the function files of the scene",
+                        o->errors);
+    if (o->params.motion > 0 && o->first_frame > 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-pm' needs the view before the first: use "
+                        "-S 1 and all views");
     if (o->fresh_frames && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
     if (o->first_frame && !o->output)
@@ -473,6 +500,11 @@ print_line(void *to, const char *text)
 void
 submit_options_defaults(const struct submit_options *o, FILE *to)
 {
+    char text[32];
+
     rad_view_print_defaults(&o->view, print_line, to);
     rad_params_print_defaults(&o->params, print_line, to);
+    snprintf(text, sizeof text, "-t %d", o->report_s);
+    fprintf(to, "%-31s # time between reports\n", text);
+    fprintf(to, "%-31s # warning messages\n", o->quiet ? "-w-" : "-w+");
 }

@@ -44,7 +44,11 @@ struct submit_options {
     bool no_share, fresh_frames, detach;
     int priority;
     const char *name;
-    int progress; /* enum submit_progress */
+    int progress;       /* enum submit_progress */
+    int report_s;       /* -t: seconds from one line of it to the next; 0: no
+                         * matter */
+    bool quiet;         /* -w-: no warnings */
+    const char *errors; /* -e: file for what else stderr gets */
     /* what */
     char *const *scenes; /* nscenes names, "-" is stdin */
     int nscenes;

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_WORDS 512
+/* more than rad_params_format() writes, names of -ae and all */
+#define MAX_WORDS 1024
 
 /* Part text at its blanks; the words lie in *copy, which the caller frees.
  * Returns their number or a negative code. */

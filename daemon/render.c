@@ -299,6 +299,7 @@ load_frames(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
 {
     bool depth = spec->flags & MSG_JOB_DEPTH;
+    struct rad_view before;
 
     r->frames = calloc(spec->nframes + 1, sizeof *r->frames);
     if (!r->frames)
@@ -314,6 +315,9 @@ load_frames(struct render *r, const struct msg_spec *spec,
         if (rc < 0)
             return rc;
         r->nframes = i + 1;
+        if (i > 0 && (rc = rad_frame_move(&r->frames[i], &before, err)) < 0)
+            return rc;
+        before = view;
         if (r->frames[i].width != (int)f->width ||
             r->frames[i].height != (int)f->height)
             return rad_fail(

@@ -276,6 +276,40 @@ START_TEST(furnace_loses_the_reflectance_at_each_bounce)
 }
 END_TEST
 
+/* What -ae names, or -ai does not, gets -av without a bounce. */
+static const struct {
+    const char *options;
+    double a, b; /* radiance of the two floors over -av */
+} listed[] = {
+    { "", .25, .25 },           { "-ae a", .5, .25 },
+    { "-ai a", .25, .5 },       { "-ae a -ae b", .5, .5 },
+    { "-ai a -ae b", .25, .5 }, { "-ae c", .25, .25 },
+};
+
+START_TEST(lists_say_which_surfaces_get_ambient_light)
+{
+    char options[128];
+    struct world w;
+
+    snprintf(options, sizeof options,
+             "-ab 1 -aa %s -ad 64 -as 0 -av 8 8 8 -lw 0 %s",
+             _i % 2 ? "0" : ".2", listed[_i / 2].options);
+    world_open(&w,
+               "void plastic a 0 0 5 .5 .5 .5 0 0\n"
+               "void plastic b 0 0 5 .5 .5 .5 0 0\n"
+               "void plastic lid 0 0 5 .5 .5 .5 0 0\n"
+               "a polygon l 0 0 12 -1 -1 0 0 -1 0 0 1 0 -1 1 0\n"
+               "b polygon r 0 0 12 0 -1 0 1 -1 0 1 1 0 0 1 0\n"
+               "lid sphere s 0 0 4 0 0 0 5\n",
+               options);
+    ck_assert_double_eq_tol(world_see(&w, -.5, 0, 1, 0, 0, -1).r,
+                            8 * listed[_i / 2].a, 1e-5);
+    ck_assert_double_eq_tol(world_see(&w, .5, 0, 1, 0, 0, -1).r,
+                            8 * listed[_i / 2].b, 1e-5);
+    world_close(&w);
+}
+END_TEST
+
 /* A glow that fills a quarter of the hemisphere's projection: the mean of many
  * samplings is right, with and without extra samples, in the dark half and at
  * the edge, for these must not depend on what they find. */
@@ -800,6 +834,8 @@ make_suite(void)
     tcase_set_timeout(tc, 60); /* for busy machines */
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
     tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
+    tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
+                        2 * N_ELEM(listed));
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");

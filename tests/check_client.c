@@ -95,6 +95,57 @@ START_TEST(options_of_both_kinds_mix)
 }
 END_TEST
 
+START_TEST(options_about_messages_are_rpicts)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    static const struct {
+        const char *line;
+        bool quiet;
+    } say[] = { { "a.rad", false },
+                { "-w a.rad", true },
+                { "-w -w a.rad", false },
+                { "-w- a.rad", true },
+                { "-w -w+ a.rad", false } };
+
+    for (int i = 0; i < N_ELEM(say); i++) {
+        ck_assert_int_eq(parse(&o, &w, say[i].line, &err), SUBMIT_RUN);
+        ck_assert_int_eq(o.quiet, say[i].quiet);
+        words_release(&w);
+    }
+    ck_assert_int_eq(parse(&o, &w, "-t 30 -e err.txt a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.report_s, 30);
+    ck_assert_str_eq(o.errors, "err.txt");
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(names_of_modifiers_come_from_files)
+{
+    char path[] = "/tmp/check_client.XXXXXX", line[200];
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    int fd = mkstemp(path);
+
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(write(fd, " red\n\tblue green ", 17), 17);
+    close(fd);
+    snprintf(line, sizeof line, "-ae white -aE %s a.rad", path);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.params.amblisted, RAD_AMB_EXCLUDE);
+    ck_assert_str_eq(o.params.amblist, "white red blue green");
+    words_release(&w);
+    snprintf(line, sizeof line, "-ae white -aI %s a.rad", path);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.params.amblisted, RAD_AMB_INCLUDE);
+    ck_assert_str_eq(o.params.amblist, "red blue green");
+    words_release(&w);
+    unlink(path);
+}
+END_TEST
+
 static const struct {
     const char *line;
     const char *names; /* must be in the message */
@@ -102,7 +153,11 @@ static const struct {
     { "-x abc a.rad", "-x" },
     { "-x", "-x" },
     { "-x -3 a.rad", "-x" },
-    { "-pm .1 a.rad", "-pm" },
+    { "-r f a.rad", "-r" },
+    { "-e x=3 a.rad", "-e" },
+    { "-t -1 a.rad", "-t" },
+    { "-pm .1 -S 2 -o %d.hdr a.rad", "-S" },
+    { "-aI", "-aI" },
     { "-af f a.rad", "-af" },
     { "-features a.rad", "-features" },
     { "-nonsense a.rad", "-nonsense" },
@@ -395,6 +450,31 @@ START_TEST(progress_says_what_is_left)
 }
 END_TEST
 
+START_TEST(progress_comes_as_often_as_asked)
+{
+    struct progress_report r = { .rays = 100, .workers = 1 };
+    struct progress p;
+    char *text = NULL;
+    size_t len = 0;
+    FILE *f = open_memstream(&text, &len);
+    int shown = 0;
+
+    progress_init(&p, stderr, false, true);
+    progress_every(&p, f, 10);
+    for (int s = 1; s <= 35; s++) {
+        r.elapsed_s = s + .1 * (s % 3 - 1);
+        r.done = s / 40.;
+        progress_update(&p, &r);
+    }
+    fclose(f);
+    for (size_t i = 0; i < len; i++)
+        shown += text[i] == '\n';
+    ck_assert_int_eq(shown, 3);
+    ck_assert_ptr_null(strchr(text, '\r'));
+    free(text);
+}
+END_TEST
+
 START_TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
@@ -454,6 +534,8 @@ static void
 add_tests(TCase *tc)
 {
     tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_test(tc, options_about_messages_are_rpicts);
+    tcase_add_test(tc, names_of_modifiers_come_from_files);
     tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
     tcase_add_test(tc, files_and_variables_open_up_in_place);
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
@@ -465,6 +547,7 @@ add_tests(TCase *tc)
     tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
     tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
+    tcase_add_test(tc, progress_comes_as_often_as_asked);
     tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
 }
 

@@ -216,6 +216,75 @@ START_TEST(seed_and_frame_move_the_jitter)
 }
 END_TEST
 
+/* The edge of a half plane that glows, at twice the focal distance, seen
+ * through a lens of diameter 1: the share of the lens that sees it. */
+START_TEST(what_is_out_of_focus_blurs_by_the_lens)
+{
+    static const char half[] = "void glow g 0 0 4 1 1 1 0\n"
+                               "g polygon p 0 0 12 0 8 -50 50 8 -50 50 8 50 0 "
+                               "8 50\n";
+    struct rad_params p = params(64, 1);
+    struct stage s;
+    struct rad_pixel *seen;
+    double sum[64] = { 0 };
+
+    p.pixjitter = 0;
+    p.aperture = 1;
+    stage_init(&s, half, p, "VIEW= -vtv -vd 0 4 0 -vh 90 -vv 90", false);
+    seen = render_all(&s);
+    for (int i = 0; i < 64 * 64; i++)
+        sum[i % 64] += seen[i].L.r / 64;
+    for (int x = 0; x < 64; x++) {
+        /* from lens position u the way by focus (4 h, 4) meets 8 h - u */
+        double h = 2 * (x + .5) / 64 - 1, u = fmax(-.5, fmin(.5, 8 * h));
+        double share =
+            .5 + (u * sqrt(.25 - u * u) + asin(2 * u) / 4) * 4 / M_PI;
+
+        ck_assert_double_eq_tol(sum[x], share, .2);
+        if (fabs(u) == .5)
+            ck_assert_double_eq(sum[x], share);
+    }
+    free(seen);
+    stage_release(&s);
+}
+END_TEST
+
+/* The same half plane, from a view that moves across: one frame before, the
+ * edge was a quarter of the picture to the left, so with half the shutter open
+ * it smears an eighth to both sides together. */
+START_TEST(motion_blurs_between_the_views)
+{
+    static const char half[] = "void glow g 0 0 4 1 1 1 0\n"
+                               "g polygon p 0 0 12 0 8 -50 50 8 -50 50 8 50 0 "
+                               "8 50\n";
+    struct rad_params p = params(64, 1);
+    struct rad_view before;
+    struct stage s;
+    struct rad_pixel *seen;
+    double sum[64] = { 0 };
+    char line[] = "VIEW= -vtl -vp 4 0 0 -vh 16 -vv 16";
+
+    p.pixjitter = 0;
+    p.motion = .5;
+    stage_init(&s, half, p, "VIEW= -vtl -vh 16 -vv 16", false);
+    rad_view_init(&before);
+    rad_view_line(&before, line, strlen(line), NULL);
+    ck_assert_int_eq(rad_frame_move(&s.frame, &before, NULL), 0);
+    seen = render_all(&s);
+    for (int i = 0; i < 64 * 64; i++)
+        sum[i % 64] += seen[i].L.r / 64;
+    for (int x = 0; x < 64; x++) {
+        double at = (x + .5 - 32) / 64 * 16; /* of the pixel in the world */
+        double share = fmax(0, fmin(1, .5 + at / 2));
+
+        ck_assert_double_eq_tol(sum[x], share,
+                                share > 0 && share < 1 ? .2 : 1e-12);
+    }
+    free(seen);
+    stage_release(&s);
+}
+END_TEST
+
 /* A glowing square in the upper left quarter, seen without perspective; the
  * edge of each pixel's jitter stays within the pixel. */
 START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
@@ -387,6 +456,8 @@ main(void)
     tcase_add_test(tc, painted_sources_that_are_no_numbers_count_too);
     tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
     tcase_add_test(tc, seed_and_frame_move_the_jitter);
+    tcase_add_test(tc, what_is_out_of_focus_blurs_by_the_lens);
+    tcase_add_test(tc, motion_blurs_between_the_views);
     tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);
     tcase_add_test(tc, small_lamps_are_painted_with_their_area);
     tcase_add_test(tc, wide_lamps_and_illums_are_not_painted);

@@ -156,6 +156,52 @@ START_TEST(header_holds_options_and_view)
 }
 END_TEST
 
+START_TEST(header_says_what_the_numbers_are)
+{
+    static const struct {
+        const char *options, *lines;
+    } colour[] = {
+        { "-ps 1 -pXYZ -dt 0", "\nFORMAT=32-bit_rle_xyze\n" },
+        { "-pc .7 .3 .2 .7 .1 .1 .3 .4 -dt 0",
+          "\nPRIMARIES= 0.7000 0.3000 0.2000 0.7000 0.1000 0.1000 0.3000 "
+          "0.4000\nFORMAT=32-bit_rle_rgbe\n" },
+        { "-ae -pXYZy -x 1", "\nFORMAT=32-bit_rle_rgbe\n" },
+    };
+
+    for (int i = 0; i < N_ELEM(colour); i++) {
+        struct rad_hdr_info info = {
+            "radsubmit", colour[i].options, "-vtv", 1, 0, 1, 1
+        };
+        struct rad_rgb L = rad_grey(1);
+        struct file f = write_picture(&info, &L);
+        char text[400] = "";
+
+        memcpy(text, f.data, f.len - 4 < 399 ? f.len - 4 : 399);
+        ck_assert_ptr_nonnull(strstr(text, colour[i].lines));
+        free(f.data);
+    }
+}
+END_TEST
+
+START_TEST(tristimulus_values_are_read_as_rgb)
+{
+    struct rad_hdr_info info = { "radsubmit", "-pXYZ", "-vtv", 1, 0, 1, 1 };
+    struct rad_rgb want = rad_rgb(.5f, 2, 1), L = rad_rgb_to_xyz(want);
+    struct file f = write_picture(&info, &L);
+    struct rad_coded_picture coded;
+    struct rad_picture pic;
+
+    ck_assert_int_eq(rad_hdr_read(f.data, f.len, 1, &pic, NULL), 0);
+    ck_assert_float_eq_tol(pic.L[0].r, want.r, .04f);
+    ck_assert_float_eq_tol(pic.L[0].g, want.g, .02f);
+    ck_assert_float_eq_tol(pic.L[0].b, want.b, .02f);
+    rad_picture_release(&pic);
+    ck_assert_int_eq(rad_hdr_read_coded(f.data, f.len, 1, &coded, NULL),
+                     RAD_EDATA);
+    free(f.data);
+}
+END_TEST
+
 /* Two by three pixels, numbered 1 to 6 in the order of the file, as flat
  * pixels of value n + .5; where pixel 1 and 2 end up. */
 static const struct {
@@ -276,7 +322,7 @@ static const struct {
     BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\0"),              /* no length */
     BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\10abc"),          /* ends in a literal */
     BAD(HEAD "-Y 1 +X 8\n\2\2\0\10\210a\210b\210c"), /* a component less */
-    BAD("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd"),
+    BAD("#?RADIANCE\nFORMAT=32-bit_rle_spec\n\n-Y 1 +X 1\nabcd"),
     BAD("#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd"),
     BAD("#?RADIANCE\nEXPOSURE=nan\n\n-Y 1 +X 1\nabcd"),
     BAD("#?RADIANCE\nEXPOSURE=1e200\nEXPOSURE=1e200\n\n-Y 1 +X 1\nabcd"),
@@ -310,6 +356,8 @@ main(void)
     tcase_add_loop_test(tc, pictures_come_back_as_written, 0,
                         4 * N_ELEM(widths));
     tcase_add_test(tc, header_holds_options_and_view);
+    tcase_add_test(tc, header_says_what_the_numbers_are);
+    tcase_add_test(tc, tristimulus_values_are_read_as_rgb);
     tcase_add_loop_test(tc, orientation_is_undone, 0, N_ELEM(orientations));
     tcase_add_test(tc, oldest_header_is_read);
     tcase_add_test(tc, exposure_and_colour_correction_are_undone);

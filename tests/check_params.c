@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_WORDS = 160 };
+enum { MOST_WORDS = 1024 };
 
 /* Cut a copy of text into words. */
 static int
@@ -146,19 +146,30 @@ static const struct {
     { "--seed=18446744073709551616",
       "option '--seed': expected a whole number from 0 to "
       "18446744073709551615, got '18446744073709551616'" },
-    { "-pm .5", "option '-pm' of rpict is not supported" },
-    { "-pd 1", "option '-pd' of rpict is not supported" },
-    { "-pXYZ", "option '-pXYZ' of rpict is not supported" },
-    { "-pc 1 1 1 1 1 1 1 1", "option '-pc' of rpict is not supported" },
-    { "-af amb", "option '-af' of rpict is not supported" },
-    { "-ae mod", "option '-ae' of rpict is not supported" },
-    { "-ap map 50", "option '-ap' of rpict is not supported" },
-    { "-cs 20", "option '-cs' of rpict is not supported" },
-    { "-t 30", "option '-t' of rpict is not supported" },
-    { "-w-", "option '-w-' of rpict is not supported" },
-    { "-e err", "option '-e' of rpict is not supported" },
-    { "-ro pic", "option '-ro' of rpict is not supported" },
-    { "-PP file", "option '-PP' of rpict is not supported" },
+    { "-pm -1", "option '-pm': '-1' is less than 0" },
+    { "-pc 1 1 1 1", "option '-pc': expected 8 values, got 4" },
+    { "-pc .7 .3 .2 .7 .1 .1 .3 x", "option '-pc': expected a number, got "
+                                    "'x'" },
+    { "-pc .7 .3 .7 .3 .1 .1 .3 .3",
+      "option '-pc': illegal primary chromaticities" },
+    { "-pc .7 .3 .2 .7 .1 .1 .3 0",
+      "option '-pc': illegal primary chromaticities" },
+    { "-pc .7 .3 .2 9 .1 .1 .3 .3",
+      "option '-pc': illegal primary chromaticities" },
+    { "-f fun.cal", "option '-f' of rpict is not supported: definitions "
+                    "belong in the function files of the scene" },
+    { "-af amb", "option '-af' of rpict is not supported: workers share "
+                 "ambient values by themselves" },
+    { "-ap map 50", "option '-ap' of rpict is not supported: there are no "
+                    "photon maps" },
+    { "-am+", "option '-am+' of rpict is not supported: there are no photon "
+              "maps" },
+    { "-cs 20", "option '-cs' of rpict is not supported: there is no spectral "
+                "rendering" },
+    { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
+                 "rendered and goes on by itself; submit it again" },
+    { "-PP file", "option '-PP' of rpict is not supported: the daemons stay, "
+                  "and a second job sends no scene again" },
 };
 
 START_TEST(bad_options_are_named)
@@ -176,7 +187,8 @@ START_TEST(other_words_are_left_alone)
 {
     static const char *const words[] = { "scene.oct", "-vp", "-vf", "-dtx",
                                          "-dvx",      "-",   "-o",  "--see",
-                                         "-xy",       "-z",  "",    "-dv+-" };
+                                         "-xy",       "-z",  "",    "-dv+-",
+                                         "-t",        "-w",  "-e",  "-aE" };
 
     for (int i = 0; i < N_ELEM(words); i++) {
         struct rad_params p, before;
@@ -213,6 +225,75 @@ START_TEST(check_refuses_what_does_not_go_together)
     ck_assert_int_gt(take(&p, "-lr -4 -lw 0", NULL), 0);
     ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
     ck_assert_ptr_nonnull(strstr(err.what, "-lr -4"));
+}
+END_TEST
+
+/* -pRGB, -pXYZ and -pc: the last one counts, and Radiance's own primaries are
+ * no others. */
+START_TEST(last_kind_of_output_colour_counts)
+{
+    struct rad_rgb L = rad_rgb(1, 1, 1), xyz;
+    struct rad_params p;
+    char text[RAD_PARAMS_TEXT];
+
+    rad_params_init(&p);
+    rad_params_format(&p, text, sizeof text);
+    ck_assert_ptr_null(strstr(text, "-pRGB"));
+    ck_assert_int_gt(take(&p, "-pc .7 .3 .2 .7 .1 .1 .3 .3", NULL), 0);
+    ck_assert_int_eq(p.primaries, RAD_PRIM_CUSTOM);
+    ck_assert_double_eq(p.chroma[3], .7);
+    ck_assert_float_eq(rad_params_colour(&p, L).r, 1);
+    rad_params_format(&p, text, sizeof text);
+    ck_assert_ptr_nonnull(strstr(text, "-pc 0.7 0.3 0.2 0.7 0.1 0.1 0.3 0.3"));
+    ck_assert_int_gt(take(&p, "-pXYZ", NULL), 0);
+    ck_assert_int_eq(p.primaries, RAD_PRIM_XYZ);
+    ck_assert_double_eq(p.chroma[3], 0);
+    /* equal-energy white has X = Y = Z, 179 lm in each watt */
+    xyz = rad_params_colour(&p, L);
+    ck_assert_float_eq_tol(xyz.r, 179, 1e-3f);
+    ck_assert_float_eq_tol(xyz.g, 179, 1e-3f);
+    ck_assert_float_eq_tol(xyz.b, 179, 1e-3f);
+    ck_assert_int_gt(take(&p, "-pc .64 .33 .29 .6 .15 .06 .3333 .3333", NULL),
+                     0);
+    ck_assert_int_eq(p.primaries, RAD_PRIM_RGB);
+}
+END_TEST
+
+START_TEST(names_of_the_last_kind_add_up)
+{
+    struct rad_params p;
+    struct rad_error err = { 0 };
+    char text[RAD_PARAMS_TEXT], name[10];
+    int n = 0;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, "-ae red -ae blue", NULL), 0);
+    ck_assert_int_eq(p.amblisted, RAD_AMB_EXCLUDE);
+    ck_assert_str_eq(p.amblist, "red blue");
+    rad_params_format(&p, text, sizeof text);
+    ck_assert_ptr_nonnull(strstr(text, "-ae red -ae blue"));
+    ck_assert_int_gt(take(&p, "-ai green", NULL), 0);
+    ck_assert_int_eq(p.amblisted, RAD_AMB_INCLUDE);
+    ck_assert_str_eq(p.amblist, "green");
+    /* as many as fit: then the text does, too */
+    rad_params_init(&p);
+    for (;; n++) {
+        char option[] = "-ai", *argv[] = { option, name };
+
+        snprintf(name, sizeof name, "%c", 'a' + n % 26);
+        if (rad_params_option(&p, 2, argv, &err) < 0)
+            break;
+    }
+    ck_assert_int_ge(n, 390);
+    ck_assert_ptr_nonnull(strstr(err.what, "more than"));
+    p.pixjitter = p.maxdiff = p.shadthresh = 1 / 3. * 1e-300;
+    rad_params_format(&p, text, sizeof text);
+    ck_assert_uint_lt(strlen(text), sizeof text - 1);
+    struct rad_params q;
+
+    rad_params_init(&q);
+    ck_assert_int_gt(take(&q, text, NULL), 0);
+    ck_assert_mem_eq(&p, &q, sizeof p);
 }
 END_TEST
 
@@ -372,6 +453,8 @@ main(void)
     tcase_add_test(tc, other_words_are_left_alone);
     tcase_add_test(tc, sampling_stays_within_what_rpict_does);
     tcase_add_test(tc, check_refuses_what_does_not_go_together);
+    tcase_add_test(tc, last_kind_of_output_colour_counts);
+    tcase_add_test(tc, names_of_the_last_kind_add_up);
     tcase_add_test(tc, text_gives_the_same_parameters_bit_for_bit);
     tcase_add_test(tc, longest_text_fits);
     tcase_add_test(tc, every_line_of_the_defaults_is_an_option);

@@ -6,6 +6,7 @@
 #include "picture/view.h"
 #include "unit.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -88,6 +89,55 @@ START_TEST(rays_follow_the_projection)
         ck_assert_double_eq_tol(dir[k], want[k], 1e-15);
         ck_assert_double_eq_tol(org[k], rays[_i].org[k], 1e-14);
     }
+}
+END_TEST
+
+/* All rays through the lens meet where the picture is sharp, and start on the
+ * fore plane. */
+static const struct {
+    const char *view;
+    double thick; /* of the lens over its diameter */
+} lenses[] = {
+    { "-vd 0 5 0 -vo 1 -va 9", 0 },
+    { "-vtl -vd 0 5 0 -vh 4 -vv 4 -vo 1 -va 9", 0 },
+    { "-vth -vd 0 5 0 -vh 120 -vv 120", M_PI / 4 },
+    { "-vta -vd 0 5 0 -vh 120 -vv 120 -vp 1 2 3", M_PI / 4 },
+    { "-vts -vd 0 5 0 -vh 120 -vv 120", M_PI / 4 },
+    { "-vtc -vd 0 5 0 -vh 120 -vv 60", M_PI / 4 },
+};
+
+START_TEST(lens_is_in_focus_at_the_length_of_the_direction)
+{
+    struct rad_view v = view_of(lenses[_i].view);
+    bool flat = lenses[_i].thick == 0;
+    double o0[3], d0[3], focus[3], thick = 0, wide = 0;
+    double aft = rad_view_ray(&v, .7, .6, o0, d0);
+
+    rad_madd(focus, o0, (5 - v.vfore) / (flat ? d0[1] : 1), d0);
+    for (int i = 0; i < 1000; i++) {
+        double u[3] = { i % 10 / 9., i / 10 % 10 / 9., i / 100 / 9. };
+        double o[3], d[3], off[3], to[3], cosine;
+
+        rad_copy(o, o0);
+        rad_copy(d, d0);
+        double end = rad_view_lens(&v, .2, u, o, d, aft);
+
+        rad_sub(to, focus, o);
+        cosine = rad_dot(to, d) / sqrt(rad_dot(to, to));
+        ck_assert_double_eq_tol(cosine, 1, 1e-12);
+        if (flat) {
+            ck_assert_double_eq_tol(o[1] - v.vp[1], 1, 1e-12);
+            ck_assert_double_eq_tol(o[1] + end * d[1] - v.vp[1], 9, 1e-12);
+            rad_madd(o, o, -1 / d[1], d); /* back to the lens */
+        }
+        rad_sub(off, o, v.vp);
+        if (v.type == 'l')
+            rad_sub(off, o, (double[3]){ o0[0], 0, o0[2] });
+        thick = fmax(thick, fabs(off[1]));
+        wide = fmax(wide, hypot(off[0], off[2]));
+    }
+    ck_assert_double_eq_tol(wide, .1, 1e-12);
+    ck_assert_double_eq_tol(thick, .1 * lenses[_i].thick, 1e-12);
 }
 END_TEST
 
@@ -296,6 +346,8 @@ main(void)
     TCase *tc = tcase_create("view");
 
     tcase_add_loop_test(tc, rays_follow_the_projection, 0, N_ELEM(rays));
+    tcase_add_loop_test(tc, lens_is_in_focus_at_the_length_of_the_direction, 0,
+                        N_ELEM(lenses));
     tcase_add_test(tc, corners_of_fisheyes_are_no_rays);
     tcase_add_loop_test(tc, points_on_a_ray_are_located_where_it_started, 0,
                         N_ELEM(turned));

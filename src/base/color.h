@@ -55,6 +55,32 @@ rad_rgb_lum(struct rad_rgb a)
     return RAD_LUM_R * a.r + RAD_LUM_G * a.g + RAD_LUM_B * a.b;
 }
 
+/* CIE tristimulus values, with the efficacy in them, so that Y is luminance
+ * [cd/m^2]; and back. */
+static inline struct rad_rgb
+rad_rgb_to_xyz(struct rad_rgb c)
+{
+    struct rad_rgb xyz = {
+        179 * (0.51414462f * c.r + 0.32388448f * c.g + 0.16197090f * c.b),
+        179 * (0.26510582f * c.r + 0.67010582f * c.g + 0.06478836f * c.b),
+        179 * (0.02410053f * c.r + 0.12285273f * c.g + 0.85304674f * c.b)
+    };
+
+    return xyz;
+}
+
+static inline struct rad_rgb
+rad_xyz_to_rgb(struct rad_rgb c)
+{
+    struct rad_rgb rgb = {
+        (2.56531285f * c.r - 1.16684962f * c.g - 0.39846323f * c.b) / 179,
+        (-1.02210817f * c.r + 1.97828662f * c.g + 0.04382156f * c.b) / 179,
+        (0.07472437f * c.r - 0.25193956f * c.g + 1.17721519f * c.b) / 179
+    };
+
+    return rgb;
+}
+
 /* The largest channel: what decides a ray's weight. */
 static inline float
 rad_rgb_max(struct rad_rgb a)

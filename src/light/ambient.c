@@ -412,7 +412,7 @@ is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
 static uint32_t
 find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
 {
-    double overhead = INFINITY; /* 1 / distance of what is farthest there */
+    double overhead = INFINITY;    /* 1 / distance of what is farthest there */
     double half = M_PI / 2 / h->n; /* twice what a cell spans, for safety */
     int n = h->n, quarter = n / 4;
     uint32_t bins = 0;
@@ -617,6 +617,18 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     return make_record(ctx, r, at, behind, E);
 }
 
+/* Is the surface that r met left out by -ae or -ai? */
+static bool
+left_out(const struct rad_job *job, const struct rad_ray *r)
+{
+    int32_t mod;
+
+    if (!job->noambient || r->hit.obj == RAD_VOID)
+        return false;
+    mod = job->scene->objects[r->hit.obj].modifier;
+    return mod != RAD_VOID && job->noambient[mod];
+}
+
 void
 rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
                   struct rad_rgb *coef)
@@ -627,7 +639,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
     bool behind = rad_dot(r->n, n) < 0;
 
     if (par->ambounce > 0 && par->ambdiv > 0 &&
-        (at.level = bounces(r)) < par->ambounce) {
+        (at.level = bounces(r)) < par->ambounce && !left_out(ctx->job, r)) {
         at.weight = r->weight;
         rad_copy(at.p, r->hit.p);
         at.err = r->hit.err;

@@ -6,6 +6,7 @@
 
 #include "picture/frame.h"
 #include "base/rng.h"
+#include "base/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,9 +44,21 @@ rad_frame_init(struct rad_frame *f, const struct rad_job *job,
         (rc = rad_frame_size(&job->params, &f->view, &f->width, &f->height,
                              &f->pixaspect, err)) < 0)
         return rc;
-    if (!job->params.directvis)
+    if (!job->params.directvis || job->params.aperture > 0)
         return 0;
     return rad_paint_init(&f->paint, job, &f->view, f->width, err);
+}
+
+int
+rad_frame_move(struct rad_frame *f, const struct rad_view *before,
+               struct rad_error *err)
+{
+    if (!(f->job->params.motion > 0))
+        return 0;
+    rad_paint_release(&f->paint);
+    f->before = *before;
+    f->moving = true;
+    return rad_view_setup(&f->before, err);
 }
 
 void
@@ -54,20 +67,48 @@ rad_frame_release(struct rad_frame *f)
     rad_paint_release(&f->paint);
 }
 
+/* Move a ray, and the distance to its aft plane, toward that of the last
+ * frame's view at the same place, or beyond.  As in rpict there is no blur
+ * where that view has no ray. */
+static bool
+move(const struct rad_frame *f, double h, double v, struct rad_ray *r,
+     double *aft)
+{
+    double d = f->job->params.motion * (.5 - rad_rand(r->key, RAD_DIM_MOTION));
+    double org[3], dir[3], last = rad_view_ray(&f->before, h, v, org, dir);
+
+    if (last < 0)
+        return true;
+    *aft = (1 - d) * *aft + d * last;
+    for (int k = 0; k < 3; k++) {
+        r->org[k] = (1 - d) * r->org[k] + d * org[k];
+        r->dir[k] = (1 - d) * r->dir[k] + d * dir[k];
+    }
+    return rad_normalize(r->dir) > 0;
+}
+
 /* Set up the primary ray of a pixel; false: the view has none there. */
 static bool
 aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
 {
     const struct rad_params *p = &f->job->params;
-    double jx, jy, aft;
+    double jx, jy, aft, u[3];
 
     r->key = rad_key_pixel(p->seed, f->number, (uint32_t)x, (uint32_t)y);
     jx = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
     jy = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));
-    aft = rad_view_ray(&f->view, (x + jx) / f->width,
-                       (f->height - 1 - y + jy) / f->height, r->org, r->dir);
+    jx = (x + jx) / f->width;
+    jy = (f->height - 1 - y + jy) / f->height;
+    aft = rad_view_ray(&f->view, jx, jy, r->org, r->dir);
+    if (aft < 0 || (f->moving && !move(f, jx, jy, r, &aft)))
+        return false;
+    if (p->aperture > 0) {
+        for (int k = 0; k < 3; k++)
+            u[k] = rad_rand(r->key, RAD_DIM_LENS + (uint32_t)k);
+        aft = rad_view_lens(&f->view, p->aperture, u, r->org, r->dir, aft);
+    }
     r->tmax = aft > 0 ? aft : INFINITY;
-    return aft >= 0;
+    return true;
 }
 
 void
@@ -99,7 +140,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     rad_ray_trace(ctx, &r);
     if (ctx->counts.unsound_rays != unsound)
         rad_counts_nan(&ctx->counts, x, y);
-    out->L = r.L;
+    out->L = rad_params_colour(&f->job->params, r.L);
     if (f->depth)
         out->z = (float)rad_ray_distance(&r);
     return true;

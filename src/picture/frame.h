@@ -21,6 +21,8 @@ struct rad_frame {
     double pixaspect;       /* height / width of a pixel, for the header */
     uint32_t number;        /* 0 for a still, 1.. in an animation */
     bool depth;             /* -z wanted */
+    bool moving;            /* -pm: between these views */
+    struct rad_view before; /* the last frame's, set up */
     struct rad_paint paint; /* sources to be painted; none with -dv- */
 };
 
@@ -46,6 +48,12 @@ void rad_frame_release(struct rad_frame *f);
  * but for trace and arg, which are left alone. */
 void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
                        struct rad_quincunx *q);
+
+/* With -pm, blur the frame between the view of the one before and the next, as
+ * if the change went on; small sources are then not painted.  Without -pm
+ * nothing happens.  RAD_EUSAGE for an impossible view. */
+int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
+                   struct rad_error *err);
 
 /* Trace one pixel and count it as a primary ray; what the view does not show
  * is black and no ray: false.  A pixel that a value touched that is not finite

@@ -27,11 +27,54 @@ enum {
     LONGEST_SIDE = 1 << 24
 };
 
+/* What follows the option `name` in a line of options; NULL: it is not there.
+ */
+static const char *
+find_word(const char *options, const char *name)
+{
+    size_t n = strlen(name);
+
+    for (const char *at = options; (at = strstr(at, name)) != NULL; at += n)
+        if ((at == options || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0'))
+            return at + n;
+    return NULL;
+}
+
+/* The lines of a header that say what a pixel's numbers are. */
+static void
+colour_lines(const char *options, char *buf, size_t size)
+{
+    const char *given = find_word(options, "-pc");
+    double c[8];
+    char *end;
+    int n = 0;
+
+    if (find_word(options, "-pXYZ")) {
+        snprintf(buf, size, "FORMAT=32-bit_rle_xyze\n");
+        return;
+    }
+    buf[0] = '\0';
+    if (given)
+        for (; n < 8; n++, given = end) {
+            c[n] = strtod(given, &end);
+            if (end == given)
+                break;
+        }
+    if (n == 8) {
+        n = snprintf(buf, size,
+                     "PRIMARIES= %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f\n",
+                     c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]);
+        buf += n;
+        size -= (size_t)n;
+    }
+    snprintf(buf, size, "FORMAT=32-bit_rle_rgbe\n");
+}
+
 int
 rad_hdr_write_header(const struct rad_hdr_info *info,
                      const struct rad_sink *sink, struct rad_error *err)
 {
-    char text[4096], extra[96] = "";
+    char text[8192], extra[96] = "", colour[160];
     int n, used = 0;
 
     /* Radiance says nothing of pixels within half a percent of square */
@@ -40,11 +83,11 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     if (info->frame > 0)
         snprintf(extra + used, sizeof extra - (size_t)used, "FRAME=%lu\n",
                  (unsigned long)info->frame);
+    colour_lines(info->options, colour, sizeof colour);
     n = snprintf(text, sizeof text,
-                 "#?RADIANCE\n%s %s\nVIEW= %s\n%sFORMAT=32-bit_rle_rgbe\n\n"
-                 "-Y %d +X %d\n",
-                 info->program, info->options, info->view, extra, info->height,
-                 info->width);
+                 "#?RADIANCE\n%s %s\nVIEW= %s\n%s%s\n-Y %d +X %d\n",
+                 info->program, info->options, info->view, extra, colour,
+                 info->height, info->width);
     if (n < 0 || (size_t)n >= sizeof text)
         return rad_fail(err, RAD_EINTERNAL, "picture header is too long");
     return sink->write(sink->arg, text, (size_t)n, err);
@@ -164,6 +207,7 @@ struct reader {
     struct rad_error *err;
     double divide[3]; /* EXPOSURE times COLORCORR */
     double pixaspect;
+    bool xyz;           /* tristimulus values instead of RGB */
     bool xmajor;        /* scan lines run along y */
     bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
     int nscan, nlength; /* scan lines, pixels in each */
@@ -236,10 +280,11 @@ take_header_line(struct reader *in, char *line)
     } else if (strcmp(line, "FORMAT") == 0) {
         value += strspn(value, " \t");
         value[strcspn(value, " \t")] = '\0';
-        if (strcmp(value, "32-bit_rle_rgbe") != 0)
+        in->xyz = strcmp(value, "32-bit_rle_xyze") == 0;
+        if (!in->xyz && strcmp(value, "32-bit_rle_rgbe") != 0)
             return rad_fail(in->err, RAD_EDATA,
                             "picture: format is '%.40s', only "
-                            "32-bit_rle_rgbe is read",
+                            "32-bit_rle_rgbe and 32-bit_rle_xyze are read",
                             value);
     }
     return 0;
@@ -462,6 +507,12 @@ start_reader(const uint8_t *data, size_t len, struct rad_error *err)
     return in;
 }
 
+static struct rad_rgb
+within_gamut(struct rad_rgb c)
+{
+    return rad_rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
+}
+
 /* Turn coded pixels into radiance in standard order. */
 static int
 arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
@@ -476,9 +527,11 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
         for (int x = 0; x < w; x++) {
             struct rad_rgb L = rad_rgbe_radiance(pixel_at(in, rgbe, x, y));
 
-            pic->L[(size_t)y * (size_t)w + (size_t)x] = rad_rgb(
-                (float)(L.r / in->divide[0]), (float)(L.g / in->divide[1]),
-                (float)(L.b / in->divide[2]));
+            L = rad_rgb((float)(L.r / in->divide[0]),
+                        (float)(L.g / in->divide[1]),
+                        (float)(L.b / in->divide[2]));
+            pic->L[(size_t)y * (size_t)w + (size_t)x] =
+                in->xyz ? within_gamut(rad_xyz_to_rgb(L)) : L;
         }
     pic->width = w;
     pic->height = h;
@@ -521,6 +574,12 @@ rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
     rc = read_coded(&in, max_pixels, &rgbe);
     if (rc < 0)
         return rc;
+    if (in.xyz) {
+        free(rgbe);
+        return rad_fail(err, RAD_EDATA,
+                        "picture: tristimulus values (32-bit_rle_xyze) are "
+                        "not read here");
+    }
     pic->width = in.xmajor ? in.nscan : in.nlength;
     pic->height = in.xmajor ? in.nlength : in.nscan;
     pic->pixaspect = in.pixaspect;

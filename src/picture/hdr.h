@@ -3,7 +3,8 @@
  * Four bytes a pixel: three mantissas that share an exponent.  The writer
  * makes the same bytes from the same picture: no date, no host.  The reader
  * takes every picture that Radiance wrote: flat, old and new run lengths, any
- * orientation, EXPOSURE and COLORCORR, with and without "#?" at its start.
+ * orientation, EXPOSURE and COLORCORR, with and without "#?" at its start;
+ * XYZE becomes RGB.
  * Rows count from the top, columns from the left; L is radiance.
  * Source: Ward 1991, Real pixels (Graphics Gems II); Radiance's file format
  * reference, "Picture file format". */
@@ -21,7 +22,8 @@
 /* What a picture's header says of it. */
 struct rad_hdr_info {
     const char *program; /* "radsubmit" */
-    const char *options; /* rad_params_format()'s text */
+    const char *options; /* rad_params_format()'s text, which also says what
+                          * the numbers stand for (-pXYZ, -pc) */
     const char *view;    /* rad_view_format()'s text */
     double pixaspect;    /* height / width of a pixel */
     uint32_t frame;      /* 0: a still */

@@ -258,7 +258,7 @@ look(const struct rad_canvas *canvas, struct rad_ctx *ctx, int32_t i,
     ctx->counts.paint_rays++;
     rad_ray_trace(ctx, &r);
     *dist = r.dist;
-    return r.L;
+    return rad_params_colour(&ctx->job->params, r.L);
 }
 
 static bool

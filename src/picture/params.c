@@ -9,6 +9,7 @@
 
 #include <float.h>
 #include <limits.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,8 +24,9 @@ enum kind {
     KIND_INT,
     KIND_REAL,
     KIND_RGB,
-    KIND_U64,    /* --seed=N */
-    KIND_NOTHING /* states the default: -pRGB */
+    KIND_U64,   /* --seed=N */
+    KIND_PRIMS, /* -pRGB -pXYZ -pc: one of them */
+    KIND_LIST   /* -ae -ai: names that add up */
 };
 
 struct option {
@@ -58,11 +60,17 @@ struct option {
 static const struct option options[] = {
     INT("-x", xres, 1, RAD_MAX_RES, 512, "most columns"),
     INT("-y", yres, 1, RAD_MAX_RES, 512, "most rows"),
-    { "-pRGB", KIND_NOTHING, 0, 0, 0, 0, "Radiance's primaries" },
+    { "-pRGB", KIND_PRIMS, 0, 0, 0, RAD_PRIM_RGB,
+      "standard RGB color output" },
+    { "-pXYZ", KIND_PRIMS, 0, 0, 0, RAD_PRIM_XYZ, "CIE XYZ color output" },
+    { "-pc", KIND_PRIMS, 0, 0, 0, RAD_PRIM_CUSTOM,
+      "output color primaries and white point" },
     REAL("-pa", pixaspect, 0, 1, "pixel aspect ratio, height / width"),
     REAL("-pj", pixjitter, 0, .67, "pixel jitter"),
     INT("-ps", psample, INT_MIN, INT_MAX, 4, "pixel sample spacing, 1 to 16"),
     REAL("-pt", maxdiff, 0, .05, "pixel threshold"),
+    REAL("-pm", motion, 0, 0, "pixel motion"),
+    REAL("-pd", aperture, 0, 0, "pixel depth-of-field"),
     BOOL("-i", irradiance, 0, "irradiance calculation"),
     BOOL("-u", rand_samp, 0, "uncorrelated Monte Carlo sampling"),
     BOOL("-bv", backvis, 1, "back face visibility"),
@@ -82,6 +90,10 @@ static const struct option options[] = {
     INT("-ar", ambres, 0, INT_MAX, 64, "ambient resolution"),
     INT("-ad", ambdiv, 0, 1 << 24, 512, "ambient divisions"),
     INT("-as", ambssamp, 0, 1 << 24, 128, "ambient super-samples"),
+    { "-ae", KIND_LIST, 0, 0, 0, RAD_AMB_EXCLUDE,
+      "modifiers with no ambient calculation" },
+    { "-ai", KIND_LIST, 0, 0, 0, RAD_AMB_INCLUDE,
+      "modifiers with ambient calculation" },
     RGB("-me", cextinction, "mist extinction coefficient"),
     RGB("-ma", salbedo, "mist scattering albedo"),
     { "-mg", KIND_REAL, FIELD(seccg), -1, 1, 0,
@@ -94,11 +106,25 @@ static const struct option options[] = {
 };
 
 /* what else rpict(1) has, but for what programs do themselves: -vf -o -z -S
- * -defaults -help -version -features */
-static const char *const lacking[] = {
-    "-pm", "-pd", "-pc", "-pXYZ", "-t", "-w", "-w+", "-w-", "-e", "-f", "-r",
-    "-ro", "-P", "-PP", "-af", "-ae", "-ai", "-aE", "-aI", "-ap", "-am",
-    "-am+", "-am-", "-ac", "-aC", "-aH", "-cs", "-cw"
+ * -t -e -w -aE -aI -defaults -help -version -features */
+static const struct {
+    const char *name, *why;
+} lacking[] = {
+    { "-f", "definitions belong in the function files of the scene" },
+    { "-r", "a job keeps what is rendered and goes on by itself; submit it "
+            "again" },
+    { "-ro", "a job keeps what is rendered and goes on by itself; submit it "
+             "again" },
+    { "-P", "the daemons stay, and a second job sends no scene again" },
+    { "-PP", "the daemons stay, and a second job sends no scene again" },
+    { "-af", "workers share ambient values by themselves" },
+    { "-ap", "there are no photon maps" },
+    { "-am", "there are no photon maps" },
+    { "-ac", "there are no photon maps" },
+    { "-aC", "there are no photon maps" },
+    { "-aH", "there are no photon maps" },
+    { "-cs", "there is no spectral rendering" },
+    { "-cw", "there is no spectral rendering" }
 };
 /* clang-format on */
 
@@ -140,7 +166,8 @@ rad_params_init(struct rad_params *p)
         case KIND_U64:
             *(uint64_t *)field = (uint64_t)o->value;
             break;
-        case KIND_NOTHING:
+        case KIND_PRIMS: /* RGB, and no names: zero */
+        case KIND_LIST:
             break;
         }
     }
@@ -264,15 +291,109 @@ words_of(const struct option *o, const char *rest)
         return 3;
     case KIND_U64:
         return rest[-1] == '=' ? 0 : 1;
+    case KIND_LIST:
+        return 1;
+    case KIND_PRIMS:
+        return o->value == RAD_PRIM_CUSTOM ? 8 : 0;
     default:
         return 0;
     }
 }
 
+/* Are these eight numbers Radiance's own primaries, to three digits? */
+static bool
+are_standard(const double c[8])
+{
+    static const double own[8] = {
+        .64, .33, .29, .6, .15, .06, 1. / 3, 1. / 3
+    };
+
+    for (int i = 0; i < 8; i++)
+        if (fabs(c[i] - own[i]) > .001)
+            return false;
+    return true;
+}
+
+/* Do they span colours?  As in rpict: nothing absurd, no two points the same,
+ * and a white that is one. */
+static bool
+chromaticities_fit(const double c[8])
+{
+    const double eps = 1e-4;
+
+    for (int i = 0; i < 8; i += 2) {
+        double sum = c[i] + c[i + 1];
+
+        if (!(c[i] > -2 && c[i] < 3 && c[i + 1] > -2 && c[i + 1] < 3 &&
+              sum > -2 && sum < 3))
+            return false;
+        for (int j = i + 2; j < 8; j += 2)
+            if (fabs(c[i] - c[j]) <= eps && fabs(c[i + 1] - c[j + 1]) <= eps)
+                return false;
+    }
+    return c[6] > eps && c[6] < 1 - eps && c[7] > eps && c[7] < 1 - eps;
+}
+
 static int
-take_value(void *field, const struct option *o, const char *rest,
+take_prims(struct rad_params *p, const struct option *o, char *const argv[],
+           struct rad_error *err)
+{
+    double c[8] = { 0 };
+
+    if (o->value == RAD_PRIM_CUSTOM) {
+        for (int i = 0; i < 8; i++)
+            if (!rad_parse_real(argv[i], &c[i]))
+                return rad_fail(err, RAD_EUSAGE,
+                                "option '-pc': expected a number, got '%.40s'",
+                                argv[i]);
+        if (!are_standard(c) && !chromaticities_fit(c))
+            return rad_fail(err, RAD_EUSAGE,
+                            "option '-pc': illegal primary chromaticities");
+    }
+    p->primaries = (enum rad_primaries)o->value;
+    if (o->value == RAD_PRIM_CUSTOM && are_standard(c)) {
+        p->primaries = RAD_PRIM_RGB;
+        memset(c, 0, sizeof c);
+    }
+    memcpy(p->chroma, c, sizeof c);
+    return 0;
+}
+
+/* As in rpict, there is one list: of the last kind. */
+static int
+take_name(struct rad_params *p, const struct option *o, const char *name,
+          struct rad_error *err)
+{
+    size_t used, n = strlen(name), total;
+
+    if (n == 0 || strpbrk(name, " \t\r\n"))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '%s': '%.40s' is no modifier's name", o->name,
+                        name);
+    if (p->amblisted != (int)o->value)
+        memset(p->amblist, 0, sizeof p->amblist);
+    used = strlen(p->amblist);
+    total = n + 5;
+    for (const char *s = p->amblist; *s; s++)
+        total += *s == ' ' ? 5 : 1;
+    total += used > 0 ? 5 : 0;
+    if (total > sizeof p->amblist)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '%s': more than %d bytes of options in all",
+                        o->name, RAD_MAX_AMBLIST);
+    p->amblisted = (int)o->value;
+    if (used > 0)
+        p->amblist[used++] = ' ';
+    memcpy(p->amblist + used, name, n + 1);
+    return 0;
+}
+
+static int
+take_value(struct rad_params *p, const struct option *o, const char *rest,
            char *const argv[], struct rad_error *err)
 {
+    void *field = field_of(p, o);
+
     switch (o->kind) {
     case KIND_BOOL:
         *(bool *)field =
@@ -286,6 +407,10 @@ take_value(void *field, const struct option *o, const char *rest,
         return take_rgb(field, o, argv + 1, err);
     case KIND_U64:
         return take_u64(field, o, rest[-1] == '=' ? rest : argv[1], err);
+    case KIND_PRIMS:
+        return take_prims(p, o, argv + 1, err);
+    case KIND_LIST:
+        return take_name(p, o, argv[1], err);
     default:
         return 0;
     }
@@ -294,10 +419,15 @@ take_value(void *field, const struct option *o, const char *rest,
 static int
 refuse_lacking(const char *word, struct rad_error *err)
 {
-    for (size_t i = 0; i < sizeof lacking / sizeof lacking[0]; i++)
-        if (strcmp(word, lacking[i]) == 0)
+    for (size_t i = 0; i < sizeof lacking / sizeof lacking[0]; i++) {
+        size_t n = strlen(lacking[i].name);
+
+        if (strncmp(word, lacking[i].name, n) == 0 &&
+            (word[n] == '\0' || (strchr("+-", word[n]) && !word[n + 1])))
             return rad_fail(err, RAD_EUSAGE,
-                            "option '%s' of rpict is not supported", word);
+                            "option '%s' of rpict is not supported: %s", word,
+                            lacking[i].why);
+    }
     return 0;
 }
 
@@ -319,7 +449,7 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
         return rad_fail(err, RAD_EUSAGE,
                         "option '%s': expected %d value%s, got %d", o->name,
                         nwords, nwords > 1 ? "s" : "", argc - 1);
-    rc = take_value(field_of(p, o), o, rest, argv, err);
+    rc = take_value(p, o, rest, argv, err);
     if (rc < 0)
         return rc;
     if (p->psample < 1)
@@ -327,6 +457,12 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
     else if (p->psample > LARGEST_PSAMPLE)
         p->psample = LARGEST_PSAMPLE;
     return 1 + nwords;
+}
+
+struct rad_rgb
+rad_params_colour(const struct rad_params *p, struct rad_rgb L)
+{
+    return p->primaries == RAD_PRIM_XYZ ? rad_rgb_to_xyz(L) : L;
 }
 
 int
@@ -351,13 +487,54 @@ format_rgb(char *buf, size_t size, struct rad_rgb c)
     snprintf(buf, size, " %s %s %s", r, g, b);
 }
 
+static void
+format_chroma(char *buf, const double c[8])
+{
+    for (int i = 0; i < 8; i++) {
+        *buf++ = ' ';
+        rad_format_real(buf, c[i]);
+        buf += strlen(buf);
+    }
+}
+
+/* The list as one option a name; nothing if it is of the other kind. */
+static void
+format_names(const struct rad_params *p, const struct option *o, char *buf,
+             size_t size)
+{
+    const char *name = p->amblist;
+    size_t used = 0;
+
+    buf[0] = '\0';
+    if (p->amblisted != (int)o->value)
+        return;
+    while (*name && used < size) {
+        size_t n = strcspn(name, " ");
+
+        used += (size_t)snprintf(buf + used, size - used, "%s%s %.*s",
+                                 used ? " " : "", o->name, (int)n, name);
+        name += n + (name[n] != '\0');
+    }
+}
+
+/* Does the option say anything?  Of those that exclude each other one does. */
+static bool
+is_said(const struct rad_params *p, const struct option *o)
+{
+    if (o->kind == KIND_PRIMS)
+        return (int)p->primaries == (int)o->value;
+    if (o->kind == KIND_LIST)
+        return p->amblisted == (int)o->value;
+    return true;
+}
+
 /* One option as one would type it. */
 static void
 format_option(const struct rad_params *p, const struct option *o, char *buf,
               size_t size)
 {
     const void *field = field_in(p, o);
-    char num[4 * RAD_NUMBER_TEXT] = "";
+    char num[8 * RAD_NUMBER_TEXT] = "";
 
     switch (o->kind) {
     case KIND_BOOL:
@@ -377,8 +554,13 @@ format_option(const struct rad_params *p, const struct option *o, char *buf,
         snprintf(num, sizeof num, "=%llu",
                  (unsigned long long)*(const uint64_t *)field);
         break;
-    case KIND_NOTHING:
+    case KIND_PRIMS:
+        if (o->value == RAD_PRIM_CUSTOM)
+            format_chroma(num, p->chroma);
         break;
+    case KIND_LIST:
+        format_names(p, o, buf, size);
+        return;
     }
     snprintf(buf, size, "%s%s", o->name, num);
 }
@@ -386,13 +568,15 @@ format_option(const struct rad_params *p, const struct option *o, char *buf,
 void
 rad_params_format(const struct rad_params *p, char *buf, size_t size)
 {
-    char text[160];
+    char text[RAD_PARAMS_TEXT];
     size_t used = 0;
 
     if (size > 0)
         buf[0] = '\0';
     for (size_t i = 0; i < NOPTIONS && used < size; i++) {
-        if (options[i].kind == KIND_NOTHING)
+        /* the usual output goes without saying */
+        if (!is_said(p, &options[i]) ||
+            (options[i].kind == KIND_PRIMS && options[i].value == RAD_PRIM_RGB))
             continue;
         format_option(p, &options[i], text, sizeof text);
         used += (size_t)snprintf(buf + used, size - used, "%s%s",
@@ -404,9 +588,11 @@ void
 rad_params_print_defaults(const struct rad_params *p,
                           void (*line)(void *arg, const char *text), void *arg)
 {
-    char text[160], full[256];
+    char text[RAD_PARAMS_TEXT], full[RAD_PARAMS_TEXT + 80];
 
     for (size_t i = 0; i < NOPTIONS; i++) {
+        if (!is_said(p, &options[i]))
+            continue;
         format_option(p, &options[i], text, sizeof text);
         snprintf(full, sizeof full, "%-31s # %s", text, options[i].help);
         line(arg, full);

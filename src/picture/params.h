@@ -18,14 +18,35 @@
 /* most columns or rows of a picture */
 #define RAD_MAX_RES 1048576
 
+/* Bytes of the names of -ae and -ai, as options ("-ae name" and a blank). */
+#define RAD_MAX_AMBLIST 2400
+
+/* What the numbers of a pixel stand for. */
+enum rad_primaries {
+    RAD_PRIM_RGB,   /* -pRGB: Radiance's own primaries */
+    RAD_PRIM_XYZ,   /* -pXYZ: CIE tristimulus values, 179 lm/W in them */
+    RAD_PRIM_CUSTOM /* -pc: the same numbers, declared to be others */
+};
+
+/* What -ae and -ai say of the surfaces of the modifiers that they name. */
+enum {
+    RAD_AMB_ALL,     /* nothing is named */
+    RAD_AMB_EXCLUDE, /* they get no ambient calculation, */
+    RAD_AMB_INCLUDE  /* or they alone do */
+};
+
 struct rad_params {
     /* picture */
-    int xres, yres;   /* -x -y: most columns and rows */
+    int xres, yres; /* -x -y: most columns and rows */
+    enum rad_primaries primaries;
+    double chroma[8]; /* -pc: x y of red, green, blue, white; else 0 */
     double pixaspect; /* -pa: height / width of a pixel; 0: fill x by y */
     double pixjitter; /* -pj: 0 centre .. 1 anywhere in the pixel */
     int psample;      /* -ps: sample spacing [pixels], 1: every pixel; what
                        * is beyond 1..16 is brought there, as in rpict */
     double maxdiff;   /* -pt: difference that forces a sample */
+    double motion;    /* -pm: open part of the time between two frames */
+    double aperture;  /* -pd: diameter of the lens [scene units] */
     bool directvis;   /* -dv: sources visible to the eye */
     /* direct light */
     double srcjitter;  /* -dj dstrsrc */
@@ -44,13 +65,15 @@ struct rad_params {
     struct rad_rgb cextinction, salbedo;
     double seccg, ssampdist;
     /* indirect light */
-    int ambounce;          /* -ab */
-    double ambacc;         /* -aa */
-    int ambres;            /* -ar */
-    int ambdiv;            /* -ad */
-    int ambssamp;          /* -as */
-    struct rad_rgb ambval; /* -av: radiance [W/sr/m^2] */
-    int ambvwt;            /* -aw */
+    int ambounce;                  /* -ab */
+    double ambacc;                 /* -aa */
+    int ambres;                    /* -ar */
+    int ambdiv;                    /* -ad */
+    int ambssamp;                  /* -as */
+    struct rad_rgb ambval;         /* -av: radiance [W/sr/m^2] */
+    int ambvwt;                    /* -aw */
+    int amblisted;                 /* RAD_AMB_* */
+    char amblist[RAD_MAX_AMBLIST]; /* names, a blank between two */
     /* limits */
     int maxdepth;     /* -lr; <= 0: Russian roulette */
     double minweight; /* -lw */
@@ -65,9 +88,13 @@ void rad_params_init(struct rad_params *p);
  * number of words used (>= 1), 0 if it is no rendering option of ours, or
  * RAD_EUSAGE with a message that names the option: a bad or missing number, a
  * value out of range, or an option of rpict that we lack.
- * Not here, for programs to take: -vf -o -z -S -defaults -help -version. */
+ * Not here, for programs to take: -vf -o -z -S -t -e -w -aE -aI -defaults -help
+ * -version. */
 int rad_params_option(struct rad_params *p, int argc, char *const argv[],
                       struct rad_error *err);
+
+/* What a pixel of radiance L holds under -pRGB, -pXYZ or -pc. */
+struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
 
 /* Check what options forbid together; 0 or RAD_EUSAGE. */
 int rad_params_check(const struct rad_params *p, struct rad_error *err);
@@ -77,7 +104,7 @@ int rad_params_check(const struct rad_params *p, struct rad_error *err);
  * parameters.  Needs at most RAD_PARAMS_TEXT bytes; parsing its words again
  * gives the same struct, bit for bit (reals are printed with 17 digits where
  * fewer do not suffice). */
-#define RAD_PARAMS_TEXT 1024
+#define RAD_PARAMS_TEXT 4000
 void rad_params_format(const struct rad_params *p, char *buf, size_t size);
 
 /* rpict's -defaults: one line an option, "-dt 0.05    # direct threshold", to

@@ -446,6 +446,53 @@ rad_view_ray(const struct rad_view *v, double x, double y, double org[3],
     return v->vaft > 0 ? (v->vaft - v->vfore) * len : 0;
 }
 
+/* A place of the lens, from its centre. */
+static void
+lens_place(const struct rad_view *v, double diameter, const double u[3],
+           bool thick, double p[3])
+{
+    double r = diameter / 2 * sqrt(u[0]), phi = 2 * M_PI * u[1];
+    double right = r * cos(phi) / sqrt(rad_dot(v->hvec, v->hvec));
+    double up = r * sin(phi) / sqrt(rad_dot(v->vvec, v->vvec));
+
+    rad_scale(p, thick ? M_PI / 4 * diameter * (.5 - u[2]) : 0, v->dir);
+    rad_madd(p, p, right, v->hvec);
+    rad_madd(p, p, up, v->vvec);
+}
+
+double
+rad_view_lens(const struct rad_view *v, double diameter, const double u[3],
+              double org[3], double dir[3], double aft)
+{
+    bool flat = v->type == 'v' || v->type == 'l';
+    double focus = sqrt(rad_dot(v->vdir, v->vdir)), place[3], centre[3], way[3];
+    double fore;
+
+    rad_copy(centre, v->vp);
+    if (v->type == 'l')
+        rad_madd(centre, org, -v->vfore, dir);
+    fore = sqrt(rad_dist2(org, centre));
+    if (flat)
+        focus /= rad_dot(dir, v->dir);
+    lens_place(v, diameter, u, !flat, place);
+    rad_scale(way, focus, dir);
+    rad_sub(way, way, place);
+    if (rad_normalize(way) == 0)
+        return aft; /* the lens reaches to its focus */
+    if (flat) {     /* the planes stay where they are */
+        double cosine = rad_dot(way, v->dir);
+
+        if (!(cosine > 0))
+            return aft;
+        fore = v->vfore / cosine;
+        aft = v->vaft > 0 ? (v->vaft - v->vfore) / cosine : 0;
+    }
+    rad_copy(dir, way);
+    rad_madd(org, centre, 1, place);
+    rad_madd(org, org, fore, dir);
+    return aft;
+}
+
 /* Clipping by a distance along the axis, from it, or from the view point. */
 static unsigned
 clipped(const struct rad_view *v, double dist)

@@ -70,6 +70,16 @@ void rad_view_resolution(const struct rad_view *v, double *pixaspect, int *xres,
 double rad_view_ray(const struct rad_view *v, double x, double y, double org[3],
                     double dir[3]);
 
+/* Let the ray that rad_view_ray() gave pass a lens of this diameter, in focus
+ * at the length of the view direction, by the place that u[3], each from 0 to
+ * 1, says: changes org and dir, and returns the distance to the aft plane in
+ * the place of aft.  The lens is a disk across the direction of perspective and
+ * parallel views, about the view point or the pixel's; of all others a cylinder
+ * as thick as pi/4 of its diameter. */
+double rad_view_lens(const struct rad_view *v, double diameter,
+                     const double u[3], double org[3], double dir[3],
+                     double aft);
+
 /* Where a point of the world lies in the picture, as bits: 0 is in view. */
 enum {
     RAD_VIEW_OUTSIDE = 1, /* beside the picture */

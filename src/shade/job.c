@@ -51,6 +51,40 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
     return job->geom ? 0 : RAD_EDATA;
 }
 
+/* Is the name one of those between blanks? */
+static bool
+is_listed(const char *list, const char *name)
+{
+    size_t n = strlen(name);
+
+    for (const char *at = list; n > 0 && (at = strstr(at, name)) != NULL;
+         at += n)
+        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0'))
+            return true;
+    return false;
+}
+
+/* -ae -ai: which modifiers' surfaces get the ambient value alone.  As in
+ * Radiance all modifiers of a name are meant, and one that is not there is
+ * none. */
+static int
+compile_ambient_list(struct rad_job *job, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    bool include = job->params.amblisted == RAD_AMB_INCLUDE;
+
+    if (job->params.amblisted == RAD_AMB_ALL || job->params.ambounce <= 0)
+        return 0;
+    job->noambient = rad_arena_calloc(&job->arena, (size_t)scene->nobjects + 1,
+                                      sizeof *job->noambient);
+    if (!job->noambient)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < scene->nobjects; i++)
+        job->noambient[i] =
+            is_listed(job->params.amblist, scene->objects[i].name) != include;
+    return 0;
+}
+
 static int
 compile(struct rad_job *job, const struct rad_files *files,
         struct rad_error *err)
@@ -65,6 +99,8 @@ compile(struct rad_job *job, const struct rad_files *files,
         return RAD_EDATA;
     code = rad_virtuals_make(job, err);
     if (code < 0 || (code = rad_mists_resolve(job, err)) < 0)
+        return code;
+    if ((code = compile_ambient_list(job, err)) < 0)
         return code;
     if (p->ambounce > 0 && p->ambacc > 0) {
         job->ambient = rad_ambient_new(job, err);

@@ -33,9 +33,11 @@ struct rad_job {
     uint8_t *cut; /* by object: does antimatter name this modifier?  NULL:
                    * there is no antimatter */
     struct rad_sources *sources;
+    uint8_t *noambient; /* by object: is this modifier left out by -ae or -ai?
+                         * NULL: there is no list */
     struct rad_medium *medium; /* the scene's own; NULL: it scatters nothing */
-    struct rad_calc *calc;       /* NULL: no functions */
-    struct rad_stored *stored;   /* data files and pictures; NULL: none */
+    struct rad_calc *calc;     /* NULL: no functions */
+    struct rad_stored *stored; /* data files and pictures; NULL: none */
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
 
@@ -73,8 +75,9 @@ struct rad_ctx {
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
     struct rad_calc_env *calc; /* NULL: no functions */
-    int32_t *last_blocker;     /* by source or image of one: object that blocked
-                                * last, or     RAD_VOID; only ever speeds a test up */
+    int32_t
+        *last_blocker; /* by source or image of one: object that blocked
+                        * last, or     RAD_VOID; only ever speeds a test up */
 };
 
 int rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,

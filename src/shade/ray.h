@@ -57,7 +57,9 @@ enum {
  * all of them, so that no two uses share one. */
 enum {
     RAD_DIM_ROULETTE = 0,           /* does this ray live on (-lr <= 0)? */
-    RAD_DIM_PIXEL = 1,              /* and 2, 3: place in the pixel */
+    RAD_DIM_PIXEL = 1,              /* and 2: place in the pixel */
+    RAD_DIM_MOTION = 3,             /* time, with -pm */
+    RAD_DIM_LENS = 4,               /* and 5, 6: place on the lens, with -pd */
     RAD_DIM_SOURCE = 0x01000000,    /* + anything below 2^24 */
     RAD_DIM_AMBIENT = 0x02000000,   /* + anything below 2^24 */
     RAD_DIM_RSPECULAR = 0x03000000, /* the same: glossy reflection */
@@ -152,9 +154,9 @@ bool rad_ray_perturbed(const struct rad_ray *r);
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */
 double rad_ray_normal(const struct rad_ray *r, double norm[3]);
 
-/* Where light goes that passes through: straight on, or turned by what a texture
- * tilts the normal, as long as that is still through the surface.  n must be on
- * the side that the ray comes from. */
+/* Where light goes that passes through: straight on, or turned by what a
+ * texture tilts the normal, as long as that is still through the surface.  n
+ * must be on the side that the ray comes from. */
 void rad_ray_ahead(const struct rad_ray *r, double ahead[3]);
 
 /* Turn n, cos_o and pert to the other side. */

@@ -33,7 +33,14 @@ expect 65 "random.rad" "random bytes" $r random.rad
 expect 65 "random.oct" "random bytes as an octree" $r random.oct
 expect 65 "bad.vf" "bad view file" $r -vf bad.vf "$room"
 expect 66 "missing.vf" "missing view file" $r -vf missing.vf "$room"
-expect 64 "-pm" "an option of rpict that is not there" $r -pm .1 "$room"
+expect 64 "no photon maps" "an option of rpict that is not there" \
+    $r -ap map "$room"
+expect 64 "'-e'" "an expression" $r -e 'a:3' "$room"
+expect 64 "'-pm'" "a blur from an unknown view" \
+    $r -pm .1 -S 2 -o a%d.hdr "$room"
+expect 66 "names.none" "a file of names missing" $r -aE names.none "$room"
+expect 73 "none/err" "the error file's folder missing" \
+    $r -e none/err -o out.hdr "$room"
 expect 64 "-x" "-x abc" $r -x abc "$room"
 expect 64 "--partition=static" "a partition that is not there" \
     $r --partition=static "$room"

@@ -10,7 +10,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum { MOST_WORDS = 256 };
+enum { MOST_WORDS = 1024 };
 
 static void
 take_all(struct rad_params *p, char *text, bool strict)
