@@ -144,6 +144,8 @@ librad_a_SOURCES = \
 	src/shade/mixture.h \
 	src/shade/normal.c \
 	src/shade/normal.h \
+	src/shade/prism.c \
+	src/shade/prism.h \
 	src/shade/ray.c \
 	src/shade/ray.h \
 	src/shade/stored.c \

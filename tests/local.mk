@@ -39,6 +39,7 @@ UNIT_TESTS = \
 	tests/check_parse \
 	tests/check_partition \
 	tests/check_pool \
+	tests/check_prism \
 	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_rays \
@@ -193,6 +194,10 @@ tests_check_octree_LDADD = $(UNIT_LIBS)
 tests_check_parse_SOURCES = tests/check_parse.c tests/unit.h
 tests_check_parse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_parse_LDADD = $(UNIT_LIBS)
+
+tests_check_prism_SOURCES = tests/check_prism.c tests/unit.h tests/world.h
+tests_check_prism_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_prism_LDADD = $(UNIT_LIBS)
 
 tests_check_quincunx_SOURCES = tests/check_quincunx.c tests/unit.h
 tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

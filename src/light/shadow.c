@@ -335,6 +335,15 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
     }
 }
 
+/* Is a hit before the mirror, if the source is an image?  Behind a prism a ray
+ * to its image could pass that and meet the prism then. */
+static bool
+may_show(const struct rad_sources *s, int32_t source, const struct rad_hit *at)
+{
+    return source < s->n ||
+           rad_virtual_faces(&s->virtuals[source - s->n], at->p, at->err);
+}
+
 void
 rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
 {
@@ -342,7 +351,8 @@ rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
     struct rad_hit hit;
 
     rad_ray_clear(r);
-    if (!meet_target(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
+    if (!may_show(ctx->job->sources, r->source, &r->parent->hit) ||
+        !meet_target(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
         return;
     rad_copy(r->org, span.org);
     if (r->path & RAD_RAY_UNTESTED || is_clear(ctx, r, &span))
@@ -456,7 +466,7 @@ weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
         const struct rad_virtual *v = &s->virtuals[i];
 
         if (!rad_virtual_faces(v, view->p, d->r->hit.err) ||
-            (skip && is_below(&s->list[v->root], v->image, d->r)))
+            (skip && !v->bend && is_below(&s->list[v->root], v->image, d->r)))
             continue;
         d->source = s->n + i;
         view->key = rad_key_branch(d->r->key, (uint64_t)(d->source + 1) << 32);

@@ -128,6 +128,26 @@ rad_source_shown(const struct rad_sources *s, int32_t i)
 }
 
 int32_t
+rad_source_way(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? 0 : s->virtuals[i - s->n].way;
+}
+
+void
+rad_source_toward(const struct rad_sources *s, int32_t i, const double p[3],
+                  double dir[3])
+{
+    const struct rad_virtual *v = i < s->n ? NULL : &s->virtuals[i - s->n];
+    const struct rad_source *src = &s->list[v ? v->root : i];
+
+    rad_copy(dir, v ? v->image : src->centre);
+    if (src->flags & RAD_LIGHT_DISTANT)
+        return;
+    rad_sub(dir, dir, p);
+    rad_normalize(dir);
+}
+
+int32_t
 rad_sources_targets(const struct rad_sources *s)
 {
     return s->n + s->nvirtuals;

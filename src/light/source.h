@@ -58,6 +58,14 @@ int32_t rad_source_object(const struct rad_sources *s, int32_t i);
 /* What image i shows: a source, or another image; -1: i is no image. */
 int32_t rad_source_shown(const struct rad_sources *s, int32_t i);
 
+/* By which way of a prism image i is shown; 0 for others. */
+int32_t rad_source_way(const struct rad_sources *s, int32_t i);
+
+/* The unit direction from p to the centre of source or image i; zero where p is
+ * the centre. */
+void rad_source_toward(const struct rad_sources *s, int32_t i,
+                       const double p[3], double dir[3]);
+
 /* The radiance that a shadow ray brings from where it is aimed: r->source, in
  * direction r->dir from its parent's hit.  With RAD_RAY_UNTESTED in r->path
  * whatever is in the way is ignored. */

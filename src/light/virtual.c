@@ -12,6 +12,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "shade/emitter.h"
+#include "shade/prism.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,8 +27,10 @@
 /* A loss of more than this share of the light is something in the way. */
 #define DIMMED 1e-6
 
+/* A mirror, or a prism. */
 struct mirror {
     int32_t obj;
+    int32_t prism; /* material of a prism, or RAD_VOID */
     double normal[3], offset;
     double centre[3], radius; /* of a disk that holds it */
 };
@@ -43,9 +46,10 @@ struct maker {
 
 /* --- mirrors --- */
 
-/* Is obj a mirror, by its material or by what an illum puts in its place? */
-static bool
-is_mirror(const struct rad_job *job, int32_t obj)
+/* The material that makes obj a mirror or prism, its own or what an illum puts
+ * in its place; RAD_VOID: it is none. */
+static int32_t
+mirror_material(const struct rad_job *job, int32_t obj)
 {
     const struct rad_scene *scene = job->scene;
     const struct rad_object *o = &scene->objects[obj];
@@ -53,22 +57,32 @@ is_mirror(const struct rad_job *job, int32_t obj)
     int32_t m;
 
     if (o->type != RAD_POLYGON && o->type != RAD_RING)
-        return false;
+        return RAD_VOID;
     m = rad_material_of(scene, o->modifier);
     em = rad_emitter_of(job, obj);
     if (em && em->alternate != RAD_VOID)
         m = rad_material_of(scene, em->alternate);
-    return m != RAD_VOID && scene->objects[m].type == RAD_MIRROR;
+    if (m == RAD_VOID)
+        return RAD_VOID;
+    switch (scene->objects[m].type) {
+    case RAD_MIRROR:
+    case RAD_PRISM1:
+    case RAD_PRISM2:
+        return m;
+    default:
+        return RAD_VOID;
+    }
 }
 
 /* 0, 1 if it has no area, or a negative code. */
 static int
-make_mirror(struct mirror *m, struct rad_job *job, int32_t obj)
+make_mirror(struct mirror *m, struct rad_job *job, int32_t obj, int32_t mat)
 {
     struct rad_source shape = { .obj = obj };
     int rc = rad_light_shape(&shape, &job->scene->objects[obj], &job->arena);
 
     m->obj = obj;
+    m->prism = job->scene->objects[mat].type == RAD_MIRROR ? RAD_VOID : mat;
     rad_copy(m->normal, shape.normal);
     rad_copy(m->centre, shape.centre);
     m->offset = rad_dot(m->normal, m->centre);
@@ -82,18 +96,19 @@ find_mirrors(struct maker *mk, struct rad_error *err)
     int32_t n = 0;
 
     for (int32_t i = 0; i < mk->job->scene->nobjects; i++)
-        n += is_mirror(mk->job, i);
+        n += mirror_material(mk->job, i) != RAD_VOID;
     if (n == 0)
         return 0;
     mk->mirrors = calloc((size_t)n, sizeof *mk->mirrors);
     if (!mk->mirrors)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int32_t i = 0; i < mk->job->scene->nobjects; i++) {
+        int32_t mat = mirror_material(mk->job, i);
         int rc;
 
-        if (!is_mirror(mk->job, i))
+        if (mat == RAD_VOID)
             continue;
-        rc = make_mirror(&mk->mirrors[mk->nmirrors], mk->job, i);
+        rc = make_mirror(&mk->mirrors[mk->nmirrors], mk->job, i, mat);
         if (rc < 0)
             return rad_fail(err, rc, "out of memory");
         mk->nmirrors += rc == 0;
@@ -188,6 +203,8 @@ may_relay(const struct rad_sources *s, int32_t i, const struct mirror *m)
     if (v && !(rad_dot(v->normal, m->centre) - v->offset >
                -reach(v->normal, m->normal, m->radius)))
         return false;
+    if (m->prism != RAD_VOID)
+        return true; /* its functions say */
     if (root->flags & RAD_LIGHT_DISTANT)
         return rad_dot(m->normal, image) > -root->radius;
     return local_meets(root, v, image, m);
@@ -195,45 +212,143 @@ may_relay(const struct rad_sources *s, int32_t i, const struct mirror *m)
 
 /* --- images --- */
 
-/* p mirrored in the plane, or as a direction where offset is 0. */
+/* What a mirror or prism does to space: p + (normal.p - offset) w, where w is
+ * `in` for the place that the source sees a point from, and `out` for the image
+ * of a point of the source.  Each undoes the other. */
+struct fold {
+    double in[3], out[3];
+    bool backwards; /* what comes through leaves against the normal */
+};
+
 static void
-mirrored(const double normal[3], double offset, const double p[3], double q[3])
+fold_mirror(const struct mirror *m, struct fold *f)
 {
-    rad_madd(q, p, -2 * (rad_dot(normal, p) - offset), normal);
+    rad_scale(f->in, -2, m->normal);
+    rad_copy(f->out, f->in);
+    f->backwards = false;
+}
+
+/* A ray from a source or image to the middle of a mirror, entered. */
+static void
+aim_at_mirror(struct rad_ctx *ctx, const double image[3], bool far,
+              const struct mirror *m, struct rad_ray *r)
+{
+    r->key = 0;
+    r->tmax = INFINITY;
+    rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_ray_clear(r);
+    if (far)
+        rad_scale(r->dir, -1, image);
+    else
+        rad_sub(r->dir, m->centre, image);
+    r->hit.t = rad_normalize(r->dir);
+    rad_madd(r->org, m->centre, -r->hit.t, r->dir);
+    r->hit.obj = m->obj;
+    r->hit.err = 0;
+    r->hit.uv[0] = r->hit.uv[1] = 0;
+    rad_copy(r->hit.p, m->centre);
+    rad_copy(r->hit.n, m->normal);
+    rad_ray_enter(r);
+}
+
+/* A prism turns the light of a source as it turns the ray from the source's
+ * centre to its own: space behind it is sheared along it, and mirrored if the
+ * ray comes back.  False: no light comes of it. */
+static bool
+fold_prism(struct rad_ctx *ctx, const double image[3], bool far,
+           const struct mirror *m, int way, struct fold *f)
+{
+    double dir[3], cos_in, cos_out;
+    struct rad_ray r;
+
+    aim_at_mirror(ctx, image, far, m, &r);
+    cos_in = rad_dot(r.dir, m->normal);
+    if (r.hit.t == 0 || fabs(cos_in) <= RAD_TINY ||
+        !rad_prism_way(ctx, &ctx->job->materials[m->prism], &r, way, dir))
+        return false;
+    cos_out = rad_dot(dir, m->normal);
+    if (fabs(cos_out) <= RAD_TINY)
+        return false;
+    rad_scale(f->out, 1 / cos_out, dir);
+    rad_madd(f->out, f->out, -1 / cos_in, r.dir);
+    if ((cos_in > 0) != (cos_out > 0)) {
+        rad_madd(f->out, f->out, -2, m->normal);
+        rad_copy(f->in, f->out);
+    } else {
+        rad_scale(f->in, -1, f->out);
+    }
+    f->backwards = cos_out < 0;
+    return true;
+}
+
+/* p folded, or as a direction where offset is 0. */
+static void
+folded(const double normal[3], double offset, const double w[3],
+       const double p[3], double q[3])
+{
+    rad_madd(q, p, rad_dot(normal, p) - offset, w);
+}
+
+/* The way from the source to its image, where there is a prism between. */
+static void
+make_bend(const struct rad_virtual *before, const struct mirror *m,
+          const struct fold *f, struct rad_bend *b)
+{
+    for (int j = 0; j < 3; j++) {
+        double column[3] = { j == 0, j == 1, j == 2 };
+
+        if (before && before->bend)
+            rad_copy(column, before->bend->axis[j]);
+        else if (before) /* its inverse is its transpose */
+            for (int k = 0; k < 3; k++)
+                column[k] = before->turn[j][k];
+        folded(m->normal, 0, f->out, column, b->axis[j]);
+    }
+    b->move[0] = b->move[1] = b->move[2] = 0;
+    if (before && before->bend)
+        rad_copy(b->move, before->bend->move);
+    else if (before)
+        for (int j = 0; j < 3; j++)
+            rad_madd(b->move, b->move, -before->move[j], before->turn[j]);
+    folded(m->normal, m->offset, f->out, b->move, b->move);
 }
 
 static void
 make_image(const struct rad_sources *s, int32_t from, const struct mirror *m,
-           struct rad_virtual *v)
+           const struct fold *f, struct rad_virtual *v)
 {
     const struct rad_virtual *before = virtual_of(s, from);
     const struct rad_source *root = root_of(s, from);
     bool far = root->flags & RAD_LIGHT_DISTANT;
 
-    memset(v, 0, sizeof *v);
     v->mirror = m->obj;
     v->from = from;
     v->root = before ? before->root : from;
-    rad_copy(v->normal, m->normal);
-    v->offset = m->offset;
+    rad_scale(v->normal, f->backwards ? -1 : 1, m->normal);
+    v->offset = f->backwards ? -m->offset : m->offset;
     for (int j = 0; j < 3; j++) {
-        double row[3] = { j == 0, j == 1, j == 2 };
+        double row[3] = { j == 0, j == 1, j == 2 }, along;
 
         if (before)
             rad_copy(row, before->turn[j]);
-        mirrored(m->normal, 0, row, v->turn[j]);
-        v->move[j] = 2 * m->offset * rad_dot(row, m->normal) +
-                     (before ? before->move[j] : 0);
+        along = rad_dot(row, f->in);
+        rad_madd(v->turn[j], row, along, m->normal);
+        v->move[j] = (before ? before->move[j] : 0) - m->offset * along;
     }
-    mirrored(m->normal, far ? 0 : m->offset,
-             before ? before->image : root->centre, v->image);
+    folded(m->normal, far ? 0 : m->offset, f->out,
+           before ? before->image : root->centre, v->image);
+    if (far)
+        rad_normalize(v->image);
 }
 
 static int
-add_image(struct maker *mk, int32_t from, const struct mirror *m,
-          struct rad_error *err)
+add_image(struct maker *mk, int32_t from, const struct mirror *m, int way,
+          const struct fold *f, struct rad_error *err)
 {
     struct rad_sources *s = mk->s;
+    const struct rad_virtual *before;
+    struct rad_bend *bend = NULL;
+    struct rad_virtual *v;
 
     if (s->nvirtuals == RAD_MAX_VIRTUALS)
         return rad_fail(err, RAD_EDATA,
@@ -252,8 +367,18 @@ add_image(struct maker *mk, int32_t from, const struct mirror *m,
         s->virtuals = more;
         mk->capacity = cap;
     }
-    make_image(s, from, m, &s->virtuals[s->nvirtuals]);
-    s->nvirtuals++;
+    before = virtual_of(s, from);
+    if (m->prism != RAD_VOID || (before && before->bend)) {
+        bend = rad_arena_alloc(&mk->job->arena, sizeof *bend);
+        if (!bend)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        make_bend(before, m, f, bend);
+    }
+    v = &s->virtuals[s->nvirtuals++];
+    memset(v, 0, sizeof *v);
+    make_image(s, from, m, f, v);
+    v->way = way;
+    v->bend = bend;
     return 0;
 }
 
@@ -498,6 +623,41 @@ test_images(struct maker *mk, int32_t first, struct rad_error *err)
 
 /* --- all of them --- */
 
+/* Images of source or image i in a prism. */
+static int
+relay_by_prism(struct maker *mk, int32_t i, const struct mirror *m,
+               struct rad_error *err)
+{
+    const struct rad_virtual *v = virtual_of(mk->s, i);
+    const struct rad_source *root = root_of(mk->s, i);
+    bool far = root->flags & RAD_LIGHT_DISTANT;
+    struct rad_ctx ctx;
+    struct fold f;
+    int code = rad_ctx_init(&ctx, mk->job, err);
+
+    for (int way = 0;
+         code == 0 && way < rad_prism_ways(&mk->job->materials[m->prism]);
+         way++)
+        if (fold_prism(&ctx, v ? v->image : root->centre, far, m, way, &f)) {
+            code = add_image(mk, i, m, way, &f, err);
+            v = virtual_of(mk->s, i); /* the list may have moved */
+        }
+    rad_ctx_release(&ctx);
+    return code;
+}
+
+static int
+relay_one(struct maker *mk, int32_t i, const struct mirror *m,
+          struct rad_error *err)
+{
+    struct fold f;
+
+    if (m->prism != RAD_VOID)
+        return relay_by_prism(mk, i, m, err);
+    fold_mirror(m, &f);
+    return add_image(mk, i, m, 0, &f, err);
+}
+
 /* Images of the sources from `first` to `end` in all mirrors. */
 static int
 relay(struct maker *mk, int32_t first, int32_t end, struct rad_error *err)
@@ -508,7 +668,7 @@ relay(struct maker *mk, int32_t first, int32_t end, struct rad_error *err)
     for (int32_t i = first; i < end; i++)
         for (int32_t k = 0; code == 0 && k < mk->nmirrors; k++)
             if (may_relay(mk->s, i, &mk->mirrors[k]))
-                code = add_image(mk, i, &mk->mirrors[k], err);
+                code = relay_one(mk, i, &mk->mirrors[k], err);
     if (code == 0 && mk->job->params.vspretest > 0 && mk->s->nvirtuals > old)
         code = test_images(mk, old, err);
     return code;
@@ -549,6 +709,9 @@ rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
 
 struct unfolded {
     const struct rad_virtual *v;
+    const struct rad_source *root;
+    const double *p;     /* where the image is seen from, */
+    const double *there; /* and where the source is */
     rad_light_fn *fn;
     void *arg;
 };
@@ -565,15 +728,88 @@ fold(void *arg, const struct rad_light_sample *s)
     u->fn(u->arg, &image);
 }
 
+/* A direction at the source as it is at its bent image, of any length. */
+static void
+bend_direction(const struct rad_bend *b, const double from[3], double dir[3])
+{
+    for (int k = 0; k < 3; k++)
+        dir[k] = b->axis[0][k] * from[0] + b->axis[1][k] * from[1] +
+                 b->axis[2][k] * from[2];
+}
+
+/* Where the point at a distance along dir from the source's side appears. */
+static double
+bend_point(const struct unfolded *u, const double dir[3], double dist,
+           double to[3])
+{
+    double q[3];
+
+    rad_madd(q, u->there, dist, dir);
+    bend_direction(u->v->bend, q, to);
+    for (int k = 0; k < 3; k++)
+        to[k] += u->v->bend->move[k] - u->p[k];
+    return rad_normalize(to);
+}
+
+/* How wide the source shows itself in direction dir, whose normal or axis is
+ * as given. */
+static double
+width(const struct rad_source *src, const double axis[3], const double dir[3])
+{
+    double c = rad_dot(axis, dir);
+
+    if (src->flags & RAD_LIGHT_FLAT)
+        return fmax(0, -c);
+    return src->shape == RAD_CYLINDER ? sqrt(fmax(0, 1 - c * c)) : 1;
+}
+
+/* The image keeps the source's area, and its normal or axis is bent as any
+ * direction is: so Radiance has it. */
+static double
+bent_size(const struct unfolded *u, const struct rad_light_sample *s,
+          const struct rad_light_sample *image)
+{
+    const struct rad_source *src = u->root;
+    double axis[3], bent[3], now;
+
+    rad_copy(axis, src->flags & RAD_LIGHT_FLAT ? src->normal : src->axis[0]);
+    rad_normalize(axis);
+    bend_direction(u->v->bend, axis, bent);
+    rad_normalize(bent);
+    now = width(src, bent, image->aim) / (image->dist * image->dist);
+    return s->omega * now * s->dist * s->dist / width(src, axis, s->aim);
+}
+
+/* rad_light_fn: the same as fold() by way of a prism. */
+static void
+fold_bent(void *arg, const struct rad_light_sample *s)
+{
+    const struct unfolded *u = arg;
+    struct rad_light_sample image = *s;
+
+    if (s->dist < INFINITY) {
+        image.dist = bend_point(u, s->aim, s->dist, image.aim);
+        bend_point(u, s->dir, s->dist, image.dir);
+        image.omega = bent_size(u, s, &image);
+    } else {
+        bend_direction(u->v->bend, s->aim, image.aim);
+        rad_normalize(image.aim);
+        bend_direction(u->v->bend, s->dir, image.dir);
+        rad_normalize(image.dir);
+    }
+    if (image.dist > 0 && image.omega > 0)
+        u->fn(u->arg, &image);
+}
+
 void
 rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
                     const struct rad_light_view *view, rad_light_fn *fn,
                     void *arg)
 {
     struct rad_light_view there = *view;
-    struct unfolded u = { v, fn, arg };
+    struct unfolded u = { v, &s->list[v->root], view->p, there.p, fn, arg };
 
     for (int k = 0; k < 3; k++)
         there.p[k] = rad_dot(v->turn[k], view->p) + v->move[k];
-    rad_light_samples(&s->list[v->root], &there, fold, &u);
+    rad_light_samples(u.root, &there, v->bend ? fold_bent : fold, &u);
 }

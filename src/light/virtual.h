@@ -3,7 +3,9 @@
  * A flat surface of material mirror relays each source that shines on it: seen
  * from a point before the mirror, the source's image stands behind it, and the
  * way to the image, folded at the mirror, is the way to the source.  Images
- * are relayed again, up to -dr times.
+ * are relayed again, up to -dr times.  A flat prism relays sources, too, from
+ * either side and to either; its images are sheared along it, so that the ray
+ * from the source's centre to the prism's goes where the prism sends it.
  * An image keeps no shape: its samples are the source's own, seen from where
  * the mirrors put the point.  Sources are numbered first, images after them.
  * Source: rpict(1) on -dr and -dp; Radiance's reference manual, "mirror". */
@@ -16,15 +18,24 @@
 /* Images of all real sources in all mirrors at most. */
 #define RAD_MAX_VIRTUALS 1000000
 
+/* Where a point of the source appears by way of prisms: p[0] axis[0] + p[1]
+ * axis[1] + p[2] axis[2] + move. */
+struct rad_bend {
+    double axis[3][3], move[3];
+};
+
 struct rad_virtual {
-    int32_t mirror; /* object that shows it */
+    int32_t mirror; /* object that shows it: a mirror or prism */
     int32_t from;   /* source or image that the mirror relays */
     int32_t root;   /* source at the end of the way */
     bool sure;      /* nothing between the mirror and the source (-dp) */
-    double normal[3], offset;   /* of the mirror: before it n.p > offset */
-    double turn[3][3], move[3]; /* p to where the source sees it from:
-                                 * turn p + move; turn is orthogonal */
-    double image[3];            /* centre, or direction, of the image */
+    double normal[3], offset;    /* of the mirror: before it n.p > offset */
+    double turn[3][3], move[3];  /* p to where the source sees it from:
+                                  * turn p + move; turn is orthogonal where
+                                  * there are mirrors alone */
+    double image[3];             /* centre, or direction, of the image */
+    int32_t way;                 /* of a prism: which (shade/prism.h) */
+    const struct rad_bend *bend; /* NULL: mirrors alone */
 };
 
 /* Find the images of a job's sources, and with -dp above 0 test which of them

@@ -238,6 +238,8 @@ static const struct rule {
     { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },
     { RAD_MIRROR,     0, 1,       3, 3,        check_reference },
     { RAD_MIST,       0, INT_MAX, 0, 7,        NULL },
+    { RAD_PRISM1,     5, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_PRISM2,     9, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_ANTIMATTER, 1, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORTEXT,  2, INT_MAX, 15, INT_MAX, check_text },
     { RAD_BRIGHTTEXT, 2, INT_MAX, 11, INT_MAX, check_text },

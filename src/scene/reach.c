@@ -80,7 +80,8 @@ static const struct {
     { RAD_PLASFUNC, 1, 0, 0 },    { RAD_METFUNC, 1, 0, 0 },
     { RAD_TRANSFUNC, 1, 0, 0 },   { RAD_BRTDFUNC, 9, 0, 0 },
     { RAD_PLASDATA, 2, 1, 1 },    { RAD_METDATA, 2, 1, 1 },
-    { RAD_TRANSDATA, 2, 1, 1 },
+    { RAD_TRANSDATA, 2, 1, 1 },   { RAD_PRISM1, 4, 0, 0 },
+    { RAD_PRISM2, 8, 0, 0 },
 };
 
 /* Is the text of a text type in the object itself, behind the font? */

@@ -17,6 +17,7 @@
 #include "shade/mirror.h"
 #include "shade/mist.h"
 #include "shade/normal.h"
+#include "shade/prism.h"
 #include "shade/table.h"
 #include "shade/text.h"
 
@@ -51,6 +52,8 @@ static const struct rad_shader table[] = {
     { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
       rad_emitter_shade },
     { RAD_MIRROR, RAD_MAT_OPAQUE, rad_mirror_prepare, rad_mirror_shade },
+    { RAD_PRISM1, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
+    { RAD_PRISM2, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
     { RAD_MIST, RAD_MAT_TRANSPARENT, rad_mist_prepare, rad_mist_shade },
     { RAD_ANTIMATTER, RAD_MAT_CUTS, rad_antimatter_prepare,
       rad_antimatter_shade },

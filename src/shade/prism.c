@@ -1,0 +1,111 @@
+/* prism.c - see prism.h */
+#include "config.h"
+
+#include "shade/prism.h"
+#include "base/vec.h"
+#include "light/source.h"
+#include "shade/expr.h"
+
+struct prism {
+    int ways;
+    struct rad_expr expr; /* for each way a coefficient and a direction */
+};
+
+int
+rad_prism_prepare(struct rad_job *job, int32_t index,
+                  const struct rad_files *files, const void **data,
+                  struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    struct prism *m = rad_arena_calloc(&job->arena, 1, sizeof *m);
+
+    if (!m)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    m->ways = o->type == RAD_PRISM2 ? 2 : 1;
+    *data = m;
+    return rad_expr_prepare(job, o, files, 4 * m->ways,
+                            m->ways == 2 ? 0377 : 017, &m->expr, err);
+}
+
+int
+rad_prism_ways(const struct rad_material *mat)
+{
+    return ((const struct prism *)mat->data)->ways;
+}
+
+/* Coefficient and direction of a way, to a source in direction aim or NULL. */
+static bool
+find_way(struct rad_ctx *ctx, const struct prism *m, const struct rad_ray *r,
+         int way, const double aim[3], double *coef, double dir[3])
+{
+    struct rad_expr_scope scope;
+    double v[4];
+
+    rad_expr_begin(ctx, &m->expr, r, &scope);
+    rad_expr_set_aim(ctx, &m->expr, &scope, aim);
+    if (!rad_expr_get(ctx, &m->expr, 4 * way, 4, v))
+        return false;
+    *coef = v[0];
+    rad_copy(dir, v + 1);
+    rad_expr_outward(&m->expr, r, dir);
+    return true;
+}
+
+bool
+rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
+              const struct rad_ray *r, int way, double dir[3])
+{
+    double coef;
+
+    return find_way(ctx, mat->data, r, way, NULL, &coef, dir) &&
+           coef > RAD_TINY;
+}
+
+/* Send r on; where it looks for what the surface relays, to source `next`. */
+static void
+send(struct rad_ctx *ctx, const struct prism *m, struct rad_ray *r, int way,
+     int32_t next)
+{
+    double aim[3], coef, dir[3];
+    struct rad_rgb grey;
+    struct rad_ray tr;
+
+    if (next >= 0)
+        rad_source_toward(ctx->job->sources, next, r->hit.p, aim);
+    if (!find_way(ctx, m, r, way, next >= 0 ? aim : NULL, &coef, dir) ||
+        rad_normalize(dir) == 0)
+        return;
+    grey = rad_grey((float)coef);
+    if (!rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, r, &grey,
+                       RAD_BRANCH_TRANSMIT | (uint32_t)way))
+        return;
+    rad_copy(tr.dir, dir);
+    if (next >= 0) {
+        tr.source = next;
+        rad_source_aimed(ctx, &tr);
+    } else {
+        rad_ray_trace(ctx, &tr);
+    }
+    r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
+    if (rad_ray_on_flat(ctx, r))
+        r->dist = r->hit.t + rad_ray_distance(&tr);
+}
+
+bool
+rad_prism_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                struct rad_ray *r)
+{
+    const struct rad_sources *s = ctx->job->sources;
+    const struct prism *m = mat->data;
+
+    if (r->source >= 0) {
+        int32_t next = rad_source_shown(s, r->source);
+
+        if (next >= 0 && rad_source_object(s, r->source) == r->hit.obj)
+            send(ctx, m, r, rad_source_way(s, r->source), next);
+        return true; /* else it looks for something else */
+    }
+    for (int way = 0; way < m->ways; way++)
+        send(ctx, m, r, way, -1);
+    return true;
+}

@@ -1,0 +1,27 @@
+/* prism.h - prism1 and prism2: surfaces that send rays on in other directions
+ *
+ * Expressions give a coefficient and the direction in which a ray goes on from
+ * the surface, once or twice.  Flat ones relay light sources as mirrors do
+ * (light/virtual.h): to a ray that looks for a relayed source they see the
+ * direction to it (DxA, DyA, DzA), and to all others a zero vector.
+ * Source: Radiance's reference manual, "prism1". */
+#ifndef RAD_SHADE_PRISM_H
+#define RAD_SHADE_PRISM_H
+
+#include "shade/material.h"
+
+int rad_prism_prepare(struct rad_job *job, int32_t index,
+                      const struct rad_files *files, const void **data,
+                      struct rad_error *err);
+bool rad_prism_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                     struct rad_ray *r);
+
+/* How many directions the material has, 1 or 2. */
+int rad_prism_ways(const struct rad_material *mat);
+
+/* The direction, of any length, in which way number `way` sends r on from its
+ * hit; false: none that brings any light. */
+bool rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
+                   const struct rad_ray *r, int way, double dir[3]);
+
+#endif

@@ -1,0 +1,325 @@
+/* check_prism.c - tests of src/shade/prism.c, and of the images that
+ * src/light/virtual.c makes of light sources in prisms
+ *
+ * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,
+ * and so does its image, times the prism's coefficient. */
+#include "config.h"
+
+#include "light/source.h"
+#include "world.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define LAMP "void light lit 0 0 3 100 100 100\n"
+/* R = .01 at height 2 */
+#define BALL      LAMP "lit sphere ball 0 0 4 0 0 2 .01\n"
+#define BALL_FLUX (M_PI * 100 * 1e-4)
+#define LEVEL     "p polygon pane 0 0 12 -3 -3 1 3 -3 1 3 3 1 -3 3 1\n"
+#define SKY                                                                    \
+    "void brightfunc up 2 2+Dx . 0 0\nup glow white 0 0 4 1 1 1 0\n"           \
+    "white source sky 0 0 4 0 0 1 360\n"
+
+/* The sideways part by which light is bent is the argument. */
+static const char functions[] =
+    "{ a ray that goes to a lamp goes to it, another is bent }\n"
+    "aimed = DxA*DxA + DyA*DyA + DzA*DzA;\n"
+    "x = if(aimed, DxA, Dx + A1); y = if(aimed, DyA, Dy);\n"
+    "z = if(aimed, DzA, Dz);\n"
+    "x2 = if(aimed, DxA, Dx - A1); zback = if(aimed, DzA, -Dz);\n";
+
+static unsigned char *
+read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    (void)arg;
+    if (strcmp(name, "f.cal") != 0) {
+        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+        return NULL;
+    }
+    *len = sizeof functions - 1;
+    return (unsigned char *)strdup(functions);
+}
+
+static const struct rad_files files = { read_file, NULL };
+
+static void
+open_world(struct world *w, const char *scene, const char *options)
+{
+    int rc = world_try(w, scene, options, &files);
+
+    ck_assert_msg(rc == 0, "%s: %s", w->err.where, w->err.what);
+}
+
+/* Irradiance at (x, 0, z) on a level surface that looks up, or down. */
+static double
+light_at(const char *scene, const char *options, double x, double z, double up)
+{
+    double p[3] = { x, 0, z }, n[3] = { 0, 0, up };
+    struct rad_ray r;
+    struct world w;
+
+    open_world(&w, scene, options);
+    rad_ray_irradiance(&w.ctx, &r, p, n, 1);
+    ck_assert_uint_eq(w.ctx.counts.unsound_rays, 0);
+    world_close(&w);
+    return r.L.r;
+}
+
+static int32_t
+images_of(const char *scene, const char *options)
+{
+    struct world w;
+    int32_t n;
+
+    open_world(&w, scene, options);
+    n = rad_sources_targets(w.job->sources) - rad_sources_count(w.job->sources);
+    world_close(&w);
+    return n;
+}
+
+static const char *const pretest[] = { "-dp 0 ", "-dp 32 ", "-dp 512 " };
+
+static const char *
+with(int i, const char *more)
+{
+    static char options[100];
+
+    snprintf(options, sizeof options, "%s%s", pretest[i], more);
+    return options;
+}
+
+#define DIRECT "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 1"
+
+/* --- what is seen --------------------------------------------------------- */
+
+/* A sky whose radiance is 2 plus its direction's x. */
+START_TEST(rays_go_on_as_the_functions_say)
+{
+    static const struct {
+        const char *prism;
+        double expect;
+    } seen[] = {
+        { "void prism1 p 5 .5 x y z f.cal 0 1 .75\n", .5 * (2 + .6) },
+        { "void prism1 p 5 .5 3*x 3*y 3*z f.cal 0 1 .75\n", .5 * (2 + .6) },
+        { "void prism1 p 5 T x y z f.cal 0 1 0\n", 2. },
+        { "void prism1 p 7 .5 x y z f.cal -rz 180 0 1 .75\n", .5 * (2 - .6) },
+        { "void prism1 p 5 1 x y zback f.cal 0 1 .75\n", 2 + .6 },
+        { "void prism1 p 5 sqrt(-T) x y z f.cal 0 1 .75\n", 0 },
+        { "void prism1 p 5 1 x 1/(T-1) z f.cal 0 1 .75\n", 0 },
+        { "void prism1 p 5 -1 x y z f.cal 0 1 .75\n", 0 },
+        { "void prism1 p 5 1 0 0 0 . 0 0\n", 0 },
+        { "void prism2 p 9 .5 x y z .25 x2 y z f.cal 0 1 .75\n",
+          .5 * (2 + .6) + .25 * (2 - .6) },
+        { "void prism2 p 9 -1 x y z .25 x2 y z f.cal 0 1 .75\n",
+          .25 * (2 - .6) },
+    };
+    struct rad_rgb L;
+    struct world w;
+    char scene[1024];
+
+    snprintf(scene, sizeof scene, "%s" LEVEL SKY, seen[_i].prism);
+    open_world(&w, scene, DIRECT);
+    L = world_see(&w, 0, 0, 2, 0, 0, -1);
+    ck_assert_double_eq_tol(L.g, seen[_i].expect, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
+/* --- light ---------------------------------------------------------------- */
+
+/* Straight down from the ball to the pane's middle, then aside by .75 for each
+ * 1 down: the image is as high as the ball, .75 to the other side. */
+START_TEST(lamp_is_seen_where_its_light_seems_to_come_from)
+{
+    static const char *scene =
+        BALL "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL;
+
+    for (double x = -1; x <= 1; x += .5) {
+        double dx = x + .75, d2 = dx * dx + 4;
+
+        ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), x, 0, 1),
+                                .6 * BALL_FLUX / d2 * 2 / sqrt(d2), 1e-8);
+    }
+    ck_assert_int_eq(images_of(scene, with(_i, DIRECT)), 1);
+    /* above the pane there is the ball alone */
+    ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), 0, 1.5, 1),
+                            BALL_FLUX / .25, 1e-6);
+    ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, 1.5, -1), 0);
+    ck_assert_double_eq(light_at(scene, with(_i, DIRECT " -dr 0"), 0, 0, 1), 0);
+}
+END_TEST
+
+/* Two ways, two images. */
+START_TEST(prism2_has_two_images)
+{
+    static const char *scene =
+        BALL "void prism2 p 9 .5 x y z .25 x2 y z f.cal 0 1 .75\n" LEVEL;
+    double a = 1.75 * 1.75 + 4, b = .25 * .25 + 4;
+
+    ck_assert_double_eq_tol(
+        light_at(scene, with(_i, DIRECT), 1, 0, 1),
+        2 * BALL_FLUX * (.5 * pow(a, -1.5) + .25 * pow(b, -1.5)), 1e-8);
+}
+END_TEST
+
+/* What comes back lights the lamp's own side: the image is below the pane. */
+START_TEST(light_may_come_back)
+{
+    static const char *scene =
+        BALL "void prism1 p 5 .6 x y zback f.cal 0 1 .75\n" LEVEL;
+    double d2 = .75 * .75 + 1.5 * 1.5;
+
+    ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), 0, 1.5, -1),
+                            .6 * BALL_FLUX / d2 * 1.5 / sqrt(d2), 1e-8);
+    ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, .5, 1), 0);
+}
+END_TEST
+
+/* A sun of .5 degrees: its image has its size, in the bent direction. */
+START_TEST(sun_is_bent)
+{
+    static const char *scene =
+        "void light s 0 0 3 1e4 1e4 1e4 s source sun 0 0 4 0 0 1 .5\n"
+        "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL;
+    double E = 1e4 * 2 * M_PI * (1 - cos(.25 * M_PI / 180));
+
+    ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), .5, 0, 1),
+                            .6 * E / sqrt(1 + .75 * .75), 1e-6 * E);
+}
+END_TEST
+
+/* A pane that turns nothing lets light through, dimmed. */
+START_TEST(straight_prism_dims_alone)
+{
+    static const char *scene = BALL "void prism1 p 5 .6 Dx Dy Dz . 0 0\n" LEVEL;
+
+    for (double x = -1; x <= 1; x += .5) {
+        double d2 = x * x + 4;
+
+        ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), x, 0, 1),
+                                .6 * BALL_FLUX / d2 * 2 / sqrt(d2), 1e-8);
+    }
+}
+END_TEST
+
+/* A lamp that looks down, .02 wide: its area counts by its bent normal, which
+ * is that of the direction (.75, 0, -1), and by the distance of the image. */
+START_TEST(flat_lamp_keeps_its_area)
+{
+    static const char *scene =
+        LAMP "lit polygon panel 0 0 12 -.01 -.01 2 -.01 .01 2 .01 .01 2 "
+             ".01 -.01 2\n"
+             "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL;
+    double x = .25, dx = x + .75, d2 = dx * dx + 4;
+    double cos_lamp = (.75 * dx + 2) / sqrt((.75 * .75 + 1) * d2);
+
+    ck_assert_double_eq_tol(light_at(scene, with(_i, DIRECT), x, 0, 1),
+                            .6 * 100 * 4e-4 / d2 * cos_lamp * 2 / sqrt(d2),
+                            1e-8);
+}
+END_TEST
+
+/* From the ball to a mirror in the plane x = 1, from there at (2, 0, 2) to the
+ * pane's middle, bent by .5; and all of it the other way round. */
+START_TEST(prism_and_mirror_relay_each_other)
+{
+    static const char *scene =
+        BALL "void mirror m 0 0 3 .5 .5 .5\n"
+             "m polygon wall 0 0 12 1 -9 1.01 1 -9 9 1 9 9 1 9 1.01\n"
+             "void prism1 p 5 .6 x y z f.cal 0 1 .5\n" LEVEL;
+    /* (-2, 0, -1)/1 + (.5, 0, 0): normalized .5 is sqrt(5)/2 */
+    double slope = -2 + .5 * sqrt(5), image = -slope;
+    double straight = .5, x = -.5;
+    double a = x - image, b = x + straight;
+    double expect =
+        .6 * 2 * BALL_FLUX * (.5 * pow(a * a + 4, -1.5) + pow(b * b + 4, -1.5));
+
+    ck_assert_double_eq_tol(
+        light_at(scene, with(_i, "-av 0 0 0 -dj 0 -dt 0 -ds 0 -dr 2"), x, 0, 1),
+        expect, 1e-7);
+}
+END_TEST
+
+START_TEST(what_is_in_the_way_casts_its_shadow)
+{
+    static const char *const blocker[] = {
+        "k ring above 0 0 8 0 0 1.5 0 0 1 0 9\n",
+        "k ring below 0 0 8 0 0 .5 0 0 1 0 9\n",
+    };
+    char scene[1024];
+
+    for (int i = 0; i < N_ELEM(blocker); i++) {
+        snprintf(scene, sizeof scene,
+                 BALL "void plastic k 0 0 5 0 0 0 0 0\n%s"
+                      "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL,
+                 blocker[i]);
+        ck_assert_double_eq(light_at(scene, with(_i, DIRECT), 0, 0, 1), 0);
+    }
+}
+END_TEST
+
+/* Nothing comes of these. */
+START_TEST(no_light_no_image)
+{
+    static const char *const none[] = {
+        "void prism1 p 5 0 x y z f.cal 0 1 .75\n" LEVEL,
+        "void prism1 p 5 1/(Px-Px) x y z f.cal 0 1 .75\n" LEVEL,
+        "void prism1 p 5 1 1 0 0 . 0 0\n" LEVEL, /* along the pane */
+        "void prism1 p 5 1 0 0 0 . 0 0\n" LEVEL,
+        "void prism1 p 5 1 Dx Dy Dz . 0 0\np sphere s 0 0 4 0 0 0 1\n",
+        "void prism1 p 5 1 Dx Dy Dz . 0 0\n" /* seen edge-on */
+        "p ring r 0 0 8 1 0 2 0 0 1 0 .5\n",
+    };
+    char scene[1024];
+
+    for (int i = 0; i < N_ELEM(none); i++) {
+        snprintf(scene, sizeof scene, "%s%s", BALL, none[i]);
+        ck_assert_int_eq(images_of(scene, with(_i, DIRECT)), 0);
+    }
+}
+END_TEST
+
+static const struct {
+    const char *text, *message;
+} bad[] = {
+    { "void prism1 p 4 1 0 0 1 0 0\n" LEVEL, "5 string arguments" },
+    { "void prism2 p 8 1 0 0 1 1 0 0 1 0 0\n" LEVEL, "9 string arguments" },
+    { "void prism1 p 5 1 0 NxP 1 . 0 0\n" LEVEL, "undefined variable 'NxP'" },
+    { "void prism1 p 5 1 0 0 1 g.cal 0 0\n" LEVEL, "no file 'g.cal'" },
+};
+
+START_TEST(bad_arguments_are_refused)
+{
+    struct world w;
+
+    ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
+    ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
+                  w.err.where, w.err.what);
+    world_close(&w);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("prism");
+    TCase *tc = tcase_create("material");
+    int n = N_ELEM(pretest);
+
+    tcase_add_loop_test(tc, rays_go_on_as_the_functions_say, 0, 11);
+    tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
+    suite_add_tcase(s, tc);
+    tc = tcase_create("images");
+    tcase_add_loop_test(tc, lamp_is_seen_where_its_light_seems_to_come_from, 0,
+                        n);
+    tcase_add_loop_test(tc, prism2_has_two_images, 0, n);
+    tcase_add_loop_test(tc, light_may_come_back, 0, n);
+    tcase_add_loop_test(tc, sun_is_bent, 0, n);
+    tcase_add_loop_test(tc, straight_prism_dims_alone, 0, n);
+    tcase_add_loop_test(tc, flat_lamp_keeps_its_area, 0, n);
+    tcase_add_loop_test(tc, prism_and_mirror_relay_each_other, 0, n);
+    tcase_add_loop_test(tc, what_is_in_the_way_casts_its_shadow, 0, n);
+    tcase_add_loop_test(tc, no_light_no_image, 0, n);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
