@@ -12,6 +12,8 @@ libclient_a_SOURCES = \
 	client/command.h \
 	client/compile.c \
 	client/compile.h \
+	client/costs.c \
+	client/costs.h \
 	client/fetch.c \
 	client/fetch.h \
 	client/frames.c \

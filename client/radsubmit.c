@@ -9,6 +9,7 @@
 
 #include "command.h"
 #include "compile.h"
+#include "costs.h"
 #include "frames.h"
 #include "local.h"
 #include "output.h"
@@ -33,6 +34,8 @@ struct program {
     struct compiled scene;
     struct cargo cargo;
     struct msg_spec spec;
+    uint8_t *costs; /* of lines, from a former run; NULL: none */
+    uint32_t ncosts;
     uint8_t id[MSG_JOB];
     char params[RAD_PARAMS_TEXT];
     char needs[MSG_MAX_NEEDS + 1];
@@ -357,11 +360,30 @@ list_needs(struct program *p)
 static uint8_t
 choose_partition(const struct program *p)
 {
-    if (p->o.partition == PARTITION_WINDOW || p->o.windows > 0)
-        return MSG_PART_WINDOW;
-    if (p->embedded && workers_wanted(p) > 1)
+    if (p->o.partition != PARTITION_AUTO) /* the same words in the same order */
+        return (uint8_t)p->o.partition;
+    if (p->o.windows > 0 || (p->embedded && workers_wanted(p) > 1))
         return MSG_PART_WINDOW;
     return MSG_PART_AUTO;
+}
+
+/* --estimate=FILE.json */
+static int
+read_costs(struct program *p)
+{
+    struct costs c;
+    int rc;
+
+    if (!p->o.costs)
+        return 0;
+    rc = costs_read(&c, p->o.costs, p->err);
+    if (rc == 0)
+        rc = costs_of_lines(&c, p->frames.list, p->frames.n,
+                            p->o.params.psample, &p->costs, &p->ncosts, p->err);
+    if (rc < 0)
+        rad_error_where(p->err, "%s", p->o.costs);
+    costs_release(&c);
+    return rc;
 }
 
 static void
@@ -377,11 +399,14 @@ fill_spec(struct program *p)
     s->name = o->name ? o->name : o->scenes[0];
     s->params = p->params;
     s->needs = p->needs;
-    s->estimate = "uniform";
+    s->estimate = o->estimate ? o->estimate : "uniform";
+    s->costs = p->costs;
+    s->ncosts = p->ncosts;
     s->seed = o->params.seed;
     s->priority = o->priority;
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
                (o->no_share ? 0 : MSG_JOB_SHARE) |
+               (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0);
     s->partition = choose_partition(p);
     s->order = (uint8_t)o->order; /* the same words in the same order */
@@ -523,7 +548,8 @@ run(struct program *p)
     warn_of_psample(p);
     if ((rc = choose_cluster(p)) < 0 ||
         (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
-        (rc = check_outputs(p)) < 0 || (rc = watch_signals(p)) < 0)
+        (rc = read_costs(p)) < 0 || (rc = check_outputs(p)) < 0 ||
+        (rc = watch_signals(p)) < 0)
         return rc;
     if ((rc = local_new(&p->local, p->err)) == 0 && (rc = make_id(p)) == 0)
         rc = run_job(p);
@@ -556,6 +582,7 @@ act(struct program *p, int argc, char *argv[])
         submit_options_defaults(&p->o, stdout);
         break;
     }
+    free(p->costs);
     frames_release(&p->frames);
     words_release(&p->words);
     return rc;

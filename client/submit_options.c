@@ -79,14 +79,20 @@ static const struct option own[] = {
     TEXT("--name", name, "TEXT", "of the job, for people"),
     INT("--priority", priority, -100, 100, "N",
         "jobs with more go first (0)"),
-    WORD("--partition", partition, "auto|window", "how the work is shared"),
+    WORD("--partition", partition, "auto|static|scanbar|window",
+         "how the work is shared"),
     INT("--windows", windows, 1, MOST_WINDOWS, "N",
         "windows to share out (by the picture's size)"),
-    WORD("--order", order, "forward|backward|random",
+    WORD("--order", order, "forward|backward|random|cost",
          "order in which windows are handed out"),
+    TEXT("--estimate", estimate, "uniform|NNa|NNb|FILE.json",
+         "what the parts of the picture cost: by their size, by the rays or "
+         "tests of NN random pixels of each, by a former run's statistics"),
+    FLAG("--no-balance", no_balance,
+         "a static part stays with the worker that got it"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--fresh-frames", fresh_frames,
-         "keep no ambient values from frame to frame"),
+         "frame by frame, nothing kept from one to the next"),
     TEXT("--views", views, "FILE", "views of an animation, one a line")
 };
 
@@ -103,11 +109,6 @@ static const struct {
     const char *option; /* whole word, or "--name=value" */
     const char *why;
 } lacking[] = {
-    { "--partition=scanbar", "not in this version: use auto or window" },
-    { "--partition=static", "not in this version: use auto or window" },
-    { "--order=cost", "not in this version: use forward, backward or random" },
-    { "--estimate", "not in this version" },
-    { "--no-balance", "not in this version" },
     { "--same-bits", "not in this version" },
     { "--key", "not in this version, whose coordinators serve one machine" },
     { "-features", "an option of rpict that is not supported" }
@@ -400,6 +401,50 @@ take_scenes(struct cursor *c, bool dashes)
     return 0;
 }
 
+/* "20a": random pixels, and what of them counts. */
+static bool
+is_sampled(const char *text)
+{
+    enum { MOST = 1000 };
+    size_t n = strspn(text, "0123456789");
+    long rays = n > 0 && n < 9 ? strtol(text, NULL, 10) : 0;
+
+    return rays >= 1 && rays <= MOST &&
+           (strcmp(text + n, "a") == 0 || strcmp(text + n, "b") == 0);
+}
+
+static int
+check_estimate(struct submit_options *o, struct rad_error *err)
+{
+    size_t len = o->estimate ? strlen(o->estimate) : 0;
+
+    if (!o->estimate || strcmp(o->estimate, "uniform") == 0 ||
+        is_sampled(o->estimate))
+        return 0;
+    if (len <= 5 || strcmp(o->estimate + len - 5, ".json") != 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--estimate': '%.40s' is not uniform, NNa or "
+                        "NNb with NN from 1 to 1000, or a FILE.json",
+                        o->estimate);
+    o->costs = o->estimate;
+    o->estimate = NULL;
+    return 0;
+}
+
+/* What is for windows asks for them, or contradicts. */
+static int
+check_sharing(struct submit_options *o, struct rad_error *err)
+{
+    bool lines =
+        o->partition == PARTITION_STATIC || o->partition == PARTITION_SCANBAR;
+
+    if (lines && o->windows > 0)
+        return rad_fail(err, RAD_EUSAGE, "--windows is for --partition=window");
+    if (lines && o->order != ORDER_FORWARD)
+        return rad_fail(err, RAD_EUSAGE, "--order is for --partition=window");
+    return check_estimate(o, err);
+}
+
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
@@ -427,7 +472,8 @@ check_together(struct submit_options *o, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "--detach waits for no picture: leave out -o, -z, "
                         "--stats and --preview, and use radctl fetch");
-    if ((rc = rad_params_check(&o->params, err)) < 0)
+    if ((rc = check_sharing(o, err)) < 0 ||
+        (rc = rad_params_check(&o->params, err)) < 0)
         return rc;
     if (!o->first_frame) {
         struct rad_view v = o->view;

@@ -20,8 +20,13 @@ enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS };
 
 /* the order of the words in the tables of submit_options.c */
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
-enum submit_partition { PARTITION_AUTO, PARTITION_WINDOW };
-enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM };
+enum submit_partition {
+    PARTITION_AUTO,
+    PARTITION_STATIC,
+    PARTITION_SCANBAR,
+    PARTITION_WINDOW
+};
+enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM, ORDER_COST };
 
 struct submit_options {
     struct rad_params params;
@@ -41,7 +46,9 @@ struct submit_options {
     /* how */
     int partition, order; /* enum submit_partition, submit_order */
     int windows;          /* 0: by the picture's size */
-    bool no_share, fresh_frames, detach;
+    const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
+    const char *costs;    /* the file that --estimate named; or NULL */
+    bool no_balance, no_share, fresh_frames, detach;
     int priority;
     const char *name;
     int progress;       /* enum submit_progress */

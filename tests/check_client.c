@@ -1,6 +1,7 @@
 /* check_client.c - tests of the modules that the clients are made of */
 #include "config.h"
 
+#include "message.h"
 #include "output.h"
 #include "progress.h"
 #include "submit_options.h"
@@ -148,6 +149,56 @@ END_TEST
 
 static const struct {
     const char *line;
+    int partition, order;
+    const char *estimate, *costs;
+    bool no_balance;
+} sharing[] = {
+    { "a.rad", PARTITION_AUTO, ORDER_FORWARD, NULL, NULL, false },
+    { "--partition=static --estimate=20a a.rad", PARTITION_STATIC,
+      ORDER_FORWARD, "20a", NULL, false },
+    { "--partition static --no-balance --estimate 1000b a.rad",
+      PARTITION_STATIC, ORDER_FORWARD, "1000b", NULL, true },
+    { "--partition=scanbar --estimate=uniform a.rad", PARTITION_SCANBAR,
+      ORDER_FORWARD, "uniform", NULL, false },
+    { "--partition=window --order=cost --estimate=1a a.rad", PARTITION_WINDOW,
+      ORDER_COST, "1a", NULL, false },
+    { "--estimate=b/20a.json a.rad", PARTITION_AUTO, ORDER_FORWARD, NULL,
+      "b/20a.json", false },
+};
+
+START_TEST(work_is_shared_as_asked)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_msg(parse(&o, &w, sharing[_i].line, &err) == SUBMIT_RUN, "%s",
+                  err.what);
+    ck_assert_int_eq(o.partition, sharing[_i].partition);
+    ck_assert_int_eq(o.order, sharing[_i].order);
+    ck_assert_pstr_eq(o.estimate, sharing[_i].estimate);
+    ck_assert_pstr_eq(o.costs, sharing[_i].costs);
+    ck_assert_int_eq(o.no_balance, sharing[_i].no_balance);
+    words_release(&w);
+}
+END_TEST
+
+/* radsubmit.c sends the place of a word. */
+START_TEST(words_stand_where_the_protocol_has_them)
+{
+    ck_assert_int_eq(PARTITION_AUTO, MSG_PART_AUTO);
+    ck_assert_int_eq(PARTITION_STATIC, MSG_PART_STATIC);
+    ck_assert_int_eq(PARTITION_SCANBAR, MSG_PART_SCANBAR);
+    ck_assert_int_eq(PARTITION_WINDOW, MSG_PART_WINDOW);
+    ck_assert_int_eq(ORDER_FORWARD, MSG_ORDER_FORWARD);
+    ck_assert_int_eq(ORDER_BACKWARD, MSG_ORDER_BACKWARD);
+    ck_assert_int_eq(ORDER_RANDOM, MSG_ORDER_RANDOM);
+    ck_assert_int_eq(ORDER_COST, MSG_ORDER_COST);
+}
+END_TEST
+
+static const struct {
+    const char *line;
     const char *names; /* must be in the message */
 } wrong[] = {
     { "-x abc a.rad", "-x" },
@@ -162,12 +213,20 @@ static const struct {
     { "-features a.rad", "-features" },
     { "-nonsense a.rad", "-nonsense" },
     { "--nonsense a.rad", "--nonsense" },
-    { "--partition=scanbar a.rad", "--partition=scanbar" },
-    { "--partition static a.rad", "--partition=static" },
     { "--partition=pie a.rad", "pie" },
-    { "--order=cost a.rad", "--order=cost" },
-    { "--estimate=5a a.rad", "--estimate" },
-    { "--no-balance a.rad", "--no-balance" },
+    { "--partition=scanbar --windows=4 a.rad", "--windows" },
+    { "--order=cost --partition=static a.rad", "--order" },
+    { "--order=dear a.rad", "dear" },
+    { "--estimate=5c a.rad", "5c" },
+    { "--estimate=a a.rad", "--estimate" },
+    { "--estimate=0b a.rad", "--estimate" },
+    { "--estimate=1001a a.rad", "1000" },
+    { "--estimate=9999999999a a.rad", "--estimate" },
+    { "--estimate=20ab a.rad", "20ab" },
+    { "--estimate=-5a a.rad", "--estimate" },
+    { "--estimate=stats.txt a.rad", "FILE.json" },
+    { "--estimate=.json a.rad", "FILE.json" },
+    { "--no-balance=1 a.rad", "--no-balance" },
     { "--same-bits a.rad", "--same-bits" },
     { "--key=k a.rad", "--key" },
     { "--workers=0 a.rad", "--workers" },
@@ -536,6 +595,8 @@ add_tests(TCase *tc)
     tcase_add_test(tc, options_of_both_kinds_mix);
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);
+    tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
+    tcase_add_test(tc, words_stand_where_the_protocol_has_them);
     tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
     tcase_add_test(tc, files_and_variables_open_up_in_place);
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);

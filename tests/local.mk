@@ -21,6 +21,7 @@ UNIT_TESTS = \
 	tests/check_conf \
 	tests/check_conn \
 	tests/check_coord \
+	tests/check_costs \
 	tests/check_data \
 	tests/check_estimate \
 	tests/check_facts \
@@ -143,6 +144,10 @@ tests_check_hdr_LDADD = $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_costs_SOURCES = tests/check_costs.c tests/unit.h
+tests_check_costs_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_costs_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_compile_SOURCES = tests/check_compile.c tests/unit.h
 tests_check_compile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -7,6 +7,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_calc \
+	tests/fuzz/fuzz_costs \
 	tests/fuzz/fuzz_dat \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
@@ -81,3 +82,7 @@ tests_fuzz_fuzz_calc_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_dat_SOURCES = tests/fuzz/fuzz_dat.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_dat_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_dat_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_costs_SOURCES = tests/fuzz/fuzz_costs.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_costs_LDADD = $(LIBCLIENT) $(LIBRAD)
+tests_fuzz_fuzz_costs_LDFLAGS = $(FUZZ_LINK)
