@@ -6,6 +6,8 @@
 #include "command.h"
 #include "scene/octfile.h"
 #include "scene/parse.h"
+#include "scene/part.h"
+#include "shade/material.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -88,7 +90,9 @@ has_suffix(const char *name, const char *suffix)
 }
 
 struct reading {
+    struct compiled *c;
     const char *folder; /* of the file that is being read */
+    bool told;          /* what ended the reading */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
 };
@@ -131,18 +135,67 @@ failed(const struct reading *r, const struct rad_error *err)
     return err->code;
 }
 
+static int read_text_file(struct compiled *c, const char *file,
+                          struct reading *r, struct rad_error *err);
+
+/* Where an octree's scene file is: in the folder of the octree, in ours, or
+ * along RAYPATH; malloc'd. */
+static char *
+find_scene_file(const struct reading *r, const char *name,
+                struct rad_error *err)
+{
+    char *path = NULL;
+
+    if (name[0] != '/' && asprintf(&path, "%s/%s", r->folder, name) < 0)
+        path = NULL;
+    if (path && access(path, R_OK) == 0)
+        return path;
+    free(path);
+    if (access(name, R_OK) == 0)
+        return strdup(name);
+    return paths_find(&r->c->paths, name, err);
+}
+
+/* A scene file, or "!command", that an octree names. */
+static int
+read_named(void *arg, const char *name, struct rad_error *err)
+{
+    struct reading *r = arg;
+    struct rad_parse_io io = { begin_command, end_command,
+                               r->each ? tell : NULL, r };
+    const char *folder = r->folder;
+    char *path;
+    int rc;
+
+    if (name[0] == '!') {
+        rc =
+            rad_parse_text(r->c->scene, name, strlen(name), "octree", &io, err);
+        r->told = rc != 0;
+        return rc;
+    }
+    path = find_scene_file(r, name, err);
+    if (!path)
+        return err->code;
+    rc = read_text_file(r->c, path, r, err);
+    r->told = rc != 0;
+    r->folder = folder;
+    free(path);
+    return rc;
+}
+
 static int
 read_octree(struct compiled *c, const struct rad_stream *in, const char *name,
-            bool alone, const struct reading *r, struct rad_error *err)
+            bool alone, struct reading *r, struct rad_error *err)
 {
     struct rad_error now = { 0 };
-    int rc = alone ? rad_octfile_read(c->scene, NULL, in, name, &now)
+    struct rad_octfile how = { .text = read_named, .arg = r };
+    int rc = alone ? rad_octfile_read_as(c->scene, &how, in, name, &now)
                    : rad_fail(&now, RAD_EUSAGE,
                               "octree '%s' must be the only scene file", name);
 
     if (rc && err && err->code == 0)
         *err = now;
-    return rc ? failed(r, &now) : 0;
+    return rc && !r->told ? failed(r, &now) : rc;
 }
 
 static int
@@ -153,9 +206,9 @@ read_source_file(struct compiled *c, struct source *src, const char *file,
     struct rad_parse_io io = { begin_command, end_command,
                                r->each ? tell : NULL, r };
 
+    r->folder = src->folder;
     if (has_suffix(file, ".oct") || rad_octfile_is(src->head, src->len))
         return read_octree(c, &in, src->fd.name, alone, r, err);
-    r->folder = src->folder;
     return rad_parse(c->scene, &in, src->fd.name, &io, err);
 }
 
@@ -178,6 +231,153 @@ read_file(struct compiled *c, const char *file, bool alone, struct reading *r,
     close_source(src);
     free(src);
     return rc;
+}
+
+static int
+read_text_file(struct compiled *c, const char *file, struct reading *r,
+               struct rad_error *err)
+{
+    return read_file(c, file, false, r, err);
+}
+
+/* --- octrees of instances that are not frozen ---------------------------- */
+
+struct frozen {
+    struct frozen *next;
+    char *name;
+    struct rad_memory_out file;
+};
+
+/* Freeze the octree in bytes[len], which c's scene has an instance of. */
+static int
+freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
+       struct rad_memory_out *file, struct rad_error *err)
+{
+    struct compiled in = { .paths = c->paths, .depth = c->depth + 1 };
+    struct reading r = { .c = &in };
+    struct rad_memory_in from = { bytes, len };
+    struct rad_stream stream = rad_memory_stream(&from);
+    struct rad_octfile how = { .text = read_named, .arg = &r };
+    struct rad_files files = compile_files(c);
+    struct rad_sink out = rad_memory_sink(file);
+    char *path = paths_find(&c->paths, name, err);
+    char *folder = path ? paths_folder_of(path) : NULL;
+    int rc;
+
+    rad_octree_init(&in.octree);
+    in.scene = rad_scene_new();
+    r.folder = folder;
+    c->depth++;
+    if (c->depth > RAD_MAX_PART_DEPTH)
+        rc = rad_fail(err, RAD_EDATA,
+                      "instances are nested more than %d files deep",
+                      RAD_MAX_PART_DEPTH);
+    else if (!folder || !in.scene)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    else
+        rc = rad_octfile_read_as(in.scene, &how, &stream, name, err);
+    c->paths = in.paths; /* scene files add folders */
+    if (!rc)
+        rc = rad_scene_include(in.scene, &files, NULL, NULL, err);
+    if (!rc)
+        rc = rad_octree_build(&in.octree, in.scene, err);
+    if (!rc)
+        rc = rad_octfile_write(in.scene, &in.octree, &out, err);
+    c->depth--;
+    rad_octree_release(&in.octree);
+    rad_scene_free(in.scene);
+    free(folder);
+    free(path);
+    return rc;
+}
+
+static const struct frozen *
+find_frozen(const struct compiled *c, const char *name)
+{
+    const struct frozen *f = c->frozen;
+
+    while (f && strcmp(f->name, name) != 0)
+        f = f->next;
+    return f;
+}
+
+static const struct frozen *
+add_frozen(struct compiled *c, const char *name, const void *bytes, size_t len,
+           struct rad_error *err)
+{
+    struct frozen *f = calloc(1, sizeof *f);
+
+    if (f)
+        f->name = strdup(name);
+    if (!f || !f->name)
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (f && (!f->name || freeze(c, name, bytes, len, &f->file, err))) {
+        free(f->name);
+        free(f->file.bytes);
+        free(f);
+        return NULL;
+    }
+    if (f) {
+        f->next = c->frozen;
+        c->frozen = f;
+    }
+    return f;
+}
+
+static void
+release_frozen(struct compiled *c)
+{
+    while (c->frozen) {
+        struct frozen *f = c->frozen;
+
+        c->frozen = f->next;
+        free(f->name);
+        free(f->file.bytes);
+        free(f);
+    }
+}
+
+static unsigned char *
+copy_frozen(const struct frozen *f, size_t *len, struct rad_error *err)
+{
+    unsigned char *copy = f ? malloc(f->file.len + 1) : NULL;
+
+    if (!f)
+        return NULL;
+    if (!copy) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    memcpy(copy, f->file.bytes, f->file.len);
+    copy[f->file.len] = '\0';
+    *len = f->file.len;
+    return copy;
+}
+
+static unsigned char *
+read_needed(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    struct compiled *c = arg;
+    struct rad_files files = paths_files(&c->paths);
+    const struct frozen *f = find_frozen(c, name);
+    unsigned char *bytes, *copy;
+
+    if (f)
+        return copy_frozen(f, len, err);
+    bytes = files.read(files.arg, name, len, err);
+    if (!bytes || !rad_octfile_names(bytes, *len))
+        return bytes;
+    copy = copy_frozen(add_frozen(c, name, bytes, *len, err), len, err);
+    free(bytes);
+    return copy;
+}
+
+struct rad_files
+compile_files(struct compiled *c)
+{
+    struct rad_files files = { read_needed, c };
+
+    return files;
 }
 
 /* --- files that the scene needs ----------------------------------------------
@@ -313,7 +513,7 @@ static int
 bundle_file(struct compiled *c, const char *name, const char *dir,
             struct rad_error *err)
 {
-    struct rad_files files = paths_files(&c->paths);
+    struct rad_files files = compile_files(c);
     struct storing f;
     unsigned char *bytes;
     size_t len;
@@ -336,12 +536,14 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 /* --- the whole ---------------------------------------------------------------
  */
 
-int
-compile_parse(struct compiled *c, const char *const *files, int n,
-              void (*each)(void *arg, const struct rad_error *err), void *arg,
-              struct rad_error *err)
+/* Read the scene, but not the files of its instances and meshes.  On failure
+ * nothing is left. */
+static int
+read_scene(struct compiled *c, const char *const *files, int n,
+           void (*each)(void *arg, const struct rad_error *err), void *arg,
+           struct rad_error *err)
 {
-    struct reading r = { NULL, each, arg };
+    struct reading r = { .c = c, .each = each, .arg = arg };
     int rc;
 
     memset(c, 0, sizeof *c);
@@ -360,20 +562,49 @@ compile_parse(struct compiled *c, const char *const *files, int n,
     return rc;
 }
 
+static int
+include_parts(struct compiled *c,
+              void (*each)(void *arg, const struct rad_error *err), void *arg,
+              struct rad_error *err)
+{
+    struct rad_files files = compile_files(c);
+
+    return rad_scene_include(c->scene, &files, each, arg, err);
+}
+
+int
+compile_parse(struct compiled *c, const char *const *files, int n,
+              void (*each)(void *arg, const struct rad_error *err), void *arg,
+              struct rad_error *err)
+{
+    int rc = read_scene(c, files, n, each, arg, err);
+
+    if (rc)
+        return rc;
+    rc = include_parts(c, each, arg, err);
+    if (rc)
+        compile_release(c);
+    return rc;
+}
+
 int
 compile_read(struct compiled *c, const char *const *files, int n,
              void (*each)(void *arg, const struct rad_error *err), void *arg,
              struct rad_error *err)
 {
-    struct reading r = { NULL, each, arg };
-    int missing, rc = compile_parse(c, files, n, each, arg, err);
+    struct reading r = { .c = c, .each = each, .arg = arg };
+    int now, rc = read_scene(c, files, n, each, arg, err);
 
     if (rc)
         return rc;
-    rc = rad_scene_check(c->scene, each, arg, err);
+    rc = include_parts(c, each, arg, err);
     if (!rc || each) {
-        missing = visit_files(c, &r, find_file, NULL, err);
-        rc = rc ? rc : missing;
+        now = rad_scene_check(c->scene, each, arg, err);
+        rc = rc ? rc : now;
+    }
+    if (!rc || each) {
+        now = visit_files(c, &r, find_file, NULL, err);
+        rc = rc ? rc : now;
     }
     if (rc)
         compile_release(c);
@@ -386,8 +617,26 @@ compile_octree(struct compiled *c, struct rad_error *err)
     return rad_octree_build(&c->octree, c->scene, err);
 }
 
-bool
-compile_warning(const struct compiled *c, char text[COMPILE_WARNING])
+/* Surfaces of instances and meshes that would be light sources elsewhere. */
+static int32_t
+lights_within(const struct compiled *c)
+{
+    const struct rad_scene *s = c->scene;
+    int32_t n = 0;
+
+    for (int32_t i = rad_scene_own(s); i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
+                        ? rad_material_of(s, o->modifier)
+                        : RAD_VOID;
+
+        n += m != RAD_VOID && rad_material_lights(&s->objects[m]);
+    }
+    return n;
+}
+
+static bool
+warn_of_octree(const struct compiled *c, char text[COMPILE_WARNING])
 {
     int32_t n = c->octree.left_out;
 
@@ -401,12 +650,42 @@ compile_warning(const struct compiled *c, char text[COMPILE_WARNING])
     return true;
 }
 
+static bool
+warn_of_lights(const struct compiled *c, char text[COMPILE_WARNING])
+{
+    int32_t n = lights_within(c);
+
+    if (n == 0)
+        return false;
+    snprintf(text, COMPILE_WARNING,
+             "warning: %" PRId32 " surface%s of instances and meshes %s of a "
+             "light source's material: seen, but no source of light, as in "
+             "Radiance",
+             n, n == 1 ? "" : "s", n == 1 ? "is" : "are");
+    return true;
+}
+
+bool
+compile_warning(const struct compiled *c, int i, char text[COMPILE_WARNING])
+{
+    static bool (*const warnings[])(const struct compiled *,
+                                    char[COMPILE_WARNING]) = { warn_of_octree,
+                                                               warn_of_lights };
+
+    for (size_t k = 0; k < sizeof warnings / sizeof warnings[0]; k++)
+        if (warnings[k](c, text) && i-- == 0)
+            return true;
+    return false;
+}
+
 int
 compile_bundle(struct compiled *c, const char *dir, struct rad_error *err)
 {
     struct reading r = { 0 };
     int rc = bundle_octree(c, dir, err);
 
+    for (int32_t i = 0; i < c->scene->nparts && !rc; i++)
+        rc = bundle_file(c, c->scene->parts[i]->name, dir, err);
     return rc ? rc : visit_files(c, &r, bundle_file, dir, err);
 }
 
@@ -431,6 +710,7 @@ compile_release(struct compiled *c)
 {
     rad_scene_free(c->scene);
     c->scene = NULL;
+    release_frozen(c);
     paths_release(&c->paths);
     rad_octree_release(&c->octree);
     rad_bundle_release(&c->bundle);

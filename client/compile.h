@@ -16,7 +16,9 @@
 
 struct compiled {
     struct rad_scene *scene;
-    struct paths paths; /* where its files are found: paths_files() */
+    struct paths paths;    /* where its files are found */
+    struct frozen *frozen; /* octrees of instances that were not: a list */
+    int depth;             /* of those being frozen */
     /* by compile_octree(): */
     struct rad_octree octree;
     /* by compile_bundle(): */
@@ -24,10 +26,12 @@ struct compiled {
 };
 
 /* Read the scene that is in n files: one octree, or scene text from any number
- * of files, "-" being the standard input.  With `each` all errors that can be
- * found are told, one by one; *err gets the first.  On failure *c is empty.
- *   RAD_ENOINPUT  a file that is missing, or not readable
- *   RAD_EDATA     what is wrong, with file and line */
+ * of files, "-" being the standard input; and the files of its instances and
+ * meshes.  An octree that is not frozen is read from the scene files that it
+ * names, which are looked for in its folder, too.  With `each` all errors that
+ * can be found are told, one by one; *err gets the first.  On failure *c is
+ * empty. RAD_ENOINPUT  a file that is missing, or not readable RAD_EDATA what
+ * is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
                   void (*each)(void *arg, const struct rad_error *err),
                   void *arg, struct rad_error *err);
@@ -39,11 +43,17 @@ int compile_read(struct compiled *c, const char *const *files, int n,
                  void (*each)(void *arg, const struct rad_error *err),
                  void *arg, struct rad_error *err);
 
+/* The files that the scene names, along paths; an octree that is not frozen
+ * comes frozen.  c must outlive the result. */
+struct rad_files compile_files(struct compiled *c);
+
 int compile_octree(struct compiled *c, struct rad_error *err);
 
-/* What the user should know of the octree; false: nothing. */
+/* What the user should know of the scene and its octree: warning number i,
+ * counted from 0; false: there are no more. */
 #define COMPILE_WARNING 256
-bool compile_warning(const struct compiled *c, char text[COMPILE_WARNING]);
+bool compile_warning(const struct compiled *c, int i,
+                     char text[COMPILE_WARNING]);
 
 /* Put the frozen octree and the files that the scene needs into the folder
  * dir, which must be there, under their hashes (cargo.h); needs

@@ -4,6 +4,7 @@
 #include "compile.h"
 #include "geom/overlap.h"
 #include "rays.h"
+#include "scene/meshfile.h"
 #include "scene/octfile.h"
 #include "shade/material.h"
 #include "words.h"
@@ -11,6 +12,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 #include <unistd.h>
@@ -73,25 +75,6 @@ read_any(struct compiled *c, const char *const *files, int n,
 /* --- info ------------------------------------------------------------------
  */
 
-static bool
-gives_direct_light(const struct rad_scene *s, const struct rad_object *o)
-{
-    int32_t m = rad_material_of(s, o->modifier);
-
-    if (m == RAD_VOID)
-        return false;
-    switch (s->objects[m].type) {
-    case RAD_LIGHT:
-    case RAD_ILLUM:
-    case RAD_SPOTLIGHT:
-        return true;
-    case RAD_GLOW:
-        return s->objects[m].nreals == 4 && s->objects[m].reals[3] > 0;
-    default:
-        return false;
-    }
-}
-
 struct summary {
     long surfaces, sources;
     long count[RAD_NOTYPES];
@@ -106,15 +89,17 @@ summarize(struct summary *sum, const struct rad_scene *s)
         sum->lo[i] = INFINITY;
         sum->hi[i] = -INFINITY;
     }
-    for (int32_t i = 0; i < s->nobjects; i++) {
+    for (int32_t i = 0; i < rad_scene_own(s); i++) {
         const struct rad_object *o = &s->objects[i];
         struct rad_extent e;
+        int32_t m;
 
         sum->count[o->type]++;
         if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
             continue;
         sum->surfaces++;
-        sum->sources += gives_direct_light(s, o);
+        m = rad_material_of(s, o->modifier);
+        sum->sources += m != RAD_VOID && rad_material_lights(&s->objects[m]);
         if (!rad_extent_of(o, &e))
             continue;
         for (int k = 0; k < 3; k++) {
@@ -124,6 +109,45 @@ summarize(struct summary *sum, const struct rad_scene *s)
     }
 }
 
+/* The files of instances and meshes, with what they hold. */
+static void
+print_parts(const struct rad_scene *s)
+{
+    long *copies = calloc((size_t)s->nparts + 1, sizeof *copies);
+
+    for (int32_t i = 0; i < s->nobjects && copies; i++)
+        if (s->objects[i].use)
+            copies[s->objects[i].use->part->index]++;
+    for (int32_t i = 0; i < s->nparts && copies; i++) {
+        const struct rad_part *p = s->parts[i];
+        const char *what = p->mesh ? "triangles" : "objects";
+        long n = p->mesh ? (long)p->mesh->ntris : (long)p->n;
+
+        printf("file %s %s %s %ld copies %ld\n", p->name,
+               rad_otype_name(p->type), what, n, copies[i]);
+    }
+    free(copies);
+}
+
+/* The others, once each where objects that name one follow each other. */
+static void
+print_files(const struct rad_scene *s)
+{
+    uint8_t *reached = malloc((size_t)s->nobjects + 1);
+    const char *name, *last = "";
+
+    if (reached)
+        rad_scene_reach(s, reached);
+    for (int32_t i = 0; i < s->nobjects && reached; i++)
+        for (int k = 0;
+             reached[i] && (name = rad_object_file(&s->objects[i], k)); k++) {
+            if (strcmp(name, last) != 0)
+                printf("file %s\n", name);
+            last = name;
+        }
+    free(reached);
+}
+
 static int
 run_info(struct compiled *c, struct rad_error *err)
 {
@@ -131,7 +155,7 @@ run_info(struct compiled *c, struct rad_error *err)
 
     (void)err;
     summarize(&sum, c->scene);
-    printf("objects %ld\n", (long)c->scene->nobjects);
+    printf("objects %ld\n", (long)rad_scene_own(c->scene));
     printf("surfaces %ld\n", sum.surfaces);
     printf("sources %ld\n", sum.sources);
     if (sum.lo[0] <= sum.hi[0])
@@ -141,6 +165,8 @@ run_info(struct compiled *c, struct rad_error *err)
         if (sum.count[t])
             printf("  %s %ld\n", rad_otype_name((enum rad_otype)t),
                    sum.count[t]);
+    print_parts(c->scene);
+    print_files(c->scene);
     return 0;
 }
 
@@ -160,21 +186,6 @@ run_needs(struct compiled *c, struct rad_error *err)
     return 0;
 }
 
-/* Any material can be frozen; but what these surfaces fill, other files say. */
-static int
-check_surfaces(const struct rad_scene *s, struct rad_error *err)
-{
-    for (int32_t i = 0; i < s->nobjects; i++) {
-        const struct rad_object *o = &s->objects[i];
-
-        if (o->type == RAD_INSTANCE || o->type == RAD_MESH)
-            return rad_scene_fail(s, o, err, RAD_EUNSUPPORTED,
-                                  "type '%s' is not supported yet",
-                                  rad_otype_name(o->type));
-    }
-    return 0;
-}
-
 static int
 run_freeze(struct compiled *c, struct rad_error *err)
 {
@@ -186,13 +197,10 @@ run_freeze(struct compiled *c, struct rad_error *err)
     if (isatty(STDOUT_FILENO))
         return rad_fail(err, RAD_EUSAGE,
                         "the octree is binary: send it to a file");
-    rc = check_surfaces(c->scene, err);
-    if (rc)
-        return rc;
     rc = compile_octree(c, err);
     if (rc)
         return rc;
-    if (compile_warning(c, warning))
+    for (int i = 0; compile_warning(c, i, warning); i++)
         fprintf(stderr, "radscene: %s\n", warning);
     return rad_octfile_write(c->scene, &c->octree, &out, err);
 }
@@ -222,7 +230,7 @@ run_rays(int argc, char **argv, struct rad_error *err)
                    : compile_read(&c, (const char *const *)w.list + first,
                                   w.n - first, NULL, NULL, err);
     if (!rc) {
-        files = paths_files(&c.paths);
+        files = compile_files(&c);
         rc = rays_run(&options, c.scene, &files, stdin, stdout, err);
         compile_release(&c);
     }

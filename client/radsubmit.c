@@ -87,13 +87,12 @@ warn_of_psample(struct program *p)
     warn(p, text);
 }
 
-/* Once for the octree, which holds what Radiance reads. */
 static void
-warn_of_octree(struct program *p)
+warn_of_scene(struct program *p)
 {
     char text[COMPILE_WARNING];
 
-    if (compile_warning(&p->scene, text))
+    for (int i = 0; compile_warning(&p->scene, i, text); i++)
         warn(p, text);
 }
 
@@ -504,7 +503,7 @@ run_job(struct program *p)
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
-    warn_of_octree(p);
+    warn_of_scene(p);
     fill_spec(p);
     if (p->embedded && (rc = start_local(p)) < 0)
         return rc;

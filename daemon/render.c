@@ -16,6 +16,7 @@
 #include "pool.h"
 #include "scene/bundle.h"
 #include "scene/octfile.h"
+#include "scene/part.h"
 #include "blobs.h"
 
 #include <errno.h>
@@ -289,7 +290,7 @@ load_job(struct render *r, const struct rad_bundle *bundle,
     params.seed = spec->seed;
     snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
     r->scene = rad_octfile_load(path, err);
-    if (r->scene)
+    if (r->scene && !rad_scene_include(r->scene, &files, NULL, NULL, err))
         r->job = rad_job_new(r->scene, &params, &files, err);
     return r->job ? 0 : err->code;
 }

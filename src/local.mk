@@ -27,6 +27,8 @@ librad_a_SOURCES = \
 	src/geom/octree.h \
 	src/geom/overlap.c \
 	src/geom/overlap.h \
+	src/geom/place.c \
+	src/geom/place.h \
 	src/geom/polygon.c \
 	src/geom/polygon.h \
 	src/geom/prim.c \
@@ -100,8 +102,12 @@ librad_a_SOURCES = \
 	src/scene/font.h \
 	src/scene/lex.c \
 	src/scene/lex.h \
+	src/scene/meshfile.c \
+	src/scene/meshfile.h \
 	src/scene/octfile.c \
 	src/scene/octfile.h \
+	src/scene/octin.c \
+	src/scene/octin.h \
 	src/scene/octreal.h \
 	src/scene/octwrite.c \
 	src/scene/otype.c \
@@ -109,6 +115,8 @@ librad_a_SOURCES = \
 	src/scene/otype.h \
 	src/scene/parse.c \
 	src/scene/parse.h \
+	src/scene/part.c \
+	src/scene/part.h \
 	src/scene/reach.c \
 	src/scene/scene.c \
 	src/scene/scene.h \

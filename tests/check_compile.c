@@ -455,7 +455,7 @@ START_TEST(every_error_is_told_once)
     put_file("a.rad",
              "void plastic m 0 0 4 1 1 1 0\nvoid mesh y 1 x.rtm 0 0\n");
     ck_assert_int_eq(compile_read(&c, files + 1, 1, count_errors, &n, NULL),
-                     RAD_EDATA);
+                     RAD_ENOINPUT);
     ck_assert_int_eq(n, 2);
 }
 END_TEST

@@ -320,8 +320,8 @@ static const struct {
       "a.rad:1: mirror 'm': undefined modifier 'x'" },
     { "void antimatter a 0 0 0",
       "a.rad:1: antimatter 'a': expected at least 1 string arguments, got 0" },
-    { "void instance i 1 x.oct 0 0",
-      "a.rad:1: instance 'i': type 'instance' is not supported yet" },
+    { "void instance i 0 0 0",
+      "a.rad:1: instance 'i': expected at least 1 string arguments, got 0" },
     { MAT "m metal n 0 0 5 1 1 1 0 0\nn sphere s 0 0 4 0 0 0 1",
       "a.rad:2: metal 'n': modified by another material, 'm'" },
     { "void light l 0 0 3 1 1 1\nl cone c 0 0 8 0 0 0 0 0 1 1 2",
@@ -447,9 +447,10 @@ END_TEST
 
 START_TEST(check_tells_all_errors)
 {
-    static const char text[] = "void plastic m 0 0 4 .5 .5 .5 0\n"
-                               "m sphere b 0 0 3 0 0 0\n"
-                               "void mesh c 1 x.rtm 0 0\n";
+    static const char text[] =
+        "void plastic m 0 0 4 .5 .5 .5 0\n"
+        "m sphere b 0 0 3 0 0 0\n"
+        "void specfile c 1 x 0 0\nc sphere s 0 0 4 0 0 0 1\n";
     struct rad_scene *s = rad_scene_new();
     struct messages m = { .n = 0 };
 
@@ -457,8 +458,9 @@ START_TEST(check_tells_all_errors)
         rad_parse_text(s, text, sizeof text - 1, "a.rad", NULL, NULL), 0);
     ck_assert_int_eq(rad_scene_check(s, collect, &m, NULL), RAD_EDATA);
     ck_assert_int_eq(m.n, 3);
-    ck_assert_str_eq(m.text[2],
-                     "a.rad:3: mesh 'c': type 'mesh' is not supported yet");
+    ck_assert_str_eq(
+        m.text[2],
+        "a.rad:3: specfile 'c': type 'specfile' is not supported yet");
     rad_scene_free(s);
 }
 END_TEST

@@ -39,6 +39,7 @@ UNIT_TESTS = \
 	tests/check_params \
 	tests/check_parse \
 	tests/check_partition \
+	tests/check_place \
 	tests/check_pool \
 	tests/check_prism \
 	tests/check_quincunx \
@@ -120,6 +121,11 @@ tests_check_func_LDADD = $(UNIT_LIBS)
 tests_check_geom_SOURCES = tests/check_geom.c tests/geom_scene.h tests/unit.h
 tests_check_geom_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_geom_LDADD = $(UNIT_LIBS)
+
+tests_check_place_SOURCES = tests/check_place.c tests/parts.h tests/unit.h \
+	tests/world.h
+tests_check_place_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_place_LDADD = $(UNIT_LIBS)
 
 tests_check_params_SOURCES = tests/check_params.c tests/unit.h
 tests_check_params_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -222,7 +228,8 @@ dist_check_SCRIPTS += \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
-	tests/e2e/submit_interrupt.sh
+	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_parts.sh
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
@@ -235,7 +242,8 @@ TESTS += \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
-	tests/e2e/submit_interrupt.sh
+	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_parts.sh
 
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
 tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)

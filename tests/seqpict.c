@@ -215,7 +215,7 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
 static int
 render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
 {
-    struct rad_files files = paths_files(&c->paths);
+    struct rad_files files = compile_files(c);
     struct rad_job *job = rad_job_new(c->scene, &t->params, &files, err);
     struct rad_frame f = { 0 };
     struct rad_ctx ctx = { 0 };

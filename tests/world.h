@@ -4,6 +4,7 @@
 
 #include "base/vec.h"
 #include "scene/parse.h"
+#include "scene/part.h"
 #include "shade/job.h"
 #include "shade/ray.h"
 #include "unit.h"
@@ -51,7 +52,9 @@ world_try(struct world *w, const char *text, const char *options,
     ck_assert_ptr_nonnull(w->scene);
     rc =
         rad_parse_text(w->scene, text, strlen(text), "test.rad", NULL, &w->err);
-    if (rc < 0 || (rc = rad_scene_check(w->scene, NULL, NULL, &w->err)) < 0)
+    if (rc < 0 ||
+        (rc = rad_scene_include(w->scene, files, NULL, NULL, &w->err)) < 0 ||
+        (rc = rad_scene_check(w->scene, NULL, NULL, &w->err)) < 0)
         return rc;
     w->job = rad_job_new(w->scene, &w->params, files, &w->err);
     return w->job ? rad_ctx_init(&w->ctx, w->job, &w->err) : w->err.code;

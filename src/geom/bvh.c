@@ -327,19 +327,19 @@ build_node(struct build *b, const struct range *whole, int depth,
 
 /* Bounds of all, and the frame that they give. */
 static void
-set_frame(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n)
+set_frame(struct rad_bvh *bvh, const struct rad_bvh_items *list)
 {
     double half = 0;
     int e;
 
-    for (int a = 0; a < 3 && n; a++) {
+    for (int a = 0; a < 3 && list->n; a++) {
         bvh->lo[a] = INFINITY;
         bvh->hi[a] = -INFINITY;
     }
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < list->n; i++) {
         struct rad_box box;
 
-        rad_prim_bounds(&prims[i], &box);
+        list->bounds(list->arg, i, &box);
         for (int a = 0; a < 3; a++) {
             bvh->lo[a] = box.lo[a] < bvh->lo[a] ? box.lo[a] : bvh->lo[a];
             bvh->hi[a] = box.hi[a] > bvh->hi[a] ? box.hi[a] : bvh->hi[a];
@@ -355,12 +355,12 @@ set_frame(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n)
 
 static void
 set_items(struct item *items, const struct rad_bvh *bvh,
-          const struct rad_prim *prims, uint32_t n)
+          const struct rad_bvh_items *list)
 {
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < list->n; i++) {
         struct rad_box box;
 
-        rad_prim_bounds(&prims[i], &box);
+        list->bounds(list->arg, i, &box);
         items[i].index = i;
         for (int a = 0; a < 3; a++) {
             double c = bvh->centre[a], s = bvh->scale;
@@ -372,12 +372,12 @@ set_items(struct item *items, const struct rad_bvh *bvh,
 }
 
 int
-rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
+rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *list,
               uint32_t *order, struct rad_error *err)
 {
     struct build b = { bvh, NULL, err };
-    struct range all = { 0, n, { 0 }, { 0 } };
-    uint32_t root;
+    struct range all = { 0, list->n, { 0 }, { 0 } };
+    uint32_t root, n = list->n;
     int rc;
 
     memset(bvh, 0, sizeof *bvh);
@@ -386,8 +386,8 @@ rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
     b.items = calloc(n ? n : 1, sizeof *b.items);
     if (!b.items)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    set_frame(bvh, prims, n);
-    set_items(b.items, bvh, prims, n);
+    set_frame(bvh, list);
+    set_items(b.items, bvh, list);
     fit(b.items, &all);
     rc = n ? build_node(&b, &all, 0, &root) : new_node(&b, &root);
     for (uint32_t i = 0; i < n; i++)

@@ -80,10 +80,24 @@ struct rad_bvh_ray {
     float tmin;
 };
 
+struct rad_set;    /* place.h */
+struct rad_meshed; /* place.h */
+
+/* A hit, and what decides between it and others in its place. */
+struct rad_met {
+    struct rad_hit hit;
+    uint8_t surf;    /* RAD_SURF_ bits */
+    int32_t obj;     /* the surface itself, whatever stands for it in hit */
+    uint32_t number; /* of a mesh's triangle */
+};
+
 /* What one walk through the tree carries (walk.h). */
 struct rad_walk {
     const struct rad_bvh *bvh;
-    const struct rad_prim *prims;
+    const struct rad_prim *prims;    /* NULL: the tree is a mesh's */
+    const struct rad_meshed *meshed; /* NULL: the tree is none */
+    const struct rad_geom *geom;     /* that the whole walk goes through */
+    const struct rad_set *set;       /* what the tree is over */
     struct rad_probe probe;
     struct rad_bvh_ray ray;
     double tmin, tmax; /* of the span */
@@ -93,15 +107,28 @@ struct rad_walk {
     bool tie;          /* another hit lies within the window behind best */
     int32_t skip;      /* object that does not count */
     bool veiled;       /* something not opaque is on the way */
+    /* an instance's own modifier: the bits of what is met become
+     * (surf & keep) | give */
+    uint8_t keep, give;
     uint64_t tests, nodes;
     /* ties: called with every hit */
-    void (*offer)(struct rad_walk *w, uint32_t prim, double t);
-    void *arg; /* of offer */
+    void (*offer)(struct rad_walk *w, const struct rad_met *met);
+    void *arg;          /* of offer */
+    struct rad_met met; /* the nearest, if prims[prim] is a place */
 };
 
-/* Build over n prims.  order (of n) gets which prim is where: the tree's item
- * i is prims[order[i]].  Returns 0 or RAD_ENOMEM. */
-int rad_bvh_build(struct rad_bvh *bvh, const struct rad_prim *prims, uint32_t n,
+#define RAD_NO_PRIM UINT32_MAX
+
+/* What a tree is built over: n items and their bounds. */
+struct rad_bvh_items {
+    void (*bounds)(const void *arg, uint32_t i, struct rad_box *box);
+    const void *arg;
+    uint32_t n;
+};
+
+/* Build.  order (of n) gets which item is where: the tree's item i is the
+ * caller's order[i].  Returns 0 or RAD_ENOMEM. */
+int rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *items,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 
@@ -153,6 +180,10 @@ struct rad_kernel {
     bool (*any)(struct rad_walk *w);
     /* all hits before w->cut, to w->offer */
     void (*all)(struct rad_walk *w);
+    /* the same through a mesh */
+    void (*mesh_nearest)(struct rad_walk *w);
+    bool (*mesh_any)(struct rad_walk *w);
+    void (*mesh_all)(struct rad_walk *w);
 };
 
 #endif

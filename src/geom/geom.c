@@ -7,30 +7,22 @@
  * finds the nearest hit, and notes whether any other lay within a narrow
  * window behind it (a bound of ray and distance alone, so it holds whichever
  * was found first).  Only then, which is rare, a second walk offers every hit
- * within the nearest one's own error bound, and the best by rank is kept. */
+ * within the nearest one's own error bound, and the best by rank is kept.
+ *
+ * Each part of the scene gets a set of its own, after those that it holds
+ * copies of. */
 #include "config.h"
 
 #include "geom/geom.h"
 
 #include "base/arena.h"
 #include "base/vec.h"
+#include "base/xform.h"
 #include "geom/kernel.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-
-struct rad_geom {
-    const struct rad_scene *scene;
-    const struct rad_kernel *kernel;
-    struct rad_arena arena;
-    struct rad_prim *prims; /* in the tree's order */
-    uint32_t nprims;
-    uint32_t *prim_of; /* by object; NOPRIM: none */
-    struct rad_bvh bvh;
-};
-
-#define NOPRIM UINT32_MAX
 
 static const struct rad_kernel *
 best_kernel(void)
@@ -42,74 +34,200 @@ best_kernel(void)
     return *k;
 }
 
+/* What a set is made of: objects `first` to `first` + n - 1. */
+struct making {
+    struct rad_geom *g;
+    struct rad_set *set;
+    int32_t first, n;
+    const uint8_t *surf; /* by object */
+};
+
+static bool
+make_prim(const struct making *mk, struct rad_prim *p, int32_t i, bool *nomem)
+{
+    const struct rad_object *o = &mk->g->scene->objects[i];
+
+    if (!o->use)
+        return rad_prim_make(p, o, &mk->g->arena, nomem);
+    return rad_place_make(p, o, &mk->g->sets[o->use->part->index], mk->surf[i],
+                          mk->set->nplaces + 1, &mk->g->arena, nomem);
+}
+
+/* Was the file of an instance or mesh read? */
+static int
+check_use(const struct making *mk, int32_t i, struct rad_error *err)
+{
+    const struct rad_object *o = &mk->g->scene->objects[i];
+
+    if (o->use || (o->type != RAD_INSTANCE && o->type != RAD_MESH))
+        return 0;
+    return rad_scene_fail(mk->g->scene, o, err, RAD_EDATA,
+                          "its file has not been read");
+}
+
 /* Compile all surfaces, in the scene's order. */
 static int
-make_prims(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
+make_prims(const struct making *mk, struct rad_error *err)
 {
-    for (int32_t i = 0; i < g->scene->nobjects; i++) {
-        struct rad_prim *p = &g->prims[g->nprims];
+    for (int32_t i = mk->first; i < mk->first + mk->n; i++) {
+        struct rad_prim *p = &mk->set->prims[mk->set->nprims];
         bool nomem = false;
+        int rc = check_use(mk, i, err);
 
-        if (!rad_prim_make(p, &g->scene->objects[i], &g->arena, &nomem)) {
+        if (rc)
+            return rc;
+        if (!make_prim(mk, p, i, &nomem)) {
             if (nomem)
                 return rad_fail(err, RAD_ENOMEM, "out of memory");
             continue;
         }
         p->obj = i;
-        p->surf = surf[i];
-        g->nprims++;
+        if (p->kind == PRIM_PLACE)
+            mk->set->nplaces++;
+        else
+            p->surf = mk->surf[i];
+        mk->set->nprims++;
     }
     return 0;
 }
 
 /* Put the prims in the tree's order, cycle by cycle; order is used up. */
 static void
-reorder(struct rad_geom *g, uint32_t *order)
+reorder(struct rad_set *set, uint32_t *order)
 {
-    for (uint32_t i = 0; i < g->nprims; i++) {
-        struct rad_prim held = g->prims[i];
+    for (uint32_t i = 0; i < set->nprims; i++) {
+        struct rad_prim held = set->prims[i];
         uint32_t to = i, from;
 
         while ((from = order[to]) != i) {
-            g->prims[to] = g->prims[from];
+            set->prims[to] = set->prims[from];
             order[to] = to;
             to = from;
         }
-        g->prims[to] = held;
+        set->prims[to] = held;
         order[to] = to;
     }
-    for (int32_t i = 0; i < g->scene->nobjects; i++)
-        g->prim_of[i] = NOPRIM;
-    for (uint32_t i = 0; i < g->nprims; i++)
-        g->prim_of[g->prims[i].obj] = i;
 }
 
-static size_t
-count_surfaces(const struct rad_scene *scene)
+/* List the places of a set by their numbers, and see whether one number tells
+ * all copies apart. */
+static int
+list_places(struct rad_geom *g, struct rad_set *set, struct rad_error *err)
 {
-    size_t n = 0;
+    double most = 1;
 
-    for (int32_t i = 0; i < scene->nobjects; i++)
-        n += rad_prim_has(scene->objects[i].type);
-    return n;
+    set->copies = 1;
+    if (set->nplaces == 0)
+        return 0;
+    set->places =
+        rad_arena_calloc(&g->arena, set->nplaces, sizeof *set->places);
+    if (!set->places)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < set->nprims; i++)
+        if (set->prims[i].kind == PRIM_PLACE) {
+            const struct rad_place *pl = set->prims[i].place;
+
+            set->places[pl->number - 1] = pl;
+            most = fmax(most, pl->set->copies);
+        }
+    set->copies = 1 + set->nplaces * most;
+    if (!(set->copies < RAD_GEOM_COPIES))
+        return rad_fail(err, RAD_EDATA,
+                        "instances within instances make more than 2^64 "
+                        "copies");
+    return 0;
+}
+
+static void
+prim_item_bounds(const void *arg, uint32_t i, struct rad_box *box)
+{
+    const struct rad_prim *prims = arg;
+
+    rad_prim_bounds(&prims[i], box);
+}
+
+static int
+make_set(const struct making *mk, struct rad_error *err)
+{
+    struct rad_set *set = mk->set;
+    struct rad_bvh_items items = { .bounds = prim_item_bounds };
+    uint32_t *order;
+    size_t n = 1; /* one past, to try in */
+    int rc;
+
+    for (int32_t i = mk->first; i < mk->first + mk->n; i++)
+        n += rad_prim_has(mk->g->scene->objects[i].type);
+    set->prims = malloc(n * sizeof *set->prims);
+    order = malloc(n * sizeof *order);
+    rc = set->prims && order ? make_prims(mk, err)
+                             : rad_fail(err, RAD_ENOMEM, "out of memory");
+    items.arg = set->prims;
+    items.n = set->nprims;
+    if (!rc)
+        rc = rad_bvh_build(&set->bvh, &items, order, err);
+    if (!rc) {
+        reorder(set, order);
+        rc = list_places(mk->g, set, err);
+    }
+    free(order);
+    return rc;
+}
+
+/* Where the objects of the scene itself are, by their number. */
+static int
+index_prims(struct rad_geom *g, int32_t n, struct rad_error *err)
+{
+    g->nown = n;
+    g->prim_of = malloc(((size_t)n + 1) * sizeof *g->prim_of);
+    if (!g->prim_of)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < n; i++)
+        g->prim_of[i] = RAD_NO_PRIM;
+    for (uint32_t i = 0; i < g->top.nprims; i++)
+        g->prim_of[g->top.prims[i].obj] = i;
+    return 0;
+}
+
+static int
+make_part(struct rad_geom *g, const struct rad_part *part, const uint8_t *surf,
+          struct rad_error *err)
+{
+    struct rad_set *set = &g->sets[part->index];
+    struct making mk = { g, set, part->first, part->n, surf };
+
+    return part->mesh ? rad_meshed_make(set, part, surf, err)
+                      : make_set(&mk, err);
+}
+
+/* The parts by their depth: those that hold no copies first. */
+static int
+make_parts(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
+{
+    const struct rad_scene *s = g->scene;
+    int32_t left = s->nparts;
+    int rc = 0;
+
+    g->sets = calloc((size_t)s->nparts + 1, sizeof *g->sets);
+    if (!g->sets)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int depth = 0; left > 0 && !rc; depth++)
+        for (int32_t i = 0; i < s->nparts && !rc; i++)
+            if (s->parts[i]->depth == depth) {
+                rc = make_part(g, s->parts[i], surf, err);
+                left--;
+            }
+    return rc;
 }
 
 static int
 compile(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 {
-    size_t n = count_surfaces(g->scene) + 1; /* one past, to try in */
-    int rc;
+    struct making mk = { g, &g->top, 0, rad_scene_own(g->scene), surf };
+    int rc = make_parts(g, surf, err);
 
-    g->prims = malloc(n * sizeof *g->prims);
-    g->prim_of = malloc(((size_t)g->scene->nobjects + 1) * sizeof *g->prim_of);
-    if (!g->prims || !g->prim_of)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = make_prims(g, surf, err);
-    if (rc == 0)
-        rc = rad_bvh_build(&g->bvh, g->prims, g->nprims, g->prim_of, err);
-    if (rc == 0)
-        reorder(g, g->prim_of);
-    return rc;
+    if (!rc)
+        rc = make_set(&mk, err);
+    return rc ? rc : index_prims(g, mk.n, err);
 }
 
 struct rad_geom *
@@ -132,14 +250,28 @@ rad_geom_new(const struct rad_scene *scene, const uint8_t *surf,
     return g;
 }
 
+static void
+release_set(struct rad_set *set)
+{
+    rad_bvh_release(&set->bvh);
+    free(set->prims);
+    if (set->meshed) {
+        free(set->meshed->tris);
+        free(set->meshed->surf);
+    }
+    free(set->meshed);
+}
+
 void
 rad_geom_free(struct rad_geom *g)
 {
     if (!g)
         return;
-    rad_bvh_release(&g->bvh);
+    release_set(&g->top);
+    for (int32_t i = 0; g->sets && i < g->scene->nparts; i++)
+        release_set(&g->sets[i]);
     rad_arena_release(&g->arena);
-    free(g->prims);
+    free(g->sets);
     free(g->prim_of);
     free(g);
 }
@@ -153,8 +285,28 @@ rad_geom_use(struct rad_geom *g, const struct rad_kernel *k)
 void
 rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3])
 {
-    rad_copy(lo, g->bvh.lo);
-    rad_copy(hi, g->bvh.hi);
+    rad_copy(lo, g->top.bvh.lo);
+    rad_copy(hi, g->top.bvh.hi);
+}
+
+bool
+rad_geom_place(const struct rad_hit *hit, struct rad_xform *move)
+{
+    const struct rad_set *set;
+    uint64_t copy = hit->copy;
+
+    if (!hit->in)
+        return false;
+    rad_xform_identity(move);
+    set = &hit->in->top;
+    while (copy != 0) {
+        const struct rad_place *pl = set->places[(copy - 1) % set->nplaces];
+
+        rad_xform_then(move, &pl->use->move, move);
+        copy = (copy - 1) / set->nplaces;
+        set = pl->set;
+    }
+    return true;
 }
 
 /* False: the span is no ray (a NaN or an infinity in it). */
@@ -176,17 +328,10 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
 {
     if (!probe_span(&w->probe, span))
         return false;
-    w->bvh = &g->bvh;
-    w->prims = g->prims;
+    rad_walk_start(w, g, &g->top);
     w->tmin = span->tmin;
     w->tmax = span->tmax < DBL_MAX ? span->tmax : DBL_MAX;
     w->cut = w->tmax;
-    w->best = INFINITY;
-    w->prim = NOPRIM;
-    w->tie = false;
-    w->skip = RAD_VOID;
-    w->veiled = false;
-    w->tests = w->nodes = 0;
     return true;
 }
 
@@ -212,14 +357,14 @@ add_counts(struct rad_geom_counts *counts, const struct rad_walk *w)
     counts->nodes += w->nodes;
 }
 
-/* Is a the better of two hits in one place?  Radiance's order; then the
- * number, so that there is always one answer. */
+/* Is a the better of two hits in one place?  Radiance's order; then numbers,
+ * so that there is always one answer. */
 static bool
-outranks(const struct rad_geom *g, const struct rad_prim *a, bool a_front,
-         const struct rad_prim *b, bool b_front)
+outranks(const struct rad_geom *g, const struct rad_met *a, bool a_front,
+         const struct rad_met *b, bool b_front)
 {
-    int32_t amod = g->scene->objects[a->obj].modifier;
-    int32_t bmod = g->scene->objects[b->obj].modifier;
+    int32_t amod = g->scene->objects[a->hit.obj].modifier;
+    int32_t bmod = g->scene->objects[b->hit.obj].modifier;
     int ka = a->surf & (RAD_SURF_NOMATERIAL | RAD_SURF_TRANSPARENT);
     int kb = b->surf & (RAD_SURF_NOMATERIAL | RAD_SURF_TRANSPARENT);
 
@@ -229,50 +374,51 @@ outranks(const struct rad_geom *g, const struct rad_prim *a, bool a_front,
         return a_front;
     if (amod != bmod)
         return amod > bmod;
-    return a->obj > b->obj;
+    if (a->hit.obj != b->hit.obj)
+        return a->hit.obj > b->hit.obj;
+    if (a->obj != b->obj)
+        return a->obj > b->obj;
+    if (a->hit.in && b->hit.in && a->hit.copy != b->hit.copy)
+        return a->hit.copy > b->hit.copy;
+    return a->number > b->number;
 }
 
 struct contest {
     const struct rad_geom *g;
-    struct rad_hit *hit; /* of the leader */
-    const struct rad_prim *leader;
+    struct rad_met leader;
 };
 
 static void
-offer(struct rad_walk *w, uint32_t prim, double t)
+offer(struct rad_walk *w, const struct rad_met *met)
 {
     struct contest *c = w->arg;
-    const struct rad_prim *p = &w->prims[prim];
-    struct rad_hit hit;
 
-    if (p == c->leader)
-        return;
-    rad_prim_surface(p, &w->probe, t, &hit);
-    if (outranks(c->g, p, rad_dot(hit.n, w->probe.dir) < 0, c->leader,
-                 rad_dot(c->hit->n, w->probe.dir) < 0)) {
-        c->leader = p;
-        *c->hit = hit;
-    }
+    if (outranks(c->g, met, rad_dot(met->hit.n, w->probe.dir) < 0, &c->leader,
+                 rad_dot(c->leader.hit.n, w->probe.dir) < 0))
+        c->leader = *met;
 }
 
 /* Choose among what lies within the nearest hit's error bound of it. */
 static void
 settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 {
-    struct contest c = { g, hit, &w->prims[w->prim] };
-    double slope = fabs(rad_dot(hit->n, w->probe.dir));
-    double reach = fmin(hit->err, w->cut - w->best);
+    struct contest c = { .g = g };
+    double slope, reach = w->cut - w->best;
 
+    if (w->prims[w->prim].kind == PRIM_PLACE)
+        c.leader = w->met;
+    else
+        rad_walk_met(w, w->prim, w->best, &c.leader);
     /* along the ray an error of the surface's place counts 1/cos times; never
      * beyond the window that the walk was sure to see */
-    if (reach < (w->cut - w->best) * slope)
-        reach /= slope;
-    else
-        reach = w->cut - w->best;
+    slope = fabs(rad_dot(hit->n, w->probe.dir));
+    if (fmin(hit->err, reach) < reach * slope)
+        reach = fmin(hit->err, reach) / slope;
     w->cut = fmin(nextafter(w->best + reach, INFINITY), w->tmax);
     w->offer = offer;
     w->arg = &c;
     g->kernel->all(w);
+    *hit = c.leader.hit;
 }
 
 bool
@@ -286,8 +432,13 @@ rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
         return false;
     walk_aim(&w);
     g->kernel->nearest(&w);
-    if (w.prim != NOPRIM) {
-        rad_prim_surface(&w.prims[w.prim], &w.probe, w.best, hit);
+    if (w.prim != RAD_NO_PRIM) {
+        const struct rad_prim *p = &w.prims[w.prim];
+
+        if (p->kind == PRIM_PLACE)
+            *hit = w.met.hit;
+        else
+            rad_prim_surface(p, &w.probe, w.best, hit);
         if (w.tie)
             settle_tie(g, &w, hit);
     }
@@ -302,13 +453,15 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     const struct rad_prim *p;
     double t;
 
-    if (obj < 0 || obj >= g->scene->nobjects || obj == w->skip ||
-        g->prim_of[obj] == NOPRIM)
+    if (obj < 0 || obj >= g->nown || obj == w->skip ||
+        g->prim_of[obj] == RAD_NO_PRIM)
         return false;
-    p = &g->prims[g->prim_of[obj]];
+    p = &g->top.prims[g->prim_of[obj]];
     if (!(p->surf & RAD_SURF_OPAQUE))
         return false;
     w->tests++;
+    if (p->kind == PRIM_PLACE)
+        return rad_place_meet(w, g->prim_of[obj], RAD_MEET_ANY);
     return rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t);
 }
 
@@ -352,10 +505,10 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
     double t;
 
     hit->obj = RAD_VOID;
-    if (obj < 0 || obj >= g->scene->nobjects || g->prim_of[obj] == NOPRIM ||
+    if (obj < 0 || obj >= g->nown || g->prim_of[obj] == RAD_NO_PRIM ||
         !probe_span(&probe, span))
         return false;
-    p = &g->prims[g->prim_of[obj]];
+    p = &g->top.prims[g->prim_of[obj]];
     counts->tests++;
     if (!rad_prim_hit(p, &probe, span->tmin, fmin(span->tmax, DBL_MAX), &t))
         return false;

@@ -6,6 +6,8 @@
  * folder knows where a primitive's data lies.
  * Sources (`source` surfaces) are at infinity and have no place here: see
  * light/source.h.
+ * An instance or a mesh is one primitive that holds a transform and points to
+ * what it is a copy of, which all copies share (place.h).
  * Points are double[3] in world space.  No absolute epsilon: a hit carries the
  * bound of its own rounding error, and rays are started beyond it.
  * Thread: immutable once made; rays may be traced from any thread. */
@@ -43,8 +45,20 @@ struct rad_hit {
                    * cylinder; inward of bubble, cup, tube */
     double err;   /* bound of |p - surface| [scene units] */
     double uv[2]; /* local coordinates where the surface has some, else 0 */
-    int32_t obj;  /* index in the scene, RAD_VOID: nothing hit */
+    int32_t obj;  /* index in the scene, RAD_VOID: nothing hit.  What an
+                   * instance or mesh with a modifier of its own holds counts
+                   * as that instance or mesh */
+    bool bent;    /* bend is set: the surface looks curved */
+    const struct rad_geom *in; /* NULL: not within a copy; else copy says
+                                * within which: rad_geom_place() */
+    uint64_t copy;
+    double bend[3]; /* what turns n into the normal of the curved surface that
+                     * a mesh stands for */
 };
+
+/* Instances within instances may make this many copies, 0 for what is none:
+ * a number of 64 bits tells them apart.  More is RAD_EDATA. */
+#define RAD_GEOM_COPIES 0x1p64
 
 /* Counted per thread by the caller's context. */
 struct rad_geom_counts {
@@ -59,6 +73,11 @@ struct rad_geom_counts {
 struct rad_geom *rad_geom_new(const struct rad_scene *scene,
                               const uint8_t *surf, struct rad_error *err);
 void rad_geom_free(struct rad_geom *g);
+
+/* The transform that brought what was hit to its place: from the coordinates
+ * of the file that holds it to the world's.  False: it lies there as it is. */
+struct rad_xform;
+bool rad_geom_place(const struct rad_hit *hit, struct rad_xform *move);
 
 /* Bounds of all finite surfaces; an empty scene gives lo = hi = 0. */
 void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);

@@ -4,6 +4,7 @@
 #define RAD_GEOM_KERNEL_H
 
 #include "geom/bvh.h"
+#include "geom/place.h"
 #include "geom/polygon.h"
 
 #include <math.h>
@@ -18,6 +19,21 @@
 /* Pays for the three roundings of each plane's distance, entering and leaving:
  * 1 + 2 gamma_3 < 1 + 2^-21 in float (Ize 2013). */
 #define RAD_BVH_WIDEN (1 + 0x1p-21f)
+
+/* How far behind the nearest hit another may tie with it, of the size of the
+ * numbers: ample for grazing faces. */
+#define RAD_WALK_WINDOW 0x1p-30
+
+/* What all that is in geom/ may see. */
+struct rad_geom {
+    const struct rad_scene *scene;
+    const struct rad_kernel *kernel;
+    struct rad_arena arena;
+    struct rad_set top;   /* the scene's own surfaces */
+    struct rad_set *sets; /* by part */
+    int32_t nown;         /* objects of the scene itself */
+    uint32_t *prim_of;    /* by these; RAD_NO_PRIM: none */
+};
 
 /* Best first, ended by NULL. */
 const struct rad_kernel *const *rad_kernels(void);

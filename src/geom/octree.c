@@ -14,6 +14,7 @@
 #include "geom/octree.h"
 
 #include "geom/overlap.h"
+#include "scene/part.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -261,7 +262,7 @@ collect_surfaces(struct builder *b)
     size_t max = 0;
     int32_t n = 0;
 
-    for (int32_t i = 0; i < s->nobjects; i++)
+    for (int32_t i = 0; i < rad_scene_own(s); i++)
         max += rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE;
     b->extents = malloc((max + 1) * sizeof *b->extents);
     b->index = malloc((max + 1) * sizeof *b->index);
@@ -269,7 +270,7 @@ collect_surfaces(struct builder *b)
         out_of_memory(b);
         return 0;
     }
-    for (int32_t i = 0; i < s->nobjects; i++)
+    for (int32_t i = 0; i < rad_scene_own(s); i++)
         if (rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE &&
             rad_extent_of(&s->objects[i], &b->extents[n]))
             b->index[n++] = i;

@@ -8,6 +8,8 @@
  * nothing (coincident surfaces), and where the whole would need more than some
  * 32 entries per surface, cubes keep more surfaces.
  * A cube may name a surface that just misses it, never the other way round.
+ * An instance or a mesh is the cube that its file names, moved; the scene's
+ * parts (scene/part.h) have no place of their own.
  * Source: Glassner 1984, Space subdivision for fast ray tracing; the rules of
  * oconv(1), -n 6 -r 16384.
  * Thread: immutable once built. */

@@ -4,6 +4,7 @@
 #include "geom/overlap.h"
 
 #include "base/vec.h"
+#include "scene/part.h"
 
 #include <math.h>
 #include <string.h>
@@ -108,6 +109,48 @@ generator_extent(const struct rad_object *o, struct rad_extent *e)
     return true;
 }
 
+/* Middle and half-edge, turned, of the cube around a copy. */
+struct turned {
+    double middle[3], half;
+    double axis[3][3]; /* of unit length */
+};
+
+static bool
+get_turned(const struct rad_object *o, struct turned *t)
+{
+    const struct rad_use *use = o->use;
+    double mid[3];
+
+    if (!use || !(use->part->size > 0))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        mid[i] = use->part->org[i] + use->part->size / 2;
+        rad_scale(t->axis[i], 1 / use->move.scale, use->move.m[i]);
+    }
+    rad_xform_point(t->middle, &use->move, mid);
+    t->half = use->part->size / 2 * use->move.scale;
+    return true;
+}
+
+static bool
+copy_extent(const struct rad_object *o, struct rad_extent *e)
+{
+    struct turned t;
+
+    if (!get_turned(o, &t))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        double w = t.half * (fabs(t.axis[0][i]) + fabs(t.axis[1][i]) +
+                             fabs(t.axis[2][i]));
+
+        e->lo[i] = t.middle[i] - w;
+        e->hi[i] = t.middle[i] + w;
+    }
+    /* the twelve digits of the cube, and the turning */
+    e->slack = 1e-10 * t.half;
+    return true;
+}
+
 bool
 rad_extent_of(const struct rad_object *o, struct rad_extent *e)
 {
@@ -136,6 +179,10 @@ rad_extent_of(const struct rad_object *o, struct rad_extent *e)
     case RAD_TUBE:
     case RAD_RING:
         good = o->nreals >= 7 && generator_extent(o, e);
+        break;
+    case RAD_INSTANCE:
+    case RAD_MESH:
+        good = copy_extent(o, e);
         break;
     default:
         break;
@@ -341,6 +388,46 @@ generator_meets_cube(const struct generator *g, const double centre[3],
     return false;
 }
 
+/* --- copies
+ * ------------------------------------------------------------------ */
+
+/* Do the shadows on the axis part them?  d is from the cube to the copy. */
+static bool
+axis_parts(const double axis[3], const double d[3], const struct turned *t,
+           double h)
+{
+    double reach = h * (fabs(axis[0]) + fabs(axis[1]) + fabs(axis[2]));
+
+    for (int i = 0; i < 3; i++)
+        reach += t->half * fabs(rad_dot(t->axis[i], axis));
+    return fabs(rad_dot(axis, d)) > reach * (1 + 1e-10);
+}
+
+/* The bounds are known to meet: left are the copy's axes, and those across an
+ * edge of each. */
+static bool
+copy_meets_cube(const struct rad_object *o, const double centre[3], double h)
+{
+    static const double edge[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    struct turned t;
+    double d[3], axis[3];
+
+    if (!get_turned(o, &t))
+        return false;
+    rad_sub(d, t.middle, centre);
+    for (int i = 0; i < 3; i++) {
+        if (axis_parts(t.axis[i], d, &t, h))
+            return false;
+        for (int k = 0; k < 3; k++) {
+            rad_cross(axis, t.axis[i], edge[k]);
+            /* nearly along each other: the edges themselves decide */
+            if (rad_dot(axis, axis) > 1e-12 && axis_parts(axis, d, &t, h))
+                return false;
+        }
+    }
+    return true;
+}
+
 bool
 rad_overlaps_cube(const struct rad_object *o, const struct rad_extent *e,
                   const double centre[3], double half)
@@ -357,6 +444,9 @@ rad_overlaps_cube(const struct rad_object *o, const struct rad_extent *e,
     case RAD_SPHERE:
     case RAD_BUBBLE:
         return sphere_meets_cube(o, centre, half);
+    case RAD_INSTANCE:
+    case RAD_MESH:
+        return copy_meets_cube(o, centre, half);
     default:
         return get_generator(o, &g) &&
                generator_meets_cube(&g, centre, half, e->slack, 2);

@@ -4,7 +4,8 @@
  * where the cube lies in its hole.
  * Sources: Sutherland & Hodgman 1974 (clipping); Akenine-Moller 2001 (triangle
  * and box); a point's distance to a sphere or a cone is its distance to their
- * generating curve in the half-plane through the axis.  */
+ * generating curve in the half-plane through the axis; Gottschalk, Lin &
+ * Manocha 1996, OBBTree (two boxes).  */
 #ifndef RAD_GEOM_OVERLAP_H
 #define RAD_GEOM_OVERLAP_H
 

@@ -125,7 +125,7 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     return s > tmin && s < tmax;
 }
 
-/* Dispatch to the family. */
+/* Dispatch to the family; a place is none. */
 static inline __attribute__((always_inline)) bool
 rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
              double tmax, double *t)
@@ -137,8 +137,10 @@ rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
         return rad_sphere_hit(p, r, tmin, tmax, t);
     case PRIM_CONE:
         return rad_cone_hit(p, r, tmin, tmax, t);
-    default:
+    case PRIM_RING:
         return rad_ring_hit(p, r, tmin, tmax, t);
+    default:
+        return false;
     }
 }
 

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 bool
@@ -20,15 +21,16 @@ rad_prim_has(enum rad_otype type)
     case RAD_CYLINDER:
     case RAD_TUBE:
     case RAD_RING:
+    case RAD_INSTANCE:
+    case RAD_MESH:
         return true;
     default:
         return false;
     }
 }
 
-/* Is it of a size that can be computed with?  Squares must not overflow. */
-static bool
-bounded(const struct rad_prim *p)
+bool
+rad_prim_bounded(const struct rad_prim *p)
 {
     struct rad_box box;
     bool good = true;
@@ -69,7 +71,7 @@ rad_prim_make(struct rad_prim *p, const struct rad_object *o,
     }
     /* float rounds to nearest: one step up keeps it a bound */
     p->slack = nextafterf(p->slack, INFINITY);
-    return good && bounded(p);
+    return good && rad_prim_bounded(p);
 }
 
 void
@@ -84,6 +86,9 @@ rad_prim_bounds(const struct rad_prim *p, struct rad_box *box)
         break;
     case PRIM_CONE:
         rad_cone_bounds(p, box);
+        break;
+    case PRIM_PLACE:
+        rad_place_bounds(p, box);
         break;
     default:
         rad_ring_bounds(p, box);
@@ -101,6 +106,8 @@ rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r, double t,
     hit->t = t;
     hit->obj = p->obj;
     hit->uv[0] = hit->uv[1] = 0;
+    hit->bent = false;
+    hit->in = NULL;
     switch (p->kind) {
     case PRIM_SPHERE:
         rad_sphere_surface(p, r, hit);

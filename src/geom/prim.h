@@ -38,23 +38,27 @@ enum rad_prim_kind {
     PRIM_POLYGON,
     PRIM_SPHERE,
     PRIM_CONE, /* cone, cup, cylinder, tube */
-    PRIM_RING
+    PRIM_RING,
+    PRIM_PLACE /* instance, mesh: see place.h */
 };
 
-struct rad_cone; /* cone.c */
+struct rad_cone;  /* cone.c */
+struct rad_place; /* place.h */
 
 struct rad_prim {
     double k[4]; /* polygon, ring: unit normal n and n.p of the plane;
-                  * sphere: centre and radius; cone: unused */
+                  * sphere: centre and radius; cone, place: unused */
     union {
         const double *v; /* polygon: vertices; ring: its arguments */
         const struct rad_cone *cone;
+        const struct rad_place *place;
     };
     int32_t obj;  /* index in the scene */
     int32_t nv;   /* polygon: number of vertices */
     float slack;  /* bound of the error that its own numbers bring */
     uint8_t kind; /* enum rad_prim_kind */
-    uint8_t surf; /* RAD_SURF_ bits of the object */
+    uint8_t surf; /* RAD_SURF_ bits of the object; a place without a modifier
+                   * of its own: OPAQUE, something in it may be */
     int8_t side;  /* sphere, cone: 1 normal outward, -1 inward */
 };
 
@@ -95,8 +99,8 @@ rad_probe_init(struct rad_probe *r, const struct rad_span *span)
 /* Is this a type of surface that has a family here? */
 bool rad_prim_has(enum rad_otype type);
 
-/* Compile object o.  False: it has no area, or is no surface; or memory ran
- * out, which sets *nomem. */
+/* Compile object o, which is no instance or mesh.  False: it has no area, or is
+ * no surface; or memory ran out, which sets *nomem. */
 bool rad_prim_make(struct rad_prim *p, const struct rad_object *o,
                    struct rad_arena *arena, bool *nomem);
 
@@ -106,6 +110,9 @@ bool rad_ring_make(struct rad_prim *p, const struct rad_object *o);
 bool rad_cone_make(struct rad_prim *p, const struct rad_object *o,
                    struct rad_arena *arena, bool *nomem);
 
+/* Is it of a size that can be computed with?  Squares must not overflow. */
+bool rad_prim_bounded(const struct rad_prim *p);
+
 /* Bounds that hold every point that a hit can have. */
 void rad_prim_bounds(const struct rad_prim *p, struct rad_box *box);
 
@@ -113,6 +120,7 @@ void rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_ring_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_cone_bounds(const struct rad_prim *p, struct rad_box *box);
+void rad_place_bounds(const struct rad_prim *p, struct rad_box *box);
 
 bool rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r,
                     double tmin, double tmax, double *t);

@@ -6,34 +6,84 @@
  *   WALK(boxes)   which lanes of a node the ray meets before limit, as bits,
  *                 and where it enters them
  * Everything that decides lies here, and a box test is the same IEEE
- * operations in any width, so all kernels give the same bits. */
+ * operations in any width, so all kernels give the same bits.
+ * Each walk is there twice: over surfaces and, mesh_, over a mesh's triangles.
+ * A place is walked by way of rad_place_meet(), which comes back here. */
 
-/* How far behind the nearest hit another may tie with it: 2^-30 of the size of
- * the numbers, ample for grazing faces; geom.c applies the bound proper. */
+/* How far behind the nearest hit another may tie with it; geom.c applies the
+ * bound proper. */
 static inline WALK_TARGET double
 WALK(window)(const struct rad_walk *w, double t)
 {
-    return 0x1p-30 * (w->probe.size + t);
+    return RAD_WALK_WINDOW * (w->probe.size + t);
+}
+
+/* Does the ray meet item i?  A place does what is to be done itself. */
+static inline WALK_TARGET __attribute__((always_inline)) bool
+WALK(meets)(struct rad_walk *w, uint32_t i, enum rad_meet how, double *t)
+{
+    const struct rad_prim *p = &w->prims[i];
+
+    switch (p->kind) {
+    case PRIM_POLYGON:
+        return rad_polygon_hit(p, &w->probe, w->tmin, w->cut, t);
+    case PRIM_SPHERE:
+        return rad_sphere_hit(p, &w->probe, w->tmin, w->cut, t);
+    case PRIM_CONE:
+        return rad_cone_hit(p, &w->probe, w->tmin, w->cut, t);
+    case PRIM_RING:
+        return rad_ring_hit(p, &w->probe, w->tmin, w->cut, t);
+    default:
+        return rad_place_meet(w, i, how);
+    }
+}
+
+static inline WALK_TARGET __attribute__((always_inline)) bool
+WALK(mesh_meets)(struct rad_walk *w, uint32_t i, double *t)
+{
+    return rad_tri_hit(w->meshed, i, &w->probe, w->tmin, w->cut, t);
+}
+
+/* Item i, met at t, is the nearest. */
+static inline WALK_TARGET void
+WALK(lead)(struct rad_walk *w, uint32_t i, double t)
+{
+    double behind = t + WALK(window)(w, t);
+
+    w->tie = w->best <= behind;
+    w->best = t;
+    w->prim = i;
+    w->cut = behind < w->tmax ? behind : w->tmax;
 }
 
 static inline WALK_TARGET void
 WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
     for (uint32_t i = first; i < first + count; i++) {
-        double t, behind;
+        double t;
 
-        if (!rad_prim_hit(&w->prims[i], &w->probe, w->tmin, w->cut, &t))
+        if (!WALK(meets)(w, i, RAD_MEET_NEAREST, &t))
             continue;
         if (t > w->best ||
-            (t == w->best && w->prims[i].obj > w->prims[w->prim].obj)) {
+            (t == w->best && w->prims[i].obj > w->prims[w->prim].obj))
             w->tie = true;
+        else
+            WALK(lead)(w, i, t);
+    }
+}
+
+static inline WALK_TARGET void
+WALK(mesh_leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = first; i < first + count; i++) {
+        double t;
+
+        if (!WALK(mesh_meets)(w, i, &t))
             continue;
-        }
-        behind = t + WALK(window)(w, t);
-        w->tie = w->best <= behind;
-        w->best = t;
-        w->prim = i;
-        w->cut = behind < w->tmax ? behind : w->tmax;
+        if (t > w->best || (t == w->best && i > w->prim))
+            w->tie = true;
+        else
+            WALK(lead)(w, i, t);
     }
 }
 
@@ -92,8 +142,9 @@ WALK(descend)(struct rad_walk *w, uint64_t *stack, int *n, uint32_t *child,
     return true;
 }
 
-static WALK_TARGET void
-WALK(nearest)(struct rad_walk *w)
+static inline WALK_TARGET __attribute__((always_inline)) void
+WALK(seek)(struct rad_walk *w,
+           void (*leaf)(struct rad_walk *, uint32_t, uint32_t))
 {
     uint64_t stack[RAD_BVH_STACK];
     float limit = rad_bvh_limit(w->bvh, w->cut);
@@ -105,7 +156,7 @@ WALK(nearest)(struct rad_walk *w)
         if (WALK(descend)(w, stack, &n, &child, limit)) {
             uint32_t count = rad_bvh_leaf_count(child);
 
-            WALK(leaf_nearest)(w, rad_bvh_leaf_first(child), count);
+            leaf(w, rad_bvh_leaf_first(child), count);
             limit = rad_bvh_limit(w->bvh, w->cut);
             past = WALK(entry)(limit, UINT32_MAX);
             w->tests += count;
@@ -119,6 +170,25 @@ WALK(nearest)(struct rad_walk *w)
     }
 }
 
+static WALK_TARGET void
+WALK(nearest)(struct rad_walk *w)
+{
+    WALK(seek)(w, WALK(leaf_nearest));
+}
+
+static WALK_TARGET void
+WALK(mesh_nearest)(struct rad_walk *w)
+{
+    WALK(seek)(w, WALK(mesh_leaf_nearest));
+}
+
+/* Does what has these bits stop a shadow ray? */
+static inline WALK_TARGET bool
+WALK(stops)(const struct rad_walk *w, uint8_t surf)
+{
+    return ((surf & w->keep) | w->give) & RAD_SURF_OPAQUE;
+}
+
 static inline WALK_TARGET bool
 WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
@@ -127,12 +197,12 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         const struct rad_prim *p = &w->prims[i];
 
-        if (p->obj == w->skip || (w->veiled && !(p->surf & RAD_SURF_OPAQUE)))
+        if (p->obj == w->skip || (w->veiled && !WALK(stops)(w, p->surf)))
             continue;
         w->tests++;
-        if (!rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t))
+        if (!WALK(meets)(w, i, RAD_MEET_ANY, &t))
             continue;
-        if (p->surf & RAD_SURF_OPAQUE) {
+        if (WALK(stops)(w, p->surf)) {
             w->prim = i;
             return true;
         }
@@ -142,14 +212,53 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
 }
 
 static inline WALK_TARGET bool
+WALK(mesh_leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    double t;
+
+    w->tests += count;
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct rad_meshed *m = w->meshed;
+
+        if (!WALK(mesh_meets)(w, i, &t))
+            continue;
+        if (WALK(stops)(w, m->surf[m->mesh->tris[m->tris[i].number].face]))
+            return true;
+        w->veiled = true;
+    }
+    return false;
+}
+
+static inline WALK_TARGET void
+WALK(offer)(struct rad_walk *w, uint32_t i, double t)
+{
+    struct rad_met met;
+
+    rad_walk_met(w, i, t, &met);
+    w->offer(w, &met);
+}
+
+static inline WALK_TARGET bool
 WALK(leaf_all)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
     double t;
 
     w->tests += count;
     for (uint32_t i = first; i < first + count; i++)
-        if (rad_prim_hit(&w->prims[i], &w->probe, w->tmin, w->cut, &t))
-            w->offer(w, i, t);
+        if (WALK(meets)(w, i, RAD_MEET_ALL, &t))
+            WALK(offer)(w, i, t);
+    return false;
+}
+
+static inline WALK_TARGET bool
+WALK(mesh_leaf_all)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    double t;
+
+    w->tests += count;
+    for (uint32_t i = first; i < first + count; i++)
+        if (WALK(mesh_meets)(w, i, &t))
+            WALK(offer)(w, i, t);
     return false;
 }
 
@@ -196,3 +305,20 @@ WALK(all)(struct rad_walk *w)
 {
     WALK(visit)(w, WALK(leaf_all));
 }
+
+static WALK_TARGET bool
+WALK(mesh_any)(struct rad_walk *w)
+{
+    return WALK(visit)(w, WALK(mesh_leaf_any));
+}
+
+static WALK_TARGET void
+WALK(mesh_all)(struct rad_walk *w)
+{
+    WALK(visit)(w, WALK(mesh_leaf_all));
+}
+
+/* What a kernel's table holds. */
+#define WALK_ALL                                                               \
+    WALK(nearest), WALK(any), WALK(all), WALK(mesh_nearest), WALK(mesh_any),   \
+        WALK(mesh_all)

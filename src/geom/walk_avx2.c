@@ -44,8 +44,6 @@ usable(void)
     return __builtin_cpu_supports("avx2");
 }
 
-const struct rad_kernel rad_kernel_avx2 = {
-    "avx2", usable, avx2_nearest, avx2_any, avx2_all,
-};
+const struct rad_kernel rad_kernel_avx2 = { "avx2", usable, WALK_ALL };
 
 #endif

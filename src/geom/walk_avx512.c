@@ -55,8 +55,6 @@ usable(void)
            __builtin_cpu_supports("avx512dq");
 }
 
-const struct rad_kernel rad_kernel_avx512 = {
-    "avx512", usable, avx512_nearest, avx512_any, avx512_all,
-};
+const struct rad_kernel rad_kernel_avx512 = { "avx512", usable, WALK_ALL };
 
 #endif

@@ -54,8 +54,6 @@ usable(void)
     return true;
 }
 
-const struct rad_kernel rad_kernel_neon = {
-    "neon", usable, neon_nearest, neon_any, neon_all,
-};
+const struct rad_kernel rad_kernel_neon = { "neon", usable, WALK_ALL };
 
 #endif

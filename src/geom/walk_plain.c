@@ -39,6 +39,4 @@ usable(void)
     return true;
 }
 
-const struct rad_kernel rad_kernel_plain = {
-    "plain", usable, plain_nearest, plain_any, plain_all,
-};
+const struct rad_kernel rad_kernel_plain = { "plain", usable, WALK_ALL };

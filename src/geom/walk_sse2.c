@@ -54,8 +54,6 @@ usable(void)
     return __builtin_cpu_supports("sse2");
 }
 
-const struct rad_kernel rad_kernel_sse2 = {
-    "sse2", usable, sse2_nearest, sse2_any, sse2_all,
-};
+const struct rad_kernel rad_kernel_sse2 = { "sse2", usable, WALK_ALL };
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "light/sources.h"
 #include "base/vec.h"
+#include "scene/part.h"
 #include "shade/emitter.h"
 
 /* Is the light of obj the emitter's own, without pattern or texture? */
@@ -72,6 +73,7 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     return 0;
 }
 
+/* What instances and meshes hold is seen, but is no source, as in Radiance. */
 struct rad_sources *
 rad_sources_new(struct rad_job *job, struct rad_error *err)
 {
@@ -79,7 +81,7 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
     struct rad_sources *s = rad_arena_calloc(&job->arena, 1, sizeof *s);
     size_t emitters = 0;
 
-    for (int32_t i = 0; i < scene->nobjects; i++)
+    for (int32_t i = 0; i < rad_scene_own(scene); i++)
         if (rad_emitter_of(job, i))
             emitters++;
     if (s) {
@@ -91,7 +93,7 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    for (int32_t i = 0; i < scene->nobjects; i++) {
+    for (int32_t i = 0; i < rad_scene_own(scene); i++) {
         const struct rad_emitter *em = rad_emitter_of(job, i);
         struct rad_source *src = &s->list[s->n];
         int rc = em ? make_source(src, job, i, em, err) : 1;

@@ -11,6 +11,7 @@
 #include "light/sources.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "scene/part.h"
 #include "shade/emitter.h"
 #include "shade/prism.h"
 
@@ -95,14 +96,14 @@ find_mirrors(struct maker *mk, struct rad_error *err)
 {
     int32_t n = 0;
 
-    for (int32_t i = 0; i < mk->job->scene->nobjects; i++)
+    for (int32_t i = 0; i < rad_scene_own(mk->job->scene); i++)
         n += mirror_material(mk->job, i) != RAD_VOID;
     if (n == 0)
         return 0;
     mk->mirrors = calloc((size_t)n, sizeof *mk->mirrors);
     if (!mk->mirrors)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (int32_t i = 0; i < mk->job->scene->nobjects; i++) {
+    for (int32_t i = 0; i < rad_scene_own(mk->job->scene); i++) {
         int32_t mat = mirror_material(mk->job, i);
         int rc;
 

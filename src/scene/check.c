@@ -9,7 +9,7 @@
  * renderers refuse. */
 #include "config.h"
 
-#include "scene/scene.h"
+#include "scene/part.h"
 
 #include <limits.h>
 #include <stdarg.h>
@@ -215,6 +215,8 @@ static const struct rule {
     { RAD_CYLINDER,   0, INT_MAX, 7, 7,        NULL },
     { RAD_TUBE,       0, INT_MAX, 7, 7,        NULL },
     { RAD_RING,       0, INT_MAX, 8, 8,        check_ring },
+    { RAD_INSTANCE,   1, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_MESH,       1, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_LIGHT,      0, INT_MAX, 3, 3,        NULL },
     { RAD_ILLUM,      0, 1,       3, 3,        check_reference },
     { RAD_GLOW,       0, INT_MAX, 4, 4,        NULL },
@@ -371,6 +373,8 @@ check_surface(struct checker *c, const struct rad_object *o)
 {
     const struct rad_object *m = material_behind(c, o);
 
+    if (o - c->scene->objects >= rad_scene_own(c->scene))
+        return; /* what a part holds is no light source, whatever it is */
     switch (o->type) {
     case RAD_SOURCE:
     case RAD_SPHERE:

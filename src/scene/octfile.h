@@ -1,11 +1,12 @@
-/* octfile.h - Radiance's octree files, frozen
+/* octfile.h - Radiance's octree files
  *
  * What Radiance's programs read and write (oconv -f):
  *
  *     text    "#?RADIANCE\n", lines, "FORMAT=Radiance_octree\n", an empty line
  *     u16     283 + w, w the bytes of an object's index (4)
  *     string  four times: lowest corner and edge of the cube, in decimal
- *     string  names of scene files, ending with an empty one; frozen: none
+ *     string  names of scene files, ending with an empty one; frozen: none.
+ *             With any, types and objects are missing: they are theirs
  *     int w   number of objects
  *     tree    u8 0: empty; 1: int w count, as many int w indices of objects;
  *             2: eight trees, the upper half along x, y, z for bits 0, 1, 2
@@ -40,24 +41,46 @@
 /* Does a file that begins with these bytes say that it is an octree? */
 bool rad_octfile_is(const void *start, size_t len);
 
+#define RAD_OCT_NAME 2047 /* bytes of a scene file's name in an octree */
+
+/* Is the octree that begins with these bytes one that names scene files instead
+ * of holding their objects?  False also for what is none. */
+bool rad_octfile_names(const void *start, size_t len);
+
+/* How to read an octree, and what else is got from it. */
+struct rad_octfile {
+    struct rad_octree *tree; /* gets its tree; NULL: not wanted, which is much
+                              * faster.  None of an octree that is not frozen */
+    /* Append the objects of a scene file, or "!command", that an octree names
+     * which is not frozen; NULL: refuse those (RAD_EUNSUPPORTED). */
+    int (*text)(void *arg, const char *name, struct rad_error *err);
+    void *arg;
+    double org[3], size; /* get the cube */
+};
+
 /* Append the objects of an octree file called `name` to the scene, which must
- * be empty; and its tree to *tree (initialised here) unless that is NULL:
- * skipping it is much faster.  RAD_EDATA with the offset ("x.oct: truncated at
- * byte 812"), RAD_EUNSUPPORTED for one that is not frozen; the scene and the
- * tree are then to be thrown away. */
+ * be empty if the tree is wanted (how->tree is initialised here).  RAD_EDATA
+ * with the offset ("x.oct: truncated at byte 812"), or for one whose scene
+ * files have other objects by now; the scene and the tree are then to be thrown
+ * away. */
+int rad_octfile_read_as(struct rad_scene *s, struct rad_octfile *how,
+                        const struct rad_stream *in, const char *name,
+                        struct rad_error *err);
+
+/* The same for one that must be frozen, with its tree or without (NULL). */
 int rad_octfile_read(struct rad_scene *s, struct rad_octree *tree,
                      const struct rad_stream *in, const char *name,
                      struct rad_error *err);
 
-/* The scene in the octree file at path, without its tree; NULL and *err on
- * failure (RAD_ENOINPUT: it cannot be opened). */
+/* The scene in the frozen octree file at path, without its tree; NULL and *err
+ * on failure (RAD_ENOINPUT: it cannot be opened). */
 struct rad_scene *rad_octfile_load(const char *path, struct rad_error *err);
 
 /* What a real is to Radiance's programs once it has been in a frozen octree:
  * the nearest of 31 bits, for whoever must cut it off at the same place. */
 double rad_octfile_real(double x);
 
-/* Write scene and tree. */
+/* Write the scene's own objects (part.h) and their tree. */
 int rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
                       const struct rad_sink *out, struct rad_error *err);
 

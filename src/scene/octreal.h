@@ -12,9 +12,11 @@
 #define RAD_OCT_LARGEST 0x7fffffff
 
 /* What our files have in common besides. */
-#define RAD_OCT_FORMAT "FORMAT=Radiance_octree"
-#define RAD_OCT_MAGIC  283 /* plus the bytes of an index */
-#define RAD_OCT_EXACT  "radd\1"
+#define RAD_OCT_FORMAT  "Radiance_octree"
+#define RAD_MESH_FORMAT "Radiance_tmesh"
+#define RAD_OCT_MAGIC   283 /* plus the bytes of an index */
+#define RAD_MESH_MAGIC  319
+#define RAD_OCT_EXACT   "radd\1"
 enum { RAD_OCT_EMPTY, RAD_OCT_FULL, RAD_OCT_TREE };
 
 struct rad_octreal {

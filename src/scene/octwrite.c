@@ -5,6 +5,7 @@
 
 #include "scene/octfile.h"
 #include "scene/octreal.h"
+#include "scene/part.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,14 +68,15 @@ put_start(struct output *f, const struct rad_scene *s,
 {
     char text[64];
 
-    put_text(f, "#?RADIANCE\nSOFTWARE= radd\n" RAD_OCT_FORMAT "\n\n", false);
+    put_text(f, "#?RADIANCE\nSOFTWARE= radd\nFORMAT=" RAD_OCT_FORMAT "\n\n",
+             false);
     put_int(f, RAD_OCT_MAGIC + 4, 2);
     for (int i = 0; i < 4; i++) {
         snprintf(text, sizeof text, "%.12g", i < 3 ? t->org[i] : t->size);
         put_text(f, text, true);
     }
     put_byte(f, '\0'); /* no scene files */
-    put_int(f, s->nobjects, 4);
+    put_int(f, rad_scene_own(s), 4);
 }
 
 static void
@@ -121,7 +123,7 @@ put_objects(struct output *f, const struct rad_scene *s)
 
     for (int t = 0; t < RAD_NOTYPES; t++)
         place[t] = -1;
-    for (int32_t i = 0; i < s->nobjects; i++)
+    for (int32_t i = 0; i < rad_scene_own(s); i++)
         place[s->objects[i].type] = 0;
     for (int t = 0; t < RAD_NOTYPES; t++)
         if (place[t] == 0) {
@@ -129,7 +131,7 @@ put_objects(struct output *f, const struct rad_scene *s)
             put_text(f, rad_otype_name((enum rad_otype)t), true);
         }
     put_byte(f, '\0');
-    for (int32_t i = 0; i < s->nobjects && !f->rc; i++)
+    for (int32_t i = 0; i < rad_scene_own(s) && !f->rc; i++)
         put_object(f, &s->objects[i], place[s->objects[i].type]);
     put_int(f, -1, 1);
 }
@@ -138,7 +140,7 @@ static void
 put_exact(struct output *f, const struct rad_scene *s)
 {
     put_text(f, RAD_OCT_EXACT, false);
-    for (int32_t i = 0; i < s->nobjects && !f->rc; i++)
+    for (int32_t i = 0; i < rad_scene_own(s) && !f->rc; i++)
         for (int32_t k = 0; k < s->objects[i].nreals; k++) {
             double x = s->objects[i].reals[k];
             uint64_t d = rad_bits_of(x) - rad_bits_of(rad_octfile_real(x));

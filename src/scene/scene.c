@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "scene/scene.h"
+#include "scene/meshfile.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -53,6 +54,9 @@ rad_scene_free(struct rad_scene *s)
         free(s->names->entries[i].defs);
     free(s->names->entries);
     free(s->names);
+    for (int32_t i = 0; i < s->nparts; i++)
+        rad_mesh_free(s->parts[i]->mesh);
+    free(s->parts);
     free(s->objects);
     free(s->files);
     rad_arena_release(&s->arena);

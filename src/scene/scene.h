@@ -29,6 +29,8 @@
 #define RAD_MAX_WORD    511
 
 struct rad_names;
+struct rad_part; /* part.h */
+struct rad_use;
 
 struct rad_object {
     enum rad_otype type;
@@ -40,6 +42,7 @@ struct rad_object {
     int32_t nreals;
     const char *const *strings;
     const double *reals;
+    const struct rad_use *use; /* instance, mesh: by rad_scene_include() */
 };
 
 struct rad_scene {
@@ -50,6 +53,8 @@ struct rad_scene {
     const char **files; /* names of the files that it was read from */
     int32_t nfiles;
     struct rad_names *names; /* modifiers by name */
+    struct rad_part **parts; /* files of instances and meshes: part.h */
+    int32_t nparts;
 };
 
 struct rad_scene *rad_scene_new(void); /* NULL: out of memory */
@@ -89,7 +94,7 @@ int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
 void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
 
 /* The k-th file that an object reads when it is rendered, as it names it; NULL
- * beyond the last. */
+ * beyond the last.  Those of instances and meshes are the scene's parts. */
 const char *rad_object_file(const struct rad_object *o, int k);
 
 /* Which types do the surfaces reach, with their own?  needs[t] is set for

@@ -194,7 +194,7 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
     const double *args = m->data ? arg : arg + 1;
 
     rad_expr_resume(hit->ctx, &hit->scope);
-    rad_expr_inward(&m->expr, ldir, arg + 1);
+    rad_expr_inward(&hit->scope, ldir, arg + 1);
     arg[4] = omega;
     if (m->data && !look_up(hit, arg))
         return false;
@@ -266,7 +266,7 @@ enter(struct brdf_hit *hit, struct rad_ctx *ctx, const struct brdf *m,
         hit->cos_n = -hit->cos_n;
     }
     rad_expr_begin(ctx, &m->expr, r, &hit->scope);
-    rad_expr_set_normal(ctx, &m->expr, &hit->scope, hit->norm, hit->cos_n);
+    rad_expr_set_normal(ctx, &hit->scope, hit->norm, hit->cos_n);
     rad_expr_set_color(ctx, &hit->scope, hit->color);
 }
 

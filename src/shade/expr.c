@@ -145,11 +145,22 @@ way(const struct rad_ray *r, unsigned kind)
     return sum;
 }
 
-void
-rad_expr_inward(const struct rad_expr *e, const double v[3], double w[3])
+/* Where the axes' directions are among the channels. */
+#define AXES 15
+
+static void
+turn_inward(const double c[RAD_CALC_NCHANNELS], const double v[3], double w[3])
 {
-    rad_xform_vector(w, &e->back, v);
-    rad_scale(w, 1 / e->back.scale, w);
+    for (int k = 0; k < 3; k++)
+        w[k] = v[0] * c[AXES + k] + v[1] * c[AXES + 3 + k] +
+               v[2] * c[AXES + 6 + k];
+}
+
+void
+rad_expr_inward(const struct rad_expr_scope *scope, const double v[3],
+                double w[3])
+{
+    turn_inward(scope->channel, v, w);
 }
 
 /* Channels $1 to $27, in the order that calcinit.c names them. */
@@ -158,20 +169,26 @@ set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
              const struct rad_ray *r)
 {
     const struct rad_xform *b = &e->back;
+    struct rad_xform move, here;
     double p[3];
 
+    if (rad_geom_place(&r->hit, &move)) {
+        rad_xform_invert(&here, &move);
+        rad_xform_then(&here, &here, b);
+        b = &here;
+    }
+    for (int i = 0; i < 3; i++)
+        rad_scale(c + AXES + 3 * i, 1 / b->scale, b->m[i]);
     rad_copy(p, r->hit.p);
     if (!(r->hit.t < INFINITY))
         rad_madd(p, r->org, FAR, r->dir);
-    rad_expr_inward(e, r->dir, c);
-    rad_expr_inward(e, r->n, c + 3);
+    turn_inward(c, r->dir, c);
+    turn_inward(c, r->n, c + 3);
     rad_xform_point(c + 6, b, p);
     c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
     c[10] = fmin(fmax(r->cos_o, -1), 1);
     c[11] = b->scale;
     rad_copy(c + 12, b->t);
-    for (int i = 0; i < 3; i++)
-        rad_scale(c + 15 + 3 * i, 1 / b->scale, b->m[i]);
     c[24] = (length(r) + way(r->parent, RAD_RAY_SHADOW)) * b->scale;
     c[25] = r->hit.uv[0];
     c[26] = r->hit.uv[1];
@@ -197,11 +214,10 @@ rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope)
 }
 
 void
-rad_expr_set_normal(struct rad_ctx *ctx, const struct rad_expr *e,
-                    struct rad_expr_scope *scope, const double norm[3],
-                    double cos_n)
+rad_expr_set_normal(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                    const double norm[3], double cos_n)
 {
-    rad_expr_inward(e, norm, scope->channel + RAD_CALC_NORMAL);
+    rad_expr_inward(scope, norm, scope->channel + RAD_CALC_NORMAL);
     scope->channel[RAD_CALC_NORMAL + 3] = cos_n;
     rad_calc_begin(ctx->calc, &scope->in);
 }
@@ -217,12 +233,12 @@ rad_expr_set_color(struct rad_ctx *ctx, struct rad_expr_scope *scope,
 }
 
 void
-rad_expr_set_aim(struct rad_ctx *ctx, const struct rad_expr *e,
-                 struct rad_expr_scope *scope, const double dir[3])
+rad_expr_set_aim(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                 const double dir[3])
 {
     static const double none[3];
 
-    rad_expr_inward(e, dir ? dir : none, scope->channel + RAD_CALC_AIM);
+    rad_expr_inward(scope, dir ? dir : none, scope->channel + RAD_CALC_AIM);
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
@@ -264,9 +280,13 @@ rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
 void
 rad_expr_outward(const struct rad_expr *e, const struct rad_ray *r, double v[3])
 {
+    struct rad_xform move;
     double w[3];
 
-    (void)r;
     rad_xform_vector(w, &e->move, v);
     rad_scale(v, 1 / e->move.scale, w);
+    if (rad_geom_place(&r->hit, &move)) {
+        rad_xform_vector(w, &move, v);
+        rad_scale(v, 1 / move.scale, w);
+    }
 }

@@ -3,7 +3,8 @@
  * Materials, patterns, textures and mixtures hold expressions, the name of a
  * function file that these may use ("." for none), and a transform behind it.
  * The expressions see the ray and the surface in the coordinates that the
- * transform moves into place, and the object's real arguments.
+ * transform moves into place, within those of the file that an instance or mesh
+ * is a copy of, and the object's real arguments.
  * All expressions of a scene share one program (job->calc), made when the first
  * is met; each thread has an evaluator of it (ctx->calc).  A function file is
  * read once, into a context named after it.
@@ -68,17 +69,17 @@ bool rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
  *   norm, cos_n  unit normal as textures tilt it, and -dir.norm
  *   color        of the material with its patterns
  *   dir          toward a light source, NULL: none */
-void rad_expr_set_normal(struct rad_ctx *ctx, const struct rad_expr *e,
-                         struct rad_expr_scope *scope, const double norm[3],
-                         double cos_n);
+void rad_expr_set_normal(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                         const double norm[3], double cos_n);
 void rad_expr_set_color(struct rad_ctx *ctx, struct rad_expr_scope *scope,
                         struct rad_rgb color);
-void rad_expr_set_aim(struct rad_ctx *ctx, const struct rad_expr *e,
-                      struct rad_expr_scope *scope, const double dir[3]);
+void rad_expr_set_aim(struct rad_ctx *ctx, struct rad_expr_scope *scope,
+                      const double dir[3]);
 
-/* Turn a direction of the world into the function's coordinates, without a
- * change of its length. */
-void rad_expr_inward(const struct rad_expr *e, const double v[3], double w[3]);
+/* Turn a direction of the world into the coordinates of the function that was
+ * begun, without a change of its length. */
+void rad_expr_inward(const struct rad_expr_scope *scope, const double v[3],
+                     double w[3]);
 
 /* Turn a direction of the function's coordinates into the world's, without a
  * change of its length. */

@@ -110,6 +110,21 @@ rad_material_of(const struct rad_scene *scene, int32_t mod)
     return RAD_VOID;
 }
 
+bool
+rad_material_lights(const struct rad_object *m)
+{
+    switch (m->type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+        return true;
+    case RAD_GLOW:
+        return m->nreals == 4 && m->reals[3] > 0;
+    default:
+        return false;
+    }
+}
+
 static int
 compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
 {

@@ -69,6 +69,9 @@ int rad_material_file_fail(const struct rad_job *job,
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,
                           struct rad_error *err);
 
+/* Is surface material m a light source's? */
+bool rad_material_lights(const struct rad_object *m);
+
 /* The material that ends the chain from modifier mod (an alias is replaced by
  * what it stands for), as an object's index, or RAD_VOID. */
 int32_t rad_material_of(const struct rad_scene *scene, int32_t mod);

@@ -42,7 +42,7 @@ find_way(struct rad_ctx *ctx, const struct prism *m, const struct rad_ray *r,
     double v[4];
 
     rad_expr_begin(ctx, &m->expr, r, &scope);
-    rad_expr_set_aim(ctx, &m->expr, &scope, aim);
+    rad_expr_set_aim(ctx, &scope, aim);
     if (!rad_expr_get(ctx, &m->expr, 4 * way, 4, v))
         return false;
     *coef = v[0];

@@ -125,6 +125,8 @@ rad_ray_clear(struct rad_ray *r)
 {
     r->hit.obj = RAD_VOID;
     r->hit.t = INFINITY;
+    r->hit.in = NULL;
+    r->hit.bent = false;
     r->far_source = -1;
     r->L = rad_grey(0);
     r->L_mirror = rad_grey(0);
@@ -144,7 +146,10 @@ rad_ray_enter(struct rad_ray *r)
 {
     rad_copy(r->n, r->hit.n);
     r->cos_o = -rad_dot(r->dir, r->n);
-    r->pert[0] = r->pert[1] = r->pert[2] = 0;
+    if (r->hit.bent)
+        rad_copy(r->pert, r->hit.bend);
+    else
+        r->pert[0] = r->pert[1] = r->pert[2] = 0;
     r->pattern = rad_grey(1);
     r->dist = r->hit.t;
 }
@@ -383,6 +388,7 @@ rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
     r->hit.t = 0;
     r->hit.err = 1e-6 * size;
     r->hit.uv[0] = r->hit.uv[1] = 0;
+    r->hit.bent = false;
     rad_ray_enter(r);
     rad_normal_irradiance(ctx, r);
     drop_unsound(ctx, r);

@@ -8,6 +8,7 @@
 
 #include "shade/text.h"
 #include "base/vec.h"
+#include "base/xform.h"
 #include "scene/font.h"
 #include "scene/octfile.h"
 #include "shade/mixture.h"
@@ -261,10 +262,17 @@ rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                struct rad_ray *r)
 {
     const struct text *t = mat->data;
+    struct rad_xform move;
+    double p[3];
 
     (void)ctx;
+    rad_copy(p, r->hit.p);
+    if (rad_geom_place(&r->hit, &move)) { /* the text is as its file has it */
+        rad_xform_invert(&move, &move);
+        rad_xform_point(p, &move, p);
+    }
     r->pattern =
-        rad_rgb_mul(r->pattern, is_foreground(t, r->hit.p) ? t->fore : t->back);
+        rad_rgb_mul(r->pattern, is_foreground(t, p) ? t->fore : t->back);
     return false;
 }
 

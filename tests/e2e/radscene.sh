@@ -80,7 +80,27 @@ expect 65 'cut.oct: ' $radscene check cut.oct
 expect 64 "octree 'good.oct' must be the only" $radscene check good.rad good.oct
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000a.rad\000' \
     >thawed.oct
-expect 65 "octree is not frozen (it names scene file 'a.rad')" \
+expect 66 "thawed.oct: cannot find file 'a.rad'" $radscene check thawed.oct
+
+# one that is not frozen is read from what it names, beside it or by command
+printf 'grey sphere more 0 0 4 9 9 9 1\n' >more.rad
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000good.rad\000!sed s/grey/lamp/ more.rad\000\000\000\000\000\006\000' >thawed.oct
+expect 0 '' $radscene info thawed.oct
+same 'objects 6
+surfaces 3
+sources 2
+bounds -1 -1 0  10 10 10
+  sphere 2
+  ring 1
+  light 1
+  plastic 1
+  mixfunc 1'
+mkdir elsewhere
+(cd elsewhere && $radscene freeze ../thawed.oct) >frozen.oct ||
+    { echo "FAIL: freeze from another folder"; failed=1; }
+expect 0 '' $radscene check frozen.oct
+printf 'grey sphere most 0 0 4 9 9 9 1\n' >>more.rad
+expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
     $radscene check thawed.oct
 
 # bad scenes
@@ -114,9 +134,8 @@ plastic
 specfile'
 expect 0 '' $radscene freeze dye.rad
 printf 'void mesh m 1 x.rtm 0 0\n' >mesh.rad
-expect 65 "mesh.rad:1: mesh 'm': type 'mesh' is not supported yet" \
+expect 66 "mesh.rad:1: mesh 'm': cannot find file 'x.rtm'" \
     $radscene freeze mesh.rad
-expect 0 '' $radscene info mesh.rad
 
 # an interrupted radscene leaves no command running
 printf '!echo $$ >pid.new; mv pid.new pid; sleep 1000 | sleep 1000\n' >slow.rad

@@ -15,6 +15,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
+	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
 	tests/fuzz/fuzz_view
 
@@ -58,6 +59,10 @@ tests_fuzz_fuzz_font_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_parse_SOURCES = tests/fuzz/fuzz_parse.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_parse_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_parse_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_rtm_SOURCES = tests/fuzz/fuzz_rtm.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_rtm_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_rtm_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_octfile_SOURCES = tests/fuzz/fuzz_octfile.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_octfile_LDADD = $(LIBRAD)

@@ -1,0 +1,523 @@
+/* place.c - see place.h */
+#include "config.h"
+
+#include "geom/place.h"
+
+#include "base/arena.h"
+#include "base/vec.h"
+#include "geom/kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- making ----------------------------------------------------------------
+ */
+
+/* What the integers of a mesh mean: x = org + (i + 2^31 + 1/2) * unit. */
+static void
+unpack_mesh(struct rad_place *pl, const struct rad_mesh *mesh,
+            const struct rad_xform *move)
+{
+    double unit = mesh->size * 0x1p-32, corner[3];
+
+    for (int i = 0; i < 3; i++) {
+        corner[i] = mesh->org[i] + mesh->size * (.5 + 0x1p-33);
+        rad_scale(pl->m[i], unit, move->m[i]);
+    }
+    rad_xform_point(pl->t, move, corner);
+    pl->scale = move->scale * unit;
+}
+
+static void
+multiply(double out[3], const double v[3], const double m[3][3])
+{
+    double r[3];
+
+    for (int i = 0; i < 3; i++)
+        r[i] = v[0] * m[0][i] + v[1] * m[1][i] + v[2] * m[2][i];
+    rad_copy(out, r);
+}
+
+/* The inverse by cofactors: m need not be orthogonal to the last bit, as it is
+ * the product of any number of turns.  Scaled first, so that nothing leaves the
+ * range of double. */
+static bool
+invert(struct rad_place *pl)
+{
+    double m[3][3], c[3][3], det;
+
+    for (int i = 0; i < 3; i++)
+        rad_scale(m[i], 1 / pl->scale, pl->m[i]);
+    rad_cross(c[0], m[1], m[2]);
+    rad_cross(c[1], m[2], m[0]);
+    rad_cross(c[2], m[0], m[1]);
+    det = rad_dot(m[0], c[0]);
+    if (!(fabs(det) > .5 && fabs(det) < 2)) /* it is 1 or -1 */
+        return false;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            pl->back[i][j] = c[j][i] / det / pl->scale;
+    multiply(pl->from, pl->t, pl->back);
+    rad_scale(pl->from, -1, pl->from);
+    return fabs(pl->from[0]) + fabs(pl->from[1]) + fabs(pl->from[2]) <
+           RAD_GEOM_MOST;
+}
+
+bool
+rad_place_make(struct rad_prim *p, const struct rad_object *o,
+               const struct rad_set *set, uint8_t surf, uint32_t number,
+               struct rad_arena *arena, bool *nomem)
+{
+    const struct rad_xform *move = &o->use->move;
+    struct rad_place *pl = rad_arena_calloc(arena, 1, sizeof *pl);
+    struct rad_box box;
+    double big = 0;
+
+    if (!pl) {
+        *nomem = true;
+        return false;
+    }
+    memset(p, 0, sizeof *p);
+    pl->set = set;
+    pl->use = o->use;
+    pl->number = number;
+    pl->covers = o->modifier != RAD_VOID;
+    if (o->use->part->mesh) {
+        unpack_mesh(pl, o->use->part->mesh, move);
+    } else {
+        memcpy(pl->m, move->m, sizeof pl->m);
+        rad_copy(pl->t, move->t);
+        pl->scale = move->scale;
+    }
+    pl->size = fabs(pl->t[0]) + fabs(pl->t[1]) + fabs(pl->t[2]);
+    p->kind = PRIM_PLACE;
+    p->surf = pl->covers ? surf : RAD_SURF_OPAQUE;
+    p->place = pl;
+    if (set->nprims == 0 || !(pl->scale > 0 && pl->size < RAD_GEOM_MOST) ||
+        !invert(pl))
+        return false;
+    rad_place_bounds(p, &box);
+    for (int i = 0; i < 3; i++)
+        big += fmax(fabs(box.lo[i]), fabs(box.hi[i]));
+    p->slack =
+        nextafterf((float)(4 * RAD_GEOM_ROUND * (big + pl->size)), INFINITY);
+    return rad_prim_bounded(p);
+}
+
+/* Of the boxes of the root, which fit better than one around them. */
+void
+rad_place_bounds(const struct rad_prim *p, struct rad_box *box)
+{
+    const struct rad_place *pl = p->place;
+    const struct rad_bvh *bvh = &pl->set->bvh;
+    const struct rad_bvh_node *root = &bvh->nodes[0];
+
+    for (int i = 0; i < 3; i++) {
+        box->lo[i] = INFINITY;
+        box->hi[i] = -INFINITY;
+    }
+    for (int lane = 0; lane < RAD_BVH_WIDTH; lane++) {
+        double mid[3], half[3];
+
+        if (!(root->bound[RAD_BVH_BOUND(0, 0) + lane] <=
+              root->bound[RAD_BVH_BOUND(0, 1) + lane]))
+            continue;
+        for (int a = 0; a < 3; a++) {
+            double lo = root->bound[RAD_BVH_BOUND(a, 0) + lane] / bvh->scale;
+            double hi = root->bound[RAD_BVH_BOUND(a, 1) + lane] / bvh->scale;
+
+            mid[a] = bvh->centre[a] + (lo + hi) / 2;
+            half[a] = (hi - lo) / 2;
+        }
+        multiply(mid, mid, pl->m);
+        for (int i = 0; i < 3; i++) {
+            double w = half[0] * fabs(pl->m[0][i]) +
+                       half[1] * fabs(pl->m[1][i]) +
+                       half[2] * fabs(pl->m[2][i]);
+
+            box->lo[i] = fmin(box->lo[i], mid[i] + pl->t[i] - w);
+            box->hi[i] = fmax(box->hi[i], mid[i] + pl->t[i] + w);
+        }
+    }
+}
+
+/* --- meshes ----------------------------------------------------------------
+ */
+
+struct corners {
+    double v[3][3];
+};
+
+static void
+get_corners(struct corners *c, const struct rad_meshed *m, uint32_t i)
+{
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 3; a++)
+            c->v[k][a] = m->xyz[m->tris[i].v[k]][a];
+}
+
+/* A normal carries what is computed a little off the vertices. */
+static void
+triangle_bounds(const void *arg, uint32_t i, struct rad_box *box)
+{
+    struct corners c;
+
+    get_corners(&c, arg, i);
+    for (int a = 0; a < 3; a++) {
+        box->lo[a] = fmin(c.v[0][a], fmin(c.v[1][a], c.v[2][a]));
+        box->hi[a] = fmax(c.v[0][a], fmax(c.v[1][a], c.v[2][a]));
+        box->lo[a] -= 8 * RAD_GEOM_ROUND * 0x1p31;
+        box->hi[a] += 8 * RAD_GEOM_ROUND * 0x1p31;
+    }
+}
+
+/* Put the triangles in the tree's order. */
+static void
+order_triangles(struct rad_meshed *m, const struct rad_mesh *mesh,
+                const uint32_t *order)
+{
+    for (uint32_t i = 0; i < mesh->ntris; i++) {
+        memcpy(m->tris[i].v, mesh->tris[order[i]].v, sizeof m->tris[i].v);
+        m->tris[i].number = order[i];
+    }
+}
+
+static void
+set_faces(struct rad_meshed *m, const uint8_t *surf)
+{
+    for (uint32_t i = 0; i < m->mesh->nfaces; i++) {
+        int32_t obj = m->mesh->faces[i];
+
+        m->surf[i] = obj == RAD_VOID ? RAD_SURF_NOMATERIAL : surf[obj];
+    }
+}
+
+int
+rad_meshed_make(struct rad_set *set, const struct rad_part *part,
+                const uint8_t *surf, struct rad_error *err)
+{
+    const struct rad_mesh *mesh = part->mesh;
+    struct rad_meshed *m = calloc(1, sizeof *m);
+    struct rad_bvh_items items = { triangle_bounds, m, mesh->ntris };
+    uint32_t *order = malloc(((size_t)mesh->ntris + 1) * sizeof *order);
+    int rc = m && order ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    set->meshed = m;
+    set->nprims = mesh->ntris;
+    set->copies = 1;
+    if (!rc) {
+        m->mesh = mesh;
+        m->xyz = (const int32_t(*)[3])mesh->xyz;
+        m->tris = malloc(((size_t)mesh->ntris + 1) * sizeof *m->tris);
+        m->surf = malloc((size_t)mesh->nfaces + 1);
+        if (!m->tris || !m->surf)
+            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    if (!rc) {
+        for (uint32_t i = 0; i < mesh->ntris; i++)
+            order[i] = i;
+        order_triangles(m, mesh, order);
+        rc = rad_bvh_build(&set->bvh, &items, order, err);
+    }
+    if (!rc) {
+        order_triangles(m, mesh, order);
+        set_faces(m, surf);
+    }
+    free(order);
+    return rc;
+}
+
+/* Shares of the corners at p, a point of the triangle with normal n; false: it
+ * has no area. */
+static bool
+shares(double w[3], const struct corners *c, const double p[3])
+{
+    double a[3], b[3], n[3], d[3], part[3], area;
+
+    rad_sub(a, c->v[1], c->v[0]);
+    rad_sub(b, c->v[2], c->v[0]);
+    rad_cross(n, a, b);
+    area = rad_dot(n, n);
+    if (!(area > 0))
+        return false;
+    rad_sub(d, p, c->v[0]);
+    rad_cross(part, d, b);
+    w[1] = rad_dot(part, n) / area;
+    rad_cross(part, a, d);
+    w[2] = rad_dot(part, n) / area;
+    w[0] = 1 - w[1] - w[2];
+    return true;
+}
+
+/* The normal between those of the corners, as what n lacks of it; nothing if
+ * one of them has none. */
+static void
+bend(const struct rad_mesh *mesh, const uint32_t v[3], const double w[3],
+     struct rad_hit *hit)
+{
+    double sum[3] = { 0, 0, 0 }, n[3];
+
+    if (!mesh->normals)
+        return;
+    for (int k = 0; k < 3; k++) {
+        uint32_t code = mesh->normals[v[k]];
+
+        if (code == 0)
+            return;
+        rad_mesh_normal(n, code);
+        rad_madd(sum, sum, w[k], n);
+    }
+    hit->bent = rad_normalize(sum) > 0;
+    if (hit->bent)
+        rad_sub(hit->bend, sum, hit->n);
+}
+
+static void
+coordinates(const struct rad_mesh *mesh, const uint32_t v[3], const double w[3],
+            struct rad_hit *hit)
+{
+    double uv[2] = { 0, 0 };
+
+    if (!mesh->uv)
+        return;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t *at = mesh->uv[v[k]];
+
+        if (at[0] == 0)
+            return;
+        for (int i = 0; i < 2; i++)
+            uv[i] += w[k] * (mesh->uv0[i] + (mesh->uv1[i] - mesh->uv0[i]) *
+                                                (at[i] + .5) * 0x1p-32);
+    }
+    hit->uv[0] = uv[0];
+    hit->uv[1] = uv[1];
+}
+
+/* A hit on triangle i, in the mesh's coordinates. */
+static void
+meet_triangle(const struct rad_walk *w, uint32_t i, double t,
+              struct rad_met *met)
+{
+    const struct rad_meshed *m = w->meshed;
+    const struct rad_mesh_tri *tri = &m->mesh->tris[m->tris[i].number];
+    struct rad_hit *hit = &met->hit;
+    struct corners c;
+    double a[3], b[3], share[3];
+
+    get_corners(&c, m, i);
+    met->number = m->tris[i].number;
+    met->surf = m->surf[tri->face];
+    met->obj = hit->obj = m->mesh->faces[tri->face];
+    hit->t = t;
+    hit->uv[0] = hit->uv[1] = 0;
+    hit->bent = false;
+    hit->in = NULL;
+    rad_sub(a, c.v[1], c.v[0]);
+    rad_sub(b, c.v[2], c.v[0]);
+    rad_cross(hit->n, a, b);
+    rad_normalize(hit->n);
+    rad_madd(hit->p, w->probe.org, t, w->probe.dir);
+    rad_sub(a, c.v[0], hit->p);
+    rad_madd(hit->p, hit->p, rad_dot(a, hit->n), hit->n);
+    hit->err = 0;
+    for (int k = 0; k < 3; k++)
+        hit->err += fabs(hit->p[k]) + fabs(c.v[0][k]);
+    hit->err *= RAD_GEOM_ROUND;
+    if (shares(share, &c, hit->p)) {
+        bend(m->mesh, tri->v, share, hit);
+        coordinates(m->mesh, tri->v, share, hit);
+    }
+}
+
+/* --- walking ---------------------------------------------------------------
+ */
+
+void
+rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
+             struct rad_met *met)
+{
+    if (w->meshed) {
+        meet_triangle(w, i, t, met);
+        return;
+    }
+    rad_prim_surface(&w->prims[i], &w->probe, t, &met->hit);
+    met->surf = w->prims[i].surf;
+    met->obj = met->hit.obj;
+    met->number = 0;
+}
+
+/* Turn the outer walk's ray into the coordinates of the set.  Returns how much
+ * longer distances are there; 0: it is no ray there. */
+static double
+turn(struct rad_walk *in, const struct rad_walk *w, const struct rad_prim *p)
+{
+    const struct rad_place *pl = p->place;
+    struct rad_span span;
+    double len;
+
+    rad_walk_start(in, w->geom, pl->set);
+    multiply(span.org, w->probe.org, pl->back);
+    rad_madd(span.org, span.org, 1, pl->from);
+    multiply(span.dir, w->probe.dir, pl->back);
+    len = rad_normalize(span.dir);
+    if (!(len > 0 && len < INFINITY))
+        return 0;
+    rad_probe_init(&in->probe, &span);
+    in->probe.size += 2 * len * (w->probe.size + pl->size);
+    if (!(in->probe.size < INFINITY))
+        return 0;
+    in->tmin = w->tmin * len;
+    in->tmax = fmin(w->tmax * len, DBL_MAX);
+    /* a little more: what is too far is told apart out here */
+    in->cut = fmin(w->cut * len * (1 + 0x1p-50), in->tmax);
+    in->keep = w->keep;
+    in->give = w->give;
+    if (pl->covers && w->keep) {
+        in->keep = 0;
+        in->give = p->surf;
+    }
+    in->veiled = w->veiled;
+    rad_bvh_ray_init(&in->ray, in->bvh, &in->probe, in->tmin);
+    return len;
+}
+
+static void
+count(struct rad_walk *w, const struct rad_walk *in)
+{
+    w->tests += in->tests;
+    w->nodes += in->nodes;
+}
+
+/* Carry what was met in a place out of it: its distance here is t. */
+static void
+carry(const struct rad_walk *w, const struct rad_prim *p, double t,
+      struct rad_met *met)
+{
+    const struct rad_place *pl = p->place;
+    struct rad_hit *hit = &met->hit;
+    double there = fabs(hit->p[0]) + fabs(hit->p[1]) + fabs(hit->p[2]);
+
+    multiply(hit->p, hit->p, pl->m);
+    rad_madd(hit->p, hit->p, 1, pl->t);
+    multiply(hit->n, hit->n, pl->m);
+    rad_normalize(hit->n);
+    if (hit->bent) {
+        multiply(hit->bend, hit->bend, pl->m);
+        rad_scale(hit->bend, 1 / pl->scale, hit->bend);
+    }
+    hit->t = t;
+    hit->err = pl->scale * hit->err +
+               2 * RAD_GEOM_ROUND *
+                   (fabs(hit->p[0]) + fabs(hit->p[1]) + fabs(hit->p[2]) +
+                    pl->size + pl->scale * there);
+    if (pl->covers || hit->obj == RAD_VOID) {
+        hit->obj = p->obj;
+        hit->in = NULL;
+        if (pl->covers)
+            met->surf = p->surf;
+    } else {
+        hit->copy =
+            pl->number + (uint64_t)w->set->nplaces * (hit->in ? hit->copy : 0);
+        hit->in = w->geom;
+    }
+}
+
+/* The nearest in the place, against the nearest so far: as in walk.h. */
+static void
+meet_nearest(struct rad_walk *w, uint32_t i)
+{
+    const struct rad_prim *p = &w->prims[i];
+    struct rad_walk in;
+    double len = turn(&in, w, p), t, behind;
+
+    if (len == 0)
+        return;
+    (in.meshed ? w->geom->kernel->mesh_nearest : w->geom->kernel->nearest)(&in);
+    count(w, &in);
+    if (in.prim == RAD_NO_PRIM)
+        return;
+    t = in.best / len;
+    if (!(t > w->tmin && t < w->cut))
+        return;
+    if (t > w->best || (t == w->best && p->obj > w->prims[w->prim].obj)) {
+        w->tie = true;
+        return;
+    }
+    behind = t + RAD_WALK_WINDOW * (w->probe.size + t);
+    w->tie = in.tie || w->best <= behind;
+    w->best = t;
+    w->prim = i;
+    w->cut = behind < w->tmax ? behind : w->tmax;
+    if (in.prims && in.prims[in.prim].kind == PRIM_PLACE)
+        w->met = in.met;
+    else
+        rad_walk_met(&in, in.prim, in.best, &w->met);
+    carry(w, p, t, &w->met);
+}
+
+static bool
+meet_any(struct rad_walk *w, uint32_t i)
+{
+    struct rad_walk in;
+    bool blocked;
+
+    if (turn(&in, w, &w->prims[i]) == 0)
+        return false;
+    blocked =
+        (in.meshed ? w->geom->kernel->mesh_any : w->geom->kernel->any)(&in);
+    count(w, &in);
+    w->veiled = in.veiled;
+    return blocked;
+}
+
+/* Where hits in a place are offered. */
+struct outside {
+    struct rad_walk *w;
+    const struct rad_prim *p;
+    double len;
+};
+
+static void
+offer_outside(struct rad_walk *in, const struct rad_met *met)
+{
+    const struct outside *out = in->arg;
+    struct rad_met mine = *met;
+    double t = met->hit.t / out->len;
+
+    if (!(t > out->w->tmin && t < out->w->cut))
+        return;
+    carry(out->w, out->p, t, &mine);
+    out->w->offer(out->w, &mine);
+}
+
+static void
+meet_all(struct rad_walk *w, uint32_t i)
+{
+    struct outside out = { w, &w->prims[i], 0 };
+    struct rad_walk in;
+
+    out.len = turn(&in, w, out.p);
+    if (out.len == 0)
+        return;
+    in.offer = offer_outside;
+    in.arg = &out;
+    (in.meshed ? w->geom->kernel->mesh_all : w->geom->kernel->all)(&in);
+    count(w, &in);
+}
+
+bool
+rad_place_meet(struct rad_walk *w, uint32_t i, enum rad_meet how)
+{
+    switch (how) {
+    case RAD_MEET_NEAREST:
+        meet_nearest(w, i);
+        return false;
+    case RAD_MEET_ANY:
+        return meet_any(w, i);
+    default:
+        meet_all(w, i);
+        return false;
+    }
+}

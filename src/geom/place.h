@@ -1,0 +1,132 @@
+/* place.h - copies: instances and meshes (inside geom/ only)
+ *
+ * A set is a tree over surfaces: those of the scene itself, or of one of its
+ * parts.  A place is a surface of a set that stands for another set under a
+ * transform.  A ray that meets a place's bounds is turned into the coordinates
+ * of that set, walks it, and what it met is carried back.
+ *
+ * The ray's direction keeps its unit length, so that a distance there is `len`
+ * times that here.  What tells the surface's side is computed there, from the
+ * surface's own numbers, so faces of a copy share edges as those of the
+ * original do.
+ *
+ * Rounding (prim.h).  Turning the ray moves its origin by fewer than eight
+ * roundings of |m^-1||org| + |t'|; that is put into probe.size, which bounds
+ * the error of every test.  A point carried back is off by its own error,
+ * scaled, and by as many roundings of |m||p| + |t|; and a ray that leaves it
+ * suffers what any that comes in does: the hit's error has room for both.
+ *
+ * A triangle of a mesh has integer coordinates, as its file holds them: the
+ * transform takes in what they mean.
+ *
+ * Copies are told apart by one number.  In a set with n places, number 0 is
+ * what lies in no place, and 1 + i + n k what is number k in place i. */
+#ifndef RAD_GEOM_PLACE_H
+#define RAD_GEOM_PLACE_H
+
+#include "geom/bvh.h"
+#include "scene/meshfile.h"
+
+/* A mesh's triangles in its tree's order. */
+struct rad_tri {
+    uint32_t v[3];
+    uint32_t number; /* in the mesh */
+};
+
+struct rad_meshed {
+    const struct rad_mesh *mesh;
+    const int32_t (*xyz)[3]; /* the mesh's */
+    struct rad_tri *tris;
+    uint8_t *surf; /* RAD_SURF_ bits by face */
+};
+
+struct rad_set {
+    struct rad_bvh bvh;
+    struct rad_prim *prims; /* in the tree's order; NULL: a mesh */
+    struct rad_meshed *meshed;
+    uint32_t nprims;
+    const struct rad_place **places; /* by number - 1 */
+    uint32_t nplaces;
+    double copies; /* numbers needed: 1 where there are no places */
+};
+
+struct rad_place {
+    const struct rad_set *set; /* what it is a copy of */
+    const struct rad_use *use;
+    double m[3][3], t[3];       /* p here = p there m + t */
+    double back[3][3], from[3]; /* the inverse */
+    double scale, size;         /* |m|, |t|_1 */
+    uint32_t number;            /* 1 + its place among those of its set */
+    bool covers;                /* its modifier replaces theirs */
+};
+
+/* Make p a copy of set.  False: there is nothing to copy, or it is too far
+ * away.  Sets *nomem. */
+bool rad_place_make(struct rad_prim *p, const struct rad_object *o,
+                    const struct rad_set *set, uint8_t surf, uint32_t number,
+                    struct rad_arena *arena, bool *nomem);
+
+/* The walk meets the place that is its item i.  How: */
+enum rad_meet { RAD_MEET_NEAREST, RAD_MEET_ANY, RAD_MEET_ALL };
+/* True: RAD_MEET_ANY met something opaque. */
+bool rad_place_meet(struct rad_walk *w, uint32_t i, enum rad_meet how);
+
+/* Build a mesh's tree; surf by object of the scene. */
+int rad_meshed_make(struct rad_set *set, const struct rad_part *part,
+                    const uint8_t *surf, struct rad_error *err);
+
+/* Of a hit at t on the tree's item i: all of *met. */
+void rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
+                  struct rad_met *met);
+
+/* Make ready to walk a set; probe and the span's ends are the caller's. */
+static inline void
+rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
+               const struct rad_set *set)
+{
+    w->bvh = &set->bvh;
+    w->prims = set->prims;
+    w->meshed = set->meshed;
+    w->geom = g;
+    w->set = set;
+    w->best = INFINITY;
+    w->prim = RAD_NO_PRIM;
+    w->tie = false;
+    w->skip = RAD_VOID;
+    w->veiled = false;
+    w->keep = 0xff;
+    w->give = 0;
+    w->tests = w->nodes = 0;
+}
+
+/* Does the ray meet the triangle?  As rad_quad_inside() tells, for edges and
+ * vertices shared by triangles; the distance is between those of the
+ * vertices. */
+static inline __attribute__((always_inline)) bool
+rad_tri_hit(const struct rad_meshed *m, uint32_t i, const struct rad_probe *r,
+            double tmin, double tmax, double *t)
+{
+    const uint32_t *v = m->tris[i].v;
+    const int32_t *a = m->xyz[v[0]], *b = m->xyz[v[1]], *c = m->xyz[v[2]];
+    int kx = r->kx, ky = r->ky, kz = r->kz;
+    double ox = r->org[kx], oy = r->org[ky], oz = r->org[kz];
+    double az = a[kz] - oz, bz = b[kz] - oz, cz = c[kz] - oz;
+    double ax = a[kx] - ox - r->sx * az, ay = a[ky] - oy - r->sy * az;
+    double bx = b[kx] - ox - r->sx * bz, by = b[ky] - oy - r->sy * bz;
+    double cx = c[kx] - ox - r->sx * cz, cy = c[ky] - oy - r->sy * cz;
+    /* each is exactly minus what the neighbour across that edge has */
+    double e = cx * by - cy * bx;
+    double f = ax * cy - ay * cx;
+    double g = bx * ay - by * ax;
+    double det = e + f + g, s;
+
+    if (((e < 0) | (f < 0) | (g < 0)) & ((e > 0) | (f > 0) | (g > 0)))
+        return false;
+    if (det == 0) /* seen edge-on */
+        return false;
+    s = (e * az + f * bz + g * cz) / det * r->rcp[kz];
+    *t = s;
+    return s > tmin && s < tmax;
+}
+
+#endif
