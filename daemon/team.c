@@ -77,6 +77,7 @@ struct member {
     _Atomic(struct rad_facts *) *facts; /* of line i; NULL: never any */
     int row0;                           /* the first of line i */
     bool truth;    /* what is asked for now is wanted indeed */
+    bool unsure;   /* of the colours that the bar is filled between */
     uint64_t told; /* of count(ctx) */
     uint64_t traced, primary;
     uint64_t looked; /* traced when the rays were last counted */
@@ -242,6 +243,18 @@ maybe_tell_rays(struct member *m)
         tell_rays(m);
 }
 
+/* Is the member's base line painted in this pass?  In one ahead of the truth,
+ * only to be the top of the unit below. */
+static bool
+is_painted(const struct member *m)
+{
+    const struct team *t = m->team;
+
+    return t->spec.mode == TEAM_TRUTH ||
+           (t->spec.true_top &&
+            m->i + 1 == atomic_load_explicit(&t->last, memory_order_relaxed));
+}
+
 /* Put columns up to `end` of the member's base line into the picture. */
 static void
 show(struct member *m, int end)
@@ -253,7 +266,7 @@ show(struct member *m, int end)
     struct rad_pixel *to = row_at(m->team, row) + x;
 
     memcpy(to, l->sampled + x, (size_t)(end - x) * sizeof *to);
-    if (m->truth && spec->paint)
+    if (spec->paint && is_painted(m))
         spec->paint(spec->arg, m->ctx, m->q.x0 + x, m->q.x0 + end,
                     m->q.y0 + row, to);
     /* pairs with the load in team_bottom() */
@@ -305,6 +318,44 @@ density_above(const struct member *m)
     if (t->ndensity == 0)
         return NULL;
     return m->i > t->spec.first ? line_at(t, m->i - 1)->density : t->density;
+}
+
+/* Is a column of the member's bar worth to be traced on a guess?  Where the
+ * sampler found nothing in a gap of either base line, it may have been for lack
+ * of densities; the truth has other colours there, and often wants less. */
+static bool
+is_likely(const struct member *m, int x)
+{
+    _Atomic(struct rad_facts *) *facts = m->team->spec.facts;
+
+    for (int i = m->i; i >= m->i - 1 && i >= m->team->spec.first; i--) {
+        const struct rad_facts *f =
+            atomic_load_explicit(&facts[i], memory_order_acquire);
+        struct rad_pixel p;
+
+        if (rad_facts_get(f, x, rad_facts_rows(f) - 1, &p))
+            return true;
+    }
+    return false;
+}
+
+/* Fill columns up to `end` of the bar below base line i - 1. */
+static void
+fill_columns(struct member *m, struct rad_pixel *const rows[],
+             struct rad_quincunx_fill *s, int end)
+{
+    if (!m->unsure) {
+        rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, end);
+        return;
+    }
+    for (int x = s->x; x < end; x++)
+        if (is_likely(m, x)) {
+            if (s->x < x)
+                *s = (struct rad_quincunx_fill){ x, 0 };
+            rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, x + 1);
+        }
+    s->x = end;
+    s->found = 0;
 }
 
 /* A line that is traced ahead in blocks of gaps or of columns. */
@@ -436,8 +487,7 @@ sweep_bar(struct member *m, struct rad_pixel *const rows[])
         struct rad_quincunx_fill fill = { b * s.columns, 0 };
         int end = fill.x + s.columns;
 
-        rad_quincunx_bar_to(&m->q, m->i - 1, rows, &fill,
-                            end < m->q.width ? end : m->q.width);
+        fill_columns(m, rows, &fill, end < m->q.width ? end : m->q.width);
         maybe_tell_rays(m);
     }
     m->truth = truth;
@@ -499,8 +549,8 @@ fill_bar(struct member *m)
     while (s.x < m->q.width) {
         int left = m->q.width - s.x;
 
-        rad_quincunx_bar_to(&m->q, m->i - 1, rows, &s,
-                            s.x + (left < BAR_COLUMNS ? left : BAR_COLUMNS));
+        fill_columns(m, rows, &s,
+                     s.x + (left < BAR_COLUMNS ? left : BAR_COLUMNS));
         maybe_tell_rays(m);
         if (is_stopped(t))
             return false;
@@ -525,6 +575,9 @@ do_line(struct member *m)
     const struct team *t = m->team;
 
     m->row0 = team_line_row(&m->q, m->i);
+    m->unsure = t->spec.mode == TEAM_AHEAD && t->ndensity > 0 &&
+                t->spec.first > 0 && !t->spec.top_density &&
+                m->i <= t->spec.first + 1;
     m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }
@@ -643,6 +696,8 @@ team_shrink(struct team *t, int least)
     uv_mutex_lock(&t->mu);
     last = atomic_load_explicit(&t->last, memory_order_relaxed);
     keep = last - (last - t->begun) / 2;
+    if (keep == t->begun && t->spec.mode != TEAM_TRUTH)
+        keep++; /* that one was not painted as the bottom */
     if (keep < least)
         keep = least;
     if (keep < last) {

@@ -16,13 +16,18 @@
  *   TEAM_TRUTH  the top is true.  What is a fact is used, the rest is traced;
  *               rows are painted and handed on; the bottom is true.
  *   TEAM_LINES  the top is a guess.  Base lines alone are traced, into facts.
- *   TEAM_AHEAD  the top is a guess.  Base lines and bars, into facts.  A bar
- *               without colours above it (of the first line, if top is NULL)
- *               is left out.
+ *   TEAM_AHEAD  the top is a guess.  Base lines and bars, into facts.  Left
+ *               out are a bar without colours above it (of the first line, if
+ *               top is NULL), and, where nothing is known of the densities
+ *               above, what the guess would often get wrong in the first bar
+ *               that is filled.
  * The two last hand nothing on and paint nothing; their bottom is a guess, its
  * colours as they were sampled.  To make a base line for the unit above as well
  * (MSG_UNIT_TOP), begin LINES and AHEAD one line earlier, with no top: the
  * first line's bar is left out, all others have colours above.
+ * A unit below that waits gets the bottom soonest by a pass of LINES first, the
+ * top being true: with true_top the bottom is, too, and painted.  TRUTH then
+ * goes over the facts.
  *
  * Knows no scene: pixels come from a callback, a pure function of its place.
  * Thread: team_work() from any number of threads at once; team_stop(),
@@ -78,6 +83,7 @@ struct team_spec {
      * has no densities).  Else NULL: no colours; nothing found. */
     const struct rad_pixel *top;
     const uint8_t *top_density;
+    bool true_top; /* they are, with LINES or AHEAD */
     /* facts[i] is for line i, as wide as the sampler's area and with as many
      * rows as line i has (team_line_rows()); must stay until team_free().  NULL
      * where there are none; TEAM_TRUTH looks again for each pixel, so they may
@@ -117,7 +123,7 @@ int team_shrink(struct team *t, int least);
  * are final.  It is complete when columns is the width.  None while the last
  * line is not begun.  What it points to stays until team_free(). */
 struct team_bottom {
-    const struct rad_pixel *pixels; /* TEAM_TRUTH: painted */
+    const struct rad_pixel *pixels; /* painted, if the top is true */
     const uint8_t *density;         /* rad_quincunx_ndensity() of them */
     int columns;
     size_t ndensity;

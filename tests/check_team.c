@@ -24,13 +24,11 @@ struct world {
     struct rad_pixel pixels[MOST_H][MOST_W]; /* handed on */
     int handed[MOST_H];
     uint64_t primary, traced; /* of truth; of all passes */
-    /* true tops, by the line they are */
-    struct rad_pixel top[MOST_LINES][MOST_W];
-    uint8_t density[MOST_LINES][MOST_W];
-    _Atomic int stop_after; /* pixels; the pass that is running */
+    _Atomic int stop_after;   /* pixels; the pass that is running */
     struct team *_Atomic team;
     /* one run of the sampler */
     struct rad_pixel want[MOST_H][MOST_W];
+    uint8_t want_density[MOST_LINES][MOST_W + 3];
     uint64_t want_primary;
 };
 
@@ -92,6 +90,7 @@ render_alone(struct world *w)
         int y = rad_quincunx_base_row(&q, i);
 
         rad_quincunx_base(&q, i, density, w->want[y]);
+        memcpy(w->want_density[i], density, w->ndensity);
         for (int k = above; k <= y; k++)
             rows[k - above] = w->want[k];
         if (i > 0)
@@ -147,8 +146,9 @@ struct pass {
     int first, last, nthreads;
     const struct rad_pixel *top;
     const uint8_t *density;
-    int stop_after; /* 0: not */
-    int shrink;     /* once it has begun; 0: not */
+    bool true_top;
+    int stop_after; /* pixels; 0: not */
+    int least;      /* shrink to that at least; 0: not */
 };
 
 static void *
@@ -168,6 +168,7 @@ run_pass(struct world *w, const struct pass *p)
                               .last = p->last,
                               .top = p->top,
                               .top_density = p->density,
+                              .true_top = p->true_top,
                               .facts = w->facts,
                               .trace = trace,
                               .paint = paint,
@@ -182,8 +183,8 @@ run_pass(struct world *w, const struct pass *p)
     w->stop_after = p->stop_after;
     for (int i = 1; i < p->nthreads; i++)
         ck_assert_int_eq(pthread_create(&thread[i], NULL, be_member, t), 0);
-    if (p->shrink)
-        team_shrink(t, p->first + 1);
+    if (p->least)
+        team_shrink(t, p->least);
     team_work(t, NULL);
     for (int i = 1; i < p->nthreads; i++)
         ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
@@ -191,31 +192,52 @@ run_pass(struct world *w, const struct pass *p)
     return t;
 }
 
-/* The truth of lines [first, last), whose top is known; its bottom is kept. */
+/* The bottom of a pass whose top was true is what one run has there. */
 static void
-tell_truth(struct world *w, int first, int last, enum team_end end,
-           int nthreads)
+assert_bottom(const struct world *w, struct team *t, int last)
 {
-    struct pass p = { TEAM_TRUTH,
-                      end,
-                      first,
-                      last,
-                      nthreads,
-                      first > 0 ? w->top[first - 1] : NULL,
-                      first > 0 ? w->density[first - 1] : NULL,
-                      0,
-                      0 };
-    struct team *t = run_pass(w, &p);
+    int row = rad_quincunx_base_row(&w->q, last - 1);
     struct team_bottom b;
 
-    ck_assert(team_done(t));
     team_bottom(t, &b);
     ck_assert_int_eq(b.columns, w->q.width);
     ck_assert_uint_eq(b.ndensity, w->ndensity);
-    memcpy(w->top[last - 1], b.pixels, (size_t)w->q.width * sizeof *b.pixels);
-    memcpy(w->density[last - 1], b.density, w->ndensity);
+    ck_assert_mem_eq(b.pixels, w->want[row],
+                     (size_t)w->q.width * sizeof *b.pixels);
+    if (w->ndensity > 0)
+        ck_assert_mem_eq(b.density, w->want_density[last - 1], w->ndensity);
+}
+
+/* A pass over lines [first, last) whose top is true. */
+static struct pass
+true_pass(struct world *w, enum team_mode mode, int first, int last)
+{
+    struct pass p = { .mode = mode,
+                      .first = first,
+                      .last = last,
+                      .nthreads = 1,
+                      .true_top = true };
+
+    if (first > 0) {
+        p.top = w->want[rad_quincunx_base_row(&w->q, first - 1)];
+        p.density = w->want_density[first - 1];
+    }
+    return p;
+}
+
+/* Returns the line after the last: as least allows, fewer may be done. */
+static int
+tell_truth(struct world *w, const struct pass *p)
+{
+    struct team *t = run_pass(w, p);
+    int last = team_shrink(t, p->last);
+
+    ck_assert(team_done(t));
+    ck_assert_int_gt(last, p->first);
+    assert_bottom(w, t, last);
     w->primary += team_primary(t);
     team_free(t);
+    return last;
 }
 
 static void
@@ -264,30 +286,77 @@ be_twin(void *arg)
     return NULL;
 }
 
+/* Some top, with colours and densities known, wrong, or not known. */
+static void
+guess_top(struct world *w, uint64_t *state, struct pass *p)
+{
+    static const struct rad_pixel black[MOST_W];
+    static const uint8_t some[MOST_W + 3] = { 3, 0, 1, 7, 0, 0, 2 };
+    struct pass truth = true_pass(w, p->mode, p->first, p->last);
+
+    switch (p->first > 0 ? draw(state, 5) : 0) {
+    case 1:
+        p->top = black;
+        p->density = some;
+        break;
+    case 2:
+        p->top = truth.top;
+        break;
+    case 3:
+        p->density = truth.density;
+        break;
+    case 4:
+        p->top = truth.top;
+        p->density = truth.density;
+        break;
+    default: /* nothing known: then perhaps with the line above */
+        p->first -= p->first > 0 && draw(state, 2);
+    }
+}
+
 /* Some pass on a guess over lines [first, last), perhaps cut short, perhaps
  * with facts that come in meanwhile. */
 static void
 guess(struct world *w, uint64_t *state, int first, int last)
 {
-    static const uint8_t some[MOST_W] = { 3, 0, 1, 7, 0, 0, 2 };
     struct pass p = { .mode = draw(state, 2) ? TEAM_LINES : TEAM_AHEAD,
                       .end = (enum team_end)draw(state, 4),
                       .first = first,
                       .last = last,
                       .nthreads = 1 + draw(state, 3),
                       .stop_after = draw(state, 2) ? 0 : draw(state, 300),
-                      .shrink = draw(state, 4) == 0 };
-    int how = draw(state, 4);
+                      .least = draw(state, 4) ? 0 : first + 1 };
     struct twin twin = { w, *state, first, last, draw(state, 2) * 200 };
     pthread_t thread;
 
-    if (first > 0 && how > 0)
-        p.top = w->top[first - 1]; /* black, or the truth */
-    if (first > 0 && how > 1)
-        p.density = how == 2 ? some : w->density[first - 1];
+    guess_top(w, state, &p);
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     team_free(run_pass(w, &p));
     ck_assert_int_eq(pthread_join(thread, NULL), 0);
+}
+
+/* The truth of some lines from first on, perhaps for the bottom first, perhaps
+ * stopped and begun again.  Returns the line after them. */
+static int
+get_true(struct world *w, uint64_t *state, int first, int last)
+{
+    struct pass p = true_pass(w, TEAM_LINES, first, last);
+
+    p.nthreads = 1 + draw(state, 3);
+    p.end = (enum team_end)draw(state, 4);
+    if (draw(state, 2)) {
+        struct team *t;
+
+        p.least = draw(state, 2) ? 0 : first + 1;
+        t = run_pass(w, &p);
+        ck_assert(team_done(t));
+        p.last = team_shrink(t, last);
+        assert_bottom(w, t, p.last);
+        team_free(t);
+    }
+    p.mode = TEAM_TRUTH;
+    p.least = draw(state, 2) ? 0 : first + 1;
+    return tell_truth(w, &p);
 }
 
 static const double maxdiffs[] = { 0, .02, .05, .3 };
@@ -308,20 +377,6 @@ random_world(uint64_t *state)
     return w;
 }
 
-/* Cuts the lines into units: cut[k] to cut[k + 1]. */
-static int
-cut_lines(const struct world *w, uint64_t *state, int cut[MOST_LINES + 1])
-{
-    int n = 0, most = 1 + draw(state, 1 + draw(state, 2) * 30);
-
-    for (cut[0] = 0; cut[n] < w->nlines; n++) {
-        cut[n + 1] = cut[n] + 1 + draw(state, most);
-        if (cut[n + 1] > w->nlines)
-            cut[n + 1] = w->nlines;
-    }
-    return n;
-}
-
 enum { SEEDS = 60, WORLDS = 5 };
 
 START_TEST(any_guess_ends_in_the_same_picture)
@@ -330,18 +385,19 @@ START_TEST(any_guess_ends_in_the_same_picture)
 
     for (int k = 0; k < WORLDS; k++) {
         struct world *w = random_world(&state);
-        int cut[MOST_LINES + 1], n = cut_lines(w, &state, cut), told = 0;
+        int most = 1 + draw(&state, 1 + draw(&state, 2) * 30), told = 0;
 
-        while (told < n) {
-            if (draw(&state, 3) > 0) {
-                int u = told + draw(&state, n - told);
+        while (told < w->nlines) {
+            int first = told, last;
 
-                guess(w, &state, cut[u], cut[u + 1]);
-            } else {
-                tell_truth(w, cut[told], cut[told + 1],
-                           (enum team_end)draw(&state, 4), 1 + draw(&state, 3));
-                told++;
-            }
+            if (draw(&state, 3) > 0)
+                first += draw(&state, w->nlines - told);
+            last = first + 1 + draw(&state, most);
+            last = last < w->nlines ? last : w->nlines;
+            if (first > told || draw(&state, 3) == 0)
+                guess(w, &state, first, last);
+            else
+                told = get_true(w, &state, first, last);
         }
         assert_same(w);
         world_free(w);
@@ -349,30 +405,40 @@ START_TEST(any_guess_ends_in_the_same_picture)
 }
 END_TEST
 
+static int
+unit_end(const struct world *w, int first, int n)
+{
+    return first + n < w->nlines ? first + n : w->nlines;
+}
+
 /* Units of n lines, each by a worker of its own that begins at once: the first
- * knows its top, the others guess until it comes.  Rays for nothing, in
- * per cent of the primary rays. */
+ * knows its top, the others guess until all is traced that can be, perhaps with
+ * the base line above.  Rays for nothing, in per cent of the primary rays. */
 static double
-wasted(enum analytic_kind kind, int ps, int n)
+wasted(enum analytic_kind kind, int ps, int n, bool with_top)
 {
     uint64_t waste = 0, primary = 0;
 
-    for (uint64_t seed = 1; seed <= 6; seed++) {
+    for (uint64_t seed = 1; seed <= 3; seed++) {
         struct analytic a = { kind, seed };
         struct world *w = world_new(&a, ps, MOST_W, MOST_H, .05, false);
 
+        render_alone(w);
         for (int i = n; i < w->nlines; i += n) {
-            struct pass p = { TEAM_LINES, TEAM_FROM_LEFT, i, 0, 1,
-                              NULL,       NULL,           0, 0 };
+            struct pass p = { .mode = TEAM_LINES,
+                              .first = i - with_top,
+                              .last = unit_end(w, i, n),
+                              .nthreads = 1 };
 
-            p.last = i + n < w->nlines ? i + n : w->nlines;
             team_free(run_pass(w, &p));
             p.mode = TEAM_AHEAD;
             team_free(run_pass(w, &p));
         }
-        for (int i = 0; i < w->nlines; i += n)
-            tell_truth(w, i, i + n < w->nlines ? i + n : w->nlines,
-                       TEAM_FROM_LEFT, 1);
+        for (int i = 0; i < w->nlines; i += n) {
+            struct pass p = true_pass(w, TEAM_TRUTH, i, unit_end(w, i, n));
+
+            tell_truth(w, &p);
+        }
         waste += unused(w);
         primary += w->primary;
         ck_assert_uint_eq(w->traced, w->primary + unused(w));
@@ -381,19 +447,321 @@ wasted(enum analytic_kind kind, int ps, int n)
     return 100 * (double)waste / (double)primary;
 }
 
+/* Lines that a worker holds, and the share wasted at most [%]: of pictures like
+ * rooms, and of thin lines alone, which a sampler finds by chance. */
+static const struct {
+    int n;
+    bool with_top;
+    double most, of_lines;
+} holdings[] = { { 1, false, 0, 0 },
+                 { 1, true, 1.5, 3 },
+                 { 2, false, 1, 3 },
+                 { 4, false, 1, 3 },
+                 { 16, false, .25, .25 } };
+
 START_TEST(little_is_traced_for_nothing)
 {
-    static const int lengths[] = { 1, 2, 4, 16 };
+    enum analytic_kind kind = (enum analytic_kind)(_i / 4);
+    int ps = 2 << _i % 4;
+
+    printf("%-9s ps %2d: wasted", analytic_name[kind], ps);
+    for (int i = 0; i < N_ELEM(holdings); i++) {
+        double share = wasted(kind, ps, holdings[i].n, holdings[i].with_top);
+
+        printf(" %5.2f %%", share);
+        ck_assert_double_le(share, kind == ANALYTIC_LINES ? holdings[i].of_lines
+                                                          : holdings[i].most);
+    }
+    printf("\n");
+    fflush(stdout);
+}
+END_TEST
+
+/* One who reads a bottom in pieces, as they become final. */
+struct reader {
+    struct team *team;
+    struct rad_pixel pixels[MOST_W];
+    uint8_t density[MOST_W + 3];
+    int columns, pieces;
+    size_t ndensity;
+};
+
+static void
+read_bottom(struct reader *r)
+{
+    struct team_bottom b;
+
+    team_bottom(r->team, &b);
+    r->pieces += b.columns > r->columns;
+    for (; r->columns < b.columns; r->columns++)
+        r->pixels[r->columns] = b.pixels[r->columns];
+    for (; r->ndensity < b.ndensity; r->ndensity++)
+        r->density[r->ndensity] = b.density[r->ndensity];
+}
+
+/* Read as tracing goes on, by the one who traces: so each piece is seen. */
+static bool
+trace_and_read(void *arg, struct rad_ctx *ctx, int x, int y,
+               struct rad_pixel *out)
+{
+    (void)ctx;
+    read_bottom(arg);
+    return analytic_pixel(&(struct analytic){ ANALYTIC_INTERIOR, 3 }, false, x,
+                          y, out);
+}
+
+static void
+paint_interior(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+               struct rad_pixel *row)
+{
+    (void)arg;
+    (void)ctx;
+    analytic_paint(&(struct analytic){ ANALYTIC_INTERIOR, 3 }, x0, x1, y, row);
+}
+
+static void
+ignore_row(void *arg, int row, const struct rad_pixel *pixels)
+{
+    (void)arg;
+    (void)row;
+    (void)pixels;
+}
+
+START_TEST(bottoms_come_in_pieces_while_they_are_made)
+{
+    struct analytic a = { ANALYTIC_INTERIOR, 3 };
+    struct world *w = world_new(&a, 4, MOST_W, 40, .05, false);
+    struct reader r = { 0 };
+    struct team_spec spec = { .sampler = w->q,
+                              .mode = _i ? TEAM_LINES : TEAM_TRUTH,
+                              .last = 5,
+                              .true_top = true,
+                              .facts = w->facts,
+                              .trace = trace_and_read,
+                              .paint = paint_interior,
+                              .rows = ignore_row,
+                              .arg = &r,
+                              .nthreads = 1 };
+
+    w->paints = true;
+    render_alone(w);
+    r.team = team_new(&spec);
+    read_bottom(&r);
+    ck_assert_int_eq(r.columns, 0);
+    team_work(r.team, NULL);
+    ck_assert_int_ge(r.pieces, 2);
+    read_bottom(&r);
+    ck_assert_int_eq(r.columns, MOST_W);
+    ck_assert_uint_eq(r.ndensity, w->ndensity);
+    ck_assert_mem_eq(r.pixels, w->want[rad_quincunx_base_row(&w->q, 4)],
+                     MOST_W * sizeof *r.pixels);
+    ck_assert_mem_eq(r.density, w->want_density[4], w->ndensity);
+    team_free(r.team);
+    world_free(w);
+}
+END_TEST
+
+/* Workers at the same unit.  They take turns, a pixel each, so that the time
+ * that passes is the number of turns, and send each other what they have every
+ * so many turns. */
+enum { TWINS = 4, MAIL_TURNS = 8 };
+
+struct shift {
+    struct twin_worker *workers;
+    int n, turn, ended;
+    pthread_mutex_t mu;
+    pthread_cond_t moved;
+};
+
+struct twin_worker {
+    struct world *w;
+    struct shift *shift;
+    struct pass pass;
+    int number;
+    uint64_t turns, ended_at;
+};
+
+/* All that is new with one worker goes to the others. */
+static void
+mail(struct shift *s, struct twin_worker *from)
+{
+    static uint8_t bitmap[MOST_W * (RAD_QUINCUNX_MAX_YSTEP + 1)];
+    static float pixels[3 * MOST_W * (RAD_QUINCUNX_MAX_YSTEP + 1)];
+
+    for (int i = from->pass.first; i < from->pass.last; i++) {
+        int rows = team_line_rows(&from->w->q, i);
+        size_t n =
+            rad_facts_export(from->w->facts[i], 0, rows, 3, 0, bitmap, pixels);
+
+        for (int k = 0; k < s->n; k++)
+            if (k != from->number)
+                ck_assert_int_eq(rad_facts_import(s->workers[k].w->facts[i], 0,
+                                                  rows, 3, RAD_FACT_FOREIGN,
+                                                  bitmap, pixels, n),
+                                 0);
+    }
+}
+
+static void
+next_turn(struct shift *s)
+{
+    do
+        s->turn = (s->turn + 1) % s->n;
+    while (s->workers[s->turn].ended_at > 0 && s->ended < s->n);
+    pthread_cond_broadcast(&s->moved);
+}
+
+static void
+wait_turn(struct shift *s, const struct twin_worker *t)
+{
+    while (s->turn != t->number)
+        pthread_cond_wait(&s->moved, &s->mu);
+}
+
+static bool
+trace_in_turn(void *arg, struct rad_ctx *ctx, int x, int y,
+              struct rad_pixel *out)
+{
+    struct twin_worker *t = arg;
+    struct shift *s = t->shift;
+
+    (void)ctx;
+    pthread_mutex_lock(&s->mu);
+    if (++t->turns % MAIL_TURNS == 0)
+        mail(s, t);
+    next_turn(s);
+    wait_turn(s, t);
+    pthread_mutex_unlock(&s->mu);
+    return analytic_pixel(&t->w->a, t->w->q.depth, x, y, out);
+}
+
+static void
+hand_on_in_turn(void *arg, int row, const struct rad_pixel *pixels)
+{
+    struct twin_worker *t = arg;
+
+    hand_on(t->w, row, pixels);
+}
+
+static void
+paint_in_turn(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+              struct rad_pixel *row)
+{
+    struct twin_worker *t = arg;
+
+    paint(t->w, ctx, x0, x1, y, row);
+}
+
+static void *
+be_worker(void *arg)
+{
+    struct twin_worker *t = arg;
+    struct shift *s = t->shift;
+    struct team_spec spec = { .sampler = t->w->q,
+                              .mode = t->pass.mode,
+                              .end = t->pass.end,
+                              .first = t->pass.first,
+                              .last = t->pass.last,
+                              .top = t->pass.top,
+                              .top_density = t->pass.density,
+                              .facts = t->w->facts,
+                              .trace = trace_in_turn,
+                              .paint = paint_in_turn,
+                              .rows = hand_on_in_turn,
+                              .arg = t,
+                              .nthreads = 1 };
+    struct team *team = team_new(&spec);
+
+    pthread_mutex_lock(&s->mu);
+    wait_turn(s, t);
+    pthread_mutex_unlock(&s->mu);
+    team_work(team, NULL);
+    t->w->primary = team_primary(team);
+    t->w->traced = team_traced(team);
+    team_free(team);
+    pthread_mutex_lock(&s->mu);
+    t->ended_at = t->turns + 1;
+    s->ended++;
+    next_turn(s);
+    pthread_mutex_unlock(&s->mu);
+    return NULL;
+}
+
+/* n workers on lines [first, last): each makes what one makes alone.  *turns is
+ * how long the first took, of *alone; *traced what all traced. */
+static void
+share_unit(const struct analytic *a, int ps, int n, int first, int last,
+           uint64_t *alone, uint64_t *turns, uint64_t *traced)
+{
+    struct twin_worker workers[TWINS] = { 0 };
+    struct shift s = { .workers = workers, .n = n };
+    pthread_t thread[TWINS];
+
+    pthread_mutex_init(&s.mu, NULL);
+    pthread_cond_init(&s.moved, NULL);
+    for (int i = 0; i < n; i++) {
+        struct twin_worker *t = &workers[i];
+
+        t->w = world_new(a, ps, MOST_W, MOST_H, .05, false);
+        render_alone(t->w);
+        t->shift = &s;
+        t->number = i;
+        t->pass = true_pass(t->w, TEAM_TRUTH, first, last);
+        t->pass.end = (enum team_end)i;
+        memset(t->w->handed, 0, sizeof t->w->handed);
+        if (first > 0)
+            t->w->handed[rad_quincunx_base_row(&t->w->q, first - 1)] = 1;
+    }
+    for (int i = 0; i < n; i++)
+        ck_assert_int_eq(
+            pthread_create(&thread[i], NULL, be_worker, &workers[i]), 0);
+    *turns = UINT64_MAX;
+    *traced = 0;
+    for (int i = 0; i < n; i++)
+        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
+    for (int i = 0; i < n; i++) {
+        struct world *w = workers[i].w;
+        int row = team_line_row(&w->q, first);
+
+        *turns = workers[i].turns < *turns ? workers[i].turns : *turns;
+        *traced += w->traced;
+        *alone = w->primary;
+        ck_assert_uint_eq(w->primary, workers[0].w->primary);
+        for (; row <= rad_quincunx_base_row(&w->q, last - 1); row++)
+            ck_assert_mem_eq(w->pixels[row], w->want[row],
+                             MOST_W * sizeof *w->want[row]);
+    }
+    for (int i = 0; i < n; i++)
+        world_free(workers[i].w);
+    pthread_mutex_destroy(&s.mu);
+    pthread_cond_destroy(&s.moved);
+}
+
+static const struct {
+    int n, lines;
+} crews[] = { { 1, 2 }, { 2, 1 }, { 2, 4 }, { 3, 1 }, { 4, 1 }, { 4, 4 } };
+
+START_TEST(twins_share_the_work)
+{
+    int n = crews[_i].n, lines = crews[_i].lines;
+    uint64_t alone = 0, turns = 0, traced = 0;
 
     for (int kind = 0; kind < ANALYTIC_KINDS; kind++)
-        for (int ps = 2; ps <= 16; ps *= 2) {
-            printf("%-9s ps %2d:", analytic_name[kind], ps);
-            for (int i = 0; i < N_ELEM(lengths); i++)
-                printf(" %6.2f %%",
-                       wasted((enum analytic_kind)kind, ps, lengths[i]));
-            printf("\n");
+        for (int ps = 4; ps <= 8; ps *= 2) {
+            struct analytic a = { (enum analytic_kind)kind, 7 };
+            uint64_t one, fastest, all;
+
+            share_unit(&a, ps, n, 6, 6 + lines, &one, &fastest, &all);
+            alone += one;
+            turns += fastest;
+            traced += all;
         }
+    printf("%d at %d lines: %.2f times as fast, %.1f %% traced twice\n", n,
+           lines, (double)alone / (double)turns,
+           100 * ((double)traced / (double)alone - 1));
     fflush(stdout);
+    ck_assert_uint_le(turns * (uint64_t)n * 3, alone * 4);
+    ck_assert_uint_le(traced * 3, alone * 4);
 }
 END_TEST
 
@@ -405,7 +773,10 @@ main(void)
 
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, any_guess_ends_in_the_same_picture, 0, SEEDS);
-    tcase_add_test(tc, little_is_traced_for_nothing);
+    tcase_add_loop_test(tc, little_is_traced_for_nothing, 0,
+                        4 * ANALYTIC_KINDS);
+    tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
+    tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
