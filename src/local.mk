@@ -161,7 +161,9 @@ librad_a_SOURCES = \
 	src/shade/table.c \
 	src/shade/table.h \
 	src/shade/text.c \
-	src/shade/text.h
+	src/shade/text.h \
+	src/shade/wgmd.c \
+	src/shade/wgmd.h
 
 # what a program that uses librad links with
 LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)

@@ -54,6 +54,7 @@ UNIT_TESTS = \
 	tests/check_table \
 	tests/check_team \
 	tests/check_view \
+	tests/check_wgmd \
 	tests/check_wild \
 	tests/check_wire \
 	tests/check_worker
@@ -312,6 +313,11 @@ tests_check_strict_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_metric_LDADD = $(UNIT_LIBS)
+
+tests_check_wgmd_SOURCES = tests/check_wgmd.c tests/suns.h tests/unit.h \
+	tests/world.h
+tests_check_wgmd_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_wgmd_LDADD = $(UNIT_LIBS)
 
 tests_check_wild_SOURCES = tests/check_wild.c tests/unit.h tests/world.h
 tests_check_wild_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

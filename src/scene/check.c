@@ -240,6 +240,7 @@ static const struct rule {
     { RAD_GLASS,      0, INT_MAX, 3, 4,        check_glass },
     { RAD_MIRROR,     0, 1,       3, 3,        check_reference },
     { RAD_MIST,       0, INT_MAX, 0, 7,        NULL },
+    { RAD_WGMDFUNC,  13, INT_MAX, 9, INT_MAX,  NULL },
     { RAD_PRISM1,     5, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_PRISM2,     9, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_ANTIMATTER, 1, INT_MAX, 0, INT_MAX,  NULL },

@@ -6,21 +6,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many of an object's first strings name modifiers. */
-static int
-named_count(const struct rad_object *o)
+/* Which strings of an object name modifiers: bits. */
+static unsigned
+named_strings(const struct rad_object *o)
 {
     switch (o->type) {
     case RAD_ALIAS:
     case RAD_ILLUM:
     case RAD_MIRROR:
     case RAD_ANTIMATTER: /* of the others only the name counts */
-        return o->nstrings > 0;
+        return 1;
     case RAD_MIXFUNC:
     case RAD_MIXDATA:
     case RAD_MIXPICT:
     case RAD_MIXTEXT:
-        return o->nstrings >= 2 ? 2 : 0;
+        return 3;
+    case RAD_WGMDFUNC:
+        return 1 << 0 | 1 << 4 | 1 << 8;
     default:
         return 0;
     }
@@ -39,9 +41,11 @@ rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
             continue;
         if (o->modifier != RAD_VOID)
             reached[o->modifier] = 1;
-        for (int k = named_count(o); k-- > 0;) {
-            int32_t named = rad_scene_find_modifier(s, o->strings[k], i);
+        for (int k = 0; k < o->nstrings && named_strings(o) >> k; k++) {
+            int32_t named = RAD_VOID;
 
+            if (named_strings(o) >> k & 1)
+                named = rad_scene_find_modifier(s, o->strings[k], i);
             if (named != RAD_VOID)
                 reached[named] = 1;
         }
@@ -81,7 +85,7 @@ static const struct {
     { RAD_TRANSFUNC, 1, 0, 0 },   { RAD_BRTDFUNC, 9, 0, 0 },
     { RAD_PLASDATA, 2, 1, 1 },    { RAD_METDATA, 2, 1, 1 },
     { RAD_TRANSDATA, 2, 1, 1 },   { RAD_PRISM1, 4, 0, 0 },
-    { RAD_PRISM2, 8, 0, 0 },
+    { RAD_PRISM2, 8, 0, 0 },      { RAD_WGMDFUNC, 12, 0, 0 },
 };
 
 /* Is the text of a text type in the object itself, behind the font? */

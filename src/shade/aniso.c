@@ -113,7 +113,17 @@ void
 rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                 const struct rad_ray *r, double along[3])
 {
-    if (rad_expr_values(ctx, e, r, first, 3, along))
+    struct rad_expr_scope scope;
+
+    rad_expr_begin(ctx, e, r, &scope);
+    rad_aniso_get(ctx, e, first, r, along);
+}
+
+void
+rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+              const struct rad_ray *r, double along[3])
+{
+    if (rad_expr_get(ctx, e, first, 3, along))
         rad_expr_outward(e, r, along);
     else
         along[0] = along[1] = along[2] = 0;

@@ -27,4 +27,8 @@ bool rad_aniso_frame(double u[3], double v[3], const double norm[3],
 void rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                      const struct rad_ray *r, double along[3]);
 
+/* The same after rad_expr_begin(). */
+void rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+                   const struct rad_ray *r, double along[3]);
+
 #endif

@@ -20,6 +20,7 @@
 #include "shade/prism.h"
 #include "shade/table.h"
 #include "shade/text.h"
+#include "shade/wgmd.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -52,6 +53,7 @@ static const struct rad_shader table[] = {
     { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
       rad_emitter_shade },
     { RAD_MIRROR, RAD_MAT_OPAQUE, rad_mirror_prepare, rad_mirror_shade },
+    { RAD_WGMDFUNC, 0, rad_wgmd_prepare, rad_wgmd_shade },
     { RAD_PRISM1, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
     { RAD_PRISM2, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
     { RAD_MIST, RAD_MAT_TRANSPARENT, rad_mist_prepare, rad_mist_shade },
@@ -156,11 +158,17 @@ flags_by_strings(const struct rad_object *o, int first, int n)
 }
 
 static unsigned
-flags_of(const struct rad_object *o, const struct rad_shader *shader)
+flags_of(const struct rad_job *job, const struct rad_object *o,
+         const struct rad_shader *shader)
 {
+    unsigned flags;
+
     switch (o->type) {
     case RAD_BRTDFUNC: /* what passes */
         return flags_by_strings(o, 3, 3);
+    case RAD_WGMDFUNC: /* the same, if it is there at all */
+        flags = flags_by_strings(o, 5, 1);
+        return job->params.backvis ? flags : flags & ~(unsigned)RAD_MAT_OPAQUE;
     default:
         return shader->flags;
     }
@@ -180,7 +188,7 @@ compile_modifier(struct rad_job *job, int32_t index,
     if (!mat->shader)
         return rad_scene_fail(job->scene, o, err, RAD_EUNSUPPORTED,
                               "not supported");
-    mat->flags = flags_of(o, mat->shader);
+    mat->flags = flags_of(job, o, mat->shader);
     return mat->shader->prepare(job, index, files, &mat->data, err);
 }
 
