@@ -45,6 +45,8 @@ librad_a_SOURCES = \
 	src/light/ambcache.h \
 	src/light/ambient.c \
 	src/light/ambient.h \
+	src/light/contour.c \
+	src/light/contour.h \
 	src/light/gradient.c \
 	src/light/gradient.h \
 	src/light/hemisphere.c \

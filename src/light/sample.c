@@ -1,7 +1,8 @@
 /* sample.c - see sample.h
  *
- * The flux of a flat patch toward a point.  With r the vector from the point
- * to a place on the patch, the irradiance vector per radiance is
+ * The flux of a flat patch toward a point is known exactly (contour.h): near
+ * ones get that.  From afar less does.  With r the vector from the point to a
+ * place on the patch, the irradiance vector per radiance is
  *     F = -(n.r) integral r / |r|^4 dA,
  * for n.r is the same all over the plane.  With g(r) = r / |r|^4 expanded
  * about the centroid c, the first order vanishes and the second is half the
@@ -20,6 +21,7 @@
 #include "config.h"
 
 #include "light/sample.h"
+#include "light/contour.h"
 #include "light/polytree.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -28,6 +30,13 @@
 
 /* Patches of one source at most, as in rpict. */
 #define MAX_PATCHES 64
+
+/* Variance of a patch over its squared distance below which the expansion to
+ * second order is good for 3e-5 (the third order of a triangle grows with the
+ * power 3/2), and below which it is good for 3e-3 for a parallelogram, as small
+ * as -ds asks for: nearer ones are all that 64 patches can be. */
+#define FAR_VARIANCE      2e-4
+#define FAR_QUAD_VARIANCE .02
 
 struct patch {
     enum { QUAD, TRIANGLE, SECTOR, LINE, GROUP } kind;
@@ -184,20 +193,14 @@ split_parallelogram(const struct patch *p, struct patch half[2])
     }
 }
 
-/* Is the middle of the patch the hole of a ring? */
-static bool
-is_hollow(const struct patch *p)
-{
-    return p->kind == SECTOR && p->r0 > 0 && p->delta > 1;
-}
-
-/* Across the longer axis; what is hollow only ever by angle, which ends that,
- * whatever rounding has made of two axes that are equal. */
+/* Across the longer axis; what goes about a hole only ever by angle, which ends
+ * that, whatever rounding has made of two axes that are equal. */
 static void
 split_sector(const struct patch *p, const struct rad_moments *m,
              struct patch half[2])
 {
-    if (is_hollow(p) || rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
+    if ((p->r0 > 0 && p->delta > 1) ||
+        rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
         half[0].delta = half[1].delta = p->delta / 2;
         half[0].phi -= p->delta / 2;
         half[1].phi += p->delta / 2;
@@ -243,15 +246,19 @@ split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
     }
 }
 
-/* Is the patch small enough at its distance?  Its size is the side of the
- * square, or the length of the strip, of the same largest variance. */
+/* Is the patch small enough at its distance?  A parallelogram or a stretch of
+ * cylinder by its longer side; another shape, as in rpict, by the square of the
+ * same area, for its flux is exact however large it is. */
 static bool
-small_enough(const struct rad_moments *m, const struct rad_light_view *view)
+small_enough(const struct patch *p, const struct rad_moments *m,
+             const struct rad_light_view *view)
 {
     double aa = rad_dot(m->a, m->a), bb = rad_dot(m->b, m->b);
-    double limit = view->sizerat * view->sizerat / 12;
+    double limit = view->sizerat * view->sizerat * rad_dist2(view->p, m->c);
 
-    limit *= rad_dist2(view->p, m->c);
+    if (p->kind != QUAD && p->kind != LINE)
+        return m->area <= limit;
+    limit /= 12; /* the variance of a square with that side */
     /* the largest variance is at least the larger, at most the sum */
     if (aa > limit || bb > limit)
         return false;
@@ -341,7 +348,7 @@ triangle_point(double d[3], const double p0[3], const double e1[3],
  * same: points (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)) with u and v even in
  * (-j, j), whose squared radius is 2/3 j^2 - 1/9 j^4 in the mean.
  * What is bent about a hole shrinks in radius and angle, or it would leave the
- * ring. */
+ * ring; all of a ring in radius alone. */
 static void
 sector_point(const struct walk *w, const struct patch *p, double s, double u,
              double d[3])
@@ -351,7 +358,8 @@ sector_point(const struct walk *w, const struct patch *p, double s, double u,
 
     if (p->r0 > 0) {
         s = .5 + (s - .5) * jit;
-        u = .5 + (u - .5) * jit;
+        if (p->delta < M_PI)
+            u = .5 + (u - .5) * jit;
     }
     ring_point(w->src, sqrt(r0 + s * (r1 - r0)),
                p->phi + (2 * u - 1) * p->delta, d);
@@ -407,6 +415,105 @@ jittered_point(struct walk *w, const struct patch *p, double d[3])
     }
 }
 
+/* --- the flux of a patch, by its outline --- */
+
+static void
+triangle_flux(double F[3], const double view[3], const double p0[3],
+              const double e1[3], const double e2[3])
+{
+    double q[3][3];
+
+    rad_sub(q[0], p0, view);
+    rad_madd(q[1], q[0], 1, e1);
+    rad_madd(q[2], q[0], 1, e2);
+    for (int i = 0; i < 3; i++)
+        rad_contour_edge(F, q[i], q[(i + 1) % 3]);
+}
+
+static void
+quad_flux(double F[3], const double view[3], const struct patch *p)
+{
+    static const int side[4][2] = {
+        { 1, 1 }, { -1, 1 }, { -1, -1 }, { 1, -1 }
+    };
+    double q[4][3];
+
+    for (int i = 0; i < 4; i++) {
+        rad_sub(q[i], p->p, view);
+        rad_madd(q[i], q[i], side[i][0], p->u);
+        rad_madd(q[i], q[i], side[i][1], p->v);
+    }
+    for (int i = 0; i < 4; i++)
+        rad_contour_edge(F, q[i], q[(i + 1) % 4]);
+}
+
+static void
+group_flux(double F[3], const double view[3], const struct rad_polytree *t)
+{
+    if (!t->kid[0]) {
+        triangle_flux(F, view, t->p0, t->e1, t->e2);
+    } else {
+        group_flux(F, view, t->kid[0]);
+        group_flux(F, view, t->kid[1]);
+    }
+}
+
+/* The two straight sides of a sector are at its ends. */
+static void
+sector_flux(double F[3], const double view[3], const struct rad_source *src,
+            const struct patch *p)
+{
+    double c[3], middle[3];
+
+    rad_sub(c, src->centre, view);
+    ring_point(src, 1, p->phi, middle);
+    rad_sub(middle, middle, src->centre);
+    rad_normalize(middle);
+    rad_contour_arc(F, c, src->normal, p->r1, middle, p->delta, 1);
+    if (p->r0 > 0)
+        rad_contour_arc(F, c, src->normal, p->r0, middle, p->delta, -1);
+    if (p->delta >= M_PI)
+        return;
+    for (int side = -1; side <= 1; side += 2) {
+        double in[3], out[3];
+
+        ring_point(src, p->r0, p->phi + side * p->delta, in);
+        ring_point(src, p->r1, p->phi + side * p->delta, out);
+        rad_sub(in, in, view);
+        rad_sub(out, out, view);
+        rad_contour_edge(F, side < 0 ? in : out, side < 0 ? out : in);
+    }
+}
+
+/* Set dir and omega; false: they must come from the moments. */
+static bool
+exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
+      const struct rad_moments *m)
+{
+    const double *view = w->view->p;
+    double limit = p->kind == QUAD ? FAR_QUAD_VARIANCE : FAR_VARIANCE;
+    double F[3] = { 0, 0, 0 }, to[3];
+
+    rad_sub(to, m->c, view);
+    limit *= rad_dot(to, to);
+    if (rad_dot(m->a, m->a) + rad_dot(m->b, m->b) < limit)
+        return false;
+    if (p->kind == QUAD)
+        quad_flux(F, view, p);
+    else if (p->kind == TRIANGLE)
+        triangle_flux(F, view, p->p, p->u, p->v);
+    else if (p->kind == GROUP)
+        group_flux(F, view, p->node);
+    else
+        sector_flux(F, view, w->src, p);
+    /* corners may go round the other way */
+    if (rad_dot(F, to) < 0)
+        rad_scale(F, -1, F);
+    s->omega = rad_normalize(F);
+    rad_copy(s->dir, F);
+    return s->omega > 0;
+}
+
 static void
 flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
 {
@@ -422,8 +529,16 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
         at_point(&s, view, point, k);
     } else {
         at_point(&s, view, m->aim, k);
-        if (view->sizerat > 0)
-            second_order(&s, view, m, k);
+        if (view->sizerat > 0) {
+            /* a parallelogram is small, or cannot be cut further */
+            if ((p->kind == QUAD && p->budget > 1) || !exact(&s, w, p, m))
+                second_order(&s, view, m, k);
+        } else if (p->kind == SECTOR && p->r0 > 0) {
+            /* the middle is the hole's, and cannot be aimed at */
+            s.omega = k / pow(rad_dot(to, to), 1.5);
+            rad_copy(s.dir, to);
+            rad_normalize(s.dir);
+        }
     }
     put(w, &s);
 }
@@ -470,9 +585,7 @@ line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
 static void
 visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
 {
-    /* a ring with a hole is cut at least in four, for its middle is empty */
-    if (is_hollow(p) ||
-        (w->view->sizerat > 0 && p->budget > 1 && !small_enough(m, w->view))) {
+    if (w->view->sizerat > 0 && p->budget > 1 && !small_enough(p, m, w->view)) {
         struct patch half[2];
         struct rad_moments hm;
 

@@ -143,6 +143,9 @@ ring_shape(struct rad_source *src, const struct rad_object *o)
     rad_copy(src->axis[2], src->normal);
     rad_copy(src->root.c, src->centre);
     rad_copy(src->root.aim, src->centre);
+    if (src->r0 > 0) /* there is nothing in the hole */
+        rad_madd(src->root.aim, src->centre, sqrt(2 * r2 / src->size),
+                 src->axis[0]);
     src->root.area = src->size;
     /* <x^2> = <y^2> = (r0^2 + r1^2) / 4 */
     rad_scale(src->root.a, sqrt(r2 / src->size), src->axis[0]);
