@@ -300,6 +300,8 @@ worker_of_name(struct coord *c, const char *name)
     w = calloc(1, sizeof *w);
     if (w) {
         snprintf(w->name, sizeof w->name, "%s", name);
+        w->id = c->nworkers++;
+        w->relative = 1;
         *link = w;
     }
     return w;
@@ -437,6 +439,36 @@ on_tally(struct coord *c, struct coord_conn *conn, const struct msg *m)
     sched_tally(c, conn->worker, &m->tally);
 }
 
+static void
+on_facts(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_facts(c, conn->worker, &m->facts);
+}
+
+static void
+on_base_line(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_base_line(c, conn->worker, &m->base_line);
+}
+
+static void
+on_parked(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_parked(c, conn->worker, &m->parked);
+}
+
+static void
+on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    balance_gave(c, conn->worker, &m->gave);
+}
+
+static void
+on_estimated(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    survey_estimated(c, conn->worker, &m->estimated);
+}
+
 /* The child says that the job cannot be rendered: it would be so anywhere. */
 static void
 on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
@@ -457,9 +489,13 @@ static const struct {
     void (*handle)(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, on_result }, { MSG_HELLO, on_hello }, { MSG_WANT, on_want },
-    { MSG_READY, on_ready },   { MSG_LOST, on_lost },   { MSG_TALLY, on_tally },
-    { MSG_FAILED, on_failed }, { MSG_DRAIN, on_drain },
+    { MSG_RESULT, on_result },       { MSG_HELLO, on_hello },
+    { MSG_WANT, on_want },           { MSG_READY, on_ready },
+    { MSG_LOST, on_lost },           { MSG_TALLY, on_tally },
+    { MSG_FAILED, on_failed },       { MSG_DRAIN, on_drain },
+    { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
+    { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
+    { MSG_ESTIMATED, on_estimated },
 };
 
 /* PING is the shell's; BYE is followed by the end of the connection. */
@@ -625,6 +661,7 @@ void
 coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;
+    sched_tick(c);
     if (now_ms - c->progress_ms < PROGRESS_MS)
         return;
     c->progress_ms = now_ms;

@@ -4,6 +4,7 @@
 #include "job.h"
 
 #include "jobtext.h"
+#include "survey.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,7 +53,8 @@ copy_spec(struct job *job, const struct msg_spec *from)
     for (uint32_t i = 0; ok && i < from->nframes; i++) {
         f[i] = from->frames[i];
         f[i].view = copy_str(mem, from->frames[i].view, &ok);
-        job->pixels_total += (uint64_t)f[i].width * f[i].height;
+        job->frames[i].pixels_left = (uint64_t)f[i].width * f[i].height;
+        job->pixels_total += job->frames[i].pixels_left;
     }
     s->frames = f;
     return ok;
@@ -84,7 +86,13 @@ job_free(struct job *job)
     if (!job)
         return;
     partition_free(job->partition);
+    for (uint32_t i = 0; i < job->nunits; i++)
+        free(job->units[i].go);
     free(job->units);
+    free(job->out);
+    survey_free(job->survey);
+    shared_free(job->shared);
+    free(job->index);
     free(job->suspects);
     free(job->frames);
     free(job->workers);
@@ -152,30 +160,154 @@ make_partition(const struct job *job, bool single, struct rad_error *err)
     return p;
 }
 
+/* Where lines are shared, what of them is to be remembered. */
+static bool
+make_shared(struct job *job)
+{
+    const struct msg_spec *s = &job->spec;
+    struct rad_params params;
+
+    if (!partition_is_strict(job->partition))
+        return true;
+    if (jobtext_params(s->params, &params, NULL) != 0)
+        return false; /* it was read before */
+    job->shared = shared_new(s->frames, s->nframes, params.psample,
+                             s->flags & MSG_JOB_DEPTH ? 4 : 3);
+    return job->shared != NULL;
+}
+
 int
 job_split(struct job *job, bool single, struct rad_error *err)
 {
     struct partition *p = make_partition(job, single, err);
-    uint32_t n;
 
     if (!p)
         return err->code;
-    n = partition_total(p);
-    job->units = calloc(n, sizeof *job->units);
-    if (!job->units) {
+    job->partition = p;
+    job->cost_total = partition_cost_total(p);
+    if (!job_grow_units(job) || !make_shared(job)) {
+        job->partition = NULL;
         partition_free(p);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
-    for (uint32_t i = 0; i < n; i++) {
-        struct partition_area a;
-
-        partition_area(p, i, &a);
-        job->units[i].holder = job->units[i].worker = JOB_NOBODY;
-        job->frames[a.frame].units_left++;
-    }
-    job->cost_total = partition_cost_total(p);
-    job->partition = p;
     return 0;
+}
+
+bool
+job_grow_units(struct job *job)
+{
+    uint32_t n = partition_total(job->partition);
+
+    if (n > job->cap_units) {
+        uint32_t cap = n > 2 * job->cap_units ? n : 2 * job->cap_units;
+        struct job_unit *v = realloc(job->units, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->units = v;
+        job->cap_units = cap;
+    }
+    for (; job->nunits < n; job->nunits++) {
+        struct job_unit *u = &job->units[job->nunits];
+
+        memset(u, 0, sizeof *u);
+        u->worker = u->crasher = JOB_NOBODY;
+    }
+    return true;
+}
+
+static bool
+list_out(struct job *job, uint32_t unit)
+{
+    if (job->nout == job->cap_out) {
+        uint32_t cap = job->cap_out ? 2 * job->cap_out : 64;
+        uint32_t *v = realloc(job->out, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->out = v;
+        job->cap_out = cap;
+    }
+    job->units[unit].slot = job->nout;
+    job->out[job->nout++] = unit;
+    return true;
+}
+
+struct job_go *
+job_go_add(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->ngos == JOB_MAX_HOLDERS)
+        return NULL;
+    if (!u->go) {
+        u->go = malloc(JOB_MAX_HOLDERS * sizeof *u->go);
+        if (!u->go)
+            return NULL;
+        if (!list_out(job, unit)) {
+            free(u->go);
+            u->go = NULL;
+            return NULL;
+        }
+    }
+    memset(&u->go[u->ngos], 0, sizeof *u->go);
+    return &u->go[u->ngos++];
+}
+
+void
+job_go_remove(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    *go = u->go[--u->ngos];
+    if (u->ngos > 0)
+        return;
+    free(u->go);
+    u->go = NULL;
+    job->out[u->slot] = job->out[--job->nout];
+    job->units[job->out[u->slot]].slot = u->slot;
+}
+
+struct job_go *
+job_go_of(const struct job *job, uint32_t unit, uint32_t worker)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker == worker)
+            return &u->go[i];
+    return NULL;
+}
+
+struct job_go *
+job_go_find(const struct job *job, uint32_t unit, uint32_t worker,
+            uint32_t attempt)
+{
+    struct job_go *go = job_go_of(job, unit, worker);
+
+    return go && go->attempt == attempt ? go : NULL;
+}
+
+static int
+by_number(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+uint32_t
+job_median_ms(const struct job *job)
+{
+    uint32_t v[JOB_DURATIONS], n = job->ndurations;
+
+    if (n > JOB_DURATIONS)
+        n = JOB_DURATIONS;
+    if (n == 0)
+        return 0;
+    memcpy(v, job->durations, n * sizeof *v);
+    qsort(v, n, sizeof *v, by_number);
+    return v[n / 2];
 }
 
 uint32_t

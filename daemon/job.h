@@ -9,6 +9,10 @@
 
 #include "base/arena.h"
 #include "partition.h"
+#include "shared.h"
+
+struct coord_worker;
+struct survey;
 
 /* As in msg_progress. */
 enum job_state {
@@ -26,14 +30,37 @@ enum job_state {
 
 #define JOB_NOBODY UINT32_MAX
 
+#define JOB_DURATIONS 63 /* that are remembered */
+
+#define JOB_MAX_HOLDERS 4 /* twins at one unit */
+
+/* One worker's go at a unit. */
+struct job_go {
+    uint32_t worker, attempt;
+    uint8_t end;     /* enum msg_end */
+    bool parked;     /* it can do nothing but wait for the base line above */
+    bool dropped;    /* rows of it came and were dropped */
+    bool twin;       /* it knows that others have the unit */
+    bool split;      /* it was asked to give lines away, and has not answered */
+    bool top_sent;   /* the base line above, whole, by us */
+    uint64_t out_ms; /* handed out */
+    uint64_t parked_ms, split_ms;
+};
+
 struct job_unit {
     uint32_t attempt;     /* the latest; 0: never went out */
-    uint32_t holder;      /* worker that has it, or JOB_NOBODY */
-    uint32_t worker;      /* worker of the latest attempt */
-    uint32_t next_row;    /* rows of this attempt that came */
+    uint32_t lead;        /* the one whose rows count; 0: whose come first */
+    uint32_t worker;      /* of that one, or of the latest */
+    uint32_t next_row;    /* rows of it that came */
     uint32_t stored_rows; /* of those, kept */
+    uint32_t slot;        /* in the job's list of units that are out */
+    struct job_go *go;    /* JOB_MAX_HOLDERS of them; NULL: not out */
+    uint8_t ngos;
     uint8_t crashes;
+    uint8_t faults;   /* attempts that left no base line */
     uint32_t crasher; /* worker of the first crash */
+    bool whole;       /* has nothing to give away */
+    bool given;       /* by the unit above */
     bool done;
     uint64_t end_ms;
     struct msg_counts counts; /* of the attempt that was accepted */
@@ -47,9 +74,16 @@ enum job_worker_state {
 
 struct job_worker {
     char name[MSG_MAX_NAME + 1];
+    struct coord_worker *worker; /* of that name */
     enum job_worker_state state;
     uint32_t threads;
-    uint32_t in_flight;    /* units of this job that it has */
+    uint32_t in_flight;    /* units of this job that it works on */
+    uint32_t parked;       /* and of those that wait for a base line */
+    uint64_t since_ms;     /* the two are as they are since then */
+    uint64_t work_ms;      /* time with something in flight */
+    uint64_t parked_ms;    /* time with nothing but parked units */
+    double speed;          /* of all its threads, relative to the others' */
+    uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
     uint32_t load_crashes; /* children that died before READY */
     bool took_part;        /* it was READY once */
     bool excluded;         /* --same-bits: of another fingerprint */
@@ -64,7 +98,7 @@ struct job_worker {
 };
 
 struct job_frame {
-    uint32_t units_left;
+    uint64_t pixels_left; /* in units that are not done */
     uint64_t rows_pixels; /* pixels kept so far */
     bool writing, written;
 };
@@ -84,18 +118,36 @@ struct job {
 
     struct partition *partition; /* NULL until the first worker is ready */
     struct job_unit *units;      /* partition_total of them */
-    uint32_t *suspects; /* units that crashed a child: out of the partition's
-                         * queue, each to go to another worker alone */
+    uint32_t nunits, cap_units;
+    uint32_t *out; /* units that somebody has */
+    uint32_t nout, cap_out;
+    struct survey *survey; /* NULL: costs are not estimated, or are by now */
+    struct shared *shared; /* NULL: lines are not shared */
+    uint64_t late_rays;    /* facts of lines that were done */
+    uint32_t *suspects;    /* units that crashed a child: out of the partition's
+                            * queue, each to go to another worker alone */
     uint32_t nsuspects, cap_suspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* the first so many are written */
     struct job_worker *workers;
     uint32_t nworkers, cap_workers;
+    uint32_t *index; /* of a worker here, by its number at the coordinator */
+    uint32_t nindex;
+    double speed;    /* of all workers that are there */
+    double pace;     /* cost done in a ms, for a speed of 1; 0: not known */
+    double finished; /* cost of units that were finished, or traced ahead;
+                      * of all attempts */
+    double workload; /* ms of those workers, times their speed */
+    uint32_t
+        durations[JOB_DURATIONS]; /* of the last units that were done [ms] */
+    uint32_t ndurations;
 
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total;
-    uint64_t rays;       /* of units that are done */
+    uint64_t rays;              /* of units that are done */
+    uint64_t estimate_ms;       /* that the estimate took */
+    struct msg_counts surveyed; /* and its counts */
     uint64_t rays_seen;  /* and of those under way; what is lost stays in */
     struct msg_nan nan;  /* frame: its number */
     uint64_t sent_bytes; /* of the bundle, by radsubmit */
@@ -130,6 +182,22 @@ int job_split(struct job *job, bool single, struct rad_error *err);
  * makes it one (JOB_NOBODY when memory is out). */
 uint32_t job_worker_find(const struct job *job, const char *name);
 uint32_t job_worker_add(struct job *job, const char *name);
+
+/* Make job->units as long as the partition has units; false: memory is out. */
+bool job_grow_units(struct job *job);
+
+/* Add a holder to a unit, or remove one; NULL when there are too many or memory
+ * is out. */
+struct job_go *job_go_add(struct job *job, uint32_t unit);
+void job_go_remove(struct job *job, uint32_t unit, struct job_go *go);
+
+/* The go of that worker, or of that worker and attempt; NULL: none. */
+struct job_go *job_go_of(const struct job *job, uint32_t unit, uint32_t worker);
+struct job_go *job_go_find(const struct job *job, uint32_t unit,
+                           uint32_t worker, uint32_t attempt);
+
+/* The median of the durations [ms]; 0 before any unit was done. */
+uint32_t job_median_ms(const struct job *job);
 
 /* Units that may go out: waiting ones and suspects. */
 uint32_t job_waiting(const struct job *job);

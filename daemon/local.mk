@@ -9,6 +9,7 @@ libdaemon_a_SOURCES = \
 	daemon/address.h \
 	daemon/ambshare.c \
 	daemon/ambshare.h \
+	daemon/balance.c \
 	daemon/blobs.c \
 	daemon/blobs.h \
 	daemon/children.c \
@@ -27,6 +28,7 @@ libdaemon_a_SOURCES = \
 	daemon/estimate.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
+	daemon/handoff.c \
 	daemon/job.c \
 	daemon/job.h \
 	daemon/jobtext.c \
@@ -35,6 +37,7 @@ libdaemon_a_SOURCES = \
 	daemon/listen.h \
 	daemon/log.c \
 	daemon/log.h \
+	daemon/loss.c \
 	daemon/lossy.c \
 	daemon/lossy.h \
 	daemon/partition.c \
@@ -52,22 +55,28 @@ libdaemon_a_SOURCES = \
 	daemon/report.h \
 	daemon/request.c \
 	daemon/request.h \
+	daemon/result.c \
 	daemon/rows.c \
 	daemon/rows.h \
 	daemon/sched.c \
 	daemon/sched.h \
 	daemon/service.c \
 	daemon/service.h \
+	daemon/shared.c \
+	daemon/shared.h \
 	daemon/shell.c \
 	daemon/shell.h \
 	daemon/sound.c \
 	daemon/sound.h \
+	daemon/speed.c \
 	daemon/stats.c \
 	daemon/stats.h \
 	daemon/store.c \
 	daemon/store.h \
 	daemon/strict.c \
 	daemon/strict.h \
+	daemon/survey.c \
+	daemon/survey.h \
 	daemon/task.c \
 	daemon/task.h \
 	daemon/team.c \

@@ -1,13 +1,15 @@
 /* sched.c - see sched.h
  *
- * A worker has room for as many units as it has threads and a few more, so
- * that no thread waits for the network; near the end of a job, when fewer
- * units wait than there are threads, it gets no more than it can work on.
+ * A worker has room for a unit each thread where these are small (windows,
+ * scanbar), else for one, which its threads render together; and for some
+ * ahead, so that no thread waits for the network, but not near the end of a
+ * job.  Units that wait for the base line above them take no room.
  *
  * A unit keeps the number of its latest attempt.  When its worker goes, it
  * waits again; while nobody else has it, late rows of that attempt still
  * count, so that a connection that breaks for a moment costs little.  From the
- * next attempt on they are ignored.
+ * next attempt on they are ignored.  With twins, each with an attempt of its
+ * own, the first whose rows come leads.
  *
  * A child that dies leaves suspects: the units it was at work on.  Each is
  * tried again alone, on another worker if there is one, so that a second crash
@@ -16,41 +18,36 @@
 
 #include "sched.h"
 
-#include <stdio.h>
-#include <string.h>
-#include <sysexits.h>
+#include "survey.h"
 
-#define MOST_PEERS 2000 /* in one JOB-PEERS */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_PEERS    2000 /* in one JOB-PEERS */
+#define TICK_MS       100
+#define WORTH_MS      50  /* a unit of auto takes at least so long */
+#define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
 /* --- helpers --- */
 
-static struct coord_worker *
-find_worker(const struct coord *c, const char *name)
-{
-    struct coord_worker *w = c->workers;
-
-    while (w && strcmp(w->name, name) != 0)
-        w = w->next;
-    return w;
-}
-
-static bool
-takes_units(const struct coord_worker *w)
+bool
+sched_takes_units(const struct coord_worker *w)
 {
     return w->conn != 0 && !w->drained && !w->leaving;
 }
 
-static void
-send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
+void
+sched_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
 {
     struct msg m = { .type = MSG_JOB_END, .job_end = { job } };
 
     actions_send(&c->actions, conn, &m);
 }
 
-static void
-send_ack(struct coord *c, uint64_t conn, const uint8_t *job, uint32_t unit,
-         uint32_t attempt, uint32_t row, uint32_t rows)
+void
+sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
+               uint32_t unit, uint32_t attempt, uint32_t row, uint32_t rows)
 {
     struct msg m = { .type = MSG_ACK,
                      .ack = { job, unit, attempt, row, rows } };
@@ -58,24 +55,54 @@ send_ack(struct coord *c, uint64_t conn, const uint8_t *job, uint32_t unit,
     actions_send(&c->actions, conn, &m);
 }
 
-/* The job and the index of w in it; NULL when the job is over or unknown, and
- * then the worker is told so. */
-static struct job *
-job_of_worker(struct coord *c, const struct coord_worker *w, const uint8_t *id,
-              uint32_t *index)
+void
+sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
+                   uint32_t unit, const struct job_go *go)
+{
+    const struct coord_worker *w = job->workers[go->worker].worker;
+    struct msg m = { .type = type, .revoke = { job->id, unit, go->attempt } };
+
+    if (w->conn != 0)
+        actions_send(&c->actions, w->conn, &m);
+}
+
+uint32_t
+sched_index(const struct job *job, const struct coord_worker *w)
+{
+    return w->id < job->nindex ? job->index[w->id] : JOB_NOBODY;
+}
+
+struct job *
+sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
+             uint32_t *index)
 {
     struct job *job = coord_find_job(c, id);
 
-    if (!job || job_over(job)) {
-        send_job_end(c, w->conn, id);
+    *index = job && !job_over(job) ? sched_index(job, w) : JOB_NOBODY;
+    if (*index != JOB_NOBODY)
+        return job;
+    sched_send_job_end(c, w->conn, id);
+    return NULL;
+}
+
+/* --- holding --- */
+
+struct job_go *
+sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+           uint32_t attempt)
+{
+    struct job_worker *jw = &job->workers[index];
+    struct job_go *go = job_go_add(job, unit);
+
+    if (!go)
         return NULL;
-    }
-    *index = job_worker_find(job, w->name);
-    if (*index == JOB_NOBODY) {
-        send_job_end(c, w->conn, id);
-        return NULL;
-    }
-    return job;
+    speed_touch(c, jw);
+    go->worker = index;
+    go->attempt = attempt;
+    go->out_ms = c->now_ms;
+    jw->in_flight++;
+    jw->worker->in_flight++;
+    return go;
 }
 
 static void
@@ -84,6 +111,51 @@ less_in_flight(struct coord_worker *w, uint32_t n)
     w->in_flight -= n;
     if (w->in_flight == 0)
         w->alone = false;
+}
+
+void
+sched_release(struct coord *c, struct job *job, uint32_t unit,
+              struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+
+    speed_touch(c, jw);
+    if (go->parked) {
+        jw->parked--;
+        jw->worker->parked--;
+    } else {
+        jw->in_flight--;
+        less_in_flight(jw->worker, 1);
+    }
+    job_go_remove(job, unit, go);
+}
+
+void
+sched_park(struct coord *c, struct job *job, struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+
+    speed_touch(c, jw);
+    go->parked = true;
+    go->parked_ms = c->now_ms;
+    jw->parked++;
+    jw->worker->parked++;
+    jw->in_flight--;
+    less_in_flight(jw->worker, 1);
+}
+
+void
+sched_forget_rows(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    struct partition_area a;
+    uint64_t pixels;
+
+    partition_area(job->partition, unit, &a);
+    pixels = (uint64_t)u->stored_rows * a.width;
+    job->pixels_done -= pixels;
+    job->frames[a.frame].rows_pixels -= pixels;
+    u->next_row = u->stored_rows = 0;
 }
 
 /* --- handing out --- */
@@ -102,16 +174,47 @@ ready_threads(const struct job *job)
 static uint32_t
 room_for(const struct job *job, const struct coord_worker *w)
 {
-    if (job_waiting(job) <= ready_threads(job))
-        return w->threads;
-    return w->threads + (w->threads + 1) / 2;
+    uint32_t threads = ready_threads(job), n = w->threads;
+    bool few = job_waiting(job) <= threads;
+
+    if (!partition_is_strict(job->partition))
+        return few ? n : n + (n + 1) / 2;
+    if (partition_kind(job->partition) != MSG_PART_SCANBAR)
+        n = 1;
+    return few || job_waiting(job) <= 2 * threads ? n : n + 1;
+}
+
+/* The index of the worker in the job, which it may be new to; JOB_NOBODY when
+ * memory is out. */
+static uint32_t
+add_worker(struct job *job, struct coord_worker *w)
+{
+    if (w->id >= job->nindex) {
+        uint32_t n = 2 * w->id + 8;
+        uint32_t *v = realloc(job->index, n * sizeof *v);
+
+        if (!v)
+            return JOB_NOBODY;
+        for (uint32_t i = job->nindex; i < n; i++)
+            v[i] = JOB_NOBODY;
+        job->index = v;
+        job->nindex = n;
+    }
+    if (job->index[w->id] == JOB_NOBODY) {
+        uint32_t i = job_worker_add(job, w->name);
+
+        job->index[w->id] = i;
+        if (i != JOB_NOBODY)
+            job->workers[i].worker = w;
+    }
+    return job->index[w->id];
 }
 
 static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
-    uint32_t i = job_worker_add(job, w->name);
+    uint32_t i = add_worker(job, w);
 
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
@@ -120,59 +223,95 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
     job->workers[i].state = JW_LOADING;
     job->workers[i].threads = w->threads;
     w->loading = job;
+    if (job->partition)
+        partition_set_absent(job->partition, i, false);
     actions_send(&c->actions, w->conn, &m);
 }
 
-/* The unit's earlier rows do not count any more. */
-static void
-forget_rows(struct job *job, struct job_unit *u, const struct partition_area *a)
+/* An end that no other holder begins at. */
+static uint8_t
+free_end(const struct job_unit *u)
 {
-    uint64_t pixels = (uint64_t)u->stored_rows * a->width;
+    for (uint8_t end = 0; end < MSG_NEND; end++) {
+        bool taken = false;
 
-    job->pixels_done -= pixels;
-    job->frames[a->frame].rows_pixels -= pixels;
-    u->next_row = u->stored_rows = 0;
+        for (uint8_t i = 0; i + 1 < u->ngos; i++)
+            taken |= u->go[i].end == end;
+        if (!taken)
+            return end;
+    }
+    return 0;
 }
 
 static void
-hand_out(struct coord *c, struct job *job, struct coord_worker *w,
-         uint32_t index, uint32_t unit)
+send_unit(struct coord *c, const struct job *job, uint32_t unit,
+          struct job_go *go)
 {
-    struct job_unit *u = &job->units[unit];
+    bool strict = partition_is_strict(job->partition);
     struct partition_area a;
     struct msg m = { .type = MSG_UNIT };
 
     partition_area(job->partition, unit, &a);
-    forget_rows(job, u, &a);
-    u->attempt++;
-    if (u->attempt > 1)
-        job->units_redone++;
-    u->holder = u->worker = index;
-    job->workers[index].in_flight++;
-    w->in_flight++;
-    if (job->first_ms == 0)
-        job->first_ms = c->now_ms;
-    if (job->state == JOB_WAITING)
-        job->state = JOB_RUNNING;
     m.unit = (struct msg_unit){ .job = job->id,
                                 .unit = unit,
-                                .attempt = u->attempt,
+                                .attempt = go->attempt,
                                 .frame = a.frame,
                                 .x = a.x,
                                 .y = a.y,
                                 .width = a.width,
                                 .height = a.height };
-    actions_send(&c->actions, w->conn, &m);
+    if (strict) {
+        m.unit.mode = MSG_MODE_STRICT;
+        m.unit.end = go->end;
+        m.unit.flags = handoff_flags(job, unit);
+    }
+    actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
+    if (strict)
+        handoff_out(c, job, unit, go);
 }
 
-/* Could another worker than that one try a suspect? */
-static bool
-others_than(const struct coord *c, const char *name)
+/* The others hear that they are not alone with it. */
+static void
+tell_twins(struct coord *c, const struct job *job, uint32_t unit)
 {
-    for (const struct coord_worker *w = c->workers; w; w = w->next)
-        if (takes_units(w) && strcmp(w->name, name) != 0)
-            return true;
-    return false;
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (!u->go[i].twin) {
+            u->go[i].twin = true;
+            if (i + 1 < u->ngos) /* the last has it from its UNIT */
+                sched_send_attempt(c, job, MSG_TWIN, unit, &u->go[i]);
+        }
+}
+
+void
+sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1);
+
+    if (!go) {
+        c->actions.failed = true;
+        return;
+    }
+    u->attempt++;
+    if (u->attempt > 1)
+        job->units_redone++;
+    if (u->ngos == 1) {
+        sched_forget_rows(job, unit);
+        u->lead = u->attempt;
+        u->worker = index;
+    } else if (u->next_row == 0) {
+        u->lead = 0; /* whoever is first */
+    }
+    go->end = free_end(u);
+    if (job->first_ms == 0)
+        job->first_ms = c->now_ms;
+    if (job->state == JOB_WAITING)
+        job->state = JOB_RUNNING;
+    if (u->ngos > 1)
+        tell_twins(c, job, unit);
+    send_unit(c, job, unit, &u->go[u->ngos - 1]);
 }
 
 /* A suspect that this worker may try; false: none. */
@@ -183,7 +322,8 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
     for (uint32_t i = 0; i < job->nsuspects; i++) {
         uint32_t crasher = job->units[job->suspects[i]].crasher;
 
-        if (crasher != index || !others_than(c, job->workers[crasher].name)) {
+        if (crasher != index ||
+            !loss_others_than(c, job->workers[crasher].worker)) {
             *unit = job->suspects[i];
             return true;
         }
@@ -201,6 +341,27 @@ runs_empty(const struct coord *c, const struct job *job,
     return w->in_flight > 0 && find_suspect(c, job, index, &unit);
 }
 
+/* The partition's next unit for the worker. */
+static bool
+next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
+          uint32_t index, uint32_t *unit)
+{
+    struct partition_who who = { .worker = index,
+                                 .workers = job_active(job),
+                                 .share = 1,
+                                 .least = speed_cost(job, index, WORTH_MS),
+                                 .idle = w->in_flight == 0 };
+
+    if (job->speed > 0)
+        who.share = job->workers[index].speed / job->speed;
+    if (!partition_next(job->partition, &who, unit))
+        return false;
+    if (job_grow_units(job))
+        return true;
+    c->actions.failed = true;
+    return false;
+}
+
 /* One unit of the job for the worker; false: it gets none now. */
 static bool
 give_unit(struct coord *c, struct job *job, struct coord_worker *w,
@@ -214,14 +375,22 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
         job_suspect_remove(job, unit);
         w->alone = true;
     } else if (w->in_flight >= room_for(job, w) ||
-               !partition_next(job->partition,
-                               &(struct partition_who){
-                                   .worker = index, .workers = 1, .share = 1 },
-                               &unit)) {
+               !next_unit(c, job, w, index, &unit)) {
         return false;
     }
-    hand_out(c, job, w, index, unit);
+    sched_hand_out(c, job, index, unit);
     return true;
+}
+
+/* Could one that has nothing get some of what others have? */
+static bool
+can_balance(const struct job *job)
+{
+    return job->partition && partition_is_strict(job->partition) &&
+           job->nout > 0 &&
+           (partition_kind(job->partition) == MSG_PART_AUTO ||
+            (partition_kind(job->partition) == MSG_PART_STATIC &&
+             !(job->spec.flags & MSG_JOB_NO_BALANCE)));
 }
 
 /* Nothing of this job for any worker now. */
@@ -229,7 +398,23 @@ static bool
 idle_job(const struct job *job)
 {
     return job_over(job) || !job->opened || job->state == JOB_PAUSED ||
-           (job->partition && job_waiting(job) == 0);
+           (job->partition && job_waiting(job) == 0 && !can_balance(job));
+}
+
+/* Something of a job that the worker has loaded; *done: it gets nothing else
+ * either. */
+static bool
+serve_job(struct coord *c, struct job *job, struct coord_worker *w,
+          uint32_t index, bool *done)
+{
+    if (job->survey) {
+        *done = job->workers[index].surveying > 0;
+        return survey_give(c, job, index);
+    }
+    if (give_unit(c, job, w, index))
+        return true;
+    *done = runs_empty(c, job, w, index);
+    return false;
 }
 
 /* One unit of the first job that has one for this worker; jobs that it does
@@ -237,24 +422,24 @@ idle_job(const struct job *job)
 static bool
 serve(struct coord *c, struct coord_worker *w)
 {
-    if (!takes_units(w) || w->alone)
+    bool done = false;
+
+    if (!sched_takes_units(w) || w->alone)
         return false;
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->njobs && !done; i++) {
         struct job *job = c->jobs[i];
         uint32_t index;
 
         if (idle_job(job))
             continue;
-        index = job_worker_find(job, w->name);
+        index = sched_index(job, w);
         if (index == JOB_NOBODY || job->workers[index].state == JW_GONE) {
             if (!w->loading &&
                 (index == JOB_NOBODY || !job->workers[index].excluded))
                 start_job(c, job, w);
         } else if (job->workers[index].state == JW_READY) {
-            if (give_unit(c, job, w, index))
+            if (serve_job(c, job, w, index, &done))
                 return true;
-            if (runs_empty(c, job, w, index))
-                return false;
         }
     }
     return false;
@@ -266,7 +451,7 @@ let_go(struct coord *c, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
 
-    if (w->conn == 0 || !w->leaving || w->in_flight > 0)
+    if (w->conn == 0 || !w->leaving || w->in_flight > 0 || w->parked > 0)
         return;
     actions_send(&c->actions, w->conn, &m);
     coord_break(c, w->conn, "drained");
@@ -282,6 +467,7 @@ sched_run(struct coord *c)
         for (struct coord_worker *w = c->workers; w; w = w->next)
             gave |= serve(c, w);
     } while (gave);
+    balance_run(c);
     for (struct coord_worker *w = c->workers; w; w = w->next)
         let_go(c, w);
 }
@@ -303,14 +489,14 @@ send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
 static void
 introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
 {
-    uint32_t give = MSG_PEER_GIVE, n = 0;
+    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0, n = 0;
 
     for (uint32_t i = 0; i < job->nworkers && n < MOST_PEERS; i++) {
-        const struct coord_worker *o = find_worker(c, job->workers[i].name);
+        const struct coord_worker *o = job->workers[i].worker;
         uint8_t token[MSG_TOKEN];
         bool dial;
 
-        if (o == w || !o || o->conn == 0 || job->workers[i].state != JW_READY)
+        if (o == w || o->conn == 0 || job->workers[i].state != JW_READY)
             continue;
         if (o->address[0] == '\0' && w->address[0] == '\0')
             continue;
@@ -335,7 +521,7 @@ one_worker_in_all(const struct coord *c)
     uint32_t n = 0;
 
     for (const struct coord_worker *w = c->workers; w; w = w->next)
-        n += takes_units(w);
+        n += sched_takes_units(w);
     return n == 1;
 }
 
@@ -362,17 +548,52 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     if (!jw->took_part)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
-    if (job->spec.flags & MSG_JOB_SHARE)
+    if (job->spec.flags & MSG_JOB_SHARE || job->shared)
         introduce(c, job, w);
+}
+
+/* Static: who is here or on its way takes part, by its speed. */
+static void
+set_speeds(struct coord *c, struct job *job)
+{
+    double *v = calloc(job->nworkers, sizeof *v);
+
+    speed_measure(c, job);
+    for (uint32_t i = 0; v && i < job->nworkers; i++)
+        v[i] = job->workers[i].state != JW_GONE ? job->workers[i].speed : 0;
+    if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
+        c->actions.failed = true;
+    free(v);
+}
+
+void
+sched_begin(struct coord *c, struct job *job)
+{
+    set_speeds(c, job);
+}
+
+/* The first worker is ready: lay out the job; false: it cannot be. */
+static bool
+lay_out(struct coord *c, struct job *job)
+{
+    struct rad_error err = { 0 };
+
+    if (job_split(job, one_worker_in_all(c), &err) != 0 ||
+        survey_begin(job, job_active(job), &err) != 0) {
+        coord_job_ends(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        return false;
+    }
+    if (!job->survey)
+        sched_begin(c, job);
+    return true;
 }
 
 void
 sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
 {
-    struct rad_error err = { 0 };
     struct job_worker *jw;
     uint32_t index;
-    struct job *job = job_of_worker(c, w, m->job, &index);
+    struct job *job = sched_job_of(c, w, m->job, &index);
 
     if (!job)
         return;
@@ -384,234 +605,15 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     if (!same_bits(job, m->fingerprint)) {
         jw->state = JW_GONE;
         jw->excluded = true;
-        send_job_end(c, w->conn, job->id);
+        if (job->partition)
+            partition_set_absent(job->partition, index, true);
+        sched_send_job_end(c, w->conn, job->id);
         return;
     }
+    if (!job->partition && !lay_out(c, job))
+        return;
     worker_ready(c, job, w, jw, m);
-    if (!job->partition && job_split(job, one_worker_in_all(c), &err) != 0)
-        coord_job_ends(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
-}
-
-/* Does the piece lie where the unit's rows lie? */
-static bool
-result_fits(const struct job *job, const struct msg_result *m,
-            struct partition_area *a)
-{
-    uint8_t channels = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
-
-    if (m->unit >= partition_total(job->partition))
-        return false;
-    partition_area(job->partition, m->unit, a);
-    return m->width == a->width && m->channels == channels &&
-           m->row <= a->height && m->rows <= a->height - m->row &&
-           m->last == (m->row + m->rows == a->height);
-}
-
-/* The worker that lost the unit turns out to have rows of it, and nobody else
- * began it. */
-static void
-revive(struct job *job, struct coord_worker *w, uint32_t index, uint32_t unit)
-{
-    if (!job_suspect_remove(job, unit))
-        partition_take(job->partition, unit);
-    job->units[unit].holder = index;
-    job->workers[index].in_flight++;
-    w->in_flight++;
-}
-
-static void
-put_rows(struct coord *c, const struct job *job, uint64_t conn,
-         const struct msg_result *m, const struct partition_area *a)
-{
-    struct action *act =
-        actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
-    struct action_rows *r;
-
-    if (!act)
-        return;
-    r = &act->rows;
-    *r = (struct action_rows){ .conn = conn,
-                               .unit = m->unit,
-                               .attempt = m->attempt,
-                               .row = m->row,
-                               .rows = m->rows,
-                               .frame = a->frame,
-                               .x = a->x,
-                               .y = a->y + m->row,
-                               .width = m->width,
-                               .channels = m->channels,
-                               .last = m->last,
-                               .pixels = m->pixels };
-    memcpy(r->job, job->id, MSG_JOB);
-}
-
-void
-sched_result(struct coord *c, struct coord_worker *w,
-             const struct msg_result *m)
-{
-    struct partition_area a;
-    struct job_unit *u;
-    uint32_t index;
-    struct job *job = job_of_worker(c, w, m->job, &index);
-
-    if (!job)
-        return;
-    if (!job->partition) { /* of an earlier life of the coordinator */
-        send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
-        return;
-    }
-    if (!result_fits(job, m, &a)) {
-        coord_break(c, w->conn, "a RESULT that fits no unit");
-        return;
-    }
-    u = &job->units[m->unit];
-    if (u->done || m->attempt != u->attempt || u->worker != index ||
-        job->workers[index].state == JW_GONE ||
-        m->row + m->rows <= u->stored_rows) {
-        /* late or twice: let the worker forget it */
-        send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
-        return;
-    }
-    if (m->row < u->next_row)
-        return; /* on its way to the disk */
-    if (m->row > u->next_row) {
-        coord_break(c, w->conn, "a RESULT out of turn");
-        return;
-    }
-    if (u->holder == JOB_NOBODY)
-        revive(job, w, index, m->unit);
-    u->next_row += m->rows;
-    if (m->last)
-        u->counts = m->counts;
-    put_rows(c, job, w->conn, m, &a);
-}
-
-/* --- losses --- */
-
-/* Take a unit from whoever has it. */
-static void
-take_back(struct coord *c, struct job *job, struct job_unit *u)
-{
-    struct job_worker *jw = &job->workers[u->holder];
-    struct coord_worker *w = find_worker(c, jw->name);
-
-    jw->in_flight--;
-    if (w)
-        less_in_flight(w, 1);
-    u->holder = JOB_NOBODY;
-}
-
-/* The worker has none of the job's units any more; suspects were taken out
- * before. */
-static void
-take_all_back(struct coord *c, struct job *job, uint32_t index)
-{
-    uint32_t n = job->partition ? partition_total(job->partition) : 0;
-
-    for (uint32_t i = 0; i < n && job->workers[index].in_flight > 0; i++)
-        if (job->units[i].holder == index) {
-            take_back(c, job, &job->units[i]);
-            if (job->units[i].crashes == 0 || !job_suspect_add(job, i))
-                partition_lost(job->partition, i);
-        }
-}
-
-void
-sched_worker_gone(struct coord *c, struct coord_worker *w)
-{
-    w->loading = NULL;
-    for (size_t i = 0; i < c->njobs; i++) {
-        struct job *job = c->jobs[i];
-        uint32_t index = job_worker_find(job, w->name);
-
-        if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
-            continue;
-        take_all_back(c, job, index);
-        job->workers[index].state = JW_GONE;
-    }
-}
-
-/* A unit's child died; false: the job cannot go on. */
-static bool
-suspect(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-        const char *why)
-{
-    struct job_unit *u = &job->units[unit];
-    struct partition_area a;
-    char text[MSG_MAX_TEXT + 1];
-
-    take_back(c, job, u);
-    u->crashes++;
-    if (u->crashes == 1)
-        u->crasher = index;
-    if (u->crashes == 1 ||
-        (u->crasher == index && u->crashes < JOB_MAX_CRASHES)) {
-        if (!job_suspect_add(job, unit))
-            c->actions.failed = true;
-        return true;
-    }
-    partition_area(job->partition, unit, &a);
-    snprintf(text, sizeof text,
-             "unit %u (frame %u, %ux%u pixels at x %u, y %u) brought the "
-             "renderer down %u times: %.200s",
-             unit, job->spec.frames[a.frame].number, a.width, a.height, a.x,
-             a.y, u->crashes, why);
-    coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
-    return false;
-}
-
-/* A child died before it was ready; false: the job cannot go on. */
-static bool
-crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
-                const char *why)
-{
-    uint32_t workers = 0;
-    char text[MSG_MAX_TEXT + 1];
-
-    jw->load_crashes++;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        workers += job->workers[i].load_crashes > 0;
-    if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
-        return true;
-    /* as long as others can, or may, it is this worker and not the scene */
-    if (ready_threads(job) > 0 || (workers < 2 && others_than(c, jw->name))) {
-        jw->excluded = true;
-        return true;
-    }
-    snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
-    coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
-    return false;
-}
-
-static bool
-has_unit(const struct job *job, uint32_t index, uint32_t unit)
-{
-    return job->partition && unit < partition_total(job->partition) &&
-           job->units[unit].holder == index;
-}
-
-void
-sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
-{
-    struct job_worker *jw;
-    uint32_t index;
-    struct job *job = job_of_worker(c, w, m->job, &index);
-
-    if (!job)
-        return;
-    actions_log(&c->actions, ACT_WARN, "child lost job=%s worker=%s why=%s",
-                job->hex, w->name, m->text);
-    if (w->loading == job)
-        w->loading = NULL;
-    jw = &job->workers[index];
-    if (jw->state == JW_LOADING && !crashed_loading(c, job, jw, m->text))
-        return;
-    for (uint32_t i = 0; i < m->nunits; i++)
-        if (has_unit(job, index, m->units[i]) &&
-            !suspect(c, job, index, m->units[i], m->text))
-            return;
-    take_all_back(c, job, index);
-    jw->state = JW_GONE;
+    speed_measure(c, job);
 }
 
 void
@@ -619,7 +621,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
 {
     struct job_worker *jw;
     uint32_t index;
-    struct job *job = job_of_worker(c, w, m->job, &index);
+    struct job *job = sched_job_of(c, w, m->job, &index);
 
     if (!job)
         return;
@@ -633,84 +635,74 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     job_see_rays(job);
 }
 
-/* --- rows --- */
+/* --- time --- */
 
+/* A worker that gets nothing more gives up what only waits: its facts are here,
+ * and another will get them. */
 static void
-frame_done(struct coord *c, struct job *job, uint32_t frame)
+drain_parked(struct coord *c, struct job *job)
 {
-    struct action *a =
-        actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
 
-    job->frames[frame].writing = true;
-    if (a)
-        a->frame = frame;
-}
+        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
+            struct job_go *go = &job->units[unit].go[k];
 
-static void
-unit_done(struct coord *c, struct job *job, uint32_t unit, uint32_t frame)
-{
-    struct job_unit *u = &job->units[unit];
-    struct job_worker *jw = &job->workers[u->worker];
-
-    if (u->holder != JOB_NOBODY)
-        take_back(c, job, u);
-    else if (!job_suspect_remove(job, unit))
-        partition_take(job->partition, unit); /* the worker went just now */
-    partition_done(job->partition, unit);
-    u->done = true;
-    u->end_ms = job->last_ms = c->now_ms;
-    jw->units++;
-    jw->rays += u->counts.rays;
-    jw->cpu_s += u->counts.cpu_s;
-    job->rays += u->counts.rays;
-    u->counts.nan.frame = job->spec.frames[frame].number;
-    msg_nan_add(&job->nan, &u->counts.nan);
-    job_see_rays(job);
-    job->units_done++;
-    job->cost_done += partition_cost(job->partition, unit);
-    if (--job->frames[frame].units_left == 0)
-        frame_done(c, job, frame);
+            if (!go->parked || go->top_sent ||
+                c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
+                sched_takes_units(job->workers[go->worker].worker))
+                continue;
+            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+            loss_of(c, job, unit, go);
+            break; /* the others may have moved */
+        }
+    }
 }
 
 void
-sched_rows_stored(struct coord *c, const struct action_rows *key)
+sched_tick(struct coord *c)
 {
-    struct job *job = coord_find_job(c, key->job);
-    struct coord_conn *conn = coord_find_conn(c, key->conn);
-    struct job_unit *u;
-    uint64_t pixels = (uint64_t)key->rows * key->width;
+    if (c->now_ms - c->tick_ms < TICK_MS)
+        return;
+    c->tick_ms = c->now_ms;
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
 
-    if (!job || job_over(job))
-        return;
-    u = &job->units[key->unit];
-    if (conn && conn->worker)
-        send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
-                 key->rows);
-    if (u->done || u->attempt != key->attempt || u->stored_rows != key->row)
-        return;
-    u->stored_rows += key->rows;
-    job->pixels_done += pixels;
-    job->frames[key->frame].rows_pixels += pixels;
-    if (key->last)
-        unit_done(c, job, key->unit, key->frame);
+        if (job_over(job) || !job->partition)
+            continue;
+        speed_measure(c, job);
+        if (!job->shared)
+            continue;
+        handoff_tick(c, job);
+        drain_parked(c, job);
+    }
+    sched_run(c);
 }
+
+/* --- end --- */
 
 void
 sched_job_over(struct coord *c, struct job *job)
 {
+    speed_keep(c, job);
+    while (job->nout > 0) {
+        uint32_t unit = job->out[0];
+
+        sched_release(c, job, unit, job->units[unit].go);
+    }
     for (struct coord_worker *w = c->workers; w; w = w->next) {
-        uint32_t index = job_worker_find(job, w->name);
-        struct job_worker *jw;
+        uint32_t index = sched_index(job, w);
 
         if (w->loading == job)
             w->loading = NULL;
         if (index == JOB_NOBODY)
             continue;
-        jw = &job->workers[index];
-        less_in_flight(w, jw->in_flight);
-        jw->in_flight = 0;
-        jw->state = JW_GONE;
+        job->workers[index].state = JW_GONE;
         if (w->conn != 0)
-            send_job_end(c, w->conn, job->id);
+            sched_send_job_end(c, w->conn, job->id);
     }
+    survey_free(job->survey);
+    job->survey = NULL;
+    shared_free(job->shared);
+    job->shared = NULL;
 }

@@ -1,7 +1,15 @@
 /* sched.h - who works on what: the part of the coordinator that hands out
  *
  * coord.c keeps connections and requests and calls these; both change the
- * structs below.  Private to coord.c, request.c, sched.c and report.c.
+ * structs below.  Private to the coordinator's files: coord.c, request.c,
+ * report.c, and those of the scheduler:
+ *   sched.c    who gets what
+ *   result.c   rows that come, units that are done
+ *   loss.c     workers and children that go
+ *   handoff.c  facts and base lines on their way between workers
+ *   balance.c  giving away and doubling what one has, for one that has nothing
+ *   survey.c   estimates, before the first unit
+ *   speed.c    how fast workers are, and how long a unit will take
  * Thread: one. */
 #ifndef DAEMON_SCHED_H
 #define DAEMON_SCHED_H
@@ -18,8 +26,11 @@ struct coord_worker {
     uint64_t conn;                     /* 0: not connected */
     uint32_t threads;
     uint64_t fingerprint;
-    uint64_t since_ms;         /* connected, or gone, since */
-    uint32_t in_flight;        /* units of all jobs that it has */
+    uint64_t since_ms;  /* connected, or gone, since */
+    uint32_t id;        /* from 0, by the order of their first HELLO */
+    uint32_t in_flight; /* units of all jobs that it works on */
+    uint32_t parked;    /* units that wait for a base line */
+    double relative;    /* speed of a thread, by earlier jobs; 1: usual */
     const struct job *loading; /* what its next READY is for */
     bool drained;              /* gets nothing new: an admin's wish */
     bool leaving;              /* gets nothing new: its own wish */
@@ -46,14 +57,19 @@ struct coord {
     uint64_t now_ms;
     struct coord_conn *conns;
     struct coord_worker *workers;
+    uint32_t nworkers; /* all that ever were */
     struct job **jobs; /* in the order in which they are served */
     size_t njobs, cap_jobs;
     uint64_t sequence;
     uint64_t progress_ms; /* when PROGRESS was sent last */
+    uint64_t tick_ms;     /* when the scheduler looked at the time last */
 };
 
 /* Give units, and jobs to load, to every worker that has room. */
 void sched_run(struct coord *c);
+
+/* Time has passed. */
+void sched_tick(struct coord *c);
 
 /* Messages of workers. */
 void sched_ready(struct coord *c, struct coord_worker *w,
@@ -64,6 +80,16 @@ void sched_lost(struct coord *c, struct coord_worker *w,
                 const struct msg_lost *m);
 void sched_tally(struct coord *c, struct coord_worker *w,
                  const struct msg_tally *m);
+void handoff_facts(struct coord *c, struct coord_worker *w,
+                   const struct msg_facts *m);
+void handoff_base_line(struct coord *c, struct coord_worker *w,
+                       const struct msg_base_line *m);
+void handoff_parked(struct coord *c, struct coord_worker *w,
+                    const struct msg_attempt *m);
+void balance_gave(struct coord *c, struct coord_worker *w,
+                  const struct msg_gave *m);
+void survey_estimated(struct coord *c, struct coord_worker *w,
+                      const struct msg_estimated *m);
 
 /* A worker went: its units wait again. */
 void sched_worker_gone(struct coord *c, struct coord_worker *w);
@@ -73,6 +99,99 @@ void sched_rows_stored(struct coord *c, const struct action_rows *key);
 
 /* Take the units of a job back and tell its workers that it is over. */
 void sched_job_over(struct coord *c, struct job *job);
+
+/* --- sched.c, for its neighbours --- */
+
+/* The job and the index of w in it; NULL when the job is over or unknown, and
+ * then the worker is told so. */
+struct job *sched_job_of(struct coord *c, const struct coord_worker *w,
+                         const uint8_t *id, uint32_t *index);
+
+/* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
+uint32_t sched_index(const struct job *job, const struct coord_worker *w);
+
+/* May it have more work? */
+bool sched_takes_units(const struct coord_worker *w);
+
+/* Give a worker a unit, as a twin where others have it. */
+void sched_hand_out(struct coord *c, struct job *job, uint32_t index,
+                    uint32_t unit);
+
+/* One more holder of a unit, counted; NULL: there is no room for it. */
+struct job_go *sched_hold(struct coord *c, struct job *job, uint32_t index,
+                          uint32_t unit, uint32_t attempt);
+/* It is none any more. */
+void sched_release(struct coord *c, struct job *job, uint32_t unit,
+                   struct job_go *go);
+/* It can do nothing but wait. */
+void sched_park(struct coord *c, struct job *job, struct job_go *go);
+
+/* The rows that came of a unit do not count any more. */
+void sched_forget_rows(struct job *job, uint32_t unit);
+
+void sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
+                    uint32_t unit, uint32_t attempt, uint32_t row,
+                    uint32_t rows);
+void sched_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job);
+/* REVOKE, TWIN or SPLIT. */
+void sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
+                        uint32_t unit, const struct job_go *go);
+
+/* All costs are known: units may go out. */
+void sched_begin(struct coord *c, struct job *job);
+
+/* --- loss.c --- */
+
+/* A holder will not finish the unit: another does, or it waits again. */
+void loss_of(struct coord *c, struct job *job, uint32_t unit,
+             struct job_go *go);
+
+/* Could another worker than that one try a suspect? */
+bool loss_others_than(const struct coord *c, const struct coord_worker *w);
+
+/* --- handoff.c --- */
+
+/* Flags of the UNIT for that holder. */
+uint8_t handoff_flags(const struct job *job, uint32_t unit);
+/* The unit went out to it. */
+void handoff_out(struct coord *c, const struct job *job, uint32_t unit,
+                 struct job_go *go);
+/* Is its bottom with us, if anybody needs it? */
+bool handoff_complete(const struct job *job, uint32_t unit);
+/* A unit is done. */
+void handoff_done(struct job *job, uint32_t unit);
+/* Send what parked units wait for, where it has not come otherwise. */
+void handoff_tick(struct coord *c, struct job *job);
+
+/* --- balance.c --- */
+
+/* Find something for workers that have nothing to do. */
+void balance_run(struct coord *c);
+
+/* --- survey.c --- */
+
+/* Estimate costs first, if the job wants it; 0 or RAD_ENOMEM. */
+int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
+/* Areas for a worker that is ready; false: there are none for it. */
+bool survey_give(struct coord *c, struct job *job, uint32_t index);
+/* The worker will not answer. */
+void survey_lost(struct job *job, uint32_t index);
+
+/* --- speed.c --- */
+
+/* Bring a worker's times up to date; before its units change. */
+void speed_touch(const struct coord *c, struct job_worker *jw);
+/* A unit's cost was worked off by a worker. */
+void speed_finished(struct job *job, uint32_t unit);
+/* Speeds of all workers of a job, and its pace. */
+void speed_measure(const struct coord *c, struct job *job);
+/* Remember them after the job. */
+void speed_keep(const struct coord *c, struct job *job);
+/* What a worker does of the job in that time. */
+double speed_cost(const struct job *job, uint32_t index, double ms);
+/* How long a holder will need yet [ms]. */
+double speed_left_ms(const struct coord *c, const struct job *job,
+                     uint32_t unit, const struct job_go *go);
 
 /* --- coord.c --- */
 

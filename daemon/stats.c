@@ -72,18 +72,19 @@ times(const struct job *job, uint64_t now_ms)
         "{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "wall_s",
         s->compile_s + seconds(job->offer_ms, end), "compile_s", s->compile_s,
         "transfer_s", seconds(job->offer_ms, job->open_ms), "load_s", load,
-        "estimate_s", 0.0, "render_s", seconds(job->first_ms, job->last_ms),
-        "write_s",
+        "estimate_s", (double)job->estimate_ms / 1000, "render_s",
+        seconds(job->first_ms, job->last_ms), "write_s",
         job_over(job) && job->last_ms ? seconds(job->last_ms, end) : 0.0);
 }
 
-/* Sum over accepted units. */
+/* Sum over accepted units, and the estimate before them. */
 static struct msg_counts
 sum_counts(const struct job *job)
 {
     uint32_t n = job->partition ? partition_total(job->partition) : 0;
-    struct msg_counts t = { 0 };
+    struct msg_counts t = job->surveyed;
 
+    t.speculative_rays += job->late_rays;
     for (uint32_t i = 0; i < n; i++) {
         const struct msg_counts *c = &job->units[i].counts;
 
@@ -140,13 +141,16 @@ workers(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *w = &job->workers[i];
         struct msg_tally t = job_tally(w);
-        double wait = t.wait_base_line_s;
-        double busy = t.busy_s - wait > w->cpu_s ? t.busy_s - wait : w->cpu_s;
+        double parked = w->threads * (double)w->parked_ms / 1000;
+        double wait = t.wait_base_line_s, work = t.busy_s - wait;
+        double busy = work > w->cpu_s ? work : w->cpu_s;
         double idle =
             w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
 
         if (!w->took_part)
             continue;
+        wait += parked;
+        idle -= parked;
         json_array_append_new(
             list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
                             w->name, "threads", (json_int_t)w->threads, "rays",

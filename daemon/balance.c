@@ -1,0 +1,248 @@
+/* balance.c - giving away and doubling what one has, for one that has nothing
+ *
+ * A worker that is idle, while nothing is free or waits: whoever has the most
+ * work left is asked to give half of the lines that it has not begun (SPLIT,
+ * GAVE); these are a new unit, which waits.  Where nothing can be given, auto
+ * hands the unit with the most time left to the idle one as well: a twin.  A
+ * unit that is very late gets a twin in every strict partition. */
+#include "config.h"
+
+#include "sched.h"
+
+/* Less is not worth the messages [ms of its worker]. */
+#define LEAST_SPLIT_MS 40
+#define LEAST_TWIN_MS  30
+
+/* A SPLIT that was not answered: nothing is given. */
+#define SPLIT_LOST_MS 2000
+
+/* A unit is late after this, or after so many times the median. */
+#define LEASE_MS     60000
+#define LATE_MEDIANS 10
+
+static bool
+splits(const struct job *job)
+{
+    enum msg_partition kind = partition_kind(job->partition);
+
+    return kind == MSG_PART_AUTO ||
+           (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
+}
+
+static bool
+twins(const struct job *job)
+{
+    return partition_kind(job->partition) == MSG_PART_AUTO;
+}
+
+/* Has it nothing to do, for this job or another? */
+static bool
+is_idle(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == JW_READY && sched_takes_units(jw->worker) &&
+           jw->worker->in_flight == 0 && !jw->worker->alone;
+}
+
+/* --- splitting --- */
+
+/* The holder that may be asked and has the most time left; NULL: none. */
+static struct job_go *
+richest(const struct coord *c, const struct job *job, uint32_t *unit)
+{
+    struct job_go *best = NULL;
+    double most = LEAST_SPLIT_MS;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+        uint32_t first, last;
+        double ms;
+
+        partition_unit_lines(job->partition, job->out[i], &first, &last);
+        if (u->whole || u->ngos != 1 || u->go[0].parked || u->go[0].split ||
+            last - first < 2)
+            continue;
+        ms = speed_left_ms(c, job, job->out[i], &u->go[0]);
+        if (ms >= most) {
+            most = ms;
+            best = &u->go[0];
+            *unit = job->out[i];
+        }
+    }
+    return best;
+}
+
+/* SPLITs that are not answered; what is older than it should be is given up. */
+static uint32_t
+count_asked(const struct coord *c, struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
+        for (uint8_t k = 0; k < u->ngos; k++) {
+            if (!u->go[k].split)
+                continue;
+            if (c->now_ms - u->go[k].split_ms >= SPLIT_LOST_MS)
+                u->whole = true; /* and an answer still counts */
+            else
+                n++;
+        }
+    }
+    return n;
+}
+
+/* Ask until as many answers are on their way as workers are idle.  Returns how
+ * many will get nothing so. */
+static uint32_t
+ask(struct coord *c, struct job *job, uint32_t idle)
+{
+    uint32_t asked = count_asked(c, job), unit = 0;
+    struct job_go *go;
+
+    while (asked < idle && (go = richest(c, job, &unit))) {
+        go->split = true;
+        go->split_ms = c->now_ms;
+        asked++;
+        sched_send_attempt(c, job, MSG_SPLIT, unit, go);
+    }
+    return asked < idle ? idle - asked : 0;
+}
+
+void
+balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+{
+    struct partition_area a;
+    struct job_unit *u;
+    struct job_go *go;
+    uint32_t index, given;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || !go->split)
+        return;
+    go->split = false;
+    partition_area(job->partition, m->unit, &a);
+    u = &job->units[m->unit];
+    if (m->height == a.height) {
+        u->whole = true;
+        return;
+    }
+    given = m->height >= u->next_row
+                ? partition_give(job->partition, m->unit, m->height)
+                : PARTITION_NONE;
+    if (given == PARTITION_NONE) {
+        coord_break(c, w->conn, "a GAVE that fits no lines");
+        return;
+    }
+    if (!job_grow_units(job))
+        c->actions.failed = true;
+    else
+        job->units[given].given = true;
+}
+
+/* --- twins --- */
+
+/* Is it late, whatever its cost says? */
+static bool
+is_late(const struct coord *c, const struct job_unit *u, uint64_t lease_ms)
+{
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].parked || c->now_ms - u->go[i].out_ms < lease_ms)
+            return false;
+    return true;
+}
+
+/* Time that the quickest of its holders needs yet; -1: all of them only wait,
+ * or the worker is one of them. */
+static double
+least_left(const struct coord *c, const struct job *job, uint32_t unit,
+           uint32_t index)
+{
+    const struct job_unit *u = &job->units[unit];
+    double least = -1;
+
+    for (uint8_t i = 0; i < u->ngos; i++) {
+        double ms;
+
+        if (u->go[i].parked || u->go[i].split || u->go[i].worker == index)
+            return -1;
+        ms = speed_left_ms(c, job, unit, &u->go[i]);
+        if (least < 0 || ms < least)
+            least = ms;
+    }
+    return least;
+}
+
+/* The unit that a worker should have as well; false: none. */
+static bool
+choose_twin(const struct coord *c, const struct job *job, uint32_t index,
+            uint64_t lease_ms, uint32_t *unit)
+{
+    double most = twins(job) ? LEAST_TWIN_MS : 0;
+    bool found = false;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        const struct job_unit *u = &job->units[job->out[i]];
+        double ms;
+
+        if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0)
+            continue;
+        ms = least_left(c, job, job->out[i], index);
+        if (ms >= 0 && is_late(c, u, lease_ms))
+            ms += 1e12; /* before all others */
+        else if (!twins(job))
+            continue;
+        if (ms >= most) {
+            most = ms;
+            found = true;
+            *unit = job->out[i];
+        }
+    }
+    return found;
+}
+
+static uint64_t
+lease_of(const struct job *job)
+{
+    uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
+
+    return ms > LEASE_MS ? ms : LEASE_MS;
+}
+
+static void
+double_units(struct coord *c, struct job *job, uint32_t n)
+{
+    uint64_t lease = lease_of(job);
+    uint32_t unit;
+
+    for (uint32_t i = 0; i < job->nworkers && n > 0; i++)
+        if (is_idle(job, i)) {
+            n--;
+            if (choose_twin(c, job, i, lease, &unit))
+                sched_hand_out(c, job, i, unit);
+        }
+}
+
+void
+balance_run(struct coord *c)
+{
+    for (size_t k = 0; k < c->njobs; k++) {
+        struct job *job = c->jobs[k];
+        uint32_t idle = 0;
+
+        if (job_over(job) || job->state == JOB_PAUSED || !job->shared ||
+            job->survey || job->nout == 0 || job_waiting(job) > 0)
+            continue;
+        for (uint32_t i = 0; i < job->nworkers; i++)
+            idle += is_idle(job, i);
+        if (idle > 0 && splits(job))
+            idle = ask(c, job, idle);
+        if (idle > 0)
+            double_units(c, job, idle);
+    }
+}

@@ -1,0 +1,330 @@
+/* handoff.c - facts and base lines on their way between workers
+ *
+ * What holds a unit back is the base line above it.  Whoever makes that sends
+ * it straight to the worker that waits (NEXT_HOLDER told it to whom), and a
+ * copy here.  The copy serves one that gets the unit later, and one whose link
+ * is broken: a parked unit whose top has been here whole for a moment is sent
+ * it.
+ * Facts are kept as long as their line is not done, and passed on to whoever
+ * else has it: so nothing is traced twice because a worker went, or gave lines
+ * away, or has a twin. */
+#include "config.h"
+
+#include "sched.h"
+
+#include <string.h>
+
+#define LINK_MS 100 /* a link between workers has brought it by then */
+
+/* Lines [*first, *last) of a unit, and its frame. */
+static uint32_t
+lines_of_unit(const struct job *job, uint32_t unit, uint32_t *first,
+              uint32_t *last)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    partition_unit_lines(job->partition, unit, first, last);
+    return a.frame;
+}
+
+/* The unit that has a line; PARTITION_NONE: none, or there is no such line. */
+static uint32_t
+unit_at(const struct job *job, uint32_t frame, uint32_t line)
+{
+    return line < partition_lines(job->partition, frame)
+               ? partition_line_unit(job->partition, frame, line)
+               : PARTITION_NONE;
+}
+
+static uint64_t
+conn_of(const struct job *job, const struct job_go *go)
+{
+    return job->workers[go->worker].worker->conn;
+}
+
+/* --- out --- */
+
+uint8_t
+handoff_flags(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last, above;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    const struct job_unit *u = &job->units[unit];
+    uint8_t flags = u->ngos > 1 ? MSG_UNIT_TWIN : 0;
+
+    if (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0)
+        return flags;
+    above = unit_at(job, frame, first - 1);
+    if (above == PARTITION_NONE || job->units[above].ngos == 0 ||
+        (u->given && u->attempt == 1))
+        flags |= MSG_UNIT_TOP;
+    return flags;
+}
+
+static void
+send_facts(struct coord *c, const struct job *job, uint32_t frame,
+           uint32_t line, const struct job_go *go)
+{
+    const struct shared_facts *at = NULL;
+    struct msg m = { .type = MSG_FACTS };
+
+    while (shared_get_facts(job->shared, frame, line, &at, &m.facts)) {
+        m.facts.job = job->id;
+        actions_send(&c->actions, conn_of(job, go), &m);
+    }
+}
+
+/* What is here of a base line. */
+static void
+send_base(struct coord *c, const struct job *job, uint32_t frame, uint32_t line,
+          struct job_go *go)
+{
+    uint32_t x = 0, first = 0;
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    while (shared_get_base(job->shared, frame, line, x, first, &m.base_line)) {
+        m.base_line.job = job->id;
+        x += m.base_line.n;
+        first += m.base_line.ndensity;
+        actions_send(&c->actions, conn_of(job, go), &m);
+    }
+    go->top_sent = shared_whole_ms(job->shared, frame, line) != 0;
+}
+
+/* Tell the holders of one unit who waits for its bottom. */
+static void
+send_next_holder(struct coord *c, const struct job *job, uint32_t above,
+                 uint32_t frame, uint32_t line, const struct job_go *below)
+{
+    const struct job_unit *u = &job->units[above];
+    struct msg m = { .type = MSG_NEXT_HOLDER,
+                     .next_holder = { job->id, frame, line,
+                                      job->workers[below->worker].name } };
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
+}
+
+/* The unit, which just got a holder or an end, and its neighbours hear of each
+ * other. */
+static void
+introduce(struct coord *c, const struct job *job, uint32_t unit,
+          const struct job_go *go)
+{
+    uint32_t first, last, other;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
+    if (other != PARTITION_NONE)
+        send_next_holder(c, job, other, frame, first - 1, go);
+    other = unit_at(job, frame, last);
+    if (other != PARTITION_NONE && job->units[other].ngos > 0) {
+        struct msg m = { .type = MSG_NEXT_HOLDER };
+        const struct job_go *below = &job->units[other].go[0];
+
+        m.next_holder =
+            (struct msg_next_holder){ job->id, frame, last - 1,
+                                      job->workers[below->worker].name };
+        actions_send(&c->actions, conn_of(job, go), &m);
+    }
+}
+
+void
+handoff_out(struct coord *c, const struct job *job, uint32_t unit,
+            struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    if (handoff_flags(job, unit) & MSG_UNIT_TOP)
+        send_facts(c, job, frame, first - 1, go);
+    for (uint32_t i = first; i < last; i++)
+        send_facts(c, job, frame, i, go);
+    if (first > 0)
+        send_base(c, job, frame, first - 1, go);
+    introduce(c, job, unit, go);
+}
+
+/* --- in --- */
+
+/* To whoever else has the line now. */
+static void
+pass_on(struct coord *c, const struct job *job, uint32_t from,
+        const struct msg_facts *m)
+{
+    uint32_t unit = unit_at(job, m->frame, m->line);
+    const struct job_unit *u;
+    struct msg pass = { .type = MSG_FACTS, .facts = *m };
+
+    if (unit == PARTITION_NONE)
+        return;
+    u = &job->units[unit];
+    pass.facts.job = job->id;
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker != from)
+            actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
+}
+
+/* The job of a message about lines that a worker may say; NULL: it is ignored,
+ * as is all about a frame that is done. */
+static struct job *
+job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
+               uint32_t *index)
+{
+    struct job *job = sched_job_of(c, w, id, index);
+
+    if (!job || !job->shared || job->workers[*index].state == JW_GONE)
+        return NULL;
+    return job;
+}
+
+void
+handoff_facts(struct coord *c, struct coord_worker *w,
+              const struct msg_facts *m)
+{
+    uint32_t index, unit;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (!shared_facts_fit(job->shared, m)) {
+        coord_break(c, w->conn, "FACTS that fit no line");
+        return;
+    }
+    unit = unit_at(job, m->frame, m->line);
+    if (unit != PARTITION_NONE && job->units[unit].done) {
+        if (!(m->flags & MSG_FACTS_ESTIMATE))
+            job->late_rays += m->npixels;
+        return;
+    }
+    shared_put_facts(job->shared, m);
+    pass_on(c, job, index, m);
+}
+
+/* Two workers of which neither can be dialled have no link. */
+static bool
+can_link(const struct job *job, const struct job_unit *above,
+         const struct job_go *below)
+{
+    const struct coord_worker *b = job->workers[below->worker].worker;
+
+    for (uint8_t i = 0; i < above->ngos; i++) {
+        const struct coord_worker *a = job->workers[above->go[i].worker].worker;
+
+        if (a == b || a->address[0] != '\0' || b->address[0] != '\0')
+            return true;
+    }
+    return false;
+}
+
+/* The top of a unit is here whole: those that wait for it get it, unless they
+ * just have it from another worker. */
+static void
+offer_top(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    uint32_t first, last, above;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint64_t whole_ms;
+
+    if (first == 0)
+        return;
+    whole_ms = shared_whole_ms(job->shared, frame, first - 1);
+    above = unit_at(job, frame, first - 1);
+    if (whole_ms == 0 || above == PARTITION_NONE)
+        return;
+    for (uint8_t i = 0; i < u->ngos; i++) {
+        struct job_go *go = &u->go[i];
+
+        if (go->parked && !go->top_sent &&
+            (c->now_ms - whole_ms >= LINK_MS ||
+             !can_link(job, &job->units[above], go)))
+            send_base(c, job, frame, first - 1, go);
+    }
+}
+
+/* One that has the unit, or had it last while nobody has it now. */
+static bool
+may_make(const struct job *job, uint32_t unit, uint32_t index)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    return job_go_of(job, unit, index) || (u->ngos == 0 && u->worker == index);
+}
+
+void
+handoff_base_line(struct coord *c, struct coord_worker *w,
+                  const struct msg_base_line *m)
+{
+    uint32_t index, unit, below;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (!shared_base_fits(job->shared, m)) {
+        coord_break(c, w->conn, "a BASE_LINE that fits no line");
+        return;
+    }
+    unit = unit_at(job, m->frame, m->line);
+    below = unit_at(job, m->frame, m->line + 1);
+    if (unit == PARTITION_NONE || !may_make(job, unit, index) ||
+        (below != PARTITION_NONE && job->units[below].done))
+        return;
+    if (m->line + 1 < partition_lines(job->partition, m->frame) &&
+        shared_put_base(job->shared, m, c->now_ms) && below != PARTITION_NONE)
+        offer_top(c, job, below);
+}
+
+void
+handoff_parked(struct coord *c, struct coord_worker *w,
+               const struct msg_attempt *m)
+{
+    uint32_t index;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+    struct job_go *go;
+
+    if (!job || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || go->parked)
+        return;
+    speed_finished(job, m->unit);
+    sched_park(c, job, go);
+    offer_top(c, job, m->unit);
+}
+
+/* --- done --- */
+
+bool
+handoff_complete(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last, frame, below;
+
+    if (!job->shared)
+        return true;
+    frame = lines_of_unit(job, unit, &first, &last);
+    below = unit_at(job, frame, last);
+    return last == partition_lines(job->partition, frame) ||
+           (below != PARTITION_NONE && job->units[below].done) ||
+           shared_whole_ms(job->shared, frame, last - 1) != 0;
+}
+
+void
+handoff_done(struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    for (uint32_t i = first; i < last; i++)
+        shared_drop_facts(job->shared, frame, i);
+    if (first > 0)
+        shared_drop_base(job->shared, frame, first - 1);
+}
+
+void
+handoff_tick(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nout; i++)
+        offer_top(c, job, job->out[i]);
+}

@@ -1,0 +1,172 @@
+/* loss.c - workers and children that go, and what becomes of their units */
+#include "config.h"
+
+#include "sched.h"
+
+#include <stdio.h>
+#include <sysexits.h>
+
+bool
+loss_others_than(const struct coord *c, const struct coord_worker *w)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next)
+        if (o != w && sched_takes_units(o))
+            return true;
+    return false;
+}
+
+/* The one that led is gone: another may lead, but not one whose first rows were
+ * dropped. */
+static void
+new_lead(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    sched_forget_rows(job, unit);
+    u->lead = 0;
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (u->go[i].dropped) {
+            sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            sched_release(c, job, unit, &u->go[i]);
+        }
+}
+
+void
+loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+    bool led = go->attempt == u->lead || u->lead == 0;
+
+    sched_release(c, job, unit, go);
+    if (u->ngos > 0 && led)
+        new_lead(c, job, unit);
+    if (u->ngos == 0 && (u->crashes == 0 || !job_suspect_add(job, unit)))
+        partition_lost(job->partition, unit);
+}
+
+/* The worker has none of the job's units any more; suspects were taken out
+ * before. */
+static void
+take_all_back(struct coord *c, struct job *job, uint32_t index)
+{
+    survey_lost(job, index);
+    for (uint32_t i = job->nout; i-- > 0;) {
+        struct job_go *go;
+
+        if (i >= job->nout)
+            continue; /* the list has become shorter */
+        go = job_go_of(job, job->out[i], index);
+        if (go)
+            loss_of(c, job, job->out[i], go);
+    }
+}
+
+static void
+gone(struct coord *c, struct job *job, uint32_t index)
+{
+    take_all_back(c, job, index);
+    job->workers[index].state = JW_GONE;
+    if (job->partition)
+        partition_set_absent(job->partition, index, true);
+    speed_measure(c, job);
+}
+
+void
+sched_worker_gone(struct coord *c, struct coord_worker *w)
+{
+    w->loading = NULL;
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+
+        if (index != JOB_NOBODY && job->workers[index].state != JW_GONE)
+            gone(c, job, index);
+    }
+}
+
+/* A unit's child died; false: the job cannot go on. */
+static bool
+suspect(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+        const char *why)
+{
+    struct job_unit *u = &job->units[unit];
+    struct partition_area a;
+    char text[MSG_MAX_TEXT + 1];
+
+    u->crashes++;
+    if (u->crashes == 1)
+        u->crasher = index;
+    loss_of(c, job, unit, job_go_of(job, unit, index));
+    if (u->crashes == 1 ||
+        (u->crasher == index && u->crashes < JOB_MAX_CRASHES))
+        return true;
+    partition_area(job->partition, unit, &a);
+    snprintf(text, sizeof text,
+             "unit %u (frame %u, %ux%u pixels at x %u, y %u) brought the "
+             "renderer down %u times: %.200s",
+             unit, job->spec.frames[a.frame].number, a.width, a.height, a.x,
+             a.y, u->crashes, why);
+    coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
+    return false;
+}
+
+static bool
+ready_worker(const struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].state == JW_READY)
+            return true;
+    return false;
+}
+
+/* A child died before it was ready; false: the job cannot go on. */
+static bool
+crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
+                const char *why)
+{
+    uint32_t workers = 0;
+    char text[MSG_MAX_TEXT + 1];
+
+    jw->load_crashes++;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        workers += job->workers[i].load_crashes > 0;
+    if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
+        return true;
+    /* as long as others can, or may, it is this worker and not the scene */
+    if (ready_worker(job) || (workers < 2 && loss_others_than(c, jw->worker))) {
+        jw->excluded = true;
+        return true;
+    }
+    snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
+    coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
+    return false;
+}
+
+static bool
+has_unit(const struct job *job, uint32_t index, uint32_t unit)
+{
+    return unit < job->nunits && job_go_of(job, unit, index);
+}
+
+void
+sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
+{
+    struct job_worker *jw;
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    actions_log(&c->actions, ACT_WARN, "child lost job=%s worker=%s why=%s",
+                job->hex, w->name, m->text);
+    if (w->loading == job)
+        w->loading = NULL;
+    jw = &job->workers[index];
+    if (jw->state == JW_LOADING && !crashed_loading(c, job, jw, m->text))
+        return;
+    for (uint32_t i = 0; i < m->nunits; i++)
+        if (has_unit(job, index, m->units[i]) &&
+            !suspect(c, job, index, m->units[i], m->text))
+            return;
+    gone(c, job, index);
+}

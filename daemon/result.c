@@ -1,0 +1,252 @@
+/* result.c - rows that come, and units that are done */
+#include "config.h"
+
+#include "sched.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sysexits.h>
+
+/* Does the piece lie where the unit's rows lie? */
+static bool
+result_fits(const struct job *job, const struct msg_result *m,
+            const struct partition_area *a)
+{
+    uint8_t channels = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
+
+    return m->width == a->width && m->channels == channels &&
+           m->row <= a->height && m->rows <= a->height - m->row &&
+           (m->last || m->row + m->rows < a->height);
+}
+
+/* The worker that lost the unit turns out to have rows of it, and nobody else
+ * began it.  False: memory is out. */
+static bool
+revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+{
+    if (!job_suspect_remove(job, unit))
+        partition_take(job->partition, unit);
+    if (sched_hold(c, job, index, unit, job->units[unit].lead))
+        return true;
+    c->actions.failed = true;
+    return false;
+}
+
+static void
+put_rows(struct coord *c, const struct job *job, uint64_t conn,
+         const struct msg_result *m, const struct partition_area *a)
+{
+    struct action *act =
+        actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
+    struct action_rows *r;
+
+    if (!act)
+        return;
+    r = &act->rows;
+    *r = (struct action_rows){ .conn = conn,
+                               .unit = m->unit,
+                               .attempt = m->attempt,
+                               .row = m->row,
+                               .rows = m->rows,
+                               .frame = a->frame,
+                               .x = a->x,
+                               .y = a->y + m->row,
+                               .width = m->width,
+                               .channels = m->channels,
+                               .last = m->last,
+                               .pixels = m->pixels };
+    memcpy(r->job, job->id, MSG_JOB);
+}
+
+/* Rows for nobody: let the worker forget them. */
+static void
+ack(struct coord *c, const struct coord_worker *w, const struct job *job,
+    const struct msg_result *m)
+{
+    sched_send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
+}
+
+/* The attempt came to its end, but not as it should: the unit waits again.  The
+ * worker did nothing wrong if a message of it was lost with a connection; a
+ * unit that fails so again and again fails the job. */
+static void
+spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+    char text[MSG_MAX_TEXT + 1];
+
+    actions_log(&c->actions, ACT_WARN,
+                "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
+                unit, go->attempt, job->workers[go->worker].name);
+    sched_forget_rows(job, unit);
+    u->lead = 0;
+    loss_of(c, job, unit, go);
+    if (++u->faults < JOB_MAX_CRASHES)
+        return;
+    snprintf(text, sizeof text, "unit %u came incomplete %u times", unit,
+             u->faults);
+    coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
+}
+
+/* Whose rows of the unit count is decided: do these?  They do not where another
+ * attempt leads, and where nobody waits for them. */
+static bool
+counts(struct job *job, uint32_t index, const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+
+    if (u->done || job->workers[index].state == JW_GONE)
+        return false;
+    if (!go)
+        return u->ngos == 0 && m->attempt == u->lead && u->worker == index &&
+               m->row + m->rows > u->stored_rows;
+    if (u->lead == 0 && m->row == 0 && !go->dropped) {
+        u->lead = m->attempt;
+        u->worker = index;
+    }
+    if (u->lead != m->attempt) {
+        go->dropped = true;
+        return false;
+    }
+    return m->row + m->rows > u->stored_rows;
+}
+
+void
+sched_result(struct coord *c, struct coord_worker *w,
+             const struct msg_result *m)
+{
+    struct partition_area a;
+    struct job_unit *u;
+    struct job_go *go;
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (!job->partition) { /* of an earlier life of the coordinator */
+        ack(c, w, job, m);
+        return;
+    }
+    if (m->unit >= job->nunits) {
+        coord_break(c, w->conn, "a RESULT of no unit");
+        return;
+    }
+    if (!counts(job, index, m)) {
+        ack(c, w, job, m);
+        return;
+    }
+    partition_area(job->partition, m->unit, &a);
+    if (!result_fits(job, m, &a)) {
+        coord_break(c, w->conn, "a RESULT that fits no unit");
+        return;
+    }
+    u = &job->units[m->unit];
+    if (m->row < u->next_row)
+        return; /* on its way to the disk */
+    if (m->row > u->next_row) {
+        coord_break(c, w->conn, "a RESULT out of turn");
+        return;
+    }
+    if (u->ngos == 0 && !revive(c, job, index, m->unit))
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (m->last &&
+        (m->row + m->rows < a.height || !handoff_complete(job, m->unit))) {
+        ack(c, w, job, m);
+        spoilt(c, job, m->unit, go);
+        return;
+    }
+    u->next_row += m->rows;
+    if (m->last)
+        u->counts = m->counts;
+    put_rows(c, job, w->conn, m, &a);
+}
+
+/* --- rows that are kept --- */
+
+static void
+frame_done(struct coord *c, struct job *job, uint32_t frame)
+{
+    struct action *a =
+        actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
+
+    job->frames[frame].writing = true;
+    if (a)
+        a->frame = frame;
+}
+
+/* Nobody works on it any more. */
+static void
+release_all(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    while (u->ngos > 0) {
+        struct job_go *go = &u->go[u->ngos - 1];
+
+        if (go->attempt == u->lead) {
+            job->durations[job->ndurations++ % JOB_DURATIONS] =
+                (uint32_t)(c->now_ms - go->out_ms);
+            if (!go->parked)
+                speed_finished(job, unit);
+        } else {
+            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+        }
+        sched_release(c, job, unit, go);
+    }
+}
+
+static void
+unit_done(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_worker *jw = &job->workers[u->worker];
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    if (u->ngos > 0)
+        release_all(c, job, unit);
+    else if (!job_suspect_remove(job, unit))
+        partition_take(job->partition, unit); /* the worker went just now */
+    partition_done(job->partition, unit);
+    u->done = true;
+    u->end_ms = job->last_ms = c->now_ms;
+    jw->units++;
+    jw->rays += u->counts.rays;
+    jw->cpu_s += u->counts.cpu_s;
+    job->rays += u->counts.rays;
+    u->counts.nan.frame = job->spec.frames[a.frame].number;
+    msg_nan_add(&job->nan, &u->counts.nan);
+    job_see_rays(job);
+    job->units_done++;
+    job->cost_done += partition_cost(job->partition, unit);
+    if (job->shared)
+        handoff_done(job, unit);
+    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
+    if (job->frames[a.frame].pixels_left == 0)
+        frame_done(c, job, a.frame);
+}
+
+void
+sched_rows_stored(struct coord *c, const struct action_rows *key)
+{
+    struct job *job = coord_find_job(c, key->job);
+    struct coord_conn *conn = coord_find_conn(c, key->conn);
+    struct job_unit *u;
+    uint64_t pixels = (uint64_t)key->rows * key->width;
+
+    if (!job || job_over(job))
+        return;
+    u = &job->units[key->unit];
+    if (conn && conn->worker)
+        sched_send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
+                       key->rows);
+    if (u->done || u->lead != key->attempt || u->stored_rows != key->row)
+        return;
+    u->stored_rows += key->rows;
+    job->pixels_done += pixels;
+    job->frames[key->frame].rows_pixels += pixels;
+    if (key->last)
+        unit_done(c, job, key->unit);
+}
