@@ -9,8 +9,8 @@ bench_kernel_LDADD = $(LIBRAD)
 BENCH_SCENE =
 BENCH_VIEW =
 
-.PHONY: bench bench-kernel bench-hosts
-bench: bench-kernel bench-hosts
+.PHONY: bench bench-kernel bench-hosts bench-sim
+bench: bench-kernel bench-sim bench-hosts
 bench-kernel: bench/kernel$(EXEEXT)
 	$(MKDIR_P) bench/results
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \
@@ -24,6 +24,28 @@ dist_noinst_SCRIPTS += bench/hosts.sh
 EXTRA_DIST += bench/hosts.awk bench/stats.awk
 bench-hosts: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
 	$(srcdir)/bench/hosts.sh $(HOSTS_FLAGS) . $(BENCH_SCENE) $(BENCH_VIEW)
+
+# The scheduler with simulated hosts; SIM_FLAGS are options of bench/sim/sim,
+# a statistics file among them.
+EXTRA_PROGRAMS += bench/sim/sim
+CLEANFILES += bench/sim/sim$(EXEEXT)
+bench_sim_sim_SOURCES = \
+	bench/sim/cluster.c \
+	bench/sim/cluster.h \
+	bench/sim/event.c \
+	bench/sim/event.h \
+	bench/sim/host.c \
+	bench/sim/map.c \
+	bench/sim/map.h \
+	bench/sim/sim.c
+bench_sim_sim_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+bench_sim_sim_LDADD = $(LIBDAEMON) $(LIBCLIENT) $(LIBRAD)
+SIM_FLAGS =
+bench-sim: bench/sim/sim$(EXEEXT)
+	$(MKDIR_P) bench/results
+	bench/sim/sim$(EXEEXT) --size=3840x2160 $(SIM_FLAGS) \
+		--plot=bench/results/sim.png >bench/results/sim.txt
+	cat bench/results/sim.txt
 
 # Against rpict, where that is on PATH: bench/versus.sh says how to call it.
 dist_noinst_SCRIPTS += bench/versus.sh

@@ -1,0 +1,558 @@
+/* cluster.c - see cluster.h */
+#include "config.h"
+
+#include "cluster.h"
+
+#include "base/rng.h"
+#include "frame.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* A job that takes so many times what one host would is stuck. */
+#define STUCK 20
+
+#define TICK_US 100000
+#define CLIENT  -1 /* in place of a host's number */
+
+static uint64_t
+now_ms(const struct cluster *c)
+{
+    return 1000 + c->events.now_us / 1000; /* 0 means never */
+}
+
+double
+cluster_random(struct cluster *c)
+{
+    return rad_rand(c->spec->seed, (uint32_t)c->random++ & 0x7fffffff);
+}
+
+static void
+later(struct cluster *c, double delay_us, int host, uint64_t n,
+      void (*fn)(void *arg, struct event *e))
+{
+    struct event e = { .at_us = c->events.now_us + (uint64_t)delay_us,
+                       .fn = fn,
+                       .host = host,
+                       .n = n };
+
+    events_add(&c->events, &e);
+}
+
+/* --- the coordinator --- */
+
+static void coordinate(struct cluster *c);
+
+/* How long coord.c takes, in all. */
+static double
+processor_s(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Cut a frame's header off and decode the rest. */
+static void
+decode(struct cluster *c, const struct event *e)
+{
+    const uint8_t *b = e->bytes;
+    uint16_t type = (uint16_t)(b[4] << 8 | b[5]);
+    uint32_t request = (uint32_t)b[8] << 24 | (uint32_t)b[9] << 16 |
+                       (uint32_t)b[10] << 8 | b[11];
+    struct rad_error err = { 0 };
+
+    if (msg_unpack(&c->msg, type, request, b + MSG_HEADER, e->len - MSG_HEADER,
+                   &err) < 0) {
+        fprintf(stderr, "sim: %s: %s\n", msg_name(type), err.what);
+        abort();
+    }
+}
+
+static void
+tell(const struct cluster *c, const char *to, const struct msg *m)
+{
+    if (c->spec->verbose)
+        printf("%10.6f %s %s\n", 1e-6 * (double)c->events.now_us, to,
+               msg_name(m->type));
+}
+
+static void
+at_coordinator(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    double begin = processor_s();
+
+    decode(c, e);
+    tell(c, "coord", &c->msg);
+    coord_message(c->coord, now_ms(c), e->n, &c->msg);
+    c->out->coord_s += processor_s() - begin;
+    coordinate(c);
+}
+
+/* It deals with one message after the other. */
+static void
+reach_coordinator(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    struct event then = *e;
+    uint64_t begin = c->events.now_us;
+
+    if (begin < c->coord_busy_us)
+        begin = c->coord_busy_us;
+    c->coord_busy_us =
+        begin + (uint64_t)(c->spec->coord_us +
+                           1e6 * (double)e->len / c->spec->bandwidth);
+    then.at_us = c->coord_busy_us;
+    then.fn = at_coordinator;
+    events_add(&c->events, &then);
+    e->bytes = NULL; /* went along */
+}
+
+static struct event
+packed(struct cluster *c, const struct msg *m, uint64_t n)
+{
+    struct wire_out out;
+    struct event e = { .n = n };
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    if (msg_pack(&out, m) < 0) {
+        fprintf(stderr, "sim: %s cannot be packed\n", msg_name(m->type));
+        abort();
+    }
+    c->out->messages++;
+    c->out->bytes += out.len;
+    if (m->type == MSG_BASE_LINE)
+        c->out->base_line_bytes += out.len;
+    e.bytes = out.buf;
+    e.len = out.len;
+    return e;
+}
+
+/* When so many bytes are through a link, whose time moves on. */
+static uint64_t
+through(const struct cluster *c, uint64_t *link_us, size_t len)
+{
+    if (*link_us < c->events.now_us)
+        *link_us = c->events.now_us;
+    *link_us += (uint64_t)(1e6 * (double)len / c->spec->bandwidth);
+    return *link_us;
+}
+
+static void
+to_coordinator(struct cluster *c, uint64_t conn, uint64_t *link_us,
+               const struct msg *m)
+{
+    struct event e = packed(c, m, conn);
+
+    e.fn = reach_coordinator;
+    e.at_us = through(c, link_us, e.len) + (uint64_t)c->spec->latency_us;
+    events_add(&c->events, &e);
+}
+
+void
+cluster_send(struct cluster *c, int host, const struct msg *m)
+{
+    struct host *h = host_at(c, host);
+
+    to_coordinator(c, host_conn(h), host_up_us(h), m);
+}
+
+/* --- hosts and the client --- */
+
+static void
+at_host(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    struct host *h = host_at(c, e->host);
+    char name[32];
+
+    if (e->n != 0 && e->n != host_conn(h))
+        return; /* it died meanwhile */
+    decode(c, e);
+    snprintf(name, sizeof name, "w%d", e->host);
+    tell(c, name, &c->msg);
+    host_message(c, h, &c->msg);
+}
+
+void
+cluster_send_peer(struct cluster *c, int host, int to, const struct msg *m)
+{
+    struct event e = packed(c, m, 0);
+
+    e.fn = at_host;
+    e.host = to;
+    e.at_us = through(c, host_up_us(host_at(c, host)), e.len) +
+              (uint64_t)c->spec->latency_us;
+    events_add(&c->events, &e);
+}
+
+static void
+at_client(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+
+    decode(c, e);
+    tell(c, "client", &c->msg);
+    if (c->msg.type == MSG_DONE) {
+        c->out->done = c->over = true;
+        c->out->seconds = 1e-6 * (double)(c->events.now_us - c->start_us);
+    } else if (c->msg.type == MSG_FAILED) {
+        c->over = true;
+        snprintf(c->out->text, sizeof c->out->text, "%s", c->msg.failed.text);
+    }
+}
+
+int
+cluster_find(const struct cluster *c, const char *name)
+{
+    int i = name[0] == 'w' ? atoi(name + 1) : -1;
+
+    return i < c->spec->hosts ? i : -1;
+}
+
+static int
+host_of(const struct cluster *c, uint64_t conn)
+{
+    int host = (int)(conn % 65536);
+
+    return conn == c->client || host >= c->spec->hosts ||
+                   host_conn(host_at(c, host)) != conn
+               ? CLIENT
+               : host;
+}
+
+/* --- what the coordinator wants --- */
+
+static void
+send_out(struct cluster *c, const struct action *a)
+{
+    int host = host_of(c, a->conn);
+    struct event e = { .fn = host == CLIENT ? at_client : at_host,
+                       .host = host,
+                       .n = a->conn,
+                       .len = a->len };
+    uint64_t at = through(c, &c->coord_out_us, a->len);
+
+    if (host == CLIENT && a->conn != c->client)
+        return; /* a host that died */
+    if (host != CLIENT) {
+        uint64_t *down = host_down_us(host_at(c, host));
+
+        if (at < *down)
+            at = *down;
+        *down = at;
+    }
+    c->out->messages++;
+    c->out->bytes += a->len;
+    e.bytes = sim_alloc(a->len);
+    memcpy(e.bytes, a->bytes, a->len);
+    e.at_us = at + (uint64_t)c->spec->latency_us;
+    events_add(&c->events, &e);
+}
+
+static void
+job_opened(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+
+    (void)e;
+    coord_job_opened(c->coord, now_ms(c), c->job, 0, NULL);
+    coordinate(c);
+}
+
+static void
+rows_stored(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    struct action_rows rows;
+
+    memcpy(&rows, e->bytes, sizeof rows);
+    coord_rows_stored(c->coord, now_ms(c), &rows, 0, NULL);
+    coordinate(c);
+}
+
+static void
+picture_written(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+
+    coord_picture_written(c->coord, now_ms(c), c->job, (uint32_t)e->n, 0, NULL);
+    coordinate(c);
+}
+
+static void
+put_rows(struct cluster *c, const struct action *a)
+{
+    struct event e = { .fn = rows_stored, .len = sizeof a->rows };
+
+    e.bytes = sim_alloc(e.len);
+    memcpy(e.bytes, &a->rows, e.len);
+    e.at_us = c->events.now_us + (uint64_t)c->spec->disk_us;
+    if (e.at_us < c->disk_us)
+        e.at_us = c->disk_us;
+    c->disk_us = e.at_us;
+    events_add(&c->events, &e);
+}
+
+static void
+carry_out(struct cluster *c, const struct action *a)
+{
+    switch (a->type) {
+    case ACT_SEND:
+        send_out(c, a);
+        break;
+    case ACT_LOG:
+        if (c->spec->verbose || a->level == ACT_ERR)
+            printf("%10.6f %s\n", 1e-6 * (double)c->events.now_us, a->text);
+        break;
+    case ACT_JOB_OPEN:
+        later(c, c->spec->disk_us, 0, 0, job_opened);
+        break;
+    case ACT_PUT_ROWS:
+        put_rows(c, a);
+        break;
+    case ACT_WRITE_PICTURE:
+        later(c, c->spec->disk_us, 0, a->frame, picture_written);
+        break;
+    default:
+        break; /* no files, no other end */
+    }
+}
+
+static void
+coordinate(struct cluster *c)
+{
+    struct action_list *l = coord_actions(c->coord);
+
+    for (size_t i = 0; i < l->n; i++)
+        carry_out(c, &l->v[i]);
+    if (l->failed) {
+        fputs("sim: the coordinator is out of memory\n", stderr);
+        abort();
+    }
+    actions_clear(l);
+}
+
+static void
+tick(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    double begin = processor_s();
+
+    (void)e;
+    coord_tick(c->coord, now_ms(c));
+    c->out->coord_s += processor_s() - begin;
+    coordinate(c);
+    later(c, TICK_US, 0, 0, tick);
+}
+
+/* --- life --- */
+
+static bool
+has_file(void *arg, const uint8_t hash[MSG_HASH])
+{
+    (void)arg;
+    (void)hash;
+    return true;
+}
+
+static void
+random_bytes(void *arg, void *buf, size_t n)
+{
+    struct cluster *c = arg;
+    uint8_t *p = buf;
+
+    while (n-- > 0)
+        *p++ = (uint8_t)(256 * cluster_random(c));
+}
+
+/* From a host, or the client (number CLIENT). */
+static uint64_t
+open_conn(struct cluster *c, int host, enum msg_role role)
+{
+    const struct coord_peer peer = { "sim", "sim", 1u << role };
+    uint64_t low = host == CLIENT ? 65535 : (uint64_t)host;
+    uint64_t conn = ++c->next_conn << 16 | low;
+
+    coord_opened(c->coord, now_ms(c), conn, &peer);
+    coordinate(c);
+    return conn;
+}
+
+uint64_t
+cluster_open(struct cluster *c, int host)
+{
+    return open_conn(c, host, MSG_ROLE_WORKER);
+}
+
+/* The costs of the lines, as a former run's statistics would say. */
+static uint8_t *
+line_costs(const struct map *m, uint32_t *n)
+{
+    uint8_t *bytes, *to;
+
+    *n = m->nframes * (uint32_t)m->nlines;
+    bytes = to = sim_alloc(*n * sizeof(float));
+    for (uint32_t k = 0; k < m->nframes; k++) {
+        int y = 0;
+
+        for (int i = 0; i < m->nlines; i++, to += sizeof(float)) {
+            double sum = 0;
+            float cost;
+
+            for (; y <= rad_quincunx_base_row(&m->q, i); y++)
+                sum += map_row(m, k, y, m->q.width);
+            cost = (float)sum;
+            wire_floats_put(to, &cost, 1);
+        }
+    }
+    return bytes;
+}
+
+static void
+submit(struct cluster *c)
+{
+    const struct cluster_spec *s = c->spec;
+    const struct map *m = s->map;
+    uint8_t hash[MSG_HASH] = { 1 }, *costs = NULL;
+    struct msg_frame *frames = sim_alloc(m->nframes * sizeof *frames);
+    bool optimum = strcmp(s->estimate, "optimum") == 0;
+    struct msg msg = { .type = MSG_SUBMIT, .request = 1 };
+    uint64_t link = 0;
+    char params[32];
+
+    snprintf(params, sizeof params, "-ps %d", m->psample);
+    for (uint32_t k = 0; k < m->nframes; k++)
+        frames[k] = (struct msg_frame){ m->nframes > 1 ? k + 1 : 0,
+                                        (uint32_t)m->q.width,
+                                        (uint32_t)m->q.height, "-vtv" };
+    msg.submit =
+        (struct msg_spec){ .job = c->job,
+                           .manifest = hash,
+                           .name = "sim",
+                           .params = params,
+                           .needs = "",
+                           .estimate = optimum ? "uniform" : s->estimate,
+                           .seed = s->seed,
+                           .flags = s->flags,
+                           .partition = (uint8_t)s->partition,
+                           .order = (uint8_t)s->order,
+                           .windows = s->windows,
+                           .files = { 1, hash },
+                           .nframes = m->nframes,
+                           .frames = frames };
+    if (optimum)
+        costs = line_costs(m, &msg.submit.ncosts);
+    msg.submit.costs = costs;
+    c->start_us = c->events.now_us;
+    to_coordinator(c, c->client, &link, &msg);
+    free(costs);
+    free(frames);
+}
+
+static void
+say_hello(struct cluster *c)
+{
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { 1, 1, MSG_ROLE_USER, "", "sim", "", 0, 0 } };
+    uint64_t link = 0;
+
+    c->client = open_conn(c, CLIENT, MSG_ROLE_USER);
+    to_coordinator(c, c->client, &link, &m);
+}
+
+static void
+begin(void *arg, struct event *e)
+{
+    (void)e;
+    submit(arg);
+}
+
+static void
+fail_host(void *arg, struct event *e)
+{
+    struct cluster *c = arg;
+    struct host *h = host_at(c, e->host);
+
+    if (host_conn(h) != 0) {
+        uint64_t conn = host_conn(h);
+
+        host_fail(c, h);
+        coord_closed(c->coord, now_ms(c), conn, "reset");
+        coordinate(c);
+        c->out->failed++;
+    }
+    later(c, -log(1 - cluster_random(c)) * 3600e6 / c->spec->failures, e->host,
+          0, fail_host);
+}
+
+static void
+dial(struct cluster *c)
+{
+    for (int i = 0; i < c->spec->hosts; i++)
+        host_dial(c, host_at(c, i));
+}
+
+/* Speeds from the slowest to the fastest, in no order, their mean 1. */
+static void
+make_hosts(struct cluster *c)
+{
+    const struct cluster_spec *s = c->spec;
+    int n = s->hosts;
+
+    c->hosts = sim_alloc((size_t)n * host_size());
+    for (int i = 0; i < n; i++) {
+        int rank = (int)((long)i * 7919 % n); /* a prime: a permutation */
+        double t = n > 1 ? (double)rank / (n - 1) : .5;
+        double speed = 1 + t * (s->uneven - 1);
+
+        host_init(c, host_at(c, i), i, speed / ((1 + s->uneven) / 2));
+        c->out->speed += speed / ((1 + s->uneven) / 2);
+    }
+}
+
+static void
+run_to_end(struct cluster *c)
+{
+    double most = STUCK * (c->out->work / c->out->speed * c->spec->hosts + 100);
+
+    while (!c->over && events_step(&c->events, c))
+        if ((double)c->events.now_us > 1e6 * most) {
+            snprintf(c->out->text, sizeof c->out->text, "stuck after %.0f s",
+                     1e-6 * (double)c->events.now_us);
+            return;
+        }
+}
+
+void
+cluster_run(const struct cluster_spec *s, struct cluster_result *out)
+{
+    struct cluster c = { .spec = s, .out = out, .job = { 7 } };
+    struct coord_env env = { has_file, random_bytes, &c, "sim", 1 };
+
+    memset(out, 0, sizeof *out);
+    c.coord = coord_new(&env);
+    make_hosts(&c);
+    out->work = s->map->total * (1 + s->growth * log2(s->hosts));
+    dial(&c);
+    say_hello(&c);
+    tick(&c, NULL);
+    later(&c, 100000, 0, 0, begin);
+    for (int i = 0; s->failures > 0 && i < s->hosts; i++)
+        later(&c, -log(1 - cluster_random(&c)) * 3600e6 / s->failures, i, 0,
+              fail_host);
+    run_to_end(&c);
+    for (int i = 0; i < s->hosts; i++) {
+        host_count(host_at(&c, i), out);
+        host_release(host_at(&c, i));
+    }
+    free(c.hosts);
+    coord_free(c.coord);
+    events_release(&c.events);
+    msg_release(&c.msg);
+}

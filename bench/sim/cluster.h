@@ -1,0 +1,110 @@
+/* cluster.h - a coordinator, hosts and the network between them, in virtual
+ * time
+ *
+ * The coordinator is the real one (daemon/coord.c), and what a job's child
+ * decides is decided by the real machine (daemon/strict.c).  Played are: time,
+ * links, the disk, and rendering, which takes as long as the map says.  Every
+ * message is packed and unpacked by the real codec, so that its bytes count.
+ * A run is a function of its spec.
+ * Thread: one. */
+#ifndef SIM_CLUSTER_H
+#define SIM_CLUSTER_H
+
+#include "coord.h"
+#include "event.h"
+#include "map.h"
+#include "strict.h"
+
+struct cluster_spec {
+    const struct map *map;
+    int hosts;
+    double uneven;     /* the fastest host's speed over the slowest's; speeds
+                        * lie evenly between, and their mean is 1 */
+    double latency_us; /* one way */
+    double bandwidth;  /* bytes a second of each link, and the coordinator's
+                        * for all together each way */
+    double coord_us;   /* that the coordinator needs for a message */
+    double disk_us;    /* until rows are kept */
+    double load_us;    /* of the scene */
+    double growth;     /* more work, as a part, with each doubling of hosts:
+                        * ambient records that are made more than once */
+    double failures;   /* of each host, in an hour */
+    double back_us;    /* until a host that failed is there again */
+    enum msg_partition partition;
+    enum msg_order order;
+    uint32_t windows;
+    const char *estimate; /* "uniform", "20a"; "optimum": the map's costs */
+    uint32_t flags;       /* MSG_JOB_... */
+    uint64_t seed;
+    bool verbose;
+};
+
+struct cluster_result {
+    bool done;
+    char text[MSG_MAX_TEXT + 1]; /* why not */
+    double seconds;              /* from submitting the job to its end */
+    double busy_s;               /* of all hosts, tracing */
+    double wait_s;               /* the longest that a host had nothing but to
+                                  * wait for base lines */
+    double twice;   /* pixels traced more often than once, as a part of all */
+    double speed;   /* of all hosts */
+    double work;    /* seconds of one host of speed 1 */
+    double coord_s; /* processor time that coord.c really took here */
+    uint64_t bytes, messages, base_line_bytes, units, failed;
+};
+
+/* Run it; RAD_EUSAGE for what the coordinator refuses, said in text as well. */
+void cluster_run(const struct cluster_spec *spec, struct cluster_result *out);
+
+/* --- for host.c --- */
+
+struct host;
+
+struct cluster {
+    const struct cluster_spec *spec;
+    struct cluster_result *out;
+    struct events events;
+    struct coord *coord;
+    struct host *hosts;
+    uint8_t job[MSG_JOB];
+    uint64_t next_conn, client;
+    uint64_t coord_busy_us, coord_out_us, disk_us, start_us, random;
+    bool over;
+    struct msg msg;
+};
+
+/* A host's new connection to the coordinator. */
+uint64_t cluster_open(struct cluster *c, int host);
+
+/* A message from a host to the coordinator, or to another host. */
+void cluster_send(struct cluster *c, int host, const struct msg *m);
+void cluster_send_peer(struct cluster *c, int host, int to,
+                       const struct msg *m);
+
+/* The host of a worker's name; -1: none. */
+int cluster_find(const struct cluster *c, const char *name);
+
+/* Uniform in [0, 1), the next of the run's. */
+double cluster_random(struct cluster *c);
+
+void host_init(struct cluster *c, struct host *h, int number, double speed);
+void host_release(struct host *h);
+size_t host_size(void);
+struct host *host_at(const struct cluster *c, int i);
+
+/* It calls the coordinator; the connection's number there. */
+void host_dial(struct cluster *c, struct host *h);
+uint64_t host_conn(const struct host *h);
+
+/* It dies, and is there again after spec->back_us. */
+void host_fail(struct cluster *c, struct host *h);
+
+/* The links' times: when what was sent last is through. */
+uint64_t *host_up_us(struct host *h);
+uint64_t *host_down_us(struct host *h);
+
+void host_message(struct cluster *c, struct host *h, const struct msg *m);
+/* What it counted so far into the result. */
+void host_count(const struct host *h, struct cluster_result *out);
+
+#endif

@@ -1,0 +1,96 @@
+/* event.c - see event.h */
+#include "config.h"
+
+#include "event.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <sysexits.h>
+
+void *
+sim_alloc(size_t n)
+{
+    void *p = calloc(1, n + 1);
+
+    if (!p) {
+        fputs("sim: out of memory\n", stderr);
+        exit(EX_OSERR);
+    }
+    return p;
+}
+
+static bool
+before(const struct event *a, const struct event *b)
+{
+    return a->at_us != b->at_us ? a->at_us < b->at_us
+                                : a->sequence < b->sequence;
+}
+
+static void
+swap(struct event *a, struct event *b)
+{
+    struct event t = *a;
+
+    *a = *b;
+    *b = t;
+}
+
+void
+events_add(struct events *v, const struct event *e)
+{
+    size_t i = v->n++;
+
+    if (i == v->cap) {
+        v->cap = i ? 2 * i : 256;
+        v->heap = realloc(v->heap, v->cap * sizeof *v->heap);
+        if (!v->heap)
+            exit(EX_OSERR);
+    }
+    v->heap[i] = *e;
+    v->heap[i].sequence = v->sequence++;
+    for (; i > 0 && before(&v->heap[i], &v->heap[(i - 1) / 2]); i = (i - 1) / 2)
+        swap(&v->heap[i], &v->heap[(i - 1) / 2]);
+}
+
+static struct event
+pop(struct events *v)
+{
+    struct event top = v->heap[0];
+    size_t i = 0;
+
+    v->heap[0] = v->heap[--v->n];
+    for (;;) {
+        size_t least = i;
+
+        for (size_t k = 2 * i + 1; k <= 2 * i + 2 && k < v->n; k++)
+            if (before(&v->heap[k], &v->heap[least]))
+                least = k;
+        if (least == i)
+            return top;
+        swap(&v->heap[i], &v->heap[least]);
+        i = least;
+    }
+}
+
+bool
+events_step(struct events *v, void *arg)
+{
+    struct event e;
+
+    if (v->n == 0)
+        return false;
+    e = pop(v);
+    v->now_us = e.at_us;
+    e.fn(arg, &e);
+    free(e.bytes);
+    return true;
+}
+
+void
+events_release(struct events *v)
+{
+    for (size_t i = 0; i < v->n; i++)
+        free(v->heap[i].bytes);
+    free(v->heap);
+    *v = (struct events){ 0 };
+}

@@ -1,0 +1,971 @@
+/* host.c - a worker of a simulated cluster: its radd and its job's child
+ *
+ * The child has one team, as fast as the host.  Units of windows are done one
+ * after the other.  Strict units are strict.c's: the team goes over the lines
+ * of a pass as team.c does, base line, then bar, in blocks of columns, and puts
+ * what it traced into the facts; every second pixel is one that the sampler
+ * wants.  What is known already takes no time.  So a guess never misleads: the
+ * few rays that wrong guesses cost are left out. */
+#include "config.h"
+
+#include "cluster.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Blocks of columns, each an event: what a pass is stopped after. */
+#define BLOCKS 16
+
+/* Rows are sent when so many bytes of them are done, as in pool.c. */
+#define PIECE_BYTES (64u << 10)
+
+#define TICK_US 10000 /* of strict_tick() */
+#define PS      1e-12 /* seconds that nobody waits for */
+
+/* The office at night makes so many rays in a second on one processor. */
+#define RAYS_PER_S 1.7e6
+
+/* A pixel's cost has about its mean as standard deviation. */
+#define SPREAD 1.0
+
+struct window {
+    struct window *next;
+    struct msg_unit unit;
+};
+
+struct asked {
+    struct asked *next;
+    uint32_t id, n;
+    struct msg_cost *costs;
+    double seconds;
+};
+
+/* What was done for a strict unit so far. */
+struct account {
+    struct account *next;
+    uint32_t unit, attempt, y;
+    double seconds;
+    uint64_t begin_us;
+};
+
+/* A base line that was made here, and who waits for one. */
+struct bottom {
+    struct bottom *next;
+    uint32_t frame, line;
+    bool made;
+    int to; /* -1: nobody */
+};
+
+struct host {
+    struct cluster *cluster;
+    int number;
+    char name[16];
+    double speed;
+    uint64_t conn;
+    unsigned life; /* those that died before: their events are void */
+    uint64_t up_us, down_us;
+    struct rad_quincunx *frames; /* for strict_new() */
+    struct strict *strict;       /* NULL: no job */
+    struct strict_pass *pass;
+    int line, block, last; /* of the pass: where it is, and its end */
+    bool in_bar;
+    int sent_row; /* of a TRUTH pass: those above are out */
+    struct window *windows;
+    struct asked *asked;
+    struct account *accounts;
+    struct bottom *bottoms;
+    bool working, ticking;
+    uint64_t idle_us; /* since when it waits for a top; 0: it does not */
+    /* for the result */
+    double busy_s, wait_s;
+    uint64_t wanted, traced, units;
+    struct rad_pixel *pixels; /* a base line, black */
+    uint8_t *density, *bytes; /* rows, black */
+};
+
+/* --- small things --- */
+
+size_t
+host_size(void)
+{
+    return sizeof(struct host);
+}
+
+struct host *
+host_at(const struct cluster *c, int i)
+{
+    return &c->hosts[i];
+}
+
+uint64_t
+host_conn(const struct host *h)
+{
+    return h->conn;
+}
+
+uint64_t *
+host_up_us(struct host *h)
+{
+    return &h->up_us;
+}
+
+uint64_t *
+host_down_us(struct host *h)
+{
+    return &h->down_us;
+}
+
+static const struct map *
+map_of(const struct host *h)
+{
+    return h->cluster->spec->map;
+}
+
+static void
+later(struct host *h, double delay_us, void (*fn)(void *arg, struct event *e))
+{
+    struct event e = { .at_us =
+                           h->cluster->events.now_us + (uint64_t)ceil(delay_us),
+                       .fn = fn,
+                       .host = h->number,
+                       .n = h->life };
+
+    events_add(&h->cluster->events, &e);
+}
+
+/* The host that an event is for; NULL: it died since. */
+static struct host *
+alive(void *arg, const struct event *e)
+{
+    struct host *h = host_at(arg, e->host);
+
+    return h->life == e->n ? h : NULL;
+}
+
+static void
+say(struct host *h, const struct msg *m)
+{
+    if (h->conn != 0)
+        cluster_send(h->cluster, h->number, m);
+}
+
+static void
+send_tally(struct host *h)
+{
+    struct msg m = { .type = MSG_TALLY };
+
+    m.tally.job = h->cluster->job;
+    m.tally.busy_s = h->busy_s + h->wait_s;
+    m.tally.wait_base_line_s = h->wait_s;
+    say(h, &m);
+}
+
+/* Rows of a unit, in pieces as long as a child's. */
+static void
+send_rows(struct host *h, uint32_t unit, uint32_t attempt, uint32_t width,
+          uint32_t row, uint32_t rows, uint32_t height,
+          const struct msg_counts *counts)
+{
+    uint32_t most = PIECE_BYTES / (width * 12) + 1;
+    struct msg m = { .type = MSG_RESULT };
+
+    while (rows > 0) {
+        uint32_t n = rows < most ? rows : most;
+
+        m.result = (struct msg_result){ .job = h->cluster->job,
+                                        .unit = unit,
+                                        .attempt = attempt,
+                                        .row = row,
+                                        .rows = n,
+                                        .width = width,
+                                        .channels = 3,
+                                        .last = row + n == height,
+                                        .pixels = h->bytes };
+        if (m.result.last) {
+            m.result.counts = *counts;
+            send_tally(h);
+            h->units++;
+        }
+        say(h, &m);
+        row += n;
+        rows -= n;
+    }
+}
+
+static struct msg_counts
+counts_of(const struct host *h, double seconds, uint64_t begin_us,
+          uint64_t pixels)
+{
+    double rays = seconds * h->speed * RAYS_PER_S;
+
+    return (struct msg_counts){
+        .rays = (uint64_t)rays,
+        .primary_rays = pixels,
+        .intersection_tests = (uint64_t)(3 * rays),
+        .cpu_s = seconds,
+        .wall_s = 1e-6 * (double)(h->cluster->events.now_us - begin_us)
+    };
+}
+
+/* Work costs more where it is done twice over. */
+static double
+seconds_for(const struct host *h, double cost)
+{
+    const struct cluster_spec *s = h->cluster->spec;
+
+    return cost * (1 + s->growth * log2(s->hosts)) / h->speed;
+}
+
+/* --- strict units: pixels --- */
+
+static bool
+is_wanted(int x, int row)
+{
+    return (x + row) % 2 == 0;
+}
+
+/* Columns of a block, in the order of the pass. */
+static void
+block_of(const struct host *h, int *x0, int *x1)
+{
+    int k = h->block, width = map_of(h)->q.width;
+
+    switch (h->pass->end) {
+    case TEAM_FROM_LEFT:
+        break;
+    case TEAM_FROM_RIGHT:
+        k = BLOCKS - 1 - k;
+        break;
+    case TEAM_MIDDLE_RIGHTWARDS:
+        k = (k + BLOCKS / 2) % BLOCKS;
+        break;
+    case TEAM_MIDDLE_LEFTWARDS:
+        k = (BLOCKS + BLOCKS / 2 - 1 - k) % BLOCKS;
+        break;
+    }
+    *x0 = width * k / BLOCKS;
+    *x1 = width * (k + 1) / BLOCKS;
+}
+
+/* Rows of the line that the pass is at, as its facts number them. */
+static void
+rows_of(const struct host *h, int *r0, int *r1)
+{
+    int n = team_line_rows(&map_of(h)->q, h->line);
+
+    *r0 = h->in_bar ? 0 : n - 1;
+    *r1 = h->in_bar ? n - 1 : n;
+}
+
+static struct rad_facts *
+facts_of(const struct host *h)
+{
+    if (!h->pass->facts)
+        return NULL;
+    return atomic_load_explicit(&h->pass->facts[h->line], memory_order_relaxed);
+}
+
+/* What the block that the pass is at still costs, in seconds of speed 1. */
+static double
+missing(const struct host *h)
+{
+    const struct rad_facts *facts = facts_of(h);
+    const struct map *m = map_of(h);
+    int top = team_line_row(&m->q, h->line), x0, x1, r0, r1;
+    double sum = 0;
+    struct rad_pixel p;
+
+    block_of(h, &x0, &x1);
+    rows_of(h, &r0, &r1);
+    for (int r = r0; r < r1; r++) {
+        int n = 0, wanted = 0;
+
+        for (int x = x0; x < x1; x++) {
+            if (!is_wanted(x, r))
+                continue;
+            wanted++;
+            n += !facts || !rad_facts_get(facts, x, r, &p);
+        }
+        if (n > 0)
+            sum += map_row(m, h->pass->frame, top + r, x1 - x0) * n / wanted;
+    }
+    return sum;
+}
+
+/* The block is traced; with TRUTH its facts are used. */
+static void
+fill(struct host *h)
+{
+    bool truth = h->pass->mode == TEAM_TRUTH;
+    struct rad_facts *facts = facts_of(h);
+    static const struct rad_pixel black;
+    int x0, x1, r0, r1;
+    struct rad_pixel p;
+
+    block_of(h, &x0, &x1);
+    rows_of(h, &r0, &r1);
+    for (int r = r0; r < r1; r++)
+        for (int x = x0; x < x1; x++) {
+            if (!is_wanted(x, r))
+                continue;
+            h->wanted += truth;
+            if (!facts) {
+                h->traced++;
+            } else if (truth ? rad_facts_use(facts, x, r, &p)
+                             : rad_facts_get(facts, x, r, &p)) {
+                continue;
+            } else {
+                h->traced++;
+                rad_facts_put(facts, x, r, &black, truth ? RAD_FACT_USED : 0);
+            }
+        }
+}
+
+/* --- strict units: accounts --- */
+
+static struct account *
+account_of(struct host *h, const struct strict_pass *p)
+{
+    struct account *a = h->accounts;
+
+    while (a && (a->unit != p->unit || a->attempt != p->attempt))
+        a = a->next;
+    return a;
+}
+
+static void
+open_account(struct host *h, const struct msg_unit *u)
+{
+    struct account *a = sim_alloc(sizeof *a);
+
+    a->unit = u->unit;
+    a->attempt = u->attempt;
+    a->y = u->y;
+    a->begin_us = h->cluster->events.now_us;
+    a->next = h->accounts;
+    h->accounts = a;
+}
+
+static void
+close_account(struct host *h, uint32_t unit, uint32_t attempt)
+{
+    struct account **at = &h->accounts;
+
+    while (*at && ((*at)->unit != unit || (*at)->attempt != attempt))
+        at = &(*at)->next;
+    if (*at) {
+        struct account *a = *at;
+
+        *at = a->next;
+        free(a);
+    }
+}
+
+/* --- base lines to peers --- */
+
+static struct bottom *
+bottom_of(struct host *h, uint32_t frame, uint32_t line)
+{
+    struct bottom *b = h->bottoms;
+
+    while (b && (b->frame != frame || b->line != line))
+        b = b->next;
+    if (!b) {
+        b = sim_alloc(sizeof *b);
+        b->frame = frame;
+        b->line = line;
+        b->to = -1;
+        b->next = h->bottoms;
+        h->bottoms = b;
+    }
+    return b;
+}
+
+/* A piece goes to whoever waits; what was made before is sent when one says
+ * that it waits. */
+static void
+pass_on(struct host *h, const struct msg *m)
+{
+    const struct msg_base_line *l = &m->base_line;
+    struct bottom *b = bottom_of(h, l->frame, l->line);
+
+    b->made |= l->x + l->n == (uint32_t)map_of(h)->q.width;
+    if (b->to >= 0)
+        cluster_send_peer(h->cluster, h->number, b->to, m);
+}
+
+static void
+next_holder(struct host *h, const struct msg_next_holder *n)
+{
+    struct bottom *b = bottom_of(h, n->frame, n->line);
+    const struct map *map = map_of(h);
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    b->to = cluster_find(h->cluster, n->name);
+    if (b->to == h->number)
+        b->to = -1; /* it has it itself */
+    if (b->to < 0 || !b->made)
+        return;
+    m.base_line =
+        (struct msg_base_line){ .job = h->cluster->job,
+                                .frame = n->frame,
+                                .line = n->line,
+                                .n = (uint32_t)map->q.width,
+                                .ndensity =
+                                    (uint32_t)rad_quincunx_ndensity(&map->q),
+                                .channels = 3,
+                                .density = h->density,
+                                .pixels = h->bytes };
+    cluster_send_peer(h->cluster, h->number, b->to, &m);
+}
+
+/* --- strict units: passes --- */
+
+static void flush(struct host *h);
+static void go_on(struct host *h);
+
+/* Rows of a TRUTH pass above `row` are done. */
+static void
+rows_done(struct host *h, int row, bool last)
+{
+    const struct map *m = map_of(h);
+    struct account *a = account_of(h, h->pass);
+    uint32_t width = (uint32_t)m->q.width;
+    uint32_t n = (uint32_t)(row - h->sent_row);
+    struct msg_counts counts;
+
+    if (!a || (!last && n < PIECE_BYTES / (width * 12) + 1))
+        return;
+    counts = counts_of(h, a->seconds, a->begin_us,
+                       (uint64_t)(row - (int)a->y) * width / 2);
+    send_rows(h, a->unit, a->attempt, width, (uint32_t)h->sent_row - a->y, n,
+              last ? (uint32_t)row - a->y : UINT32_MAX, &counts);
+    h->sent_row = row;
+}
+
+static void
+end_pass(struct host *h, bool done)
+{
+    struct strict_pass *p = h->pass;
+    bool truth = p->mode == TEAM_TRUTH;
+    uint32_t unit = p->unit, attempt = p->attempt;
+    uint64_t speculative;
+
+    if (done && truth) {
+        const struct rad_quincunx *q = &map_of(h)->q;
+
+        rows_done(h,
+                  h->last < map_of(h)->nlines ? team_line_row(q, h->last)
+                                              : q->height,
+                  true);
+    }
+    h->pass = NULL;
+    strict_ended(h->strict, p, done, h->pixels, h->density, &speculative);
+    if (done && truth)
+        close_account(h, unit, attempt);
+}
+
+/* Half of the lines that are not begun, as team_shrink() does. */
+static void
+shrink(struct host *h)
+{
+    int begun = h->line + 1;
+
+    if (begun < h->pass->least)
+        begun = h->pass->least;
+    if (begun < h->last)
+        h->last -= (h->last - begun) / 2;
+    strict_shrunk(h->strict, h->pass, h->last);
+}
+
+/* A line's base line, from its first column to this block's end, is true. */
+static void
+tell_bottom(struct host *h)
+{
+    const struct map *m = map_of(h);
+    size_t n = rad_quincunx_ndensity(&m->q);
+    int x0, x1;
+
+    if (h->pass->mode != TEAM_TRUTH || h->in_bar || h->line != h->last - 1 ||
+        h->pass->end != TEAM_FROM_LEFT)
+        return;
+    block_of(h, &x0, &x1);
+    strict_bottom(h->strict, h->pass, x1, n * (size_t)x1 / (size_t)m->q.width,
+                  h->pixels, h->density);
+}
+
+/* On to the next block, base line, then bar, then line; false: the end. */
+static bool
+step(struct host *h)
+{
+    const struct strict_pass *p = h->pass;
+    bool no_bar = p->mode == TEAM_LINES || h->line == 0 ||
+                  (p->mode == TEAM_AHEAD && h->line == p->first && !p->top);
+
+    if (++h->block < BLOCKS)
+        return true;
+    h->block = 0;
+    if (!h->in_bar && !no_bar) {
+        h->in_bar = true;
+        return true;
+    }
+    h->in_bar = false;
+    h->line++;
+    if (p->mode == TEAM_TRUTH && h->line < h->last)
+        rows_done(h, team_line_row(&map_of(h)->q, h->line), false);
+    return h->line < h->last;
+}
+
+static void
+traced(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+
+    if (!h)
+        return;
+    h->working = false;
+    if (h->pass) {
+        fill(h);
+        tell_bottom(h);
+        if (!step(h))
+            end_pass(h, !h->pass->stop);
+    }
+    go_on(h);
+}
+
+/* Trace what the pass lacks; true: it takes time. */
+static bool
+trace(struct host *h)
+{
+    struct account *a = account_of(h, h->pass);
+    double seconds;
+
+    for (;;) {
+        if (h->pass->stop) {
+            end_pass(h, false);
+            return false;
+        }
+        if (h->pass->split)
+            shrink(h);
+        seconds = seconds_for(h, missing(h));
+        if (seconds > PS)
+            break;
+        fill(h);
+        tell_bottom(h);
+        if (!step(h)) {
+            end_pass(h, true);
+            return false;
+        }
+    }
+    if (a)
+        a->seconds += seconds;
+    h->busy_s += seconds;
+    h->working = true;
+    later(h, 1e6 * seconds, traced);
+    return true;
+}
+
+static bool
+begin_pass(struct host *h)
+{
+    h->pass = strict_next(h->strict);
+    if (!h->pass)
+        return false;
+    h->line = h->pass->first;
+    h->last = h->pass->last;
+    h->block = 0;
+    h->in_bar = false;
+    h->sent_row = team_line_row(&map_of(h)->q, h->line);
+    return true;
+}
+
+/* --- windows and estimates --- */
+
+static void
+window_done(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+    struct window *w;
+    struct msg_counts counts;
+
+    if (!h)
+        return;
+    h->working = false;
+    w = h->windows;
+    h->windows = w->next;
+    counts = counts_of(h, seconds_for(h, map_window(map_of(h), &w->unit)),
+                       h->cluster->events.now_us,
+                       w->unit.width * w->unit.height / 2);
+    counts.wall_s = counts.cpu_s;
+    send_rows(h, w->unit.unit, w->unit.attempt, w->unit.width, 0,
+              w->unit.height, w->unit.height, &counts);
+    free(w);
+    go_on(h);
+}
+
+static void
+estimate_done(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+    struct msg m = { .type = MSG_ESTIMATED };
+    struct asked *a;
+
+    if (!h)
+        return;
+    h->working = false;
+    a = h->asked;
+    h->asked = a->next;
+    m.estimated = (struct msg_estimated){
+        .job = h->cluster->job,
+        .id = a->id,
+        .ncosts = a->n,
+        .costs = a->costs,
+        .counts = counts_of(h, a->seconds, h->cluster->events.now_us, 0)
+    };
+    say(h, &m);
+    free(a->costs);
+    free(a);
+    go_on(h);
+}
+
+static void
+spend(struct host *h, double seconds, void (*fn)(void *arg, struct event *e))
+{
+    h->busy_s += seconds;
+    h->working = true;
+    later(h, 1e6 * seconds, fn);
+}
+
+/* A number of mean 0 and deviation 1. */
+static double
+gauss(struct cluster *c)
+{
+    double sum = 0;
+
+    for (int i = 0; i < 12; i++)
+        sum += cluster_random(c);
+    return sum - 6;
+}
+
+/* What n pixels of the area cost, by chance, in seconds of speed 1. */
+static double
+sampled(struct host *h, const struct msg_area *a, uint32_t n)
+{
+    const struct map *m = map_of(h);
+    uint32_t pixels = a->width * a->height;
+    double mean = 0, chance;
+
+    for (uint32_t y = a->y; y < a->y + a->height; y++)
+        mean += map_row(m, a->frame, (int)y, (int)a->width);
+    mean /= .5 * pixels; /* of a pixel that is traced */
+    if (n > pixels)
+        n = pixels;
+    chance = 1 + SPREAD / sqrt(n) * gauss(h->cluster);
+    return n * mean * (chance > 0 ? chance : 0);
+}
+
+static void
+take_estimate(struct host *h, const struct msg_estimate *m)
+{
+    struct asked *a = sim_alloc(sizeof *a), **at = &h->asked;
+
+    a->id = m->id;
+    a->n = m->nareas;
+    a->costs = sim_alloc(m->nareas * sizeof *a->costs);
+    for (uint32_t i = 0; i < m->nareas; i++) {
+        double cost = sampled(h, &m->areas[i], m->rays);
+
+        a->costs[i].rays = (uint64_t)(cost * RAYS_PER_S);
+        a->costs[i].tests = (uint64_t)(3 * cost * RAYS_PER_S);
+        a->seconds += cost / h->speed;
+    }
+    while (*at)
+        at = &(*at)->next;
+    *at = a;
+}
+
+static void
+take_unit(struct host *h, const struct msg_unit *u)
+{
+    struct window *w, **at = &h->windows;
+
+    if (u->mode == MSG_MODE_STRICT) {
+        struct rad_error err = { 0 };
+
+        if (strict_unit(h->strict, u, &err) < 0) {
+            fprintf(stderr, "sim: %s: %s\n", h->name, err.what);
+            abort();
+        }
+        open_account(h, u);
+        return;
+    }
+    w = sim_alloc(sizeof *w);
+    w->unit = *u;
+    while (*at)
+        at = &(*at)->next;
+    *at = w;
+}
+
+static void
+revoke(struct host *h, const struct msg_attempt *r)
+{
+    struct window **at = &h->windows;
+
+    strict_revoke(h->strict, r->unit, r->attempt);
+    close_account(h, r->unit, r->attempt);
+    if (*at && h->working && !h->pass)
+        at = &(*at)->next; /* it is at the first */
+    for (; *at; at = &(*at)->next)
+        if ((*at)->unit.unit == r->unit && (*at)->unit.attempt == r->attempt) {
+            struct window *w = *at;
+
+            *at = w->next;
+            free(w);
+            return;
+        }
+}
+
+/* --- what it does next --- */
+
+static void
+count_wait(struct host *h)
+{
+    bool waits = !h->working && strict_waits(h->strict);
+
+    if (waits && h->idle_us == 0)
+        h->idle_us = h->cluster->events.now_us;
+    if (!waits && h->idle_us != 0) {
+        h->wait_s += 1e-6 * (double)(h->cluster->events.now_us - h->idle_us);
+        h->idle_us = 0;
+    }
+}
+
+static void
+work(struct host *h)
+{
+    while (!h->working) {
+        if (h->pass) {
+            if (trace(h))
+                return;
+        } else if (h->asked) {
+            spend(h, h->asked->seconds, estimate_done);
+        } else if (h->windows) {
+            spend(h, seconds_for(h, map_window(map_of(h), &h->windows->unit)),
+                  window_done);
+        } else if (!begin_pass(h)) {
+            return;
+        }
+    }
+}
+
+/* Say what there is to say. */
+static void
+flush(struct host *h)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(h->strict, true))) {
+        say(h, m);
+        if (m->type == MSG_BASE_LINE)
+            pass_on(h, m);
+    }
+}
+
+static void
+tick(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+
+    if (!h)
+        return;
+    h->ticking = false;
+    if (!h->strict)
+        return;
+    strict_tick(h->strict, h->cluster->events.now_us / 1000);
+    go_on(h);
+}
+
+static void
+go_on(struct host *h)
+{
+    work(h);
+    flush(h);
+    count_wait(h);
+    if (!h->ticking && h->accounts) {
+        h->ticking = true;
+        later(h, TICK_US, tick);
+    }
+}
+
+/* --- the job --- */
+
+static void
+ready(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+    struct msg m = { .type = MSG_READY };
+
+    if (!h)
+        return;
+    m.ready = (struct msg_ready){ h->cluster->job,
+                                  1e-6 * h->cluster->spec->load_us, 42, 1 };
+    say(h, &m);
+}
+
+static void
+start_job(struct host *h)
+{
+    const struct map *m = map_of(h);
+
+    h->strict = strict_new(h->frames, m->nframes, h->cluster->job);
+    if (!h->strict)
+        abort();
+    later(h, h->cluster->spec->load_us / h->speed, ready);
+}
+
+void
+host_message(struct cluster *c, struct host *h, const struct msg *m)
+{
+    (void)c;
+    if (m->type == MSG_JOB_START && !h->strict)
+        start_job(h);
+    if (!h->strict)
+        return;
+    switch (m->type) {
+    case MSG_UNIT:
+        take_unit(h, &m->unit);
+        break;
+    case MSG_REVOKE:
+        revoke(h, &m->revoke);
+        break;
+    case MSG_TWIN:
+        strict_twin(h->strict, m->twin.unit, m->twin.attempt);
+        break;
+    case MSG_SPLIT:
+        strict_split(h->strict, m->split.unit, m->split.attempt);
+        if (h->pass && h->pass->split)
+            shrink(h);
+        break;
+    case MSG_FACTS:
+        strict_facts(h->strict, &m->facts);
+        break;
+    case MSG_BASE_LINE:
+        strict_base_line(h->strict, &m->base_line);
+        break;
+    case MSG_NEXT_HOLDER:
+        next_holder(h, &m->next_holder);
+        break;
+    case MSG_ESTIMATE:
+        take_estimate(h, &m->estimate);
+        break;
+    default:
+        return;
+    }
+    go_on(h);
+}
+
+void
+host_dial(struct cluster *c, struct host *h)
+{
+    struct msg m = { .type = MSG_HELLO };
+
+    h->conn = cluster_open(c, h->number);
+    m.hello = (struct msg_hello){ 1,       1,     MSG_ROLE_WORKER,
+                                  h->name, "sim", "tcp 127.0.0.1:1",
+                                  1,       42 };
+    say(h, &m);
+}
+
+static void
+dial_again(void *arg, struct event *e)
+{
+    struct host *h = alive(arg, e);
+
+    if (h)
+        host_dial(arg, h);
+}
+
+/* What its process had. */
+static void
+forget(struct host *h)
+{
+    if (h->pass)
+        end_pass(h, false);
+    strict_free(h->strict);
+    h->strict = NULL;
+    while (h->windows) {
+        struct window *w = h->windows;
+
+        h->windows = w->next;
+        free(w);
+    }
+    while (h->asked) {
+        struct asked *a = h->asked;
+
+        h->asked = a->next;
+        free(a->costs);
+        free(a);
+    }
+    while (h->accounts)
+        close_account(h, h->accounts->unit, h->accounts->attempt);
+    while (h->bottoms) {
+        struct bottom *b = h->bottoms;
+
+        h->bottoms = b->next;
+        free(b);
+    }
+}
+
+void
+host_fail(struct cluster *c, struct host *h)
+{
+    h->conn = 0;
+    h->life++;
+    forget(h);
+    h->working = h->ticking = false;
+    h->idle_us = 0;
+    later(h, c->spec->back_us, dial_again);
+}
+
+void
+host_init(struct cluster *c, struct host *h, int number, double speed)
+{
+    const struct map *m = c->spec->map;
+    size_t width = (size_t)m->q.width;
+
+    h->cluster = c;
+    h->number = number;
+    h->speed = speed;
+    snprintf(h->name, sizeof h->name, "w%d", number);
+    h->frames = sim_alloc(m->nframes * sizeof *h->frames);
+    for (uint32_t k = 0; k < m->nframes; k++)
+        h->frames[k] = m->q;
+    h->pixels = sim_alloc(width * sizeof *h->pixels);
+    h->density = sim_alloc(rad_quincunx_ndensity(&m->q));
+    h->bytes = sim_alloc(PIECE_BYTES + width * 16);
+}
+
+void
+host_release(struct host *h)
+{
+    forget(h);
+    free(h->frames);
+    free(h->pixels);
+    free(h->density);
+    free(h->bytes);
+}
+
+void
+host_count(const struct host *h, struct cluster_result *out)
+{
+    double lost = (double)h->traced - (double)h->wanted;
+
+    out->busy_s += h->busy_s;
+    if (h->wait_s > out->wait_s)
+        out->wait_s = h->wait_s;
+    out->units += h->units;
+    out->twice += lost; /* made a part of all by who sums up */
+}
