@@ -125,6 +125,43 @@ START_TEST(texture_of_a_millionth_is_none)
 }
 END_TEST
 
+/* What passes is turned by a texture, but not where it rounds off facets. */
+static const char *const clear[] = {
+    "glass m 0 0 4 1 1 1 1.5",
+    "trans m 0 0 7 1 1 1 0 0 1 1",
+    "trans2 m 4 1 0 0 . 0 8 1 1 1 0 .001 .001 1 1",
+    "BRTDfunc m 10 0 0 0 1 1 1 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0",
+    "WGMDfunc m 13 void 0 0 0 inherit 1 0 0 void 1 0 0 . "
+    "0 9 0 0 0 0 0 0 0 0 0",
+};
+
+START_TEST(texture_called_phong_turns_nothing_that_passes)
+{
+    static const char *const name[] = { "Phong", "phong" };
+
+    for (int k = 0; k < 2; k++) {
+        struct rad_rgb L[2];
+
+        /* the way through a level pane goes straight down */
+        for (int tilted = 0; tilted < 2; tilted++) {
+            char scene[1024];
+
+            snprintf(
+                scene, sizeof scene,
+                "void brightfunc up 2 2+Dx . 0 0\nup glow sky 0 0 4 1 1 1 0"
+                "\nsky source s 0 0 4 0 0 -1 180\nvoid %s\n"
+                "m texfunc %s 4 %g 0 0 . 0 0\n%s" SQUARE,
+                clear[_i], name[k], tilted * .2, name[k]);
+            L[tilted] = see(scene, NULL);
+        }
+        if (k == 0) /* glass reflects as it is tilted */
+            ck_assert_double_eq_tol(L[0].g, L[1].g, .003);
+        else
+            ck_assert_double_gt(fabs(L[0].g - L[1].g), .05);
+    }
+}
+END_TEST
+
 static const struct {
     const char *mixture;
     double r, g;
@@ -231,6 +268,8 @@ main(void)
     tcase_add_test(tc, colour_has_a_function_for_each_channel);
     tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
     tcase_add_test(tc, texture_tilts_the_normal);
+    tcase_add_loop_test(tc, texture_called_phong_turns_nothing_that_passes, 0,
+                        N_ELEM(clear));
     tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);

@@ -333,7 +333,7 @@ let_pass(struct brdf_hit *hit)
                        RAD_BRANCH_TRANSMIT))
         return;
     rad_copy(tr.dir, r->dir);
-    if (!straight)
+    if (!straight && rad_ray_bends(hit->ctx, r))
         turn_ahead(r, tr.dir);
     rad_ray_trace(hit->ctx, &tr);
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));

@@ -189,7 +189,7 @@ divide(struct normal_hit *hit)
     if (hit->r->path & (RAD_RAY_SHADOW | RAD_RAY_AMBIENT))
         rad_copy(hit->ahead, hit->r->dir);
     else if (hit->tspec > RAD_TINY)
-        rad_ray_ahead(hit->r, hit->ahead);
+        rad_ray_ahead(hit->ctx, hit->r, hit->ahead);
     if (m->type != RAD_METAL)
         hit->spec_color = rad_grey((float)hit->rspec);
     else /* a metal's colour pales toward grazing */

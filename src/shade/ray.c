@@ -14,6 +14,7 @@
 #include "shade/normal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Optical depth beyond which nothing is left: exp(-92) is below what a float
  * times any sensible radiance can hold. */
@@ -322,11 +323,24 @@ rad_ray_normal(const struct rad_ray *r, double norm[3])
     return cos_n;
 }
 
+bool
+rad_ray_bends(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    const struct rad_object *objects = ctx->job->scene->objects;
+    int32_t modifier;
+
+    if (!rad_ray_perturbed(r) || r->hit.obj == RAD_VOID)
+        return false;
+    modifier = objects[r->hit.obj].modifier;
+    return modifier == RAD_VOID || strcmp(objects[modifier].name, "Phong") != 0;
+}
+
 void
-rad_ray_ahead(const struct rad_ray *r, double ahead[3])
+rad_ray_ahead(const struct rad_ctx *ctx, const struct rad_ray *r,
+              double ahead[3])
 {
     rad_copy(ahead, r->dir);
-    if (!rad_ray_perturbed(r))
+    if (!rad_ray_bends(ctx, r))
         return;
     rad_sub(ahead, r->dir, r->pert);
     if (!(rad_dot(ahead, r->n) < -RAD_TINY) || rad_normalize(ahead) == 0)

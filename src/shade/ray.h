@@ -154,10 +154,16 @@ bool rad_ray_perturbed(const struct rad_ray *r);
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */
 double rad_ray_normal(const struct rad_ray *r, double norm[3]);
 
+/* Does the tilt of the normal turn what passes through?  Not where it rounds
+ * off a faceted surface: by the name of its modifier, "Phong", as Radiance's
+ * converters give it. */
+bool rad_ray_bends(const struct rad_ctx *ctx, const struct rad_ray *r);
+
 /* Where light goes that passes through: straight on, or turned by what a
  * texture tilts the normal, as long as that is still through the surface.  n
  * must be on the side that the ray comes from. */
-void rad_ray_ahead(const struct rad_ray *r, double ahead[3]);
+void rad_ray_ahead(const struct rad_ctx *ctx, const struct rad_ray *r,
+                   double ahead[3]);
 
 /* Turn n, cos_o and pert to the other side. */
 void rad_ray_flip(struct rad_ray *r);

@@ -41,7 +41,7 @@ struct view {
     double norm[3]; /* on the ray's side */
     double cos_n;   /* -dir.norm */
     struct rad_rgb pattern;
-    bool textured;
+    bool textured, bends;
 };
 
 struct wgmd_hit {
@@ -149,6 +149,7 @@ look(struct wgmd_hit *hit, enum part part)
     v->known = true;
     v->modifier = modifier;
     v->textured = rad_ray_perturbed(&r);
+    v->bends = rad_ray_bends(hit->ctx, &r);
     v->pattern = r.pattern;
     v->cos_n = rad_ray_normal(&r, v->norm);
     if (r.cos_o < 0) {
@@ -324,7 +325,7 @@ find_way_ahead(struct wgmd_hit *hit)
     double side = r->cos_o < 0 ? -1 : 1;
 
     rad_copy(hit->ahead, r->dir);
-    if (!hit->there[TSPEC] || !v->textured ||
+    if (!hit->there[TSPEC] || !v->bends ||
         r->path & (RAD_RAY_SHADOW | RAD_RAY_AMBIENT))
         return;
     rad_madd(hit->ahead, r->dir, -side, v->norm);
