@@ -4,7 +4,11 @@
  * its team (team.h); a thread that finds the queue empty joins a team that has
  * lines left to begin.  So with many units each has a thread to itself, and
  * one unit, or the last ones, have all of them.  The member that leaves last
- * says that the unit is done, and what its members counted. */
+ * says that the unit is done, and what its members counted.
+ * Of strict units a team makes but a pass; what comes next is strict.c's to
+ * say.  What waits for nobody comes before what is traced ahead, and a thread
+ * rather helps with the truth, or with base lines, than begins what comes after
+ * them: others may wait for those. */
 #include "config.h"
 
 #include "pool.h"
@@ -23,11 +27,15 @@ struct queued {
     struct pool_unit unit;
 };
 
-/* A unit that threads work on. */
+/* A unit, or a pass of a strict one, that threads work on. */
 struct active {
     struct active *next;      /* [mu] */
     struct pool *pool;        /* [fixed] */
     struct pool_unit unit;    /* [fixed] */
+    struct strict_pass *pass; /* [mu] NULL: it is a window */
+    enum strict_rank rank;    /* [fixed] a window's is the last */
+    enum team_mode mode;      /* [fixed] */
+    int row0;                 /* [fixed] the unit's first in the sampler's */
     struct team *team;        /* [fixed] */
     int members;              /* [mu] */
     struct msg_counts counts; /* [mu] of members that left */
@@ -36,6 +44,7 @@ struct active {
     int channels, piece_rows;
     struct pool_rows *piece; /* NULL: none begun */
     struct rad_error err;    /* of a piece that could not be made */
+    bool whole;              /* all rows were handed on, and count */
 };
 
 /* An estimate that threads work on, or that is done. */
@@ -56,9 +65,11 @@ struct renderer {
 struct pool {
     const struct rad_job *job;      /* [fixed] */
     const struct rad_frame *frames; /* [fixed] */
+    struct strict *strict;          /* [mu] what it points to; NULL: none */
     int nthreads;                   /* [fixed] after pool_new() */
     struct renderer *renderers;     /* [fixed] */
     pool_rows_fn *fn;               /* [fixed] */
+    pool_news_fn *news;             /* [fixed] */
     void *arg;                      /* [fixed] */
     uv_async_t async;
     uv_mutex_t mu;
@@ -72,6 +83,9 @@ struct pool {
     struct pool_rows **done_end;              /* [mu] */
     size_t unsent;         /* [mu] bytes of pixels under way */
     double busy_s, wait_s; /* [mu] of units that are done with */
+    int idle;              /* [mu] threads that find nothing to do */
+    bool waits;            /* [mu] strict units waited then, */
+    double waits_at;       /* [mu] when that was last looked at */
     _Atomic bool stopping; /* written with mu held; read anywhere */
 };
 
@@ -134,7 +148,7 @@ row_floats(const struct active *u)
     return (size_t)u->unit.window.width * (size_t)u->channels;
 }
 
-/* Begin a piece at `row`; NULL: memory is out, which ends the unit. */
+/* Begin a piece at `row` of the unit; NULL: memory is out, which ends it. */
 static struct pool_rows *
 new_piece(struct active *u, int row)
 {
@@ -178,24 +192,30 @@ count(void *arg, const struct rad_ctx *ctx)
     return ctx->counts.rays;
 }
 
-/* A row is done: into the piece with it, which goes out when it is full.  The
- * last piece waits for the counts. */
+static void
+send_piece(struct active *u)
+{
+    size_t bytes = u->piece->rows * row_floats(u) * sizeof(float);
+
+    put_done(u->pool, u->piece, bytes);
+    u->piece = NULL;
+}
+
+/* A row is done: into the piece with it.  A full piece goes out when there is
+ * another row: the last one waits for the counts, and which that is a strict
+ * unit does not know. */
 static void
 on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
     struct active *u = arg;
-    size_t n = row_floats(u);
 
-    if (!u->piece && !(u->piece = new_piece(u, row)))
+    if (u->piece && (int)u->piece->rows == u->piece_rows)
+        send_piece(u);
+    if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;
-    copy_row(u->piece->pixels + u->piece->rows * n, pixels,
+    copy_row(u->piece->pixels + u->piece->rows * row_floats(u), pixels,
              u->unit.window.width, u->channels);
     u->piece->rows++;
-    if ((int)u->piece->rows == u->piece_rows &&
-        row < u->unit.window.height - 1) {
-        put_done(u->pool, u->piece, u->piece->rows * n * sizeof(float));
-        u->piece = NULL;
-    }
 }
 
 static void
@@ -227,52 +247,173 @@ end_active(struct active *u)
 {
     if (u->err.code < 0) {
         send_failure(u->pool, &u->unit, &u->err);
-    } else if (team_done(u->team)) {
+    } else if (u->whole) {
         u->piece->last = true;
         u->piece->counts = u->counts;
-        u->piece->counts.wall_s = seconds(CLOCK_MONOTONIC) - u->wall0;
-        put_done(u->pool, u->piece,
-                 u->piece->rows * row_floats(u) * sizeof(float));
-        u->piece = NULL;
+        send_piece(u);
     }
     free_active(u);
 }
 
+static void on_bottom(void *arg);
+
 static struct team *
-new_team(struct active *u, const struct rad_frame *f)
+new_team(struct active *u)
 {
-    struct team_spec spec = { .mode = TEAM_TRUTH,
+    const struct rad_frame *f = &u->pool->frames[u->unit.frame];
+    const struct rad_window all = { 0, 0, f->width, f->height };
+    const struct strict_pass *pass = u->pass;
+    struct team_spec spec = { .mode = u->mode,
                               .trace = trace,
                               .paint = paint,
-                              .rows = on_row,
                               .count = count,
                               .arg = u,
                               .nthreads = u->pool->nthreads };
 
-    rad_frame_sampler(f, &u->unit.window, &spec.sampler);
-    spec.last = rad_quincunx_nbases(&spec.sampler);
+    rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
+    if (u->mode == TEAM_TRUTH)
+        spec.rows = on_row;
+    if (!pass) {
+        spec.last = rad_quincunx_nbases(&spec.sampler);
+        return team_new(&spec);
+    }
+    spec.end = pass->end;
+    spec.first = pass->first;
+    spec.last = pass->last;
+    spec.true_top = pass->true_top;
+    spec.top = pass->top;
+    spec.top_density = pass->top_density;
+    spec.facts = pass->facts;
+    if (pass->true_top)
+        spec.bottom = on_bottom;
+    if (spec.nthreads > spec.last - spec.first)
+        spec.nthreads = spec.last - spec.first;
     return team_new(&spec);
 }
 
+/* NULL: memory is out. */
 static struct active *
-new_active(struct pool *p, const struct pool_unit *unit)
+new_active(struct pool *p, const struct pool_unit *unit,
+           struct strict_pass *pass)
 {
-    const struct rad_frame *f = &p->frames[unit->frame];
     struct active *u = calloc(1, sizeof *u);
 
     if (!u)
         return NULL;
     u->pool = p;
     u->unit = *unit;
+    u->pass = pass;
+    u->rank = pass ? pass->rank : STRICT_AHEAD;
+    u->mode = pass ? pass->mode : TEAM_TRUTH;
+    u->row0 = pass ? unit->window.y : 0;
     u->wall0 = seconds(CLOCK_MONOTONIC);
-    u->channels = f->depth ? 4 : 3;
+    u->channels = p->frames[unit->frame].depth ? 4 : 3;
     u->piece_rows = (int)(PIECE_BYTES / (row_floats(u) * sizeof(float))) + 1;
-    u->team = new_team(u, f);
+    u->team = new_team(u);
     if (!u->team) {
         free_active(u);
         return NULL;
     }
     return u;
+}
+
+/* --- strict units --- */
+
+/* Time that threads have nothing to do, while units of theirs wait. */
+static void
+settle_waits_locked(struct pool *p)
+{
+    double now, waited;
+
+    if (!p->strict)
+        return;
+    now = seconds(CLOCK_MONOTONIC);
+    waited = p->waits ? p->idle * (now - p->waits_at) : 0;
+    p->busy_s += waited;
+    p->wait_s += waited;
+    p->waits = strict_waits(p->strict);
+    p->waits_at = now;
+}
+
+/* Do what the machine wants of a pass, and tell it how far it is. */
+static void
+look_locked(struct pool *p)
+{
+    struct team_bottom b;
+
+    for (struct active *u = p->active; u; u = u->next) {
+        if (!u->pass)
+            continue;
+        if (u->pass->stop)
+            team_stop(u->team);
+        if (u->pass->split)
+            strict_shrunk(p->strict, u->pass,
+                          team_shrink(u->team, u->pass->least));
+        if (!u->pass->true_top)
+            continue;
+        team_bottom(u->team, &b);
+        if (b.pixels)
+            strict_bottom(p->strict, u->pass, b.columns, b.ndensity, b.pixels,
+                          b.density);
+    }
+}
+
+/* Something changed: there may be work, and something to say. */
+static void
+strict_changed_locked(struct pool *p)
+{
+    look_locked(p);
+    /* what a bottom made true may have ended another pass */
+    look_locked(p);
+    settle_waits_locked(p);
+    uv_cond_broadcast(&p->work);
+    uv_async_send(&p->async);
+}
+
+static void
+on_bottom(void *arg)
+{
+    struct active *u = arg;
+
+    uv_mutex_lock(&u->pool->mu);
+    strict_changed_locked(u->pool);
+    uv_mutex_unlock(&u->pool->mu);
+}
+
+/* All have left a pass: u->counts are the unit's if that is all of it. */
+static void
+end_pass_locked(struct active *u)
+{
+    struct pool *p = u->pool;
+    struct msg_counts spent = u->counts;
+    struct team_bottom b;
+
+    spent.primary_rays = u->mode == TEAM_TRUTH ? team_primary(u->team) : 0;
+    team_bottom(u->team, &b);
+    u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,
+                            b.density, &spent, &u->counts);
+    u->pass = NULL;
+    strict_changed_locked(p);
+}
+
+/* --- work --- */
+
+/* The last member has left. */
+static void
+leave_locked(struct active *u)
+{
+    struct pool *p = u->pool;
+    struct active **at = &p->active;
+
+    while (*at != u)
+        at = &(*at)->next;
+    *at = u->next;
+    p->wait_s += team_waited(u->team);
+    u->counts.wall_s = seconds(CLOCK_MONOTONIC) - u->wall0;
+    if (u->pass)
+        end_pass_locked(u);
+    else
+        u->whole = team_done(u->team);
 }
 
 /* Be a member of the unit's team until there is nothing left to begin. */
@@ -292,40 +433,77 @@ work_on(struct renderer *by, struct active *u)
     p->busy_s += wall;
     add_counts(&u->counts, &by->ctx.counts, cpu);
     last = --u->members == 0;
-    if (last) {
-        struct active **at = &p->active;
-
-        while (*at != u)
-            at = &(*at)->next;
-        *at = u->next;
-        p->wait_s += team_waited(u->team);
-    }
+    if (last)
+        leave_locked(u);
     uv_mutex_unlock(&p->mu);
     if (last)
         end_active(u);
 }
 
-/* Begin the unit that was taken from the queue. */
-static struct active *
-begin_unit(struct pool *p, struct queued *q)
+/* What a thread finds to do: one of them. */
+struct work {
+    struct estimating *estimate;
+    struct active *help;
+    struct queued *window;
+    struct strict_pass *pass;
+};
+
+/* Where the rows of a pass's unit are. */
+static struct pool_unit
+unit_of_pass(const struct pool *p, const struct strict_pass *pass)
 {
-    struct active *u = new_active(p, &q->unit);
+    const struct rad_frame *f = &p->frames[pass->frame];
+    const struct rad_window all = { 0, 0, f->width, f->height };
+    struct rad_quincunx q;
+    int y, end;
 
+    rad_frame_sampler(f, &all, &q);
+    y = team_line_row(&q, pass->least - 1);
+    end = rad_quincunx_base_row(&q, pass->last - 1) + 1;
+    return (struct pool_unit){ .unit = pass->unit,
+                               .attempt = pass->attempt,
+                               .frame = pass->frame,
+                               .window = { 0, y, f->width, end - y } };
+}
+
+/* Memory is out. */
+static void
+fail_begin(struct pool *p, const struct pool_unit *unit,
+           struct strict_pass *pass)
+{
+    struct msg_counts none = { 0 };
+    struct rad_error err = { 0 };
+
+    rad_fail(&err, RAD_ENOMEM, "out of memory");
+    send_failure(p, unit, &err);
+    if (!pass)
+        return;
+    uv_mutex_lock(&p->mu);
+    strict_ended(p->strict, pass, false, NULL, NULL, &none, NULL);
+    uv_mutex_unlock(&p->mu);
+}
+
+/* Begin what was found. */
+static struct active *
+begin(struct pool *p, struct work *w)
+{
+    struct pool_unit unit =
+        w->window ? w->window->unit : unit_of_pass(p, w->pass);
+    struct active *u = new_active(p, &unit, w->pass);
+
+    free(w->window);
     if (!u) {
-        struct rad_error err = { 0 };
-
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
-        send_failure(p, &q->unit, &err);
-        free(q);
+        fail_begin(p, &unit, w->pass);
         return NULL;
     }
-    free(q);
     u->members = 1;
     uv_mutex_lock(&p->mu);
     u->next = p->active;
     p->active = u;
     if (atomic_load(&p->stopping))
         team_stop(u->team);
+    if (u->pass)
+        look_locked(p); /* it may be stopped, or split, by now */
     if (!p->todo)
         uv_cond_broadcast(&p->work); /* those who wait can help */
     uv_mutex_unlock(&p->mu);
@@ -431,59 +609,89 @@ free_estimates(struct estimating *e)
 
 /* --- threads --- */
 
-/* A unit that has lines left to begin. */
+/* A unit that has lines left to begin, in a pass as urgent as `least`. */
 static struct active *
-find_open_locked(const struct pool *p)
+find_open_locked(const struct pool *p, enum strict_rank least)
 {
     struct active *u = p->active;
 
-    while (u && !team_open(u->team))
+    while (u && (u->rank > least || !team_open(u->team)))
         u = u->next;
     return u;
 }
 
-/* Wait for something to do; false when it is time to end.  *e is an estimate
- * to work on, or else *u a unit to help with, or else *q one to begin. */
-static bool
-find_work(struct pool *p, struct queued **q, struct active **u,
-          struct estimating **e)
+static struct queued *
+take_queued_locked(struct pool *p)
 {
-    *q = NULL;
-    *u = NULL;
-    *e = NULL;
-    uv_mutex_lock(&p->mu);
-    while (!atomic_load(&p->stopping) && !(*e = find_estimate_locked(p)) &&
-           !p->todo && !(*u = find_open_locked(p)))
-        uv_cond_wait(&p->work, &p->mu);
-    if (*e) {
-        (*e)->members++;
-    } else if (*u) {
-        (*u)->members++;
-    } else if (!atomic_load(&p->stopping)) {
-        *q = p->todo;
-        p->todo = (*q)->next;
+    struct queued *q = p->todo;
+
+    if (q) {
+        p->todo = q->next;
         if (!p->todo)
             p->todo_end = &p->todo;
     }
+    return q;
+}
+
+/* Strict work as urgent as `least`: to be begun, or helped with. */
+static bool
+find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
+{
+    if (p->strict && !(w->pass = strict_next(p->strict, least)))
+        w->help = find_open_locked(p, least);
+    return w->pass || w->help;
+}
+
+static bool
+find_locked(struct pool *p, struct work *w)
+{
+    *w = (struct work){ 0 };
+    if ((w->estimate = find_estimate_locked(p)))
+        w->estimate->members++;
+    else if (!find_strict_locked(p, STRICT_TRUTH, w) &&
+             !(w->window = take_queued_locked(p)) &&
+             !find_strict_locked(p, STRICT_LINES, w) &&
+             !find_strict_locked(p, STRICT_AHEAD, w) &&
+             !(w->help = find_open_locked(p, STRICT_AHEAD)))
+        return false;
+    if (w->help)
+        w->help->members++;
+    return true;
+}
+
+/* Wait for something to do; false when it is time to end. */
+static bool
+find_work(struct pool *p, struct work *w)
+{
+    bool found = false;
+
+    uv_mutex_lock(&p->mu);
+    while (!atomic_load(&p->stopping) && !(found = find_locked(p, w))) {
+        settle_waits_locked(p);
+        p->idle++;
+        uv_cond_wait(&p->work, &p->mu);
+        settle_waits_locked(p);
+        p->idle--;
+    }
     uv_mutex_unlock(&p->mu);
-    return *e || *u || *q;
+    return found;
 }
 
 static void
 run_thread(void *arg)
 {
     struct renderer *by = arg;
-    struct estimating *e;
-    struct queued *q;
-    struct active *u;
+    struct work w;
 
-    while (find_work(by->pool, &q, &u, &e)) {
-        if (e)
-            work_on_estimate(by, e);
-        if (q)
-            u = begin_unit(by->pool, q);
-        if (u)
-            work_on(by, u);
+    while (find_work(by->pool, &w)) {
+        if (w.estimate) {
+            work_on_estimate(by, w.estimate);
+            continue;
+        }
+        if (!w.help)
+            w.help = begin(by->pool, &w);
+        if (w.help)
+            work_on(by, w.help);
     }
 }
 
@@ -498,6 +706,8 @@ on_async(uv_async_t *async)
     p->done = NULL;
     p->done_end = &p->done;
     uv_mutex_unlock(&p->mu);
+    if (p->strict)
+        p->news(p->arg);
     for (; r; r = next) {
         next = r->next;
         p->fn(p->arg, r);
@@ -522,6 +732,41 @@ pool_push(struct pool *p, const struct pool_unit *u)
     return true;
 }
 
+struct strict *
+pool_strict(struct pool *p)
+{
+    uv_mutex_lock(&p->mu);
+    return p->strict;
+}
+
+void
+pool_strict_done(struct pool *p)
+{
+    strict_changed_locked(p);
+    uv_mutex_unlock(&p->mu);
+}
+
+void
+pool_tick(struct pool *p, uint64_t now_ms)
+{
+    uv_mutex_lock(&p->mu);
+    strict_tick(p->strict, now_ms);
+    look_locked(p);
+    settle_waits_locked(p);
+    uv_mutex_unlock(&p->mu);
+}
+
+const struct msg *
+pool_message(struct pool *p, bool room)
+{
+    const struct msg *m;
+
+    uv_mutex_lock(&p->mu);
+    m = p->strict ? strict_message(p->strict, room) : NULL;
+    uv_mutex_unlock(&p->mu);
+    return m;
+}
+
 static bool
 same_unit(const struct pool_unit *u, uint32_t unit, uint32_t attempt)
 {
@@ -543,8 +788,12 @@ pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt)
             break;
         }
     for (struct active *u = p->active; u; u = u->next)
-        if (same_unit(&u->unit, unit, attempt))
+        if (!u->pass && same_unit(&u->unit, unit, attempt))
             team_stop(u->team);
+    if (p->strict) {
+        strict_revoke(p->strict, unit, attempt);
+        strict_changed_locked(p);
+    }
     uv_mutex_unlock(&p->mu);
     free(gone);
 }
@@ -565,8 +814,11 @@ pool_tally(struct pool *p)
     struct pool_tally t = { 0 };
 
     uv_mutex_lock(&p->mu);
+    settle_waits_locked(p);
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
+    if (p->strict)
+        t.rays_under_way = strict_rays(p->strict);
     for (const struct active *u = p->active; u; u = u->next) {
         t.wait_base_line_s += team_waited(u->team);
         t.rays_under_way += team_rays(u->team);
@@ -644,8 +896,8 @@ start_threads(struct pool *p, int nthreads, struct rad_error *err)
 
 struct pool *
 pool_new(uv_loop_t *loop, const struct rad_job *job,
-         const struct rad_frame *frames, int nthreads, pool_rows_fn *fn,
-         void *arg, struct rad_error *err)
+         const struct rad_frame *frames, struct strict *strict, int nthreads,
+         pool_rows_fn *fn, pool_news_fn *news, void *arg, struct rad_error *err)
 {
     struct pool *p = calloc(1, sizeof *p);
 
@@ -658,7 +910,9 @@ pool_new(uv_loop_t *loop, const struct rad_job *job,
     }
     p->job = job;
     p->frames = frames;
+    p->strict = strict;
     p->fn = fn;
+    p->news = news;
     p->arg = arg;
     p->todo_end = &p->todo;
     p->done_end = &p->done;

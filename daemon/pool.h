@@ -5,11 +5,15 @@
  * with one that another began (team.h), which changes no pixel.  The queues
  * are locked once per unit and per piece of rows, never per ray; the only call
  * into the loop from a render thread is uv_async_send().
+ * Strict units (strict.h) are rendered in passes, each the work of one team; a
+ * thread that finds nothing better asks for the next.  Their machine is touched
+ * under the pool's lock, once a pass.
  * Thread: all calls on the loop's. */
 #ifndef RADD_DAEMON_POOL_H
 #define RADD_DAEMON_POOL_H
 
 #include "estimate.h"
+#include "strict.h"
 
 #include <uv.h>
 
@@ -19,7 +23,8 @@ struct pool_unit {
     struct rad_window window;
 };
 
-/* Rows of a unit, each piece following the last; or the end of it all. */
+/* Rows of a unit, each piece following the last; or the end of it all.  The
+ * height of a strict unit is what it was when its rows were begun. */
 struct pool_rows {
     struct pool_rows *next;
     struct pool_unit unit;
@@ -36,17 +41,32 @@ struct pool;
 /* rows is borrowed for the call. */
 typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
 
-/* Start nthreads threads.  job and frames must outlive the pool.  NULL and
- * *err on failure. */
-struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
-                      const struct rad_frame *frames, int nthreads,
-                      pool_rows_fn *fn, void *arg, struct rad_error *err);
+/* There may be messages of strict units; also told before rows are handed on,
+ * which what they have to say of the unit must not follow. */
+typedef void pool_news_fn(void *arg);
 
-/* Queue a unit, whose window must lie in its frame. */
+/* Start nthreads threads.  job, frames and strict (NULL: there will be no
+ * strict units) must outlive the pool.  NULL and *err on failure. */
+struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
+                      const struct rad_frame *frames, struct strict *strict,
+                      int nthreads, pool_rows_fn *fn, pool_news_fn *news,
+                      void *arg, struct rad_error *err);
+
+/* Queue a unit that is a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);
 
-/* Forget a unit: it is dropped, or stops at its next bar; rows of it may still
- * come. */
+/* The machine of the strict units, to be told something: the threads wait until
+ * it is put back, and do what it wants then.  Messages that it gives out are
+ * taken by pool_message(). */
+struct strict *pool_strict(struct pool *p);
+void pool_strict_done(struct pool *p);
+
+/* strict_tick(), of a pool that has that machine, and strict_message(). */
+void pool_tick(struct pool *p, uint64_t now_ms);
+const struct msg *pool_message(struct pool *p, bool room);
+
+/* Forget a unit: it is dropped, or stops within a few pixels; rows of it may
+ * still come. */
 void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 
 /* Have the threads make an estimate, before they begin another unit; it is the
@@ -62,9 +82,10 @@ void pool_sent(struct pool *p, size_t n);
 
 /* What the threads did so far, summed. */
 struct pool_tally {
-    double busy_s;           /* on units that they have left */
+    double busy_s;           /* on units that they have left, and as below */
     double wait_base_line_s; /* of that, and of units that they are at, asleep
-                              * until the line above was ready */
+                              * until the line above was ready; or without
+                              * work while strict units waited for their top */
     uint64_t rays_under_way; /* of units that are not done */
 };
 struct pool_tally pool_tally(struct pool *p);

@@ -33,9 +33,13 @@
  * office made 5 % of their records twice, at 50 ms 8 %, in the same time. */
 #define DRAIN_MS      10
 #define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
+/* how often strict units are looked at: others wait for their base lines, and
+ * twins for their facts, for at most 20 ms */
+#define TICK_MS 10
 /* how often the coordinator hears of rays while units are under way */
 #define TALLY_MS 500
-/* someone who gets the whole cache is given more when so little waits */
+/* someone who gets the whole cache, or facts for the case of a loss, is given
+ * more when so little waits */
 #define GIVE_AHEAD       (1u << 20)
 #define LARGEST_MANIFEST (64u << 20)
 
@@ -50,16 +54,20 @@ struct render {
     uv_loop_t loop;
     uv_timer_t drain;  /* of ambient records */
     uv_timer_t teller; /* of what was done so far */
+    uv_timer_t ticker; /* of strict units */
     struct conn *link; /* NULL once it is gone */
     const char *files_dir;
     int nthreads;
     uint8_t id[MSG_JOB];
     bool share, ended;
-    bool by_lines; /* the picture is shared by lines: facts are of use */
+    struct msg start;     /* JOB-START, in start_bytes */
+    uint8_t *start_bytes; /* its payload */
+    uint32_t frame;       /* of the last unit; nframes before the first */
     struct rad_scene *scene;
     struct rad_job *job;
     struct rad_frame *frames;
     uint32_t nframes;
+    struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct give *gives;
     uint64_t sent, received, redundant; /* ambient records */
@@ -125,6 +133,7 @@ end(struct render *r, int status)
     r->status = status;
     uv_timer_stop(&r->drain);
     uv_timer_stop(&r->teller);
+    uv_timer_stop(&r->ticker);
     conn_finish(r->link);
     r->link = NULL;
 }
@@ -162,6 +171,34 @@ on_rows(void *arg, const struct pool_rows *p)
         send_tally(r);
     conn_send(r->link, &m);
     free(bytes);
+}
+
+/* What strict units have to say. */
+static void
+on_news(void *arg)
+{
+    struct render *r = arg;
+    const struct msg *m;
+
+    while (r->link && r->strict &&
+           (m = pool_message(r->pool, conn_queued(r->link) < GIVE_AHEAD)))
+        conn_send(r->link, m);
+}
+
+static void
+on_ticker(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+    struct rad_error err = { 0 };
+
+    if (strict_error(r->strict) < 0) {
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        send_failed(r, &err);
+        end(r, rad_exit_status(err.code));
+        return;
+    }
+    pool_tick(r->pool, uv_now(&r->loop));
+    on_news(r);
 }
 
 /* --- ambient records --- */
@@ -328,14 +365,35 @@ load_frames(struct render *r, const struct msg_spec *spec,
     return 0;
 }
 
+/* The machine of strict units, where there may be some. */
+static int
+load_strict(struct render *r, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    struct rad_quincunx *q;
+
+    if (spec->partition == MSG_PART_WINDOW)
+        return 0;
+    q = calloc(r->nframes + 1, sizeof *q);
+    if (q) {
+        for (uint32_t i = 0; i < r->nframes; i++) {
+            const struct rad_frame *f = &r->frames[i];
+            const struct rad_window all = { 0, 0, f->width, f->height };
+
+            rad_frame_sampler(f, &all, &q[i]);
+        }
+        r->strict = strict_new(q, r->nframes, r->id);
+        free(q);
+    }
+    return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
 static int
 load(struct render *r, const struct msg_spec *spec, struct rad_error *err)
 {
     struct rad_bundle bundle;
     int rc;
 
-    if (spec->flags & MSG_JOB_FRESH_FRAMES && spec->nframes > 1)
-        return rad_fail(err, RAD_EUSAGE, "--fresh-frames is not there yet");
     rad_bundle_init(&bundle);
     rc = read_manifest(r, spec->manifest, &bundle, err);
     if (rc == 0)
@@ -343,16 +401,61 @@ load(struct render *r, const struct msg_spec *spec, struct rad_error *err)
     if (rc == 0)
         rc = load_frames(r, spec, err);
     rad_bundle_release(&bundle);
+    if (rc == 0)
+        rc = load_strict(r, spec, err);
     if (rc < 0)
         return rc;
-    r->pool =
-        pool_new(&r->loop, r->job, r->frames, r->nthreads, on_rows, r, err);
+    r->frame = r->nframes;
+    r->pool = pool_new(&r->loop, r->job, r->frames, r->strict, r->nthreads,
+                       on_rows, on_news, r, err);
     return r->pool ? 0 : err->code;
 }
 
+/* Free all that load() made. */
 static void
-start_job(struct render *r, const struct msg_spec *spec)
+unload(struct render *r)
 {
+    pool_free(r->pool);
+    r->pool = NULL;
+    strict_free(r->strict);
+    r->strict = NULL;
+    for (uint32_t i = 0; i < r->nframes; i++)
+        rad_frame_release(&r->frames[i]);
+    r->nframes = 0;
+    free(r->frames);
+    r->frames = NULL;
+    rad_job_free(r->job);
+    r->job = NULL;
+    rad_scene_free(r->scene);
+    r->scene = NULL;
+}
+
+/* Keep JOB-START: what it has borrowed is gone when the next message comes. */
+static int
+keep_start(struct render *r, const struct msg *m, struct rad_error *err)
+{
+    struct wire_out out;
+    size_t n;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    if (msg_pack(&out, m) < 0) {
+        wire_out_release(&out);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    n = out.len - MSG_HEADER;
+    r->start_bytes = malloc(n + 1);
+    if (r->start_bytes)
+        memcpy(r->start_bytes, out.buf + MSG_HEADER, n);
+    wire_out_release(&out);
+    if (!r->start_bytes)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return msg_unpack(&r->start, m->type, 0, r->start_bytes, n, err);
+}
+
+static void
+start_job(struct render *r, const struct msg *m)
+{
+    const struct msg_spec *spec = &m->job_start;
     struct msg ready = { .type = MSG_READY };
     struct rad_error err = { 0 };
     uint64_t t0 = uv_hrtime();
@@ -360,14 +463,13 @@ start_job(struct render *r, const struct msg_spec *spec)
     memcpy(r->id, spec->job, MSG_JOB);
     conn_set_session(r->link, MSG_AT_CHILD);
     conn_live(r->link, false);
-    if (load(r, spec, &err) < 0 ||
+    if (keep_start(r, m, &err) < 0 || load(r, spec, &err) < 0 ||
         fingerprint(&ready.ready.fingerprint, &err) < 0) {
         send_failed(r, &err);
         end(r, rad_exit_status(err.code));
         return;
     }
     r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
-    r->by_lines = spec->partition != MSG_PART_WINDOW;
     if (r->share)
         uv_timer_start(&r->drain, on_drain, DRAIN_MS, DRAIN_MS);
     uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
@@ -402,22 +504,96 @@ check_unit(const struct render *r, const struct msg_unit *u,
     return 0;
 }
 
-static void
-take_unit(struct render *r, const struct msg_unit *u)
+/* A unit of another frame than the last, where nothing is to be kept: begin as
+ * with a new job. */
+static int
+begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
+{
+    const struct msg_spec *spec = &r->start.job_start;
+    int rc;
+
+    if (r->frame != r->nframes && r->frame != frame &&
+        spec->flags & MSG_JOB_FRESH_FRAMES) {
+        unload(r);
+        rc = load(r, spec, err);
+        if (rc < 0)
+            return rc;
+        for (struct give *g = r->gives; g; g = g->next)
+            g->cursor = 0;
+    }
+    r->frame = frame;
+    return 0;
+}
+
+static int
+push_window(struct render *r, const struct msg_unit *u, struct rad_error *err)
 {
     struct pool_unit unit = { .unit = u->unit,
                               .attempt = u->attempt,
                               .frame = u->frame,
                               .window = { (int)u->x, (int)u->y, (int)u->width,
                                           (int)u->height } };
-    struct rad_error err = { 0 };
 
-    if (check_unit(r, u, &err) == 0 && !pool_push(r->pool, &unit))
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
-    if (err.code) {
+    if (!pool_push(r->pool, &unit))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return 0;
+}
+
+static int
+push_strict(struct render *r, const struct msg_unit *u, struct rad_error *err)
+{
+    int rc;
+
+    if (!r->strict)
+        return rad_fail(err, RAD_EPROTO, "unit %u is strict, the job is not",
+                        u->unit);
+    rc = strict_unit(pool_strict(r->pool), u, err);
+    pool_strict_done(r->pool);
+    if (!uv_is_active((uv_handle_t *)&r->ticker))
+        uv_timer_start(&r->ticker, on_ticker, TICK_MS, TICK_MS);
+    return rc;
+}
+
+static void
+take_unit(struct render *r, const struct msg_unit *u)
+{
+    struct rad_error err = { 0 };
+    int rc = check_unit(r, u, &err);
+
+    if (rc == 0)
+        rc = begin_frame(r, u->frame, &err);
+    if (rc == 0)
+        rc = u->mode == MSG_MODE_STRICT ? push_strict(r, u, &err)
+                                        : push_window(r, u, &err);
+    if (rc < 0) {
         send_failed(r, &err);
         end(r, rad_exit_status(err.code));
     }
+}
+
+/* What the machine of the strict units is to know. */
+static void
+take_strict(struct render *r, const struct msg *m)
+{
+    struct strict *s;
+
+    if (!r->strict)
+        return;
+    s = pool_strict(r->pool);
+    switch (m->type) {
+    case MSG_SPLIT:
+        strict_split(s, m->split.unit, m->split.attempt);
+        break;
+    case MSG_TWIN:
+        strict_twin(s, m->twin.unit, m->twin.attempt);
+        break;
+    case MSG_FACTS:
+        strict_facts(s, &m->facts);
+        break;
+    default:
+        strict_base_line(s, &m->base_line);
+    }
+    pool_strict_done(r->pool);
 }
 
 /* --- estimates --- */
@@ -430,7 +606,7 @@ on_estimated(void *arg, struct estimate *e, double wall_s)
     struct msg m = { .type = MSG_FACTS };
     struct msg_facts *f;
 
-    while (r->link && r->by_lines && (f = estimate_facts(e))) {
+    while (r->link && r->strict && (f = estimate_facts(e))) {
         m.facts = *f;
         m.facts.job = r->id;
         conn_send(r->link, &m);
@@ -470,7 +646,7 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     (void)c;
     switch (m->type) {
     case MSG_JOB_START:
-        start_job(r, &m->job_start);
+        start_job(r, m);
         break;
     case MSG_UNIT:
         take_unit(r, &m->unit);
@@ -480,6 +656,12 @@ on_message(void *arg, struct conn *c, const struct msg *m)
         break;
     case MSG_REVOKE:
         pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);
+        break;
+    case MSG_SPLIT:
+    case MSG_TWIN:
+    case MSG_FACTS:
+    case MSG_BASE_LINE:
+        take_strict(r, m);
         break;
     case MSG_AMBIENT:
         take_ambient(r, &m->ambient);
@@ -512,8 +694,10 @@ on_written(void *arg, struct conn *c, size_t n)
     struct render *r = arg;
 
     (void)c;
-    if (r->pool)
-        pool_sent(r->pool, n);
+    if (!r->pool)
+        return;
+    pool_sent(r->pool, n);
+    on_news(r); /* there may be room for more */
 }
 
 static const struct conn_handler handler = { on_message, on_closed,
@@ -565,15 +749,13 @@ open_link(struct render *r)
 static void
 release(struct render *r)
 {
-    pool_free(r->pool);
+    unload(r);
     uv_close((uv_handle_t *)&r->drain, NULL);
     uv_close((uv_handle_t *)&r->teller, NULL);
+    uv_close((uv_handle_t *)&r->ticker, NULL);
     uv_run(&r->loop, UV_RUN_DEFAULT);
-    for (uint32_t i = 0; i < r->nframes; i++)
-        rad_frame_release(&r->frames[i]);
-    free(r->frames);
-    rad_job_free(r->job);
-    rad_scene_free(r->scene);
+    msg_release(&r->start);
+    free(r->start_bytes);
     while (r->gives) {
         struct give *g = r->gives;
 
@@ -598,7 +780,8 @@ render_main(int argc, char *argv[])
     uv_loop_init(&r.loop);
     uv_timer_init(&r.loop, &r.drain);
     uv_timer_init(&r.loop, &r.teller);
-    r.drain.data = r.teller.data = &r;
+    uv_timer_init(&r.loop, &r.ticker);
+    r.drain.data = r.teller.data = r.ticker.data = &r;
     rc = open_link(&r);
     if (rc < 0) {
         log_err("no link to radd: %s", uv_strerror(rc));

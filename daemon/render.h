@@ -1,9 +1,9 @@
 /* render.h - the body of a job's child: threads that render, a loop that talks
  *
  * radd starts this in a process of its own, with one end of a socket pair as
- * descriptor RENDER_LINK_FD.  What is said on it is JOB-START, READY, UNIT,
- * RESULT, AMBIENT, GIVE, REVOKE, TALLY, FAILED and JOB-END of
- * proto/message.def.  The process ends when the link does. */
+ * descriptor RENDER_LINK_FD.  What is said on it is what may arrive at
+ * CHILD_NEW, CHILD, PARENT_NEW and PARENT by proto/message.def.  The process
+ * ends when the link does. */
 #ifndef RADD_DAEMON_RENDER_H
 #define RADD_DAEMON_RENDER_H
 

@@ -49,11 +49,13 @@ struct strict_unit {
     bool gone;     /* to be freed when its pass has ended */
     bool split;    /* GAVE is due when its pass has ended */
     bool lines_done, ahead_done;
+    bool bottom_done;   /* the bottom is out, true */
     bool ahead_guessed; /* AHEAD had colours above the first bar */
     bool parked;        /* said, or about to be */
     bool waiting;
     uint64_t since_ms; /* waiting: from when */
     struct strict_pass *pass;
+    struct msg_counts spent; /* by its passes so far */
     /* its bottom after LINES or AHEAD; NULL: none yet */
     struct rad_pixel *guess;
     uint8_t *guess_density;
@@ -494,19 +496,27 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
     return !u->make_top && a && a->guess;
 }
 
+/* Is the bottom, to be had before the bars, of use to others? */
+static bool
+wants_true_lines(const struct strict *s, const struct strict_unit *u)
+{
+    return !u->bottom_done && !u->ahead_done && u->last - u->first > 1 &&
+           u->last < frame_of(s, u->frame)->nlines;
+}
+
 /* What to do for a unit next; false: nothing. */
 static bool
-next_mode(const struct strict *s, const struct strict_unit *u,
-          enum team_mode *mode)
+next_rank(const struct strict *s, const struct strict_unit *u,
+          enum strict_rank *rank)
 {
     if (u->pass || u->gone)
         return false;
     if (top_is_true(s, u))
-        *mode = TEAM_TRUTH;
+        *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
     else if (!u->lines_done)
-        *mode = TEAM_LINES;
+        *rank = STRICT_LINES;
     else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
-        *mode = TEAM_AHEAD;
+        *rank = STRICT_AHEAD;
     else
         return false;
     return true;
@@ -515,9 +525,9 @@ next_mode(const struct strict *s, const struct strict_unit *u,
 static bool
 is_waiting(const struct strict *s, const struct strict_unit *u)
 {
-    enum team_mode mode;
+    enum strict_rank rank;
 
-    return !u->pass && !u->gone && !next_mode(s, u, &mode);
+    return !u->pass && !u->gone && !next_rank(s, u, &rank);
 }
 
 bool
@@ -529,6 +539,16 @@ strict_waits(const struct strict *s)
     return false;
 }
 
+uint64_t
+strict_rays(const struct strict *s)
+{
+    uint64_t n = 0;
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        n += u->gone ? 0 : u->spent.rays;
+    return n;
+}
+
 /* The tops that this edge was: stop what goes on without it. */
 static void
 edge_is_true(struct strict *s, const struct edge *e)
@@ -537,7 +557,7 @@ edge_is_true(struct strict *s, const struct edge *e)
         if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
             continue;
         forget_lazy(s, u);
-        if (u->pass && u->pass->mode != TEAM_TRUTH)
+        if (u->pass && !u->pass->true_top)
             u->pass->stop = true;
     }
 }
@@ -620,6 +640,7 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
         for (int i = last; i < end; i++)
             push_facts(s, &s->urgent, u, i);
         u->last = last;
+        u->bottom_done = false;
         /* it was that of another line */
         free(u->guess);
         free(u->guess_density);
@@ -808,29 +829,27 @@ strict_tick(struct strict *s, uint64_t now_ms)
 
 /* --- passes --- */
 
-/* Before which others a pass is made: of units that wait for nobody, then base
- * lines, which others may wait for, then bars; from the top. */
 static bool
-comes_before(enum team_mode mode, const struct strict_unit *u,
-             enum team_mode than_mode, const struct strict_unit *than)
+comes_before(enum strict_rank rank, const struct strict_unit *u,
+             enum strict_rank than_rank, const struct strict_unit *than)
 {
-    if (mode != than_mode)
-        return mode < than_mode;
+    if (rank != than_rank)
+        return rank < than_rank;
     if (u->frame != than->frame)
         return u->frame < than->frame;
     return u->first < than->first;
 }
 
 static struct strict_unit *
-choose(const struct strict *s, enum team_mode *mode)
+choose(const struct strict *s, enum strict_rank *rank)
 {
     struct strict_unit *best = NULL;
-    enum team_mode m;
+    enum strict_rank r;
 
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (next_mode(s, u, &m) && (!best || comes_before(m, u, *mode, best))) {
+        if (next_rank(s, u, &r) && (!best || comes_before(r, u, *rank, best))) {
             best = u;
-            *mode = m;
+            *rank = r;
         }
     return best;
 }
@@ -882,10 +901,19 @@ pass_free(struct strict_pass *p)
     free(p);
 }
 
+static enum team_mode
+mode_of(enum strict_rank rank)
+{
+    return rank == STRICT_TRUTH   ? TEAM_TRUTH
+           : rank == STRICT_AHEAD ? TEAM_AHEAD
+                                  : TEAM_LINES;
+}
+
 static struct strict_pass *
-pass_new(struct strict *s, struct strict_unit *u, enum team_mode mode)
+pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
     struct strict_pass *p = calloc(1, sizeof *p);
+    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT;
 
     if (!p)
         return NULL;
@@ -893,14 +921,14 @@ pass_new(struct strict *s, struct strict_unit *u, enum team_mode mode)
     p->unit = u->unit;
     p->attempt = u->attempt;
     p->frame = u->frame;
-    p->first = u->first - (mode != TEAM_TRUTH && u->make_top ? 1 : 0);
+    p->rank = rank;
+    p->mode = mode_of(rank);
+    p->true_top = rank <= STRICT_TRUTH;
+    p->first = u->first - (!p->true_top && u->make_top ? 1 : 0);
     p->last = u->last;
-    p->mode = mode;
     p->least = u->first + 1;
     p->end = u->end;
-    if (!facts_table(s, u->frame) ||
-        ((mode != TEAM_TRUTH || u->twin || u->end != TEAM_FROM_LEFT) &&
-         !facts_make_all(s, u)) ||
+    if (!facts_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
         !set_top(s, p)) {
         pass_free(p);
         return NULL;
@@ -910,15 +938,15 @@ pass_new(struct strict *s, struct strict_unit *u, enum team_mode mode)
 }
 
 struct strict_pass *
-strict_next(struct strict *s)
+strict_next(struct strict *s, enum strict_rank least)
 {
-    enum team_mode mode = TEAM_TRUTH;
-    struct strict_unit *u = s->error ? NULL : choose(s, &mode);
+    enum strict_rank rank = STRICT_AHEAD;
+    struct strict_unit *u = s->error ? NULL : choose(s, &rank);
     struct strict_pass *p;
 
-    if (!u)
+    if (!u || rank > least)
         return NULL;
-    p = pass_new(s, u, mode);
+    p = pass_new(s, u, rank);
     if (!p)
         s->error = RAD_ENOMEM;
     u->pass = p;
@@ -969,8 +997,9 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
     bool all = columns == f->q.width && densities == f->ndensity;
     struct edge *e;
 
-    if (p->mode != TEAM_TRUTH || p->of->gone || p->last == f->nlines ||
-        columns < p->sent_columns || densities < p->sent_densities ||
+    if (!p->true_top || p->of->gone || p->of->bottom_done ||
+        p->last == f->nlines || columns < p->sent_columns ||
+        densities < p->sent_densities ||
         (columns - p->sent_columns < f->q.xstep && !all) ||
         (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
         !(e = edge_make(s, p->frame, p->last - 1)))
@@ -982,8 +1011,10 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
         edge_density(e, f, d, density[d]);
     p->sent_columns = columns;
     p->sent_densities = densities;
-    if (all)
-        edge_is_true(s, e);
+    if (!all)
+        return;
+    p->of->bottom_done = true;
+    edge_is_true(s, e);
 }
 
 /* LINES or AHEAD is done: its bottom is a guess for the unit below. */
@@ -1022,9 +1053,12 @@ count_unused(const struct strict *s, const struct strict_unit *u)
 }
 
 static void
-end_ahead(struct strict *s, struct strict_unit *u, const struct strict_pass *p,
+end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
           const struct rad_pixel *pixels, const uint8_t *density)
 {
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     if (p->mode == TEAM_AHEAD) {
         u->ahead_done = true;
         u->ahead_guessed = p->top || u->make_top;
@@ -1034,38 +1068,53 @@ end_ahead(struct strict *s, struct strict_unit *u, const struct strict_pass *p,
         keep_guess(s, u, pixels, density);
 }
 
-void
+/* TRUTH is made: what the unit cost. */
+static void
+end_truth(struct strict *s, struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density,
+          struct msg_counts *total)
+{
+    const struct strict_unit *u = p->of;
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    *total = u->spent;
+    total->speculative_rays = count_unused(s, u);
+}
+
+/* Forget the unit and the top that it needed. */
+static void
+end_unit(struct strict *s, struct strict_unit *u)
+{
+    uint32_t frame = u->frame;
+    int top = u->first - 1;
+
+    unit_drop(s, u);
+    edge_drop(s, frame, top);
+}
+
+bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct rad_pixel *pixels, const uint8_t *density,
-             uint64_t *speculative)
+             const struct msg_counts *spent, struct msg_counts *total)
 {
     struct strict_unit *u = p->of;
-    const struct frame *f = frame_of(s, u->frame);
-    bool split = u->split, over = u->gone;
+    bool over = done && !u->gone && p->mode == TEAM_TRUTH;
 
-    *speculative = 0;
+    msg_counts_add(&u->spent, spent);
     if (u->make_top && !u->gone)
         push_facts(s, &s->urgent, u, u->first - 1);
-    if (done && !u->gone) {
-        if (p->mode == TEAM_TRUTH) {
-            strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
-            *speculative = count_unused(s, u);
-            over = true;
-        } else if (!p->stop) {
-            end_ahead(s, u, p, pixels, density);
-        }
-    }
+    if (over)
+        end_truth(s, p, pixels, density, total);
+    else if (done && !p->stop)
+        end_ahead(s, u, p, pixels, density);
     u->pass = NULL;
     pass_free(p);
-    if (over) {
-        int top = u->first - 1;
-        uint32_t frame = u->frame;
-
-        unit_drop(s, u);
-        edge_drop(s, frame, top);
-    } else if (split) {
+    if (over || u->gone)
+        end_unit(s, u);
+    else if (u->split)
         split_idle(s, u);
-    }
+    return over;
 }
 
 /* --- what goes out --- */

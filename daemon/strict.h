@@ -6,11 +6,14 @@
  * traced ahead, on a guess, and kept as facts; then TRUTH makes the rows over
  * the facts and leaves the top of the unit below.  So a unit has passes, each
  * the work of one team: first LINES, then AHEAD, after which it is parked, and
- * TRUTH as soon as may be; TRUTH alone where the top is true from the start.
- * This machine holds units, tops and facts, chooses the passes, takes messages
- * and makes those that go out.  It has no thread, socket or clock: the caller
- * gives the time, runs a team for each pass and says how far it is.
- * Thread: all calls under one lock, but for what teams do with facts. */
+ * TRUTH as soon as may be.  Where the unit has several lines and its top is
+ * true before AHEAD is done, LINES is made (again) for the bottom that others
+ * wait for.  TRUTH alone does where the top is true from the start and there is
+ * but one line, or nothing below. This machine holds units, tops and facts,
+ * chooses the passes, takes messages and makes those that go out.  It has no
+ * thread, socket or clock: the caller gives the time, runs a team for each pass
+ * and says how far it is. Thread: all calls under one lock, but for what teams
+ * do with facts. */
 #ifndef RADD_DAEMON_STRICT_H
 #define RADD_DAEMON_STRICT_H
 
@@ -46,13 +49,23 @@ void strict_tick(struct strict *s, uint64_t now_ms);
 
 /* --- passes --- */
 
+/* What passes are for, the most urgent first. */
+enum strict_rank {
+    STRICT_TRUE_LINES, /* LINES, the top being true: others may wait for it */
+    STRICT_TRUTH,
+    STRICT_LINES,
+    STRICT_AHEAD
+};
+
 /* Work for one team.  After any call above its caller looks at stop and split
  * of those that are under way. */
 struct strict_pass {
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) of the frame; see strict_shrunk() */
+    enum strict_rank rank;
     enum team_mode mode;
     enum team_end end;
+    bool true_top;                      /* what follows is true */
     struct rad_pixel *top;              /* NULL: not known */
     uint8_t *top_density;               /* NULL: not known, or none at all */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
@@ -66,28 +79,32 @@ struct strict_pass {
     size_t sent_densities;
 };
 
-/* Begin the pass that matters most; NULL: there is none.  It is the caller's
- * until strict_ended(). */
-struct strict_pass *strict_next(struct strict *s);
+/* Begin the most urgent pass, none that is less so than `least`; from the top.
+ * NULL: there is none.  It is the caller's until strict_ended(). */
+struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
 
 /* The team gave its lines from `last` on, none of them begun, or nothing. */
 void strict_shrunk(struct strict *s, struct strict_pass *p, int last);
 
-/* So many columns and densities of the bottom line of a TRUTH pass are final,
- * as in the picture. */
+/* So many columns and densities of the bottom line of a pass under a true top
+ * are final, as in the picture. */
 void strict_bottom(struct strict *s, struct strict_pass *p, int columns,
                    size_t densities, const struct rad_pixel *pixels,
                    const uint8_t *density);
 
 /* The team has left the pass, which is gone now.  done: it came to its end;
- * pixels and density are its bottom then.  With TRUTH the unit is done, and
- * *speculative the number of its facts that nobody wanted; else 0. */
-void strict_ended(struct strict *s, struct strict_pass *p, bool done,
+ * pixels and density are its bottom then.  spent: what it cost, primary rays of
+ * TRUTH alone.  True: the unit is done, and *total is what all of it cost; its
+ * speculative rays are the facts that nobody wanted. */
+bool strict_ended(struct strict *s, struct strict_pass *p, bool done,
                   const struct rad_pixel *pixels, const uint8_t *density,
-                  uint64_t *speculative);
+                  const struct msg_counts *spent, struct msg_counts *total);
 
 /* Is there a unit that can do nothing but wait for its top? */
 bool strict_waits(const struct strict *s);
+
+/* Rays of passes that have ended, of units that are not done. */
+uint64_t strict_rays(const struct strict *s);
 
 /* --- what goes out --- */
 

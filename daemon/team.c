@@ -273,16 +273,22 @@ show(struct member *m, int end)
     atomic_store_explicit(&l->shown, end, memory_order_release);
 }
 
+static bool
+is_bottom(const struct member *m)
+{
+    return m->i + 1 ==
+           atomic_load_explicit(&m->team->last, memory_order_relaxed);
+}
+
 /* The unit below may wait for what this line has: do not keep it. */
 static void
 show_bottom(struct member *m, int end)
 {
     struct team *t = m->team;
 
-    if (m->i + 1 == atomic_load_explicit(&t->last, memory_order_relaxed) &&
-        end - atomic_load_explicit(&line_at(t, m->i)->shown,
-                                   memory_order_relaxed) >=
-            BOTTOM_COLUMNS)
+    if (is_bottom(m) && end - atomic_load_explicit(&line_at(t, m->i)->shown,
+                                                   memory_order_relaxed) >=
+                            BOTTOM_COLUMNS)
         show(m, end);
 }
 
@@ -525,6 +531,8 @@ sample_line(struct member *m)
     } while (rad_quincunx_line_step(&s));
     show(m, m->q.width);
     publish(t, l, t->ndensity + 1);
+    if (is_bottom(m) && t->spec.bottom)
+        t->spec.bottom(t->spec.arg);
     return true;
 }
 

@@ -69,6 +69,9 @@ typedef void team_paint_fn(void *arg, struct rad_ctx *ctx, int x0, int x1,
  * order, each once.  The pixels are borrowed for the call, which may wait. */
 typedef void team_rows_fn(void *arg, int row, const struct rad_pixel *pixels);
 
+/* The unit's bottom is complete: a member says so, at once and once. */
+typedef void team_bottom_fn(void *arg);
+
 /* All rays of a context so far. */
 typedef uint64_t team_count_fn(void *arg, const struct rad_ctx *ctx);
 
@@ -91,9 +94,10 @@ struct team_spec {
      * their lines from the start. */
     _Atomic(struct rad_facts *) *facts;
     team_trace_fn *trace;
-    team_paint_fn *paint; /* NULL: none */
-    team_rows_fn *rows;   /* called with TEAM_TRUTH alone */
-    team_count_fn *count; /* NULL: the pixels traced are counted */
+    team_paint_fn *paint;   /* NULL: none */
+    team_rows_fn *rows;     /* called with TEAM_TRUTH alone */
+    team_bottom_fn *bottom; /* NULL: nobody wants to know */
+    team_count_fn *count;   /* NULL: the pixels traced are counted */
     void *arg;
     int nthreads; /* members at once, at most */
 };

@@ -835,6 +835,23 @@ msg_nan_add(struct msg_nan *a, const struct msg_nan *b)
     a->pixels = sum;
 }
 
+void
+msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
+{
+    a->rays += b->rays;
+    a->primary_rays += b->primary_rays;
+    a->speculative_rays += b->speculative_rays;
+    a->shadow_rays += b->shadow_rays;
+    a->ambient_rays += b->ambient_rays;
+    a->paint_rays += b->paint_rays;
+    a->estimate_rays += b->estimate_rays;
+    a->intersection_tests += b->intersection_tests;
+    a->ambient_values += b->ambient_values;
+    msg_nan_add(&a->nan, &b->nan);
+    a->cpu_s += b->cpu_s;
+    a->wall_s += b->wall_s;
+}
+
 const char *
 msg_name(uint16_t type)
 {

@@ -283,8 +283,9 @@ struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
         paint_rays, estimate_rays, intersection_tests, ambient_values;
     struct msg_nan nan;
-    double cpu_s;  /* processor time of the render thread */
-    double wall_s; /* from taking the unit to its last row */
+    double cpu_s;  /* processor time of the render threads */
+    double wall_s; /* from taking the unit to its last row; of a strict unit,
+                    * that of its passes (daemon/strict.h) */
 };
 
 /* Rows of a unit, from its top, each piece following the last.  Pixels are
@@ -511,6 +512,9 @@ int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
 
 /* Add the pixels of b; the first of both is kept. */
 void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
+
+/* Add all of b. */
+void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);
 
 /* "JOB-START"; "?" for a number that is no message. */
 const char *msg_name(uint16_t type);

@@ -18,6 +18,7 @@ enum { SIDE = 96, WINDOW = 24, PER_ROW = SIDE / WINDOW, MOST = 16 };
 static const char scene_text[] =
     "void light lamp 0 0 3 60 60 60\n"
     "lamp sphere bulb 0 0 4 2 -2 4 .4\n"
+    "lamp sphere spark 0 0 4 -1.5 1 2 .02\n" /* painted */
     "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
     "red sphere ball 0 0 4 0 0 1 1\n"
     "void plastic grey 0 0 5 .4 .4 .4 0 0\n"
@@ -94,7 +95,8 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
     ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
                      0);
     ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop, f->job, &f->frame, threads, on_rows, f, &err);
+    f->pool = pool_new(&f->loop, f->job, &f->frame, NULL, threads, on_rows,
+                       NULL, f, &err);
     ck_assert_msg(f->pool != NULL, "%s", err.what);
 }
 
@@ -274,6 +276,278 @@ START_TEST(rays_are_told_while_a_window_is_under_way)
 }
 END_TEST
 
+/* --- strict units, of one frame, by several children --- */
+
+enum { MOST_UNITS = 2 * SIDE, CHILDREN = 3 };
+
+struct child {
+    struct cluster *of;
+    struct strict *strict;
+    struct pool *pool;
+};
+
+struct part {
+    int first, last; /* lines */
+    bool done, twin;
+    int rows[CHILDREN];
+};
+
+struct cluster {
+    struct fixture *f;
+    struct rad_quincunx q;
+    int nchildren, nparts, ndone, parked, gave;
+    struct child child[CHILDREN];
+    struct part part[MOST_UNITS];
+    uv_timer_t timer;
+    uint64_t ms, random;
+    struct msg_counts counts;
+};
+
+static int
+any(struct cluster *c, int n)
+{
+    c->random = c->random * UINT64_C(6364136223846793005) + 1442695040888963407;
+    return (int)(c->random >> 33) % n;
+}
+
+static void
+give_part(struct cluster *c, int i, int to, uint8_t end, uint8_t flags)
+{
+    struct part *part = &c->part[i];
+    int y = team_line_row(&c->q, part->first);
+    struct msg_unit m = { .unit = (uint32_t)i,
+                          .attempt = 1,
+                          .y = (uint32_t)y,
+                          .width = SIDE,
+                          .mode = MSG_MODE_STRICT,
+                          .end = end,
+                          .flags = flags };
+
+    m.height = (uint32_t)(rad_quincunx_base_row(&c->q, part->last - 1) + 1 - y);
+    part->rows[to] = 0;
+    ck_assert_int_eq(strict_unit(pool_strict(c->child[to].pool), &m, NULL), 0);
+    pool_strict_done(c->child[to].pool);
+}
+
+/* Somebody has less to do from now on: another gets the rest. */
+static void
+on_gave(struct cluster *c, const struct msg_gave *m)
+{
+    struct part *part = &c->part[m->unit];
+    int y = team_line_row(&c->q, part->first) + (int)m->height - 1;
+    int last = part->first;
+
+    while (rad_quincunx_base_row(&c->q, last) < y)
+        last++;
+    last++;
+    ck_assert_int_le(last, part->last);
+    if (last == part->last)
+        return;
+    c->gave++;
+    c->part[c->nparts] = (struct part){ .first = last, .last = part->last };
+    part->last = last;
+    give_part(c, c->nparts++, any(c, c->nchildren), 0, MSG_UNIT_TOP);
+}
+
+static void
+on_children_news(void *arg)
+{
+    struct child *from = arg;
+    struct cluster *c = from->of;
+    const struct msg *m;
+
+    while ((m = pool_message(from->pool, true))) {
+        c->parked += m->type == MSG_PARKED;
+        if (m->type == MSG_GAVE)
+            on_gave(c, &m->gave);
+        for (int i = 0; i < c->nchildren; i++) {
+            struct pool *to = c->child[i].pool;
+            struct strict *s;
+
+            if (&c->child[i] == from ||
+                (m->type != MSG_BASE_LINE && m->type != MSG_FACTS))
+                continue;
+            s = pool_strict(to);
+            if (m->type == MSG_FACTS)
+                strict_facts(s, &m->facts);
+            else
+                strict_base_line(s, &m->base_line);
+            pool_strict_done(to);
+        }
+    }
+}
+
+static void
+take_pixels(struct fixture *f, const struct pool_rows *r, int y)
+{
+    const float *p = r->pixels;
+
+    for (uint32_t k = 0; k < r->rows; k++)
+        for (int x = 0; x < SIDE; x++, p += r->channels) {
+            f->whole[y + (int)k][x].L = rad_rgb(p[0], p[1], p[2]);
+            f->whole[y + (int)k][x].z = r->channels == 4 ? p[3] : 0;
+        }
+}
+
+static void
+on_part_rows(void *arg, const struct pool_rows *r)
+{
+    struct child *from = arg;
+    struct cluster *c = from->of;
+    struct part *part = &c->part[r->unit.unit];
+    int *rows = &part->rows[from - c->child];
+
+    pool_sent(from->pool, sizeof(float) * r->rows * SIDE * (size_t)r->channels);
+    if (part->done)
+        return;
+    ck_assert_int_eq(*rows, (int)r->row);
+    *rows += (int)r->rows;
+    take_pixels(c->f, r, team_line_row(&c->q, part->first) + (int)r->row);
+    if (!r->last)
+        return;
+    ck_assert_int_eq(*rows, rad_quincunx_base_row(&c->q, part->last - 1) + 1 -
+                                team_line_row(&c->q, part->first));
+    part->done = true;
+    c->ndone++;
+    msg_counts_add(&c->counts, &r->counts);
+    for (int i = 0; i < c->nchildren; i++)
+        if (&c->child[i] != from)
+            pool_revoke(c->child[i].pool, r->unit.unit, 1);
+}
+
+static void
+on_cluster_timer(uv_timer_t *timer)
+{
+    struct cluster *c = timer->data;
+
+    c->ms += 60; /* a hurry: parked soon */
+    for (int i = 0; i < c->nchildren; i++) {
+        pool_tick(c->child[i].pool, c->ms);
+        on_children_news(&c->child[i]);
+    }
+}
+
+static void
+open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
+{
+    static const struct rad_window all = { 0, 0, SIDE, SIDE };
+    static const uint8_t id[MSG_JOB];
+
+    memset(c, 0, sizeof *c);
+    c->f = f;
+    c->random = 1;
+    c->nchildren = nchildren;
+    rad_frame_sampler(&f->frame, &all, &c->q);
+    for (int i = 0; i < nchildren; i++) {
+        struct child *k = &c->child[i];
+
+        k->of = c;
+        k->strict = strict_new(&c->q, 1, id);
+        k->pool = pool_new(&f->loop, f->job, &f->frame, k->strict, nthreads,
+                           on_part_rows, on_children_news, k, NULL);
+        ck_assert(k->strict && k->pool);
+    }
+    uv_timer_init(&f->loop, &c->timer);
+    c->timer.data = c;
+    uv_timer_start(&c->timer, on_cluster_timer, 1, 1);
+}
+
+static void
+close_cluster(struct cluster *c)
+{
+    uv_close((uv_handle_t *)&c->timer, NULL);
+    for (int i = 0; i < c->nchildren; i++) {
+        pool_free(c->child[i].pool);
+        strict_free(c->child[i].strict);
+    }
+}
+
+static const struct {
+    const char *options;
+    bool depth;
+    int children, threads;
+    int lines; /* of a unit, at most */
+    bool split, twins;
+} clusters[] = {
+    { "-x 96 -y 96 -ab 0 -ps 4 -pt .05 -pj .67", false, 1, 1, 99, false,
+      false },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pt .05 -pj .67", false, 1, 3, 1, false, false },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pt .05 -dj .5", true, 3, 1, 1, false, false },
+    { "-x 96 -y 96 -ab 0 -ps 8 -pt .02 -pj 0", false, 3, 2, 4, false, false },
+    { "-x 96 -y 96 -ab 0 -ps 3 -pt .05", true, 2, 3, 12, true, false },
+    { "-x 96 -y 96 -ab 0 -ps 4 -pt .05 -pj .67", false, 3, 1, 20, true, true },
+    { "-x 96 -y 96 -ab 0 -ps 2 -pt .05", false, 3, 2, 9, true, true },
+    { "-x 96 -y 96 -ab 0 -ps 1", false, 2, 2, 30, true, true },
+    { "-x 96 -y 96 -ab 0 -ps 16 -pt .1", true, 3, 2, 2, false, true },
+};
+
+/* Everything is handed out at once, here and there. */
+static void
+give_all(struct cluster *c, int most, bool twins)
+{
+    int nlines = rad_quincunx_nbases(&c->q);
+
+    for (int first = 0; first < nlines; c->nparts++) {
+        struct part *part = &c->part[c->nparts];
+
+        part->first = first;
+        first += 1 + any(c, most);
+        part->last = first < nlines ? first : nlines;
+        first = part->last;
+    }
+    for (int i = c->nparts - 1; i >= 0; i--) {
+        int to = any(c, c->nchildren), other = (to + 1) % c->nchildren;
+        bool twin = twins && other != to && any(c, 3) == 0;
+        uint8_t flags = any(c, 3) == 0 ? MSG_UNIT_TOP : 0;
+
+        c->part[i].twin = twin;
+        if (twin)
+            give_part(c, i, other, (uint8_t)any(c, MSG_NEND),
+                      flags | MSG_UNIT_TWIN);
+        give_part(c, i, to, 0, flags | (twin ? MSG_UNIT_TWIN : 0));
+    }
+}
+
+/* Whoever has it.  Twins are not split. */
+static void
+split_any(struct cluster *c)
+{
+    int unit = any(c, c->nparts);
+
+    for (int i = 0; i < c->nchildren && !c->part[unit].twin; i++) {
+        strict_split(pool_strict(c->child[i].pool), (uint32_t)unit, 1);
+        pool_strict_done(c->child[i].pool);
+    }
+}
+
+START_TEST(strict_units_give_the_picture_and_rays_of_one)
+{
+    static struct fixture f;
+    static struct rad_pixel alone[SIDE][SIDE];
+    static struct cluster c;
+    uint64_t primary;
+
+    open_fixture(&f, clusters[_i].options, clusters[_i].depth, 1);
+    f.side = SIDE;
+    primary = render_alone(&f, alone);
+    open_cluster(&c, &f, clusters[_i].children, clusters[_i].threads);
+    give_all(&c, clusters[_i].lines, clusters[_i].twins);
+    while (c.ndone < c.nparts) {
+        uv_run(&f.loop, UV_RUN_ONCE);
+        if (clusters[_i].split)
+            split_any(&c);
+    }
+    ck_assert_uint_eq(c.counts.primary_rays, primary);
+    for (int y = 0; y < SIDE; y++)
+        ck_assert_mem_eq(f.whole[y], alone[y], sizeof alone[y]);
+    ck_assert_int_eq(f.frame.paint.n, 1);
+    ck_assert_uint_gt(c.counts.paint_rays, 0);
+    ck_assert_uint_ge(c.counts.rays, c.counts.primary_rays);
+    close_cluster(&c);
+    close_fixture(&f);
+}
+END_TEST
+
 START_TEST(shared_cache_fills_while_threads_read_it)
 {
     static struct fixture f;
@@ -379,6 +653,8 @@ main(void)
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
     tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);
+    tcase_add_loop_test(tc, strict_units_give_the_picture_and_rays_of_one, 0,
+                        N_ELEM(clusters));
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);

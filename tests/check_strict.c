@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define RUNS     800
+#define RUNS     500
 #define NODES    5
 #define HOLDERS  3
 #define LINES    80
@@ -562,7 +562,7 @@ look(struct node *d)
             team_stop(r->team);
         if (r->pass->split)
             strict_shrunk(d->s, r->pass, team_shrink(r->team, r->pass->least));
-        if (r->pass->mode != TEAM_TRUTH)
+        if (!r->pass->true_top)
             continue;
         team_bottom(r->team, &b);
         if (b.pixels)
@@ -703,8 +703,8 @@ take_row(void *arg, int row, const struct rad_pixel *pixels)
 }
 
 static void
-send_result(struct run *r, uint64_t speculative, uint32_t unit,
-            uint32_t attempt)
+send_result(struct run *r, uint32_t unit, uint32_t attempt,
+            const struct msg_counts *total)
 {
     struct world *w = r->node->w;
     struct event *e = event_new(w, r->node->id, COORD, MSG_RESULT);
@@ -713,8 +713,8 @@ send_result(struct run *r, uint64_t speculative, uint32_t unit,
     e->attempt = attempt;
     e->row = r->first_row;
     e->rows = r->nrows;
-    e->primary = team_primary(r->team);
-    e->speculative = speculative;
+    e->primary = total->primary_rays;
+    e->speculative = total->speculative_rays;
     e->pixels = r->rows;
     r->rows = NULL;
     post(w, e, true);
@@ -726,16 +726,18 @@ end_pass(struct run *r)
 {
     struct node *d = r->node;
     struct team_bottom b = { 0 };
-    bool done = team_done(r->team), truth = r->pass->mode == TEAM_TRUTH;
-    bool gone = r->pass->stop;
     uint32_t unit = r->pass->unit, attempt = r->pass->attempt;
-    uint64_t speculative;
+    struct msg_counts spent = { .rays = team_traced(r->team) }, total;
+    bool over;
 
+    if (r->pass->mode == TEAM_TRUTH)
+        spent.primary_rays = team_primary(r->team);
     team_bottom(r->team, &b);
-    strict_ended(d->s, r->pass, done, b.pixels, b.density, &speculative);
+    over = strict_ended(d->s, r->pass, team_done(r->team), b.pixels, b.density,
+                        &spent, &total);
     speak(d);
-    if (done && truth && !gone)
-        send_result(r, speculative, unit, attempt);
+    if (over)
+        send_result(r, unit, attempt, &total);
 }
 
 static void
@@ -750,13 +752,14 @@ run_pass(struct node *d)
                               .arg = &r,
                               .nthreads = 1 };
 
-    r.pass = strict_next(s);
+    r.pass = strict_next(s, STRICT_AHEAD);
     if (!r.pass)
         return;
     spec.mode = r.pass->mode;
     spec.end = r.pass->end;
     spec.first = r.pass->first;
     spec.last = r.pass->last;
+    spec.true_top = r.pass->true_top;
     spec.top = r.pass->top;
     spec.top_density = r.pass->top_density;
     spec.facts = r.pass->facts;
@@ -773,9 +776,9 @@ run_pass(struct node *d)
     if (r.life == d->life) {
         end_pass(&r);
     } else {
-        uint64_t none;
+        struct msg_counts none = { 0 };
 
-        strict_ended(s, r.pass, false, NULL, NULL, &none);
+        strict_ended(s, r.pass, false, NULL, NULL, &none, NULL);
         if (!d->runs)
             d->up = false;
     }
