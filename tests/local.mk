@@ -225,6 +225,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
+	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
@@ -239,6 +240,7 @@ TESTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/manpages.sh \
+	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
