@@ -49,6 +49,7 @@ libdaemon_a_SOURCES = \
 	daemon/peer.h \
 	daemon/pool.c \
 	daemon/pool.h \
+	daemon/relay.c \
 	daemon/render.c \
 	daemon/render.h \
 	daemon/report.c \

@@ -110,6 +110,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
                 p->name);
     if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
         worker_send_child(w, job, &give);
+    relay_linked(w, job, p->name);
 }
 
 /* Both tokens compare in the same time, whatever they are. */
@@ -264,6 +265,12 @@ caller_hello(struct worker *w, struct wcaller *k,
     match(w, k);
 }
 
+static size_t
+line_bytes(const struct msg_base_line *m)
+{
+    return (size_t)m->n * m->channels * 4 + m->ndensity;
+}
+
 /* Records from a peer, for the child. */
 static void
 receive(struct worker *w, struct wjob *job, const struct msg *m)
@@ -282,6 +289,22 @@ receive(struct worker *w, struct wjob *job, const struct msg *m)
     pump(w, job->child, &job->to_child);
 }
 
+/* A base line from a peer, for the child; false: it can be none. */
+static bool
+receive_line(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_BASE_LINE, .base_line = m->base_line };
+
+    if (!relay_fits(job, &m->base_line))
+        return false;
+    job->bytes_in += line_bytes(&m->base_line);
+    if (job->child == 0 || job->state != WJOB_READY)
+        return true;
+    pass.base_line.job = job->id;
+    worker_send_child(w, job, &pass);
+    return true;
+}
+
 bool
 peer_message(struct worker *w, uint64_t conn, const struct msg *m)
 {
@@ -289,10 +312,20 @@ peer_message(struct worker *w, uint64_t conn, const struct msg *m)
     struct wpeer *p = find_peer(w, conn, &job);
     struct wcaller *k = p ? NULL : find_caller(w, conn);
 
-    if (p && m->type == MSG_AMBIENT)
+    if (p && m->type == MSG_AMBIENT) {
         receive(w, job, m);
-    else if (k && m->type == MSG_PEER_HELLO)
+    } else if (p && m->type == MSG_BASE_LINE) {
+        if (!receive_line(w, job, m)) {
+            actions_log(&w->actions, ACT_WARN,
+                        "peer closed job=%s peer=%s why=a BASE_LINE that fits "
+                        "no line",
+                        job->hex, p->name);
+            free_peer(w, job, p);
+        }
+        return true;
+    } else if (k && m->type == MSG_PEER_HELLO) {
         caller_hello(w, k, &m->peer_hello);
+    }
     return p || k;
 }
 
@@ -328,6 +361,30 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
         lossy_put(&p->queue, out->buf, out->len);
         pump(w, p->conn, &p->queue);
     }
+}
+
+struct wpeer *
+peer_linked(const struct wjob *job, const char *name)
+{
+    struct wpeer *p = find_named(job, name);
+
+    return p && p->state == PEER_LINKED ? p : NULL;
+}
+
+void
+peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
+          const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+
+    out->len = 0;
+    if (msg_pack(out, m) != 0) {
+        w->actions.failed = true;
+        return;
+    }
+    job->bytes_out += out->len;
+    lossy_sent(&p->queue, out->len);
+    actions_send_bytes(&w->actions, p->conn, out->buf, out->len);
 }
 
 void

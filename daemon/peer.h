@@ -1,7 +1,7 @@
 /* peer.h - a worker's jobs, and its links to the other workers of a job
  *
- * The structs that worker.c and peer.c share, and what worker.c asks of
- * peer.c.  Private to the two.
+ * The structs that worker.c, peer.c and relay.c share, and what they ask of
+ * each other.  Private to the three.
  *
  * The coordinator names a pair of workers to each other with a token; one
  * dials and says PEER-HELLO.  That may come before the coordinator's word, so
@@ -15,6 +15,7 @@
 
 struct wunit {
     uint32_t unit, attempt;
+    bool parked; /* the child only waits for the base line above */
 };
 
 /* A RESULT that is not acknowledged. */
@@ -55,7 +56,10 @@ struct wjob {
     enum wjob_state state;
     uint8_t *start; /* the JOB-START frame, for children */
     size_t start_len;
-    uint8_t *files; /* hashes that it needs */
+    struct msg_area *frames; /* their sizes; the rest is 0 */
+    uint32_t nframes;
+    uint8_t channels; /* of a pixel */
+    uint8_t *files;   /* hashes that it needs */
     uint32_t nfiles;
     uint64_t child; /* connection, 0: none */
     struct lossy to_child;
@@ -66,6 +70,7 @@ struct wjob {
     size_t nunits, cap_units;
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
+    struct relay *relay; /* base lines that were made here; NULL: none yet */
 };
 
 /* A peer's connection that has not been matched with a job. */
@@ -84,7 +89,7 @@ struct worker {
     uint64_t coord; /* connection, 0: none */
     bool opened, welcome;
     uint64_t welcome_ms, dial_ms;
-    uint64_t epoch; /* of the coordinator that was last met; 0: none */
+    uint64_t epoch;    /* of the coordinator that was last met; 0: none */
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;
     uint64_t next_conn;
@@ -98,6 +103,9 @@ struct worker {
 
 uint64_t worker_new_conn(struct worker *w);
 struct wjob *worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB]);
+/* A unit that the child has; NULL: it does not. */
+struct wunit *worker_find_unit(const struct wjob *job, uint32_t unit,
+                               uint32_t attempt);
 /* Send to a job's child, keeping count of the bytes. */
 void worker_send_child(struct worker *w, struct wjob *job, const struct msg *m);
 
@@ -119,11 +127,32 @@ void peer_spread(struct worker *w, struct wjob *job,
                  const struct msg_ambient *m);
 void peer_feed_child(struct worker *w, struct wjob *job);
 
+/* The peer of that name, if there is a link to it; else NULL. */
+struct wpeer *peer_linked(const struct wjob *job, const char *name);
+/* Send it what may not be dropped. */
+void peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
+               const struct msg *m);
+
 /* Dial again, and close callers that say nothing. */
 void peer_tick(struct worker *w);
 
 /* Close and free the links of a job; of all callers. */
 void peer_release_job(struct worker *w, struct wjob *job);
 void peer_release_callers(struct worker *w);
+
+/* --- relay.c --- */
+
+/* What workers share, on its way down from the coordinator and up from a job's
+ * child; other messages are ignored. */
+void relay_down(struct worker *w, const struct msg *m);
+void relay_up(struct worker *w, struct wjob *job, const struct msg *m);
+/* A link to a peer is there. */
+void relay_linked(struct worker *w, struct wjob *job, const char *name);
+/* Tell the coordinator all of them again: some may have been lost on the way.
+ */
+void relay_repeat(struct worker *w, const struct wjob *job);
+/* May that be a base line of the job? */
+bool relay_fits(const struct wjob *job, const struct msg_base_line *m);
+void relay_release(struct wjob *job);
 
 #endif

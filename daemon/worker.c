@@ -111,13 +111,19 @@ drop_kept(struct wjob *job, struct wkept **link)
     free(k);
 }
 
-static bool
-has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+struct wunit *
+worker_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
     for (size_t i = 0; i < job->nunits; i++)
         if (job->units[i].unit == unit && job->units[i].attempt == attempt)
-            return true;
-    return false;
+            return &job->units[i];
+    return NULL;
+}
+
+static bool
+has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    return worker_find_unit(job, unit, attempt) != NULL;
 }
 
 static void
@@ -144,7 +150,7 @@ add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
         job->units = v;
         job->cap_units = cap;
     }
-    job->units[job->nunits++] = (struct wunit){ unit, attempt };
+    job->units[job->nunits++] = (struct wunit){ unit, attempt, false };
     return true;
 }
 
@@ -202,7 +208,9 @@ free_job(struct wjob *job)
     while (job->kept)
         drop_kept(job, &job->kept);
     lossy_release(&job->to_child);
+    relay_release(job);
     free(job->start);
+    free(job->frames);
     free(job->files);
     free(job->units);
     free(job);
@@ -232,6 +240,22 @@ end_job(struct worker *w, struct wjob *job)
     free_job(job);
 }
 
+/* What of the pictures a worker looks at. */
+static bool
+copy_frames(struct wjob *job, const struct msg_spec *spec)
+{
+    job->frames = calloc(spec->nframes, sizeof *job->frames);
+    if (!job->frames)
+        return false;
+    job->nframes = spec->nframes;
+    job->channels = spec->flags & MSG_JOB_DEPTH ? 4 : 3;
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        job->frames[i].width = spec->frames[i].width;
+        job->frames[i].height = spec->frames[i].height;
+    }
+    return true;
+}
+
 static struct wjob *
 new_job(struct worker *w, const struct msg *m)
 {
@@ -246,7 +270,7 @@ new_job(struct worker *w, const struct msg *m)
     lossy_init(&job->to_child);
     out->len = 0;
     job->files = malloc(nbytes ? nbytes : 1);
-    if (!job->files || msg_pack(out, m) != 0 ||
+    if (!job->files || !copy_frames(job, spec) || msg_pack(out, m) != 0 ||
         !(job->start = malloc(out->len))) {
         free_job(job);
         return NULL;
@@ -273,18 +297,19 @@ spawn(struct worker *w, struct wjob *job)
     send_child_bytes(w, job, job->start, job->start_len);
 }
 
-/* Tell the coordinator that the job has no child here any more. */
+/* Tell the coordinator that the job has no child here any more.  Units on which
+ * nobody worked are not under suspicion. */
 static void
 send_lost(struct worker *w, struct wjob *job, const char *text)
 {
     uint32_t list[64];
     struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
 
-    while (m.lost.nunits < job->nunits && m.lost.nunits < w->env.threads &&
-           m.lost.nunits < 64) {
-        list[m.lost.nunits] = job->units[m.lost.nunits].unit;
-        m.lost.nunits++;
-    }
+    for (size_t i = 0; i < job->nunits && m.lost.nunits < w->env.threads &&
+                       m.lost.nunits < 64;
+         i++)
+        if (!job->units[i].parked)
+            list[m.lost.nunits++] = job->units[i].unit;
     send_coord(w, &m);
     drop_units(job);
     job->state = WJOB_IDLE;
@@ -453,6 +478,8 @@ resume_job(struct worker *w, struct wjob *job)
     struct msg ready = { .type = MSG_READY, .ready = job->ready };
 
     revoke_units(w, job);
+    if (job->kept && w->welcome) /* a unit is nothing without its base line */
+        relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
         actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
     send_coord(w, &ready);
@@ -570,6 +597,7 @@ from_coord(struct worker *w, const struct msg *m)
             coord_handlers[i].handle(w, m);
             return;
         }
+    relay_down(w, m);
 }
 
 /* --- messages of a child --- */
@@ -662,6 +690,7 @@ from_child(struct worker *w, struct wjob *job, const struct msg *m)
             child_handlers[i].handle(w, job, m);
             return;
         }
+    relay_up(w, job, m);
 }
 
 /* --- the connection to the coordinator --- */

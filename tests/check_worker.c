@@ -536,6 +536,195 @@ START_TEST(a_slow_peer_loses_the_oldest_records)
 }
 END_TEST
 
+/* --- what workers share --- */
+
+static const uint8_t line_bytes[8 * 12] = { 0x3f, 0x80 };
+static const uint8_t density[4] = { 3, 0, 1, 2 };
+
+/* A piece of base line 1 of the job's picture, 8 columns wide. */
+static struct msg
+piece(uint32_t x, uint32_t n, uint32_t first, uint32_t ndensity)
+{
+    return (struct msg){ .type = MSG_BASE_LINE,
+                         .base_line = { job_id, 0, 1, x, n, first, ndensity, 3,
+                                        density, line_bytes } };
+}
+
+static void
+made(uint32_t x, uint32_t n, uint32_t first, uint32_t ndensity)
+{
+    struct msg m = piece(x, n, first, ndensity);
+
+    hear(f.child, &m);
+}
+
+static void
+next_holder(const char *name)
+{
+    struct msg m = { .type = MSG_NEXT_HOLDER,
+                     .next_holder = { job_id, 0, 1, name } };
+
+    hear(f.coord, &m);
+}
+
+static void
+link_peer(void)
+{
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+}
+
+START_TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
+{
+    start_job();
+    child_ready();
+    link_peer();
+    next_holder("ws2");
+    made(0, 5, 0, 2);
+    ck_assert_int_eq(said(f.coord, MSG_BASE_LINE), 1);
+    ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 1);
+    made(5, 3, 2, 2);
+    ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 2);
+    ck_assert_uint_eq(f.last.base_line.x, 5);
+    ck_assert_uint_eq(f.last.base_line.first, 2);
+    next_holder("ws2"); /* has all of it */
+    next_holder("ws9"); /* no link to that */
+    next_holder("");
+    ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 2);
+}
+END_TEST
+
+START_TEST(a_base_line_that_is_made_goes_to_one_named_late_or_linked_late)
+{
+    start_job();
+    child_ready();
+    made(0, 5, 0, 2);
+    made(0, 5, 0, 2); /* once more: the same values */
+    made(7, 1, 4, 0); /* with a gap before it: not of use */
+    made(5, 2, 2, 1);
+    next_holder("ws2");
+    ck_assert_int_eq(said(f.coord, MSG_BASE_LINE), 4);
+    clear();
+    link_peer();
+    ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 1);
+    ck_assert_uint_eq(f.last.base_line.n, 7);
+    ck_assert_uint_eq(f.last.base_line.ndensity, 3);
+    ck_assert_mem_eq(f.last.base_line.density, "\3\0\3", 3);
+    made(7, 1, 3, 1);
+    ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 2);
+    ck_assert_uint_eq(f.last.base_line.x, 7);
+}
+END_TEST
+
+START_TEST(a_base_line_from_a_peer_goes_to_the_child_if_it_fits)
+{
+    struct msg m = piece(0, 8, 0, 4);
+
+    start_job();
+    child_ready();
+    link_peer();
+    hear(f.peer, &m);
+    ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 1);
+    m.base_line.x = 1; /* to column 9 of 8 */
+    hear(f.peer, &m);
+    ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 1);
+    ck_assert_int_eq(f.session, MSG_NSESSION); /* closed */
+    m.base_line.x = 0;
+    hear(f.peer, &m);
+    ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 1);
+    hear(f.coord, &m); /* the coordinator has it, too */
+    ck_assert_int_eq(said(f.child, MSG_BASE_LINE), 2);
+}
+END_TEST
+
+START_TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
+{
+    start_job();
+    child_ready();
+    made(0, 8, 0, 4);
+    unit(0);
+    rows(0, 0);
+    rows(0, 2);
+    cut();
+    made(0, 8, 0, 4); /* nobody hears it */
+    clear();
+    tick(500);
+    connect();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_BASE_LINE), 1);
+    ck_assert_int_eq(f.said[f.nsaid - 4].type, MSG_BASE_LINE);
+    ck_assert_int_eq(f.said[f.nsaid - 3].type, MSG_RESULT);
+    ack(0, 0);
+    ack(0, 2);
+    cut();
+    clear();
+    tick(1000);
+    connect();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_BASE_LINE), 0);
+}
+END_TEST
+
+/* Down only what is about a unit that the child has, up all of it. */
+START_TEST(what_workers_share_passes_through)
+{
+    static const uint8_t bitmap[1] = { 1 };
+    static const struct msg_area area = { 0, 0, 0, 8, 8 };
+    static const struct msg_cost cost = { 3, 4 };
+    const struct msg down[] = {
+        { .type = MSG_SPLIT, .split = { job_id, 3, 1 } },
+        { .type = MSG_TWIN, .twin = { job_id, 3, 1 } },
+        { .type = MSG_FACTS,
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
+        { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
+    };
+    const struct msg up[] = {
+        { .type = MSG_PARKED, .parked = { job_id, 3, 1 } },
+        { .type = MSG_GAVE, .gave = { job_id, 3, 1, 2 } },
+        { .type = MSG_FACTS,
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
+        { .type = MSG_ESTIMATED,
+          .estimated = { job_id, 1, 1, &cost, { .rays = 9 } } },
+    };
+
+    start_job();
+    child_ready();
+    for (int i = 0; i < 2; i++) { /* nothing about unit 3 */
+        hear(f.coord, &down[i]);
+        hear(f.child, &up[i]);
+        ck_assert_int_eq(said(f.child, down[i].type), 0);
+        ck_assert_int_eq(said(f.coord, up[i].type), 0);
+    }
+    unit(3);
+    for (int i = 0; i < N_ELEM(down); i++) {
+        hear(f.coord, &down[i]);
+        ck_assert_int_eq(said(f.child, down[i].type), 1);
+    }
+    for (int i = 0; i < N_ELEM(up); i++) {
+        hear(f.child, &up[i]);
+        ck_assert_int_eq(said(f.coord, up[i].type), 1);
+    }
+}
+END_TEST
+
+START_TEST(a_parked_unit_is_no_suspect)
+{
+    struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
+
+    start_job();
+    child_ready();
+    for (uint32_t u = 0; u < 4; u++)
+        unit(u);
+    hear(f.child, &m);
+    worker_child_ended(f.w, f.now_ms, f.child, "killed by signal 9");
+    carry_out();
+    ck_assert_uint_eq(f.last.lost.nunits, 2);
+    ck_assert_uint_eq(f.last.lost.units[0], 1);
+    ck_assert_uint_eq(f.last.lost.units[1], 2);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -558,6 +747,14 @@ main(void)
     tcase_add_test(tc, results_for_an_earlier_coordinator_are_forgotten);
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
+    tcase_add_test(tc, a_base_line_goes_to_whom_waits_and_to_the_coordinator);
+    tcase_add_test(
+        tc, a_base_line_that_is_made_goes_to_one_named_late_or_linked_late);
+    tcase_add_test(tc, a_base_line_from_a_peer_goes_to_the_child_if_it_fits);
+    tcase_add_test(
+        tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
+    tcase_add_test(tc, what_workers_share_passes_through);
+    tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
