@@ -5,6 +5,7 @@
  * what comes back from it is its pattern. */
 #include "config.h"
 
+#include "base/rng.h"
 #include "world.h"
 
 #include <math.h>
@@ -122,6 +123,25 @@ START_TEST(texture_of_a_millionth_is_none)
     ck_assert(!rad_ray_perturbed(&r));
     r.pert[2] = 7e-7;
     ck_assert(rad_ray_perturbed(&r));
+}
+END_TEST
+
+/* Functions that jump at whole numbers, such as fnoise3(), must not see a level
+ * floor's points scattered about its height. */
+START_TEST(points_of_a_level_floor_have_its_height)
+{
+    static const char scene[] = "void brightfunc p 2 if(Pz,1,if(-Pz,1,2)) . 0 0"
+                                "\np" SHINE;
+    struct world w;
+
+    ck_assert_int_eq(world_try(&w, scene, PLAIN, NULL), 0);
+    for (int i = 0; i < 1000; i++) {
+        double x = rad_rand(1, 3 * (uint32_t)i), y = rad_rand(2, (uint32_t)i);
+        double z = .1 + rad_rand(3, (uint32_t)i);
+
+        ck_assert_double_eq(world_see(&w, x, y, z, y - .7, .6 - x, -z).g, 2);
+    }
+    world_close(&w);
 }
 END_TEST
 
@@ -267,6 +287,7 @@ main(void)
                         N_ELEM(bright));
     tcase_add_test(tc, colour_has_a_function_for_each_channel);
     tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
+    tcase_add_test(tc, points_of_a_level_floor_have_its_height);
     tcase_add_test(tc, texture_tilts_the_normal);
     tcase_add_loop_test(tc, texture_called_phong_turns_nothing_that_passes, 0,
                         N_ELEM(clear));
