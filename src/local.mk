@@ -1,7 +1,8 @@
 # librad, the renderer
 noinst_LIBRARIES += librad.a
 librad_a_CPPFLAGS = $(AM_CPPFLAGS)
-librad_a_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS) $(CRYPTO_CFLAGS)
+librad_a_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS) $(CRYPTO_CFLAGS) \
+	$(EXPAT_CFLAGS)
 librad_a_SOURCES = \
 	src/base/arena.c \
 	src/base/arena.h \
@@ -88,6 +89,12 @@ librad_a_SOURCES = \
 	src/picture/quincunx.h \
 	src/picture/view.c \
 	src/picture/view.h \
+	src/scene/bsdf.c \
+	src/scene/bsdf.h \
+	src/scene/bsdfimpl.h \
+	src/scene/bsdfmatrix.c \
+	src/scene/bsdftree.c \
+	src/scene/bsdfxml.c \
 	src/scene/bundle.c \
 	src/scene/bundle.h \
 	src/scene/calc.c \
@@ -158,6 +165,8 @@ librad_a_SOURCES = \
 	src/shade/prism.h \
 	src/shade/ray.c \
 	src/shade/ray.h \
+	src/shade/scatter.c \
+	src/shade/scatter.h \
 	src/shade/stored.c \
 	src/shade/stored.h \
 	src/shade/table.c \
@@ -168,4 +177,4 @@ librad_a_SOURCES = \
 	src/shade/wgmd.h
 
 # what a program that uses librad links with
-LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS)
+LIBRAD = librad.a $(PNG_LIBS) $(CRYPTO_LIBS) $(EXPAT_LIBS)

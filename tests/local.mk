@@ -13,6 +13,7 @@ UNIT_TESTS = \
 	tests/check_ashik \
 	tests/check_base \
 	tests/check_brdf \
+	tests/check_bsdf \
 	tests/check_bundle \
 	tests/check_bvh \
 	tests/check_calc \
@@ -94,6 +95,10 @@ tests_check_brdf_SOURCES = tests/check_brdf.c tests/suns.h tests/unit.h \
 	tests/world.h
 tests_check_brdf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_brdf_LDADD = $(UNIT_LIBS)
+
+tests_check_bsdf_SOURCES = tests/check_bsdf.c tests/unit.h tests/world.h
+tests_check_bsdf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_bsdf_LDADD = $(UNIT_LIBS)
 
 tests_check_bundle_SOURCES = tests/check_bundle.c tests/unit.h
 tests_check_bundle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -190,6 +190,14 @@ check_mixture(struct checker *c, const struct rad_object *o)
 }
 
 static void
+check_scatter(struct checker *c, const struct rad_object *o)
+{
+    if (o->nreals % 3)
+        report(c, o, RAD_EDATA, "expected 0, 3, 6 or 9 real arguments, got %d",
+               (int)o->nreals);
+}
+
+static void
 check_mixtext(struct checker *c, const struct rad_object *o)
 {
     check_mixture(c, o);
@@ -250,6 +258,8 @@ static const struct rule {
     { RAD_BRIGHTFUNC, 2, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_TEXFUNC,    4, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_MIXFUNC,    4, INT_MAX, 0, INT_MAX,  check_mixture },
+    { RAD_BSDF,       6, INT_MAX, 0, 9,        check_scatter },
+    { RAD_ABSDF,      5, INT_MAX, 0, 9,        check_scatter },
     { RAD_BRIGHTDATA, 4, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORDATA,  8, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORPICT,  7, INT_MAX, 0, INT_MAX,  NULL },

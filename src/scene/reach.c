@@ -86,6 +86,7 @@ static const struct {
     { RAD_PLASDATA, 2, 1, 1 },    { RAD_METDATA, 2, 1, 1 },
     { RAD_TRANSDATA, 2, 1, 1 },   { RAD_PRISM1, 4, 0, 0 },
     { RAD_PRISM2, 8, 0, 0 },      { RAD_WGMDFUNC, 12, 0, 0 },
+    { RAD_BSDF, 5, 1, 1 },        { RAD_ABSDF, 4, 0, 1 },
 };
 
 /* Is the text of a text type in the object itself, behind the font? */

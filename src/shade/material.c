@@ -18,6 +18,7 @@
 #include "shade/mist.h"
 #include "shade/normal.h"
 #include "shade/prism.h"
+#include "shade/scatter.h"
 #include "shade/table.h"
 #include "shade/text.h"
 #include "shade/wgmd.h"
@@ -71,6 +72,8 @@ static const struct rad_shader table[] = {
     { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_perturb },
     { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
     { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
+    { RAD_BSDF, 0, rad_scatter_prepare, rad_scatter_shade },
+    { RAD_ABSDF, RAD_MAT_TRANSPARENT, rad_scatter_prepare, rad_scatter_shade },
     { RAD_MIXTEXT, RAD_MAT_MIXTURE, rad_text_prepare, rad_text_mix },
 };
 
@@ -169,6 +172,8 @@ flags_of(const struct rad_job *job, const struct rad_object *o,
     case RAD_WGMDFUNC: /* the same, if it is there at all */
         flags = flags_by_strings(o, 5, 1);
         return job->params.backvis ? flags : flags & ~(unsigned)RAD_MAT_OPAQUE;
+    case RAD_BSDF: /* a thickness: the geometry behind it */
+        return flags_by_strings(o, 0, 1) & RAD_MAT_TRANSPARENT;
     default:
         return shader->flags;
     }

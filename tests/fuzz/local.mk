@@ -5,6 +5,7 @@
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
 	tests/fuzz/fuzz_ambshare \
+	tests/fuzz/fuzz_bsdf \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_calc \
 	tests/fuzz/fuzz_costs \
@@ -91,3 +92,7 @@ tests_fuzz_fuzz_dat_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_costs_SOURCES = tests/fuzz/fuzz_costs.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_costs_LDADD = $(LIBCLIENT) $(LIBRAD)
 tests_fuzz_fuzz_costs_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_bsdf_SOURCES = tests/fuzz/fuzz_bsdf.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_bsdf_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_bsdf_LDFLAGS = $(FUZZ_LINK)

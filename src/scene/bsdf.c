@@ -1,0 +1,302 @@
+/* bsdf.c - see bsdf.h; the parts are read and looked up in bsdfmatrix.c and
+ * bsdftree.c */
+#include "config.h"
+
+#include "scene/bsdfimpl.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define NEGLIGIBLE .001 /* a part that scatters no more is Lambertian */
+
+bool
+rad_bsdf_number(const char **p, double *value)
+{
+    const char *s = *p;
+    char *end;
+
+    s += strspn(s, " \t\r\n");
+    if (!*s || !strchr("+-.0123456789", *s) ||
+        (s[0] == '0' && (s[1] == 'x' || s[1] == 'X')))
+        return false;
+    *value = strtod(s, &end);
+    if (end == s || !isfinite(*value))
+        return false;
+    end += strspn(end, " \t\r\n");
+    *p = *end == ',' ? end + 1 : end;
+    return true;
+}
+
+void
+rad_bsdf_sharpen(double sharp[3], const double xyz[3])
+{
+    sharp[0] = 1.2694 * xyz[0] - .0988 * xyz[1] - .1706 * xyz[2];
+    sharp[1] = -.8364 * xyz[0] + 1.8006 * xyz[1] + .0357 * xyz[2];
+    sharp[2] = .0297 * xyz[0] - .0315 * xyz[1] + 1.0018 * xyz[2];
+}
+
+void
+rad_bsdf_unsharpen(double xyz[3], const double s[3])
+{
+    xyz[0] = .81563331 * s[0] + .0471547788 * s[1] + .137216627 * s[2];
+    xyz[1] = .379114399 * s[0] + .576942425 * s[1] + .0440008704 * s[2];
+    xyz[2] = -.0122601375 * s[0] + .016743052 * s[1] + .99551876 * s[2];
+}
+
+/* The curve through quarter 0 is mirrored about the diagonal, that through the
+ * last about the other one. */
+void
+rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y)
+{
+    unsigned rx = q >> 1, ry = (q ^ rx) & 1;
+
+    *x = (h->swap ? ry : rx) ^ h->flip;
+    *y = (h->swap ? rx : ry) ^ h->flip;
+    if (ry == 0) {
+        h->swap = !h->swap;
+        h->flip = h->flip != (rx == 1);
+    }
+}
+
+void
+rad_hilbert_point(struct hilbert h, double t, double p[2])
+{
+    double size = 1;
+
+    p[0] = p[1] = 0;
+    for (int i = 0; i < 26; i++) { /* all bits of t */
+        unsigned q = (unsigned)fmin(t *= 4, 3), x, y;
+
+        t -= q;
+        size /= 2;
+        rad_hilbert_enter(&h, q, &x, &y);
+        p[0] += x * size;
+        p[1] += y * size;
+    }
+    p[0] += size / 2;
+    p[1] += size / 2;
+}
+
+/* The file calls front what we call back. */
+int
+rad_bsdf_side(const struct xml_node *block)
+{
+    static const char *const name[NSIDES] = { "Reflection Back",
+                                              "Reflection Front",
+                                              "Transmission Back",
+                                              "Transmission Front" };
+    const char *text = rad_xml_text(block, "WavelengthDataDirection");
+
+    for (int i = 0; i < NSIDES; i++)
+        if (strcasecmp(text, name[i]) == 0)
+            return i;
+    return -1;
+}
+
+static bool
+is_there(const struct bsdf_part *p)
+{
+    return p->matrix || p->tree;
+}
+
+/* What passes one way but for the rest passes the other way too. */
+static void
+settle(struct rad_bsdf *b)
+{
+    int given = is_there(&b->part[SIDE_TB]) ? SIDE_TB : SIDE_TF;
+    int other = given == SIDE_TB ? SIDE_TF : SIDE_TB;
+
+    if (!is_there(&b->part[other]))
+        memcpy(b->diffuse[other], b->diffuse[given], sizeof b->diffuse[given]);
+    for (int i = 0; i < NSIDES; i++)
+        if (b->part[i].most <= NEGLIGIBLE)
+            b->part[i].matrix = NULL, b->part[i].tree = NULL;
+}
+
+static int
+read_layer(struct rad_bsdf *b, struct rad_arena *arena,
+           const struct xml_node *root, struct rad_error *err)
+{
+    const struct xml_node *layer =
+        rad_xml_kid(rad_xml_kid(root, "Optical"), "Layer");
+    const char *structure;
+
+    if (strcmp(root->name, "WindowElement") != 0)
+        return rad_fail(err, RAD_EDATA, "top element is not WindowElement");
+    if (rad_xml_kid(root, "FileType") &&
+        strcmp(rad_xml_text(root, "FileType"), "BSDF") != 0)
+        return rad_fail(err, RAD_EDATA, "FileType is not BSDF");
+    if (!layer)
+        return rad_fail(err, RAD_EDATA, "no optical layer");
+    structure = rad_xml_text(rad_xml_kid(layer, "DataDefinition"),
+                             "IncidentDataStructure");
+    return strncasecmp(structure, "TensorTree", 10) == 0
+               ? rad_bsdf_read_trees(b, arena, layer, err)
+               : rad_bsdf_read_matrices(b, arena, layer, err);
+}
+
+struct rad_bsdf *
+rad_bsdf_parse(struct rad_arena *arena, const char *xml, size_t len,
+               struct rad_error *err)
+{
+    struct rad_bsdf *b = rad_arena_calloc(arena, 1, sizeof *b);
+    const struct xml_node *root;
+    struct rad_arena scratch;
+    int rc;
+
+    if (!b) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    for (int i = 0; i < NSIDES; i++)
+        b->part[i].side = (enum side)i;
+    rad_arena_init(&scratch);
+    root = rad_xml_parse(&scratch, xml, len, err);
+    rc = root ? read_layer(b, arena, root, err) : RAD_EDATA;
+    rad_arena_release(&scratch);
+    if (rc)
+        return NULL;
+    settle(b);
+    return b;
+}
+
+/* --- questions to the right part ------------------------------------------ */
+
+/* NULL: Lambertian.  What passes is reciprocal: the other side's data serve. */
+static const struct bsdf_part *
+find_part(const struct rad_bsdf *b, bool front, bool through)
+{
+    const struct bsdf_part *p;
+
+    if (!through)
+        p = &b->part[front ? SIDE_RF : SIDE_RB];
+    else if (is_there(&b->part[front ? SIDE_TF : SIDE_TB]))
+        p = &b->part[front ? SIDE_TF : SIDE_TB];
+    else
+        p = &b->part[front ? SIDE_TB : SIDE_TF];
+    return is_there(p) ? p : NULL;
+}
+
+bool
+rad_bsdf_scatters(const struct rad_bsdf *b, bool front, bool through)
+{
+    return find_part(b, front, through) != NULL;
+}
+
+void
+rad_bsdf_diffuse(const struct rad_bsdf *b, bool front, bool through,
+                 double xyz[3])
+{
+    int side =
+        through ? (front ? SIDE_TF : SIDE_TB) : (front ? SIDE_RF : SIDE_RB);
+
+    memcpy(xyz, b->diffuse[side], sizeof b->diffuse[side]);
+}
+
+static void
+part_value(const struct bsdf_part *p, const double in[3], const double out[3],
+           double xyz[3])
+{
+    if (p->matrix)
+        rad_matrix_value(p, in, out, xyz);
+    else
+        rad_tree_value(p, in, out, xyz);
+}
+
+void
+rad_bsdf_value(const struct rad_bsdf *b, const double in[3],
+               const double out[3], double xyz[3])
+{
+    bool front = in[2] > 0, through = front != (out[2] > 0);
+    const struct bsdf_part *p = find_part(b, front, through);
+    double more[3] = { 0, 0, 0 };
+
+    rad_bsdf_diffuse(b, front, through, xyz);
+    if (p)
+        part_value(p, in, out, more);
+    for (int i = 0; i < 3; i++)
+        xyz[i] = xyz[i] / M_PI + more[i];
+}
+
+/* Widen range to a part's cells. */
+static void
+add_cells(const struct bsdf_part *p, const double in[3], const double out[3],
+          double range[2])
+{
+    if (p && p->matrix)
+        rad_matrix_cells(p, in, out, range);
+    else if (p)
+        rad_tree_cells(p, in, out, range);
+}
+
+double
+rad_bsdf_cell(const struct rad_bsdf *b, const double in[3], const double out[3])
+{
+    bool front = in[2] > 0;
+    const struct bsdf_part *p = find_part(b, front, front != (out[2] > 0));
+    double range[2] = { INFINITY, 0 };
+
+    add_cells(p, in, out, range);
+    return range[0] < INFINITY ? range[0] : M_PI;
+}
+
+void
+rad_bsdf_cells(const struct rad_bsdf *b, const double in[3], double range[2])
+{
+    bool front = in[2] > 0;
+
+    range[0] = INFINITY;
+    range[1] = 0;
+    add_cells(find_part(b, front, false), in, NULL, range);
+    add_cells(find_part(b, front, true), in, NULL, range);
+    if (!(range[0] < INFINITY))
+        range[0] = range[1] = M_PI;
+}
+
+double
+rad_bsdf_finest(const struct rad_bsdf *b, bool front, bool through)
+{
+    const struct bsdf_part *p = find_part(b, front, through);
+
+    return p ? p->finest : M_PI;
+}
+
+double
+rad_bsdf_most(const struct rad_bsdf *b, bool front, bool through)
+{
+    const struct bsdf_part *p = find_part(b, front, through);
+
+    return p ? p->most : 0;
+}
+
+static double
+part_total(const struct bsdf_part *p, const double in[3])
+{
+    return p->matrix ? rad_matrix_total(p, in) : rad_tree_total(p, in);
+}
+
+double
+rad_bsdf_total(const struct rad_bsdf *b, const double in[3], bool through)
+{
+    const struct bsdf_part *p = find_part(b, in[2] > 0, through);
+
+    return p ? part_total(p, in) : 0;
+}
+
+bool
+rad_bsdf_sample(const struct rad_bsdf *b, const double in[3], bool through,
+                double x, double out[3], double xyz[3])
+{
+    const struct bsdf_part *p = find_part(b, in[2] > 0, through);
+    double total = p ? part_total(p, in) : 0, value[3] = { 0, 0, 0 };
+
+    if (!(total > 1e-6) || !(p->matrix ? rad_matrix_sample(p, in, x, out)
+                                       : rad_tree_sample(p, in, x, out)))
+        return false;
+    part_value(p, in, out, value); /* for its colour */
+    for (int i = 0; i < 3; i++)
+        xyz[i] = value[1] > 0 ? total * value[i] / value[1] : total;
+    return true;
+}

@@ -1,0 +1,681 @@
+/* check_bsdf.c - tests of src/scene/bsdf and src/shade/scatter: XML files of
+ * scattering data, and the materials that use them */
+#include "config.h"
+
+#include "scene/bsdf.h"
+#include "world.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define HEAD(structure)                                                        \
+    "<?xml version=\"1.0\"?>\n<WindowElement xmlns=\"http://x\">"              \
+    "<FileType>BSDF</FileType><Optical><Layer><DataDefinition>"                \
+    "<IncidentDataStructure>" structure "</IncidentDataStructure>"
+/* One patch about the normal, 30 degrees wide, and four around it. */
+#define BASIS                                                                  \
+    "<AngleBasis><AngleBasisName>Five</AngleBasisName>"                        \
+    "<AngleBasisBlock><nPhis>1</nPhis><ThetaBounds><LowerTheta>0</LowerTheta>" \
+    "<UpperTheta>30</UpperTheta></ThetaBounds></AngleBasisBlock>"              \
+    "<AngleBasisBlock><nPhis>4</nPhis><ThetaBounds><LowerTheta>30"             \
+    "</LowerTheta><UpperTheta>90</UpperTheta></ThetaBounds></AngleBasisBlock>" \
+    "</AngleBasis>"
+#define BLOCK(channel, side, bases, values)                                    \
+    "<WavelengthData><Wavelength>" channel "</Wavelength>"                     \
+    "<WavelengthDataBlock><WavelengthDataDirection>" side                      \
+    "</WavelengthDataDirection>" bases "<ScatteringData>" values               \
+    "</ScatteringData></WavelengthDataBlock></WavelengthData>"
+#define FIVE                                                                   \
+    "<ColumnAngleBasis>Five</ColumnAngleBasis>"                                \
+    "<RowAngleBasis>Five</RowAngleBasis>"
+#define CHIU  "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>"
+#define DEFS  "</DataDefinition>"
+#define FOOT  "</Layer></Optical></WindowElement>"
+#define OURRF "Reflection Back" /* the file's back is our front */
+#define OURRB "Reflection Front"
+#define OURTF "Transmission Back"
+#define OURTB "Transmission Front"
+
+/* By row, the direction out, then column, the direction in. */
+#define TABLE                                                                  \
+    ".10 .11 .12 .13 .14  .20 .21 .22 .23 .24,\n.30 .31 .32 .33 .34 "          \
+    ".40 .41 .42 .43 .44  .50 .51 .52 .53 .54"
+#define TREE4                                                                  \
+    "{{.1}{.2}{.3}{.4}{.5}{.6}{.7}{.8}{.9}{.15}{.25}{.35}"                     \
+    "{{.1 .2 .3 .4 .5 .6 .7 .8 .9 1 1.1 1.2 1.3 1.4 1.5 1.6}{0}{1}{2}{.1}{.2}" \
+    "{.3}{.4}{.5}{.6}{.7}{.8}{.9}{.1}{.2}{.3}}{.45}{.55}{.65}}"
+#define TREE3 "{.1,.2,.3,.4 .9 .9 .9 .9}"
+
+static const char matrix[] =
+    HEAD("Columns") BASIS DEFS BLOCK("Visible", OURRF, FIVE, TABLE)
+        BLOCK("Visible", OURTF, FIVE, TABLE) BLOCK("Solar", OURRB, FIVE, "junk")
+            FOOT;
+static const char rows[] =
+    HEAD("Rows") BASIS DEFS BLOCK("Visible", OURRF, FIVE, TABLE) FOOT;
+static const char tree4[] =
+    HEAD("TensorTree4") DEFS BLOCK("Visible", OURRB, CHIU, TREE4)
+        BLOCK("Visible", OURTB, CHIU, TREE4) FOOT;
+static const char tree3[] =
+    HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, TREE3)
+        BLOCK("Visible", OURTF, CHIU, TREE3) FOOT;
+/* of XYZ (2, 1, .5) times the table */
+static const char coloured[] =
+    HEAD("Columns") BASIS DEFS BLOCK("Visible", OURRF, FIVE, TABLE) BLOCK(
+        "CIE-X", OURRF, FIVE,
+        ".20 .22 .24 .26 .28 .40 .42 .44 .46 .48 .60 .62 .64 .66 .68 "
+        ".80 .82 .84 .86 .88 1 1.02 1.04 1.06 1.08")
+        BLOCK("CIE-Z", OURRF, FIVE,
+              ".05 .055 .06 .065 .07 .10 .105 .11 .115 .12 .15 .155 .16 .165 "
+              ".17 .20 .205 .21 .215 .22 .25 .255 .26 .265 .27") FOOT;
+
+static struct rad_bsdf *
+parse(struct rad_arena *arena, const char *xml, struct rad_error *err)
+{
+    rad_arena_init(arena);
+    return rad_bsdf_parse(arena, xml, strlen(xml), err);
+}
+
+static struct rad_bsdf *
+must_parse(struct rad_arena *arena, const char *xml)
+{
+    struct rad_error err = { 0 };
+    struct rad_bsdf *b = parse(arena, xml, &err);
+
+    ck_assert_msg(b != NULL, "%s", err.what);
+    return b;
+}
+
+static void
+direction(double theta, double phi, double v[3])
+{
+    theta *= M_PI / 180;
+    phi *= M_PI / 180;
+    v[0] = sin(theta) * cos(phi);
+    v[1] = sin(theta) * sin(phi);
+    v[2] = cos(theta);
+}
+
+/* Light that comes in from azimuth 0 goes on to 180: patch 3 of the basis. */
+static const struct {
+    const char *xml;
+    double in[2], out[2], value; /* theta, phi */
+} matrices[] = {
+    { matrix, { 0, 0 }, { 0, 0 }, .10 },
+    { matrix, { 10, 77 }, { 50, 0 }, .20 },
+    { matrix, { 10, 77 }, { 50, 90 }, .30 },
+    { matrix, { 50, 0 }, { 50, 90 }, .33 },
+    { matrix, { 50, 90 }, { 80, -90 }, .54 },
+    { matrix, { 50, 200 }, { 29, -90 }, .11 },
+    { rows, { 10, 77 }, { 50, 90 }, .12 },
+    { rows, { 50, 0 }, { 50, 90 }, .42 },
+    { matrix, { 50, 0 }, { 130, 90 }, .33 }, /* through */
+    { matrix, { 130, 90 }, { 50, 0 }, .33 }, /* reciprocity */
+    { matrix, { 130, 90 }, { 130, 0 }, 0 },  /* no data there */
+};
+
+START_TEST(matrix_gives_the_value_of_its_patches)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, matrices[_i].xml);
+    double in[3], out[3], xyz[3];
+
+    direction(matrices[_i].in[0], matrices[_i].in[1], in);
+    direction(matrices[_i].out[0], matrices[_i].out[1], out);
+    rad_bsdf_value(b, in, out, xyz);
+    ck_assert_double_eq_tol(xyz[1], matrices[_i].value, 4e-4);
+    ck_assert_double_eq_tol(xyz[0], xyz[1], 1e-9);
+    ck_assert_double_eq_tol(xyz[2], xyz[1], 1e-9);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+START_TEST(colour_is_kept)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, coloured);
+    double in[3], out[3], xyz[3];
+
+    direction(50, 0, in);
+    direction(50, 90, out);
+    rad_bsdf_value(b, in, out, xyz);
+    ck_assert_double_eq_tol(xyz[0], .66, 4e-4);
+    ck_assert_double_eq_tol(xyz[1], .33, 4e-4);
+    ck_assert_double_eq_tol(xyz[2], .165, 4e-4);
+    rad_bsdf_diffuse(b, true, false, xyz);
+    ck_assert_double_eq_tol(xyz[0], M_PI * .2, 1e-3);
+    ck_assert_double_eq_tol(xyz[1], M_PI * .1, 1e-3);
+    ck_assert_double_eq_tol(xyz[2], M_PI * .05, 1e-3);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+START_TEST(least_value_is_the_lambertian_rest)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, matrix);
+    double xyz[3], in[3] = { 0, 0, 1 };
+    /* of patch 0: .1 is taken off .2 to .5 in quarters of 3/4 pi */
+    double total = (.1 + .2 + .3 + .4) * .75 * M_PI / 4;
+
+    rad_bsdf_diffuse(b, true, false, xyz);
+    ck_assert_double_eq_tol(xyz[1], .1 * M_PI, 2e-4);
+    rad_bsdf_diffuse(b, false, true, xyz);
+    ck_assert_double_eq_tol(xyz[1], .1 * M_PI, 2e-4);
+    ck_assert_double_eq_tol(rad_bsdf_total(b, in, false), total, 1e-3);
+    ck_assert(rad_bsdf_scatters(b, true, false));
+    ck_assert(rad_bsdf_scatters(b, false, true));
+    ck_assert(!rad_bsdf_scatters(b, false, false));
+    rad_arena_release(&arena);
+}
+END_TEST
+
+/* Shirley and Chiu's square has azimuth 0 to the right, 90 up; upper halves are
+ * the second of each pair, the last coordinate's first. */
+static const struct {
+    const char *xml;
+    double in[2], out[2], value;
+} trees[] = {
+    /* light from (phi + 180) goes on to phi; front data for rank 3 */
+    { tree3, { 50, 180 }, { 50, 45 }, .4 },
+    { tree3, { 50, 180 }, { 50, -45 }, .3 },
+    { tree3, { 50, 180 }, { 50, 135 }, .2 },
+    { tree3, { 20, 180 }, { 70, 225 }, .1 },
+    { tree3, { 50, 270 }, { 50, 135 }, .4 }, /* turned with the light */
+    { tree3, { 50, 180 }, { 130, 45 }, .4 },
+    { tree3, { 130, 45 }, { 50, 180 }, .4 }, /* reciprocity */
+    /* back data for rank 4: bits 0 and 1 for in, 2 and 3 for out */
+    { tree4, { 130, 45 }, { 130, 225 }, .1 },
+    { tree4, { 130, 45 }, { 130, 315 }, .5 },
+    { tree4, { 130, 45 }, { 130, 135 }, .9 },
+    { tree4, { 130, 135 }, { 130, 225 }, .2 },
+    { tree4, { 130, 315 }, { 130, 225 }, .3 },
+    { tree4, { 130, 225 }, { 130, 225 }, .4 },
+    { tree4, { 130, 225 }, { 50, 45 }, .65 },
+    { tree4, { 50, 45 }, { 130, 225 }, .65 },
+};
+
+START_TEST(tree_gives_the_value_of_its_leaves)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, trees[_i].xml);
+    double in[3], out[3], xyz[3];
+
+    direction(trees[_i].in[0], trees[_i].in[1], in);
+    direction(trees[_i].out[0], trees[_i].out[1], out);
+    rad_bsdf_value(b, in, out, xyz);
+    ck_assert_double_eq_tol(xyz[1], trees[_i].value, 4e-4);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+/* --- drawing ---------------------------------------------------------------
+ */
+
+enum { NRINGS = 4, NSECTORS = 8, NBINS = NRINGS * NSECTORS, FINE = 600 };
+
+/* A bin of the projected hemisphere, of equal size. */
+static int
+bin_of(double x, double y)
+{
+    int ring = (int)((x * x + y * y) * NRINGS);
+    int sector = (int)((atan2(y, x) / M_PI + 1) / 2 * NSECTORS);
+
+    ring = ring < NRINGS ? ring : NRINGS - 1;
+    sector = sector < NSECTORS ? sector : NSECTORS - 1;
+    return ring * NSECTORS + sector;
+}
+
+/* The light that goes to each bin, by quadrature of what is looked up. */
+static void
+integrate(const struct rad_bsdf *b, const double in[3], bool through,
+          double bin[NBINS])
+{
+    double rest[3];
+
+    rad_bsdf_diffuse(b, in[2] > 0, through, rest);
+    for (int i = 0; i < FINE * FINE; i++) {
+        double x = (i / FINE + .5) * 2 / FINE - 1;
+        double y = (i % FINE + .5) * 2 / FINE - 1;
+        double z2 = 1 - x * x - y * y, xyz[3];
+        double out[3] = { x, y, sqrt(fmax(z2, 0)) };
+
+        if (z2 <= 0)
+            continue;
+        if (through == (in[2] > 0))
+            out[2] = -out[2];
+        rad_bsdf_value(b, in, out, xyz);
+        bin[bin_of(x, y)] += (xyz[1] - rest[1] / M_PI) * 4 / FINE / FINE;
+    }
+}
+
+static const struct {
+    const char *xml;
+    double in[2];
+    bool through;
+} drawn[] = {
+    { matrix, { 10, 30 }, false }, { matrix, { 60, 100 }, false },
+    { matrix, { 60, 100 }, true }, { matrix, { 120, 100 }, true },
+    { rows, { 60, 190 }, false },  { tree3, { 40, 10 }, false },
+    { tree3, { 70, 130 }, true },  { tree4, { 130, 45 }, false },
+    { tree4, { 150, 80 }, true },  { tree4, { 130, 215 }, true },
+    { tree4, { 50, 45 }, true },   { tree4, { 35, 200 }, true },
+};
+
+START_TEST(directions_are_drawn_as_light_goes)
+{
+    enum { N = 20000 };
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, drawn[_i].xml);
+    double in[3], truth[NBINS] = { 0 }, got[NBINS] = { 0 }, total;
+
+    direction(drawn[_i].in[0], drawn[_i].in[1], in);
+    integrate(b, in, drawn[_i].through, truth);
+    total = rad_bsdf_total(b, in, drawn[_i].through);
+    for (int i = 0; i < N; i++) {
+        double out[3], xyz[3];
+
+        ck_assert(
+            rad_bsdf_sample(b, in, drawn[_i].through, (i + .5) / N, out, xyz));
+        ck_assert_double_eq_tol(xyz[1], total, 1e-9);
+        ck_assert_double_eq_tol(rad_dot(out, out), 1, 1e-9);
+        ck_assert_int_eq(out[2] > 0, (in[2] > 0) != drawn[_i].through);
+        got[bin_of(out[0], out[1])] += total / N;
+    }
+    /* bins cut through the quadrature's squares */
+    for (int i = 0; i < NBINS; i++)
+        ck_assert_double_eq_tol(got[i], truth[i], .004 * total + 4e-4);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+START_TEST(neighbouring_numbers_give_neighbouring_directions)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, tree4);
+    double in[3], last[3], out[3], xyz[3], far = 0;
+
+    direction(130, 45, in);
+    for (int i = 0; i < 4000; i++) {
+        ck_assert(rad_bsdf_sample(b, in, false, (i + .5) / 4000, out, xyz));
+        if (i > 0)
+            far += hypot(out[0] - last[0], out[1] - last[1]);
+        rad_copy(last, out);
+    }
+    ck_assert_double_lt(far / 4000, .06); /* at random it would be .9 */
+    rad_arena_release(&arena);
+}
+END_TEST
+
+static const struct {
+    const char *xml;
+    double in[2], out[2], cell;
+} cells[] = {
+    { matrix, { 10, 0 }, { 20, 0 }, M_PI / 4 },
+    { matrix, { 50, 0 }, { 50, 0 }, M_PI * .75 / 4 },
+    { matrix, { 130, 0 }, { 130, 0 }, M_PI },
+    { tree3, { 50, 0 }, { 50, 45 }, M_PI / 4 },
+    { tree4, { 130, 45 }, { 130, 225 }, M_PI / 4 },
+    { tree4, { 170, 45 }, { 170, 135 }, M_PI / 4 },
+};
+
+START_TEST(cells_have_their_size)
+{
+    struct rad_arena arena;
+    struct rad_bsdf *b = must_parse(&arena, cells[_i].xml);
+    double in[3], out[3];
+
+    direction(cells[_i].in[0], cells[_i].in[1], in);
+    direction(cells[_i].out[0], cells[_i].out[1], out);
+    ck_assert_double_eq_tol(rad_bsdf_cell(b, in, out), cells[_i].cell, 1e-9);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+static const struct {
+    const char *xml, *problem;
+} bad[] = {
+    { "", "line 1" },
+    { "<WindowElement>", "line 1" },
+    { "<a></b>", "line 1: mismatched tag" },
+    { "<a/>", "top element is not WindowElement" },
+    { "<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;</a>", "defines an entity" },
+    { "<WindowElement><FileType>x</FileType></WindowElement>",
+      "FileType is not BSDF" },
+    { "<WindowElement/>", "no optical layer" },
+    { "<WindowElement><Optical><Layer/></Optical></WindowElement>",
+      "no IncidentDataStructure" },
+    { HEAD("Pages") DEFS FOOT, "'Pages' is not supported" },
+    { HEAD("TensorTree5") DEFS FOOT, "'TensorTree5' is not supported" },
+    { HEAD("Columns") DEFS BLOCK("Visible", OURRF, FIVE, TABLE) FOOT,
+      "no angle basis 'Five'" },
+    { HEAD("Columns") BASIS DEFS BLOCK("Visible", OURRF, FIVE, "1 2 3") FOOT,
+      "value 4 of 25 is missing" },
+    { HEAD("Columns") BASIS DEFS BLOCK("Visible", OURRF, FIVE, "1 nan") FOOT,
+      "value 2 of 25 is missing or no number" },
+    { HEAD("TensorTree4") DEFS BLOCK("Visible", OURRF, "", TREE4) FOOT,
+      "angle basis '' of a tree" },
+    { HEAD("TensorTree4") DEFS BLOCK("Visible", OURRF, CHIU, "{1 2 3}") FOOT,
+      "no power of two" },
+    { HEAD("TensorTree4") DEFS BLOCK("Visible", OURRF, CHIU, "{{1}{2}") FOOT,
+      "expected '{'" },
+    { HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, "{1} 2") FOOT,
+      "more behind its end" },
+    { HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, "{x}") FOOT,
+      "expected a number" },
+    { HEAD("TensorTree3") DEFS BLOCK(
+          "Visible", OURRF, CHIU, "{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{{1") FOOT,
+      "divided too finely" },
+};
+
+START_TEST(bad_file_is_refused)
+{
+    struct rad_error err = { 0 };
+    struct rad_arena arena;
+
+    ck_assert_ptr_null(parse(&arena, bad[_i].xml, &err));
+    ck_assert(err.code == RAD_EDATA || err.code == RAD_EUNSUPPORTED);
+    ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
+    rad_arena_release(&arena);
+}
+END_TEST
+
+/* --- materials --------------------------------------------------------------
+ */
+
+/* Nothing passes but straight ahead: .6 in one cell of 1/16. */
+enum { PEAK_LEVELS = 4 };
+
+static char *
+add_peak(char *to, int level)
+{
+    if (level == PEAK_LEVELS)
+        return to + sprintf(to, "{%.9g}", .6 * 256 / M_PI);
+    *to++ = '{';
+    for (unsigned bits = 0; bits < 16; bits++) {
+        if ((bits & 3) == bits >> 2) /* in and out alike */
+            to = add_peak(to, level + 1);
+        else
+            to += sprintf(to, "{0}");
+    }
+    *to++ = '}';
+    *to = '\0';
+    return to;
+}
+
+static const char *
+peak_file(void)
+{
+    static char text[1 << 18];
+    char *to = text;
+
+    if (*text)
+        return text;
+    to += sprintf(to, "%s",
+                  HEAD("TensorTree4") DEFS
+                  "<WavelengthData><Wavelength>Visible</Wavelength>"
+                  "<WavelengthDataBlock><WavelengthDataDirection>" OURTF
+                  "</WavelengthDataDirection>" CHIU "<ScatteringData>");
+    to = add_peak(to, 0);
+    sprintf(to, "%s",
+            "</ScatteringData></WavelengthDataBlock></WavelengthData>" FOOT);
+    return text;
+}
+
+/* All .2 / pi, so Lambertian: 20 % each way, with colour by the material. */
+#define EVEN                                                                   \
+    "{.063661977 .063661977 .063661977 .063661977 .063661977 .063661977 "      \
+    ".063661977 .063661977}"
+
+static unsigned char *
+read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    static const char even[] =
+        HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, EVEN)
+            BLOCK("Visible", OURTF, CHIU, EVEN) FOOT;
+    const char *text = strcmp(name, "even.xml") == 0     ? even
+                       : strcmp(name, "peak.xml") == 0   ? peak_file()
+                       : strcmp(name, "matrix.xml") == 0 ? matrix
+                                                         : NULL;
+
+    (void)arg;
+    if (!text) {
+        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+        return NULL;
+    }
+    *len = strlen(text);
+    return (unsigned char *)strdup(text);
+}
+
+#define PLAIN "-av 0 0 0 -st 1 -lw 0 -lr 30 -ss 0 -dj 0 -ds 0 -dt 0 -dc 1"
+#define PANE                                                                   \
+    " polygon pane 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"                       \
+    "void light lamp 0 0 3 9 9 9\n"
+#define ABOVE "lamp sphere l 0 0 4 1 2 5 .1\n"
+#define BELOW "lamp sphere l 0 0 4 1 2 -5 .1\n"
+
+/* What is seen from dir at the origin. */
+static struct rad_rgb
+see(const char *scene, const char *options, double x, double y, double z)
+{
+    struct rad_files files = { read_file, NULL };
+    struct rad_rgb L;
+    struct world w;
+    int rc = world_try(&w, scene, options, &files);
+
+    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
+    L = world_see(&w, x, y, z, -x, -y, -z);
+    world_close(&w);
+    return L;
+}
+
+static const struct {
+    const char *ours, *same;
+    double x, y, z;
+} lambertian[] = {
+    { "void BSDF m 6 0 even.xml 0 1 0 . 0 0\nm" PANE ABOVE,
+      "void trans m 0 0 7 .4 .4 .4 0 0 .5 0\nm" PANE ABOVE, 1, 0, 2 },
+    { "void BSDF m 6 0 even.xml 0 1 0 . 0 3 .1 .2 .3\nm" PANE ABOVE,
+      "void plastic m 0 0 5 .3 .4 .5 0 0\nm" PANE ABOVE, 1, 0, 2 },
+    { "void BSDF m 6 0 even.xml 0 1 0 . 0 9 0 0 0 .1 .2 .3 0 0 0\nm" PANE BELOW,
+      "void plastic m 0 0 5 .1 .2 .3 0 0\nm" PANE BELOW, 1, 0, -2 },
+    { "void aBSDF m 5 even.xml 0 1 0 . 0 9 0 0 0 0 0 0 .1 0 .2\nm" PANE BELOW,
+      "void trans m 0 0 7 .3 .2 .4 0 0 1 0\nm" PANE BELOW, 1, 0, 2 },
+    { "void brightfunc p 2 .5 . 0 0\np BSDF m 6 0 even.xml 0 1 0 . 0 0\n"
+      "m" PANE BELOW,
+      "void trans m 0 0 7 .1 .1 .1 0 0 1 0\nm" PANE BELOW, 1, 0, 2 },
+};
+
+START_TEST(even_scattering_is_lambertian)
+{
+    /* what the others pass or not is another matter */
+    const char *options = _i == 0 ? PLAIN " -av .1 .2 .3" : PLAIN;
+    struct rad_rgb a = see(lambertian[_i].ours, options, lambertian[_i].x,
+                           lambertian[_i].y, lambertian[_i].z);
+    struct rad_rgb b = see(lambertian[_i].same, options, lambertian[_i].x,
+                           lambertian[_i].y, lambertian[_i].z);
+
+    ck_assert_float_gt(b.g, 0);
+    ck_assert_float_eq_tol(a.r, b.r, 2e-5f * b.r);
+    ck_assert_float_eq_tol(a.g, b.g, 2e-5f * b.g);
+    ck_assert_float_eq_tol(a.b, b.b, 2e-5f * b.b);
+}
+END_TEST
+
+/* A lamp's light by the matrix: value times cosine, solid angle, radiance. */
+START_TEST(direct_light_follows_the_data)
+{
+    struct rad_rgb L =
+        see("void BSDF m 6 0 matrix.xml 0 1 0 . 0 0\nm" PANE ABOVE, PLAIN, -1,
+            0, 1);
+    double d2 = 1 + 4 + 25, cos_l = 5 / sqrt(d2);
+    /* the eye at azimuth 180 is patch 1 of light in, the lamp at theta 24 is
+     * patch 0 of light out */
+    double value = .11, omega = M_PI * .01 / d2;
+
+    ck_assert_double_eq_tol(L.g, value * cos_l * omega * 9, 2e-3 * L.g);
+}
+END_TEST
+
+#define SKY                                                                    \
+    "void brightfunc up 2 2+Dz . 0 0\nup glow sky 0 0 4 1 1 1 0\n"             \
+    "sky source s 0 0 4 0 0 1 360\n"
+
+START_TEST(peak_is_seen_through)
+{
+    double c = 2 / sqrt(5);
+    struct rad_rgb L =
+        see("void aBSDF m 5 peak.xml 0 1 0 . 0 0\nm" PANE SKY, PLAIN, 1, 0, 2);
+
+    ck_assert_double_eq_tol(L.g, .6 * (2 - c), 1e-3);
+    /* as scattering it is all ambient with -st 1 */
+    L = see("void BSDF m 6 0 peak.xml 0 1 0 . 0 0\nm" PANE SKY, PLAIN, 1, 0, 2);
+    ck_assert_double_eq_tol(L.g, 0, 1e-9);
+}
+END_TEST
+
+START_TEST(peak_casts_a_shadow)
+{
+#define FLOOR                                                                  \
+    "void plastic w 0 0 5 .5 .5 .5 0 0\n"                                      \
+    "w ring floor 0 0 8 0 0 0 0 0 1 0 9\nvoid light lamp 0 0 3 9 9 9\n"        \
+    "lamp sphere l 0 0 4 1 2 5 .1\n"
+    struct rad_rgb lit = see(FLOOR, PLAIN, 1, 0, .5);
+    struct rad_rgb shaded = see(FLOOR "void aBSDF m 5 peak.xml 0 1 0 . 0 0\n"
+                                      "m ring pane 0 0 8 0 0 2 0 0 1 0 9\n",
+                                PLAIN, 1, 0, .5);
+
+    ck_assert_double_eq_tol(shaded.g, .6 * lit.g, 1e-3 * lit.g);
+    /* a BSDF without a thickness stops all */
+    shaded = see(FLOOR "void BSDF m 6 0 peak.xml 0 1 0 . 0 0\n"
+                       "m ring pane 0 0 8 0 0 2 0 0 1 0 9\n",
+                 PLAIN, 1, 0, .5);
+    ck_assert_double_eq_tol(shaded.g, 0, 1e-9);
+}
+END_TEST
+
+/* Eye and lamp see the geometry that a BSDF of a thickness stands in for. */
+START_TEST(thickness_hides_the_surface)
+{
+    struct rad_rgb bare = see(FLOOR, PLAIN, 1, 0, 4);
+    struct rad_rgb behind = see(FLOOR "void BSDF m 6 1 matrix.xml 0 1 0 . 0 0\n"
+                                      "m ring pane 0 0 8 0 0 1 0 0 1 0 9\n",
+                                PLAIN, 1, 0, 4);
+
+    ck_assert_float_gt(bare.g, 0);
+    ck_assert_float_eq(behind.g, bare.g);
+}
+END_TEST
+
+/* A glossy ray meets the surface, and its light starts a thickness deeper,
+ * beyond the ring that is dark otherwise. */
+START_TEST(scattered_light_passes_what_is_behind)
+{
+#define GLOSSY                                                                 \
+    "void trans g 0 0 7 1 1 1 0 .1 1 1\ng ring eye 0 0 8 0 0 3 0 0 1 0 9\n"    \
+    "void plastic black 0 0 5 0 0 0 0 0\n"                                     \
+    "black ring hidden 0 0 8 0 0 .5 0 0 1 0 9\n"                               \
+    "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 -1 180\n"
+    double some = see(GLOSSY "void BSDF m 6 1 even.xml 0 1 0 . 0 0\n"
+                             "m ring pane 0 0 8 0 0 1 0 0 1 0 9\n",
+                      PLAIN " -st 0 -av 1 1 1", 0, 0, 9)
+                      .g;
+    double none = see(GLOSSY, PLAIN " -st 0 -av 1 1 1", 0, 0, 9).g;
+
+    ck_assert_double_eq_tol(none, 0, 1e-9);
+    ck_assert_double_eq_tol(some, .4, 1e-3); /* both parts are Lambertian */
+}
+END_TEST
+
+/* Sampled light of an even sky is what is scattered. */
+START_TEST(sampled_light_is_all_of_it)
+{
+    struct rad_rgb L =
+        see("void BSDF m 6 0 matrix.xml 0 1 0 . 0 0\nm" PANE
+            "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 360\n",
+            "-av 0 0 0 -st 0 -lw 0 -lr 30 -ss 64 -ab 0", -1, 0, 1);
+    /* patch 1 of light in, less the rest of .1: .01, .11, .21, .31, .41 */
+    double total = M_PI / 4 * .01 + M_PI * .75 / 4 * (.11 + .21 + .31 + .41);
+
+    ck_assert_double_eq_tol(L.g, 2 * total, .03 * total);
+}
+END_TEST
+
+static const struct {
+    const char *material, *problem;
+} refused[] = {
+    { "BSDF m 6 0 none.xml 0 1 0 . 0 0", "none.xml" },
+    { "BSDF m 5 0 even.xml 0 1 0 0 0", "at least 6 string" },
+    { "BSDF m 6 0 even.xml 0 1 0 . 0 4 1 1 1 1", "0, 3, 6 or 9 real" },
+    { "aBSDF m 5 even.xml 0 nope 0 . 0 0", "undefined variable 'nope'" },
+};
+
+START_TEST(bad_material_is_refused_by_name)
+{
+    struct rad_files files = { read_file, NULL };
+    char scene[512], text[600];
+    struct world w;
+
+    snprintf(scene, sizeof scene, "void %s\nm" PANE, refused[_i].material);
+    ck_assert_int_lt(world_try(&w, scene, PLAIN, &files), 0);
+    rad_error_format(&w.err, text, sizeof text);
+    ck_assert_msg(strstr(text, refused[_i].problem) != NULL, "%s", text);
+    ck_assert_msg(strstr(text, "test.rad:1") != NULL, "%s", text);
+    world_close(&w);
+}
+END_TEST
+
+START_TEST(file_belongs_to_the_bundle)
+{
+    static const char *const strings[] = {
+        "0", "a.xml", "x", "y", "z", "b.cal"
+    };
+    struct rad_object o = { .type = RAD_BSDF,
+                            .strings = strings,
+                            .nstrings = 6 };
+
+    ck_assert_str_eq(rad_object_file(&o, 0), "a.xml");
+    ck_assert_str_eq(rad_object_file(&o, 1), "b.cal");
+    ck_assert_ptr_null(rad_object_file(&o, 2));
+    o = (struct rad_object){ .type = RAD_ABSDF,
+                             .strings = strings + 1,
+                             .nstrings = 5 };
+    ck_assert_str_eq(rad_object_file(&o, 0), "a.xml");
+    ck_assert_str_eq(rad_object_file(&o, 1), "b.cal");
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("bsdf");
+    TCase *tc = tcase_create("data"), *material = tcase_create("material");
+
+    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(material, 60);
+    tcase_add_loop_test(tc, matrix_gives_the_value_of_its_patches, 0,
+                        N_ELEM(matrices));
+    tcase_add_test(tc, colour_is_kept);
+    tcase_add_test(tc, least_value_is_the_lambertian_rest);
+    tcase_add_loop_test(tc, tree_gives_the_value_of_its_leaves, 0,
+                        N_ELEM(trees));
+    tcase_add_loop_test(tc, directions_are_drawn_as_light_goes, 0,
+                        N_ELEM(drawn));
+    tcase_add_test(tc, neighbouring_numbers_give_neighbouring_directions);
+    tcase_add_loop_test(tc, cells_have_their_size, 0, N_ELEM(cells));
+    tcase_add_loop_test(tc, bad_file_is_refused, 0, N_ELEM(bad));
+    suite_add_tcase(s, tc);
+    tcase_add_loop_test(material, even_scattering_is_lambertian, 0,
+                        N_ELEM(lambertian));
+    tcase_add_test(material, direct_light_follows_the_data);
+    tcase_add_test(material, peak_is_seen_through);
+    tcase_add_test(material, peak_casts_a_shadow);
+    tcase_add_test(material, thickness_hides_the_surface);
+    tcase_add_test(material, scattered_light_passes_what_is_behind);
+    tcase_add_test(material, sampled_light_is_all_of_it);
+    tcase_add_loop_test(material, bad_material_is_refused_by_name, 0,
+                        N_ELEM(refused));
+    tcase_add_test(material, file_belongs_to_the_bundle);
+    suite_add_tcase(s, material);
+    return unit_run(s);
+}
