@@ -7,6 +7,8 @@
  * The bar's bottom is the line as it was sampled, before painting, as in
  * rpict; so a line keeps both.
  *
+ * Nobody but the member of the line below waits for a line, and it is woken when
+ * there is what it waits for, not at each step.
  * Lines are begun in order, and the lowest one that is not done waits for
  * nobody; so nobody waits for ever.  Buffers form a ring: line i is begun only
  * when line i - nlines + 1, the last to look at its buffers, is done and its
@@ -43,6 +45,9 @@ struct line {
     /* Densities that are final, stored after them; pairs with the load in
      * wait_for().  One more than all of them: the line is painted. */
     _Atomic size_t ready;
+    /* So many does the member of the line below wait for, asleep; 0: none. */
+    _Atomic size_t wanted;
+    uv_cond_t moved;   /* with ready, as far as wanted, and stopped */
     _Atomic int shown; /* columns that are in their row, painted */
     bool done;         /* [mu] and the bar above it */
 };
@@ -56,7 +61,7 @@ struct team {
     struct rad_pixel *slots;  /* [fixed] row k in slot k modulo nslots */
     struct line *lines;       /* [fixed] line i is number i % nlines */
     uv_mutex_t mu;
-    uv_cond_t moved;       /* with ready, finished, last and stopped */
+    uv_cond_t moved;       /* with finished, last and stopped */
     _Atomic int last;      /* written with mu held; relaxed without */
     int begun;             /* [mu] lines */
     int finished;          /* [mu] lines whose rows, and all above, are out */
@@ -64,7 +69,6 @@ struct team {
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
     _Atomic uint64_t traced, primary; /* relaxed: read when all have left */
-    _Atomic int waiting;  /* threads in or about to be in uv_cond_wait() */
     _Atomic bool stopped; /* relaxed where it only ends work earlier */
 };
 
@@ -176,22 +180,20 @@ is_stopped(const struct team *t)
     return atomic_load_explicit(&t->stopped, memory_order_relaxed);
 }
 
-static void
-wake(struct team *t)
-{
-    uv_mutex_lock(&t->mu);
-    uv_cond_broadcast(&t->moved);
-    uv_mutex_unlock(&t->mu);
-}
-
-/* The order of store and load here, and of add and load in wait_for(), is what
- * keeps a waker from missing a sleeper: both are sequentially consistent. */
+/* The order of store and load here, and in wait_for(), is what keeps a waker
+ * from missing a sleeper: both are sequentially consistent. */
 static void
 publish(struct team *t, struct line *l, size_t ready)
 {
+    size_t wanted;
+
     atomic_store(&l->ready, ready);
-    if (atomic_load(&t->waiting) > 0)
-        wake(t);
+    wanted = atomic_load(&l->wanted);
+    if (wanted == 0 || ready < wanted)
+        return;
+    uv_mutex_lock(&t->mu);
+    uv_cond_signal(&l->moved);
+    uv_mutex_unlock(&t->mu);
 }
 
 /* Wait until `need` of the line's densities are final; false: stopped. */
@@ -205,10 +207,10 @@ wait_for(struct team *t, struct line *l, size_t need)
             return true;
     begin = uv_hrtime();
     uv_mutex_lock(&t->mu);
-    atomic_fetch_add(&t->waiting, 1);
+    atomic_store(&l->wanted, need);
     while (atomic_load(&l->ready) < need && !is_stopped(t))
-        uv_cond_wait(&t->moved, &t->mu);
-    atomic_fetch_sub(&t->waiting, 1);
+        uv_cond_wait(&l->moved, &t->mu);
+    atomic_store(&l->wanted, 0);
     t->waited_s += 1e-9 * (double)(uv_hrtime() - begin);
     uv_mutex_unlock(&t->mu);
     return !is_stopped(t);
@@ -693,7 +695,11 @@ void
 team_stop(struct team *t)
 {
     atomic_store(&t->stopped, true);
-    wake(t);
+    uv_mutex_lock(&t->mu);
+    uv_cond_broadcast(&t->moved);
+    for (int i = 0; i < t->nlines; i++)
+        uv_cond_signal(&t->lines[i].moved);
+    uv_mutex_unlock(&t->mu);
 }
 
 int
@@ -786,6 +792,7 @@ make_buffers(struct team *t)
     if (!t->lines || !t->density || !t->pixels)
         return false;
     for (size_t i = 0; i < n; i++) {
+        uv_cond_init(&t->lines[i].moved);
         t->lines[i].density = t->density + (i + 1) * (t->ndensity + 1);
         t->lines[i].sampled = t->pixels + i * width;
     }
@@ -845,6 +852,8 @@ team_free(struct team *t)
         return;
     uv_mutex_destroy(&t->mu);
     uv_cond_destroy(&t->moved);
+    for (int i = 0; i < t->nlines && t->slots; i++)
+        uv_cond_destroy(&t->lines[i].moved);
     free(t->lines);
     free(t->density);
     free(t->pixels);

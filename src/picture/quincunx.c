@@ -78,7 +78,8 @@ blend_channel(float a, float b, double wa, double wb)
 
 /* A pixel between a and b, at wb of the way. */
 static struct rad_pixel
-blend(const struct rad_pixel *a, const struct rad_pixel *b, double wb)
+blend(const struct rad_quincunx *q, const struct rad_pixel *a,
+      const struct rad_pixel *b, double wb)
 {
     double wa = 1 - wb;
     struct rad_pixel p;
@@ -86,7 +87,7 @@ blend(const struct rad_pixel *a, const struct rad_pixel *b, double wb)
     p.L.r = blend_channel(a->L.r, b->L.r, wa, wb);
     p.L.g = blend_channel(a->L.g, b->L.g, wa, wb);
     p.L.b = blend_channel(a->L.b, b->L.b, wa, wb);
-    p.z = (float)((float)(b->z * wb) + a->z * wa);
+    p.z = q->depth ? (float)((float)(b->z * wb) + a->z * wa) : 0;
     return p;
 }
 
@@ -97,8 +98,8 @@ struct gap {
     bool upwards;
 };
 
-/* Fill between p[0] and p[len]; at least `density` pixels are traced, spread
- * evenly.  Returns how many were. */
+/* Fill between p[0] and p[len], len at least 2; at least `density` pixels are
+ * traced, spread evenly.  Returns how many were. */
 static int
 fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
          int density)
@@ -107,16 +108,16 @@ fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
     int xm = g->upwards ? x : x + half, ym = g->upwards ? y - half : y;
     int found = 0;
 
-    if (len <= 1)
-        return 0;
     if (density > 0 || differ(g->q, &p[0], &p[len])) {
         trace(g->q, xm, ym, &p[half]);
         found = 1;
     } else {
-        p[half] = blend(&p[0], &p[len], (double)half / len);
+        p[half] = blend(g->q, &p[0], &p[len], (double)half / len);
     }
-    found += fill_gap(g, p, x, y, half, (density - 1) / 2);
-    found += fill_gap(g, p + half, xm, ym, len - half, density / 2);
+    if (half > 1)
+        found += fill_gap(g, p, x, y, half, (density - 1) / 2);
+    if (len - half > 1)
+        found += fill_gap(g, p + half, xm, ym, len - half, density / 2);
     return found;
 }
 
@@ -204,7 +205,8 @@ rad_quincunx_line_step(struct rad_quincunx_line *s)
         density = a > b ? a : b;
     }
     trace(q, s->x + len, y, &s->pixels[s->x + len]);
-    found = fill_gap(&g, s->pixels + s->x, s->x, y, len, density / 2);
+    found =
+        len > 1 ? fill_gap(&g, s->pixels + s->x, s->x, y, len, density / 2) : 0;
     leave_density(s, found);
     s->found = found;
     s->gap++;
@@ -255,7 +257,8 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
         density = above[g] > above[g + 1] ? above[g] : above[g + 1];
     trace(q, x, y, &pixels[x]);
     trace(q, x + len, y, &pixels[x + len]);
-    fill_gap(&gap, pixels + x, x, y, len, density / 2);
+    if (len > 1)
+        fill_gap(&gap, pixels + x, x, y, len, density / 2);
 }
 
 void
@@ -268,6 +271,10 @@ rad_quincunx_bar_to(const struct rad_quincunx *q, int i,
     int y = rad_quincunx_base_row(q, i + 1);
     int n = y - rad_quincunx_base_row(q, i);
 
+    if (n < 2) {
+        s->x = end;
+        return;
+    }
     if (s->x == 0)
         s->found = n;
     for (; s->x < end; s->x++) {
