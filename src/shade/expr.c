@@ -290,3 +290,13 @@ rad_expr_outward(const struct rad_expr *e, const struct rad_ray *r, double v[3])
         rad_scale(v, 1 / move.scale, w);
     }
 }
+
+double
+rad_expr_scale(const struct rad_expr *e, const struct rad_ray *r)
+{
+    struct rad_xform move;
+
+    if (rad_geom_place(&r->hit, &move))
+        return e->move.scale * move.scale;
+    return e->move.scale;
+}

@@ -86,4 +86,7 @@ void rad_expr_inward(const struct rad_expr_scope *scope, const double v[3],
 void rad_expr_outward(const struct rad_expr *e, const struct rad_ray *r,
                       double v[3]);
 
+/* How long a unit of the function's coordinates is in the world. */
+double rad_expr_scale(const struct rad_expr *e, const struct rad_ray *r);
+
 #endif

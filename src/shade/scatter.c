@@ -602,7 +602,7 @@ evaluate(const struct scatter_hit *hit, double *thick, double up[3])
 
     if (!rad_expr_values(hit->ctx, &s->expr, hit->r, 0, s->expr.n, v))
         return false;
-    *thick = s->proxy_type ? v[0] * s->expr.move.scale : 0;
+    *thick = s->proxy_type ? v[0] * rad_expr_scale(&s->expr, hit->r) : 0;
     if (fabs(*thick) <= RAD_TINY)
         *thick = 0;
     rad_copy(up, v + s->proxy_type);
