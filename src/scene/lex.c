@@ -4,7 +4,12 @@
  * converted here: with at most 19 significant digits that fit 53 bits, and a
  * power of ten up to 22, one multiplication or division of two exact doubles
  * rounds correctly (Clinger 1990, How to read floating point numbers
- * accurately).  strtod() gets the rest. */
+ * accurately).  strtod() gets the rest.
+ *
+ * Nearly all words and numbers lie whole in the buffer: those are taken where
+ * they are, up to the NUL behind it.  What does not (it goes on in the next
+ * buffer, has quotes, or is wrong) is read from its beginning, one character
+ * after the other, by the code that knows all cases. */
 #include "config.h"
 
 #include "scene/lex.h"
@@ -24,6 +29,7 @@ rad_lex_init(struct rad_lex *lex, const struct rad_stream *in)
     lex->rc = 0;
     lex->eof = false;
     lex->pos = lex->len = 0;
+    lex->buf[0] = '\0';
     lex->word[0] = '\0';
 }
 
@@ -36,7 +42,7 @@ refill(struct rad_lex *lex, struct rad_error *err)
 
     if (lex->eof || lex->rc)
         return false;
-    n = lex->in.read(lex->in.arg, lex->buf, sizeof lex->buf, err);
+    n = lex->in.read(lex->in.arg, lex->buf, sizeof lex->buf - 1, err);
     lex->pos = 0;
     lex->len = n > 0 ? (size_t)n : 0;
     lex->eof = n == 0;
@@ -47,6 +53,7 @@ refill(struct rad_lex *lex, struct rad_error *err)
                            "not a scene description: it has binary data");
     if (lex->rc)
         lex->len = 0;
+    lex->buf[lex->len] = '\0';
     return lex->len > 0;
 }
 
@@ -79,11 +86,16 @@ is_space(int c)
 static int
 skip_space(struct rad_lex *lex, struct rad_error *err)
 {
-    int c;
+    do {
+        const unsigned char *p = lex->buf + lex->pos;
 
-    while (is_space(c = peek(lex, err)))
-        next(lex, err);
-    return c;
+        for (; is_space(*p); p++)
+            lex->line += *p == '\n';
+        lex->pos = (size_t)(p - lex->buf);
+        if (*p)
+            return *p;
+    } while (peek(lex, err) != END);
+    return END;
 }
 
 /* Skip white space and comments; returns the character after them. */
@@ -121,6 +133,24 @@ unexpected_end(struct rad_lex *lex, const char *what, struct rad_error *err)
     return rad_fail(err, RAD_EDATA, "text ends where %s is expected", what);
 }
 
+/* Take a word that lies whole and without quotes in the buffer. */
+static bool
+take_word(struct rad_lex *lex)
+{
+    const unsigned char *first = lex->buf + lex->pos, *p = first;
+    size_t n;
+
+    while (*p > ' ' && *p != '"' && *p != '\'')
+        p++;
+    n = (size_t)(p - first);
+    if (!is_space(*p) || n > RAD_MAX_WORD)
+        return false;
+    memcpy(lex->word, first, n);
+    lex->word[n] = '\0';
+    lex->pos += n;
+    return true;
+}
+
 int
 rad_lex_word(struct rad_lex *lex, const char *what, struct rad_error *err)
 {
@@ -129,6 +159,8 @@ rad_lex_word(struct rad_lex *lex, const char *what, struct rad_error *err)
 
     if (c == END)
         return unexpected_end(lex, what, err);
+    if (take_word(lex))
+        return 0;
     for (; c != END; c = peek(lex, err)) {
         if (!quote && is_space(c))
             break;
@@ -276,12 +308,41 @@ convert_exactly(const struct decimal *d, double *x)
     return true;
 }
 
+/* Take a number that lies whole in the buffer, without exponent and of so few
+ * digits that none need be left out. */
+static bool
+take_real(struct rad_lex *lex, double *x)
+{
+    const unsigned char *p = lex->buf + lex->pos, *first, *point = NULL;
+    struct decimal d = { .negative = *p == '-' };
+
+    p += *p == '-' || *p == '+';
+    for (first = p; (*p >= '0' && *p <= '9') || (*p == '.' && !point); p++)
+        if (*p == '.')
+            point = p;
+        else
+            d.mantissa = 10 * d.mantissa + (uint64_t)(*p - '0');
+    d.digits = (int)(p - first) - (point != NULL);
+    if (d.digits < 1 || d.digits > 18 || !is_space(*p))
+        return false;
+    d.exponent = point ? (int)(point + 1 - p) : 0;
+    if (!convert_exactly(&d, x))
+        return false;
+    lex->pos = (size_t)(p - lex->buf);
+    return true;
+}
+
 int
 rad_lex_real(struct rad_lex *lex, double *x, struct rad_error *err)
 {
     struct decimal d;
-    int rc = number_word(lex, "a real argument", err);
+    int rc;
 
+    if (skip_comments(lex, err) == END)
+        return unexpected_end(lex, "a real argument", err);
+    if (take_real(lex, x))
+        return 0;
+    rc = rad_lex_word(lex, "a real argument", err);
     if (rc)
         return rc;
     if (!scan_decimal(lex->word, &d))

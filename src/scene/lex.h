@@ -26,9 +26,9 @@ struct rad_lex {
     int line; /* of the next character, 1-based */
     int rc;   /* first failure of the stream, or 0 */
     bool eof;
-    size_t pos, len;             /* what of buf is to be read yet */
-    char word[RAD_MAX_WORD + 1]; /* the last word */
-    unsigned char buf[64 * 1024];
+    size_t pos, len;                  /* what of buf is to be read yet */
+    char word[RAD_MAX_WORD + 1];      /* the last word */
+    unsigned char buf[64 * 1024 + 1]; /* buf[len] is NUL, which text has not */
 };
 
 enum rad_token {
