@@ -1,8 +1,8 @@
 /* bvh.c - building the tree, and rays in its coordinates
  *
  * Top down: a node starts as one range of items, and the range of the largest
- * surface is split in two until eight are there.  A split is the best of 16
- * bins along each axis by the surface area heuristic (Wald 2007, On fast
+ * surface is split in two until eight are there.  A split is the best of up to
+ * 16 bins along each axis by the surface area heuristic (Wald 2007, On fast
  * construction of SAH-based bounding volume hierarchies).  Lanes that would
  * stay empty are filled by splitting small ranges: testing a lane is free, an
  * item is not. */
@@ -17,21 +17,39 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #define NBINS     16
+#define SAMPLE    2048 /* items that tell where to cut a large range */
 #define LEAF      4    /* a larger range always gets a node of its own */
 #define NODE_COST 1.0f /* of testing a node, in tests of an item */
 
-/* An item's bounds in the tree's coordinates, rounded outwards. */
-struct item {
-    float lo[3];
-    uint32_t index; /* the caller's */
-    float hi[3];
-    uint32_t unused; /* 32 bytes: half a cache line */
+/* Four floats, of which the fourth does not count, where it is no index.  The
+ * least and most of them are one instruction each where there is one. */
+typedef float v4f __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+
+/* Bounds in the tree's coordinates, rounded outwards. */
+struct bounds {
+    v4f lo, hi;
 };
 
+/* An item; its index is HALF_INDEX * lo[3] + hi[3], both integers that float
+ * holds exactly. */
+struct item {
+    struct bounds box;
+};
+#define HALF_INDEX 16384
+
 struct range {
+    struct bounds box;
+    struct bounds mid; /* of twice the items' middles; halving changes no
+                        * comparison */
     uint32_t first, count;
-    float lo[3], hi[3];
+    float area; /* half of the box's */
+    bool node;  /* wants one of its own */
 };
 
 struct build {
@@ -40,173 +58,103 @@ struct build {
     struct rad_error *err;
 };
 
-static float
+static inline v4f
+least(v4f a, v4f b)
+{
+#ifdef __SSE2__
+    return _mm_min_ps(a, b);
+#else
+    v4f r;
+
+    for (int i = 0; i < 4; i++)
+        r[i] = a[i] < b[i] ? a[i] : b[i];
+    return r;
+#endif
+}
+
+static inline v4f
+most(v4f a, v4f b)
+{
+#ifdef __SSE2__
+    return _mm_max_ps(a, b);
+#else
+    v4f r;
+
+    for (int i = 0; i < 4; i++)
+        r[i] = a[i] > b[i] ? a[i] : b[i];
+    return r;
+#endif
+}
+
+static inline v4f
+all_of(float x)
+{
+    return (v4f){ x, x, x, x };
+}
+
+static inline struct bounds
+no_bounds(void)
+{
+    return (struct bounds){ all_of(INFINITY), all_of(-INFINITY) };
+}
+
+static inline void
+grow(struct bounds *b, const struct bounds *by)
+{
+    b->lo = least(b->lo, by->lo);
+    b->hi = most(b->hi, by->hi);
+}
+
+static inline void
+include(struct bounds *b, v4f p)
+{
+    b->lo = least(b->lo, p);
+    b->hi = most(b->hi, p);
+}
+
+/* The float below a finite one. */
+static inline float
+step_down(float f)
+{
+    int32_t bits;
+
+    memcpy(&bits, &f, sizeof bits);
+    if (f > 0)
+        bits--;
+    else if (f < 0)
+        bits++;
+    else
+        bits = (int32_t)0x80000001;
+    memcpy(&f, &bits, sizeof f);
+    return f;
+}
+
+static inline float
 round_down(double x)
 {
     float f = (float)x;
 
-    return nextafterf((double)f > x ? nextafterf(f, -INFINITY) : f, -INFINITY);
+    return step_down((double)f > x ? step_down(f) : f);
 }
 
-static float
+static inline float
 round_up(double x)
 {
     return -round_down(-x);
 }
 
-static void
-empty_box(float lo[3], float hi[3])
+static inline float
+half_area(const struct bounds *b)
 {
-    for (int i = 0; i < 3; i++) {
-        lo[i] = INFINITY;
-        hi[i] = -INFINITY;
-    }
+    v4f d = b->hi - b->lo;
+
+    return d[0] < 0 ? 0 : d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-static void
-grow(float lo[3], float hi[3], const float l[3], const float h[3])
+static inline v4f
+middle(const struct item *it)
 {
-    for (int i = 0; i < 3; i++) {
-        lo[i] = l[i] < lo[i] ? l[i] : lo[i];
-        hi[i] = h[i] > hi[i] ? h[i] : hi[i];
-    }
-}
-
-static float
-half_area(const float lo[3], const float hi[3])
-{
-    float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-
-    return x < 0 ? 0 : x * y + y * z + z * x;
-}
-
-static void
-fit(const struct item *items, struct range *r)
-{
-    empty_box(r->lo, r->hi);
-    for (uint32_t i = 0; i < r->count; i++)
-        grow(r->lo, r->hi, items[r->first + i].lo, items[r->first + i].hi);
-}
-
-/* Twice the middle; halving changes no comparison. */
-static float
-middle(const struct item *it, int axis)
-{
-    return it->lo[axis] + it->hi[axis];
-}
-
-struct bins {
-    float lo[NBINS][3], hi[NBINS][3];
-    uint32_t count[NBINS];
-};
-
-struct cut {
-    float cost;
-    int axis, bin;   /* bins below `bin` go left */
-    float base, per; /* bin = (middle - base) * per */
-};
-
-static int
-bin_of(const struct item *it, const struct cut *c)
-{
-    int b = (int)((middle(it, c->axis) - c->base) * c->per);
-
-    return b < 0 ? 0 : b >= NBINS ? NBINS - 1 : b;
-}
-
-/* Cost of each border between bins of one axis; keeps the best. */
-static void
-sweep(const struct bins *b, struct cut at, struct cut *best)
-{
-    float lo[3], hi[3], area[NBINS];
-    uint32_t n = 0, right[NBINS];
-
-    empty_box(lo, hi);
-    for (int i = NBINS - 1; i > 0; i--) {
-        grow(lo, hi, b->lo[i], b->hi[i]);
-        right[i] = n += b->count[i];
-        area[i] = half_area(lo, hi);
-    }
-    empty_box(lo, hi);
-    n = 0;
-    for (int i = 1; i < NBINS; i++) {
-        grow(lo, hi, b->lo[i - 1], b->hi[i - 1]);
-        n += b->count[i - 1];
-        if (!n || !right[i])
-            continue;
-        at.cost = half_area(lo, hi) * n + area[i] * right[i];
-        if (at.cost < best->cost) {
-            at.bin = i;
-            *best = at;
-        }
-    }
-}
-
-static void
-try_axis(const struct item *items, const struct range *r, struct cut at,
-         struct cut *best)
-{
-    struct bins b;
-
-    memset(b.count, 0, sizeof b.count);
-    for (int i = 0; i < NBINS; i++)
-        empty_box(b.lo[i], b.hi[i]);
-    for (uint32_t i = 0; i < r->count; i++) {
-        const struct item *it = &items[r->first + i];
-        int k = bin_of(it, &at);
-
-        b.count[k]++;
-        grow(b.lo[k], b.hi[k], it->lo, it->hi);
-    }
-    sweep(&b, at, best);
-}
-
-static uint32_t
-partition(struct item *items, const struct range *r, const struct cut *c)
-{
-    uint32_t i = r->first, j = r->first + r->count;
-
-    while (i < j)
-        if (bin_of(&items[i], c) < c->bin) {
-            i++;
-        } else {
-            struct item swap = items[--j];
-
-            items[j] = items[i];
-            items[i] = swap;
-        }
-    return i - r->first;
-}
-
-/* Split r in two; halve: by count, whatever the places. */
-static void
-split(struct item *items, struct range *r, struct range *right, bool halve)
-{
-    struct cut best = { INFINITY, -1, 0, 0, 0 };
-    uint32_t n = r->count / 2;
-
-    for (int axis = 0; axis < 3 && !halve; axis++) {
-        struct cut at = { 0, axis, 0, 0, 0 };
-        float lo = INFINITY, hi = -INFINITY;
-
-        for (uint32_t i = 0; i < r->count; i++) {
-            float m = middle(&items[r->first + i], axis);
-
-            lo = m < lo ? m : lo;
-            hi = m > hi ? m : hi;
-        }
-        at.base = lo;
-        at.per = NBINS / (hi - lo);
-        if (hi > lo && at.per < INFINITY)
-            try_axis(items, r, at, &best);
-    }
-    if (best.axis >= 0)
-        n = partition(items, r, &best);
-    right->first = r->first + n;
-    right->count = r->count - n;
-    r->count = n;
-    fit(items, r);
-    fit(items, right);
+    return it->box.lo + it->box.hi;
 }
 
 /* Does a node for the items of r save tests enough to pay for itself?  The
@@ -214,46 +162,222 @@ split(struct item *items, struct range *r, struct range *right, bool halve)
 static bool
 wants_node(const struct item *items, const struct range *r)
 {
-    float whole = half_area(r->lo, r->hi), parts = 0;
+    float parts = 0;
 
     if (r->count == 1 || r->count > LEAF)
         return r->count > LEAF;
     for (uint32_t i = r->first; i < r->first + r->count; i++)
-        parts += half_area(items[i].lo, items[i].hi);
-    return NODE_COST * whole + parts < (float)r->count * whole;
+        parts += half_area(&items[i].box);
+    return NODE_COST * r->area + parts < (float)r->count * r->area;
+}
+
+/* r has its items and bounds: the rest. */
+static void
+finish(const struct item *items, struct range *r)
+{
+    r->area = half_area(&r->box);
+    r->node = wants_node(items, r);
+}
+
+static void
+fit(const struct item *items, struct range *r)
+{
+    r->box = r->mid = no_bounds();
+    for (uint32_t i = r->first; i < r->first + r->count; i++) {
+        grow(&r->box, &items[i].box);
+        include(&r->mid, middle(&items[i]));
+    }
+    finish(items, r);
+}
+
+/* The bins of the three axes. */
+struct bins {
+    struct bounds box[3][NBINS];
+    uint32_t count[3][NBINS];
+};
+
+struct cut {
+    float cost;
+    int axis, bin; /* bins below `bin` go left */
+};
+
+/* What turns a middle into bins: (middle - base) * per; per is 0 along an axis
+ * on which all middles are one.  There are no more bins than items: most ranges
+ * are small. */
+struct scale {
+    v4f base, per, last;
+    int bins;
+};
+
+static struct scale
+scale_of(const struct range *r)
+{
+    v4f width = r->mid.hi - r->mid.lo;
+    int n = r->count < NBINS ? (int)r->count : NBINS;
+    struct scale s = { r->mid.lo, all_of(0), all_of((float)(n - 1)), n };
+
+    for (int a = 0; a < 3; a++) {
+        float per = (float)n / width[a];
+
+        if (width[a] > 0 && per < INFINITY)
+            s.per[a] = per;
+    }
+    return s;
+}
+
+static inline v4i
+bins_of(const struct item *it, const struct scale *s)
+{
+    v4f at = (middle(it) - s->base) * s->per;
+
+    at = most(least(at, s->last), all_of(0));
+    return __builtin_convertvector(at, v4i);
+}
+
+/* Cost of each border between bins of one axis; keeps the best. */
+static void
+sweep(const struct bins *b, int nbins, int axis, struct cut *best)
+{
+    struct bounds box = no_bounds();
+    uint32_t n = 0, right[NBINS];
+    float area[NBINS];
+
+    for (int i = nbins - 1; i > 0; i--) {
+        grow(&box, &b->box[axis][i]);
+        right[i] = n += b->count[axis][i];
+        area[i] = half_area(&box);
+    }
+    box = no_bounds();
+    n = 0;
+    for (int i = 1; i < nbins; i++) {
+        float cost;
+
+        grow(&box, &b->box[axis][i - 1]);
+        n += b->count[axis][i - 1];
+        if (!n || !right[i])
+            continue;
+        cost = half_area(&box) * (float)n + area[i] * (float)right[i];
+        if (cost < best->cost)
+            *best = (struct cut){ cost, axis, i };
+    }
+}
+
+static struct cut
+find_cut(const struct item *items, const struct range *r,
+         const struct scale *scale)
+{
+    struct cut best = { INFINITY, -1, 0 };
+    uint32_t step = r->count > 2 * SAMPLE ? r->count / SAMPLE : 1;
+    struct bins b;
+
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < scale->bins; i++) {
+            b.box[a][i] = no_bounds();
+            b.count[a][i] = 0;
+        }
+    for (uint32_t i = r->first; i < r->first + r->count; i += step) {
+        v4i k = bins_of(&items[i], scale);
+
+        for (int a = 0; a < 3; a++) {
+            grow(&b.box[a][k[a]], &items[i].box);
+            b.count[a][k[a]]++;
+        }
+    }
+    for (int a = 0; a < 3; a++)
+        if (scale->per[a] > 0)
+            sweep(&b, scale->bins, a, &best);
+    return best;
+}
+
+/* Put what lies in bins below the cut's first. */
+static void
+partition(struct item *items, struct range *r, struct range *right,
+          const struct scale *scale, const struct cut *c)
+{
+    uint32_t i = r->first, j = r->first + r->count, end = j;
+
+    r->box = r->mid = right->box = right->mid = no_bounds();
+    while (i < j) {
+        struct item it = items[i];
+
+        if (bins_of(&it, scale)[c->axis] < c->bin) {
+            grow(&r->box, &it.box);
+            include(&r->mid, middle(&it));
+            i++;
+        } else {
+            grow(&right->box, &it.box);
+            include(&right->mid, middle(&it));
+            items[i] = items[--j];
+            items[j] = it;
+        }
+    }
+    r->count = i - r->first;
+    right->first = i;
+    right->count = end - i;
+    finish(items, r);
+    finish(items, right);
+}
+
+/* Split r in two; halve: by count, whatever the places. */
+static void
+split(struct item *items, struct range *r, struct range *right, bool halve)
+{
+    struct cut cut = { INFINITY, -1, 0 };
+    struct scale scale = scale_of(r);
+    uint32_t n = r->count / 2;
+
+    if (!halve)
+        cut = find_cut(items, r, &scale);
+    if (cut.axis >= 0) {
+        partition(items, r, right, &scale, &cut);
+        return;
+    }
+    right->first = r->first + n;
+    right->count = r->count - n;
+    r->count = n;
+    fit(items, r);
+    fit(items, right);
 }
 
 /* Which of the n ranges to split next, or -1. */
 static int
-choose(const struct item *items, const struct range *r, int n, bool halve)
+choose(const struct range *r, int n, bool halve)
 {
     int best = -1;
-    float most = -1;
+    float score = -1;
 
     for (int i = 0; i < n; i++) {
-        float area = half_area(r[i].lo, r[i].hi);
         /* those that need a node come first */
-        float score = halve                      ? (float)r[i].count
-                      : wants_node(items, &r[i]) ? 1e3f + area
-                                                 : area;
+        float mine = halve       ? (float)r[i].count
+                     : r[i].node ? 1e3f + r[i].area
+                                 : r[i].area;
 
-        if (r[i].count > 1 && score > most) {
+        if (r[i].count > 1 && mine > score) {
             best = i;
-            most = score;
+            score = mine;
         }
     }
     return best;
 }
 
-static int
-by_area(const void *a, const void *b)
+/* Largest first; what comes first settles ties. */
+static bool
+precedes(const struct range *a, const struct range *b)
 {
-    const struct range *ra = a, *rb = b;
-    float x = half_area(ra->lo, ra->hi), y = half_area(rb->lo, rb->hi);
+    return a->area != b->area ? a->area > b->area : a->first < b->first;
+}
 
-    if (x != y)
-        return x > y ? -1 : 1;
-    return ra->first < rb->first ? -1 : 1;
+static void
+sort_ranges(struct range *r, int n)
+{
+    for (int i = 1; i < n; i++) {
+        struct range held = r[i];
+        int k = i;
+
+        for (; k > 0 && precedes(&held, &r[k - 1]); k--)
+            r[k] = r[k - 1];
+        r[k] = held;
+    }
 }
 
 static void
@@ -291,8 +415,8 @@ static void
 set_lane(struct rad_bvh_node *node, int lane, const struct range *r)
 {
     for (int a = 0; a < 3; a++) {
-        node->bound[RAD_BVH_BOUND(a, 0) + lane] = r->lo[a];
-        node->bound[RAD_BVH_BOUND(a, 1) + lane] = r->hi[a];
+        node->bound[RAD_BVH_BOUND(a, 0) + lane] = r->box.lo[a];
+        node->bound[RAD_BVH_BOUND(a, 1) + lane] = r->box.hi[a];
     }
     node->child[lane] = rad_bvh_leaf(r->first, r->count);
 }
@@ -305,16 +429,16 @@ build_node(struct build *b, const struct range *whole, int depth,
     bool halve = depth >= RAD_BVH_DEPTH;
     int n = 1, i, rc;
 
-    for (; n < RAD_BVH_WIDTH && (i = choose(b->items, r, n, halve)) >= 0; n++)
+    for (; n < RAD_BVH_WIDTH && (i = choose(r, n, halve)) >= 0; n++)
         split(b->items, &r[i], &r[n], halve);
-    qsort(r, (size_t)n, sizeof r[0], by_area);
+    sort_ranges(r, n);
     rc = new_node(b, index);
     if (rc < 0)
         return rc;
     for (i = 0; i < n; i++)
         set_lane(&b->bvh->nodes[*index], i, &r[i]);
     for (i = 0; i < n; i++)
-        if (wants_node(b->items, &r[i])) {
+        if (r[i].node) {
             uint32_t child;
 
             rc = build_node(b, &r[i], depth + 1, &child);
@@ -327,24 +451,22 @@ build_node(struct build *b, const struct range *whole, int depth,
 
 /* Bounds of all, and the frame that they give. */
 static void
-set_frame(struct rad_bvh *bvh, const struct rad_bvh_items *list)
+set_frame(struct rad_bvh *bvh, const struct rad_box *boxes, uint32_t n)
 {
     double half = 0;
     int e;
 
-    for (int a = 0; a < 3 && list->n; a++) {
+    for (int a = 0; a < 3 && n; a++) {
         bvh->lo[a] = INFINITY;
         bvh->hi[a] = -INFINITY;
     }
-    for (uint32_t i = 0; i < list->n; i++) {
-        struct rad_box box;
-
-        list->bounds(list->arg, i, &box);
+    for (uint32_t i = 0; i < n; i++)
         for (int a = 0; a < 3; a++) {
-            bvh->lo[a] = box.lo[a] < bvh->lo[a] ? box.lo[a] : bvh->lo[a];
-            bvh->hi[a] = box.hi[a] > bvh->hi[a] ? box.hi[a] : bvh->hi[a];
+            double lo = boxes[i].lo[a], hi = boxes[i].hi[a];
+
+            bvh->lo[a] = lo < bvh->lo[a] ? lo : bvh->lo[a];
+            bvh->hi[a] = hi > bvh->hi[a] ? hi : bvh->hi[a];
         }
-    }
     for (int a = 0; a < 3; a++) {
         bvh->centre[a] = bvh->lo[a] / 2 + bvh->hi[a] / 2;
         half = fmax(half, bvh->hi[a] / 2 - bvh->lo[a] / 2);
@@ -355,20 +477,40 @@ set_frame(struct rad_bvh *bvh, const struct rad_bvh_items *list)
 
 static void
 set_items(struct item *items, const struct rad_bvh *bvh,
-          const struct rad_bvh_items *list)
+          const struct rad_box *boxes, uint32_t n)
 {
-    for (uint32_t i = 0; i < list->n; i++) {
-        struct rad_box box;
+    for (uint32_t i = 0; i < n; i++) {
+        struct item *it = &items[i];
 
-        list->bounds(list->arg, i, &box);
-        items[i].index = i;
         for (int a = 0; a < 3; a++) {
             double c = bvh->centre[a], s = bvh->scale;
 
-            items[i].lo[a] = round_down((box.lo[a] - c) * s);
-            items[i].hi[a] = round_up((box.hi[a] - c) * s);
+            it->box.lo[a] = round_down((boxes[i].lo[a] - c) * s);
+            it->box.hi[a] = round_up((boxes[i].hi[a] - c) * s);
         }
+        it->box.lo[3] = (float)(i / HALF_INDEX);
+        it->box.hi[3] = (float)(i % HALF_INDEX);
     }
+}
+
+/* The items of the tree, in the caller's order; NULL: out of memory. */
+static struct item *
+make_items(struct rad_bvh *bvh, const struct rad_bvh_items *list)
+{
+    size_t n = (size_t)list->n + 1;
+    struct rad_box *boxes = malloc(n * sizeof *boxes);
+    struct item *items = NULL;
+
+    for (uint32_t i = 0; boxes && i < list->n; i++)
+        list->bounds(list->arg, i, &boxes[i]);
+    if (boxes)
+        items = aligned_alloc(sizeof *items, n * sizeof *items);
+    if (items) {
+        set_frame(bvh, boxes, list->n);
+        set_items(items, bvh, boxes, list->n);
+    }
+    free(boxes);
+    return items;
 }
 
 int
@@ -376,22 +518,23 @@ rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *list,
               uint32_t *order, struct rad_error *err)
 {
     struct build b = { bvh, NULL, err };
-    struct range all = { 0, list->n, { 0 }, { 0 } };
+    struct range all = { .count = list->n };
     uint32_t root, n = list->n;
     int rc;
 
     memset(bvh, 0, sizeof *bvh);
     if (n >= RAD_BVH_MAX_ITEMS)
         return rad_fail(err, RAD_EDATA, "too many surfaces");
-    b.items = calloc(n ? n : 1, sizeof *b.items);
+    b.items = make_items(bvh, list);
     if (!b.items)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    set_frame(bvh, list);
-    set_items(b.items, bvh, list);
     fit(b.items, &all);
     rc = n ? build_node(&b, &all, 0, &root) : new_node(&b, &root);
-    for (uint32_t i = 0; i < n; i++)
-        order[i] = b.items[i].index;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct bounds *box = &b.items[i].box;
+
+        order[i] = (uint32_t)box->lo[3] * HALF_INDEX + (uint32_t)box->hi[3];
+    }
     free(b.items);
     if (rc < 0)
         rad_bvh_release(bvh);
