@@ -144,29 +144,8 @@ part_of(struct cube *part, const struct cube *c, int k)
 static uint8_t
 parts_met(const struct builder *b, const struct cube *c, int32_t place)
 {
-    const struct rad_extent *e = &b->extents[place];
-    static const uint8_t low[3] = { 0x55, 0x33, 0x0f };
-    uint8_t met = 0xff;
-
-    for (int i = 0; i < 3; i++) {
-        if (e->lo[i] > c->centre[i])
-            met &= (uint8_t)~low[i];
-        if (e->hi[i] < c->centre[i])
-            met &= low[i];
-    }
-    if ((met & (met - 1)) == 0)
-        return met;
-    for (int k = 0; k < 8; k++) {
-        struct cube part;
-
-        if (!(met >> k & 1))
-            continue;
-        part_of(&part, c, k);
-        if (!rad_overlaps_cube(&b->scene->objects[b->index[place]], e,
-                               part.centre, part.half))
-            met &= (uint8_t) ~(1 << k);
-    }
-    return met;
+    return rad_overlaps_parts(&b->scene->objects[b->index[place]],
+                              &b->extents[place], c->centre, c->half);
 }
 
 /* Room on the stack for n more, and for n parts at the level. */
@@ -214,7 +193,7 @@ cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
     int32_t node;
     uint8_t *parts;
 
-    if (reserve(b, c->level, (size_t)n))
+    if (reserve(b, c->level, (size_t)n + 1))
         return RAD_OCTREE_EMPTY;
     parts = b->parts[c->level];
     for (int32_t i = 0; i < n; i++)
@@ -228,11 +207,12 @@ cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
         size_t start = b->used;
         int32_t kid;
 
-        if (reserve(b, c->level, (size_t)n))
+        if (reserve(b, c->level, (size_t)n + 1))
             break;
-        for (int32_t i = 0; i < n; i++)
-            if (parts[i] >> k & 1)
-                b->stack[b->used++] = b->stack[list + (size_t)i];
+        for (int32_t i = 0; i < n; i++) { /* no branch: it would be guessed */
+            b->stack[b->used] = b->stack[list + (size_t)i];
+            b->used += parts[i] >> k & 1;
+        }
         part_of(&part, c, k);
         kid = build(b, &part, start, (int32_t)(b->used - start));
         b->used = start;

@@ -9,6 +9,10 @@
 #include <math.h>
 #include <string.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 /* Rounding of the few dozen operations of a test, relative to the largest
  * coordinate that takes part: 2^-53 each, with a lot to spare. */
 #define ROUND 1e-13
@@ -451,4 +455,160 @@ rad_overlaps_cube(const struct rad_object *o, const struct rad_extent *e,
         return get_generator(o, &g) &&
                generator_meets_cube(&g, centre, half, e->slack, 2);
     }
+}
+
+/* --- parts of a cube ----------------------------------------------------- */
+
+/* A number for each of four parts. */
+typedef float v4f __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+
+static inline uint8_t
+bits_of(v4i v)
+{
+#ifdef __SSE2__
+    return (uint8_t)_mm_movemask_ps((__m128)v);
+#else
+    return (uint8_t)((v[0] & 1) | (v[1] & 2) | (v[2] & 4) | (v[3] & 8));
+#endif
+}
+
+/* The parts by the bounds alone. */
+static uint8_t
+parts_by_bounds(const struct rad_extent *e, const double centre[3])
+{
+    static const uint8_t low[3] = { 0x55, 0x33, 0x0f };
+    uint8_t met = 0xff;
+
+    for (int i = 0; i < 3; i++) {
+        if (e->lo[i] > centre[i])
+            met &= (uint8_t)~low[i];
+        if (e->hi[i] < centre[i])
+            met &= low[i];
+    }
+    return met;
+}
+
+static bool
+is_within_cube(const struct rad_extent *e, const double centre[3], double half)
+{
+    for (int i = 0; i < 3; i++)
+        if (e->lo[i] < centre[i] - half || e->hi[i] > centre[i] + half)
+            return false;
+    return true;
+}
+
+/* A triangle may be so much larger than a part for the test below. */
+#define MOST_TIMES 256
+/* What rounding to float does to a product of numbers up to 1, some 16 times:
+ * it must not lose a sliver. */
+#define FLOAT_PAD 2e-6f
+
+/* The tests of triangle_meets_cube() for the eight parts at once, in float,
+ * with all numbers scaled to 1 at most.  Around the cube's middle: a part's is
+ * at +-h along each axis, and what that adds to a shadow is the same for all
+ * corners. */
+static uint8_t
+triangle_parts(const double vertex[3][3], double half, double size,
+               double slack)
+{
+    static const v4f even = { -1, 1, -1, 1 }, pair = { -1, -1, 1, 1 };
+    const float h = (float)(half / size), wide = h + (float)(slack / size);
+    float v[3][3], e[3][3], n[3], d, r;
+    v4i low = { 0 }, high = { 0 }; /* of z: which parts are apart from it? */
+    v4f s, t;
+
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            v[k][i] = (float)(vertex[k][i] / size);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            e[k][i] = v[k == 2 ? 0 : k + 1][i] - v[k][i];
+    for (int i = 0; i < 3; i++) {
+        int j = i == 2 ? 0 : i + 1, l = i == 0 ? 2 : i - 1;
+
+        n[i] = e[0][j] * e[1][l] - e[0][l] * e[1][j];
+    }
+    d = n[0] * v[0][0] + n[1] * v[0][1] + n[2] * v[0][2];
+    r = wide * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2])) + 4 * FLOAT_PAD;
+    s = even * (h * n[0]) + pair * (h * n[1]);
+    low |= (s > d + h * n[2] + r) | (s < d + h * n[2] - r);
+    high |= (s > d - h * n[2] + r) | (s < d - h * n[2] - r);
+    for (int k = 0; k < 3; k++) { /* edge, its beginning, the corner opposite */
+        const float *f = e[k], *a = v[k], *b = v[k == 0 ? 2 : k - 1];
+
+        for (int i = 0; i < 3; i++) {
+            int j = i == 2 ? 0 : i + 1;
+            float x = f[i] * a[j] - f[j] * a[i];
+            float y = f[i] * b[j] - f[j] * b[i];
+            float most = x > y ? x : y, least = x > y ? y : x;
+
+            r = wide * (fabsf(f[i]) + fabsf(f[j])) + FLOAT_PAD;
+            most += r;
+            least -= r;
+            if (i == 0) { /* axes x and y: the same for low and high z */
+                s = pair * (h * f[0]) - even * (h * f[1]);
+                s = (v4f)((s > most) | (s < least));
+                low |= (v4i)s;
+                high |= (v4i)s;
+                continue;
+            }
+            if (i == 1) { /* y and z */
+                s = pair * (-h * f[2]) - h * f[1];
+                t = pair * (-h * f[2]) + h * f[1];
+            } else { /* z and x */
+                s = even * (h * f[2]) + h * f[0];
+                t = even * (h * f[2]) - h * f[0];
+            }
+            low |= (s > most) | (s < least);
+            high |= (t > most) | (t < least);
+        }
+    }
+    return (uint8_t) ~(bits_of(low) | bits_of(high) << 4);
+}
+
+/* The vertices of a triangle around the middle of a cube with half-edge h, and
+ * the largest of them and h; 0: no triangle. */
+static double
+get_triangle(double v[3][3], const struct rad_object *o, const double centre[3],
+             double h)
+{
+    double size = h;
+
+    if (o->type != RAD_POLYGON || o->nreals != 9)
+        return 0;
+    for (int k = 0; k < 3; k++) {
+        rad_sub(v[k], o->reals + 3 * (size_t)k, centre);
+        for (int i = 0; i < 3; i++)
+            if (fabs(v[k][i]) > size)
+                size = fabs(v[k][i]);
+    }
+    return size;
+}
+
+uint8_t
+rad_overlaps_parts(const struct rad_object *o, const struct rad_extent *e,
+                   const double centre[3], double half)
+{
+    uint8_t met = parts_by_bounds(e, centre), one = met & (uint8_t)(met - 1);
+    double part[3], v[3][3], size;
+
+    if (one == 0)
+        return met;
+    /* two parts, and nothing of it outside: it is in both */
+    if ((one & (one - 1)) == 0 && is_within_cube(e, centre, half))
+        return met;
+    size = get_triangle(v, o, centre, half / 2);
+    if (size > 0 && size <= MOST_TIMES * half / 2)
+        return met &
+               triangle_parts((const double(*)[3])v, half / 2, size, e->slack);
+    for (int k = 0; k < 8; k++) {
+        if (!(met >> k & 1))
+            continue;
+        for (int i = 0; i < 3; i++)
+            part[i] = centre[i] + (k >> i & 1 ? half / 2 : -half / 2);
+        if (!rad_overlaps_cube(o, e, part, half / 2))
+            met &= (uint8_t) ~(1 << k);
+    }
+    return met;
 }

@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /* What is kept of a surface: bounds, and how far it may lie from where its
  * arguments say (the vertices of a polygon from their plane). */
@@ -26,5 +27,11 @@ bool rad_extent_of(const struct rad_object *o, struct rad_extent *e);
 /* Does o, with extent e, meet the cube of half-edge `half` around centre? */
 bool rad_overlaps_cube(const struct rad_object *o, const struct rad_extent *e,
                        const double centre[3], double half);
+
+/* Which of the eight parts of that cube, which it meets?  Bit k: the part in
+ * the upper half along axis i if k has bit i. */
+uint8_t rad_overlaps_parts(const struct rad_object *o,
+                           const struct rad_extent *e, const double centre[3],
+                           double half);
 
 #endif
