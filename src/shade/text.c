@@ -242,13 +242,21 @@ rad_text_prepare(struct rad_job *job, int32_t index,
     return 0;
 }
 
+/* Is there a letter at the hit?  Within a copy the text is as its file has it.
+ */
 static bool
-is_foreground(const struct text *t, const double p[3])
+is_foreground(const struct text *t, const struct rad_ray *r)
 {
+    struct rad_xform move;
     double v[3], x, y;
     int32_t line;
 
-    rad_sub(v, p, t->anchor);
+    rad_copy(v, r->hit.p);
+    if (rad_geom_place(&r->hit, &move)) {
+        rad_xform_invert(&move, &move);
+        rad_xform_point(v, &move, v);
+    }
+    rad_sub(v, v, t->anchor);
     x = rad_dot(v, t->right) * t->column;
     y = rad_dot(v, t->down);
     if (!(x >= 0 && y >= 0 && y < t->nlines))
@@ -262,17 +270,10 @@ rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                struct rad_ray *r)
 {
     const struct text *t = mat->data;
-    struct rad_xform move;
-    double p[3];
 
     (void)ctx;
-    rad_copy(p, r->hit.p);
-    if (rad_geom_place(&r->hit, &move)) { /* the text is as its file has it */
-        rad_xform_invert(&move, &move);
-        rad_xform_point(p, &move, p);
-    }
     r->pattern =
-        rad_rgb_mul(r->pattern, is_foreground(t, p) ? t->fore : t->back);
+        rad_rgb_mul(r->pattern, is_foreground(t, r) ? t->fore : t->back);
     return false;
 }
 
@@ -283,5 +284,5 @@ rad_text_mix(struct rad_ctx *ctx, const struct rad_material *mat,
 {
     const struct text *t = mat->data;
 
-    return rad_ray_shade(ctx, r, t->part[!is_foreground(t, r->hit.p)]);
+    return rad_ray_shade(ctx, r, t->part[!is_foreground(t, r)]);
 }
