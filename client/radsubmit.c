@@ -354,16 +354,12 @@ list_needs(struct program *p)
                                      rad_otype_name((enum rad_otype)t));
 }
 
-/* A coordinator decides by the workers that it has when the job begins; those
- * of our own cluster come one after the other, but we know how many. */
 static uint8_t
 choose_partition(const struct program *p)
 {
-    if (p->o.partition != PARTITION_AUTO) /* the same words in the same order */
-        return (uint8_t)p->o.partition;
-    if (p->o.windows > 0 || (p->embedded && workers_wanted(p) > 1))
+    if (p->o.partition == PARTITION_AUTO && p->o.windows > 0)
         return MSG_PART_WINDOW;
-    return MSG_PART_AUTO;
+    return (uint8_t)p->o.partition; /* the same words in the same order */
 }
 
 /* --estimate=FILE.json */

@@ -105,11 +105,6 @@ submit_fault(const struct coord *c, const struct msg_spec *spec,
         active += !job_over(c->jobs[i]);
     if (active >= MOST_JOBS)
         return rad_fail(err, RAD_ETEMPFAIL, "the queue is full");
-    if (spec->partition == MSG_PART_STATIC ||
-        spec->partition == MSG_PART_SCANBAR)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--partition=%s is not supported yet; use window",
-                        partition_kind_name(spec->partition));
     if (job_partition_spec(spec, &p, err) != 0)
         return err->code;
     return partition_check(&p, err);

@@ -52,6 +52,7 @@ struct strict_unit {
     bool bottom_done;   /* the bottom is out, true */
     bool ahead_guessed; /* AHEAD had colours above the first bar */
     bool parked;        /* said, or about to be */
+    bool kept;          /* facts went out in case it is lost, or are about to */
     bool waiting;
     uint64_t since_ms; /* waiting: from when */
     struct strict_pass *pass;
@@ -795,6 +796,7 @@ is_near(const struct strict *s, const struct strict_unit *u)
     return a && !is_waiting(s, a);
 }
 
+/* Say so at once: its thread has room for another. */
 static void
 park(struct strict *s, struct strict_unit *u)
 {
@@ -802,10 +804,19 @@ park(struct strict *s, struct strict_unit *u)
                        .unit = u->unit,
                        .attempt = u->attempt };
 
+    if (u->gone || u->parked || !is_waiting(s, u) || is_near(s, u))
+        return;
     u->parked = true;
+    push(s, &s->urgent, &it);
+}
+
+/* Its facts go out too, where the wait gets long. */
+static void
+park_facts(struct strict *s, struct strict_unit *u)
+{
+    u->kept = true;
     for (int i = u->first; i < u->last; i++)
         push_facts(s, &s->lazy, u, i);
-    push(s, &s->lazy, &it);
 }
 
 void
@@ -821,9 +832,10 @@ strict_tick(struct strict *s, uint64_t now_ms)
         if (waiting && !u->waiting)
             u->since_ms = now_ms;
         u->waiting = waiting;
-        if (waiting && !u->parked && now_ms - u->since_ms >= PARK_MS &&
-            !is_near(s, u))
-            park(s, u);
+        park(s, u);
+        if (waiting && u->parked && !u->kept &&
+            now_ms - u->since_ms >= PARK_MS && !is_near(s, u))
+            park_facts(s, u);
     }
 }
 
@@ -1114,6 +1126,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
         end_unit(s, u);
     else if (u->split)
         split_idle(s, u);
+    for (u = s->units; u; u = u->next)
+        park(s, u);
     return over;
 }
 

@@ -542,7 +542,8 @@ START_TEST(strict_units_give_the_picture_and_rays_of_one)
         ck_assert_mem_eq(f.whole[y], alone[y], sizeof alone[y]);
     ck_assert_int_eq(f.frame.paint.n, 1);
     ck_assert_uint_gt(c.counts.paint_rays, 0);
-    ck_assert_uint_ge(c.counts.rays, c.counts.primary_rays);
+    if (!clusters[_i].twins) /* whose rays serve one that counts none of them */
+        ck_assert_uint_ge(c.counts.rays, c.counts.primary_rays);
     close_cluster(&c);
     close_fixture(&f);
 }

@@ -42,8 +42,8 @@ expect 66 "names.none" "a file of names missing" $r -aE names.none "$room"
 expect 73 "none/err" "the error file's folder missing" \
     $r -e none/err -o out.hdr "$room"
 expect 64 "-x" "-x abc" $r -x abc "$room"
-expect 64 "--partition=static" "a partition that is not there" \
-    $r --partition=static "$room"
+expect 64 "stripes" "a partition that is not there" \
+    $r --partition=stripes "$room"
 expect 64 "--detach" "--detach without a coordinator" \
     "$radsubmit" --local --detach "$room"
 expect 64 "--local" "workers for a coordinator" \

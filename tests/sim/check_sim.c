@@ -21,20 +21,23 @@ number(const json_t *o, const char *name)
     return json_integer_value(json_object_get(o, name));
 }
 
-/* Every pixel of a unit is where it belongs and of its last attempt. */
+/* Every pixel of a unit is where it belongs, and all are of one attempt. */
 static void
 check_unit(struct sim *s, const struct sim_job *job, const json_t *unit)
 {
     uint32_t f = (uint32_t)number(unit, "frame"); /* numbers are indices here */
     json_int_t x0 = number(unit, "x"), y0 = number(unit, "y");
     json_int_t w = number(unit, "width"), h = number(unit, "height");
+    float attempt = job->picture[f][y0 * job->frame[f].width + x0].attempt;
 
+    SIM_CHECK(&s->net,
+              attempt >= 1 && attempt <= (float)number(unit, "attempts"));
     for (json_int_t y = y0; y < y0 + h; y++)
         for (json_int_t x = x0; x < x0 + w; x++) {
             struct sim_pixel *p = &job->picture[f][y * job->frame[f].width + x];
 
             SIM_CHECK(&s->net, p->x == (float)x && p->y == (float)y);
-            SIM_CHECK(&s->net, p->attempt == (float)number(unit, "attempts"));
+            SIM_CHECK(&s->net, p->attempt == attempt);
             p->attempt = -1; /* seen */
         }
 }
@@ -91,11 +94,15 @@ check_job(struct sim *s, const struct sim_job *job)
     }
 }
 
-static unsigned
+/* What the clusters went through, summed. */
+static struct {
+    unsigned accidents, parked, gave, twins, estimates;
+} sum;
+
+static void
 run(uint64_t seed, bool verbose)
 {
     static struct sim s; /* large */
-    unsigned trouble;
 
     sim_init(&s, seed);
     s.net.verbose = verbose;
@@ -107,9 +114,12 @@ run(uint64_t seed, bool verbose)
                "crashes, %llu ms\n",
                (unsigned long long)seed, s.nworkers, s.njobs, s.deaths, s.cuts,
                s.crashes, (unsigned long long)s.net.now_ms);
-    trouble = s.deaths + s.cuts + s.crashes;
+    sum.accidents += s.deaths + s.cuts + s.crashes;
+    sum.parked += s.parked;
+    sum.gave += s.gave;
+    sum.twins += s.twins;
+    sum.estimates += s.estimates;
     sim_release(&s);
-    return trouble;
 }
 
 int
@@ -117,15 +127,19 @@ main(void)
 {
     const char *one = getenv("RADD_SIM_SEED"), *many = getenv("RADD_SIM_RUNS");
     uint64_t runs = many ? strtoull(many, NULL, 10) : RUNS;
-    unsigned trouble = 0;
 
     if (one) {
         run(strtoull(one, NULL, 10), true);
         return EXIT_SUCCESS;
     }
     for (uint64_t seed = 0; seed < runs; seed++)
-        trouble += run(seed, false);
-    printf("%llu clusters, %u accidents: all jobs ended as they should\n",
-           (unsigned long long)runs, trouble);
-    return trouble > 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+        run(seed, false);
+    printf(
+        "%llu clusters, %u accidents, %u units parked, %u split, %u doubled, "
+        "%u estimates: all jobs ended as they should\n",
+        (unsigned long long)runs, sum.accidents, sum.parked, sum.gave,
+        sum.twins, sum.estimates);
+    return sum.accidents && sum.parked && sum.gave && sum.twins && sum.estimates
+               ? EXIT_SUCCESS
+               : EXIT_FAILURE;
 }

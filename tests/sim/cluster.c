@@ -482,12 +482,14 @@ make_job(struct sim *s, int i)
         .name = "job",
         .params = "-ab 0",
         .needs = "mist glow",
-        .estimate = "uniform",
+        .estimate = net_chance(net, 3) ? "5a" : "uniform",
         .seed = net->seed,
         .priority = (int32_t)net_random(net, 3) - 1,
-        .flags = net_chance(net, 2) ? MSG_JOB_SHARE : 0,
-        .partition = net_chance(net, 2) ? MSG_PART_AUTO : MSG_PART_WINDOW,
-        .order = (uint8_t)net_random(net, MSG_ORDER_COST),
+        .flags = (net_chance(net, 2) ? MSG_JOB_SHARE : 0) |
+                 (net_chance(net, 4) ? MSG_JOB_NO_BALANCE : 0) |
+                 (net_chance(net, 4) ? MSG_JOB_FRESH_FRAMES : 0),
+        .partition = (uint8_t)net_random(net, MSG_NPART),
+        .order = (uint8_t)net_random(net, MSG_NORDER),
         .windows = 1 + net_random(net, 30),
         .files = { SIM_FILES, job->hash },
     };

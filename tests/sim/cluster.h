@@ -17,6 +17,7 @@ enum {
     SIM_FILES = 3, /* of a job */
     SIM_FRAMES = 3,
     SIM_CHILDREN = 40,
+    SIM_PSAMPLE = 4, /* -ps, the default */
     /* nodes */
     NODE_COORD = 0,
     NODE_WORKER = 1,
@@ -48,9 +49,18 @@ struct sim_job {
     size_t stats_len;
 };
 
+/* A strict unit goes the way of a real one: some time ahead, then, when the
+ * base line above is there, its own base line and its rows. */
 struct sim_unit {
     struct msg_unit unit;
-    bool revoked;
+    bool running, ahead, parked;
+};
+
+enum { SIM_SIDE = 40, SIM_LINES = 16 };
+
+/* Columns and densities of a base line that a child has. */
+struct sim_line {
+    uint8_t pixel[SIM_SIDE], density[SIM_SIDE];
 };
 
 struct sim_child {
@@ -58,8 +68,9 @@ struct sim_child {
     uint64_t conn;
     int job;
     bool started;
-    struct sim_unit queue[64];
+    struct sim_unit queue[512];
     unsigned nqueue, running;
+    struct sim_line line[SIM_FRAMES][SIM_LINES];
     double busy_s;
     unsigned nambient;
 };
@@ -84,6 +95,7 @@ struct sim {
     uint64_t disk_ms; /* the coordinator's disk is busy until then */
     bool calm;        /* no more accidents */
     unsigned deaths, cuts, crashes;
+    unsigned parked, gave, twins, estimates; /* what was tried at all */
 };
 
 /* Set a cluster up as the seed says, let it live until every job is over and
