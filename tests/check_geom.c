@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "geom/geom.h"
+#include "closed_mesh.h"
 #include "geom_scene.h"
 #include "unit.h"
 
@@ -149,63 +150,18 @@ START_TEST(empty_scene_is_never_met)
 }
 END_TEST
 
-/* A mesh around the origin: a grid of longitude and latitude with every vertex
- * pushed about, as triangles and (warped) quadrilaterals, closed at the
- * poles. */
-enum { MESH_NU = 24, MESH_NV = 16 };
-
-static void
-mesh_vertex(int u, int v, double size, const double c[3], double p[3])
-{
-    uint64_t key = rad_key_branch(5, (uint64_t)(v * MESH_NU + u % MESH_NU));
-    double r = size, phi = 6.283185307179586 * (u % MESH_NU) / MESH_NU;
-    double theta = 3.141592653589793 * v / MESH_NV;
-
-    if (v > 0 && v < MESH_NV)
-        r *= geom_rand(key, 0, .8, 1.2);
-    p[0] = c[0] + (v % MESH_NV ? r * sin(theta) * cos(phi) : 0);
-    p[1] = c[1] + (v % MESH_NV ? r * sin(theta) * sin(phi) : 0);
-    p[2] = c[2] + r * cos(theta);
-}
-
 static void
 mesh_make(struct geom_scene *g, double size, const double c[3])
 {
     for (int v = 0; v < MESH_NV; v++)
         for (int u = 0; u < MESH_NU; u++) {
-            double q[4][3], t[3][3];
+            double face[2][12];
+            int corners[2], n = mesh_faces(u, v, size, c, face, corners);
 
-            mesh_vertex(u, v, size, c, q[0]);
-            mesh_vertex(u, v + 1, size, c, q[1]);
-            mesh_vertex(u + 1, v + 1, size, c, q[2]);
-            mesh_vertex(u + 1, v, size, c, q[3]);
-            if (u % 3 == 0) {
-                geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, q[0],
-                               12);
-                continue;
-            }
-            geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, q[0], 9);
-            rad_copy(t[0], q[0]);
-            rad_copy(t[1], q[2]);
-            rad_copy(t[2], q[3]);
-            geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE, t[0], 9);
+            for (int k = 0; k < n; k++)
+                geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE,
+                               face[k], 3 * corners[k]);
         }
-}
-
-/* A vertex, or a point on an edge as near as double allows. */
-static void
-mesh_target(uint64_t key, double size, const double c[3], double p[3])
-{
-    int u = (int)geom_rand(key, 0, 0, MESH_NU);
-    int v = (int)geom_rand(key, 1, 0, MESH_NV);
-    double s = rad_rand(key, 2), a[3], b[3];
-
-    mesh_vertex(u, v, size, c, a);
-    mesh_vertex(rad_rand(key, 3) < .5 ? u : u + 1, v + 1, size, c, b);
-    if (s < .2)
-        s = 0;
-    for (int i = 0; i < 3; i++)
-        p[i] = a[i] + s * (b[i] - a[i]);
 }
 
 static const struct {
@@ -231,11 +187,7 @@ START_TEST(closed_mesh_does_not_leak)
         struct rad_span s = { .tmin = 0, .tmax = INFINITY };
         struct rad_hit hit;
 
-        for (int a = 0; a < 3; a++)
-            s.org[a] = c[a] + size * geom_rand(key, (uint32_t)(4 + a), -.2, .2);
-        mesh_target(key, size, c, s.dir);
-        rad_sub(s.dir, s.dir, s.org);
-        rad_normalize(s.dir);
+        mesh_ray(key, size, c, s.org, s.dir);
         leaks += !rad_geom_nearest(geom, &s, &hit, &counts);
         leaks += !rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
     }
@@ -431,8 +383,7 @@ START_TEST(shared_edge_goes_to_the_later_modifier)
     for (int i = 0; i < 2; i++) /* stand-ins for modifiers */
         geom_scene_add(&g, RAD_PLASTIC, RAD_VOID, 0, NULL, 0);
     geom_scene_add(&g, RAD_POLYGON, later, RAD_SURF_OPAQUE, floor[turned], 12);
-    geom_scene_add(&g, RAD_POLYGON, !later, RAD_SURF_OPAQUE, wall[turned],
-                   12);
+    geom_scene_add(&g, RAD_POLYGON, !later, RAD_SURF_OPAQUE, wall[turned], 12);
     geom = geom_scene_compile(&g);
     for (int i = -9; i <= 9; i++) {
         struct rad_span s = geom_span(3, 0, 0, i / 10. - 3, -1, -1);

@@ -124,7 +124,8 @@ tests_check_func_SOURCES = tests/check_func.c tests/unit.h tests/world.h
 tests_check_func_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_func_LDADD = $(UNIT_LIBS)
 
-tests_check_geom_SOURCES = tests/check_geom.c tests/geom_scene.h tests/unit.h
+tests_check_geom_SOURCES = tests/check_geom.c tests/closed_mesh.h \
+	tests/geom_scene.h tests/unit.h
 tests_check_geom_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_geom_LDADD = $(UNIT_LIBS)
 

@@ -1,0 +1,308 @@
+/* hard.c - see hard.h
+ *
+ * Leaks: rays from within a closed mesh at its edges and vertices, of which
+ * none may get out.
+ * Scale and offset: the same room in other units, or elsewhere, looks the same.
+ * Elsewhere its coordinates are rounded, so it is compared with the room at
+ * the origin whose coordinates are rounded as they are there.
+ * Acne: a ball of the size of a planet that shades itself nowhere. */
+#include "config.h"
+
+#include "hard.h"
+#include "stage.h"
+#include "base/vec.h"
+#include "picture/frame.h"
+#include "../closed_mesh.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Text that grows. */
+struct text {
+    char *at;
+    size_t len, room;
+};
+
+__attribute__((format(printf, 2, 3))) static void
+add(struct text *t, const char *format, ...)
+{
+    va_list ap;
+    int n;
+
+    va_start(ap, format);
+    n = vsnprintf(NULL, 0, format, ap);
+    va_end(ap);
+    if (t->room - t->len <= (size_t)n) {
+        t->room = 2 * t->room + (size_t)n + 1;
+        t->at = realloc(t->at, t->room);
+        if (!t->at)
+            exit(EXIT_FAILURE);
+    }
+    va_start(ap, format);
+    vsnprintf(t->at + t->len, (size_t)n + 1, format, ap);
+    va_end(ap);
+    t->len += (size_t)n;
+}
+
+/* --- leaks --- */
+
+/* Rays that leave a closed mesh of size a[0] at a[1]. */
+static double
+leaks(const double *a, int effort)
+{
+    const double c[3] = { a[1], a[1], -a[1] };
+    struct rad_geom_counts counts = { 0 };
+    struct text t = { NULL, 0, 0 };
+    struct stage s;
+    int out = 0;
+
+    add(&t, "void plastic p 0 0 5 .5 .5 .5 0 0\n");
+    for (int v = 0; v < MESH_NV; v++)
+        for (int u = 0; u < MESH_NU; u++) {
+            double face[2][12];
+            int corners[2], n = mesh_faces(u, v, a[0], c, face, corners);
+
+            for (int k = 0; k < n; k++) {
+                add(&t, "p polygon f 0 0 %d", 3 * corners[k]);
+                for (int i = 0; i < 3 * corners[k]; i++)
+                    add(&t, " %.17g", face[k][i]);
+                add(&t, "\n");
+            }
+        }
+    stage_open(&s, "", "%s", t.at);
+    for (int i = 0; i < 50000 * effort; i++) {
+        struct rad_span span = { .tmin = 0, .tmax = INFINITY };
+        struct rad_hit hit;
+
+        mesh_ray(rad_key_branch(8, (uint64_t)i), a[0], c, span.org, span.dir);
+        out += !rad_geom_nearest(s.job->geom, &span, &hit, &counts);
+        out += !rad_geom_occluded(s.job->geom, &span, RAD_VOID, NULL, &counts);
+    }
+    stage_close(&s);
+    free(t.at);
+    return out;
+}
+
+/* --- the room --- */
+
+/* How coordinates are changed: scaled, moved, and moved back. */
+struct place {
+    double scale, offset;
+    bool back;
+};
+
+static double
+at(const struct place *p, double x)
+{
+    volatile double there = x * p->scale + p->offset; /* rounded as stored */
+
+    return p->back ? there - p->offset : there;
+}
+
+static void
+add_point(struct text *t, const struct place *p, double x, double y, double z)
+{
+    add(t, " %.17g %.17g %.17g", at(p, x), at(p, y), at(p, z));
+}
+
+static void
+add_box(struct text *t, const struct place *p, const char *modifier,
+        const double lo[3], const double hi[3])
+{
+    /* corners of each face, outward: bit k of a corner is its side in k */
+    static const int face[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 },
+                                    { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
+                                    { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
+
+    for (int f = 0; f < 6; f++) {
+        add(t, "%s polygon f 0 0 12", modifier);
+        for (int i = 0; i < 4; i++) {
+            int c = face[f][i];
+
+            add_point(t, p, c & 1 ? hi[0] : lo[0], c & 2 ? hi[1] : lo[1],
+                      c & 4 ? hi[2] : lo[2]);
+        }
+        add(t, "\n");
+    }
+}
+
+/* Walls, a desk on legs, drawers that touch it, a glass top, a pot, a globe, a
+ * lamp flush with the ceiling, a tube, and the sun through a window. */
+static void
+add_room(struct text *t, const struct place *p)
+{
+    static const double box[][6] = {
+        { -.1, 0, 0, 0, 4, 3 },           { 5, 0, 0, 5.1, 4, 3 },
+        { 0, 4, 0, 5, 4.1, 3 },           { 0, 0, -.1, 5, 4, 0 },
+        { 0, 0, 3, 5, 4, 3.1 },           { 0, -.1, 0, 2, 0, 3 },
+        { 3.5, -.1, 0, 5, 0, 3 },         { 2, -.1, 0, 3.5, 0, 1 },
+        { 1, 2, .7, 3, 3, .74 },          { 1, 2, 0, 1.05, 2.05, .7 },
+        { 2.95, 2, 0, 3, 2.05, .7 },      { 1, 2.95, 0, 1.05, 3, .7 },
+        { 2.95, 2.95, 0, 3, 3, .7 },      { 2.3, 2.2, .1, 2.9, 3, .7 },
+        { 3.4, 2.6, 0, 3.9, 3.1, .45 },   { 3.4, 3.05, .45, 3.9, 3.1, .95 },
+        { .1, 3.6, 0, .9, 3.98, 2.2 },    { 1.2, 2.7, .74, 1.5, 2.9, .8 },
+        { 1.22, 2.72, .8, 1.5, 2.9, .86 }
+    };
+
+    add(t, "void plastic paint 0 0 5 .6 .5 .4 0 0\n"
+           "void plastic varnish 0 0 5 .4 .25 .1 .04 0\n"
+           "void metal brass 0 0 5 .7 .6 .3 .9 0\n"
+           "void glass pane 0 0 3 .9 .95 .9\n"
+           "void light lamp 0 0 3 20 20 18\n"
+           "void light sun 0 0 3 1e5 9e4 8e4\n"
+           "sun source s 0 0 4 .3 -.8 .6 .5\n");
+    for (size_t i = 0; i < sizeof box / sizeof box[0]; i++)
+        add_box(t, p, i < 8 ? "paint" : "varnish", box[i], box[i] + 3);
+    add(t, "pane polygon g 0 0 12");
+    add_point(t, p, 2, -.05, 1);
+    add_point(t, p, 3.5, -.05, 1);
+    add_point(t, p, 3.5, -.05, 3);
+    add_point(t, p, 2, -.05, 3);
+    add(t, "\nlamp polygon l 0 0 12");
+    add_point(t, p, 2, 1.5, 3);
+    add_point(t, p, 2, 2.5, 3);
+    add_point(t, p, 3, 2.5, 3);
+    add_point(t, p, 3, 1.5, 3);
+    add(t, "\nbrass sphere b 0 0 4");
+    add_point(t, p, 2, 2.4, .94);
+    add(t, " %.17g\npaint cone c 0 0 8", .2 * p->scale);
+    add_point(t, p, 2.6, 2.5, .74);
+    add_point(t, p, 2.6, 2.5, .95);
+    add(t, " %.17g %.17g\nbrass cylinder y 0 0 7", .05 * p->scale,
+        .12 * p->scale);
+    add_point(t, p, .5, .5, 0);
+    add_point(t, p, .5, .5, 1.6);
+    add(t, " %.17g\nlamp sphere o 0 0 4", .02 * p->scale);
+    add_point(t, p, .5, .5, 1.75);
+    add(t, " %.17g\n", .1 * p->scale);
+}
+
+enum { WIDE = 80, HIGH = 64 };
+
+static void
+render_room(const struct place *p, struct rad_rgb picture[WIDE * HIGH])
+{
+    struct text t = { NULL, 0, 0 };
+    struct rad_error err = { 0 };
+    struct rad_frame f;
+    struct rad_view v;
+    struct stage s;
+
+    add_room(&t, p);
+    stage_open(&s,
+               "-ps 1 -pj 0 -pa 1 -x 80 -y 64 -dt 0 -ds .2 -dj 0 -ss 0 -st .1 "
+               "-lw 1e-3",
+               "%s", t.at);
+    rad_view_init(&v);
+    for (int k = 0; k < 3; k++)
+        v.vp[k] = at(p, (const double[3]){ 4.3, .4, 1.7 }[k]);
+    rad_copy(v.vdir, ((const double[3]){ -.65, .65, -.25 }));
+    v.horiz = 75;
+    v.vert = 63.1;
+    if (rad_frame_init(&f, s.job, &v, 0, false, &err) < 0 || f.width != WIDE ||
+        f.height > HIGH) {
+        fprintf(stderr, "accuracy: %s %dx%d\n", err.what, f.width, f.height);
+        exit(EXIT_FAILURE);
+    }
+    for (int i = 0; i < WIDE * HIGH; i++)
+        picture[i] = rad_grey(0);
+    for (int i = 0; i < f.width * f.height; i++) {
+        struct rad_pixel out;
+
+        rad_frame_pixel(&f, &s.ctx, i % WIDE, i / WIDE, &out);
+        picture[i] = out.L;
+    }
+    rad_frame_release(&f);
+    stage_close(&s);
+    free(t.at);
+}
+
+/* Share of the pixels of two pictures that differ by more than 1e-4. */
+static double
+share_apart(const struct place *p, const struct place *q)
+{
+    static struct rad_rgb a[WIDE * HIGH], b[WIDE * HIGH];
+    int apart = 0;
+
+    render_room(p, a);
+    render_room(q, b);
+    for (int i = 0; i < WIDE * HIGH; i++) {
+        double x = a[i].g, y = b[i].g;
+
+        apart += !(fabs(x - y) <= 1e-4 * fmax(x, y));
+    }
+    return (double)apart / (WIDE * HIGH);
+}
+
+static double
+scaled(const double *a, int effort)
+{
+    struct place home = { 1, 0, false }, there = { a[0], 0, false };
+
+    (void)effort;
+    return share_apart(&home, &there);
+}
+
+static double
+moved(const double *a, int effort)
+{
+    struct place back = { 1, a[0], true }, there = { 1, a[0], false };
+
+    (void)effort;
+    return share_apart(&back, &there);
+}
+
+/* --- acne --- */
+
+/* Share of places on a ball of radius a[0] that a sun, or with a[1] a ceiling
+ * lamp, does not light as it lights a plane; a ball stands on it. */
+static double
+acne(const double *a, int effort)
+{
+    static const double down[3] = { 0, 0, -1 };
+    int n = 20000 * effort, wrong = 0;
+    double half = sin(M_PI / 720), truth;
+    struct stage s;
+
+    stage_open(&s, "-dt 0",
+               "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+               "p sphere ground 0 0 4 0 0 %.17g %.17g\n"
+               "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 .6 0 .8 "
+               ".5\n",
+               -a[0], a[0]);
+    truth = .5e6 * half * half;
+    for (int i = 0; i < n; i++) {
+        uint64_t key = rad_key_branch(3, (uint64_t)i);
+        double p[3] = { 2e-4 * a[0] * (rad_rand(key, 0) - .5),
+                        2e-4 * a[0] * (rad_rand(key, 1) - .5), 1e-4 * a[0] };
+        double nz, L = stage_radiance(&s, p, down, key);
+
+        /* the normal leans with the place */
+        nz = sqrt(1 - (p[0] * p[0] + p[1] * p[1]) / (a[0] * a[0]));
+        wrong += !(fabs(L / (truth * (.6 * p[0] / a[0] + .8 * nz)) - 1) < 1e-5);
+    }
+    stage_close(&s);
+    return (double)wrong / n;
+}
+
+const struct hard_row hard_rows[] = {
+    /* clang-format off */
+    { "leaks at edges and vertices, size 1", leaks, { 1, 0 }, 0 },
+    { "the same, size 1e-6", leaks, { 1e-6, 0 }, 0 },
+    { "the same, size 1e9", leaks, { 1e9, 0 }, 0 },
+    { "the same, size 10 at 1e9", leaks, { 10, 1e9 }, 0 },
+    { "room scaled by 1e-6: pixels apart", scaled, { 1e-6 }, .01 },
+    { "room scaled by 1e-3: pixels apart", scaled, { 1e-3 }, .01 },
+    { "room scaled by 1e3: pixels apart", scaled, { 1e3 }, .01 },
+    { "room scaled by 1e6: pixels apart", scaled, { 1e6 }, .01 },
+    { "room scaled by 1e9: pixels apart", scaled, { 1e9 }, .01 },
+    { "room moved by 1e3: pixels apart", moved, { 1e3 }, .01 },
+    { "room moved by 1e6: pixels apart", moved, { 1e6 }, .01 },
+    { "room moved by 1e9: pixels apart", moved, { 1e9 }, .01 },
+    { "acne on a ball of radius 1e10", acne, { 1e10 }, 0 },
+    { "acne on a ball of radius 1e-10", acne, { 1e-10 }, 0 },
+    { NULL, NULL, { 0 }, 0 }
+    /* clang-format on */
+};

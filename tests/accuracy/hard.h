@@ -1,0 +1,15 @@
+/* hard.h - cases that break renderers, each with a number */
+#ifndef RADD_TESTS_HARD_H
+#define RADD_TESTS_HARD_H
+
+struct hard_row {
+    const char *name;
+    /* Returns what is counted or measured; effort 1 is quick. */
+    double (*measure)(const double *a, int effort);
+    double a[2];
+    double most; /* allowed */
+};
+
+extern const struct hard_row hard_rows[]; /* ends with one without a name */
+
+#endif
