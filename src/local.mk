@@ -104,6 +104,7 @@ librad_a_SOURCES = \
 	src/scene/calcinit.c \
 	src/scene/calclib.c \
 	src/scene/calcparse.c \
+	src/scene/calcprism.c \
 	src/scene/check.c \
 	src/scene/data.c \
 	src/scene/data.h \

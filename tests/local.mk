@@ -27,6 +27,7 @@ UNIT_TESTS = \
 	tests/check_estimate \
 	tests/check_facts \
 	tests/check_font \
+	tests/check_fprism \
 	tests/check_frame \
 	tests/check_func \
 	tests/check_geom \
@@ -330,6 +331,10 @@ tests_check_wgmd_LDADD = $(UNIT_LIBS)
 tests_check_wild_SOURCES = tests/check_wild.c tests/unit.h tests/world.h
 tests_check_wild_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_wild_LDADD = $(UNIT_LIBS)
+
+tests_check_fprism_SOURCES = tests/check_fprism.c tests/unit.h
+tests_check_fprism_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_fprism_LDADD = $(UNIT_LIBS)
 
 tests_check_frame_SOURCES = tests/check_frame.c tests/unit.h
 tests_check_frame_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -32,6 +32,7 @@
 #define RAD_MAX_CALC_NESTING 200       /* of brackets, signs and calls */
 #define RAD_MAX_CALC_ARGS    32        /* of a function that a file defines */
 #define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
+#define RAD_MAX_CALC_HEAVY   1000      /* calls of fprism_val() in one */
 #define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */
 
 /* Channels that a file may name, $1 to $27, and those behind them, which only
@@ -89,8 +90,8 @@ int rad_calc_loaded(const struct rad_calc *c, int context);
 int rad_calc_read(struct rad_calc *c, int context, const char *name,
                   const char *text, size_t len, struct rad_error *err);
 
-/* What the expressions and calls compiled from here on may use: RAD_CALC_OFFER_*
- * together.  To others these variables are not defined. */
+/* What the expressions and calls compiled from here on may use:
+ * RAD_CALC_OFFER_* together.  To others these variables are not defined. */
 void rad_calc_offer(struct rad_calc *c, unsigned offer);
 
 /* Compile an expression.  Everything that it can reach must be defined by now:

@@ -53,6 +53,7 @@ struct machine {
     struct rad_calc_env *e;
     int32_t pc;
     int32_t frame; /* whose parameters are meant, -1: none */
+    int32_t heavy; /* calls of functions that count for many steps */
     enum rad_calc_fault fault;
 };
 
@@ -312,6 +313,11 @@ library(struct machine *m, const struct ins *in)
 {
     struct rad_calc_env *e = m->e;
     double *v = &e->value[e->nvalues - in->n];
+
+    if (rad_calc_library[in->a].heavy && ++m->heavy > RAD_MAX_CALC_HEAVY) {
+        m->fault = RAD_CALC_STEPS;
+        return;
+    }
 
     v[0] = rad_calc_library_value(in->a, v, &e->in, &m->fault);
     e->nvalues -= in->n - 1;

@@ -66,7 +66,9 @@ struct library {
     const char *name;
     int nargs; /* at least; more only where variadic */
     bool variadic;
-    bool constant; /* the same arguments give the same value */
+    bool constant;  /* the same arguments give the same value */
+    bool heavy;     /* RAD_MAX_CALC_HEAVY calls at most */
+    unsigned offer; /* what it needs of RAD_CALC_OFFER_* */
 };
 extern const struct library rad_calc_library[];
 extern const int rad_calc_nlibrary;
@@ -78,6 +80,10 @@ enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ARG };
 double rad_calc_library_value(int id, const double *v,
                               const struct rad_calc_input *in,
                               enum rad_calc_fault *fault);
+
+/* fprism_val(v[0], v[1], v[2]) */
+double rad_calc_prism(const double *v, const struct rad_calc_input *in,
+                      enum rad_calc_fault *fault);
 
 double rad_calc_noise(const double p[3]);
 double rad_calc_noise_slope(const double p[3], int axis);

@@ -15,19 +15,33 @@
 #define STEP .0005 /* of slopes, and of the finest cube */
 
 const struct library rad_calc_library[] = {
-    { "if", 3, false, true },        { "select", 1, true, true },
-    { "min", 1, true, true },        { "max", 1, true, true },
-    { "arg", 1, false, false },      { "rand", 1, false, true },
-    { "sqrt", 1, false, true },      { "sin", 1, false, true },
-    { "cos", 1, false, true },       { "tan", 1, false, true },
-    { "asin", 1, false, true },      { "acos", 1, false, true },
-    { "atan", 1, false, true },      { "atan2", 2, false, true },
-    { "floor", 1, false, true },     { "ceil", 1, false, true },
-    { "exp", 1, false, true },       { "log", 1, false, true },
-    { "log10", 1, false, true },     { "erf", 1, false, true },
-    { "erfc", 1, false, true },      { "noise3", 3, false, true },
-    { "noise3x", 3, false, true },   { "noise3y", 3, false, true },
-    { "noise3z", 3, false, true },   { "fnoise3", 3, false, true },
+    { "if", 3, false, true, false, 0 },
+    { "select", 1, true, true, false, 0 },
+    { "min", 1, true, true, false, 0 },
+    { "max", 1, true, true, false, 0 },
+    { "arg", 1, false, false, false, 0 },
+    { "rand", 1, false, true, false, 0 },
+    { "sqrt", 1, false, true, false, 0 },
+    { "sin", 1, false, true, false, 0 },
+    { "cos", 1, false, true, false, 0 },
+    { "tan", 1, false, true, false, 0 },
+    { "asin", 1, false, true, false, 0 },
+    { "acos", 1, false, true, false, 0 },
+    { "atan", 1, false, true, false, 0 },
+    { "atan2", 2, false, true, false, 0 },
+    { "floor", 1, false, true, false, 0 },
+    { "ceil", 1, false, true, false, 0 },
+    { "exp", 1, false, true, false, 0 },
+    { "log", 1, false, true, false, 0 },
+    { "log10", 1, false, true, false, 0 },
+    { "erf", 1, false, true, false, 0 },
+    { "erfc", 1, false, true, false, 0 },
+    { "noise3", 3, false, true, false, 0 },
+    { "noise3x", 3, false, true, false, 0 },
+    { "noise3y", 3, false, true, false, 0 },
+    { "noise3z", 3, false, true, false, 0 },
+    { "fnoise3", 3, false, true, false, 0 },
+    { "fprism_val", 3, false, false, true, RAD_CALC_OFFER_AIM },
 };
 const int rad_calc_nlibrary =
     sizeof rad_calc_library / sizeof rad_calc_library[0];
@@ -54,7 +68,8 @@ enum {
     LIB_NOISE3X,
     LIB_NOISE3Y,
     LIB_NOISE3Z,
-    LIB_FNOISE3
+    LIB_FNOISE3,
+    LIB_FPRISM
 };
 
 /* --- noise -------------------------------------------------------------- */
@@ -122,8 +137,7 @@ rad_calc_noise(const double p[3])
         value[k] = corner(cell, f, k);
     for (int i = 0, n = 4; i < 3; i++, n /= 2)
         for (int k = 0; k < n; k++)
-            value[k] =
-                value[2 * k] + s[i] * (value[2 * k + 1] - value[2 * k]);
+            value[k] = value[2 * k] + s[i] * (value[2 * k + 1] - value[2 * k]);
     return value[0];
 }
 
@@ -141,7 +155,8 @@ rad_calc_noise_slope(const double p[3], int axis)
 static double
 lattice(const int64_t v[3])
 {
-    uint64_t s = 17 * (uint64_t)v[0] + 23 * (uint64_t)v[1] + 29 * (uint64_t)v[2];
+    uint64_t s =
+        17 * (uint64_t)v[0] + 23 * (uint64_t)v[1] + 29 * (uint64_t)v[2];
 
     s = s << 13 ^ s;
     s = s * (s * s * 15731 + 789221) + 1376312589;
@@ -173,7 +188,7 @@ subdivide(double fval[8], const int64_t beg[3], int64_t size, int branch)
         double sum = 0;
 
         for (int i = 0; i < 3; i++)
-            v[i] = beg[i] + (mid >> i & 1 ? size
+            v[i] = beg[i] + (mid >> i & 1      ? size
                              : branch >> i & 1 ? 2 * size
                                                : 0);
         for (int j = 0; j < 8; j++)
@@ -298,6 +313,8 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
         return rad_calc_noise_slope(v, id - LIB_NOISE3X);
     case LIB_FNOISE3:
         return rad_calc_fractal(v);
+    case LIB_FPRISM:
+        return rad_calc_prism(v, in, fault);
     default:
         return 0;
     }

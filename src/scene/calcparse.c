@@ -505,6 +505,9 @@ check_code(struct rad_calc *c, int32_t from, int32_t to, int32_t *stack,
         const struct ins *in = &c->code[pc];
         struct symbol *s;
 
+        if (in->op == OP_LIBRARY && rad_calc_library[in->a].offer & ~c->offer)
+            return rad_fail(err, RAD_EDATA, "undefined function '%s'",
+                            rad_calc_library[in->a].name);
         if (in->op != OP_VARIABLE && in->op != OP_CALL)
             continue;
         s = &c->symbol[in->a];

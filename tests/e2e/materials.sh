@@ -39,7 +39,7 @@ compare() {
         }' || failed=1
 }
 
-for name in aniso ashik brdf brdf_data brtd bsdf lamps phong prism tables wgmd; do
+for name in aniso ashik brdf brdf_data brtd bsdf fprism lamps phong prism tables wgmd; do
     read -r options <$name.rays
     sed 1d $name.rays | cut -d' ' -f1-6 >"$tmp/rays"
     sed 1d $name.rays | cut -d' ' -f8-10 >"$tmp/expected"
@@ -56,7 +56,7 @@ void light sunshine 0 0 3 1e4 1e4 1e4
 sunshine source sun 0 0 4 0 0 1 1
 END
 cp ./*.cal ./*.dat ./*.fnt ./*.hdr ./*.xml "$tmp"
-for name in aniso ashik brdf brdf_data brtd bsdf prism tables wgmd; do
+for name in aniso ashik brdf brdf_data brtd bsdf fprism prism tables wgmd; do
     read -r options <$name.rays
     sed 1d $name.rays | cut -d' ' -f1-6 >"$tmp/rays"
     awk '{ print -$2, $1, $3, -$5, $4, $6 }' "$tmp/rays" >"$tmp/turned"

@@ -11,9 +11,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void
 run(const struct rad_calc *c, int at)
 {
-    static const double args[] = { 1, 0, -2.5 };
+    static const double args[] = { 1, 0, 2.5, 1, 1.5, .01, 4, 0, .1, .2 };
     double channel[RAD_CALC_NCHANNELS] = { 1, 0, 0, 0, 0, 1, 3, 4, 5, 9, 1 };
-    struct rad_calc_input in = { channel, args, 3 };
+    struct rad_calc_input in = { channel, args, 10 };
     struct rad_calc_env *env = rad_calc_env_new(c);
     enum rad_calc_fault fault;
 
@@ -31,6 +31,10 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t len = nul ? (size_t)(nul - data) : size;
     struct rad_error err = { 0 };
     struct rad_calc *c = rad_calc_new(&err);
+    /* all variables that any material has */
+    if (c)
+        rad_calc_offer(c, RAD_CALC_OFFER_NORMAL | RAD_CALC_OFFER_COLOR |
+                              RAD_CALC_OFFER_AIM);
     int context = c ? rad_calc_context(c, "fuzz.cal", &err) : -1;
 
     if (context >= 0 && rad_calc_read(c, context, "fuzz.cal",

@@ -1,0 +1,454 @@
+/* calcprism.c - light through a pane of prisms: the function fprism_val()
+ *
+ * The pane is flat on one side and ribbed on the other.  In the section across
+ * the ribs, x is the normal from the flat side, y along it; each rib is a
+ * triangle over the flat side, of height d, whose foot divides its base into a
+ * and b.  A ray is followed from surface to surface, its energy being divided
+ * by Fresnel's formulas for two states of polarization and by the share of a
+ * rib's width from which the next surface is met.  What comes out in nearly the
+ * same direction is one ray.
+ * Source: the function's arguments as Radiance's fprism.cal describes them, and
+ * their effect there (R. Compagnon, EPFL 1992). */
+#include "config.h"
+
+#include "scene/calcimpl.h"
+
+#include <math.h>
+
+/* Rays that come out, and surfaces met; what is more is lost. */
+#define MAX_OUT  64
+#define MAX_MET  4096
+#define MAX_DEEP 100
+
+/* Surfaces: flat side, the sides over a and b, and the plane of the ridges. */
+enum face { FLAT, SIDE_A, SIDE_B, RIDGES };
+
+struct state {
+    double par, per; /* amplitudes in and across the plane of incidence */
+};
+
+struct beam {
+    double v[3];
+    struct state pol[2];
+    double energy;
+    bool inside; /* the glass */
+    enum face from, to;
+};
+
+struct pane {
+    double a, b, d;
+    double index2;   /* square of the refractive index */
+    double least;    /* energy worth following */
+    int mirror;      /* face that is metallic, or -1 */
+    double metal;    /* its reflectance */
+    double together; /* [rad] */
+    double to_source;
+};
+
+struct prism {
+    struct pane pane;
+    struct {
+        double v[3], energy;
+    } out[MAX_OUT];
+    int nout, nmet;
+};
+
+/* --- one surface, whose normal is x --------------------------------------- */
+
+static double
+root(double x)
+{
+    return x > 0 ? sqrt(x) : 0;
+}
+
+struct incidence {
+    double sine2, cosine;
+    double ratio;  /* square of the index behind over that before */
+    double behind; /* ratio of the indices times the cosine behind */
+    bool passes;
+};
+
+static void
+meet(const struct pane *p, const struct beam *r, struct incidence *i)
+{
+    double across2 = r->v[1] * r->v[1] + r->v[2] * r->v[2];
+    double len2 = across2 + r->v[0] * r->v[0];
+
+    i->sine2 = across2 / len2;
+    i->cosine = sqrt(r->v[0] * r->v[0] / len2);
+    i->ratio = r->inside ? 1 / p->index2 : p->index2;
+    i->behind = root(i->ratio - i->sine2);
+    i->passes = !(sqrt(i->sine2) > sqrt(i->ratio)) && (int)r->to != p->mirror;
+}
+
+/* Multiply the amplitudes; returns the mean gain in intensity. */
+static double
+polarize(struct beam *r, double par, double per)
+{
+    double gain = 0;
+
+    for (int k = 0; k < 2; k++) {
+        struct state *s = &r->pol[k];
+        double before = s->par * s->par + s->per * s->per;
+
+        s->par *= par;
+        s->per *= per;
+        if (before > 0)
+            gain += (s->par * s->par + s->per * s->per) / before / 2;
+    }
+    return gain;
+}
+
+static struct beam
+reflect(const struct pane *p, const struct beam *r)
+{
+    struct beam out = *r;
+    struct incidence i;
+    double c;
+
+    meet(p, r, &i);
+    out.v[0] = -r->v[0];
+    if (!i.passes) {
+        out.energy *= (int)r->to == p->mirror ? p->metal : 1;
+        return out;
+    }
+    c = i.ratio * i.cosine;
+    out.energy *= polarize(&out, (c - i.behind) / (c + i.behind),
+                           (i.cosine - i.behind) / (i.cosine + i.behind));
+    return out;
+}
+
+static struct beam
+transmit(const struct pane *p, const struct beam *r)
+{
+    struct beam out = *r;
+    struct incidence i;
+    double index;
+
+    meet(p, r, &i);
+    if (!i.passes) {
+        out.energy = 0;
+        return out;
+    }
+    index = sqrt(i.ratio);
+    out.v[0] = copysign(
+        root(1 - (r->v[1] * r->v[1] + r->v[2] * r->v[2]) / i.ratio), r->v[0]);
+    out.v[1] /= index;
+    out.v[2] /= index;
+    out.energy *=
+        i.behind / i.cosine *
+        polarize(&out, 2 * index * i.cosine / (i.behind + i.ratio * i.cosine),
+                 2 * i.cosine / (i.cosine + i.behind));
+    out.inside = !r->inside;
+    return out;
+}
+
+/* --- from one surface's axes to another's --------------------------------- */
+
+static void
+turn(double c, double s, const double v[3], double w[3])
+{
+    double x = v[0] * c - v[1] * s, y = v[0] * s + v[1] * c, z = v[2];
+    double len = sqrt(x * x + y * y + z * z);
+
+    w[0] = x / len;
+    w[1] = y / len;
+    w[2] = z / len;
+}
+
+/* Unit vectors in and across the plane of incidence of v; false: it is any. */
+static bool
+axes(const double v[3], double par[3], double per[3])
+{
+    double across2 = v[1] * v[1] + v[2] * v[2], across = sqrt(across2), len;
+
+    if (across == 0)
+        return false;
+    len = sqrt(across2 * across2 + v[0] * v[0] * across2);
+    par[0] = across2 / len;
+    par[1] = -v[0] * v[1] / len;
+    par[2] = -v[0] * v[2] / len;
+    per[0] = 0;
+    per[1] = -v[2] / across;
+    per[2] = v[1] / across;
+    return true;
+}
+
+static double
+dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static struct beam
+turned(const struct beam *r, double c, double s)
+{
+    struct beam out = *r;
+    double par[3], per[3], new_par[3], new_per[3];
+
+    turn(c, s, r->v, out.v);
+    if (!axes(r->v, par, per) || !axes(out.v, new_par, new_per))
+        return out;
+    turn(c, s, par, par);
+    turn(c, s, per, per);
+    for (int k = 0; k < 2; k++) {
+        const struct state *p = &r->pol[k];
+
+        out.pol[k].par =
+            p->par * dot(par, new_par) + p->per * dot(per, new_par);
+        out.pol[k].per =
+            p->par * dot(par, new_per) + p->per * dot(per, new_per);
+    }
+    return out;
+}
+
+/* What becomes of a beam at a side of the ribs. */
+static struct beam
+at_side(const struct pane *p, const struct beam *r,
+        struct beam (*what)(const struct pane *, const struct beam *))
+{
+    double base = r->to == SIDE_A ? p->a : p->b, len = hypot(base, p->d);
+    double c = base / len, s = (r->to == SIDE_A ? -p->d : p->d) / len;
+    struct beam there = turned(r, c, s);
+
+    there = what(p, &there);
+    return turned(&there, c, -s);
+}
+
+/* --- which surface is next ------------------------------------------------ */
+
+/* The share of a beam that left `from` for SIDE_A and not for SIDE_B, or, from
+ * one of these, that does not meet the other. */
+static double
+share(const struct pane *p, const struct beam *r, enum face from)
+{
+    double slope, a = p->a, b = p->b, base = a + b;
+
+    if (r->v[0] == 0)
+        return 0;
+    slope = r->v[1] / r->v[0] * p->d;
+    switch (from) {
+    case SIDE_A:
+        return slope > b ? base / (a + slope) : slope >= -a ? 1 : 0;
+    case SIDE_B:
+        return slope > b ? 0 : slope >= -a ? 1 : base / (b - slope);
+    default:
+        return slope > b ? 1 : slope >= -a ? (a + slope) / base : 0;
+    }
+}
+
+static void follow(struct prism *m, const struct beam *r, int depth);
+
+static void
+go(struct prism *m, const struct beam *r, double part, enum face to, int depth)
+{
+    struct beam next = *r;
+
+    next.energy *= part;
+    next.to = to;
+    if (next.energy > m->pane.least && depth < MAX_DEEP)
+        follow(m, &next, depth);
+}
+
+/* Leave a side of the ribs, inside or outside the glass. */
+static void
+leave_side(struct prism *m, struct beam *r, enum face side, int depth)
+{
+    double past = share(&m->pane, r, side);
+    enum face other = side == SIDE_A ? SIDE_B : SIDE_A;
+
+    r->from = side;
+    if (r->inside)
+        go(m, r, past, FLAT, depth);
+    go(m, r, 1 - past, other, depth);
+    if (!r->inside)
+        go(m, r, past, RIDGES, depth);
+}
+
+static void
+leave_level(struct prism *m, const struct beam *r, int depth)
+{
+    double part = share(&m->pane, r, FLAT);
+
+    go(m, r, part, SIDE_A, depth);
+    go(m, r, 1 - part, SIDE_B, depth);
+}
+
+static bool
+alike(const double v[3], const double w[3], double angle)
+{
+    return fabs(atan2(v[1], v[0]) - atan2(w[1], w[0])) <= angle;
+}
+
+static void
+come_out(struct prism *m, const struct beam *r)
+{
+    if (!(r->energy > m->pane.least))
+        return;
+    for (int i = 0; i < m->nout; i++)
+        if (alike(r->v, m->out[i].v, m->pane.together)) {
+            m->out[i].energy += r->energy;
+            return;
+        }
+    if (m->nout == MAX_OUT)
+        return;
+    for (int k = 0; k < 3; k++)
+        m->out[m->nout].v[k] = r->v[k];
+    m->out[m->nout++].energy = r->energy;
+}
+
+/* The flat side, met from outside by the ray itself alone. */
+static void
+follow_flat(struct prism *m, const struct beam *r, int depth)
+{
+    struct beam back = reflect(&m->pane, r), on = transmit(&m->pane, r);
+
+    if (r->from == FLAT) {
+        come_out(m, &back);
+        leave_level(m, &on, depth);
+    } else {
+        leave_level(m, &back, depth);
+        come_out(m, &on);
+    }
+}
+
+static void
+follow(struct prism *m, const struct beam *r, int depth)
+{
+    struct beam back, on;
+
+    if (++m->nmet > MAX_MET)
+        return;
+    switch (r->to) {
+    case FLAT:
+        follow_flat(m, r, depth + 1);
+        break;
+    case SIDE_A:
+    case SIDE_B:
+        back = at_side(&m->pane, r, reflect);
+        on = at_side(&m->pane, r, transmit);
+        leave_side(m, &back, r->to, depth + 1);
+        leave_side(m, &on, r->to, depth + 1);
+        break;
+    default:
+        if (r->from != RIDGES)
+            come_out(m, r);
+        else
+            leave_level(m, r, depth + 1);
+    }
+}
+
+/* --- the function --------------------------------------------------------- */
+
+/* False: the arguments have no meaning. */
+static bool
+read_pane(struct pane *p, const double *arg)
+{
+    double which = floor(arg[6] + .5);
+
+    *p = (struct pane){ .a = arg[0],
+                        .b = arg[1],
+                        .d = arg[3],
+                        .index2 = arg[4] * arg[4],
+                        .least = arg[5],
+                        .mirror = -1,
+                        .metal = arg[7],
+                        .together = arg[8],
+                        .to_source = arg[9] };
+    if (which == 1 || which == 2)
+        p->mirror = (int)which;
+    else if (which != 4)
+        return false;
+    return p->a >= 0 && p->b >= 0 && arg[2] >= 0 && p->d >= 0 && arg[4] >= 1 &&
+           p->least >= 0 && p->least < 1 && p->together > 0 &&
+           p->to_source >= 0 &&
+           (p->mirror < 0 || (p->metal >= 0 && p->metal <= 1));
+}
+
+static void
+enter(struct prism *m, const double dir[3])
+{
+    struct beam r = { .pol = { { 1, 0 }, { 0, 1 } }, .energy = 1 };
+
+    m->nout = m->nmet = 0;
+    if (dir[0] == 0)
+        return;
+    turn(1, 0, dir, r.v);
+    r.from = r.to = dir[0] > 0 ? FLAT : RIDGES;
+    follow(m, &r, 0);
+}
+
+/* What does not go to the source is nothing; then the strongest first, by
+ * exchanging, which tells equal ones apart as Radiance does. */
+static void
+order(struct prism *m, const double *source)
+{
+    for (int j = 0; source && j < m->nout; j++)
+        if (!alike(m->out[j].v, source, m->pane.to_source))
+            m->out[j].energy = 0;
+    for (int j = 0; j < m->nout; j++)
+        for (int i = j + 1; i < m->nout; i++)
+            if (m->out[j].energy < m->out[i].energy) {
+                double t[4];
+
+                for (int k = 0; k < 4; k++)
+                    t[k] = k < 3 ? m->out[j].v[k] : m->out[j].energy;
+                m->out[j] = m->out[i];
+                for (int k = 0; k < 3; k++)
+                    m->out[i].v[k] = t[k];
+                m->out[i].energy = t[3];
+            }
+}
+
+/* The rank-th ray with v.x of the sign of side, which 0 leaves open; -1: there
+ * is none. */
+static int
+pick(const struct prism *m, double side, int rank)
+{
+    for (int i = 0, n = 0; i < m->nout; i++) {
+        n += m->out[i].v[0] * side >= 0;
+        if (n == rank)
+            return i;
+    }
+    return -1;
+}
+
+double
+rad_calc_prism(const double *v, const struct rad_calc_input *in,
+               enum rad_calc_fault *fault)
+{
+    const double *dir, *source;
+    struct prism m;
+    int what, rank, i;
+
+    if (!in || !in->channel || !in->args) {
+        *fault = RAD_CALC_NO_CHANNEL;
+        return 0;
+    }
+    if (in->nargs < 10) {
+        *fault = RAD_CALC_NO_ARG;
+        return 0;
+    }
+    dir = in->channel;
+    source = in->channel + RAD_CALC_AIM;
+    if (source[0] == 0 && source[1] == 0 && source[2] == 0)
+        source = NULL;
+    if (!read_pane(&m.pane, in->args) || !(fabs(v[0]) < 100) ||
+        !(fabs(v[1]) < 100) || !(fabs(v[2]) < 1e6)) {
+        *fault = RAD_CALC_MATH;
+        return 0;
+    }
+    /* rounded as there: a side of -1 is 0, either */
+    what = (int)(v[0] + .5);
+    rank = (int)(v[2] + .5);
+    enter(&m, dir);
+    order(&m, source);
+    if (source && rank == 2) /* its image was made by the second ray */
+        rank = 1;
+    i = pick(&m, (int)(v[1] + .5) * (dir[0] < 0 ? -1. : 1.), rank);
+    if (what < 0 || what > 3)
+        *fault = RAD_CALC_MATH;
+    else if (i >= 0)
+        return what == 3 ? m.out[i].energy : m.out[i].v[what];
+    return what == 0 && dir[0] != 0 ? 1 : 0;
+}
