@@ -46,7 +46,7 @@ struct cluster_result {
     double busy_s;               /* of all hosts, tracing */
     double wait_s;               /* the longest that a host had nothing but to
                                   * wait for base lines */
-    double twice;   /* pixels traced more often than once, as a part of all */
+    uint64_t traced; /* pixels of lines; half of them are wanted */
     double speed;   /* of all hosts */
     double work;    /* seconds of one host of speed 1 */
     double coord_s; /* processor time that coord.c really took here */

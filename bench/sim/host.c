@@ -81,7 +81,7 @@ struct host {
     uint64_t idle_us; /* since when it waits for a top; 0: it does not */
     /* for the result */
     double busy_s, wait_s;
-    uint64_t wanted, traced, units;
+    uint64_t traced, units;
     struct rad_pixel *pixels; /* a base line, black */
     uint8_t *density, *bytes; /* rows, black */
 };
@@ -311,7 +311,6 @@ fill(struct host *h)
         for (int x = x0; x < x1; x++) {
             if (!is_wanted(x, r))
                 continue;
-            h->wanted += truth;
             if (!facts) {
                 h->traced++;
             } else if (truth ? rad_facts_use(facts, x, r, &p)
@@ -439,6 +438,7 @@ rows_done(struct host *h, int row, bool last)
 
     if (!a || (!last && n < PIECE_BYTES / (width * 12) + 1))
         return;
+    flush(h); /* what was given away is told before the rest is done */
     counts = counts_of(h, a->seconds, a->begin_us,
                        (uint64_t)(row - (int)a->y) * width / 2);
     send_rows(h, a->unit, a->attempt, width, (uint32_t)h->sent_row - a->y, n,
@@ -961,11 +961,9 @@ host_release(struct host *h)
 void
 host_count(const struct host *h, struct cluster_result *out)
 {
-    double lost = (double)h->traced - (double)h->wanted;
-
     out->busy_s += h->busy_s;
     if (h->wait_s > out->wait_s)
         out->wait_s = h->wait_s;
     out->units += h->units;
-    out->twice += lost; /* made a part of all by who sums up */
+    out->traced += h->traced;
 }

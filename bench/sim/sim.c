@@ -317,6 +317,15 @@ efficiency(const struct bench *b, const struct cluster_result *r)
     return speed_up(b, r) / r->speed;
 }
 
+/* Pixels traced more than once, as a part of all. */
+static double
+twice(const struct bench *b, const struct cluster_result *r)
+{
+    double wanted = .5 * b->map.q.width * b->map.q.height * b->map.nframes;
+
+    return r->traced > 0 ? (double)r->traced / wanted - 1 : 0;
+}
+
 static void
 say_details(const struct bench *b, const struct way *w, int hosts,
             const struct cluster_result *r)
@@ -330,7 +339,7 @@ say_details(const struct bench *b, const struct way *w, int hosts,
            "%7.2f MB  radcoord %.3f s  failed %llu\n",
            w->name, hosts, r->seconds, 100 * efficiency(b, r),
            100 * r->busy_s / (r->seconds * hosts), 100 * r->wait_s / r->seconds,
-           100 * r->twice, (unsigned long long)r->units,
+           100 * twice(b, r), (unsigned long long)r->units,
            (unsigned long long)r->messages, 1e-6 * (double)r->bytes,
            1e-6 * (double)r->base_line_bytes, r->coord_s,
            (unsigned long long)r->failed);
