@@ -186,7 +186,7 @@ cluster_send_peer(struct cluster *c, int host, int to, const struct msg *m)
 
     e.fn = at_host;
     e.host = to;
-    e.at_us = through(c, host_up_us(host_at(c, host)), e.len) +
+    e.at_us = through(c, host_peer_us(host_at(c, host)), e.len) +
               (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }

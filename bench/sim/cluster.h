@@ -46,9 +46,9 @@ struct cluster_result {
     double busy_s;               /* of all hosts, tracing */
     double wait_s;               /* the longest that a host had nothing but to
                                   * wait for base lines */
-    uint64_t traced; /* pixels of lines; half of them are wanted */
-    double speed;   /* of all hosts */
-    double work;    /* seconds of one host of speed 1 */
+    uint64_t traced;             /* pixels of lines; half of them are wanted */
+    double speed;                /* of all hosts */
+    double work;                 /* seconds of one host of speed 1 */
     double coord_s; /* processor time that coord.c really took here */
     uint64_t bytes, messages, base_line_bytes, units, failed;
 };
@@ -99,9 +99,11 @@ uint64_t host_conn(const struct host *h);
 /* It dies, and is there again after spec->back_us. */
 void host_fail(struct cluster *c, struct host *h);
 
-/* The links' times: when what was sent last is through. */
+/* The links' times, when what was sent last is through: to the coordinator,
+ * from it, to peers. */
 uint64_t *host_up_us(struct host *h);
 uint64_t *host_down_us(struct host *h);
+uint64_t *host_peer_us(struct host *h);
 
 void host_message(struct cluster *c, struct host *h, const struct msg *m);
 /* What it counted so far into the result. */

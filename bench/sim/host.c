@@ -43,14 +43,6 @@ struct asked {
     double seconds;
 };
 
-/* What was done for a strict unit so far. */
-struct account {
-    struct account *next;
-    uint32_t unit, attempt, y;
-    double seconds;
-    uint64_t begin_us;
-};
-
 /* A base line that was made here, and who waits for one. */
 struct bottom {
     struct bottom *next;
@@ -66,16 +58,17 @@ struct host {
     double speed;
     uint64_t conn;
     unsigned life; /* those that died before: their events are void */
-    uint64_t up_us, down_us;
+    uint64_t up_us, down_us, peer_us;
     struct rad_quincunx *frames; /* for strict_new() */
     struct strict *strict;       /* NULL: no job */
     struct strict_pass *pass;
     int line, block, last; /* of the pass: where it is, and its end */
     bool in_bar;
     int sent_row; /* of a TRUTH pass: those above are out */
+    double pass_s;
+    bool lines; /* it has had strict units */
     struct window *windows;
     struct asked *asked;
-    struct account *accounts;
     struct bottom *bottoms;
     bool working, ticking;
     uint64_t idle_us; /* since when it waits for a top; 0: it does not */
@@ -116,6 +109,12 @@ uint64_t *
 host_down_us(struct host *h)
 {
     return &h->down_us;
+}
+
+uint64_t *
+host_peer_us(struct host *h)
+{
+    return &h->peer_us;
 }
 
 static const struct map *
@@ -196,18 +195,15 @@ send_rows(struct host *h, uint32_t unit, uint32_t attempt, uint32_t width,
 }
 
 static struct msg_counts
-counts_of(const struct host *h, double seconds, uint64_t begin_us,
-          uint64_t pixels)
+counts_of(const struct host *h, double seconds, double wall_s, uint64_t pixels)
 {
     double rays = seconds * h->speed * RAYS_PER_S;
 
-    return (struct msg_counts){
-        .rays = (uint64_t)rays,
-        .primary_rays = pixels,
-        .intersection_tests = (uint64_t)(3 * rays),
-        .cpu_s = seconds,
-        .wall_s = 1e-6 * (double)(h->cluster->events.now_us - begin_us)
-    };
+    return (struct msg_counts){ .rays = (uint64_t)rays,
+                                .primary_rays = pixels,
+                                .intersection_tests = (uint64_t)(3 * rays),
+                                .cpu_s = seconds,
+                                .wall_s = wall_s };
 }
 
 /* Work costs more where it is done twice over. */
@@ -323,46 +319,6 @@ fill(struct host *h)
         }
 }
 
-/* --- strict units: accounts --- */
-
-static struct account *
-account_of(struct host *h, const struct strict_pass *p)
-{
-    struct account *a = h->accounts;
-
-    while (a && (a->unit != p->unit || a->attempt != p->attempt))
-        a = a->next;
-    return a;
-}
-
-static void
-open_account(struct host *h, const struct msg_unit *u)
-{
-    struct account *a = sim_alloc(sizeof *a);
-
-    a->unit = u->unit;
-    a->attempt = u->attempt;
-    a->y = u->y;
-    a->begin_us = h->cluster->events.now_us;
-    a->next = h->accounts;
-    h->accounts = a;
-}
-
-static void
-close_account(struct host *h, uint32_t unit, uint32_t attempt)
-{
-    struct account **at = &h->accounts;
-
-    while (*at && ((*at)->unit != unit || (*at)->attempt != attempt))
-        at = &(*at)->next;
-    if (*at) {
-        struct account *a = *at;
-
-        *at = a->next;
-        free(a);
-    }
-}
-
 /* --- base lines to peers --- */
 
 static struct bottom *
@@ -426,46 +382,56 @@ next_holder(struct host *h, const struct msg_next_holder *n)
 static void flush(struct host *h);
 static void go_on(struct host *h);
 
-/* Rows of a TRUTH pass above `row` are done. */
-static void
-rows_done(struct host *h, int row, bool last)
+static int
+row_of(const struct host *h, int line)
 {
     const struct map *m = map_of(h);
-    struct account *a = account_of(h, h->pass);
-    uint32_t width = (uint32_t)m->q.width;
-    uint32_t n = (uint32_t)(row - h->sent_row);
-    struct msg_counts counts;
 
-    if (!a || (!last && n < PIECE_BYTES / (width * 12) + 1))
-        return;
-    flush(h); /* what was given away is told before the rest is done */
-    counts = counts_of(h, a->seconds, a->begin_us,
-                       (uint64_t)(row - (int)a->y) * width / 2);
-    send_rows(h, a->unit, a->attempt, width, (uint32_t)h->sent_row - a->y, n,
-              last ? (uint32_t)row - a->y : UINT32_MAX, &counts);
+    return line < m->nlines ? team_line_row(&m->q, line) : m->q.height;
+}
+
+/* Send rows of a TRUTH pass above `row`; total: what the unit cost, if these
+ * are its last. */
+static void
+send_strict_rows(struct host *h, const struct strict_pass *p, int row,
+                 const struct msg_counts *total)
+{
+    uint32_t y = (uint32_t)row_of(h, p->least - 1);
+    uint32_t width = (uint32_t)map_of(h)->q.width;
+
+    send_rows(h, p->unit, p->attempt, width, (uint32_t)h->sent_row - y,
+              (uint32_t)(row - h->sent_row),
+              total ? (uint32_t)row - y : UINT32_MAX, total);
     h->sent_row = row;
 }
 
+/* Rows above `row` are done: out with them when they fill a piece. */
+static void
+rows_done(struct host *h, int row)
+{
+    uint32_t width = (uint32_t)map_of(h)->q.width;
+
+    if ((uint32_t)(row - h->sent_row) > PIECE_BYTES / (width * 12))
+        send_strict_rows(h, h->pass, row, NULL);
+}
+
+/* Bottoms and what was given away are told before the last rows. */
 static void
 end_pass(struct host *h, bool done)
 {
-    struct strict_pass *p = h->pass;
-    bool truth = p->mode == TEAM_TRUTH;
-    uint32_t unit = p->unit, attempt = p->attempt;
-    uint64_t speculative;
+    struct strict_pass *p = h->pass, was = *p;
+    uint64_t pixels = (uint64_t)map_of(h)->q.width *
+                      (uint64_t)(row_of(h, h->last) - row_of(h, p->first)) / 2;
+    struct msg_counts total;
+    struct msg_counts spent =
+        counts_of(h, h->pass_s, h->pass_s, p->mode == TEAM_TRUTH ? pixels : 0);
 
-    if (done && truth) {
-        const struct rad_quincunx *q = &map_of(h)->q;
-
-        rows_done(h,
-                  h->last < map_of(h)->nlines ? team_line_row(q, h->last)
-                                              : q->height,
-                  true);
-    }
     h->pass = NULL;
-    strict_ended(h->strict, p, done, h->pixels, h->density, &speculative);
-    if (done && truth)
-        close_account(h, unit, attempt);
+    if (!strict_ended(h->strict, p, done, h->pixels, h->density, &spent,
+                      &total))
+        return;
+    flush(h);
+    send_strict_rows(h, &was, row_of(h, h->last), &total);
 }
 
 /* Half of the lines that are not begun, as team_shrink() does. */
@@ -489,7 +455,7 @@ tell_bottom(struct host *h)
     size_t n = rad_quincunx_ndensity(&m->q);
     int x0, x1;
 
-    if (h->pass->mode != TEAM_TRUTH || h->in_bar || h->line != h->last - 1 ||
+    if (!h->pass->true_top || h->in_bar || h->line != h->last - 1 ||
         h->pass->end != TEAM_FROM_LEFT)
         return;
     block_of(h, &x0, &x1);
@@ -515,7 +481,7 @@ step(struct host *h)
     h->in_bar = false;
     h->line++;
     if (p->mode == TEAM_TRUTH && h->line < h->last)
-        rows_done(h, team_line_row(&map_of(h)->q, h->line), false);
+        rows_done(h, row_of(h, h->line));
     return h->line < h->last;
 }
 
@@ -540,7 +506,6 @@ traced(void *arg, struct event *e)
 static bool
 trace(struct host *h)
 {
-    struct account *a = account_of(h, h->pass);
     double seconds;
 
     for (;;) {
@@ -560,8 +525,7 @@ trace(struct host *h)
             return false;
         }
     }
-    if (a)
-        a->seconds += seconds;
+    h->pass_s += seconds;
     h->busy_s += seconds;
     h->working = true;
     later(h, 1e6 * seconds, traced);
@@ -571,14 +535,15 @@ trace(struct host *h)
 static bool
 begin_pass(struct host *h)
 {
-    h->pass = strict_next(h->strict);
+    h->pass = strict_next(h->strict, STRICT_AHEAD);
     if (!h->pass)
         return false;
     h->line = h->pass->first;
     h->last = h->pass->last;
     h->block = 0;
     h->in_bar = false;
-    h->sent_row = team_line_row(&map_of(h)->q, h->line);
+    h->sent_row = row_of(h, h->line);
+    h->pass_s = 0;
     return true;
 }
 
@@ -590,16 +555,15 @@ window_done(void *arg, struct event *e)
     struct host *h = alive(arg, e);
     struct window *w;
     struct msg_counts counts;
+    double seconds;
 
     if (!h)
         return;
     h->working = false;
     w = h->windows;
     h->windows = w->next;
-    counts = counts_of(h, seconds_for(h, map_window(map_of(h), &w->unit)),
-                       h->cluster->events.now_us,
-                       w->unit.width * w->unit.height / 2);
-    counts.wall_s = counts.cpu_s;
+    seconds = seconds_for(h, map_window(map_of(h), &w->unit));
+    counts = counts_of(h, seconds, seconds, w->unit.width * w->unit.height / 2);
     send_rows(h, w->unit.unit, w->unit.attempt, w->unit.width, 0,
               w->unit.height, w->unit.height, &counts);
     free(w);
@@ -618,13 +582,12 @@ estimate_done(void *arg, struct event *e)
     h->working = false;
     a = h->asked;
     h->asked = a->next;
-    m.estimated = (struct msg_estimated){
-        .job = h->cluster->job,
-        .id = a->id,
-        .ncosts = a->n,
-        .costs = a->costs,
-        .counts = counts_of(h, a->seconds, h->cluster->events.now_us, 0)
-    };
+    m.estimated = (struct msg_estimated){ .job = h->cluster->job,
+                                          .id = a->id,
+                                          .ncosts = a->n,
+                                          .costs = a->costs,
+                                          .counts = counts_of(h, a->seconds,
+                                                              a->seconds, 0) };
     say(h, &m);
     free(a->costs);
     free(a);
@@ -699,7 +662,7 @@ take_unit(struct host *h, const struct msg_unit *u)
             fprintf(stderr, "sim: %s: %s\n", h->name, err.what);
             abort();
         }
-        open_account(h, u);
+        h->lines = true;
         return;
     }
     w = sim_alloc(sizeof *w);
@@ -715,7 +678,6 @@ revoke(struct host *h, const struct msg_attempt *r)
     struct window **at = &h->windows;
 
     strict_revoke(h->strict, r->unit, r->attempt);
-    close_account(h, r->unit, r->attempt);
     if (*at && h->working && !h->pass)
         at = &(*at)->next; /* it is at the first */
     for (; *at; at = &(*at)->next)
@@ -794,7 +756,7 @@ go_on(struct host *h)
     work(h);
     flush(h);
     count_wait(h);
-    if (!h->ticking && h->accounts) {
+    if (!h->ticking && h->lines) {
         h->ticking = true;
         later(h, TICK_US, tick);
     }
@@ -909,8 +871,7 @@ forget(struct host *h)
         free(a->costs);
         free(a);
     }
-    while (h->accounts)
-        close_account(h, h->accounts->unit, h->accounts->attempt);
+    h->lines = false;
     while (h->bottoms) {
         struct bottom *b = h->bottoms;
 
