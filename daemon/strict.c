@@ -501,7 +501,10 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
 static bool
 wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
-    return !u->bottom_done && !u->ahead_done && u->last - u->first > 1 &&
+    /* TRUTH has a first bar to trace where AHEAD had no colours above it */
+    bool bars_left = !u->ahead_done || !u->ahead_guessed;
+
+    return !u->bottom_done && bars_left && u->last - u->first > 1 &&
            u->last < frame_of(s, u->frame)->nlines;
 }
 

@@ -7,13 +7,13 @@
  * the facts and leaves the top of the unit below.  So a unit has passes, each
  * the work of one team: first LINES, then AHEAD, after which it is parked, and
  * TRUTH as soon as may be.  Where the unit has several lines and its top is
- * true before AHEAD is done, LINES is made (again) for the bottom that others
- * wait for.  TRUTH alone does where the top is true from the start and there is
- * but one line, or nothing below. This machine holds units, tops and facts,
- * chooses the passes, takes messages and makes those that go out.  It has no
- * thread, socket or clock: the caller gives the time, runs a team for each pass
- * and says how far it is. Thread: all calls under one lock, but for what teams
- * do with facts. */
+ * true before all bars are traced, LINES is made (again) for the bottom that
+ * others wait for.  TRUTH alone does where the top is true from the start and
+ * there is but one line, or nothing below.
+ * This machine holds units, tops and facts, chooses the passes, takes messages
+ * and makes those that go out.  It has no thread, socket or clock: the caller
+ * gives the time, runs a team for each pass and says how far it is.
+ * Thread: all calls under one lock, but for what teams do with facts. */
 #ifndef RADD_DAEMON_STRICT_H
 #define RADD_DAEMON_STRICT_H
 

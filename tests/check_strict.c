@@ -1067,12 +1067,70 @@ START_TEST(any_cluster_makes_the_picture_and_rays_of_one_sampler)
 }
 END_TEST
 
+/* The next pass must be of that rank; it ends at once, done. */
+static void
+expect_pass(struct strict *s, enum strict_rank rank, bool last)
+{
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p = strict_next(s, STRICT_AHEAD);
+
+    ck_assert_ptr_nonnull(p);
+    ck_assert_int_eq(p->rank, rank);
+    ck_assert(strict_ended(s, p, true, bottom, density, &spent, &total) ==
+              last);
+}
+
+/* The whole top of line 4 of a picture of 64 columns, black. */
+static void
+give_top(struct strict *s, const struct rad_quincunx *q)
+{
+    static const uint8_t pixels[64 * 12], density[64];
+    const struct msg_base_line top = { .job = job_id,
+                                       .line = 3,
+                                       .n = 64,
+                                       .ndensity =
+                                           (uint32_t)rad_quincunx_ndensity(q),
+                                       .channels = 3,
+                                       .density = density,
+                                       .pixels = pixels };
+
+    strict_base_line(s, &top);
+}
+
+/* Of a unit whose top came late: AHEAD left its first bar out, for lack of
+ * colours above, and nobody below should wait for that. */
+START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct msg_unit u = { .job = job_id, .attempt = 1, .width = 64 };
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    u.y = (uint32_t)team_line_row(&q, 4);
+    u.height = (uint32_t)team_line_row(&q, 8) - u.y;
+    u.mode = MSG_MODE_STRICT;
+    s = strict_new(&q, 1, job_id);
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    expect_pass(s, STRICT_LINES, false);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
 int
 main(void)
 {
     Suite *s = suite_create("strict");
     TCase *tc = tcase_create("strict");
 
+    tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
