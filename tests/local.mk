@@ -31,6 +31,7 @@ UNIT_TESTS = \
 	tests/check_frame \
 	tests/check_func \
 	tests/check_geom \
+	tests/check_handoff \
 	tests/check_hdr \
 	tests/check_message \
 	tests/check_metric \
@@ -258,6 +259,10 @@ TESTS += \
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
 tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_coord_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_handoff_SOURCES = tests/check_handoff.c tests/unit.h
+tests_check_handoff_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_handoff_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_partition_SOURCES = tests/check_partition.c tests/unit.h
 tests_check_partition_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -1,0 +1,941 @@
+/* check_handoff.c - lines of a picture shared among workers, as the coordinator
+ * sees it: one event at a time
+ *
+ * Whole clusters under accidents are in sim/; here is what it says to whom when
+ * units wait, are given away, doubled, lost or late. */
+#include "config.h"
+
+#include "frame.h"
+#include "picture/quincunx.h"
+#include "sched.h"
+#include "stats.h"
+#include "unit.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+enum { ANA = 1, W1, W2, W3, CONNS }; /* connections; W1 is worker "ws1" */
+enum { WIDTH = 16, HEIGHT = 31, LINES = 11, BAR = 3 };
+
+static const struct msg_frame frames[] = { { 0, WIDTH, HEIGHT, "" },
+                                           { 1, WIDTH, HEIGHT, "" } };
+static const uint8_t id[MSG_JOB] = { 0xaa }, hash[MSG_HASH] = { 1 };
+static const uint8_t pixels[HEIGHT * WIDTH * 12], density[WIDTH];
+static const uint8_t bitmap[BAR * 2] = { 0x81 }; /* two pixels */
+
+struct said {
+    uint64_t conn;
+    struct msg m; /* strings and bytes are gone, but for next_holder.name */
+    char name[MSG_MAX_NAME + 1];
+};
+
+static struct {
+    struct coord *c;
+    uint64_t now_ms;
+    struct said said[400];
+    int nsaid;
+    bool closed[CONNS], done, failed;
+    char why[MSG_MAX_TEXT + 1];
+} f;
+
+static bool
+has_file(void *arg, const uint8_t *h)
+{
+    (void)arg;
+    (void)h;
+    return true;
+}
+
+static void
+no_random(void *arg, void *buf, size_t n)
+{
+    (void)arg;
+    memset(buf, 1, n);
+}
+
+static void
+sent(const struct action *a)
+{
+    uint16_t type = (uint16_t)(a->bytes[4] << 8 | a->bytes[5]);
+    struct said *s = &f.said[f.nsaid];
+
+    if (type == MSG_PROGRESS)
+        return;
+    f.nsaid++;
+    ck_assert_int_le(f.nsaid, N_ELEM(f.said));
+    ck_assert(!f.closed[a->conn]);
+    memset(s, 0, sizeof *s);
+    s->conn = a->conn;
+    ck_assert_int_eq(msg_unpack(&s->m, type, 0, a->bytes + MSG_HEADER,
+                                a->len - MSG_HEADER, NULL),
+                     0);
+    if (type == MSG_NEXT_HOLDER)
+        snprintf(s->name, sizeof s->name, "%s", s->m.next_holder.name);
+    if (type == MSG_FAILED)
+        snprintf(f.why, sizeof f.why, "%s", s->m.failed.text);
+    f.done |= type == MSG_DONE;
+    f.failed |= type == MSG_FAILED;
+    free(s->m.list);
+    s->m.list = NULL;
+}
+
+static void
+carry_out(void)
+{
+    struct action_list *l = coord_actions(f.c);
+
+    for (size_t i = 0; i < l->n; i++) {
+        struct action a = l->v[i];
+
+        if (a.type == ACT_SEND)
+            sent(&a);
+        else if (a.type == ACT_CLOSE)
+            f.closed[a.conn] = true;
+        else if (a.type == ACT_JOB_OPEN)
+            coord_job_opened(f.c, f.now_ms, a.job, 0, NULL);
+        else if (a.type == ACT_PUT_ROWS)
+            coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
+        else if (a.type == ACT_WRITE_PICTURE)
+            coord_picture_written(f.c, f.now_ms, a.job, a.frame, 0, NULL);
+    }
+    ck_assert(!l->failed);
+    actions_clear(l);
+}
+
+static void
+clear(void)
+{
+    f.nsaid = 0;
+}
+
+static void
+say(uint64_t conn, const struct msg *m)
+{
+    coord_message(f.c, f.now_ms, conn, m);
+    carry_out();
+}
+
+static void
+wait_ms(unsigned ms)
+{
+    for (; ms > 0; ms -= ms < 50 ? ms : 50) {
+        f.now_ms += ms < 50 ? ms : 50;
+        coord_tick(f.c, f.now_ms);
+        carry_out();
+    }
+}
+
+/* What it said of that type to a connection since clear(): the last, or NULL,
+ * and how often. */
+static const struct said *
+last(uint64_t conn, uint16_t type)
+{
+    for (int i = f.nsaid; i-- > 0;)
+        if (f.said[i].conn == conn && f.said[i].m.type == type)
+            return &f.said[i];
+    return NULL;
+}
+
+static int
+count(uint64_t conn, uint16_t type)
+{
+    int n = 0;
+
+    for (int i = 0; i < f.nsaid; i++)
+        n += f.said[i].conn == conn && f.said[i].m.type == type;
+    return n;
+}
+
+/* --- what users and workers say --- */
+
+static void
+join(uint64_t conn, unsigned role, const char *name, const char *address)
+{
+    struct coord_peer peer = { "test", "ana", 14 };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { 1, 1, (uint8_t)role, name, "t", address, 1,
+                                0 } };
+
+    f.closed[conn] = false;
+    coord_opened(f.c, f.now_ms, conn, &peer);
+    say(conn, &m);
+}
+
+static void
+submit(enum msg_partition kind, uint32_t flags, const char *estimate,
+       uint32_t nframes)
+{
+    struct msg m = { .type = MSG_SUBMIT,
+                     .request = 5,
+                     .submit = { .job = id,
+                                 .manifest = hash,
+                                 .name = "n",
+                                 .params = "-ps 4",
+                                 .needs = "",
+                                 .estimate = estimate,
+                                 .flags = flags,
+                                 .partition = (uint8_t)kind,
+                                 .files = { 1, hash },
+                                 .nframes = nframes,
+                                 .frames = frames } };
+
+    say(ANA, &m);
+}
+
+static void
+ready(uint64_t conn)
+{
+    struct msg m = { .type = MSG_READY, .ready = { id, .1, 7, 1 } };
+
+    say(conn, &m);
+}
+
+/* A job of that kind, and ws1 to wsN ready for it. */
+static void
+start(enum msg_partition kind, uint32_t flags, int workers)
+{
+    submit(kind, flags, "uniform", 1);
+    for (int i = 0; i < workers; i++)
+        ready((uint64_t)(W1 + i));
+}
+
+static void
+attempt(uint64_t conn, uint16_t type, const struct msg_unit *u)
+{
+    struct msg m = { .type = type, .parked = { id, u->unit, u->attempt } };
+
+    say(conn, &m);
+}
+
+static void
+gave(uint64_t conn, const struct msg_unit *u, uint32_t height)
+{
+    struct msg m = { .type = MSG_GAVE,
+                     .gave = { id, u->unit, u->attempt, height } };
+
+    say(conn, &m);
+}
+
+/* Two facts of a line's first row. */
+static void
+facts(uint64_t conn, uint32_t line)
+{
+    struct msg m = { .type = MSG_FACTS,
+                     .facts = { id, 0, line, 0, line ? BAR : 1, WIDTH, 0, 3,
+                                bitmap, pixels, 2 } };
+
+    say(conn, &m);
+}
+
+static uint32_t
+ndensity(void)
+{
+    struct rad_quincunx q = { .width = WIDTH, .height = HEIGHT };
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    return (uint32_t)rad_quincunx_ndensity(&q);
+}
+
+/* A base line, in two pieces. */
+static void
+base_line(uint64_t conn, uint32_t frame, uint32_t line)
+{
+    struct msg m = { .type = MSG_BASE_LINE,
+                     .base_line = { id, frame, line, 0, 7, 0, 1, 3, density,
+                                    pixels } };
+
+    say(conn, &m);
+    m.base_line.x = 7;
+    m.base_line.n = WIDTH - 7;
+    m.base_line.first = 1;
+    m.base_line.ndensity = ndensity() - 1;
+    say(conn, &m);
+}
+
+/* Rows of a unit. */
+static void
+result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
+       bool end)
+{
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { id,
+                                 u->unit,
+                                 u->attempt,
+                                 row,
+                                 rows,
+                                 WIDTH,
+                                 3,
+                                 end,
+                                 { .rays = 10 },
+                                 pixels } };
+
+    say(conn, &m);
+}
+
+/* The line under which row y - 1 lies, which ends at it. */
+static uint32_t
+line_above(uint32_t y)
+{
+    return y == 0 ? 0 : (y - 1) / BAR;
+}
+
+/* All of it, its base line first. */
+static void
+finish(uint64_t conn, const struct msg_unit *u)
+{
+    if (u->y + u->height < HEIGHT)
+        base_line(conn, u->frame, line_above(u->y + u->height));
+    result(conn, u, 0, u->height, true);
+}
+
+static const struct msg_unit *
+unit_of(uint64_t conn)
+{
+    const struct said *s = last(conn, MSG_UNIT);
+
+    ck_assert_ptr_nonnull(s);
+    return &s->m.unit;
+}
+
+/* The first since clear(). */
+static const struct msg_unit *
+first_unit_of(uint64_t conn)
+{
+    for (int i = 0; i < f.nsaid; i++)
+        if (f.said[i].conn == conn && f.said[i].m.type == MSG_UNIT)
+            return &f.said[i].m.unit;
+    ck_abort_msg("no unit");
+}
+
+static double
+stat_of(const char *group, const char *key)
+{
+    char *text = stats_json(coord_find_job(f.c, id), f.now_ms);
+    json_t *root = json_loads(text, 0, NULL);
+    double v =
+        json_number_value(json_object_get(json_object_get(root, group), key));
+
+    json_decref(root);
+    free(text);
+    return v;
+}
+
+static void
+set_up(void)
+{
+    struct coord_env env = { has_file, no_random, NULL, "radcoord", 1 };
+
+    memset(&f, 0, sizeof f);
+    f.c = coord_new(&env);
+    f.now_ms = 1;
+    join(ANA, MSG_ROLE_USER, "", "");
+    join(W1, MSG_ROLE_WORKER, "ws1", "tcp a");
+    join(W2, MSG_ROLE_WORKER, "ws2", "tcp b");
+}
+
+static void
+tear_down(void)
+{
+    coord_free(f.c);
+}
+
+/* --- hand-out --- */
+
+START_TEST(lines_go_out_with_what_is_known_of_them)
+{
+    struct msg_unit a, b, c;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    a = *first_unit_of(W1);
+    b = *first_unit_of(W2);
+    ck_assert(a.mode == MSG_MODE_STRICT && a.y == 0 && a.height == 1 + BAR);
+    ck_assert(a.width == WIDTH && a.flags == 0 && a.end == MSG_END_LEFT);
+    ck_assert_uint_eq(b.height, BAR);
+    ck_assert_uint_gt(b.y, HEIGHT / 3);
+    ck_assert_uint_eq(b.flags, MSG_UNIT_TOP); /* nobody has what is above */
+    ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 1); /* lines need links */
+    c = *unit_of(W2); /* one ahead: the one that follows */
+    ck_assert_uint_eq(c.y, b.y + b.height);
+    ck_assert_uint_eq(c.flags, 0);
+    ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws2");
+    clear();
+    base_line(W2, 0, line_above(c.y + c.height));
+    attempt(W2, MSG_PARKED, &b);
+    attempt(W2, MSG_PARKED, &c);
+    ck_assert_uint_eq(first_unit_of(W2)->y, c.y + c.height);
+    ck_assert_int_ge(count(W2, MSG_BASE_LINE), 1); /* its top is here */
+    ck_assert_uint_eq(last(W2, MSG_BASE_LINE)->m.base_line.n, WIDTH);
+}
+END_TEST
+
+START_TEST(both_sides_hear_who_waits_for_a_base_line)
+{
+    struct msg_unit a, b;
+    const struct said *s;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    ck_assert_uint_eq(a.y + a.height, b.y);
+    ck_assert_uint_eq(b.y + b.height, HEIGHT);
+    s = last(W1, MSG_NEXT_HOLDER);
+    ck_assert_ptr_nonnull(s);
+    ck_assert_uint_eq(s->m.next_holder.line, line_above(b.y));
+    ck_assert_str_eq(s->name, "ws2");
+    ck_assert_uint_eq(b.flags, 0);
+    clear();
+    coord_closed(f.c, f.now_ms, W1, "cut"); /* and another gets it */
+    carry_out();
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    ck_assert_uint_eq(unit_of(W3)->y, 0);
+    ck_assert_str_eq(last(W3, MSG_NEXT_HOLDER)->name, "ws2");
+}
+END_TEST
+
+START_TEST(a_single_worker_has_no_links_and_whole_frames)
+{
+    f.closed[W2] = true;
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    submit(MSG_PART_AUTO, 0, "uniform", 2);
+    ready(W1);
+    for (uint32_t i = 0; i < 2; i++) {
+        struct msg_unit u = i ? *unit_of(W1) : *first_unit_of(W1);
+
+        ck_assert(u.frame == i && u.y == 0 && u.height == HEIGHT);
+        ck_assert_uint_eq(u.flags, 0);
+        finish(W1, &u);
+    }
+    ck_assert(f.done);
+    ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 0);
+    ck_assert_int_eq(count(W1, MSG_NEXT_HOLDER), 0);
+}
+END_TEST
+
+/* --- facts --- */
+
+START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
+{
+    struct msg_unit a, b;
+    uint32_t line;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    line = line_above(b.y);
+    facts(W1, line); /* its own: nobody else wants it */
+    ck_assert_int_eq(count(W1, MSG_FACTS) + count(W2, MSG_FACTS), 0);
+    facts(W2, line); /* the base line above, made ahead */
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 0);
+    clear();
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    ck_assert_uint_eq(unit_of(W3)->unit, a.unit);
+    ck_assert_int_eq(count(W3, MSG_FACTS), 2);
+    ck_assert_uint_eq(last(W3, MSG_FACTS)->m.facts.npixels, 2);
+    a = *unit_of(W3);
+    finish(W3, &a);
+    clear();
+    facts(W2, 1); /* nobody wants it any more */
+    ck_assert_int_eq(f.nsaid, 0);
+    ck_assert_double_eq(stat_of("totals", "speculative_rays"), 2);
+}
+END_TEST
+
+START_TEST(facts_that_fit_no_line_end_the_connection)
+{
+    struct msg m = { .type = MSG_FACTS,
+                     .facts = { id, 0, 0, 0, BAR, WIDTH, 0, 3, bitmap, pixels,
+                                2 } };
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    say(W1, &m); /* line 0 has one row */
+    ck_assert(f.closed[W1]);
+}
+END_TEST
+
+/* --- base lines, and waiting for them --- */
+
+START_TEST(a_parked_unit_takes_no_room)
+{
+    struct msg_unit b;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    b = *first_unit_of(W2);
+    clear();
+    attempt(W1, MSG_PARKED, &b); /* another's */
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    attempt(W2, MSG_PARKED, &b);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
+    ck_assert_uint_eq(unit_of(W2)->y, b.y + 2 * b.height);
+    attempt(W2, MSG_PARKED, &b); /* once is enough */
+    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
+}
+END_TEST
+
+START_TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
+{
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    clear();
+    base_line(W2, 0, line_above(b.y)); /* not his to make */
+    wait_ms(300);
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 0);
+    base_line(W1, 0, line_above(b.y));
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 0); /* it comes over the link */
+    wait_ms(300);
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* it did not */
+    result(W1, &a, 0, a.height, true);
+    finish(W2, &b);
+    ck_assert(f.done);
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
+}
+END_TEST
+
+START_TEST(a_base_line_goes_at_once_where_there_can_be_no_link)
+{
+    struct msg_unit b;
+
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    join(W2, MSG_ROLE_WORKER, "ws2", "");
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    base_line(W1, 0, line_above(b.y));
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1);
+}
+END_TEST
+
+START_TEST(a_base_line_that_fits_no_line_ends_the_connection)
+{
+    struct msg m = { .type = MSG_BASE_LINE,
+                     .base_line = { id, 0, 3, 1, WIDTH, 0, 0, 3, density,
+                                    pixels } };
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    say(W1, &m);
+    ck_assert(f.closed[W1]);
+}
+END_TEST
+
+/* Three times, and the job fails; the rows are not taken. */
+START_TEST(a_unit_without_its_base_line_is_done_again)
+{
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 1);
+    ready(W1);
+    for (int i = 0; i < JOB_MAX_CRASHES; i++) {
+        struct msg_unit a = *unit_of(W1);
+
+        ck_assert_uint_eq(a.attempt, i + 1);
+        result(W1, &a, 0, a.height, true);
+        ck_assert_int_eq(count(W1, MSG_ACK), i + 1);
+    }
+    ck_assert(f.failed);
+    ck_assert_ptr_nonnull(strstr(f.why, "unit 0 came incomplete"));
+}
+END_TEST
+
+/* --- losses and leaving --- */
+
+START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
+{
+    struct msg_unit b;
+    bool again = false;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    b = *first_unit_of(W2);
+    facts(W2, line_above(b.y + b.height));
+    attempt(W2, MSG_PARKED, &b);
+    clear();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    for (int i = 0; i < f.nsaid && !again; i++) {
+        const struct msg_unit *u = &f.said[i].m.unit;
+
+        if (f.said[i].conn != W3 || f.said[i].m.type != MSG_UNIT)
+            continue;
+        again = u->unit == b.unit && u->attempt == 2;
+        attempt(W3, MSG_PARKED, u);
+    }
+    ck_assert(again);
+    ck_assert_int_eq(count(W3, MSG_FACTS), 1);
+}
+END_TEST
+
+START_TEST(one_that_leaves_gives_up_what_only_waits)
+{
+    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    say(W2, &drain);
+    attempt(W2, MSG_PARKED, &b);
+    clear();
+    wait_ms(200); /* its facts may be on their way */
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
+    wait_ms(500);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    ck_assert_int_eq(count(W2, MSG_BYE), 1);
+    ck_assert(f.closed[W2]);
+    finish(W1, &a);
+    ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
+}
+END_TEST
+
+/* --- balance --- */
+
+START_TEST(an_idle_worker_gets_half_of_what_another_has_left)
+{
+    struct msg_unit a, b, c;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    wait_ms(100);
+    finish(W1, &a);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
+    gave(W1, &b, BAR); /* not his */
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1);
+    clear();
+    gave(W2, &b, 2 * BAR);
+    c = *unit_of(W1);
+    ck_assert(c.unit == 2 && c.y == b.y + 2 * BAR);
+    ck_assert_uint_eq(c.y + c.height, HEIGHT);
+    ck_assert_uint_eq(c.flags, MSG_UNIT_TOP); /* the shared base line */
+    ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws1");
+    ck_assert_uint_eq(last(W2, MSG_NEXT_HOLDER)->m.next_holder.line,
+                      line_above(c.y));
+    facts(W1, line_above(c.y)); /* goes back to the giver */
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1);
+    b.height = 2 * BAR;
+    finish(W2, &b);
+    finish(W1, &c);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(one_that_has_nothing_to_give_is_not_asked_again)
+{
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    wait_ms(100);
+    finish(W1, &a);
+    gave(W2, &b, b.height);
+    wait_ms(5000);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1); /* static makes no twins */
+}
+END_TEST
+
+START_TEST(without_balance_nobody_is_asked)
+{
+    struct msg_unit a;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    wait_ms(100);
+    finish(W1, &a);
+    wait_ms(1000);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 0);
+}
+END_TEST
+
+START_TEST(a_gave_that_fits_no_lines_ends_the_connection)
+{
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    gave(W2, &b, BAR); /* was not asked */
+    ck_assert(!f.closed[W2]);
+    wait_ms(100);
+    finish(W1, &a);
+    gave(W2, &b, BAR + 1);
+    ck_assert(f.closed[W2]);
+}
+END_TEST
+
+/* --- twins --- */
+
+/* Two at one unit, all else being done: ws1 got it first, ws2 as well when it
+ * had nothing else. */
+static void
+twins(struct msg_unit *a, struct msg_unit *b)
+{
+    struct msg_unit own[LINES];
+    int n = 0;
+
+    start(MSG_PART_AUTO, 0, 2);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct msg *m = &f.said[i].m;
+
+        if (f.said[i].conn == W1 && m->type == MSG_UNIT)
+            own[n++] = m->unit;
+        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
+            for (int k = 0; k < n; k++)
+                if (own[k].unit == m->split.unit)
+                    gave(W1, &own[k], own[k].height);
+        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
+            continue;
+        *b = m->unit;
+        if (b->flags & MSG_UNIT_TWIN)
+            break;
+        wait_ms(100);
+        finish(W2, b);
+    }
+    ck_assert(b->flags & MSG_UNIT_TWIN);
+    for (int k = 0; k < n; k++)
+        if (own[k].unit == b->unit)
+            *a = own[k];
+        else
+            finish(W1, &own[k]);
+    ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
+}
+
+START_TEST(the_first_of_twins_whose_rows_come_leads)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    ck_assert(a.unit == b.unit && b.attempt == a.attempt + 1);
+    ck_assert(b.end == MSG_END_RIGHT && b.height == a.height);
+    ck_assert_int_eq(count(W1, MSG_TWIN), 1);
+    clear();
+    facts(W1, line_above(a.y + a.height));
+    facts(W2, line_above(a.y + a.height));
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1);
+    base_line(W2, 0, line_above(a.y + a.height));
+    result(W2, &b, 0, 1, false);
+    result(W1, &a, 0, 1, false); /* is forgotten */
+    ck_assert_int_eq(count(W1, MSG_ACK), 1);
+    result(W1, &a, 1, a.height - 1, true);
+    ck_assert_int_eq(count(W1, MSG_ACK), 2);
+    ck_assert(!f.done);
+    clear();
+    result(W2, &b, 1, b.height - 1, true);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    result(W2, &b, 0, 2, false);
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 0);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    facts(W2, line_above(a.y + a.height));
+    result(W2, &b, 0, 2, false);
+    result(W1, &a, 0, 1, false);
+    clear();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+    b = *unit_of(W1);
+    ck_assert(b.unit == a.unit && b.attempt == a.attempt + 2);
+    ck_assert_uint_eq(b.flags & MSG_UNIT_TWIN, 0);
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1); /* they are kept */
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
+{
+    start(MSG_PART_SCANBAR, 0, 1);
+    f.closed[W2] = true;
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    for (int i = 0; i < f.nsaid; i++) /* what it gets, and what it gets then */
+        if (f.said[i].conn == W3 && f.said[i].m.type == MSG_UNIT)
+            attempt(W3, MSG_PARKED, &f.said[i].m.unit);
+    ck_assert_int_eq(count(W3, MSG_TWIN), 0);
+    clear();
+    wait_ms(50000);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 0);
+    wait_ms(20000);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 1);
+    ck_assert(unit_of(W3)->flags & MSG_UNIT_TWIN);
+    ck_assert_int_eq(count(W1, MSG_TWIN), 1);
+}
+END_TEST
+
+/* --- estimates --- */
+
+static void
+estimated(uint64_t conn, const struct msg_estimate *m, uint32_t n)
+{
+    static const struct msg_cost cost[64] = { { 30, 7 }, { 30, 7 } };
+    struct msg r = {
+        .type = MSG_ESTIMATED,
+        .estimated = { id, m->id, n, cost, { .rays = 9, .estimate_rays = 5 } }
+    };
+
+    say(conn, &r);
+}
+
+START_TEST(an_estimate_comes_before_the_first_unit)
+{
+    uint32_t chunks = 0;
+
+    submit(MSG_PART_STATIC, 0, "20b", 1);
+    ready(W1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    ck_assert_uint_eq(last(W1, MSG_ESTIMATE)->m.estimate.rays, 20);
+    ready(W2);
+    f.now_ms += 50;
+    for (int w = W1; !last(W1, MSG_UNIT); w = w == W1 ? W2 : W1) {
+        struct msg_estimate m = last((uint64_t)w, MSG_ESTIMATE)->m.estimate;
+
+        estimated((uint64_t)w, &m, m.nareas);
+        ck_assert_uint_le(++chunks, 2 * LINES);
+    }
+    ck_assert_uint_gt(chunks, 4);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
+    /* two areas of each chunk cost something */
+    ck_assert_double_eq(stat_of("totals", "estimate_rays"), 5 * chunks);
+    ck_assert_double_eq(stat_of("time", "estimate_s"), .05);
+}
+END_TEST
+
+START_TEST(areas_of_a_lost_or_late_worker_go_to_another)
+{
+    uint32_t lost;
+
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    ready(W1);
+    lost = last(W1, MSG_ESTIMATE)->m.estimate.id;
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    ready(W2);
+    ck_assert_uint_eq(last(W2, MSG_ESTIMATE)->m.estimate.id, lost);
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    for (int i = 0; i < 40; i++) { /* ws3 does all but that one */
+        struct msg_estimate m = last(W3, MSG_ESTIMATE)->m.estimate;
+
+        estimated(W3, &m, m.nareas);
+    }
+    ck_assert_ptr_null(last(W3, MSG_UNIT));
+    wait_ms(3000);
+    ck_assert_uint_eq(last(W3, MSG_ESTIMATE)->m.estimate.id, lost);
+    estimated(W3, &last(W3, MSG_ESTIMATE)->m.estimate,
+              last(W3, MSG_ESTIMATE)->m.estimate.nareas);
+    ck_assert_ptr_nonnull(last(W3, MSG_UNIT));
+}
+END_TEST
+
+START_TEST(an_estimate_of_other_areas_ends_the_connection)
+{
+    struct msg_estimate m;
+
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    ready(W1);
+    m = last(W1, MSG_ESTIMATE)->m.estimate;
+    estimated(W1, &m, m.nareas + 1);
+    ck_assert(f.closed[W1]);
+}
+END_TEST
+
+/* --- speeds --- */
+
+START_TEST(static_weighs_workers_by_what_earlier_jobs_showed)
+{
+    struct msg_unit a, b;
+    struct msg tally = { .type = MSG_TALLY, .tally = { .job = id } };
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    ck_assert_uint_ge(a.height, HEIGHT / 2 - BAR);
+    wait_ms(1000);
+    tally.tally.rays_under_way = 1000;
+    say(W1, &tally);
+    tally.tally.rays_under_way = 4000;
+    say(W2, &tally);
+    wait_ms(200);
+    ck_assert_double_gt(coord_find_job(f.c, id)->workers[1].speed,
+                        3 * coord_find_job(f.c, id)->workers[0].speed);
+    tally.type = MSG_CANCEL;
+    tally.cancel.job = id;
+    say(ANA, &tally);
+    clear();
+    for (struct coord_worker *w = f.c->workers; w; w = w->next)
+        ck_assert_double_lt(w->relative, 1.5);
+    ck_assert_double_gt(f.c->workers->next->relative,
+                        1.5 * f.c->workers->relative);
+    (void)b;
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("handoff");
+    TCase *tc = tcase_create("handoff");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
+    tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
+    tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
+    tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
+    tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);
+    tcase_add_test(tc, a_parked_unit_takes_no_room);
+    tcase_add_test(tc,
+                   a_base_line_reaches_one_that_waits_when_its_link_is_broken);
+    tcase_add_test(tc, a_base_line_goes_at_once_where_there_can_be_no_link);
+    tcase_add_test(tc, a_base_line_that_fits_no_line_ends_the_connection);
+    tcase_add_test(tc, a_unit_without_its_base_line_is_done_again);
+    tcase_add_test(tc, a_lost_workers_units_wait_again_the_parked_ones_too);
+    tcase_add_test(tc, one_that_leaves_gives_up_what_only_waits);
+    tcase_add_test(tc, an_idle_worker_gets_half_of_what_another_has_left);
+    tcase_add_test(tc, one_that_has_nothing_to_give_is_not_asked_again);
+    tcase_add_test(tc, without_balance_nobody_is_asked);
+    tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
+    tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
+    tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
+    tcase_add_test(
+        tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
+    tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
+    tcase_add_test(tc, an_estimate_comes_before_the_first_unit);
+    tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
+    tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
+    tcase_add_test(tc, static_weighs_workers_by_what_earlier_jobs_showed);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
