@@ -20,7 +20,8 @@ struct world {
     bool paints;
     int nlines;
     size_t ndensity;
-    _Atomic(struct rad_facts *) facts[MOST_LINES];
+    _Atomic(struct rad_facts *) facts[MOST_LINES]; /* as teams see them */
+    struct rad_facts *all[MOST_LINES];
     struct rad_pixel pixels[MOST_H][MOST_W]; /* handed on */
     int handed[MOST_H];
     uint64_t primary, traced; /* of truth; of all passes */
@@ -117,7 +118,8 @@ world_new(const struct analytic *a, int ps, int width, int height,
     w->nlines = rad_quincunx_nbases(&w->q);
     w->ndensity = rad_quincunx_ndensity(&w->q);
     for (int i = 0; i < w->nlines; i++)
-        w->facts[i] = rad_facts_new(width, team_line_rows(&w->q, i));
+        w->facts[i] = w->all[i] =
+            rad_facts_new(width, team_line_rows(&w->q, i));
     return w;
 }
 
@@ -125,7 +127,7 @@ static void
 world_free(struct world *w)
 {
     for (int i = 0; i < w->nlines; i++)
-        rad_facts_free(w->facts[i]);
+        rad_facts_free(w->all[i]);
     free(w);
 }
 
@@ -135,7 +137,7 @@ unused(const struct world *w)
     uint64_t n = 0;
 
     for (int i = 0; i < w->nlines; i++)
-        n += rad_facts_unused(w->facts[i]);
+        n += rad_facts_unused(w->all[i]);
     return n;
 }
 
@@ -259,7 +261,8 @@ draw(uint64_t *state, int n)
     return (int)(*state % (uint64_t)n);
 }
 
-/* Values of other workers that arrive while a pass is running. */
+/* Values of other workers that arrive while a pass is running; some lines had
+ * no facts before. */
 struct twin {
     struct world *w;
     uint64_t state;
@@ -279,9 +282,10 @@ be_twin(void *arg)
         int x = draw(&t->state, w->q.width);
         struct rad_pixel p;
 
+        atomic_store_explicit(&w->facts[i], w->all[i], memory_order_release);
         if (analytic_pixel(&w->a, w->q.depth, x, row + team_line_row(&w->q, i),
                            &p))
-            rad_facts_put(w->facts[i], x, row, &p, RAD_FACT_FOREIGN);
+            rad_facts_put(w->all[i], x, row, &p, RAD_FACT_FOREIGN);
     }
     return NULL;
 }
@@ -330,6 +334,8 @@ guess(struct world *w, uint64_t *state, int first, int last)
     pthread_t thread;
 
     guess_top(w, state, &p);
+    for (int i = p.first; i < last; i++)
+        w->facts[i] = w->all[i];
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     team_free(run_pass(w, &p));
     ck_assert_int_eq(pthread_join(thread, NULL), 0);
@@ -341,12 +347,18 @@ static int
 get_true(struct world *w, uint64_t *state, int first, int last)
 {
     struct pass p = true_pass(w, TEAM_LINES, first, last);
+    struct twin twin = { w, *state, first, last, draw(state, 2) * 200 };
+    pthread_t thread;
 
     p.nthreads = 1 + draw(state, 3);
     p.end = (enum team_end)draw(state, 4);
+
+    ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     if (draw(state, 2)) {
         struct team *t;
 
+        for (int i = first; i < last; i++)
+            w->facts[i] = w->all[i];
         p.least = draw(state, 2) ? 0 : first + 1;
         t = run_pass(w, &p);
         ck_assert(team_done(t));
@@ -356,7 +368,9 @@ get_true(struct world *w, uint64_t *state, int first, int last)
     }
     p.mode = TEAM_TRUTH;
     p.least = draw(state, 2) ? 0 : first + 1;
-    return tell_truth(w, &p);
+    last = tell_truth(w, &p);
+    ck_assert_int_eq(pthread_join(thread, NULL), 0);
+    return last;
 }
 
 static const double maxdiffs[] = { 0, .02, .05, .3 };
@@ -373,6 +387,9 @@ random_world(uint64_t *state)
                                 maxdiffs[draw(state, 4)], draw(state, 3) == 0);
 
     w->paints = draw(state, 2);
+    for (int i = 0; i < w->nlines; i++)
+        if (draw(state, 2))
+            w->facts[i] = NULL;
     render_alone(w);
     return w;
 }

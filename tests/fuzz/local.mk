@@ -10,6 +10,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_calc \
 	tests/fuzz/fuzz_costs \
 	tests/fuzz/fuzz_dat \
+	tests/fuzz/fuzz_facts \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
@@ -52,6 +53,10 @@ tests_fuzz_fuzz_view_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_hdr_SOURCES = tests/fuzz/fuzz_hdr.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_hdr_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_hdr_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_facts_SOURCES = tests/fuzz/fuzz_facts.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_facts_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_facts_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_font_SOURCES = tests/fuzz/fuzz_font.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_font_LDADD = $(LIBRAD)
