@@ -195,66 +195,6 @@ rad_bsdf_diffuse(const struct rad_bsdf *b, bool front, bool through,
     memcpy(xyz, b->diffuse[side], sizeof b->diffuse[side]);
 }
 
-static void
-part_value(const struct bsdf_part *p, const double in[3], const double out[3],
-           double xyz[3])
-{
-    if (p->matrix)
-        rad_matrix_value(p, in, out, xyz);
-    else
-        rad_tree_value(p, in, out, xyz);
-}
-
-void
-rad_bsdf_value(const struct rad_bsdf *b, const double in[3],
-               const double out[3], double xyz[3])
-{
-    bool front = in[2] > 0, through = front != (out[2] > 0);
-    const struct bsdf_part *p = find_part(b, front, through);
-    double more[3] = { 0, 0, 0 };
-
-    rad_bsdf_diffuse(b, front, through, xyz);
-    if (p)
-        part_value(p, in, out, more);
-    for (int i = 0; i < 3; i++)
-        xyz[i] = xyz[i] / M_PI + more[i];
-}
-
-/* Widen range to a part's cells. */
-static void
-add_cells(const struct bsdf_part *p, const double in[3], const double out[3],
-          double range[2])
-{
-    if (p && p->matrix)
-        rad_matrix_cells(p, in, out, range);
-    else if (p)
-        rad_tree_cells(p, in, out, range);
-}
-
-double
-rad_bsdf_cell(const struct rad_bsdf *b, const double in[3], const double out[3])
-{
-    bool front = in[2] > 0;
-    const struct bsdf_part *p = find_part(b, front, front != (out[2] > 0));
-    double range[2] = { INFINITY, 0 };
-
-    add_cells(p, in, out, range);
-    return range[0] < INFINITY ? range[0] : M_PI;
-}
-
-void
-rad_bsdf_cells(const struct rad_bsdf *b, const double in[3], double range[2])
-{
-    bool front = in[2] > 0;
-
-    range[0] = INFINITY;
-    range[1] = 0;
-    add_cells(find_part(b, front, false), in, NULL, range);
-    add_cells(find_part(b, front, true), in, NULL, range);
-    if (!(range[0] < INFINITY))
-        range[0] = range[1] = M_PI;
-}
-
 double
 rad_bsdf_finest(const struct rad_bsdf *b, bool front, bool through)
 {
@@ -271,31 +211,90 @@ rad_bsdf_most(const struct rad_bsdf *b, bool front, bool through)
     return p ? p->most : 0;
 }
 
-static double
-part_total(const struct bsdf_part *p, const double in[3])
+void
+rad_bsdf_look_from(const struct rad_bsdf *b, const double in[3],
+                   struct rad_bsdf_eye *eye)
 {
-    return p->matrix ? rad_matrix_total(p, in) : rad_tree_total(p, in);
+    eye->b = b;
+    memcpy(eye->v, in, sizeof eye->v);
+    for (int through = 0; through < 2; through++) {
+        struct rad_bsdf_way *w = &eye->way[through];
+
+        w->part = find_part(b, in[2] > 0, through);
+        if (w->part && w->part->matrix)
+            rad_matrix_look_from(w, in);
+        else if (w->part)
+            rad_tree_look_from(w, in);
+    }
+}
+
+static void
+scattered(const struct rad_bsdf_eye *eye, bool through, const double out[3],
+          double xyz[3], double *cell)
+{
+    const struct rad_bsdf_way *w = &eye->way[through];
+
+    if (w->part->matrix)
+        rad_matrix_value(w, out, xyz, cell);
+    else
+        rad_tree_value(w, eye->v, out, xyz, cell);
+}
+
+void
+rad_bsdf_value(const struct rad_bsdf_eye *eye, const double out[3],
+               double xyz[3], double *cell)
+{
+    bool front = eye->v[2] > 0, through = front != (out[2] > 0);
+    double more[3] = { 0, 0, 0 }, size = M_PI;
+
+    rad_bsdf_diffuse(eye->b, front, through, xyz);
+    if (eye->way[through].part)
+        scattered(eye, through, out, more, &size);
+    for (int i = 0; i < 3; i++)
+        xyz[i] = xyz[i] / M_PI + more[i];
+    if (cell)
+        *cell = size;
+}
+
+void
+rad_bsdf_cells(const struct rad_bsdf_eye *eye, double range[2])
+{
+    range[0] = INFINITY;
+    range[1] = 0;
+    for (int through = 0; through < 2; through++) {
+        const struct rad_bsdf_way *w = &eye->way[through];
+
+        if (w->part && w->part->matrix)
+            rad_matrix_cells(w, eye->v, range);
+        else if (w->part)
+            rad_tree_cells(w, range);
+    }
+    if (!(range[0] < INFINITY))
+        range[0] = range[1] = M_PI;
 }
 
 double
-rad_bsdf_total(const struct rad_bsdf *b, const double in[3], bool through)
+rad_bsdf_total(const struct rad_bsdf_eye *eye, bool through)
 {
-    const struct bsdf_part *p = find_part(b, in[2] > 0, through);
+    const struct rad_bsdf_way *w = &eye->way[through];
 
-    return p ? part_total(p, in) : 0;
+    if (!w->part)
+        return 0;
+    return w->part->matrix ? rad_matrix_total(w) : rad_tree_total(w);
 }
 
 bool
-rad_bsdf_sample(const struct rad_bsdf *b, const double in[3], bool through,
-                double x, double out[3], double xyz[3])
+rad_bsdf_sample(const struct rad_bsdf_eye *eye, bool through, double x,
+                double out[3], double xyz[3])
 {
-    const struct bsdf_part *p = find_part(b, in[2] > 0, through);
-    double total = p ? part_total(p, in) : 0, value[3] = { 0, 0, 0 };
+    const struct rad_bsdf_way *w = &eye->way[through];
+    double total = rad_bsdf_total(eye, through), value[3] = { 0, 0, 0 }, cell;
 
-    if (!(total > 1e-6) || !(p->matrix ? rad_matrix_sample(p, in, x, out)
-                                       : rad_tree_sample(p, in, x, out)))
+    if (!(total > 1e-6) ||
+        !(w->part->matrix ? rad_matrix_sample(w, eye->v, x, out)
+                          : rad_tree_sample(w, eye->v, x, out)))
         return false;
-    part_value(p, in, out, value); /* for its colour */
+    scattered(eye, through, out, value, &cell); /* for its colour */
     for (int i = 0; i < 3; i++)
         xyz[i] = value[1] > 0 ? total * value[i] / value[1] : total;
     return true;

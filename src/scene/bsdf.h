@@ -58,31 +58,43 @@ bool rad_bsdf_scatters(const struct rad_bsdf *b, bool front, bool through);
 void rad_bsdf_diffuse(const struct rad_bsdf *b, bool front, bool through,
                       double xyz[3]);
 
-/* All of it, the rest included, between two directions. */
-void rad_bsdf_value(const struct rad_bsdf *b, const double in[3],
-                    const double out[3], double xyz[3]);
-
-/* Projected solid angle of the smaller of the two cells that in and out lie in;
- * pi where there is nothing but the rest. */
-double rad_bsdf_cell(const struct rad_bsdf *b, const double in[3],
-                     const double out[3]);
-
-/* The smallest and the largest of the cells that light from `in` goes to. */
-void rad_bsdf_cells(const struct rad_bsdf *b, const double in[3],
-                    double range[2]);
-
 /* The smallest cell of a part, and the most that any direction scatters. */
 double rad_bsdf_finest(const struct rad_bsdf *b, bool front, bool through);
 double rad_bsdf_most(const struct rad_bsdf *b, bool front, bool through);
 
-/* How much of the light from `in` is scattered, the rest apart (Y). */
-double rad_bsdf_total(const struct rad_bsdf *b, const double in[3],
-                      bool through);
+/* A direction that light comes from, as far as it can be looked up without the
+ * one that it goes to. */
+struct bsdf_part;
+struct rad_bsdf_eye {
+    const struct rad_bsdf *b;
+    double v[3];
+    struct rad_bsdf_way {
+        const struct bsdf_part *part; /* NULL: Lambertian */
+        bool swapped; /* the part has light come in where this one goes out */
+        int patch;    /* of matrices; -1: none */
+        double sq[2]; /* of trees: place in the square, or from the rim and 0 */
+        double turn[2]; /* of isotropic trees: cosine and sine */
+    } way[2];           /* reflected, through */
+};
+void rad_bsdf_look_from(const struct rad_bsdf *b, const double in[3],
+                        struct rad_bsdf_eye *eye);
+
+/* All that goes to a direction, the rest included.  *cell, unless cell is NULL,
+ * gets the projected solid angle of the smaller of the two cells that the
+ * directions lie in; pi where there is nothing but the rest. */
+void rad_bsdf_value(const struct rad_bsdf_eye *eye, const double out[3],
+                    double xyz[3], double *cell);
+
+/* The smallest and the largest of the cells that light goes to. */
+void rad_bsdf_cells(const struct rad_bsdf_eye *eye, double range[2]);
+
+/* How much of the light is scattered, the rest apart (Y). */
+double rad_bsdf_total(const struct rad_bsdf_eye *eye, bool through);
 
 /* Draw a direction from what is scattered, the rest apart, by a number x in
  * [0, 1): neighbouring numbers give neighbouring directions.  xyz gets the
  * whole weight, whose Y is rad_bsdf_total().  False: there is nothing. */
-bool rad_bsdf_sample(const struct rad_bsdf *b, const double in[3], bool through,
-                     double x, double out[3], double xyz[3]);
+bool rad_bsdf_sample(const struct rad_bsdf_eye *eye, bool through, double x,
+                     double out[3], double xyz[3]);
 
 #endif

@@ -86,20 +86,27 @@ int rad_bsdf_read_trees(struct rad_bsdf *b, struct rad_arena *arena,
 /* The side that a data block of a file describes, or -1. */
 int rad_bsdf_side(const struct xml_node *block);
 
-/* As the functions of bsdf.h, for one part. */
-void rad_matrix_value(const struct bsdf_part *p, const double in[3],
-                      const double out[3], double xyz[3]);
-void rad_matrix_cells(const struct bsdf_part *p, const double in[3],
-                      const double out[3], double range[2]);
-double rad_matrix_total(const struct bsdf_part *p, const double in[3]);
-bool rad_matrix_sample(const struct bsdf_part *p, const double in[3], double x,
-                       double out[3]);
-void rad_tree_value(const struct bsdf_part *p, const double in[3],
-                    const double out[3], double xyz[3]);
-void rad_tree_cells(const struct bsdf_part *p, const double in[3],
-                    const double out[3], double range[2]);
-double rad_tree_total(const struct bsdf_part *p, const double in[3]);
-bool rad_tree_sample(const struct bsdf_part *p, const double in[3], double x,
+/* Fill w, whose part is set, for light from v. */
+void rad_matrix_look_from(struct rad_bsdf_way *w, const double v[3]);
+void rad_tree_look_from(struct rad_bsdf_way *w, const double v[3]);
+
+/* What is scattered, for a part that is of this kind: xyz and *cell (not NULL)
+ * stay as they are where the part says nothing of `out`. */
+void rad_matrix_value(const struct rad_bsdf_way *w, const double out[3],
+                      double xyz[3], double *cell);
+void rad_tree_value(const struct rad_bsdf_way *w, const double in[3],
+                    const double out[3], double xyz[3], double *cell);
+
+/* Widen range to the cells that light goes to. */
+void rad_matrix_cells(const struct rad_bsdf_way *w, const double in[3],
+                      double range[2]);
+void rad_tree_cells(const struct rad_bsdf_way *w, double range[2]);
+
+double rad_matrix_total(const struct rad_bsdf_way *w);
+double rad_tree_total(const struct rad_bsdf_way *w);
+bool rad_matrix_sample(const struct rad_bsdf_way *w, const double in[3],
+                       double x, double out[3]);
+bool rad_tree_sample(const struct rad_bsdf_way *w, const double in[3], double x,
                      double out[3]);
 
 #endif

@@ -58,41 +58,48 @@ static const struct basis klems[] = {
       { { 0, 1 }, { 9, 8 }, { 27, 12 }, { 45, 12 }, { 63, 8 }, { 90, 0 } } },
 };
 
+/* What finding a patch in a basis needs. */
+struct rings {
+    int n;
+    double lower[RAD_MAX_BSDF_RINGS]; /* cosine of where a ring ends */
+    double size[RAD_MAX_BSDF_RINGS];  /* projected solid angle of its patches */
+    int nphis[RAD_MAX_BSDF_RINGS];
+    int first[RAD_MAX_BSDF_RINGS]; /* patch */
+};
+
 enum { Y, X, Z, NCHANNELS };
 
 struct bsdf_matrix {
     const struct basis *in, *out;
+    struct rings rin, rout;  /* the same */
     float *value[NCHANNELS]; /* [out * in->nangles + in]; X and Z NULL: grey */
     double rest[3];          /* taken off: sharp channels, or Y in all */
+    double rest_y;           /* its luminance */
     double *sum[2];          /* of values times solid angles, over out for each
                               * in (nangles + 1 numbers), and the reverse */
 };
 
 /* --- directions and patches ----------------------------------------------- */
 
-/* The patch of a direction whose z is not negative; -1: none. */
+/* The patch of a direction whose z is not negative; -1: none.  Cosines are
+ * compared, which saves an arc cosine. */
 static int
-find_patch(const struct basis *b, double x, double y, double z)
+find_patch(const struct rings *b, double x, double y, double z)
 {
-    double theta, phi;
-    int ring = 1, patch;
+    int ring = 0, at;
+    double phi;
 
     if (!(z >= 0 && z <= 1.00001))
         return -1;
-    theta = acos(fmin(z, 1)) * (180 / M_PI);
-    phi = atan2(y, x) * (180 / M_PI);
-    if (phi < 0)
-        phi += 360;
-    for (; b->ring[ring].theta <= theta; ring++)
-        if (!b->ring[ring].nphis)
-            return -1;
-    ring--;
-    patch = (int)(phi / 360 * b->ring[ring].nphis + .5);
-    if (patch >= b->ring[ring].nphis)
-        patch = 0;
-    while (ring-- > 0)
-        patch += b->ring[ring].nphis;
-    return patch;
+    while (ring < b->n && z <= b->lower[ring])
+        ring++;
+    if (ring == b->n)
+        return -1;
+    if (b->nphis[ring] == 1)
+        return b->first[ring];
+    phi = atan2(y, x) / (2 * M_PI);
+    at = (int)((phi < 0 ? phi + 1 : phi) * b->nphis[ring] + .5);
+    return b->first[ring] + (at >= b->nphis[ring] ? 0 : at);
 }
 
 /* The patch of light that comes in along v (pointing away) by its basis. */
@@ -101,7 +108,7 @@ find_in(const struct bsdf_matrix *m, enum side side, const double v[3])
 {
     double sign = side == SIDE_RF || side == SIDE_TF ? 1 : -1;
 
-    return find_patch(m->in, -v[0], -v[1], sign * v[2]);
+    return find_patch(&m->rin, -v[0], -v[1], sign * v[2]);
 }
 
 static int
@@ -109,7 +116,7 @@ find_out(const struct bsdf_matrix *m, enum side side, const double v[3])
 {
     double sign = side == SIDE_RF || side == SIDE_TB ? 1 : -1;
 
-    return find_patch(m->out, v[0], v[1], sign * v[2]);
+    return find_patch(&m->rout, v[0], v[1], sign * v[2]);
 }
 
 /* The ring of a patch; *patch becomes its place in it. */
@@ -144,6 +151,34 @@ patch_size(const struct basis *b, int patch)
            (cos_squared(b->ring[ring].theta) -
             cos_squared(b->ring[ring + 1].theta)) /
            b->ring[ring].nphis;
+}
+
+static void
+prepare_rings(struct rings *r, const struct basis *b)
+{
+    int first = 0;
+
+    r->n = b->nrings;
+    for (int i = 0; i < b->nrings; i++) {
+        r->lower[i] = cos(b->ring[i + 1].theta * (M_PI / 180));
+        r->nphis[i] = b->ring[i].nphis;
+        r->size[i] = patch_size(b, first);
+        r->first[i] = first;
+        first += b->ring[i].nphis;
+    }
+}
+
+/* The same from there. */
+static double
+ring_size(const struct rings *r, int patch)
+{
+    int i = r->n - 1;
+
+    if (patch < 0)
+        return 0;
+    while (patch < r->first[i])
+        i--;
+    return r->size[i];
 }
 
 /* The direction after a fraction t of a way through a patch, z positive. */
@@ -356,19 +391,9 @@ take_rest(struct bsdf_matrix *m, double diffuse[3])
     if (!(xyz[1] > NEGLIGIBLE))
         return;
     memcpy(m->rest, least, sizeof m->rest);
+    m->rest_y = xyz[1];
     for (int k = 0; k < 3; k++)
         diffuse[k] = M_PI * xyz[k];
-}
-
-static double
-rest_y(const struct bsdf_matrix *m)
-{
-    double xyz[3];
-
-    if (!m->value[X])
-        return m->rest[0];
-    rad_bsdf_unsharpen(xyz, m->rest);
-    return xyz[1];
 }
 
 /* Photopic value of two patches without the rest and without its mark. */
@@ -377,7 +402,7 @@ value_y(const struct bsdf_matrix *m, int in, int out)
 {
     return (double)
                m->value[Y][(size_t)out * (size_t)m->in->nangles + (size_t)in] -
-           rest_y(m);
+           m->rest_y;
 }
 
 /* Running sums for light from each patch; reverse: from each `out` patch. */
@@ -427,6 +452,8 @@ finish(struct bsdf_part *p, struct rad_arena *arena, double diffuse[3],
     }
     if (!m->value[X] || !m->value[Z])
         m->value[X] = m->value[Z] = NULL;
+    prepare_rings(&m->rin, m->in);
+    prepare_rings(&m->rout, m->out);
     take_rest(m, diffuse);
     p->finest = fmin(smallest_patch(m->in), smallest_patch(m->out));
     for (int reverse = 0; reverse < 2; reverse++) {
@@ -489,42 +516,52 @@ rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
  */
 
 void
-rad_matrix_value(const struct bsdf_part *p, const double in[3],
-                 const double out[3], double xyz[3])
+rad_matrix_look_from(struct rad_bsdf_way *w, const double v[3])
 {
-    const struct bsdf_matrix *m = p->matrix;
-    int i = find_in(m, p->side, in), o = find_out(m, p->side, out);
-    double c[3];
+    const struct bsdf_matrix *m = w->part->matrix;
 
-    if (i < 0 && o < 0) { /* reciprocity */
-        i = find_in(m, p->side, out);
-        o = find_out(m, p->side, in);
-    }
-    if (i < 0 || o < 0)
-        return;
-    channels(m, i, o, c);
-    if (m->value[X]) {
-        for (int k = 0; k < 3; k++)
-            c[k] -= m->rest[k];
-        rad_bsdf_unsharpen(xyz, c);
-    } else {
-        xyz[0] = xyz[1] = xyz[2] = value_y(m, i, o) * mark(m, i, o);
-    }
+    w->patch = find_in(m, w->part->side, v);
+    w->swapped = w->patch < 0;
+    if (w->swapped) /* reciprocity */
+        w->patch = find_out(m, w->part->side, v);
+}
+
+static double
+smaller_of(double a, double b)
+{
+    return a > 0 && (a < b || !(b > 0)) ? a : b;
 }
 
 void
-rad_matrix_cells(const struct bsdf_part *p, const double in[3],
-                 const double out[3], double range[2])
+rad_matrix_value(const struct rad_bsdf_way *w, const double out[3],
+                 double xyz[3], double *cell)
 {
-    const struct bsdf_matrix *m = p->matrix;
-    double size[2];
+    const struct bsdf_matrix *m = w->part->matrix;
+    int i = w->swapped ? find_in(m, w->part->side, out) : w->patch;
+    int o = w->swapped ? w->patch : find_out(m, w->part->side, out);
+    double c[3];
 
-    size[0] = patch_size(m->out, find_out(m, p->side, in));
-    size[1] = patch_size(m->in, find_in(m, p->side, out ? out : in));
-    if (out && !(size[0] > 0) && !(size[1] > 0)) {
-        size[0] = patch_size(m->out, find_out(m, p->side, out));
-        size[1] = patch_size(m->in, find_in(m, p->side, in));
+    if (i < 0 || o < 0)
+        return;
+    *cell = smaller_of(ring_size(&m->rin, i), ring_size(&m->rout, o));
+    if (!m->value[X]) {
+        xyz[0] = xyz[1] = xyz[2] = value_y(m, i, o) * mark(m, i, o);
+        return;
     }
+    channels(m, i, o, c);
+    for (int k = 0; k < 3; k++)
+        c[k] -= m->rest[k];
+    rad_bsdf_unsharpen(xyz, c);
+}
+
+void
+rad_matrix_cells(const struct rad_bsdf_way *w, const double in[3],
+                 double range[2])
+{
+    const struct bsdf_matrix *m = w->part->matrix;
+    double size[2] = { ring_size(&m->rout, find_out(m, w->part->side, in)),
+                       ring_size(&m->rin, find_in(m, w->part->side, in)) };
+
     for (int k = 0; k < 2; k++) {
         if (size[k] > 0)
             range[0] = fmin(range[0], size[k]);
@@ -535,25 +572,21 @@ rad_matrix_cells(const struct bsdf_part *p, const double in[3],
 /* The running sums of light from a direction; *to gets the basis they are of.
  * NULL: it is on no side of it. */
 static const double *
-find_sums(const struct bsdf_part *p, const double in[3],
-          const struct basis **to)
+find_sums(const struct rad_bsdf_way *w, const struct basis **to)
 {
-    const struct bsdf_matrix *m = p->matrix;
-    int i = find_in(m, p->side, in), reverse = i < 0;
+    const struct bsdf_matrix *m = w->part->matrix;
 
-    if (reverse)
-        i = find_out(m, p->side, in);
-    if (i < 0)
+    if (w->patch < 0)
         return NULL;
-    *to = reverse ? m->in : m->out;
-    return m->sum[reverse] + (size_t)i * ((size_t)(*to)->nangles + 1);
+    *to = w->swapped ? m->in : m->out;
+    return m->sum[w->swapped] + (size_t)w->patch * ((size_t)(*to)->nangles + 1);
 }
 
 double
-rad_matrix_total(const struct bsdf_part *p, const double in[3])
+rad_matrix_total(const struct rad_bsdf_way *w)
 {
     const struct basis *to;
-    const double *sum = find_sums(p, in, &to);
+    const double *sum = find_sums(w, &to);
 
     return sum ? sum[to->nangles] : 0;
 }
@@ -561,25 +594,24 @@ rad_matrix_total(const struct bsdf_part *p, const double in[3])
 /* Turn a direction of z > 0 in the basis that light from `in` goes to into the
  * frame of the surface. */
 static void
-face(const struct bsdf_part *p, const struct basis *to, const double in[3],
-     double v[3])
+face(const struct rad_bsdf_way *w, const double in[3], double v[3])
 {
-    bool through = p->side == SIDE_TF || p->side == SIDE_TB;
+    enum side side = w->part->side;
 
-    if ((in[2] > 0) == through)
+    if ((in[2] > 0) == (side == SIDE_TF || side == SIDE_TB))
         v[2] = -v[2];
-    if (to == p->matrix->in && find_in(p->matrix, p->side, in) < 0) {
+    if (w->swapped) {
         v[0] = -v[0];
         v[1] = -v[1];
     }
 }
 
 bool
-rad_matrix_sample(const struct bsdf_part *p, const double in[3], double x,
+rad_matrix_sample(const struct rad_bsdf_way *w, const double in[3], double x,
                   double out[3])
 {
     const struct basis *to;
-    const double *sum = find_sums(p, in, &to);
+    const double *sum = find_sums(w, &to);
     int lo = 0, hi;
     double target, share;
 
@@ -597,6 +629,6 @@ rad_matrix_sample(const struct bsdf_part *p, const double in[3], double x,
     share = sum[lo + 1] - sum[lo];
     share = share > 0 ? (target - sum[lo]) / share : .5;
     patch_direction(to, lo, fmin(fmax(share, 0), 1), out);
-    face(p, to, in, out);
+    face(w, in, out);
     return true;
 }

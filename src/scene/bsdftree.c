@@ -109,33 +109,37 @@ leaf_value(const struct cursor *c, int rank)
 /* The value at a place, and the cell that it lies in: its lowest corner, and
  * the log of 1 over its width. */
 static double
-look_up(const struct node *root, int rank, const double place[4],
-        double corner[4], int *level)
+look_up(const struct node *n, int rank, const double place[4], double corner[4],
+        int *level)
 {
-    struct cursor c = start(root);
-    double pos[4], low[4] = { 0 }, size = 1;
-    int n = 0;
+    double pos[4], size = 1;
+    size_t at = 0;
+    int depth = 0;
 
     memcpy(pos, place, sizeof pos);
-    while (!at_leaf(&c)) {
+    while (n->lg < 0) {
         unsigned bits = 0;
 
-        size /= 2;
-        n++;
+        depth++;
         for (int i = 0; i < rank; i++) {
-            bool upper = pos[i] >= .5;
+            unsigned upper = pos[i] >= .5;
 
-            bits |= (unsigned)upper << i;
-            low[i] += upper * size;
+            bits |= upper << i;
             pos[i] = 2 * pos[i] - upper;
         }
-        descend(&c, rank, bits);
+        n = n->u.kid[bits];
     }
-    if (corner)
-        memcpy(corner, low, sizeof low);
+    for (int i = 0; i < rank; i++)
+        at = at << n->lg | (size_t)(pos[i] * (1 << n->lg));
+    depth += n->lg;
+    if (corner) {
+        size = 1. / (1 << depth);
+        for (int i = 0; i < rank; i++)
+            corner[i] = (double)(int)(place[i] * (1 << depth)) * size;
+    }
     if (level)
-        *level = n;
-    return leaf_value(&c, rank);
+        *level = depth;
+    return (double)n->u.value[at];
 }
 
 /* --- reading ---------------------------------------------------------------
@@ -618,26 +622,40 @@ inside(double x)
     return fmin(fmax(x, 0), 1 - 0x1p-53);
 }
 
-/* Shirley and Chiu's map of the disk to the unit square. */
+/* The arc tangent of t in [-1, 1], times 4 / pi, to 1e-13: reduced twice by
+ * atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), then its series. */
+static double
+eighths(double t)
+{
+    double x = t / (1 + sqrt(1 + t * t)), x2;
+
+    x /= 1 + sqrt(1 + x * x);
+    x2 = x * x;
+    return 16 / M_PI * x *
+           (1 -
+            x2 * (1. / 3 -
+                  x2 * (1. / 5 -
+                        x2 * (1. / 7 -
+                              x2 * (1. / 9 -
+                                    x2 * (1. / 11 -
+                                          x2 * (1. / 13 -
+                                                x2 * (1. / 15 -
+                                                      x2 * (1. / 17)))))))));
+}
+
+/* Shirley and Chiu's map of the disk to the unit square: the longer coordinate
+ * becomes the radius, the other its share by angle. */
 static void
 to_square(double x, double y, double sq[2])
 {
-    double r = sqrt(x * x + y * y), phi = atan2(y, x), a, b;
+    double r = sqrt(x * x + y * y), a, b;
 
-    if (phi < -M_PI / 4)
-        phi += 2 * M_PI;
-    if (phi < M_PI / 4) {
-        a = r;
-        b = phi * a / (M_PI / 4);
-    } else if (phi < 3 * M_PI / 4) {
-        b = r;
-        a = -(phi - M_PI / 2) * b / (M_PI / 4);
-    } else if (phi < 5 * M_PI / 4) {
-        a = -r;
-        b = (phi - M_PI) * a / (M_PI / 4);
+    if (fabs(x) > fabs(y)) {
+        a = copysign(r, x);
+        b = r * eighths(y / fabs(x));
     } else {
-        b = -r;
-        a = -(phi - 3 * M_PI / 2) * b / (M_PI / 4);
+        a = y != 0 ? r * eighths(x / fabs(y)) : 0;
+        b = copysign(r, y);
     }
     sq[0] = inside(a / 2 + .5);
     sq[1] = inside(b / 2 + .5);
@@ -666,36 +684,6 @@ from_rim(const double v[3])
     return inside(.5 - TINY - .5 * sqrt(v[0] * v[0] + v[1] * v[1]));
 }
 
-/* Where a pair of directions lies.  False: they are not of this part. */
-static bool
-find_place(const struct bsdf_part *p, const double *in, const double *out,
-           double place[4])
-{
-    bool front = p->side == SIDE_RF || p->side == SIDE_TF;
-    bool through = p->side == SIDE_TF || p->side == SIDE_TB;
-
-    if ((in[2] > 0) != front && through) { /* reciprocity */
-        const double *swap = in;
-
-        in = out;
-        out = swap;
-    }
-    if ((front ? in[2] < 0 : in[2] > 0) ||
-        (front != through ? out[2] < 0 : out[2] > 0))
-        return false;
-    if (p->tree->rank == 4) {
-        to_square(-in[0], -in[1], place);
-        to_square(out[0], out[1], place + 2);
-    } else {
-        double turn = atan2(-in[1], -in[0]), c = cos(turn), s = sin(turn);
-
-        place[0] = from_rim(in);
-        to_square(c * out[0] + s * out[1], c * out[1] - s * out[0], place + 1);
-        place[3] = 0;
-    }
-    return true;
-}
-
 /* A number about 1 that is another for each cell, so that who gets the same
  * value twice knows that it is the same cell, as in Radiance. */
 static double
@@ -711,91 +699,135 @@ mark(int rank, const double corner[4])
     return 1 + 1e-4 * d;
 }
 
-void
-rad_tree_value(const struct bsdf_part *p, const double in[3],
-               const double out[3], double xyz[3])
+static bool
+is_front(const struct rad_bsdf_way *w)
 {
-    const struct bsdf_tree *t = p->tree;
-    double place[4], corner[4], y, f, c[3];
+    return w->part->side == SIDE_RF || w->part->side == SIDE_TF;
+}
 
-    if (!find_place(p, in, out, place))
-        return;
-    y = look_up(t->root[Y], t->rank, place, corner, NULL);
-    f = mark(t->rank, corner);
+static bool
+is_through(const struct rad_bsdf_way *w)
+{
+    return w->part->side == SIDE_TF || w->part->side == SIDE_TB;
+}
+
+/* Set what turns light from v into the half plane that isotropic trees are
+ * for. */
+static void
+set_turn(const double v[3], double turn[2])
+{
+    double r = sqrt(v[0] * v[0] + v[1] * v[1]);
+
+    turn[0] = r > 0 ? -v[0] / r : -1;
+    turn[1] = r > 0 ? -v[1] / r : 0;
+}
+
+void
+rad_tree_look_from(struct rad_bsdf_way *w, const double v[3])
+{
+    w->swapped = is_through(w) && (v[2] > 0) != is_front(w);
+    if (w->part->tree->rank == 4) {
+        double sign = w->swapped ? 1 : -1;
+
+        to_square(sign * v[0], sign * v[1], w->sq);
+    } else {
+        w->sq[0] = 0;
+        w->sq[1] = from_rim(v);
+        set_turn(v, w->turn);
+    }
+}
+
+/* Where light from the eye to `out` lies in an isotropic tree. */
+static void
+turned_place(const struct rad_bsdf_way *w, const double *in, const double *out,
+             double place[4])
+{
+    double swapped[2];
+    const double *turn = w->turn;
+
+    place[0] = w->sq[1];
+    if (w->swapped) {
+        const double *eye = in;
+
+        in = out;
+        out = eye;
+        place[0] = from_rim(in);
+        set_turn(in, swapped);
+        turn = swapped;
+    }
+    to_square(turn[0] * out[0] + turn[1] * out[1],
+              turn[0] * out[1] - turn[1] * out[0], place + 1);
+}
+
+void
+rad_tree_value(const struct rad_bsdf_way *w, const double in[3],
+               const double out[3], double xyz[3], double *cell)
+{
+    const struct bsdf_tree *t = w->part->tree;
+    double place[4] = { 0 }, corner[4], y, f, c[3];
+    int level;
+
+    if (t->rank == 3) {
+        turned_place(w, in, out, place);
+    } else if (w->swapped) {
+        to_square(-out[0], -out[1], place);
+        memcpy(place + 2, w->sq, sizeof w->sq);
+    } else {
+        memcpy(place, w->sq, sizeof w->sq);
+        to_square(out[0], out[1], place + 2);
+    }
+    y = look_up(t->root[Y], t->rank, place, corner, &level);
+    *cell = M_PI / (double)((int64_t)1 << 2 * level);
     if (!t->root[U]) {
+        if (!(value_y(t, y) > 0))
+            return;
+        f = mark(t->rank, corner);
         xyz[0] = xyz[1] = xyz[2] = f * value_y(t, y);
         return;
     }
+    f = mark(t->rank, corner);
     channels(t, y, place, c);
     for (int i = 0; i < 3; i++)
         c[i] = f * (t->rest_y > 0 ? fmax(c[i] - t->rest[i], 1e-5 * y) : c[i]);
     rad_bsdf_unsharpen(xyz, c);
 }
 
-/* The slice that light from a direction meets: its cell, and the place of its
- * middle.  NULL: none. */
-static const struct slices *
-find_slice(const struct bsdf_part *p, const double in[3], size_t *cell,
-           double middle[2])
+/* The cell of the slice that light from the eye meets, and the place of its
+ * middle.  NULL: there is none. */
+static const struct cell *
+find_slice(const struct rad_bsdf_way *w, double middle[2])
 {
-    const struct bsdf_tree *t = p->tree;
-    bool front = p->side == SIDE_RF || p->side == SIDE_TF;
-    bool through = p->side == SIDE_TF || p->side == SIDE_TB;
-    const struct slices *s = &t->slices;
-    double sq[2], res;
+    const struct bsdf_tree *t = w->part->tree;
+    const struct slices *s = w->swapped ? &t->reverse : &t->slices;
+    double res = (double)(1 << s->res_log);
+    size_t row = (size_t)(w->sq[0] * res), column = (size_t)(w->sq[1] * res);
 
-    if ((in[2] > 0) != front) {
-        if (!through || t->rank == 3)
-            return NULL;
-        s = &t->reverse;
-        to_square(in[0], in[1], sq);
-    } else if (t->rank == 4) {
-        to_square(-in[0], -in[1], sq);
-    } else {
-        sq[0] = 0;
-        sq[1] = from_rim(in);
-    }
-    res = ldexp(1, s->res_log);
-    *cell = t->rank == 4 ? ((size_t)(sq[0] * res) << s->res_log) : 0;
-    *cell += (size_t)(sq[1] * res);
-    middle[0] = (floor(sq[0] * res) + .5) / res;
-    middle[1] = (floor(sq[1] * res) + .5) / res;
-    return s;
+    if (!s->cell)
+        return NULL;
+    middle[0] = ((double)row + .5) / res;
+    middle[1] = ((double)column + .5) / res;
+    return &s->cell[(row << s->res_log) + column];
 }
 
 void
-rad_tree_cells(const struct bsdf_part *p, const double in[3],
-               const double out[3], double range[2])
+rad_tree_cells(const struct rad_bsdf_way *w, double range[2])
 {
-    double place[4], corner[4], middle[2], least, most;
-    const struct slices *s;
-    size_t cell;
-    int level;
+    double middle[2];
+    const struct cell *c = find_slice(w, middle);
 
-    if (out) {
-        if (!find_place(p, in, out, place))
-            return;
-        look_up(p->tree->root[Y], p->tree->rank, place, corner, &level);
-        least = most = M_PI * ldexp(1, -2 * level);
-    } else {
-        s = find_slice(p, in, &cell, middle);
-        if (!s)
-            return;
-        least = M_PI * ldexp(1, -2 * s->cell[cell].finest);
-        most = M_PI * ldexp(1, -2 * s->cell[cell].coarsest);
-    }
-    range[0] = fmin(range[0], least);
-    range[1] = fmax(range[1], most);
+    if (!c)
+        return;
+    range[0] = fmin(range[0], M_PI * ldexp(1, -2 * c->finest));
+    range[1] = fmax(range[1], M_PI * ldexp(1, -2 * c->coarsest));
 }
 
 double
-rad_tree_total(const struct bsdf_part *p, const double in[3])
+rad_tree_total(const struct rad_bsdf_way *w)
 {
     double middle[2];
-    size_t cell;
-    const struct slices *s = find_slice(p, in, &cell, middle);
+    const struct cell *c = find_slice(w, middle);
 
-    return s ? M_PI * s->cell[cell].total : 0;
+    return c ? M_PI * c->total : 0;
 }
 
 /* --- drawing ---------------------------------------------------------------
@@ -869,42 +901,55 @@ walk_through(struct walk *w, const struct step *at)
     return false;
 }
 
-bool
-rad_tree_sample(const struct bsdf_part *p, const double in[3], double x,
-                double out[3])
+/* The block that a fraction x of a slice's light leads into. */
+static unsigned
+find_block(const struct cell *c, double x)
 {
-    double middle[2], turn, px, py;
-    size_t cell;
-    const struct slices *s = find_slice(p, in, &cell, middle);
-    struct walk w = { .t = p->tree, .s = s, .out = { -1, -1 } };
-    struct step at = { .h = HILBERT_START, .size = 1 };
     unsigned a = 0, b = NBLOCKS;
 
-    if (!s || !(s->cell[cell].total > 0))
-        return false;
     while (b - a > 1) {
         unsigned mid = (a + b) / 2;
 
-        if (x * 0x1p32 >= s->cell[cell].before[mid])
+        if (x * 0x1p32 >= c->before[mid])
             a = mid;
         else
             b = mid;
     }
-    w.left =
-        fmax(x - s->cell[cell].before[a] * 0x1p-32, 0) * s->cell[cell].total;
-    at.c = start(p->tree->root[Y]);
-    memcpy(at.in, middle, sizeof at.in);
-    for (int k = BLOCK_LOG; k-- > 0;)
-        at = take_step(&w, &at, a >> 2 * k & 3);
-    walk_through(&w, &at);
-    if (w.out[0] < 0)
+    return a;
+}
+
+bool
+rad_tree_sample(const struct rad_bsdf_way *w, const double in[3], double x,
+                double out[3])
+{
+    const struct bsdf_tree *t = w->part->tree;
+    struct step at = { .h = HILBERT_START, .size = 1 };
+    const struct cell *c = find_slice(w, at.in);
+    struct walk walk = { .t = t,
+                         .s = w->swapped ? &t->reverse : &t->slices,
+                         .out = { -1, -1 } };
+    double px, py;
+    unsigned block;
+
+    if (!c || !(c->total > 0))
         return false;
-    to_disk(w.out, &px, &py);
-    turn = p->tree->rank == 3 ? atan2(-in[1], -in[0]) : 0;
-    out[0] = cos(turn) * px - sin(turn) * py;
-    out[1] = sin(turn) * px + cos(turn) * py;
+    block = find_block(c, x);
+    walk.left = fmax(x - c->before[block] * 0x1p-32, 0) * c->total;
+    at.c = start(t->root[Y]);
+    for (int k = BLOCK_LOG; k-- > 0;)
+        at = take_step(&walk, &at, block >> 2 * k & 3);
+    walk_through(&walk, &at);
+    if (walk.out[0] < 0)
+        return false;
+    to_disk(walk.out, &px, &py);
+    out[0] = px;
+    out[1] = py;
+    if (t->rank == 3) {
+        out[0] = w->turn[0] * px - w->turn[1] * py;
+        out[1] = w->turn[1] * px + w->turn[0] * py;
+    }
     out[2] = sqrt(fmax(1 - px * px - py * py, 0));
-    if ((in[2] > 0) == (p->side == SIDE_TF || p->side == SIDE_TB))
+    if ((in[2] > 0) == is_through(w))
         out[2] = -out[2];
     return true;
 }

@@ -16,7 +16,6 @@
 #include "shade/expr.h"
 #include "shade/stored.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_SAMPLES = 10000 };
@@ -39,11 +38,11 @@ struct scatter_hit {
     struct rad_ctx *ctx;
     struct rad_ray *r;
     const struct scatter *s;
-    double norm[3];    /* perturbed, on the side that is hit */
-    double axis[3][3]; /* of the surface's frame, in the world */
-    double eye[3];     /* toward where the ray came from, in that frame */
-    double cell[2];    /* square roots of the smallest and largest cells */
-    double thick;      /* of what the surface stands in for */
+    double norm[3];          /* perturbed, on the side that is hit */
+    double axis[3][3];       /* of the surface's frame, in the world */
+    struct rad_bsdf_eye eye; /* toward where the ray came from, there */
+    double cell[2]; /* square roots of the smallest and largest cells */
+    double thick;   /* of what the surface stands in for */
     struct rad_rgb peak, around; /* straight ahead; and beside that */
     struct rad_rgb rdiff, tdiff; /* Lambertian, with the patterns */
     struct rad_ray behind;       /* the ray as if it had met the far side */
@@ -160,7 +159,7 @@ to_world(const struct scatter_hit *hit, const double local[3], double v[3])
 static bool
 set_frame(struct scatter_hit *hit, const double up[3])
 {
-    double back[3];
+    double back[3], eye[3];
 
     rad_copy(hit->axis[2], hit->norm);
     rad_cross(hit->axis[0], up, hit->axis[2]);
@@ -168,20 +167,36 @@ set_frame(struct scatter_hit *hit, const double up[3])
         return false;
     rad_cross(hit->axis[1], hit->axis[2], hit->axis[0]);
     rad_scale(back, -1, hit->r->dir);
-    return to_local(hit, back, hit->eye);
+    if (!to_local(hit, back, eye))
+        return false;
+    rad_bsdf_look_from(hit->s->bsdf, eye, &hit->eye);
+    return true;
 }
 
-/* The eye's direction somewhere in a cell of that width. */
-static void
-jitter(const struct scatter_hit *hit, double width, uint32_t dim, double v[3])
+/* The eye's direction somewhere in a cell of that width; *store keeps it if it
+ * is another. */
+static const struct rad_bsdf_eye *
+jitter(const struct scatter_hit *hit, double width, uint32_t dim,
+       struct rad_bsdf_eye *store)
 {
+    double v[3];
+
     width *= fmin(hit->ctx->job->params.specjitter, 1);
-    rad_copy(v, hit->eye);
     if (!(width > RAD_TINY))
-        return;
+        return &hit->eye;
+    rad_copy(v, hit->eye.v);
     v[0] += width * (.5 - rad_rand(hit->r->key, dim));
     v[1] += width * (.5 - rad_rand(hit->r->key, dim + 1));
     rad_normalize(v);
+    rad_bsdf_look_from(hit->s->bsdf, v, store);
+    return store;
+}
+
+/* Is it on the front side that the ray came from? */
+static bool
+from_front(const struct scatter_hit *hit)
+{
+    return hit->eye.v[2] > 0;
 }
 
 /* --- the peak straight ahead -----------------------------------------------
@@ -199,39 +214,31 @@ static const double probe[][2] = {
 enum { NPROBES = sizeof probe / sizeof probe[0] };
 
 struct probed {
-    double y;
-    double dir[3];
-    struct rad_rgb value;
+    double xyz[3], omega;
 };
 
-static int
-brighter_first(const void *a, const void *b)
-{
-    const struct probed *x = a, *y = b;
-
-    return (x->y < y->y) - (x->y > y->y);
-}
-
+/* Look up all probes; order[] gets their numbers, the brightest first. */
 static void
-look_ahead(const struct scatter_hit *hit, struct probed list[NPROBES])
+look_ahead(const struct scatter_hit *hit, struct probed list[NPROBES],
+           uint8_t order[NPROBES])
 {
-    double width = sqrt(rad_bsdf_finest(hit->s->bsdf, hit->eye[2] > 0, true));
+    double width = sqrt(rad_bsdf_finest(hit->s->bsdf, from_front(hit), true));
 
     for (int i = 0; i < NPROBES; i++) {
-        double xyz[3];
+        double dir[3] = { -hit->eye.v[0] + probe[i][0] * width,
+                          -hit->eye.v[1] + probe[i][1] * width,
+                          -hit->eye.v[2] };
+        int at = i;
 
-        list[i].dir[0] = -hit->eye[0] + probe[i][0] * width;
-        list[i].dir[1] = -hit->eye[1] + probe[i][1] * width;
-        list[i].dir[2] = -hit->eye[2];
-        rad_normalize(list[i].dir);
-        rad_bsdf_value(hit->s->bsdf, hit->eye, list[i].dir, xyz);
-        list[i].y = xyz[1];
-        list[i].value = to_rgb(xyz);
+        rad_normalize(dir);
+        rad_bsdf_value(&hit->eye, dir, list[i].xyz, &list[i].omega);
+        for (; at > 0 && list[order[at - 1]].xyz[1] < list[i].xyz[1]; at--)
+            order[at] = order[at - 1];
+        order[at] = (uint8_t)i;
     }
-    qsort(list, NPROBES, sizeof *list, brighter_first);
 }
 
-/* What a cell counts for: peak[0] and its surroundings [1]. */
+/* What the cells count for: peak [0] and its surroundings [1]. */
 struct sums {
     struct rad_rgb light[2];
     double omega[2];
@@ -241,27 +248,28 @@ struct sums {
  * The same value twice is the same cell.  False: there is none. */
 static bool
 sum_peak(const struct scatter_hit *hit, const struct probed list[NPROBES],
-         struct sums *sums)
+         const uint8_t order[NPROBES], struct sums *sums)
 {
-    double finest = rad_bsdf_finest(hit->s->bsdf, hit->eye[2] > 0, true);
-    double peak = 0;
+    double finest = rad_bsdf_finest(hit->s->bsdf, from_front(hit), true);
+    double peak = 0, last = -1;
     int n = 0;
 
     for (int i = 0; i < NPROBES; i++) {
-        double omega;
+        const struct probed *p = &list[order[i]];
+        double y = p->xyz[1];
         bool beside;
 
-        if (i > 0 && list[i].y == list[i - 1].y)
+        if (y == last)
             continue;
-        omega = rad_bsdf_cell(hit->s->bsdf, hit->eye, list[i].dir);
-        beside = omega > 1.5 * finest || peak > 8 * list[i].y * n;
+        last = y;
+        beside = p->omega > 1.5 * finest || peak > 8 * y * n;
         if (beside && i == 0)
             return false;
         sums->light[beside] =
-            rad_rgb_add(sums->light[beside], scaled(list[i].value, omega));
-        sums->omega[beside] += omega;
+            rad_rgb_add(sums->light[beside], scaled(to_rgb(p->xyz), p->omega));
+        sums->omega[beside] += p->omega;
         if (!beside) {
-            peak += list[i].y;
+            peak += y;
             n++;
         }
     }
@@ -279,17 +287,19 @@ static void
 find_peak(struct scatter_hit *hit)
 {
     struct probed list[NPROBES];
+    uint8_t order[NPROBES];
     struct sums sums = { 0 };
     struct rad_rgb rest;
     double xyz[3];
 
-    if (!rad_bsdf_scatters(hit->s->bsdf, hit->eye[2] > 0, true) ||
+    if (!rad_bsdf_scatters(hit->s->bsdf, from_front(hit), true) ||
         !is_lit(hit->r->pattern))
         return;
-    look_ahead(hit, list);
-    if (!(list[0].y > RAD_TINY) || !sum_peak(hit, list, &sums))
+    look_ahead(hit, list, order);
+    if (!(list[order[0]].xyz[1] > RAD_TINY) ||
+        !sum_peak(hit, list, order, &sums))
         return;
-    rad_bsdf_diffuse(hit->s->bsdf, hit->eye[2] > 0, true, xyz);
+    rad_bsdf_diffuse(hit->s->bsdf, from_front(hit), true, xyz);
     rest = scaled(to_rgb(xyz), 1 / M_PI);
     sums.light[0] = minus(sums.light[0], scaled(rest, sums.omega[0]));
     sums.light[1] = minus(scaled(sums.light[1], 1 / sums.omega[1]), rest);
@@ -306,10 +316,10 @@ find_peak(struct scatter_hit *hit)
 static bool
 in_peak(const struct scatter_hit *hit, const double way[3], double omega)
 {
-    double dx = way[0] + hit->eye[0], dy = way[1] + hit->eye[1];
-    double cell = rad_bsdf_finest(hit->s->bsdf, hit->eye[2] > 0, true);
+    double dx = way[0] + hit->eye.v[0], dy = way[1] + hit->eye.v[1];
+    double cell = rad_bsdf_finest(hit->s->bsdf, from_front(hit), true);
 
-    if ((way[2] > 0) == (hit->eye[2] > 0) || !is_lit(hit->peak))
+    if ((way[2] > 0) == from_front(hit) || !is_lit(hit->peak))
         return false;
     omega *= fabs(way[2]);
     return dx * dx + dy * dy <=
@@ -321,28 +331,31 @@ in_peak(const struct scatter_hit *hit, const double way[3], double omega)
 static struct rad_rgb
 average(const struct scatter_hit *hit, const double way[3])
 {
-    const struct rad_bsdf *b = hit->s->bsdf;
-    bool front = hit->eye[2] > 0, through = front != (way[2] > 0);
-    double cell = rad_bsdf_cell(b, hit->eye, way), rest[3];
+    bool front = from_front(hit), through = front != (way[2] > 0);
+    double rest[3], xyz[3], cell;
     struct rad_rgb sum = rad_grey(0);
     int n, counted = 0;
 
-    rad_bsdf_diffuse(b, front, through, rest);
+    rad_bsdf_diffuse(hit->s->bsdf, front, through, rest);
     rad_scale(rest, 1 / M_PI, rest);
+    rad_bsdf_value(&hit->eye, way, xyz, &cell);
     n = (int)fmin(
         4 * hit->ctx->job->params.specjitter * (double)hit->r->weight + .5,
         MAX_SAMPLES);
     for (int i = 0; i < (n > 1 ? n : 1); i++) {
-        double from[3], xyz[3];
+        struct rad_bsdf_eye store;
+        double size = cell;
+        const struct rad_bsdf_eye *eye =
+            jitter(hit, sqrt(cell),
+                   RAD_DIM_RSPECULAR + DIM_DIRECT + 2 * (uint32_t)i, &store);
 
-        jitter(hit, sqrt(cell),
-               RAD_DIM_RSPECULAR + DIM_DIRECT + 2 * (uint32_t)i, from);
-        rad_bsdf_value(b, from, way, xyz);
+        if (eye == &store)
+            rad_bsdf_value(eye, way, xyz, &size);
         if (!(xyz[1] - rest[1] > RAD_TINY)) {
             counted++;
             continue;
         }
-        if (rad_bsdf_cell(b, from, way) < .12 * cell)
+        if (size < .12 * cell)
             continue;
         sum = rad_rgb_add(sum, to_rgb(xyz));
         counted++;
@@ -357,7 +370,7 @@ average(const struct scatter_hit *hit, const double way[3])
 static struct rad_rgb
 scattered(const struct scatter_hit *hit, const double ldir[3], double omega)
 {
-    bool front = hit->eye[2] > 0;
+    bool front = from_front(hit);
     double way[3];
 
     if (!to_local(hit, ldir, way))
@@ -485,17 +498,18 @@ follow(struct scatter_hit *hit, bool through, bool peak_apart)
     if (n < 1)
         n = 1;
     for (int i = 0; i < n; i++) {
-        double from[3], to[3], xyz[3], dx, dy;
         uint32_t at = dim + DIM_SAMPLE + 3 * (uint32_t)i;
+        double to[3], xyz[3], dx, dy;
+        const struct rad_bsdf_eye *from;
+        struct rad_bsdf_eye store;
         struct rad_rgb coef;
         struct rad_ray sr;
 
-        jitter(hit, hit->cell[0], at, from);
-        if (!rad_bsdf_sample(hit->s->bsdf, from, through,
-                             draw(hit, at + 2, i, n), to, xyz))
+        from = jitter(hit, hit->cell[0], at, &store);
+        if (!rad_bsdf_sample(from, through, draw(hit, at + 2, i, n), to, xyz))
             break;
-        dx = from[0] + to[0];
-        dy = from[1] + to[1];
+        dx = from->v[0] + to[0];
+        dy = from->v[1] + to[1];
         if (peak_apart && dx * dx + dy * dy <= hit->cell[0] * hit->cell[0])
             continue;
         coef = to_rgb(xyz);
@@ -531,21 +545,26 @@ static struct rad_rgb
 sample(struct scatter_hit *hit, bool through)
 {
     const struct rad_bsdf *b = hit->s->bsdf;
-    bool front = hit->eye[2] > 0;
+    bool front = from_front(hit);
     bool apart = through &&
                  !(hit->r->path & (RAD_RAY_SPECULAR | RAD_RAY_AMBIENT)) &&
                  is_lit(hit->peak);
-    double peak = 0, share = 0, from[3];
+    double peak = 0, share = 0;
 
     if (!rad_bsdf_scatters(b, front, through))
         return rad_grey(0);
     if (apart && (apart = follow_peak(hit)))
         peak = (double)rad_rgb_lum(hit->peak);
     if (rad_bsdf_most(b, front, through) - peak > RAD_TINY) {
-        jitter(hit, hit->cell[1],
-               (through ? RAD_DIM_TSPECULAR : RAD_DIM_RSPECULAR) + DIM_TOTAL,
-               from);
-        share = fmax(rad_bsdf_total(b, from, through) - peak, 0);
+        struct rad_bsdf_eye store;
+
+        share = rad_bsdf_total(
+            jitter(hit, hit->cell[1],
+                   (through ? RAD_DIM_TSPECULAR : RAD_DIM_RSPECULAR) +
+                       DIM_TOTAL,
+                   &store),
+            through);
+        share = fmax(share - peak, 0);
     }
     if (share > hit->ctx->job->params.specthresh + RAD_TINY) {
         follow(hit, through, apart);
@@ -638,10 +657,10 @@ pass_shadow(struct scatter_hit *hit)
 static void
 set_cells(struct scatter_hit *hit)
 {
-    rad_bsdf_cells(hit->s->bsdf, hit->eye, hit->cell);
+    rad_bsdf_cells(&hit->eye, hit->cell);
     hit->cell[0] = sqrt(hit->cell[0]);
     hit->cell[1] = sqrt(hit->cell[1]);
-    if (hit->eye[2] < 0)
+    if (!from_front(hit))
         rad_scale(hit->norm, -1, hit->norm);
     hit->behind = *hit->r;
     rad_madd(hit->behind.hit.p, hit->r->hit.p, -hit->thick, hit->r->n);

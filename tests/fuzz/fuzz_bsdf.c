@@ -10,15 +10,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void
 look_up(const struct rad_bsdf *b, const double in[3], const double out[3])
 {
-    double xyz[3], range[2], drawn[3];
+    double xyz[3], range[2], drawn[3], cell;
+    struct rad_bsdf_eye eye;
 
-    rad_bsdf_value(b, in, out, xyz);
-    rad_bsdf_cell(b, in, out);
-    rad_bsdf_cells(b, in, range);
+    rad_bsdf_look_from(b, in, &eye);
+    rad_bsdf_value(&eye, out, xyz, &cell);
+    rad_bsdf_cells(&eye, range);
     for (int through = 0; through < 2; through++) {
         rad_bsdf_diffuse(b, in[2] > 0, through, xyz);
         for (double x = 0; x < 1; x += .19)
-            if (rad_bsdf_sample(b, in, through, x, drawn, xyz) &&
+            if (rad_bsdf_sample(&eye, through, x, drawn, xyz) &&
                 !(fabs(drawn[0]) <= 1.001 && fabs(drawn[2]) <= 1.001))
                 abort();
     }
