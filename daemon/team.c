@@ -7,12 +7,12 @@
  * The bar's bottom is the line as it was sampled, before painting, as in
  * rpict; so a line keeps both.
  *
- * Nobody but the member of the line below waits for a line, and it is woken when
- * there is what it waits for, not at each step.
- * Lines are begun in order, and the lowest one that is not done waits for
- * nobody; so nobody waits for ever.  Buffers form a ring: line i is begun only
- * when line i - nlines + 1, the last to look at its buffers, is done and its
- * rows are handed on.  The top lies where the ring has line first - 1. */
+ * Nobody but the member of the line below waits for a line, and it is woken
+ * when there is what it waits for, not at each step. Lines are begun in order,
+ * and the lowest one that is not done waits for nobody; so nobody waits for
+ * ever.  Buffers form a ring: line i is begun only when line i - nlines + 1,
+ * the last to look at its buffers, is done and its rows are handed on.  The top
+ * lies where the ring has line first - 1. */
 #include "config.h"
 
 #include "team.h"
@@ -34,7 +34,7 @@
 #define PIXELS_UNSEEN 16
 
 /* Columns of a bar between two looks at whether the team is stopped. */
-#define BAR_COLUMNS 32
+#define BAR_COLUMNS 4
 
 /* The bottom is painted, and told of, in pieces of so many columns at least. */
 #define BOTTOM_COLUMNS 64
@@ -347,10 +347,10 @@ is_likely(const struct member *m, int x)
     return false;
 }
 
-/* Fill columns up to `end` of the bar below base line i - 1. */
+/* Fill columns up to `end` of the bar below base line i - 1, some. */
 static void
-fill_columns(struct member *m, struct rad_pixel *const rows[],
-             struct rad_quincunx_fill *s, int end)
+fill_some(struct member *m, struct rad_pixel *const rows[],
+          struct rad_quincunx_fill *s, int end)
 {
     if (!m->unsure) {
         rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, end);
@@ -364,6 +364,22 @@ fill_columns(struct member *m, struct rad_pixel *const rows[],
         }
     s->x = end;
     s->found = 0;
+}
+
+/* The same, any number; false: stopped. */
+static bool
+fill_columns(struct member *m, struct rad_pixel *const rows[],
+             struct rad_quincunx_fill *s, int end)
+{
+    while (s->x < end) {
+        int left = end - s->x;
+
+        fill_some(m, rows, s, s->x + (left < BAR_COLUMNS ? left : BAR_COLUMNS));
+        maybe_tell_rays(m);
+        if (is_stopped(m->team))
+            return false;
+    }
+    return true;
 }
 
 /* A line that is traced ahead in blocks of gaps or of columns. */
@@ -468,13 +484,13 @@ sweep_line(struct member *m)
         for (int g = b * s.columns / q->xstep; g < ngaps; g++) {
             int x = rad_quincunx_gap_begin(q, m->i, g);
 
-            if (x >= end)
+            if (x >= end || is_stopped(t))
                 break;
             if (x >= b * s.columns)
                 rad_quincunx_gap(q, m->i, g, density_above(m),
                                  line_at(t, m->i)->sampled);
+            maybe_tell_rays(m);
         }
-        maybe_tell_rays(m);
     }
     m->truth = truth;
     return !is_stopped(t);
@@ -496,7 +512,6 @@ sweep_bar(struct member *m, struct rad_pixel *const rows[])
         int end = fill.x + s.columns;
 
         fill_columns(m, rows, &fill, end < m->q.width ? end : m->q.width);
-        maybe_tell_rays(m);
     }
     m->truth = truth;
     return !is_stopped(m->team);
@@ -556,15 +571,8 @@ fill_bar(struct member *m)
     rows[n] = line_at(t, m->i)->sampled;
     if (wants_sweep(m) && n > 1 && !sweep_bar(m, rows))
         return false;
-    while (s.x < m->q.width) {
-        int left = m->q.width - s.x;
-
-        fill_columns(m, rows, &s,
-                     s.x + (left < BAR_COLUMNS ? left : BAR_COLUMNS));
-        maybe_tell_rays(m);
-        if (is_stopped(t))
-            return false;
-    }
+    if (!fill_columns(m, rows, &s, m->q.width))
+        return false;
     for (int k = 1; k < n && m->truth && spec->paint; k++)
         spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width,
                     m->q.y0 + top + k, rows[k]);

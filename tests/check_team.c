@@ -191,6 +191,8 @@ run_pass(struct world *w, const struct pass *p)
     for (int i = 1; i < p->nthreads; i++)
         ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
     w->traced += team_traced(t);
+    if (p->stop_after > 0) /* a gap, or some columns, each */
+        ck_assert_int_ge(w->stop_after, -64 * p->nthreads);
     return t;
 }
 
@@ -341,8 +343,8 @@ guess(struct world *w, uint64_t *state, int first, int last)
     ck_assert_int_eq(pthread_join(thread, NULL), 0);
 }
 
-/* The truth of some lines from first on, perhaps for the bottom first, perhaps
- * stopped and begun again.  Returns the line after them. */
+/* The truth of some lines from first on, perhaps of the bottom first, perhaps
+ * with facts that come in meanwhile.  Returns the line after them. */
 static int
 get_true(struct world *w, uint64_t *state, int first, int last)
 {
