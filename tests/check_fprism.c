@@ -220,39 +220,6 @@ START_TEST(work_is_bounded)
 }
 END_TEST
 
-START_TEST(calls_are_bounded)
-{
-    static const char file[] =
-        "sum(n) = if(n-.5, fprism_val(3,1,1)+sum(n-1), 0);";
-    const struct pane pane = { 1, 1, 0, 1, 1.5, .01, 4, 0, .1, 0 };
-    double channel[RAD_CALC_NCHANNELS] = { 1 };
-    struct rad_calc_input in = { channel, &pane.a, 10 };
-
-    for (int k = 0; k < 2; k++) {
-        struct rad_calc *c = rad_calc_new(NULL);
-        struct rad_calc_env *env;
-        enum rad_calc_fault fault;
-        char text[40];
-        int at;
-
-        ck_assert_ptr_nonnull(c);
-        rad_calc_offer(c, RAD_CALC_OFFER_AIM);
-        ck_assert_int_eq(rad_calc_read(c, rad_calc_context(c, ".", NULL), "f",
-                                       file, strlen(file), NULL),
-                         0);
-        snprintf(text, sizeof text, "sum(%d)", RAD_MAX_CALC_HEAVY + k);
-        at = rad_calc_expression(c, rad_calc_context(c, ".", NULL), text, NULL);
-        env = rad_calc_env_new(c);
-        ck_assert_ptr_nonnull(env);
-        rad_calc_begin(env, &in);
-        rad_calc_eval(c, at, env, &fault);
-        ck_assert_int_eq(fault, k ? RAD_CALC_STEPS : RAD_CALC_SOUND);
-        rad_calc_env_free(env);
-        rad_calc_free(c);
-    }
-}
-END_TEST
-
 START_TEST(other_types_do_not_have_it)
 {
     struct rad_calc *c = rad_calc_new(NULL);
@@ -279,7 +246,6 @@ main(void)
     tcase_add_test(tc, missing_ray_has_no_energy);
     tcase_add_loop_test(tc, what_is_no_pane_is_a_fault, 0, N_ELEM(bad));
     tcase_add_test(tc, work_is_bounded);
-    tcase_add_test(tc, calls_are_bounded);
     tcase_add_test(tc, other_types_do_not_have_it);
     suite_add_tcase(s, tc);
     return unit_run(s);

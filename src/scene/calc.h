@@ -32,7 +32,6 @@
 #define RAD_MAX_CALC_NESTING 200       /* of brackets, signs and calls */
 #define RAD_MAX_CALC_ARGS    32        /* of a function that a file defines */
 #define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
-#define RAD_MAX_CALC_HEAVY   1000      /* calls of fprism_val() in one */
 #define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */
 
 /* Channels that a file may name, $1 to $27, and those behind them, which only

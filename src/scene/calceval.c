@@ -35,6 +35,7 @@ struct back {
 struct rad_calc_env {
     struct rad_calc_input in;
     const double *call_value; /* of rad_calc_call() */
+    struct prism_rays prism;
     uint64_t clock;
     struct known {
         uint64_t clock;
@@ -53,7 +54,6 @@ struct machine {
     struct rad_calc_env *e;
     int32_t pc;
     int32_t frame; /* whose parameters are meant, -1: none */
-    int32_t heavy; /* calls of functions that count for many steps */
     enum rad_calc_fault fault;
 };
 
@@ -85,6 +85,7 @@ rad_calc_env_new(const struct rad_calc *c)
     e->clock = 1;
     e->in = (struct rad_calc_input){ 0 };
     e->call_value = NULL;
+    e->prism.clock = 0;
     if (e->known)
         return e;
     free(e);
@@ -314,12 +315,9 @@ library(struct machine *m, const struct ins *in)
     struct rad_calc_env *e = m->e;
     double *v = &e->value[e->nvalues - in->n];
 
-    if (rad_calc_library[in->a].heavy && ++m->heavy > RAD_MAX_CALC_HEAVY) {
-        m->fault = RAD_CALC_STEPS;
-        return;
-    }
-
-    v[0] = rad_calc_library_value(in->a, v, &e->in, &m->fault);
+    v[0] = in->a == LIB_PRISM
+               ? rad_calc_prism(v, &e->in, e->clock, &e->prism, &m->fault)
+               : rad_calc_library_value(in->a, v, &e->in, &m->fault);
     e->nvalues -= in->n - 1;
 }
 

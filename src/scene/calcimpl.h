@@ -67,22 +67,35 @@ struct library {
     int nargs; /* at least; more only where variadic */
     bool variadic;
     bool constant;  /* the same arguments give the same value */
-    bool heavy;     /* RAD_MAX_CALC_HEAVY calls at most */
     unsigned offer; /* what it needs of RAD_CALC_OFFER_* */
 };
 extern const struct library rad_calc_library[];
 extern const int rad_calc_nlibrary;
 
 /* ids of those that the compiler treats by itself; the table's order */
-enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ARG };
+enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ARG, LIB_PRISM };
 
 /* Value of library function id; *fault may be set. */
 double rad_calc_library_value(int id, const double *v,
                               const struct rad_calc_input *in,
                               enum rad_calc_fault *fault);
 
-/* fprism_val(v[0], v[1], v[2]) */
+/* Rays that come out of a pane of prisms, the strongest first. */
+#define MAX_PRISM_RAYS 64
+struct prism_rays {
+    uint64_t clock; /* of the evaluator, when they were found */
+    bool sound;     /* the arguments have a meaning */
+    int n;
+    struct prism_ray {
+        double v[3], energy;
+        double angle; /* of v in the plane across the ribs */
+    } ray[MAX_PRISM_RAYS];
+};
+
+/* fprism_val(v[0], v[1], v[2]); finds the rays once for each time of the
+ * clock. */
 double rad_calc_prism(const double *v, const struct rad_calc_input *in,
+                      uint64_t clock, struct prism_rays *out,
                       enum rad_calc_fault *fault);
 
 double rad_calc_noise(const double p[3]);

@@ -15,40 +15,40 @@
 #define STEP .0005 /* of slopes, and of the finest cube */
 
 const struct library rad_calc_library[] = {
-    { "if", 3, false, true, false, 0 },
-    { "select", 1, true, true, false, 0 },
-    { "min", 1, true, true, false, 0 },
-    { "max", 1, true, true, false, 0 },
-    { "arg", 1, false, false, false, 0 },
-    { "rand", 1, false, true, false, 0 },
-    { "sqrt", 1, false, true, false, 0 },
-    { "sin", 1, false, true, false, 0 },
-    { "cos", 1, false, true, false, 0 },
-    { "tan", 1, false, true, false, 0 },
-    { "asin", 1, false, true, false, 0 },
-    { "acos", 1, false, true, false, 0 },
-    { "atan", 1, false, true, false, 0 },
-    { "atan2", 2, false, true, false, 0 },
-    { "floor", 1, false, true, false, 0 },
-    { "ceil", 1, false, true, false, 0 },
-    { "exp", 1, false, true, false, 0 },
-    { "log", 1, false, true, false, 0 },
-    { "log10", 1, false, true, false, 0 },
-    { "erf", 1, false, true, false, 0 },
-    { "erfc", 1, false, true, false, 0 },
-    { "noise3", 3, false, true, false, 0 },
-    { "noise3x", 3, false, true, false, 0 },
-    { "noise3y", 3, false, true, false, 0 },
-    { "noise3z", 3, false, true, false, 0 },
-    { "fnoise3", 3, false, true, false, 0 },
-    { "fprism_val", 3, false, false, true, RAD_CALC_OFFER_AIM },
+    { "if", 3, false, true, 0 },
+    { "select", 1, true, true, 0 },
+    { "min", 1, true, true, 0 },
+    { "max", 1, true, true, 0 },
+    { "arg", 1, false, false, 0 },
+    { "fprism_val", 3, false, false, RAD_CALC_OFFER_AIM },
+    { "rand", 1, false, true, 0 },
+    { "sqrt", 1, false, true, 0 },
+    { "sin", 1, false, true, 0 },
+    { "cos", 1, false, true, 0 },
+    { "tan", 1, false, true, 0 },
+    { "asin", 1, false, true, 0 },
+    { "acos", 1, false, true, 0 },
+    { "atan", 1, false, true, 0 },
+    { "atan2", 2, false, true, 0 },
+    { "floor", 1, false, true, 0 },
+    { "ceil", 1, false, true, 0 },
+    { "exp", 1, false, true, 0 },
+    { "log", 1, false, true, 0 },
+    { "log10", 1, false, true, 0 },
+    { "erf", 1, false, true, 0 },
+    { "erfc", 1, false, true, 0 },
+    { "noise3", 3, false, true, 0 },
+    { "noise3x", 3, false, true, 0 },
+    { "noise3y", 3, false, true, 0 },
+    { "noise3z", 3, false, true, 0 },
+    { "fnoise3", 3, false, true, 0 },
 };
 const int rad_calc_nlibrary =
     sizeof rad_calc_library / sizeof rad_calc_library[0];
 
-/* the table's order, behind LIB_ARG */
+/* the table's order, behind LIB_PRISM */
 enum {
-    LIB_RAND = LIB_ARG + 1,
+    LIB_RAND = LIB_PRISM + 1,
     LIB_SQRT,
     LIB_SIN,
     LIB_COS,
@@ -68,8 +68,7 @@ enum {
     LIB_NOISE3X,
     LIB_NOISE3Y,
     LIB_NOISE3Z,
-    LIB_FNOISE3,
-    LIB_FPRISM
+    LIB_FNOISE3
 };
 
 /* --- noise -------------------------------------------------------------- */
@@ -313,8 +312,6 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
         return rad_calc_noise_slope(v, id - LIB_NOISE3X);
     case LIB_FNOISE3:
         return rad_calc_fractal(v);
-    case LIB_FPRISM:
-        return rad_calc_prism(v, in, fault);
     default:
         return 0;
     }

@@ -15,8 +15,7 @@
 
 #include <math.h>
 
-/* Rays that come out, and surfaces met; what is more is lost. */
-#define MAX_OUT  64
+/* Surfaces met, one behind the other and in all; what is more is lost. */
 #define MAX_MET  4096
 #define MAX_DEEP 100
 
@@ -37,20 +36,19 @@ struct beam {
 
 struct pane {
     double a, b, d;
-    double index2;   /* square of the refractive index */
-    double least;    /* energy worth following */
-    int mirror;      /* face that is metallic, or -1 */
-    double metal;    /* its reflectance */
-    double together; /* [rad] */
+    double axis[2][2]; /* cosine and sine of the turn to a side's axes */
+    double index2;     /* square of the refractive index */
+    double least;      /* energy worth following */
+    int mirror;        /* face that is metallic, or -1 */
+    double metal;      /* its reflectance */
+    double together;   /* [rad] */
     double to_source;
 };
 
 struct prism {
     struct pane pane;
-    struct {
-        double v[3], energy;
-    } out[MAX_OUT];
-    int nout, nmet;
+    struct prism_rays *out;
+    int nmet;
 };
 
 /* --- one surface, whose normal is x --------------------------------------- */
@@ -99,48 +97,34 @@ polarize(struct beam *r, double par, double per)
     return gain;
 }
 
-static struct beam
-reflect(const struct pane *p, const struct beam *r)
+/* What is thrown back, and what goes on. */
+static void
+divide(const struct pane *p, const struct beam *r, struct beam *back,
+       struct beam *on)
 {
-    struct beam out = *r;
     struct incidence i;
-    double c;
+    double index, c;
 
+    *back = *on = *r;
     meet(p, r, &i);
-    out.v[0] = -r->v[0];
+    back->v[0] = -r->v[0];
     if (!i.passes) {
-        out.energy *= (int)r->to == p->mirror ? p->metal : 1;
-        return out;
+        back->energy *= (int)r->to == p->mirror ? p->metal : 1;
+        on->energy = 0;
+        return;
     }
     c = i.ratio * i.cosine;
-    out.energy *= polarize(&out, (c - i.behind) / (c + i.behind),
-                           (i.cosine - i.behind) / (i.cosine + i.behind));
-    return out;
-}
-
-static struct beam
-transmit(const struct pane *p, const struct beam *r)
-{
-    struct beam out = *r;
-    struct incidence i;
-    double index;
-
-    meet(p, r, &i);
-    if (!i.passes) {
-        out.energy = 0;
-        return out;
-    }
+    back->energy *= polarize(back, (c - i.behind) / (c + i.behind),
+                             (i.cosine - i.behind) / (i.cosine + i.behind));
     index = sqrt(i.ratio);
-    out.v[0] = copysign(
+    on->v[0] = copysign(
         root(1 - (r->v[1] * r->v[1] + r->v[2] * r->v[2]) / i.ratio), r->v[0]);
-    out.v[1] /= index;
-    out.v[2] /= index;
-    out.energy *=
-        i.behind / i.cosine *
-        polarize(&out, 2 * index * i.cosine / (i.behind + i.ratio * i.cosine),
-                 2 * i.cosine / (i.cosine + i.behind));
-    out.inside = !r->inside;
-    return out;
+    on->v[1] /= index;
+    on->v[2] /= index;
+    on->energy *= i.behind / i.cosine *
+                  polarize(on, 2 * index * i.cosine / (i.behind + c),
+                           2 * i.cosine / (i.cosine + i.behind));
+    on->inside = !r->inside;
 }
 
 /* --- from one surface's axes to another's --------------------------------- */
@@ -202,19 +186,6 @@ turned(const struct beam *r, double c, double s)
     return out;
 }
 
-/* What becomes of a beam at a side of the ribs. */
-static struct beam
-at_side(const struct pane *p, const struct beam *r,
-        struct beam (*what)(const struct pane *, const struct beam *))
-{
-    double base = r->to == SIDE_A ? p->a : p->b, len = hypot(base, p->d);
-    double c = base / len, s = (r->to == SIDE_A ? -p->d : p->d) / len;
-    struct beam there = turned(r, c, s);
-
-    there = what(p, &there);
-    return turned(&there, c, -s);
-}
-
 /* --- which surface is next ------------------------------------------------ */
 
 /* The share of a beam that left `from` for SIDE_A and not for SIDE_B, or, from
@@ -250,13 +221,20 @@ go(struct prism *m, const struct beam *r, double part, enum face to, int depth)
         follow(m, &next, depth);
 }
 
-/* Leave a side of the ribs, inside or outside the glass. */
+/* Leave a side of the ribs, in whose axes the beam is, inside or outside the
+ * glass. */
 static void
-leave_side(struct prism *m, struct beam *r, enum face side, int depth)
+leave_side(struct prism *m, const struct beam *there, enum face side, int depth)
 {
-    double past = share(&m->pane, r, side);
+    const double *axis = m->pane.axis[side == SIDE_B];
+    struct beam turned_back, *r = &turned_back;
+    double past;
     enum face other = side == SIDE_A ? SIDE_B : SIDE_A;
 
+    if (!(there->energy > m->pane.least))
+        return;
+    turned_back = turned(there, axis[0], -axis[1]);
+    past = share(&m->pane, r, side);
     r->from = side;
     if (r->inside)
         go(m, r, past, FLAT, depth);
@@ -274,35 +252,35 @@ leave_level(struct prism *m, const struct beam *r, int depth)
     go(m, r, 1 - part, SIDE_B, depth);
 }
 
-static bool
-alike(const double v[3], const double w[3], double angle)
-{
-    return fabs(atan2(v[1], v[0]) - atan2(w[1], w[0])) <= angle;
-}
-
 static void
 come_out(struct prism *m, const struct beam *r)
 {
+    double angle;
+
     if (!(r->energy > m->pane.least))
         return;
-    for (int i = 0; i < m->nout; i++)
-        if (alike(r->v, m->out[i].v, m->pane.together)) {
-            m->out[i].energy += r->energy;
+    angle = atan2(r->v[1], r->v[0]);
+    for (int i = 0; i < m->out->n; i++) {
+        struct prism_ray *o = &m->out->ray[i];
+
+        if (fabs(angle - o->angle) <= m->pane.together) {
+            o->energy += r->energy;
             return;
         }
-    if (m->nout == MAX_OUT)
-        return;
-    for (int k = 0; k < 3; k++)
-        m->out[m->nout].v[k] = r->v[k];
-    m->out[m->nout++].energy = r->energy;
+    }
+    if (m->out->n < MAX_PRISM_RAYS)
+        m->out->ray[m->out->n++] = (struct prism_ray){
+            { r->v[0], r->v[1], r->v[2] }, r->energy, angle
+        };
 }
 
 /* The flat side, met from outside by the ray itself alone. */
 static void
 follow_flat(struct prism *m, const struct beam *r, int depth)
 {
-    struct beam back = reflect(&m->pane, r), on = transmit(&m->pane, r);
+    struct beam back, on;
 
+    divide(&m->pane, r, &back, &on);
     if (r->from == FLAT) {
         come_out(m, &back);
         leave_level(m, &on, depth);
@@ -313,10 +291,19 @@ follow_flat(struct prism *m, const struct beam *r, int depth)
 }
 
 static void
+follow_side(struct prism *m, const struct beam *r, int depth)
+{
+    const double *axis = m->pane.axis[r->to == SIDE_B];
+    struct beam there = turned(r, axis[0], axis[1]), back, on;
+
+    divide(&m->pane, &there, &back, &on);
+    leave_side(m, &back, r->to, depth);
+    leave_side(m, &on, r->to, depth);
+}
+
+static void
 follow(struct prism *m, const struct beam *r, int depth)
 {
-    struct beam back, on;
-
     if (++m->nmet > MAX_MET)
         return;
     switch (r->to) {
@@ -325,10 +312,7 @@ follow(struct prism *m, const struct beam *r, int depth)
         break;
     case SIDE_A:
     case SIDE_B:
-        back = at_side(&m->pane, r, reflect);
-        on = at_side(&m->pane, r, transmit);
-        leave_side(m, &back, r->to, depth + 1);
-        leave_side(m, &on, r->to, depth + 1);
+        follow_side(m, r, depth + 1);
         break;
     default:
         if (r->from != RIDGES)
@@ -370,7 +354,6 @@ enter(struct prism *m, const double dir[3])
 {
     struct beam r = { .pol = { { 1, 0 }, { 0, 1 } }, .energy = 1 };
 
-    m->nout = m->nmet = 0;
     if (dir[0] == 0)
         return;
     turn(1, 0, dir, r.v);
@@ -381,74 +364,99 @@ enter(struct prism *m, const double dir[3])
 /* What does not go to the source is nothing; then the strongest first, by
  * exchanging, which tells equal ones apart as Radiance does. */
 static void
-order(struct prism *m, const double *source)
+order(struct prism_rays *out, const double *source, double angle)
 {
-    for (int j = 0; source && j < m->nout; j++)
-        if (!alike(m->out[j].v, source, m->pane.to_source))
-            m->out[j].energy = 0;
-    for (int j = 0; j < m->nout; j++)
-        for (int i = j + 1; i < m->nout; i++)
-            if (m->out[j].energy < m->out[i].energy) {
-                double t[4];
+    for (int j = 0; source && j < out->n; j++)
+        if (!(fabs(out->ray[j].angle - atan2(source[1], source[0])) <= angle))
+            out->ray[j].energy = 0;
+    for (int j = 0; j < out->n; j++)
+        for (int i = j + 1; i < out->n; i++)
+            if (out->ray[j].energy < out->ray[i].energy) {
+                struct prism_ray t = out->ray[j];
 
-                for (int k = 0; k < 4; k++)
-                    t[k] = k < 3 ? m->out[j].v[k] : m->out[j].energy;
-                m->out[j] = m->out[i];
-                for (int k = 0; k < 3; k++)
-                    m->out[i].v[k] = t[k];
-                m->out[i].energy = t[3];
+                out->ray[j] = out->ray[i];
+                out->ray[i] = t;
             }
 }
 
-/* The rank-th ray with v.x of the sign of side, which 0 leaves open; -1: there
- * is none. */
-static int
-pick(const struct prism *m, double side, int rank)
+static void
+set_axis(double axis[2], double base, double rise)
 {
-    for (int i = 0, n = 0; i < m->nout; i++) {
-        n += m->out[i].v[0] * side >= 0;
+    double len = hypot(base, rise);
+
+    axis[0] = base / len;
+    axis[1] = rise / len;
+}
+
+/* Find all rays that come out. */
+static void
+find_rays(const struct rad_calc_input *in, const double *source,
+          struct prism_rays *out)
+{
+    struct prism m = { .out = out };
+
+    out->n = 0;
+    out->sound = read_pane(&m.pane, in->args);
+    if (!out->sound)
+        return;
+    set_axis(m.pane.axis[0], m.pane.a, -m.pane.d);
+    set_axis(m.pane.axis[1], m.pane.b, m.pane.d);
+    enter(&m, in->channel);
+    order(out, source, m.pane.to_source);
+}
+
+/* The rank-th ray with v.x of the sign of side, which 0 leaves open; NULL:
+ * there is none. */
+static const struct prism_ray *
+pick(const struct prism_rays *out, double side, int rank)
+{
+    for (int i = 0, n = 0; i < out->n; i++) {
+        n += out->ray[i].v[0] * side >= 0;
         if (n == rank)
-            return i;
+            return &out->ray[i];
     }
-    return -1;
+    return NULL;
+}
+
+/* The source that a ray in search of one looks for. */
+static const double *
+source_of(const struct rad_calc_input *in)
+{
+    const double *s = in->channel + RAD_CALC_AIM;
+
+    return s[0] == 0 && s[1] == 0 && s[2] == 0 ? NULL : s;
 }
 
 double
-rad_calc_prism(const double *v, const struct rad_calc_input *in,
-               enum rad_calc_fault *fault)
+rad_calc_prism(const double *v, const struct rad_calc_input *in, uint64_t clock,
+               struct prism_rays *out, enum rad_calc_fault *fault)
 {
-    const double *dir, *source;
-    struct prism m;
-    int what, rank, i;
+    const struct prism_ray *ray;
+    double ahead;
+    int what, rank;
 
-    if (!in || !in->channel || !in->args) {
-        *fault = RAD_CALC_NO_CHANNEL;
+    if (!in->channel || !in->args || in->nargs < 10) {
+        *fault = in->channel ? RAD_CALC_NO_ARG : RAD_CALC_NO_CHANNEL;
         return 0;
     }
-    if (in->nargs < 10) {
-        *fault = RAD_CALC_NO_ARG;
-        return 0;
-    }
-    dir = in->channel;
-    source = in->channel + RAD_CALC_AIM;
-    if (source[0] == 0 && source[1] == 0 && source[2] == 0)
-        source = NULL;
-    if (!read_pane(&m.pane, in->args) || !(fabs(v[0]) < 100) ||
-        !(fabs(v[1]) < 100) || !(fabs(v[2]) < 1e6)) {
+    if (out->clock != clock)
+        find_rays(in, source_of(in), out);
+    out->clock = clock;
+    if (!out->sound || !(fabs(v[0]) < 100) || !(fabs(v[1]) < 100) ||
+        !(fabs(v[2]) < 1e6)) {
         *fault = RAD_CALC_MATH;
         return 0;
     }
     /* rounded as there: a side of -1 is 0, either */
     what = (int)(v[0] + .5);
     rank = (int)(v[2] + .5);
-    enter(&m, dir);
-    order(&m, source);
-    if (source && rank == 2) /* its image was made by the second ray */
+    ahead = in->channel[0] < 0 ? -1 : 1;
+    if (rank == 2 && source_of(in)) /* its image was made by the second ray */
         rank = 1;
-    i = pick(&m, (int)(v[1] + .5) * (dir[0] < 0 ? -1. : 1.), rank);
+    ray = pick(out, (int)(v[1] + .5) * ahead, rank);
     if (what < 0 || what > 3)
         *fault = RAD_CALC_MATH;
-    else if (i >= 0)
-        return what == 3 ? m.out[i].energy : m.out[i].v[what];
-    return what == 0 && dir[0] != 0 ? 1 : 0;
+    else if (ray)
+        return what == 3 ? ray->energy : ray->v[what];
+    return what == 0 && in->channel[0] != 0 ? 1 : 0;
 }
