@@ -11,7 +11,7 @@
 
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_SPLIT_MS 40
-#define LEAST_TWIN_MS  30
+#define LEAST_TWIN_MS  60
 
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
@@ -195,8 +195,8 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
         ms = least_left(c, job, job->out[i], index);
         if (ms >= 0 && is_late(c, u, lease_ms))
             ms += 1e12; /* before all others */
-        else if (!twins(job))
-            continue;
+        else if (!twins(job) || u->next_row > 0)
+            continue; /* a twin would do again what is done, from the top */
         if (ms >= most) {
             most = ms;
             found = true;

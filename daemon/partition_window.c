@@ -26,6 +26,7 @@
 struct partition_window {
     enum msg_order kind;
     uint64_t seed;
+    bool fresh;      /* a frame begins when those before it are done */
     uint32_t *order; /* units in the order in which they go out */
     uint32_t next;   /* into order: those before it have gone out once */
 };
@@ -261,6 +262,7 @@ window_new(struct partition *p, const struct partition_spec *spec)
         return false;
     w->kind = spec->order;
     w->seed = spec->seed;
+    w->fresh = spec->fresh;
     for (uint32_t i = 0; i < spec->nframes; i++)
         if (!add_frame(p, i, &spec->frames[i],
                        windows_of(spec, &spec->frames[i])))
@@ -293,12 +295,26 @@ window_set_costs(struct partition *p, const double *cost)
     order_all(p);
 }
 
+/* The next unit is the first of its frame, and others before it are not done.
+ */
+static bool
+must_wait(const struct partition *p)
+{
+    const struct partition_window *w = p->window;
+    uint32_t i = w->next;
+
+    return w->fresh && i > 0 &&
+           p->unit[w->order[i]].area.frame !=
+               p->unit[w->order[i - 1]].area.frame &&
+           p->undone > p->total - i;
+}
+
 bool
 window_next(struct partition *p, uint32_t *unit)
 {
     struct partition_window *w = p->window;
 
-    while (w->next < p->total) {
+    while (w->next < p->total && !must_wait(p)) {
         *unit = w->order[w->next++];
         if (p->unit[*unit].state == PART_WAITING)
             return true;

@@ -244,7 +244,8 @@ free_end(const struct job_unit *u)
 }
 
 static void
-send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+send_unit(struct coord *c, const struct job *job, uint32_t unit,
+          struct job_go *go)
 {
     bool strict = partition_is_strict(job->partition);
     struct partition_area a;
@@ -264,9 +265,9 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         m.unit.end = go->end;
         m.unit.flags = handoff_flags(job, unit);
     }
-    actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
     if (strict)
         handoff_out(c, job, unit, go);
+    actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
 }
 
 /* The others hear that they are not alone with it. */

@@ -25,8 +25,9 @@
  * cost no traffic. */
 #define PARK_MS 200
 
-/* Edges that no unit here asks for. */
+/* Edges that no unit here asks for; and bytes of facts that none does. */
 #define SPARE_EDGES 256
+#define SPARE_FACTS (64u << 20)
 
 /* The base line under some unit, true. */
 struct edge {
@@ -76,6 +77,15 @@ struct item {
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
 };
 
+/* A line whose facts came before a unit that has it, as they do with a unit
+ * that others were at. */
+struct early {
+    struct early *next; /* the later one */
+    uint32_t frame;
+    int line;
+    size_t bytes;
+};
+
 struct queue {
     struct item *first;
     struct item **end;
@@ -94,6 +104,8 @@ struct strict {
     uint32_t nframes;
     struct strict_unit *units;
     struct edge *edges; /* the oldest first */
+    struct early *early, **early_end;
+    size_t early_bytes;
     struct queue urgent, lazy;
     struct item *saying; /* what the message lies in */
     struct msg msg;
@@ -219,15 +231,67 @@ facts_make_all(struct strict *s, const struct strict_unit *u)
 }
 
 static void
+early_unlink(struct strict *s, struct early **at)
+{
+    struct early *e = *at;
+
+    *at = e->next;
+    if (!*at)
+        s->early_end = at;
+    s->early_bytes -= e->bytes;
+    free(e);
+}
+
+static void
+early_forget(struct strict *s, uint32_t frame, int line)
+{
+    struct early **at = &s->early;
+
+    while (*at && ((*at)->frame != frame || (*at)->line != line))
+        at = &(*at)->next;
+    if (*at)
+        early_unlink(s, at);
+}
+
+static void
 facts_drop(struct strict *s, uint32_t frame, int line)
 {
     struct rad_facts *facts = facts_at(s, frame, line);
 
     if (!facts || facts_needed(s, frame, line))
         return;
+    early_forget(s, frame, line);
     atomic_store_explicit(&s->frames[frame].facts[line], NULL,
                           memory_order_relaxed);
     rad_facts_free(facts);
+}
+
+/* New facts of a line that no unit here has; the oldest such go if there are
+ * too many. */
+static void
+early_add(struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+    struct early *e = calloc(1, sizeof *e);
+
+    if (!e) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    e->frame = frame;
+    e->line = line;
+    e->bytes = (size_t)f->q.width * (size_t)team_line_rows(&f->q, line) *
+               (sizeof(struct rad_pixel) + 1);
+    *s->early_end = e;
+    s->early_end = &e->next;
+    s->early_bytes += e->bytes;
+    while (s->early != e && s->early_bytes > SPARE_FACTS) {
+        uint32_t old_frame = s->early->frame;
+        int old_line = s->early->line;
+
+        early_unlink(s, &s->early);
+        facts_drop(s, old_frame, old_line);
+    }
 }
 
 /* --- tops and bottoms --- */
@@ -730,9 +794,12 @@ strict_facts(struct strict *s, const struct msg_facts *m)
     size_t n = (size_t)m->npixels * m->channels;
     float *pixels;
 
-    if (!facts_fit(s, m) || !facts_needed(s, m->frame, (int)m->line))
+    if (!facts_fit(s, m))
         return;
-    facts = facts_make(s, m->frame, (int)m->line);
+    facts = facts_at(s, m->frame, (int)m->line);
+    if (!facts && (facts = facts_make(s, m->frame, (int)m->line)) &&
+        !facts_needed(s, m->frame, (int)m->line))
+        early_add(s, m->frame, (int)m->line);
     pixels = malloc(n * sizeof *pixels + 1);
     if (facts && pixels) {
         if (m->flags & MSG_FACTS_ESTIMATE)
@@ -1300,6 +1367,8 @@ strict_free(struct strict *s)
         s->edges = e->next;
         edge_free(e);
     }
+    while (s->early)
+        early_unlink(s, &s->early);
     while ((it = pop(&s->urgent)) || (it = pop(&s->lazy)))
         item_free(it);
     item_free(s->saying);
@@ -1322,6 +1391,7 @@ strict_new(const struct rad_quincunx *frames, uint32_t nframes,
         return NULL;
     queue_init(&s->urgent);
     queue_init(&s->lazy);
+    s->early_end = &s->early;
     memcpy(s->job, job, MSG_JOB);
     s->frames = calloc(nframes + 1, sizeof *s->frames);
     if (!s->frames) {

@@ -34,8 +34,9 @@ void strict_free(struct strict *s);
 int strict_error(const struct strict *s);
 
 /* --- what comes in ---
- * UNIT: RAD_EPROTO if its rows are no lines of a frame.  The others are ignored
- * where they are about nothing that is here. */
+ * UNIT: RAD_EPROTO if its rows are no lines of a frame.  REVOKE, SPLIT and TWIN
+ * are ignored where they are about nothing that is here; facts and base lines
+ * may come before the unit that needs them, and should: it is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,
                 struct rad_error *err);
 void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);

@@ -425,6 +425,43 @@ START_TEST(fresh_frames_go_out_one_after_another)
 }
 END_TEST
 
+START_TEST(fresh_windows_go_out_frame_by_frame)
+{
+    struct msg_frame f[2] = { { .width = 40, .height = 40 },
+                              { .width = 40, .height = 40 } };
+    struct partition_spec spec = { .kind = MSG_PART_WINDOW,
+                                   .windows = 4,
+                                   .fresh = true,
+                                   .psample = 4,
+                                   .nframes = 2,
+                                   .frames = f };
+    struct partition *p = partition_new(&spec, NULL);
+    struct partition_area a;
+    uint32_t unit;
+
+    for (int i = 0; i < 4; i++) {
+        ck_assert(next(p, &unit));
+        partition_area(p, unit, &a);
+        ck_assert_uint_eq(a.frame, 0);
+    }
+    for (uint32_t u = 0; u < 4; u++) {
+        ck_assert(!next(p, &unit));
+        if (u == 2) { /* one comes back meanwhile */
+            partition_lost(p, 3);
+            ck_assert(next(p, &unit) && unit == 3);
+        }
+        partition_done(p, u);
+    }
+    for (int i = 0; i < 4; i++) {
+        ck_assert(next(p, &unit));
+        partition_area(p, unit, &a);
+        ck_assert_uint_eq(a.frame, 1);
+    }
+    ck_assert(!next(p, &unit));
+    partition_free(p);
+}
+END_TEST
+
 START_TEST(a_unit_gives_whole_lines)
 {
     struct partition *p = lines(MSG_PART_AUTO, 1);
@@ -539,6 +576,7 @@ main(void)
     tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
     tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
     tcase_add_test(tc, fresh_frames_go_out_one_after_another);
+    tcase_add_test(tc, fresh_windows_go_out_frame_by_frame);
     tcase_add_test(tc, a_unit_gives_whole_lines);
     tcase_add_test(tc, windows_go_out_by_cost);
     tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,

@@ -375,7 +375,6 @@ hand_out(struct world *w, struct unit *u, int node)
                                 .mode = MSG_MODE_STRICT,
                                 .end = (uint8_t)(twin ? h - u->by : 0) };
     m.unit.flags = (top ? MSG_UNIT_TOP : 0) | (twin ? MSG_UNIT_TWIN : 0);
-    post_msg(w, COORD, node, &m);
     w->node[node].last_line = u->last;
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         for (int k = 0; k < w->line[i].nfacts; k++)
@@ -384,6 +383,7 @@ hand_out(struct world *w, struct unit *u, int node)
     if (u->first > 0)
         send_top(w, u, h);
     h->top_sent = u->first == 0 || line_whole(w, u->first - 1);
+    post_msg(w, COORD, node, &m);
     for (int k = 0; k < HOLDERS && twin; k++)
         if (u->by[k].node >= 0 && &u->by[k] != h)
             send_attempt(w, u, &u->by[k], MSG_TWIN);

@@ -101,5 +101,22 @@ body f007.hdr >f007.body
 body still.hdr >still.body
 same f007.body still.body "an animation's first frame is not the still"
 
+# with nothing kept between frames they are the same, one after the other
+for partition in window scanbar auto; do
+    { cat "$scenes/room.vf" && echo "rvu -vh 40" && echo "rvu -vh 60"; } |
+        "$radsubmit" --local $size -ab 0 -pj 0 -ss 0 --workers=2 --threads=1 \
+            --partition=$partition --fresh-frames --stats=fresh.json -S 7 \
+            -o 'g%03d.hdr' "$room" 2>stderr ||
+        fail "fresh frames, $partition: $(cat stderr)"
+    for i in 007 008; do
+        body f$i.hdr >f$i.body
+        body g$i.hdr >g$i.body
+        [ $partition = window ] ||
+            same f$i.body g$i.body "fresh frame $i, $partition"
+    done
+    [ -s g009.hdr ] || fail "fresh frames, $partition: the last is missing"
+    rm g*.hdr
+done
+
 check_nothing_left "after all of them"
 finish
