@@ -705,7 +705,8 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
     int end = u->last;
 
     if (last < end) {
-        for (int i = last; i < end; i++)
+        /* and the base line above, which whoever gets them would make */
+        for (int i = last - 1; i < end; i++)
             push_facts(s, &s->urgent, u, i);
         u->last = last;
         u->bottom_done = false;
