@@ -77,7 +77,7 @@ send_facts(struct coord *c, const struct job *job, uint32_t frame,
 
 /* What is here of a base line. */
 static void
-send_base(struct coord *c, const struct job *job, uint32_t frame, uint32_t line,
+send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
           struct job_go *go)
 {
     uint32_t x = 0, first = 0;
@@ -88,6 +88,8 @@ send_base(struct coord *c, const struct job *job, uint32_t frame, uint32_t line,
         x += m.base_line.n;
         first += m.base_line.ndensity;
         actions_send(&c->actions, conn_of(job, go), &m);
+        if (c->actions.n > 0)
+            job->base_line_bytes += c->actions.v[c->actions.n - 1].len;
     }
     go->top_sent = shared_whole_ms(job->shared, frame, line) != 0;
 }
@@ -131,8 +133,7 @@ introduce(struct coord *c, const struct job *job, uint32_t unit,
 }
 
 void
-handoff_out(struct coord *c, const struct job *job, uint32_t unit,
-            struct job_go *go)
+handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);

@@ -396,6 +396,8 @@ job_tally(const struct job_worker *w)
     t.ambient_redundant += w->tally.ambient_redundant;
     t.bytes_in += w->tally.bytes_in;
     t.bytes_out += w->tally.bytes_out;
+    t.base_line_bytes += w->tally.base_line_bytes;
+    t.base_line_pixels += w->tally.base_line_pixels;
     t.busy_s += w->tally.busy_s;
     t.wait_base_line_s += w->tally.wait_base_line_s;
     if (w->tally.peak_rss_bytes > t.peak_rss_bytes)

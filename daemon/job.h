@@ -121,11 +121,12 @@ struct job {
     uint32_t nunits, cap_units;
     uint32_t *out; /* units that somebody has */
     uint32_t nout, cap_out;
-    struct survey *survey; /* NULL: costs are not estimated, or are by now */
-    struct shared *shared; /* NULL: lines are not shared */
-    uint64_t late_rays;    /* facts of lines that were done */
-    uint32_t *suspects;    /* units that crashed a child: out of the partition's
-                            * queue, each to go to another worker alone */
+    struct survey *survey;    /* NULL: costs are not estimated, or are by now */
+    struct shared *shared;    /* NULL: lines are not shared */
+    uint64_t base_line_bytes; /* that the coordinator sent */
+    uint64_t late_rays;       /* facts of lines that were done */
+    uint32_t *suspects; /* units that crashed a child: out of the partition's
+                         * queue, each to go to another worker alone */
     uint32_t nsuspects, cap_suspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* the first so many are written */

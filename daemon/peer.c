@@ -383,6 +383,8 @@ peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
         return;
     }
     job->bytes_out += out->len;
+    if (m->type == MSG_BASE_LINE)
+        job->base_line_bytes += out->len;
     lossy_sent(&p->queue, out->len);
     actions_send_bytes(&w->actions, p->conn, out->buf, out->len);
 }

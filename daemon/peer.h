@@ -66,6 +66,7 @@ struct wjob {
     struct msg_ready ready;
     struct msg_tally tally;
     uint64_t bytes_in, bytes_out;
+    uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
     struct wunit *units; /* with the child, in the order in which they came */
     size_t nunits, cap_units;
     struct wkept *kept, **kept_tail;

@@ -367,6 +367,8 @@ pass_up(struct worker *w, struct wjob *job, const struct msg *m)
     }
     w->progress++;
     job->bytes_out += out->len;
+    if (m->type == MSG_BASE_LINE)
+        job->base_line_bytes += out->len;
     actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
 }
 
@@ -409,6 +411,7 @@ child_base_line(struct worker *w, struct wjob *job, const struct msg *m)
     struct msg pass = { .type = MSG_BASE_LINE, .base_line = m->base_line };
 
     pass.base_line.job = job->id;
+    job->base_line_pixels += m->base_line.n;
     pass_up(w, job, &pass);
     made(w, job, &pass.base_line);
 }

@@ -244,8 +244,7 @@ free_end(const struct job_unit *u)
 }
 
 static void
-send_unit(struct coord *c, const struct job *job, uint32_t unit,
-          struct job_go *go)
+send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     bool strict = partition_is_strict(job->partition);
     struct partition_area a;

@@ -154,7 +154,7 @@ bool loss_others_than(const struct coord *c, const struct coord_worker *w);
 /* Flags of the UNIT for that holder. */
 uint8_t handoff_flags(const struct job *job, uint32_t unit);
 /* The unit went out to it. */
-void handoff_out(struct coord *c, const struct job *job, uint32_t unit,
+void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);
 /* Is its bottom with us, if anybody needs it? */
 bool handoff_complete(const struct job *job, uint32_t unit);

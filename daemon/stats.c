@@ -109,6 +109,7 @@ totals(const struct job *job)
 {
     struct msg_counts t = sum_counts(job);
     uint64_t sent = 0, received = 0, redundant = 0;
+    uint64_t line_bytes = job->base_line_bytes, line_pixels = 0;
     uint32_t took_part = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
@@ -117,11 +118,13 @@ totals(const struct job *job)
         sent += w.ambient_sent;
         received += w.ambient_received;
         redundant += w.ambient_redundant;
+        line_bytes += w.base_line_bytes;
+        line_pixels += w.base_line_pixels;
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I}", "rays",
-        integer(t.rays), "primary_rays", integer(t.primary_rays),
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I}",
+        "rays", integer(t.rays), "primary_rays", integer(t.primary_rays),
         "speculative_rays", integer(t.speculative_rays), "shadow_rays",
         integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
         "intersection_tests", integer(t.intersection_tests), "ambient_values",
@@ -130,7 +133,8 @@ totals(const struct job *job)
         took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",
         integer(t.nan.pixels), "units_redone", integer(job->units_redone),
         "estimate_rays", integer(t.estimate_rays), "paint_rays",
-        integer(t.paint_rays));
+        integer(t.paint_rays), "base_line_bytes", integer(line_bytes),
+        "base_line_pixels", integer(line_pixels));
 }
 
 static json_t *

@@ -648,6 +648,8 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
     tally.tally.job = job->id;
     tally.tally.bytes_in = job->bytes_in;
     tally.tally.bytes_out = job->bytes_out;
+    tally.tally.base_line_bytes = job->base_line_bytes;
+    tally.tally.base_line_pixels = job->base_line_pixels;
     job->tally = tally.tally;
     send_coord(w, &tally);
 }

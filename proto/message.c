@@ -603,6 +603,8 @@ msg_pack_tally(struct wire_out *o, const struct msg_tally *b)
     wire_put_u64(o, b->peak_rss_bytes);
     wire_put_u64(o, b->bytes_in);
     wire_put_u64(o, b->bytes_out);
+    wire_put_u64(o, b->base_line_bytes);
+    wire_put_u64(o, b->base_line_pixels);
     wire_put_f64(o, b->busy_s);
     wire_put_f64(o, b->wait_base_line_s);
     wire_put_u64(o, b->rays_under_way);
@@ -619,6 +621,8 @@ msg_unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
     b->peak_rss_bytes = wire_get_u64(in);
     b->bytes_in = wire_get_u64(in);
     b->bytes_out = wire_get_u64(in);
+    b->base_line_bytes = wire_get_u64(in);
+    b->base_line_pixels = wire_get_u64(in);
     b->busy_s = wire_get_f64(in);
     b->wait_base_line_s = wire_get_f64(in);
     b->rays_under_way = wire_get_u64(in);

@@ -326,6 +326,8 @@ struct msg_tally {
     const uint8_t *job;
     uint64_t ambient_sent, ambient_received, ambient_redundant;
     uint64_t peak_rss_bytes, bytes_in, bytes_out;
+    uint64_t base_line_bytes;  /* sent in BASE_LINEs, to peers and up */
+    uint64_t base_line_pixels; /* of the base lines that were made */
     /* summed over render threads */
     double busy_s;           /* on units, waits and all */
     double wait_base_line_s; /* of that, for the line above */

@@ -592,6 +592,12 @@ START_TEST(a_base_line_goes_to_whom_waits_and_to_the_coordinator)
     next_holder("ws9"); /* no link to that */
     next_holder("");
     ck_assert_int_eq(said(f.peer, MSG_BASE_LINE), 2);
+    hear(f.child, &(struct msg){ .type = MSG_TALLY, .tally.job = job_id });
+    ck_assert_int_eq(said(f.coord, MSG_TALLY), 1);
+    /* each piece twice: frame, fields, a float for each colour, densities */
+    ck_assert_uint_eq(f.last.tally.base_line_bytes,
+                      2 * (2 * (MSG_HEADER + 41) + 8 * 12 + 4));
+    ck_assert_uint_eq(f.last.tally.base_line_pixels, 8);
 }
 END_TEST
 
