@@ -102,6 +102,7 @@ librad_a_SOURCES = \
 	src/scene/calceval.c \
 	src/scene/calcimpl.h \
 	src/scene/calcinit.c \
+	src/scene/calclamp.c \
 	src/scene/calclib.c \
 	src/scene/calcparse.c \
 	src/scene/calcprism.c \

@@ -98,6 +98,11 @@ double rad_calc_prism(const double *v, const struct rad_calc_input *in,
                       uint64_t clock, struct prism_rays *out,
                       enum rad_calc_fault *fault);
 
+enum luminaire { LUMINAIRE_CORR, LUMINAIRE_THETA, LUMINAIRE_PHI };
+double rad_calc_luminaire(enum luminaire which, const double *v,
+                          const struct rad_calc_input *in,
+                          enum rad_calc_fault *fault);
+
 double rad_calc_noise(const double p[3]);
 double rad_calc_noise_slope(const double p[3], int axis);
 double rad_calc_fractal(const double p[3]);

@@ -4,9 +4,6 @@
  * files; names with `P. are not meant to be used elsewhere.  Channels: see
  * expr.c of shade/, which sets them.  Those above $27 are the variables that
  * only some materials have (rad_calc_offer).
- * source_corr() and its kin are what the library's source.cal for luminaires
- * calls; a single real argument is the multiplier, as that file says, though
- * Radiance 6 ignores it there.
  * Source: Abramowitz & Stegun 1964, 26.2.23 (normal quantile); Catmull-Clark's
  * uniform cubic B-spline, Bernstein's and Hermite's bases. */
 #include "config.h"
@@ -75,21 +72,6 @@ const char rad_calc_standard[] =
     "upper`P.(p):tail`P.(sqrt(-2*log(p)));"
     "unif2norm(p):if(.5-p,-upper`P.(p),upper`P.(1-p));"
     "nrand(v)=unif2norm(rand(v));"
-    /* luminaires: the projected area of their body, and angles [degree] */
-    "adj`P.(v)=noneg(if(AC-.5,A1*v,v));"
-    "box`P.=abs(Dx)*A3*A4+abs(Dy)*A2*A4+abs(Dz)*A2*A3;"
-    "near`P.=noneg(abs(Px-Dx*Ts)-A2/2)*A3*A4"
-    "+noneg(abs(Py-Dy*Ts)-A3/2)*A2*A4+noneg(abs(Pz-Dz*Ts)-A4/2)*A2*A3;"
-    "down`P.=if(1-Dz,Dz,1-1e-6);"
-    "drum`P.=A2*A3*Sqrt(1-sq(down`P.))+PI/4*A2*A2*abs(down`P.);"
-    "corr`P.(v,kind)=if(v,select(kind+1,v,v/Rdot,v/box`P.,v*Ts/near`P.,"
-    "v/drum`P.),0);"
-    "source_corr(v,kind)=corr`P.(adj`P.(v),kind);"
-    "source_theta(period)=if(Dz-1,0,if(-1-Dz,180,acos(Dz)/DEGREE));"
-    "turn`P.(a)=if(-a,a+360,a); phi`P.=turn`P.(atan2(-Dy,-Dx)/DEGREE);"
-    "fold`P.(a,half)=if(half-a,a,2*half-a);"
-    "source_phi(period)=if(period-270,phi`P.,if(period-135,"
-    "fold`P.(phi`P.,180),fold`P.(if(180-phi`P.,phi`P.,phi`P.-180),90)));"
     /* U and V across the normal, V upright where it can be */
     "flat`P.=Nx*Nx+Ny*Ny;"
     "U=if(flat`P.-FTINY,(Nx*Py-Ny*Px)/flat`P.,Px);"

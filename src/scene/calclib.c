@@ -42,6 +42,9 @@ const struct library rad_calc_library[] = {
     { "noise3y", 3, false, true, 0 },
     { "noise3z", 3, false, true, 0 },
     { "fnoise3", 3, false, true, 0 },
+    { "source_corr", 2, false, false, 0 },
+    { "source_theta", 1, false, false, 0 },
+    { "source_phi", 1, false, false, 0 },
 };
 const int rad_calc_nlibrary =
     sizeof rad_calc_library / sizeof rad_calc_library[0];
@@ -68,7 +71,10 @@ enum {
     LIB_NOISE3X,
     LIB_NOISE3Y,
     LIB_NOISE3Z,
-    LIB_FNOISE3
+    LIB_FNOISE3,
+    LIB_CORR,
+    LIB_THETA,
+    LIB_PHI
 };
 
 /* --- noise -------------------------------------------------------------- */
@@ -312,6 +318,12 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
         return rad_calc_noise_slope(v, id - LIB_NOISE3X);
     case LIB_FNOISE3:
         return rad_calc_fractal(v);
+    case LIB_CORR:
+        return rad_calc_luminaire(LUMINAIRE_CORR, v, in, fault);
+    case LIB_THETA:
+        return rad_calc_luminaire(LUMINAIRE_THETA, v, in, fault);
+    case LIB_PHI:
+        return rad_calc_luminaire(LUMINAIRE_PHI, v, in, fault);
     default:
         return 0;
     }
