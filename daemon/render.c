@@ -36,6 +36,9 @@
 /* how often strict units are looked at: others wait for their base lines, and
  * twins for their facts, for at most 20 ms */
 #define TICK_MS 10
+/* Looking up whether a record was needed costs more than putting it in, so one
+ * of so many is looked up and stands for the others. */
+#define METER_EACH 4
 /* how often the coordinator hears of rays while units are under way */
 #define TALLY_MS 500
 /* someone who gets the whole cache, or facts for the case of a loss, is given
@@ -265,9 +268,9 @@ take_ambient(struct render *r, const struct msg_ambient *a)
     for (uint32_t i = 0; i < a->count && !in.bad; i++) {
         if (!ambshare_unpack(&in, &rec))
             continue;
-        r->received++;
-        if (rad_ambient_covers(r->job->ambient, &rec))
-            r->redundant++;
+        if (r->received++ % METER_EACH == 0 &&
+            rad_ambient_covers(r->job->ambient, &rec))
+            r->redundant += METER_EACH;
         rad_ambient_insert(r->job->ambient, &rec);
     }
 }
