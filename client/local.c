@@ -305,8 +305,13 @@ wait_ready(struct local *l, const int *stop, struct rad_error *err)
         if (poll(&fd, 1, LOOK_MS) > 0) {
             n = recv(l->notify, text, sizeof text - 1, 0);
             text[n > 0 ? n : 0] = '\0';
-            if (strstr(text, "READY=1"))
+            if (strstr(text, "READY=1")) {
+                /* nobody reads what is said from now on: a sender must be
+                 * refused, or it waits for ever once the queue is full */
+                close(l->notify);
+                l->notify = -1;
                 return 0;
+            }
         } else if (ended(&l->coordinator)) {
             return rad_fail(err, RAD_EINTERNAL,
                             "radcoord ended before it was ready");
