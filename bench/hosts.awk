@@ -1,6 +1,7 @@
 # hosts.awk - the tables of hosts.sh, from the lines of its runs
 #
-# A line: table, row, workers, then what stats.awk tells.  Variables: tables,
+# Reads two files: what was simulated, in lines of table, row, workers and
+# seconds; and the runs: table, row, workers, then what stats.awk tells.  Variables: tables,
 # workers, windows as hosts.sh has them; share: workstations of the first
 # table; most: of the table of estimates; frames of the animation.
 function median(key, field,   n, i, j, t, v)
@@ -163,6 +164,29 @@ function windows_table(   i)
         row_of_speed_ups(window[i] " windows", "windows", window[i])
 }
 
+function sim_line(label, key, n,   s, t)
+{
+    t = median(key, 1)
+    s = key in simulated ? simulated[key] : "-"
+    printf "%-14s%5d%s%s%s\n", label, n, show("%10.2f", t),
+        show("%10.2f", s), show("%10.2f", over(s, t))
+}
+
+function sim_table(   i, j, n)
+{
+    title("Measured and simulated seconds (bench/sim)")
+    printf "%-14s%5s%10s%10s%10s\n", "", "hosts", "measured", "simulated",
+        "ratio"
+    for (i = 1; i <= nworkers; i++) {
+        n = worker[i]
+        sim_line("static", "ways static " n, n)
+        sim_line("scanbar", "ways scanbar " n, n)
+        for (j = 1; j <= nwindows; j++)
+            sim_line(window[j] " windows", "windows " window[j] " " n, n)
+        sim_line("auto", "ways auto " n, n)
+    }
+}
+
 function animation_table(   i, v, n, one)
 {
     title("Animation of " frames " views: speed-up over one worker, frame by" \
@@ -183,6 +207,10 @@ function animation_table(   i, v, n, one)
     base = one
 }
 
+FILENAME ~ /simulated$/ {
+    simulated[$1 " " $2 " " $3] = $4
+    next
+}
 {
     key = $1 " " $2 " " $3
     n = ++count[key]
@@ -202,6 +230,7 @@ END {
         if (table[i] == "static") static_table()
         if (table[i] == "ways") ways_table()
         if (table[i] == "windows") windows_table()
+        if (table[i] == "sim") sim_table()
         if (table[i] == "animation") animation_table()
     }
 }

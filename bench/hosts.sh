@@ -15,7 +15,9 @@
 #   --size=WxH       of the picture at most (480x320)
 #   --workers=LIST   numbers of workstations (2,4,8)
 #   --windows=LIST   numbers of windows (16,64,256)
-#   --tables=LIST    of share, estimate, static, ways, windows, animation (all)
+#   --tables=LIST    of share, estimate, static, ways, windows, sim, animation
+#                    (all); sim sets what is measured beside what bench/sim/sim
+#                    makes of the costs, if it is built
 #   --frames=N       of the animation, whose views turn around the given one's
 #                    point in equal steps (12)
 #   --views=FILE     its views, one a line, in place of those
@@ -28,7 +30,7 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 quota=0.2 rounds=3 size=480x320 workers=2,4,8 windows=16,64,256
-tables=share,estimate,static,ways,windows,animation
+tables=share,estimate,static,ways,windows,sim,animation
 frames=12 views='' results=bench/results check=
 options='-ab 2 -aa .25 -ar 48 -ad 256 -as 64 -ps 4 -pt .05 -dj .5 -ds .2
 -dt .05 -dc .75 -pj .9 -st .1 -lr 6 -lw .005'
@@ -80,7 +82,7 @@ awk -v q="$quota" 'BEGIN { exit !(q + 0 > 0 && q + 0 <= 1) }' ||
     die "a quota is above 0 and at most 1: '$quota'"
 for t in $(echo "$tables" | tr , ' '); do
     case $t in
-    share | estimate | static | ways | windows | animation) ;;
+    share | estimate | static | ways | windows | sim | animation) ;;
     *) die "no table '$t'" ;;
     esac
 done
@@ -366,6 +368,49 @@ windows_table()
     done
 }
 
+# Its runs are those of ways and windows.
+sim_table()
+{
+    :
+}
+
+# What the simulator makes of the median run of one worker: lines of way, hosts
+# and seconds.
+simulate()
+{
+    [ -x "$build/bench/sim/sim" ] && [ -e "$optimum" ] || return 0
+    # the time of one worker, apart from that of rendering, and how much more
+    # rays there are with each doubling of workers
+    set -- "$(awk -v most="$most" '
+        function median(v, n,   i, j, t) {
+            for (i = 2; i <= n; i++)
+                for (j = i; j > 1 && v[j] < v[j - 1]; j--) {
+                    t = v[j]; v[j] = v[j - 1]; v[j - 1] = t
+                }
+            return v[int((n + 1) / 2)]
+        }
+        $1 == "base" { wall[++n] = $4; render[n] = $17; rays[n] = $6 }
+        $1 == "ways" && $2 == "auto" && $3 == most { all[++m] = $6 }
+        END {
+            if (n == 0) exit
+            growth = m ? (median(all, m) / median(rays, n) - 1) : 0
+            growth = most > 1 && growth > 0 ? growth * log(2) / log(most) : 0
+            r = median(render, n)
+            printf "--seconds=%.4f --load=%.4f --growth=%.3f", r,
+                median(wall, n) - r, 100 * growth
+        }' "$tmp/runs")"
+    # shellcheck disable=SC2086 # options are words
+    "$build/bench/sim/sim" $1 --details --ways=static,scanbar,auto \
+        --hosts="$(echo "$workers" | tr ' ' ,)" "$optimum" |
+        awk '$4 == "s" { print "ways", $1, $2, $3 }'
+    for w in $windows; do
+        # shellcheck disable=SC2086
+        "$build/bench/sim/sim" $1 --details --ways=window --windows="$w" \
+            --hosts="$(echo "$workers" | tr ' ' ,)" "$optimum" |
+            awk -v w="$w" '$4 == "s" { print "windows", w, $2, $3 }'
+    done
+}
+
 animation_table()
 {
     set -- -S 1 --views="$tmp/views"
@@ -419,7 +464,7 @@ measure() # the scene and view that are set
         run base auto 1
         for t in $(echo "$tables" | tr , ' '); do
             case $t in
-            static) # measured costs of bars, by a run on all workstations
+            static | sim) # costs of bars, by a run on all workstations
                 [ -e "$optimum" ] || {
                     run former scanbar "$most" --partition=scanbar
                     keep_stats "$optimum"
@@ -444,9 +489,10 @@ report()
     echo "$(basename "$scene"), $(basename "$view"), at most $size pixels," \
         "medians of $rounds"
     echo "radsubmit $(echo "$options" | tr '\n' ' ')"
+    simulate >"$tmp/simulated"
     awk -v tables="$tables" -v workers="$workers" -v windows="$windows" \
         -v share="$share_workers" -v most="$most" -v frames="$frames" \
-        -f "$here/hosts.awk" "$tmp/runs"
+        -f "$here/hosts.awk" "$tmp/simulated" "$tmp/runs"
     [ ! -s "$tmp/refused" ] || {
         echo
         echo 'Runs that failed:'

@@ -22,7 +22,7 @@ bench-kernel: bench/kernel$(EXEEXT)
 HOSTS_FLAGS =
 dist_noinst_SCRIPTS += bench/hosts.sh
 EXTRA_DIST += bench/hosts.awk bench/stats.awk
-bench-hosts: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
+bench-hosts: bench/sim/sim$(EXEEXT) radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
 	$(srcdir)/bench/hosts.sh $(HOSTS_FLAGS) . $(BENCH_SCENE) $(BENCH_VIEW)
 
 # The scheduler with simulated hosts; SIM_FLAGS are options of bench/sim/sim,
