@@ -57,7 +57,8 @@ handoff_flags(const struct job *job, uint32_t unit)
         return flags;
     above = unit_at(job, frame, first - 1);
     if (above == PARTITION_NONE || job->units[above].ngos == 0 ||
-        (u->given && u->attempt == 1))
+        (u->given && u->attempt == 1) ||
+        shared_has_base_facts(job->shared, frame, first - 1))
         flags |= MSG_UNIT_TOP;
     return flags;
 }
@@ -149,6 +150,25 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 
 /* --- in --- */
 
+/* A guess of the top of the unit below, with which its first bar can be traced
+ * too. */
+static void
+pass_below(struct coord *c, const struct job *job, uint32_t from,
+           const struct msg *pass)
+{
+    const struct msg_facts *m = &pass->facts;
+    uint32_t below = unit_at(job, m->frame, m->line + 1), first, last;
+    const struct job_unit *u;
+
+    if (below == PARTITION_NONE || !shared_of_base(job->shared, m))
+        return;
+    partition_unit_lines(job->partition, below, &first, &last);
+    u = &job->units[below];
+    for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
+        if (u->go[i].worker != from && !u->go[i].top_sent)
+            actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
+}
+
 /* To whoever else has the line now. */
 static void
 pass_on(struct coord *c, const struct job *job, uint32_t from,
@@ -165,6 +185,8 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].worker != from)
             actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
+    if (job_go_of(job, unit, from))
+        pass_below(c, job, from, &pass);
 }
 
 /* The job of a message about lines that a worker may say; NULL: it is ignored,

@@ -106,19 +106,44 @@ fits(const struct shared *s, uint32_t frame, uint32_t line, uint8_t channels)
 
 /* --- facts --- */
 
+static uint32_t
+rows_of(const struct rad_quincunx *q, uint32_t line)
+{
+    int row = rad_quincunx_base_row(q, (int)line);
+
+    return line == 0
+               ? 1
+               : (uint32_t)(row - rad_quincunx_base_row(q, (int)line - 1));
+}
+
 bool
 shared_facts_fit(const struct shared *s, const struct msg_facts *m)
 {
     const struct rad_quincunx *q;
-    int rows;
 
     if (!fits(s, m->frame, m->line, m->channels))
         return false;
     q = &s->frame[m->frame].q;
-    rows = m->line == 0 ? 1
-                        : rad_quincunx_base_row(q, (int)m->line) -
-                              rad_quincunx_base_row(q, (int)m->line - 1);
-    return m->width == (uint32_t)q->width && m->row + m->rows <= (uint32_t)rows;
+    return m->width == (uint32_t)q->width &&
+           m->row + m->rows <= rows_of(q, m->line);
+}
+
+bool
+shared_of_base(const struct shared *s, const struct msg_facts *m)
+{
+    return !(m->flags & MSG_FACTS_ESTIMATE) &&
+           m->row + m->rows == rows_of(&s->frame[m->frame].q, m->line);
+}
+
+bool
+shared_has_base_facts(const struct shared *s, uint32_t frame, uint32_t line)
+{
+    const struct line *l = find_line(s, frame, line);
+
+    for (const struct shared_facts *f = l ? l->facts : NULL; f; f = f->next)
+        if (shared_of_base(s, &f->m))
+            return true;
+    return false;
 }
 
 void

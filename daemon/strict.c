@@ -45,7 +45,8 @@ struct strict_unit {
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
     enum team_end end;
-    bool make_top; /* base line first - 1 is traced ahead here too */
+    bool make_top; /* base line first - 1 is gone over ahead here too, since
+                    * nobody has it, or with the facts of whoever has */
     bool twin;     /* facts go out as they are made */
     bool gone;     /* to be freed when its pass has ended */
     bool split;    /* GAVE is due when its pass has ended */
@@ -147,11 +148,11 @@ line_from_row(const struct frame *f, uint32_t row)
     return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
 }
 
+/* Its own lines, and the one whose base line is its top. */
 static bool
 covers(const struct strict_unit *u, uint32_t frame, int line)
 {
-    return u->frame == frame && line < u->last &&
-           line >= u->first - (u->make_top ? 1 : 0);
+    return u->frame == frame && line < u->last && line >= u->first - 1;
 }
 
 static struct strict_unit *
@@ -525,9 +526,8 @@ unit_drop(struct strict *s, struct strict_unit *u)
         at = &(*at)->next;
     *at = u->next;
     forget_lazy(s, u);
-    for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
-        if (i >= 0)
-            facts_drop(s, u->frame, i);
+    for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
+        facts_drop(s, u->frame, i);
     unit_free(u);
 }
 
@@ -551,6 +551,16 @@ unit_above(const struct strict *s, const struct strict_unit *u)
     while (a && (a->gone || a->frame != u->frame || a->last != u->first))
         a = a->next;
     return a;
+}
+
+static struct strict_unit *
+unit_below(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *b = s->units;
+
+    while (b && (b->gone || b->frame != u->frame || b->first != u->last))
+        b = b->next;
+    return b;
 }
 
 static bool
@@ -787,6 +797,25 @@ facts_fit(const struct strict *s, const struct msg_facts *m)
            m->channels == channels_of(f);
 }
 
+/* Facts of the base line above a unit came from whoever has it: with these
+ * colours the first bar can be traced, too. */
+static void
+use_above(struct strict *s, const struct msg_facts *m)
+{
+    const struct frame *f = frame_of(s, m->frame);
+    int line = (int)m->line;
+
+    if (m->flags & MSG_FACTS_ESTIMATE ||
+        (int)(m->row + m->rows) < team_line_rows(&f->q, line))
+        return;
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (!u->gone && !u->make_top && u->frame == m->frame &&
+            u->first - 1 == line && !top_is_true(s, u) && !unit_above(s, u)) {
+            u->make_top = true;
+            u->ahead_done = u->ahead_done && u->ahead_guessed;
+        }
+}
+
 void
 strict_facts(struct strict *s, const struct msg_facts *m)
 {
@@ -808,6 +837,7 @@ strict_facts(struct strict *s, const struct msg_facts *m)
         wire_floats_get(pixels, m->pixels, n);
         rad_facts_import(facts, (int)m->row, (int)m->rows, m->channels, origin,
                          m->bitmap, pixels, m->npixels);
+        use_above(s, m);
     }
     free(pixels);
 }
@@ -1144,9 +1174,12 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     if (p->mode == TEAM_AHEAD) {
         u->ahead_done = true;
-        u->ahead_guessed = p->top || u->make_top;
+        u->ahead_guessed = p->top || p->first < u->first;
     }
     u->lines_done = true;
+    if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
+        !unit_below(s, u))
+        push_facts(s, &s->urgent, u, u->last - 1);
     if (pixels)
         keep_guess(s, u, pixels, density);
 }

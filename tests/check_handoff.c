@@ -426,18 +426,21 @@ START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
     a = *unit_of(W1);
     b = *unit_of(W2);
     line = line_above(b.y);
-    facts(W1, line); /* its own: nobody else wants it */
+    facts(W1, line - 1); /* its own: nobody else wants it */
     ck_assert_int_eq(count(W1, MSG_FACTS) + count(W2, MSG_FACTS), 0);
     facts(W2, line); /* the base line above, made ahead */
     ck_assert_int_eq(count(W1, MSG_FACTS), 1);
     ck_assert_int_eq(count(W2, MSG_FACTS), 0);
+    facts(W1, line); /* its bottom: a guess for the one below */
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1);
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut");
     carry_out();
     join(W3, MSG_ROLE_WORKER, "ws3", "");
     ready(W3);
     ck_assert_uint_eq(unit_of(W3)->unit, a.unit);
-    ck_assert_int_eq(count(W3, MSG_FACTS), 2);
+    ck_assert_int_eq(count(W3, MSG_FACTS), 3);
     ck_assert_uint_eq(last(W3, MSG_FACTS)->m.facts.npixels, 2);
     a = *unit_of(W3);
     finish(W3, &a);
@@ -572,7 +575,7 @@ START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
         attempt(W3, MSG_PARKED, u);
     }
     ck_assert(again);
-    ck_assert_int_eq(count(W3, MSG_FACTS), 1);
+    ck_assert_int_eq(count(W3, MSG_FACTS), 2); /* for it, and for the one below */
 }
 END_TEST
 
