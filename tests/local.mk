@@ -33,6 +33,7 @@ UNIT_TESTS = \
 	tests/check_geom \
 	tests/check_handoff \
 	tests/check_hdr \
+	tests/check_hostile \
 	tests/check_message \
 	tests/check_metric \
 	tests/check_mirror \
@@ -188,6 +189,10 @@ tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/unit.h \
 	tests/world.h
 tests_check_antimatter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_antimatter_LDADD = $(UNIT_LIBS)
+
+tests_check_hostile_SOURCES = tests/check_hostile.c tests/unit.h tests/world.h
+tests_check_hostile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_hostile_LDADD = $(UNIT_LIBS)
 
 tests_check_mist_SOURCES = tests/check_mist.c tests/unit.h tests/world.h
 tests_check_mist_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

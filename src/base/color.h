@@ -96,12 +96,14 @@ rad_rgb_black(struct rad_rgb a)
     return a.r <= 0 && a.g <= 0 && a.b <= 0;
 }
 
+#define RAD_MAX_RADIANCE 3.4e38f
+
 /* Finite and not negative: what may enter a pixel or a cache. */
 static inline bool
 rad_rgb_sound(struct rad_rgb a)
 {
-    return a.r >= 0 && a.g >= 0 && a.b >= 0 && a.r <= 3.4e38f &&
-           a.g <= 3.4e38f && a.b <= 3.4e38f;
+    return a.r >= 0 && a.g >= 0 && a.b >= 0 && a.r <= RAD_MAX_RADIANCE &&
+           a.g <= RAD_MAX_RADIANCE && a.b <= RAD_MAX_RADIANCE;
 }
 
 #endif

@@ -409,7 +409,7 @@ static void
 test_selected(struct direct *d, struct order *o)
 {
     const struct rad_params *par = &d->ctx->job->params;
-    int32_t ahead = (int32_t)(pow(d->n, par->shadcert) + .5), k;
+    int32_t ahead = (int32_t)fmin(d->n, pow(d->n, par->shadcert) + .5), k;
     double thresh = par->shadthresh / d->r->weight;
     double tried = 0, seen = 0;
     float *rest; /* luminance of o[k] and all after it */

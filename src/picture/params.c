@@ -462,7 +462,15 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
 struct rad_rgb
 rad_params_colour(const struct rad_params *p, struct rad_rgb L)
 {
-    return p->primaries == RAD_PRIM_XYZ ? rad_rgb_to_xyz(L) : L;
+    struct rad_rgb xyz;
+
+    if (p->primaries != RAD_PRIM_XYZ)
+        return L;
+    xyz = rad_rgb_to_xyz(L);
+    /* the largest radiance has no float for its luminance */
+    return rad_rgb(fminf(xyz.r, RAD_MAX_RADIANCE),
+                   fminf(xyz.g, RAD_MAX_RADIANCE),
+                   fminf(xyz.b, RAD_MAX_RADIANCE));
 }
 
 int
