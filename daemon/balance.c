@@ -178,6 +178,17 @@ least_left(const struct coord *c, const struct job *job, uint32_t unit,
     return least;
 }
 
+/* A twin begins at the unit's first bar, where the holder of several has long
+ * been: it would do again what is done. */
+static bool
+has_one_bar(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return last - (first > 0 ? first : 1) <= 1; /* line 0 has none */
+}
+
 /* The unit that a worker should have as well; false: none. */
 static bool
 choose_twin(const struct coord *c, const struct job *job, uint32_t index,
@@ -195,8 +206,8 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
         ms = least_left(c, job, job->out[i], index);
         if (ms >= 0 && is_late(c, u, lease_ms))
             ms += 1e12; /* before all others */
-        else if (!twins(job) || u->next_row > 0)
-            continue; /* a twin would do again what is done, from the top */
+        else if (!twins(job) || !has_one_bar(job, job->out[i]))
+            continue;
         if (ms >= most) {
             most = ms;
             found = true;

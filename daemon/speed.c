@@ -157,6 +157,6 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
         partition_area(job->partition, unit, &a);
         return ms * (1 - (double)u->next_row / a.height);
     }
-    ms -= (double)(c->now_ms - go->out_ms);
-    return ms > 0 ? ms : 0;
+    /* what is over its time may well take as long again */
+    return fabs(ms - (double)(c->now_ms - go->out_ms));
 }

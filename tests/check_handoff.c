@@ -680,8 +680,8 @@ END_TEST
 
 /* --- twins --- */
 
-/* Two at one unit, all else being done: ws1 got it first, ws2 as well when it
- * had nothing else. */
+/* Two at one unit of one bar, all else being done: ws1 got it first, ws2 as
+ * well when it had nothing else. */
 static void
 twins(struct msg_unit *a, struct msg_unit *b)
 {
@@ -696,8 +696,11 @@ twins(struct msg_unit *a, struct msg_unit *b)
             own[n++] = m->unit;
         if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
             for (int k = 0; k < n; k++)
-                if (own[k].unit == m->split.unit)
+                if (own[k].unit == m->split.unit) {
+                    /* all but its first bar */
+                    own[k].height = own[k].y > 0 ? BAR : 1 + BAR;
                     gave(W1, &own[k], own[k].height);
+                }
         if (f.said[i].conn != W2 || m->type != MSG_UNIT)
             continue;
         *b = m->unit;
