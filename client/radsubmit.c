@@ -44,6 +44,7 @@ struct program {
     struct target target;
     struct progress progress;
     struct msg_nan nan; /* as last told */
+    struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
     uv_signal_t signals[3];
     int interrupts;
@@ -121,6 +122,7 @@ on_progress(void *arg, const struct msg_progress *m)
     r.workers = (int)m->workers;
     progress_update(&p->progress, &r);
     p->nan = m->nan;
+    memcpy(p->faults, m->faults, sizeof p->faults);
 }
 
 /* At the end: a pixel that reproduces what is wrong. */
@@ -138,6 +140,33 @@ warn_of_nan(struct program *p)
              n->pixels, n->pixels == 1 ? " was" : "s were",
              n->pixels == 1 ? "is" : "are", n->frame, n->x, n->y);
     warn(p, text);
+}
+
+/* The object is the scene's, by its place in it. */
+static void
+warn_of_fault(struct program *p, const struct msg_fault *f)
+{
+    const struct rad_scene *scene = p->scene.scene;
+    struct rad_error where = { 0 };
+    char place[400], text[600];
+
+    if (!scene || f->object >= (uint32_t)scene->nobjects)
+        return;
+    rad_scene_fail(scene, &scene->objects[f->object], &where, RAD_EDATA,
+                   "no value in %" PRIu64
+                   " place%s (domain error, division by zero or missing "
+                   "argument), passed over there",
+                   f->count, f->count == 1 ? "" : "s");
+    rad_error_format(&where, place, sizeof place);
+    snprintf(text, sizeof text, "warning: %s", place);
+    warn(p, text);
+}
+
+static void
+warn_of_faults(struct program *p)
+{
+    for (int i = 0; i < MSG_FAULTS && p->faults[i].count > 0; i++)
+        warn_of_fault(p, &p->faults[i]);
 }
 
 /* --- what is written --- */
@@ -486,6 +515,7 @@ converse(struct program *p)
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     progress_clear(&p->progress);
     warn_of_nan(p);
+    warn_of_faults(p);
     return rc;
 }
 

@@ -182,6 +182,10 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
                     " frame=%u x=%u y=%u",
                     job->hex, job->nan.pixels, job->nan.frame, job->nan.x,
                     job->nan.y);
+    for (int i = 0; i < MSG_FAULTS && job->faults[i].count > 0; i++)
+        actions_log(&c->actions, ACT_WARN,
+                    "function has no value job=%s object=%u times=%" PRIu64,
+                    job->hex, job->faults[i].object, job->faults[i].count);
     sched_job_over(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job) {

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "estimate.h"
+#include "faults.h"
 
 #include "picture/estimate.h"
 
@@ -155,6 +156,7 @@ estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
     e->counts.intersection_tests += c->geom.tests;
     e->counts.ambient_values += c->ambient_values;
     msg_nan_add(&e->counts.nan, &nan);
+    faults_add(e->counts.faults, c->faults);
     e->counts.cpu_s += cpu_s;
 }
 

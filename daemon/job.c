@@ -438,4 +438,5 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
         .nan = job->nan,
     };
+    memcpy(p->faults, job->faults, sizeof p->faults);
 }

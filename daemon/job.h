@@ -151,6 +151,7 @@ struct job {
     struct msg_counts surveyed; /* and its counts */
     uint64_t rays_seen;  /* and of those under way; what is lost stays in */
     struct msg_nan nan;  /* frame: its number */
+    struct msg_fault faults[MSG_FAULTS];
     uint64_t sent_bytes; /* of the bundle, by radsubmit */
 
     uint64_t offer_ms;  /* its radsubmit began to send */

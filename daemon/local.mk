@@ -26,6 +26,7 @@ libdaemon_a_SOURCES = \
 	daemon/dial.h \
 	daemon/estimate.c \
 	daemon/estimate.h \
+	daemon/faults.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
 	daemon/handoff.c \

@@ -12,6 +12,7 @@
 #include "config.h"
 
 #include "pool.h"
+#include "faults.h"
 #include "team.h"
 
 #include <stdatomic.h>
@@ -139,6 +140,7 @@ add_counts(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
     sum->intersection_tests += c->geom.tests;
     sum->ambient_values += c->ambient_values;
     msg_nan_add(&sum->nan, &nan);
+    faults_add(sum->faults, c->faults);
     sum->cpu_s += cpu_s;
 }
 

@@ -218,6 +218,7 @@ unit_done(struct coord *c, struct job *job, uint32_t unit)
     job->rays += u->counts.rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
+    msg_faults_add(job->faults, u->counts.faults);
     job_see_rays(job);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);

@@ -100,6 +100,7 @@ sum_counts(const struct job *job)
         t.intersection_tests += c->intersection_tests;
         t.ambient_values += c->ambient_values;
         msg_nan_add(&t.nan, &c->nan);
+        msg_faults_add(t.faults, c->faults);
     }
     return t;
 }

@@ -45,6 +45,31 @@ msg_get_below(struct wire_in *in, uint8_t n)
 }
 
 void
+msg_put_faults(struct wire_out *o, const struct msg_fault faults[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++) {
+        wire_put_u32(o, faults[i].object);
+        wire_put_u64(o, faults[i].count);
+    }
+}
+
+/* Rising, and none behind the end. */
+void
+msg_get_faults(struct wire_in *in, struct msg_fault faults[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++) {
+        struct msg_fault *f = &faults[i];
+
+        f->object = wire_get_u32(in);
+        f->count = wire_get_u64(in);
+        if (f->count == 0)
+            msg_must(in, f->object == 0);
+        else if (i > 0)
+            msg_must(in, f[-1].count > 0 && f[-1].object < f->object);
+    }
+}
+
+void
 msg_put_counts(struct wire_out *o, const struct msg_counts *c)
 {
     wire_put_u64(o, c->rays);
@@ -59,6 +84,7 @@ msg_put_counts(struct wire_out *o, const struct msg_counts *c)
     wire_put_u64(o, c->nan.pixels);
     wire_put_u32(o, c->nan.x);
     wire_put_u32(o, c->nan.y);
+    msg_put_faults(o, c->faults);
     wire_put_f64(o, c->cpu_s);
     wire_put_f64(o, c->wall_s);
 }
@@ -79,6 +105,7 @@ msg_get_counts(struct wire_in *in, struct msg_counts *c)
     c->nan.frame = 0;
     c->nan.x = wire_get_u32(in);
     c->nan.y = wire_get_u32(in);
+    msg_get_faults(in, c->faults);
     c->cpu_s = wire_get_f64(in);
     c->wall_s = wire_get_f64(in);
     msg_must(in, c->cpu_s >= 0 && c->wall_s >= 0);

@@ -19,6 +19,9 @@ void msg_must(struct wire_in *in, bool cond);
 /* A byte that must be below n. */
 uint8_t msg_get_below(struct wire_in *in, uint8_t n);
 
+void msg_put_faults(struct wire_out *o,
+                    const struct msg_fault faults[MSG_FAULTS]);
+void msg_get_faults(struct wire_in *in, struct msg_fault faults[MSG_FAULTS]);
 void msg_put_counts(struct wire_out *o, const struct msg_counts *c);
 void msg_get_counts(struct wire_in *in, struct msg_counts *c);
 

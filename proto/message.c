@@ -336,6 +336,7 @@ msg_pack_progress(struct wire_out *o, const struct msg_progress *b)
     wire_put_u32(o, b->nan.frame);
     wire_put_u32(o, b->nan.x);
     wire_put_u32(o, b->nan.y);
+    msg_put_faults(o, b->faults);
 }
 
 static void
@@ -359,6 +360,7 @@ msg_unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
     b->nan.frame = wire_get_u32(in);
     b->nan.x = wire_get_u32(in);
     b->nan.y = wire_get_u32(in);
+    msg_get_faults(in, b->faults);
 }
 
 static void
@@ -839,6 +841,31 @@ msg_nan_add(struct msg_nan *a, const struct msg_nan *b)
     a->pixels = sum;
 }
 
+static void
+add_fault(struct msg_fault a[MSG_FAULTS], const struct msg_fault *b)
+{
+    int at = 0;
+
+    while (at < MSG_FAULTS && a[at].count > 0 && a[at].object < b->object)
+        at++;
+    if (at == MSG_FAULTS)
+        return;
+    if (a[at].count == 0 || a[at].object != b->object) {
+        memmove(a + at + 1, a + at, (size_t)(MSG_FAULTS - 1 - at) * sizeof *a);
+        a[at] = (struct msg_fault){ b->object, 0 };
+    }
+    a[at].count += b->count;
+}
+
+void
+msg_faults_add(struct msg_fault a[MSG_FAULTS],
+               const struct msg_fault b[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++)
+        if (b[i].count > 0)
+            add_fault(a, &b[i]);
+}
+
 void
 msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
 {
@@ -852,6 +879,7 @@ msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
     a->intersection_tests += b->intersection_tests;
     a->ambient_values += b->ambient_values;
     msg_nan_add(&a->nan, &b->nan);
+    msg_faults_add(a->faults, b->faults);
     a->cpu_s += b->cpu_s;
     a->wall_s += b->wall_s;
 }

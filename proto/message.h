@@ -214,6 +214,14 @@ struct msg_nan {
                            * are none */
 };
 
+/* Functions that failed to give a value: of which objects of the scene, and how
+ * often.  The first few by number; a count of 0 ends them. */
+#define MSG_FAULTS 4
+struct msg_fault {
+    uint32_t object;
+    uint64_t count;
+};
+
 struct msg_progress {
     const uint8_t *job;
     uint8_t state; /* enum job_state of daemon/job.h: 0 waiting,
@@ -227,6 +235,7 @@ struct msg_progress {
     uint32_t frames_ready; /* the first so many frames can be fetched */
     double elapsed_s;      /* since the job was accepted */
     struct msg_nan nan;    /* in the units that are done; frame as named */
+    struct msg_fault faults[MSG_FAULTS]; /* in them, too */
 };
 
 struct msg_done {
@@ -283,6 +292,7 @@ struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
         paint_rays, estimate_rays, intersection_tests, ambient_values;
     struct msg_nan nan;
+    struct msg_fault faults[MSG_FAULTS];
     double cpu_s;  /* processor time of the render threads */
     double wall_s; /* from taking the unit to its last row; of a strict unit,
                     * that of its passes (daemon/strict.h) */
@@ -514,6 +524,10 @@ int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
 
 /* Add the pixels of b; the first of both is kept. */
 void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
+
+/* Add b's faults to a's. */
+void msg_faults_add(struct msg_fault a[MSG_FAULTS],
+                    const struct msg_fault b[MSG_FAULTS]);
 
 /* Add all of b. */
 void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);

@@ -220,6 +220,32 @@ START_TEST(mixture_of_patterns_is_a_pattern)
 }
 END_TEST
 
+/* Only the first objects are kept, each with all that it failed. */
+START_TEST(failures_are_counted_by_object)
+{
+    struct rad_counts c = { 0 };
+    struct world w;
+
+    for (int i = 0; i < 20; i++)
+        rad_counts_fault(&c, (i * 7 + 3) % 10);
+    for (int i = 0; i < RAD_MAX_FAULTS; i++) {
+        ck_assert_int_eq(c.faults[i].object, i);
+        ck_assert_uint_eq(c.faults[i].count, 2);
+    }
+    world_open(&w,
+               "void brightfunc good 2 Px . 0 0\n"
+               "good brightfunc p 2 log(Px-2) . 0 0\np" SHINE,
+               PLAIN);
+    world_see(&w, 2, 3, 4, 0, 0, -1);
+    world_see(&w, 2, 1, 4, 0, 0, -1);
+    world_see(&w, 3, 3, 4, 0, 0, -1);
+    ck_assert_int_eq(w.ctx.counts.faults[0].object, 1);
+    ck_assert_uint_eq(w.ctx.counts.faults[0].count, 2);
+    ck_assert_uint_eq(w.ctx.counts.faults[1].count, 0);
+    world_close(&w);
+}
+END_TEST
+
 static const struct {
     const char *pattern, *file, *problem;
 } bad[] = {
@@ -294,6 +320,7 @@ main(void)
     tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
+    tcase_add_test(tc, failures_are_counted_by_object);
     tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));
     tcase_add_test(tc, scene_without_functions_has_no_evaluator);
     tcase_add_test(tc, function_file_belongs_to_the_bundle);

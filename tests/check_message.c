@@ -49,7 +49,7 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
     }
 #define COUNTS                                                                 \
     {                                                                          \
-        1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, .5, .75                  \
+        1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, { { 13, 14 } }, .5, .75  \
     }
 
 /* clang-format off */
@@ -72,7 +72,7 @@ static const struct msg examples[] = {
     { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1 } },
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
-                    { 13, 14, 15, 16 } } },
+                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } } } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },
@@ -172,6 +172,34 @@ START_TEST(the_first_pixel_that_is_no_number_is_kept)
     ck_assert_uint_eq(up.pixels, 7);
     ck_assert(up.frame == 0 && up.x == 5 && up.y == 7);
     ck_assert(down.frame == 0 && down.x == 5 && down.y == 7);
+}
+END_TEST
+
+/* The first four objects with all their counts, in whatever order they come. */
+START_TEST(functions_without_a_value_are_summed_by_object)
+{
+    static const struct msg_fault some[][MSG_FAULTS] = {
+        { { 5, 1 }, { 9, 2 } },
+        { { 2, 10 }, { 5, 100 }, { 7, 1000 } },
+        { { 0, 0 } },
+        { { 1, 3 }, { 2, 4 }, { 8, 5 }, { 9, 6 } },
+    };
+    static const struct msg_fault sum[MSG_FAULTS] = {
+        { 1, 3 }, { 2, 14 }, { 5, 101 }, { 7, 1000 }
+    };
+    struct msg_fault up[MSG_FAULTS] = { { 0, 0 } }, down[MSG_FAULTS];
+
+    memcpy(down, up, sizeof down);
+    for (int i = 0; i < N_ELEM(some); i++) {
+        msg_faults_add(up, some[i]);
+        msg_faults_add(down, some[N_ELEM(some) - 1 - i]);
+    }
+    for (int i = 0; i < MSG_FAULTS; i++) {
+        ck_assert_uint_eq(up[i].object, sum[i].object);
+        ck_assert_uint_eq(up[i].count, sum[i].count);
+        ck_assert_uint_eq(down[i].object, sum[i].object);
+        ck_assert_uint_eq(down[i].count, sum[i].count);
+    }
 }
 END_TEST
 
@@ -509,6 +537,7 @@ main(void)
     int n = N_ELEM(examples);
 
     tcase_add_test(tc, the_first_pixel_that_is_no_number_is_kept);
+    tcase_add_test(tc, functions_without_a_value_are_summed_by_object);
     tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
     tcase_add_test(tc, every_message_has_an_example);
     tcase_add_loop_test(tc, every_message_comes_back, 0, n);

@@ -178,7 +178,7 @@ look_up(struct brdf_hit *hit, double arg[5])
     double at[RAD_MAX_DATA_DIMS];
 
     for (int i = 0; i < rad_data_dims(hit->m->data); i++)
-        if (!rad_expr_call(hit->ctx, hit->m->place[i], arg + 1, &at[i]))
+        if (!rad_expr_call(hit->ctx, &hit->m->expr, hit->m->place[i], arg + 1, &at[i]))
             return false;
     arg[0] = rad_data_value(hit->m->data, at);
     return true;
@@ -207,7 +207,7 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
             v[k] = 0;
         else if (same < k)
             v[k] = v[same];
-        else if (!rad_expr_call(hit->ctx, m->function[k], args, &v[k]))
+        else if (!rad_expr_call(hit->ctx, &m->expr, m->function[k], args, &v[k]))
             return false;
     }
     *f = rad_rgb((float)v[0], (float)v[1], (float)v[2]);

@@ -102,6 +102,7 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
     if (o->nstrings <= file || (o->nstrings < 32 && which >> o->nstrings))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
+    e->object = (int32_t)(o - job->scene->objects);
     e->args = o->reals;
     e->nargs = o->nreals;
     e->context = load(job, o, files, o->strings[file], err);
@@ -242,6 +243,17 @@ rad_expr_set_aim(struct rad_ctx *ctx, struct rad_expr_scope *scope,
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
+/* A value that may be used, or a failure that is counted. */
+static bool
+is_sound(struct rad_ctx *ctx, const struct rad_expr *e, double value,
+         enum rad_calc_fault fault)
+{
+    if (!fault && isfinite(value))
+        return true;
+    rad_counts_fault(&ctx->counts, e->object);
+    return false;
+}
+
 bool
 rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first, int n,
              double value[])
@@ -251,7 +263,7 @@ rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first, int n,
 
         value[i] = rad_calc_eval(ctx->job->calc, e->code[first + i], ctx->calc,
                                  &fault);
-        if (fault || !isfinite(value[i]))
+        if (!is_sound(ctx, e, value[i], fault))
             return false;
     }
     return true;
@@ -268,13 +280,13 @@ rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
 }
 
 bool
-rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
-              double *value)
+rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
+              const double arg[], double *value)
 {
     enum rad_calc_fault fault;
 
     *value = rad_calc_call(ctx->job->calc, function, arg, ctx->calc, &fault);
-    return !fault && isfinite(*value);
+    return is_sound(ctx, e, *value, fault);
 }
 
 void

@@ -25,7 +25,8 @@ struct rad_expr {
     struct rad_xform back;
     const double *args;
     int nargs;
-    int context; /* of the file, in job->calc */
+    int context;    /* of the file, in job->calc */
+    int32_t object; /* whose they are */
 };
 
 /* What expressions see of one ray, while they are evaluated. */
@@ -58,11 +59,12 @@ void rad_expr_begin(struct rad_ctx *ctx, const struct rad_expr *e,
                     const struct rad_ray *r, struct rad_expr_scope *scope);
 void rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope);
 
-/* Values of expressions as above, and of a function for arg[0..n). */
+/* Values of expressions as above, and of a function for arg[0..n).  What fails
+ * is counted (rad_counts_fault). */
 bool rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                   int n, double value[]);
-bool rad_expr_call(struct rad_ctx *ctx, int function, const double arg[],
-                   double *value);
+bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
+                   const double arg[], double *value);
 
 /* After rad_expr_begin(), for types that have these variables (see
  * rad_calc_offer): what the ray's material makes of the hit.

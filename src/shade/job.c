@@ -165,6 +165,24 @@ rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
 }
 
 void
+rad_counts_fault(struct rad_counts *c, int32_t object)
+{
+    struct rad_fault *f = c->faults;
+    int at = 0;
+
+    while (at < RAD_MAX_FAULTS && f[at].count > 0 && f[at].object < object)
+        at++;
+    if (at == RAD_MAX_FAULTS)
+        return; /* what comes later is not told */
+    if (f[at].count == 0 || f[at].object != object) {
+        memmove(f + at + 1, f + at,
+                (size_t)(RAD_MAX_FAULTS - 1 - at) * sizeof *f);
+        f[at] = (struct rad_fault){ object, 0 };
+    }
+    f[at].count++;
+}
+
+void
 rad_counts_nan(struct rad_counts *c, int x, int y)
 {
     if (c->nan_pixels++ == 0 || y < c->nan_y ||

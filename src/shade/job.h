@@ -49,6 +49,14 @@ struct rad_job *rad_job_new(const struct rad_scene *scene,
                             struct rad_error *err);
 void rad_job_free(struct rad_job *job);
 
+/* Objects whose functions failed to give a value, by number, the first few:
+ * count 0 ends them. */
+#define RAD_MAX_FAULTS 4
+struct rad_fault {
+    int32_t object;
+    uint64_t count;
+};
+
 /* What one thread counts; summed by whoever owns the contexts. */
 struct rad_counts {
     uint64_t rays;         /* all, as rpict's report counts them */
@@ -62,8 +70,12 @@ struct rad_counts {
     uint64_t unsound_rays;   /* brought back no radiance (NaN, infinite or
                               * negative), made black: who sees it grow knows
                               * that what it has traced is touched by it */
+    struct rad_fault faults[RAD_MAX_FAULTS];
     struct rad_geom_counts geom;
 };
+
+/* A function of that object had no value. */
+void rad_counts_fault(struct rad_counts *c, int32_t object);
 
 /* Unsound rays touched the pixel at column x and row y of the picture: by
  * its sample, or by a small source painted into it, which count apart. */

@@ -156,7 +156,7 @@ evaluate(struct rad_ctx *ctx, const struct table *t, const struct rad_ray *r,
         return false;
     look_up(t, place, found);
     for (int i = 0; i < t->nfuncs; i++)
-        if (!rad_expr_call(ctx, t->func[i].call, found + t->func[i].first,
+        if (!rad_expr_call(ctx, &t->place, t->func[i].call, found + t->func[i].first,
                            &value[i]))
             return false;
     return true;

@@ -54,6 +54,26 @@ grep -q 'warning: -ps 40 .* taken as 16' stderr || fail "-ps 40: $(cat stderr)"
 render ps.hdr -ps 0 --threads=1
 [ "$(wc -l <stderr)" -eq 1 ] || fail "-ps 0 is told of: $(cat stderr)"
 
+# a function that has no value everywhere is told of once, with its place
+cat >log.rad <<'END'
+void brightfunc half
+2 'if(Px,log(0),1)' .
+0
+0
+
+void brightfunc fine 2 'if(Px,2,1)' . 0 0
+fine glow g 0 0 4 1 1 1 0
+half glow h 0 0 4 1 1 1 0
+h polygon seen 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9
+g polygon aside 0 0 12 -9 -5 -9 9 -5 -9 9 -5 9 -9 -5 9
+END
+"$radsubmit" --local -vp 0 0 0 -vd 0 1 0 -vh 45 -vv 45 -x 20 -y 20 -ps 1 \
+    -pj 0 -ab 0 --threads=2 --stats=log.json -o log.hdr log.rad 2>stderr ||
+    fail "log.rad: exit status $?"
+grep -q "warning: log.rad:1: brightfunc 'half': no value in 200 places" stderr ||
+    fail "log(0) is not told: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 2 ] || fail "log(0) says more: $(cat stderr)"
+
 # where it goes
 "$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr
 same stdout.hdr one.hdr "standard output and -o differ"
