@@ -106,6 +106,7 @@ ask(struct coord *c, struct job *job, uint32_t idle)
         go->split = true;
         go->split_ms = c->now_ms;
         asked++;
+        sched_log_unit(c, job, unit, go, "unit split");
         sched_send_attempt(c, job, MSG_SPLIT, unit, go);
     }
     return asked < idle ? idle - asked : 0;
@@ -128,6 +129,9 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     go->split = false;
     partition_area(job->partition, m->unit, &a);
     u = &job->units[m->unit];
+    actions_log(&c->actions, ACT_DEBUG,
+                "unit gave job=%s unit=%u attempt=%u height=%u of=%u", job->hex,
+                m->unit, m->attempt, m->height, a.height);
     if (m->height == a.height) {
         u->whole = true;
         return;

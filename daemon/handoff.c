@@ -312,6 +312,7 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     go = job_go_find(job, m->unit, index, m->attempt);
     if (!go || go->parked)
         return;
+    sched_log_unit(c, job, m->unit, go, "unit parked");
     speed_finished(job, m->unit);
     sched_park(c, job, go);
     offer_top(c, job, m->unit);

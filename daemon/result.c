@@ -205,6 +205,8 @@ unit_done(struct coord *c, struct job *job, uint32_t unit)
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
+    actions_log(&c->actions, ACT_DEBUG, "unit done job=%s unit=%u worker=%s",
+                job->hex, unit, jw->name);
     if (u->ngos > 0)
         release_all(c, job, unit);
     else if (!job_suspect_remove(job, unit))

@@ -27,6 +27,7 @@
 #define MOST_PEERS    2000 /* in one JOB-PEERS */
 #define TICK_MS       100
 #define WORTH_MS      50  /* a unit of auto takes at least so long */
+#define SHORT_MS      200 /* a worker waits for no unit that takes less */
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
 /* --- helpers --- */
@@ -171,17 +172,56 @@ ready_threads(const struct job *job)
     return n;
 }
 
+/* Do units of the job take so little that a worker should have the next at
+ * hand? */
+static bool
+are_short(const struct job *job)
+{
+    uint64_t ms = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        ms += job->workers[i].work_ms;
+    return job->units_done > 0 && ms < SHORT_MS * (uint64_t)job->units_done;
+}
+
+/* Lines that a worker is at. */
 static uint32_t
-room_for(const struct job *job, const struct coord_worker *w)
+lines_of(const struct job *job, uint32_t index)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        const struct job_unit *u = &job->units[job->out[i]];
+        uint32_t first, last;
+
+        for (uint8_t k = 0; k < u->ngos; k++)
+            if (u->go[k].worker == index && !u->go[k].parked) {
+                partition_unit_lines(job->partition, job->out[i], &first,
+                                     &last);
+                n += last - first;
+            }
+    }
+    return n;
+}
+
+/* Has the worker room for another unit?  Windows: one for each thread, and
+ * half as many at hand.  Lines: one for each thread; a long run has all
+ * threads, and what is at hand cannot be shared, so only short units are. */
+static bool
+has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
     uint32_t threads = ready_threads(job), n = w->threads;
     bool few = job_waiting(job) <= threads;
 
     if (!partition_is_strict(job->partition))
-        return few ? n : n + (n + 1) / 2;
+        return w->in_flight < (few ? n : n + (n + 1) / 2);
+    if (w->in_flight == 0)
+        return true;
     if (partition_kind(job->partition) != MSG_PART_SCANBAR)
-        n = 1;
-    return few || job_waiting(job) <= 2 * threads ? n : n + 1;
+        return lines_of(job, index) < n;
+    if (job_waiting(job) > 2 * threads && are_short(job))
+        n++;
+    return w->in_flight < n;
 }
 
 /* The index of the worker in the job, which it may be new to; JOB_NOBODY when
@@ -284,6 +324,21 @@ tell_twins(struct coord *c, const struct job *job, uint32_t unit)
 }
 
 void
+sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
+               const struct job_go *go, const char *what)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    actions_log(&c->actions, ACT_DEBUG,
+                "%s job=%s unit=%u attempt=%u worker=%s frame=%u x=%u y=%u "
+                "width=%u height=%u",
+                what, job->hex, unit, go->attempt,
+                job->workers[go->worker].name, a.frame, a.x, a.y, a.width,
+                a.height);
+}
+
+void
 sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
@@ -294,8 +349,9 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         return;
     }
     u->attempt++;
-    if (u->attempt > 1)
+    if (u->attempt > 1 && u->ngos == 1) /* a twin is no redoing */
         job->units_redone++;
+    sched_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
     if (u->ngos == 1) {
         sched_forget_rows(job, unit);
         u->lead = u->attempt;
@@ -373,7 +429,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     if (find_suspect(c, job, index, &unit)) {
         job_suspect_remove(job, unit);
         w->alone = true;
-    } else if (w->in_flight >= room_for(job, w) ||
+    } else if (!has_room(job, w, index) ||
                !next_unit(c, job, w, index, &unit)) {
         return false;
     }

@@ -113,6 +113,10 @@ uint32_t sched_index(const struct job *job, const struct coord_worker *w);
 /* May it have more work? */
 bool sched_takes_units(const struct coord_worker *w);
 
+/* What happens to a worker's go at a unit, for those who debug. */
+void sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
+                    const struct job_go *go, const char *what);
+
 /* Give a worker a unit, as a twin where others have it. */
 void sched_hand_out(struct coord *c, struct job *job, uint32_t index,
                     uint32_t unit);
