@@ -30,14 +30,38 @@ unpack_mesh(struct rad_place *pl, const struct rad_mesh *mesh,
     pl->scale = move->scale * unit;
 }
 
-static void
+static inline void
 multiply(double out[3], const double v[3], const double m[3][3])
 {
-    double r[3];
+    double x = v[0], y = v[1], z = v[2];
+
+    out[0] = x * m[0][0] + y * m[1][0] + z * m[2][0];
+    out[1] = x * m[0][1] + y * m[1][1] + z * m[2][1];
+    out[2] = x * m[0][2] + y * m[1][2] + z * m[2][2];
+}
+
+/* m / scale is a rotation or reflection but for the rounding of a product of
+ * any number of them: one step of the iteration that takes it to the nearest
+ * that is orthogonal (Bjorck & Bowie 1971), which squares the error.  False: it
+ * is far from one. */
+static bool
+straighten(double m[3][3], double scale)
+{
+    double q[3][3], g[3][3], r[3];
 
     for (int i = 0; i < 3; i++)
-        r[i] = v[0] * m[0][i] + v[1] * m[1][i] + v[2] * m[2][i];
-    rad_copy(out, r);
+        rad_scale(q[i], 1 / scale, m[i]);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            g[i][j] = (3 * (i == j) - rad_dot(q[i], q[j])) / 2;
+            if (!(fabs(g[i][j] - (i == j)) < 1e-4))
+                return false;
+        }
+    for (int i = 0; i < 3; i++) {
+        multiply(r, g[i], (const double(*)[3])q);
+        rad_scale(m[i], scale, r);
+    }
+    return true;
 }
 
 /* The inverse by cofactors: m need not be orthogonal to the last bit, as it is
@@ -95,8 +119,9 @@ rad_place_make(struct rad_prim *p, const struct rad_object *o,
     p->kind = PRIM_PLACE;
     p->surf = pl->covers ? surf : RAD_SURF_OPAQUE;
     p->place = pl;
+    pl->len = 1 / pl->scale;
     if (set->nprims == 0 || !(pl->scale > 0 && pl->size < RAD_GEOM_MOST) ||
-        !invert(pl))
+        !straighten(pl->m, pl->scale) || !invert(pl))
         return false;
     rad_place_bounds(p, &box);
     for (int i = 0; i < 3; i++)
@@ -354,24 +379,26 @@ static double
 turn(struct rad_walk *in, const struct rad_walk *w, const struct rad_prim *p)
 {
     const struct rad_place *pl = p->place;
+    double len = pl->len;
     struct rad_span span;
-    double len;
 
     rad_walk_start(in, w->geom, pl->set);
     multiply(span.org, w->probe.org, pl->back);
     rad_madd(span.org, span.org, 1, pl->from);
     multiply(span.dir, w->probe.dir, pl->back);
-    len = rad_normalize(span.dir);
-    if (!(len > 0 && len < INFINITY))
-        return 0;
+    rad_scale(span.dir, pl->scale, span.dir);
     rad_probe_init(&in->probe, &span);
     in->probe.size += 2 * len * (w->probe.size + pl->size);
     if (!(in->probe.size < INFINITY))
         return 0;
     in->tmin = w->tmin * len;
-    in->tmax = fmin(w->tmax * len, DBL_MAX);
+    in->tmax = w->tmax * len;
+    if (!(in->tmax < DBL_MAX))
+        in->tmax = DBL_MAX;
     /* a little more: what is too far is told apart out here */
-    in->cut = fmin(w->cut * len * (1 + 0x1p-50), in->tmax);
+    in->cut = w->cut * len * (1 + 0x1p-50);
+    if (!(in->cut < in->tmax))
+        in->cut = in->tmax;
     in->keep = w->keep;
     in->give = w->give;
     if (pl->covers && w->keep) {

@@ -6,7 +6,8 @@
  * of that set, walks it, and what it met is carried back.
  *
  * The ray's direction keeps its unit length, so that a distance there is `len`
- * times that here.  What tells the surface's side is computed there, from the
+ * times that here; m is the scale times a rotation or reflection, made
+ * orthogonal to the last bits whatever it was the product of.  What tells the surface's side is computed there, from the
  * surface's own numbers, so faces of a copy share edges as those of the
  * original do.
  *
@@ -56,6 +57,7 @@ struct rad_place {
     double m[3][3], t[3];       /* p here = p there m + t */
     double back[3][3], from[3]; /* the inverse */
     double scale, size;         /* |m|, |t|_1 */
+    double len;                 /* 1 / scale */
     uint32_t number;            /* 1 + its place among those of its set */
     bool covers;                /* its modifier replaces theirs */
 };
