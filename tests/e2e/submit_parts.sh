@@ -78,8 +78,21 @@ for scene in first second; do
     same_pixels $scene.hdr $scene.ref || fail "$scene: not one thread's picture"
 done
 
-# a file that is missing is named with its place
+# what is in them is told
 make_scene third .4
+"$radscene" info third/scene.rad >info || fail "info"
+for line in 'file twig.oct instance objects 3 copies 3' \
+    'file leaf.oct instance objects 2 copies 2' \
+    'file ball.rtm mesh triangles 572 copies 2'; do
+    grep -qx "$line" info || fail "info does not say '$line': $(cat info)"
+done
+printf 'void light l 0 0 3 9 9 9\nl sphere s 0 0 4 0 0 0 1\n' >lamp.rad
+"$radscene" freeze lamp.rad >lamp.oct || fail "freeze"
+printf 'void instance i 1 lamp.oct 0 0\n' >lamps.rad
+expect 0 "1 surface of instances and meshes is of a light source's material" \
+    "warning of a lamp" "$radscene" freeze lamps.rad
+
+# a file that is missing is named with its place
 rm third/ball.rtm
 expect 66 "twig.oct: mesh 'c': cannot find file 'ball.rtm'" \
     "missing mesh" "$radscene" check third/scene.rad
