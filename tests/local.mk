@@ -237,6 +237,7 @@ tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/identity.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
@@ -252,6 +253,7 @@ EXTRA_DIST += \
 TESTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/identity.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \

@@ -1,0 +1,125 @@
+#!/bin/sh
+# identity.sh - however lines are shared, the picture and the primary rays are
+# those of one thread that has the whole picture
+#
+# What is tried is drawn from a seed, which is printed; IDENTITY_SEED=n tries the
+# same again, IDENTITY_RUNS=n as many.
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+seed=${IDENTITY_SEED:-$(date +%s)}
+runs=${IDENTITY_RUNS:-20}
+echo "seed $seed"
+state=$((seed % 2147483647))
+
+# any N: a number below N, in $any (no subshell: the state would stay there)
+any()
+{
+    # Park and Miller's, which fits 64 bits
+    state=$(((state * 48271 + 11) % 2147483647))
+    any=$((state / 7 % $1))
+}
+
+# one_of WORD...: in $word
+one_of()
+{
+    any $#
+    shift "$any"
+    word=$1
+}
+
+body()
+{
+    LC_ALL=C sed '1,/^$/d' "$1"
+}
+
+# total NAME: of the statistics
+total()
+{
+    sed -n '/"totals"/,/}/s/.*"'"$1"'": *\([0-9]*\).*/\1/p' stats.json
+}
+
+# many small lights, which -dv paints
+cat >beads.rad <<'END'
+void plastic wall 0 0 5 .5 .4 .3 0 0
+wall ring ground 0 0 8 0 0 -1 0 0 1 0 9
+void dielectric glass 0 0 5 .9 .9 .9 1.5 0
+glass sphere ball 0 0 4 0 0 0 1
+void light lamp 0 0 3 900 800 700
+END
+i=0
+while [ $i -lt 12 ]; do
+    any 600
+    x=$((any - 300))
+    any 300
+    echo "lamp sphere bead$i 0 0 4 ${x}e-2 $((any - 150))e-2 ${i}e-1 .004"
+    i=$((i + 1))
+done >>beads.rad
+
+all=0
+spare=0
+painted=0
+run=0
+while [ "$run" -lt "$runs" ]; do
+    run=$((run + 1))
+    one_of room reading beads
+    scene=$word
+    [ "$run" = 1 ] && scene=beads
+    one_of "-ps 4 -pt .05" "-ps 4 -pt .05" "-ps 8" "-ps 3 -pt .02" "-ps 1"
+    sampling=$word
+    one_of "-pj 0 -dj 0" "-pj .67 -dj .5"
+    jitter=$word
+    any 60
+    size="-x $((90 + any)) -y $((90 + any))"
+    one_of scanbar static auto
+    share="--partition=$word"
+    if [ "$word" = static ]; then
+        one_of uniform 5a 5b 20a 20b
+        share="$share --estimate=$word"
+        any 3
+        [ "$any" = 0 ] && share="$share --no-balance"
+    fi
+    one_of "2 1" "3 1" "5 1" "8 1" "2 3" "1 3"
+    share="$share --workers=${word% *} --threads=${word#* }"
+    any 4
+    depth= && [ "$any" = 0 ] && depth=yes
+    case $scene in
+    room) folder=$scenes file=room.rad where="-vf room.vf" ;;
+    reading)
+        folder=$top_srcdir/examples/reading-room file=room.rad
+        where="-vf room.vf"
+        ;;
+    *)
+        folder=$work file=beads.rad
+        where="-vp 0 -9 3 -vd 0 9 -3 -vu 0 0 1 -vh 50 -vv 40"
+        ;;
+    esac
+    options="$where $size -ab 0 $sampling $jitter"
+    say="run $run: $options $share${depth:+ -z} $folder/$file"
+
+    # shellcheck disable=SC2086 # options are words
+    (cd "$folder" && "$top_builddir/tests/seqpict" $options \
+        ${depth:+-z "$work/ref.z"} --counts -o "$work/ref.hdr" $file) \
+        2>counts || fail "$say: $(cat counts)"
+    # shellcheck disable=SC2086
+    (cd "$folder" && timeout -k 5 60 "$radsubmit" --local $options $share \
+        ${depth:+-z "$work/out.z"} --stats="$work/stats.json" \
+        -o "$work/out.hdr" $file) 2>stderr ||
+        fail "$say: $(cat stderr)"
+    body ref.hdr >ref.body
+    body out.hdr >out.body
+    cmp -s ref.body out.body || fail "$say: another picture"
+    [ -z "$depth" ] || cmp -s ref.z out.z || fail "$say: other distances"
+    primary=$(sed -n 's/^primary_rays //p' counts)
+    [ "$(total primary_rays)" = "$primary" ] ||
+        fail "$say: $(total primary_rays) primary rays, not $primary"
+    all=$((all + primary))
+    spare=$((spare + $(total speculative_rays)))
+    painted=$((painted + $(total paint_rays)))
+done
+echo "$all primary rays, $spare for nothing"
+[ "$((spare * 50))" -lt "$all" ] ||
+    fail "$spare rays for nothing, of $all"
+[ "$painted" -gt 0 ] || fail "nothing was painted"
+check_nothing_left "after all of them"
+finish
