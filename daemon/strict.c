@@ -627,6 +627,32 @@ strict_rays(const struct strict *s)
     return n;
 }
 
+static bool
+comes_before(enum strict_rank rank, const struct strict_unit *u,
+             enum strict_rank than_rank, const struct strict_unit *than)
+{
+    if (rank != than_rank)
+        return rank < than_rank;
+    if (u->frame != than->frame)
+        return u->frame < than->frame;
+    return u->first < than->first;
+}
+
+/* What others wait for is due: have a thread leave what is traced ahead, the
+ * least urgent of it. */
+static void
+make_way(struct strict *s)
+{
+    struct strict_pass *last = NULL;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (u->pass && !u->pass->true_top && !u->pass->stop &&
+            (!last || comes_before(last->rank, last->of, u->pass->rank, u)))
+            last = u->pass;
+    if (last)
+        last->stop = true;
+}
+
 /* The tops that this edge was: stop what goes on without it. */
 static void
 edge_is_true(struct strict *s, const struct edge *e)
@@ -635,7 +661,9 @@ edge_is_true(struct strict *s, const struct edge *e)
         if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
             continue;
         forget_lazy(s, u);
-        if (u->pass && !u->pass->true_top)
+        if (!u->pass)
+            make_way(s);
+        else if (!u->pass->true_top)
             u->pass->stop = true;
     }
 }
@@ -941,17 +969,6 @@ strict_tick(struct strict *s, uint64_t now_ms)
 }
 
 /* --- passes --- */
-
-static bool
-comes_before(enum strict_rank rank, const struct strict_unit *u,
-             enum strict_rank than_rank, const struct strict_unit *than)
-{
-    if (rank != than_rank)
-        return rank < than_rank;
-    if (u->frame != than->frame)
-        return u->frame < than->frame;
-    return u->first < than->first;
-}
 
 static struct strict_unit *
 choose(const struct strict *s, enum strict_rank *rank)

@@ -1100,26 +1100,68 @@ give_top(struct strict *s, const struct rad_quincunx *q)
     strict_base_line(s, &top);
 }
 
+static void
+give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
+          int first, int last)
+{
+    uint32_t y = (uint32_t)team_line_row(q, first);
+    const struct msg_unit u = { .job = job_id,
+                                .unit = number,
+                                .attempt = 1,
+                                .y = y,
+                                .width = 64,
+                                .height = (uint32_t)team_line_row(q, last) - y,
+                                .mode = MSG_MODE_STRICT };
+
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+}
+
 /* Of a unit whose top came late: AHEAD left its first bar out, for lack of
  * colours above, and nobody below should wait for that. */
 START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 {
     struct rad_quincunx q = { .width = 64, .height = 60 };
-    struct msg_unit u = { .job = job_id, .attempt = 1, .width = 64 };
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    u.y = (uint32_t)team_line_row(&q, 4);
-    u.height = (uint32_t)team_line_row(&q, 8) - u.y;
-    u.mode = MSG_MODE_STRICT;
     s = strict_new(&q, 1, job_id);
-    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
     ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
     give_top(s, &q);
     expect_pass(s, STRICT_TRUE_LINES, false);
     expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* A unit that nobody works on gets its top while another is traced ahead. */
+START_TEST(what_is_ahead_makes_way_for_the_truth)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    expect_pass(s, STRICT_LINES, false);
+    expect_pass(s, STRICT_AHEAD, false);
+    give_unit(s, &q, 1, 10, 12);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_LINES);
+    ck_assert(!p->stop);
+    give_top(s, &q);
+    ck_assert(p->stop);
+    strict_ended(s, p, false, bottom, density, &spent, &total);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    expect_pass(s, STRICT_LINES, false); /* once more */
     strict_free(s);
 }
 END_TEST
@@ -1131,6 +1173,7 @@ main(void)
     TCase *tc = tcase_create("strict");
 
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
+    tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
