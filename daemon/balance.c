@@ -145,8 +145,6 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     }
     if (!job_grow_units(job))
         c->actions.failed = true;
-    else
-        job->units[given].given = true;
 }
 
 /* --- twins --- */

@@ -45,20 +45,20 @@ conn_of(const struct job *job, const struct job_go *go)
 
 /* --- out --- */
 
+/* Without colours above it the first bar cannot be traced ahead.  Where the
+ * unit above is here no facts are needed; where another has it, what comes of
+ * its base line first serves both. */
 uint8_t
-handoff_flags(const struct job *job, uint32_t unit)
+handoff_flags(const struct job *job, uint32_t unit, const struct job_go *go)
 {
     uint32_t first, last, above;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
-    const struct job_unit *u = &job->units[unit];
-    uint8_t flags = u->ngos > 1 ? MSG_UNIT_TWIN : 0;
+    uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
 
     if (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0)
         return flags;
     above = unit_at(job, frame, first - 1);
-    if (above == PARTITION_NONE || job->units[above].ngos == 0 ||
-        (u->given && u->attempt == 1) ||
-        shared_has_base_facts(job->shared, frame, first - 1))
+    if (above == PARTITION_NONE || !job_go_of(job, above, go->worker))
         flags |= MSG_UNIT_TOP;
     return flags;
 }
@@ -139,7 +139,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
-    if (handoff_flags(job, unit) & MSG_UNIT_TOP)
+    if (handoff_flags(job, unit, go) & MSG_UNIT_TOP)
         send_facts(c, job, frame, first - 1, go);
     for (uint32_t i = first; i < last; i++)
         send_facts(c, job, frame, i, go);

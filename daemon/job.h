@@ -60,7 +60,6 @@ struct job_unit {
     uint8_t faults;   /* attempts that left no base line */
     uint32_t crasher; /* worker of the first crash */
     bool whole;       /* has nothing to give away */
-    bool given;       /* by the unit above */
     bool done;
     uint64_t end_ms;
     struct msg_counts counts; /* of the attempt that was accepted */

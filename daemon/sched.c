@@ -302,7 +302,7 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     if (strict) {
         m.unit.mode = MSG_MODE_STRICT;
         m.unit.end = go->end;
-        m.unit.flags = handoff_flags(job, unit);
+        m.unit.flags = handoff_flags(job, unit, go);
     }
     if (strict)
         handoff_out(c, job, unit, go);

@@ -156,7 +156,8 @@ bool loss_others_than(const struct coord *c, const struct coord_worker *w);
 /* --- handoff.c --- */
 
 /* Flags of the UNIT for that holder. */
-uint8_t handoff_flags(const struct job *job, uint32_t unit);
+uint8_t handoff_flags(const struct job *job, uint32_t unit,
+                      const struct job_go *go);
 /* The unit went out to it. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);

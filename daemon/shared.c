@@ -135,17 +135,6 @@ shared_of_base(const struct shared *s, const struct msg_facts *m)
            m->row + m->rows == rows_of(&s->frame[m->frame].q, m->line);
 }
 
-bool
-shared_has_base_facts(const struct shared *s, uint32_t frame, uint32_t line)
-{
-    const struct line *l = find_line(s, frame, line);
-
-    for (const struct shared_facts *f = l ? l->facts : NULL; f; f = f->next)
-        if (shared_of_base(s, &f->m))
-            return true;
-    return false;
-}
-
 void
 shared_put_facts(struct shared *s, const struct msg_facts *m)
 {

@@ -35,9 +35,6 @@ struct shared_facts;
 bool shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
                       const struct shared_facts **at, struct msg_facts *m);
 /* Is there something of its base line, not for an estimate? */
-bool shared_has_base_facts(const struct shared *s, uint32_t frame,
-                           uint32_t line);
-/* Are these such facts? */
 bool shared_of_base(const struct shared *s, const struct msg_facts *m);
 void shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line);
 

@@ -16,6 +16,9 @@
 /* A worker's rays tell its speed after so much work. */
 #define ENOUGH_MS 500
 
+/* Part of a unit that is left, at least, as long as nothing is heard of it. */
+#define LEAST_LEFT .25
+
 /* Threads differ by no more, whatever they count. */
 #define MOST_RATIO 64.0
 
@@ -146,7 +149,7 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
 {
     const struct job_worker *jw = &job->workers[go->worker];
     const struct job_unit *u = &job->units[unit];
-    double cost = partition_cost(job->partition, unit), rate, ms;
+    double cost = partition_cost(job->partition, unit), rate, ms, past;
     struct partition_area a;
 
     if (job->pace <= 0) /* nothing is known: by cost alone, and long */
@@ -157,6 +160,8 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
         partition_area(job->partition, unit, &a);
         return ms * (1 - (double)u->next_row / a.height);
     }
-    /* what is over its time may well take as long again */
-    return fabs(ms - (double)(c->now_ms - go->out_ms));
+    /* what is over its time may well take as long again; and it may have waited
+     * for another unit of its worker: it never needs nothing */
+    past = fabs(ms - (double)(c->now_ms - go->out_ms));
+    return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
