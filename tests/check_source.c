@@ -251,7 +251,7 @@ END_TEST
  * of 2 r h^2 / d^4 over its length. */
 START_TEST(cylinder_gives_the_closed_form)
 {
-    double L = 3, r = .05, h = 2;
+    double L = 3, r = 5e-4, h = 2;
     double a[7] = { -L, 0, h, L, 0, h, r };
     const double p[3] = { 0, 0, 0 };
     double want = 2 * r * (L / (h * h + L * L) + atan(L / h) / h);
@@ -263,6 +263,36 @@ START_TEST(cylinder_gives_the_closed_form)
     ck_assert_msg(fabs(got - want) <= 2e-3 * want, "%g, not %g", got, want);
     got = irradiance_jittered(&src, p, up, .5, 20000);
     ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
+}
+END_TEST
+
+/* A thick cylinder, from beside it and from beyond its end: what it sends to a
+ * floor below, by the midpoint rule over its surface. */
+static const double thick[][3] = {
+    { 0, 0, 0 }, { .5, 1.5, .3 }, { 3, 0, .9 }, { 6, -2, -1 }, { 0, .2, 1.39 },
+};
+
+START_TEST(thick_cylinder_is_exact)
+{
+    double a[7] = { -1, 0, 2, 1, 0, 2, .6 }, E = 0;
+    const double *p = thick[_i];
+    struct rad_source src;
+    int n = 1000, samples;
+
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            double phi = 2 * M_PI * (i + .5) / n, x = -1 + 2 * (k + .5) / n;
+            double m[3] = { 0, cos(phi), sin(phi) };
+            double d[3] = { x - p[0], .6 * m[1] - p[1], 2 + .6 * m[2] - p[2] };
+            double d2 = rad_dot(d, d), facing = -rad_dot(d, m);
+
+            if (facing > 0)
+                E += d[2] * facing / (d2 * d2);
+        }
+    E *= 2. / n * 2 * M_PI * .6 / n;
+    make_light(&src, RAD_CYLINDER, a, 7);
+    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, &samples), E, 2e-4 * E);
+    ck_assert_int_le(samples, 64);
 }
 END_TEST
 
@@ -761,6 +791,7 @@ make_suite(void)
                         N_ELEM(ring));
     tcase_add_test(tc, sphere_gives_the_closed_form);
     tcase_add_test(tc, cylinder_gives_the_closed_form);
+    tcase_add_loop_test(tc, thick_cylinder_is_exact, 0, N_ELEM(thick));
     tcase_add_loop_test(tc, jitter_is_even_about_the_middle, 0,
                         N_ELEM(jittered));
     tcase_add_loop_test(tc, flux_is_exact_with_no_more_samples_than_rpict_takes,

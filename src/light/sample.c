@@ -543,6 +543,44 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     put(w, &s);
 }
 
+/* The flux of a stretch of cylinder, whose axis is unit and from which the
+ * point is h away against perp: what is seen of it lies between two lines along
+ * it and the near arcs of its ends, wherever the point is.  False: it is far
+ * enough to do without. */
+static bool
+line_flux(struct rad_light_sample *s, const struct walk *w,
+          const struct patch *p, const double axis[3], const double perp[3],
+          double h)
+{
+    const double *view = w->view->p;
+    double r = w->src->r1, delta = acos(r / h),
+           half = sqrt(rad_dot(p->u, p->u));
+    double F[3] = { 0, 0, 0 }, to[3], near[3], side[3], end[2][3],
+           line[2][2][3];
+
+    rad_sub(to, p->p, view);
+    if (half * half / 3 + r * r < FAR_VARIANCE * rad_dot(to, to))
+        return false;
+    rad_scale(near, -1, perp);
+    rad_cross(side, axis, near);
+    for (int e = 0; e < 2; e++) {
+        rad_madd(end[e], to, e ? half : -half, axis);
+        rad_contour_arc(F, end[e], axis, r, near, delta, e ? 1 : -1);
+        for (int k = 0; k < 2; k++) {
+            rad_madd(line[k][e], end[e], r * cos(delta), near);
+            rad_madd(line[k][e], line[k][e], (k ? 1 : -1) * r * sin(delta),
+                     side);
+        }
+    }
+    rad_contour_edge(F, line[0][0], line[0][1]);
+    rad_contour_edge(F, line[1][1], line[1][0]);
+    if (rad_dot(F, to) < 0)
+        rad_scale(F, -1, F);
+    s->omega = rad_normalize(F);
+    rad_copy(s->dir, F);
+    return s->omega > 0;
+}
+
 /* A stretch of cylinder: a strip through its axis that faces the point. */
 static void
 line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
@@ -576,7 +614,7 @@ line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
         at_point(&s, view, point, k / cosine);
     } else {
         at_point(&s, view, m->aim, k);
-        if (view->sizerat > 0)
+        if (view->sizerat > 0 && !line_flux(&s, w, p, axis, perp, h))
             second_order(&s, view, m, k);
     }
     put(w, &s);

@@ -9,10 +9,10 @@
  * Without division (-ds 0) a sample is the patch's middle with the solid angle
  * of a small patch there, as rpict takes it.  With division and no jitter each
  * patch has the direction and size of its flux, exactly (contour.h) or, from
- * afar and for parallelograms and cylinders, expanded to second order about its
- * centroid: that takes the error of a patch a fifth as wide as its distance from
- * 1 % to under 0.1 %.  With jitter (-dj) the sample is a random point and its solid angle
- * is that of the density, so that the mean over many is right.
+ * afar and for parallelograms, expanded to second order about its centroid:
+ * that takes the error of a patch a fifth as wide as its distance from 1 % to
+ * under 0.1 %.  With jitter (-dj) the sample is a random point and its solid
+ * angle is that of the density, so that the mean over many is right.
  *
  * omega is meant for irradiance: L * omega * cos is what the patch adds.
  * Thread: rad_light_samples() reads the source and writes nothing shared.  */

@@ -356,7 +356,7 @@ const struct row light_rows[] = {
     { "sun overhead", sun, { .53, 0 }, 1e-5 },
     { "sun at 75 degrees", sun, { .53, 75 }, 1e-5 },
     { "spotlight", spotlight, { 2, 3 }, 1e-4 },
-    { "tube", tube, { 3, .05, 2 }, 1e-3 },
+    { "thin tube", tube, { 3, 5e-4, 2 }, 1e-4 },
     { "mirror wall", mirror_wall, { 1.5 }, 1e-6 },
     { "patch in a sphere, opposite", patch_in_sphere, { .5, 0 }, 1e-5 },
     { "patch in a sphere, beside", patch_in_sphere, { .5, 100 }, 1e-5 },
