@@ -465,6 +465,48 @@ START_TEST(check_tells_all_errors)
 }
 END_TEST
 
+/* Mixtures of mixtures, and aliases of aliases: n of them, and a surface. */
+static int
+check_nested(const char *one, int n, struct rad_error *err)
+{
+    static const char head[] = "void plastic m0 0 0 5 1 1 1 0 0\n"
+                               "void brightfunc p 2 1 . 0 0\n"
+                               "void brightfunc q 2 1 . 0 0\n";
+    struct rad_scene *s = rad_scene_new();
+    char text[200];
+    int rc = rad_parse_text(s, head, sizeof head - 1, "a.rad", NULL, err);
+
+    for (int i = 1; i <= n && rc == 0; i++) {
+        snprintf(text, sizeof text, one, i % 2 ? "p" : "q", i, i - 1);
+        rc = rad_parse_text(s, text, strlen(text), "b.rad", NULL, err);
+    }
+    snprintf(text, sizeof text, "m%d sphere s 0 0 4 0 0 0 1\n", n);
+    if (rc == 0)
+        rc = rad_parse_text(s, text, strlen(text), "c.rad", NULL, err);
+    if (rc == 0)
+        rc = rad_scene_check(s, NULL, NULL, err);
+    rad_scene_free(s);
+    return rc;
+}
+
+START_TEST(nesting_has_a_limit)
+{
+    static const char *const ones[] = {
+        "%s mixfunc m%d 4 m%d void 1 . 0 0\n",
+        "%s alias m%d m%d\n",
+        "%s illum m%d 1 m%d 0 3 1 1 1\n",
+    };
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(check_nested(ones[_i], 256, &err), 0);
+    ck_assert_int_eq(check_nested(ones[_i], 257, &err), RAD_EDATA);
+    ck_assert_ptr_nonnull(strstr(err.what, "nested more than 256 deep"));
+    err.code = 0;
+    /* and in good time, without taking the stack for it */
+    ck_assert_int_eq(check_nested(ones[_i], 50000, &err), RAD_EDATA);
+}
+END_TEST
+
 START_TEST(needs_are_what_surfaces_reach)
 {
     static const char text[] =
@@ -602,6 +644,7 @@ main(void)
     tcase_add_test(tc, binary_data_is_no_scene);
     tcase_add_test(tc, all_errors_are_told);
     tcase_add_test(tc, check_tells_all_errors);
+    tcase_add_loop_test(tc, nesting_has_a_limit, 0, 3);
     tcase_add_test(tc, needs_are_what_surfaces_reach);
     tcase_add_test(tc, commands_are_read_in_their_place);
     tcase_add_test(tc, errors_in_commands_say_where);

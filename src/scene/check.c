@@ -25,6 +25,7 @@ struct checker {
     int rc;                /* its code */
     uint8_t *reached;      /* by object: does a surface lead to it? */
     int32_t *material;     /* by object: of the chain from it on */
+    int32_t *depth;        /* by object: rad_scene_nesting() */
 };
 
 /* Note a problem of object o; later ones only go to `each`. */
@@ -405,6 +406,11 @@ check_surface(struct checker *c, const struct rad_object *o)
 static void
 check_reached(struct checker *c, const struct rad_object *o)
 {
+    /* told once, where it begins */
+    if (c->depth[o - c->scene->objects] == RAD_MAX_NESTED + 1 &&
+        (o->modifier == RAD_VOID || c->depth[o->modifier] <= RAD_MAX_NESTED))
+        report(c, o, RAD_EDATA, "modifiers are nested more than %d deep",
+               RAD_MAX_NESTED);
     if (!find_rule(o->type))
         report(c, o, RAD_EUNSUPPORTED, "type '%s' is not supported yet",
                rad_otype_name(o->type));
@@ -439,8 +445,10 @@ rad_scene_check(const struct rad_scene *s,
 
     c.reached = calloc(n, 1);
     c.material = malloc(n * sizeof *c.material);
-    if (stands_for && c.reached && c.material) {
+    c.depth = malloc(n * sizeof *c.depth);
+    if (stands_for && c.reached && c.material && c.depth) {
         rad_scene_reach(s, c.reached);
+        rad_scene_nesting(s, c.depth);
         find_materials(s, c.material, stands_for);
         check_all(&c);
     } else {
@@ -449,5 +457,6 @@ rad_scene_check(const struct rad_scene *s,
     free(stands_for);
     free(c.reached);
     free(c.material);
+    free(c.depth);
     return c.rc;
 }

@@ -53,6 +53,24 @@ rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
 }
 
 void
+rad_scene_nesting(const struct rad_scene *s, int32_t *depth)
+{
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        depth[i] = o->modifier == RAD_VOID ? 0 : depth[o->modifier];
+        for (int k = 0; k < o->nstrings && named_strings(o) >> k; k++) {
+            int32_t named = RAD_VOID;
+
+            if (named_strings(o) >> k & 1)
+                named = rad_scene_find_modifier(s, o->strings[k], i);
+            if (named != RAD_VOID && depth[named] >= depth[i])
+                depth[i] = depth[named] + 1;
+        }
+    }
+}
+
+void
 rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
 {
     uint8_t *reached = malloc((size_t)s->nobjects + 1);

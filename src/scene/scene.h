@@ -8,7 +8,8 @@
  * it for rendering.
  * Limits: RAD_MAX_OBJECTS objects, RAD_MAX_ARGS string and as many real
  * arguments each, words (names and strings) of RAD_MAX_WORD bytes: what
- * Radiance's octree files can hold, and its programs read.
+ * Radiance's octree files can hold, and its programs read.  What a surface leads
+ * to may be nested RAD_MAX_NESTED deep.
  * Memory: rad_scene_free() ends all of it.
  * Thread: immutable once made; any number of threads may read it.
  * Source: Radiance's reference manual, "Scene description". */
@@ -27,6 +28,7 @@
 #define RAD_MAX_OBJECTS 100000000
 #define RAD_MAX_ARGS    32767
 #define RAD_MAX_WORD    511
+#define RAD_MAX_NESTED  256 /* modifiers by way of strings: shading recurses */
 
 struct rad_names;
 struct rad_part; /* part.h */
@@ -92,6 +94,11 @@ int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
 /* Set reached[i], for all i, to whether object i is a surface or what one leads
  * to: its modifiers, theirs, and those named by strings. */
 void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
+
+/* How deep modifiers are nested by strings that name others (mixtures, aliases,
+ * what stands in for an illum), by object; a chain of modifiers is as deep as
+ * the deepest of them. */
+void rad_scene_nesting(const struct rad_scene *s, int32_t *depth);
 
 /* The k-th file that an object reads when it is rendered, as it names it; NULL
  * beyond the last.  Those of instances and meshes are the scene's parts. */
