@@ -717,7 +717,7 @@ team_shrink(struct team *t, int least)
 
     uv_mutex_lock(&t->mu);
     last = atomic_load_explicit(&t->last, memory_order_relaxed);
-    keep = last - (last - t->begun) / 2;
+    keep = last - (last - t->begun + 1) / 2; /* it is at another, too */
     if (keep == t->begun && t->spec.mode != TEAM_TRUTH)
         keep++; /* that one was not painted as the bottom */
     if (keep < least)

@@ -119,7 +119,7 @@ bool team_open(struct team *t);
 /* End early: each member leaves within a few pixels. */
 void team_stop(struct team *t);
 
-/* Give away half (rounded down) of the lines that are not begun, the lower
+/* Give away half (rounded up) of the lines that are not begun, the lower
  * ones, but none below `least`.  Returns `last` as it is from now on. */
 int team_shrink(struct team *t, int least);
 

@@ -443,7 +443,7 @@ shrink(struct host *h)
     if (begun < h->pass->least)
         begun = h->pass->least;
     if (begun < h->last)
-        h->last -= (h->last - begun) / 2;
+        h->last -= (h->last - begun + 1) / 2;
     strict_shrunk(h->strict, h->pass, h->last);
 }
 
