@@ -516,6 +516,22 @@ unit_free(struct strict_unit *u)
     free(u);
 }
 
+/* With many frames, do not keep what those that are done had. */
+static void
+table_drop(struct strict *s, uint32_t frame)
+{
+    struct frame *f = &s->frames[frame];
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (u->frame == frame)
+            return; /* its pass may look there */
+    for (int i = 0; f->facts && i < f->nlines; i++)
+        if (facts_at(s, frame, i))
+            return;
+    free((void *)f->facts);
+    f->facts = NULL;
+}
+
 /* Forget a unit that has no pass, its facts and its top. */
 static void
 unit_drop(struct strict *s, struct strict_unit *u)
@@ -528,6 +544,7 @@ unit_drop(struct strict *s, struct strict_unit *u)
     forget_lazy(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
+    table_drop(s, u->frame);
     unit_free(u);
 }
 
