@@ -210,6 +210,25 @@ START_TEST(mixture_weighs_its_materials)
 }
 END_TEST
 
+/* -i asks what is mixed: through the glass one sees the lamp below; the other
+ * part is lit by nothing. */
+START_TEST(irradiance_goes_through_a_mixture)
+{
+    struct rad_rgb L;
+    struct world w;
+
+    world_open(&w,
+               "void glass clear 0 0 3 1 1 1\nvoid plastic p 0 0 5 1 1 1 0 0\n"
+               "void mixfunc m 4 clear p .75 . 0 0\nm" SQUARE
+               "void glow g 0 0 4 8 8 8 -1\n"
+               "g ring below 0 0 8 2 3 -1 0 0 1 0 1\n",
+               PLAIN " -i");
+    L = world_see(&w, 2, 3, 4, 0, 0, -1);
+    ck_assert_double_eq_tol(L.g, .75 * 8, 1e-5);
+    world_close(&w);
+}
+END_TEST
+
 START_TEST(mixture_of_patterns_is_a_pattern)
 {
     struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
@@ -319,6 +338,7 @@ main(void)
                         N_ELEM(clear));
     tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
+    tcase_add_test(tc, irradiance_goes_through_a_mixture);
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
     tcase_add_test(tc, failures_are_counted_by_object);
     tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));

@@ -232,7 +232,8 @@ rad_ray_shade(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
         if (!mat->shader)
             continue;
         if (irradiance &&
-            !(mat->shader->flags & (RAD_MAT_PATTERN | RAD_MAT_CUTS))) {
+            !(mat->shader->flags &
+              (RAD_MAT_PATTERN | RAD_MAT_CUTS | RAD_MAT_MIXTURE))) {
             if (shade_irradiance(ctx, mat, r))
                 return true;
         } else if (mat->shader->shade(ctx, mat, r)) {
