@@ -592,11 +592,11 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
 static bool
 wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
-    /* TRUTH has a first bar to trace where AHEAD had no colours above it */
-    bool bars_left = !u->ahead_done || !u->ahead_guessed;
-
-    return !u->bottom_done && bars_left && u->last - u->first > 1 &&
-           u->last < frame_of(s, u->frame)->nlines;
+    if (u->bottom_done || u->last == frame_of(s, u->frame)->nlines)
+        return false;
+    /* over facts it takes no time, and those who wait need not wait until the
+     * rows are out; TRUTH makes the bottom of a single line first */
+    return u->ahead_done || u->last - u->first > 1;
 }
 
 /* What to do for a unit next; false: nothing. */
