@@ -5,7 +5,8 @@
  * Scale and offset: the same room in other units, or elsewhere, looks the same.
  * Elsewhere its coordinates are rounded, so it is compared with the room at
  * the origin whose coordinates are rounded as they are there.
- * Acne: a ball of the size of a planet that shades itself nowhere. */
+ * Acne: a ball of the size of a planet that shades itself nowhere.
+ * The rest is one scene each, and says what it counts. */
 #include "config.h"
 
 #include "hard.h"
@@ -87,10 +88,11 @@ leaks(const double *a, int effort)
 
 /* --- the room --- */
 
-/* How coordinates are changed: scaled, moved, and moved back. */
+/* How a room is changed: its coordinates scaled, moved, and moved back. */
 struct place {
     double scale, offset;
     bool back;
+    bool dark; /* its lamps are out */
 };
 
 static double
@@ -146,13 +148,17 @@ add_room(struct text *t, const struct place *p)
         { 1.22, 2.72, .8, 1.5, 2.9, .86 }
     };
 
-    add(t, "void plastic paint 0 0 5 .6 .5 .4 0 0\n"
-           "void plastic varnish 0 0 5 .4 .25 .1 .04 0\n"
-           "void metal brass 0 0 5 .7 .6 .3 .9 0\n"
-           "void glass pane 0 0 3 .9 .95 .9\n"
-           "void light lamp 0 0 3 20 20 18\n"
-           "void light sun 0 0 3 1e5 9e4 8e4\n"
-           "sun source s 0 0 4 .3 -.8 .6 .5\n");
+    double lit = p->dark ? 0 : 1;
+
+    add(t,
+        "void plastic paint 0 0 5 .6 .5 .4 0 0\n"
+        "void plastic varnish 0 0 5 .4 .25 .1 .04 0\n"
+        "void metal brass 0 0 5 .7 .6 .3 .9 0\n"
+        "void glass pane 0 0 3 .9 .95 .9\n"
+        "void light lamp 0 0 3 %g %g %g\n"
+        "void light sun 0 0 3 %g %g %g\n"
+        "sun source s 0 0 4 .3 -.8 .6 .5\n",
+        20 * lit, 20 * lit, 18 * lit, 1e5 * lit, 9e4 * lit, 8e4 * lit);
     for (size_t i = 0; i < sizeof box / sizeof box[0]; i++)
         add_box(t, p, i < 8 ? "paint" : "varnish", box[i], box[i] + 3);
     add(t, "pane polygon g 0 0 12");
@@ -239,18 +245,20 @@ share_apart(const struct place *p, const struct place *q)
 static double
 scaled(const double *a, int effort)
 {
-    struct place home = { 1, 0, false }, there = { a[0], 0, false };
+    struct place home = { 1, 0, false, false }, there = home;
 
     (void)effort;
+    there.scale = a[0];
     return share_apart(&home, &there);
 }
 
 static double
 moved(const double *a, int effort)
 {
-    struct place back = { 1, a[0], true }, there = { 1, a[0], false };
+    struct place back = { 1, a[0], true, false }, there = back;
 
     (void)effort;
+    there.back = false;
     return share_apart(&back, &there);
 }
 
@@ -287,6 +295,250 @@ acne(const double *a, int effort)
     return (double)wrong / n;
 }
 
+/* --- one scene each --- */
+
+static const double up[3] = { 0, 0, 1 };
+
+/* Share of places on a floor that a point-like sun a[0] degrees above the
+ * horizon does not light as it should. */
+static double
+grazing_sun(const double *a, int effort)
+{
+    double t = a[0] * M_PI / 180, half = M_PI / 360 * 1e-4, truth;
+    int n = 20000 * effort, wrong = 0;
+    struct stage s;
+
+    stage_open(&s, "-dt 0",
+               "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+               "p polygon f 0 0 12 -9 -9 .1 9 -9 .1 9 9 .1 -9 9 .1\n"
+               "void light l 0 0 3 1e20 1e20 1e20\n"
+               "l source sun 0 0 4 %.17g 0 %.17g 1e-4\n",
+               cos(t), sin(t));
+    truth = .5e20 * half * half * sin(t);
+    for (int i = 0; i < n; i++) {
+        uint64_t key = rad_key_branch(4, (uint64_t)i);
+        double p[3] = { 16 * rad_rand(key, 0) - 8, 16 * rad_rand(key, 1) - 8,
+                        3 };
+        double way[3] = { .3 * rad_rand(key, 2), .3 * rad_rand(key, 3), -1 };
+
+        if (fabs(p[0] + 2.9 * way[0]) < 9 && fabs(p[1] + 2.9 * way[1]) < 9)
+            wrong +=
+                !(fabs(stage_radiance(&s, p, way, key) / truth - 1) < 1e-3);
+    }
+    stage_close(&s);
+    return (double)wrong / n;
+}
+
+/* Share of rays at a[0] radians to a floor, from a ten thousandth of its size
+ * above it, that do not meet it where they should, to 1e-9 of the way. */
+static double
+grazing_rays(const double *a, int effort)
+{
+    struct rad_geom_counts counts = { 0 };
+    int n = 20000 * effort, wrong = 0;
+    struct stage s;
+
+    stage_open(&s, "",
+               "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+               "p polygon f 0 0 12 -9 -9 .1 9 -9 .1 9 9 .1 -9 9 .1\n");
+    for (int i = 0; i < n; i++) {
+        uint64_t key = rad_key_branch(5, (uint64_t)i);
+        double phi = 2 * M_PI * rad_rand(key, 0), way = 8 * rad_rand(key, 1);
+        struct rad_span span = { { 0, 0, .1 + way * tan(a[0]) },
+                                 { cos(a[0]) * cos(phi), cos(a[0]) * sin(phi),
+                                   -sin(a[0]) },
+                                 0,
+                                 INFINITY };
+        struct rad_hit hit;
+
+        wrong += !rad_geom_nearest(s.job->geom, &span, &hit, &counts) ||
+                 !(fabs(hit.t * cos(a[0]) - way) <= 1e-9 + 2e-16 / a[0]) ||
+                 !(fabs(hit.p[2] - .1) <= hit.err);
+    }
+    stage_close(&s);
+    return (double)wrong / n;
+}
+
+/* Share of a wall whose face shows another one at the same place, or closer
+ * behind it than rounding can tell, through it: the modifier defined later
+ * wins. */
+static double
+coincident(const double *a, int effort)
+{
+    static const double eye[3] = { .1, .2, 3 };
+    int n = 20000 * effort, wrong = 0;
+    struct stage s;
+
+    stage_open(&s, "",
+               "void glow under 0 0 4 1 1 1 0\nvoid glow over 0 0 4 2 2 2 0\n"
+               "over polygon o 0 0 12 -1 -1 .7 1 -1 .3 1 1 .1 -1 1 .5\n"
+               "under polygon u 0 0 9 -1 -1 .7 1 -1 .3 1 1 .1\n"
+               "under polygon v 0 0 9 -1 -1 .7 1 1 .1 -1 1 .5\n");
+    for (int i = 0; i < n; i++) {
+        uint64_t key = rad_key_branch(6, (uint64_t)i);
+        double to[3] = { 1.9 * rad_rand(key, 0) - .95,
+                         1.9 * rad_rand(key, 1) - .95, 0 };
+
+        to[2] = .4 - .2 * (to[0] + .5 * to[1]);
+        rad_sub(to, to, eye);
+        wrong += stage_radiance(&s, eye, to, key) != 2;
+    }
+    (void)a;
+    stage_close(&s);
+    return (double)wrong / n;
+}
+
+/* A lamp in the plane of its ceiling: relative error of the light below. */
+static double
+flush_lamp(const double *a, int effort)
+{
+    static const double p[3] = { 1, .5, 0 };
+    double found, x = hypot(1, .5), z = 4 + x * x + .25;
+    double truth = M_PI / 2 * (1 - (z - .5) / sqrt(z * z - x * x));
+    struct stage s;
+
+    (void)a;
+    (void)effort;
+    stage_open(&s, "-dt 0 -ds .2",
+               "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+               "p polygon ceiling 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n"
+               "p polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+               "void light l 0 0 3 1 1 1\nl ring r 0 0 8 0 0 2 0 0 -1 0 .5\n");
+    found = stage_irradiance(&s, p, up);
+    stage_close(&s);
+    return fabs(found / truth - 1);
+}
+
+/* The largest radiance in a closed box that touches a lit one, with indirect
+ * light interpolated over both. */
+static double
+dark_box(const double *a, int effort)
+{
+    double most = 0;
+    int n = 200;
+    struct stage s;
+
+    (void)a;
+    (void)effort;
+    stage_open(&s, "-ab 2 -aa .2 -ad 64 -as 0 -ar 32 -dt 0",
+               "void plastic p 0 0 5 .7 .7 .7 0 0\n"
+               "void light l 0 0 3 100 100 100\nl sphere b 0 0 4 -1 0 0 .2\n"
+               "p polygon w 0 0 12 0 -1 -1 0 1 -1 0 1 1 0 -1 1\n"
+               "p polygon f 0 0 12 -2 -1 -1 2 -1 -1 2 1 -1 -2 1 -1\n"
+               "p polygon c 0 0 12 -2 -1 1 -2 1 1 2 1 1 2 -1 1\n"
+               "p polygon s 0 0 12 -2 -1 -1 -2 -1 1 2 -1 1 2 -1 -1\n"
+               "p polygon t 0 0 12 -2 1 -1 2 1 -1 2 1 1 -2 1 1\n"
+               "p polygon e 0 0 12 2 -1 -1 2 -1 1 2 1 1 2 1 -1\n"
+               "p polygon d 0 0 12 -2 -1 -1 -2 1 -1 -2 1 1 -2 -1 1\n");
+    for (int i = 0; i < n; i++) {
+        uint64_t key = rad_key_branch(7, (uint64_t)i);
+        double lit[3] = { -1, 0, -.5 }, dark[3] = { 1, 0, -.5 }, way[3];
+
+        for (uint32_t k = 0; k < 3; k++)
+            way[k] = 2 * rad_rand(key, k) - 1;
+        if (i % 2 == 0)
+            stage_radiance(&s, lit, way, key);
+        else
+            most = fmax(most, stage_radiance(&s, dark, way, key));
+    }
+    stage_close(&s);
+    return most;
+}
+
+/* a[0] lamps: relative error of their sum. */
+static double
+many_lamps(const double *a, int effort)
+{
+    static const double p[3] = { 0, 0, 0 };
+    struct text t = { NULL, 0, 0 };
+    double truth = 0, found;
+    struct stage s;
+
+    (void)effort;
+    add(&t, "void light l 0 0 3 1 1 1\n");
+    for (int i = 0; i < (int)a[0]; i++) {
+        uint64_t key = rad_key_branch(9, (uint64_t)i);
+        double c[3] = { 9 * rad_rand(key, 0), 9 * rad_rand(key, 1),
+                        3 + rad_rand(key, 2) };
+        double d2 = rad_dot(c, c);
+
+        add(&t, "l sphere s 0 0 4 %.17g %.17g %.17g 1e-3\n", c[0], c[1], c[2]);
+        truth += M_PI * 1e-6 * c[2] / (d2 * sqrt(d2));
+    }
+    stage_open(&s, "-dt 0", "%s", t.at);
+    found = stage_irradiance(&s, p, up);
+    stage_close(&s);
+    free(t.at);
+    return fabs(found / truth - 1);
+}
+
+/* All that a scene without light sends, with every kind of ray. */
+static double
+black_scene(const double *a, int effort)
+{
+    double sum = 0;
+    struct text t = { NULL, 0, 0 };
+    struct place dark = { 1, 0, false, true };
+    struct stage s;
+
+    (void)a;
+    add_room(&t, &dark);
+    stage_open(&s, "-ab 1 -aa .3 -ad 16 -as 0", "%s", t.at);
+    for (int i = 0; i < 200 * effort; i++) {
+        uint64_t key = rad_key_branch(10, (uint64_t)i);
+        double eye[3] = { 4.3, .4, 1.7 }, way[3];
+
+        for (uint32_t k = 0; k < 3; k++)
+            way[k] = 2 * rad_rand(key, k) - 1;
+        sum += stage_radiance(&s, eye, way, key);
+    }
+    sum += (double)s.ctx.counts.unsound_rays;
+    stage_close(&s);
+    free(t.at);
+    return sum;
+}
+
+/* Relative error of what a[0] clear panes, one behind another, let through. */
+static double
+many_panes(const double *a, int effort)
+{
+    static const double eye[3] = { 0, 0, 1 }, down[3] = { .1, 0, -1 };
+    struct text t = { NULL, 0, 0 };
+    double found;
+    struct stage s;
+
+    (void)effort;
+    add(&t, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 -1 180\n"
+            "void glass pane 0 0 4 .999 .999 .999 1\n");
+    for (int i = 0; i < (int)a[0]; i++)
+        add(&t, "pane ring r 0 0 8 0 0 %.17g 0 0 1 0 99\n", -1e-3 * i);
+    stage_open(&s, "-lw 0 -lr 9", "%s", t.at);
+    found = stage_radiance(&s, eye, down, 1);
+    stage_close(&s);
+    free(t.at);
+    return fabs(found / pow(.999, a[0] * sqrt(1.01)) - 1);
+}
+
+/* Relative error of the area of a concave polygon with a hole on a seam. */
+static double
+seamed_area(const double *a, int effort)
+{
+    double found;
+    struct stage s;
+
+    (void)a;
+    (void)effort;
+    stage_open(&s, "-ps 1 -pj 1 -x 400 -y 400",
+               "void glow g 0 0 4 1 1 1 0\n"
+               "g polygon p 0 0 36 -.9 0 -.9 0 0 -.5 .9 0 -.9 .6 0 .8 0 0 .2 "
+               "-.6 0 .8 -.9 0 -.9 -.3 0 -.3 -.3 0 0 .2 0 .1 .3 0 -.3 "
+               "-.3 0 -.3\n");
+    found = stage_lit_area(&s, "VIEW= -vtl -vp 0 -3 0 -vd 0 1 0 -vh 2 -vv 2");
+    stage_close(&s);
+    /* Gauss's formula for the outline, less that for the hole */
+    return fabs(found / (1.83 - .195) - 1);
+}
+
 const struct hard_row hard_rows[] = {
     /* clang-format off */
     { "leaks at edges and vertices, size 1", leaks, { 1, 0 }, 0 },
@@ -303,6 +555,16 @@ const struct hard_row hard_rows[] = {
     { "room moved by 1e9: pixels apart", moved, { 1e9 }, .01 },
     { "acne on a ball of radius 1e10", acne, { 1e10 }, 0 },
     { "acne on a ball of radius 1e-10", acne, { 1e-10 }, 0 },
+    { "acne under a sun at 0.01 degrees", grazing_sun, { .01 }, 0 },
+    { "rays at 1e-6 rad that miss their place", grazing_rays, { 1e-6 }, 0 },
+    { "coincident faces: rays that see the wrong one", coincident, { 0 }, 0 },
+    { "lamp flush with its ceiling: error", flush_lamp, { 0 }, 1e-5 },
+    { "dark box beside a lit one: radiance", dark_box, { 0 }, 0 },
+    { "10 000 lamps: error", many_lamps, { 10000 }, 1e-4 },
+    { "scene without light: radiance", black_scene, { 0 }, 0 },
+    { "1000 panes: error", many_panes, { 1000 }, 1e-4 },
+    { "concave polygon with a hole: error of its area", seamed_area, { 0 },
+      2e-3 },
     { NULL, NULL, { 0 }, 0 }
     /* clang-format on */
 };
