@@ -110,6 +110,12 @@ int rad_calc_params(struct rad_calc *c, int context, const char *name,
 int rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
                       struct rad_error *err);
 
+/* Is the expression a number?  Sets *value if so. */
+bool rad_calc_number(const struct rad_calc *c, int expression, double *value);
+
+/* Which channels may what was compiled last read?  Bit 0 for $1. */
+uint64_t rad_calc_channels(const struct rad_calc *c, int expression);
+
 /* An evaluator for programs of this size; NULL: out of memory. */
 struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
 void rad_calc_env_free(struct rad_calc_env *env);

@@ -559,6 +559,58 @@ accept_code(struct rad_calc *c, int32_t pc, struct rad_error *why,
     return why->code;
 }
 
+bool
+rad_calc_number(const struct rad_calc *c, int at, double *value)
+{
+    if (c->code[at].op != OP_NUMBER || c->code[at + 1].op != OP_END)
+        return false;
+    *value = c->number[c->code[at].a];
+    return true;
+}
+
+/* What a piece of code reads itself; symbols that it leads to are put on the
+ * stack, each once. */
+static uint64_t
+channels_of(const struct rad_calc *c, int32_t from, int32_t to, uint8_t *seen,
+            int32_t *stack, int32_t *n)
+{
+    uint64_t read = 0;
+
+    for (int32_t pc = from; pc < to; pc++) {
+        const struct ins *in = &c->code[pc];
+
+        if (in->op == OP_CHANNEL)
+            read |= UINT64_C(1) << in->a;
+        else if (in->op == OP_LIBRARY && in->a != LIB_ARG &&
+                 !rad_calc_library[in->a].constant)
+            read = UINT64_MAX; /* it looks for itself */
+        else if ((in->op == OP_VARIABLE || in->op == OP_CALL) && !seen[in->a])
+            seen[stack[(*n)++] = in->a] = 1;
+    }
+    return read;
+}
+
+uint64_t
+rad_calc_channels(const struct rad_calc *c, int expression)
+{
+    size_t size = (size_t)c->nsymbol + 1;
+    int32_t *stack = malloc(size * sizeof *stack), n = 0;
+    uint8_t *seen = calloc(size, 1);
+    uint64_t read = UINT64_MAX;
+
+    if (stack && seen)
+        read = channels_of(c, expression, c->ncode, seen, stack, &n);
+    while (n > 0) {
+        const struct symbol *s = &c->symbol[stack[--n]];
+
+        if (s->code >= 0)
+            read |= channels_of(c, s->code, s->end, seen, stack, &n);
+    }
+    free(stack);
+    free(seen);
+    return read;
+}
+
 int
 rad_calc_expression(struct rad_calc *c, int context, const char *text,
                     struct rad_error *err)

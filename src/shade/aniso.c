@@ -109,24 +109,28 @@ rad_aniso_frame(double u[3], double v[3], const double norm[3],
     return true;
 }
 
+static void
+take_along(double along[3], const struct rad_expr *e, const struct rad_ray *r,
+           bool sound)
+{
+    if (sound)
+        rad_expr_outward(e, r, along);
+    else
+        along[0] = along[1] = along[2] = 0;
+}
+
 void
 rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                 const struct rad_ray *r, double along[3])
 {
-    struct rad_expr_scope scope;
-
-    rad_expr_begin(ctx, e, r, &scope);
-    rad_aniso_get(ctx, e, first, r, along);
+    take_along(along, e, r, rad_expr_values(ctx, e, r, first, 3, along));
 }
 
 void
 rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
               const struct rad_ray *r, double along[3])
 {
-    if (rad_expr_get(ctx, e, first, 3, along))
-        rad_expr_outward(e, r, along);
-    else
-        along[0] = along[1] = along[2] = 0;
+    take_along(along, e, r, rad_expr_get(ctx, e, first, 3, along));
 }
 
 /* Lay the roughness along u.  Without a direction it is the same in all. */

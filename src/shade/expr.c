@@ -38,6 +38,8 @@ compile_expressions(struct rad_job *job, const struct rad_object *o,
                     unsigned which, struct rad_expr *e, struct rad_error *err)
 {
     e->n = 0;
+    e->numbers = 0;
+    e->channels = 0;
     for (int i = 0; which >> i; i++) {
         struct rad_error why = { 0 };
         int code;
@@ -47,6 +49,9 @@ compile_expressions(struct rad_job *job, const struct rad_object *o,
         code = rad_calc_expression(job->calc, e->context, o->strings[i], &why);
         if (code < 0)
             return rad_material_file_fail(job, o, o->strings[i], &why, err);
+        if (rad_calc_number(job->calc, code, &e->number[e->n]))
+            e->numbers |= 1u << e->n;
+        e->channels |= rad_calc_channels(job->calc, code);
         e->code[e->n++] = code;
     }
     return 0;
@@ -115,8 +120,7 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
 
 int
 rad_expr_function(struct rad_job *job, const struct rad_object *o,
-                  const struct rad_expr *e, int which, int n,
-                  struct rad_error *err)
+                  struct rad_expr *e, int which, int n, struct rad_error *err)
 {
     const char *name = o->strings[which];
     struct rad_error why = { 0 };
@@ -124,6 +128,8 @@ rad_expr_function(struct rad_job *job, const struct rad_object *o,
 
     rad_calc_offer(job->calc, offer_of(o->type));
     f = rad_calc_function(job->calc, e->context, name, n, &why);
+    if (f >= 0)
+        e->channels |= rad_calc_channels(job->calc, f);
     return f < 0 ? rad_material_file_fail(job, o, name, &why, err) : f;
 }
 
@@ -149,6 +155,13 @@ way(const struct rad_ray *r, unsigned kind)
 /* Where the axes' directions are among the channels. */
 #define AXES 15
 
+/* Channels that are set together, as bits. */
+#define RAYS_WAY   UINT64_C(07)
+#define NORMAL     UINT64_C(070)
+#define POINT      UINT64_C(0700)
+#define WAY        (UINT64_C(1) << 9)
+#define SHADOW_WAY (UINT64_C(1) << 24)
+
 static void
 turn_inward(const double c[RAD_CALC_NCHANNELS], const double v[3], double w[3])
 {
@@ -164,33 +177,48 @@ rad_expr_inward(const struct rad_expr_scope *scope, const double v[3],
     turn_inward(scope->channel, v, w);
 }
 
-/* Channels $1 to $27, in the order that calcinit.c names them. */
+/* The channels of a transform: S to Kz. */
+static void
+set_place(double c[RAD_CALC_NCHANNELS], const struct rad_xform *back)
+{
+    c[11] = back->scale;
+    rad_copy(c + 12, back->t);
+    for (int i = 0; i < 3; i++)
+        rad_scale(c + AXES + 3 * i, 1 / back->scale, back->m[i]);
+}
+
+/* Channels $1 to $27, in the order that calcinit.c names them; those that take
+ * time only if they are read. */
 static void
 set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
              const struct rad_ray *r)
 {
     const struct rad_xform *b = &e->back;
     struct rad_xform move, here;
-    double p[3];
 
     if (rad_geom_place(&r->hit, &move)) {
         rad_xform_invert(&here, &move);
         rad_xform_then(&here, &here, b);
         b = &here;
     }
-    for (int i = 0; i < 3; i++)
-        rad_scale(c + AXES + 3 * i, 1 / b->scale, b->m[i]);
-    rad_copy(p, r->hit.p);
-    if (!(r->hit.t < INFINITY))
-        rad_madd(p, r->org, FAR, r->dir);
-    turn_inward(c, r->dir, c);
-    turn_inward(c, r->n, c + 3);
-    rad_xform_point(c + 6, b, p);
-    c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
+    set_place(c, b);
+    if (e->channels & RAYS_WAY)
+        turn_inward(c, r->dir, c);
+    if (e->channels & NORMAL)
+        turn_inward(c, r->n, c + 3);
+    if (e->channels & POINT) {
+        double p[3];
+
+        rad_copy(p, r->hit.p);
+        if (!(r->hit.t < INFINITY))
+            rad_madd(p, r->org, FAR, r->dir);
+        rad_xform_point(c + 6, b, p);
+    }
+    if (e->channels & WAY)
+        c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
     c[10] = fmin(fmax(r->cos_o, -1), 1);
-    c[11] = b->scale;
-    rad_copy(c + 12, b->t);
-    c[24] = (length(r) + way(r->parent, RAD_RAY_SHADOW)) * b->scale;
+    if (e->channels & SHADOW_WAY)
+        c[24] = (length(r) + way(r->parent, RAD_RAY_SHADOW)) * b->scale;
     c[25] = r->hit.uv[0];
     c[26] = r->hit.uv[1];
 }
@@ -261,6 +289,10 @@ rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first, int n,
     for (int i = 0; i < n; i++) {
         enum rad_calc_fault fault;
 
+        if (e->numbers >> (first + i) & 1) {
+            value[i] = e->number[first + i];
+            continue;
+        }
         value[i] = rad_calc_eval(ctx->job->calc, e->code[first + i], ctx->calc,
                                  &fault);
         if (!is_sound(ctx, e, value[i], fault))
@@ -273,9 +305,11 @@ bool
 rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
                 const struct rad_ray *r, int first, int n, double value[])
 {
+    unsigned all = ((1u << n) - 1) << first;
     struct rad_expr_scope scope;
 
-    rad_expr_begin(ctx, e, r, &scope);
+    if ((e->numbers & all) != all)
+        rad_expr_begin(ctx, e, r, &scope);
     return rad_expr_get(ctx, e, first, n, value);
 }
 

@@ -21,6 +21,9 @@
 struct rad_expr {
     int n;
     int code[RAD_MAX_EXPRS];
+    double number[RAD_MAX_EXPRS]; /* of those that are numbers: */
+    unsigned numbers;             /* a bit for each */
+    uint64_t channels;            /* that they and the functions read */
     struct rad_xform move; /* from the function's coordinates to the world's */
     struct rad_xform back;
     const double *args;
@@ -49,7 +52,7 @@ bool rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
 /* A call of the function that string number `which` of o names, with n values;
  * at least 0, or a code. */
 int rad_expr_function(struct rad_job *job, const struct rad_object *o,
-                      const struct rad_expr *e, int which, int n,
+                      struct rad_expr *e, int which, int n,
                       struct rad_error *err);
 
 /* Start with a ray: what follows is evaluated for it, until another one is
