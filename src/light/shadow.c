@@ -466,6 +466,7 @@ weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
         const struct rad_virtual *v = &s->virtuals[i];
 
         if (!rad_virtual_faces(v, view->p, d->r->hit.err) ||
+            !rad_virtual_shows(s, v, view->p) ||
             (skip && !v->bend && is_below(&s->list[v->root], v->image, d->r)))
             continue;
         d->source = s->n + i;

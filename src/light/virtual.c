@@ -25,6 +25,9 @@
 /* rpict's density of the test for distant sources: samples for a mirror as
  * large as the scene, for each that -dp asks for. */
 #define DISTANT_SAMPLES 32.0
+/* Bound of the rounding in a few dozen operations on coordinates, relative to
+ * the largest. */
+#define ROUNDING 0x1p-46
 /* A loss of more than this share of the light is something in the way. */
 #define DIMMED 1e-6
 
@@ -290,6 +293,15 @@ folded(const double normal[3], double offset, const double w[3],
     rad_madd(q, p, rad_dot(normal, p) - offset, w);
 }
 
+/* A direction at the source as it is at its bent image, of any length. */
+static void
+bend_direction(const struct rad_bend *b, const double from[3], double dir[3])
+{
+    for (int k = 0; k < 3; k++)
+        dir[k] = b->axis[0][k] * from[0] + b->axis[1][k] * from[1] +
+                 b->axis[2][k] * from[2];
+}
+
 /* The way from the source to its image, where there is a prism between. */
 static void
 make_bend(const struct rad_virtual *before, const struct mirror *m,
@@ -340,6 +352,28 @@ make_image(const struct rad_sources *s, int32_t from, const struct mirror *m,
            before ? before->image : root->centre, v->image);
     if (far)
         rad_normalize(v->image);
+    rad_copy(v->middle, m->centre);
+    v->extent = m->radius;
+}
+
+/* How far the image reaches from its centre.  A linear map stretches no vector
+ * by more than the root of the sum of all its squares. */
+static void
+set_spread(struct rad_virtual *v, const struct rad_source *root)
+{
+    const struct rad_bend *b = v->bend;
+    double stretch2 = 0, centre[3];
+
+    v->spread = root->radius;
+    if (!b)
+        return;
+    for (int k = 0; k < 3; k++)
+        stretch2 += rad_dot(b->axis[k], b->axis[k]);
+    v->spread *= sqrt(stretch2);
+    if (!(root->flags & RAD_LIGHT_DISTANT))
+        return;
+    bend_direction(b, root->centre, centre);
+    v->spread = asin(fmin(1, v->spread / sqrt(rad_dot(centre, centre))));
 }
 
 static int
@@ -380,6 +414,7 @@ add_image(struct maker *mk, int32_t from, const struct mirror *m, int way,
     make_image(s, from, m, f, v);
     v->way = way;
     v->bend = bend;
+    set_spread(v, root_of(s, from));
     return 0;
 }
 
@@ -708,11 +743,61 @@ rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
     return rad_dot(v->normal, p) - v->offset > err;
 }
 
+/* How far the places where a cone of half angle a about dir, whose cosine to
+ * the plane is c, meets a plane at distance k may lie from where dir does;
+ * INFINITY: any distance. */
+static double
+cone_slack(double k, double c, double a)
+{
+    double least = c * cos(a) - sqrt(fmax(0, 1 - c * c)) * sin(a);
+
+    return least > 0 ? k / least - k / c + k / least * a : INFINITY;
+}
+
+/* The same for what leads to a ball of radius r, whose centre is at distance
+ * behind on the other side and d from the cone's point. */
+static double
+ball_slack(double k, double behind, double d, double r)
+{
+    double most = k / (k + behind - r);
+
+    return behind > r ? r * most + d * (most - k / (k + behind + r)) : INFINITY;
+}
+
+static double
+largest(const double v[3])
+{
+    return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+}
+
+bool
+rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
+                  const double p[3])
+{
+    double k = rad_dot(v->normal, p) - v->offset, at[3], d[3], slack, c;
+
+    if (s->list[v->root].flags & RAD_LIGHT_DISTANT) {
+        c = -rad_dot(v->normal, v->image);
+        slack = cone_slack(k, c, v->spread);
+        rad_madd(at, p, k / c, v->image);
+    } else {
+        c = v->offset - rad_dot(v->normal, v->image);
+        rad_sub(d, v->image, p);
+        slack = ball_slack(k, c, sqrt(rad_dot(d, d)), v->spread);
+        rad_madd(at, p, k / (k + c), d);
+    }
+    if (!(slack < INFINITY))
+        return true;
+    slack += v->extent + ROUNDING * (largest(at) + largest(v->middle));
+    return !(rad_dist2(at, v->middle) > slack * slack);
+}
+
 struct unfolded {
     const struct rad_virtual *v;
     const struct rad_source *root;
-    const double *p;     /* where the image is seen from, */
-    const double *there; /* and where the source is */
+    const double *p;         /* where the image is seen from, */
+    const double *there;     /* and where the source is */
+    double axis[3], bent[3]; /* the source's normal or axis, and the image's */
     rad_light_fn *fn;
     void *arg;
 };
@@ -727,15 +812,6 @@ fold(void *arg, const struct rad_light_sample *s)
     turn_back(u->v, s->aim, image.aim);
     turn_back(u->v, s->dir, image.dir);
     u->fn(u->arg, &image);
-}
-
-/* A direction at the source as it is at its bent image, of any length. */
-static void
-bend_direction(const struct rad_bend *b, const double from[3], double dir[3])
-{
-    for (int k = 0; k < 3; k++)
-        dir[k] = b->axis[0][k] * from[0] + b->axis[1][k] * from[1] +
-                 b->axis[2][k] * from[2];
 }
 
 /* Where the point at a distance along dir from the source's side appears. */
@@ -764,6 +840,17 @@ width(const struct rad_source *src, const double axis[3], const double dir[3])
     return src->shape == RAD_CYLINDER ? sqrt(fmax(0, 1 - c * c)) : 1;
 }
 
+static void
+bend_axis(struct unfolded *u)
+{
+    const struct rad_source *src = u->root;
+
+    rad_copy(u->axis, src->flags & RAD_LIGHT_FLAT ? src->normal : src->axis[0]);
+    rad_normalize(u->axis);
+    bend_direction(u->v->bend, u->axis, u->bent);
+    rad_normalize(u->bent);
+}
+
 /* The image keeps the source's area, and its normal or axis is bent as any
  * direction is: so Radiance has it. */
 static double
@@ -771,14 +858,10 @@ bent_size(const struct unfolded *u, const struct rad_light_sample *s,
           const struct rad_light_sample *image)
 {
     const struct rad_source *src = u->root;
-    double axis[3], bent[3], now;
+    double now;
 
-    rad_copy(axis, src->flags & RAD_LIGHT_FLAT ? src->normal : src->axis[0]);
-    rad_normalize(axis);
-    bend_direction(u->v->bend, axis, bent);
-    rad_normalize(bent);
-    now = width(src, bent, image->aim) / (image->dist * image->dist);
-    return s->omega * now * s->dist * s->dist / width(src, axis, s->aim);
+    now = width(src, u->bent, image->aim) / (image->dist * image->dist);
+    return s->omega * now * s->dist * s->dist / width(src, u->axis, s->aim);
 }
 
 /* rad_light_fn: the same as fold() by way of a prism. */
@@ -808,9 +891,16 @@ rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
                     void *arg)
 {
     struct rad_light_view there = *view;
-    struct unfolded u = { v, &s->list[v->root], view->p, there.p, fn, arg };
+    struct unfolded u = { .v = v,
+                          .root = &s->list[v->root],
+                          .p = view->p,
+                          .there = there.p,
+                          .fn = fn,
+                          .arg = arg };
 
     for (int k = 0; k < 3; k++)
         there.p[k] = rad_dot(v->turn[k], view->p) + v->move[k];
+    if (v->bend)
+        bend_axis(&u);
     rad_light_samples(u.root, &there, v->bend ? fold_bent : fold, &u);
 }

@@ -34,6 +34,9 @@ struct rad_virtual {
                                   * turn p + move; turn is orthogonal where
                                   * there are mirrors alone */
     double image[3];             /* centre, or direction, of the image */
+    double spread;               /* radius of a ball about it that holds it;
+                                  * distant: half angle [rad] */
+    double middle[3], extent;    /* of a disk that holds the mirror */
     int32_t way;                 /* of a prism: which (shade/prism.h) */
     const struct rad_bend *bend; /* NULL: mirrors alone */
 };
@@ -47,6 +50,11 @@ int rad_virtuals_make(struct rad_job *job, struct rad_error *err);
 /* Is p, whose error is err, before the image's mirror? */
 bool rad_virtual_faces(const struct rad_virtual *v, const double p[3],
                        double err);
+
+/* May p, which is before the mirror, see any of the image in it?  May be wrong
+ * about what is near the mirror's edge, never about what is seen. */
+bool rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
+                       const double p[3]);
 
 /* The samples of the image, as rad_light_samples() gives those of a source;
  * directions are those in which the ray leaves view->p. */
