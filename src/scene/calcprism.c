@@ -27,7 +27,7 @@ struct state {
 };
 
 struct beam {
-    double v[3];
+    double v[3]; /* unit */
     struct state pol[2];
     double energy;
     bool inside; /* the glass */
@@ -60,7 +60,7 @@ root(double x)
 }
 
 struct incidence {
-    double sine2, cosine;
+    double cosine;
     double ratio;  /* square of the index behind over that before */
     double behind; /* ratio of the indices times the cosine behind */
     bool passes;
@@ -69,14 +69,12 @@ struct incidence {
 static void
 meet(const struct pane *p, const struct beam *r, struct incidence *i)
 {
-    double across2 = r->v[1] * r->v[1] + r->v[2] * r->v[2];
-    double len2 = across2 + r->v[0] * r->v[0];
+    double sine2 = r->v[1] * r->v[1] + r->v[2] * r->v[2];
 
-    i->sine2 = across2 / len2;
-    i->cosine = sqrt(r->v[0] * r->v[0] / len2);
+    i->cosine = fabs(r->v[0]);
     i->ratio = r->inside ? 1 / p->index2 : p->index2;
-    i->behind = root(i->ratio - i->sine2);
-    i->passes = !(sqrt(i->sine2) > sqrt(i->ratio)) && (int)r->to != p->mirror;
+    i->behind = root(i->ratio - sine2);
+    i->passes = !(sine2 > i->ratio) && (int)r->to != p->mirror;
 }
 
 /* Multiply the amplitudes; returns the mean gain in intensity. */
@@ -129,59 +127,27 @@ divide(const struct pane *p, const struct beam *r, struct beam *back,
 
 /* --- from one surface's axes to another's --------------------------------- */
 
-static void
-turn(double c, double s, const double v[3], double w[3])
-{
-    double x = v[0] * c - v[1] * s, y = v[0] * s + v[1] * c, z = v[2];
-    double len = sqrt(x * x + y * y + z * z);
-
-    w[0] = x / len;
-    w[1] = y / len;
-    w[2] = z / len;
-}
-
-/* Unit vectors in and across the plane of incidence of v; false: it is any. */
-static bool
-axes(const double v[3], double par[3], double per[3])
-{
-    double across2 = v[1] * v[1] + v[2] * v[2], across = sqrt(across2), len;
-
-    if (across == 0)
-        return false;
-    len = sqrt(across2 * across2 + v[0] * v[0] * across2);
-    par[0] = across2 / len;
-    par[1] = -v[0] * v[1] / len;
-    par[2] = -v[0] * v[2] / len;
-    per[0] = 0;
-    per[1] = -v[2] / across;
-    per[2] = v[1] / across;
-    return true;
-}
-
-static double
-dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
+/* By an angle about z of cosine c and sine s.  The plane of incidence, through
+ * x and the beam, is turned about the beam by an angle whose cosine is (y y' +
+ * z^2 c) / (r r') and whose sine is z s / (r r'), with r^2 = y^2 + z^2. */
 static struct beam
-turned(const struct beam *r, double c, double s)
+turned(const struct beam *b, double c, double s)
 {
-    struct beam out = *r;
-    double par[3], per[3], new_par[3], new_per[3];
+    struct beam out = *b;
+    double x = b->v[0], y = b->v[1], z = b->v[2], r2, cosine, sine;
 
-    turn(c, s, r->v, out.v);
-    if (!axes(r->v, par, per) || !axes(out.v, new_par, new_per))
+    out.v[0] = x * c - y * s;
+    out.v[1] = x * s + y * c;
+    r2 = sqrt((y * y + z * z) * (out.v[1] * out.v[1] + z * z));
+    if (r2 == 0)
         return out;
-    turn(c, s, par, par);
-    turn(c, s, per, per);
+    cosine = (y * out.v[1] + z * z * c) / r2;
+    sine = z * s / r2;
     for (int k = 0; k < 2; k++) {
-        const struct state *p = &r->pol[k];
+        const struct state *p = &b->pol[k];
 
-        out.pol[k].par =
-            p->par * dot(par, new_par) + p->per * dot(per, new_par);
-        out.pol[k].per =
-            p->par * dot(par, new_per) + p->per * dot(per, new_per);
+        out.pol[k].par = p->par * cosine + p->per * sine;
+        out.pol[k].per = p->per * cosine - p->par * sine;
     }
     return out;
 }
@@ -252,6 +218,15 @@ leave_level(struct prism *m, const struct beam *r, int depth)
     go(m, r, 1 - part, SIDE_B, depth);
 }
 
+/* The angle between two directions, either way round. */
+static double
+apart(double a, double b)
+{
+    double d = fabs(a - b);
+
+    return d < M_PI ? d : 2 * M_PI - d;
+}
+
 static void
 come_out(struct prism *m, const struct beam *r)
 {
@@ -263,7 +238,7 @@ come_out(struct prism *m, const struct beam *r)
     for (int i = 0; i < m->out->n; i++) {
         struct prism_ray *o = &m->out->ray[i];
 
-        if (fabs(angle - o->angle) <= m->pane.together) {
+        if (apart(angle, o->angle) <= m->pane.together) {
             o->energy += r->energy;
             return;
         }
@@ -353,10 +328,13 @@ static void
 enter(struct prism *m, const double dir[3])
 {
     struct beam r = { .pol = { { 1, 0 }, { 0, 1 } }, .energy = 1 };
+    double len;
 
     if (dir[0] == 0)
         return;
-    turn(1, 0, dir, r.v);
+    len = sqrt(dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2]);
+    for (int k = 0; k < 3; k++)
+        r.v[k] = dir[k] / len;
     r.from = r.to = dir[0] > 0 ? FLAT : RIDGES;
     follow(m, &r, 0);
 }
@@ -367,7 +345,7 @@ static void
 order(struct prism_rays *out, const double *source, double angle)
 {
     for (int j = 0; source && j < out->n; j++)
-        if (!(fabs(out->ray[j].angle - atan2(source[1], source[0])) <= angle))
+        if (!(apart(out->ray[j].angle, atan2(source[1], source[0])) <= angle))
             out->ray[j].energy = 0;
     for (int j = 0; j < out->n; j++)
         for (int i = j + 1; i < out->n; i++)
