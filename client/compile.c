@@ -678,6 +678,26 @@ compile_warning(const struct compiled *c, int i, char text[COMPILE_WARNING])
     return false;
 }
 
+bool
+compile_fault(const struct rad_scene *scene, uint32_t object, uint64_t count,
+              char text[COMPILE_WARNING])
+{
+    struct rad_error what = { 0 };
+    char place[COMPILE_WARNING];
+
+    if (object >= (uint32_t)scene->nobjects)
+        return false;
+    rad_scene_fail(scene, &scene->objects[object], &what, RAD_EDATA,
+                   "no value in %" PRIu64
+                   " place%s (domain error, division by zero or missing "
+                   "argument), passed over there",
+                   count, count == 1 ? "" : "s");
+    rad_error_format(&what, place, sizeof place);
+    snprintf(text, COMPILE_WARNING, "warning: %.*s", COMPILE_WARNING - 12,
+             place);
+    return true;
+}
+
 int
 compile_bundle(struct compiled *c, const char *dir, struct rad_error *err)
 {

@@ -55,6 +55,11 @@ int compile_octree(struct compiled *c, struct rad_error *err);
 bool compile_warning(const struct compiled *c, int i,
                      char text[COMPILE_WARNING]);
 
+/* What the user should know of functions of object number `object` that had no
+ * value in so many places; false: there is no such object. */
+bool compile_fault(const struct rad_scene *scene, uint32_t object,
+                   uint64_t count, char text[COMPILE_WARNING]);
+
 /* Put the frozen octree and the files that the scene needs into the folder
  * dir, which must be there, under their hashes (cargo.h); needs
  * compile_octree(). */

@@ -213,10 +213,21 @@ run_check(struct compiled *c, struct rad_error *err)
     return 0; /* reading has told all */
 }
 
+static void
+warn_of_faults(const struct rad_scene *scene, const struct rad_fault *f)
+{
+    char text[COMPILE_WARNING];
+
+    for (int i = 0; i < RAD_MAX_FAULTS && f[i].count > 0; i++)
+        if (compile_fault(scene, (uint32_t)f[i].object, f[i].count, text))
+            fprintf(stderr, "radscene: %s\n", text);
+}
+
 /* Its options come before the files. */
 static int
 run_rays(int argc, char **argv, struct rad_error *err)
 {
+    struct rad_fault faults[RAD_MAX_FAULTS];
     struct rays_options options;
     struct compiled c;
     struct rad_files files;
@@ -231,7 +242,8 @@ run_rays(int argc, char **argv, struct rad_error *err)
                                   w.n - first, NULL, NULL, err);
     if (!rc) {
         files = compile_files(&c);
-        rc = rays_run(&options, c.scene, &files, stdin, stdout, err);
+        rc = rays_run(&options, c.scene, &files, stdin, stdout, faults, err);
+        warn_of_faults(c.scene, faults);
         compile_release(&c);
     }
     words_release(&w);

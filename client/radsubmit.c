@@ -142,31 +142,16 @@ warn_of_nan(struct program *p)
     warn(p, text);
 }
 
-/* The object is the scene's, by its place in it. */
-static void
-warn_of_fault(struct program *p, const struct msg_fault *f)
-{
-    const struct rad_scene *scene = p->scene.scene;
-    struct rad_error where = { 0 };
-    char place[400], text[600];
-
-    if (!scene || f->object >= (uint32_t)scene->nobjects)
-        return;
-    rad_scene_fail(scene, &scene->objects[f->object], &where, RAD_EDATA,
-                   "no value in %" PRIu64
-                   " place%s (domain error, division by zero or missing "
-                   "argument), passed over there",
-                   f->count, f->count == 1 ? "" : "s");
-    rad_error_format(&where, place, sizeof place);
-    snprintf(text, sizeof text, "warning: %s", place);
-    warn(p, text);
-}
-
 static void
 warn_of_faults(struct program *p)
 {
-    for (int i = 0; i < MSG_FAULTS && p->faults[i].count > 0; i++)
-        warn_of_fault(p, &p->faults[i]);
+    const struct msg_fault *f = p->faults;
+    char text[COMPILE_WARNING];
+
+    for (int i = 0; i < MSG_FAULTS && f[i].count > 0; i++)
+        if (p->scene.scene &&
+            compile_fault(p->scene.scene, f[i].object, f[i].count, text))
+            warn(p, text);
 }
 
 /* --- what is written --- */

@@ -126,13 +126,14 @@ trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
 int
 rays_run(const struct rays_options *o, const struct rad_scene *scene,
          const struct rad_files *files, FILE *in, FILE *out,
-         struct rad_error *err)
+         struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err)
 {
     struct rad_error why = { 0 };
     struct rad_job *job = rad_job_new(scene, &o->params, files, &why);
     struct rad_ctx ctx;
     int rc;
 
+    memset(faults, 0, RAD_MAX_FAULTS * sizeof *faults);
     if (!job) {
         if (err && err->code == 0)
             *err = why;
@@ -141,6 +142,7 @@ rays_run(const struct rays_options *o, const struct rad_scene *scene,
     rc = rad_ctx_init(&ctx, job, err);
     if (rc == 0) {
         rc = trace_lines(&ctx, o->irradiance, in, out, err);
+        memcpy(faults, ctx.counts.faults, RAD_MAX_FAULTS * sizeof *faults);
         rad_ctx_release(&ctx);
     }
     rad_job_free(job);

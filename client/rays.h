@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "picture/params.h"
 #include "scene/scene.h"
+#include "shade/job.h"
 #include "words.h"
 
 #include <stdbool.h>
@@ -29,10 +30,11 @@ int rays_options(struct rays_options *o, struct words *w,
                  struct rad_error *err);
 
 /* Trace what `in` has.  The scene is checked; `files` are those it needs.
+ * `faults` gets which of its objects' functions had no value (shade/job.h).
  * RAD_EDATA with "stdin:LINE" for a line that is not six finite numbers,
  * RAD_EIO, or why the scene cannot be rendered. */
 int rays_run(const struct rays_options *o, const struct rad_scene *scene,
              const struct rad_files *files, FILE *in, FILE *out,
-             struct rad_error *err);
+             struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err);
 
 #endif

@@ -22,6 +22,7 @@ run(const char *options, const char *input, char *buf, size_t size,
     char words[256], name[] = "rays", *argv[32] = { name }, *save = NULL;
     struct rad_scene *scene = rad_scene_new();
     FILE *in = tmpfile(), *out = tmpfile();
+    struct rad_fault faults[RAD_MAX_FAULTS];
     struct rays_options o;
     struct words w;
     int argc = 1, rc;
@@ -42,7 +43,7 @@ run(const char *options, const char *input, char *buf, size_t size,
         ck_assert_int_eq(rad_scene_check(scene, NULL, NULL, err), 0);
         fputs(input, in);
         rewind(in);
-        rc = rays_run(&o, scene, NULL, in, out, err);
+        rc = rays_run(&o, scene, NULL, in, out, faults, err);
     }
     rewind(out);
     n = fread(buf, 1, size - 1, out);

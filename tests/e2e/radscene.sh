@@ -178,6 +178,21 @@ expect 0 'full cubes of the octree lack' \
 [ "$(wc -l <err)" -eq 1 ] || { echo 'FAIL: said more than once'; failed=1; }
 expect 0 '' $radscene check stack.oct
 
+# functions without a value are told of once each
+cat >log.rad <<'END'
+void brightfunc one 2 log(-Pz) . 0 0
+
+one mixfunc two 4 void void 1/(Px-9) . 0 0
+two glow g 0 0 4 1 1 1 0
+g sphere ball 0 0 4 0 0 0 9
+END
+printf '20 0 1 -1 0 0\n20 0 2 -1 0 0\n20 0 0 -1 0 0\n' >rays
+expect 0 "warning: log.rad:1: brightfunc 'one': no value in 3 places" \
+    sh -c "$radscene rays -ab 0 log.rad <rays"
+expect 0 "warning: log.rad:3: mixfunc 'two': no value in 1 place " \
+    sh -c "$radscene rays -ab 0 log.rad <rays"
+[ "$(wc -l <err)" -eq 2 ] || { echo 'FAIL: said more than twice'; failed=1; }
+
 # rays: into the ball, and to the sky
 printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
 expect 0 '' sh -c "$radscene rays -ab 0 -av 1 1 1 good.rad <rays"
