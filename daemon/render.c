@@ -574,14 +574,39 @@ take_unit(struct render *r, const struct msg_unit *u)
     }
 }
 
+/* Facts and base lines come before the unit that needs them: those of a later
+ * frame than what there was begin it, so that they are not forgotten then.
+ * Those of an earlier one are late. */
+static int
+begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
+{
+    uint32_t frame;
+
+    if (m->type == MSG_FACTS)
+        frame = m->facts.frame;
+    else if (m->type == MSG_BASE_LINE)
+        frame = m->base_line.frame;
+    else
+        return 0;
+    if (frame >= r->nframes || (r->frame != r->nframes && frame < r->frame))
+        return 0;
+    return begin_frame(r, frame, err);
+}
+
 /* What the machine of the strict units is to know. */
 static void
 take_strict(struct render *r, const struct msg *m)
 {
+    struct rad_error err = { 0 };
     struct strict *s;
 
     if (!r->strict)
         return;
+    if (begin_lines(r, m, &err) < 0) {
+        send_failed(r, &err);
+        end(r, rad_exit_status(err.code));
+        return;
+    }
     s = pool_strict(r->pool);
     switch (m->type) {
     case MSG_SPLIT:
