@@ -61,6 +61,22 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
     }
 }
 
+void
+loss_at_ready(struct coord *c, struct job *job, uint32_t index)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
+        struct job_go *go = job_go_of(job, unit, index);
+        struct partition_area a;
+
+        if (!go)
+            continue;
+        partition_area(job->partition, unit, &a);
+        if (job->units[unit].next_row < a.height)
+            loss_of(c, job, unit, go);
+    }
+}
+
 static void
 gone(struct coord *c, struct job *job, uint32_t index)
 {

@@ -667,6 +667,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     }
     if (!job->partition && !lay_out(c, job))
         return;
+    loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
     speed_measure(c, job);
 }

@@ -150,6 +150,11 @@ void sched_begin(struct coord *c, struct job *job);
 void loss_of(struct coord *c, struct job *job, uint32_t unit,
              struct job_go *go);
 
+/* A worker that had part in the job before says that it is ready.  It has none
+ * of its units any more: what came of one since it was gone, before the job's
+ * start reached it, is all that comes. */
+void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
+
 /* Could another worker than that one try a suspect? */
 bool loss_others_than(const struct coord *c, const struct coord_worker *w);
 
