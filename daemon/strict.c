@@ -1230,6 +1230,10 @@ end_truth(struct strict *s, struct strict_pass *p,
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     *total = u->spent;
     total->speculative_rays = count_unused(s, u);
+    /* a unit below that made its top may have them still */
+    for (int i = u->first; i < u->last; i++)
+        if (facts_at(s, u->frame, i))
+            rad_facts_settle(facts_at(s, u->frame, i));
 }
 
 /* Forget the unit and the top that it needed. */

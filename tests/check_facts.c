@@ -157,6 +157,29 @@ START_TEST(facts_made_here_are_given_once)
 }
 END_TEST
 
+START_TEST(settled_facts_are_not_given)
+{
+    struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
+    static struct parcel p;
+
+    for (int i = 0; i < MOST; i += 3)
+        put(f, i, i % 2 ? RAD_FACT_USED : 0);
+    put(f, 1, RAD_FACT_FOREIGN);
+    put(f, 2, RAD_FACT_ESTIMATE);
+    export(f, 0, 1, 0, &p);
+    rad_facts_settle(f);
+    ck_assert_uint_eq(rad_facts_fresh(f), 0);
+    export(f, 0, ROWS, 0, &p);
+    ck_assert_uint_eq(p.n, 0);
+    export(f, 0, ROWS, RAD_FACT_ESTIMATE, &p);
+    ck_assert_uint_eq(p.n, 0);
+    put(f, 4, 0); /* one that comes later */
+    export(f, 0, ROWS, 0, &p);
+    ck_assert_uint_eq(p.n, 1);
+    rad_facts_free(f);
+}
+END_TEST
+
 START_TEST(without_depth_there_are_three_channels)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, 1);
@@ -304,6 +327,7 @@ main(void)
     tcase_add_test(tc, what_nobody_used_is_counted);
     tcase_add_test(tc, other_workers_facts_are_met_where_they_are);
     tcase_add_test(tc, facts_made_here_are_given_once);
+    tcase_add_test(tc, settled_facts_are_not_given);
     tcase_add_test(tc, without_depth_there_are_three_channels);
     tcase_add_loop_test(tc, malformed_parcels_leave_nothing, 0, N_ELEM(bad));
     tcase_add_test(tc, values_that_no_ray_has_are_left_out);

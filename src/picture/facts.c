@@ -206,6 +206,20 @@ rad_facts_export(struct rad_facts *f, int row, int n, int channels,
     return count;
 }
 
+void
+rad_facts_settle(struct rad_facts *f)
+{
+    size_t stride = rad_facts_stride(f->width);
+
+    for (int row = 0; row < f->rows; row++)
+        for (int x = 0; x < f->width; x++)
+            if (is_new(f, x, row, 0) || is_new(f, x, row, RAD_FACT_ESTIMATE)) {
+                f->given[(size_t)row * stride + (size_t)x / 8] |=
+                    (uint8_t)(1u << x % 8);
+                f->ngiven++;
+            }
+}
+
 static bool
 bit_of(const uint8_t *bitmap, size_t stride, int row, int x)
 {

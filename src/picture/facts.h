@@ -12,7 +12,7 @@
  * when all that it depends on was known; so what was traced for nothing can be
  * counted.
  * Thread: get, use, put, import and the counts from any, without locks; export
- * from one thread at a time. */
+ * and settle from one thread at a time. */
 #ifndef RAD_PICTURE_FACTS_H
 #define RAD_PICTURE_FACTS_H
 
@@ -68,6 +68,10 @@ size_t rad_facts_stride(int width);
  * Returns the number of bits. */
 size_t rad_facts_export(struct rad_facts *f, int row, int n, int channels,
                         unsigned origin, uint8_t *bitmap, float *pixels);
+
+/* Give nothing of what is there: nobody has a use for it any more.  Thread: as
+ * export. */
+void rad_facts_settle(struct rad_facts *f);
 
 /* Take what export gave elsewhere; npixels is how many there are in pixels.
  * What is not finite or negative is left out.  RAD_EPROTO, and nothing is
