@@ -294,8 +294,12 @@ tests_check_sim_SOURCES = \
 	tests/sim/client.c \
 	tests/sim/cluster.c \
 	tests/sim/cluster.h \
+	tests/sim/fault.c \
+	tests/sim/fibre.c \
+	tests/sim/fibre.h \
 	tests/sim/net.c \
-	tests/sim/net.h
+	tests/sim/net.h \
+	tests/sim/picture.c
 tests_check_sim_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_sim_LDADD = $(LIBDAEMON) $(LIBRAD)
 

@@ -1,14 +1,44 @@
-/* child.c - a job's child, played: it loads, renders units in parallel, makes
- * ambient records, and sometimes dies */
+/* child.c - a job's child: it loads, renders units with the real machine and
+ * sampler, makes ambient records, and sometimes dies
+ *
+ * Each thread of it is a fibre that makes a pass of a strict unit, or a window,
+ * as the only member of a team.  It is run for some pixels, which then take
+ * their virtual time; so messages come in the middle of passes, as in pool.c,
+ * whose order of things is kept here. */
 #include "config.h"
 
 #include "cluster.h"
+#include "fibre.h"
+#include "strict.h"
 
-#include "picture/quincunx.h"
+#include "base/rng.h"
+#include "picture/facts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define SLICE_PIXELS 40 /* at most, between two looks at the world */
+#define TICK_MS      30 /* at most, between two looks at the time */
+
+struct sim_task {
+    struct net *net;
+    int node;
+    struct fibre *fibre;
+    struct msg_unit unit;
+    struct strict_pass *pass; /* NULL: a window */
+    enum team_mode mode;
+    struct team *team;
+    float *rows; /* of the unit, in order */
+    uint32_t nrows, nsent;
+    int row0;                /* the unit's first in the sampler's */
+    unsigned pixels;         /* left of the slice */
+    double used_us, cost_us; /* of the slice; of all */
+    uint64_t start_ms;
+    bool over;    /* the member has left */
+    bool killed;  /* by the pixel */
+    bool dropped; /* nothing that it does counts */
+};
 
 static struct sim *
 of(struct net *net)
@@ -22,15 +52,16 @@ child_of(struct net *net, int node)
     return &of(net)->child[node - NODE_CHILD];
 }
 
-static void
-die(struct net *net, int node)
+static struct sim_job *
+job_of(struct net *net, int node)
 {
-    struct sim *s = of(net);
+    return &of(net)->job[child_of(net, node)->job];
+}
 
-    s->crashes++;
-    s->job[child_of(net, node)->job].crashes++;
-    net->ops[node] = NULL;
-    net_close_all(net, node);
+static int
+channels_of(const struct sim_job *job)
+{
+    return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 }
 
 /* The link of a child that is still the same one. */
@@ -51,40 +82,54 @@ later(struct net *net, int node, unsigned delay,
     return e;
 }
 
-static void
-send_rows(struct net *net, int node, const struct msg_unit *u, uint32_t row,
-          uint32_t rows)
-{
-    const struct sim_child *k = child_of(net, node);
-    size_t n = (size_t)rows * u->width * 3;
-    float *v = malloc(n * sizeof *v), *p = v;
-    uint8_t *bytes = malloc(4 * n);
-    struct msg m = { .type = MSG_RESULT };
+/* --- its end --- */
 
-    SIM_CHECK(net, v && bytes);
-    for (uint32_t y = row; y < row + rows; y++)
-        for (uint32_t x = 0; x < u->width; x++) {
-            *p++ = (float)(u->x + x);
-            *p++ = (float)(u->y + y);
-            *p++ = (float)u->attempt;
-        }
-    wire_floats_put(bytes, v, n);
-    m.result = (struct msg_result){ of(net)->job[k->job].id,
-                                    u->unit,
-                                    u->attempt,
-                                    row,
-                                    rows,
-                                    u->width,
-                                    3,
-                                    row + rows == u->height,
-                                    { .rays = u->width * u->height,
-                                      .primary_rays = u->width * u->height,
-                                      .cpu_s = .01 },
-                                    bytes };
-    net_send_msg(net, node, k->conn, &m);
-    free(v);
-    free(bytes);
+static void
+task_free(struct sim_task *t)
+{
+    fibre_free(t->fibre);
+    team_free(t->team);
+    free(t->rows);
+    free(t);
 }
+
+/* Leave all that is under way. */
+static void
+unload(struct sim_child *k)
+{
+    for (int i = 0; i < SIM_THREADS; i++) {
+        struct sim_task *t = k->task[i];
+        struct msg_counts none = { 0 };
+
+        if (!t)
+            continue;
+        t->dropped = true;
+        team_stop(t->team);
+        while (fibre_run(t->fibre))
+            ;
+        if (t->pass)
+            strict_ended(k->strict, t->pass, false, NULL, NULL, &none, NULL);
+        task_free(t);
+        k->task[i] = NULL;
+    }
+    k->nwindows = 0;
+    strict_free(k->strict);
+    k->strict = NULL;
+}
+
+static void
+die(struct net *net, int node)
+{
+    struct sim *s = of(net);
+
+    s->crashes++;
+    s->job[child_of(net, node)->job].crashes++;
+    net->ops[node] = NULL;
+    unload(child_of(net, node));
+    net_close_all(net, node);
+}
+
+/* --- what is said --- */
 
 static void
 send_tally(struct net *net, int node)
@@ -110,311 +155,473 @@ send_ambient(struct net *net, int node, uint32_t to)
     net_send_msg(net, node, k->conn, &m);
 }
 
-static void render_next(struct net *net, int node);
-
-/* --- lines of strict units --- */
-
-static struct rad_quincunx
-sampler(const struct sim_child *k, struct net *net, uint32_t frame)
+/* What the machine has to say. */
+static void
+speak(struct net *net, int node)
 {
-    const struct msg_frame *f = &of(net)->job[k->job].frame[frame];
-    struct rad_quincunx q = { .width = (int)f->width,
-                              .height = (int)f->height };
+    struct sim_child *k = child_of(net, node);
+    const struct msg *m;
 
-    rad_quincunx_steps(SIM_PSAMPLE, &q.xstep, &q.ystep);
-    return q;
+    while (k->strict && (m = strict_message(k->strict, !net_chance(net, 4)))) {
+        of(net)->parked += m->type == MSG_PARKED;
+        of(net)->gave += m->type == MSG_GAVE;
+        net_send_msg(net, node, k->conn, m);
+    }
 }
 
-/* The line whose base line is that row. */
-static int
-line_of_row(const struct rad_quincunx *q, uint32_t row)
+/* Rows of the unit that are there and not sent. */
+static void
+send_rows(struct sim_task *t, const struct msg_counts *last)
 {
-    int i = 0;
+    struct sim_child *k = child_of(t->net, t->node);
+    const struct sim_job *job = job_of(t->net, t->node);
+    size_t stride = (size_t)t->unit.width * (size_t)channels_of(job);
+    uint32_t rows = t->nrows - t->nsent;
+    uint8_t *bytes = malloc(rows * stride * 4 + 1);
+    struct msg m = { .type = MSG_RESULT };
 
-    while (rad_quincunx_base_row(q, i) != (int)row)
-        i++;
-    return i;
+    SIM_CHECK(t->net, bytes != NULL);
+    wire_floats_put(bytes, t->rows + t->nsent * stride, rows * stride);
+    m.result = (struct msg_result){ .job = job->id,
+                                    .unit = t->unit.unit,
+                                    .attempt = t->unit.attempt,
+                                    .row = t->nsent,
+                                    .rows = rows,
+                                    .width = t->unit.width,
+                                    .channels = (uint8_t)channels_of(job),
+                                    .last = last != NULL,
+                                    .pixels = bytes };
+    if (last)
+        m.result.counts = *last;
+    net_send_msg(t->net, t->node, k->conn, &m);
+    t->nsent = t->nrows;
+    free(bytes);
 }
 
-/* Is the base line above a unit there? */
+/* --- a pass --- */
+
 static bool
-has_top(const struct sim_child *k, struct net *net, const struct msg_unit *u)
+is_poison(const struct sim_job *job, uint32_t frame, int x, int y)
 {
-    struct rad_quincunx q = sampler(k, net, u->frame);
-    const struct sim_line *l;
+    return job->poisoned && frame == 0 && x == 0 && y == job->poison_y;
+}
 
-    if (u->mode == MSG_MODE_WINDOW || u->y == 0)
-        return true;
-    l = &k->line[u->frame][line_of_row(&q, u->y - 1)];
-    for (int x = 0; x < q.width; x++)
-        if (!l->pixel[x])
-            return false;
-    for (size_t i = 0; i < rad_quincunx_ndensity(&q); i++)
-        if (!l->density[i])
-            return false;
+static bool
+trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    struct sim_task *t = arg;
+    struct sim_job *job = job_of(t->net, t->node);
+
+    (void)ctx;
+    while (t->pixels == 0 && !t->dropped)
+        fibre_yield(t->fibre);
+    if (!t->dropped) {
+        t->pixels--;
+        t->used_us += sim_pixel_us(job, t->unit.frame, x, y);
+        t->killed |= is_poison(job, t->unit.frame, x, y);
+        while (t->killed && !t->dropped)
+            fibre_yield(t->fibre);
+    }
+    if (!sim_pixel(job, t->unit.frame, x, y, out))
+        return false;
+    job->traced++;
     return true;
 }
 
-/* A piece of the base line under a unit. */
 static void
-send_piece(struct net *net, int node, const struct msg_unit *u, int line,
-           uint32_t x, uint32_t n, uint32_t first, uint32_t nd)
+paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+      struct rad_pixel *row)
 {
-    struct sim_child *k = child_of(net, node);
-    uint8_t density[SIM_SIDE], bytes[SIM_SIDE * 12];
-    float v[SIM_SIDE * 3];
-    struct msg m = { .type = MSG_BASE_LINE };
+    const struct sim_task *t = arg;
 
-    for (uint32_t i = 0; i < n; i++) {
-        v[3 * i] = (float)(x + i);
-        v[3 * i + 1] = (float)(u->y + u->height - 1);
-        v[3 * i + 2] = 0;
-    }
-    wire_floats_put(bytes, v, (size_t)n * 3);
-    for (uint32_t i = 0; i < nd; i++)
-        density[i] = (uint8_t)(first + i);
-    m.base_line = (struct msg_base_line){ of(net)->job[k->job].id,
-                                          u->frame,
-                                          (uint32_t)line,
-                                          x,
-                                          n,
-                                          first,
-                                          nd,
-                                          3,
-                                          density,
-                                          bytes };
-    net_send_msg(net, node, k->conn, &m);
-}
-
-/* All of it, in pieces; the child has it itself, too. */
-static void
-send_bottom(struct net *net, int node, const struct msg_unit *u)
-{
-    struct sim_child *k = child_of(net, node);
-    struct rad_quincunx q = sampler(k, net, u->frame);
-    uint32_t width = (uint32_t)q.width, x = 0, first = 0;
-    uint32_t nd = (uint32_t)rad_quincunx_ndensity(&q);
-    int line = line_of_row(&q, u->y + u->height - 1);
-
-    while (x < width || first < nd) {
-        uint32_t n = x < width ? 1 + net_random(net, width - x) : 0;
-        uint32_t d = first < nd ? 1 + net_random(net, nd - first) : 0;
-
-        send_piece(net, node, u, line, x, n, first, d);
-        x += n;
-        first += d;
-    }
-    memset(&k->line[u->frame][line], 1, sizeof k->line[0][0]);
+    (void)ctx;
+    sim_paint(job_of(t->net, t->node), t->unit.frame, x0, x1, y, row);
 }
 
 static void
-take_base_line(struct net *net, struct sim_child *k,
-               const struct msg_base_line *m)
+on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
-    struct rad_quincunx q = sampler(k, net, m->frame);
-    struct sim_line *l = &k->line[m->frame][m->line];
+    struct sim_task *t = arg;
+    int channels = channels_of(job_of(t->net, t->node));
+    float *to;
 
-    for (uint32_t i = 0; i < m->n; i++) {
-        float v[3];
-
-        wire_floats_get(v, m->pixels + (size_t)i * 12, 3);
-        SIM_CHECK(net, v[0] == (float)(m->x + i));
-        SIM_CHECK(net, v[1] == (float)rad_quincunx_base_row(&q, (int)m->line));
-        l->pixel[m->x + i] = 1;
+    if (t->dropped)
+        return;
+    if (t->nrows > t->nsent && net_chance(t->net, 4)) {
+        speak(t->net, t->node);
+        send_rows(t, NULL);
     }
-    for (uint32_t i = 0; i < m->ndensity; i++) {
-        SIM_CHECK(net, m->density[i] == m->first + i);
-        l->density[m->first + i] = 1;
+    SIM_CHECK(t->net, (uint32_t)(row - t->row0) == t->nrows);
+    SIM_CHECK(t->net, t->nrows < t->unit.height);
+    to = t->rows + (size_t)t->nrows++ * t->unit.width * (size_t)channels;
+    for (uint32_t x = 0; x < t->unit.width; x++, to += channels) {
+        to[0] = pixels[x].L.r;
+        to[1] = pixels[x].L.g;
+        to[2] = pixels[x].L.b;
+        if (channels == 4)
+            to[3] = pixels[x].z;
     }
 }
 
-/* --- units --- */
-
 static void
-say_attempt(struct net *net, int node, uint16_t type, const struct msg_unit *u)
+run_task(void *arg)
 {
-    struct sim_child *k = child_of(net, node);
-    struct msg m = { .type = type };
+    struct sim_task *t = arg;
 
-    m.parked =
-        (struct msg_attempt){ of(net)->job[k->job].id, u->unit, u->attempt };
-    net_send_msg(net, node, k->conn, &m);
+    team_work(t->team, NULL);
+    t->over = true;
 }
 
-static struct sim_unit *
-find_unit(struct sim_child *k, uint32_t unit, uint32_t attempt)
+static struct team *
+new_team(struct sim_task *t)
 {
-    for (unsigned i = 0; i < k->nqueue; i++)
-        if (k->queue[i].unit.unit == unit &&
-            k->queue[i].unit.attempt == attempt)
-            return &k->queue[i];
-    return NULL;
-}
+    const struct sim_job *job = job_of(t->net, t->node);
+    const struct strict_pass *pass = t->pass;
+    struct team_spec spec = { .sampler = sim_sampler(job, t->unit.frame),
+                              .mode = t->mode,
+                              .trace = trace,
+                              .paint = job->paint ? paint : NULL,
+                              .rows = t->mode == TEAM_TRUTH ? on_row : NULL,
+                              .arg = t,
+                              .nthreads = 1 };
 
-static void
-drop_unit(struct sim_child *k, struct sim_unit *u)
-{
-    unsigned i = (unsigned)(u - k->queue);
-
-    k->running -= u->running;
-    memmove(u, u + 1, (--k->nqueue - i) * sizeof *u);
-}
-
-/* Facts of some pixel of the unit, which others may want. */
-static void
-send_facts(struct net *net, int node, const struct msg_unit *u)
-{
-    static const uint8_t pixel[12];
-    struct sim_child *k = child_of(net, node);
-    struct rad_quincunx q = sampler(k, net, u->frame);
-    uint8_t bitmap[(SIM_SIDE + 7) / 8] = { 1 };
-    int line = line_of_row(&q, u->y + u->height - 1);
-    struct msg m = { .type = MSG_FACTS };
-
-    m.facts = (struct msg_facts){ .job = of(net)->job[k->job].id,
-                                  .frame = u->frame,
-                                  .line = (uint32_t)line,
-                                  .rows = 1,
-                                  .width = (uint32_t)q.width,
-                                  .channels = 3,
-                                  .bitmap = bitmap,
-                                  .pixels = pixel };
-    net_send_msg(net, node, k->conn, &m);
-}
-
-static void
-finish(struct net *net, int node, struct sim_unit *su)
-{
-    struct sim *s = of(net);
-    struct sim_child *k = child_of(net, node);
-    struct msg_unit u = su->unit;
-    uint32_t row = 0;
-
-    drop_unit(k, su);
-    if (u.mode == MSG_MODE_STRICT)
-        send_bottom(net, node, &u);
-    while (row < u.height) {
-        uint32_t rows = 1 + net_random(net, u.height - row);
-
-        send_rows(net, node, &u, row, rows);
-        row += rows;
+    if (!pass) {
+        spec.sampler.x0 = (int)t->unit.x;
+        spec.sampler.y0 = (int)t->unit.y;
+        spec.sampler.width = (int)t->unit.width;
+        spec.sampler.height = (int)t->unit.height;
+        spec.last = rad_quincunx_nbases(&spec.sampler);
+        return team_new(&spec);
     }
-    k->busy_s += .01;
-    send_tally(net, node);
-    if ((s->job[k->job].spec.flags & MSG_JOB_SHARE) && net_chance(net, 2))
-        send_ambient(net, node, 0);
+    spec.end = pass->end;
+    spec.first = pass->first;
+    spec.last = pass->last;
+    spec.true_top = pass->true_top;
+    spec.top = pass->top;
+    spec.top_density = pass->top_density;
+    spec.facts = pass->facts;
+    return team_new(&spec);
 }
 
-/* Finish what was only waiting. */
+static void slice(struct net *net, struct net_event *e);
+
+static void
+start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
+           struct strict_pass *pass)
+{
+    const struct sim_job *job = job_of(net, node);
+    struct sim_task *t = calloc(1, sizeof *t);
+
+    SIM_CHECK(net, t != NULL);
+    t->net = net;
+    t->node = node;
+    t->unit = *unit;
+    t->pass = pass;
+    t->mode = pass ? pass->mode : TEAM_TRUTH;
+    t->row0 = pass ? (int)unit->y : 0;
+    t->start_ms = net->now_ms;
+    t->rows =
+        calloc((size_t)unit->width * unit->height * 4 + 1, sizeof *t->rows);
+    t->team = new_team(t);
+    t->fibre = fibre_new(run_task, t);
+    SIM_CHECK(net, t->rows && t->team && t->fibre);
+    child_of(net, node)->task[slot] = t;
+    (void)job;
+    later(net, node, 0, slice)->b = slot;
+}
+
+/* --- what is done next --- */
+
+/* Where the rows of a pass's unit are. */
+static struct msg_unit
+unit_of_pass(const struct sim_job *job, const struct strict_pass *p)
+{
+    struct rad_quincunx q = sim_sampler(job, p->frame);
+    int y = team_line_row(&q, p->least - 1);
+
+    return (struct msg_unit){
+        .unit = p->unit,
+        .attempt = p->attempt,
+        .frame = p->frame,
+        .y = (uint32_t)y,
+        .width = (uint32_t)q.width,
+        .height = (uint32_t)(rad_quincunx_base_row(&q, p->last - 1) + 1 - y)
+    };
+}
+
+/* Work for an idle thread; false: there is none. */
+static bool
+begin(struct net *net, int node, int slot)
+{
+    struct sim_child *k = child_of(net, node);
+    struct strict_pass *p =
+        k->strict
+            ? strict_next(k->strict, k->nwindows ? STRICT_TRUTH : STRICT_AHEAD)
+            : NULL;
+    struct msg_unit u;
+
+    if (p) {
+        u = unit_of_pass(job_of(net, node), p);
+    } else if (k->nwindows > 0) {
+        u = k->windows[0];
+        memmove(k->windows, k->windows + 1, --k->nwindows * sizeof u);
+    } else {
+        return false;
+    }
+    start_task(net, node, slot, &u, p);
+    return true;
+}
+
+/* Do what the machine wants of its passes, and tell it how far they are. */
+static void
+look_at_passes(struct sim_child *k)
+{
+    for (int i = 0; i < SIM_THREADS; i++) {
+        struct sim_task *t = k->task[i];
+        struct team_bottom b;
+
+        if (!t || !t->pass)
+            continue;
+        if (t->pass->stop)
+            team_stop(t->team);
+        if (t->pass->split)
+            strict_shrunk(k->strict, t->pass,
+                          team_shrink(t->team, t->pass->least));
+        if (!t->pass->true_top)
+            continue;
+        team_bottom(t->team, &b);
+        if (b.pixels)
+            strict_bottom(k->strict, t->pass, b.columns, b.ndensity, b.pixels,
+                          b.density);
+    }
+}
+
+/* Something has changed. */
 static void
 look(struct net *net, int node)
 {
     struct sim_child *k = child_of(net, node);
+    unsigned threads = of(net)->worker[k->worker].threads;
 
-    for (unsigned i = 0; i < k->nqueue;)
-        if (k->queue[i].ahead && has_top(k, net, &k->queue[i].unit)) {
-            finish(net, node, &k->queue[i]);
-            i = 0; /* its bottom may be the top of another */
-        } else {
-            i++;
-        }
+    if (k->strict) {
+        look_at_passes(k);
+        look_at_passes(k);
+        SIM_CHECK(net, strict_error(k->strict) == 0);
+    }
+    speak(net, node);
+    for (unsigned i = 0; i < threads; i++)
+        if (!k->task[i] && !begin(net, node, (int)i))
+            break;
 }
 
 static void
-worked(struct net *net, struct net_event *e)
+tick(struct net *net, struct net_event *e)
 {
-    struct sim *s = of(net);
+    struct sim_child *k = child_of(net, e->a);
+
+    if (!alive(net, e) || !k->strict)
+        return;
+    strict_tick(k->strict, net->now_ms);
+    look(net, e->a);
+    later(net, e->a, 1 + net_random(net, TICK_MS), tick);
+}
+
+/* The member has left. */
+static void
+end_task(struct net *net, int node, int slot)
+{
+    struct sim_child *k = child_of(net, node);
+    struct sim_task *t = k->task[slot];
+    struct msg_counts spent = { .rays = team_traced(t->team),
+                                .cpu_s = 1e-6 * t->cost_us },
+                      total = { 0 };
+    struct team_bottom b;
+    bool whole = team_done(t->team);
+
+    if (t->mode == TEAM_TRUTH)
+        spent.primary_rays = team_primary(t->team);
+    spent.wall_s = 1e-3 * (double)(net->now_ms - t->start_ms);
+    k->busy_s += 1e-6 * t->cost_us;
+    k->task[slot] = NULL;
+    if (t->pass) {
+        team_bottom(t->team, &b);
+        whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
+                             &spent, &total);
+    } else {
+        total = spent;
+    }
+    look(net, node);
+    if (whole) {
+        send_rows(t, &total);
+        if (net_chance(net, 4))
+            send_tally(net, node);
+        if ((job_of(net, node)->spec.flags & MSG_JOB_SHARE) &&
+            net_chance(net, 2))
+            send_ambient(net, node, 0);
+    }
+    task_free(t);
+}
+
+/* A thread has been at work for a while, or begins. */
+static void
+slice(struct net *net, struct net_event *e)
+{
     struct sim_child *k;
-    const struct msg_unit *key = (const struct msg_unit *)(void *)e->data;
-    struct sim_unit *u;
+    struct sim_task *t;
+    const struct sim_worker *w;
+    double us;
 
     if (!alive(net, e))
         return;
     k = child_of(net, e->a);
-    u = find_unit(k, key->unit, key->attempt);
-    if (!u)
-        return; /* revoked */
-    if (key->unit == s->job[k->job].poison ||
-        (!s->calm && s->job[k->job].crashes == 0 && net_chance(net, 60))) {
+    if (!k->task[e->b] || k->task[e->b]->over) {
+        if (k->task[e->b])
+            end_task(net, e->a, e->b);
+        return;
+    }
+    t = k->task[e->b];
+    w = &of(net)->worker[k->worker];
+    if (w->stopped_ms > net->now_ms) {
+        later(net, e->a, (unsigned)(w->stopped_ms - net->now_ms), slice)->b =
+            e->b;
+        return;
+    }
+    look_at_passes(k);
+    t->pixels = 1 + net_random(net, SLICE_PIXELS);
+    fibre_run(t->fibre);
+    if (t->killed) {
         die(net, e->a);
         return;
     }
-    u->running = false;
-    u->ahead = true;
-    k->running--;
-    if (!has_top(k, net, &u->unit)) {
-        send_facts(net, e->a, &u->unit);
-        say_attempt(net, e->a, MSG_PARKED, &u->unit);
-        s->parked++;
-    }
+    us = t->used_us * w->slow;
+    t->cost_us += us;
+    of(net)->work_ms += us / 1000;
+    t->used_us = 0;
+    later(net, e->a, (unsigned)(us / 1000 + net_random(net, 2)), slice)->b =
+        e->b;
     look(net, e->a);
-    render_next(net, e->a);
 }
 
-/* Start as many units as there are threads. */
+/* --- estimates --- */
+
+/* So many pixels of an area, the same whoever traces them. */
 static void
-render_next(struct net *net, int node)
+estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
+              struct msg_cost *cost)
 {
     struct sim_child *k = child_of(net, node);
+    struct sim_job *job = job_of(net, node);
+    struct rad_quincunx q = sim_sampler(job, a->frame);
+    struct rad_facts *f = rad_facts_new((int)a->width, (int)a->height);
+    uint8_t *bitmap = calloc(a->height, rad_facts_stride((int)a->width));
+    float *v = calloc((size_t)a->width * a->height * 4, sizeof *v);
+    struct msg m = { .type = MSG_FACTS };
+    size_t count;
+    int channels = channels_of(job), line = 0;
 
-    for (unsigned i = 0;
-         i < k->nqueue && k->running < of(net)->worker[k->worker].threads;
-         i++) {
-        struct net_event *e;
+    SIM_CHECK(net, f && bitmap && v);
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t r = rad_mix64(job->look + a->y * 1000 + i);
+        int x = (int)(r % a->width), y = (int)((r >> 32) % a->height);
+        struct rad_pixel p;
 
-        if (k->queue[i].running || k->queue[i].ahead)
+        cost->tests +=
+            sim_pixel_us(job, a->frame, (int)a->x + x, (int)a->y + y);
+        cost->rays++;
+        if (is_poison(job, a->frame, (int)a->x + x, (int)a->y + y))
             continue;
-        k->queue[i].running = true;
-        k->running++;
-        e = later(net, node, 1 + net_random(net, 200), worked);
-        e->data = malloc(sizeof(struct msg_unit));
-        SIM_CHECK(net, e->data != NULL);
-        memcpy(e->data, &k->queue[i].unit, sizeof(struct msg_unit));
+        if (sim_pixel(job, a->frame, (int)a->x + x, (int)a->y + y, &p) &&
+            rad_facts_put(f, x, y, &p, RAD_FACT_ESTIMATE))
+            job->traced++;
     }
-}
+    while (k->strict && team_line_row(&q, line) < (int)a->y)
+        line++;
+    count = rad_facts_export(f, 0, (int)a->height, channels, RAD_FACT_ESTIMATE,
+                             bitmap, v);
+    if (k->strict && count > 0) {
+        uint8_t *bytes = malloc(count * (size_t)channels * 4);
 
-/* Give the lower half of a unit that is not far. */
-static void
-split(struct net *net, int node, const struct msg_attempt *m)
-{
-    struct sim_child *k = child_of(net, node);
-    struct sim_unit *u = find_unit(k, m->unit, m->attempt);
-    struct msg gave = { .type = MSG_GAVE };
-
-    if (!u)
-        return;
-    if (!u->ahead && !net_chance(net, 5)) {
-        struct rad_quincunx q = sampler(k, net, u->unit.frame);
-        int last = line_of_row(&q, u->unit.y + u->unit.height - 1);
-        int first = u->unit.y == 0 ? 0 : line_of_row(&q, u->unit.y - 1) + 1;
-
-        u->unit.height =
-            (uint32_t)rad_quincunx_base_row(&q, (first + last) / 2) + 1 -
-            u->unit.y;
-        of(net)->gave += last > first;
+        SIM_CHECK(net, bytes && team_line_row(&q, line) == (int)a->y);
+        wire_floats_put(bytes, v, count * (size_t)channels);
+        m.facts = (struct msg_facts){ .job = job->id,
+                                      .frame = a->frame,
+                                      .line = (uint32_t)line,
+                                      .rows = a->height,
+                                      .width = a->width,
+                                      .flags = MSG_FACTS_ESTIMATE,
+                                      .channels = (uint8_t)channels,
+                                      .bitmap = bitmap,
+                                      .pixels = bytes,
+                                      .npixels = (uint32_t)count };
+        net_send_msg(net, node, k->conn, &m);
+        free(bytes);
     }
-    gave.gave = (struct msg_gave){ of(net)->job[k->job].id, m->unit, m->attempt,
-                                   u->unit.height };
-    net_send_msg(net, node, k->conn, &gave);
-}
-
-static void
-estimate(struct net *net, int node, const struct msg_estimate *m)
-{
-    struct sim_child *k = child_of(net, node);
-    struct msg_cost *v = calloc(m->nareas + 1, sizeof *v);
-    struct msg done = { .type = MSG_ESTIMATED };
-
-    SIM_CHECK(net, v != NULL);
-    for (uint32_t i = 0; i < m->nareas; i++)
-        v[i].rays = v[i].tests = 1 + m->areas[i].y % 7;
-    of(net)->estimates++;
-    done.estimated.job = of(net)->job[k->job].id;
-    done.estimated.id = m->id;
-    done.estimated.ncosts = m->nareas;
-    done.estimated.costs = v;
-    net_send_msg(net, node, k->conn, &done);
+    rad_facts_free(f);
+    free(bitmap);
     free(v);
+}
+
+/* e->data: ESTIMATE, packed. */
+static void
+estimated(struct net *net, struct net_event *e)
+{
+    struct msg m = { 0 }, done = { .type = MSG_ESTIMATED };
+    struct msg_cost *v;
+
+    if (!alive(net, e))
+        return;
+    SIM_CHECK(net, msg_unpack(&m, MSG_ESTIMATE, 0, e->data + MSG_HEADER,
+                              e->len - MSG_HEADER, NULL) == 0);
+    v = calloc(m.estimate.nareas + 1, sizeof *v);
+    SIM_CHECK(net, v != NULL);
+    for (uint32_t i = 0; i < m.estimate.nareas; i++) {
+        estimate_area(net, e->a, &m.estimate.areas[i], m.estimate.rays, &v[i]);
+        done.estimated.counts.rays += v[i].rays;
+        done.estimated.counts.estimate_rays += v[i].rays;
+    }
+    of(net)->estimates++;
+    done.estimated.job = job_of(net, e->a)->id;
+    done.estimated.id = m.estimate.id;
+    done.estimated.ncosts = m.estimate.nareas;
+    done.estimated.costs = v;
+    net_send_msg(net, e->a, child_of(net, e->a)->conn, &done);
+    free(v);
+    msg_release(&m);
+}
+
+static void
+take_estimate(struct net *net, int node, const struct msg *m)
+{
+    struct wire_out out;
+    struct net_event *e = later(
+        net, node, net_random(net, 20 * (m->estimate.nareas + 1)), estimated);
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    SIM_CHECK(net, msg_pack(&out, m) == 0);
+    e->data = malloc(out.len);
+    SIM_CHECK(net, e->data != NULL);
+    memcpy(e->data, out.buf, out.len);
+    e->len = out.len;
+    wire_out_release(&out);
+}
+
+/* --- messages --- */
+
+/* Frames, and the machine of strict units where there may be some. */
+static void
+load(struct net *net, int node)
+{
+    const struct sim_job *job = job_of(net, node);
+    struct rad_quincunx q[SIM_FRAMES];
+    struct sim_child *k = child_of(net, node);
+
+    for (uint32_t f = 0; f < job->spec.nframes; f++)
+        q[f] = sim_sampler(job, f);
+    k->frame = job->spec.nframes;
+    if (job->spec.partition == MSG_PART_WINDOW)
+        return;
+    k->strict = strict_new(q, job->spec.nframes, job->id);
+    SIM_CHECK(net, k->strict != NULL);
 }
 
 static void
@@ -431,16 +638,93 @@ ready(struct net *net, struct net_event *e)
     net_send_msg(net, e->a, k->conn, &m);
 }
 
+/* As in render.c: something of another frame than the last. */
 static void
-revoke(struct net *net, int node, const struct msg_attempt *r)
+begin_frame(struct net *net, int node, uint32_t frame)
 {
     struct sim_child *k = child_of(net, node);
-    struct sim_unit *u = find_unit(k, r->unit, r->attempt);
+    const struct sim_job *job = job_of(net, node);
 
-    if (!u)
+    if (job->spec.flags & MSG_JOB_FRESH_FRAMES && k->frame != frame &&
+        k->frame != job->spec.nframes) {
+        unload(k);
+        load(net, node);
+    }
+    k->frame = frame;
+}
+
+/* Facts and base lines of a later frame begin it, too. */
+static void
+begin_lines(struct net *net, int node, uint32_t frame)
+{
+    const struct sim_child *k = child_of(net, node);
+    uint32_t none = job_of(net, node)->spec.nframes;
+
+    SIM_CHECK(net, frame < none);
+    if (k->frame == none || frame >= k->frame)
+        begin_frame(net, node, frame);
+}
+
+static void
+take_unit(struct net *net, int node, const struct msg_unit *u)
+{
+    struct sim_child *k = child_of(net, node);
+    struct rad_error err = { 0 };
+
+    begin_frame(net, node, u->frame);
+    if (u->mode == MSG_MODE_STRICT) {
+        SIM_CHECK(net, k->strict != NULL);
+        SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
+        if (!k->ticking)
+            later(net, node, 1 + net_random(net, TICK_MS), tick);
+        k->ticking = true;
         return;
-    drop_unit(k, u);
-    render_next(net, node);
+    }
+    SIM_CHECK(net, k->nwindows < sizeof k->windows / sizeof k->windows[0]);
+    k->windows[k->nwindows++] = *u;
+}
+
+static void
+revoke(struct sim_child *k, const struct msg_attempt *r)
+{
+    for (unsigned i = 0; i < k->nwindows; i++)
+        if (k->windows[i].unit == r->unit &&
+            k->windows[i].attempt == r->attempt)
+            memmove(&k->windows[i], &k->windows[i + 1],
+                    (--k->nwindows - i) * sizeof k->windows[0]);
+    for (int i = 0; i < SIM_THREADS; i++) {
+        struct sim_task *t = k->task[i];
+
+        if (t && !t->pass && t->unit.unit == r->unit &&
+            t->unit.attempt == r->attempt)
+            team_stop(t->team);
+    }
+    if (k->strict)
+        strict_revoke(k->strict, r->unit, r->attempt);
+}
+
+static void
+take_strict(struct net *net, int node, const struct msg *m)
+{
+    struct sim_child *k = child_of(net, node);
+
+    SIM_CHECK(net, k->strict != NULL);
+    switch (m->type) {
+    case MSG_SPLIT:
+        strict_split(k->strict, m->split.unit, m->split.attempt);
+        break;
+    case MSG_TWIN:
+        of(net)->twins++;
+        strict_twin(k->strict, m->twin.unit, m->twin.attempt);
+        break;
+    case MSG_FACTS:
+        begin_lines(net, node, m->facts.frame);
+        strict_facts(k->strict, &m->facts);
+        break;
+    default:
+        begin_lines(net, node, m->base_line.frame);
+        strict_base_line(k->strict, &m->base_line);
+    }
 }
 
 static void
@@ -453,29 +737,24 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         SIM_CHECK(net, !k->started);
         k->started = true;
         k->job = sim_find_job(of(net), m->job_start.job);
+        load(net, node);
         net_session(net, node, conn, MSG_AT_CHILD);
         later(net, node, net_random(net, 300), ready);
-        break;
+        return;
     case MSG_UNIT:
-        SIM_CHECK(net, k->nqueue < sizeof k->queue / sizeof k->queue[0]);
-        k->queue[k->nqueue++] = (struct sim_unit){ .unit = m->unit };
-        render_next(net, node);
+        take_unit(net, node, &m->unit);
         break;
     case MSG_REVOKE:
-        revoke(net, node, &m->revoke);
+        revoke(k, &m->revoke);
         break;
     case MSG_SPLIT:
-        split(net, node, &m->split);
-        break;
     case MSG_TWIN:
-        of(net)->twins++;
-        break;
+    case MSG_FACTS:
     case MSG_BASE_LINE:
-        take_base_line(net, k, &m->base_line);
-        look(net, node);
+        take_strict(net, node, m);
         break;
     case MSG_ESTIMATE:
-        estimate(net, node, &m->estimate);
+        take_estimate(net, node, m);
         break;
     case MSG_GIVE:
         send_ambient(net, node, m->give.to);
@@ -485,7 +764,12 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         SIM_CHECK(net, m->ambient.data[0] != k->worker);
         SIM_CHECK(net, m->ambient.data[1] == k->job);
         break;
+    case MSG_JOB_END:
+        unload(k);
+        send_tally(net, node);
+        return;
     }
+    look(net, node);
 }
 
 /* Its radd is gone. */
@@ -493,6 +777,7 @@ static void
 closed(struct net *net, int node, uint64_t conn)
 {
     (void)conn;
+    unload(child_of(net, node));
     net->ops[node] = NULL;
 }
 
@@ -521,4 +806,23 @@ sim_kill(struct sim *s, int worker, uint64_t conn)
 {
     if (net_find(&s->net, NODE_WORKER + worker, conn))
         net_close(&s->net, NODE_WORKER + worker, conn);
+}
+
+void
+sim_crash(struct sim *s, int child)
+{
+    const struct sim_child *k = &s->child[child];
+    struct sim_job *job = &s->job[k->job];
+
+    /* a second crash would be the unit's fault */
+    if (!s->net.ops[NODE_CHILD + child] || !k->started || job->crashes > 0)
+        return;
+    die(&s->net, NODE_CHILD + child);
+}
+
+void
+sim_children_release(struct sim *s)
+{
+    for (int i = 0; i < SIM_CHILDREN; i++)
+        unload(&s->child[i]);
 }

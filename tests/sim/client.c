@@ -184,3 +184,42 @@ sim_client_dial(struct sim *s, int job)
     sim_coord_actions(s);
     net_send_msg(net, node, s->job[job].conn, &hello);
 }
+
+/* --- one who drains workers --- */
+
+static void
+admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
+{
+    if (m->type == MSG_WELCOME)
+        net_session(net, node, conn, MSG_AT_CLIENT);
+}
+
+const struct node_ops sim_admin_ops = { admin_message, closed };
+
+void
+sim_admin_dial(struct sim *s)
+{
+    struct net *net = &s->net;
+    uint64_t there = ++net->next_conn;
+    struct coord_peer peer = { "sim", "root", 1u << MSG_ROLE_ADMIN };
+    struct msg hello = { .type = MSG_HELLO,
+                         .hello = { 1, 1, MSG_ROLE_ADMIN, "", "radctl", "", 0,
+                                    0 } };
+
+    s->admin = ++net->next_conn;
+    net->ops[NODE_ADMIN] = &sim_admin_ops;
+    net_join(net, NODE_ADMIN, s->admin, NODE_COORD, there, MSG_AT_DIALLER,
+             MSG_AT_COORD_NEW);
+    coord_opened(s->coord, net->now_ms, there, &peer);
+    sim_coord_actions(s);
+    net_send_msg(net, NODE_ADMIN, s->admin, &hello);
+}
+
+void
+sim_admin_say(struct sim *s, enum msg_type type, int worker)
+{
+    struct msg m = { .type = (uint16_t)type, .request = 5 };
+
+    m.drain.name = s->worker[worker].name;
+    net_send_msg(&s->net, NODE_ADMIN, s->admin, &m);
+}

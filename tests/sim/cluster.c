@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LIMIT_MS   3600000u /* virtual time that no job may need */
-#define TROUBLE_MS 20000u   /* accidents happen until then */
+#define TROUBLE_MS 20000u /* accidents happen until then */
+#define SPARE_MS   30000u /* less is lost by messages that take their time */
 
 static struct sim *
 of(struct net *net)
@@ -74,17 +74,16 @@ put_rows(struct sim *s, const struct action_rows *r)
 {
     struct sim_job *job = &s->job[sim_find_job(s, r->job)];
     uint32_t width = job->frame[r->frame].width;
+    const uint8_t *from = r->pixels;
     struct net_event *e;
 
     for (uint32_t k = 0; k < r->rows; k++)
-        for (uint32_t i = 0; i < r->width; i++) {
-            struct sim_pixel *p =
-                &job->picture[r->frame][(r->y + k) * width + r->x + i];
-            float v[3];
+        for (uint32_t i = 0; i < r->width; i++, from += r->channels * 4) {
+            float v[4] = { 0 };
 
-            wire_floats_get(v, r->pixels + 12 * ((size_t)k * r->width + i), 3);
-            *p = (struct sim_pixel){ v[0], v[1], v[2] };
-            SIM_CHECK(&s->net, p->attempt == (float)r->attempt);
+            wire_floats_get(v, from, r->channels);
+            job->picture[r->frame][(r->y + k) * width + r->x + i] =
+                (struct rad_pixel){ rad_rgb(v[0], v[1], v[2]), v[3] };
         }
     /* the disk keeps its order, and falls behind */
     s->disk_ms += net_random(&s->net, 8);
@@ -269,10 +268,13 @@ worker_put_chunk(struct sim *s, int worker, const struct msg_chunk *c)
     worker_file_stored(w->machine, s->net.now_ms, c->hash);
 }
 
+static void left(struct net *net, struct net_event *e);
+
 static void
 worker_action(struct sim *s, int i, const struct action *a)
 {
     struct net *net = &s->net;
+    struct net_event *e;
     int node = NODE_WORKER + i;
 
     switch (a->type) {
@@ -305,6 +307,12 @@ worker_action(struct sim *s, int i, const struct action *a)
         break;
     case ACT_KILL:
         sim_kill(s, i, a->conn);
+        break;
+    case ACT_STOP:
+        SIM_CHECK(net, a->status == 0);
+        e = net_later(net, net_random(net, 20), left);
+        e->a = i;
+        e->b = (int)s->worker[i].life;
         break;
     default:
         net_fail(net, __FILE__, __LINE__, "no action of a worker here");
@@ -368,6 +376,7 @@ birth(struct sim *s, int i)
     snprintf(w->name, sizeof w->name, "ws%d", i);
     snprintf(w->address, sizeof w->address, "sim %d", i);
     w->life++;
+    w->given_up = 0; /* connections count from 1 again */
     w->machine = worker_new(&env);
     SIM_CHECK(&s->net, w->machine != NULL);
     s->net.ops[NODE_WORKER + i] = &worker_ops;
@@ -382,10 +391,9 @@ reborn(struct net *net, struct net_event *e)
         birth(of(net), e->a);
 }
 
-static void
-kill_worker(struct sim *s, int i)
+void
+sim_worker_dies(struct sim *s, int i)
 {
-    s->deaths++;
     net_close_all(&s->net, NODE_WORKER + i);
     s->net.ops[NODE_WORKER + i] = NULL;
     worker_free(s->worker[i].machine);
@@ -393,29 +401,38 @@ kill_worker(struct sim *s, int i)
     net_later(&s->net, net_random(&s->net, 4000), reborn)->a = i;
 }
 
-/* --- time, and accidents --- */
-
+/* It has drained. */
 static void
-accident(struct sim *s)
+left(struct net *net, struct net_event *e)
 {
-    int i = (int)net_random(&s->net, (unsigned)s->nworkers);
-    struct sim_worker *w = &s->worker[i];
+    struct sim_worker *w = &of(net)->worker[e->a];
 
-    if (!w->machine)
-        return;
-    if (net_chance(&s->net, 3)) {
-        kill_worker(s, i);
-    } else if (w->machine->opened) { /* the network breaks */
-        uint64_t conn = w->machine->coord;
-
-        if (!net_find(&s->net, NODE_WORKER + i, conn))
-            return;
-        s->cuts++;
-        net_close(&s->net, NODE_WORKER + i, conn);
-        worker_closed(w->machine, s->net.now_ms, conn, "cut");
-        sim_worker_actions(s, i);
-    }
+    if (w->machine && w->life == (unsigned)e->b)
+        sim_worker_dies(of(net), e->a);
 }
+
+void
+sim_coord_cut(struct sim *s, int i)
+{
+    struct worker *machine = s->worker[i].machine;
+    uint64_t conn;
+
+    if (!machine || !machine->opened)
+        return;
+    conn = machine->coord;
+    if (!net_find(&s->net, NODE_WORKER + i, conn))
+        return;
+    s->cuts++;
+    if (net_chance(&s->net, 2)) {
+        net_cut(&s->net, NODE_WORKER + i, NODE_COORD, NODE_COORD);
+        return;
+    }
+    net_close(&s->net, NODE_WORKER + i, conn);
+    worker_closed(machine, s->net.now_ms, conn, "cut");
+    sim_worker_actions(s, i);
+}
+
+/* --- time, and accidents --- */
 
 static void
 tick(struct net *net, struct net_event *e)
@@ -430,10 +447,14 @@ tick(struct net *net, struct net_event *e)
             worker_tick(s->worker[i].machine, net->now_ms);
             sim_worker_actions(s, i);
         }
-    if (net->now_ms > TROUBLE_MS)
+    if (net->now_ms > TROUBLE_MS && !s->calm) {
         s->calm = true;
-    if (!s->calm && net_chance(net, 12))
-        accident(s);
+        net->repeats = false;
+        for (int i = 0; i < s->nworkers; i++)
+            sim_admin_say(s, MSG_UNDRAIN, i);
+    }
+    if (!s->calm && s->accidents && net_chance(net, s->accidents))
+        sim_accident(s);
     net_later(net, 100, tick);
 }
 
@@ -452,22 +473,6 @@ new_client(struct net *net, struct net_event *e)
 /* --- set-up --- */
 
 static void
-make_frames(struct sim *s, struct sim_job *job)
-{
-    struct net *net = &s->net;
-
-    job->spec.nframes = 1 + net_random(net, SIM_FRAMES);
-    job->spec.frames = job->frame;
-    for (uint32_t f = 0; f < job->spec.nframes; f++) {
-        uint32_t w = 1 + net_random(net, 40), h = 1 + net_random(net, 40);
-
-        job->frame[f] = (struct msg_frame){ f, w, h, "-vp 0 0 0" };
-        job->picture[f] = calloc((size_t)w * h, sizeof(struct sim_pixel));
-        SIM_CHECK(net, job->picture[f] != NULL);
-    }
-}
-
-static void
 make_job(struct sim *s, int i)
 {
     struct net *net = &s->net;
@@ -480,21 +485,28 @@ make_job(struct sim *s, int i)
         .job = job->id,
         .manifest = job->hash,
         .name = "job",
-        .params = "-ab 0",
         .needs = "mist glow",
-        .estimate = net_chance(net, 3) ? "5a" : "uniform",
         .seed = net->seed,
         .priority = (int32_t)net_random(net, 3) - 1,
         .flags = (net_chance(net, 2) ? MSG_JOB_SHARE : 0) |
                  (net_chance(net, 4) ? MSG_JOB_NO_BALANCE : 0) |
-                 (net_chance(net, 4) ? MSG_JOB_FRESH_FRAMES : 0),
-        .partition = (uint8_t)net_random(net, MSG_NPART),
+                 (net_chance(net, 4) ? MSG_JOB_FRESH_FRAMES : 0) |
+                 (net_chance(net, 4) ? MSG_JOB_DEPTH : 0),
+        .partition = (uint8_t)(net_chance(net, 8) ? MSG_PART_WINDOW
+                                                  : net_random(net, MSG_NPART)),
         .order = (uint8_t)net_random(net, MSG_NORDER),
         .windows = 1 + net_random(net, 30),
         .files = { SIM_FILES, job->hash },
     };
-    make_frames(s, job);
-    job->poison = net_chance(net, 8) ? 0 : UINT32_MAX;
+    sim_make_pictures(net, job);
+    job->poisoned = net_chance(net, 16);
+    if (job->spec.partition != MSG_PART_WINDOW) {
+        struct rad_quincunx q = sim_sampler(job, 0);
+        int n = rad_quincunx_nbases(&q);
+
+        job->poison_y =
+            rad_quincunx_base_row(&q, (int)net_random(net, (unsigned)n));
+    }
     job->cancel = net_chance(net, 6);
     job->vanish = net_chance(net, 4);
     net_later(net, net_random(net, 2000), new_client)->a = i;
@@ -511,16 +523,19 @@ sim_init(struct sim *s, uint64_t seed)
     net->most_delay_ms = net_random(net, 120);
     s->nworkers = 1 + (int)net_random(net, SIM_WORKERS);
     s->njobs = 1 + (int)net_random(net, SIM_JOBS);
-    s->calm = net_chance(net, 4);
+    sim_make_faults(s);
+    net->hear = sim_hear;
     s->coord = coord_new(&env);
     SIM_CHECK(net, s->coord != NULL);
     net->ops[NODE_COORD] = &coord_ops;
     for (int i = 0; i < s->nworkers; i++) {
-        s->worker[i].threads = 1 + net_random(net, 4);
+        s->worker[i].threads = 1 + net_random(net, SIM_THREADS);
+        s->worker[i].slow = net_chance(net, 3) ? 1 + net_random(net, 8) : 1;
         net_later(net, net_random(net, i < 2 ? 10 : 6000), late_worker)->a = i;
     }
     for (int i = 0; i < s->njobs; i++)
         make_job(s, i);
+    sim_admin_dial(s);
     net_later(net, 100, tick);
 }
 
@@ -538,11 +553,52 @@ at_rest(const struct sim *s)
     return true;
 }
 
+/* What is still waited for. */
+static void
+describe(const struct sim *s)
+{
+    for (int i = 0; i < s->nworkers; i++) {
+        const struct worker *w = s->worker[i].machine;
+
+        fprintf(stderr, "ws%d%s%s%s%s%s\n", i, w ? "" : " dead",
+                w && w->welcome ? " welcome" : "", w && w->jobs ? " busy" : "",
+                w && w->draining ? " draining" : "",
+                w && w->stopped ? " stopped" : "");
+    }
+    for (size_t i = 0; i < s->coord->njobs; i++) {
+        const struct job *job = s->coord->jobs[i];
+
+        fprintf(stderr, "job %s partition %d flags %x waiting %u\n", job->hex,
+                job->spec.partition, job->spec.flags,
+                job->partition ? job_waiting(job) : 0);
+        for (uint32_t k = 0; k < job->nout; k++) {
+            const struct job_unit *u = &job->units[job->out[k]];
+            struct partition_area a;
+
+            partition_area(job->partition, job->out[k], &a);
+            fprintf(stderr,
+                    "  unit %u frame %u rows %u to %u, %u here:", job->out[k],
+                    a.frame, a.y, a.y + a.height, u->next_row);
+            for (uint8_t g = 0; g < u->ngos; g++)
+                fprintf(stderr, " %s attempt %u%s%s",
+                        job->workers[u->go[g].worker].name, u->go[g].attempt,
+                        u->go[g].parked ? " parked" : "",
+                        u->go[g].top_sent ? " top sent" : "");
+            fprintf(stderr, "\n");
+        }
+    }
+}
+
 void
 sim_run(struct sim *s)
 {
     while (!at_rest(s)) {
-        SIM_CHECK(&s->net, s->net.now_ms < LIMIT_MS);
+        /* as if one thread at a time did all; a stall shows */
+        bool late = (double)s->net.now_ms > TROUBLE_MS + SPARE_MS + s->work_ms;
+
+        if (late)
+            describe(s);
+        SIM_CHECK(&s->net, !late);
         SIM_CHECK(&s->net, net_step(&s->net));
     }
 }
@@ -551,11 +607,14 @@ void
 sim_release(struct sim *s)
 {
     coord_free(s->coord);
+    sim_children_release(s);
     for (int i = 0; i < s->nworkers; i++)
         worker_free(s->worker[i].machine);
     for (int i = 0; i < s->njobs; i++) {
-        for (int f = 0; f < SIM_FRAMES; f++)
+        for (int f = 0; f < SIM_FRAMES; f++) {
             free(s->job[i].picture[f]);
+            free(s->job[i].want[f]);
+        }
         free(s->job[i].stats);
     }
     net_release(&s->net);

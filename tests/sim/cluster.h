@@ -1,14 +1,16 @@
 /* cluster.h - a whole cluster in one process, in virtual time
  *
  * The real coordinator and the real workers, with their actions carried out by
- * net.c; children, clients and disks are played here.  A pixel's value says
- * where it is and which attempt made it, so that the picture tells whether
- * each came once and from the attempt that counts. */
+ * net.c; clients and disks are played here.  A job's child is the real machine
+ * of strict units and the real sampler, on pictures by formula; its passes run
+ * in slices of virtual time, one member each.  So whole pictures, and what they
+ * took, can be held against one sampler alone. */
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
 #include "coord.h"
 #include "net.h"
+#include "picture/quincunx.h"
 #include "worker.h"
 
 enum {
@@ -17,16 +19,23 @@ enum {
     SIM_FILES = 3, /* of a job */
     SIM_FRAMES = 3,
     SIM_CHILDREN = 40,
-    SIM_PSAMPLE = 4, /* -ps, the default */
+    SIM_THREADS = 4,
+    SIM_WIDTH = 100, /* of a picture, and more */
+    SIM_HEIGHT = 100,
+    SIM_EDGES = 4,
+    SIM_TYPES = 64, /* of messages */
     /* nodes */
     NODE_COORD = 0,
     NODE_WORKER = 1,
     NODE_CLIENT = NODE_WORKER + SIM_WORKERS,
+    NODE_ADMIN = NODE_CLIENT + SIM_JOBS,
     NODE_CHILD = 16
 };
 
-struct sim_pixel {
-    float x, y, attempt;
+/* What is to be seen in a frame. */
+struct sim_look {
+    double disc_u, disc_v, disc; /* centre, square of the radius */
+    double edge[SIM_EDGES][3];
 };
 
 struct sim_job {
@@ -34,9 +43,21 @@ struct sim_job {
     struct msg_spec spec;
     uint8_t hash[SIM_FILES * MSG_HASH];
     struct msg_frame frame[SIM_FRAMES];
-    struct sim_pixel *picture[SIM_FRAMES];
+    struct sim_look looks[SIM_FRAMES];
+    uint64_t look;
+    int psample;
+    double maxdiff;
+    bool round; /* the view shows nothing in two corners */
+    bool paint;
+    unsigned pixel_us; /* what a pixel costs at least */
+    char params[40];
+    uint8_t costs[4 * SIM_FRAMES * SIM_HEIGHT];
+    struct rad_pixel *picture[SIM_FRAMES]; /* as it comes */
+    struct rad_pixel *want[SIM_FRAMES];    /* as one alone makes it */
     bool written[SIM_FRAMES];
-    uint32_t poison;  /* a unit that kills children; UINT32_MAX: none */
+    bool poisoned;    /* a pixel of frame 0 that kills children */
+    int poison_y;     /* in column 0 */
+    uint64_t traced;  /* by all children together */
     bool cancel;      /* the client changes its mind */
     bool vanish;      /* the client goes away for a while */
     unsigned crashes; /* of its children so far */
@@ -49,28 +70,19 @@ struct sim_job {
     size_t stats_len;
 };
 
-/* A strict unit goes the way of a real one: some time ahead, then, when the
- * base line above is there, its own base line and its rows. */
-struct sim_unit {
-    struct msg_unit unit;
-    bool running, ahead, parked;
-};
-
-enum { SIM_SIDE = 40, SIM_LINES = 16 };
-
-/* Columns and densities of a base line that a child has. */
-struct sim_line {
-    uint8_t pixel[SIM_SIDE], density[SIM_SIDE];
-};
+struct sim_task; /* a thread of a child at work (child.c) */
 
 struct sim_child {
     int worker; /* index */
     uint64_t conn;
     int job;
     bool started;
-    struct sim_unit queue[512];
-    unsigned nqueue, running;
-    struct sim_line line[SIM_FRAMES][SIM_LINES];
+    uint32_t frame; /* of the last unit */
+    struct strict *strict;
+    struct sim_task *task[SIM_THREADS]; /* NULL: the thread is idle */
+    struct msg_unit windows[512];       /* that wait */
+    unsigned nwindows;
+    bool ticking;
     double busy_s;
     unsigned nambient;
 };
@@ -78,10 +90,30 @@ struct sim_child {
 struct sim_worker {
     struct worker *machine; /* NULL: dead */
     unsigned life, threads, random;
+    unsigned slow;       /* so many times */
+    uint64_t stopped_ms; /* its children stand still until then */
+    bool draining;
     char name[16], address[16];
     bool cache[SIM_JOBS * SIM_FILES];
     uint64_t given_up; /* dial that it does not want any more */
 };
+
+/* An accident at the n-th message of a type. */
+struct sim_fault {
+    enum msg_type type;
+    unsigned n; /* messages until then; 0: it is over */
+    enum sim_victim { SIM_GIVER, SIM_RECEIVER, SIM_THIRD } victim;
+    enum sim_blow {
+        SIM_WORKER_DIES,
+        SIM_CHILD_DIES,
+        SIM_PEERS_CUT,
+        SIM_COORD_CUT,
+        SIM_NBLOW
+    } blow;
+    bool after; /* the message is heard yet */
+};
+
+enum { SIM_FAULTS = 3 };
 
 struct sim {
     struct net net; /* first: events and ops find the rest from it */
@@ -92,10 +124,16 @@ struct sim {
     struct sim_job job[SIM_JOBS];
     int njobs;
     struct sim_child child[SIM_CHILDREN];
-    uint64_t disk_ms; /* the coordinator's disk is busy until then */
-    bool calm;        /* no more accidents */
-    unsigned deaths, cuts, crashes;
-    unsigned parked, gave, twins, estimates; /* what was tried at all */
+    uint64_t disk_ms;   /* the coordinator's disk is busy until then */
+    bool calm;          /* no more accidents */
+    unsigned accidents; /* one in so many ticks; 0: none */
+    struct sim_fault fault[SIM_FAULTS];
+    uint64_t admin; /* its connection */
+    double work_ms; /* of all children's threads together */
+    /* what happened at all */
+    unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
+    unsigned blows[SIM_TYPES][SIM_NBLOW];
+    unsigned parked, gave, twins, estimates;
 };
 
 /* Set a cluster up as the seed says, let it live until every job is over and
@@ -108,14 +146,45 @@ void sim_release(struct sim *s);
 void sim_coord_actions(struct sim *s);
 void sim_worker_actions(struct sim *s, int worker);
 
+/* Pictures (picture.c). */
+void sim_make_pictures(struct net *net, struct sim_job *job);
+bool sim_pixel(const struct sim_job *job, uint32_t frame, int x, int y,
+               struct rad_pixel *out);
+/* Columns x0 to x1-1 of a row; row[0] is column x0. */
+void sim_paint(const struct sim_job *job, uint32_t frame, int x0, int x1, int y,
+               struct rad_pixel *row);
+unsigned sim_pixel_us(const struct sim_job *job, uint32_t frame, int x, int y);
+struct rad_quincunx sim_sampler(const struct sim_job *job, uint32_t frame);
+/* Sample that part of a frame by itself into the picture; primary rays. */
+uint64_t sim_alone(const struct sim_job *job, uint32_t frame, int x, int y,
+                   int width, int height, struct rad_pixel *picture);
+
+/* Accidents (fault.c). */
+void sim_make_faults(struct sim *s);
+/* Something may happen now. */
+void sim_accident(struct sim *s);
+/* Accidents at messages; see net.h. */
+void sim_hear(struct net *net, int from, int to, const struct msg *m,
+              bool after);
+/* The worker comes to an end, and back to life later. */
+void sim_worker_dies(struct sim *s, int worker);
+/* The connection is cut at this side. */
+void sim_coord_cut(struct sim *s, int worker);
+
 /* Children (child.c). */
 extern const struct node_ops sim_child_ops;
 void sim_spawn(struct sim *s, int worker, uint64_t conn);
 void sim_kill(struct sim *s, int worker, uint64_t conn);
+/* It crashes, if one of its job may do so by accident. */
+void sim_crash(struct sim *s, int child);
+void sim_children_release(struct sim *s);
 
 /* Clients (client.c). */
 extern const struct node_ops sim_client_ops;
 void sim_client_dial(struct sim *s, int job);
+extern const struct node_ops sim_admin_ops;
+void sim_admin_dial(struct sim *s);
+void sim_admin_say(struct sim *s, enum msg_type type, int worker);
 
 int sim_find_job(const struct sim *s, const uint8_t id[MSG_JOB]);
 /* Index of a file of ours by its hash. */

@@ -209,6 +209,58 @@ net_find(struct net *net, int node, uint64_t conn)
     return find(net, node, conn, &link, &side);
 }
 
+/* Sent once more: e->a, e->c the node and the connection. */
+static void
+repeat(struct net *net, struct net_event *e)
+{
+    if (net_find(net, e->a, e->c))
+        net_send(net, e->a, e->c, e->data, e->len);
+}
+
+/* Facts and base lines may come twice. */
+static void
+maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
+{
+    struct net_event *e;
+    struct wire_out out;
+
+    if (!net->repeats || !from->open ||
+        (m->type != MSG_FACTS && m->type != MSG_BASE_LINE) ||
+        !net_chance(net, 20))
+        return;
+    net->repeated++;
+    wire_out_init(&out, MSG_FRAME_MAX);
+    SIM_CHECK(net, msg_pack(&out, m) == 0);
+    e = net_later(net, net_random(net, 300), repeat);
+    e->a = from->node;
+    e->c = from->conn;
+    e->len = out.len;
+    e->data = malloc(out.len);
+    SIM_CHECK(net, e->data != NULL);
+    memcpy(e->data, out.buf, out.len);
+    wire_out_release(&out);
+}
+
+/* A message is whole. */
+static void
+hear(struct net *net, const struct net_link *l, int side)
+{
+    const struct net_end *end = &l->end[side], *from = &l->end[!side];
+
+    if (net->verbose)
+        printf("%8llu node %d conn %llx: %s\n", (unsigned long long)net->now_ms,
+               end->node, (unsigned long long)end->conn,
+               msg_name(net->msg.type));
+    if (net->hear)
+        net->hear(net, from->node, end->node, &net->msg, false);
+    if (!end->open || end->deaf)
+        return;
+    maybe_repeat(net, from, &net->msg);
+    net->ops[end->node]->message(net, end->node, end->conn, &net->msg);
+    if (net->hear)
+        net->hear(net, from->node, end->node, &net->msg, true);
+}
+
 /* Bytes, or with none the end of the connection, reach an end. */
 static void
 arrive(struct net *net, struct net_event *e)
@@ -217,14 +269,15 @@ arrive(struct net *net, struct net_event *e)
     const uint8_t *p = e->data;
     size_t left = e->len;
 
-    if (!end->open || !net->ops[end->node])
+    if (!end->open || !net->ops[end->node] || (end->deaf && left > 0))
         return;
     if (left == 0) {
         end->open = false;
         net->ops[end->node]->closed(net, end->node, end->conn);
         return;
     }
-    while (left > 0 && end->open && end->reader.session != MSG_NSESSION) {
+    while (left > 0 && end->open && !end->deaf &&
+           end->reader.session != MSG_NSESSION) {
         struct rad_error err = { 0 };
         size_t piece = 1 + net_random(net, 4096), rest;
         int rc;
@@ -236,12 +289,8 @@ arrive(struct net *net, struct net_event *e)
         left -= piece - rest;
         if (rc < 0)
             net_fail(net, "frame", end->node, err.what);
-        if (rc == 1 && net->verbose)
-            printf("%8llu node %d conn %llx: %s\n",
-                   (unsigned long long)net->now_ms, end->node,
-                   (unsigned long long)end->conn, msg_name(net->msg.type));
         if (rc == 1)
-            net->ops[end->node]->message(net, end->node, end->conn, &net->msg);
+            hear(net, net->links[e->a], e->b);
     }
 }
 
@@ -302,6 +351,37 @@ net_close(struct net *net, int node, uint64_t conn)
     SIM_CHECK(net, e != NULL);
     e->open = false;
     to_other(net, link, side);
+}
+
+static bool
+is_between(const struct net_link *l, int node, int first, int last)
+{
+    for (int s = 0; s < 2; s++)
+        if (l->end[s].node == node && l->end[!s].node >= first &&
+            l->end[!s].node <= last)
+            return l->end[0].open && l->end[1].open && !l->end[0].deaf;
+    return false;
+}
+
+unsigned
+net_cut(struct net *net, int node, int first, int last)
+{
+    unsigned n = 0;
+    struct net_link *l = NULL;
+    int link = 0;
+
+    for (size_t i = 0; i < net->nlinks; i++)
+        if (is_between(net->links[i], node, first, last) &&
+            net_random(net, ++n) == 0) {
+            l = net->links[i];
+            link = (int)i;
+        }
+    if (!l)
+        return 0;
+    l->end[0].deaf = l->end[1].deaf = true;
+    to_other(net, link, 0);
+    to_other(net, link, 1);
+    return 1;
 }
 
 void

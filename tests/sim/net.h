@@ -23,6 +23,7 @@ struct net_end {
     int node;
     uint64_t conn;
     bool open;
+    bool deaf; /* the link is cut: what is under way is lost */
     struct frame_reader reader;
     uint64_t busy_ms; /* what is sent to it arrives no sooner */
 };
@@ -52,6 +53,11 @@ struct net {
     size_t nlinks, cap_links;
     uint64_t next_conn;
     const struct node_ops *ops[64]; /* by node; NULL: not there */
+    /* Called before a message is heard, and after; NULL: nobody cares. */
+    void (*hear)(struct net *net, int from, int to, const struct msg *m,
+                 bool after);
+    bool repeats; /* messages that may come twice sometimes do */
+    unsigned repeated;
     struct msg msg;
 };
 
@@ -98,6 +104,9 @@ void net_session(struct net *net, int node, uint64_t conn,
 
 /* Close from this side; the other hears of it after what was sent. */
 void net_close(struct net *net, int node, uint64_t conn);
+/* One link of a node, any, to one of nodes [first, last] breaks: nothing that
+ * is under way comes, each side hears of it some time.  Returns how many. */
+unsigned net_cut(struct net *net, int node, int first, int last);
 /* All ends of a node: it died. */
 void net_close_all(struct net *net, int node);
 

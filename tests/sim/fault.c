@@ -1,0 +1,187 @@
+/* fault.c - accidents, at any time and at chosen messages
+ *
+ * Workers die, or are told to leave; children die; connections are cut, with
+ * what is under way on them; processes stand still.  Some happen exactly when
+ * the n-th message of a type is about to be heard, or just was, to whoever sent
+ * it, to whoever hears it, or to a third. */
+#include "config.h"
+
+#include "cluster.h"
+
+/* Messages of hand-off and balancing, and some others. */
+static const enum msg_type types[] = {
+    MSG_UNIT,     MSG_RESULT,   MSG_ACK,         MSG_REVOKE,    MSG_TWIN,
+    MSG_FACTS,    MSG_PARKED,   MSG_BASE_LINE,   MSG_SPLIT,     MSG_GAVE,
+    MSG_LOST,     MSG_READY,    MSG_NEXT_HOLDER, MSG_JOB_PEERS, MSG_PEER_HELLO,
+    MSG_ESTIMATE, MSG_ESTIMATED
+};
+
+#define NTYPES (sizeof types / sizeof types[0])
+
+static struct sim *
+of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+void
+sim_make_faults(struct sim *s)
+{
+    static const unsigned every[] = { 0, 200, 60, 20, 12 };
+    struct net *net = &s->net;
+
+    s->accidents = every[net_random(net, 5)];
+    s->net.repeats = net_chance(net, 3);
+    for (int i = 0; i < SIM_FAULTS && net_chance(net, 2); i++)
+        s->fault[i] = (struct sim_fault){
+            .type = types[net_random(net, NTYPES)],
+            .n = 1 + net_random(net, net_chance(net, 3) ? 40 : 8),
+            .victim = (enum sim_victim)net_random(net, 3),
+            .blow = (enum sim_blow)net_random(net, SIM_NBLOW),
+            .after = net_chance(net, 2)
+        };
+    if (net_chance(net, 4)) {
+        s->accidents = 0;
+        s->net.repeats = false;
+        for (int i = 0; i < SIM_FAULTS; i++)
+            s->fault[i].n = 0;
+    }
+}
+
+/* A child of the worker; -1: it has none. */
+static int
+child_of(struct sim *s, int worker)
+{
+    int first = (int)net_random(&s->net, SIM_CHILDREN);
+
+    for (int i = 0; i < SIM_CHILDREN; i++) {
+        int k = (first + i) % SIM_CHILDREN;
+
+        if (s->net.ops[NODE_CHILD + k] && s->child[k].worker == worker)
+            return k;
+    }
+    return -1;
+}
+
+static void
+cut_peers(struct sim *s, int worker)
+{
+    s->peer_cuts += net_cut(&s->net, NODE_WORKER + worker, NODE_WORKER,
+                            NODE_WORKER + SIM_WORKERS - 1);
+}
+
+static bool
+strike(struct sim *s, int worker, enum sim_blow blow)
+{
+    int child;
+
+    if (!s->worker[worker].machine)
+        return false;
+    switch (blow) {
+    case SIM_WORKER_DIES:
+        s->deaths++;
+        sim_worker_dies(s, worker);
+        break;
+    case SIM_CHILD_DIES:
+        child = child_of(s, worker);
+        if (child < 0)
+            return false;
+        sim_crash(s, child);
+        break;
+    case SIM_PEERS_CUT:
+        cut_peers(s, worker);
+        break;
+    default:
+        sim_coord_cut(s, worker);
+    }
+    return true;
+}
+
+static void
+drain(struct sim *s, int i)
+{
+    struct sim_worker *w = &s->worker[i];
+
+    s->drains++;
+    if (net_chance(&s->net, 3)) {
+        worker_drain(w->machine, s->net.now_ms);
+        sim_worker_actions(s, i);
+    } else {
+        sim_admin_say(s, net_chance(&s->net, 2) ? MSG_DRAIN : MSG_UNDRAIN, i);
+    }
+}
+
+void
+sim_accident(struct sim *s)
+{
+    int i = (int)net_random(&s->net, (unsigned)s->nworkers);
+    struct sim_worker *w = &s->worker[i];
+
+    if (!w->machine)
+        return;
+    switch (net_random(&s->net, 8)) {
+    case 0:
+        drain(s, i);
+        break;
+    case 1:
+    case 2:
+        w->stopped_ms = s->net.now_ms + net_random(&s->net, 3000);
+        s->stops++;
+        break;
+    case 3:
+        strike(s, i, SIM_CHILD_DIES);
+        break;
+    default:
+        strike(s, i, (enum sim_blow)net_random(&s->net, SIM_NBLOW));
+    }
+}
+
+/* The worker that a node is, or is a child of; -1: none. */
+static int
+worker_of(const struct sim *s, int node)
+{
+    if (node >= NODE_CHILD)
+        return s->child[node - NODE_CHILD].worker;
+    return node >= NODE_WORKER && node < NODE_WORKER + SIM_WORKERS
+               ? node - NODE_WORKER
+               : -1;
+}
+
+/* Whom the accident strikes. */
+static int
+victim_of(struct sim *s, const struct sim_fault *f, int from, int to)
+{
+    int a = worker_of(s, from), b = worker_of(s, to);
+    int first = (int)net_random(&s->net, (unsigned)s->nworkers);
+
+    if (f->victim == SIM_GIVER && a >= 0)
+        return a;
+    if (f->victim == SIM_RECEIVER && b >= 0)
+        return b;
+    for (int i = 0; i < s->nworkers; i++) {
+        int w = (first + i) % s->nworkers;
+
+        if (w != a && w != b && s->worker[w].machine)
+            return w;
+    }
+    return a >= 0 ? a : b;
+}
+
+void
+sim_hear(struct net *net, int from, int to, const struct msg *m, bool after)
+{
+    struct sim *s = of(net);
+
+    if (s->calm)
+        return;
+    for (int i = 0; i < SIM_FAULTS; i++) {
+        struct sim_fault *f = &s->fault[i];
+        int w;
+
+        if (f->n == 0 || f->type != m->type || f->after != after || --f->n > 0)
+            continue;
+        w = victim_of(s, f, from, to);
+        if (w >= 0 && strike(s, w, f->blow))
+            s->blows[f->type][f->blow]++;
+    }
+}
