@@ -227,8 +227,11 @@ unit_done(struct coord *c, struct job *job, uint32_t unit)
     if (job->shared)
         handoff_done(job, unit);
     job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
-    if (job->frames[a.frame].pixels_left == 0)
-        frame_done(c, job, a.frame);
+    if (job->frames[a.frame].pixels_left > 0)
+        return;
+    if (job->shared)
+        shared_drop_frame(job->shared, a.frame);
+    frame_done(c, job, a.frame);
 }
 
 void
