@@ -211,12 +211,32 @@ parse_arguments(struct parser *ps, struct node *call)
     expect(ps, ')', "expected ')'");
 }
 
-/* A constant's value stands for its name. */
+/* What stands for a name: the value of a constant, the channel of a variable
+ * that is one for all files. */
+static void
+inline_variable(const struct rad_calc *c, const struct symbol *s,
+                struct node *n)
+{
+    const struct ins *code;
+
+    if (s->kind != SYM_VARIABLE)
+        return;
+    code = &c->code[s->code];
+    if (code[1].op != OP_END)
+        return;
+    if (s->constant && code->op == OP_NUMBER) {
+        n->type = N_NUMBER;
+        n->number = c->number[code->a];
+    } else if (code->op == OP_CHANNEL && code->a < RAD_CALC_NPUBLIC &&
+               !strchr(s->name, '`')) {
+        n->type = N_CHANNEL;
+        n->ref = code->a;
+    }
+}
+
 static void
 resolve(struct parser *ps, struct node *n, const char *name)
 {
-    const struct symbol *s;
-
     for (int i = 0; i < ps->nparams; i++)
         if (strcmp(ps->param[i], name) == 0) {
             n->type = N_PARAM;
@@ -228,13 +248,8 @@ resolve(struct parser *ps, struct node *n, const char *name)
         ps->failed = true;
         return;
     }
-    s = &ps->c->symbol[n->ref];
-    if (s->kind == SYM_VARIABLE && s->constant &&
-        ps->c->code[s->code].op == OP_NUMBER &&
-        ps->c->code[s->code + 1].op == OP_END && peek(ps) != '(') {
-        n->type = N_NUMBER;
-        n->number = ps->c->number[ps->c->code[s->code].a];
-    }
+    if (peek(ps) != '(')
+        inline_variable(ps->c, &ps->c->symbol[n->ref], n);
 }
 
 static struct node *
