@@ -665,12 +665,59 @@ warn_of_lights(const struct compiled *c, char text[COMPILE_WARNING])
     return true;
 }
 
+/* Is there a light source of this name?  What relays it may stand before it,
+ * with a '>' behind each. */
+static bool
+is_light(const struct rad_scene *s, const char *name)
+{
+    const char *last = strrchr(name, '>');
+
+    if (last)
+        name = last + 1;
+    for (int32_t i = 0; i < rad_scene_own(s); i++) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE &&
+                            strcmp(o->name, name) == 0
+                        ? rad_material_of(s, o->modifier)
+                        : RAD_VOID;
+
+        if (m != RAD_VOID && rad_material_lights(&s->objects[m]))
+            return true;
+    }
+    return false;
+}
+
+/* Of the first mist that names a source that is not there. */
+static bool
+warn_of_mists(const struct compiled *c, char text[COMPILE_WARNING])
+{
+    const struct rad_scene *s = c->scene;
+    struct rad_error err = { 0 };
+    char where[COMPILE_WARNING - 10];
+
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        for (int k = 0; o->type == RAD_MIST && k < o->nstrings; k++) {
+            if (is_light(s, o->strings[k]))
+                continue;
+            rad_scene_fail(s, o, &err, RAD_EDATA, "no light source '%.40s'",
+                           o->strings[k]);
+            rad_error_format(&err, where, sizeof where);
+            snprintf(text, COMPILE_WARNING, "warning: %s", where);
+            return true;
+        }
+    }
+    return false;
+}
+
 bool
 compile_warning(const struct compiled *c, int i, char text[COMPILE_WARNING])
 {
     static bool (*const warnings[])(const struct compiled *,
                                     char[COMPILE_WARNING]) = { warn_of_octree,
-                                                               warn_of_lights };
+                                                               warn_of_lights,
+                                                               warn_of_mists };
 
     for (size_t k = 0; k < sizeof warnings / sizeof warnings[0]; k++)
         if (warnings[k](c, text) && i-- == 0)

@@ -186,12 +186,20 @@ run_needs(struct compiled *c, struct rad_error *err)
     return 0;
 }
 
+static void
+say_warnings(const struct compiled *c)
+{
+    char warning[COMPILE_WARNING];
+
+    for (int i = 0; compile_warning(c, i, warning); i++)
+        fprintf(stderr, "radscene: %s\n", warning);
+}
+
 static int
 run_freeze(struct compiled *c, struct rad_error *err)
 {
     struct rad_fd to = { STDOUT_FILENO, "standard output" };
     struct rad_sink out = rad_fd_sink(&to);
-    char warning[COMPILE_WARNING];
     int rc;
 
     if (isatty(STDOUT_FILENO))
@@ -200,17 +208,16 @@ run_freeze(struct compiled *c, struct rad_error *err)
     rc = compile_octree(c, err);
     if (rc)
         return rc;
-    for (int i = 0; compile_warning(c, i, warning); i++)
-        fprintf(stderr, "radscene: %s\n", warning);
+    say_warnings(c);
     return rad_octfile_write(c->scene, &c->octree, &out, err);
 }
 
 static int
 run_check(struct compiled *c, struct rad_error *err)
 {
-    (void)c;
     (void)err;
-    return 0; /* reading has told all */
+    say_warnings(c); /* reading has told the errors */
+    return 0;
 }
 
 static void

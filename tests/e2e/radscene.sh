@@ -137,6 +137,13 @@ printf 'void mesh m 1 x.rtm 0 0\n' >mesh.rad
 expect 66 "mesh.rad:1: mesh 'm': cannot find file 'x.rtm'" \
     $radscene freeze mesh.rad
 
+# a mist that names what is no light
+printf 'void light l 0 0 3 1 1 1\nl sphere lamp 0 0 4 0 0 9 1
+void mist ok 2 lamp m>lamp 0 0\nok sphere a 0 0 4 0 0 0 1
+void mist fog 2 lamp lmap 0 0\nfog sphere b 0 0 4 0 0 3 1\n' >fog.rad
+expect 0 "warning: fog.rad:5: mist 'fog': no light source 'lmap'" \
+    $radscene check fog.rad
+
 # an interrupted radscene leaves no command running
 printf '!echo $$ >pid.new; mv pid.new pid; sleep 1000 | sleep 1000\n' >slow.rad
 $radscene check slow.rad &
