@@ -1236,15 +1236,17 @@ end_truth(struct strict *s, struct strict_pass *p,
             rad_facts_settle(facts_at(s, u->frame, i));
 }
 
-/* Forget the unit and the top that it needed. */
+/* Forget the unit and, if it is done, the top that it needed.  One that was
+ * revoked may come again, and its top may have come already: before it. */
 static void
-end_unit(struct strict *s, struct strict_unit *u)
+end_unit(struct strict *s, struct strict_unit *u, bool over)
 {
     uint32_t frame = u->frame;
     int top = u->first - 1;
 
     unit_drop(s, u);
-    edge_drop(s, frame, top);
+    if (over)
+        edge_drop(s, frame, top);
 }
 
 bool
@@ -1265,7 +1267,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     u->pass = NULL;
     pass_free(p);
     if (over || u->gone)
-        end_unit(s, u);
+        end_unit(s, u, over);
     else if (u->split)
         split_idle(s, u);
     for (u = s->units; u; u = u->next)

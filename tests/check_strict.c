@@ -1166,6 +1166,29 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
 }
 END_TEST
 
+/* Its top comes again before it does, while a pass of it is ending. */
+START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    p = strict_next(s, STRICT_AHEAD);
+    strict_revoke(s, 0, 1);
+    give_top(s, &q);
+    ck_assert(!strict_ended(s, p, false, NULL, NULL, &spent, &total));
+    give_unit(s, &q, 0, 4, 8);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -1174,6 +1197,7 @@ main(void)
 
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
+    tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
