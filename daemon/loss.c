@@ -168,7 +168,7 @@ void
 sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
 {
     struct job_worker *jw;
-    uint32_t index;
+    uint32_t index, surveying;
     struct job *job = sched_job_of(c, w, m->job, &index);
 
     if (!job)
@@ -184,5 +184,8 @@ sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
         if (has_unit(job, index, m->units[i]) &&
             !suspect(c, job, index, m->units[i], m->text))
             return;
+    surveying = jw->surveying;
     gone(c, job, index);
+    if (surveying)
+        survey_crashed(c, job, surveying - 1);
 }

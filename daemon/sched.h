@@ -186,6 +186,9 @@ int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
 bool survey_give(struct coord *c, struct job *job, uint32_t index);
 /* The worker will not answer. */
 void survey_lost(struct job *job, uint32_t index);
+/* A child died of that chunk of areas: the second time the estimate is given
+ * up, and units go out as without one. */
+void survey_crashed(struct coord *c, struct job *job, uint32_t chunk);
 
 /* --- speed.c --- */
 

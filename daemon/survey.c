@@ -4,7 +4,8 @@
  * or window, before the first unit goes out, and count rays (a) or tests of
  * intersection (b).  The parts go out in chunks; when none is left, one that
  * somebody has not answered goes out again.  Which pixels are traced depends
- * on the part alone, so the costs are the same whoever answers first. */
+ * on the part alone, so the costs are the same whoever answers first.  Where
+ * children die of it there is no estimate; the units will tell which it was. */
 #include "config.h"
 
 #include "survey.h"
@@ -17,11 +18,12 @@
 #define MOST_RAYS       10000
 #define MOST_PARTS      40000 /* in a chunk: it must fit a message */
 #define CHUNKS_A_WORKER 4
+#define MOST_CRASHES    2    /* of children at a chunk */
 #define LATE_MS         2000 /* and another is asked too */
 
 struct chunk {
     uint32_t first, n; /* parts */
-    uint32_t holders;
+    uint32_t holders, crashes;
     bool done;
     uint64_t out_ms; /* to the last of them */
 };
@@ -162,6 +164,27 @@ survey_lost(struct job *job, uint32_t index)
 
 /* --- back --- */
 
+/* The units may go out, whatever is known of their costs. */
+static void
+end_survey(struct coord *c, struct job *job)
+{
+    job->estimate_ms = c->now_ms - job->survey->begin_ms;
+    survey_free(job->survey);
+    job->survey = NULL;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        job->workers[i].surveying = 0;
+    sched_begin(c, job);
+}
+
+void
+survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
+{
+    if (!job->survey || ++job->survey->chunk[chunk].crashes < MOST_CRASHES)
+        return;
+    actions_log(&c->actions, ACT_WARN, "estimate given up job=%s", job->hex);
+    end_survey(c, job);
+}
+
 /* What a part costs, from what the pixels did that were traced of it. */
 static double
 scaled(const struct survey *s, const struct job *job, uint32_t part,
@@ -192,18 +215,11 @@ add_counts(struct msg_counts *a, const struct msg_counts *b)
 static void
 finish(struct coord *c, struct job *job)
 {
-    struct survey *s = job->survey;
-
-    partition_set_costs(job->partition, s->cost);
+    partition_set_costs(job->partition, job->survey->cost);
     job->cost_total = partition_cost_total(job->partition);
-    job->estimate_ms = c->now_ms - s->begin_ms;
-    survey_free(s);
-    job->survey = NULL;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        job->workers[i].surveying = 0;
+    end_survey(c, job);
     actions_log(&c->actions, ACT_INFO, "job estimated job=%s ms=%llu", job->hex,
                 (unsigned long long)job->estimate_ms);
-    sched_begin(c, job);
 }
 
 void

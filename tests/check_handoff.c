@@ -876,6 +876,29 @@ START_TEST(an_estimate_of_other_areas_ends_the_connection)
 }
 END_TEST
 
+static void
+child_dies(uint64_t conn)
+{
+    struct msg m = { .type = MSG_LOST, .lost = { id, "signal 11", 0, NULL } };
+
+    say(conn, &m);
+    ready(conn);
+}
+
+/* The unit that has the pixel will be told from the others. */
+START_TEST(an_estimate_that_children_die_of_is_given_up)
+{
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    ready(W1);
+    child_dies(W1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    ck_assert_int_eq(count(W1, MSG_ESTIMATE), 2);
+    child_dies(W1);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1);
+    ck_assert_int_eq(count(W1, MSG_ESTIMATE), 2);
+}
+END_TEST
+
 /* --- speeds --- */
 
 START_TEST(static_weighs_workers_by_what_earlier_jobs_showed)
@@ -939,6 +962,7 @@ main(void)
     tcase_add_test(tc, an_estimate_comes_before_the_first_unit);
     tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
     tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
+    tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
     tcase_add_test(tc, static_weighs_workers_by_what_earlier_jobs_showed);
     suite_add_tcase(s, tc);
     return unit_run(s);
