@@ -528,8 +528,10 @@ estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
         cost->tests +=
             sim_pixel_us(job, a->frame, (int)a->x + x, (int)a->y + y);
         cost->rays++;
-        if (is_poison(job, a->frame, (int)a->x + x, (int)a->y + y))
-            continue;
+        if (is_poison(job, a->frame, (int)a->x + x, (int)a->y + y)) {
+            die(net, node);
+            goto end;
+        }
         if (sim_pixel(job, a->frame, (int)a->x + x, (int)a->y + y, &p) &&
             rad_facts_put(f, x, y, &p, RAD_FACT_ESTIMATE))
             job->traced++;
@@ -556,6 +558,7 @@ estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
         net_send_msg(net, node, k->conn, &m);
         free(bytes);
     }
+end:
     rad_facts_free(f);
     free(bitmap);
     free(v);
@@ -574,17 +577,20 @@ estimated(struct net *net, struct net_event *e)
                               e->len - MSG_HEADER, NULL) == 0);
     v = calloc(m.estimate.nareas + 1, sizeof *v);
     SIM_CHECK(net, v != NULL);
-    for (uint32_t i = 0; i < m.estimate.nareas; i++) {
+    for (uint32_t i = 0; i < m.estimate.nareas && alive(net, e); i++) {
         estimate_area(net, e->a, &m.estimate.areas[i], m.estimate.rays, &v[i]);
         done.estimated.counts.rays += v[i].rays;
         done.estimated.counts.estimate_rays += v[i].rays;
     }
+    if (!alive(net, e))
+        goto end;
     of(net)->estimates++;
     done.estimated.job = job_of(net, e->a)->id;
     done.estimated.id = m.estimate.id;
     done.estimated.ncosts = m.estimate.nareas;
     done.estimated.costs = v;
     net_send_msg(net, e->a, child_of(net, e->a)->conn, &done);
+end:
     free(v);
     msg_release(&m);
 }

@@ -500,13 +500,8 @@ make_job(struct sim *s, int i)
     };
     sim_make_pictures(net, job);
     job->poisoned = net_chance(net, 16);
-    if (job->spec.partition != MSG_PART_WINDOW) {
-        struct rad_quincunx q = sim_sampler(job, 0);
-        int n = rad_quincunx_nbases(&q);
-
-        job->poison_y =
-            rad_quincunx_base_row(&q, (int)net_random(net, (unsigned)n));
-    }
+    if (job->poisoned && job->spec.partition != MSG_PART_WINDOW)
+        job->poison_y = sim_any_traced(net, job);
     job->cancel = net_chance(net, 6);
     job->vanish = net_chance(net, 4);
     net_later(net, net_random(net, 2000), new_client)->a = i;

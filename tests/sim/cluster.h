@@ -158,6 +158,8 @@ struct rad_quincunx sim_sampler(const struct sim_job *job, uint32_t frame);
 /* Sample that part of a frame by itself into the picture; primary rays. */
 uint64_t sim_alone(const struct sim_job *job, uint32_t frame, int x, int y,
                    int width, int height, struct rad_pixel *picture);
+/* A row of frame 0 whose first pixel is traced, if it is no window's. */
+int sim_any_traced(struct net *net, const struct sim_job *job);
 
 /* Accidents (fault.c). */
 void sim_make_faults(struct sim *s);

@@ -241,6 +241,34 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
     wire_out_release(&out);
 }
 
+static void
+tell(const struct net *net, const struct net_end *end, const struct msg *m)
+{
+    printf("%8llu node %d conn %llx: %s", (unsigned long long)net->now_ms,
+           end->node, (unsigned long long)end->conn, msg_name(m->type));
+    if (m->type == MSG_BASE_LINE)
+        printf(" job %02x line %u.%u x %u n %u first %u n %u",
+               m->base_line.job[0], m->base_line.frame, m->base_line.line,
+               m->base_line.x, m->base_line.n, m->base_line.first,
+               m->base_line.ndensity);
+    else if (m->type == MSG_FACTS)
+        printf(" job %02x line %u.%u pixels %u", m->facts.job[0],
+               m->facts.frame, m->facts.line, m->facts.npixels);
+    else if (m->type == MSG_UNIT)
+        printf(" job %02x unit %u attempt %u frame %u rows %u to %u flags %u",
+               m->unit.job[0], m->unit.unit, m->unit.attempt, m->unit.frame,
+               m->unit.y, m->unit.y + m->unit.height, m->unit.flags);
+    else if (m->type == MSG_RESULT)
+        printf(" job %02x unit %u attempt %u row %u n %u", m->result.job[0],
+               m->result.unit, m->result.attempt, m->result.row,
+               m->result.rows);
+    else if (m->type == MSG_PARKED || m->type == MSG_REVOKE ||
+             m->type == MSG_SPLIT || m->type == MSG_TWIN)
+        printf(" job %02x unit %u attempt %u", m->parked.job[0], m->parked.unit,
+               m->parked.attempt);
+    printf("\n");
+}
+
 /* A message is whole. */
 static void
 hear(struct net *net, const struct net_link *l, int side)
@@ -248,9 +276,7 @@ hear(struct net *net, const struct net_link *l, int side)
     const struct net_end *end = &l->end[side], *from = &l->end[!side];
 
     if (net->verbose)
-        printf("%8llu node %d conn %llx: %s\n", (unsigned long long)net->now_ms,
-               end->node, (unsigned long long)end->conn,
-               msg_name(net->msg.type));
+        tell(net, end, &net->msg);
     if (net->hear)
         net->hear(net, from->node, end->node, &net->msg, false);
     if (!end->open || end->deaf)

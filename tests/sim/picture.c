@@ -119,6 +119,7 @@ struct alone {
     const struct sim_job *job;
     uint32_t frame;
     uint64_t primary;
+    bool first[SIM_HEIGHT]; /* rows whose column 0 was traced */
 };
 
 static void
@@ -127,13 +128,15 @@ trace_alone(void *arg, int x, int y, struct rad_pixel *out)
     struct alone *a = arg;
 
     a->primary += sim_pixel(a->job, a->frame, x, y, out);
+    a->first[y] |= x == 0;
 }
 
-uint64_t
-sim_alone(const struct sim_job *job, uint32_t frame, int x, int y, int width,
-          int height, struct rad_pixel *picture)
+static void
+sample(struct alone *a, int x, int y, int width, int height,
+       struct rad_pixel *picture)
 {
-    struct alone a = { job, frame, 0 };
+    const struct sim_job *job = a->job;
+    uint32_t frame = a->frame;
     struct rad_quincunx q = sim_sampler(job, frame);
     size_t stride = (size_t)q.width;
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
@@ -145,7 +148,7 @@ sim_alone(const struct sim_job *job, uint32_t frame, int x, int y, int width,
     q.width = width;
     q.height = height;
     q.trace = trace_alone;
-    q.arg = &a;
+    q.arg = a;
     rad_quincunx_start(&q, density);
     for (int i = 0; i < rad_quincunx_nbases(&q); i++) {
         int base = rad_quincunx_base_row(&q, i), top = base;
@@ -162,7 +165,29 @@ sim_alone(const struct sim_job *job, uint32_t frame, int x, int y, int width,
             sim_paint(job, frame, x, x + width, y + k,
                       picture + (size_t)k * stride);
     }
+}
+
+uint64_t
+sim_alone(const struct sim_job *job, uint32_t frame, int x, int y, int width,
+          int height, struct rad_pixel *picture)
+{
+    struct alone a = { .job = job, .frame = frame };
+
+    sample(&a, x, y, width, height, picture);
     return a.primary;
+}
+
+int
+sim_any_traced(struct net *net, const struct sim_job *job)
+{
+    struct alone a = { .job = job };
+    int height = (int)job->frame[0].height;
+    int y = (int)net_random(net, (unsigned)height);
+
+    sample(&a, 0, 0, (int)job->frame[0].width, height, job->want[0]);
+    while (!a.first[y])
+        y = (y + 1) % height;
+    return y;
 }
 
 /* --- set-up --- */
