@@ -67,7 +67,7 @@ rad_hilbert_point(struct hilbert h, double t, double p[2])
 
     p[0] = p[1] = 0;
     for (int i = 0; i < 26; i++) { /* all bits of t */
-        unsigned q = (unsigned)fmin(t *= 4, 3), x, y;
+        unsigned q = (t *= 4) < 4 ? (unsigned)t : 3, x, y;
 
         t -= q;
         size /= 2;

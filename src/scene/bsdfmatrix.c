@@ -351,7 +351,7 @@ mark(const struct bsdf_matrix *m, int in, int out)
     double d = 2 * m->in->nangles / (in + .22545) +
                4 * m->out->nangles / (out + .70281);
 
-    return 1 + 6e-4 * (d - floor(d) - .5);
+    return 1 + 6e-4 * (d - (int)d - .5);
 }
 
 /* The value of two patches with the rest, as sharp channels where it has

@@ -107,38 +107,36 @@ leaf_value(const struct cursor *c, int rank)
 }
 
 /* The value at a place, and the cell that it lies in: its lowest corner, and
- * the log of 1 over its width. */
+ * the log of 1 over its width.  The bits of a coordinate are the way down. */
 static double
 look_up(const struct node *n, int rank, const double place[4], double corner[4],
         int *level)
 {
-    double pos[4], size = 1;
+    int left = RAD_MAX_BSDF_LEVELS;
+    uint32_t way[4];
     size_t at = 0;
-    int depth = 0;
 
-    memcpy(pos, place, sizeof pos);
+    for (int i = 0; i < rank; i++)
+        way[i] = (uint32_t)(place[i] * (1 << RAD_MAX_BSDF_LEVELS));
     while (n->lg < 0) {
         unsigned bits = 0;
 
-        depth++;
-        for (int i = 0; i < rank; i++) {
-            unsigned upper = pos[i] >= .5;
-
-            bits |= upper << i;
-            pos[i] = 2 * pos[i] - upper;
-        }
+        left--;
+        for (int i = 0; i < rank; i++)
+            bits |= (way[i] >> left & 1) << i;
         n = n->u.kid[bits];
     }
+    left -= n->lg;
     for (int i = 0; i < rank; i++)
-        at = at << n->lg | (size_t)(pos[i] * (1 << n->lg));
-    depth += n->lg;
-    if (corner) {
-        size = 1. / (1 << depth);
-        for (int i = 0; i < rank; i++)
-            corner[i] = (double)(int)(place[i] * (1 << depth)) * size;
-    }
+        at = at << n->lg | (way[i] >> left & ((1u << n->lg) - 1));
     if (level)
-        *level = depth;
+        *level = RAD_MAX_BSDF_LEVELS - left;
+    if (corner) {
+        double size = 1. / (1 << (RAD_MAX_BSDF_LEVELS - left));
+
+        for (int i = 0; i < rank; i++)
+            corner[i] = (way[i] >> left) * size;
+    }
     return (double)n->u.value[at];
 }
 
@@ -305,7 +303,7 @@ channels(const struct bsdf_tree *t, double y, const double place[4],
 static double
 value_y(const struct bsdf_tree *t, double y)
 {
-    return fmax(y - t->rest_y, 0);
+    return y > t->rest_y ? y - t->rest_y : 0;
 }
 
 /* --- what follows from the values ------------------------------------------
@@ -619,7 +617,7 @@ rad_bsdf_read_trees(struct rad_bsdf *b, struct rad_arena *arena,
 static double
 inside(double x)
 {
-    return fmin(fmax(x, 0), 1 - 0x1p-53);
+    return x > 0 ? x < 1 ? x : 1 - 0x1p-53 : 0;
 }
 
 /* The arc tangent of t in [-1, 1], times 4 / pi, to 1e-13: reduced twice by
@@ -694,7 +692,7 @@ mark(int rank, const double corner[4])
     for (int i = 0; i < rank; i++) {
         double x = (2 << i) / (corner[i] + .01687);
 
-        d += x - floor(x) - .5;
+        d += x - (int)x - .5;
     }
     return 1 + 1e-4 * d;
 }

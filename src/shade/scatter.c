@@ -120,14 +120,14 @@ to_rgb(const double xyz[3])
                                     { .0747243773, -.251939567, 1.17721519 } };
     double c[3], keep = 1;
 
-    for (int i = 0; i < 3; i++) {
-        c[i] = rad_dot(m[i], xyz);
-        if (c[i] < 0)
-            keep = fmin(keep, xyz[1] / (xyz[1] - c[i]));
-    }
     if (!(xyz[1] > 0))
         return rad_grey(0);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        c[i] = rad_dot(m[i], xyz);
+        if (c[i] < 0 && xyz[1] < keep * (xyz[1] - c[i]))
+            keep = xyz[1] / (xyz[1] - c[i]);
+    }
+    for (int i = 0; keep < 1 && i < 3; i++)
         c[i] = fmax(keep * c[i] + (1 - keep) * xyz[1], 0);
     return rad_rgb((float)c[0], (float)c[1], (float)c[2]);
 }
