@@ -443,6 +443,53 @@ START_TEST(undivided_ring_is_aimed_at)
 }
 END_TEST
 
+static void
+aim_is_up(void *arg, const struct rad_light_sample *s)
+{
+    ck_assert_double_gt(s->aim[2], 0);
+    measure(arg, s);
+}
+
+/* Lamps that stand across the horizon: what is above it, by the midpoint rule
+ * for a disk and a ring, and by Lambert's formula for what is above of a
+ * triangle.  The aims are above it too. */
+START_TEST(what_is_below_the_horizon_gives_nothing)
+{
+    struct rad_light_view view = { .sizerat = .2, .up = up };
+    double r0 = _i == 1 ? .6 : 0;
+    int n = 1000;
+
+    for (double d = .5; d < 9; d *= 2)
+        for (double z = -.8; z < .9; z += .4) {
+            double a[8] = { d, 0, z, -1, 0, 0, r0, 1 }, E = 0;
+            double t[9] = { d, -1, z - 1, d, 0, z + 1, d, 1, z - 1 };
+            double s = (1 + z) / 2; /* half the width at the horizon */
+            double top[9] = { d, -s, 0, d, 0, z + 1, d, s, 0 };
+            struct meter m = { .n = { 0, 0, 1 } };
+            struct rad_source src;
+            const double p0[3] = { 0, 0, 0 };
+
+            for (int i = 0; _i < 2 && i < n; i++)
+                for (int k = 0; k < n; k++) {
+                    double r = sqrt(r0 * r0 + (1 - r0 * r0) * (i + .5) / n);
+                    double f = 2 * M_PI * (k + .5) / n;
+                    double p[3] = { d, r * cos(f), z + r * sin(f) };
+                    double d2 = rad_dot(p, p);
+
+                    if (p[2] > 0)
+                        E += p[2] * d / (d2 * d2);
+                }
+            E *= M_PI * (1 - r0 * r0) / n / n;
+            if (_i == 2)
+                E = lambert(top, 3, p0, up);
+            make_light(&src, _i == 2 ? RAD_POLYGON : RAD_RING, _i == 2 ? t : a,
+                       _i == 2 ? 9 : 8);
+            rad_light_samples(&src, &view, aim_is_up, &m);
+            ck_assert_double_eq_tol(m.E, fabs(E), 1e-3 * fabs(E));
+        }
+}
+END_TEST
+
 START_TEST(flat_light_has_a_dark_side)
 {
     static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
@@ -797,6 +844,7 @@ make_suite(void)
     tcase_add_loop_test(tc, flux_is_exact_with_no_more_samples_than_rpict_takes,
                         0, N_ELEM(lamp));
     tcase_add_test(tc, undivided_ring_is_aimed_at);
+    tcase_add_loop_test(tc, what_is_below_the_horizon_gives_nothing, 0, 3);
     tcase_add_test(tc, flat_light_has_a_dark_side);
     tcase_add_test(tc, scale_changes_nothing);
     tcase_add_test(tc, spot_keeps_to_its_cone);

@@ -514,6 +514,158 @@ exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
     return s->omega > 0;
 }
 
+/* --- patches across the horizon --- */
+
+/* Places on a sector's arc that its outline goes through, where it is cut: the
+ * chords hold its area, so their flux is off by 1e-4 at most. */
+enum { CHORDS = 24, MOST_CORNERS = 2 * (CHORDS + 1) };
+
+/* What of a patch is above the horizon. */
+struct risen {
+    double F[3];
+    double aim[3], height; /* the highest place that may be aimed at */
+    double middle[3];      /* in its stead, if that is below */
+};
+
+/* Add `sign` times the flux of what of a polygon is above: its corners are seen
+ * from the point, and of n at most MOST_CORNERS. */
+static void
+add_above(struct risen *sum, const double up[3], double v[][3], int n,
+          double sign)
+{
+    double kept[2 * MOST_CORNERS][3], F[3] = { 0, 0, 0 }, to[3] = { 0, 0, 0 };
+    int k = 0;
+
+    for (int i = 0; i < n; i++) {
+        const double *a = v[i], *b = v[(i + 1) % n];
+        double ha = rad_dot(a, up), hb = rad_dot(b, up);
+
+        if (ha > 0)
+            rad_copy(kept[k++], a);
+        if ((ha > 0) != (hb > 0)) {
+            rad_sub(kept[k], b, a);
+            rad_madd(kept[k], a, ha / (ha - hb), kept[k]);
+            k++;
+        }
+    }
+    for (int i = 0; i < k; i++) {
+        rad_contour_edge(F, kept[i], kept[(i + 1) % k]);
+        rad_madd(to, to, 1, kept[i]);
+    }
+    if (sign > 0 && k > 0)
+        rad_scale(sum->middle, 1. / k, to);
+    rad_madd(sum->F, sum->F, rad_dot(F, to) < 0 ? -sign : sign, F);
+}
+
+/* May the place p, seen from the point, be aimed at rather than others? */
+static void
+offer_aim(struct risen *sum, const double up[3], const double p[3])
+{
+    double h = rad_dot(p, up);
+
+    if (h > sum->height) {
+        sum->height = h;
+        rad_copy(sum->aim, p);
+    }
+}
+
+static void
+rise_triangle(struct risen *sum, const struct rad_light_view *view,
+              const double p0[3], const double e1[3], const double e2[3])
+{
+    double v[3][3], near[3];
+
+    rad_sub(v[0], p0, view->p);
+    rad_madd(v[1], v[0], 1, e1);
+    rad_madd(v[2], v[0], 1, e2);
+    for (int i = 0; i < 3; i++) { /* next to each corner, inside */
+        for (int k = 0; k < 3; k++)
+            near[k] = (v[0][k] + v[1][k] + v[2][k] + 7 * v[i][k]) / 10;
+        offer_aim(sum, view->up, near);
+    }
+    add_above(sum, view->up, v, 3, 1);
+}
+
+static void
+rise_group(struct risen *sum, const struct rad_light_view *view,
+           const struct rad_polytree *t)
+{
+    if (!t->kid[0]) {
+        rise_triangle(sum, view, t->p0, t->e1, t->e2);
+    } else {
+        rise_group(sum, view, t->kid[0]);
+        rise_group(sum, view, t->kid[1]);
+    }
+}
+
+/* The corners of an arc in v, from side to side; returns their number. */
+static int
+arc_corners(const struct walk *w, const struct patch *p, double radius,
+            double side, double v[][3])
+{
+    double step = 2 * p->delta / CHORDS, r = radius * sqrt(step / sin(step));
+
+    for (int i = 0; i <= CHORDS; i++) {
+        ring_point(w->src, r, p->phi + side * (p->delta - i * step), v[i]);
+        rad_sub(v[i], v[i], w->view->p);
+    }
+    return CHORDS + 1;
+}
+
+static void
+rise_sector(struct risen *sum, const struct walk *w, const struct patch *p)
+{
+    const double *up = w->view->up;
+    double v[MOST_CORNERS][3], middle[3];
+    int n = arc_corners(w, p, p->r1, -1, v);
+
+    for (int i = 0; i < 8; i++) {
+        ring_point(w->src, sqrt((p->r0 * p->r0 + p->r1 * p->r1) / 2),
+                   p->phi + (i - 3.5) / 4 * p->delta, middle);
+        rad_sub(middle, middle, w->view->p);
+        offer_aim(sum, up, middle);
+    }
+    if (p->delta >= M_PI) { /* two circles, each from a place to the same */
+        add_above(sum, up, v, n - 1, 1);
+        if (p->r0 > 0) {
+            n = arc_corners(w, p, p->r0, 1, v);
+            add_above(sum, up, v, n - 1, -1);
+        }
+        return;
+    }
+    if (p->r0 > 0) {
+        n += arc_corners(w, p, p->r0, 1, v + n);
+    } else {
+        rad_sub(v[n], w->src->centre, w->view->p);
+        n++;
+    }
+    add_above(sum, up, v, n, 1);
+}
+
+/* The sample of a patch that may lie across the horizon: it aims at a place
+ * above, and has the flux of what is there.  Parallelograms have all of their
+ * flux while their middle is above, as in rpict. */
+static void
+risen_sample(struct walk *w, const struct patch *p)
+{
+    struct risen sum = { .height = 0 };
+    struct rad_light_sample s;
+
+    if (p->kind == TRIANGLE)
+        rise_triangle(&sum, w->view, p->p, p->u, p->v);
+    else if (p->kind == GROUP)
+        rise_group(&sum, w->view, p->node);
+    else
+        rise_sector(&sum, w, p);
+    s.omega = rad_normalize(sum.F);
+    if (!(s.omega > 0))
+        return;
+    rad_copy(s.aim, sum.height > 0 ? sum.aim : sum.middle);
+    s.dist = rad_normalize(s.aim);
+    rad_copy(s.dir, sum.F);
+    put(w, &s);
+}
+
 static void
 flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
 {
@@ -524,6 +676,11 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     rad_sub(to, m->c, view->p);
     double k = -rad_dot(w->src->normal, to) * m->area;
 
+    if (view->up && p->kind != QUAD && view->sizerat > 0 &&
+        !(view->jitter > 0)) {
+        risen_sample(w, p);
+        return;
+    }
     if (view->jitter > 0) {
         jittered_point(w, p, point);
         at_point(&s, view, point, k);

@@ -4,7 +4,8 @@
  * and each patch gives one sample: the direction in which a shadow ray tests
  * it and the solid angle that it stands for.  Patches of one source are equal
  * in area or, in triangulated polygons, counted by their area, so every part of
- * the source weighs what it should.  There are no more patches than rpict makes.
+ * the source weighs what it should.  There are no more patches than rpict
+ * makes.
  *
  * Without division (-ds 0) a sample is the patch's middle with the solid angle
  * of a small patch there, as rpict takes it.  With division and no jitter each
@@ -79,10 +80,12 @@ struct rad_light_sample {
 };
 
 struct rad_light_view {
-    double p[3];    /* looked at from here */
-    double sizerat; /* -ds over the ray's weight; 0: no division */
-    double jitter;  /* -dj */
-    uint64_t key;   /* of the random numbers */
+    double p[3];      /* looked at from here */
+    double sizerat;   /* -ds over the ray's weight; 0: no division */
+    double jitter;    /* -dj */
+    uint64_t key;     /* of the random numbers */
+    const double *up; /* unit normal at p, if the source may lie partly below
+                       * its horizon and that part gives nothing; else NULL */
 };
 
 typedef void rad_light_fn(void *arg, const struct rad_light_sample *s);

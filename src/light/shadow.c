@@ -443,17 +443,18 @@ test_selected(struct direct *d, struct order *o)
     }
 }
 
-/* Is the whole source, with its centre there, below the horizon of r's hit? */
-static bool
-is_below(const struct rad_source *src, const double centre[3],
-         const struct rad_ray *r)
+/* How high is the centre of the source, which is there, above the horizon of
+ * r's hit?  Below minus its radius nothing of it is to be seen. */
+static double
+height_of(const struct rad_source *src, const double centre[3],
+          const struct rad_ray *r)
 {
     double side = r->cos_o < 0 ? -1 : 1, d[3];
 
     if (src->flags & RAD_LIGHT_DISTANT)
-        return side * rad_dot(centre, r->n) < -src->radius;
+        return side * rad_dot(centre, r->n);
     rad_sub(d, centre, r->hit.p);
-    return side * rad_dot(d, r->n) < -src->radius;
+    return side * rad_dot(d, r->n);
 }
 
 /* Weigh the samples of what mirrors show. */
@@ -467,7 +468,9 @@ weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
 
         if (!rad_virtual_faces(v, view->p, d->r->hit.err) ||
             !rad_virtual_shows(s, v, view->p) ||
-            (skip && !v->bend && is_below(&s->list[v->root], v->image, d->r)))
+            (skip && !v->bend &&
+             height_of(&s->list[v->root], v->image, d->r) <
+                 -s->list[v->root].radius))
             continue;
         d->source = s->n + i;
         view->key = rad_key_branch(d->r->key, (uint64_t)(d->source + 1) << 32);
@@ -485,6 +488,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     struct rad_light_view view = { .jitter = par->srcjitter };
     struct rad_arena_mark mark;
     struct order *o;
+    double up[3];
     /* a tilted normal may see what the surface itself does not */
     bool skip = !through && !rad_ray_perturbed(r);
 
@@ -492,17 +496,23 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
         return;
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
+    rad_scale(up, r->cos_o < 0 ? -1 : 1, r->n);
     view.sizerat = par->srcsizerat / r->weight;
     for (d.source = 0; d.source < s->n; d.source++) {
         const struct rad_source *src = &s->list[d.source];
 
-        if (src->flags & RAD_LIGHT_SKIP ||
-            (skip && is_below(src, src->centre, r)))
+        double height = INFINITY;
+
+        if (src->flags & RAD_LIGHT_SKIP)
             continue;
+        if (skip && (height = height_of(src, src->centre, r)) < -src->radius)
+            continue;
+        view.up = height < src->radius ? up : NULL;
         /* above every ray's branch number, below every dimension's bit */
         view.key = rad_key_branch(r->key, (uint64_t)(d.source + 1) << 32);
         rad_light_samples(src, &view, weigh, &d);
     }
+    view.up = NULL;
     if (s->nvirtuals > 0)
         weigh_images(&d, &view, skip);
     o = NULL;
