@@ -45,6 +45,18 @@ conn_of(const struct job *job, const struct job_go *go)
 
 /* --- out --- */
 
+/* Whoever has the unit, of one bar, makes its rows now: its base line comes at
+ * once, and true. */
+static bool
+is_at_truth(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    return job->units[unit].ngos > 0 && last - (first > 0 ? first : 1) <= 1 &&
+           (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0);
+}
+
 /* Without colours above it the first bar cannot be traced ahead.  Where the
  * unit above is here no facts are needed; where another has it, what comes of
  * its base line first serves both. */
@@ -58,7 +70,8 @@ handoff_flags(const struct job *job, uint32_t unit, const struct job_go *go)
     if (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0)
         return flags;
     above = unit_at(job, frame, first - 1);
-    if (above == PARTITION_NONE || !job_go_of(job, above, go->worker))
+    if (above == PARTITION_NONE ||
+        (!job_go_of(job, above, go->worker) && !is_at_truth(job, above)))
         flags |= MSG_UNIT_TOP;
     return flags;
 }

@@ -62,6 +62,7 @@ struct strict_unit {
     /* its bottom after LINES or AHEAD; NULL: none yet */
     struct rad_pixel *guess;
     uint8_t *guess_density;
+    bool guess_poor; /* of one line, with nothing known above it */
 };
 
 /* Something to send. */
@@ -1033,8 +1034,10 @@ set_top(struct strict *s, struct strict_pass *p)
 
     if (e && e->missing == 0)
         return copy_top(s, p, e->pixels, e->density);
-    if (p->first == u->first && a && a->guess)
+    if (p->first == u->first && a && a->guess) {
+        p->poor_top = a->guess_poor;
         return copy_top(s, p, a->guess, a->guess_density);
+    }
     return true;
 }
 
@@ -1216,6 +1219,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         push_facts(s, &s->urgent, u, u->last - 1);
     if (pixels)
         keep_guess(s, u, pixels, density);
+    u->guess_poor = p->first > 0 && p->last - p->first == 1 && !p->top_density;
 }
 
 /* TRUTH is made: what the unit cost. */

@@ -587,6 +587,16 @@ has_bar(const struct team *t, int i)
            (i > t->spec.first || t->spec.top);
 }
 
+/* The last line whose bar has colours above it that were sampled with nothing
+ * known of the densities. */
+static int
+last_unsure(const struct team *t)
+{
+    if (!t->spec.top_density)
+        return t->spec.first + 1;
+    return t->spec.poor_top ? t->spec.first : -1;
+}
+
 static bool
 do_line(struct member *m)
 {
@@ -594,8 +604,7 @@ do_line(struct member *m)
 
     m->row0 = team_line_row(&m->q, m->i);
     m->unsure = t->spec.mode == TEAM_AHEAD && t->ndensity > 0 &&
-                t->spec.first > 0 && !t->spec.top_density &&
-                m->i <= t->spec.first + 1;
+                t->spec.first > 0 && m->i <= last_unsure(t);
     m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }

@@ -87,6 +87,8 @@ struct team_spec {
     const struct rad_pixel *top;
     const uint8_t *top_density;
     bool true_top; /* they are, with LINES or AHEAD */
+    bool poor_top; /* with AHEAD: they are of a line above which nothing was
+                    * known */
     /* facts[i] is for line i, as wide as the sampler's area and with as many
      * rows as line i has (team_line_rows()); must stay until team_free().  NULL
      * where there are none; TEAM_TRUTH looks again for each pixel, so they may

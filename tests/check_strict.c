@@ -760,6 +760,7 @@ run_pass(struct node *d)
     spec.first = r.pass->first;
     spec.last = r.pass->last;
     spec.true_top = r.pass->true_top;
+    spec.poor_top = r.pass->poor_top;
     spec.top = r.pass->top;
     spec.top_density = r.pass->top_density;
     spec.facts = r.pass->facts;

@@ -24,6 +24,15 @@ of(struct net *net)
     return (struct sim *)net;
 }
 
+/* Which message of a type: few clusters have more than a twin or two. */
+static uint32_t
+which(struct net *net, enum msg_type type)
+{
+    if (type == MSG_TWIN)
+        return 1 + net_random(net, 2);
+    return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
+}
+
 void
 sim_make_faults(struct sim *s)
 {
@@ -32,14 +41,17 @@ sim_make_faults(struct sim *s)
 
     s->accidents = every[net_random(net, 5)];
     s->net.repeats = net_chance(net, 3);
-    for (int i = 0; i < SIM_FAULTS && net_chance(net, 2); i++)
-        s->fault[i] = (struct sim_fault){
-            .type = types[net_random(net, NTYPES)],
-            .n = 1 + net_random(net, net_chance(net, 3) ? 40 : 8),
-            .victim = (enum sim_victim)net_random(net, 3),
-            .blow = (enum sim_blow)net_random(net, SIM_NBLOW),
-            .after = net_chance(net, 2)
-        };
+    for (int i = 0; i < SIM_FAULTS && net_chance(net, 2); i++) {
+        enum msg_type type = types[net_random(net, NTYPES)];
+
+        s->fault[i] =
+            (struct sim_fault){ .type = type,
+                                .n = which(net, type),
+                                .victim = (enum sim_victim)net_random(net, 3),
+                                .blow =
+                                    (enum sim_blow)net_random(net, SIM_NBLOW),
+                                .after = net_chance(net, 2) };
+    }
     if (net_chance(net, 4)) {
         s->accidents = 0;
         s->net.repeats = false;
