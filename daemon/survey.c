@@ -232,7 +232,8 @@ survey_estimated(struct coord *c, struct coord_worker *w,
 
     if (!job)
         return;
-    if (!job->survey || job->workers[index].surveying != m->id + 1) {
+    if (!job->survey || job->workers[index].surveying == 0 ||
+        job->workers[index].surveying - 1 != m->id) {
         add_counts(&job->surveyed, &m->counts); /* late: it was done, though */
         return;
     }

@@ -17,7 +17,14 @@
 #include <string.h>
 #include <sysexits.h>
 
-enum { ANA = 1, W1, W2, W3, CONNS }; /* connections; W1 is worker "ws1" */
+enum {
+    ANA = 1,
+    W1,
+    W2,
+    W3,
+    ADMIN,
+    CONNS
+}; /* connections; W1 is worker "ws1" */
 enum { WIDTH = 16, HEIGHT = 31, LINES = 11, BAR = 3 };
 
 static const struct msg_frame frames[] = { { 0, WIDTH, HEIGHT, "" },
@@ -899,6 +906,24 @@ START_TEST(an_estimate_that_children_die_of_is_given_up)
 }
 END_TEST
 
+START_TEST(an_estimate_that_nobody_asked_for_is_ignored)
+{
+    struct msg_estimate m = { .id = UINT32_MAX, .nareas = 1 };
+
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    ready(W1);
+    ready(W2);
+    for (int i = 0; i < 40; i++) { /* ws1 does all but what ws2 has */
+        struct msg_estimate k = last(W1, MSG_ESTIMATE)->m.estimate;
+
+        estimated(W1, &k, k.nareas);
+    }
+    estimated(W1, &m, 1); /* 1 more than none is its number */
+    ck_assert(!f.closed[W1]);
+    ck_assert_ptr_null(last(W1, MSG_UNIT));
+}
+END_TEST
+
 /* --- speeds --- */
 
 START_TEST(static_weighs_workers_by_what_earlier_jobs_showed)
@@ -963,6 +988,7 @@ main(void)
     tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
     tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
     tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
+    tcase_add_test(tc, an_estimate_that_nobody_asked_for_is_ignored);
     tcase_add_test(tc, static_weighs_workers_by_what_earlier_jobs_showed);
     suite_add_tcase(s, tc);
     return unit_run(s);
