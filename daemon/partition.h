@@ -87,7 +87,8 @@ void partition_set_costs(struct partition *p, const double *cost);
  * for one that does not.  Before any unit went out.  False: memory is out. */
 bool partition_set_speeds(struct partition *p, const double *speed, uint32_t n);
 
-/* Static: the worker is not there; others may take its runs until it is. */
+/* Static: the worker is not there, or gets nothing; others may take its runs
+ * until it is. */
 void partition_set_absent(struct partition *p, uint32_t worker, bool absent);
 
 /* --- units --- */

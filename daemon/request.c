@@ -4,6 +4,7 @@
 #include "request.h"
 
 #include "report.h"
+#include "sched.h"
 #include "stats.h"
 
 #include <stdlib.h>
@@ -308,6 +309,7 @@ set_drained(struct coord *c, struct coord_conn *conn, uint32_t request,
         return;
     }
     w->drained = drained;
+    sched_drained(c, w);
     reply_answer(c, conn, request, "");
 }
 

@@ -607,17 +607,33 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         introduce(c, job, w);
 }
 
-/* Static: who is here or on its way takes part, by its speed. */
+static bool
+may_take_part(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state != JW_GONE && sched_takes_units(jw->worker);
+}
+
+/* Static: who is here or on its way takes part, by its speed; drained workers
+ * only where there are no others. */
 static void
 set_speeds(struct coord *c, struct job *job)
 {
     double *v = calloc(job->nworkers, sizeof *v);
+    bool others = false;
 
     speed_measure(c, job);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        others |= may_take_part(job, i);
     for (uint32_t i = 0; v && i < job->nworkers; i++)
-        v[i] = job->workers[i].state != JW_GONE ? job->workers[i].speed : 0;
+        if (job->workers[i].state != JW_GONE &&
+            (!others || may_take_part(job, i)))
+            v[i] = job->workers[i].speed;
     if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
         c->actions.failed = true;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        partition_set_absent(job->partition, i, !may_take_part(job, i));
     free(v);
 }
 
@@ -689,6 +705,21 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     jw->tally = *m;
     jw->tally.job = NULL;
     job_see_rays(job);
+}
+
+/* --- drained workers --- */
+
+void
+sched_drained(struct coord *c, struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+
+        if (!job_over(job) && job->partition && index != JOB_NOBODY)
+            partition_set_absent(job->partition, index,
+                                 !may_take_part(job, index));
+    }
 }
 
 /* --- time --- */

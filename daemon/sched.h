@@ -94,6 +94,10 @@ void survey_estimated(struct coord *c, struct coord_worker *w,
 /* A worker went: its units wait again. */
 void sched_worker_gone(struct coord *c, struct coord_worker *w);
 
+/* An admin drained a worker, or had enough of that: others may take what was to
+ * be its part of a job, or may not. */
+void sched_drained(struct coord *c, struct coord_worker *w);
+
 /* Rows are kept. */
 void sched_rows_stored(struct coord *c, const struct action_rows *key);
 

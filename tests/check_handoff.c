@@ -339,6 +339,7 @@ set_up(void)
     f.c = coord_new(&env);
     f.now_ms = 1;
     join(ANA, MSG_ROLE_USER, "", "");
+    join(ADMIN, MSG_ROLE_ADMIN, "", "");
     join(W1, MSG_ROLE_WORKER, "ws1", "tcp a");
     join(W2, MSG_ROLE_WORKER, "ws2", "tcp b");
 }
@@ -417,6 +418,44 @@ START_TEST(a_single_worker_has_no_links_and_whole_frames)
     ck_assert(f.done);
     ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 0);
     ck_assert_int_eq(count(W1, MSG_NEXT_HOLDER), 0);
+}
+END_TEST
+
+/* Each frame has a run of each worker; those of one that is drained would wait
+ * for ever. */
+START_TEST(what_was_to_be_a_drained_workers_goes_to_others)
+{
+    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg_unit a[2], b;
+
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 2);
+    ready(W1);
+    ready(W2);
+    a[0] = *unit_of(W1);
+    b = *unit_of(W2);
+    say(ADMIN, &drain);
+    finish(W1, &a[0]);
+    finish(W2, &b);
+    a[1] = *unit_of(W1);
+    ck_assert(a[1].frame == 1 && a[1].y == 0);
+    clear();
+    finish(W1, &a[1]);
+    b = *unit_of(W1);
+    ck_assert(b.frame == 1 && b.y == a[1].height);
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(one_that_is_drained_before_the_layout_has_no_part)
+{
+    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 1);
+    say(ADMIN, &drain);
+    ready(W1);
+    ready(W2);
+    ck_assert_uint_eq(unit_of(W1)->height, HEIGHT);
 }
 END_TEST
 
@@ -965,6 +1004,8 @@ main(void)
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
     tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
     tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
+    tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);
+    tcase_add_test(tc, one_that_is_drained_before_the_layout_has_no_part);
     tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
     tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);
     tcase_add_test(tc, a_parked_unit_takes_no_room);
