@@ -20,6 +20,9 @@
 #define LEASE_MS     60000
 #define LATE_MEDIANS 10
 
+/* One that waited is late when it has had its base line for so long. */
+#define STUCK_MS 5000
+
 static bool
 splits(const struct job *job)
 {
@@ -149,21 +152,40 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 
 /* --- twins --- */
 
+/* Does the holder take too long?  One that waits for the base line above does
+ * not; but with that at hand it has next to nothing to do. */
+static bool
+is_slow(const struct coord *c, const struct job *job, uint32_t unit,
+        const struct job_go *go, uint64_t lease_ms)
+{
+    uint64_t top_ms;
+
+    if (c->now_ms - go->out_ms < lease_ms)
+        return false;
+    if (!go->parked)
+        return true;
+    top_ms = handoff_top_ms(job, unit);
+    return top_ms != 0 && c->now_ms - top_ms >= STUCK_MS &&
+           c->now_ms - go->parked_ms >= STUCK_MS;
+}
+
 /* Is it late, whatever its cost says? */
 static bool
-is_late(const struct coord *c, const struct job_unit *u, uint64_t lease_ms)
+is_late(const struct coord *c, const struct job *job, uint32_t unit,
+        uint64_t lease_ms)
 {
+    const struct job_unit *u = &job->units[unit];
+
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].parked || c->now_ms - u->go[i].out_ms < lease_ms)
+        if (!is_slow(c, job, unit, &u->go[i], lease_ms))
             return false;
     return true;
 }
 
-/* Time that the quickest of its holders needs yet; -1: all of them only wait,
- * or the worker is one of them. */
+/* Time that the quickest of its holders needs yet; -1: one of them only waits,
+ * or is about to give. */
 static double
-least_left(const struct coord *c, const struct job *job, uint32_t unit,
-           uint32_t index)
+least_left(const struct coord *c, const struct job *job, uint32_t unit)
 {
     const struct job_unit *u = &job->units[unit];
     double least = -1;
@@ -171,7 +193,7 @@ least_left(const struct coord *c, const struct job *job, uint32_t unit,
     for (uint8_t i = 0; i < u->ngos; i++) {
         double ms;
 
-        if (u->go[i].parked || u->go[i].split || u->go[i].worker == index)
+        if (u->go[i].parked || u->go[i].split)
             return -1;
         ms = speed_left_ms(c, job, unit, &u->go[i]);
         if (least < 0 || ms < least)
@@ -203,13 +225,16 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
         const struct job_unit *u = &job->units[job->out[i]];
         double ms;
 
-        if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0)
+        if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0 ||
+            job_go_of(job, job->out[i], index))
             continue;
-        ms = least_left(c, job, job->out[i], index);
-        if (ms >= 0 && is_late(c, u, lease_ms))
-            ms += 1e12; /* before all others */
+        if (is_late(c, job, job->out[i], lease_ms))
+            ms =
+                1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
         else if (!twins(job) || !has_one_bar(job, job->out[i]))
             continue;
+        else
+            ms = least_left(c, job, job->out[i]);
         if (ms >= most) {
             most = ms;
             found = true;

@@ -170,6 +170,8 @@ uint8_t handoff_flags(const struct job *job, uint32_t unit,
 /* The unit went out to it. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);
+/* Since when the base line above a unit is here whole; 0: it is not. */
+uint64_t handoff_top_ms(const struct job *job, uint32_t unit);
 /* Is its bottom with us, if anybody needs it? */
 bool handoff_complete(const struct job *job, uint32_t unit);
 /* A unit is done. */

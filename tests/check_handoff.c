@@ -845,6 +845,27 @@ START_TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
 }
 END_TEST
 
+/* Its child does nothing any more, though radd is there. */
+START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
+{
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    finish(W1, &a); /* it has its base line now */
+    clear();
+    wait_ms(59000);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    wait_ms(2000);
+    ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
+    b = *unit_of(W1);
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
 /* --- estimates --- */
 
 static void
@@ -1025,6 +1046,7 @@ main(void)
     tcase_add_test(
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
     tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
+    tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
     tcase_add_test(tc, an_estimate_comes_before_the_first_unit);
     tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
     tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
