@@ -11,7 +11,13 @@
 
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_SPLIT_MS 40
-#define LEAST_TWIN_MS  60
+#define LEAST_TWIN_MS  20
+
+/* Workers that there was no twin for, then it is enough. */
+#define MOST_TRIES 4
+
+/* Twins at a time: all that they trace goes through here. */
+#define MOST_TWINS 64
 
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
@@ -63,8 +69,8 @@ richest(const struct coord *c, const struct job *job, uint32_t *unit)
         double ms;
 
         partition_unit_lines(job->partition, job->out[i], &first, &last);
-        if (u->whole || u->ngos != 1 || u->go[0].parked || u->go[0].split ||
-            last - first < 2)
+        if (u->whole || u->ngos != 1 || !job_go_works(&u->go[0]) ||
+            u->go[0].split || last - first < 2)
             continue;
         ms = speed_left_ms(c, job, job->out[i], &u->go[0]);
         if (ms >= most) {
@@ -148,6 +154,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     }
     if (!job_grow_units(job))
         c->actions.failed = true;
+    sched_shrunk(job, m->unit, go);
 }
 
 /* --- twins --- */
@@ -177,7 +184,8 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!is_slow(c, job, unit, &u->go[i], lease_ms))
+        if (!u->go[i].helps &&
+            (u->go[i].delivered || !is_slow(c, job, unit, &u->go[i], lease_ms)))
             return false;
     return true;
 }
@@ -193,7 +201,9 @@ least_left(const struct coord *c, const struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++) {
         double ms;
 
-        if (u->go[i].parked || u->go[i].split)
+        if (u->go[i].helps)
+            continue;
+        if (!job_go_works(&u->go[i]) || u->go[i].split)
             return -1;
         ms = speed_left_ms(c, job, unit, &u->go[i]);
         if (least < 0 || ms < least)
@@ -213,10 +223,11 @@ has_one_bar(const struct job *job, uint32_t unit)
     return last - (first > 0 ? first : 1) <= 1; /* line 0 has none */
 }
 
-/* The unit that a worker should have as well; false: none. */
+/* The unit that a worker should have as well, or help with at its end; false:
+ * none.  There is always room for one that takes over what is late. */
 static bool
 choose_twin(const struct coord *c, const struct job *job, uint32_t index,
-            uint64_t lease_ms, uint32_t *unit)
+            uint64_t lease_ms, uint32_t *unit, bool *helps)
 {
     double most = twins(job) ? LEAST_TWIN_MS : 0;
     bool found = false;
@@ -224,14 +235,17 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
     for (uint32_t i = 0; i < job->nout; i++) {
         const struct job_unit *u = &job->units[job->out[i]];
         double ms;
+        bool late;
 
         if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0 ||
             job_go_of(job, job->out[i], index))
             continue;
-        if (is_late(c, job, job->out[i], lease_ms))
+        late = is_late(c, job, job->out[i], lease_ms);
+        if (late)
             ms =
                 1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
-        else if (!twins(job) || !has_one_bar(job, job->out[i]))
+        else if (!twins(job) || u->ngos == JOB_MAX_HOLDERS - 1 ||
+                 (!u->whole && !has_one_bar(job, job->out[i])))
             continue;
         else
             ms = least_left(c, job, job->out[i]);
@@ -239,6 +253,7 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
             most = ms;
             found = true;
             *unit = job->out[i];
+            *helps = !late && !has_one_bar(job, *unit);
         }
     }
     return found;
@@ -256,14 +271,20 @@ static void
 double_units(struct coord *c, struct job *job, uint32_t n)
 {
     uint64_t lease = lease_of(job);
-    uint32_t unit;
+    uint32_t unit, failed = 0;
+    bool helps;
 
-    for (uint32_t i = 0; i < job->nworkers && n > 0; i++)
-        if (is_idle(job, i)) {
-            n--;
-            if (choose_twin(c, job, i, lease, &unit))
-                sched_hand_out(c, job, i, unit);
-        }
+    for (uint32_t i = 0; i < job->nworkers && n > 0; i++) {
+        if (!is_idle(job, i))
+            continue;
+        n--;
+        if (job->ntwins >= MOST_TWINS || failed == MOST_TRIES)
+            return;
+        if (choose_twin(c, job, i, lease, &unit, &helps))
+            sched_hand_out(c, job, i, unit, helps);
+        else
+            failed++; /* it may have been a holder */
+    }
 }
 
 void

@@ -70,13 +70,20 @@ coord_actions(struct coord *c)
     return &c->actions;
 }
 
+/* The low bits count up in the shell, and are a host's in the simulation. */
+static size_t
+slot_of(uint64_t id)
+{
+    return (size_t)(id ^ id >> 16) % COORD_CONNS;
+}
+
 struct coord_conn *
 coord_find_conn(const struct coord *c, uint64_t id)
 {
-    struct coord_conn *conn = c->conns;
+    struct coord_conn *conn = c->by_id[slot_of(id)];
 
     while (conn && conn->id != id)
-        conn = conn->next;
+        conn = conn->chain;
     return conn;
 }
 
@@ -244,6 +251,10 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     while (*link != conn)
         link = &(*link)->next;
     *link = conn->next;
+    link = &c->by_id[slot_of(conn->id)];
+    while (*link != conn)
+        link = &(*link)->chain;
+    *link = conn->chain;
     if (conn->worker) {
         conn->worker->conn = 0;
         conn->worker->since_ms = c->now_ms;
@@ -538,6 +549,8 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
     conn->next = c->conns;
     c->conns = conn;
+    conn->chain = c->by_id[slot_of(id)];
+    c->by_id[slot_of(id)] = conn;
 }
 
 void
@@ -555,6 +568,15 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
     sched_run(c);
 }
 
+/* Work that comes in: there are many of these, and where nobody gets room by
+ * one it changes nothing for the others. */
+static bool
+is_work(uint16_t type)
+{
+    return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
+           type == MSG_TALLY || type == MSG_PING || type == MSG_PONG;
+}
+
 void
 coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
               const struct msg *m)
@@ -565,7 +587,8 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
     if (!conn || !msg_allowed(conn->session, m->type))
         return; /* it was on its way when we closed the connection */
     handle(c, conn, m);
-    sched_run(c);
+    if (c->stirred || !is_work(m->type))
+        sched_run(c);
     forget_old(c);
 }
 

@@ -25,15 +25,31 @@ struct daemon_settings {
 /* Their rows, last in each daemon's table. */
 #define DAEMON_FIELD(f) offsetof(struct daemon_settings, f)
 #define DAEMON_KEYS                                                            \
-    { "ports_file", CONF_TEXT_KEY, DAEMON_FIELD(ports_file), 0, 0, "", "FILE", \
-      "gets the sockets in use, one a line", false },                          \
-    { "log_level", CONF_TEXT_KEY, DAEMON_FIELD(log_level), 0, 0, "info",       \
-      "LEVEL", "err, warn, info or debug", true },                             \
-    { "embedded", CONF_BOOL_KEY, DAEMON_FIELD(embedded), 0, 0, "no", NULL,     \
-      NULL, false },                                                           \
-    { "lifetime_fd", CONF_INT_KEY, DAEMON_FIELD(lifetime_fd), -1, 1 << 20,     \
-      "-1", NULL, NULL, false },                                               \
-    { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false }
+    { "ports_file",                                                            \
+      CONF_TEXT_KEY,                                                           \
+      DAEMON_FIELD(ports_file),                                                \
+      0,                                                                       \
+      0,                                                                       \
+      "",                                                                      \
+      "FILE",                                                                  \
+      "gets the sockets in use, one a line",                                   \
+      false },                                                                 \
+        { "log_level", CONF_TEXT_KEY, DAEMON_FIELD(log_level),    0,   0,      \
+          "info",      "LEVEL",       "err, warn, info or debug", true },      \
+        { "embedded", CONF_BOOL_KEY, DAEMON_FIELD(embedded), 0, 0, "no", NULL, \
+          NULL,       false },                                                 \
+        { "lifetime_fd",                                                       \
+          CONF_INT_KEY,                                                        \
+          DAEMON_FIELD(lifetime_fd),                                           \
+          -1,                                                                  \
+          1 << 20,                                                             \
+          "-1",                                                                \
+          NULL,                                                                \
+          NULL,                                                                \
+          false },                                                             \
+    {                                                                          \
+        NULL, 0, 0, 0, 0, NULL, NULL, NULL, false                              \
+    }
 
 struct daemon_ops {
     /* Open what it serves with; an error ends it with that code. */

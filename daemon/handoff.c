@@ -16,7 +16,7 @@
 
 #define LINK_MS 100 /* a link between workers has brought it by then */
 
-/* Lines [*first, *last) of a unit, and its frame. */
+/* Lines [*first, *last) of a unit; its frame. */
 static uint32_t
 lines_of_unit(const struct job *job, uint32_t unit, uint32_t *first,
               uint32_t *last)
@@ -64,13 +64,13 @@ uint8_t
 handoff_flags(const struct job *job, uint32_t unit, const struct job_go *go)
 {
     uint32_t first, last, above;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
     uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
 
     if (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0)
         return flags;
     above = unit_at(job, frame, first - 1);
-    if (above == PARTITION_NONE ||
+    if (above == PARTITION_NONE || above == unit ||
         (!job_go_of(job, above, go->worker) && !is_at_truth(job, above)))
         flags |= MSG_UNIT_TOP;
     return flags;
@@ -132,7 +132,7 @@ introduce(struct coord *c, const struct job *job, uint32_t unit,
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
     other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
-    if (other != PARTITION_NONE)
+    if (other != PARTITION_NONE && job->units[unit].ngos == 1)
         send_next_holder(c, job, other, frame, first - 1, go);
     other = unit_at(job, frame, last);
     if (other != PARTITION_NONE && job->units[other].ngos > 0) {
@@ -159,7 +159,7 @@ void
 handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
 
     if (handoff_flags(job, unit, go) & MSG_UNIT_TOP)
         send_facts(c, job, frame, first - 1, go);
@@ -167,7 +167,8 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         send_facts(c, job, frame, i, go);
     if (first > 0)
         send_base(c, job, frame, first - 1, go);
-    introduce(c, job, unit, go);
+    if (!go->helps)
+        introduce(c, job, unit, go);
 }
 
 /* --- in --- */
@@ -191,6 +192,17 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
+/* One that helps has but some of the unit's lines. */
+static bool
+needs(const struct job *job, uint32_t unit, const struct job_go *go,
+      uint32_t line)
+{
+    uint32_t first, last;
+
+    sched_lines_of(job, unit, go, &first, &last);
+    return line + 1 >= first && line < last;
+}
+
 /* To whoever else has the line now. */
 static void
 pass_on(struct coord *c, const struct job *job, uint32_t from,
@@ -205,7 +217,7 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     u = &job->units[unit];
     pass.facts.job = job->id;
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].worker != from)
+        if (u->go[i].worker != from && needs(job, unit, &u->go[i], m->line))
             actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
     if (job_go_of(job, unit, from))
         pass_below(c, job, from, &pass);
@@ -282,11 +294,25 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++) {
         struct job_go *go = &u->go[i];
 
-        if (go->parked && !go->top_sent &&
+        if (go->parked_ms != 0 && !go->helps && !go->delivered &&
+            !go->top_sent &&
             (c->now_ms - whole_ms >= LINK_MS ||
              !can_link(job, &job->units[above], go)))
             send_base(c, job, frame, first - 1, go);
     }
+}
+
+/* What waited for nothing but its top has work again, be it the rest of a bar
+ * that could not be traced ahead. */
+static void
+top_is_here(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    offer_top(c, job, unit);
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].parked && !u->go[i].helps)
+            sched_unpark(c, job, unit, &u->go[i]);
 }
 
 /* One that has the unit, or had it last while nobody has it now. */
@@ -318,7 +344,18 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
         return;
     if (m->line + 1 < partition_lines(job->partition, m->frame) &&
         shared_put_base(job->shared, m, c->now_ms) && below != PARTITION_NONE)
-        offer_top(c, job, below);
+        top_is_here(c, job, below);
+}
+
+/* One that only helps has nothing to come. */
+static bool
+has_work_to_come(const struct job *job, uint32_t unit, const struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    return !go->helps &&
+           (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0);
 }
 
 void
@@ -332,11 +369,17 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     if (!job || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->parked)
+    if (!go || go->parked_ms != 0 || go->delivered)
         return;
     sched_log_unit(c, job, m->unit, go, "unit parked");
-    speed_finished(job, m->unit);
-    sched_park(c, job, go);
+    if (!go->helps && !go->counted) {
+        speed_finished(job, m->unit);
+        go->counted = true;
+    }
+    if (has_work_to_come(job, m->unit, go)) /* which is on its way to it */
+        go->parked_ms = c->now_ms;
+    else
+        sched_park(c, job, go);
     offer_top(c, job, m->unit);
 }
 

@@ -252,7 +252,15 @@ job_go_add(struct job *job, uint32_t unit)
         }
     }
     memset(&u->go[u->ngos], 0, sizeof *u->go);
+    if (u->ngos > 0)
+        job->ntwins++;
     return &u->go[u->ngos++];
+}
+
+bool
+job_go_works(const struct job_go *go)
+{
+    return !go->parked && !go->delivered;
 }
 
 void
@@ -261,8 +269,10 @@ job_go_remove(struct job *job, uint32_t unit, struct job_go *go)
     struct job_unit *u = &job->units[unit];
 
     *go = u->go[--u->ngos];
-    if (u->ngos > 0)
+    if (u->ngos > 0) {
+        job->ntwins--;
         return;
+    }
     free(u->go);
     u->go = NULL;
     job->out[u->slot] = job->out[--job->nout];

@@ -32,14 +32,18 @@ enum job_state {
 
 #define JOB_DURATIONS 63 /* that are remembered */
 
-#define JOB_MAX_HOLDERS 4 /* twins at one unit */
+#define JOB_MAX_HOLDERS 5 /* twins at one unit */
 
 /* One worker's go at a unit. */
 struct job_go {
     uint32_t worker, attempt;
+    uint32_t lines;  /* that it has of the unit */
     uint8_t end;     /* enum msg_end */
     bool parked;     /* it can do nothing but wait for the base line above */
+    bool delivered;  /* all rows came, and are on their way to the disk */
+    bool counted;    /* its work is among what was finished */
     bool dropped;    /* rows of it came and were dropped */
+    bool helps;      /* it has the unit's last lines alone, for their facts */
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
     bool top_sent;   /* the base line above, whole, by us */
@@ -77,7 +81,8 @@ struct job_worker {
     enum job_worker_state state;
     uint32_t threads;
     uint32_t in_flight;    /* units of this job that it works on */
-    uint32_t parked;       /* and of those that wait for a base line */
+    uint32_t lines;        /* of these units */
+    uint32_t parked;       /* units that wait for a base line */
     uint64_t since_ms;     /* the two are as they are since then */
     uint64_t work_ms;      /* time with something in flight */
     uint64_t parked_ms;    /* time with nothing but parked units */
@@ -122,6 +127,7 @@ struct job {
     uint32_t nout, cap_out;
     struct survey *survey;    /* NULL: costs are not estimated, or are by now */
     struct shared *shared;    /* NULL: lines are not shared */
+    uint32_t ntwins;          /* holders of units beside the first */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done */
     uint32_t *suspects; /* units that crashed a child: out of the partition's
@@ -133,11 +139,13 @@ struct job {
     uint32_t nworkers, cap_workers;
     uint32_t *index; /* of a worker here, by its number at the coordinator */
     uint32_t nindex;
-    double speed;    /* of all workers that are there */
-    double pace;     /* cost done in a ms, for a speed of 1; 0: not known */
-    double finished; /* cost of units that were finished, or traced ahead;
-                      * of all attempts */
-    double workload; /* ms of those workers, times their speed */
+    uint32_t threads; /* of all workers that are ready */
+    uint64_t work_ms; /* of all workers, when that was last looked at */
+    double speed;     /* of all workers that are there */
+    double pace;      /* cost done in a ms, for a speed of 1; 0: not known */
+    double finished;  /* cost of units that were finished, or traced ahead;
+                       * of all attempts */
+    double workload;  /* ms of those workers, times their speed */
     uint32_t
         durations[JOB_DURATIONS]; /* of the last units that were done [ms] */
     uint32_t ndurations;
@@ -148,8 +156,8 @@ struct job {
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
     struct msg_counts surveyed; /* and its counts */
-    uint64_t rays_seen;  /* and of those under way; what is lost stays in */
-    struct msg_nan nan;  /* frame: its number */
+    uint64_t rays_seen; /* and of those under way; what is lost stays in */
+    struct msg_nan nan; /* frame: its number */
     struct msg_fault faults[MSG_FAULTS];
     uint64_t sent_bytes; /* of the bundle, by radsubmit */
 
@@ -191,6 +199,9 @@ bool job_grow_units(struct job *job);
  * is out. */
 struct job_go *job_go_add(struct job *job, uint32_t unit);
 void job_go_remove(struct job *job, uint32_t unit, struct job_go *go);
+
+/* Has it something to do for the unit? */
+bool job_go_works(const struct job_go *go);
 
 /* The go of that worker, or of that worker and attempt; NULL: none. */
 struct job_go *job_go_of(const struct job *job, uint32_t unit, uint32_t worker);

@@ -1,15 +1,16 @@
 /* partition_lines.c - the lines of each frame, and runs of them as units
  *
- * A unit is cut when it goes out.  Where:
- * - A worker goes on with the line below its last one, so that the base line
- *   between them stays at home.
- * - Its first of a frame is spread over the frame by speed, the first worker's
- *   at the top.
- * - Else it begins in the middle of the longest stretch that is free.
- * How much: scanbar, one line.  auto, half of the stretch, but not more than
- * half of its share of all that is left, so that units shrink towards the end;
- * whole frames as long as its share of what is left is as much.  static, its
- * own run of the frame.
+ * A unit is cut when it goes out.
+ * - scanbar: one line.  A worker goes on with the line below its last one, so
+ *   that the base line between them stays at home; its first of a frame is
+ *   spread over the frame by speed, the first worker's at the top; else it
+ *   begins in the middle of the longest stretch that is free.
+ * - static: the worker's own run of the frame.
+ * - auto: from the top down, as many lines as are the worker's share of all
+ *   that is left; so units shrink towards the end, and whole frames go out as
+ *   long as that share is as much.  The units above are a little further than
+ *   those below: base lines arrive before they are needed, and rows are done
+ *   from the top down.
  *
  * Frames go out in order: one begins when the one before it has no free line
  * left, or, where nothing may be kept between frames, when that is done. */
@@ -227,8 +228,9 @@ choose(struct partition *p)
                  "one worker: whole frames, which its threads render together");
     else
         snprintf(p->choice, sizeof p->choice,
-                 "%u workers: runs of base lines, half of what is left of each "
-                 "one's part, down to 50 ms; the rest by halves and twins",
+                 "%u workers: runs of base lines from the top down, each one's "
+                 "part of what is left, so that base lines come early; the "
+                 "rest by halves and twins",
                  s->most);
 }
 
@@ -416,19 +418,13 @@ static uint32_t
 unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
          const struct partition_who *who)
 {
-    uint32_t end = stretch(s, f, first), last, half;
-    double rest = s->fresh ? f->left : s->left, most = rest * who->share / 2;
+    uint32_t end = stretch(s, f, first), last = first + 1;
+    double most = (s->fresh ? f->left : s->left) * who->share;
 
-    if (s->kind == MSG_PART_SCANBAR) {
-        last = first + 1;
-    } else if (first == 0 && f->nfree == f->n &&
-               f->cost <= rest * who->share * 1.000001) {
-        return end; /* a whole frame */
-    } else {
-        half = first + (end - first + 1) / 2;
-        last = reach(s, f, first, half, most > who->least ? most : who->least);
-        if (cost_of(s, f, first, last) < who->least)
-            last = reach(s, f, first, end, who->least);
+    if (s->kind == MSG_PART_AUTO) {
+        if (most < who->least)
+            most = who->least;
+        last = reach(s, f, first, end, most * 1.000001);
         if (last < end && cost_of(s, f, last, end) < who->least)
             last = end; /* the rest is worth no unit */
     }
@@ -445,17 +441,15 @@ has_top(const struct partition *p, const struct frame *f, uint32_t line)
            p->unit[p->lines->unit[f->first + line - 1]].state == PART_DONE;
 }
 
-/* The line, or where its stretch begins, if what lies before it there is worth
- * no unit. */
+/* The first line that is free, of a frame that has one. */
 static uint32_t
-without_scrap(const struct partition_lines *s, const struct frame *f,
-              uint32_t line, double least)
+first_free(const struct partition_lines *s, const struct frame *f)
 {
-    uint32_t first = line;
+    uint32_t line = 0;
 
-    while (first > 0 && is_free(s, f, first - 1))
-        first--;
-    return cost_of(s, f, first, line) < least ? first : line;
+    while (!is_free(s, f, line))
+        line++;
+    return line;
 }
 
 /* Where the worker's next unit of a frame that has free lines begins. */
@@ -466,6 +460,8 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     const struct partition_lines *s = p->lines;
     uint32_t frame = (uint32_t)(f - s->frame), first, last, line;
 
+    if (s->kind == MSG_PART_AUTO)
+        return first_free(s, f);
     if (w->began && w->frame == frame) {
         if (is_free(s, f, w->line))
             return w->line;
@@ -473,11 +469,11 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
         line = (uint32_t)(f->spread * f->n + .5);
         f->spread += who->share;
         if (is_free(s, f, line))
-            return without_scrap(s, f, line, who->least);
+            return line;
     }
     longest(s, f, &first, &last);
-    if (has_top(p, f, first) || cost_of(s, f, first, last) < 2 * who->least)
-        return first; /* the latter: it is worth one unit, not two */
+    if (has_top(p, f, first))
+        return first;
     return first + (last - first) / 2;
 }
 

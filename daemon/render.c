@@ -385,7 +385,7 @@ load_strict(struct render *r, const struct msg_spec *spec,
 
             rad_frame_sampler(f, &all, &q[i]);
         }
-        r->strict = strict_new(q, r->nframes, r->id);
+        r->strict = strict_new(q, r->nframes, r->nthreads, r->id);
         free(q);
     }
     return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");

@@ -26,7 +26,7 @@ revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit);
-    if (sched_hold(c, job, index, unit, job->units[unit].lead))
+    if (sched_hold(c, job, index, unit, job->units[unit].lead, false))
         return true;
     c->actions.failed = true;
     return false;
@@ -112,6 +112,24 @@ counts(struct job *job, uint32_t index, const struct msg_result *m)
     return m->row + m->rows > u->stored_rows;
 }
 
+/* All that the worker had to do is done: while the rows go to the disk it can
+ * do other things, and so can its twins. */
+static void
+delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (!go->counted)
+        speed_finished(job, unit);
+    go->counted = true;
+    sched_deliver(c, job, go);
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (!u->go[i].delivered) {
+            sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            sched_release(c, job, unit, &u->go[i]);
+        }
+}
+
 void
 sched_result(struct coord *c, struct coord_worker *w,
              const struct msg_result *m)
@@ -158,8 +176,10 @@ sched_result(struct coord *c, struct coord_worker *w,
         return;
     }
     u->next_row += m->rows;
-    if (m->last)
+    if (m->last) {
         u->counts = m->counts;
+        delivered(c, job, m->unit, go);
+    }
     put_rows(c, job, w->conn, m, &a);
 }
 
@@ -188,7 +208,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         if (go->attempt == u->lead) {
             job->durations[job->ndurations++ % JOB_DURATIONS] =
                 (uint32_t)(c->now_ms - go->out_ms);
-            if (!go->parked)
+            if (!go->counted)
                 speed_finished(job, unit);
         } else {
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);

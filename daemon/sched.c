@@ -88,9 +88,61 @@ sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
 
 /* --- holding --- */
 
+uint32_t
+sched_lines_of(const struct job *job, uint32_t unit, const struct job_go *go,
+               uint32_t *first, uint32_t *last)
+{
+    struct partition_area a;
+    uint32_t lines;
+
+    partition_area(job->partition, unit, &a);
+    partition_unit_lines(job->partition, unit, first, last);
+    lines = job->workers[job->units[unit].go[0].worker].threads;
+    if (go->helps && *last - *first > lines)
+        *first = *last - lines; /* those that its threads are at */
+    return a.frame;
+}
+
+static void
+more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+    uint32_t first, last;
+
+    sched_lines_of(job, unit, go, &first, &last);
+    go->lines = last - first;
+    jw->lines += go->lines;
+    jw->in_flight++;
+    jw->worker->in_flight++;
+}
+
+static void
+less_in_flight(struct job_worker *jw, const struct job_go *go)
+{
+    jw->lines -= go->lines;
+    jw->in_flight--;
+    jw->worker->in_flight--;
+    if (jw->worker->in_flight == 0)
+        jw->worker->alone = false;
+}
+
+void
+sched_shrunk(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+    uint32_t first, last;
+
+    if (!job_go_works(go))
+        return;
+    sched_lines_of(job, unit, go, &first, &last);
+    jw->lines -= go->lines;
+    go->lines = last - first;
+    jw->lines += go->lines;
+}
+
 struct job_go *
 sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-           uint32_t attempt)
+           uint32_t attempt, bool helps)
 {
     struct job_worker *jw = &job->workers[index];
     struct job_go *go = job_go_add(job, unit);
@@ -101,17 +153,9 @@ sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    jw->in_flight++;
-    jw->worker->in_flight++;
+    go->helps = go->dropped = helps;
+    more_in_flight(job, unit, go);
     return go;
-}
-
-static void
-less_in_flight(struct coord_worker *w, uint32_t n)
-{
-    w->in_flight -= n;
-    if (w->in_flight == 0)
-        w->alone = false;
 }
 
 void
@@ -121,13 +165,15 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
     struct job_worker *jw = &job->workers[go->worker];
 
     speed_touch(c, jw);
-    if (go->parked) {
+    if (go->delivered) {
+        jw->worker->delivered--;
+    } else if (go->parked) {
         jw->parked--;
         jw->worker->parked--;
     } else {
-        jw->in_flight--;
-        less_in_flight(jw->worker, 1);
+        less_in_flight(jw, go);
     }
+    c->stirred = true;
     job_go_remove(job, unit, go);
 }
 
@@ -141,8 +187,38 @@ sched_park(struct coord *c, struct job *job, struct job_go *go)
     go->parked_ms = c->now_ms;
     jw->parked++;
     jw->worker->parked++;
-    jw->in_flight--;
-    less_in_flight(jw->worker, 1);
+    less_in_flight(jw, go);
+    c->stirred = true;
+}
+
+void
+sched_deliver(struct coord *c, struct job *job, struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+
+    speed_touch(c, jw);
+    if (go->parked) {
+        jw->parked--;
+        jw->worker->parked--;
+    } else {
+        less_in_flight(jw, go);
+    }
+    go->parked = false;
+    go->delivered = true;
+    jw->worker->delivered++;
+    c->stirred = true;
+}
+
+void
+sched_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+
+    speed_touch(c, jw);
+    go->parked = false;
+    jw->parked--;
+    jw->worker->parked--;
+    more_in_flight(job, unit, go);
 }
 
 void
@@ -161,47 +237,13 @@ sched_forget_rows(struct job *job, uint32_t unit)
 
 /* --- handing out --- */
 
-static uint32_t
-ready_threads(const struct job *job)
-{
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].state == JW_READY)
-            n += job->workers[i].threads;
-    return n;
-}
-
 /* Do units of the job take so little that a worker should have the next at
  * hand? */
 static bool
 are_short(const struct job *job)
 {
-    uint64_t ms = 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        ms += job->workers[i].work_ms;
-    return job->units_done > 0 && ms < SHORT_MS * (uint64_t)job->units_done;
-}
-
-/* Lines that a worker is at. */
-static uint32_t
-lines_of(const struct job *job, uint32_t index)
-{
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < job->nout; i++) {
-        const struct job_unit *u = &job->units[job->out[i]];
-        uint32_t first, last;
-
-        for (uint8_t k = 0; k < u->ngos; k++)
-            if (u->go[k].worker == index && !u->go[k].parked) {
-                partition_unit_lines(job->partition, job->out[i], &first,
-                                     &last);
-                n += last - first;
-            }
-    }
-    return n;
+    return job->units_done > 0 &&
+           job->work_ms < SHORT_MS * (uint64_t)job->units_done;
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and
@@ -210,16 +252,16 @@ lines_of(const struct job *job, uint32_t index)
 static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
-    uint32_t threads = ready_threads(job), n = w->threads;
-    bool few = job_waiting(job) <= threads;
+    uint32_t n = w->threads;
+    bool few = job_waiting(job) <= job->threads;
 
     if (!partition_is_strict(job->partition))
         return w->in_flight < (few ? n : n + (n + 1) / 2);
     if (w->in_flight == 0)
         return true;
     if (partition_kind(job->partition) != MSG_PART_SCANBAR)
-        return lines_of(job, index) < n;
-    if (job_waiting(job) > 2 * threads && are_short(job))
+        return job->workers[index].lines < n;
+    if (job_waiting(job) > 2 * job->threads && are_short(job))
         n++;
     return w->in_flight < n;
 }
@@ -283,6 +325,22 @@ free_end(const struct job_unit *u)
     return 0;
 }
 
+/* The area that the holder gets. */
+static void
+area_of(const struct job *job, uint32_t unit, const struct job_go *go,
+        struct partition_area *a)
+{
+    uint32_t first, last, rows, y;
+
+    partition_area(job->partition, unit, a);
+    if (!go->helps)
+        return;
+    sched_lines_of(job, unit, go, &first, &last);
+    y = partition_line_rows(job->partition, a->frame, first, &rows);
+    a->height -= y - a->y;
+    a->y = y;
+}
+
 static void
 send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -290,7 +348,7 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     struct partition_area a;
     struct msg m = { .type = MSG_UNIT };
 
-    partition_area(job->partition, unit, &a);
+    area_of(job, unit, go, &a);
     m.unit = (struct msg_unit){ .job = job->id,
                                 .unit = unit,
                                 .attempt = go->attempt,
@@ -339,10 +397,11 @@ sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
 }
 
 void
-sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+               bool helps)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1);
+    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1, helps);
 
     if (!go) {
         c->actions.failed = true;
@@ -356,7 +415,7 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         sched_forget_rows(job, unit);
         u->lead = u->attempt;
         u->worker = index;
-    } else if (u->next_row == 0) {
+    } else if (u->next_row == 0 && !helps) {
         u->lead = 0; /* whoever is first */
     }
     go->end = free_end(u);
@@ -433,7 +492,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
                !next_unit(c, job, w, index, &unit)) {
         return false;
     }
-    sched_hand_out(c, job, index, unit);
+    sched_hand_out(c, job, index, unit, false);
     return true;
 }
 
@@ -506,7 +565,8 @@ let_go(struct coord *c, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
 
-    if (w->conn == 0 || !w->leaving || w->in_flight > 0 || w->parked > 0)
+    if (w->conn == 0 || !w->leaving || w->in_flight > 0 || w->parked > 0 ||
+        w->delivered > 0)
         return;
     actions_send(&c->actions, w->conn, &m);
     coord_break(c, w->conn, "drained");
@@ -517,6 +577,7 @@ sched_run(struct coord *c)
 {
     bool gave;
 
+    c->stirred = false;
     do { /* one each, in turn, so that few units spread over all workers */
         gave = false;
         for (struct coord_worker *w = c->workers; w; w = w->next)

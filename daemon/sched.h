@@ -30,6 +30,7 @@ struct coord_worker {
     uint32_t id;        /* from 0, by the order of their first HELLO */
     uint32_t in_flight; /* units of all jobs that it works on */
     uint32_t parked;    /* units that wait for a base line */
+    uint32_t delivered; /* units whose rows are on their way to the disk */
     double relative;    /* speed of a thread, by earlier jobs; 1: usual */
     const struct job *loading; /* what its next READY is for */
     bool drained;              /* gets nothing new: an admin's wish */
@@ -39,6 +40,7 @@ struct coord_worker {
 
 struct coord_conn {
     struct coord_conn *next;
+    struct coord_conn *chain; /* the next of coord.by_id */
     uint64_t id;
     enum msg_session session;
     unsigned roles; /* that it may ask for */
@@ -50,6 +52,8 @@ struct coord_conn {
     uint64_t offer_ms;           /* first OFFER since the last SUBMIT; or 0 */
     uint64_t sent_bytes;         /* CHUNK bytes since then */
 };
+
+#define COORD_CONNS 1024 /* a power of 2 */
 
 struct coord {
     struct coord_env env;
@@ -63,6 +67,8 @@ struct coord {
     uint64_t sequence;
     uint64_t progress_ms; /* when PROGRESS was sent last */
     uint64_t tick_ms;     /* when the scheduler looked at the time last */
+    bool stirred;         /* somebody may get something since sched_run() */
+    struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
 };
 
 /* Give units, and jobs to load, to every worker that has room. */
@@ -121,18 +127,30 @@ bool sched_takes_units(const struct coord_worker *w);
 void sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
                     const struct job_go *go, const char *what);
 
-/* Give a worker a unit, as a twin where others have it. */
+/* Give a worker a unit, as a twin where others have it.  helps: only to trace
+ * the unit's last lines for who has it. */
 void sched_hand_out(struct coord *c, struct job *job, uint32_t index,
-                    uint32_t unit);
+                    uint32_t unit, bool helps);
+
+/* Lines [*first, *last) of a unit that this holder has; the unit's frame. */
+uint32_t sched_lines_of(const struct job *job, uint32_t unit,
+                        const struct job_go *go, uint32_t *first,
+                        uint32_t *last);
 
 /* One more holder of a unit, counted; NULL: there is no room for it. */
 struct job_go *sched_hold(struct coord *c, struct job *job, uint32_t index,
-                          uint32_t unit, uint32_t attempt);
+                          uint32_t unit, uint32_t attempt, bool helps);
+/* Its unit has fewer lines. */
+void sched_shrunk(struct job *job, uint32_t unit, struct job_go *go);
 /* It is none any more. */
 void sched_release(struct coord *c, struct job *job, uint32_t unit,
                    struct job_go *go);
-/* It can do nothing but wait. */
+/* It can do nothing but wait; and now it can again. */
 void sched_park(struct coord *c, struct job *job, struct job_go *go);
+void sched_unpark(struct coord *c, struct job *job, uint32_t unit,
+                  struct job_go *go);
+/* All of it is here: it takes the worker's time no more. */
+void sched_deliver(struct coord *c, struct job *job, struct job_go *go);
 
 /* The rows that came of a unit do not count any more. */
 void sched_forget_rows(struct job *job, uint32_t unit);

@@ -88,7 +88,7 @@ under_way(const struct job *job)
         const struct job_unit *u = &job->units[job->out[i]];
         struct partition_area a;
 
-        if (u->next_row == 0 || u->go[0].parked)
+        if (u->next_row == 0 || !job_go_works(&u->go[0]))
             continue;
         partition_area(job->partition, job->out[i], &a);
         sum += partition_cost(job->partition, job->out[i]) * u->next_row /
@@ -105,6 +105,7 @@ speed_measure(const struct coord *c, struct job *job)
     if (!job->partition)
         return;
     job->speed = job->workload = 0;
+    job->work_ms = job->threads = 0;
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
         double v = measured(jw);
@@ -113,6 +114,9 @@ speed_measure(const struct coord *c, struct job *job)
         jw->speed = jw->threads *
                     (v > 0 ? clamp(v / mean) : clamp(jw->worker->relative));
         job->workload += (double)jw->work_ms * jw->speed;
+        job->work_ms += jw->work_ms;
+        if (jw->state == JW_READY)
+            job->threads += jw->threads;
         if (jw->state != JW_GONE)
             job->speed += jw->speed;
     }

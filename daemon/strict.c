@@ -25,6 +25,9 @@
  * cost no traffic. */
 #define PARK_MS 200
 
+/* Pixels of a unit whose facts are kept in case that it gets a twin. */
+#define MOST_KEPT (1 << 22)
+
 /* Edges that no unit here asks for; and bytes of facts that none does. */
 #define SPARE_EDGES 256
 #define SPARE_FACTS (64u << 20)
@@ -50,6 +53,7 @@ struct strict_unit {
     bool twin;     /* facts go out as they are made */
     bool gone;     /* to be freed when its pass has ended */
     bool split;    /* GAVE is due when its pass has ended */
+    bool at_end;   /* it had nothing to give: others are at its last lines */
     bool lines_done, ahead_done;
     bool bottom_done;   /* the bottom is out, true */
     bool ahead_guessed; /* AHEAD had colours above the first bar */
@@ -104,6 +108,7 @@ struct strict {
     uint8_t job[MSG_JOB];
     struct frame *frames;
     uint32_t nframes;
+    int threads;
     struct strict_unit *units;
     struct edge *edges; /* the oldest first */
     struct early *early, **early_end;
@@ -760,6 +765,7 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
 {
     int end = u->last;
 
+    u->at_end = last == end;
     if (last < end) {
         /* and the base line above, which whoever gets them would make */
         for (int i = last - 1; i < end; i++)
@@ -820,6 +826,16 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     give_lines(s, u, last);
 }
 
+/* What others at the unit need of its facts. */
+static void
+push_twin_facts(struct strict *s, const struct strict_unit *u)
+{
+    int from = u->at_end ? u->last - s->threads - 1 : u->first;
+
+    for (int i = from < u->first ? u->first : from; i < u->last; i++)
+        push_facts(s, &s->urgent, u, i);
+}
+
 void
 strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
 {
@@ -828,7 +844,8 @@ strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
     if (!u || u->twin)
         return;
     u->twin = true;
-    facts_make_all(s, u);
+    if (facts_make_all(s, u))
+        push_twin_facts(s, u);
 }
 
 static bool
@@ -974,8 +991,8 @@ strict_tick(struct strict *s, uint64_t now_ms)
 
         if (u->make_top && !u->gone)
             push_facts(s, &s->urgent, u, u->first - 1);
-        for (int i = u->first; u->twin && !u->gone && i < u->last; i++)
-            push_facts(s, &s->urgent, u, i);
+        if (u->twin && !u->gone)
+            push_twin_facts(s, u);
         if (waiting && !u->waiting)
             u->since_ms = now_ms;
         u->waiting = waiting;
@@ -1032,8 +1049,10 @@ set_top(struct strict *s, struct strict_pass *p)
     const struct strict_unit *u = p->of, *a = unit_above(s, u);
     const struct edge *e = find_edge(s, u->frame, p->first - 1);
 
+    /* of a line that is another's only the base line is made, not the bar */
     if (e && e->missing == 0)
-        return copy_top(s, p, e->pixels, e->density);
+        return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
+                        e->density);
     if (p->first == u->first && a && a->guess) {
         p->poor_top = a->guess_poor;
         return copy_top(s, p, a->guess, a->guess_density);
@@ -1059,11 +1078,24 @@ mode_of(enum strict_rank rank)
                                   : TEAM_LINES;
 }
 
+/* What is traced under a true top is of use if others come to the unit before
+ * its end; they do not to a whole frame, nor to much as long as there is less.
+ */
+static bool
+may_get_help(const struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    int64_t rows = row_of(f, u->last) - row_of(f, u->first);
+
+    return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
+}
+
 static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
     struct strict_pass *p = calloc(1, sizeof *p);
-    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT;
+    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT ||
+                 may_get_help(s, u);
 
     if (!p)
         return NULL;
@@ -1460,7 +1492,7 @@ strict_free(struct strict *s)
 }
 
 struct strict *
-strict_new(const struct rad_quincunx *frames, uint32_t nframes,
+strict_new(const struct rad_quincunx *frames, uint32_t nframes, int threads,
            const uint8_t job[MSG_JOB])
 {
     struct strict *s = calloc(1, sizeof *s);
@@ -1471,6 +1503,7 @@ strict_new(const struct rad_quincunx *frames, uint32_t nframes,
     queue_init(&s->lazy);
     s->early_end = &s->early;
     memcpy(s->job, job, MSG_JOB);
+    s->threads = threads;
     s->frames = calloc(nframes + 1, sizeof *s->frames);
     if (!s->frames) {
         strict_free(s);

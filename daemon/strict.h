@@ -23,9 +23,10 @@
 struct strict;
 
 /* The frames' samplers, each for the whole frame, are copied; their trace is
- * not used.  job is the id for messages.  NULL: memory is out. */
+ * not used.  A unit has so many threads at most.  job is the id for messages.
+ * NULL: memory is out. */
 struct strict *strict_new(const struct rad_quincunx *frames, uint32_t nframes,
-                          const uint8_t job[MSG_JOB]);
+                          int threads, const uint8_t job[MSG_JOB]);
 
 /* No pass may be under way. */
 void strict_free(struct strict *s);

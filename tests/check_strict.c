@@ -857,7 +857,7 @@ revive(struct world *w)
         if (d->up || d->runs || !chance(w, 20))
             continue;
         strict_free(d->s);
-        d->s = strict_new(&w->q, 1, job_id);
+        d->s = strict_new(&w->q, 1, 1, job_id);
         d->last_line = -1;
         d->up = true;
     }
@@ -952,7 +952,7 @@ set_up(struct world *w, uint64_t seed)
                                     .id = i,
                                     .up = true,
                                     .last_line = -1,
-                                    .s = strict_new(&w->q, 1, job_id) };
+                                    .s = strict_new(&w->q, 1, 1, job_id) };
     w->q.trace = trace_alone;
     w->q.arg = w;
     render_alone(w);
@@ -1125,7 +1125,7 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, job_id);
+    s = strict_new(&q, 1, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
@@ -1149,7 +1149,7 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, job_id);
+    s = strict_new(&q, 1, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
@@ -1177,7 +1177,7 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, job_id);
+    s = strict_new(&q, 1, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     p = strict_next(s, STRICT_AHEAD);
     strict_revoke(s, 0, 1);
