@@ -398,14 +398,20 @@ local_target(const struct local *l)
     return &l->target;
 }
 
-bool
-local_alive(struct local *l)
+int
+local_workers(struct local *l)
 {
     int n = 0;
 
     for (int i = 0; i < l->nworkers; i++)
         n += !ended(&l->workers[i]);
-    return !ended(&l->coordinator) && n > 0;
+    return n;
+}
+
+bool
+local_alive(struct local *l)
+{
+    return !ended(&l->coordinator) && local_workers(l) > 0;
 }
 
 static bool

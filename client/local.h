@@ -39,6 +39,9 @@ const struct target *local_target(const struct local *l);
 /* Do the coordinator and a worker still run? */
 bool local_alive(struct local *l);
 
+/* How many workers still run? */
+int local_workers(struct local *l);
+
 /* End what runs, remove the folder, free. */
 void local_stop(struct local *l);
 

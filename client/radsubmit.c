@@ -235,6 +235,12 @@ on_alive(void *arg)
     return local_alive(((struct program *)arg)->local);
 }
 
+static int
+on_expected(void *arg)
+{
+    return local_workers(((struct program *)arg)->local);
+}
+
 /* A picture that nobody can keep need not be rendered. */
 static int
 check_output(const struct program *p, const char *path, bool of_frame)
@@ -495,8 +501,10 @@ converse(struct program *p)
         cb.preview = on_preview;
     if (p->o.stats)
         cb.stats = on_stats;
-    if (p->embedded)
+    if (p->embedded) {
         cb.alive = on_alive;
+        cb.expected = on_expected;
+    }
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     progress_clear(&p->progress);
     warn_of_nan(p);

@@ -11,6 +11,7 @@
 #include "fetch.h"
 
 #include <inttypes.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,7 @@ enum {
     CONNECT_MS = 5000,
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
+    COME_MS = 10,       /* how often workers that are to come are looked for */
     LOOK_MS = 500,      /* how often a quiet wait looks around */
     PREVIEW_MS = 1000,  /* least time between previews ... */
     PREVIEW_SHARE = 10, /* ... and this many times what one takes */
@@ -383,18 +385,6 @@ watch(struct submit *s)
     return deliver_stats(s);
 }
 
-static int
-converse(struct submit *s)
-{
-    int rc;
-
-    s->done = false;
-    s->last.frames_ready = 0;
-    if ((rc = send_scene(s)) < 0 || (rc = send_job(s)) < 0 || s->job->detach)
-        return rc;
-    return watch(s);
-}
-
 /* --- connections come and go --- */
 
 static void
@@ -427,6 +417,75 @@ pause_for(struct submit *s, uint64_t ms)
     while (timer.data)
         uv_run(s->where.loop, UV_RUN_ONCE);
 }
+
+/* --- workers of our own --- */
+
+static int
+count_workers(struct submit *s, const struct msg_answer *answer, int *n)
+{
+    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
+    const json_t *w;
+    size_t i;
+
+    *n = 0;
+    if (!json_is_array(root)) {
+        json_decref(root);
+        return rad_fail(s->err, RAD_EPROTO,
+                        "the coordinator's answer is no list of workers");
+    }
+    json_array_foreach(root, i, w)
+    {
+        const char *state = json_string_value(json_object_get(w, "state"));
+
+        *n += state && strcmp(state, "gone") != 0;
+    }
+    json_decref(root);
+    return 0;
+}
+
+static int
+ask_workers(struct submit *s, int *n)
+{
+    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
+    const struct msg *answer;
+    int rc;
+
+    m.query.what = MSG_QUERY_WORKERS;
+    m.query.text = "";
+    if ((rc = link_send(s->link, &m, s->err)) < 0 ||
+        (rc = await(s, MSG_ANSWER, &answer)) < 0)
+        return rc;
+    return count_workers(s, &answer->answer, n);
+}
+
+/* Until all that are expected are there, or --wait is over. */
+static int
+await_workers(struct submit *s)
+{
+    int n = 0, rc = 0;
+
+    if (!s->cb->expected || s->accepted)
+        return 0;
+    while (!waited(s) && (rc = ask_workers(s, &n)) == 0 &&
+           n < s->cb->expected(s->cb->arg))
+        pause_for(s, COME_MS);
+    return rc;
+}
+
+static int
+converse(struct submit *s)
+{
+    int rc;
+
+    s->done = false;
+    s->last.frames_ready = 0;
+    if ((rc = send_scene(s)) < 0 || (rc = await_workers(s)) < 0 ||
+        (rc = send_job(s)) < 0 || s->job->detach)
+        return rc;
+    return watch(s);
+}
+
+/* --- trying again --- */
 
 /* 0 if trying again is of use. */
 static int

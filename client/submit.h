@@ -30,6 +30,10 @@ struct submit_callbacks {
     /* Is the coordinator worth calling again?  An embedded one's processes may
      * have ended.  NULL: always. */
     bool (*alive)(void *arg);
+    /* How many workers are there, or will be soon; the job is submitted when
+     * they are, since what is laid out is laid out for those.  NULL: as many as
+     * happen to be. */
+    int (*expected)(void *arg);
     void *arg;
 };
 

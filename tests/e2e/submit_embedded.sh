@@ -37,6 +37,31 @@ body seq.hdr >seq.body
 [ -s one.body ] || fail "no pixels in one.hdr"
 same one.body seq.body "one worker's picture is not the sequential one"
 
+# one that comes late has its part, where parts are laid out at the start
+mkdir programs
+cp "$radsubmit" programs/radsubmit
+cat >programs/radd <<END
+#!/bin/sh
+case "\$*" in *--name=local-2*) sleep .4 ;; esac
+exec "$radd" "\$@"
+END
+cat >programs/radcoord <<END
+#!/bin/sh
+exec "$radcoord" "\$@"
+END
+chmod +x programs/radd programs/radcoord
+# shellcheck disable=SC2086
+programs/radsubmit --local $view -ab 0 --workers=3 --threads=1 \
+    --partition=static --no-balance --stats=late.json -o late.hdr "$room" \
+    2>stderr || fail "a late worker: $(cat stderr)"
+body late.hdr >late.body
+same one.body late.body "a late worker changes the picture"
+python3 - <<'END' || fail "one that came late got nothing"
+import json
+s = json.load(open("late.json"))
+assert [w["units"] for w in s["workers"]] == [1, 1, 1], s["workers"]
+END
+
 # 64 windows, any number of workers
 render w11.hdr --partition=window --windows=64 --workers=1 --threads=1
 render w31.hdr --partition=window --windows=64 --workers=3 --threads=1
