@@ -1190,6 +1190,35 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 }
 END_TEST
 
+/* Of the base line above it that one makes ahead, the bar is another's. */
+START_TEST(a_top_that_is_made_here_has_no_colours_above)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct strict_pass *p;
+    struct msg_unit u = { .job = job_id,
+                          .attempt = 1,
+                          .width = 64,
+                          .mode = MSG_MODE_STRICT,
+                          .flags = MSG_UNIT_TOP };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, job_id);
+    give_top(s, &q); /* base line 3 */
+    u.y = (uint32_t)team_line_row(&q, 5);
+    u.height = (uint32_t)team_line_rows(&q, 5);
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->first, 4);
+    ck_assert_ptr_nonnull(p->top_density);
+    ck_assert_ptr_null(p->top);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -1199,6 +1228,7 @@ main(void)
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
+    tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
