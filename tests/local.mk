@@ -238,6 +238,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
+	tests/e2e/identity_faults.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
@@ -254,6 +255,7 @@ TESTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
+	tests/e2e/identity_faults.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \

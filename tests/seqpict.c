@@ -1,10 +1,11 @@
 /* seqpict.c - the renderer alone: one thread, the whole picture one window
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
- *                [--window=X,Y,W,H] -o OUT.hdr scene.rad...
+ *                [--window=X,Y,W,H] [--frame=N] -o OUT.hdr scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
- * --window renders that part of the picture by itself, the rest is black. */
+ * --window renders that part of the picture by itself, the rest is black;
+ * --frame is which of an animation it is, whose view does not move. */
 #include "config.h"
 
 #include "compile.h"
@@ -21,6 +22,7 @@ struct task {
     struct rad_params params;
     struct rad_view view;
     struct rad_window window; /* width 0: all */
+    uint32_t frame;
     const char *out, *depth;
     bool counts;
     int nscenes;
@@ -65,6 +67,8 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
     }
     if (sscanf(argv[0], "--window=%d,%d,%d,%d", &w->x, &w->y, &w->width,
                &w->height) == 4)
+        return 1;
+    if (sscanf(argv[0], "--frame=%" SCNu32, &t->frame) == 1)
         return 1;
     if (argc < 2)
         return 0;
@@ -222,7 +226,7 @@ render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
     int rc = err->code;
 
     if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
-        rc = rad_frame_init(&f, job, &t->view, 0, t->depth != NULL, err);
+        rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
         if (rc == 0)
             rc = render(t, &f, &ctx, err);
         if (rc == 0 && t->counts)
