@@ -802,6 +802,8 @@ drain_parked(struct coord *c, struct job *job)
                 continue;
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
             loss_of(c, job, unit, go);
+            if (job->units[unit].ngos == 0)
+                job->units[unit].lead = 0; /* its rows may be on their way */
             break; /* the others may have moved */
         }
     }

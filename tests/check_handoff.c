@@ -645,6 +645,25 @@ START_TEST(one_that_leaves_gives_up_what_only_waits)
 }
 END_TEST
 
+START_TEST(rows_that_cross_a_revoke_bring_nothing_back)
+{
+    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    say(ADMIN, &drain);
+    attempt(W2, MSG_PARKED, &b);
+    wait_ms(700);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    result(W2, &b, 0, 1, false); /* its top had just come from a peer */
+    ck_assert_int_eq(count(W2, MSG_ACK), 1);
+    finish(W1, &a);
+    ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
+}
+END_TEST
+
 /* --- balance --- */
 
 START_TEST(an_idle_worker_gets_half_of_what_another_has_left)
@@ -1037,6 +1056,7 @@ main(void)
     tcase_add_test(tc, a_unit_without_its_base_line_is_done_again);
     tcase_add_test(tc, a_lost_workers_units_wait_again_the_parked_ones_too);
     tcase_add_test(tc, one_that_leaves_gives_up_what_only_waits);
+    tcase_add_test(tc, rows_that_cross_a_revoke_bring_nothing_back);
     tcase_add_test(tc, an_idle_worker_gets_half_of_what_another_has_left);
     tcase_add_test(tc, one_that_has_nothing_to_give_is_not_asked_again);
     tcase_add_test(tc, without_balance_nobody_is_asked);
