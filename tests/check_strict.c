@@ -1205,7 +1205,7 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, job_id);
+    s = strict_new(&q, 1, 1, job_id);
     give_top(s, &q); /* base line 3 */
     u.y = (uint32_t)team_line_row(&q, 5);
     u.height = (uint32_t)team_line_rows(&q, 5);
