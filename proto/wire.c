@@ -354,12 +354,26 @@ wire_set_u32(struct wire_out *out, size_t at, uint32_t v)
         store_be(out->buf + at, v, 4);
 }
 
+/* The bits of a float from the wire or to it: one instruction where a byte swap
+ * is one, and a loop of them is vectors'. */
+static uint32_t
+big_endian(uint32_t u)
+{
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    return __builtin_bswap32(u);
+#else
+    return u;
+#endif
+}
+
 void
 wire_floats_get(float *dst, const uint8_t *src, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        uint32_t u = (uint32_t)load_be(src + 4 * i, 4);
+        uint32_t u;
 
+        memcpy(&u, src + 4 * i, sizeof u);
+        u = big_endian(u);
         memcpy(&dst[i], &u, sizeof u);
     }
 }
@@ -371,6 +385,7 @@ wire_floats_put(uint8_t *dst, const float *src, size_t n)
         uint32_t u;
 
         memcpy(&u, &src[i], sizeof u);
-        store_be(dst + 4 * i, u, 4);
+        u = big_endian(u);
+        memcpy(dst + 4 * i, &u, sizeof u);
     }
 }

@@ -93,33 +93,52 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     return sink->write(sink->arg, text, (size_t)n, err);
 }
 
-static float
+static inline float
 clamped(float v)
 {
     return v > 0 ? v <= FLT_MAX ? v : FLT_MAX : 0; /* NaN is 0 */
 }
 
+/* v times 2^k, cut off, at most 255; scale is 2^k. */
+static inline uint32_t
+mantissa(float v, float scale)
+{
+    int32_t m = (int32_t)(v * scale);
+
+    return (uint32_t)(m < UINT8_MAX ? m : UINT8_MAX);
+}
+
+/* The four bytes in one number, red lowest.  With most = m 2^e, m from .5 up to
+ * 1, the exponent is e and mantissas are in 1/256 2^e; multiplying by a power
+ * of two is exact. */
+static inline uint32_t
+coded(struct rad_rgb L)
+{
+    float r = clamped(L.r), g = clamped(L.g), b = clamped(L.b), scale;
+    float most = r > g ? r : g;
+    uint32_t bits;
+    int32_t e;
+
+    most = most > b ? most : b;
+    /* the smallest that Radiance writes */
+    if (most <= 1e-32)
+        return 0;
+    memcpy(&bits, &most, sizeof bits);
+    e = (int32_t)(bits >> 23) - 126;
+    e = e + EXPONENT_BIAS < UINT8_MAX ? e : UINT8_MAX - EXPONENT_BIAS;
+    bits = (uint32_t)(8 - e + 127) << 23;
+    memcpy(&scale, &bits, sizeof scale);
+    return mantissa(r, scale) | mantissa(g, scale) << 8 |
+           mantissa(b, scale) << 16 | (uint32_t)(e + EXPONENT_BIAS) << 24;
+}
+
 void
 rad_rgbe(struct rad_rgb L, uint8_t rgbe[4])
 {
-    double r = clamped(L.r), g = clamped(L.g), b = clamped(L.b);
-    double most = fmax(r, fmax(g, b)), scale;
-    int e;
+    uint32_t c = coded(L);
 
-    /* the smallest that Radiance writes */
-    if (most <= 1e-32) {
-        memset(rgbe, 0, 4);
-        return;
-    }
-    scale = frexp(most, &e) * 256 / most;
-    if (e + EXPONENT_BIAS > UINT8_MAX) {
-        e = UINT8_MAX - EXPONENT_BIAS;
-        scale = ldexp(1, 8 - e);
-    }
-    rgbe[0] = (uint8_t)fmin(r * scale, UINT8_MAX);
-    rgbe[1] = (uint8_t)fmin(g * scale, UINT8_MAX);
-    rgbe[2] = (uint8_t)fmin(b * scale, UINT8_MAX);
-    rgbe[3] = (uint8_t)(e + EXPONENT_BIAS);
+    for (int i = 0; i < 4; i++)
+        rgbe[i] = (uint8_t)(c >> 8 * i);
 }
 
 struct rad_rgb
@@ -134,41 +153,50 @@ rad_rgbe_radiance(const uint8_t rgbe[4])
                    (rgbe[2] + .5f) * step);
 }
 
-/* Length of the run of equal bytes that starts at component[i], stride 4. */
+/* Does a run that pays start at c, of which three more are there? */
+static inline bool
+run_starts(const uint8_t *c)
+{
+    uint32_t four;
+
+    memcpy(&four, c, sizeof four);
+    return four == c[0] * 0x01010101u;
+}
+
+/* Length of the run of equal bytes that starts at c, of which n are there. */
 static int
-run_length(const uint8_t *component, int i, int n)
+run_length(const uint8_t *c, int n)
 {
     int k = 1;
 
-    while (k < LONGEST_RUN && i + k < n &&
-           component[4 * (i + k)] == component[4 * i])
+    while (k < LONGEST_RUN && k < n && c[k] == c[0])
         k++;
     return k;
 }
 
 /* Code one component of n pixels; returns the end of out. */
 static uint8_t *
-encode_component(const uint8_t *component, int n, uint8_t *out)
+encode_component(const uint8_t *c, int n, uint8_t *out)
 {
     int i = 0;
 
     while (i < n) {
-        int run = run_length(component, i, n);
-        int from = i;
+        int from = i, most = n - i < LONGEST_LITERAL ? n : i + LONGEST_LITERAL;
 
-        if (run >= SHORTEST_RUN) {
-            *out++ = (uint8_t)(128 + run);
-            *out++ = component[4 * i];
-            i += run;
-            continue;
-        }
         /* literals up to the next run that pays */
-        while (i < n && i - from < LONGEST_LITERAL &&
-               run_length(component, i, n) < SHORTEST_RUN)
+        while (i < most && !(n - i >= SHORTEST_RUN && run_starts(c + i)))
             i++;
-        *out++ = (uint8_t)(i - from);
-        for (; from < i; from++)
-            *out++ = component[4 * from];
+        if (i > from) {
+            *out++ = (uint8_t)(i - from);
+            memcpy(out, c + from, (size_t)(i - from));
+            out += i - from;
+        } else {
+            int run = run_length(c + i, n - i);
+
+            *out++ = (uint8_t)(128 + run);
+            *out++ = c[i];
+            i += run;
+        }
     }
     return out;
 }
@@ -176,22 +204,26 @@ encode_component(const uint8_t *component, int n, uint8_t *out)
 size_t
 rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
 {
-    /* pixels of bytes in the upper half, their coding in the lower */
-    uint8_t *rgbe = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
+    /* bytes by component in the upper half, their coding in the lower */
+    uint8_t *plane = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
 
     if (width < SHORTEST_CODED || width > LONGEST_CODED) {
         for (int x = 0; x < width; x++, at += 4)
             rad_rgbe(row[x], at);
         return (size_t)(at - out);
     }
-    for (int x = 0; x < width; x++)
-        rad_rgbe(row[x], rgbe + 4 * x);
+    for (int x = 0; x < width; x++) {
+        uint32_t c = coded(row[x]);
+
+        for (int i = 0; i < 4; i++)
+            plane[i * width + x] = (uint8_t)(c >> 8 * i);
+    }
     *at++ = 2;
     *at++ = 2;
     *at++ = (uint8_t)(width >> 8);
     *at++ = (uint8_t)(width & 255);
-    for (int c = 0; c < 4; c++)
-        at = encode_component(rgbe + c, width, at);
+    for (int i = 0; i < 4; i++)
+        at = encode_component(plane + i * width, width, at);
     return (size_t)(at - out);
 }
 
