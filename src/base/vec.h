@@ -64,11 +64,23 @@ rad_dist2(const double a[3], const double b[3])
     return rad_dot(d, d);
 }
 
-/* Scale v to unit length; return its former length, or 0 (v untouched) if it
- * is zero or not finite.  Scaled by the largest component first, so lengths
- * from 1e-300 to 1e300 neither underflow nor overflow. */
+/* The smaller and the larger of two, the second where the first is no number:
+ * without the calls that fmin() and fmax() are, for their rules about NaN. */
 static inline double
-rad_normalize(double v[3])
+rad_least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double
+rad_most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* rad_normalize() where the square of the length is out of range. */
+static inline double
+rad_normalize_scaled(double v[3])
 {
     double m = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     double len;
@@ -84,6 +96,24 @@ rad_normalize(double v[3])
     v[1] = y / len;
     v[2] = z / len;
     return len * m;
+}
+
+/* Scale v to unit length; return its former length, or 0 (v untouched) if it
+ * is zero or not finite.  Where the square of the length would lose digits or
+ * overflow, v is scaled by its largest component first, so lengths from 1e-300
+ * to 1e300 do neither. */
+static inline double
+rad_normalize(double v[3])
+{
+    double q = rad_dot(v, v), len;
+
+    if (!(q > 0x1p-900 && q < 0x1p+1000))
+        return rad_normalize_scaled(v);
+    len = sqrt(q);
+    v[0] /= len;
+    v[1] /= len;
+    v[2] /= len;
+    return len;
 }
 
 /* Two unit vectors that make a right-handed frame (u, v, n) with unit n.

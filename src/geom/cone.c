@@ -74,8 +74,8 @@ rad_cone_bounds(const struct rad_prim *p, struct rad_box *box)
         double h = sqrt(c->x[i] * c->x[i] + c->y[i] * c->y[i]);
         double a = c->p0[i], b = a + c->len * c->axis[i];
 
-        box->lo[i] = fmin(a - c->r0 * h, b - c->r1 * h);
-        box->hi[i] = fmax(a + c->r0 * h, b + c->r1 * h);
+        box->lo[i] = rad_least(a - c->r0 * h, b - c->r1 * h);
+        box->hi[i] = rad_most(a + c->r0 * h, b + c->r1 * h);
     }
 }
 
@@ -130,12 +130,12 @@ rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
 
     rad_madd(hit->p, r->org, hit->t, r->dir);
     rad_sub(d, hit->p, c->p0);
-    h = fmin(fmax(rad_dot(d, c->axis), 0), c->len);
+    h = rad_least(rad_most(rad_dot(d, c->axis), 0), c->len);
     rad_madd(radial, d, -rad_dot(d, c->axis), c->axis);
     if (!(rad_normalize(radial) > 0))
         rad_copy(radial, c->x); /* at the apex any will do */
     rad_madd(hit->p, c->p0, h, c->axis);
-    rad_madd(hit->p, hit->p, fmax(c->r0 + c->k * h, 0), radial);
+    rad_madd(hit->p, hit->p, rad_most(c->r0 + c->k * h, 0), radial);
     for (int i = 0; i < 3; i++)
         hit->n[i] = p->side * (radial[i] - c->k * c->axis[i]) / c->slant;
     hit->err = p->slack;

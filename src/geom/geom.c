@@ -128,7 +128,7 @@ list_places(struct rad_geom *g, struct rad_set *set, struct rad_error *err)
             const struct rad_place *pl = set->prims[i].place;
 
             set->places[pl->number - 1] = pl;
-            most = fmax(most, pl->set->copies);
+            most = rad_most(most, pl->set->copies);
         }
     set->copies = 1 + set->nplaces * most;
     if (!(set->copies < RAD_GEOM_COPIES))
@@ -412,9 +412,9 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
     /* along the ray an error of the surface's place counts 1/cos times; never
      * beyond the window that the walk was sure to see */
     slope = fabs(rad_dot(hit->n, w->probe.dir));
-    if (fmin(hit->err, reach) < reach * slope)
-        reach = fmin(hit->err, reach) / slope;
-    w->cut = fmin(nextafter(w->best + reach, INFINITY), w->tmax);
+    if (rad_least(hit->err, reach) < reach * slope)
+        reach = rad_least(hit->err, reach) / slope;
+    w->cut = rad_least(nextafter(w->best + reach, INFINITY), w->tmax);
     w->offer = offer;
     w->arg = &c;
     g->kernel->all(w);
@@ -510,7 +510,8 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
         return false;
     p = &g->top.prims[g->prim_of[obj]];
     counts->tests++;
-    if (!rad_prim_hit(p, &probe, span->tmin, fmin(span->tmax, DBL_MAX), &t))
+    if (!rad_prim_hit(p, &probe, span->tmin, rad_least(span->tmax, DBL_MAX),
+                      &t))
         return false;
     rad_prim_surface(p, &probe, t, hit);
     return true;

@@ -32,19 +32,6 @@
 typedef double rad_v4d __attribute__((vector_size(32)));
 typedef int64_t rad_v4i __attribute__((vector_size(32)));
 
-/* fmin and fmax without their care for NaN, which is a call. */
-static inline double
-rad_less(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double
-rad_more(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /* Does the ray meet the edge from (x0, y0) to (x, y) exactly?  The edge's ends
  * then lie in opposite quadrants. */
 static inline bool
@@ -85,8 +72,8 @@ rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r, bool edges,
     odd = ((y0 > 0) ^ (y > 0)) & (((y > y0) & (e > f)) | ((y < y0) & (e < f)));
     near = e == f;
     near[0] &= -(p->nv > 3); /* else an edge of no length */
-    *zlo = rad_less(rad_less(z[0], z[1]), rad_less(z[2], z[3]));
-    *zhi = rad_more(rad_more(z[0], z[1]), rad_more(z[2], z[3]));
+    *zlo = rad_least(rad_least(z[0], z[1]), rad_least(z[2], z[3]));
+    *zhi = rad_most(rad_most(z[0], z[1]), rad_most(z[2], z[3]));
     if (__builtin_expect((near[0] | near[1] | near[2] | near[3]) != 0, 0) &&
         edges)
         for (int i = 0; i < 4; i++)

@@ -19,7 +19,7 @@ rad_ring_make(struct rad_prim *p, const struct rad_object *o)
 
     if (o->nreals < 8)
         return false;
-    r = fmax(a[6], a[7]);
+    r = rad_most(a[6], a[7]);
     rad_copy(p->k, a + 3);
     if (!(r > 0 && r < INFINITY) || !(a[6] != a[7]) ||
         !(rad_normalize(p->k) > 0))
@@ -38,7 +38,7 @@ rad_ring_make(struct rad_prim *p, const struct rad_object *o)
 void
 rad_ring_bounds(const struct rad_prim *p, struct rad_box *box)
 {
-    double r = fmax(p->v[6], p->v[7]);
+    double r = rad_most(p->v[6], p->v[7]);
 
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -64,7 +64,7 @@ rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
         d[i] = r->org[i] - p->v[i] + *t * r->dir[i];
     rho = sqrt(rad_dot(d, d));
     err = RAD_GEOM_ROUND * (r->size + *t) + p->slack;
-    r0 = fmin(p->v[6], p->v[7]);
-    r1 = fmax(p->v[6], p->v[7]);
+    r0 = rad_least(p->v[6], p->v[7]);
+    r1 = rad_most(p->v[6], p->v[7]);
     return rho >= r0 - err && rho <= r1 + err;
 }

@@ -63,9 +63,9 @@ rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
     c = rad_dot(f, f) - p->k[3] * p->k[3];
     t0 = q != 0 ? c / q : 0;
     t1 = q;
-    *t = fmin(t0, t1);
+    *t = rad_least(t0, t1);
     if (!(*t > tmin))
-        *t = fmax(t0, t1);
+        *t = rad_most(t0, t1);
     return *t > tmin && *t < tmax;
 }
 

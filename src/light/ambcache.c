@@ -194,7 +194,7 @@ static void
 to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
 {
     for (int k = 0; k < 3; k++)
-        q[k] = fmin(fmax((p[k] - c->org[k]) / c->side, 0), 1);
+        q[k] = rad_least(rad_most((p[k] - c->org[k]) / c->side, 0), 1);
 }
 
 /* The eight children of a cell, made if there are none; NULL: no memory. */
@@ -252,7 +252,7 @@ touches(const struct zone *z, const double org[3], double side)
     double d2 = 0;
 
     for (int k = 0; k < 3; k++) {
-        double d = fmax(org[k] - z->q[k], z->q[k] - org[k] - side);
+        double d = rad_most(org[k] - z->q[k], z->q[k] - org[k] - side);
 
         if (d > 0)
             d2 += d * d;

@@ -73,7 +73,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
     amb->job = job;
     rad_geom_bounds(job->geom, lo, hi);
     for (int k = 0; k < 3; k++)
-        amb->side = fmax(amb->side, hi[k] - lo[k]);
+        amb->side = rad_most(amb->side, hi[k] - lo[k]);
     if (!(amb->side > 0))
         amb->side = 1; /* nothing to stand on: any cube will do */
     for (int k = 0; k < 3; k++)
@@ -83,7 +83,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
     amb->most = .2 * amb->side;
     amb->least = res > 0 ? amb->side / res : 1e-7 * amb->side;
     if (res > 0)
-        amb->most = fmin(amb->most, 64 * amb->least);
+        amb->most = rad_least(amb->most, 64 * amb->least);
     if (amb->most <= amb->least)
         amb->most = 64 * amb->least;
     amb->cache = rad_ambcache_new(amb->org, amb->side);
@@ -216,7 +216,7 @@ extrapolate(const struct rad_ambrec *rec, const double f[3][3],
     for (int k = 0; k < 2; k++)
         *factor += rec->gpos[k] * rad_dot(d, f[k]) +
                    rec->gdir[k] * rad_dot(turn, f[k]);
-    *factor = fmin(*factor, LARGEST_FACTOR);
+    *factor = rad_least(*factor, LARGEST_FACTOR);
     if (*factor > LEAST_FACTOR)
         return true;
     *factor = LEAST_FACTOR;
@@ -243,7 +243,7 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
         return false;
     rad_scale(to, -1, d);
     double height = rad_dot(to, at->n), d2 = rad_dot(d, d);
-    double along = sqrt(fmax(0, d2 - height * height));
+    double along = sqrt(rad_most(d2 - height * height, 0));
     double up = (rise * along - height) / rad_dot(f[2], at->n);
 
     if (!(up > 0))
@@ -302,7 +302,7 @@ add_record(void *arg, const struct rad_ambrec *rec)
     record_frame(rec, f);
     cosine = rad_dot(f[2], at->n);
     /* the chord, which is the angle for small ones */
-    turn = sqrt(fmax(0, 2 - 2 * cosine));
+    turn = sqrt(rad_most(2 - 2 * cosine, 0));
     if (cosine <= 0 || turn >= s->max_angle)
         return;
     dist2 = zone_distance2(s, rec, f, d, uv);
@@ -391,10 +391,10 @@ limit_radii(const struct rad_ambient *amb, const double gpos[2], double weight,
     for (int k = 0; k < 2; k++)
         if (r[k] * fabs(gpos[k]) > 1)
             r[k] = 1 / fabs(gpos[k]);
-    r[0] = fmin(r[0], r[1]);
+    r[0] = rad_least(r[0], r[1]);
     for (int k = 0; k < 2; k++)
-        r[k] = fmin(fmax(r[k], amb->least) / sqrt(weight), amb->most);
-    r[1] = fmin(r[1], 2 * r[0]);
+        r[k] = rad_least(rad_most(r[k], amb->least) / sqrt(weight), amb->most);
+    r[1] = rad_least(r[1], 2 * r[0]);
 }
 
 /* Does the cell's ray end inside the ellipse with half-axes r about f? */
@@ -419,7 +419,7 @@ find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
 
     for (int i = quarter; i < n - quarter; i++)
         for (int j = quarter; j < n - quarter; j++)
-            overhead = fmin(overhead, h->cell[i * n + j].near);
+            overhead = rad_least(overhead, h->cell[i * n + j].near);
     /* under a low ceiling all is near, and the test would find the ceiling */
     if (overhead * r[0] >= 1)
         return 0;
@@ -557,7 +557,7 @@ sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             double f =
                 1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
 
-            *E = rad_rgb_scale(*E, (float)fmax(f, LEAST_FACTOR));
+            *E = rad_rgb_scale(*E, (float)rad_most(f, LEAST_FACTOR));
         }
     }
     rad_arena_rewind(&ctx->scratch, mark);

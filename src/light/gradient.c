@@ -45,7 +45,7 @@ rad_edge_derivatives(const double a[3], const double b[3], const double n[3],
     rad_madd(h, a, -s0, e);
     double h2 = rad_dot(h, h), q0 = rad_dot(a, a), q1 = rad_dot(b, b);
 
-    if (!(h2 > END_ON * END_ON * fmin(q0, q1)))
+    if (!(h2 > END_ON * END_ON * rad_least(q0, q1)))
         return;
     rad_cross(axb, a, b);
     rad_cross(nxe, n, e);

@@ -80,7 +80,7 @@ trace(struct sampler *s, double x, double y, uint32_t number,
     if (!rad_ray_spawn(ctx, ray, s->kind, s->r, &s->coef, s->branch | number))
         return false;
     square_to_disk(x, y, d);
-    z = sqrt(fmax(0, 1 - d[0] * d[0] - d[1] * d[1]));
+    z = sqrt(rad_most(1 - d[0] * d[0] - d[1] * d[1], 0));
     rad_scale(ray->dir, d[0], s->h->u);
     rad_madd(ray->dir, ray->dir, d[1], s->h->v);
     rad_madd(ray->dir, ray->dir, z, s->h->w);
@@ -94,7 +94,7 @@ trace(struct sampler *s, double x, double y, uint32_t number,
     }
     *dist = rad_ray_distance(ray);
     *dist = *dist < s->plan->far ? *dist : s->plan->far;
-    *dist = fmax(*dist, NEAREST * s->plan->far);
+    *dist = rad_most(*dist, NEAREST * s->plan->far);
     return true;
 }
 
@@ -160,7 +160,7 @@ contrast(const struct rad_hemi *h, int i, int j)
             sum2 += lum * lum;
             k++;
         }
-    return sqrt(fmax(0, sum2 - sum * sum / k) / k);
+    return sqrt(rad_most(sum2 - sum * sum / k, 0) / k);
 }
 
 /* Put `more` rays into cell (i, j) and renew its mean. */
@@ -238,7 +238,7 @@ choose_side(const struct rad_params *par, const struct rad_ray *r,
         double most = .8 * rad_rgb_max(plan->coef) * r->weight /
                       (par->ambdiv * par->minweight + 1e-20);
 
-        *weight = fmin(*weight, most);
+        *weight = rad_least(*weight, most);
     }
     int n = (int)(sqrt(par->ambdiv * *weight) + .5);
     int least = plan->store ? MIN_SIDE : 1;

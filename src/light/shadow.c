@@ -97,7 +97,7 @@ start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
 static double
 largest(const double v[3])
 {
-    return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
 /* Distance along the span to the plane of a flat source, less what rounding
@@ -140,7 +140,7 @@ meet_target(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
         return false;
     double cosine = fabs(rad_dot(hit->n, dir));
 
-    span->tmax = hit->t - 2 * hit->err / fmax(cosine, DBL_MIN);
+    span->tmax = hit->t - 2 * hit->err / rad_most(cosine, DBL_MIN);
     return span->tmax > 0;
 }
 
@@ -409,7 +409,7 @@ static void
 test_selected(struct direct *d, struct order *o)
 {
     const struct rad_params *par = &d->ctx->job->params;
-    int32_t ahead = (int32_t)fmin(d->n, pow(d->n, par->shadcert) + .5), k;
+    int32_t ahead = (int32_t)rad_least(d->n, pow(d->n, par->shadcert) + .5), k;
     double thresh = par->shadthresh / d->r->weight;
     double tried = 0, seen = 0;
     float *rest; /* luminance of o[k] and all after it */
@@ -433,7 +433,7 @@ test_selected(struct direct *d, struct order *o)
         tried += o[k].lum;
         if (!test(d, p))
             continue;
-        seen += fmin(rad_rgb_lum(p->val), o[k].lum);
+        seen += rad_least(rad_rgb_lum(p->val), o[k].lum);
         d->r->L = rad_rgb_add(d->r->L, p->val);
     }
     for (; k < d->n; k++) {

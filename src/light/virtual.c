@@ -153,7 +153,7 @@ reach(const double a[3], const double b[3], double radius)
 {
     double c = rad_dot(a, b);
 
-    return radius * sqrt(fmax(0, 1 - c * c));
+    return radius * sqrt(rad_most(1 - c * c, 0));
 }
 
 /* Does any of the cone of a spotlight, which stands to[] before the mirror,
@@ -163,11 +163,11 @@ spot_meets(const struct rad_source *root, const double aim[3],
            const double to[3], double radius)
 {
     double d = sqrt(rad_dot(to, to)), wide = radius + root->radius;
-    double half = acos(fmax(-1, 1 - root->spot.omega / (2 * M_PI)));
+    double half = acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
 
     if (d <= wide)
         return true;
-    return acos(fmin(1, rad_dot(aim, to) / d)) <= half + asin(wide / d);
+    return acos(rad_least(rad_dot(aim, to) / d, 1)) <= half + asin(wide / d);
 }
 
 /* The same for a source or image that is not far away, at `image`. */
@@ -373,7 +373,7 @@ set_spread(struct rad_virtual *v, const struct rad_source *root)
     if (!(root->flags & RAD_LIGHT_DISTANT))
         return;
     bend_direction(b, root->centre, centre);
-    v->spread = asin(fmin(1, v->spread / sqrt(rad_dot(centre, centre))));
+    v->spread = asin(rad_least(v->spread / sqrt(rad_dot(centre, centre)), 1));
 }
 
 static int
@@ -445,12 +445,12 @@ static void
 shrink_to_spot(struct mirror *m, const struct rad_source *root,
                const struct rad_virtual *from, const double image[3], double h)
 {
-    double a = acos(fmax(-1, 1 - root->spot.omega / (2 * M_PI)));
+    double a = acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
     double aim[3], cosine, b, radius;
 
     turn_back(from, root->spot.aim, aim);
     cosine = -rad_dot(aim, m->normal);
-    b = acos(fmax(-1, fmin(1, cosine)));
+    b = acos(rad_most(rad_least(cosine, 1), -1));
     if (a + b >= M_PI / 2)
         return;
     radius = h * (tan(a + b) - tan(b)) + root->radius / cos(a + b);
@@ -469,7 +469,7 @@ shrink_to_reach(struct mirror *m, const struct rad_source *root,
 
     if (!(r2 < m->radius * m->radius))
         return;
-    m->radius = sqrt(fmax(0, r2));
+    m->radius = sqrt(rad_most(r2, 0));
     rad_madd(m->centre, image, -h, m->normal);
 }
 
@@ -503,7 +503,8 @@ sample_count(const struct maker *mk, const struct rad_virtual *v,
     else /* solid angle of the disk, as seen from its axis */
         n *= 2 * M_PI *
              (1 - sqrt(1 / (1 + r2 / rad_dist2(v->image, m->centre))));
-    return n > MIN_SAMPLES ? (int32_t)fmin(n + .5, MAX_SAMPLES) : MIN_SAMPLES;
+    return n > MIN_SAMPLES ? (int32_t)rad_least(n + .5, MAX_SAMPLES)
+                           : MIN_SAMPLES;
 }
 
 /* A ray that has met a random place of the mirror; false: it has missed. */
@@ -723,7 +724,7 @@ rad_virtuals_make(struct rad_job *job, struct rad_error *err)
     code = find_mirrors(&mk, err);
     rad_geom_bounds(job->geom, lo, hi);
     for (int k = 0; k < 3; k++)
-        mk.size = fmax(mk.size, hi[k] - lo[k]);
+        mk.size = rad_most(mk.size, hi[k] - lo[k]);
     for (int n = 0; code == 0 && mk.nmirrors > 0 && first < end &&
                     n < job->params.directrelay;
          n++) {
@@ -749,7 +750,7 @@ rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
 static double
 cone_slack(double k, double c, double a)
 {
-    double least = c * cos(a) - sqrt(fmax(0, 1 - c * c)) * sin(a);
+    double least = c * cos(a) - sqrt(rad_most(1 - c * c, 0)) * sin(a);
 
     return least > 0 ? k / least - k / c + k / least * a : INFINITY;
 }
@@ -767,7 +768,7 @@ ball_slack(double k, double behind, double d, double r)
 static double
 largest(const double v[3])
 {
-    return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
 bool
@@ -836,8 +837,8 @@ width(const struct rad_source *src, const double axis[3], const double dir[3])
     double c = rad_dot(axis, dir);
 
     if (src->flags & RAD_LIGHT_FLAT)
-        return fmax(0, -c);
-    return src->shape == RAD_CYLINDER ? sqrt(fmax(0, 1 - c * c)) : 1;
+        return rad_most(-c, 0);
+    return src->shape == RAD_CYLINDER ? sqrt(rad_most(1 - c * c, 0)) : 1;
 }
 
 static void

@@ -174,7 +174,7 @@ enter(struct aniso_hit *hit, struct rad_ctx *ctx, const struct aniso *m,
     hit->color = rad_rgb_mul(m->color, r->pattern);
     hit->flat = !rad_ray_perturbed(r) && rad_ray_on_flat(ctx, r);
     hit->cos_n = rad_ray_normal(r, g->norm);
-    hit->cos_n = fmax(hit->cos_n, .001); /* brdf() divides by it */
+    hit->cos_n = rad_most(hit->cos_n, .001); /* brdf() divides by it */
     rad_ray_ahead(ctx, r, hit->ahead);
     divide(hit);
     orient(hit);

@@ -78,7 +78,7 @@ lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
     lean = hu * hu + hv * hv;
     power = lean > 0 ? (hit->nu * hu * hu + hit->nv * hv * hv) / lean : 0;
     return sqrt((hit->nu + 1) * (hit->nv + 1)) * pow(hn, power) /
-           (8 * M_PI * rad_dot(ldir, h) * fmax(cos_l, hit->cos_n));
+           (8 * M_PI * rad_dot(ldir, h) * rad_most(cos_l, hit->cos_n));
 }
 
 /* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
@@ -124,7 +124,7 @@ enter(struct ashik_hit *hit, struct rad_ctx *ctx, const struct ashik *m,
     hit->ctx = ctx;
     hit->r = r;
     hit->color = rad_rgb_mul(m->color, r->pattern);
-    hit->cos_n = fmax(rad_ray_normal(r, hit->norm), .001);
+    hit->cos_n = rad_most(rad_ray_normal(r, hit->norm), .001);
     hit->glossy = rad_rgb_max(m->spec_color) > RAD_TINY;
     hit->follow = hit->glossy && rad_rgb_lum(m->spec_color) > thresh;
     rise = (float)schlick(hit->cos_n);
@@ -148,7 +148,7 @@ draw_reflection(const struct ashik_hit *hit, int i, int trial, double dir[3])
     a /= len;
     b /= len;
     cosine = pow(1 - x[1], 1 / (hit->nu * a * a + hit->nv * b * b + 1));
-    sine = sqrt(fmax(0, 1 - cosine * cosine));
+    sine = sqrt(rad_most(1 - cosine * cosine, 0));
     rad_scale(h, cosine, hit->norm);
     rad_madd(h, h, a * sine, hit->u);
     rad_madd(h, h, b * sine, hit->v);

@@ -216,7 +216,7 @@ set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
     }
     if (e->channels & WAY)
         c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
-    c[10] = fmin(fmax(r->cos_o, -1), 1);
+    c[10] = rad_least(rad_most(r->cos_o, -1), 1);
     if (e->channels & SHADOW_WAY)
         c[24] = (length(r) + way(r->parent, RAD_RAY_SHADOW)) * b->scale;
     c[25] = r->hit.uv[0];

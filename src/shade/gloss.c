@@ -58,7 +58,7 @@ rad_gloss_count(const struct rad_ctx *ctx, const struct rad_ray *r,
         if (sample->weight <= p->minweight * n)
             n = floor(sample->weight / p->minweight);
     }
-    return n > 1 ? (int)fmin(n, 1e4) : 1;
+    return n > 1 ? (int)rad_least(n, 1e4) : 1;
 }
 
 /* First trials follow Roberts' R2 sequence, shifted at random; the others must
@@ -91,7 +91,7 @@ draw_tilt(const struct rad_gloss *g, uint32_t dim, int i, int trial,
     double x[2], len;
 
     rad_gloss_square(g->r, dim, i, trial, x);
-    len = sqrt(-log(1 - x[1] * fmin(jitter, 1)));
+    len = sqrt(-log(1 - x[1] * rad_least(jitter, 1)));
     rad_scale(tilt, len * cos(2 * M_PI * x[0]) * g->au, g->u);
     rad_madd(tilt, tilt, len * sin(2 * M_PI * x[0]) * g->av, g->v);
 }

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "shade/mixture.h"
+#include "base/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -67,7 +68,7 @@ rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
     struct rad_ray fore = *r, back = *r;
     bool fore_mat, back_mat;
 
-    t = fmin(fmax(t, 0), 1);
+    t = rad_least(rad_most(t, 0), 1);
     fore_mat = shade_part(ctx, &fore, part[0], t);
     back_mat = shade_part(ctx, &back, part[1], 1 - t);
     if (back_mat && !fore_mat && t > RAD_TINY)

@@ -78,7 +78,7 @@ rad_normal_prepare(struct rad_job *job, int32_t index,
 static double
 fresnel_rise(double cos_i)
 {
-    return fmax(0, exp(-5.85 * cos_i) - 0.00287989916); /* exp(-5.85) */
+    return rad_most(exp(-5.85 * cos_i) - 0.00287989916, 0); /* exp(-5.85) */
 }
 
 static struct rad_rgb
@@ -166,7 +166,7 @@ enter(struct normal_hit *hit, struct rad_ctx *ctx, const struct normal *m,
     hit->textured = rad_ray_perturbed(r);
     hit->flat = !hit->textured && rad_ray_on_flat(ctx, r);
     hit->cos_n = rad_ray_normal(r, hit->norm);
-    hit->cos_n = fmax(hit->cos_n, .001); /* brdf() divides by it */
+    hit->cos_n = rad_most(hit->cos_n, .001); /* brdf() divides by it */
 }
 
 /* Split the light into its parts. */

@@ -26,7 +26,7 @@ static float
 medium_weight(const struct rad_ray *parent)
 {
     const struct rad_rgb *e = &parent->ext;
-    double least = fmin(e->r, fmin(e->g, e->b)), depth;
+    double least = rad_least(e->r, rad_least(e->g, e->b)), depth;
 
     if (least <= 0)
         return 1;
@@ -391,7 +391,7 @@ rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
 
     rad_geom_bounds(ctx->job->geom, lo, hi);
     for (int i = 0; i < 3; i++)
-        size = fmax(size, fmax(fabs(p[i]), hi[i] - lo[i]));
+        size = rad_most(size, rad_most(fabs(p[i]), hi[i] - lo[i]));
     r->tmax = INFINITY;
     r->key = key;
     rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);

@@ -298,7 +298,8 @@ add_gloss(const struct wgmd_hit *hit, const double ldir[3], double omega,
     g = &hit->gloss[TSPEC];
     if (hit->there[TSPEC] && !hit->pure[TSPEC] && rad_dot(g->norm, ldir) < 0) {
         f = rad_gloss_btdf(g, hit->ahead,
-                           fmax(hit->view[TSPEC].cos_n, RAD_TINY), ldir, omega);
+                           rad_most(hit->view[TSPEC].cos_n, RAD_TINY), ldir,
+                           omega);
         if (f > RAD_TINY)
             add_coef(coef, hit->color[TSPEC], f * omega);
     }
