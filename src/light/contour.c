@@ -6,7 +6,12 @@
  *     r x dr = R ((c x e2) cos t - (c x e1) sin t + R n) dt,
  *     |r|^2 = A + B cos t,  A = c.c + R^2,  B = 2 R q.
  * The three integrals of 1, cos t and sin t over that denominator are
- * elementary.  */
+ * elementary.  Over the whole circle that of the sine vanishes, and with
+ * D = sqrt(A^2 - B^2) the others are 2 pi / D and -2 pi B / (D (A + D)), so
+ * that F = -pi R^2 / D ((1 - 2 q^2 / (A + D)) n + 2 (c.n) / (A + D) q e1),
+ * which for a face parallel or perpendicular to the disk are the factors in
+ * Howell, A catalog of radiation heat transfer configuration factors, B-13 and
+ * B-12.  */
 #include "config.h"
 
 #include "light/contour.h"
@@ -88,4 +93,23 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     rad_madd(F, F, k * cos_part, w2);
     rad_madd(F, F, -k * sin_part, w1);
     rad_madd(F, F, k * radius * one, normal);
+}
+
+void
+rad_contour_circle(double F[3], const double c[3], const double normal[3],
+                   double radius, double sign)
+{
+    double h = rad_dot(c, normal), side[3], q2, q, D, sum, k;
+
+    rad_madd(side, c, -h, normal);
+    q2 = rad_dot(side, side);
+    q = sqrt(q2);
+    /* A - B and A + B are the squared distances to the nearest and the farthest
+     * place of the circle */
+    D = sqrt((h * h + (q - radius) * (q - radius)) *
+             (h * h + (q + radius) * (q + radius)));
+    sum = q2 + h * h + radius * radius + D;
+    k = -sign * M_PI * radius * radius / D;
+    rad_madd(F, F, k * (1 - 2 * q2 / sum), normal);
+    rad_madd(F, F, k * (2 * h / sum), side);
 }

@@ -21,4 +21,9 @@ void rad_contour_arc(double F[3], const double c[3], const double normal[3],
                      double radius, const double middle[3], double delta,
                      double sign);
 
+/* Add `sign` times the whole circle about c to F: the arc of delta pi, without
+ * its angles. */
+void rad_contour_circle(double F[3], const double c[3], const double normal[3],
+                        double radius, double sign);
+
 #endif

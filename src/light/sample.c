@@ -63,20 +63,6 @@ next_rand(struct walk *w)
 
 /* --- moments of patches --- */
 
-static void
-quad_moments(struct rad_moments *m, const double c[3], const double u[3],
-             const double v[3])
-{
-    double n[3];
-
-    rad_copy(m->c, c);
-    rad_copy(m->aim, c);
-    rad_scale(m->a, 1 / sqrt(3), u);
-    rad_scale(m->b, 1 / sqrt(3), v);
-    rad_cross(n, u, v);
-    m->area = 4 * sqrt(rad_dot(n, n));
-}
-
 /* A stretch of cylinder: its strip has no second axis, for its width is part
  * of the formula (see above). */
 static void
@@ -119,7 +105,7 @@ sector_moments(struct rad_moments *m, const struct rad_source *src,
     rad_sub(along, along, src->centre);
     rad_cross(across, src->normal, along);
     rad_madd(m->c, src->centre, rc, along);
-    rad_scale(m->a, sqrt(fmax(0, r2 * cos2 - rc * rc)), along);
+    rad_scale(m->a, sqrt(rad_most(r2 * cos2 - rc * rc, 0)), along);
     rad_scale(m->b, sqrt(r2 * (1 - cos2)), across);
     m->area = p->delta * (p->r1 * p->r1 - p->r0 * p->r0);
     /* the centroid of a bent patch may be in the hole */
@@ -132,8 +118,7 @@ patch_moments(const struct rad_source *src, const struct patch *p,
               struct rad_moments *m)
 {
     switch (p->kind) {
-    case QUAD:
-        quad_moments(m, p->p, p->u, p->v);
+    case QUAD: /* see quad_sample() */
         break;
     case TRIANGLE:
         rad_triangle_moments(m, p->p, p->u, p->v);
@@ -181,15 +166,11 @@ split_triangle(const struct patch *p, struct patch half[2])
 }
 
 static void
-split_parallelogram(const struct patch *p, struct patch half[2])
+split_line(const struct patch *p, struct patch half[2])
 {
-    bool in_u = p->kind == LINE || rad_dot(p->u, p->u) > rad_dot(p->v, p->v);
-
     for (int h = 0; h < 2; h++) {
-        double *axis = in_u ? half[h].u : half[h].v;
-
-        rad_scale(axis, .5, axis);
-        rad_madd(half[h].p, p->p, h ? 1 : -1, axis);
+        rad_scale(half[h].u, .5, half[h].u);
+        rad_madd(half[h].p, p->p, h ? 1 : -1, half[h].u);
     }
 }
 
@@ -235,9 +216,10 @@ split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
     case SECTOR:
         split_sector(p, m, half);
         break;
-    case QUAD:
     case LINE:
-        split_parallelogram(p, half);
+        split_line(p, half);
+        break;
+    case QUAD: /* see cut_quad() */
         break;
     case GROUP:
         from_node(&half[0], p->node->kid[0]);
@@ -246,77 +228,90 @@ split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
     }
 }
 
-/* Is the patch small enough at its distance?  A parallelogram or a stretch of
- * cylinder by its longer side; another shape, as in rpict, by the square of the
- * same area, for its flux is exact however large it is. */
-static bool
-small_enough(const struct patch *p, const struct rad_moments *m,
-             const struct rad_light_view *view)
+/* Is a parallelogram or a stretch of cylinder at squared distance d2 small
+ * enough, by its longer side?  aa, bb and ab are the products of the axes of
+ * its moments. */
+static inline bool
+side_small_enough(double aa, double bb, double ab, double d2, double sizerat)
 {
-    double aa = rad_dot(m->a, m->a), bb = rad_dot(m->b, m->b);
-    double limit = view->sizerat * view->sizerat * rad_dist2(view->p, m->c);
+    double limit = sizerat * sizerat * d2 / 12; /* the variance of a square
+                                                 * with that side */
 
-    if (p->kind != QUAD && p->kind != LINE)
-        return m->area <= limit;
-    limit /= 12; /* the variance of a square with that side */
     /* the largest variance is at least the larger, at most the sum */
     if (aa > limit || bb > limit)
         return false;
     if (aa + bb <= limit)
         return true;
-    double ab = rad_dot(m->a, m->b), half = (aa - bb) / 2;
+    double half = (aa - bb) / 2;
 
     return (aa + bb) / 2 + sqrt(half * half + ab * ab) <= limit;
 }
 
+/* Is the patch small enough at its distance?  One without a longer side, as in
+ * rpict, by the square of the same area, for its flux is exact however large it
+ * is. */
+static bool
+small_enough(const struct patch *p, const struct rad_moments *m,
+             const struct rad_light_view *view)
+{
+    double d2 = rad_dist2(view->p, m->c);
+
+    if (p->kind != LINE)
+        return m->area <= view->sizerat * view->sizerat * d2;
+    return side_small_enough(rad_dot(m->a, m->a), rad_dot(m->b, m->b),
+                             rad_dot(m->a, m->b), d2, view->sizerat);
+}
+
 /* --- samples of one patch --- */
+
+/* Is the point that s aims at too far for a glow, or dark for a spotlight? */
+static bool
+out_of_reach(const struct rad_source *src, const struct rad_light_sample *s)
+{
+    return (src->flags & RAD_LIGHT_NEAR && s->dist > src->reach) ||
+           (src->flags & RAD_LIGHT_SPOT &&
+            rad_spot_outside(&src->spot, s->aim));
+}
 
 static void
 put(struct walk *w, struct rad_light_sample *s)
 {
     const struct rad_source *src = w->src;
 
-    if (!(s->omega > 0))
-        return;
-    if (src->flags & RAD_LIGHT_NEAR && s->dist > src->reach)
+    if (!(s->omega > 0) || out_of_reach(src, s))
         return;
     if (src->flags & RAD_LIGHT_SPOT) {
         double f = s->dist / (s->dist + src->spot.focal_length);
 
-        if (rad_spot_outside(&src->spot, s->aim))
-            return;
         s->omega *= f * f;
     }
     w->fn(w->arg, s);
 }
 
-/* Set dir and omega from the flux k * integral of g (see above). */
+/* Set dir and omega from the flux k * integral of g (see above).  What is added
+ * along c is -e, and across it, with t = (c.a)^2 + (c.b)^2,
+ *     e = (2 (a.a + b.b) - 8 t / q) / q,
+ *     corr = -4/q ((c.a) a + (c.b) b - t/q c). */
 static void
 second_order(struct rad_light_sample *s, const struct rad_light_view *view,
              const struct rad_moments *m, double k)
 {
-    double c[3], corr[3] = { 0, 0, 0 };
+    double c[3], corr[3];
 
     rad_sub(c, m->c, view->p);
-    double q = rad_dot(c, c), e;
+    double per = 1 / rad_dot(c, c), ca = rad_dot(c, m->a),
+           cb = rad_dot(c, m->b), t = (ca * ca + cb * cb) * per;
+    double e = (2 * (rad_dot(m->a, m->a) + rad_dot(m->b, m->b)) - 8 * t) * per;
 
-    for (int i = 0; i < 2; i++) {
-        const double *a = i ? m->b : m->a;
-        double ca = rad_dot(c, a);
-
-        /* half of g_aa, times q^2 */
-        rad_madd(corr, corr, -4 * ca / q, a);
-        rad_madd(corr, corr, (12 * ca * ca / q - 2 * rad_dot(a, a)) / q, c);
-    }
-    e = -rad_dot(corr, c) / q;
-    rad_madd(corr, corr, e, c);
+    for (int i = 0; i < 3; i++)
+        corr[i] = -4 * per * (ca * m->a[i] + cb * m->b[i] - t * c[i]);
     /* far outside its range the expansion still must point at the patch */
-    double side = rad_dot(corr, corr) / q;
+    double side = rad_dot(corr, corr) * per;
 
     if (side > .25)
         rad_scale(corr, .5 / sqrt(side), corr);
-    rad_madd(s->dir, corr, e > 0 ? 1 / (1 + e) : fmin(1 - e, 2), c);
-    s->omega = k / (q * q) * rad_normalize(s->dir);
+    rad_madd(s->dir, corr, e > 0 ? 1 / (1 + e) : rad_least(1 - e, 2), c);
+    s->omega = k * (per * per) * rad_normalize(s->dir);
 }
 
 /* The sample at point p of a patch whose flux is k * |r| / |r|^4 there. */
@@ -366,7 +361,7 @@ sector_point(const struct walk *w, const struct patch *p, double s, double u,
     if (p->r0 > 0)
         return;
     if (p->delta == M_PI)
-        jit *= sqrt(fmin(4. / 3 - 2. / 9 * jit * jit, 1 / (jit * jit)));
+        jit *= sqrt(rad_least(4. / 3 - 2. / 9 * jit * jit, 1 / (jit * jit)));
     sector_moments(&m, w->src, p);
     for (int k = 0; k < 3; k++)
         d[k] = m.c[k] + jit * (d[k] - m.c[k]);
@@ -466,14 +461,18 @@ sector_flux(double F[3], const double view[3], const struct rad_source *src,
     double c[3], middle[3];
 
     rad_sub(c, src->centre, view);
+    if (p->delta >= M_PI) {
+        rad_contour_circle(F, c, src->normal, p->r1, 1);
+        if (p->r0 > 0)
+            rad_contour_circle(F, c, src->normal, p->r0, -1);
+        return;
+    }
     ring_point(src, 1, p->phi, middle);
     rad_sub(middle, middle, src->centre);
     rad_normalize(middle);
     rad_contour_arc(F, c, src->normal, p->r1, middle, p->delta, 1);
     if (p->r0 > 0)
         rad_contour_arc(F, c, src->normal, p->r0, middle, p->delta, -1);
-    if (p->delta >= M_PI)
-        return;
     for (int side = -1; side <= 1; side += 2) {
         double in[3], out[3];
 
@@ -686,6 +685,8 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
         at_point(&s, view, point, k);
     } else {
         at_point(&s, view, m->aim, k);
+        if (out_of_reach(w->src, &s))
+            return; /* before it costs more */
         if (view->sizerat > 0) {
             /* a parallelogram is small, or cannot be cut further */
             if ((p->kind == QUAD && p->budget > 1) || !exact(&s, w, p, m))
@@ -777,6 +778,91 @@ line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     put(w, &s);
 }
 
+/* A parallelogram that may be cut, with what a half has of the whole but for a
+ * power of two, which is exact: most lamps are such, and most patches. */
+struct quad {
+    double c[3], u[3], v[3]; /* as in struct patch */
+    double uu, vv;           /* squares of u and v */
+    double aa, bb, ab;       /* products of the moments' axes */
+    double area;
+    int budget;
+};
+
+static void
+quad_sample(struct walk *w, const struct quad *q)
+{
+    struct rad_moments m = { .area = q->area };
+    struct patch p;
+
+    p.kind = QUAD;
+    p.budget = q->budget;
+    p.node = NULL;
+    rad_copy(p.p, q->c);
+    rad_copy(p.u, q->u);
+    rad_copy(p.v, q->v);
+    rad_copy(m.c, q->c);
+    rad_copy(m.aim, q->c);
+    rad_scale(m.a, 1 / sqrt(3), q->u);
+    rad_scale(m.b, 1 / sqrt(3), q->v);
+    flat_sample(w, &p, &m);
+}
+
+/* Leave of q what each half has, and the way from its middle to theirs. */
+static void
+cut_quad(struct quad *q, double way[3])
+{
+    bool in_u = q->uu > q->vv;
+    double *axis = in_u ? q->u : q->v;
+
+    rad_scale(axis, .5, axis);
+    rad_copy(way, axis);
+    *(in_u ? &q->uu : &q->vv) *= .25;
+    *(in_u ? &q->aa : &q->bb) *= .25;
+    q->ab *= .5;
+    q->area *= .5;
+    q->budget /= 2;
+}
+
+static void
+visit_quad(struct walk *w, const struct quad *q)
+{
+    const struct rad_light_view *view = w->view;
+    struct quad half;
+    double way[3];
+
+    if (!(view->sizerat > 0) || q->budget <= 1 ||
+        side_small_enough(q->aa, q->bb, q->ab, rad_dist2(view->p, q->c),
+                          view->sizerat)) {
+        quad_sample(w, q);
+        return;
+    }
+    half = *q;
+    cut_quad(&half, way);
+    for (int h = 0; h < 2; h++) {
+        rad_madd(half.c, q->c, h ? 1 : -1, way);
+        visit_quad(w, &half);
+    }
+}
+
+static void
+visit_whole_quad(struct walk *w)
+{
+    const struct rad_source *src = w->src;
+    const struct rad_moments *m = &src->root;
+    struct quad q = { .area = m->area, .budget = MAX_PATCHES };
+
+    rad_copy(q.c, src->centre);
+    rad_copy(q.u, src->axis[0]);
+    rad_copy(q.v, src->axis[1]);
+    q.uu = rad_dot(q.u, q.u);
+    q.vv = rad_dot(q.v, q.v);
+    q.aa = rad_dot(m->a, m->a);
+    q.bb = rad_dot(m->b, m->b);
+    q.ab = rad_dot(m->a, m->b);
+    visit_quad(w, &q);
+}
+
+/* The other shapes. */
 static void
 visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
 {
@@ -866,11 +952,16 @@ root_patch(const struct rad_source *src, struct patch *p)
         p->r1 = src->r1;
         p->delta = M_PI;
     } else {
-        p->kind = src->shape == RAD_CYLINDER ? LINE : QUAD;
+        p->kind = LINE;
         rad_copy(p->p, src->centre);
         rad_copy(p->u, src->axis[0]);
-        rad_copy(p->v, src->axis[1]);
     }
+}
+
+static bool
+is_quad(const struct rad_source *src)
+{
+    return !src->tree && src->shape == RAD_POLYGON;
 }
 
 void
@@ -907,6 +998,10 @@ rad_light_samples(const struct rad_source *src,
         z *= z / rad_dot(src->axis[0], src->axis[0]);
         if (!(rad_dot(d, d) - z > src->r1 * src->r1))
             return;
+    }
+    if (is_quad(src)) {
+        visit_whole_quad(&w);
+        return;
     }
     root_patch(src, &root);
     visit(&w, &root, &src->root);
