@@ -139,13 +139,14 @@ struct job {
     uint32_t nworkers, cap_workers;
     uint32_t *index; /* of a worker here, by its number at the coordinator */
     uint32_t nindex;
-    uint32_t threads; /* of all workers that are ready */
-    uint64_t work_ms; /* of all workers, when that was last looked at */
-    double speed;     /* of all workers that are there */
-    double pace;      /* cost done in a ms, for a speed of 1; 0: not known */
-    double finished;  /* cost of units that were finished, or traced ahead;
-                       * of all attempts */
-    double workload;  /* ms of those workers, times their speed */
+    uint32_t threads;   /* of all workers that are ready */
+    uint64_t work_ms;   /* of all workers, when that was last looked at */
+    double speed;       /* of all workers that are there */
+    double pace;        /* cost done in a ms, for a speed of 1; 0: not known */
+    double finished;    /* cost of units that were finished, or traced ahead;
+                         * of all attempts */
+    uint32_t nfinished; /* how many these were */
+    double workload;    /* ms of those workers, times their speed */
     uint32_t
         durations[JOB_DURATIONS]; /* of the last units that were done [ms] */
     uint32_t ndurations;

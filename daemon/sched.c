@@ -242,8 +242,8 @@ sched_forget_rows(struct job *job, uint32_t unit)
 static bool
 are_short(const struct job *job)
 {
-    return job->units_done > 0 &&
-           job->work_ms < SHORT_MS * (uint64_t)job->units_done;
+    return job->nfinished > 0 &&
+           job->work_ms < SHORT_MS * (uint64_t)job->nfinished;
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and

@@ -46,6 +46,7 @@ void
 speed_finished(struct job *job, uint32_t unit)
 {
     job->finished += partition_cost(job->partition, unit);
+    job->nfinished++;
 }
 
 /* Rays of a thread in a ms of work; 0: not known yet. */

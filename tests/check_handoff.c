@@ -365,6 +365,7 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert_uint_gt(b.y, HEIGHT / 3);
     ck_assert_uint_eq(b.flags, MSG_UNIT_TOP); /* nobody has what is above */
     ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 1); /* lines need links */
+    wait_ms(1000); /* so that none is at hand beside the next */
     clear();
     base_line(W2, 0, line_above(b.y + b.height));
     attempt(W2, MSG_PARKED, &b);
@@ -374,6 +375,21 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws2");
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* its top is here */
     ck_assert_uint_eq(last(W2, MSG_BASE_LINE)->m.base_line.n, WIDTH);
+}
+END_TEST
+
+/* Most units of scanbar are done together, in the end. */
+START_TEST(short_units_are_at_hand_before_any_is_done)
+{
+    struct msg_unit b;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
+    b = *unit_of(W2);
+    wait_ms(50);
+    clear();
+    attempt(W2, MSG_PARKED, &b);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 2);
 }
 END_TEST
 
@@ -515,6 +531,7 @@ START_TEST(a_parked_unit_takes_no_room)
 
     start(MSG_PART_SCANBAR, 0, 2);
     b = *first_unit_of(W2);
+    wait_ms(1000); /* no short one, of which the next would be at hand */
     clear();
     attempt(W1, MSG_PARKED, &b); /* another's */
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
@@ -1042,6 +1059,7 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
+    tcase_add_test(tc, short_units_are_at_hand_before_any_is_done);
     tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
     tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
     tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);
