@@ -349,6 +349,10 @@ conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
     c->arg = arg;
     c->handles = 2;
     snprintf(c->peer, sizeof c->peer, "%s", peer);
+    /* messages are written whole; one that waited until those before it are
+     * acknowledged would wait for 40 ms */
+    if (stream->type == UV_TCP)
+        uv_tcp_nodelay((uv_tcp_t *)stream, 1);
     frame_reader_init(&c->reader, session);
     uv_timer_init(stream->loop, &c->timer);
     c->timer.data = c;

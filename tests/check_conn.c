@@ -7,6 +7,8 @@
 #include "unit.h"
 
 #include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -108,6 +110,28 @@ pack_ping(struct wire_out *w, uint64_t progress)
     wire_out_init(w, MSG_FRAME_MAX);
     ck_assert_int_eq(msg_pack(w, &m), 0);
 }
+
+/* Else small messages wait for each other: 40 ms, as a rule. */
+START_TEST(messages_over_tcp_go_at_once)
+{
+    struct ends e;
+    uv_stream_t *s;
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0), on = 0;
+    socklen_t size = sizeof on;
+
+    memset(&e, 0, sizeof e);
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(uv_loop_init(&e.loop), 0);
+    s = conn_stream_new(&e.loop, false);
+    ck_assert_int_eq(uv_tcp_open((uv_tcp_t *)s, fd), 0);
+    e.conn = conn_new(s, MSG_AT_COORD_NEW, "test", &handler, &e);
+    ck_assert_int_eq(getsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, &size), 0);
+    ck_assert_int_ne(on, 0);
+    conn_close(e.conn);
+    uv_run(&e.loop, UV_RUN_DEFAULT);
+    ck_assert_int_eq(uv_loop_close(&e.loop), 0);
+}
+END_TEST
 
 START_TEST(ping_is_answered_however_it_is_cut)
 {
@@ -311,6 +335,7 @@ main(void)
     Suite *s = suite_create("conn");
     TCase *tc = tcase_create("conn");
 
+    tcase_add_test(tc, messages_over_tcp_go_at_once);
     tcase_add_test(tc, ping_is_answered_however_it_is_cut);
     tcase_add_test(tc, messages_in_one_piece_all_arrive);
     tcase_add_test(tc, owner_may_close_while_it_is_called);
