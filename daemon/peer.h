@@ -54,6 +54,7 @@ struct wjob {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     enum wjob_state state;
+    bool started;   /* by the coordinator, in this connection */
     uint8_t *start; /* the JOB-START frame, for children */
     size_t start_len;
     struct msg_area *frames; /* their sizes; the rest is 0 */

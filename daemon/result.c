@@ -100,7 +100,7 @@ counts(struct job *job, uint32_t index, const struct msg_result *m)
         return false;
     if (!go)
         return u->ngos == 0 && m->attempt == u->lead && u->worker == index &&
-               m->row + m->rows > u->stored_rows;
+               m->row <= u->next_row && m->row + m->rows > u->stored_rows;
     if (u->lead == 0 && m->row == 0 && !go->dropped) {
         u->lead = m->attempt;
         u->worker = index;

@@ -8,7 +8,8 @@
  * When the coordinator is lost, the children go on and results are kept.  When
  * it is back and starts the job again, finished units that it has not
  * acknowledged are sent first, then READY; unfinished ones are given up, since
- * it may have handed them to others. */
+ * it may have handed them to others.  Until then nothing new is sent either:
+ * it would come before what is kept. */
 #include "config.h"
 
 #include "worker.h"
@@ -490,18 +491,17 @@ on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
-    if (job && job->state == WJOB_READY) {
-        resume_job(w, job);
-        return;
-    }
-    if (job && job->state == WJOB_LOADING)
-        return;
     if (!job)
         job = new_job(w, m);
-    if (job)
-        fetch(w, job);
-    else
+    if (!job) {
         w->actions.failed = true;
+        return;
+    }
+    job->started = true;
+    if (job->state == WJOB_READY)
+        resume_job(w, job);
+    else if (job->state != WJOB_LOADING)
+        fetch(w, job);
 }
 
 static void
@@ -636,7 +636,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     job->bytes_out += out->len;
     if (r->last)
         drop_unit(job, r->unit, r->attempt);
-    if (w->welcome)
+    if (w->welcome && job->started)
         actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
 }
 
@@ -733,6 +733,8 @@ lost_coord(struct worker *w, const char *why)
     w->coord = 0;
     w->opened = w->welcome = false;
     w->nasked = 0;
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        job->started = false;
     if (w->draining)
         stop(w, 0, "");
 }

@@ -322,6 +322,23 @@ START_TEST(what_was_not_acknowledged_is_sent_again)
 }
 END_TEST
 
+START_TEST(rows_wait_for_the_start_after_a_cut)
+{
+    start_job();
+    child_ready();
+    unit(0);
+    cut();
+    rows(0, 0);
+    clear();
+    tick(500);
+    connect();
+    rows(0, 2); /* the first would come after it */
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 0);
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+}
+END_TEST
+
 START_TEST(a_lost_child_is_reported_with_its_suspects)
 {
     start_job();
@@ -742,6 +759,7 @@ main(void)
     tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
+    tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
     tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
     tcase_add_test(tc, a_child_that_gives_up_is_reported);
