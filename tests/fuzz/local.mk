@@ -30,9 +30,17 @@ FUZZ_LINK = $(AM_LDFLAGS)
 endif
 
 check_PROGRAMS += $(FUZZ_TARGETS)
-dist_check_SCRIPTS += tests/fuzz/replay.sh
+dist_check_SCRIPTS += tests/fuzz/replay.sh tests/fuzz/run.sh
 EXTRA_DIST += tests/fuzz/corpus tests/fuzz/replay.c
 TESTS += tests/fuzz/replay.sh
+
+# make fuzz [FUZZ_SECONDS=60] [FUZZ='parse hdr']
+FUZZ_SECONDS = 60
+FUZZ =
+.PHONY: fuzz
+fuzz: $(FUZZ_TARGETS)
+	top_srcdir='$(top_srcdir)' top_builddir='$(top_builddir)' \
+		$(SHELL) $(top_srcdir)/tests/fuzz/run.sh $(FUZZ_SECONDS) $(FUZZ)
 
 # tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
 # tests_fuzz_fuzz_x_LDADD = $(LIBRAD)
