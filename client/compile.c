@@ -7,6 +7,7 @@
 #include "scene/octfile.h"
 #include "scene/parse.h"
 #include "scene/part.h"
+#include "shade/job.h"
 #include "shade/material.h"
 
 #include <errno.h>
@@ -757,6 +758,14 @@ compile_bundle(struct compiled *c, const char *dir, struct rad_error *err)
 }
 
 int
+compile_check(struct compiled *c, struct rad_error *err)
+{
+    struct rad_files files = compile_files(c);
+
+    return rad_job_check(c->scene, &files, err);
+}
+
+int
 compile_scene(struct compiled *c, const char *const *files, int n,
               const char *dir, struct rad_error *err)
 {
@@ -764,7 +773,9 @@ compile_scene(struct compiled *c, const char *const *files, int n,
 
     if (rc)
         return rc;
-    rc = compile_octree(c, err);
+    rc = compile_check(c, err);
+    if (!rc)
+        rc = compile_octree(c, err);
     if (!rc)
         rc = compile_bundle(c, dir, err);
     if (rc)

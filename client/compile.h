@@ -47,6 +47,11 @@ int compile_read(struct compiled *c, const char *const *files, int n,
  * comes frozen.  c must outlive the result. */
 struct rad_files compile_files(struct compiled *c);
 
+/* Is there sense in what the scene's modifiers name: functions, data, pictures,
+ * fonts, BSDFs?  A worker would find the same, but knows of no lines.
+ * RAD_EDATA or RAD_ENOINPUT, with the scene's file and line. */
+int compile_check(struct compiled *c, struct rad_error *err);
+
 int compile_octree(struct compiled *c, struct rad_error *err);
 
 /* What the user should know of the scene and its octree: warning number i,

@@ -215,9 +215,12 @@ run_freeze(struct compiled *c, struct rad_error *err)
 static int
 run_check(struct compiled *c, struct rad_error *err)
 {
-    (void)err;
-    say_warnings(c); /* reading has told the errors */
-    return 0;
+    int rc = compile_check(c, err);
+
+    if (rc)
+        print_error(NULL, err); /* reading has told the others */
+    say_warnings(c);
+    return rc;
 }
 
 static void

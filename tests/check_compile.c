@@ -8,6 +8,8 @@
 #include "scene/octfile.h"
 #include "unit.h"
 
+#define FONT "65 4\n\t40 0 220 60 220 255 40 255\n"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
@@ -247,7 +249,7 @@ START_TEST(bundle_has_all_that_is_needed)
     unsigned char *bytes;
     size_t len;
 
-    put_file("f.fnt", "a font");
+    put_file("f.fnt", FONT);
     put_file("page.txt", "a page");
     put_text_scene("page.txt");
     manifest = manifest_of(&c);
@@ -256,7 +258,7 @@ START_TEST(bundle_has_all_that_is_needed)
     ck_assert_str_eq((char *)bytes, "a page");
     free(bytes);
     bytes = files.read(files.arg, "f.fnt", &len, NULL);
-    ck_assert_str_eq((char *)bytes, "a font");
+    ck_assert_str_eq((char *)bytes, FONT);
     free(bytes);
     snprintf(path, sizeof path, "%s/%s", in_dir("out"),
              rad_bundle_find(&c.bundle, RAD_BUNDLE_SCENE, NULL)->hash);
@@ -274,7 +276,7 @@ START_TEST(equal_scenes_have_equal_manifests)
     struct compiled c;
     char *here, *there, cwd[PATH_MAX];
 
-    put_file("f.fnt", "a font");
+    put_file("f.fnt", FONT);
     put_file("page.txt", "a page");
     put_text_scene("page.txt");
     here = manifest_of(&c);
@@ -300,7 +302,7 @@ START_TEST(a_missing_file_names_its_object)
     text[strstr(text, "2 f.fnt") - text] = '3';
     ck_assert_str_eq(message_of(text), "a.rad:1: brighttext 't': cannot find "
                                        "file 'f.fnt'");
-    put_file("f.fnt", "a font");
+    put_file("f.fnt", FONT);
     ck_assert_str_eq(message_of(text), "");
     /* nothing is made of it: its files need not be there */
     ck_assert_str_eq(

@@ -130,6 +130,28 @@ rad_job_new(const struct rad_scene *scene, const struct rad_params *params,
     return job;
 }
 
+int
+rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
+              struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    struct rad_job *job = calloc(1, sizeof *job);
+    int code;
+
+    if (!job)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    job->scene = scene;
+    rad_params_init(&job->params);
+    rad_arena_init(&job->arena);
+    code = rad_materials_compile(job, files, &why);
+    if (code < 0 && why.code < 0)
+        code = why.code; /* a file that is missing is no wrong datum */
+    if (code < 0 && err)
+        *err = why;
+    rad_job_free(job);
+    return code < 0 ? code : 0;
+}
+
 void
 rad_job_free(struct rad_job *job)
 {

@@ -47,6 +47,12 @@ struct rad_job *rad_job_new(const struct rad_scene *scene,
                             const struct rad_params *params,
                             const struct rad_files *files,
                             struct rad_error *err);
+
+/* Would its modifiers compile, with their functions, data, pictures, fonts and
+ * BSDFs?  Nothing is kept.  Returns 0 or what rad_job_new() would fail with
+ * there, the scene's file and line in *err. */
+int rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
+                  struct rad_error *err);
 void rad_job_free(struct rad_job *job);
 
 /* Objects whose functions failed to give a value, by number, the first few:

@@ -123,6 +123,19 @@ printf '!exit 3\n' >bad.rad
 expect 65 "bad.rad:1: '!exit 3' failed with exit status 3" \
     $radscene check bad.rad
 
+# what modifiers name is looked into, once a surface leads to it
+use='p plastic m 0 0 5 1 1 1 0 0 m sphere s 0 0 4 0 0 0 1'
+printf '\nvoid brightfunc p 2 nix(1) . 0 0\n%s\n' "$use" >bad.rad
+expect 65 "bad.rad:2: brightfunc 'p': 'nix(1)': undefined function 'nix'" \
+    $radscene check bad.rad
+printf '\nvoid brightfunc p 2 Px none.cal 0 0\n%s\n' "$use" >bad.rad
+expect 66 "bad.rad:2: brightfunc 'p': cannot find file 'none.cal'" \
+    $radscene check bad.rad
+printf '\nvoid colorpict p 7 red green blue good.rad . Px Py 0 0\n%s\n' \
+    "$use" >bad.rad
+expect 65 "bad.rad:2: colorpict 'p': 'good.rad': picture: not a Radiance" \
+    $radscene check bad.rad
+
 # what the renderer lacks can be looked at and frozen, but for other files
 printf 'void specfile dye 1 x.spc 0 0\ndye plastic p 0 0 5 1 1 1 0 0
 p sphere s 0 0 4 0 0 0 1\n' >dye.rad

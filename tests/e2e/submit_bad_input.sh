@@ -19,6 +19,8 @@ cp random.rad random.oct
     fail "radscene freeze"
 head -c $(($(wc -c <whole.oct) / 2)) whole.oct >truncated.oct
 printf 'rvu -vp 1 2\n' >bad.vf
+printf '\nvoid brightfunc f 2 nix(Px) . 0 0\nf glow g 0 0 4 1 1 1 0
+g sphere s 0 0 4 0 0 0 1\n' >function.rad
 
 r="$radsubmit --local -x 16 -y 16 -o out.hdr"
 expect 66 "missing.rad" "missing file" $r missing.rad
@@ -27,6 +29,8 @@ expect 65 "line3.rad:3" "syntax error in line 3" $r line3.rad
 expect 65 "short.rad" "too few arguments" $r short.rad
 expect 65 "unknown.rad:1" "unknown modifier" $r unknown.rad
 grep -q wood stderr || fail "unknown modifier: not named"
+expect 65 "function.rad:2: brightfunc 'f'" "a function that is not there" \
+    $r function.rad
 expect 65 "four.rad:2" "polygon with 4 numbers" $r four.rad
 expect 65 "truncated.oct" "truncated octree" $r truncated.oct
 expect 65 "random.rad" "random bytes" $r random.rad
