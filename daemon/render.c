@@ -1,7 +1,7 @@
 /* render.c - see render.h
  *
  * The loop's thread talks and loads; the pool's threads render.  Ambient
- * records that the threads made are collected every DRAIN_MS; those that
+ * records that the threads made are collected every few ms; those that
  * arrive are put into the cache by the loop's thread while the others go on. */
 #include "config.h"
 
@@ -33,14 +33,16 @@
  * processor each made 19 % of an office's records twice at 40 ms, 14 % at 10 ms
  * and 9 % at 2 ms, in the same time.  Nearly all of these are deep ones of the
  * first half second, when all are at the whole room at once. */
-#define DRAIN_MS      2
+#define DRAIN_MS 2
+/* after a time in which there were none: looking costs, too */
+#define CALM_MS       10
 #define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
 /* how often strict units are looked at: others wait for their base lines, and
  * twins for their facts, for at most 20 ms */
 #define TICK_MS 10
 /* Looking up whether a record was needed costs more than putting it in, so one
  * of so many is looked up and stands for the others. */
-#define METER_EACH 4
+#define METER_EACH 8
 /* how often the coordinator hears of rays while units are under way */
 #define TALLY_MS 500
 /* someone who gets the whole cache, or facts for the case of a loss, is given
@@ -250,12 +252,16 @@ on_drain(uv_timer_t *timer)
 {
     struct render *r = timer->data;
     struct rad_ambrec recs[BATCH_RECORDS];
-    size_t n;
+    size_t n, any = 0;
 
     while (r->link &&
-           (n = rad_ambient_drain(r->job->ambient, recs, BATCH_RECORDS)) > 0)
+           (n = rad_ambient_drain(r->job->ambient, recs, BATCH_RECORDS)) > 0) {
         send_batch(r, 0, recs, n);
+        any = n;
+    }
     go_on_giving(r, recs);
+    if (!r->ended)
+        uv_timer_start(timer, on_drain, any ? DRAIN_MS : CALM_MS, 0);
 }
 
 static void
@@ -476,7 +482,7 @@ start_job(struct render *r, const struct msg *m)
     }
     r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
     if (r->share)
-        uv_timer_start(&r->drain, on_drain, DRAIN_MS, DRAIN_MS);
+        uv_timer_start(&r->drain, on_drain, DRAIN_MS, 0);
     uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
     ready.ready.job = r->id;
     ready.ready.load_s = 1e-9 * (double)(uv_hrtime() - t0);

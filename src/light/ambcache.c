@@ -360,6 +360,9 @@ rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
     struct chunk *k = c->entries.oldest;
     size_t n = 0;
 
+    /* most who ask find nothing new; the count may lag, and they ask again */
+    if (*cursor >= rad_ambcache_count(c))
+        return 0;
     while (n < max) {
         while (k && k->first + CHUNK <= *cursor)
             k = atomic_load_explicit(&k->newer, memory_order_acquire);
