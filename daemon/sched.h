@@ -206,7 +206,8 @@ void balance_run(struct coord *c);
 
 /* Estimate costs first, if the job wants it; 0 or RAD_ENOMEM. */
 int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
-/* Areas for a worker that is ready; false: there are none for it. */
+/* Areas for a worker that is ready, or units if the estimate was given up;
+ * false: there is nothing for it. */
 bool survey_give(struct coord *c, struct job *job, uint32_t index);
 /* The worker will not answer. */
 void survey_lost(struct job *job, uint32_t index);

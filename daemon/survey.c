@@ -30,7 +30,8 @@ struct chunk {
 
 struct survey {
     uint32_t rays;
-    bool tests; /* count them, else rays */
+    bool tests;  /* count them, else rays */
+    bool failed; /* there will be no estimate */
     uint32_t nchunks, left;
     struct chunk *chunk;
     double *cost;      /* by part */
@@ -132,13 +133,30 @@ send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
+/* The units may go out, whatever is known of their costs. */
+static void
+end_survey(struct coord *c, struct job *job)
+{
+    job->estimate_ms = c->now_ms - job->survey->begin_ms;
+    survey_free(job->survey);
+    job->survey = NULL;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        job->workers[i].surveying = 0;
+    sched_begin(c, job);
+}
+
 bool
 survey_give(struct coord *c, struct job *job, uint32_t index)
 {
     struct job_worker *jw = &job->workers[index];
     struct survey *s = job->survey;
-    struct chunk *k = jw->surveying ? NULL : choose(s, c->now_ms);
+    struct chunk *k;
 
+    if (s->failed) { /* only now, for there is one to share the units */
+        end_survey(c, job);
+        return true;
+    }
+    k = jw->surveying ? NULL : choose(s, c->now_ms);
     if (!k)
         return false;
     k->holders++;
@@ -164,25 +182,13 @@ survey_lost(struct job *job, uint32_t index)
 
 /* --- back --- */
 
-/* The units may go out, whatever is known of their costs. */
-static void
-end_survey(struct coord *c, struct job *job)
-{
-    job->estimate_ms = c->now_ms - job->survey->begin_ms;
-    survey_free(job->survey);
-    job->survey = NULL;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        job->workers[i].surveying = 0;
-    sched_begin(c, job);
-}
-
 void
 survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
 {
     if (!job->survey || ++job->survey->chunk[chunk].crashes < MOST_CRASHES)
         return;
     actions_log(&c->actions, ACT_WARN, "estimate given up job=%s", job->hex);
-    end_survey(c, job);
+    job->survey->failed = true;
 }
 
 /* What a part costs, from what the pixels did that were traced of it. */

@@ -991,7 +991,7 @@ child_dies(uint64_t conn)
 /* The unit that has the pixel will be told from the others. */
 START_TEST(an_estimate_that_children_die_of_is_given_up)
 {
-    submit(MSG_PART_STATIC, 0, "5a", 1);
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "5a", 1);
     ready(W1);
     child_dies(W1);
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
