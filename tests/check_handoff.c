@@ -45,6 +45,7 @@ static struct {
     struct said said[400];
     int nsaid;
     bool closed[CONNS], done, failed;
+    bool slow_disk; /* nothing is kept */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -103,7 +104,7 @@ carry_out(void)
             f.closed[a.conn] = true;
         else if (a.type == ACT_JOB_OPEN)
             coord_job_opened(f.c, f.now_ms, a.job, 0, NULL);
-        else if (a.type == ACT_PUT_ROWS)
+        else if (a.type == ACT_PUT_ROWS && !f.slow_disk)
             coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
         else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f.c, f.now_ms, a.job, a.frame, 0, NULL);
@@ -543,6 +544,44 @@ START_TEST(a_parked_unit_takes_no_room)
 }
 END_TEST
 
+START_TEST(a_parked_unit_is_work_again_when_its_top_is_there)
+{
+    const struct job_worker *w;
+    struct msg_unit b;
+    struct job *job;
+
+    start(MSG_PART_STATIC, 0, 2);
+    job = coord_find_job(f.c, id);
+    w = &job->workers[job_worker_find(job, "ws2")];
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    ck_assert(w->parked == 1 && w->in_flight == 0 && w->lines == 0);
+    base_line(W1, 0, line_above(b.y));
+    ck_assert(w->parked == 0 && w->in_flight == 1 && w->lines > 0);
+    finish(W2, &b);
+    ck_assert(w->parked == 0 && w->in_flight == 0 && w->lines == 0);
+}
+END_TEST
+
+START_TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
+{
+    struct msg bye = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg_unit a;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    a = *first_unit_of(W1);
+    clear();
+    f.slow_disk = true;
+    finish(W1, &a);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1);
+    a = *unit_of(W1);
+    say(W1, &bye);
+    finish(W1, &a);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 1);
+    ck_assert_int_eq(count(W1, MSG_BYE), 0); /* it may have to send again */
+}
+END_TEST
+
 START_TEST(a_base_line_reaches_one_that_waits_when_its_link_is_broken)
 {
     struct msg_unit a, b;
@@ -825,6 +864,75 @@ START_TEST(the_first_of_twins_whose_rows_come_leads)
 }
 END_TEST
 
+/* ws1 is at the last line of a run, all else being done: ws2 helps. */
+static void
+helper(struct msg_unit *a, struct msg_unit *b)
+{
+    start(MSG_PART_AUTO, 0, 2);
+    *a = *first_unit_of(W1);
+    ck_assert_uint_gt(a->height, 1 + 2 * BAR);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct msg *m = &f.said[i].m;
+
+        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
+            gave(W1, a, a->height);
+        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
+            continue;
+        *b = m->unit;
+        if (b->unit == a->unit)
+            return;
+        wait_ms(100);
+        finish(W2, b);
+    }
+    ck_abort_msg("nobody helps");
+}
+
+START_TEST(an_idle_worker_helps_with_the_last_line_of_a_run)
+{
+    struct msg_unit a, b;
+    uint32_t line;
+
+    helper(&a, &b);
+    line = line_above(a.y + a.height);
+    ck_assert_uint_eq(b.attempt, a.attempt + 1);
+    ck_assert(b.height == BAR && b.y + b.height == a.y + a.height);
+    ck_assert_uint_eq(b.flags, MSG_UNIT_TOP | MSG_UNIT_TWIN);
+    ck_assert(b.end == MSG_END_RIGHT && count(W1, MSG_TWIN) == 1);
+    clear();
+    facts(W2, line);
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    facts(W1, line);
+    facts(W1, line - 1); /* its base line */
+    facts(W1, line - 2);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 2);
+    result(W2, &b, 0, b.height, true); /* are not the unit's */
+    ck_assert_int_eq(count(W2, MSG_ACK), 1);
+    ck_assert(!f.closed[W2] && !f.done);
+    finish(W1, &a);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(one_that_helped_gets_the_whole_run_when_its_worker_goes)
+{
+    struct msg_unit a, b;
+
+    helper(&a, &b);
+    facts(W2, line_above(a.y + a.height));
+    attempt(W2, MSG_PARKED, &b);
+    clear();
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    b = *unit_of(W2);
+    ck_assert(b.unit == a.unit && b.y == a.y && b.height == a.height);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1); /* they are kept */
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
 START_TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
 {
     struct msg_unit a, b;
@@ -1067,6 +1175,8 @@ main(void)
     tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
     tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);
     tcase_add_test(tc, a_parked_unit_takes_no_room);
+    tcase_add_test(tc, a_parked_unit_is_work_again_when_its_top_is_there);
+    tcase_add_test(tc, while_its_rows_go_to_the_disk_a_worker_has_other_work);
     tcase_add_test(tc,
                    a_base_line_reaches_one_that_waits_when_its_link_is_broken);
     tcase_add_test(tc, a_base_line_goes_at_once_where_there_can_be_no_link);
@@ -1080,6 +1190,8 @@ main(void)
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
     tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
+    tcase_add_test(tc, an_idle_worker_helps_with_the_last_line_of_a_run);
+    tcase_add_test(tc, one_that_helped_gets_the_whole_run_when_its_worker_goes);
     tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
     tcase_add_test(
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
