@@ -255,7 +255,7 @@ handoff_facts(struct coord *c, struct coord_worker *w,
             job->late_rays += m->npixels;
         return;
     }
-    shared_put_facts(job->shared, m);
+    job->late_rays += shared_put_facts(job->shared, m);
     pass_on(c, job, index, m);
 }
 

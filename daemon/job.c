@@ -410,6 +410,7 @@ job_tally(const struct job_worker *w)
     t.base_line_pixels += w->tally.base_line_pixels;
     t.busy_s += w->tally.busy_s;
     t.wait_base_line_s += w->tally.wait_base_line_s;
+    msg_counts_add(&t.dropped, &w->tally.dropped);
     if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
         t.peak_rss_bytes = w->tally.peak_rss_bytes;
     return t;
@@ -420,9 +421,12 @@ job_see_rays(struct job *job)
 {
     uint64_t n = job->rays;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        n += job->workers[i].tally.dropped.rays;
+        n += job->workers[i].past.dropped.rays;
         if (job->workers[i].state == JW_READY)
             n += job->workers[i].tally.rays_under_way;
+    }
     if (n > job->rays_seen)
         job->rays_seen = n;
 }

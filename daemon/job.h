@@ -129,7 +129,7 @@ struct job {
     struct shared *shared;    /* NULL: lines are not shared */
     uint32_t ntwins;          /* holders of units beside the first */
     uint64_t base_line_bytes; /* that the coordinator sent */
-    uint64_t late_rays;       /* facts of lines that were done */
+    uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's
                          * queue, each to go to another worker alone */
     uint32_t nsuspects, cap_suspects;

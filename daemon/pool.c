@@ -820,8 +820,10 @@ pool_tally(struct pool *p)
     settle_waits_locked(p);
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
-    if (p->strict)
+    if (p->strict) {
         t.rays_under_way = strict_rays(p->strict);
+        strict_dropped(p->strict, &t.dropped);
+    }
     for (const struct active *u = p->active; u; u = u->next) {
         t.wait_base_line_s += team_waited(u->team);
         t.rays_under_way += team_rays(u->team);

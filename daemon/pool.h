@@ -82,11 +82,12 @@ void pool_sent(struct pool *p, size_t n);
 
 /* What the threads did so far, summed. */
 struct pool_tally {
-    double busy_s;           /* on units that they have left, and as below */
-    double wait_base_line_s; /* of that, and of units that they are at, asleep
-                              * until the line above was ready; or without
-                              * work while strict units waited for their top */
-    uint64_t rays_under_way; /* of units that are not done */
+    double busy_s;             /* on units that they have left, and as below */
+    double wait_base_line_s;   /* of that, and of units that they are at, asleep
+                                * until the line above was ready; or without
+                                * work while strict units waited for their top */
+    uint64_t rays_under_way;   /* of units that are not done */
+    struct msg_counts dropped; /* as strict_dropped() says */
 };
 struct pool_tally pool_tally(struct pool *p);
 

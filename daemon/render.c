@@ -79,6 +79,7 @@ struct render {
     struct give *gives;
     uint64_t sent, received, redundant; /* ambient records */
     uint64_t told_rays;                 /* under way, in the last TALLY */
+    uint64_t told_dropped;              /* likewise */
     int status;
 };
 
@@ -108,6 +109,7 @@ send_tally(struct render *r)
     if (r->pool)
         did = pool_tally(r->pool);
     r->told_rays = did.rays_under_way;
+    r->told_dropped = did.dropped.rays;
 
     getrusage(RUSAGE_SELF, &use);
     m.tally.job = r->id;
@@ -118,6 +120,7 @@ send_tally(struct render *r)
     m.tally.busy_s = did.busy_s;
     m.tally.wait_base_line_s = did.wait_base_line_s;
     m.tally.rays_under_way = did.rays_under_way;
+    m.tally.dropped = did.dropped;
     conn_send(r->link, &m);
 }
 
@@ -190,6 +193,9 @@ on_news(void *arg)
     while (r->link && r->strict &&
            (m = pool_message(r->pool, conn_queued(r->link) < GIVE_AHEAD)))
         conn_send(r->link, m);
+    if (r->link && r->strict &&
+        pool_tally(r->pool).dropped.rays != r->told_dropped)
+        send_tally(r);
 }
 
 static void

@@ -749,14 +749,18 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     speed_measure(c, job);
 }
 
+/* The last twins are taken back when the job is all but over, so what they cost
+ * counts after that, too. */
 void
 sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
 {
+    struct job *job = coord_find_job(c, m->job);
+    uint32_t index = job ? sched_index(job, w) : JOB_NOBODY;
     struct job_worker *jw;
-    uint32_t index;
-    struct job *job = sched_job_of(c, w, m->job, &index);
 
-    if (!job)
+    if (index == JOB_NOBODY || job_over(job))
+        sched_send_job_end(c, w->conn, m->job);
+    if (index == JOB_NOBODY)
         return;
     jw = &job->workers[index];
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
@@ -804,7 +808,7 @@ drain_parked(struct coord *c, struct job *job)
             loss_of(c, job, unit, go);
             if (job->units[unit].ngos == 0)
                 job->units[unit].lead = 0; /* its rows may be on their way */
-            break; /* the others may have moved */
+            break;                         /* the others may have moved */
         }
     }
 }

@@ -21,6 +21,7 @@ struct shared_facts {
 
 struct line {
     struct shared_facts *facts, **end; /* end: NULL while there are none */
+    uint8_t *seen;     /* bitmap of all rows: facts that came; NULL: none */
     uint8_t *bytes;    /* of the base line: densities, then pixels */
     uint32_t nx, nd;   /* columns and densities that are there */
     uint64_t whole_ms; /* since when all are; 0: not yet */
@@ -135,10 +136,28 @@ shared_of_base(const struct shared *s, const struct msg_facts *m)
            m->row + m->rows == rows_of(&s->frame[m->frame].q, m->line);
 }
 
-void
+/* Note the pixels; returns those that were noted before. */
+static uint32_t
+see(struct shared *s, struct line *l, const struct msg_facts *m)
+{
+    size_t stride = (m->width + 7) / 8, first = m->row * stride;
+    uint32_t n = 0;
+
+    if (!l->seen)
+        l->seen = calloc(rows_of(&s->frame[m->frame].q, m->line), stride);
+    for (size_t i = 0; l->seen && i < m->rows * stride; i++) {
+        for (unsigned b = l->seen[first + i] & m->bitmap[i]; b; b &= b - 1)
+            n++;
+        l->seen[first + i] |= m->bitmap[i];
+    }
+    return n;
+}
+
+uint32_t
 shared_put_facts(struct shared *s, const struct msg_facts *m)
 {
     struct line *l = make_line(s, m->frame, m->line);
+    uint32_t again = l && !(m->flags & MSG_FACTS_ESTIMATE) ? see(s, l, m) : 0;
     size_t bitmap = (size_t)m->rows * ((m->width + 7) / 8);
     size_t pixels = (size_t)m->npixels * m->channels * 4;
     size_t len = sizeof(struct shared_facts) + bitmap + pixels;
@@ -146,7 +165,7 @@ shared_put_facts(struct shared *s, const struct msg_facts *m)
 
     if (!l || m->npixels == 0 || len > SHARED_MAX_FACTS - s->facts_bytes ||
         !(f = malloc(len)))
-        return;
+        return again;
     memcpy(f->bytes, m->bitmap, bitmap);
     memcpy(f->bytes + bitmap, m->pixels, pixels);
     f->m = *m;
@@ -161,6 +180,7 @@ shared_put_facts(struct shared *s, const struct msg_facts *m)
         l->facts = f;
     l->end = &f->next;
     s->facts_bytes += len;
+    return again;
 }
 
 bool
@@ -184,6 +204,8 @@ drop_facts(struct shared *s, struct line *l)
         s->facts_bytes -= f->len;
         free(f);
     }
+    free(l->seen);
+    l->seen = NULL;
     l->facts = NULL;
     l->end = NULL;
 }

@@ -25,8 +25,9 @@ void shared_free(struct shared *s);
 /* Do they fit a line of a frame? */
 bool shared_facts_fit(const struct shared *s, const struct msg_facts *m);
 
-/* Keep a copy, if there is room. */
-void shared_put_facts(struct shared *s, const struct msg_facts *m);
+/* Keep a copy, if there is room.  Returns how many of them came before, since
+ * the line was dropped last: these were traced twice.  (Not of estimates.) */
+uint32_t shared_put_facts(struct shared *s, const struct msg_facts *m);
 
 /* Those of a line, in the order in which they came: *at is NULL at first.
  * False: no more.  What m points at is valid until the line is dropped; the

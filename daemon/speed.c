@@ -53,7 +53,8 @@ speed_finished(struct job *job, uint32_t unit)
 static double
 measured(const struct job_worker *jw)
 {
-    double rays = (double)jw->rays;
+    double rays = (double)jw->rays + (double)jw->tally.dropped.rays +
+                  (double)jw->past.dropped.rays;
 
     if (jw->state == JW_READY)
         rays += (double)jw->tally.rays_under_way;

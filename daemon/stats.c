@@ -111,11 +111,14 @@ totals(const struct job *job)
     struct msg_counts t = sum_counts(job);
     uint64_t sent = 0, received = 0, redundant = 0;
     uint64_t line_bytes = job->base_line_bytes, line_pixels = 0;
+    uint64_t dropped = 0;
     uint32_t took_part = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct msg_tally w = job_tally(&job->workers[i]);
 
+        msg_counts_add(&t, &w.dropped);
+        dropped += w.dropped.rays;
         sent += w.ambient_sent;
         received += w.ambient_received;
         redundant += w.ambient_redundant;
@@ -124,11 +127,12 @@ totals(const struct job *job)
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I}",
-        "rays", integer(t.rays), "primary_rays", integer(t.primary_rays),
-        "speculative_rays", integer(t.speculative_rays), "shadow_rays",
-        integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
-        "intersection_tests", integer(t.intersection_tests), "ambient_values",
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I}",
+        "rays", integer(t.rays), "dropped_rays", integer(dropped),
+        "primary_rays", integer(t.primary_rays), "speculative_rays",
+        integer(t.speculative_rays), "shadow_rays", integer(t.shadow_rays),
+        "ambient_rays", integer(t.ambient_rays), "intersection_tests",
+        integer(t.intersection_tests), "ambient_values",
         integer(t.ambient_values), "ambient_sent", integer(sent),
         "ambient_received", integer(received), "ambient_redundant",
         took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",

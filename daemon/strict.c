@@ -52,6 +52,7 @@ struct strict_unit {
                     * nobody has it, or with the facts of whoever has */
     bool twin;     /* facts go out as they are made */
     bool gone;     /* to be freed when its pass has ended */
+    bool over;     /* all its rows are made */
     bool split;    /* GAVE is due when its pass has ended */
     bool at_end;   /* it had nothing to give: others are at its last lines */
     bool lines_done, ahead_done;
@@ -114,6 +115,7 @@ struct strict {
     struct early *early, **early_end;
     size_t early_bytes;
     struct queue urgent, lazy;
+    struct msg_counts dropped;
     struct item *saying; /* what the message lies in */
     struct msg msg;
     uint8_t *bitmap, *bytes; /* of the message */
@@ -538,6 +540,21 @@ table_drop(struct strict *s, uint32_t frame)
     f->facts = NULL;
 }
 
+/* Facts of a unit that go with it, and nobody was told of. */
+static uint64_t
+count_untold(const struct strict *s, const struct strict_unit *u)
+{
+    uint64_t n = 0;
+
+    for (int i = u->first; i < u->last; i++) {
+        const struct rad_facts *facts = facts_at(s, u->frame, i);
+
+        if (facts && !facts_needed(s, u->frame, i))
+            n += rad_facts_fresh(facts);
+    }
+    return n;
+}
+
 /* Forget a unit that has no pass, its facts and its top. */
 static void
 unit_drop(struct strict *s, struct strict_unit *u)
@@ -547,6 +564,10 @@ unit_drop(struct strict *s, struct strict_unit *u)
     while (*at != u)
         at = &(*at)->next;
     *at = u->next;
+    if (!u->over) {
+        msg_counts_add(&s->dropped, &u->spent);
+        s->dropped.speculative_rays += count_untold(s, u);
+    }
     forget_lazy(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
@@ -648,6 +669,15 @@ strict_rays(const struct strict *s)
     for (const struct strict_unit *u = s->units; u; u = u->next)
         n += u->gone ? 0 : u->spent.rays;
     return n;
+}
+
+void
+strict_dropped(const struct strict *s, struct msg_counts *out)
+{
+    *out = s->dropped;
+    out->primary_rays = 0;
+    out->nan = (struct msg_nan){ 0 };
+    memset(out->faults, 0, sizeof out->faults);
 }
 
 static bool
@@ -1230,6 +1260,7 @@ count_unused(const struct strict *s, const struct strict_unit *u)
         const struct rad_facts *facts = facts_at(s, u->frame, i);
 
         n += facts ? rad_facts_unused(facts) : 0;
+        n += facts && u->twin ? rad_facts_doubled(facts) : 0;
     }
     return n;
 }
@@ -1264,6 +1295,7 @@ end_truth(struct strict *s, struct strict_pass *p,
     const struct frame *f = frame_of(s, u->frame);
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    p->of->over = true;
     *total = u->spent;
     total->speculative_rays = count_unused(s, u);
     /* a unit below that made its top may have them still */

@@ -109,6 +109,9 @@ bool strict_waits(const struct strict *s);
 /* Rays of passes that have ended, of units that are not done. */
 uint64_t strict_rays(const struct strict *s);
 
+/* What units that were revoked cost in all, as TALLY says it. */
+void strict_dropped(const struct strict *s, struct msg_counts *out);
+
 /* --- what goes out --- */
 
 /* The next message, in order; valid until the next call.  NULL: none.  Without

@@ -610,6 +610,7 @@ msg_pack_tally(struct wire_out *o, const struct msg_tally *b)
     wire_put_f64(o, b->busy_s);
     wire_put_f64(o, b->wait_base_line_s);
     wire_put_u64(o, b->rays_under_way);
+    msg_put_counts(o, &b->dropped);
 }
 
 static void
@@ -628,6 +629,7 @@ msg_unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
     b->busy_s = wire_get_f64(in);
     b->wait_base_line_s = wire_get_f64(in);
     b->rays_under_way = wire_get_u64(in);
+    msg_get_counts(in, &b->dropped);
     msg_must(in, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }
 

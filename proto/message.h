@@ -342,6 +342,10 @@ struct msg_tally {
     double busy_s;           /* on units, waits and all */
     double wait_base_line_s; /* of that, for the line above */
     uint64_t rays_under_way; /* of units that are not done */
+    /* of strict units that were taken back, which are in no RESULT: twins that
+     * were not first.  No primary rays, nan or faults; speculative are facts
+     * that nobody was told of. */
+    struct msg_counts dropped;
 };
 
 /* --- sharing a picture ---

@@ -15,7 +15,13 @@
 #include <string.h>
 
 /* States of a pixel, in a byte with the origin; USED is KNOWN and the bit. */
-enum { EMPTY = 0, KNOWN = 2, USED = KNOWN | RAD_FACT_USED, BUSY = 16 };
+enum {
+    EMPTY = 0,
+    KNOWN = 2,
+    USED = KNOWN | RAD_FACT_USED,
+    BUSY = 16,
+    DOUBLED = 32
+};
 
 struct rad_facts {
     int width, rows;           /* [fixed] */
@@ -174,6 +180,17 @@ is_new(const struct rad_facts *f, int x, int row, unsigned origin)
            (s & RAD_FACT_ESTIMATE) == origin && !(f->given[byte] >> x % 8 & 1);
 }
 
+size_t
+rad_facts_doubled(const struct rad_facts *f)
+{
+    size_t n = 0;
+
+    for (int row = 0; row < f->rows; row++)
+        for (int x = 0; x < f->width; x++)
+            n += state_of(f, at(f, x, row)) & DOUBLED && is_new(f, x, row, 0);
+    return n;
+}
+
 static void
 give(float *to, const struct rad_pixel *p, int channels)
 {
@@ -258,6 +275,20 @@ take(const float *from, int channels, struct rad_pixel *p)
     return rad_rgb_sound(p->L) && !isnan(p->z);
 }
 
+/* (rad_facts_use() may undo the mark if it comes at that very moment.) */
+static void
+put_foreign(struct rad_facts *f, int x, int row, const struct rad_pixel *p,
+            unsigned origin)
+{
+    const unsigned mask = KNOWN | RAD_FACT_FOREIGN | RAD_FACT_ESTIMATE;
+    size_t i = at(f, x, row);
+
+    if (rad_facts_put(f, x, row, p, origin) || origin & RAD_FACT_ESTIMATE)
+        return;
+    if ((state_of(f, i) & mask) == KNOWN)
+        atomic_fetch_or_explicit(&f->state[i], DOUBLED, memory_order_relaxed);
+}
+
 int
 rad_facts_import(struct rad_facts *f, int row, int n, int channels,
                  unsigned origin, const uint8_t *bitmap, const float *pixels,
@@ -274,6 +305,6 @@ rad_facts_import(struct rad_facts *f, int row, int n, int channels,
         for (int x = 0; x < f->width; x++)
             if (bit_of(bitmap, stride, k, x) &&
                 take(pixels + count++ * (size_t)channels, channels, &p))
-                rad_facts_put(f, x, row + k, &p, origin);
+                put_foreign(f, x, row + k, &p, origin);
     return 0;
 }

@@ -54,6 +54,10 @@ bool rad_facts_met(const struct rad_facts *f, int row, int n, int x, int width);
  * nothing, once the line is done. */
 size_t rad_facts_unused(const struct rad_facts *f);
 
+/* Facts made here that came from elsewhere as well, so were traced twice, but
+ * for those that export gave: they may only have come back.  By the exporter. */
+size_t rad_facts_doubled(const struct rad_facts *f);
+
 /* Facts that export has not given yet, of both kinds: an upper bound. */
 size_t rad_facts_fresh(const struct rad_facts *f);
 

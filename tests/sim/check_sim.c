@@ -99,14 +99,15 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     if (s->net.repeated > 0 || job->spec.partition == MSG_PART_WINDOW)
         return;
     SIM_CHECK(&s->net, primary + spec <= job->traced);
-    sum.primary += primary;
-    sum.speculative += spec;
     json_array_foreach(units, i, unit)
     {
         pixels += number(unit, "attempts") * number(unit, "width");
     }
-    if (is_quiet(s))
-        SIM_CHECK(&s->net, spec <= primary / 50 + (uint64_t)pixels);
+    if (!is_quiet(s))
+        return;
+    sum.primary += primary;
+    sum.speculative += spec;
+    SIM_CHECK(&s->net, spec <= primary / 50 + (uint64_t)pixels);
 }
 
 static void
@@ -132,7 +133,8 @@ check_done(struct sim *s, struct sim_job *job)
     /* a twin is an attempt, and nothing redone */
     SIM_CHECK(&s->net, number(totals, "units_redone") <= redone);
     SIM_CHECK(&s->net,
-              number(totals, "rays") == rays + number(totals, "estimate_rays"));
+              number(totals, "rays") == rays + number(totals, "dropped_rays") +
+                                            number(totals, "estimate_rays"));
     SIM_CHECK(&s->net, number(totals, "primary_rays") == primary);
     SIM_CHECK(&s->net, (uint64_t)primary == want);
     check_waste(s, job, want, (uint64_t)number(totals, "speculative_rays"),

@@ -141,6 +141,8 @@ send_tally(struct net *net, int node)
                                 .busy_s = k->busy_s,
                                 .wait_base_line_s = k->busy_s / 4 } };
 
+    if (k->strict)
+        strict_dropped(k->strict, &m.tally.dropped);
     net_send_msg(net, node, k->conn, &m);
 }
 
