@@ -19,6 +19,11 @@
 /* Twins at a time: all that they trace goes through here. */
 #define MOST_TWINS 64
 
+/* One twin for so much work of all [ms]: until each has heard of the other, and
+ * at the end of the unit, both trace the same for some ms; of all rays that
+ * should be 1 %. */
+#define WORK_FOR_TWIN_MS 1500
+
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
 
@@ -229,6 +234,8 @@ static bool
 choose_twin(const struct coord *c, const struct job *job, uint32_t index,
             uint64_t lease_ms, uint32_t *unit, bool *helps)
 {
+    bool may_twin =
+        twins(job) && job->twins_made <= job->work_ms / WORK_FOR_TWIN_MS;
     double most = twins(job) ? LEAST_TWIN_MS : 0;
     bool found = false;
 
@@ -244,7 +251,7 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
         if (late)
             ms =
                 1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
-        else if (!twins(job) || u->ngos == JOB_MAX_HOLDERS - 1 ||
+        else if (!may_twin || u->ngos == JOB_MAX_HOLDERS - 1 ||
                  (!u->whole && !has_one_bar(job, job->out[i])))
             continue;
         else

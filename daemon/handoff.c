@@ -14,6 +14,7 @@
 
 #include <string.h>
 
+#define LONG_MS 100 /* of a bar that is not left to wait */
 #define LINK_MS 100 /* a link between workers has brought it by then */
 
 /* Lines [*first, *last) of a unit; its frame. */
@@ -57,6 +58,28 @@ is_at_truth(const struct job *job, uint32_t unit)
            (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0);
 }
 
+/* Will the base line above come soon enough?  Whoever has the unit above has
+ * one bar and is at its truth; or it makes base lines first, as does the one
+ * below: they come when that one can use them, unless it has but one bar, which
+ * takes long.  To make it here as well is 1 % more rays and more. */
+static bool
+comes_soon(const struct job *job, uint32_t above, uint32_t unit,
+           const struct job_go *go, uint32_t line)
+{
+    const struct shared_facts *at = NULL;
+    struct partition_area a;
+    struct msg_facts facts;
+    double rate = speed_cost(job, go->worker, 1);
+
+    if (is_at_truth(job, above))
+        return true;
+    partition_area(job->partition, unit, &a);
+    return job->units[above].ngos > 0 &&
+           (go->lines > 1 || rate <= 0 ||
+            partition_cost(job->partition, unit) < LONG_MS * rate) &&
+           !shared_get_facts(job->shared, a.frame, line, &at, &facts);
+}
+
 /* Without colours above it the first bar cannot be traced ahead.  Where the
  * unit above is here no facts are needed; where another has it, what comes of
  * its base line first serves both. */
@@ -71,7 +94,8 @@ handoff_flags(const struct job *job, uint32_t unit, const struct job_go *go)
         return flags;
     above = unit_at(job, frame, first - 1);
     if (above == PARTITION_NONE || above == unit ||
-        (!job_go_of(job, above, go->worker) && !is_at_truth(job, above)))
+        (!job_go_of(job, above, go->worker) &&
+         !comes_soon(job, above, unit, go, first - 1)))
         flags |= MSG_UNIT_TOP;
     return flags;
 }

@@ -252,8 +252,10 @@ job_go_add(struct job *job, uint32_t unit)
         }
     }
     memset(&u->go[u->ngos], 0, sizeof *u->go);
-    if (u->ngos > 0)
+    if (u->ngos > 0) {
         job->ntwins++;
+        job->twins_made++;
+    }
     return &u->go[u->ngos++];
 }
 

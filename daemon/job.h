@@ -128,6 +128,7 @@ struct job {
     struct survey *survey;    /* NULL: costs are not estimated, or are by now */
     struct shared *shared;    /* NULL: lines are not shared */
     uint32_t ntwins;          /* holders of units beside the first */
+    uint32_t twins_made;      /* and of those, all that ever were */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's
