@@ -8,8 +8,6 @@
 #include "scene/octfile.h"
 #include "unit.h"
 
-#define FONT "65 4\n\t40 0 220 60 220 255 40 255\n"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
@@ -19,6 +17,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define FONT "65 4\n\t40 0 220 60 220 255 40 255\n"
 
 static char dir[PATH_MAX]; /* of the test that runs */
 

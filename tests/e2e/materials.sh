@@ -39,7 +39,8 @@ compare() {
         }' || failed=1
 }
 
-for name in aniso ashik brdf brdf_data brtd bsdf fprism lamps phong prism tables wgmd; do
+for name in aniso ashik brdf brdf_data brtd bsdf fprism functions lamps lights \
+    phong prism tables wgmd; do
     read -r options <$name.rays
     sed 1d $name.rays | cut -d' ' -f1-6 >"$tmp/rays"
     sed 1d $name.rays | cut -d' ' -f8-10 >"$tmp/expected"
