@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "picture/frame.h"
+#include "base/rng.h"
 #include "scene/parse.h"
 #include "unit.h"
 
@@ -205,7 +206,7 @@ START_TEST(seed_and_frame_move_the_jitter)
 
         p.seed = i == 1;
         stage_init(&s, room, p, ahead, true);
-        s.frame.number = i == 2;
+        s.frame.key = rad_key_frame(p.seed, i == 2);
         seen[i] = render_all(&s);
         stage_release(&s);
     }

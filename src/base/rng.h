@@ -28,11 +28,22 @@ rad_key_branch(uint64_t key, uint64_t branch)
 }
 
 static inline uint64_t
+rad_key_frame(uint64_t seed, uint32_t frame)
+{
+    return rad_key_branch(rad_mix64(seed), frame);
+}
+
+/* The key of a pixel of the frame at key. */
+static inline uint64_t
+rad_key_in_frame(uint64_t key, uint32_t x, uint32_t y)
+{
+    return rad_key_branch(key, (uint64_t)y << 32 | x);
+}
+
+static inline uint64_t
 rad_key_pixel(uint64_t seed, uint32_t frame, uint32_t x, uint32_t y)
 {
-    uint64_t k = rad_key_branch(rad_mix64(seed), frame);
-
-    return rad_key_branch(k, (uint64_t)y << 32 | x);
+    return rad_key_in_frame(rad_key_frame(seed, frame), x, y);
 }
 
 /* Uniform in [0, 1), 53 bits, for dimension dim of the ray at key. */

@@ -99,7 +99,6 @@ struct rad_walk {
     const struct rad_geom *geom;     /* that the whole walk goes through */
     const struct rad_set *set;       /* what the tree is over */
     struct rad_probe probe;
-    struct rad_bvh_ray ray;
     double tmin, tmax; /* of the span */
     double cut;        /* hits from here on do not matter */
     double best;       /* nearest t so far */
@@ -174,6 +173,9 @@ rad_bvh_limit(const struct rad_bvh *bvh, double t)
 struct rad_kernel {
     const char *name;
     bool (*usable)(void); /* by this processor */
+    /* does the ray, of which only probe, tmin and cut are looked at, meet p,
+     * which is no place? */
+    bool (*one)(const struct rad_walk *w, const struct rad_prim *p, double *t);
     /* the nearest hit into w->best, w->prim, w->tie */
     void (*nearest)(struct rad_walk *w);
     /* the first opaque hit met, into w->prim; false: none */

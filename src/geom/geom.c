@@ -335,21 +335,6 @@ walk_init(struct rad_walk *w, const struct rad_geom *g,
     return true;
 }
 
-/* Make ready to walk. */
-static void
-walk_aim(struct rad_walk *w)
-{
-    rad_bvh_ray_init(&w->ray, w->bvh, &w->probe, w->tmin);
-}
-
-/* Anything opaque on the way?  Into w->prim. */
-static bool
-walk_any(struct rad_walk *w, const struct rad_kernel *k)
-{
-    walk_aim(w);
-    return k->any(w);
-}
-
 static void
 add_counts(struct rad_geom_counts *counts, const struct rad_walk *w)
 {
@@ -430,7 +415,6 @@ rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
     hit->obj = RAD_VOID;
     if (!walk_init(&w, g, span))
         return false;
-    walk_aim(&w);
     g->kernel->nearest(&w);
     if (w.prim != RAD_NO_PRIM) {
         const struct rad_prim *p = &w.prims[w.prim];
@@ -462,7 +446,7 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     w->tests++;
     if (p->kind == PRIM_PLACE)
         return rad_place_meet(w, g->prim_of[obj], RAD_MEET_ANY);
-    return rad_prim_hit(p, &w->probe, w->tmin, w->cut, &t);
+    return g->kernel->one(w, p, &t);
 }
 
 enum rad_sight
@@ -476,7 +460,7 @@ rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
         return RAD_SIGHT_CLEAR;
     w.skip = skip;
     blocked = blocker && still_blocks(g, &w, *blocker);
-    if (!blocked && walk_any(&w, g->kernel)) {
+    if (!blocked && g->kernel->any(&w)) {
         blocked = true;
         if (blocker)
             *blocker = w.prims[w.prim].obj;
@@ -501,19 +485,20 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                     struct rad_geom_counts *counts)
 {
     const struct rad_prim *p;
-    struct rad_probe probe;
+    struct rad_walk w;
     double t;
 
     hit->obj = RAD_VOID;
     if (obj < 0 || obj >= g->nown || g->prim_of[obj] == RAD_NO_PRIM ||
-        !probe_span(&probe, span))
+        !probe_span(&w.probe, span))
         return false;
     p = &g->top.prims[g->prim_of[obj]];
     counts->tests++;
-    if (!rad_prim_hit(p, &probe, span->tmin, rad_least(span->tmax, DBL_MAX),
-                      &t))
+    w.tmin = span->tmin;
+    w.cut = rad_least(span->tmax, DBL_MAX);
+    if (!g->kernel->one(&w, p, &t))
         return false;
-    rad_prim_surface(p, &probe, t, hit);
+    rad_prim_surface(p, &w.probe, t, hit);
     return true;
 }
 

@@ -1,4 +1,8 @@
-/* kernel.c - which kernels there are, best first */
+/* kernel.c - which kernels there are, best first
+ *
+ * AVX-512 tests a node in fewer instructions, yet rooms of some dozen surfaces
+ * take 10 to 17 % longer with it on the processors that we could measure, and
+ * meshes as long. */
 #include "config.h"
 
 #include "geom/kernel.h"
@@ -7,13 +11,13 @@
 
 static const struct rad_kernel *const kernels[] = {
 #ifdef RAD_X86
-    &rad_kernel_avx512, &rad_kernel_avx2,
+    &rad_kernel_avx2,  &rad_kernel_avx512,
     &rad_kernel_sse2,
 #endif
 #ifdef RAD_ARM64
     &rad_kernel_neon,
 #endif
-    &rad_kernel_plain,  NULL
+    &rad_kernel_plain, NULL
 };
 
 const struct rad_kernel *const *

@@ -406,7 +406,6 @@ turn(struct rad_walk *in, const struct rad_walk *w, const struct rad_prim *p)
         in->give = p->surf;
     }
     in->veiled = w->veiled;
-    rad_bvh_ray_init(&in->ray, in->bvh, &in->probe, in->tmin);
     return len;
 }
 

@@ -124,14 +124,14 @@ WALK(push_sorted)(uint64_t *stack, int n, const struct rad_bvh_node *node,
 /* From a node down to the nearest leaf under it that the ray may meet; what it
  * passes by is pushed.  False: there is none. */
 static inline WALK_TARGET bool
-WALK(descend)(struct rad_walk *w, uint64_t *stack, int *n, uint32_t *child,
-              float limit)
+WALK(descend)(struct rad_walk *w, const struct rad_bvh_ray *ray,
+              uint64_t *stack, int *n, uint32_t *child, float limit)
 {
     float enter[RAD_BVH_WIDTH];
 
     while (!(*child & RAD_BVH_LEAF)) {
         const struct rad_bvh_node *node = &w->bvh->nodes[*child];
-        unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
+        unsigned mask = WALK(boxes)(node, ray, limit, enter);
 
         w->nodes++;
         if (!mask)
@@ -147,13 +147,15 @@ WALK(seek)(struct rad_walk *w,
            void (*leaf)(struct rad_walk *, uint32_t, uint32_t))
 {
     uint64_t stack[RAD_BVH_STACK];
+    struct rad_bvh_ray ray;
     float limit = rad_bvh_limit(w->bvh, w->cut);
     uint64_t past = WALK(entry)(limit, UINT32_MAX), top;
     uint32_t child = 0;
     int n = 0;
 
+    rad_bvh_ray_init(&ray, w->bvh, &w->probe, w->tmin);
     for (;;) {
-        if (WALK(descend)(w, stack, &n, &child, limit)) {
+        if (WALK(descend)(w, &ray, stack, &n, &child, limit)) {
             uint32_t count = rad_bvh_leaf_count(child);
 
             leaf(w, rad_bvh_leaf_first(child), count);
@@ -268,9 +270,11 @@ WALK(visit)(struct rad_walk *w,
             bool (*leaf)(struct rad_walk *, uint32_t, uint32_t))
 {
     uint32_t stack[RAD_BVH_STACK];
+    struct rad_bvh_ray ray;
     float limit = rad_bvh_limit(w->bvh, w->cut), enter[RAD_BVH_WIDTH];
     int n = 1;
 
+    rad_bvh_ray_init(&ray, w->bvh, &w->probe, w->tmin);
     stack[0] = 0;
     while (n > 0) {
         uint32_t child = stack[--n];
@@ -280,7 +284,7 @@ WALK(visit)(struct rad_walk *w,
                 return true;
         } else {
             const struct rad_bvh_node *node = &w->bvh->nodes[child];
-            unsigned mask = WALK(boxes)(node, &w->ray, limit, enter);
+            unsigned mask = WALK(boxes)(node, &ray, limit, enter);
 
             w->nodes++;
             while (mask) { /* the first lane ends on top */
@@ -318,7 +322,13 @@ WALK(mesh_all)(struct rad_walk *w)
     WALK(visit)(w, WALK(mesh_leaf_all));
 }
 
+static WALK_TARGET bool
+WALK(one)(const struct rad_walk *w, const struct rad_prim *p, double *t)
+{
+    return rad_prim_hit(p, &w->probe, w->tmin, w->cut, t);
+}
+
 /* What a kernel's table holds. */
 #define WALK_ALL                                                               \
-    WALK(nearest), WALK(any), WALK(all), WALK(mesh_nearest), WALK(mesh_any),   \
-        WALK(mesh_all)
+    WALK(one), WALK(nearest), WALK(any), WALK(all), WALK(mesh_nearest),        \
+        WALK(mesh_any), WALK(mesh_all)

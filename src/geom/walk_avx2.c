@@ -24,6 +24,7 @@ avx2_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 {
     __m256 in = _mm256_set1_ps(r->tmin), out = _mm256_set1_ps(INFINITY);
 
+#pragma GCC unroll 3
     for (int a = 0; a < 3; a++) {
         in = _mm256_max_ps(
             avx2_slab(node->bound + r->enter[a], r->org[a][0], r->inv[a]), in);

@@ -457,6 +457,18 @@ height_of(const struct rad_source *src, const double centre[3],
     return side * rad_dot(d, r->n);
 }
 
+/* The key of the random numbers for samples of a source or image; without
+ * jitter there are none. */
+static uint64_t
+sample_key(const struct rad_ray *r, const struct rad_light_view *view,
+           int32_t source)
+{
+    /* above every ray's branch number, below every dimension's bit */
+    return view->jitter > 0
+               ? rad_key_branch(r->key, (uint64_t)(source + 1) << 32)
+               : 0;
+}
+
 /* Weigh the samples of what mirrors show. */
 static void
 weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
@@ -473,7 +485,7 @@ weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
                  -s->list[v->root].radius))
             continue;
         d->source = s->n + i;
-        view->key = rad_key_branch(d->r->key, (uint64_t)(d->source + 1) << 32);
+        view->key = sample_key(d->r, view, d->source);
         rad_virtual_samples(s, v, view, weigh, d);
     }
 }
@@ -508,8 +520,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
         if (skip && (height = height_of(src, src->centre, r)) < -src->radius)
             continue;
         view.up = height < src->radius ? up : NULL;
-        /* above every ray's branch number, below every dimension's bit */
-        view.key = rad_key_branch(r->key, (uint64_t)(d.source + 1) << 32);
+        view.key = sample_key(r, &view, d.source);
         rad_light_samples(src, &view, weigh, &d);
     }
     view.up = NULL;
@@ -542,7 +553,7 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
         return;
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
-    view.key = rad_key_branch(r->key, (uint64_t)(source + 1) << 32);
+    view.key = sample_key(r, &view, source);
     if (!v)
         rad_light_samples(&s->list[source], &view, weigh, &d);
     else if (rad_virtual_faces(v, view.p, r->hit.err))

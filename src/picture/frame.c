@@ -39,6 +39,7 @@ rad_frame_init(struct rad_frame *f, const struct rad_job *job,
     f->job = job;
     f->view = *view;
     f->number = number;
+    f->key = rad_key_frame(job->params.seed, number);
     f->depth = depth;
     if ((rc = rad_view_setup(&f->view, err)) < 0 ||
         (rc = rad_frame_size(&job->params, &f->view, &f->width, &f->height,
@@ -92,11 +93,13 @@ static bool
 aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
 {
     const struct rad_params *p = &f->job->params;
-    double jx, jy, aft, u[3];
+    double jx = .5, jy = .5, aft, u[3];
 
-    r->key = rad_key_pixel(p->seed, f->number, (uint32_t)x, (uint32_t)y);
-    jx = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
-    jy = .5 + p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));
+    r->key = rad_key_in_frame(f->key, (uint32_t)x, (uint32_t)y);
+    if (p->pixjitter > 0) {
+        jx += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
+        jy += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));
+    }
     jx = (x + jx) / f->width;
     jy = (f->height - 1 - y + jy) / f->height;
     aft = rad_view_ray(&f->view, jx, jy, r->org, r->dir);

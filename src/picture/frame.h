@@ -20,6 +20,7 @@ struct rad_frame {
     int width, height;      /* what rad_view_resolution() made of -x -y -pa */
     double pixaspect;       /* height / width of a pixel, for the header */
     uint32_t number;        /* 0 for a still, 1.. in an animation */
+    uint64_t key;           /* of its random numbers */
     bool depth;             /* -z wanted */
     bool moving;            /* -pm: between these views */
     struct rad_view before; /* the last frame's, set up */
