@@ -32,9 +32,14 @@
 #define SPARE_EDGES 256
 #define SPARE_FACTS (64u << 20)
 
+/* Units and edges are found by frame and line in tables of so many slots: a
+ * child may have thousands of units that wait. */
+#define SLOTS 1024
+
 /* The base line under some unit, true. */
 struct edge {
-    struct edge *next; /* the newer one */
+    struct edge *next;    /* the newer one */
+    struct edge *chained; /* in its slot */
     uint32_t frame;
     int line;
     struct rad_pixel *pixels; /* the width */
@@ -45,6 +50,7 @@ struct edge {
 
 struct strict_unit {
     struct strict_unit *next;
+    struct strict_unit *same_first, *same_last; /* in their slots; the newer */
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
     enum team_end end;
@@ -111,7 +117,9 @@ struct strict {
     uint32_t nframes;
     int threads;
     struct strict_unit *units;
+    struct strict_unit *by_first[SLOTS], *by_last[SLOTS];
     struct edge *edges; /* the oldest first */
+    struct edge *by_line[SLOTS];
     struct early *early, **early_end;
     size_t early_bytes;
     struct queue urgent, lazy;
@@ -171,6 +179,67 @@ find_unit(const struct strict *s, uint32_t unit, uint32_t attempt)
     while (u && (u->unit != unit || u->attempt != attempt || u->gone))
         u = u->next;
     return u;
+}
+
+static size_t
+slot_of(uint32_t frame, int line)
+{
+    return (frame * 31 + (uint32_t)line) % SLOTS;
+}
+
+/* Units whose first line, or the one after the last, may be that line. */
+static struct strict_unit **
+first_slot(struct strict *s, uint32_t frame, int line)
+{
+    return &s->by_first[slot_of(frame, line)];
+}
+
+static struct strict_unit **
+last_slot(struct strict *s, uint32_t frame, int line)
+{
+    return &s->by_last[slot_of(frame, line)];
+}
+
+static void
+link_first(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = first_slot(s, u->frame, u->first);
+
+    while (*at)
+        at = &(*at)->same_first;
+    *at = u;
+}
+
+static void
+link_last(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = last_slot(s, u->frame, u->last);
+
+    while (*at)
+        at = &(*at)->same_last;
+    *at = u;
+}
+
+static void
+unlink_first(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = first_slot(s, u->frame, u->first);
+
+    while (*at != u)
+        at = &(*at)->same_first;
+    *at = u->same_first;
+    u->same_first = NULL;
+}
+
+static void
+unlink_last(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = last_slot(s, u->frame, u->last);
+
+    while (*at != u)
+        at = &(*at)->same_last;
+    *at = u->same_last;
+    u->same_last = NULL;
 }
 
 /* --- facts --- */
@@ -308,20 +377,21 @@ early_add(struct strict *s, uint32_t frame, int line)
 static struct edge *
 find_edge(const struct strict *s, uint32_t frame, int line)
 {
-    struct edge *e = s->edges;
+    struct edge *e = s->by_line[slot_of(frame, line)];
 
     while (e && (e->frame != frame || e->line != line))
-        e = e->next;
+        e = e->chained;
     return e;
 }
 
 static bool
 edge_needed(const struct strict *s, const struct edge *e)
 {
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        if (!u->gone && u->frame == e->frame && u->first - 1 == e->line)
-            return true;
-    return false;
+    const struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
+
+    while (u && (u->gone || u->frame != e->frame || u->first - 1 != e->line))
+        u = u->same_first;
+    return u;
 }
 
 static void
@@ -338,14 +408,17 @@ edge_free(struct edge *e)
 static void
 edge_drop(struct strict *s, uint32_t frame, int line)
 {
-    struct edge **at = &s->edges, *e;
+    struct edge *e = find_edge(s, frame, line);
+    struct edge **at = &s->edges, **slot = &s->by_line[slot_of(frame, line)];
 
-    while (*at && ((*at)->frame != frame || (*at)->line != line))
-        at = &(*at)->next;
-    e = *at;
     if (!e || edge_needed(s, e))
         return;
+    while (*at != e)
+        at = &(*at)->next;
     *at = e->next;
+    while (*slot != e)
+        slot = &(*slot)->chained;
+    *slot = e->chained;
     edge_free(e);
 }
 
@@ -393,6 +466,8 @@ edge_make(struct strict *s, uint32_t frame, int line)
     while (*at)
         at = &(*at)->next;
     *at = e;
+    e->chained = s->by_line[slot_of(frame, line)];
+    s->by_line[slot_of(frame, line)] = e;
     return e;
 }
 
@@ -568,6 +643,8 @@ unit_drop(struct strict *s, struct strict_unit *u)
         msg_counts_add(&s->dropped, &u->spent);
         s->dropped.speculative_rays += count_untold(s, u);
     }
+    unlink_first(s, u);
+    unlink_last(s, u);
     forget_lazy(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
@@ -590,20 +667,20 @@ top_is_true(const struct strict *s, const struct strict_unit *u)
 static struct strict_unit *
 unit_above(const struct strict *s, const struct strict_unit *u)
 {
-    struct strict_unit *a = s->units;
+    struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
 
     while (a && (a->gone || a->frame != u->frame || a->last != u->first))
-        a = a->next;
+        a = a->same_last;
     return a;
 }
 
 static struct strict_unit *
 unit_below(const struct strict *s, const struct strict_unit *u)
 {
-    struct strict_unit *b = s->units;
+    struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
 
     while (b && (b->gone || b->frame != u->frame || b->first != u->last))
-        b = b->next;
+        b = b->same_first;
     return b;
 }
 
@@ -771,6 +848,8 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     while (*at)
         at = &(*at)->next;
     *at = u;
+    link_first(s, u);
+    link_last(s, u);
     return 0;
 }
 
@@ -800,7 +879,9 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
         /* and the base line above, which whoever gets them would make */
         for (int i = last - 1; i < end; i++)
             push_facts(s, &s->urgent, u, i);
+        unlink_last(s, u);
         u->last = last;
+        link_last(s, u);
         u->bottom_done = false;
         /* it was that of another line */
         free(u->guess);

@@ -1219,12 +1219,54 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
 }
 END_TEST
 
+/* A child may have thousands of units that wait, in the end. To look at all of
+ * them at each message must not take the square of that. */
+START_TEST(thousands_of_units_may_wait)
+{
+    enum { N = 3000, WIDE = 3 };
+    static const uint8_t pixels[WIDE * 12];
+    struct rad_quincunx q = { .width = WIDE, .height = N + 2 };
+    struct msg_base_line top = {
+        .job = job_id, .n = WIDE, .channels = 3, .pixels = pixels
+    };
+    struct msg_counts none = { 0 };
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(1, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, 1, job_id);
+    for (uint32_t i = 1; i <= N; i++) {
+        struct msg_unit u = { .job = job_id,
+                              .unit = i,
+                              .attempt = 1,
+                              .y = i,
+                              .width = WIDE,
+                              .height = 1,
+                              .mode = MSG_MODE_STRICT };
+
+        ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    }
+    for (uint32_t i = N; i-- > 0;) {
+        top.line = i;
+        strict_base_line(s, &top);
+        strict_tick(s, 10 * i);
+    }
+    p = strict_next(s, STRICT_TRUTH);
+    ck_assert_ptr_nonnull(p);
+    ck_assert_uint_eq(p->unit, 1);
+    ck_assert_int_eq(strict_error(s), 0);
+    strict_ended(s, p, false, NULL, NULL, &none, &none);
+    strict_free(s);
+}
+END_TEST
+
 int
 main(void)
 {
     Suite *s = suite_create("strict");
     TCase *tc = tcase_create("strict");
 
+    tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
