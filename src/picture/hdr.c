@@ -153,25 +153,78 @@ rad_rgbe_radiance(const uint8_t rgbe[4])
                    (rgbe[2] + .5f) * step);
 }
 
-/* Does a run that pays start at c, of which three more are there? */
-static inline bool
-run_starts(const uint8_t *c)
-{
-    uint32_t four;
+#define EACH_BYTE(x) ((uint64_t)(x)*UINT64_C(0x0101010101010101))
 
-    memcpy(&four, c, sizeof four);
-    return four == c[0] * 0x01010101u;
+/* Eight bytes as a number, the first lowest. */
+static inline uint64_t
+eight_at(const uint8_t *c)
+{
+    uint64_t v;
+
+    memcpy(&v, c, sizeof v);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    v = __builtin_bswap64(v);
+#endif
+    return v;
+}
+
+/* The highest bit of each byte of v that is 0. */
+static inline uint64_t
+zero_bytes(uint64_t v)
+{
+    return ~(((v & EACH_BYTE(0x7f)) + EACH_BYTE(0x7f)) | v | EACH_BYTE(0x7f));
+}
+
+/* Of the n bytes at c, the index of the first where a run that pays starts; n
+ * if there is none. */
+static inline int
+find_run(const uint8_t *c, int n)
+{
+    int i = 0;
+
+    /* where neighbours are equal three times over; the last two of eight do
+     * not see enough */
+    for (; n - i > 8; i += 6) {
+        uint64_t same = zero_bytes(eight_at(c + i) ^ eight_at(c + i + 1));
+
+        same &= same >> 8 & same >> 16;
+        if (same)
+            return i + __builtin_ctzll(same) / 8;
+    }
+    for (; n - i >= SHORTEST_RUN; i++)
+        if (c[i] == c[i + 1] && c[i] == c[i + 2] && c[i] == c[i + 3])
+            return i;
+    return n;
 }
 
 /* Length of the run of equal bytes that starts at c, of which n are there. */
-static int
+static inline int
 run_length(const uint8_t *c, int n)
 {
-    int k = 1;
+    int most = n < LONGEST_RUN ? n : LONGEST_RUN, k = 1;
 
-    while (k < LONGEST_RUN && k < n && c[k] == c[0])
+    for (; most - k >= 8; k += 8) {
+        uint64_t other = eight_at(c + k) ^ EACH_BYTE(c[0]);
+
+        if (other)
+            return k + __builtin_ctzll(other) / 8;
+    }
+    while (k < most && c[k] == c[0])
         k++;
     return k;
+}
+
+/* memcpy() of few bytes; returns the end of out. */
+static inline uint8_t *
+copy(uint8_t *out, const uint8_t *c, int n)
+{
+    int i = 0;
+
+    for (; n - i >= 8; i += 8)
+        memcpy(out + i, c + i, 8);
+    for (; i < n; i++)
+        out[i] = c[i];
+    return out + n;
 }
 
 /* Code one component of n pixels; returns the end of out. */
@@ -181,21 +234,21 @@ encode_component(const uint8_t *c, int n, uint8_t *out)
     int i = 0;
 
     while (i < n) {
-        int from = i, most = n - i < LONGEST_LITERAL ? n : i + LONGEST_LITERAL;
+        int run = i + find_run(c + i, n - i); /* where the next one is */
 
-        /* literals up to the next run that pays */
-        while (i < most && !(n - i >= SHORTEST_RUN && run_starts(c + i)))
-            i++;
-        if (i > from) {
-            *out++ = (uint8_t)(i - from);
-            memcpy(out, c + from, (size_t)(i - from));
-            out += i - from;
-        } else {
-            int run = run_length(c + i, n - i);
+        while (i < run) { /* literals up to there */
+            int k = run - i < LONGEST_LITERAL ? run - i : LONGEST_LITERAL;
 
-            *out++ = (uint8_t)(128 + run);
+            *out++ = (uint8_t)k;
+            out = copy(out, c + i, k);
+            i += k;
+        }
+        if (i < n) {
+            int k = run_length(c + i, n - i);
+
+            *out++ = (uint8_t)(128 + k);
             *out++ = c[i];
-            i += run;
+            i += k;
         }
     }
     return out;
@@ -205,7 +258,9 @@ size_t
 rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
 {
     /* bytes by component in the upper half, their coding in the lower */
-    uint8_t *plane = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
+    uint8_t *red = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
+    uint8_t *green = red + width, *blue = green + width,
+            *exponent = blue + width;
 
     if (width < SHORTEST_CODED || width > LONGEST_CODED) {
         for (int x = 0; x < width; x++, at += 4)
@@ -215,15 +270,17 @@ rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
     for (int x = 0; x < width; x++) {
         uint32_t c = coded(row[x]);
 
-        for (int i = 0; i < 4; i++)
-            plane[i * width + x] = (uint8_t)(c >> 8 * i);
+        red[x] = (uint8_t)c;
+        green[x] = (uint8_t)(c >> 8);
+        blue[x] = (uint8_t)(c >> 16);
+        exponent[x] = (uint8_t)(c >> 24);
     }
     *at++ = 2;
     *at++ = 2;
     *at++ = (uint8_t)(width >> 8);
     *at++ = (uint8_t)(width & 255);
     for (int i = 0; i < 4; i++)
-        at = encode_component(plane + i * width, width, at);
+        at = encode_component(red + i * width, width, at);
     return (size_t)(at - out);
 }
 
