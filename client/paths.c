@@ -75,12 +75,13 @@ paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
     return 0;
 }
 
+/* A pipe or a device may have no end, and its bytes come once. */
 static bool
 readable(const char *path)
 {
     struct stat st;
 
-    return stat(path, &st) == 0 && !S_ISDIR(st.st_mode) &&
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) &&
            access(path, R_OK) == 0;
 }
 

@@ -131,6 +131,12 @@ expect 65 "bad.rad:2: brightfunc 'p': 'nix(1)': undefined function 'nix'" \
 printf '\nvoid brightfunc p 2 Px none.cal 0 0\n%s\n' "$use" >bad.rad
 expect 66 "bad.rad:2: brightfunc 'p': cannot find file 'none.cal'" \
     $radscene check bad.rad
+mkfifo pipe.cal
+for name in pipe.cal /dev/zero /; do
+    printf '\nvoid brightfunc p 2 Px %s 0 0\n%s\n' $name "$use" >bad.rad
+    expect 66 "bad.rad:2: brightfunc 'p': cannot find file '$name'" \
+        timeout 60 $radscene check bad.rad
+done
 printf '\nvoid colorpict p 7 red green blue good.rad . Px Py 0 0\n%s\n' \
     "$use" >bad.rad
 expect 65 "bad.rad:2: colorpict 'p': 'good.rad': picture: not a Radiance" \
