@@ -165,12 +165,26 @@ static const struct {
     { "-am+", "option '-am+' of rpict is not supported: there are no photon "
               "maps" },
     { "-cs 20", "option '-cs' of rpict is not supported: there is no spectral "
-                "rendering" },
+                "rendering, so 3 only" },
     { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
                  "rendered and goes on by itself; submit it again" },
     { "-PP file", "option '-PP' of rpict is not supported: the daemons stay, "
                   "and a second job sends no scene again" },
 };
+
+/* what rpict has unless told otherwise */
+START_TEST(three_spectral_samples_are_taken)
+{
+    struct rad_params p, q;
+    struct rad_error err = { 0 };
+
+    rad_params_init(&p);
+    rad_params_init(&q);
+    ck_assert_int_eq(take(&p, "-cs 3", &err), 2);
+    ck_assert_mem_eq(&p, &q, sizeof p);
+    ck_assert_int_eq(take(&p, "-cs", &err), RAD_EUSAGE);
+}
+END_TEST
 
 START_TEST(bad_options_are_named)
 {
@@ -449,6 +463,7 @@ main(void)
     tcase_add_test(tc, defaults_are_those_of_rpict);
     tcase_add_test(tc, options_set_their_field);
     tcase_add_loop_test(tc, booleans_set_clear_and_toggle, 0, N_ELEM(switches));
+    tcase_add_test(tc, three_spectral_samples_are_taken);
     tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
     tcase_add_test(tc, other_words_are_left_alone);
     tcase_add_test(tc, sampling_stays_within_what_rpict_does);

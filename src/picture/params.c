@@ -123,7 +123,7 @@ static const struct {
     { "-ac", "there are no photon maps" },
     { "-aC", "there are no photon maps" },
     { "-aH", "there are no photon maps" },
-    { "-cs", "there is no spectral rendering" },
+    { "-cs", "there is no spectral rendering, so 3 only" },
     { "-cw", "there is no spectral rendering" }
 };
 /* clang-format on */
@@ -441,6 +441,9 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
 
     if (argc < 1 || argv[0][0] != '-')
         return 0;
+    /* three samples are what colours have here */
+    if (argc > 1 && strcmp(argv[0], "-cs") == 0 && strcmp(argv[1], "3") == 0)
+        return 2;
     o = find_option(argv[0], &rest);
     if (!o)
         return refuse_lacking(argv[0], err);
