@@ -449,7 +449,7 @@ START_TEST(what_cannot_be_is_refused)
 {
     struct parts p = { .n = 0 };
     struct rad_files files = parts_files(&p);
-    char text[100], name[16], message[600];
+    char text[100], name[24], message[600];
     struct world w;
 
     parts_add_octree(&p, "a.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
