@@ -57,6 +57,7 @@ struct job_unit {
     uint32_t worker;      /* of that one, or of the latest */
     uint32_t next_row;    /* rows of it that came */
     uint32_t stored_rows; /* of those, kept */
+    uint64_t row_ms;      /* when the last of them came */
     uint32_t slot;        /* in the job's list of units that are out */
     struct job_go *go;    /* JOB_MAX_HOLDERS of them; NULL: not out */
     uint8_t ngos;

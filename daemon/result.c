@@ -7,6 +7,9 @@
 #include <string.h>
 #include <sysexits.h>
 
+/* One that sent rows and then none for so long may be stopped. */
+#define SILENT_MS 15000
+
 /* Does the piece lie where the unit's rows lie? */
 static bool
 result_fits(const struct job *job, const struct msg_result *m,
@@ -88,10 +91,32 @@ spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     coord_job_ends(c, job, JOB_FAILED, EX_SOFTWARE, text);
 }
 
+/* A twin begins to send rows, while whoever led has been silent for so long
+ * that it may be stopped: the twin leads. */
+static void
+overtake(const struct coord *c, struct job *job, struct job_go *go,
+         const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+
+    if (m->row != 0 || go->dropped || u->next_row == 0 ||
+        c->now_ms - u->row_ms < SILENT_MS)
+        return;
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == u->lead) {
+            if (u->go[i].delivered)
+                return; /* all its rows are here: the disk is slow */
+            u->go[i].dropped = true;
+        }
+    sched_forget_rows(job, m->unit);
+    u->lead = 0;
+}
+
 /* Whose rows of the unit count is decided: do these?  They do not where another
  * attempt leads, and where nobody waits for them. */
 static bool
-counts(struct job *job, uint32_t index, const struct msg_result *m)
+counts(const struct coord *c, struct job *job, uint32_t index,
+       const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
     struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
@@ -101,6 +126,8 @@ counts(struct job *job, uint32_t index, const struct msg_result *m)
     if (!go)
         return u->ngos == 0 && m->attempt == u->lead && u->worker == index &&
                m->row <= u->next_row && m->row + m->rows > u->stored_rows;
+    if (u->lead != m->attempt)
+        overtake(c, job, go, m);
     if (u->lead == 0 && m->row == 0 && !go->dropped) {
         u->lead = m->attempt;
         u->worker = index;
@@ -150,7 +177,7 @@ sched_result(struct coord *c, struct coord_worker *w,
         coord_break(c, w->conn, "a RESULT of no unit");
         return;
     }
-    if (!counts(job, index, m)) {
+    if (!counts(c, job, index, m)) {
         ack(c, w, job, m);
         return;
     }
@@ -176,6 +203,7 @@ sched_result(struct coord *c, struct coord_worker *w,
         return;
     }
     u->next_row += m->rows;
+    u->row_ms = c->now_ms;
     if (m->last) {
         u->counts = m->counts;
         delivered(c, job, m->unit, go);

@@ -1019,6 +1019,29 @@ START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
 }
 END_TEST
 
+/* Its child was stopped after its first rows: they count no more once a twin
+ * has rows, and what it sends later is dropped. */
+START_TEST(a_twin_overtakes_one_that_is_silent)
+{
+    struct msg_unit a, b, twin;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    result(W2, &b, 0, 1, false);
+    finish(W1, &a);
+    clear();
+    wait_ms(61000);
+    twin = *unit_of(W1);
+    ck_assert_uint_eq(twin.unit, b.unit);
+    result(W1, &twin, 0, 1, false);
+    result(W2, &b, 1, b.height - 1, true);
+    ck_assert(!f.done);
+    result(W1, &twin, 1, twin.height - 1, true);
+    ck_assert(f.done);
+}
+END_TEST
+
 /* --- estimates --- */
 
 static void
@@ -1206,6 +1229,7 @@ main(void)
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
     tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
     tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
+    tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
     tcase_add_test(tc, an_estimate_comes_before_the_first_unit);
     tcase_add_test(tc, areas_of_a_lost_or_late_worker_go_to_another);
     tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
