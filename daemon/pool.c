@@ -342,23 +342,9 @@ settle_waits_locked(struct pool *p)
 static void
 look_locked(struct pool *p)
 {
-    struct team_bottom b;
-
-    for (struct active *u = p->active; u; u = u->next) {
-        if (!u->pass)
-            continue;
-        if (u->pass->stop)
-            team_stop(u->team);
-        if (u->pass->split)
-            strict_shrunk(p->strict, u->pass,
-                          team_shrink(u->team, u->pass->least));
-        if (!u->pass->true_top)
-            continue;
-        team_bottom(u->team, &b);
-        if (b.pixels)
-            strict_bottom(p->strict, u->pass, b.columns, b.ndensity, b.pixels,
-                          b.density);
-    }
+    for (struct active *u = p->active; u; u = u->next)
+        if (u->pass)
+            strict_look(p->strict, u->pass, u->team);
 }
 
 /* Something changed: there may be work, and something to say. */

@@ -1398,6 +1398,22 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
         edge_drop(s, frame, top);
 }
 
+void
+strict_look(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    struct team_bottom b;
+
+    if (p->stop)
+        team_stop(t);
+    if (p->split)
+        strict_shrunk(s, p, team_shrink(t, p->least));
+    if (!p->true_top)
+        return;
+    team_bottom(t, &b);
+    if (b.pixels)
+        strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
+}
+
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct rad_pixel *pixels, const uint8_t *density,

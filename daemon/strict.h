@@ -59,8 +59,8 @@ enum strict_rank {
     STRICT_AHEAD
 };
 
-/* Work for one team.  After any call above its caller looks at stop and split
- * of those that are under way. */
+/* Work for one team.  After any call above its caller looks at those that are
+ * under way: strict_look(), or by hand where there is no team. */
 struct strict_pass {
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) of the frame; see strict_shrunk() */
@@ -85,6 +85,10 @@ struct strict_pass {
 /* Begin the most urgent pass, none that is less so than `least`; from the top.
  * NULL: there is none.  It is the caller's until strict_ended(). */
 struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
+
+/* Do with the team of a pass what is wanted of it (stop, split), and see how
+ * far it is: strict_shrunk() and strict_bottom(). */
+void strict_look(struct strict *s, struct strict_pass *p, struct team *t);
 
 /* The team gave its lines from `last` on, none of them begun, or nothing. */
 void strict_shrunk(struct strict *s, struct strict_pass *p, int last);

@@ -553,22 +553,9 @@ speak(struct node *d)
 static void
 look(struct node *d)
 {
-    for (struct run *r = d->runs; r; r = r->outer) {
-        struct team_bottom b;
-
-        if (r->life != d->life)
-            continue;
-        if (r->pass->stop)
-            team_stop(r->team);
-        if (r->pass->split)
-            strict_shrunk(d->s, r->pass, team_shrink(r->team, r->pass->least));
-        if (!r->pass->true_top)
-            continue;
-        team_bottom(r->team, &b);
-        if (b.pixels)
-            strict_bottom(d->s, r->pass, b.columns, b.ndensity, b.pixels,
-                          b.density);
-    }
+    for (struct run *r = d->runs; r; r = r->outer)
+        if (r->life == d->life)
+            strict_look(d->s, r->pass, r->team);
     speak(d);
 }
 

@@ -380,22 +380,10 @@ static void
 look_at_passes(struct sim_child *k)
 {
     for (int i = 0; i < SIM_THREADS; i++) {
-        struct sim_task *t = k->task[i];
-        struct team_bottom b;
+        const struct sim_task *t = k->task[i];
 
-        if (!t || !t->pass)
-            continue;
-        if (t->pass->stop)
-            team_stop(t->team);
-        if (t->pass->split)
-            strict_shrunk(k->strict, t->pass,
-                          team_shrink(t->team, t->pass->least));
-        if (!t->pass->true_top)
-            continue;
-        team_bottom(t->team, &b);
-        if (b.pixels)
-            strict_bottom(k->strict, t->pass, b.columns, b.ndensity, b.pixels,
-                          b.density);
+        if (t && t->pass)
+            strict_look(k->strict, t->pass, t->team);
     }
 }
 
