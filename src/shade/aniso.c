@@ -219,13 +219,8 @@ rad_aniso_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 
     if (r->path & RAD_RAY_SHADOW)
         return true;
-    if (r->cos_o < 0 && !ctx->job->params.backvis) {
-        rad_ray_transmit(ctx, r);
+    if (!rad_ray_face(ctx, r, mat->next))
         return true;
-    }
-    rad_ray_texture(ctx, r, mat->next);
-    if (r->cos_o < 0)
-        rad_ray_flip(r);
     enter(&hit, ctx, mat->data, r);
     add_surroundings(&hit);
     rad_direct(ctx, r, brdf, &hit, hit.trans > RAD_TINY);

@@ -279,13 +279,8 @@ rad_brdf_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 
     if (r->path & RAD_RAY_SHADOW)
         return true;
-    if (r->cos_o < 0 && !ctx->job->params.backvis) {
-        rad_ray_transmit(ctx, r);
+    if (!rad_ray_face(ctx, r, mat->next))
         return true;
-    }
-    rad_ray_texture(ctx, r, mat->next);
-    if (r->cos_o < 0)
-        rad_ray_flip(r);
     enter(&hit, ctx, m, r);
     hit.rdiff = rad_rgb_scale(hit.color, (float)m->rdiff);
     hit.tdiff = rad_rgb_scale(hit.color, (float)m->tdiff);

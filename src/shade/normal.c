@@ -298,13 +298,8 @@ rad_normal_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 
     if (r->path & RAD_RAY_SHADOW && m->type != RAD_TRANS)
         return true;
-    if (r->cos_o < 0 && !ctx->job->params.backvis) {
-        rad_ray_transmit(ctx, r);
+    if (!rad_ray_face(ctx, r, mat->next))
         return true;
-    }
-    rad_ray_texture(ctx, r, mat->next);
-    if (r->cos_o < 0)
-        rad_ray_flip(r);
     enter(&hit, ctx, m, r);
     divide(&hit);
     if (m->mirror && hit.follow_tran)

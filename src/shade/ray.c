@@ -357,6 +357,19 @@ rad_ray_flip(struct rad_ray *r)
 }
 
 bool
+rad_ray_face(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    if (r->cos_o < 0 && !ctx->job->params.backvis) {
+        rad_ray_transmit(ctx, r);
+        return false;
+    }
+    rad_ray_texture(ctx, r, mod);
+    if (r->cos_o < 0)
+        rad_ray_flip(r);
+    return true;
+}
+
+bool
 rad_ray_on_flat(const struct rad_ctx *ctx, const struct rad_ray *r)
 {
     enum rad_otype type;

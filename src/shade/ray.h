@@ -168,6 +168,11 @@ void rad_ray_ahead(const struct rad_ctx *ctx, const struct rad_ray *r,
 /* Turn n, cos_o and pert to the other side. */
 void rad_ray_flip(struct rad_ray *r);
 
+/* What a surface with two like sides begins with: patterns and textures from
+ * mod on apply, and r is turned to the side that was hit.  False: that is a
+ * back which is not there (-bv-), and r was shaded with what lies behind. */
+bool rad_ray_face(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);
+
 /* Did it meet a flat surface, polygon or ring?  What flat mirrors show looks as
  * far away as the light's way is long. */
 bool rad_ray_on_flat(const struct rad_ctx *ctx, const struct rad_ray *r);
