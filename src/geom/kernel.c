@@ -1,7 +1,7 @@
 /* kernel.c - which kernels there are, best first
  *
  * AVX-512 tests a node in fewer instructions, yet rooms of some dozen surfaces
- * take 10 to 17 % longer with it on the processors that we could measure, and
+ * take 10 to 17 % longer with it on the one machine that was measured, and
  * meshes as long. */
 #include "config.h"
 
