@@ -141,6 +141,8 @@ librad_a_SOURCES = \
 	src/shade/brdf.h \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
+	src/shade/effect.c \
+	src/shade/effect.h \
 	src/shade/emitter.c \
 	src/shade/emitter.h \
 	src/shade/expr.c \

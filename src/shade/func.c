@@ -2,14 +2,8 @@
 #include "config.h"
 
 #include "shade/func.h"
-#include "base/vec.h"
-#include "shade/expr.h"
+#include "shade/effect.h"
 #include "shade/mixture.h"
-
-struct func {
-    struct rad_expr expr;
-    int32_t part[2]; /* modifiers that a mixture mixes */
-};
 
 /* Where the string arguments of a type are. */
 static const struct layout {
@@ -32,6 +26,13 @@ find_layout(enum rad_otype type)
     return NULL;
 }
 
+static bool
+values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
+       double value[3])
+{
+    return rad_expr_values(ctx, &e->expr, r, 0, e->expr.n, value);
+}
+
 int
 rad_func_prepare(struct rad_job *job, int32_t index,
                  const struct rad_files *files, const void **data,
@@ -39,69 +40,15 @@ rad_func_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     const struct layout *at = find_layout(o->type);
-    struct func *f = rad_arena_calloc(&job->arena, 1, sizeof *f);
+    struct rad_effect *e = rad_arena_calloc(&job->arena, 1, sizeof *e);
     int rc;
 
-    if (!f)
+    if (!e)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &f->expr, err);
+    e->values = values;
+    rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
     if (rc == 0 && o->type == RAD_MIXFUNC)
-        rc = rad_mixture_parts(job, index, f->part, err);
-    *data = f;
+        rc = rad_mixture_parts(job, index, e->part, err);
+    *data = e;
     return rc;
-}
-
-/* The values of all its expressions; false: one cannot be worked out. */
-static bool
-evaluate(struct rad_ctx *ctx, const struct func *f, const struct rad_ray *r,
-         double value[3])
-{
-    return rad_expr_values(ctx, &f->expr, r, 0, f->expr.n, value);
-}
-
-bool
-rad_func_brighten(struct rad_ctx *ctx, const struct rad_material *mat,
-                  struct rad_ray *r)
-{
-    double v[3];
-
-    if (evaluate(ctx, mat->data, r, v))
-        r->pattern = rad_rgb_scale(r->pattern, (float)v[0]);
-    return false;
-}
-
-bool
-rad_func_colour(struct rad_ctx *ctx, const struct rad_material *mat,
-                struct rad_ray *r)
-{
-    double v[3];
-
-    if (evaluate(ctx, mat->data, r, v))
-        r->pattern = rad_rgb_mul(
-            r->pattern, rad_rgb((float)v[0], (float)v[1], (float)v[2]));
-    return false;
-}
-
-bool
-rad_func_perturb(struct rad_ctx *ctx, const struct rad_material *mat,
-                 struct rad_ray *r)
-{
-    const struct func *f = mat->data;
-    double v[3];
-
-    if (evaluate(ctx, f, r, v)) {
-        rad_expr_outward(&f->expr, r, v);
-        rad_madd(r->pert, r->pert, 1, v);
-    }
-    return false;
-}
-
-bool
-rad_func_mix(struct rad_ctx *ctx, const struct rad_material *mat,
-             struct rad_ray *r)
-{
-    const struct func *f = mat->data;
-    double v[3];
-
-    return evaluate(ctx, f, r, v) && rad_mixture_shade(ctx, r, f->part, v[0]);
 }

@@ -12,6 +12,7 @@
 #include "shade/brdf.h"
 #include "shade/dielectric.h"
 #include "shade/emitter.h"
+#include "shade/effect.h"
 #include "shade/func.h"
 #include "shade/glass.h"
 #include "shade/mirror.h"
@@ -62,16 +63,16 @@ static const struct rad_shader table[] = {
       rad_antimatter_shade },
     { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
     { RAD_COLORTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
-    { RAD_BRIGHTFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_brighten },
-    { RAD_COLORFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_colour },
-    { RAD_TEXFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_func_perturb },
-    { RAD_MIXFUNC, RAD_MAT_MIXTURE, rad_func_prepare, rad_func_mix },
-    { RAD_BRIGHTDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_brighten },
-    { RAD_COLORDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_colour },
-    { RAD_COLORPICT, RAD_MAT_PATTERN, rad_table_prepare, rad_table_colour },
-    { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_table_perturb },
-    { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
-    { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_table_mix },
+    { RAD_BRIGHTFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_brighten },
+    { RAD_COLORFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_colour },
+    { RAD_TEXFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_perturb },
+    { RAD_MIXFUNC, RAD_MAT_MIXTURE, rad_func_prepare, rad_effect_mix },
+    { RAD_BRIGHTDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_brighten },
+    { RAD_COLORDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
+    { RAD_COLORPICT, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
+    { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_perturb },
+    { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },
+    { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },
     { RAD_BSDF, 0, rad_scatter_prepare, rad_scatter_shade },
     { RAD_ABSDF, RAD_MAT_TRANSPARENT, rad_scatter_prepare, rad_scatter_shade },
     { RAD_MIXTEXT, RAD_MAT_MIXTURE, rad_text_prepare, rad_text_mix },

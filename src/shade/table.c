@@ -2,14 +2,13 @@
 #include "config.h"
 
 #include "shade/table.h"
-#include "base/vec.h"
 #include "scene/data.h"
-#include "shade/expr.h"
+#include "shade/effect.h"
 #include "shade/mixture.h"
 #include "shade/stored.h"
 
 struct table {
-    struct rad_expr place; /* as many expressions as dimensions */
+    struct rad_effect effect; /* as many expressions as dimensions */
     const struct rad_pict *pict;
     const struct rad_data *data[3]; /* where there is no picture */
     int ndata;                      /* different ones: 1 or 3 */
@@ -18,7 +17,6 @@ struct table {
         int call;
         int first; /* of the values that it gets */
     } func[3];
-    int32_t part[2]; /* modifiers that a mixture mixes */
 };
 
 /* Where the string arguments of a type are, and how many. */
@@ -83,50 +81,16 @@ find_functions(struct rad_job *job, const struct rad_object *o,
         int k = at->func + i, n = most;
 
         if (i > 0 && o->type != RAD_TEXDATA &&
-            rad_calc_params(job->calc, t->place.context, o->strings[k], NULL) <
-                3) {
+            rad_calc_params(job->calc, t->effect.expr.context, o->strings[k],
+                            NULL) < 3) {
             t->func[i].first = i;
             n = 1;
         }
-        t->func[i].call = rad_expr_function(job, o, &t->place, k, n, err);
+        t->func[i].call = rad_expr_function(job, o, &t->effect.expr, k, n, err);
         if (t->func[i].call < 0)
             return t->func[i].call;
     }
     return 0;
-}
-
-int
-rad_table_prepare(struct rad_job *job, int32_t index,
-                  const struct rad_files *files, const void **data,
-                  struct rad_error *err)
-{
-    const struct rad_object *o = &job->scene->objects[index];
-    const struct layout *at = find_layout(o->type);
-    struct table *t = rad_arena_calloc(&job->arena, 1, sizeof *t);
-    int dims, rc;
-
-    if (!t)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (o->nstrings <= at->file)
-        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "too few string arguments");
-    t->ndata = 1;
-    dims = read_tables(job, o, files, at, t, err);
-    if (dims < 0)
-        return dims;
-    if (o->nstrings < at->place + dims)
-        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "expected an expression for each of %d "
-                              "dimensions",
-                              dims);
-    rc = rad_expr_prepare(job, o, files, at->file,
-                          ((1u << dims) - 1) << at->place, &t->place, err);
-    if (rc == 0)
-        rc = find_functions(job, o, at, t, err);
-    if (rc == 0 && rad_otype_class(o->type) == RAD_CLASS_MIXTURE)
-        rc = rad_mixture_parts(job, index, t->part, err);
-    *data = t;
-    return rc;
 }
 
 /* What is found at a place. */
@@ -145,66 +109,56 @@ look_up(const struct table *t, const double place[], double found[3])
 
 /* The functions of what is found; false: one cannot be worked out. */
 static bool
-evaluate(struct rad_ctx *ctx, const struct table *t, const struct rad_ray *r,
-         double value[3])
+values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
+       double value[3])
 {
+    const struct table *t = (const struct table *)e; /* its first member */
     double place[RAD_MAX_DATA_DIMS], found[3];
     struct rad_expr_scope scope;
 
-    rad_expr_begin(ctx, &t->place, r, &scope);
-    if (!rad_expr_get(ctx, &t->place, 0, t->place.n, place))
+    rad_expr_begin(ctx, &e->expr, r, &scope);
+    if (!rad_expr_get(ctx, &e->expr, 0, e->expr.n, place))
         return false;
     look_up(t, place, found);
     for (int i = 0; i < t->nfuncs; i++)
-        if (!rad_expr_call(ctx, &t->place, t->func[i].call, found + t->func[i].first,
-                           &value[i]))
+        if (!rad_expr_call(ctx, &e->expr, t->func[i].call,
+                           found + t->func[i].first, &value[i]))
             return false;
     return true;
 }
 
-bool
-rad_table_brighten(struct rad_ctx *ctx, const struct rad_material *mat,
-                   struct rad_ray *r)
+int
+rad_table_prepare(struct rad_job *job, int32_t index,
+                  const struct rad_files *files, const void **data,
+                  struct rad_error *err)
 {
-    double v[3];
+    const struct rad_object *o = &job->scene->objects[index];
+    const struct layout *at = find_layout(o->type);
+    struct table *t = rad_arena_calloc(&job->arena, 1, sizeof *t);
+    int dims, rc;
 
-    if (evaluate(ctx, mat->data, r, v))
-        r->pattern = rad_rgb_scale(r->pattern, (float)v[0]);
-    return false;
-}
-
-bool
-rad_table_colour(struct rad_ctx *ctx, const struct rad_material *mat,
-                 struct rad_ray *r)
-{
-    double v[3];
-
-    if (evaluate(ctx, mat->data, r, v))
-        r->pattern = rad_rgb_mul(
-            r->pattern, rad_rgb((float)v[0], (float)v[1], (float)v[2]));
-    return false;
-}
-
-bool
-rad_table_perturb(struct rad_ctx *ctx, const struct rad_material *mat,
-                  struct rad_ray *r)
-{
-    const struct table *t = mat->data;
-    double v[3];
-
-    if (evaluate(ctx, t, r, v)) {
-        rad_expr_outward(&t->place, r, v);
-        rad_madd(r->pert, r->pert, 1, v);
-    }
-    return false;
-}
-
-bool
-rad_table_mix(struct rad_ctx *ctx, const struct rad_material *mat,
-              struct rad_ray *r)
-{
-    const struct table *t = mat->data;
-    double v[3];
-
-    return evaluate(ctx, t, r, v) && rad_mixture_shade(ctx, r, t->part, v[0]);
+    if (!t)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (o->nstrings <= at->file)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "too few string arguments");
+    t->effect.values = values;
+    t->ndata = 1;
+    dims = read_tables(job, o, files, at, t, err);
+    if (dims < 0)
+        return dims;
+    if (o->nstrings < at->place + dims)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "expected an expression for each of %d "
+                              "dimensions",
+                              dims);
+    rc =
+        rad_expr_prepare(job, o, files, at->file,
+                         ((1u << dims) - 1) << at->place, &t->effect.expr, err);
+    if (rc == 0)
+        rc = find_functions(job, o, at, t, err);
+    if (rc == 0 && rad_otype_class(o->type) == RAD_CLASS_MIXTURE)
+        rc = rad_mixture_parts(job, index, t->effect.part, err);
+    *data = t;
+    return rc;
 }
