@@ -77,6 +77,12 @@ libdaemon_a_SOURCES = \
 	daemon/store.h \
 	daemon/strict.c \
 	daemon/strict.h \
+	daemon/strict_edge.c \
+	daemon/strict_facts.c \
+	daemon/strict_impl.h \
+	daemon/strict_out.c \
+	daemon/strict_pass.c \
+	daemon/strict_unit.c \
 	daemon/survey.c \
 	daemon/survey.h \
 	daemon/task.c \

@@ -5,10 +5,10 @@
  * lines left to begin.  So with many units each has a thread to itself, and
  * one unit, or the last ones, have all of them.  The member that leaves last
  * says that the unit is done, and what its members counted.
- * Of strict units a team makes but a pass; what comes next is strict.c's to
- * say.  What waits for nobody comes before what is traced ahead, and a thread
- * rather helps with the truth, or with base lines, than begins what comes after
- * them: others may wait for those. */
+ * Of strict units a team makes but a pass; what comes next is strict_pass.c's
+ * to say.  What waits for nobody comes before what is traced ahead, and a
+ * thread rather helps with the truth, or with base lines, than begins what
+ * comes after them: others may wait for those. */
 #include "config.h"
 
 #include "pool.h"

@@ -76,7 +76,7 @@ struct strict_pass {
     bool split; /* call team_shrink() with least, and tell
                  * strict_shrunk() */
     int least;
-    /* strict.c's */
+    /* the machine's */
     struct strict_unit *of;
     int sent_columns;
     size_t sent_densities;

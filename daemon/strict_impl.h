@@ -1,0 +1,222 @@
+/* strict_impl.h - what the files of the strict units' machine share
+ *
+ * Private to strict*.c:
+ *   strict.c        set-up and end
+ *   strict_unit.c   units, and what is told of them
+ *   strict_pass.c   what is done for a unit next
+ *   strict_facts.c  facts by line
+ *   strict_edge.c   tops and bottoms by line
+ *   strict_out.c    messages that go out
+ * Everything is found by frame and line. */
+#ifndef DAEMON_STRICT_IMPL_H
+#define DAEMON_STRICT_IMPL_H
+
+#include "strict.h"
+
+#include <stdatomic.h>
+
+/* Units and edges are found by frame and line in tables of so many slots: a
+ * child may have thousands of units that wait. */
+#define STRICT_SLOTS 1024
+
+/* The base line under some unit, true. */
+struct edge {
+    struct edge *next;    /* the newer one */
+    struct edge *chained; /* in its slot */
+    uint32_t frame;
+    int line;
+    struct rad_pixel *pixels; /* the width */
+    uint8_t *density;
+    uint8_t *have;  /* by column, then by density: it is there */
+    size_t missing; /* how many are not */
+};
+
+struct strict_unit {
+    struct strict_unit *next;
+    struct strict_unit *same_first, *same_last; /* in their slots; the newer */
+    uint32_t unit, attempt, frame;
+    int first, last; /* lines [first, last) */
+    enum team_end end;
+    bool make_top; /* base line first - 1 is gone over ahead here too, since
+                    * nobody has it, or with the facts of whoever has */
+    bool twin;     /* facts go out as they are made */
+    bool gone;     /* to be freed when its pass has ended */
+    bool over;     /* all its rows are made */
+    bool split;    /* GAVE is due when its pass has ended */
+    bool at_end;   /* it had nothing to give: others are at its last lines */
+    bool lines_done, ahead_done;
+    bool bottom_done;   /* the bottom is out, true */
+    bool ahead_guessed; /* AHEAD had colours above the first bar */
+    bool parked;        /* said, or about to be */
+    bool kept;          /* facts went out in case it is lost, or are about to */
+    bool waiting;
+    uint64_t since_ms; /* waiting: from when */
+    struct strict_pass *pass;
+    struct msg_counts spent; /* by its passes so far */
+    /* its bottom after LINES or AHEAD; NULL: none yet */
+    struct rad_pixel *guess;
+    uint8_t *guess_density;
+    bool guess_poor; /* of one line, with nothing known above it */
+};
+
+/* Something to send. */
+struct item {
+    struct item *next;
+    enum { ITEM_FACTS, ITEM_PARKED, ITEM_GAVE, ITEM_PIECE } kind;
+    uint32_t unit, attempt; /* of PARKED and GAVE, and of lazy FACTS */
+    uint32_t height;        /* of GAVE */
+    uint32_t frame;
+    int line;
+    int row;                  /* of FACTS: those above are out */
+    uint32_t x, n;            /* of PIECE */
+    uint32_t first, ndensity; /* of PIECE */
+    uint8_t *bytes;           /* of PIECE: densities, then pixels */
+};
+
+/* A line whose facts came before a unit that has it, as they do with a unit
+ * that others were at. */
+struct early {
+    struct early *next; /* the later one */
+    uint32_t frame;
+    int line;
+    size_t bytes;
+};
+
+struct queue {
+    struct item *first;
+    struct item **end;
+};
+
+struct frame {
+    struct rad_quincunx q;
+    size_t ndensity;
+    int nlines;
+    _Atomic(struct rad_facts *) *facts; /* by line; NULL: none needed yet */
+};
+
+struct strict {
+    uint8_t job[MSG_JOB];
+    struct frame *frames;
+    uint32_t nframes;
+    int threads;
+    struct strict_unit *units;
+    struct strict_unit *by_first[STRICT_SLOTS], *by_last[STRICT_SLOTS];
+    struct edge *edges; /* the oldest first */
+    struct edge *by_line[STRICT_SLOTS];
+    struct early *early, **early_end;
+    size_t early_bytes;
+    struct queue urgent, lazy;
+    struct msg_counts dropped;
+    struct item *saying; /* what the message lies in */
+    struct msg msg;
+    uint8_t *bitmap, *bytes; /* of the message */
+    float *floats;
+    size_t bitmap_room, floats_room;
+    int error;
+};
+
+static inline const struct frame *
+frame_of(const struct strict *s, uint32_t frame)
+{
+    return &s->frames[frame];
+}
+
+static inline int
+channels_of(const struct frame *f)
+{
+    return f->q.depth ? 4 : 3;
+}
+
+/* The first row of the lines from i on: nlines gives the height. */
+static inline int
+row_of(const struct frame *f, int i)
+{
+    return i < f->nlines ? team_line_row(&f->q, i) : f->q.height;
+}
+
+/* Its own lines, and the one whose base line is its top. */
+static inline bool
+covers(const struct strict_unit *u, uint32_t frame, int line)
+{
+    return u->frame == frame && line < u->last && line >= u->first - 1;
+}
+
+static inline size_t
+slot_of(uint32_t frame, int line)
+{
+    return (frame * 31 + (uint32_t)line) % STRICT_SLOTS;
+}
+
+/* --- strict_unit.c --- */
+
+/* It has no pass: forget it, its facts and what it was to send. */
+void unit_drop(struct strict *s, struct strict_unit *u);
+void unit_free(struct strict_unit *u);
+bool unit_has_top(const struct strict *s, const struct strict_unit *u);
+/* The unit here whose bottom is this one's top, or the other way round; NULL:
+ * none. */
+struct strict_unit *unit_above(const struct strict *s,
+                               const struct strict_unit *u);
+struct strict_unit *unit_below(const struct strict *s,
+                               const struct strict_unit *u);
+/* Give half of a unit that no team is at. */
+void unit_split_idle(struct strict *s, struct strict_unit *u);
+/* If it can only wait, say so at once: its thread has room for another. */
+void unit_park(struct strict *s, struct strict_unit *u);
+
+/* --- strict_pass.c --- */
+
+/* Can it do nothing but wait for its top? */
+bool pass_waits(const struct strict *s, const struct strict_unit *u);
+/* The tops that this edge was: stop what goes on without it. */
+void pass_top_came(struct strict *s, const struct edge *e);
+
+/* --- strict_facts.c --- */
+
+/* NULL: there are none. */
+struct rad_facts *facts_at(const struct strict *s, uint32_t frame, int line);
+/* Room for the facts of a frame's lines; teams look there for new ones.  False:
+ * memory is out, here and below. */
+bool facts_make_table(struct strict *s, uint32_t frame);
+bool facts_make_all(struct strict *s, const struct strict_unit *u);
+/* Free those of a line, if nobody needs them. */
+void facts_drop(struct strict *s, uint32_t frame, int line);
+/* With many frames, do not keep what those that are done had. */
+void facts_drop_table(struct strict *s, uint32_t frame);
+/* Facts of a unit that go with it, and nobody was told of; and those of its
+ * lines that are there for nothing. */
+uint64_t facts_untold(const struct strict *s, const struct strict_unit *u);
+uint64_t facts_unused(const struct strict *s, const struct strict_unit *u);
+void facts_release(struct strict *s);
+
+/* --- strict_edge.c --- */
+
+struct edge *edge_find(const struct strict *s, uint32_t frame, int line);
+/* NULL: memory is out. */
+struct edge *edge_make(struct strict *s, uint32_t frame, int line);
+/* Free it, if no unit needs it. */
+void edge_drop(struct strict *s, uint32_t frame, int line);
+void edge_pixel(struct edge *e, int x, const struct rad_pixel *p);
+void edge_density(struct edge *e, const struct frame *f, size_t d,
+                  uint8_t density);
+void edge_release(struct strict *s);
+
+/* --- strict_out.c --- */
+
+void out_init(struct strict *s);
+void out_release(struct strict *s);
+/* Send the facts of a line that are new, once. */
+void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+               int line);
+/* Do facts of that line wait to be sent, wanted by others? */
+bool out_has_facts(const struct strict *s, uint32_t frame, int line);
+void out_gave(struct strict *s, const struct strict_unit *u);
+void out_parked(struct strict *s, const struct strict_unit *u);
+/* What is new of the bottom of a pass. */
+void out_piece(struct strict *s, const struct strict_pass *p, int columns,
+               size_t densities, const struct rad_pixel *pixels,
+               const uint8_t *density);
+/* Nobody needs the facts of a parked unit any more. */
+void out_forget(struct strict *s, const struct strict_unit *u);
+
+#endif

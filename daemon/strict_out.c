@@ -1,0 +1,305 @@
+/* strict_out.c - what the strict units have to say
+ *
+ * It is of two kinds: what others may wait for is sent at once, the facts of
+ * parked units, which only a lost worker makes needed, when there is room;
+ * these are dropped when the top comes first. */
+#include "config.h"
+
+#include "strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void
+queue_init(struct queue *q)
+{
+    q->first = NULL;
+    q->end = &q->first;
+}
+
+void
+out_init(struct strict *s)
+{
+    queue_init(&s->urgent);
+    queue_init(&s->lazy);
+}
+
+static struct item *
+push(struct strict *s, struct queue *q, const struct item *it)
+{
+    struct item *copy = malloc(sizeof *copy);
+
+    if (!copy) {
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    *copy = *it;
+    copy->next = NULL;
+    *q->end = copy;
+    q->end = &copy->next;
+    return copy;
+}
+
+static struct item *
+pop(struct queue *q)
+{
+    struct item *it = q->first;
+
+    if (it) {
+        q->first = it->next;
+        if (!q->first)
+            q->end = &q->first;
+    }
+    return it;
+}
+
+static void
+item_free(struct item *it)
+{
+    if (it)
+        free(it->bytes);
+    free(it);
+}
+
+void
+out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+          int line)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, line);
+    struct item it = { .kind = ITEM_FACTS,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .frame = u->frame,
+                       .line = line };
+
+    if (!facts || rad_facts_fresh(facts) == 0)
+        return;
+    for (const struct item *i = q->first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == u->frame && i->line == line &&
+            i->row == 0)
+            return;
+    push(s, q, &it);
+}
+
+/* Lazy ones are of units that are there. */
+bool
+out_has_facts(const struct strict *s, uint32_t frame, int line)
+{
+    for (const struct item *i = s->urgent.first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == frame && i->line == line)
+            return true;
+    return false;
+}
+
+void
+out_forget(struct strict *s, const struct strict_unit *u)
+{
+    struct item **at = &s->lazy.first, *it;
+
+    while ((it = *at)) {
+        if (it->unit == u->unit && it->attempt == u->attempt) {
+            *at = it->next;
+            item_free(it);
+        } else {
+            at = &it->next;
+        }
+    }
+    s->lazy.end = at;
+}
+
+void
+out_parked(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_PARKED,
+                       .unit = u->unit,
+                       .attempt = u->attempt };
+
+    push(s, &s->urgent, &it);
+}
+
+void
+out_gave(struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct item it = { .kind = ITEM_GAVE,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .height = (uint32_t)(row_of(f, u->last) -
+                                            row_of(f, u->first)) };
+
+    push(s, &s->urgent, &it);
+}
+
+void
+out_piece(struct strict *s, const struct strict_pass *p, int columns,
+          size_t densities, const struct rad_pixel *pixels,
+          const uint8_t *density)
+{
+    int channels = channels_of(frame_of(s, p->frame));
+    struct item it = { .kind = ITEM_PIECE,
+                       .frame = p->frame,
+                       .line = p->last - 1,
+                       .x = (uint32_t)p->sent_columns,
+                       .n = (uint32_t)(columns - p->sent_columns),
+                       .first = (uint32_t)p->sent_densities,
+                       .ndensity = (uint32_t)(densities - p->sent_densities) };
+    uint8_t *to;
+
+    it.bytes = to = malloc(it.ndensity + it.n * sizeof(float) * 4 + 1);
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(to, density + it.first, it.ndensity);
+    to += it.ndensity;
+    for (int x = p->sent_columns; x < columns; x++) {
+        const float v[4] = { pixels[x].L.r, pixels[x].L.g, pixels[x].L.b,
+                             pixels[x].z };
+
+        wire_floats_put(to, v, (size_t)channels);
+        to += (size_t)channels * sizeof(float);
+    }
+    if (!push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
+static bool
+room_for(struct strict *s, size_t bitmap, size_t floats)
+{
+    if (s->bitmap_room < bitmap) {
+        free(s->bitmap);
+        s->bitmap = malloc(bitmap);
+        s->bitmap_room = s->bitmap ? bitmap : 0;
+    }
+    if (s->floats_room < floats) {
+        free(s->floats);
+        free(s->bytes);
+        s->floats = malloc(floats * sizeof *s->floats);
+        s->bytes = malloc(floats * sizeof *s->floats);
+        s->floats_room = s->floats && s->bytes ? floats : 0;
+    }
+    if (!s->bitmap || !s->floats_room)
+        s->error = RAD_ENOMEM;
+    return !s->error;
+}
+
+/* The next rows' facts of an item into the message; false: there are no more.
+ */
+static bool
+say_facts(struct strict *s, struct item *it)
+{
+    const struct frame *f = frame_of(s, it->frame);
+    struct rad_facts *facts = facts_at(s, it->frame, it->line);
+    size_t width = (size_t)f->q.width, stride = rad_facts_stride(f->q.width);
+    size_t channels = (size_t)channels_of(f);
+    size_t most = (MSG_MAX - 256) / (stride + width * channels * sizeof(float));
+
+    while (facts && it->row < rad_facts_rows(facts)) {
+        int left = rad_facts_rows(facts) - it->row;
+        int n = most < 1 ? 1 : (size_t)left < most ? left : (int)most;
+        int row = it->row;
+        size_t count;
+
+        if (!room_for(s, (size_t)n * stride, (size_t)n * width * channels))
+            return false;
+        it->row += n;
+        count = rad_facts_export(facts, row, n, (int)channels, 0, s->bitmap,
+                                 s->floats);
+        if (count == 0)
+            continue;
+        wire_floats_put(s->bytes, s->floats, count * channels);
+        s->msg.type = MSG_FACTS;
+        s->msg.facts = (struct msg_facts){ .job = s->job,
+                                           .frame = it->frame,
+                                           .line = (uint32_t)it->line,
+                                           .row = (uint32_t)row,
+                                           .rows = (uint32_t)n,
+                                           .width = (uint32_t)width,
+                                           .channels = (uint8_t)channels,
+                                           .bitmap = s->bitmap,
+                                           .pixels = s->bytes,
+                                           .npixels = (uint32_t)count };
+        return true;
+    }
+    return false;
+}
+
+static void
+say_piece(struct strict *s, const struct item *it)
+{
+    s->msg.type = MSG_BASE_LINE;
+    s->msg.base_line = (struct msg_base_line){
+        .job = s->job,
+        .frame = it->frame,
+        .line = (uint32_t)it->line,
+        .x = it->x,
+        .n = it->n,
+        .first = it->first,
+        .ndensity = it->ndensity,
+        .channels = (uint8_t)channels_of(frame_of(s, it->frame)),
+        .density = it->bytes,
+        .pixels = it->bytes + it->ndensity
+    };
+}
+
+/* Put an item into the message; false: there is nothing (more) to say. */
+static bool
+say(struct strict *s, struct item *it)
+{
+    switch (it->kind) {
+    case ITEM_FACTS:
+        return say_facts(s, it);
+    case ITEM_PIECE:
+        say_piece(s, it);
+        break;
+    case ITEM_PARKED:
+        s->msg.type = MSG_PARKED;
+        s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_GAVE:
+        s->msg.type = MSG_GAVE;
+        s->msg.gave =
+            (struct msg_gave){ s->job, it->unit, it->attempt, it->height };
+        break;
+    }
+    return true;
+}
+
+const struct msg *
+strict_message(struct strict *s, bool room)
+{
+    struct queue *q;
+
+    item_free(s->saying);
+    s->saying = NULL;
+    while ((q = s->urgent.first         ? &s->urgent
+                : room && s->lazy.first ? &s->lazy
+                                        : NULL)) {
+        struct item *it = q->first;
+        bool said = say(s, it);
+
+        if (said && it->kind == ITEM_FACTS)
+            return &s->msg; /* there may be more of it */
+        pop(q);
+        if (said) {
+            s->saying = it;
+            return &s->msg;
+        }
+        facts_drop(s, it->frame, it->line);
+        item_free(it);
+    }
+    return NULL;
+}
+
+void
+out_release(struct strict *s)
+{
+    struct item *it;
+
+    while ((it = pop(&s->urgent)) || (it = pop(&s->lazy)))
+        item_free(it);
+    item_free(s->saying);
+    free(s->bitmap);
+    free(s->bytes);
+    free(s->floats);
+}

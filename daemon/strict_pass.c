@@ -1,0 +1,383 @@
+/* strict_pass.c - what is done for a strict unit next
+ *
+ * The most urgent pass is chosen over all units; the one that is under way is
+ * told to end when its guess becomes the truth. */
+#include "config.h"
+
+#include "strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Pixels of a unit whose facts are kept in case that it gets a twin. */
+#define MOST_KEPT (1 << 22)
+
+static bool
+top_is_guessed(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return !u->make_top && a && a->guess;
+}
+
+/* Is the bottom, to be had before the bars, of use to others? */
+static bool
+wants_true_lines(const struct strict *s, const struct strict_unit *u)
+{
+    if (u->bottom_done || u->last == frame_of(s, u->frame)->nlines)
+        return false;
+    /* over facts it takes no time, and those who wait need not wait until the
+     * rows are out; TRUTH makes the bottom of a single line first */
+    return u->ahead_done || u->last - u->first > 1;
+}
+
+/* What to do for a unit next; false: nothing. */
+static bool
+next_rank(const struct strict *s, const struct strict_unit *u,
+          enum strict_rank *rank)
+{
+    if (u->pass || u->gone)
+        return false;
+    if (unit_has_top(s, u))
+        *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
+    else if (!u->lines_done)
+        *rank = STRICT_LINES;
+    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
+        *rank = STRICT_AHEAD;
+    else
+        return false;
+    return true;
+}
+
+bool
+pass_waits(const struct strict *s, const struct strict_unit *u)
+{
+    enum strict_rank rank;
+
+    return !u->pass && !u->gone && !next_rank(s, u, &rank);
+}
+
+bool
+strict_waits(const struct strict *s)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (pass_waits(s, u))
+            return true;
+    return false;
+}
+
+static bool
+comes_before(enum strict_rank rank, const struct strict_unit *u,
+             enum strict_rank than_rank, const struct strict_unit *than)
+{
+    if (rank != than_rank)
+        return rank < than_rank;
+    if (u->frame != than->frame)
+        return u->frame < than->frame;
+    return u->first < than->first;
+}
+
+/* What others wait for is due: have a thread leave what is traced ahead, the
+ * least urgent of it. */
+static void
+make_way(struct strict *s)
+{
+    struct strict_pass *last = NULL;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (u->pass && !u->pass->true_top && !u->pass->stop &&
+            (!last || comes_before(last->rank, last->of, u->pass->rank, u)))
+            last = u->pass;
+    if (last)
+        last->stop = true;
+}
+
+/* The tops that this edge was: stop what goes on without it. */
+void
+pass_top_came(struct strict *s, const struct edge *e)
+{
+    for (struct strict_unit *u = s->units; u; u = u->next) {
+        if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
+            continue;
+        out_forget(s, u);
+        if (!u->pass)
+            make_way(s);
+        else if (!u->pass->true_top)
+            u->pass->stop = true;
+    }
+}
+
+static struct strict_unit *
+choose(const struct strict *s, enum strict_rank *rank)
+{
+    struct strict_unit *best = NULL;
+    enum strict_rank r;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (next_rank(s, u, &r) && (!best || comes_before(r, u, *rank, best))) {
+            best = u;
+            *rank = r;
+        }
+    return best;
+}
+
+/* Copy what there is of a top: pixels may be NULL. */
+static bool
+copy_top(const struct strict *s, struct strict_pass *p,
+         const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    size_t n = (size_t)f->q.width * sizeof *p->top;
+
+    if (pixels) {
+        p->top = malloc(n);
+        if (!p->top)
+            return false;
+        memcpy(p->top, pixels, n);
+    }
+    if (f->ndensity > 0) {
+        p->top_density = malloc(f->ndensity);
+        if (!p->top_density)
+            return false;
+        memcpy(p->top_density, density, f->ndensity);
+    }
+    return true;
+}
+
+/* The top of a pass, as it is known. */
+static bool
+set_top(struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of, *a = unit_above(s, u);
+    const struct edge *e = edge_find(s, u->frame, p->first - 1);
+
+    /* of a line that is another's only the base line is made, not the bar */
+    if (e && e->missing == 0)
+        return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
+                        e->density);
+    if (p->first == u->first && a && a->guess) {
+        p->poor_top = a->guess_poor;
+        return copy_top(s, p, a->guess, a->guess_density);
+    }
+    return true;
+}
+
+static void
+pass_free(struct strict_pass *p)
+{
+    if (!p)
+        return;
+    free(p->top);
+    free(p->top_density);
+    free(p);
+}
+
+static enum team_mode
+mode_of(enum strict_rank rank)
+{
+    return rank == STRICT_TRUTH   ? TEAM_TRUTH
+           : rank == STRICT_AHEAD ? TEAM_AHEAD
+                                  : TEAM_LINES;
+}
+
+/* What is traced under a true top is of use if others come to the unit before
+ * its end; they do not to a whole frame, nor to much as long as there is less.
+ */
+static bool
+may_get_help(const struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    int64_t rows = row_of(f, u->last) - row_of(f, u->first);
+
+    return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
+}
+
+static struct strict_pass *
+pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
+{
+    struct strict_pass *p = calloc(1, sizeof *p);
+    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT ||
+                 may_get_help(s, u);
+
+    if (!p)
+        return NULL;
+    p->of = u;
+    p->unit = u->unit;
+    p->attempt = u->attempt;
+    p->frame = u->frame;
+    p->rank = rank;
+    p->mode = mode_of(rank);
+    p->true_top = rank <= STRICT_TRUTH;
+    p->first = u->first - (!p->true_top && u->make_top ? 1 : 0);
+    p->last = u->last;
+    p->least = u->first + 1;
+    p->end = u->end;
+    if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
+        !set_top(s, p)) {
+        pass_free(p);
+        return NULL;
+    }
+    p->facts = frame_of(s, u->frame)->facts;
+    return p;
+}
+
+struct strict_pass *
+strict_next(struct strict *s, enum strict_rank least)
+{
+    enum strict_rank rank = STRICT_AHEAD;
+    struct strict_unit *u = s->error ? NULL : choose(s, &rank);
+    struct strict_pass *p;
+
+    if (!u || rank > least)
+        return NULL;
+    p = pass_new(s, u, rank);
+    if (!p)
+        s->error = RAD_ENOMEM;
+    u->pass = p;
+    u->waiting = false;
+    return p;
+}
+
+void
+strict_bottom(struct strict *s, struct strict_pass *p, int columns,
+              size_t densities, const struct rad_pixel *pixels,
+              const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    bool all = columns == f->q.width && densities == f->ndensity;
+    struct edge *e;
+
+    if (!p->true_top || p->of->gone || p->of->bottom_done ||
+        p->last == f->nlines || columns < p->sent_columns ||
+        densities < p->sent_densities ||
+        (columns - p->sent_columns < f->q.xstep && !all) ||
+        (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
+        !(e = edge_make(s, p->frame, p->last - 1)))
+        return;
+    out_piece(s, p, columns, densities, pixels, density);
+    for (int x = p->sent_columns; x < columns; x++)
+        edge_pixel(e, x, &pixels[x]);
+    for (size_t d = p->sent_densities; d < densities; d++)
+        edge_density(e, f, d, density[d]);
+    p->sent_columns = columns;
+    p->sent_densities = densities;
+    if (!all)
+        return;
+    p->of->bottom_done = true;
+    pass_top_came(s, e);
+}
+
+/* LINES or AHEAD is done: its bottom is a guess for the unit below. */
+static void
+keep_guess(struct strict *s, struct strict_unit *u,
+           const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    size_t n = (size_t)f->q.width * sizeof *u->guess;
+
+    if (!u->guess) {
+        u->guess = malloc(n);
+        u->guess_density = malloc(f->ndensity + 1);
+    }
+    if (!u->guess || !u->guess_density) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(u->guess, pixels, n);
+    if (f->ndensity > 0)
+        memcpy(u->guess_density, density, f->ndensity);
+}
+
+static void
+end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    if (p->mode == TEAM_AHEAD) {
+        u->ahead_done = true;
+        u->ahead_guessed = p->top || p->first < u->first;
+    }
+    u->lines_done = true;
+    if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
+        !unit_below(s, u))
+        out_facts(s, &s->urgent, u, u->last - 1);
+    if (pixels)
+        keep_guess(s, u, pixels, density);
+    u->guess_poor = p->first > 0 && p->last - p->first == 1 && !p->top_density;
+}
+
+/* TRUTH is made: what the unit cost. */
+static void
+end_truth(struct strict *s, struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density,
+          struct msg_counts *total)
+{
+    const struct strict_unit *u = p->of;
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    p->of->over = true;
+    *total = u->spent;
+    total->speculative_rays = facts_unused(s, u);
+    /* a unit below that made its top may have them still */
+    for (int i = u->first; i < u->last; i++)
+        if (facts_at(s, u->frame, i))
+            rad_facts_settle(facts_at(s, u->frame, i));
+}
+
+/* Forget the unit and, if it is done, the top that it needed.  One that was
+ * revoked may come again, and its top may have come already: before it. */
+static void
+end_unit(struct strict *s, struct strict_unit *u, bool over)
+{
+    uint32_t frame = u->frame;
+    int top = u->first - 1;
+
+    unit_drop(s, u);
+    if (over)
+        edge_drop(s, frame, top);
+}
+
+void
+strict_look(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    struct team_bottom b;
+
+    if (p->stop)
+        team_stop(t);
+    if (p->split)
+        strict_shrunk(s, p, team_shrink(t, p->least));
+    if (!p->true_top)
+        return;
+    team_bottom(t, &b);
+    if (b.pixels)
+        strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
+}
+
+bool
+strict_ended(struct strict *s, struct strict_pass *p, bool done,
+             const struct rad_pixel *pixels, const uint8_t *density,
+             const struct msg_counts *spent, struct msg_counts *total)
+{
+    struct strict_unit *u = p->of;
+    bool over = done && !u->gone && p->mode == TEAM_TRUTH;
+
+    msg_counts_add(&u->spent, spent);
+    if (u->make_top && !u->gone)
+        out_facts(s, &s->urgent, u, u->first - 1);
+    if (over)
+        end_truth(s, p, pixels, density, total);
+    else if (done && !p->stop)
+        end_ahead(s, u, p, pixels, density);
+    u->pass = NULL;
+    pass_free(p);
+    if (over || u->gone)
+        end_unit(s, u, over);
+    else if (u->split)
+        unit_split_idle(s, u);
+    for (u = s->units; u; u = u->next)
+        unit_park(s, u);
+    return over;
+}
