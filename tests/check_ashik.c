@@ -5,38 +5,9 @@
  * under a sky. */
 #include "config.h"
 
-#include "suns.h"
-#include "world.h"
+#include "square.h"
 
 #include <stdlib.h>
-
-#define SQUARE "m polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
-#define ABOVE  "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 180\n"
-#define DIRECT "-av 0 0 0 -st 1 -dj 0 -dt 0"
-
-#define RADIANS(deg) ((deg)*M_PI / 180)
-
-static struct rad_rgb
-see(const char *scene, const char *options, double deg)
-{
-    struct rad_rgb L;
-    struct world w;
-
-    world_open(&w, scene, options);
-    L = world_tilted(&w, deg);
-    world_close(&w);
-    return L;
-}
-
-static void
-direction(double dir[3], double theta_deg, double phi_deg)
-{
-    double t = RADIANS(theta_deg), p = RADIANS(phi_deg);
-
-    dir[0] = sin(t) * cos(p);
-    dir[1] = sin(t) * sin(p);
-    dir[2] = cos(t);
-}
 
 static double
 schlick(double r0, double deg)

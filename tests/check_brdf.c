@@ -5,19 +5,9 @@
  * under a sky.  Functions are those of the only file that there is. */
 #include "config.h"
 
-#include "suns.h"
-#include "world.h"
+#include "square.h"
 
 #include <stdlib.h>
-
-#define SQUARE "m polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
-#define ABOVE  "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 1 180\n"
-#define BELOW                                                                  \
-    "void glow white 0 0 4 1 1 1 0 white source sky 0 0 4 0 0 -1 180\n"
-#define DIRECT "-av 0 0 0 -dj 0 -dt 0"
-#define PLAIN  "-av 0 0 0 -lw 0 -lr 30"
-
-#define RADIANS(deg) ((deg)*M_PI / 180)
 
 static const char functions[] =
     "half(x,y,z,omega) = .5; lx(x,y,z) = x; ly(x,y) = y; lz(x,y,z) = z;\n"
@@ -52,26 +42,9 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 static const struct rad_files files = { read_file, NULL };
 
 static struct rad_rgb
-see(const char *scene, const char *options, double deg)
+see_by(const char *scene, const char *options, double deg)
 {
-    struct rad_rgb L;
-    struct world w;
-    int rc = world_try(&w, scene, options, &files);
-
-    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
-    L = world_tilted(&w, deg);
-    world_close(&w);
-    return L;
-}
-
-static void
-direction(double dir[3], double theta_deg, double phi_deg)
-{
-    double t = RADIANS(theta_deg), p = RADIANS(phi_deg);
-
-    dir[0] = sin(t) * cos(p);
-    dir[1] = sin(t) * sin(p);
-    dir[2] = cos(t);
+    return see_with(scene, options, &files, deg);
 }
 
 /* Seen from 60 degrees, 2 away; the sun is 30 degrees from the normal, above
@@ -120,11 +93,11 @@ START_TEST(function_scatters_the_suns_light)
              "void plasfunc m %s 0 9 .8 .4 .2 .3 2 3 -2 0 0\n" SQUARE,
              lit[_i].function);
     add_sun(scene, sizeof scene, sun, 1);
-    L = see(scene, DIRECT, 60);
+    L = see_by(scene, DIRECT, 60);
     ck_assert_double_eq_tol(L.r, (.3 * f + .7 * .8 / M_PI) * cosine, 1e-5);
     ck_assert_double_eq_tol(L.b, (.3 * f + .7 * .2 / M_PI) * cosine, 1e-5);
     memcpy(strstr(scene, "plasfunc"), "metfunc ", 8);
-    L = see(scene, DIRECT, 60);
+    L = see_by(scene, DIRECT, 60);
     ck_assert_double_eq_tol(L.g, .4 * (.3 * f + .7 / M_PI) * cosine, 1e-5);
 }
 END_TEST
@@ -162,7 +135,7 @@ START_TEST(data_are_found_by_functions)
         if (k == 2 && strstr(found[_i].strings, "lz"))
             break; /* other places */
         add_sun(scene, sizeof scene, sun, 1);
-        L = see(scene, DIRECT, 60);
+        L = see_by(scene, DIRECT, 60);
         ck_assert_double_eq_tol(
             L.g, (.3 * f * (k ? .4 : 1) + .7 * .4 / M_PI) * cosine,
             1e-5 * fmax(1, L.g));
@@ -179,12 +152,12 @@ START_TEST(function_sees_textures_and_patterns)
                        "t plasfunc m 2 tilt f.cal 0 5 0 0 0 1 0\n" SQUARE;
 
     add_sun(scene, sizeof scene, sun, 1);
-    ck_assert_double_eq_tol(see(scene, DIRECT, 20).g, (1 + .1 * 10) * n * n,
+    ck_assert_double_eq_tol(see_by(scene, DIRECT, 20).g, (1 + .1 * 10) * n * n,
                             1e-5);
     strcpy(scene, "void colorfunc t 4 .5 .25 .125 . 0 0\n"
                   "t plasfunc m 2 tint f.cal 0 4 .8 .4 .2 1\n" SQUARE);
     add_sun(scene, sizeof scene, sun, 1);
-    ck_assert_double_eq_tol(see(scene, DIRECT, 20).g,
+    ck_assert_double_eq_tol(see_by(scene, DIRECT, 20).g,
                             80 * .5 + 4 * .25 + .2 * .125, 1e-4);
 }
 END_TEST
@@ -199,14 +172,14 @@ START_TEST(transfunc_passes_light_of_its_colour)
     direction(sun, 30, 90);
     sun[2] = -sun[2];
     add_sun(scene, sizeof scene, sun, 1);
-    ck_assert_double_eq_tol(see(scene, DIRECT, 60).g,
+    ck_assert_double_eq_tol(see_by(scene, DIRECT, 60).g,
                             .4 * .7 * .9 * (.4 * .5 + .6 / M_PI) * cosine,
                             1e-5);
     sun[2] = -sun[2];
     strcpy(scene,
            "void transfunc m 2 half f.cal 0 6 .8 .4 .2 .3 .9 .4\n" SQUARE);
     add_sun(scene, sizeof scene, sun, 1);
-    ck_assert_double_eq_tol(see(scene, DIRECT, 60).g,
+    ck_assert_double_eq_tol(see_by(scene, DIRECT, 60).g,
                             (.3 * .5 + .4 * .7 * .1 / M_PI) * cosine, 1e-5);
 }
 END_TEST
@@ -215,14 +188,14 @@ END_TEST
 START_TEST(ambient_light_is_scattered_evenly)
 {
     struct rad_rgb L =
-        see("void transfunc m 2 half f.cal 0 6 .8 .4 .2 .3 .9 .4\n" SQUARE,
-            "-av 1 2 3", 60);
+        see_by("void transfunc m 2 half f.cal 0 6 .8 .4 .2 .3 .9 .4\n" SQUARE,
+               "-av 1 2 3", 60);
 
     ck_assert_double_eq_tol(L.r, .8, 1e-6);
     ck_assert_double_eq_tol(L.g, .8, 1e-6);
     ck_assert_double_eq_tol(L.b, .6, 1e-6);
-    L = see("void plasfunc m 2 half f.cal 0 4 .8 .4 .2 .3\n" SQUARE,
-            "-av 1 2 3", 60);
+    L = see_by("void plasfunc m 2 half f.cal 0 4 .8 .4 .2 .3\n" SQUARE,
+               "-av 1 2 3", 60);
     ck_assert_double_eq_tol(L.b, .6, 1e-6);
 }
 END_TEST
@@ -238,8 +211,8 @@ START_TEST(reciprocal_function_gives_a_reciprocal_surface)
 
         direction(sun, way ? 25 : 55, 0);
         add_sun(scene, sizeof scene, sun, 1);
-        L[way] =
-            see(scene, DIRECT, way ? 55 : 25).g / cos(RADIANS(way ? 25 : 55));
+        L[way] = see_by(scene, DIRECT, way ? 55 : 25).g /
+                 cos(RADIANS(way ? 25 : 55));
     }
     ck_assert_double_gt(L[0], 0);
     ck_assert_double_eq_tol(L[0], L[1], 1e-5);
@@ -256,14 +229,14 @@ START_TEST(brtdfunc_mirrors_and_passes_by_expressions)
     struct rad_rgb L;
 
     snprintf(scene, sizeof scene, "%s" ABOVE, m);
-    L = see(scene, PLAIN, 60);
+    L = see_by(scene, PLAIN, 60);
     ck_assert_double_eq_tol(L.r, .5, 1e-6);
     ck_assert_double_eq_tol(L.g, .5, 1e-6);
     ck_assert_double_eq(L.b, 0);
-    L = see(scene, PLAIN, 120); /* from below */
+    L = see_by(scene, PLAIN, 120); /* from below */
     ck_assert_double_eq_tol(L.g, .2, 1e-6);
     snprintf(scene, sizeof scene, "%s" BELOW, m);
-    L = see(scene, PLAIN, 60);
+    L = see_by(scene, PLAIN, 60);
     ck_assert_double_eq_tol(L.r, .1, 1e-6);
     ck_assert_double_eq_tol(L.b, .6, 1e-6);
 }
@@ -274,11 +247,11 @@ START_TEST(brtdfunc_has_two_sides)
 {
     static const char scene[] = "void BRTDfunc m 10 0 0 0 0 0 0 0 0 0 . "
                                 "0 9 .1 .2 .3 .4 .3 .2 .05 .1 .15\n" SQUARE;
-    struct rad_rgb L = see(scene, "-av 1 1 1", 30);
+    struct rad_rgb L = see_by(scene, "-av 1 1 1", 30);
 
     ck_assert_double_eq_tol(L.r, .15, 1e-6);
     ck_assert_double_eq_tol(L.b, .45, 1e-6);
-    L = see(scene, "-av 1 1 1", 150);
+    L = see_by(scene, "-av 1 1 1", 150);
     ck_assert_double_eq_tol(L.r, .45, 1e-6);
     ck_assert_double_eq_tol(L.b, .35, 1e-6);
 }
@@ -301,7 +274,7 @@ START_TEST(brtdfunc_scatters_by_channel)
         direction(sun, 30, 90);
         sun[2] *= side;
         add_sun(scene, sizeof scene, sun, 1);
-        L = see(scene, DIRECT, eye);
+        L = see_by(scene, DIRECT, eye);
         ck_assert_double_eq_tol(L.r, (base / M_PI + .5) * cosine, 1e-5);
         base = reflected ? (side > 0 ? .2 : .3) : .1;
         ck_assert_double_eq_tol(L.g, base / M_PI * cosine, 1e-5);

@@ -80,13 +80,13 @@ tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h
 tests_check_ambient_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambient_LDADD = $(UNIT_LIBS)
 
-tests_check_aniso_SOURCES = tests/check_aniso.c tests/suns.h tests/unit.h \
-	tests/world.h
+tests_check_aniso_SOURCES = tests/check_aniso.c tests/square.h tests/suns.h \
+	tests/unit.h tests/world.h
 tests_check_aniso_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_aniso_LDADD = $(UNIT_LIBS)
 
-tests_check_ashik_SOURCES = tests/check_ashik.c tests/suns.h tests/unit.h \
-	tests/world.h
+tests_check_ashik_SOURCES = tests/check_ashik.c tests/square.h tests/suns.h \
+	tests/unit.h tests/world.h
 tests_check_ashik_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ashik_LDADD = $(UNIT_LIBS)
 
@@ -94,8 +94,8 @@ tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)
 
-tests_check_brdf_SOURCES = tests/check_brdf.c tests/suns.h tests/unit.h \
-	tests/world.h
+tests_check_brdf_SOURCES = tests/check_brdf.c tests/square.h tests/suns.h \
+	tests/unit.h tests/world.h
 tests_check_brdf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_brdf_LDADD = $(UNIT_LIBS)
 
@@ -341,8 +341,8 @@ tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_metric_LDADD = $(UNIT_LIBS)
 
-tests_check_wgmd_SOURCES = tests/check_wgmd.c tests/suns.h tests/unit.h \
-	tests/world.h
+tests_check_wgmd_SOURCES = tests/check_wgmd.c tests/square.h tests/suns.h \
+	tests/unit.h tests/world.h
 tests_check_wgmd_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_wgmd_LDADD = $(UNIT_LIBS)
 
