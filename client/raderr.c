@@ -19,6 +19,7 @@ static const char usage_text[] =
     "usage: raderr [-1] [-b N] [-c X] [-d N] [--map=OUT.png] "
     "TEST.hdr REF.hdr\n"
     "       raderr --false-colour=OUT.png PICTURE.hdr\n"
+    "       raderr --mean=OUT.hdr [-d N] PICTURE.hdr...\n"
     "       raderr --help | --version\n";
 
 static const char help_text[] =
@@ -31,13 +32,14 @@ static const char help_text[] =
     "  -d N    average N by N pixels of TEST first: it is N times larger\n"
     "  --map=OUT.png           write the difference in false colour\n"
     "  --false-colour=OUT.png  write the luminance in false colour, with a\n"
-    "                          legend in cd/m2\n";
+    "                          legend in cd/m2\n"
+    "  --mean=OUT.hdr          write the mean of the pictures, reduced by -d\n";
 
 struct task {
     struct rad_metric_options metric;
     bool one_line;
-    const char *map, *false_colour;
-    const char *file[2];
+    const char *map, *false_colour, *mean;
+    const char **file; /* room for all words of the command line */
     int nfiles;
 };
 
@@ -103,9 +105,30 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
     if (used == 0)
         used = file_option("--false-colour", &t->false_colour, argc, argv);
     if (used == 0)
+        used = file_option("--mean", &t->mean, argc, argv);
+    if (used == 0)
         return rad_fail(err, RAD_EUSAGE, "unknown or incomplete option '%.80s'",
                         argv[0]);
     return used;
+}
+
+static int
+check_task(const struct task *t, struct rad_error *err)
+{
+    if ((t->map != NULL) + (t->false_colour != NULL) + (t->mean != NULL) > 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "only one of --map, --false-colour and --mean");
+    if (t->false_colour && t->nfiles != 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--false-colour is of one picture by itself");
+    if (t->mean && t->nfiles == 0)
+        return rad_fail(err, RAD_EUSAGE, "--mean: no picture");
+    if (t->mean && (t->metric.block > 1 || t->metric.clip > 0))
+        return rad_fail(err, RAD_EUSAGE, "--mean goes with -d only");
+    if (!t->false_colour && !t->mean && t->nfiles != 2)
+        return rad_fail(err, RAD_EUSAGE, "expected two pictures, got %d",
+                        t->nfiles);
+    return 0;
 }
 
 static int
@@ -114,23 +137,18 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
     int used;
 
     t->metric.down = t->metric.block = 1;
+    t->file = calloc((size_t)argc + 1, sizeof *t->file);
+    if (!t->file)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int i = 1; i < argc; i += used) {
         if (argv[i][0] != '-') {
-            if (t->nfiles == 2)
-                return rad_fail(err, RAD_EUSAGE, "too many pictures");
             t->file[t->nfiles++] = argv[i];
             used = 1;
         } else if ((used = take_option(t, argc - i, argv + i, err)) < 0) {
             return used;
         }
     }
-    if (t->false_colour && (t->nfiles != 1 || t->map))
-        return rad_fail(err, RAD_EUSAGE,
-                        "--false-colour is of one picture by itself");
-    if (!t->false_colour && t->nfiles != 2)
-        return rad_fail(err, RAD_EUSAGE, "expected two pictures, got %d",
-                        t->nfiles);
-    return 0;
+    return check_task(t, err);
 }
 
 /* --- pictures --------------------------------------------------------------
@@ -188,6 +206,114 @@ false_colour(const struct task *t, struct rad_error *err)
     rad_picture_release(&pic);
     return rc;
 }
+
+/* --- the mean of several ---------------------------------------------------
+ */
+
+struct sum {
+    int width, height, n;
+    double pixaspect;
+    double *rgb; /* width * height * 3 */
+};
+
+/* Add one picture; the first decides on the size. */
+static int
+sum_add(struct sum *sum, const struct rad_picture *pic, struct rad_error *err)
+{
+    size_t n = (size_t)pic->width * (size_t)pic->height;
+
+    if (!sum->rgb) {
+        sum->rgb = calloc(n, 3 * sizeof *sum->rgb);
+        if (!sum->rgb)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        sum->width = pic->width;
+        sum->height = pic->height;
+        sum->pixaspect = pic->pixaspect;
+    }
+    if (pic->width != sum->width || pic->height != sum->height)
+        return rad_fail(err, RAD_EDATA, "sizes differ: %dx%d and %dx%d",
+                        pic->width, pic->height, sum->width, sum->height);
+    for (size_t i = 0; i < n; i++) {
+        sum->rgb[3 * i] += pic->L[i].r;
+        sum->rgb[3 * i + 1] += pic->L[i].g;
+        sum->rgb[3 * i + 2] += pic->L[i].b;
+    }
+    sum->n++;
+    return 0;
+}
+
+static int
+sum_file(struct sum *sum, const char *path, int down, struct rad_error *err)
+{
+    struct rad_picture pic, small;
+    int rc = read_picture(path, &pic, err);
+
+    if (rc == 0 && down > 1) {
+        if (pic.width % down || pic.height % down)
+            rc = rad_fail(err, RAD_EDATA, "%dx%d is not a multiple of %d",
+                          pic.width, pic.height, down);
+        else
+            rc = rad_picture_blocks(&pic, down, &small, err);
+        rad_picture_release(&pic);
+        if (rc == 0)
+            pic = small;
+    }
+    if (rc == 0)
+        rc = sum_add(sum, &pic, err);
+    if (rc < 0)
+        rad_error_where(err, "%s", path);
+    rad_picture_release(&pic);
+    return rc;
+}
+
+static int
+encode_mean(const struct sum *sum, const struct rad_sink *sink,
+            struct rad_error *err)
+{
+    struct rad_hdr_info info = { "raderr",       "--mean", NULL,
+                                 sum->pixaspect, 0,        sum->width,
+                                 sum->height };
+    size_t width = (size_t)sum->width;
+    struct rad_rgb *row = malloc(width * sizeof *row);
+    uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));
+    int rc = row && code ? rad_hdr_write_header(&info, sink, err)
+                         : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    for (int y = 0; rc == 0 && y < sum->height; y++) {
+        const double *rgb = sum->rgb + 3 * width * (size_t)y;
+
+        for (size_t x = 0; x < width; x++, rgb += 3)
+            row[x] = rad_rgb((float)(rgb[0] / sum->n), (float)(rgb[1] / sum->n),
+                             (float)(rgb[2] / sum->n));
+        rc = sink->write(sink->arg, code,
+                         rad_hdr_encode_row(row, sum->width, code), err);
+    }
+    free(row);
+    free(code);
+    return rc;
+}
+
+static int
+mean_pictures(const struct task *t, struct rad_error *err)
+{
+    struct sum sum = { 0 };
+    struct rad_memory_out out = { 0 };
+    struct rad_sink sink = rad_memory_sink(&out);
+    int rc = 0;
+
+    for (int i = 0; rc == 0 && i < t->nfiles; i++)
+        rc = sum_file(&sum, t->file[i], t->metric.down, err);
+    if (rc == 0)
+        rc = encode_mean(&sum, &sink, err);
+    if (rc == 0)
+        rc = output_write(t->mean, out.bytes, out.len, false, err);
+    free(out.bytes);
+    free(sum.rgb);
+    return rc;
+}
+
+/* --- two pictures ----------------------------------------------------------
+ */
 
 static void
 print_figures(const struct rad_metric *m, bool one_line)
@@ -254,9 +380,12 @@ main(int argc, char **argv)
     }
     rc = read_options(&t, argc, argv, &err);
     if (rc == 0)
-        rc = t.false_colour ? false_colour(&t, &err) : compare(&t, &err);
+        rc = t.mean           ? mean_pictures(&t, &err)
+             : t.false_colour ? false_colour(&t, &err)
+                              : compare(&t, &err);
     if (rc == 0 && fflush(stdout) != 0)
         rc = rad_fail(&err, RAD_EIO, "standard output: write failed");
+    free(t.file);
     if (rc < 0) {
         rad_error_format(&err, text, sizeof text);
         fprintf(stderr, "raderr: %s\n", text);

@@ -85,9 +85,10 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
                  (unsigned long)info->frame);
     colour_lines(info->options, colour, sizeof colour);
     n = snprintf(text, sizeof text,
-                 "#?RADIANCE\n%s %s\nVIEW= %s\n%s%s\n-Y %d +X %d\n",
-                 info->program, info->options, info->view, extra, colour,
-                 info->height, info->width);
+                 "#?RADIANCE\n%s %s\n%s%s%s%s%s\n-Y %d +X %d\n", info->program,
+                 info->options, info->view ? "VIEW= " : "",
+                 info->view ? info->view : "", info->view ? "\n" : "", extra,
+                 colour, info->height, info->width);
     if (n < 0 || (size_t)n >= sizeof text)
         return rad_fail(err, RAD_EINTERNAL, "picture header is too long");
     return sink->write(sink->arg, text, (size_t)n, err);

@@ -24,7 +24,7 @@ struct rad_hdr_info {
     const char *program; /* "radsubmit" */
     const char *options; /* rad_params_format()'s text, which also says what
                           * the numbers stand for (-pXYZ, -pc) */
-    const char *view;    /* rad_view_format()'s text */
+    const char *view;    /* rad_view_format()'s text; NULL: no one view */
     double pixaspect;    /* height / width of a pixel */
     uint32_t frame;      /* 0: a still */
     int width, height;

@@ -53,9 +53,21 @@ for png in map.png lum.png; do
     [ "$(od -An -c -N4 $png | tr -d ' ')" = '211PNG' ] || fail "$png is no PNG"
 done
 
+# 128.5 and 192.5 steps again: their mean is 160.5
+"$raderr" --mean=mean.hdr ref.hdr test.hdr &&
+    "$raderr" -1 mean.hdr ref.hdr >out || fail "no mean"
+grep -q 'maxabs 0.249027' out || fail "mean of two: $(cat out)"
+"$raderr" --mean=mean.hdr -d 2 test.hdr && "$raderr" -d 2 -1 test.hdr mean.hdr |
+    grep -q 'mean_ratio 1 ' || fail "mean of a block"
+
 expect 0 '' --help
 expect 0 '' --version
 expect 64 'expected two pictures' ref.hdr
+expect 64 'no picture' --mean=mean.hdr
+expect 64 'only one' --mean=mean.hdr --map=map.png ref.hdr
+expect 64 'with -d only' --mean=mean.hdr -b 2 ref.hdr
+expect 65 'not a multiple' --mean=mean.hdr -d 3 ref.hdr
+expect 65 'sizes differ' --mean=mean.hdr ref.hdr mean.hdr
 expect 64 'unknown' -x ref.hdr ref.hdr
 expect 64 "option '-b'" -b 0 ref.hdr ref.hdr
 expect 64 "option '-c'" -c abc ref.hdr ref.hdr
