@@ -9,8 +9,8 @@ bench_kernel_LDADD = $(LIBRAD)
 BENCH_SCENE =
 BENCH_VIEW =
 
-.PHONY: bench bench-kernel bench-hosts bench-sim
-bench: bench-kernel bench-sim bench-hosts
+.PHONY: bench bench-kernel bench-hosts bench-sim bench-error
+bench: bench-kernel bench-sim bench-hosts bench-error
 bench-kernel: bench/kernel$(EXEEXT)
 	$(MKDIR_P) bench/results
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \
@@ -24,6 +24,14 @@ dist_noinst_SCRIPTS += bench/hosts.sh
 EXTRA_DIST += bench/hosts.awk bench/stats.awk
 bench-hosts: bench/sim/sim$(EXEEXT) radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
 	$(srcdir)/bench/hosts.sh $(HOSTS_FLAGS) . $(BENCH_SCENE) $(BENCH_VIEW)
+
+# Speed against error of indirect light; ERROR_FLAGS are options of
+# bench/speed-error.sh.
+ERROR_FLAGS =
+dist_noinst_SCRIPTS += bench/speed-error.sh
+EXTRA_DIST += bench/speed-error.awk bench/speed-error.gnuplot
+bench-error: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) raderr$(EXEEXT)
+	$(srcdir)/bench/speed-error.sh $(ERROR_FLAGS) .
 
 # The scheduler with simulated hosts; SIM_FLAGS are options of bench/sim/sim,
 # a statistics file among them.

@@ -1,0 +1,309 @@
+#!/usr/bin/env bash
+# speed-error.sh [options] BUILD - speed against error of indirect light
+#
+# A ladder of settings on each scene.  A picture is rendered large, averaged
+# down to its scene's converged reference and compared with it, clipped at four
+# times the mean (raderr -c 4), by pixel and by blocks of 4x4 pixels.  rpict
+# and oconv, where they are on PATH, go over the ladder in the same run: each
+# setting once with rpict, once with radsubmit on one thread and once on all
+# processors, then again.  Seconds are those of all processes that a run
+# starts; rpict's octree is made beforehand, radsubmit's within its time.
+#
+#   --scenes=LIST    of cornell, night, day, virtual, room (all that are there)
+#   --folder=DIR     where the folders cornell, office and virtual are, with
+#                    their references ($RADD_SCENES); room is the example
+#   --size=N         width of the pictures, a multiple of the references' (960)
+#   --runs=N         of each setting, with another seed each (3)
+#   --rungs=LIST     the ladder, settings of -aa/-ar/-ad/-as
+#   --rpict-rungs=LIST   rpict's, in place of the first four of those; none: no
+#                    rpict
+#   --threads=LIST   of radsubmit: 1, or all, or a number (1,all)
+#   --options=TEXT   rendering options besides, in place of the usual ones
+#   --more=TEXT      rendering options that are added to them
+#   --passes=N       of which room's reference is made, each two to five
+#                    minutes of processor time; kept for the next run (12)
+#   --results=DIR    what is written and kept (bench/results)
+#   --table          only make table and plots again, from what is there
+#
+# A short form: --scenes=cornell,night --size=384 --runs=1
+#   --rungs=.5/16/64/16,.3/32/128/32 --threads=1
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+folder=${RADD_SCENES:-} scenes=cornell,night,day,virtual,room size=960 runs=3
+rungs=.5/16/64/16,.3/32/128/32,.25/48/192/48,.3/32/512/128
+rungs=$rungs,.2/64/512/128,.15/96/1024/256
+rpict_rungs='' threads=1,all passes=12 results=bench/results table=
+options='-pa 0 -ps 4 -pt .05 -pj .9 -dj .5 -ds .2 -dt .05 -dc .75 -st .1
+-ab 4 -lr 8 -lw 5e-4' more=''
+# Of one pass of a reference: no cache, nothing cut short.
+exact='-pa 0 -ps 1 -pj .95 -dj .9 -ds .2 -dt 0 -dc 1 -ss 1 -st 0 -ab 4 -aa 0
+-as 0 -ad 16 -lr -8 -lw 1e-4'
+
+die()
+{
+    echo "speed-error.sh: $*" >&2
+    exit 64
+}
+
+while [ $# -gt 0 ]; do
+    case $1 in
+    --scenes=*) scenes=${1#*=} ;;
+    --folder=*) folder=${1#*=} ;;
+    --size=*) size=${1#*=} ;;
+    --runs=*) runs=${1#*=} ;;
+    --rungs=*) rungs=${1#*=} ;;
+    --rpict-rungs=*) rpict_rungs=${1#*=} ;;
+    --threads=*) threads=${1#*=} ;;
+    --options=*) options=${1#*=} ;;
+    --more=*) more=${1#*=} ;;
+    --passes=*) passes=${1#*=} ;;
+    --results=*) results=${1#*=} ;;
+    --table) table=yes ;;
+    --) shift && break ;;
+    -*) die "unknown option '$1'" ;;
+    *) break ;;
+    esac
+    shift
+done
+[ $# -eq 1 ] || {
+    sed -n '2,/^set/s/^# \{0,1\}//p' "$0" >&2
+    exit 64
+}
+build=$(cd "$1" && pwd)
+for n in "$size" "$runs" "$passes"; do
+    [[ $n =~ ^[1-9][0-9]{0,4}$ ]] || die "'$n' is no number from 1"
+done
+is_ladder()
+{
+    local number='[0-9.]+' # of -aa; the others are whole
+    [[ $1 =~ ^$number(/[0-9]+){3}(,$number(/[0-9]+){3})*$ ]] ||
+        die "'$1' is no ladder: expected AA/AR/AD/AS,..."
+}
+is_ladder "$rungs"
+case $rpict_rungs in
+'') rpict_rungs=$(echo "$rungs" | cut -d, -f1-4) ;;
+none) rpict_rungs='' ;;
+*) is_ladder "$rpict_rungs" ;;
+esac
+for s in ${scenes//,/ }; do
+    case $s in
+    cornell | night | day | virtual | room) ;;
+    *) die "no scene '$s'" ;;
+    esac
+done
+for t in ${threads//,/ }; do
+    [[ $t =~ ^(all|[1-9][0-9]{0,2})$ ]] || die "'$t' is no number of threads"
+done
+for program in radcoord radd radsubmit raderr; do
+    [ -x "$build/$program" ] || die "no $program in '$build'"
+done
+mkdir -p "$results"
+results=$(cd "$results" && pwd)
+[ -z "$folder" ] || folder=$(cd "$folder" && pwd)
+if [ -n "$rpict_rungs" ] &&
+    ! { command -v rpict && command -v oconv; } >/dev/null; then
+    echo "rpict and oconv are not on PATH: radsubmit alone" >&2
+    rpict_rungs=
+fi
+
+tmp=$(mktemp -d "${TMPDIR:-/tmp}/speed-error.XXXXXX")
+trap 'rm -rf "$tmp"' EXIT
+trap 'exit 1' INT TERM HUP
+TIMEFORMAT='%U %R'
+
+say() # what is under way, to a terminal
+{
+    [ ! -t 2 ] || printf '\r%-70s\r' "$1" >&2
+}
+
+# --- scenes ---
+
+# Where a scene is: sets $at, $file, $view, $reference and $extra, its own
+# options.
+find_scene() # NAME
+{
+    extra=
+    case $1 in
+    cornell)
+        at=$folder/cornell file=cornell.rad view=box.vf
+        reference=$at/ref/cornell_box_conv.hdr
+        ;;
+    night | day)
+        at=$folder/office file=$1.rad view=norm.vf
+        reference=$at/ref/$1_norm_conv.hdr
+        ;;
+    virtual)
+        at=$folder/virtual file=plain.rad view=back.vf extra='-dr 2'
+        reference=$at/ref/plain_back_conv.hdr
+        ;;
+    room)
+        at=$here/../examples/reading-room file=room.rad view=room.vf
+        # shellcheck disable=SC2086 # options are words
+        reference=$results/room-$(cat "$at"/* - <<<"$exact $passes" |
+            cksum | cut -d' ' -f1)_conv.hdr
+        ;;
+    esac
+}
+
+# Sets $width and $height from a picture's header.
+size_of() # PICTURE
+{
+    # shellcheck disable=SC2046 # three words
+    set -- $(LC_ALL=C sed -n '/^[-+][XY] [0-9]* [-+][XY] [0-9]*$/{p;q}' "$1" |
+        tr -d '\0')
+    [ $# -eq 4 ] || die "a reference without a size"
+    height=$2 width=$4
+}
+
+# The reference of the example: 192 pixels wide, 25 samples a pixel in each
+# pass; its halves tell of its noise.
+make_reference()
+{
+    local k half
+    for ((k = 1; k <= passes; k++)); do
+        say "room's reference: pass $k of $passes"
+        # shellcheck disable=SC2086
+        (cd "$at" && "$build/radsubmit" --local --seed=$((1000 + k)) \
+            -vf $view -x 960 -y 730 $exact -o "$tmp/pass.hdr" $file) \
+            2>"$tmp/err" </dev/null || die "$(tail -n 1 "$tmp/err")"
+        "$build/raderr" --mean="$tmp/$((k % 2))-$k.hdr" -d 5 "$tmp/pass.hdr"
+    done
+    for half in 1 0; do
+        [ ! -e "$tmp/$half-$((2 - half)).hdr" ] ||
+            "$build/raderr" --mean="${reference%.hdr}_$half.hdr" \
+                "$tmp/$half"-*.hdr
+    done
+    [ "$passes" -eq 1 ] || mv "${reference%.hdr}_0.hdr" \
+        "${reference%.hdr}_b.hdr"
+    mv "${reference%.hdr}_1.hdr" "${reference%.hdr}_a.hdr"
+    "$build/raderr" --mean="$reference" "$tmp"/[01]-*.hdr
+    rm -f "$tmp"/[01]-*.hdr "$tmp/pass.hdr"
+}
+
+compare() # OPTIONS... PICTURE PICTURE: mean_ratio and log_rmse
+{
+    "$build/raderr" -1 -c 4 "$@" | awk '{ print $2, $6 }'
+}
+
+# Half of what separates the reference's halves, by pixel and by block.
+reference_noise()
+{
+    local a=${reference%.hdr}_a.hdr b=${reference%.hdr}_b.hdr
+    if [ -e "$a" ] && [ -e "$b" ]; then
+        echo "$(compare "$a" "$b") $(compare -b 4 "$a" "$b")" |
+            awk '{ print $2 / 2, $4 / 2 }'
+    else
+        echo - -
+    fi
+}
+
+# --- runs ---
+
+# One line a run: scene, program, threads (0: rpict), rung, run, user and wall
+# seconds, rays, ambient records, mean ratio, error by pixel, by block
+judge() # PROGRAM THREADS RUNG RUN RAYS RECORDS
+{
+    local pixel block
+    pixel=$(compare -d $((w / width)) "$tmp/out.hdr" "$reference")
+    block=$(compare -d $((w / width)) -b 4 "$tmp/out.hdr" "$reference")
+    echo "$scene $1 $2 $3 $4 $(tail -n 1 "$tmp/time") $5 $6 $pixel" \
+        "${block#* }" >>"$data"
+}
+
+setting() # RUNG
+{
+    local part
+    IFS=/ read -ra part <<<"$1"
+    echo "-aa ${part[0]} -ar ${part[1]} -ad ${part[2]} -as ${part[3]}"
+}
+
+run_rpict() # RUNG RUN
+{
+    say "$scene, run $2 of $runs: rpict $1"
+    # shellcheck disable=SC2046,SC2086
+    (cd "$at" && { time rpict -t 100000 -vf $view -x $w -y $h $options \
+        $extra $more $(setting "$1") "$tmp/scene.oct" >"$tmp/out.hdr" \
+        2>"$tmp/err"; } 2>"$tmp/time") ||
+        die "rpict: $(tail -n 1 "$tmp/err")"
+    judge rpict 0 "$1" "$2" \
+        "$(awk '/ rays, 100/ { r = $2 } END { print r + 0 }' "$tmp/err")" -
+}
+
+run_radsubmit() # THREADS RUNG RUN
+{
+    say "$scene, run $3 of $runs: radsubmit $2, threads: $1"
+    # shellcheck disable=SC2046,SC2086
+    (cd "$at" && { time "$build/radsubmit" --local --workers=1 \
+        --threads=$1 --seed=$3 --stats="$tmp/stats.json" -vf $view \
+        -x $w -y $h $options $extra $more $(setting "$2") \
+        -o "$tmp/out.hdr" $file 2>"$tmp/err" </dev/null; } 2>"$tmp/time") ||
+        die "radsubmit: $(tail -n 1 "$tmp/err")"
+    # shellcheck disable=SC2046 # words
+    judge radd "$1" "$2" "$3" $(awk -v head= -f "$here/stats.awk" \
+        "$tmp/stats.json" | awk '{ print $3, $6 }')
+}
+
+measure_scene()
+{
+    local factor run rung t all
+    all=$(getconf _NPROCESSORS_ONLN)
+    size_of "$reference"
+    [ $((size % width)) -eq 0 ] ||
+        die "$scene: $size is not a multiple of the reference's $width"
+    factor=$((size / width)) w=$size
+    h=$((height * factor))
+    echo "$scene reference $width $height $w $h $(reference_noise)" >>"$data"
+    [ -z "$rpict_rungs" ] ||
+        (cd "$at" && oconv -f "$file" >"$tmp/scene.oct") ||
+        die "$scene: no octree"
+    for ((run = 1; run <= runs; run++)); do
+        for rung in $(echo "$rungs,$rpict_rungs" | tr , '\n' | awk '!n[$0]++'); do
+            [[ ,$rpict_rungs, != *,$rung,* ]] || run_rpict "$rung" $run
+            [[ ,$rungs, == *,$rung,* ]] || continue
+            for t in ${threads//,/ }; do
+                run_radsubmit "${t/all/$all}" "$rung" $run
+            done
+        done
+    done
+}
+
+data=$results/speed-error.runs
+if [ -z "$table" ]; then
+    {
+        echo "# $(date -u +%Y-%m-%d) $("$build/radsubmit" --version)," \
+            "$(getconf _NPROCESSORS_ONLN) processors," \
+            "$(sed -n 's/^model name.*: //p' /proc/cpuinfo 2>/dev/null |
+                head -n 1)"
+        # shellcheck disable=SC2086
+        echo "# options:" $options $more
+    } >"$data"
+    for scene in ${scenes//,/ }; do
+        find_scene "$scene"
+        if [ "$scene" != room ] && [ ! -r "$reference" ]; then
+            echo "# $scene left out: no $(basename "$reference") (--folder)" \
+                >>"$data"
+            continue
+        fi
+        [ -r "$reference" ] || make_reference
+        measure_scene
+    done
+    say ''
+fi
+grep -q ' reference ' "$data" || die "nothing measured"
+
+# --- table and plots ---
+
+awk -v plots="$tmp" -f "$here/speed-error.awk" "$data" |
+    tee "$results/speed-error.txt"
+if ! command -v gnuplot >/dev/null; then
+    echo "gnuplot is not on PATH: no plots" >&2
+    exit 0
+fi
+for x in seconds rays; do
+    for type in png svg; do
+        gnuplot -e "dir='$tmp'; x='$x'; type='$type'" \
+            -e "out='$results/speed-error-$x.$type'" \
+            "$here/speed-error.gnuplot"
+    done
+done
+echo "plots: $results/speed-error-{seconds,rays}.{png,svg}"
