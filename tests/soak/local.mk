@@ -1,0 +1,21 @@
+# Hours of trouble: `make soak` runs every script named here, one after the
+# other, and goes on after one that fails.  Their short forms are tests of
+# `make check`; how long each goes on is set by the variables that it names at
+# its top.
+SOAK = \
+	tests/soak/storm.sh
+
+dist_check_SCRIPTS += $(SOAK)
+# a minute of it
+TESTS += tests/soak/storm.sh
+
+.PHONY: soak
+soak: all $(check_PROGRAMS)
+	@failed=; for script in $(SOAK); do \
+		echo "== $$script"; \
+		RADD_SOAK=long top_srcdir='$(top_srcdir)' \
+		top_builddir='$(top_builddir)' \
+		$(SHELL) $(top_srcdir)/$$script </dev/null || \
+			failed="$$failed $$script"; \
+	done; \
+	test -z "$$failed" || { echo "FAILED:$$failed"; exit 1; }
