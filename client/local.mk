@@ -18,6 +18,8 @@ libclient_a_SOURCES = \
 	client/fetch.h \
 	client/frames.c \
 	client/frames.h \
+	client/keyctl.c \
+	client/keyctl.h \
 	client/link.c \
 	client/link.h \
 	client/local.c \

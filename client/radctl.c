@@ -5,6 +5,7 @@
 #include "config.h"
 
 #include "fetch.h"
+#include "keyctl.h"
 #include "picfile.h"
 #include "picture/number.h"
 #include "table.h"
@@ -16,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
+#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -27,7 +29,10 @@ enum {
 struct ctl {
     const struct command *command;
     const char *arg;         /* the command's, NULL where it has none */
+    const char *name;        /* the word behind it: a key's, or NULL */
     const char *coordinator; /* --coordinator */
+    const char *keys;        /* --keys: the file that `key` edits */
+    const char *expires;     /* --expires */
     const char *output;
     int frame;
     bool json;
@@ -272,6 +277,41 @@ run_job_report(struct ctl *c)
     return rc;
 }
 
+/* key: in the file itself, if one is named, else by the coordinator */
+static int
+run_key_file(struct ctl *c, const struct key_order *order)
+{
+    char *text;
+    int rc = keyfile_order(c->keys, order, (int64_t)time(NULL), &text, c->err);
+
+    if (rc == 0)
+        rc = keyctl_print(order, text, strlen(text), c->json, c->err);
+    if (text)
+        explicit_bzero(text, strlen(text));
+    free(text);
+    return rc;
+}
+
+static int
+run_key(struct ctl *c)
+{
+    struct msg m = { .type = MSG_KEY };
+    const struct msg *answer;
+    struct key_order order;
+    int rc = keyctl_parse(&order, c->arg, c->name, c->expires, c->err);
+
+    if (rc < 0)
+        return rc;
+    if (c->keys)
+        return run_key_file(c, &order);
+    m.key = (struct msg_key){ (uint8_t)order.what, order.name,
+                              (uint64_t)order.expires };
+    rc = ask(c, &m, MSG_ANSWER, &answer);
+    return rc < 0 ? rc
+                  : keyctl_print(&order, (const char *)answer->answer.text,
+                                 answer->answer.len, c->json, c->err);
+}
+
 static const struct command commands[] = {
     { "status", NULL, "coordinator, workers and jobs in short", run_query,
       MSG_QUERY_STATUS },
@@ -284,6 +324,8 @@ static const struct command commands[] = {
     { "fetch", "ID", "get a finished picture", run_fetch, 0 },
     { "drain", "WORKER", "give a worker no more work", run_worker, MSG_DRAIN },
     { "undrain", "WORKER", "give it work again", run_worker, MSG_UNDRAIN },
+    { "key", "add NAME | retire NAME | list", "of hosts and users", run_key,
+      MSG_KEY },
 };
 enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -295,16 +337,19 @@ help(void)
     puts("usage: radctl [options] COMMAND [ARGUMENT]\n"
          "Look at and steer a running cluster.\n");
     for (int i = 0; i < NCOMMANDS; i++) {
-        char head[40];
+        char head[80];
+        int n = snprintf(head, sizeof head, "%s %s", commands[i].name,
+                         commands[i].arg ? commands[i].arg : "");
 
-        snprintf(head, sizeof head, "%s %s", commands[i].name,
-                 commands[i].arg ? commands[i].arg : "");
-        printf("  %-16s  %s\n", head, commands[i].help);
+        printf("  %-16s%s%s\n", head, n > 16 ? "\n                    " : "  ",
+               commands[i].help);
     }
     puts("\n"
          "  --coordinator=HOST:PORT|SOCKET\n"
          "                    the coordinator\n"
          "  --json            print answers as JSON\n"
+         "  --keys=FILE       edit this key file, not the coordinator's\n"
+         "  --expires=DATE    when a new key ends: 2027-01-31, at 00:00 UTC\n"
          "  -o FILE           where fetch writes (standard output)\n"
          "  --frame=N         picture of an animation to fetch, from 0\n"
          "  --help            this text\n"
@@ -346,6 +391,8 @@ take_option(struct ctl *c, char *argv[], int *i)
     }
     if ((rc = option_value("--coordinator", argv, i, &c->coordinator,
                            c->err)) != 0 ||
+        (rc = option_value("--keys", argv, i, &c->keys, c->err)) != 0 ||
+        (rc = option_value("--expires", argv, i, &c->expires, c->err)) != 0 ||
         (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
         return rc < 0 ? rc : 0;
     if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
@@ -370,7 +417,7 @@ find_command(struct ctl *c, const char *name)
             c->command = &commands[i];
     if (c->command)
         return 0;
-    if (strcmp(name, "key") == 0 || strcmp(name, "check") == 0)
+    if (strcmp(name, "check") == 0)
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': not in this version",
                         name);
     return rad_fail(c->err, RAD_EUSAGE, "unknown command '%s'", name);
@@ -387,6 +434,9 @@ check_words(struct ctl *c)
     if (c->command->run != run_fetch && (c->output || c->frame))
         return rad_fail(c->err, RAD_EUSAGE,
                         "-o and --frame go with fetch alone");
+    if (c->command->run != run_key && (c->keys || c->expires))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--keys and --expires go with key alone");
     if (c->command->run == run_fetch && c->json && !c->output)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
     return 0;
@@ -405,6 +455,8 @@ take_words(struct ctl *c, int argc, char *argv[])
             rc = find_command(c, argv[i]);
         else if (c->command->arg && !c->arg)
             c->arg = argv[i];
+        else if (c->command->run == run_key && !c->name)
+            c->name = argv[i];
         else
             rc = rad_fail(c->err, RAD_EUSAGE, "unexpected word '%s'", argv[i]);
     }
@@ -439,12 +491,26 @@ connect_to(struct ctl *c, const struct target *to)
     return rc;
 }
 
+/* What was printed is out. */
+static int
+end_output(struct ctl *c)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return 0;
+    return rad_fail(c->err, RAD_EIO, "cannot write: %s", strerror(errno));
+}
+
 static int
 run(struct ctl *c)
 {
     struct target to;
-    int rc = target_find(&to, c->coordinator, c->err);
+    int rc;
 
+    if (c->keys) { /* needs no coordinator */
+        rc = c->command->run(c);
+        return rc < 0 ? rc : end_output(c);
+    }
+    rc = target_find(&to, c->coordinator, c->err);
     if (rc < 0)
         return rc;
     if (rc == 0)
@@ -459,9 +525,7 @@ run(struct ctl *c)
         rc = c->command->run(c);
     link_close(c->link);
     uv_loop_close(&c->loop);
-    if (rc == 0 && (fflush(stdout) != 0 || ferror(stdout)))
-        rc = rad_fail(c->err, RAD_EIO, "cannot write: %s", strerror(errno));
-    return rc;
+    return rc < 0 ? rc : end_output(c);
 }
 
 int

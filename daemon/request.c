@@ -325,6 +325,15 @@ on_undrain(struct coord *c, struct coord_conn *conn, const struct msg *m)
     set_drained(c, conn, m->request, m->undrain.name, false);
 }
 
+/* --- keys, by an admin --- */
+
+static void
+on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    coord_reply_failed(c, conn, m->request, NULL, EX_NOINPUT,
+                       "the coordinator has no key file");
+}
+
 static const struct {
     enum msg_type type;
     void (*handle)(struct coord *c, struct coord_conn *conn,
@@ -335,6 +344,7 @@ static const struct {
     { MSG_PAUSE, on_pause },   { MSG_RESUME, on_resume },
     { MSG_FETCH, on_fetch },   { MSG_QUERY, on_query },
     { MSG_DRAIN, on_drain },   { MSG_UNDRAIN, on_undrain },
+    { MSG_KEY, on_key },
 };
 
 void

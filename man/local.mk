@@ -6,6 +6,7 @@ dist_man_MANS += \
 	man/radctl.1 \
 	man/radd.8 \
 	man/radd.conf.5 \
+	man/radd.keys.5 \
 	man/raderr.1 \
 	man/radscene.1 \
 	man/radsubmit.1

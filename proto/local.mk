@@ -5,6 +5,8 @@ libproto_a_SOURCES = \
 	proto/codec.h \
 	proto/frame.c \
 	proto/frame.h \
+	proto/keyfile.c \
+	proto/keyfile.h \
 	proto/message.c \
 	proto/message.def \
 	proto/message.h \

@@ -456,6 +456,25 @@ msg_unpack_answer(struct wire_in *in, struct msg_answer *b, struct msg *m)
 }
 
 static void
+msg_pack_key(struct wire_out *o, const struct msg_key *b)
+{
+    msg_put_must(o, b->what < MSG_NKEY);
+    wire_put_u8(o, b->what);
+    wire_put_str(o, b->name, MSG_MAX_KEY);
+    wire_put_u64(o, b->expires);
+}
+
+static void
+msg_unpack_key(struct wire_in *in, struct msg_key *b, struct msg *m)
+{
+    (void)m;
+    b->what = msg_get_below(in, MSG_NKEY);
+    b->name = wire_get_str(in, MSG_MAX_KEY);
+    b->expires = wire_get_u64(in);
+    msg_must(in, b->expires <= INT64_MAX);
+}
+
+static void
 msg_pack_worker(struct wire_out *o, const struct msg_worker *b)
 {
     wire_put_str(o, b->name, MSG_MAX_NAME);

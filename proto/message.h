@@ -23,6 +23,7 @@
 
 /* String limits [bytes, without the NUL]. */
 #define MSG_MAX_NAME    64
+#define MSG_MAX_KEY     96
 #define MSG_MAX_ADDRESS 200
 #define MSG_MAX_TEXT    500
 #define MSG_MAX_NEEDS   1024
@@ -271,6 +272,16 @@ struct msg_query {
 struct msg_answer {
     const uint8_t *text;
     size_t len;
+};
+
+/* What KEY asks for. */
+enum msg_key_order { MSG_KEY_ADD, MSG_KEY_RETIRE, MSG_KEY_LIST, MSG_NKEY };
+
+/* An order about the coordinator's keys (keyfile.h); the answer is JSON. */
+struct msg_key {
+    uint8_t what;     /* enum msg_key_order */
+    const char *name; /* "worker:ws07", "worker:ws07:k1"; empty for LIST */
+    uint64_t expires; /* of a new key, seconds since 1970; 0: never */
 };
 
 /* DRAIN, UNDRAIN: a worker's name. */

@@ -84,6 +84,8 @@ static const struct msg examples[] = {
       .answer = { (const uint8_t *)"{}", 2 } },
     { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } },
     { .type = MSG_UNDRAIN, .request = 9, .undrain = { "ws1" } },
+    { .type = MSG_KEY, .request = 10,
+      .key = { MSG_KEY_ADD, "worker:ws1", 1798761600 } },
     { .type = MSG_JOB_START, .job_start = SPEC },
     { .type = MSG_READY, .ready = { ID, .125, 42, 8 } },
     { .type = MSG_JOB_END, .job_end = { ID } },
@@ -340,7 +342,7 @@ static const struct {
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
-                          "RESUME FETCH QUERY DRAIN UNDRAIN " },
+                          "RESUME FETCH QUERY DRAIN UNDRAIN KEY " },
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
                      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "

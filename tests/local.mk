@@ -34,6 +34,7 @@ UNIT_TESTS = \
 	tests/check_handoff \
 	tests/check_hdr \
 	tests/check_hostile \
+	tests/check_keyfile \
 	tests/check_message \
 	tests/check_metric \
 	tests/check_mirror \
@@ -239,6 +240,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
+	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
@@ -256,6 +258,7 @@ TESTS += \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
+	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radd_refused.sh \
@@ -285,6 +288,10 @@ tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_message_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 EXTRA_DIST += tests/golden
+
+tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
+tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_keyfile_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 
 tests_check_wire_SOURCES = tests/check_wire.c tests/unit.h
 tests_check_wire_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

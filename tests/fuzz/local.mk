@@ -14,6 +14,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
+	tests/fuzz/fuzz_keyfile \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
@@ -109,3 +110,7 @@ tests_fuzz_fuzz_costs_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_bsdf_SOURCES = tests/fuzz/fuzz_bsdf.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_bsdf_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_bsdf_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_keyfile_SOURCES = tests/fuzz/fuzz_keyfile.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_keyfile_LDADD = $(LIBPROTO) $(LIBRAD)
+tests_fuzz_fuzz_keyfile_LDFLAGS = $(FUZZ_LINK)

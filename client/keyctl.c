@@ -1,0 +1,74 @@
+/* keyctl.c - see keyctl.h */
+#include "config.h"
+
+#include "keyctl.h"
+
+#include "table.h"
+
+#include <string.h>
+
+enum { MOST_ROWS = 10000 /* more than a key file has */ };
+
+int
+keyctl_parse(struct key_order *order, const char *what, const char *name,
+             const char *expires, struct rad_error *err)
+{
+    static const char *const words[] = { [MSG_KEY_ADD] = "add",
+                                         [MSG_KEY_RETIRE] = "retire",
+                                         [MSG_KEY_LIST] = "list" };
+    int i = 0;
+
+    while (i < MSG_NKEY && strcmp(words[i], what) != 0)
+        i++;
+    if (i == MSG_NKEY)
+        return rad_fail(err, RAD_EUSAGE,
+                        "unknown command 'key %s': expected add, retire or "
+                        "list",
+                        what);
+    *order = (struct key_order){ (enum msg_key_order)i, name ? name : "", 0 };
+    if (i != MSG_KEY_LIST && !name)
+        return rad_fail(err, RAD_EUSAGE, "command 'key %s': missing ROLE:NAME",
+                        what);
+    if (i == MSG_KEY_LIST && name)
+        return rad_fail(err, RAD_EUSAGE, "unexpected word '%s'", name);
+    if (strlen(order->name) >= KEY_ID)
+        return rad_fail(err, RAD_EUSAGE, "the key's name is too long");
+    if (expires && i != MSG_KEY_ADD)
+        return rad_fail(err, RAD_EUSAGE, "--expires goes with key add alone");
+    return expires ? key_date_parse(expires, &order->expires, err) : 0;
+}
+
+static int
+print_line(const json_t *root, struct rad_error *err)
+{
+    const char *line = json_string_value(json_object_get(root, "line"));
+
+    if (!line)
+        return rad_fail(err, RAD_EPROTO, "the answer holds no key");
+    puts(line);
+    return 0;
+}
+
+int
+keyctl_print(const struct key_order *order, const char *text, size_t len,
+             bool json, struct rad_error *err)
+{
+    json_error_t why;
+    json_t *root;
+    int rc = 0;
+
+    if (json) {
+        fwrite(text, 1, len, stdout);
+        putchar('\n');
+        return 0;
+    }
+    root = json_loadb(text, len, 0, &why);
+    if (!root)
+        return rad_fail(err, RAD_EPROTO, "the answer is no JSON: %s", why.text);
+    if (order->what == MSG_KEY_ADD)
+        rc = print_line(root, err);
+    else
+        table_print(stdout, root, MOST_ROWS);
+    json_decref(root);
+    return rc;
+}
