@@ -91,6 +91,7 @@ start(struct child *c, uv_stream_t *stream)
                      threads,
                      memory,
                      nice,
+                     (char *)(all->conf.sandboxed ? RENDER_SANDBOXED : ""),
                      NULL };
     uv_stdio_container_t fds[] = {
         { .flags = UV_IGNORE },

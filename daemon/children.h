@@ -16,6 +16,7 @@ struct children_conf {
     int threads;
     int memory_mib; /* most that a child may use; 0: no limit */
     int nice;       /* 0..19: how much a child gives way to others */
+    bool sandboxed; /* must be: without seccomp none is started */
 };
 
 /* text: "killed by signal 11", "exit status 70" */

@@ -1,7 +1,7 @@
 # libdaemon, the machines behind the daemons
 noinst_LIBRARIES += libdaemon.a
 libdaemon_a_CPPFLAGS = $(AM_CPPFLAGS)
-libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS)
+libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS)
 libdaemon_a_SOURCES = \
 	daemon/action.c \
 	daemon/action.h \
@@ -60,6 +60,8 @@ libdaemon_a_SOURCES = \
 	daemon/result.c \
 	daemon/rows.c \
 	daemon/rows.h \
+	daemon/sandbox.c \
+	daemon/sandbox.h \
 	daemon/sched.c \
 	daemon/sched.h \
 	daemon/service.c \
@@ -95,7 +97,7 @@ libdaemon_a_SOURCES = \
 	daemon/worker.h
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
-LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(JANSSON_LIBS) $(INIH_LIBS)
+LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) $(INIH_LIBS)
 
 sbin_PROGRAMS += radcoord radd
 radcoord_SOURCES = daemon/radcoord.c

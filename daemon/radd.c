@@ -10,6 +10,7 @@
 #include "listen.h"
 #include "log.h"
 #include "render.h"
+#include "sandbox.h"
 #include "shell.h"
 #include "store.h"
 #include "worker.h"
@@ -27,6 +28,7 @@ struct settings {
     char name[CONF_TEXT];
     char listen[CONF_TEXT];
     char cache[CONF_TEXT];
+    char sandbox[CONF_TEXT];
     int threads;
     int memory_mib;
     int nice;
@@ -48,8 +50,16 @@ static const struct conf_key keys[] = {
       "most memory of a job's process [MiB]; 0: no limit", true },
     { "nice", CONF_INT_KEY, FIELD(nice), 0, 19, "19", "N",
       "how much a job's process gives way to others", true },
+    { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
+      "required: render nothing where the kernel has no seccomp", false },
     DAEMON_KEYS,
 };
+
+static bool
+needs_sandbox(const struct settings *s)
+{
+    return strcmp(s->sandbox, "required") == 0;
+}
 
 static int
 check_settings(const void *settings, struct rad_error *err)
@@ -59,6 +69,11 @@ check_settings(const void *settings, struct rad_error *err)
     if (strlen(s->name) > MSG_MAX_NAME)
         return rad_fail(err, RAD_EUSAGE, "name longer than %d bytes",
                         MSG_MAX_NAME);
+    if (!needs_sandbox(s) && strcmp(s->sandbox, "auto") != 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "sandbox is 'auto' or 'required', "
+                        "not '%s'",
+                        s->sandbox);
     if (!s->listen[0] || !s->coordinator[0])
         return rad_fail(err, RAD_EUSAGE, "'%s' is not set",
                         s->listen[0] ? "coordinator" : "listen");
@@ -323,7 +338,8 @@ make_worker(struct radd *r, struct rad_error *err)
     struct children_conf conf = { .files_dir = store_files_dir(r->store),
                                   .threads = r->set.threads,
                                   .memory_mib = r->set.memory_mib,
-                                  .nice = r->set.nice };
+                                  .nice = r->set.nice,
+                                  .sandboxed = needs_sandbox(&r->set) };
     struct worker_env env = { .has_file = has_file,
                               .random = shell_random,
                               .arg = r,
@@ -339,6 +355,21 @@ make_worker(struct radd *r, struct rad_error *err)
     return 0;
 }
 
+/* Say once what children will lack; RAD_EPERM where that is too much. */
+static int
+check_sandbox(const struct radd *r, struct rad_error *err)
+{
+    bool refuse;
+    const char *lacks = sandbox_lacks(&refuse);
+
+    if (lacks && refuse && needs_sandbox(&r->set))
+        return rad_fail(err, RAD_EPERM,
+                        "sandbox is required, and the kernel lacks %s", lacks);
+    if (lacks)
+        log_warn("sandbox incomplete lacks=%s", lacks);
+    return 0;
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
@@ -347,6 +378,9 @@ start(void *arg, struct rad_error *err)
     int rc;
 
     shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    rc = check_sandbox(r, err);
+    if (rc < 0)
+        return rc;
     if (!r->set.threads)
         r->set.threads = processors();
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)

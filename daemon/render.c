@@ -14,6 +14,7 @@
 #include "jobtext.h"
 #include "log.h"
 #include "pool.h"
+#include "sandbox.h"
 #include "scene/bundle.h"
 #include "scene/octfile.h"
 #include "scene/part.h"
@@ -67,6 +68,7 @@ struct render {
     int nthreads;
     uint8_t id[MSG_JOB];
     bool share, ended;
+    bool sandboxed;       /* must be */
     struct msg start;     /* JOB-START, in start_bytes */
     uint8_t *start_bytes; /* its payload */
     uint32_t frame;       /* of the last unit; nframes before the first */
@@ -469,6 +471,16 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
     return msg_unpack(&r->start, m->type, 0, r->start_bytes, n, err);
 }
 
+/* What came from others has been read: that was the last file, unless each
+ * frame begins anew. */
+static int
+seal(const struct render *r, const struct msg_spec *spec, struct rad_error *err)
+{
+    if (spec->nframes > 1 && spec->flags & MSG_JOB_FRESH_FRAMES)
+        return 0;
+    return sandbox_seal(r->sandboxed, err);
+}
+
 static void
 start_job(struct render *r, const struct msg *m)
 {
@@ -481,7 +493,8 @@ start_job(struct render *r, const struct msg *m)
     conn_set_session(r->link, MSG_AT_CHILD);
     conn_live(r->link, false);
     if (keep_start(r, m, &err) < 0 || load(r, spec, &err) < 0 ||
-        fingerprint(&ready.ready.fingerprint, &err) < 0) {
+        fingerprint(&ready.ready.fingerprint, &err) < 0 ||
+        seal(r, spec, &err) < 0) {
         send_failed(r, &err);
         end(r, rad_exit_status(err.code));
         return;
@@ -747,11 +760,10 @@ static const struct conn_handler handler = { on_message, on_closed,
 
 /* --- the process --- */
 
-/* Give way to whoever sits at the machine, leave no core, die with radd. */
+/* Give way to whoever sits at the machine, die with radd. */
 static void
 confine(int memory_mib, int give_way)
 {
-    struct rlimit none = { 0, 0 };
     struct rlimit memory = { (rlim_t)memory_mib << 20,
                              (rlim_t)memory_mib << 20 };
     int ignored;
@@ -759,7 +771,6 @@ confine(int memory_mib, int give_way)
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() == 1)
         _exit(EX_OK); /* radd was gone before that took effect */
-    setrlimit(RLIMIT_CORE, &none);
     if (memory_mib > 0)
         setrlimit(RLIMIT_DATA, &memory);
     signal(SIGPIPE, SIG_IGN);
@@ -811,14 +822,20 @@ int
 render_main(int argc, char *argv[])
 {
     static struct render r;
+    struct rad_error err = { 0 };
     int rc;
 
-    if (argc != 6)
+    if (argc != 7)
         return EX_USAGE; /* radd starts this, nobody else */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
+    r.sandboxed = strcmp(argv[6], RENDER_SANDBOXED) == 0;
     confine(atoi(argv[4]), atoi(argv[5]));
     log_open("radd-child", LOG_LEVEL_WARN);
+    if (sandbox_begin(r.files_dir, r.sandboxed, &err) < 0) {
+        log_err("%s", err.what);
+        return rad_exit_status(err.code);
+    }
     uv_loop_init(&r.loop);
     uv_timer_init(&r.loop, &r.drain);
     uv_timer_init(&r.loop, &r.teller);

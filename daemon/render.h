@@ -10,7 +10,10 @@
 #define RENDER_CHILD_OPTION "--child"
 #define RENDER_LINK_FD      3
 
-/* radd --child FILES-DIR THREADS MEMORY-MIB NICE; returns the exit status. */
+/* radd --child FILES-DIR THREADS MEMORY-MIB NICE SANDBOX; returns the exit
+ * status.  SANDBOX: RENDER_SANDBOXED where it must be in one (sandbox.h), else
+ * empty. */
+#define RENDER_SANDBOXED "sandboxed"
 int render_main(int argc, char *argv[]);
 
 #endif

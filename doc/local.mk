@@ -7,4 +7,5 @@ dist_doc_DATA = \
 	doc/accuracy.md \
 	doc/architecture.md \
 	doc/performance.md \
-	doc/protocol.md
+	doc/protocol.md \
+	doc/security.md

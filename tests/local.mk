@@ -50,6 +50,7 @@ UNIT_TESTS = \
 	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_rays \
+	tests/check_sandbox \
 	tests/check_shade \
 	tests/check_sim \
 	tests/check_source \
@@ -237,6 +238,7 @@ tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
@@ -255,6 +257,7 @@ EXTRA_DIST += \
 	tests/scenes
 TESTS += \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
@@ -335,6 +338,10 @@ tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
 tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_sandbox_SOURCES = tests/check_sandbox.c tests/unit.h
+tests_check_sandbox_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_sandbox_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_store_SOURCES = tests/check_store.c tests/unit.h
 tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

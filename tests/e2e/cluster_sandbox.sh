@@ -1,0 +1,58 @@
+#!/bin/sh
+# cluster_sandbox.sh - a job's process is in its sandbox while it renders, says
+# so where there is none, and nothing in a scene makes a daemon run a command
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+room=$scenes/room.rad
+
+# the kernel as under valgrind: no seccomp
+without_seccomp()
+{
+    LD_PRELOAD=/nowhere/vgpreload_none.so "$@"
+}
+
+expect 77 'sandbox is required' 'no seccomp' without_seccomp \
+    "$radd" --coordinator="$work/none.sock" --listen=127.0.0.1:0 \
+    --cache="$work/wx" --sandbox=required
+expect 64 'auto' 'bad sandbox' "$radd" --sandbox=off
+
+cluster_start 1 1
+pid=$pid_1
+"$radsubmit" --coordinator="$sock" --name=long -vf "$scenes/room.vf" -x 600 \
+    -y 450 -ps 1 -ds .05 -dj 1 -ab 2 --partition=window --windows=100 \
+    --detach "$room" >id 2>stderr ||
+    fail "detach: $(cat stderr)"
+until_true 60 in_the_middle long || fail "the job does not start"
+child=$(child_of 1)
+status=/proc/$child/status
+grep -q '^NoNewPrivs:.1' "$status" || fail "the child may gain privileges"
+grep -q '^Seccomp:.2' "$status" || fail "the child has no filter"
+[ "$(sed -n 's/^Seccomp_filters:.//p' "$status")" -ge 2 ] ||
+    fail "the child is not sealed"
+grep -q 'Max core file size  *0  *0' "/proc/$child/limits" ||
+    fail "the child may leave a core"
+for fd in "/proc/$child/fd"/*; do
+    case $(readlink "$fd") in
+    /*.log | /dev/null | pipe:* | anon_inode:*) ;;
+    socket:*) echo "$fd" ;;
+    *) fail "the child has $(readlink "$fd") open" ;;
+    esac
+done >sockets
+[ "$(wc -l <sockets)" -eq 1 ] || fail "the child's sockets: $(cat sockets)"
+"$radctl" --coordinator="$sock" cancel "$(cat id)" >/dev/null ||
+    fail "no cancel"
+until_true 10 no_child 1 || fail "the child does not end"
+gone "$pid" && fail "worker 1 is gone"
+cluster_stop
+
+# a command in a scene runs where it is compiled, never in a daemon: the daemons
+# have nothing to run one with but libuv's, which starts the child
+for daemon in "$radd" "$radcoord"; do
+    nm -D --undefined-only "$daemon" >symbols ||
+        fail "no symbols of $daemon"
+    grep -wE 'system|popen|exec[lv]p?e?|fexecve|posix_spawnp?|fork|vfork' \
+        symbols && fail "$daemon can run a command"
+done
+finish
