@@ -16,6 +16,7 @@
 
 #include "base/arena.h"
 #include "message.h"
+#include "saved.h"
 
 #define ACT_OWN_CONN (UINT64_C(1) << 63)
 
@@ -31,7 +32,15 @@ enum action_type {
     /* coordinator */
     ACT_SEND_FILE,     /* conn, request, hash: as CHUNKs, at the pace of the
                         * connection; FAILED if it cannot be read */
-    ACT_JOB_OPEN,      /* job: room for its rows; then coord_job_opened */
+    ACT_JOB_OPEN,      /* job: keep it, and room for its rows; then
+                        * coord_job_opened */
+    ACT_JOB_STATE,     /* job, status: an enum job_state to keep */
+    ACT_JOB_END,       /* job, bytes: it is over; keep how, and bytes as its
+                        * statistics; then coord_job_filed */
+    ACT_KEEP_UNIT,     /* job, unit: remember it some time, before any of its
+                        * rows */
+    ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
+                        * to be kept before is */
     ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */
     ACT_WRITE_PICTURE, /* job, frame: write it whole; then
                         * coord_picture_written */
@@ -57,9 +66,14 @@ struct action_rows {
     uint32_t frame;     /* index */
     uint32_t x, y;      /* of the first pixel, in the picture */
     uint32_t width;
-    uint8_t channels;      /* 3 or 4 */
-    uint8_t last;          /* of its unit */
-    const uint8_t *pixels; /* floats as on the wire; not in the key */
+    uint8_t channels; /* 3 or 4 */
+    uint8_t last;     /* of its unit */
+    /* not in the key */
+    const uint8_t *pixels;           /* floats as on the wire */
+    const struct msg_counts *counts; /* with last */
+    const uint8_t *bottom;           /* likewise; see struct saved_unit */
+    uint32_t nbottom;
+    uint64_t now_ms;
 };
 
 enum action_level { ACT_ERR, ACT_WARN, ACT_INFO, ACT_DEBUG };
@@ -79,6 +93,7 @@ struct action {
     int status; /* of sysexits.h */
     struct msg_chunk chunk;
     struct action_rows rows;
+    const struct saved_unit *unit;
 };
 
 struct action_list {

@@ -160,6 +160,8 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     if (!job_grow_units(job))
         c->actions.failed = true;
     sched_shrunk(job, m->unit, go);
+    sched_keep_unit(c, job, m->unit);
+    sched_keep_unit(c, job, given);
 }
 
 /* --- twins --- */

@@ -15,6 +15,7 @@
 
 #include "request.h"
 #include "sched.h"
+#include "stats.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -171,6 +172,27 @@ forget_old(struct coord *c)
     c->njobs--;
 }
 
+/* The store learns how the job ended, if it knows it at all. */
+static void
+file_job(struct coord *c, const struct job *job)
+{
+    struct action *a;
+    char *text;
+
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    text = stats_json(job, c->now_ms);
+    a = actions_add_job(&c->actions, ACT_JOB_END, 0, job->id);
+    if (!text || !a) {
+        c->actions.failed = true;
+    } else {
+        a->len = strlen(text);
+        a->bytes = rad_arena_dup(&c->actions.mem, (uint8_t *)text, a->len);
+        c->actions.failed |= !a->bytes;
+    }
+    free(text);
+}
+
 void
 coord_job_ends(struct coord *c, struct job *job, enum job_state state,
                int status, const char *text)
@@ -194,6 +216,7 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
                     "function has no value job=%s object=%u times=%" PRIu64,
                     job->hex, job->faults[i].object, job->faults[i].count);
     sched_job_over(c, job);
+    file_job(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job) {
             coord_send_end(c, conn, job);
@@ -302,10 +325,8 @@ good_name(const char *name)
     return true;
 }
 
-/* The record of that name, a new one if it never was here; NULL when memory is
- * out. */
-static struct coord_worker *
-worker_of_name(struct coord *c, const char *name)
+struct coord_worker *
+coord_worker_of(struct coord *c, const char *name)
 {
     struct coord_worker *w, **link = &c->workers;
 
@@ -325,7 +346,7 @@ worker_of_name(struct coord *c, const char *name)
 static bool
 join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 {
-    struct coord_worker *w = worker_of_name(c, m->name);
+    struct coord_worker *w = coord_worker_of(c, m->name);
 
     if (!w) {
         c->actions.failed = true;
@@ -640,6 +661,28 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
 }
 
 void
+coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                uint64_t bytes)
+{
+    struct job *job = coord_find_job(c, id);
+
+    c->now_ms = now_ms;
+    if (job)
+        job->kept_bytes = bytes;
+    forget_old(c);
+}
+
+void
+coord_settled(struct coord *c, uint64_t now_ms, uint64_t id, uint32_t request)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (conn)
+        request_settled(c, conn, request);
+}
+
+void
 coord_rows_stored(struct coord *c, uint64_t now_ms,
                   const struct action_rows *key, int status, const char *text)
 {
@@ -651,15 +694,6 @@ coord_rows_stored(struct coord *c, uint64_t now_ms,
     else if (job)
         coord_job_ends(c, job, JOB_FAILED, status, text);
     sched_run(c);
-}
-
-/* Frames are delivered in order: the first ones without a gap. */
-static void
-count_ready(struct job *job)
-{
-    while (job->frames_ready < job->spec.nframes &&
-           job->frames[job->frames_ready].written)
-        job->frames_ready++;
 }
 
 void
@@ -678,7 +712,7 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
     }
     job->frames[frame].writing = false;
     job->frames[frame].written = true;
-    count_ready(job);
+    job_count_ready(job);
     if (job->frames_ready == job->spec.nframes)
         coord_job_ends(c, job, JOB_DONE, 0, NULL);
     forget_old(c);
@@ -698,15 +732,24 @@ coord_tick(struct coord *c, uint64_t now_ms)
 }
 
 bool
-coord_picture(const struct coord *c, const uint8_t id[MSG_JOB],
-              struct coord_picture *out)
+coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
+            struct saved_job *out)
 {
     const struct job *job = coord_find_job(c, id);
 
     if (!job)
         return false;
-    *out = (struct coord_picture){ job->spec.name, job->spec.params,
-                                   job->spec.frames, job->spec.nframes,
-                                   job->spec.flags };
+    *out = (struct saved_job){ .spec = job->spec,
+                               .owner = job->owner,
+                               .lives = job->lives,
+                               .state = (uint8_t)job->state,
+                               .status = job->status,
+                               .text = job->text,
+                               .offer_ms = job->offer_ms,
+                               .submit_ms = job->submit_ms,
+                               .open_ms = c->now_ms,
+                               .end_ms = job->end_ms,
+                               .sent_bytes = job->sent_bytes };
+    job_progress(job, c->now_ms, &out->last);
     return true;
 }

@@ -25,6 +25,8 @@ struct coord_env {
     void *arg;
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* this life of the coordinator */
+    bool keeps; /* there is a store that outlives it: what it needs to go on is
+                 * told to it */
 };
 
 /* Who is at the other end, as far as the shell knows. */
@@ -65,6 +67,11 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
 
 /* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
  * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order. */
+/* To ACT_JOB_END: bytes that its folder takes. */
+void coord_job_filed(struct coord *c, uint64_t now_ms,
+                     const uint8_t job[MSG_JOB], uint64_t bytes);
+void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
+                   uint32_t request);
 void coord_job_opened(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], int status, const char *text);
 void coord_rows_stored(struct coord *c, uint64_t now_ms,
@@ -79,14 +86,9 @@ void coord_tick(struct coord *c, uint64_t now_ms);
 
 /* --- what the shell may look at --- */
 
-/* The parts of a job that its pictures' headers need; NULL if there is no such
- * job.  Valid until the next event. */
-struct coord_picture {
-    const char *name, *params;
-    const struct msg_frame *frames;
-    uint32_t nframes, flags;
-};
-bool coord_picture(const struct coord *c, const uint8_t job[MSG_JOB],
-                   struct coord_picture *out);
+/* What is to be kept of a job, but for its frames and units; false if there is
+ * no such job.  Valid until the next event. */
+bool coord_saved(const struct coord *c, const uint8_t job[MSG_JOB],
+                 struct saved_job *out);
 
 #endif

@@ -213,8 +213,49 @@ job_grow_units(struct job *job)
 
         memset(u, 0, sizeof *u);
         u->worker = u->crasher = JOB_NOBODY;
+        u->attempt = job_first_attempt(job);
     }
     return true;
+}
+
+uint32_t
+job_first_attempt(const struct job *job)
+{
+    return job->lives << 16;
+}
+
+void
+job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_worker *jw = &job->workers[u->worker];
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    partition_done(job->partition, unit);
+    u->done = true;
+    u->end_ms = end_ms;
+    if (end_ms > job->last_ms)
+        job->last_ms = end_ms;
+    jw->units++;
+    jw->rays += u->counts.rays;
+    jw->cpu_s += u->counts.cpu_s;
+    job->rays += u->counts.rays;
+    u->counts.nan.frame = job->spec.frames[a.frame].number;
+    msg_nan_add(&job->nan, &u->counts.nan);
+    msg_faults_add(job->faults, u->counts.faults);
+    job_see_rays(job);
+    job->units_done++;
+    job->cost_done += partition_cost(job->partition, unit);
+    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
+}
+
+void
+job_count_ready(struct job *job)
+{
+    while (job->frames_ready < job->spec.nframes &&
+           job->frames[job->frames_ready].written)
+        job->frames_ready++;
 }
 
 static bool
@@ -438,6 +479,11 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
     uint64_t until = job_over(job) ? job->end_ms : now_ms;
 
+    if (job->filed) {
+        *p = job->last;
+        p->job = job->id;
+        return;
+    }
     *p = (struct msg_progress){
         .job = job->id,
         .state = (uint8_t)job->state,

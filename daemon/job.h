@@ -52,7 +52,8 @@ struct job_go {
 };
 
 struct job_unit {
-    uint32_t attempt;     /* the latest; 0: never went out */
+    uint32_t attempt;     /* the latest; or what those of this life follow */
+    uint32_t tries;       /* how often it went out */
     uint32_t lead;        /* the one whose rows count; 0: whose come first */
     uint32_t worker;      /* of that one, or of the latest */
     uint32_t next_row;    /* rows of it that came */
@@ -116,7 +117,12 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool opened; /* bundle and room for rows are there */
+    uint32_t lives; /* of the coordinator, that it has seen end */
+    bool restored;  /* from an earlier life, and no worker was ready since */
+    bool filed;     /* over; but for what follows only the store knows of it */
+    struct msg_progress last; /* of one that is filed */
+    uint64_t kept_bytes;      /* on the disk, once it is over */
+    bool opened;              /* bundle and room for rows are there */
     bool asked_open;
     int status; /* of sysexits.h, with JOB_FAILED */
     char text[MSG_MAX_TEXT + 1];
@@ -194,6 +200,15 @@ int job_split(struct job *job, bool single, struct rad_error *err);
  * makes it one (JOB_NOBODY when memory is out). */
 uint32_t job_worker_find(const struct job *job, const char *name);
 uint32_t job_worker_add(struct job *job, const char *name);
+
+/* Attempts are numbered anew in each life of the coordinator, from here on. */
+uint32_t job_first_attempt(const struct job *job);
+
+/* All rows of a unit are kept: count it. */
+void job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
+
+/* Frames are delivered in order: count the first ones without a gap. */
+void job_count_ready(struct job *job);
 
 /* Make job->units as long as the partition has units; false: memory is out. */
 bool job_grow_units(struct job *job);

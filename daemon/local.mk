@@ -50,6 +50,8 @@ libdaemon_a_SOURCES = \
 	daemon/peer.h \
 	daemon/pool.c \
 	daemon/pool.h \
+	daemon/recover.c \
+	daemon/recover.h \
 	daemon/relay.c \
 	daemon/render.c \
 	daemon/render.h \
@@ -62,6 +64,7 @@ libdaemon_a_SOURCES = \
 	daemon/rows.h \
 	daemon/sandbox.c \
 	daemon/sandbox.h \
+	daemon/saved.h \
 	daemon/sched.c \
 	daemon/sched.h \
 	daemon/service.c \

@@ -247,6 +247,18 @@ partition_area(const struct partition *p, uint32_t unit,
     *area = p->unit[unit].area;
 }
 
+bool
+partition_restore(struct partition *p, uint32_t unit,
+                  const struct partition_area *area)
+{
+    if (p->lines ? !lines_restore(p, unit, area)
+                 : unit >= p->total ||
+                       memcmp(&p->unit[unit].area, area, sizeof *area) != 0)
+        return false;
+    partition_take(p, unit);
+    return true;
+}
+
 double
 partition_cost(const struct partition *p, uint32_t unit)
 {

@@ -107,6 +107,12 @@ void partition_take(struct partition *p, uint32_t unit);
 /* A unit that is out is done. */
 void partition_done(struct partition *p, uint32_t unit);
 
+/* Before any unit went out: a unit was cut with that number and area in an
+ * earlier life, and is out of the queue.  Where lines are shared they come by
+ * number, from 0.  False: it does not fit, or memory is out. */
+bool partition_restore(struct partition *p, uint32_t unit,
+                       const struct partition_area *area);
+
 /* The unit is but so many rows high from now on, which end at a line; what it
  * loses is a new unit, which waits.  PARTITION_NONE: the height fits no line of
  * it, or memory is out. */

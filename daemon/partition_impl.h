@@ -64,5 +64,8 @@ uint32_t lines_free_count(const struct partition *p, bool all);
 bool lines_next(struct partition *p, const struct partition_who *who,
                 uint32_t *unit);
 void lines_done(struct partition *p, uint32_t unit);
+/* Cut that very unit, which must be the next by number. */
+bool lines_restore(struct partition *p, uint32_t unit,
+                   const struct partition_area *area);
 
 #endif

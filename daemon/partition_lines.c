@@ -640,6 +640,41 @@ lines_done(struct partition *p, uint32_t unit)
     p->lines->frame[u->area.frame].undone -= u->last - u->first;
 }
 
+/* The line that begins at that row; f->n: none. */
+static uint32_t
+line_at(const struct partition_lines *s, const struct frame *f, uint32_t row)
+{
+    uint32_t line = 0;
+
+    while (line < f->n && top_row(s, f, line) < row)
+        line++;
+    return line < f->n && top_row(s, f, line) == row ? line : f->n;
+}
+
+bool
+lines_restore(struct partition *p, uint32_t unit,
+              const struct partition_area *area)
+{
+    struct partition_lines *s = p->lines;
+    uint32_t first, last;
+    struct frame *f;
+
+    if (unit != p->total || area->frame >= s->nframes || area->x != 0)
+        return false;
+    f = &s->frame[area->frame];
+    first = line_at(s, f, area->y);
+    last = first;
+    while (is_free(s, f, last) &&
+           base_row(s, f, last) + 1 - area->y < area->height)
+        last++;
+    if (area->width != f->width || !is_free(s, f, last) ||
+        base_row(s, f, last) + 1 - area->y != area->height ||
+        add_unit(p, f, first, last + 1) == PARTITION_NONE)
+        return false;
+    take_lines(s, f, first, last + 1, unit);
+    return true;
+}
+
 uint32_t
 partition_give(struct partition *p, uint32_t unit, uint32_t height)
 {

@@ -91,7 +91,6 @@ struct worker {
     uint64_t coord; /* connection, 0: none */
     bool opened, welcome;
     uint64_t welcome_ms, dial_ms;
-    uint64_t epoch;    /* of the coordinator that was last met; 0: none */
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;
     uint64_t next_conn;

@@ -123,10 +123,10 @@ out_of_memory(void *arg)
 static void
 open_job(struct radcoord *r, const uint8_t *job)
 {
-    struct coord_picture p;
+    struct saved_job saved;
 
-    if (coord_picture(r->coord, job, &p))
-        store_open_job(r->store, job, &p);
+    if (coord_saved(r->coord, job, &saved))
+        store_open_job(r->store, job, &saved);
 }
 
 static void

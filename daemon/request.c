@@ -28,6 +28,41 @@ reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
         actions_send(&c->actions, conn->id, &m);
 }
 
+/* Done, and kept: nobody hears of what a crash could undo. */
+static void
+reply_settled(struct coord *c, const struct coord_conn *conn, uint32_t request)
+{
+    struct action *a;
+
+    if (!c->env.keeps) {
+        reply_answer(c, conn, request, "");
+        return;
+    }
+    a = actions_add(&c->actions, ACT_SETTLE, conn->id);
+    if (a)
+        a->request = request;
+}
+
+void
+request_settled(struct coord *c, const struct coord_conn *conn,
+                uint32_t request)
+{
+    reply_answer(c, conn, request, "");
+}
+
+/* The job is as it is now after a restart too. */
+static void
+keep_state(struct coord *c, const struct job *job)
+{
+    struct action *a;
+
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    a = actions_add_job(&c->actions, ACT_JOB_STATE, 0, job->id);
+    if (a)
+        a->status = (int)job->state;
+}
+
 /* --- files --- */
 
 static void
@@ -169,7 +204,7 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!job)
         return;
     coord_job_ends(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
-    reply_answer(c, conn, m->request, "");
+    reply_settled(c, conn, m->request);
 }
 
 static void
@@ -185,7 +220,8 @@ on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     }
     job->state = JOB_PAUSED;
-    reply_answer(c, conn, m->request, "");
+    keep_state(c, job);
+    reply_settled(c, conn, m->request);
 }
 
 static void
@@ -197,7 +233,8 @@ on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     if (job->state == JOB_PAUSED)
         job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
-    reply_answer(c, conn, m->request, "");
+    keep_state(c, job);
+    reply_settled(c, conn, m->request);
 }
 
 /* Text as CHUNKs. */
@@ -236,6 +273,8 @@ static const char *
 fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
 {
     *status = EX_USAGE;
+    if (m->what == MSG_WHAT_STATS)
+        return NULL;
     if (m->frame >= job->spec.nframes)
         return "no such frame";
     if (m->what == MSG_WHAT_DEPTH && !(job->spec.flags & MSG_JOB_DEPTH))
@@ -261,7 +300,7 @@ on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (!job)
         return;
-    if (m->fetch.what == MSG_WHAT_STATS) {
+    if (m->fetch.what == MSG_WHAT_STATS && !job->filed) {
         fetch_stats(c, conn, m, job);
         return;
     }

@@ -11,4 +11,8 @@
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
+/* What the request was about is kept: answer it. */
+void request_settled(struct coord *c, const struct coord_conn *conn,
+                     uint32_t request);
+
 #endif

@@ -35,6 +35,20 @@ revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     return false;
 }
 
+/* What whoever goes on below the unit needs of it, beside its last row. */
+static void
+add_bottom(const struct job *job, const struct msg_result *m,
+           struct action_rows *r)
+{
+    uint32_t first, last;
+
+    if (!job->shared)
+        return;
+    partition_unit_lines(job->partition, m->unit, &first, &last);
+    r->bottom = shared_densities(job->shared, r->frame, last - 1);
+    r->nbottom = r->bottom ? shared_ndensity(job->shared, r->frame) : 0;
+}
+
 static void
 put_rows(struct coord *c, const struct job *job, uint64_t conn,
          const struct msg_result *m, const struct partition_area *a)
@@ -57,8 +71,12 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
                                .width = m->width,
                                .channels = m->channels,
                                .last = m->last,
-                               .pixels = m->pixels };
+                               .pixels = m->pixels,
+                               .counts = &m->counts,
+                               .now_ms = c->now_ms };
     memcpy(r->job, job->id, MSG_JOB);
+    if (m->last)
+        add_bottom(job, m, r);
 }
 
 /* Rows for nobody: let the worker forget them. */
@@ -157,6 +175,15 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         }
 }
 
+/* Of an earlier life of the coordinator: what a worker still has of that it
+ * sends before it is ready. */
+static bool
+is_old(const struct job *job, uint32_t index, const struct msg_result *m)
+{
+    return m->attempt < job_first_attempt(job) ||
+           job->workers[index].state != JW_READY;
+}
+
 void
 sched_result(struct coord *c, struct coord_worker *w,
              const struct msg_result *m)
@@ -169,12 +196,15 @@ sched_result(struct coord *c, struct coord_worker *w,
 
     if (!job)
         return;
-    if (!job->partition) { /* of an earlier life of the coordinator */
+    if (!job->partition) { /* of an earlier life, that kept nothing of it */
         ack(c, w, job, m);
         return;
     }
     if (m->unit >= job->nunits) {
-        coord_break(c, w->conn, "a RESULT of no unit");
+        if (is_old(job, index, m))
+            ack(c, w, job, m);
+        else
+            coord_break(c, w->conn, "a RESULT of no unit");
         return;
     }
     if (!counts(c, job, index, m)) {
@@ -190,6 +220,10 @@ sched_result(struct coord *c, struct coord_worker *w,
     if (m->row < u->next_row)
         return; /* on its way to the disk */
     if (m->row > u->next_row) {
+        if (is_old(job, index, m)) {
+            ack(c, w, job, m); /* what was before it was not kept */
+            return;
+        }
         coord_break(c, w->conn, "a RESULT out of turn");
         return;
     }
@@ -213,8 +247,8 @@ sched_result(struct coord *c, struct coord_worker *w,
 
 /* --- rows that are kept --- */
 
-static void
-frame_done(struct coord *c, struct job *job, uint32_t frame)
+void
+result_frame_done(struct coord *c, struct job *job, uint32_t frame)
 {
     struct action *a =
         actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
@@ -249,37 +283,23 @@ static void
 unit_done(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_worker *jw = &job->workers[u->worker];
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
     actions_log(&c->actions, ACT_DEBUG, "unit done job=%s unit=%u worker=%s",
-                job->hex, unit, jw->name);
+                job->hex, unit, job->workers[u->worker].name);
     if (u->ngos > 0)
         release_all(c, job, unit);
     else if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit); /* the worker went just now */
-    partition_done(job->partition, unit);
-    u->done = true;
-    u->end_ms = job->last_ms = c->now_ms;
-    jw->units++;
-    jw->rays += u->counts.rays;
-    jw->cpu_s += u->counts.cpu_s;
-    job->rays += u->counts.rays;
-    u->counts.nan.frame = job->spec.frames[a.frame].number;
-    msg_nan_add(&job->nan, &u->counts.nan);
-    msg_faults_add(job->faults, u->counts.faults);
-    job_see_rays(job);
-    job->units_done++;
-    job->cost_done += partition_cost(job->partition, unit);
+    job_unit_done(job, unit, c->now_ms);
     if (job->shared)
         handoff_done(job, unit);
-    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
     if (job->frames[a.frame].pixels_left > 0)
         return;
     if (job->shared)
         shared_drop_frame(job->shared, a.frame);
-    frame_done(c, job, a.frame);
+    result_frame_done(c, job, a.frame);
 }
 
 void

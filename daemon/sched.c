@@ -266,10 +266,8 @@ has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
     return w->in_flight < n;
 }
 
-/* The index of the worker in the job, which it may be new to; JOB_NOBODY when
- * memory is out. */
-static uint32_t
-add_worker(struct job *job, struct coord_worker *w)
+uint32_t
+sched_add_worker(struct job *job, struct coord_worker *w)
 {
     if (w->id >= job->nindex) {
         uint32_t n = 2 * w->id + 8;
@@ -296,7 +294,7 @@ static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
-    uint32_t i = add_worker(job, w);
+    uint32_t i = sched_add_worker(job, w);
 
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
@@ -397,6 +395,36 @@ sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
 }
 
 void
+sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+    const struct job_worker *jw =
+        u->worker != JOB_NOBODY ? &job->workers[u->worker] : NULL;
+    struct saved_unit *s;
+    struct action *a;
+
+    if (!c->env.keeps)
+        return;
+    a = actions_add_job(&c->actions, ACT_KEEP_UNIT, 0, job->id);
+    s = rad_arena_calloc(&c->actions.mem, 1, sizeof *s);
+    if (!a || !s) {
+        c->actions.failed = true;
+        return;
+    }
+    a->unit = s;
+    s->unit = unit;
+    partition_area(job->partition, unit, &s->area);
+    s->attempt = u->lead;
+    s->tries = u->tries;
+    s->stored = u->stored_rows;
+    s->fingerprint = jw ? jw->fingerprint : 0;
+    s->worker = rad_arena_strndup(&c->actions.mem, jw ? jw->name : "",
+                                  jw ? strlen(jw->name) : 0);
+    if (!s->worker)
+        c->actions.failed = true;
+}
+
+void
 sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
                bool helps)
 {
@@ -408,7 +436,8 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
         return;
     }
     u->attempt++;
-    if (u->attempt > 1 && u->ngos == 1) /* a twin is no redoing */
+    u->tries++;
+    if (u->tries > 1 && u->ngos == 1) /* a twin is no redoing */
         job->units_redone++;
     sched_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
     if (u->ngos == 1) {
@@ -418,6 +447,8 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     } else if (u->next_row == 0 && !helps) {
         u->lead = 0; /* whoever is first */
     }
+    if (u->ngos == 1)
+        sched_keep_unit(c, job, unit);
     go->end = free_end(u);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
@@ -661,7 +692,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     jw->load_s = m->load_s;
     jw->fingerprint = w->fingerprint = m->fingerprint;
     jw->threads = w->threads = m->threads;
-    if (!jw->took_part)
+    if (jw->ready_ms == 0)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
     if (job->spec.flags & MSG_JOB_SHARE || job->shared)
@@ -744,6 +775,9 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     }
     if (!job->partition && !lay_out(c, job))
         return;
+    if (job->restored)
+        sched_begin(c, job);
+    job->restored = false;
     loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
     speed_measure(c, job);

@@ -9,6 +9,7 @@
  *   handoff.c  facts and base lines on their way between workers
  *   balance.c  giving away and doubling what one has, for one that has nothing
  *   survey.c   estimates, before the first unit
+ *   recover.c  jobs of an earlier life
  *   speed.c    how fast workers are, and how long a unit will take
  * Thread: one. */
 #ifndef DAEMON_SCHED_H
@@ -166,6 +167,18 @@ void sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
 /* All costs are known: units may go out. */
 void sched_begin(struct coord *c, struct job *job);
 
+/* Ask the store to remember the unit as it is now. */
+void sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
+
+/* The index of a worker in the job, which it may be new to; JOB_NOBODY when
+ * memory is out. */
+uint32_t sched_add_worker(struct job *job, struct coord_worker *w);
+
+/* --- result.c --- */
+
+/* All rows of the frame are kept: its picture is to be written. */
+void result_frame_done(struct coord *c, struct job *job, uint32_t frame);
+
 /* --- loss.c --- */
 
 /* A holder will not finish the unit: another does, or it waits again. */
@@ -248,6 +261,10 @@ void coord_send_accept(struct coord *c, const struct coord_conn *conn,
 /* The last words to one who watches the job. */
 void coord_send_end(struct coord *c, const struct coord_conn *conn,
                     const struct job *job);
+
+/* The record of the worker of that name, a new one if it never was here; NULL
+ * when memory is out. */
+struct coord_worker *coord_worker_of(struct coord *c, const char *name);
 
 /* Put a job into the queue; false when memory is out. */
 bool coord_add_job(struct coord *c, struct job *job);

@@ -286,6 +286,20 @@ shared_get_base(const struct shared *s, uint32_t frame, uint32_t line,
     return true;
 }
 
+uint32_t
+shared_ndensity(const struct shared *s, uint32_t frame)
+{
+    return s->frame[frame].ndensity;
+}
+
+const uint8_t *
+shared_densities(const struct shared *s, uint32_t frame, uint32_t line)
+{
+    const struct line *l = find_line(s, frame, line);
+
+    return l && l->whole_ms != 0 ? l->bytes : NULL;
+}
+
 uint64_t
 shared_whole_ms(const struct shared *s, uint32_t frame, uint32_t line)
 {

@@ -192,7 +192,7 @@ unit(const struct job *job, uint32_t i)
         integer(u->counts.intersection_tests), "estimate",
         partition_cost(job->partition, i), "cpu_s", u->counts.cpu_s, "start_s",
         start, "end_s", end, "worker", job->workers[u->worker].name, "attempts",
-        (json_int_t)u->attempt);
+        (json_int_t)u->tries);
 }
 
 static json_t *

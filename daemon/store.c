@@ -272,7 +272,7 @@ free_job(struct job *j)
 }
 
 static struct job *
-copy_job(const uint8_t *id, const struct coord_picture *p)
+copy_job(const uint8_t *id, const struct msg_spec *p)
 {
     struct job *j = calloc(1, sizeof *j);
 
@@ -398,11 +398,11 @@ open_done(struct task *t)
 
 void
 store_open_job(struct store *s, const uint8_t job[MSG_JOB],
-               const struct coord_picture *picture)
+               const struct saved_job *saved)
 {
     struct job_task *o = new_job_task(s, job, open_run, open_done);
 
-    o->job = copy_job(job, picture);
+    o->job = copy_job(job, &saved->spec);
     task_push(&s->queue, &o->task);
 }
 

@@ -72,9 +72,9 @@ void store_put_chunk(struct store *s, uint64_t conn,
 /* Forget what conn sent by halves. */
 void store_drop_conn(struct store *s, uint64_t conn);
 
-/* Make room for the job's rows; what is in *picture is copied. */
+/* Make room for the job's rows; what is in *saved is copied. */
 void store_open_job(struct store *s, const uint8_t job[MSG_JOB],
-                    const struct coord_picture *picture);
+                    const struct saved_job *saved);
 void store_put_rows(struct store *s, const struct action_rows *rows);
 void store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
                          uint32_t frame);

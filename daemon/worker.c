@@ -6,10 +6,10 @@
  * suspects.
  *
  * When the coordinator is lost, the children go on and results are kept.  When
- * it is back and starts the job again, finished units that it has not
- * acknowledged are sent first, then READY; unfinished ones are given up, since
- * it may have handed them to others.  Until then nothing new is sent either:
- * it would come before what is kept. */
+ * it is back, be it in another life, and starts the job again, finished units
+ * that it has not acknowledged are sent first, then READY; unfinished ones are
+ * given up, since it may have handed them to others.  Until then nothing new is
+ * sent either: it would come before what is kept. */
 #include "config.h"
 
 #include "worker.h"
@@ -393,20 +393,6 @@ needs_file(const struct wjob *job, const uint8_t *hash)
 
 /* --- messages of the coordinator --- */
 
-/* A coordinator that began anew knows neither our units nor their attempts:
- * what is left of them would only be taken for others. */
-static void
-forget_epoch(struct worker *w, uint64_t epoch)
-{
-    if (w->epoch != 0 && w->epoch != epoch)
-        for (struct wjob *job = w->jobs; job; job = job->next) {
-            revoke_units(w, job);
-            while (job->kept)
-                drop_kept(job, &job->kept);
-        }
-    w->epoch = epoch;
-}
-
 static void
 on_welcome(struct worker *w, const struct msg *m)
 {
@@ -417,7 +403,6 @@ on_welcome(struct worker *w, const struct msg *m)
         stop(w, EX_PROTOCOL, "the coordinator speaks another version");
         return;
     }
-    forget_epoch(w, m->welcome.epoch);
     w->welcome = true;
     w->welcome_ms = w->now_ms;
     actions_session(&w->actions, w->coord, MSG_AT_WORKER);

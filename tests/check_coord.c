@@ -174,7 +174,7 @@ static struct fixture f;
 static void
 set_up(void)
 {
-    struct coord_env env = { has_file, no_random, &f, "radcoord", 1 };
+    struct coord_env env = { has_file, no_random, &f, "radcoord", 1, false };
 
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);

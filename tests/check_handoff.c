@@ -334,7 +334,7 @@ stat_of(const char *group, const char *key)
 static void
 set_up(void)
 {
-    struct coord_env env = { has_file, no_random, NULL, "radcoord", 1 };
+    struct coord_env env = { has_file, no_random, NULL, "radcoord", 1, false };
 
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);

@@ -557,6 +557,70 @@ START_TEST(what_cannot_be_is_refused_by_name)
 }
 END_TEST
 
+static struct partition *
+make_scanbar(uint32_t w, uint32_t h)
+{
+    struct msg_frame f = { 0, w, h, "" };
+    struct partition_spec spec = {
+        .kind = MSG_PART_SCANBAR, .psample = 4, .nframes = 1, .frames = &f
+    };
+    struct partition *p = partition_new(&spec, NULL);
+
+    ck_assert_ptr_nonnull(p);
+    return p;
+}
+
+/* Some units of a partition go out; one made anew from their areas hands out
+ * the rest. */
+START_TEST(a_partition_is_made_again_from_its_units)
+{
+    struct partition *p =
+        _i ? make_scanbar(60, 60) : make(60, 60, 9, MSG_ORDER_BACKWARD);
+    struct partition *q =
+        _i ? make_scanbar(60, 60) : make(60, 60, 9, MSG_ORDER_BACKWARD);
+    struct partition_area a;
+    uint64_t pixels = 0;
+    uint32_t unit;
+
+    for (int i = 0; i < 4; i++) {
+        ck_assert(next(p, &unit));
+        partition_area(p, unit, &a);
+        ck_assert(partition_restore(q, unit, &a));
+        pixels += a.width * a.height;
+        if (i % 2)
+            partition_done(q, unit);
+    }
+    while (next(q, &unit)) {
+        partition_area(q, unit, &a);
+        pixels += a.width * a.height;
+    }
+    ck_assert_uint_eq(pixels, 60 * 60);
+    partition_free(p);
+    partition_free(q);
+}
+END_TEST
+
+/* Of a picture of 60 by 60 with lines of row 0, rows 1 to 3, 4 to 6 ... */
+static const struct partition_area no_unit[] = {
+    { 1, 0, 0, 60, 1 },  { 0, 1, 0, 60, 1 },          { 0, 0, 0, 59, 1 },
+    { 0, 0, 2, 60, 2 },  { 0, 0, 0, 60, 3 },          { 0, 0, 0, 60, 61 },
+    { 0, 0, 60, 60, 3 }, { 0, 0, 4, 60, 3 },          { 0, 0, 1, 60, 9 },
+    { 0, 0, 1, 60, 0 },  { 0, 0, 0, 60, UINT32_MAX },
+};
+
+START_TEST(what_is_no_unit_is_not_made_one)
+{
+    static const struct partition_area taken = { 0, 0, 4, 60, 3 };
+    struct partition *p = make_scanbar(60, 60);
+
+    ck_assert(partition_restore(p, 0, &taken));
+    ck_assert(!partition_restore(p, 1, &no_unit[_i]));
+    ck_assert(!partition_restore(
+        p, 5, &(struct partition_area){ 0, 0, 0, 60, 1 })); /* a gap */
+    partition_free(p);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -581,6 +645,9 @@ main(void)
     tcase_add_test(tc, windows_go_out_by_cost);
     tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
                         N_ELEM(refused));
+    tcase_add_loop_test(tc, a_partition_is_made_again_from_its_units, 0, 2);
+    tcase_add_loop_test(tc, what_is_no_unit_is_not_made_one, 0,
+                        N_ELEM(no_unit));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

@@ -559,9 +559,10 @@ START_TEST(job_becomes_a_picture)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
     struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
-    struct coord_picture p = {
-        .name = "x", .params = "-ab 0", .frames = &frame, .nframes = 1
-    };
+    struct saved_job p = { .spec = { .name = "x",
+                                     .params = "-ab 0",
+                                     .frames = &frame,
+                                     .nframes = 1 } };
     struct store_source from = { .what = MSG_WHAT_PREVIEW };
     struct heard h = { 0 };
     struct rad_picture pic;

@@ -306,6 +306,7 @@ tests_check_sim_SOURCES = \
 	tests/sim/client.c \
 	tests/sim/cluster.c \
 	tests/sim/cluster.h \
+	tests/sim/disk.c \
 	tests/sim/fault.c \
 	tests/sim/fibre.c \
 	tests/sim/fibre.h \

@@ -17,6 +17,7 @@
 
 /* What the clusters went through, summed. */
 static struct {
+    unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, estimates, pictures;
@@ -76,8 +77,8 @@ check_pictures(struct sim *s, const struct sim_job *job)
 static bool
 is_quiet(const struct sim *s)
 {
-    return s->deaths + s->cuts + s->peer_cuts + s->crashes + s->drains +
-               s->stops + s->twins ==
+    return s->coord_deaths + s->deaths + s->cuts + s->peer_cuts + s->crashes +
+               s->drains + s->stops + s->twins ==
            0;
 }
 
@@ -171,6 +172,7 @@ run(uint64_t seed, bool verbose)
                "crashes, %llu ms\n",
                (unsigned long long)seed, s.nworkers, s.njobs, s.deaths, s.cuts,
                s.crashes, (unsigned long long)s.net.now_ms);
+    sum.coord_deaths += s.coord_deaths;
     sum.deaths += s.deaths;
     sum.cuts += s.cuts;
     sum.peer_cuts += s.peer_cuts;
@@ -197,9 +199,9 @@ was_tried(void)
         MSG_PARKED, MSG_SPLIT,    MSG_GAVE,     MSG_BASE_LINE, MSG_NEXT_HOLDER,
         MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED
     };
-    bool tried = sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
-                 sum.drains && sum.stops && sum.repeats && sum.parked &&
-                 sum.gave && sum.twins && sum.estimates;
+    bool tried = sum.coord_deaths && sum.deaths && sum.cuts && sum.peer_cuts &&
+                 sum.crashes && sum.drains && sum.stops && sum.repeats &&
+                 sum.parked && sum.gave && sum.twins && sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -220,15 +222,16 @@ tell(uint64_t runs)
             blows += sum.blows[t][b];
     printf("%llu clusters: %u pictures as one thread's, %llu primary rays of "
            "strict ones, %llu speculative\n"
-           "%u workers died, %u links to the coordinator were cut, %u of "
+           "%u coordinators died, %u workers, %u links to the coordinator were "
+           "cut, %u of "
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u messages came twice\n"
            "%u units parked, %u answers to SPLIT, %u twins, %u estimates\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
-           sum.deaths, sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains,
-           sum.stops, sum.repeats, sum.parked, sum.gave, sum.twins,
-           sum.estimates);
+           sum.coord_deaths, sum.deaths, sum.cuts, sum.peer_cuts, sum.crashes,
+           blows, sum.drains, sum.stops, sum.repeats, sum.parked, sum.gave,
+           sum.twins, sum.estimates);
 }
 
 int

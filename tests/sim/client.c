@@ -118,6 +118,7 @@ add_stats(struct net *net, struct sim_job *job, const struct msg_chunk *c)
     memcpy(job->stats + job->stats_len, c->data, c->len);
     job->stats_len += c->len;
     job->stats[job->stats_len] = '\0';
+    job->partial = job->stats_len < c->total;
 }
 
 static void
@@ -156,11 +157,17 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     }
 }
 
+/* A coordinator closes no connection of a client, but in death. */
 static void
 closed(struct net *net, int node, uint64_t conn)
 {
-    (void)conn;
-    net_fail(net, "client", node, "the coordinator closed the connection");
+    struct sim_job *job = job_of(net, node);
+
+    SIM_CHECK(net, of(net)->coord_deaths > 0);
+    if (job->conn != conn || (job->stats && !job->partial))
+        return;
+    job->conn = 0;
+    net_later(net, net_random(net, 2000), dial_again)->a = node;
 }
 
 const struct node_ops sim_client_ops = { message, closed };
@@ -177,6 +184,8 @@ sim_client_dial(struct sim *s, int job)
                                     0 } };
 
     s->job[job].conn = ++net->next_conn;
+    s->job[job].stats_len = 0;
+    s->job[job].failed = s->job[job].done = false;
     net->ops[node] = &sim_client_ops;
     net_join(net, node, s->job[job].conn, NODE_COORD, there, MSG_AT_DIALLER,
              MSG_AT_COORD_NEW);
@@ -194,7 +203,24 @@ admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
         net_session(net, node, conn, MSG_AT_CLIENT);
 }
 
-const struct node_ops sim_admin_ops = { admin_message, closed };
+static void
+admin_again(struct net *net, struct net_event *e)
+{
+    (void)e;
+    sim_admin_dial(of(net));
+}
+
+static void
+admin_closed(struct net *net, int node, uint64_t conn)
+{
+    (void)node;
+    if (of(net)->admin != conn)
+        return;
+    of(net)->admin = 0;
+    net_later(net, net_random(net, 200), admin_again);
+}
+
+const struct node_ops sim_admin_ops = { admin_message, admin_closed };
 
 void
 sim_admin_dial(struct sim *s)
@@ -220,6 +246,8 @@ sim_admin_say(struct sim *s, enum msg_type type, int worker)
 {
     struct msg m = { .type = (uint16_t)type, .request = 5 };
 
+    if (s->admin == 0)
+        return;
     m.drain.name = s->worker[worker].name;
     net_send_msg(&s->net, NODE_ADMIN, s->admin, &m);
 }

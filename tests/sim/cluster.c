@@ -36,65 +36,6 @@ sim_file(const uint8_t hash[MSG_HASH])
 
 /* --- the coordinator's shell --- */
 
-static bool
-coord_has(void *arg, const uint8_t hash[MSG_HASH])
-{
-    struct sim *s = arg;
-
-    return s->store[sim_file(hash)];
-}
-
-static void
-job_opened(struct net *net, struct net_event *e)
-{
-    coord_job_opened(of(net)->coord, net->now_ms, of(net)->job[e->a].id, 0,
-                     NULL);
-    sim_coord_actions(of(net));
-}
-
-static void
-picture_written(struct net *net, struct net_event *e)
-{
-    coord_picture_written(of(net)->coord, net->now_ms, of(net)->job[e->a].id,
-                          (uint32_t)e->b, 0, NULL);
-    sim_coord_actions(of(net));
-}
-
-static void
-rows_stored(struct net *net, struct net_event *e)
-{
-    const struct action_rows *key = (const void *)e->data;
-
-    coord_rows_stored(of(net)->coord, net->now_ms, key, 0, NULL);
-    sim_coord_actions(of(net));
-}
-
-static void
-put_rows(struct sim *s, const struct action_rows *r)
-{
-    struct sim_job *job = &s->job[sim_find_job(s, r->job)];
-    uint32_t width = job->frame[r->frame].width;
-    const uint8_t *from = r->pixels;
-    struct net_event *e;
-
-    for (uint32_t k = 0; k < r->rows; k++)
-        for (uint32_t i = 0; i < r->width; i++, from += r->channels * 4) {
-            float v[4] = { 0 };
-
-            wire_floats_get(v, from, r->channels);
-            job->picture[r->frame][(r->y + k) * width + r->x + i] =
-                (struct rad_pixel){ rad_rgb(v[0], v[1], v[2]), v[3] };
-        }
-    /* the disk keeps its order, and falls behind */
-    s->disk_ms += net_random(&s->net, 8);
-    if (s->disk_ms < s->net.now_ms)
-        s->disk_ms = s->net.now_ms;
-    e = net_later(&s->net, (unsigned)(s->disk_ms - s->net.now_ms), rows_stored);
-    e->data = malloc(sizeof *r);
-    SIM_CHECK(&s->net, e->data != NULL);
-    memcpy(e->data, r, sizeof *r);
-}
-
 static void
 coord_put_chunk(struct sim *s, uint64_t conn, const struct msg_chunk *c)
 {
@@ -115,11 +56,28 @@ send_file(struct sim *s, uint64_t conn, const uint8_t *hash)
     net_send_msg(&s->net, NODE_COORD, conn, &m);
 }
 
+/* What the disk has of a job that is over. */
+static void
+send_stats(struct sim *s, const struct action *a, int job)
+{
+    const char *text = s->job[job].kept.stats;
+    struct msg m = { .type = MSG_CHUNK, .request = a->request };
+
+    SIM_CHECK(&s->net, a->what == MSG_WHAT_STATS && text != NULL);
+    m.chunk.total = strlen(text);
+    for (size_t at = 0; at < m.chunk.total; at += m.chunk.len) {
+        m.chunk.offset = at;
+        m.chunk.data = (const uint8_t *)text + at;
+        m.chunk.len = m.chunk.total - at < MSG_MAX_CHUNK ? m.chunk.total - at
+                                                         : MSG_MAX_CHUNK;
+        net_send_msg(&s->net, NODE_COORD, a->conn, &m);
+    }
+}
+
 static void
 coord_action(struct sim *s, const struct action *a)
 {
     struct net *net = &s->net;
-    struct net_event *e;
     int job = a->job ? sim_find_job(s, a->job) : 0;
 
     switch (a->type) {
@@ -143,18 +101,17 @@ coord_action(struct sim *s, const struct action *a)
     case ACT_SEND_FILE:
         send_file(s, a->conn, a->hash);
         break;
+    case ACT_SEND_PICTURE:
+        send_stats(s, a, job);
+        break;
     case ACT_JOB_OPEN:
-        net_later(net, net_random(net, 20), job_opened)->a = job;
-        break;
-    case ACT_PUT_ROWS:
-        put_rows(s, &a->rows);
-        break;
+    case ACT_JOB_STATE:
+    case ACT_JOB_END:
+    case ACT_SETTLE:
+    case ACT_KEEP_UNIT:
     case ACT_WRITE_PICTURE:
-        SIM_CHECK(net, !s->job[job].written[a->frame]);
-        s->job[job].written[a->frame] = true;
-        e = net_later(net, net_random(net, 20), picture_written);
-        e->a = job;
-        e->b = (int)a->frame;
+    case ACT_PUT_ROWS:
+        sim_disk(s, a, job);
         break;
     default:
         net_fail(net, __FILE__, __LINE__, "no action of a coordinator");
@@ -510,7 +467,6 @@ make_job(struct sim *s, int i)
 void
 sim_init(struct sim *s, uint64_t seed)
 {
-    struct coord_env env = { coord_has, net_bytes, s, "radcoord", seed };
     struct net *net = &s->net;
 
     memset(s, 0, sizeof *s);
@@ -520,8 +476,10 @@ sim_init(struct sim *s, uint64_t seed)
     s->njobs = 1 + (int)net_random(net, SIM_JOBS);
     sim_make_faults(s);
     net->hear = sim_hear;
-    s->coord = coord_new(&env);
-    SIM_CHECK(net, s->coord != NULL);
+    s->keeps = !net_chance(net, 3);
+    for (int i = 0; i < SIM_FAULTS; i++)
+        s->keeps |= s->fault[i].blow == SIM_COORD_DIES;
+    sim_coord_born(s);
     net->ops[NODE_COORD] = &coord_ops;
     for (int i = 0; i < s->nworkers; i++) {
         s->worker[i].threads = 1 + net_random(net, SIM_THREADS);
@@ -611,6 +569,7 @@ sim_release(struct sim *s)
             free(s->job[i].want[f]);
         }
         free(s->job[i].stats);
+        sim_disk_release(&s->job[i]);
     }
     net_release(&s->net);
 }

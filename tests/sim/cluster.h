@@ -23,7 +23,8 @@ enum {
     SIM_WIDTH = 100, /* of a picture, and more */
     SIM_HEIGHT = 100,
     SIM_EDGES = 4,
-    SIM_TYPES = 64, /* of messages */
+    SIM_TYPES = 64,   /* of messages */
+    SIM_UNITS = 4096, /* of a job */
     /* nodes */
     NODE_COORD = 0,
     NODE_WORKER = 1,
@@ -38,7 +39,26 @@ struct sim_look {
     double edge[SIM_EDGES][3];
 };
 
+/* What of a job is on the coordinator's disk. */
+struct sim_unit {
+    bool there;
+    struct saved_unit saved;
+    char worker[16];
+    uint8_t *bottom;
+};
+
+struct sim_kept {
+    bool opened;
+    unsigned lives; /* that ended since */
+    struct saved_job job;
+    char text[MSG_MAX_TEXT + 1];
+    char *stats; /* of one that is over */
+    uint32_t nunits;
+    struct sim_unit unit[SIM_UNITS];
+};
+
 struct sim_job {
+    struct sim_kept kept;
     uint8_t id[MSG_JOB];
     struct msg_spec spec;
     uint8_t hash[SIM_FILES * MSG_HASH];
@@ -68,6 +88,7 @@ struct sim_job {
     char text[MSG_MAX_TEXT + 1];
     char *stats; /* JSON, in the end */
     size_t stats_len;
+    bool partial; /* there is more to come of it */
 };
 
 struct sim_task; /* a thread of a child at work (child.c) */
@@ -108,6 +129,7 @@ struct sim_fault {
         SIM_CHILD_DIES,
         SIM_PEERS_CUT,
         SIM_COORD_CUT,
+        SIM_COORD_DIES,
         SIM_NBLOW
     } blow;
     bool after; /* the message is heard yet */
@@ -124,6 +146,8 @@ struct sim {
     struct sim_job job[SIM_JOBS];
     int njobs;
     struct sim_child child[SIM_CHILDREN];
+    bool keeps;         /* what is on the disk outlives the coordinator */
+    unsigned lives;     /* of the coordinator, this one too */
     uint64_t disk_ms;   /* the coordinator's disk is busy until then */
     bool calm;          /* no more accidents */
     unsigned accidents; /* one in so many ticks; 0: none */
@@ -131,6 +155,7 @@ struct sim {
     uint64_t admin; /* its connection */
     double work_ms; /* of all children's threads together */
     /* what happened at all */
+    unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, estimates;
@@ -172,6 +197,12 @@ void sim_hear(struct net *net, int from, int to, const struct msg *m,
 void sim_worker_dies(struct sim *s, int worker);
 /* The connection is cut at this side. */
 void sim_coord_cut(struct sim *s, int worker);
+
+/* The coordinator's disk, and its lives (disk.c). */
+void sim_disk(struct sim *s, const struct action *a, int job);
+void sim_coord_born(struct sim *s);
+void sim_coord_dies(struct sim *s);
+void sim_disk_release(struct sim_job *job);
 
 /* Children (child.c). */
 extern const struct node_ops sim_child_ops;

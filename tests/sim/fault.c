@@ -103,6 +103,11 @@ strike(struct sim *s, int worker, enum sim_blow blow)
     case SIM_PEERS_CUT:
         cut_peers(s, worker);
         break;
+    case SIM_COORD_DIES:
+        if (!s->keeps)
+            return false;
+        sim_coord_dies(s);
+        break;
     default:
         sim_coord_cut(s, worker);
     }

@@ -1,0 +1,351 @@
+/* disk.c - the coordinator's disk, played, and the coordinator's deaths
+ *
+ * What is to be kept lasts once it has been written, in order and late; when
+ * the coordinator dies the rest is gone, and a new one goes on from there. */
+#include "config.h"
+
+#include "cluster.h"
+
+#include "recover.h"
+#include "sched.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct sim *
+of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+/* What a piece of work for the disk is about. */
+struct entry {
+    struct action_rows rows;
+    struct msg_counts counts;
+    struct saved_unit unit;
+    char worker[16];
+    uint64_t conn;
+    uint32_t request, frame;
+    uint32_t nbottom;
+    int state;
+    struct saved_job job;
+    char text[MSG_MAX_TEXT + 1];
+    size_t len;
+    uint8_t bytes[]; /* bottom and pixels, or statistics */
+};
+
+typedef void entry_fn(struct sim *s, struct sim_job *job,
+                      const struct entry *e);
+
+static void
+write_entry(struct net *net, struct net_event *e)
+{
+    struct sim *s = of(net);
+    entry_fn *fn;
+
+    if ((unsigned)e->b != s->lives)
+        return; /* it never got to the disk */
+    memcpy(&fn, &e->c, sizeof fn);
+    fn(s, e->a < 0 ? NULL : &s->job[e->a], (const struct entry *)e->data);
+    sim_coord_actions(s);
+}
+
+/* Room for an entry with so many bytes, which fn will deal with. */
+static struct entry *
+later(struct sim *s, int job, size_t n, entry_fn *fn)
+{
+    struct net_event *e;
+
+    /* the disk keeps its order, and falls behind */
+    s->disk_ms += net_random(&s->net, 8);
+    if (s->disk_ms < s->net.now_ms)
+        s->disk_ms = s->net.now_ms;
+    e = net_later(&s->net, (unsigned)(s->disk_ms - s->net.now_ms), write_entry);
+    e->a = job;
+    e->b = (int)s->lives;
+    memcpy(&e->c, &fn, sizeof fn);
+    e->data = calloc(1, sizeof(struct entry) + n);
+    SIM_CHECK(&s->net, e->data != NULL);
+    return (struct entry *)e->data;
+}
+
+/* --- what is written --- */
+
+static void
+put_opened(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    job->kept.opened = true;
+    job->kept.job = e->job;
+    coord_job_opened(s->coord, s->net.now_ms, job->id, 0, NULL);
+}
+
+static void
+put_state(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    (void)s;
+    job->kept.job.state = (uint8_t)e->state;
+}
+
+static void
+put_end(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    struct sim_kept *k = &job->kept;
+
+    k->job = e->job;
+    snprintf(k->text, sizeof k->text, "%s", e->text);
+    free(k->stats);
+    k->stats = calloc(1, e->len + 1);
+    SIM_CHECK(&s->net, k->stats != NULL);
+    memcpy(k->stats, e->bytes, e->len);
+    coord_job_filed(s->coord, s->net.now_ms, job->id, e->len);
+}
+
+static void
+put_settled(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    (void)job;
+    coord_settled(s->coord, s->net.now_ms, e->conn, e->request);
+}
+
+static struct sim_unit *
+unit_of(struct sim *s, struct sim_job *job, uint32_t unit)
+{
+    struct sim_kept *k = &job->kept;
+
+    SIM_CHECK(&s->net, unit < SIM_UNITS);
+    while (k->nunits <= unit)
+        k->unit[k->nunits++].there = false;
+    return &k->unit[unit];
+}
+
+static void
+put_unit(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    struct sim_unit *u = unit_of(s, job, e->unit.unit);
+    struct saved_unit old = u->saved;
+
+    u->saved = e->unit;
+    if (u->there && old.attempt == e->unit.attempt) {
+        u->saved.stored = old.stored;
+        SIM_CHECK(&s->net, !old.done);
+    } else {
+        u->saved.stored = 0;
+    }
+    u->there = true;
+    snprintf(u->worker, sizeof u->worker, "%s", e->worker);
+}
+
+static void
+put_pixels(struct sim_job *job, const struct action_rows *r,
+           const uint8_t *from)
+{
+    uint32_t width = job->frame[r->frame].width;
+
+    for (uint32_t k = 0; k < r->rows; k++)
+        for (uint32_t i = 0; i < r->width; i++, from += r->channels * 4) {
+            float v[4] = { 0 };
+
+            wire_floats_get(v, from, r->channels);
+            job->picture[r->frame][(r->y + k) * width + r->x + i] =
+                (struct rad_pixel){ rad_rgb(v[0], v[1], v[2]), v[3] };
+        }
+}
+
+static void
+put_rows(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    const struct action_rows *r = &e->rows;
+
+    put_pixels(job, r, e->bytes + e->nbottom);
+    if (s->keeps) {
+        struct sim_unit *u = unit_of(s, job, r->unit);
+
+        SIM_CHECK(&s->net, u->there);
+        u->saved.attempt = r->attempt;
+        snprintf(u->worker, sizeof u->worker, "%s", e->worker);
+        u->saved.stored = r->row + r->rows;
+        u->saved.done = r->last;
+        u->saved.end_ms = r->now_ms;
+        u->saved.counts = e->counts;
+        free(u->bottom);
+        u->bottom = calloc(1, e->nbottom + 1);
+        SIM_CHECK(&s->net, u->bottom != NULL);
+        memcpy(u->bottom, e->bytes, e->nbottom);
+        u->saved.nbottom = e->nbottom;
+    }
+    coord_rows_stored(s->coord, s->net.now_ms, r, 0, NULL);
+}
+
+static void
+put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    SIM_CHECK(&s->net, !job->written[e->frame]);
+    job->written[e->frame] = true;
+    coord_picture_written(s->coord, s->net.now_ms, job->id, e->frame, 0, NULL);
+}
+
+/* --- what is to be written --- */
+
+static void
+keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
+{
+    struct entry *e = later(s, i, a->len, fn);
+
+    SIM_CHECK(&s->net, coord_saved(s->coord, a->job, &e->job));
+    snprintf(e->text, sizeof e->text, "%s", e->job.text);
+    e->state = a->status;
+    e->len = a->len;
+    if (a->len)
+        memcpy(e->bytes, a->bytes, a->len);
+}
+
+static const char *
+worker_name(struct sim *s, const struct action_rows *r)
+{
+    const struct coord_conn *c = coord_find_conn(s->coord, r->conn);
+
+    return c && c->worker ? c->worker->name : "";
+}
+
+static void
+keep_rows(struct sim *s, int i, const struct action_rows *r)
+{
+    size_t pixels = (size_t)r->rows * r->width * r->channels * 4;
+    struct entry *e = later(s, i, r->nbottom + pixels, put_rows);
+
+    e->rows = *r;
+    e->counts = *r->counts;
+    e->nbottom = r->nbottom;
+    snprintf(e->worker, sizeof e->worker, "%.15s", worker_name(s, r));
+    if (r->nbottom)
+        memcpy(e->bytes, r->bottom, r->nbottom);
+    memcpy(e->bytes + r->nbottom, r->pixels, pixels);
+}
+
+static void
+keep_unit(struct sim *s, int i, const struct saved_unit *u)
+{
+    struct entry *e = later(s, i, 0, put_unit);
+
+    e->unit = *u;
+    snprintf(e->worker, sizeof e->worker, "%.15s", u->worker);
+}
+
+void
+sim_disk(struct sim *s, const struct action *a, int job)
+{
+    struct entry *e;
+
+    switch (a->type) {
+    case ACT_JOB_OPEN:
+        keep_job(s, job, a, put_opened);
+        break;
+    case ACT_JOB_STATE:
+        keep_job(s, job, a, put_state);
+        break;
+    case ACT_JOB_END:
+        keep_job(s, job, a, put_end);
+        break;
+    case ACT_SETTLE:
+        e = later(s, -1, 0, put_settled);
+        e->conn = a->conn;
+        e->request = a->request;
+        break;
+    case ACT_KEEP_UNIT:
+        keep_unit(s, job, a->unit);
+        break;
+    case ACT_PUT_ROWS:
+        keep_rows(s, job, &a->rows);
+        break;
+    default:
+        later(s, job, 0, put_picture)->frame = a->frame;
+    }
+}
+
+/* --- another life --- */
+
+static bool
+read_row(void *arg, const uint8_t *id, uint32_t frame, uint32_t y,
+         uint8_t *pixels)
+{
+    struct sim *s = arg;
+    const struct sim_job *job = &s->job[sim_find_job(s, id)];
+    uint32_t width = job->frame[frame].width;
+    size_t n = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
+
+    for (uint32_t x = 0; x < width; x++) {
+        const struct rad_pixel *p = &job->picture[frame][y * width + x];
+        float v[4] = { p->L.r, p->L.g, p->L.b, p->z };
+
+        wire_floats_put(pixels + x * n * 4, v, n);
+    }
+    return true;
+}
+
+static void
+recover(struct sim *s, struct sim_job *job)
+{
+    static struct saved_unit units[SIM_UNITS];
+    struct rad_error err = { 0 };
+    struct sim_kept *k = &job->kept;
+
+    /* none that was acknowledged is lost */
+    SIM_CHECK(&s->net, k->opened || !job->accepted);
+    if (!k->opened)
+        return;
+    k->job.spec = job->spec;
+    k->job.owner = "ana";
+    k->job.lives = k->lives++;
+    k->job.text = k->text;
+    k->job.written = job->written;
+    k->job.units = units;
+    k->job.nunits = 0;
+    for (uint32_t i = 0; i < k->nunits && k->job.state < JOB_DONE; i++) {
+        k->unit[i].saved.worker = k->unit[i].worker;
+        k->unit[i].saved.bottom = k->unit[i].bottom;
+        if (k->unit[i].there)
+            units[k->job.nunits++] = k->unit[i].saved;
+    }
+    if (recover_job(s->coord, s->net.now_ms, &k->job, read_row, s, &err) != 0)
+        net_fail(&s->net, "recover", 0, err.what);
+}
+
+static bool
+has_file(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct sim *s = arg;
+
+    return s->store[sim_file(hash)];
+}
+
+void
+sim_coord_born(struct sim *s)
+{
+    struct coord_env env = { has_file,   net_bytes,  s,
+                             "radcoord", ++s->lives, s->keeps };
+
+    s->coord = coord_new(&env);
+    SIM_CHECK(&s->net, s->coord != NULL);
+}
+
+void
+sim_coord_dies(struct sim *s)
+{
+    s->coord_deaths++;
+    net_close_all(&s->net, NODE_COORD);
+    coord_free(s->coord);
+    sim_coord_born(s);
+    s->disk_ms = s->net.now_ms;
+    for (int i = 0; i < s->njobs; i++)
+        recover(s, &s->job[i]);
+    sim_coord_actions(s);
+}
+
+void
+sim_disk_release(struct sim_job *job)
+{
+    for (uint32_t i = 0; i < SIM_UNITS; i++)
+        free(job->kept.unit[i].bottom);
+    free(job->kept.stats);
+}
