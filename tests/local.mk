@@ -59,6 +59,7 @@ UNIT_TESTS = \
 	tests/check_submit \
 	tests/check_table \
 	tests/check_team \
+	tests/check_tls \
 	tests/check_view \
 	tests/check_wgmd \
 	tests/check_wild \
@@ -295,6 +296,10 @@ EXTRA_DIST += tests/golden
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_keyfile_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+
+tests_check_tls_SOURCES = tests/check_tls.c tests/unit.h
+tests_check_tls_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
+tests_check_tls_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 
 tests_check_wire_SOURCES = tests/check_wire.c tests/unit.h
 tests_check_wire_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -20,6 +20,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_parse \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
+	tests/fuzz/fuzz_tls \
 	tests/fuzz/fuzz_view
 
 if FUZZERS
@@ -114,3 +115,7 @@ tests_fuzz_fuzz_bsdf_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_keyfile_SOURCES = tests/fuzz/fuzz_keyfile.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_keyfile_LDADD = $(LIBPROTO) $(LIBRAD)
 tests_fuzz_fuzz_keyfile_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_tls_SOURCES = tests/fuzz/fuzz_tls.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_tls_LDADD = $(LIBPROTO) $(LIBRAD)
+tests_fuzz_fuzz_tls_LDFLAGS = $(FUZZ_LINK)

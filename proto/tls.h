@@ -1,0 +1,84 @@
+/* tls.h - TLS 1.3 by a shared key, between a socket and the frames
+ *
+ * Bytes only: what a socket brought is put in, what it is to send is taken
+ * out.  Both sides prove that they have the same secret (RFC 8446, external
+ * PSK) with a Diffie-Hellman exchange on top, so that a key which is lost later
+ * opens nothing that was recorded.  No certificates, no tickets, no early
+ * data, no older version; only suites with SHA-256, which is what such a key
+ * is for.
+ *
+ * Nothing is kept beyond TLS_MARK: the owner puts in what one read brought and
+ * takes all messages out before the next; while it cannot, it stops reading.
+ * Errors: RAD_EPERM for a side that cannot prove itself, RAD_EPROTO for bytes
+ * that are no TLS, RAD_ENOMEM.
+ * Thread: a context and its sessions belong to one thread. */
+#ifndef TLS_H
+#define TLS_H
+
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TLS_SECRET 32         /* bytes of a key */
+#define TLS_ID     97         /* room for a key's id, with its NUL */
+#define TLS_MARK   (1u << 18) /* most bytes that wait to be read */
+#define TLS_PIECE  (1u << 16) /* most bytes to tls_write() at once */
+
+struct tls_ctx;
+struct tls;
+
+/* The secret of the key that a client names: NULL and *secret, or why not
+ * ("unknown key").  The client is then answered as if its secret were wrong,
+ * so it cannot tell which names there are. */
+typedef const char *tls_find_fn(void *arg, const char *id,
+                                uint8_t secret[TLS_SECRET]);
+
+/* For those who accept, and for those who dial; NULL when memory is out.  A
+ * context outlives its sessions' creation, not their use. */
+struct tls_ctx *tls_server(tls_find_fn *find, void *arg);
+struct tls_ctx *tls_client(void);
+void tls_ctx_free(struct tls_ctx *ctx);
+
+/* A session; NULL when memory is out.  id and secret are copied. */
+struct tls *tls_accept(struct tls_ctx *ctx);
+struct tls *tls_dial(struct tls_ctx *ctx, const char *id,
+                     const uint8_t secret[TLS_SECRET]);
+/* Wipes its keys.  NULL is accepted. */
+void tls_free(struct tls *t);
+
+/* The key that was proven, and before that the one that was named; "" for
+ * none.  Printable. */
+const char *tls_id(const struct tls *t);
+
+/* Take n bytes that came.  RAD_EPROTO when more than TLS_MARK wait. */
+int tls_put(struct tls *t, const void *p, size_t n, struct rad_error *err);
+
+/* Go on with the handshake: 1 when it is over, 0 when bytes must come, or why
+ * it failed.  There may be bytes to send in any case. */
+int tls_handshake(struct tls *t, struct rad_error *err);
+
+/* Up to n bytes of what the other side wrote: how many; 0 when more must come
+ * or it has ended its side (tls_ended). */
+int tls_read(struct tls *t, void *p, size_t n, struct rad_error *err);
+bool tls_ended(const struct tls *t);
+
+/* Bytes for the other side, at most TLS_PIECE. */
+int tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err);
+/* Say that nothing more comes. */
+void tls_end(struct tls *t);
+
+/* What is to be sent: how many bytes, and where; valid until the next call on
+ * t.  tls_sent() once they were copied. */
+size_t tls_out(struct tls *t, const uint8_t **p);
+void tls_sent(struct tls *t);
+
+/* So many bytes at most come of a tls_write() of n. */
+size_t tls_room(size_t n);
+
+/* The key of two workers in one job, from what the coordinator gave both: its
+ * id, which says nothing, and its secret. */
+void tls_peer_key(const uint8_t *job, size_t njob, const uint8_t *token,
+                  size_t ntoken, char id[TLS_ID], uint8_t secret[TLS_SECRET]);
+
+#endif
