@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
 struct child {
     uv_process_t process;
@@ -19,6 +20,7 @@ struct child {
     bool exited;    /* the process has */
     bool link_gone; /* nothing more will come from it */
     bool silent;    /* nobody wants to know */
+    struct child_end how;
     char text[160];
 };
 
@@ -63,7 +65,7 @@ settle(struct child *c)
         at = &(*at)->next;
     *at = c->next;
     if (!c->silent)
-        all->ended(all->arg, c->id, c->text);
+        all->ended(all->arg, c->id, c->how, c->text);
     uv_close((uv_handle_t *)&c->process, free_child);
 }
 
@@ -73,6 +75,8 @@ on_exit_cb(uv_process_t *process, int64_t status, int signum)
     struct child *c = process->data;
 
     c->exited = true;
+    if (!c->text[0])
+        c->how = (struct child_end){ (int)status, signum };
     if (!c->text[0] && signum)
         snprintf(c->text, sizeof c->text, "killed by signal %d", signum);
     else if (!c->text[0])
@@ -84,13 +88,14 @@ static int
 start(struct child *c, uv_stream_t *stream)
 {
     struct children *all = c->all;
-    char threads[16], memory[16], nice[16];
+    char threads[16], memory[16], nice[16], pixel[16];
     char *args[] = { (char *)"radd",
                      (char *)RENDER_CHILD_OPTION,
                      (char *)all->conf.files_dir,
                      threads,
                      memory,
                      nice,
+                     pixel,
                      (char *)(all->conf.sandboxed ? RENDER_SANDBOXED : ""),
                      NULL };
     uv_stdio_container_t fds[] = {
@@ -109,6 +114,7 @@ start(struct child *c, uv_stream_t *stream)
 
     snprintf(threads, sizeof threads, "%d", all->conf.threads);
     snprintf(memory, sizeof memory, "%d", all->conf.memory_mib);
+    snprintf(pixel, sizeof pixel, "%d", all->conf.pixel_s);
     snprintf(nice, sizeof nice, "%d", all->conf.nice);
     return uv_spawn(all->shell->loop, &c->process, &o);
 }
@@ -125,12 +131,14 @@ children_spawn(struct children *all, uint64_t id)
         abort(); /* the machine would wait for ever */
     c->all = all;
     c->id = id;
+    c->how = (struct child_end){ -1, -1 };
     c->process.data = c;
     c->next = all->list;
     all->list = c;
     rc = start(c, stream);
     if (rc < 0) {
         c->exited = true;
+        c->how = (struct child_end){ EX_OSERR, 0 };
         snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
         conn_stream_close(stream);
         shell_gone(all->shell, id, c->text);

@@ -16,11 +16,18 @@ struct children_conf {
     int threads;
     int memory_mib; /* most that a child may use; 0: no limit */
     int nice;       /* 0..19: how much a child gives way to others */
+    int pixel_s;    /* most processor time of a pixel [s]; 0: any */
     bool sandboxed; /* must be: without seccomp none is started */
 };
 
+/* How a process ended; both -1 where that is not why it is gone. */
+struct child_end {
+    int status, signal;
+};
+
 /* text: "killed by signal 11", "exit status 70" */
-typedef void child_ended_fn(void *arg, uint64_t id, const char *text);
+typedef void child_ended_fn(void *arg, uint64_t id, struct child_end how,
+                            const char *text);
 
 struct child;
 struct children {

@@ -238,6 +238,7 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     if (end_ms > job->last_ms)
         job->last_ms = end_ms;
     jw->units++;
+    jw->setbacks = 0;
     jw->rays += u->counts.rays;
     jw->cpu_s += u->counts.cpu_s;
     job->rays += u->counts.rays;

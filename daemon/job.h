@@ -28,6 +28,10 @@ enum job_state {
  * where there is but one worker, that worker's child this often. */
 #define JOB_MAX_CRASHES 3
 
+/* A worker that loses its child so often in a row, for reasons of its own (its
+ * memory, its disk, somebody who kills it), has no more part in the job. */
+#define JOB_MAX_SETBACKS 5
+
 #define JOB_NOBODY UINT32_MAX
 
 #define JOB_DURATIONS 63 /* that are remembered */
@@ -91,8 +95,11 @@ struct job_worker {
     double speed;          /* of all its threads, relative to the others' */
     uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
     uint32_t load_crashes; /* children that died before READY */
+    uint32_t setbacks;     /* children lost for reasons of its own, since it
+                            * last finished a unit */
     bool took_part;        /* it was READY once */
-    bool excluded;         /* --same-bits: of another fingerprint */
+    bool excluded; /* --same-bits: of another fingerprint; or it cannot keep
+                    * a child */
     uint64_t ready_ms;     /* first READY */
     double load_s;
     uint64_t fingerprint;

@@ -158,6 +158,42 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
+/* May another worker do the job? */
+static bool
+others_may(const struct coord *c, const struct job *job,
+           const struct coord_worker *w)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next) {
+        uint32_t index = sched_index(job, o);
+
+        if (o != w && sched_takes_units(o) &&
+            (index == JOB_NOBODY || !job->workers[index].excluded))
+            return true;
+    }
+    return false;
+}
+
+/* A child died at its units, and not of them; false: the job cannot go on. */
+static bool
+setback(struct coord *c, struct job *job, struct job_worker *jw,
+        const char *why)
+{
+    char text[MSG_MAX_TEXT + 1];
+
+    if (++jw->setbacks < JOB_MAX_SETBACKS)
+        return true;
+    jw->excluded = true;
+    actions_log(&c->actions, ACT_WARN,
+                "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
+                why);
+    if (others_may(c, job, jw->worker))
+        return true;
+    snprintf(text, sizeof text, "no worker can keep a process for it: %.400s",
+             why);
+    coord_job_ends(c, job, JOB_FAILED, EX_UNAVAILABLE, text);
+    return false;
+}
+
 static bool
 has_unit(const struct job *job, uint32_t index, uint32_t unit)
 {
@@ -179,6 +215,9 @@ sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
         w->loading = NULL;
     jw = &job->workers[index];
     if (jw->state == JW_LOADING && !crashed_loading(c, job, jw, m->text))
+        return;
+    if (jw->state == JW_READY && m->nunits == 0 && !jw->surveying &&
+        !setback(c, job, jw, m->text))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&

@@ -62,7 +62,8 @@ struct wjob {
     uint8_t channels; /* of a pixel */
     uint8_t *files;   /* hashes that it needs */
     uint32_t nfiles;
-    uint64_t child; /* connection, 0: none */
+    uint64_t child;    /* connection, 0: none */
+    uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
     struct msg_ready ready;
     struct msg_tally tally;
@@ -88,6 +89,8 @@ struct worker {
     struct worker_env env;
     struct action_list actions;
     uint64_t now_ms;
+    uint64_t tick_ms;  /* of the last worker_tick() */
+    uint64_t awake_ms; /* all time but what this process slept through */
     uint64_t coord; /* connection, 0: none */
     bool opened, welcome;
     uint64_t welcome_ms, dial_ms;

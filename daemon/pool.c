@@ -14,11 +14,17 @@
 #include "pool.h"
 #include "faults.h"
 #include "team.h"
+#ifdef RADD_TEST_HOOKS
+#include "tests/hook.h"
+#endif
 
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 #include <time.h>
+#include <unistd.h>
 
 /* rows are sent when so many bytes of them are done */
 #define PIECE_BYTES (64u << 10)
@@ -61,6 +67,8 @@ struct renderer {
     struct pool *pool;
     uv_thread_t thread;
     struct rad_ctx ctx;
+    uint64_t seen;   /* [loop] ctx.at when it was last looked at */
+    double seen_cpu; /* [loop] and what the thread had used when that was new */
 };
 
 struct pool {
@@ -174,8 +182,13 @@ static bool
 trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
 {
     const struct active *u = arg;
+    bool seen =
+        rad_frame_pixel(&u->pool->frames[u->unit.frame], ctx, x, y, out);
 
-    return rad_frame_pixel(&u->pool->frames[u->unit.frame], ctx, x, y, out);
+#ifdef RADD_TEST_HOOKS
+    test_hook_pixel(u->pool->job->scene, x, y);
+#endif
+    return seen;
 }
 
 static void
@@ -237,7 +250,7 @@ send_failure(struct pool *p, const struct pool_unit *unit,
     struct pool_rows *r = calloc(1, sizeof *r);
 
     if (!r)
-        abort(); /* the unit would never end */
+        _exit(EX_OSERR); /* the unit would never end */
     r->unit = *unit;
     r->err = *err;
     put_done(p, r, 0);
@@ -816,6 +829,35 @@ pool_tally(struct pool *p)
     }
     uv_mutex_unlock(&p->mu);
     return t;
+}
+
+/* Processor time of a thread. */
+static double
+used(const struct renderer *by)
+{
+    clockid_t clock;
+
+    return pthread_getcpuclockid(by->thread, &clock) == 0 ? seconds(clock) : 0;
+}
+
+bool
+pool_stuck(struct pool *p, double limit_s, int *x, int *y)
+{
+    bool stuck = false;
+
+    for (int i = 0; i < p->nthreads && limit_s > 0 && !stuck; i++) {
+        struct renderer *by = &p->renderers[i];
+        uint64_t at = atomic_load_explicit(&by->ctx.at, memory_order_relaxed);
+        double cpu = used(by);
+
+        if (at != by->seen)
+            by->seen_cpu = cpu;
+        by->seen = at;
+        stuck = at != 0 && cpu - by->seen_cpu > limit_s;
+        *x = RAD_AT_X(at);
+        *y = RAD_AT_Y(at);
+    }
+    return stuck;
 }
 
 static void

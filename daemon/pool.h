@@ -91,6 +91,11 @@ struct pool_tally {
 };
 struct pool_tally pool_tally(struct pool *p);
 
+/* Is a thread at one pixel since it used that much of a processor?  *x and *y
+ * get the pixel.  limit_s: 0 is no limit.  To be asked now and then: what a
+ * thread used is counted from the first time that it was seen there. */
+bool pool_stuck(struct pool *p, double limit_s, int *x, int *y);
+
 /* Stop at the next bars, wait for the threads, free.  The loop must run once
  * more for the last handle. */
 void pool_free(struct pool *p);

@@ -16,6 +16,7 @@
 #include "worker.h"
 
 #include <sched.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
@@ -32,6 +33,8 @@ struct settings {
     int threads;
     int memory_mib;
     int nice;
+    int pixel_s;
+    int load_s;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -50,6 +53,10 @@ static const struct conf_key keys[] = {
       "most memory of a job's process [MiB]; 0: no limit", true },
     { "nice", CONF_INT_KEY, FIELD(nice), 0, 19, "19", "N",
       "how much a job's process gives way to others", true },
+    { "pixel_s", CONF_INT_KEY, FIELD(pixel_s), 0, 1 << 24, "600", "N",
+      "most processor time of a pixel [s]; 0: no limit", true },
+    { "load_s", CONF_INT_KEY, FIELD(load_s), 1, 1 << 20, "3600", "N",
+      "longest that a job's process may load, or say nothing [s]", true },
     { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
       "required: render nothing where the kernel has no seccomp", false },
     DAEMON_KEYS,
@@ -158,12 +165,22 @@ out_of_memory(void *arg)
     daemon_stop(&r->daemon, EX_OSERR);
 }
 
+/* By whoever looks after the machine, or by its kernel for want of memory. */
+static bool
+killed_from_outside(int signum)
+{
+    return signum == SIGKILL || signum == SIGTERM || signum == SIGINT ||
+           signum == SIGHUP;
+}
+
 static void
-on_child_ended(void *arg, uint64_t id, const char *text)
+on_child_ended(void *arg, uint64_t id, struct child_end how, const char *text)
 {
     struct radd *r = arg;
+    bool local = how.signal > 0 ? killed_from_outside(how.signal)
+                                : worker_status_is_local(how.status);
 
-    worker_child_ended(r->worker, now(r), id, text);
+    worker_child_ended(r->worker, now(r), id, local, text);
     shell_run(&r->shell);
 }
 
@@ -305,6 +322,8 @@ on_reload(void *arg)
 
     r->children.conf.memory_mib = r->set.memory_mib;
     r->children.conf.nice = r->set.nice;
+    r->children.conf.pixel_s = r->set.pixel_s;
+    worker_set_limits(r->worker, (unsigned)r->set.load_s);
 }
 
 static int
@@ -339,6 +358,7 @@ make_worker(struct radd *r, struct rad_error *err)
                                   .threads = r->set.threads,
                                   .memory_mib = r->set.memory_mib,
                                   .nice = r->set.nice,
+                                  .pixel_s = r->set.pixel_s,
                                   .sandboxed = needs_sandbox(&r->set) };
     struct worker_env env = { .has_file = has_file,
                               .random = shell_random,
@@ -346,7 +366,8 @@ make_worker(struct radd *r, struct rad_error *err)
                               .program = "radd " PACKAGE_VERSION,
                               .name = r->set.name,
                               .address = listener_text(r->peers),
-                              .threads = (unsigned)r->set.threads };
+                              .threads = (unsigned)r->set.threads,
+                              .load_s = (unsigned)r->set.load_s };
 
     children_init(&r->children, &r->shell, &conf, on_child_ended, r);
     r->worker = worker_new(&env);

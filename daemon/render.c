@@ -46,6 +46,8 @@
 #define METER_EACH 8
 /* how often the coordinator hears of rays while units are under way */
 #define TALLY_MS 500
+/* and at least, so that radd knows that the loop runs */
+#define SIGN_OF_LIFE_MS 10000
 /* someone who gets the whole cache, or facts for the case of a loss, is given
  * more when so little waits */
 #define GIVE_AHEAD       (1u << 20)
@@ -69,6 +71,7 @@ struct render {
     uint8_t id[MSG_JOB];
     bool share, ended;
     bool sandboxed;       /* must be */
+    int pixel_s;          /* most processor time of a pixel; 0: any */
     struct msg start;     /* JOB-START, in start_bytes */
     uint8_t *start_bytes; /* its payload */
     uint32_t frame;       /* of the last unit; nframes before the first */
@@ -82,6 +85,7 @@ struct render {
     uint64_t sent, received, redundant; /* ambient records */
     uint64_t told_rays;                 /* under way, in the last TALLY */
     uint64_t told_dropped;              /* likewise */
+    uint64_t told_ms;                   /* when that was */
     int status;
 };
 
@@ -112,6 +116,7 @@ send_tally(struct render *r)
         did = pool_tally(r->pool);
     r->told_rays = did.rays_under_way;
     r->told_dropped = did.dropped.rays;
+    r->told_ms = uv_now(&r->loop);
 
     getrusage(RUSAGE_SELF, &use);
     m.tally.job = r->id;
@@ -124,15 +129,6 @@ send_tally(struct render *r)
     m.tally.rays_under_way = did.rays_under_way;
     m.tally.dropped = did.dropped;
     conn_send(r->link, &m);
-}
-
-static void
-on_teller(uv_timer_t *timer)
-{
-    struct render *r = timer->data;
-
-    if (r->link && pool_tally(r->pool).rays_under_way != r->told_rays)
-        send_tally(r);
 }
 
 /* Leave when what was said is out. */
@@ -148,6 +144,33 @@ end(struct render *r, int status)
     uv_timer_stop(&r->ticker);
     conn_finish(r->link);
     r->link = NULL;
+}
+
+/* A pixel that takes so long never ends. */
+static void
+watch(struct render *r)
+{
+    struct rad_error err = { 0 };
+    int x, y;
+
+    if (!r->link || !pool_stuck(r->pool, r->pixel_s, &x, &y))
+        return;
+    rad_fail(&err, RAD_EINTERNAL,
+             "the pixel at x %d, y %d took more than %d s of a processor", x, y,
+             r->pixel_s);
+    send_failed(r, &err);
+    end(r, rad_exit_status(err.code));
+}
+
+static void
+on_teller(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+
+    if (r->link && (pool_tally(r->pool).rays_under_way != r->told_rays ||
+                    uv_now(&r->loop) - r->told_ms >= SIGN_OF_LIFE_MS))
+        send_tally(r);
+    watch(r);
 }
 
 static void
@@ -167,7 +190,7 @@ on_rows(void *arg, const struct pool_rows *p)
     }
     bytes = malloc(n * sizeof(float) + 1);
     if (!bytes)
-        abort(); /* radd hands the unit to somebody else */
+        _exit(EX_OSERR); /* radd hands the unit to somebody else */
     wire_floats_put(bytes, p->pixels, n);
     m.result.job = r->id;
     m.result.unit = p->unit.unit;
@@ -825,11 +848,12 @@ render_main(int argc, char *argv[])
     struct rad_error err = { 0 };
     int rc;
 
-    if (argc != 7)
+    if (argc != 8)
         return EX_USAGE; /* radd starts this, nobody else */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
-    r.sandboxed = strcmp(argv[6], RENDER_SANDBOXED) == 0;
+    r.pixel_s = atoi(argv[6]);
+    r.sandboxed = strcmp(argv[7], RENDER_SANDBOXED) == 0;
     confine(atoi(argv[4]), atoi(argv[5]));
     log_open("radd-child", LOG_LEVEL_WARN);
     if (sandbox_begin(r.files_dir, r.sandboxed, &err) < 0) {

@@ -10,9 +10,9 @@
 #define RENDER_CHILD_OPTION "--child"
 #define RENDER_LINK_FD      3
 
-/* radd --child FILES-DIR THREADS MEMORY-MIB NICE SANDBOX; returns the exit
- * status.  SANDBOX: RENDER_SANDBOXED where it must be in one (sandbox.h), else
- * empty. */
+/* radd --child FILES-DIR THREADS MEMORY-MIB NICE PIXEL-S SANDBOX; returns the
+ * exit status.  SANDBOX: RENDER_SANDBOXED where it must be in one (sandbox.h),
+ * else empty.  PIXEL-S: most processor time of a pixel, 0 for any. */
 #define RENDER_SANDBOXED "sandboxed"
 int render_main(int argc, char *argv[]);
 

@@ -23,6 +23,7 @@
 
 #define FIRST_DELAY_MS 500
 #define LAST_DELAY_MS  30000
+#define LONG_TICK_MS   1000 /* longer is no tick: the process was stopped */
 #define STEADY_MS      10000 /* a connection that lasted as long was a good one */
 
 /* --- small things --- */
@@ -293,21 +294,23 @@ spawn(struct worker *w, struct wjob *job)
 {
     job->child = worker_new_conn(w);
     job->state = WJOB_LOADING;
+    job->heard_ms = w->awake_ms;
     actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);
     actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
     send_child_bytes(w, job, job->start, job->start_len);
 }
 
 /* Tell the coordinator that the job has no child here any more.  Units on which
- * nobody worked are not under suspicion. */
+ * nobody worked are not under suspicion, and none is if the reason lies here.
+ */
 static void
-send_lost(struct worker *w, struct wjob *job, const char *text)
+send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
 {
     uint32_t list[64];
     struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
 
-    for (size_t i = 0; i < job->nunits && m.lost.nunits < w->env.threads &&
-                       m.lost.nunits < 64;
+    for (size_t i = 0; !local && i < job->nunits &&
+                       m.lost.nunits < w->env.threads && m.lost.nunits < 64;
          i++)
         if (!job->units[i].parked)
             list[m.lost.nunits++] = job->units[i].unit;
@@ -639,12 +642,29 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
     send_coord(w, &tally);
 }
 
+/* The child is of no more use. */
+static void
+lose_child(struct worker *w, struct wjob *job, bool local, const char *text)
+{
+    actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
+                text);
+    kill_child(w, job);
+    send_lost(w, job, local, text);
+}
+
 static void
 child_failed(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg failed = { .type = MSG_FAILED, .failed = m->failed };
 
     failed.failed.job = job->id;
+    /* what is wrong with the scene is wrong with it everywhere; what is wrong
+     * here, or with us, another may try */
+    if (m->failed.status == EX_SOFTWARE ||
+        worker_status_is_local(m->failed.status)) {
+        lose_child(w, job, m->failed.status != EX_SOFTWARE, m->failed.text);
+        return;
+    }
     actions_log(&w->actions, ACT_ERR, "job failed job=%s why=%s", job->hex,
                 m->failed.text);
     send_coord(w, &failed);
@@ -671,6 +691,7 @@ static const struct {
 static void
 from_child(struct worker *w, struct wjob *job, const struct msg *m)
 {
+    job->heard_ms = w->awake_ms;
     for (size_t i = 0; i < sizeof child_handlers / sizeof child_handlers[0];
          i++)
         if (child_handlers[i].type == m->type) {
@@ -827,7 +848,7 @@ worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
 }
 
 void
-worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
+worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
                    const char *text)
 {
     struct wjob *job = find_child(w, conn);
@@ -840,7 +861,30 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
     job->child = 0;
     lossy_release(&job->to_child);
     lossy_init(&job->to_child);
-    send_lost(w, job, text);
+    send_lost(w, job, local, text);
+}
+
+bool
+worker_status_is_local(int status)
+{
+    switch (status) {
+    case EX_NOINPUT:
+    case EX_OSERR:
+    case EX_OSFILE:
+    case EX_CANTCREAT:
+    case EX_IOERR:
+    case EX_TEMPFAIL:
+    case EX_NOPERM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+void
+worker_set_limits(struct worker *w, unsigned load_s)
+{
+    w->env.load_s = load_s;
 }
 
 void
@@ -863,7 +907,7 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
     forget_asked(w, hash);
     for (struct wjob *job = w->jobs; job; job = job->next)
         if (job->state == WJOB_FETCHING && needs_file(job, hash))
-            send_lost(w, job, text);
+            send_lost(w, job, true, text);
 }
 
 void
@@ -894,10 +938,33 @@ worker_drain(struct worker *w, uint64_t now_ms)
     send_coord(w, &m);
 }
 
+/* Children that hang, loading or with units in hand. */
+static void
+watch_children(struct worker *w)
+{
+    char text[64];
+
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        bool at_work = job->state == WJOB_LOADING || job->nunits > 0;
+
+        if (!job->child || !at_work)
+            job->heard_ms = w->awake_ms;
+        if (w->env.load_s == 0 ||
+            w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)
+            continue;
+        snprintf(text, sizeof text, "silent for %u s", w->env.load_s);
+        lose_child(w, job, false, text);
+    }
+}
+
 void
 worker_tick(struct worker *w, uint64_t now_ms)
 {
-    w->now_ms = now_ms;
+    uint64_t ms = w->tick_ms ? now_ms - w->tick_ms : 0;
+
+    w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
+    w->tick_ms = w->now_ms = now_ms;
+    watch_children(w);
     if (w->coord == 0 && !w->stopped && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);

@@ -26,6 +26,8 @@ struct worker_env {
     const char *name;
     const char *address; /* where peers dial it, as in msg_hello */
     unsigned threads;
+    unsigned load_s; /* longest that a child may load, or say nothing while it
+                      * has units; 0: for ever */
 };
 
 struct worker;
@@ -57,9 +59,17 @@ void worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
                     const struct msg *m);
 
 /* A child (its connection) ended by itself; all that it sent has been
- * delivered.  text: "killed by signal 11", "exit status 70". */
+ * delivered.  local: for a reason of this machine's, which says nothing of the
+ * scene.  text: "killed by signal 11", "exit status 70". */
 void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
-                        const char *text);
+                        bool local, const char *text);
+
+/* Does a child that gives up with that status of sysexits.h say nothing of the
+ * scene, but that memory, a file or a permission is missing here? */
+bool worker_status_is_local(int status);
+
+/* The limits of worker_env have changed. */
+void worker_set_limits(struct worker *w, unsigned load_s);
 
 void worker_file_stored(struct worker *w, uint64_t now_ms,
                         const uint8_t hash[MSG_HASH]);

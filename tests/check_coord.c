@@ -486,6 +486,68 @@ START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
 }
 END_TEST
 
+/* The worker loses its child, and takes the job up again. */
+static void
+set_back(uint64_t conn)
+{
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { job_a, "out of memory", 0, NULL } };
+
+    say(&f, conn, &m);
+}
+
+START_TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
+        set_back(SECOND);
+        ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
+        ready(&f, SECOND, job_a);
+    }
+    f.sent[SECOND] = 0;
+    set_back(SECOND);
+    ck_assert_uint_eq(f.sent[SECOND], 0); /* it had its chances */
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+    for (uint32_t u = 0; u < 4; u++)
+        for (uint32_t attempt = 1; attempt < 9; attempt++)
+            result(&f, WORKER, job_a, u, attempt);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+}
+END_TEST
+
+START_TEST(a_job_that_nobody_can_keep_a_child_for_fails)
+{
+    submit(&f, ANA, job_a, 0);
+    for (int i = 1; i <= JOB_MAX_SETBACKS; i++) {
+        ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+        ready(&f, WORKER, job_a);
+        set_back(WORKER);
+    }
+    ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_UNAVAILABLE);
+    ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "out of memory"));
+}
+END_TEST
+
+START_TEST(a_unit_done_makes_up_for_setbacks)
+{
+    submit(&f, ANA, job_a, 0);
+    for (uint32_t u = 0; u < 3; u++) {
+        ready(&f, WORKER, job_a);
+        for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
+            set_back(WORKER);
+            ready(&f, WORKER, job_a);
+        }
+        for (uint32_t attempt = 1; attempt < 40; attempt++)
+            result(&f, WORKER, job_a, u, attempt);
+    }
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+}
+END_TEST
+
 START_TEST(frames_are_fetched_when_they_are_there)
 {
     struct msg m = { .type = MSG_FETCH,
@@ -557,6 +619,10 @@ main(void)
                         N_ELEM(hellos));
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
+    tcase_add_test(tc,
+                   a_worker_that_cannot_keep_a_child_leaves_the_job_to_others);
+    tcase_add_test(tc, a_job_that_nobody_can_keep_a_child_for_fails);
+    tcase_add_test(tc, a_unit_done_makes_up_for_setbacks);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
     tcase_add_test(tc, queries_are_answered_in_json);
     suite_add_tcase(s, tc);

@@ -7,6 +7,7 @@
 #include "worker.h"
 
 #include <string.h>
+#include <sysexits.h>
 
 static const struct msg_frame frame = { 0, 8, 8, "" };
 static const uint8_t job_id[MSG_JOB] = { 0xaa }, token[MSG_TOKEN] = { 3 };
@@ -215,8 +216,13 @@ ack(uint32_t number, uint32_t row)
 static void
 set_up(void)
 {
-    static const struct worker_env env = { has_file, no_random, NULL, "radd",
-                                           "ws1",    "",        2 };
+    static const struct worker_env env = { .has_file = has_file,
+                                           .random = no_random,
+                                           .program = "radd",
+                                           .name = "ws1",
+                                           .address = "",
+                                           .threads = 2,
+                                           .load_s = 100 };
 
     memset(&f, 0, sizeof f);
     wire_out_init(&f.bytes, MSG_FRAME_MAX);
@@ -347,10 +353,10 @@ START_TEST(a_lost_child_is_reported_with_its_suspects)
         unit(u);
     rows(0, 0);
     rows(0, 2);
-    worker_child_ended(f.w, f.now_ms, f.child, "killed by signal 9");
+    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
     carry_out();
     ck_assert_int_eq(f.last.type, MSG_LOST);
-    ck_assert_str_eq(f.last.lost.text, "killed by signal 9");
+    ck_assert_str_eq(f.last.lost.text, "killed by signal 11");
     ck_assert_uint_eq(f.last.lost.nunits, 2); /* as many as threads */
     ck_assert_uint_eq(f.last.lost.units[0], 1);
     ck_assert_uint_eq(f.last.lost.units[1], 2);
@@ -383,6 +389,83 @@ START_TEST(a_child_that_gives_up_is_reported)
     ck_assert_int_eq(f.last.type, MSG_FAILED);
     ck_assert_uint_eq(f.last.failed.status, 65);
     ck_assert_uint_eq(f.kills, 1);
+}
+END_TEST
+
+static const struct {
+    int status;
+    uint16_t told;     /* to the coordinator */
+    uint32_t suspects; /* in a LOST */
+} giving_up[] = {
+    { EX_DATAERR, MSG_FAILED, 0 }, /* so is the scene everywhere */
+    { EX_UNAVAILABLE, MSG_FAILED, 0 },
+    { EX_SOFTWARE, MSG_LOST, 1 }, /* a unit that it cannot do */
+    { EX_OSERR, MSG_LOST, 0 },    /* no memory, here */
+    { EX_IOERR, MSG_LOST, 0 },
+    { EX_NOINPUT, MSG_LOST, 0 },
+    { EX_NOPERM, MSG_LOST, 0 },
+};
+
+START_TEST(what_is_wrong_here_is_not_the_scenes_fault)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .failed = { job_id, (uint16_t)giving_up[_i].status,
+                                 "why" } };
+
+    start_job();
+    child_ready();
+    unit(0);
+    hear(f.child, &m);
+    ck_assert_int_eq(f.last.type, giving_up[_i].told);
+    ck_assert_uint_eq(f.kills, 1);
+    if (f.last.type == MSG_LOST) {
+        ck_assert_uint_eq(f.last.lost.nunits, giving_up[_i].suspects);
+        ck_assert_str_eq(f.last.lost.text, "why");
+    }
+}
+END_TEST
+
+START_TEST(a_child_killed_from_outside_leaves_no_suspects)
+{
+    start_job();
+    child_ready();
+    unit(0);
+    worker_child_ended(f.w, f.now_ms, f.child, true, "killed by signal 9");
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_LOST);
+    ck_assert_uint_eq(f.last.lost.nunits, 0);
+}
+END_TEST
+
+/* load_s is 100 */
+START_TEST(a_child_that_hangs_is_ended)
+{
+    start_job();
+    for (int i = 0; i < 109; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 0);
+    tick(2000000); /* asleep, as the child was: a second of that counts */
+    ck_assert_uint_eq(f.kills, 0);
+    child_ready();
+    unit(0);
+    for (int i = 0; i < 111; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 0);
+    tick(900);
+    ck_assert_uint_eq(f.kills, 1);
+    ck_assert_int_eq(f.last.type, MSG_LOST);
+    ck_assert_uint_eq(f.last.lost.nunits, 1);
+    ck_assert_str_eq(f.last.lost.text, "silent for 100 s");
+}
+END_TEST
+
+START_TEST(a_child_without_units_may_be_silent)
+{
+    start_job();
+    child_ready();
+    for (int i = 0; i < 1000; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 0);
 }
 END_TEST
 
@@ -741,7 +824,7 @@ START_TEST(a_parked_unit_is_no_suspect)
     for (uint32_t u = 0; u < 4; u++)
         unit(u);
     hear(f.child, &m);
-    worker_child_ended(f.w, f.now_ms, f.child, "killed by signal 9");
+    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 2);
     ck_assert_uint_eq(f.last.lost.units[0], 1);
@@ -762,6 +845,11 @@ main(void)
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
     tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
+    tcase_add_loop_test(tc, what_is_wrong_here_is_not_the_scenes_fault, 0,
+                        N_ELEM(giving_up));
+    tcase_add_test(tc, a_child_killed_from_outside_leaves_no_suspects);
+    tcase_add_test(tc, a_child_that_hangs_is_ended);
+    tcase_add_test(tc, a_child_without_units_may_be_silent);
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
     tcase_add_test(tc, a_child_that_gives_up_is_reported);
     tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);

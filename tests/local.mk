@@ -236,8 +236,17 @@ check_PROGRAMS += tests/poke
 tests_poke_SOURCES = tests/poke.c
 tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 
+# radd with the hooks of tests/hook.h: not to be installed
+check_PROGRAMS += tests/radd-hooked
+tests_radd_hooked_SOURCES = daemon/radd.c daemon/pool.c tests/hook.c \
+	tests/hook.h
+tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
+tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
+tests_radd_hooked_LDADD = $(radd_LDADD)
+
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
+	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -257,6 +266,7 @@ EXTRA_DIST += \
 	tests/e2e/cluster.sh \
 	tests/scenes
 TESTS += \
+	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \

@@ -9,6 +9,7 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 int
@@ -134,6 +135,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     uint64_t unsound = ctx->counts.unsound_rays;
     struct rad_ray r;
 
+    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
     out->L = rad_grey(0);
     out->z = 0;
     if (!aim(f, x, y, &r) ||

@@ -87,11 +87,19 @@ void rad_counts_fault(struct rad_counts *c, int32_t object);
  * its sample, or by a small source painted into it, which count apart. */
 void rad_counts_nan(struct rad_counts *c, int x, int y);
 
-/* What one thread needs to trace rays.  Not shared. */
+#define RAD_AT(x, y)                                                           \
+    (UINT64_C(1) << 63 | (uint64_t)(uint32_t)(y) << 31 | (uint32_t)(x))
+#define RAD_AT_X(at) ((int)((at) & 0x7fffffff))
+#define RAD_AT_Y(at) ((int)((at) >> 31 & 0x7fffffff))
+
+/* What one thread needs to trace rays.  Not shared, but for `at`. */
 struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
+    /* the pixel it is at, RAD_AT(x, y), or 0 before the first: relaxed, for
+     * whoever watches the thread */
+    _Atomic uint64_t at;
     struct rad_calc_env *calc; /* NULL: no functions */
     int32_t
         *last_blocker; /* by source or image of one: object that blocked

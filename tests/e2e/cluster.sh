@@ -15,6 +15,7 @@ wait_file()
 
 coord_start()
 {
+    rm -f "$work/c.ports"
     "$radcoord" --listen=127.0.0.1:0 --socket="$work/run/c.sock" \
         --state="$work/state" --ports-file="$work/c.ports" 2>>"$work/c.log" &
     coord_pid=$!
@@ -23,13 +24,15 @@ coord_start()
     tcp=$(sed -n 's/^tcp //p' "$work/c.ports")
 }
 
-# worker_start K THREADS: on 127.0.0.K, over TCP
+# worker_start K THREADS: on 127.0.0.K, over TCP, with $worker_options
+worker_options=
+# shellcheck disable=SC2086 # options are words
 worker_start()
 {
     rm -f "$work/w$1.ports"
     "$radd" --coordinator="$tcp" --name="w$1" --threads="$2" \
         --listen="127.0.0.$1:0" --cache="$work/w$1" \
-        --ports-file="$work/w$1.ports" 2>>"$work/w$1.log" &
+        --ports-file="$work/w$1.ports" $worker_options 2>>"$work/w$1.log" &
     eval "pid_$1=$!"
     workers="$workers $1"
     wait_file "$work/w$1.ports"
@@ -64,6 +67,7 @@ cluster_stop()
         eval "pid=\$pid_$k"
         gone "$pid" || end_one "$pid" "worker $k"
     done
+    workers=
     end_one "$coord_pid" coordinator
     until_true 10 nothing_left || {
         fail "left running:"

@@ -314,7 +314,8 @@ worker_node_closed(struct net *net, int node, uint64_t conn)
     struct worker *machine = of(net)->worker[node - NODE_WORKER].machine;
 
     if (is_child(machine, conn))
-        worker_child_ended(machine, net->now_ms, conn, "killed by signal 11");
+        worker_child_ended(machine, net->now_ms, conn, false,
+                           "killed by signal 11");
     else
         worker_closed(machine, net->now_ms, conn, "closed");
     sim_worker_actions(of(net), node - NODE_WORKER);
@@ -327,8 +328,13 @@ static void
 birth(struct sim *s, int i)
 {
     struct sim_worker *w = &s->worker[i];
-    struct worker_env env = { worker_has, worker_random, w,         "radd",
-                              w->name,    w->address,    w->threads };
+    struct worker_env env = { .has_file = worker_has,
+                              .random = worker_random,
+                              .arg = w,
+                              .program = "radd",
+                              .name = w->name,
+                              .address = w->address,
+                              .threads = w->threads };
 
     snprintf(w->name, sizeof w->name, "ws%d", i);
     snprintf(w->address, sizeof w->address, "sim %d", i);
