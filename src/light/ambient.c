@@ -397,24 +397,29 @@ limit_radii(const struct rad_ambient *amb, const double gpos[2], double weight,
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 
-/* Does the cell's ray end inside the ellipse with half-axes r about f? */
+/* Does the cell's ray end above the ellipse with half-axes r about f? */
 static bool
 is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
 {
     double a = u / r[0], b = v / r[1];
 
-    /* the distance is that of the nearest thing met, (u, v) a direction */
-    return (u * u + v * v) * c->near * c->near > a * a + b * b;
+    /* the distance is that of the nearest thing met, c->p a direction; seen
+     * from above it is shorter by the same part as (u, v) is */
+    return rad_dot(c->p, c->p) * c->near * c->near > a * a + b * b;
 }
 
 /* Directions, 32 of them about the normal from axis u on, in which something
- * at the horizon is nearer than the zone's edge. */
+ * at the horizon is nearer than the zone's edge, or may be where the cell's ray
+ * did not go: a wall that is met aside of its nearest point seems farther. */
 static uint32_t
 find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
 {
-    double overhead = INFINITY;    /* 1 / distance of what is farthest there */
-    double half = M_PI / 2 / h->n; /* twice what a cell spans, for safety */
+    double overhead = INFINITY; /* 1 / distance of what is farthest there */
+    /* what a cell spans; between two rays that meet a wall, and beyond the
+     * last, are up to two spans that none went into */
+    double span = M_PI / 2 / h->n, half = 2 * span;
     int n = h->n, quarter = n / 4;
+    double wide[2] = { r[0] / cos(span), r[1] / cos(span) };
     uint32_t bins = 0;
 
     for (int i = quarter; i < n - quarter; i++)
@@ -428,7 +433,7 @@ find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
             const struct rad_hemicell *c = &h->cell[i * n + j];
             double u = rad_dot(c->p, f[0]), v = rad_dot(c->p, f[1]);
 
-            if (!is_inside(c, u, v, r))
+            if (!is_inside(c, u, v, wide))
                 continue;
             int from = (int)floor((atan2(v, u) - half) * (16 / M_PI));
             int to = (int)floor((atan2(v, u) + half) * (16 / M_PI));

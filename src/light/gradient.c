@@ -166,11 +166,13 @@ void
 rad_hemi_turn(const struct rad_hemi *h, double turn[2])
 {
     double n2 = (double)h->n * h->n, scale = M_PI / n2 / rad_rgb_lum(h->E);
+    double mean = rad_rgb_lum(h->E) / M_PI;
 
     turn[0] = turn[1] = 0;
     for (int k = 0; k < h->n * h->n; k++) {
         const double *d = h->cell[k].p;
-        double f = rad_rgb_lum(h->cell[k].L) / rad_dot(h->w, d);
+        /* a uniform part turns nothing, but low rays would make it noise */
+        double f = (rad_rgb_lum(h->cell[k].L) - mean) / rad_dot(h->w, d);
 
         turn[0] -= scale * f * rad_dot(h->v, d);
         turn[1] += scale * f * rad_dot(h->u, d);
