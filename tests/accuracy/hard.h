@@ -6,10 +6,10 @@ struct hard_row {
     const char *name;
     /* Returns what is counted or measured; effort 1 is quick. */
     double (*measure)(const double *a, int effort);
-    double a[2];
+    double a[3];
     double most; /* allowed */
 };
 
-extern const struct hard_row hard_rows[]; /* ends with one without a name */
+extern const struct hard_row hard_rows[], bounce_rows[]; /* ends with one without a name */
 
 #endif

@@ -4,6 +4,7 @@ TESTS += tests/accuracy/accuracy
 
 tests_accuracy_accuracy_SOURCES = \
 	tests/accuracy/accuracy.h \
+	tests/accuracy/bounce.c \
 	tests/accuracy/hard.c \
 	tests/accuracy/hard.h \
 	tests/accuracy/light.c \

@@ -1,9 +1,10 @@
 /* main.c - the renderer against closed forms
  *
- * usage: accuracy [--table]
+ * usage: accuracy [--table] [WORDS]
  * Prints the rows that are off by more than they may be; with --table all, as
  * doc/accuracy.md has them, and with 200 times as many rays where rays are
- * counted.  Exit status 1 if any row is off. */
+ * counted.  WORDS: only rows whose name has them.  Exit status 1 if any row is
+ * off. */
 #include "config.h"
 
 #include "accuracy.h"
@@ -15,11 +16,13 @@
 #include <string.h>
 
 static int
-run(const struct row *rows, bool table)
+run(const struct row *rows, bool table, const char *words)
 {
     int bad = 0;
 
     for (; rows->name; rows++) {
+        if (!strstr(rows->name, words))
+            continue;
         struct outcome o = rows->measure(rows->a);
         double error = fabs(o.found / o.truth - 1);
         bool ok = error <= rows->tolerance; /* not if it is no number */
@@ -36,13 +39,16 @@ run(const struct row *rows, bool table)
 }
 
 static int
-run_hard(const struct hard_row *rows, bool table)
+run_hard(const struct hard_row *rows, const char *title, bool table,
+         const char *words)
 {
     int bad = 0;
 
     if (table)
-        puts("\n| hard case | measured | held to |\n| --- | --- | --- |");
+        printf("\n| %s | measured | held to |\n| --- | --- | --- |\n", title);
     for (; rows->name; rows++) {
+        if (!strstr(rows->name, words))
+            continue;
         double found = rows->measure(rows->a, table ? 200 : 1);
         bool ok = found <= rows->most;
 
@@ -60,12 +66,16 @@ int
 main(int argc, char **argv)
 {
     bool table = argc > 1 && strcmp(argv[1], "--table") == 0;
+    const char *words = argc > 1 + table ? argv[1 + table] : "";
     int bad;
 
     if (table)
         puts("| case | formula | found | relative error | held to |\n"
              "| --- | --- | --- | --- | --- |");
-    bad = run(light_rows, table) + run(sky_rows, table) +
-          run(matter_rows, table) + run_hard(hard_rows, table);
+    bad =
+        run(light_rows, table, words) + run(sky_rows, table, words) +
+        run(matter_rows, table, words) +
+        run_hard(bounce_rows, "indirect light: relative error", table, words) +
+        run_hard(hard_rows, "hard case", table, words);
     return bad ? EXIT_FAILURE : EXIT_SUCCESS;
 }
