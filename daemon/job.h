@@ -91,7 +91,6 @@ struct job_worker {
     uint32_t parked;       /* units that wait for a base line */
     uint64_t since_ms;     /* the two are as they are since then */
     uint64_t work_ms;      /* time with something in flight */
-    uint64_t parked_ms;    /* time with nothing but parked units */
     double speed;          /* of all its threads, relative to the others' */
     uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
     uint32_t load_crashes; /* children that died before READY */

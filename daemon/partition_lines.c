@@ -4,7 +4,9 @@
  * - scanbar: one line.  A worker goes on with the line below its last one, so
  *   that the base line between them stays at home; its first of a frame is
  *   spread over the frame by speed, the first worker's at the top; else it
- *   begins in the middle of the longest stretch that is free.
+ *   helps where the topmost line is free, from the middle of that stretch: so
+ *   the true base lines are there for what is below as soon as may be, and do
+ *   not have to travel down the whole picture at the end.
  * - static: the worker's own run of the frame.
  * - auto: from the top down, as many lines as are the worker's share of all
  *   that is left; so units shrink towards the end, and whole frames go out as
@@ -471,7 +473,8 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
         if (is_free(s, f, line))
             return line;
     }
-    longest(s, f, &first, &last);
+    first = first_free(s, f);
+    last = stretch(s, f, first);
     if (has_top(p, f, first))
         return first;
     return first + (last - first) / 2;

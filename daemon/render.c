@@ -413,6 +413,7 @@ load_strict(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
 {
     struct rad_quincunx *q;
+    bool painted = false;
 
     if (spec->partition == MSG_PART_WINDOW)
         return 0;
@@ -423,8 +424,9 @@ load_strict(struct render *r, const struct msg_spec *spec,
             const struct rad_window all = { 0, 0, f->width, f->height };
 
             rad_frame_sampler(f, &all, &q[i]);
+            painted |= f->paint.n > 0;
         }
-        r->strict = strict_new(q, r->nframes, r->nthreads, r->id);
+        r->strict = strict_new(q, r->nframes, painted, r->nthreads, r->id);
         free(q);
     }
     return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");

@@ -27,7 +27,6 @@
 #define MOST_PEERS    2000 /* in one JOB-PEERS */
 #define TICK_MS       100
 #define WORTH_MS      50  /* a unit of auto takes at least so long */
-#define SHORT_MS      200 /* a worker waits for no unit that takes less */
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
 /* --- helpers --- */
@@ -237,18 +236,20 @@ sched_forget_rows(struct job *job, uint32_t unit)
 
 /* --- handing out --- */
 
-/* Do units of the job take so little that a worker should have the next at
- * hand? */
+/* Is there so much left that the worker would get two more for each of its
+ * threads, all going on as fast as they did? */
 static bool
-are_short(const struct job *job)
+has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 {
-    return job->nfinished > 0 &&
-           job->work_ms < SHORT_MS * (uint64_t)job->nfinished;
+    double speed = job->workers[index].speed;
+
+    return speed * job_waiting(job) > 2 * threads * job->speed;
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and
  * half as many at hand.  Lines: one for each thread; a long run has all
- * threads, and what is at hand cannot be shared, so only short units are. */
+ * threads, and what is at hand cannot be shared.  Of single lines it has one
+ * more, so that no thread waits until we answer when one is done, or parked. */
 static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
@@ -261,9 +262,7 @@ has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
         return true;
     if (partition_kind(job->partition) != MSG_PART_SCANBAR)
         return job->workers[index].lines < n;
-    if (job_waiting(job) > 2 * job->threads && are_short(job))
-        n++;
-    return w->in_flight < n;
+    return w->in_flight < n + has_plenty(job, index, n);
 }
 
 uint32_t

@@ -37,8 +37,6 @@ speed_touch(const struct coord *c, struct job_worker *jw)
 
     if (jw->in_flight > 0)
         jw->work_ms += ms;
-    else if (jw->parked > 0)
-        jw->parked_ms += ms;
     jw->since_ms = c->now_ms;
 }
 

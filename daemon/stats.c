@@ -150,7 +150,6 @@ workers(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *w = &job->workers[i];
         struct msg_tally t = job_tally(w);
-        double parked = w->threads * (double)w->parked_ms / 1000;
         double wait = t.wait_base_line_s, work = t.busy_s - wait;
         double busy = work > w->cpu_s ? work : w->cpu_s;
         double idle =
@@ -158,8 +157,6 @@ workers(const struct job *job)
 
         if (!w->took_part)
             continue;
-        wait += parked;
-        idle -= parked;
         json_array_append_new(
             list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
                             w->name, "threads", (json_int_t)w->threads, "rays",

@@ -8,7 +8,8 @@
  * the work of one team: first LINES, then AHEAD, after which it is parked, and
  * TRUTH as soon as may be.  Where the unit has several lines and its top is
  * true before all bars are traced, LINES is made (again) for the bottom that
- * others wait for.  TRUTH alone does where the top is true from the start and
+ * others wait for; but for what was guessed from just these densities, which is
+ * true then.  TRUTH alone does where the top is true from the start and
  * there is but one line, or nothing below.
  * This machine holds units, tops and facts, chooses the passes, takes messages
  * and makes those that go out.  It has no thread, socket or clock: the caller
@@ -23,10 +24,12 @@
 struct strict;
 
 /* The frames' samplers, each for the whole frame, are copied; their trace is
- * not used.  A unit has so many threads at most.  job is the id for messages.
+ * not used.  painted: a base line in the picture may differ from what was
+ * sampled.  A unit has so many threads at most.  job is the id for messages.
  * NULL: memory is out. */
 struct strict *strict_new(const struct rad_quincunx *frames, uint32_t nframes,
-                          int threads, const uint8_t job[MSG_JOB]);
+                          bool painted, int threads,
+                          const uint8_t job[MSG_JOB]);
 
 /* No pass may be under way. */
 void strict_free(struct strict *s);

@@ -56,7 +56,9 @@ struct strict_unit {
     /* its bottom after LINES or AHEAD; NULL: none yet */
     struct rad_pixel *guess;
     uint8_t *guess_density;
-    bool guess_poor; /* of one line, with nothing known above it */
+    uint8_t *guess_above; /* the densities that it follows from; NULL: it was
+                           * made of nothing */
+    bool guess_poor;      /* of one line, with nothing known above it */
 };
 
 /* Something to send. */
@@ -98,6 +100,7 @@ struct strict {
     uint8_t job[MSG_JOB];
     struct frame *frames;
     uint32_t nframes;
+    bool painted;
     int threads;
     struct strict_unit *units;
     struct strict_unit *by_first[STRICT_SLOTS], *by_last[STRICT_SLOTS];
@@ -168,7 +171,8 @@ void unit_park(struct strict *s, struct strict_unit *u);
 
 /* Can it do nothing but wait for its top? */
 bool pass_waits(const struct strict *s, const struct strict_unit *u);
-/* The tops that this edge was: stop what goes on without it. */
+/* The tops that this edge was: stop what goes on without it; and so on for
+ * bottoms that thereby are true. */
 void pass_top_came(struct strict *s, const struct edge *e);
 
 /* --- strict_facts.c --- */
@@ -216,6 +220,9 @@ void out_parked(struct strict *s, const struct strict_unit *u);
 void out_piece(struct strict *s, const struct strict_pass *p, int columns,
                size_t densities, const struct rad_pixel *pixels,
                const uint8_t *density);
+/* All of a unit's bottom; first of all where nobody here waits for it. */
+void out_bottom(struct strict *s, const struct strict_unit *u,
+                const struct rad_pixel *pixels, const uint8_t *density);
 /* Nobody needs the facts of a parked unit any more. */
 void out_forget(struct strict *s, const struct strict_unit *u);
 

@@ -24,8 +24,10 @@ out_init(struct strict *s)
     queue_init(&s->lazy);
 }
 
+/* A copy at *at; NULL: memory is out. */
 static struct item *
-push(struct strict *s, struct queue *q, const struct item *it)
+insert(struct strict *s, struct queue *q, struct item **at,
+       const struct item *it)
 {
     struct item *copy = malloc(sizeof *copy);
 
@@ -34,10 +36,23 @@ push(struct strict *s, struct queue *q, const struct item *it)
         return NULL;
     }
     *copy = *it;
-    copy->next = NULL;
-    *q->end = copy;
-    q->end = &copy->next;
+    copy->next = *at;
+    *at = copy;
+    if (!copy->next)
+        q->end = &copy->next;
     return copy;
+}
+
+static struct item *
+push(struct strict *s, struct queue *q, const struct item *it)
+{
+    return insert(s, q, q->end, it);
+}
+
+static struct item *
+push_first(struct strict *s, struct queue *q, const struct item *it)
+{
+    return insert(s, q, &q->first, it);
 }
 
 static struct item *
@@ -130,12 +145,36 @@ out_gave(struct strict *s, const struct strict_unit *u)
     push(s, &s->urgent, &it);
 }
 
+/* Fill the bytes of a piece; false: memory is out. */
+static bool
+fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
+           const uint8_t *density)
+{
+    int channels = channels_of(frame_of(s, it->frame));
+    uint8_t *to;
+
+    it->bytes = to = malloc(it->ndensity + it->n * sizeof(float) * 4 + 1);
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return false;
+    }
+    memcpy(to, density + it->first, it->ndensity);
+    to += it->ndensity;
+    for (uint32_t x = it->x; x < it->x + it->n; x++) {
+        const float v[4] = { pixels[x].L.r, pixels[x].L.g, pixels[x].L.b,
+                             pixels[x].z };
+
+        wire_floats_put(to, v, (size_t)channels);
+        to += (size_t)channels * sizeof(float);
+    }
+    return true;
+}
+
 void
 out_piece(struct strict *s, const struct strict_pass *p, int columns,
           size_t densities, const struct rad_pixel *pixels,
           const uint8_t *density)
 {
-    int channels = channels_of(frame_of(s, p->frame));
     struct item it = { .kind = ITEM_PIECE,
                        .frame = p->frame,
                        .line = p->last - 1,
@@ -143,23 +182,28 @@ out_piece(struct strict *s, const struct strict_pass *p, int columns,
                        .n = (uint32_t)(columns - p->sent_columns),
                        .first = (uint32_t)p->sent_densities,
                        .ndensity = (uint32_t)(densities - p->sent_densities) };
-    uint8_t *to;
 
-    it.bytes = to = malloc(it.ndensity + it.n * sizeof(float) * 4 + 1);
-    if (!to) {
-        s->error = RAD_ENOMEM;
+    if (fill_piece(s, &it, pixels, density) && !push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
+/* Many bottoms may become true at a time, of which others wait but for the
+ * last. */
+void
+out_bottom(struct strict *s, const struct strict_unit *u,
+           const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct queue *q = &s->urgent;
+    struct item it = { .kind = ITEM_PIECE,
+                       .frame = u->frame,
+                       .line = u->last - 1,
+                       .n = (uint32_t)f->q.width,
+                       .ndensity = (uint32_t)f->ndensity };
+
+    if (!fill_piece(s, &it, pixels, density))
         return;
-    }
-    memcpy(to, density + it.first, it.ndensity);
-    to += it.ndensity;
-    for (int x = p->sent_columns; x < columns; x++) {
-        const float v[4] = { pixels[x].L.r, pixels[x].L.g, pixels[x].L.b,
-                             pixels[x].z };
-
-        wire_floats_put(to, v, (size_t)channels);
-        to += (size_t)channels * sizeof(float);
-    }
-    if (!push(s, &s->urgent, &it))
+    if (!(unit_below(s, u) ? push(s, q, &it) : push_first(s, q, &it)))
         free(it.bytes);
 }
 

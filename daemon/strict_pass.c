@@ -92,19 +92,68 @@ make_way(struct strict *s)
         last->stop = true;
 }
 
-/* The tops that this edge was: stop what goes on without it. */
-void
-pass_top_came(struct strict *s, const struct edge *e)
+/* Its bottom was guessed from these densities: then it is true, since a base
+ * line needs nothing else of the one above. */
+static bool
+guess_holds(const struct strict *s, const struct strict_unit *u,
+            const uint8_t *density)
 {
-    for (struct strict_unit *u = s->units; u; u = u->next) {
+    const struct frame *f = frame_of(s, u->frame);
+
+    return u->guess && u->guess_above && !s->painted && !u->bottom_done &&
+           u->last < f->nlines &&
+           memcmp(u->guess_above, density, f->ndensity) == 0;
+}
+
+/* The unit's bottom, which was a guess; NULL: memory is out. */
+static const struct edge *
+make_guess_true(struct strict *s, struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct edge *e = edge_make(s, u->frame, u->last - 1);
+
+    if (!e)
+        return NULL;
+    for (int x = 0; x < f->q.width; x++)
+        edge_pixel(e, x, &u->guess[x]);
+    for (size_t d = 0; d < f->ndensity; d++)
+        edge_density(e, f, d, u->guess_density[d]);
+    u->bottom_done = true;
+    out_bottom(s, u, u->guess, u->guess_density);
+    return e;
+}
+
+/* An edge is there; returns that of a unit below whose bottom is true now,
+ * too. */
+static const struct edge *
+top_came(struct strict *s, const struct edge *e, bool *idle)
+{
+    struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
+    const struct edge *next = NULL;
+
+    for (; u; u = u->same_first) {
         if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
             continue;
         out_forget(s, u);
         if (!u->pass)
-            make_way(s);
+            *idle = true;
         else if (!u->pass->true_top)
             u->pass->stop = true;
+        if (guess_holds(s, u, e->density))
+            next = make_guess_true(s, u);
     }
+    return next;
+}
+
+void
+pass_top_came(struct strict *s, const struct edge *e)
+{
+    bool idle = false;
+
+    while (e)
+        e = top_came(s, e, &idle);
+    if (idle)
+        make_way(s);
 }
 
 static struct strict_unit *
@@ -269,9 +318,10 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
 
 /* LINES or AHEAD is done: its bottom is a guess for the unit below. */
 static void
-keep_guess(struct strict *s, struct strict_unit *u,
+keep_guess(struct strict *s, struct strict_pass *p,
            const struct rad_pixel *pixels, const uint8_t *density)
 {
+    struct strict_unit *u = p->of;
     const struct frame *f = frame_of(s, u->frame);
     size_t n = (size_t)f->q.width * sizeof *u->guess;
 
@@ -286,6 +336,14 @@ keep_guess(struct strict *s, struct strict_unit *u,
     memcpy(u->guess, pixels, n);
     if (f->ndensity > 0)
         memcpy(u->guess_density, density, f->ndensity);
+    free(u->guess_above);
+    u->guess_above = NULL;
+    if (f->ndensity == 0) {
+        u->guess_above = calloc(1, 1); /* none are needed */
+    } else if (p->first == u->first) {
+        u->guess_above = p->top_density;
+        p->top_density = NULL;
+    }
 }
 
 static void
@@ -300,12 +358,12 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         u->ahead_guessed = p->top || p->first < u->first;
     }
     u->lines_done = true;
+    u->guess_poor = p->first > 0 && p->last - p->first == 1 && !p->top_density;
     if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
         !unit_below(s, u))
         out_facts(s, &s->urgent, u, u->last - 1);
     if (pixels)
-        keep_guess(s, u, pixels, density);
-    u->guess_poor = p->first > 0 && p->last - p->first == 1 && !p->top_density;
+        keep_guess(s, p, pixels, density);
 }
 
 /* TRUTH is made: what the unit cost. */

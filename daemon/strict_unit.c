@@ -86,11 +86,20 @@ unlink_last(struct strict *s, struct strict_unit *u)
     u->same_last = NULL;
 }
 
-void
-unit_free(struct strict_unit *u)
+static void
+free_guess(struct strict_unit *u)
 {
     free(u->guess);
     free(u->guess_density);
+    free(u->guess_above);
+    u->guess = NULL;
+    u->guess_density = u->guess_above = NULL;
+}
+
+void
+unit_free(struct strict_unit *u)
+{
+    free_guess(u);
     free(u);
 }
 
@@ -251,10 +260,7 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
         link_last(s, u);
         u->bottom_done = false;
         /* it was that of another line */
-        free(u->guess);
-        free(u->guess_density);
-        u->guess = NULL;
-        u->guess_density = NULL;
+        free_guess(u);
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);
     }

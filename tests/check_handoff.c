@@ -366,12 +366,14 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert_uint_gt(b.y, HEIGHT / 3);
     ck_assert_uint_eq(b.flags, MSG_UNIT_TOP); /* nobody has what is above */
     ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 1); /* lines need links */
-    wait_ms(1000); /* so that none is at hand beside the next */
+    a = *unit_of(W2); /* the one that follows is at hand */
+    ck_assert_uint_eq(a.y, b.y + b.height);
+    ck_assert_uint_eq(a.flags, 0);
     clear();
-    base_line(W2, 0, line_above(b.y + b.height));
+    base_line(W2, 0, line_above(a.y + a.height));
     attempt(W2, MSG_PARKED, &b);
-    c = *unit_of(W2); /* the one that follows */
-    ck_assert_uint_eq(c.y, b.y + b.height);
+    c = *unit_of(W2); /* and the next */
+    ck_assert_uint_eq(c.y, a.y + a.height);
     ck_assert_uint_eq(c.flags, 0);
     ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws2");
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* its top is here */
@@ -379,18 +381,31 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
 }
 END_TEST
 
-/* Most units of scanbar are done together, in the end. */
-START_TEST(short_units_are_at_hand_before_any_is_done)
+/* However long a line takes: no thread waits for our answer.  In the end what
+ * one has at hand another would wait for. */
+START_TEST(a_line_is_at_hand_until_few_are_left)
 {
-    struct msg_unit b;
+    struct msg_unit u[2];
+    int given = 0;
 
     start(MSG_PART_SCANBAR, 0, 2);
-    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
-    b = *unit_of(W2);
-    wait_ms(50);
-    clear();
-    attempt(W2, MSG_PARKED, &b);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 2);
     ck_assert_int_eq(count(W2, MSG_UNIT), 2);
+    u[0] = *first_unit_of(W2);
+    u[1] = *unit_of(W2);
+    for (;; given++) {
+        wait_ms(1000);
+        clear();
+        attempt(W2, MSG_PARKED, &u[given % 2]);
+        if (count(W2, MSG_UNIT) == 0)
+            break;
+        u[given % 2] = *unit_of(W2);
+    }
+    ck_assert_int_ge(given, 2);
+    clear();
+    attempt(W2, MSG_PARKED, &u[(given + 1) % 2]);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 1);
+    ck_assert_int_eq(job_waiting(coord_find_job(f.c, id)), 3);
 }
 END_TEST
 
@@ -529,17 +544,17 @@ END_TEST
 
 START_TEST(a_parked_unit_takes_no_room)
 {
-    struct msg_unit b;
+    struct msg_unit b, c;
 
     start(MSG_PART_SCANBAR, 0, 2);
     b = *first_unit_of(W2);
-    wait_ms(1000); /* no short one, of which the next would be at hand */
+    c = *unit_of(W2);
     clear();
     attempt(W1, MSG_PARKED, &b); /* another's */
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
     attempt(W2, MSG_PARKED, &b);
     ck_assert_int_eq(count(W2, MSG_UNIT), 1);
-    ck_assert_uint_eq(unit_of(W2)->y, b.y + b.height);
+    ck_assert_uint_eq(unit_of(W2)->y, c.y + c.height);
     attempt(W2, MSG_PARKED, &b); /* once is enough */
     ck_assert_int_eq(count(W2, MSG_UNIT), 1);
 }
@@ -1199,7 +1214,7 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
-    tcase_add_test(tc, short_units_are_at_hand_before_any_is_done);
+    tcase_add_test(tc, a_line_is_at_hand_until_few_are_left);
     tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
     tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
     tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);

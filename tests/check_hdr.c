@@ -72,6 +72,47 @@ START_TEST(mantissas_are_cut_off)
 }
 END_TEST
 
+/* One component of n pixels from a coded row; returns what follows. */
+static const uint8_t *
+decode(const uint8_t *at, uint8_t *c, int n)
+{
+    for (int i = 0; i < n;) {
+        int run = *at > 128, k = run ? *at - 128 : *at;
+
+        at++;
+        ck_assert_int_le(k, n - i);
+        for (; k > 0; k--, at += !run)
+            c[i++] = *at;
+        at += run;
+    }
+    return at;
+}
+
+/* Rows are coded many pixels at a time. */
+START_TEST(rows_hold_what_each_pixel_has_alone)
+{
+    struct rad_rgb L[53];
+    uint8_t row[RAD_HDR_ROW_BYTES(N_ELEM(L))], c[4][N_ELEM(L)], rgbe[4];
+    const uint8_t *at = row + 4;
+
+    for (int x = 0; x < N_ELEM(L); x++) {
+        L[x] = codes[x % N_ELEM(codes)].L;
+        if (x % 3 == 1)
+            L[x] = rad_rgb(L[x].b, L[x].r, L[x].g);
+        if (x % 7 == 6)
+            L[x] = rad_grey(ldexpf(1.3f, 5 * x - 130));
+    }
+    rad_hdr_encode_row(L, N_ELEM(L), row);
+    for (int k = 0; k < 4; k++)
+        at = decode(at, c[k], N_ELEM(L));
+    for (int x = 0; x < N_ELEM(L); x++) {
+        rad_rgbe(L[x], rgbe);
+        for (int k = 0; k < 4; k++)
+            ck_assert_uint_eq(c[k][x], rgbe[k]);
+    }
+}
+END_TEST
+
 START_TEST(reading_adds_half_a_step)
 {
     static const uint8_t one[4] = { 128, 64, 0, 129 };
@@ -352,6 +393,7 @@ main(void)
     TCase *tc = tcase_create("hdr");
 
     tcase_add_loop_test(tc, mantissas_are_cut_off, 0, N_ELEM(codes));
+    tcase_add_test(tc, rows_hold_what_each_pixel_has_alone);
     tcase_add_test(tc, reading_adds_half_a_step);
     tcase_add_loop_test(tc, pictures_come_back_as_written, 0,
                         4 * N_ELEM(widths));

@@ -360,6 +360,7 @@ START_TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
         rad_quincunx_steps(ps, &xstep, &ystep);
         ck_assert_int_eq(xstep, want[ps - 1][0]);
         ck_assert_int_eq(ystep, want[ps - 1][1]);
+        ck_assert_int_le(xstep, RAD_QUINCUNX_MAX_XSTEP);
         ck_assert_int_le(ystep, RAD_QUINCUNX_MAX_YSTEP);
     }
 }

@@ -844,7 +844,7 @@ revive(struct world *w)
         if (d->up || d->runs || !chance(w, 20))
             continue;
         strict_free(d->s);
-        d->s = strict_new(&w->q, 1, 1, job_id);
+        d->s = strict_new(&w->q, 1, w->paint, 1, job_id);
         d->last_line = -1;
         d->up = true;
     }
@@ -935,11 +935,12 @@ set_up(struct world *w, uint64_t seed)
     for (int i = 0; i < w->nlines; i++)
         w->line[i].seen = calloc((size_t)w->q.width + w->ndensity, 1);
     for (int i = 0; i < w->nnodes; i++)
-        w->node[i] = (struct node){ .w = w,
-                                    .id = i,
-                                    .up = true,
-                                    .last_line = -1,
-                                    .s = strict_new(&w->q, 1, 1, job_id) };
+        w->node[i] =
+            (struct node){ .w = w,
+                           .id = i,
+                           .up = true,
+                           .last_line = -1,
+                           .s = strict_new(&w->q, 1, w->paint, 1, job_id) };
     w->q.trace = trace_alone;
     w->q.arg = w;
     render_alone(w);
@@ -1112,13 +1113,72 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, 1, job_id);
+    s = strict_new(&q, 1, false, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
     ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
     give_top(s, &q);
     expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* Line number of the next base line that is told of; -1: there is none. */
+static int
+next_base_line(struct strict *s)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(s, true)))
+        if (m->type == MSG_BASE_LINE)
+            return (int)m->base_line.line;
+    return -1;
+}
+
+static const struct {
+    bool painted;
+    uint8_t density; /* after the first unit, which is guessed to be 0 */
+    bool holds;
+} guesses[] = {
+    { false, 0, true },
+    { false, 1, false },
+    { true, 0, false },
+};
+
+/* Of two units that were traced ahead, the lower one from the upper one's
+ * bottom: if that was right, so is its own, and nobody need wait for a pass. */
+START_TEST(a_guess_from_true_densities_is_true)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    static const struct rad_pixel bottom[64];
+    uint8_t density[64] = { guesses[_i].density };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, guesses[_i].painted, 1, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    give_unit(s, &q, 1, 8, 11);
+    for (int i = 0; i < 2; i++)
+        expect_pass(s, STRICT_LINES, false);
+    for (int i = 0; i < 2; i++)
+        expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_int_eq(next_base_line(s), -1);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    if (guesses[_i].holds)
+        ck_assert_int_eq(next_base_line(s), 10);
+    ck_assert_int_eq(next_base_line(s), 7);
+    ck_assert_int_eq(next_base_line(s), -1);
+    if (!guesses[_i].holds)
+        expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
     expect_pass(s, STRICT_TRUTH, true);
     strict_free(s);
 }
@@ -1136,7 +1196,7 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, 1, job_id);
+    s = strict_new(&q, 1, false, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
@@ -1164,7 +1224,7 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, 1, job_id);
+    s = strict_new(&q, 1, false, 1, job_id);
     give_unit(s, &q, 0, 4, 8);
     p = strict_next(s, STRICT_AHEAD);
     strict_revoke(s, 0, 1);
@@ -1192,7 +1252,7 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, 1, job_id);
+    s = strict_new(&q, 1, false, 1, job_id);
     give_top(s, &q); /* base line 3 */
     u.y = (uint32_t)team_line_row(&q, 5);
     u.height = (uint32_t)team_line_rows(&q, 5);
@@ -1221,7 +1281,7 @@ START_TEST(thousands_of_units_may_wait)
     struct strict *s;
 
     rad_quincunx_steps(1, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, 1, job_id);
+    s = strict_new(&q, 1, false, 1, job_id);
     for (uint32_t i = 1; i <= N; i++) {
         struct msg_unit u = { .job = job_id,
                               .unit = i,
@@ -1255,6 +1315,8 @@ main(void)
 
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
+    tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
+                        N_ELEM(guesses));
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);

@@ -782,7 +782,7 @@ start_job(struct host *h)
 {
     const struct map *m = map_of(h);
 
-    h->strict = strict_new(h->frames, m->nframes, 1, h->cluster->job);
+    h->strict = strict_new(h->frames, m->nframes, false, 1, h->cluster->job);
     if (!h->strict)
         abort();
     later(h, h->cluster->spec->load_us / h->speed, ready);

@@ -17,6 +17,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 enum {
     SHORTEST_CODED = 8,
     LONGEST_CODED = 32767,
@@ -94,6 +98,9 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     return sink->write(sink->arg, text, (size_t)n, err);
 }
 
+/* Radiance writes nothing up to 1e-32; this is the float below that. */
+#define LEAST_CODED 0x1.9f623cp-107f
+
 static inline float
 clamped(float v)
 {
@@ -121,8 +128,7 @@ coded(struct rad_rgb L)
     int32_t e;
 
     most = most > b ? most : b;
-    /* the smallest that Radiance writes */
-    if (most <= 1e-32)
+    if (most <= LEAST_CODED)
         return 0;
     memcpy(&bits, &most, sizeof bits);
     e = (int32_t)(bits >> 23) - 126;
@@ -255,33 +261,96 @@ encode_component(const uint8_t *c, int n, uint8_t *out)
     return out;
 }
 
+/* Bytes of a row's pixels by component. */
+struct planes {
+    uint8_t *c[4]; /* red, green, blue, exponent */
+};
+
+#ifdef __SSE2__
+/* What coded() does, for four pixels at a time: in c the components of each. */
+static inline void
+code_four(const struct rad_rgb *row, __m128i c[4])
+{
+    const __m128 most_float = _mm_set1_ps(FLT_MAX), zero = _mm_setzero_ps();
+    __m128 p = _mm_loadu_ps(&row[0].r);       /* r0 g0 b0 r1 */
+    __m128 q = _mm_loadu_ps((&row[0].r) + 4); /* g1 b1 r2 g2 */
+    __m128 s = _mm_loadu_ps((&row[0].r) + 8), v[3], most, scale; /* b2 r3.. */
+    __m128i e, none;
+
+    v[0] = _mm_shuffle_ps(p, _mm_shuffle_ps(q, s, _MM_SHUFFLE(1, 1, 2, 2)),
+                          _MM_SHUFFLE(2, 0, 3, 0));
+    v[1] = _mm_shuffle_ps(_mm_shuffle_ps(p, q, _MM_SHUFFLE(0, 0, 1, 1)),
+                          _mm_shuffle_ps(q, s, _MM_SHUFFLE(2, 2, 3, 3)),
+                          _MM_SHUFFLE(2, 0, 2, 0));
+    v[2] = _mm_shuffle_ps(_mm_shuffle_ps(p, q, _MM_SHUFFLE(1, 1, 2, 2)), s,
+                          _MM_SHUFFLE(3, 0, 2, 0));
+    for (int k = 0; k < 3; k++) /* the second of two wins where one is NaN */
+        v[k] = _mm_min_ps(_mm_max_ps(v[k], zero), most_float);
+    most = _mm_max_ps(_mm_max_ps(v[0], v[1]), v[2]);
+    none = _mm_castps_si128(_mm_cmple_ps(most, _mm_set1_ps(LEAST_CODED)));
+    e = _mm_srli_epi32(_mm_castps_si128(most), 23);
+    /* biased as in a float, where 126 stands for e = 0; the greatest is 127 */
+    e = _mm_add_epi32(e, _mm_cmpgt_epi32(e, _mm_set1_epi32(253)));
+    scale = _mm_castsi128_ps(
+        _mm_slli_epi32(_mm_sub_epi32(_mm_set1_epi32(8 + 126 + 127), e), 23));
+    for (int k = 0; k < 3; k++)
+        c[k] =
+            _mm_andnot_si128(none, _mm_cvttps_epi32(_mm_mul_ps(v[k], scale)));
+    c[3] = _mm_andnot_si128(none, _mm_add_epi32(e, _mm_set1_epi32(2)));
+}
+
+/* Sixteen pixels from column x on; packing holds what is above 255 at that. */
+static inline void
+code_sixteen(const struct rad_rgb *row, const struct planes *to, int x)
+{
+    __m128i c[4][4];
+
+    for (int i = 0; i < 4; i++)
+        code_four(row + x + 4 * i, c[i]);
+    for (int k = 0; k < 4; k++)
+        _mm_storeu_si128((__m128i *)(to->c[k] + x),
+                         _mm_packus_epi16(_mm_packs_epi32(c[0][k], c[1][k]),
+                                          _mm_packs_epi32(c[2][k], c[3][k])));
+}
+#endif
+
+static void
+code_row(const struct rad_rgb *row, int width, const struct planes *to)
+{
+    int x = 0;
+
+#ifdef __SSE2__
+    for (; width - x >= 16; x += 16)
+        code_sixteen(row, to, x);
+#endif
+    for (; x < width; x++) {
+        uint32_t c = coded(row[x]);
+
+        for (int k = 0; k < 4; k++)
+            to->c[k][x] = (uint8_t)(c >> 8 * k);
+    }
+}
+
 size_t
 rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
 {
     /* bytes by component in the upper half, their coding in the lower */
-    uint8_t *red = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
-    uint8_t *green = red + width, *blue = green + width,
-            *exponent = blue + width;
+    uint8_t *upper = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
+    struct planes planes = { { upper, upper + width, upper + 2 * width,
+                               upper + 3 * width } };
 
     if (width < SHORTEST_CODED || width > LONGEST_CODED) {
         for (int x = 0; x < width; x++, at += 4)
             rad_rgbe(row[x], at);
         return (size_t)(at - out);
     }
-    for (int x = 0; x < width; x++) {
-        uint32_t c = coded(row[x]);
-
-        red[x] = (uint8_t)c;
-        green[x] = (uint8_t)(c >> 8);
-        blue[x] = (uint8_t)(c >> 16);
-        exponent[x] = (uint8_t)(c >> 24);
-    }
+    code_row(row, width, &planes);
     *at++ = 2;
     *at++ = 2;
     *at++ = (uint8_t)(width >> 8);
     *at++ = (uint8_t)(width & 255);
     for (int i = 0; i < 4; i++)
-        at = encode_component(red + i * width, width, at);
+        at = encode_component(planes.c[i], width, at);
     return (size_t)(at - out);
 }
 

@@ -9,8 +9,13 @@
 
 #include "picture/quincunx.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 void
 rad_quincunx_steps(int psample, int *xstep, int *ystep)
@@ -53,6 +58,27 @@ trace(const struct rad_quincunx *q, int x, int y, struct rad_pixel *out)
     q->trace(q->arg, q->x0 + x, q->y0 + y, out);
 }
 
+/* A pixel as a vector: its colour, then z. */
+typedef float v4f __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+
+static inline v4f
+get(const struct rad_pixel *p)
+{
+    v4f v;
+
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+/* In one piece, since it is read so: what was written in several is slow to
+ * come back. */
+static inline void
+put(struct rad_pixel *p, v4f v)
+{
+    memcpy(p, &v, sizeof v);
+}
+
 static bool
 channel_differs(float a, float b, double maxdiff)
 {
@@ -60,36 +86,81 @@ channel_differs(float a, float b, double maxdiff)
 }
 
 static bool
-differ(const struct rad_quincunx *q, const struct rad_pixel *a,
-       const struct rad_pixel *b)
+exactly_differ(const struct rad_quincunx *q, v4f a, v4f b)
 {
-    if (q->depth && 2 * fabs(a->z - b->z) > q->maxdiff * (a->z + b->z))
+    if (q->depth && 2 * fabs(a[3] - b[3]) > q->maxdiff * (a[3] + b[3]))
         return true;
-    return channel_differs(a->L.r, b->L.r, q->maxdiff) ||
-           channel_differs(a->L.g, b->L.g, q->maxdiff) ||
-           channel_differs(a->L.b, b->L.b, q->maxdiff);
+    return channel_differs(a[0], b[0], q->maxdiff) ||
+           channel_differs(a[1], b[1], q->maxdiff) ||
+           channel_differs(a[2], b[2], q->maxdiff);
 }
 
-static float
-blend_channel(float a, float b, double wa, double wb)
+static inline bool
+are_all_three(v4i m)
 {
-    return (float)(b * wb) + (float)(a * wa);
+#ifdef __SSE2__
+    return (_mm_movemask_ps((__m128)m) & 7) == 7;
+#else
+    return m[0] & m[1] & m[2];
+#endif
+}
+
+/* Most pixels are far from the limit, on this side of it: a test in float that
+ * is too strict by more than it rounds is enough for them.  Equal channels do
+ * not differ whatever they are, but for NaN, which fails here and is left to
+ * the test proper; so is what a product below FLT_MIN was compared with. */
+static inline bool
+differ(const struct rad_quincunx *q, v4f a, v4f b)
+{
+    v4i more = a > b;
+    v4f least = (v4f)((more & (v4i)b) | (~more & (v4i)a));
+    v4f d = (v4f)((v4i)(a - b) & INT32_MAX);
+    v4f limit = least * (float)(q->maxdiff * (1 - 0x1p-20));
+
+    if (!q->depth &&
+        are_all_three(((d <= limit) & (limit >= FLT_MIN)) | (d == 0)))
+        return false;
+    return exactly_differ(q, a, b);
+}
+
+/* Products in double, rounded to float. */
+static inline v4f
+weighted(v4f v, double w)
+{
+#ifdef __SSE2__
+    __m128d lo = _mm_cvtps_pd(v), hi = _mm_cvtps_pd(_mm_movehl_ps(v, v));
+    __m128d ww = _mm_set1_pd(w);
+
+    return _mm_movelh_ps(_mm_cvtpd_ps(_mm_mul_pd(lo, ww)),
+                         _mm_cvtpd_ps(_mm_mul_pd(hi, ww)));
+#else
+    return (v4f){ (float)(v[0] * w), (float)(v[1] * w), (float)(v[2] * w),
+                  (float)(v[3] * w) };
+#endif
 }
 
 /* A pixel between a and b, at wb of the way. */
-static struct rad_pixel
-blend(const struct rad_quincunx *q, const struct rad_pixel *a,
-      const struct rad_pixel *b, double wb)
+static inline v4f
+blend(const struct rad_quincunx *q, v4f a, v4f b, double wb)
 {
     double wa = 1 - wb;
-    struct rad_pixel p;
+    v4f sum;
 
-    p.L.r = blend_channel(a->L.r, b->L.r, wa, wb);
-    p.L.g = blend_channel(a->L.g, b->L.g, wa, wb);
-    p.L.b = blend_channel(a->L.b, b->L.b, wa, wb);
-    p.z = q->depth ? (float)((float)(b->z * wb) + a->z * wa) : 0;
-    return p;
+    if (wb == .5) /* in float a half is as exact as in double */
+        sum = b * .5f + a * .5f;
+    else
+        sum = weighted(b, wb) + weighted(a, wa);
+    if (q->depth)
+        sum[3] = (float)((float)(b[3] * wb) + a[3] * wa);
+    return sum;
 }
+
+/* len / 2 over len: where the middle of a gap is. */
+static const double middle_of[RAD_QUINCUNX_MAX_XSTEP + 1] = {
+    0,  0,       .5, 1. / 3,  .5, 2. / 5,   .5, 3. / 7,
+    .5, 4. / 9,  .5, 5. / 11, .5, 6. / 13,  .5, 7. / 15,
+    .5, 8. / 17, .5, 9. / 19, .5, 10. / 21, .5, 11. / 23
+};
 
 /* A gap on its way through bisection: pixels p[0] to p[len] in a row or going
  * up a column from (x, y). */
@@ -104,21 +175,30 @@ static int
 fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
          int density)
 {
-    int half = len / 2;
-    int xm = g->upwards ? x : x + half, ym = g->upwards ? y - half : y;
     int found = 0;
 
-    if (density > 0 || differ(g->q, &p[0], &p[len])) {
-        trace(g->q, xm, ym, &p[half]);
-        found = 1;
-    } else {
-        p[half] = blend(g->q, &p[0], &p[len], (double)half / len);
+    for (;;) {
+        int half = len / 2;
+        int xm = g->upwards ? x : x + half, ym = g->upwards ? y - half : y;
+
+        v4f a = get(&p[0]), b = get(&p[len]);
+
+        if (density > 0 || differ(g->q, a, b)) {
+            trace(g->q, xm, ym, &p[half]);
+            found++;
+        } else {
+            put(&p[half], blend(g->q, a, b, middle_of[len]));
+        }
+        if (half > 1)
+            found += fill_gap(g, p, x, y, half, (density - 1) / 2);
+        if (len - half < 2)
+            return found;
+        p += half;
+        x = xm;
+        y = ym;
+        len -= half;
+        density /= 2;
     }
-    if (half > 1)
-        found += fill_gap(g, p, x, y, half, (density - 1) / 2);
-    if (len - half > 1)
-        found += fill_gap(g, p + half, xm, ym, len - half, density / 2);
-    return found;
 }
 
 /* Every other line has its samples half a step to the left, the first gap cut
@@ -261,12 +341,44 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
         fill_gap(&gap, pixels + x, x, y, len, density / 2);
 }
 
+/* What fill_gap() does in a bar of three rows, the commonest, where nothing is
+ * to be traced: columns from x on, as long as that is so.  Returns the next. */
+static int
+blend_columns(const struct rad_quincunx *q, struct rad_pixel *const rows[],
+              int x, int end)
+{
+    for (; x < end; x++) {
+        v4f lower = get(&rows[3][x]), upper = get(&rows[0][x]), p;
+
+        if (differ(q, lower, upper))
+            break;
+        p = blend(q, lower, upper, 1. / 3);
+        if (differ(q, p, upper))
+            break;
+        put(&rows[2][x], p);
+        put(&rows[1][x], blend(q, p, upper, .5));
+    }
+    return x;
+}
+
+static void
+fill_column(const struct gap *g, struct rad_pixel *const rows[], int n, int x,
+            int y, int *found)
+{
+    struct rad_pixel column[RAD_QUINCUNX_MAX_YSTEP + 1];
+
+    put(&column[0], get(&rows[n][x]));
+    put(&column[n], get(&rows[0][x]));
+    *found = fill_gap(g, column, x, y, n, *found / 2);
+    for (int k = 1; k < n; k++)
+        put(&rows[n - k][x], get(&column[k]));
+}
+
 void
 rad_quincunx_bar_to(const struct rad_quincunx *q, int i,
                     struct rad_pixel *const rows[], struct rad_quincunx_fill *s,
                     int end)
 {
-    struct rad_pixel column[RAD_QUINCUNX_MAX_YSTEP + 1];
     struct gap g = { q, true };
     int y = rad_quincunx_base_row(q, i + 1);
     int n = y - rad_quincunx_base_row(q, i);
@@ -277,12 +389,18 @@ rad_quincunx_bar_to(const struct rad_quincunx *q, int i,
     }
     if (s->x == 0)
         s->found = n;
-    for (; s->x < end; s->x++) {
-        column[0] = rows[n][s->x];
-        column[n] = rows[0][s->x];
-        s->found = fill_gap(&g, column, s->x, y, n, s->found / 2);
-        for (int k = 1; k < n; k++)
-            rows[n - k][s->x] = column[k];
+    while (s->x < end) {
+        if (n == 3 && s->found < 2) {
+            int x = blend_columns(q, rows, s->x, end);
+
+            if (x > s->x) {
+                s->found = 0;
+                s->x = x;
+                continue;
+            }
+        }
+        fill_column(&g, rows, n, s->x, y, &s->found);
+        s->x++;
     }
 }
 

@@ -44,8 +44,8 @@ struct rad_quincunx {
     void *arg;
 };
 
-/* ystep is at most this, so a bar has at most one row more. */
-enum { RAD_QUINCUNX_MAX_YSTEP = 16 };
+/* The steps are at most these, so a bar has at most one row more. */
+enum { RAD_QUINCUNX_MAX_XSTEP = 23, RAD_QUINCUNX_MAX_YSTEP = 16 };
 
 /* xstep and ystep for a -ps value from 1 to 16: a lattice of about ps by ps
  * pixels, sqrt(2) wider than high. */

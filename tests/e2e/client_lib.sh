@@ -34,10 +34,12 @@ left_over()
     done
 }
 
-# until_true SECONDS COMMAND...: wait for a condition; false after so long.
+# until_true SECONDS COMMAND...: wait for a condition; false after so long on a
+# machine that is not busy with other things.  One that is may need a good deal
+# longer, and a sanitizer with it: only a test that fails has to wait for that.
 until_true()
 {
-    tries=$(($1 * 20))
+    tries=$(($1 * 20 * 5))
     shift
     while ! "$@" >/dev/null 2>&1; do
         tries=$((tries - 1))

@@ -617,7 +617,7 @@ load(struct net *net, int node)
     k->frame = job->spec.nframes;
     if (job->spec.partition == MSG_PART_WINDOW)
         return;
-    k->strict = strict_new(q, job->spec.nframes,
+    k->strict = strict_new(q, job->spec.nframes, job->paint,
                            (int)of(net)->worker[k->worker].threads, job->id);
     SIM_CHECK(net, k->strict != NULL);
 }
