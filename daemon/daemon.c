@@ -27,11 +27,22 @@ daemon_stop(struct daemon *d, int status)
     uv_stop(&d->loop);
 }
 
+/* That the loop gets here is what there is to tell. */
+static void
+feed_watchdog(struct daemon *d)
+{
+    if (d->watchdog_ms == 0 || daemon_now(d) - d->fed_ms < d->watchdog_ms / 2)
+        return;
+    d->fed_ms = daemon_now(d);
+    service_notify("WATCHDOG=1");
+}
+
 static void
 on_tick(uv_timer_t *timer)
 {
     struct daemon *d = timer->data;
 
+    feed_watchdog(d);
     d->ops->tick(d->arg);
 }
 
@@ -155,6 +166,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
              (enum log_level)log_level_parse(d->set->log_level));
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
+    d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {
         service_notify("READY=1");
         uv_run(&d->loop, UV_RUN_DEFAULT);

@@ -76,6 +76,8 @@ struct daemon {
     uv_timer_t ticker;
     uv_signal_t sigterm, sigint, sighup;
     struct service_lifetime lifetime;
+    uint64_t watchdog_ms; /* systemd waits so long for a sign of life; 0: not */
+    uint64_t fed_ms;      /* when it got the last */
     bool stopping;
     int status;
 };

@@ -3,6 +3,7 @@
 
 #include "service.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -35,6 +36,35 @@ service_notify(const char *state)
     sendto(fd, state, strlen(state), MSG_NOSIGNAL, (struct sockaddr *)&to,
            (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n));
     close(fd);
+}
+
+uint64_t
+service_watchdog_ms(void)
+{
+    const char *usec = getenv("WATCHDOG_USEC"), *pid = getenv("WATCHDOG_PID");
+
+    if (!usec || (pid && strtol(pid, NULL, 10) != (long)getpid()))
+        return 0;
+    return strtoull(usec, NULL, 10) / 1000;
+}
+
+bool
+service_credential(const char *name, char *path, size_t size)
+{
+    const char *dir = getenv("CREDENTIALS_DIRECTORY");
+    bool any = false;
+    FILE *f;
+    int c;
+
+    if (!dir || snprintf(path, size, "%s/%s", dir, name) >= (int)size)
+        return false;
+    f = fopen(path, "re");
+    if (!f)
+        return false;
+    while (!any && (c = getc(f)) != EOF)
+        any = !isspace(c);
+    fclose(f);
+    return any;
 }
 
 int

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <uv.h>
 
 /* Where daemons listen unless told otherwise. */
@@ -15,6 +16,13 @@
 /* Tell systemd: "READY=1", "RELOADING=1", "STOPPING=1", "STATUS=..."; does
  * nothing unless NOTIFY_SOCKET is set (sd_notify(3)). */
 void service_notify(const char *state);
+
+/* How long systemd waits for a WATCHDOG=1 [ms]; 0: it does not. */
+uint64_t service_watchdog_ms(void);
+
+/* A credential that systemd handed over (LoadCredential=): its file's path,
+ * and true; false where there is none, or nothing but white space in it. */
+bool service_credential(const char *name, char *path, size_t size);
 
 /* Write lines to path, whole: a temporary file is renamed over it.
  * RAD_ECANTCREAT or RAD_EIO. */

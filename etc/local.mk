@@ -21,7 +21,8 @@ CLEANFILES += $(systemdsystemunit_DATA)
 # paths are make's to know, not configure's
 %.service: %.service.in Makefile
 	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
-	$(SED) -e 's|[@]sbindir[@]|$(sbindir)|g' $< >$@.tmp && mv $@.tmp $@
+	$(SED) -e 's|[@]sbindir[@]|$(sbindir)|g' \
+		-e 's|[@]sysconfdir[@]|$(sysconfdir)|g' $< >$@.tmp && mv $@.tmp $@
 
 install-data-local: install-sysusers install-completion
 uninstall-local:

@@ -244,6 +244,12 @@ tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
 tests_radd_hooked_LDADD = $(radd_LDADD)
 
+# runs a program as a unit of systemd would
+check_PROGRAMS += tests/confine
+tests_confine_SOURCES = tests/confine.c
+tests_confine_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)
+tests_confine_LDADD = $(SECCOMP_LIBS)
+
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_crash.sh \
@@ -260,7 +266,8 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh \
-	tests/e2e/submit_parts.sh
+	tests/e2e/submit_parts.sh \
+	tests/e2e/systemd_units.sh
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
@@ -280,7 +287,8 @@ TESTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_interrupt.sh \
-	tests/e2e/submit_parts.sh
+	tests/e2e/submit_parts.sh \
+	tests/e2e/systemd_units.sh
 
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
 tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)

@@ -1,0 +1,125 @@
+#!/bin/sh
+# systemd_units.sh - the units are sound and hardened, what they allow is enough
+# to render with, and the daemons tell systemd what it waits for
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+room=$scenes/room.rad
+view="-vf $scenes/room.vf -x 64 -y 48"
+
+# --- what the daemons say ---
+
+cat >listener.py <<'EOF'
+import socket, sys
+s = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+s.bind(sys.argv[1])
+with open(sys.argv[2], "w", buffering=1) as log:
+    while True:
+        log.write(s.recv(4096).decode() + "\n")
+EOF
+python3 listener.py notify said & # not by the folder's name: no daemon
+listener=$!
+until_true 10 test -S "$work/notify" || fail "nobody listens"
+export NOTIFY_SOCKET="$work/notify" WATCHDOG_USEC=500000
+cluster_start 1 1
+unset NOTIFY_SOCKET WATCHDOG_USEC
+twice()
+{
+    [ "$(grep -c "^$1" said)" -ge 2 ]
+}
+until_true 10 twice READY=1 || fail "not both say that they are ready"
+until_true 10 twice WATCHDOG=1 || fail "no sign of life for the watchdog"
+kill -STOP "$pid_1" "$coord_pid"
+sleep .3 # what was said before
+n=$(grep -c WATCHDOG said)
+sleep 1
+[ "$(grep -c WATCHDOG said)" -eq "$n" ] || fail "one that hangs says it lives"
+kill -CONT "$pid_1" "$coord_pid"
+kill -HUP "$pid_1"
+until_true 10 grep -q '^RELOADING=1' said || fail "no word of reloading"
+cluster_stop
+twice STOPPING=1 || fail "not both say that they stop"
+kill $listener
+
+# --- what systemd says ---
+
+if ! systemd-analyze --version >/dev/null 2>&1; then
+    echo "SKIP: no systemd-analyze here; the units are not checked"
+    finish
+fi
+for unit in radd radcoord; do
+    sed "s|@sbindir@|$top_builddir|; s|@sysconfdir@|/etc|" \
+        "$top_srcdir/etc/$unit.service.in" >$unit.service
+    systemd-analyze verify --man=no "$work/$unit.service" 2>verify ||
+        fail "$unit.service: $(cat verify)"
+    # of other units it says what it likes
+    grep "$unit" verify && fail "$unit.service is not sound"
+    systemd-analyze security --offline=true --threshold=15 \
+        "$work/$unit.service" >security 2>&1 ||
+        fail "$unit.service: $(tail -1 security)"
+done
+
+# --- and does ---
+
+systemd-analyze syscall-filter >groups 2>/dev/null
+# allowed UNIT: the names of the system calls that it allows
+allowed()
+{
+    python3 - "$1" groups <<'EOF'
+import sys
+groups, name = {}, None
+for line in open(sys.argv[2]):
+    word = line.split("#")[0].strip()
+    if line.startswith("@"):
+        name = word.split()[0]
+        groups[name] = []
+    elif word and name:
+        groups[name].append(word)
+def members(word):
+    if not word.startswith("@"):
+        return {word}
+    return set().union(*[members(w) for w in groups.get(word, [])])
+calls = set()
+for line in open(sys.argv[1]):
+    if line.startswith("SystemCallFilter="):
+        words = line.split("=", 1)[1].strip()
+        deny = words.startswith("~")
+        for word in words.lstrip("~").split():
+            calls = calls - members(word) if deny else calls | members(word)
+print("\n".join(sorted(calls | members("@default"))))
+EOF
+}
+for unit in radd radcoord; do
+    for line in RestrictAddressFamilies='AF_UNIX AF_INET AF_INET6' \
+        MemoryDenyWriteExecute=yes RestrictNamespaces=yes \
+        CapabilityBoundingSet= ProtectSystem=strict UMask=0077; do
+        grep -qx "$line" $unit.service || fail "$unit.service: no $line"
+    done
+    allowed $unit.service >$unit.calls
+done
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --local --threads=1 $view -o alone.hdr "$room" 2>stderr ||
+    fail "embedded: $(cat stderr)"
+confine=$top_builddir/tests/confine
+coord_program=$radcoord
+worker_program=$radd
+radcoord=confined_coord
+radd=confined_worker
+confined_coord()
+{
+    exec "$confine" radcoord.calls "$work" "$coord_program" "$@"
+}
+confined_worker()
+{
+    exec "$confine" radd.calls "$work" "$worker_program" "$@"
+}
+cluster_start 2 1
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" $view -o confined.hdr "$room" 2>stderr ||
+    fail "confined: $(cat stderr c.log w1.log)"
+cmp alone.hdr confined.hdr || fail "the picture of confined daemons differs"
+grep -q '^Seccomp:.2' "/proc/$pid_1/status" || fail "radd was not confined"
+grep -q 'sandbox incomplete' w1.log && fail "the child has no sandbox there"
+cluster_stop
+finish
