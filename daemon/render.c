@@ -35,8 +35,11 @@
  * and 9 % at 2 ms, in the same time.  Nearly all of these are deep ones of the
  * first half second, when all are at the whole room at once. */
 #define DRAIN_MS 2
-/* after a time in which there were none: looking costs, too */
-#define CALM_MS       10
+/* A record is needed elsewhere soon, or not for long: later they may wait for
+ * such a part of the time since the first, and go out together, since each
+ * message costs as much as making a record. */
+#define DRAIN_PART    100
+#define CALM_MS       50
 #define BATCH_RECORDS (65536 / AMBSHARE_BYTES)
 /* how often strict units are looked at: others wait for their base lines, and
  * twins for their facts, for at most 20 ms */
@@ -82,6 +85,7 @@ struct render {
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct give *gives;
+    uint64_t first_ms;                  /* records were drained; 0: not yet */
     uint64_t sent, received, redundant; /* ambient records */
     uint64_t told_rays;                 /* under way, in the last TALLY */
     uint64_t told_dropped;              /* likewise */
@@ -278,21 +282,32 @@ go_on_giving(struct render *r, struct rad_ambrec *recs)
     }
 }
 
+/* When to look for records again. */
+static uint64_t
+drain_ms(const struct render *r)
+{
+    uint64_t ms =
+        r->first_ms ? (uv_now(&r->loop) - r->first_ms) / DRAIN_PART : DRAIN_MS;
+
+    return ms < DRAIN_MS ? DRAIN_MS : ms > CALM_MS ? CALM_MS : ms;
+}
+
 static void
 on_drain(uv_timer_t *timer)
 {
     struct render *r = timer->data;
     struct rad_ambrec recs[BATCH_RECORDS];
-    size_t n, any = 0;
+    size_t n;
 
     while (r->link &&
            (n = rad_ambient_drain(r->job->ambient, recs, BATCH_RECORDS)) > 0) {
         send_batch(r, 0, recs, n);
-        any = n;
+        if (r->first_ms == 0)
+            r->first_ms = uv_now(&r->loop);
     }
     go_on_giving(r, recs);
     if (!r->ended)
-        uv_timer_start(timer, on_drain, any ? DRAIN_MS : CALM_MS, 0);
+        uv_timer_start(timer, on_drain, drain_ms(r), 0);
 }
 
 static void
