@@ -17,7 +17,11 @@
 #define ANSWERS_HIGH (4u << 20)
 #define ANSWERS_LOW  (1u << 20)
 
-/* One message on its way out; owns its bytes until it is written. */
+/* Short messages that are sent in one turn of the loop go out together, up to
+ * so many bytes: a call of the system costs more than they do. */
+#define CORK_BYTES (8u << 10)
+
+/* Messages on their way out; owns its bytes until they are written. */
 struct out {
     uv_write_t req;
     struct conn *conn;
@@ -28,12 +32,15 @@ struct out {
 struct conn {
     union conn_stream *stream;
     uv_timer_t timer;
-    int handles; /* still to be closed before c may go */
+    uv_prepare_t before; /* the loop waits; and after it did: while there is */
+    uv_check_t after;
+    struct out *cork; /* with room for CORK_BYTES; NULL: nothing waits */
+    int handles;      /* still to be closed before c may go */
     const struct conn_handler *handler;
     void *arg;
     struct frame_reader reader;
     struct msg in;
-    size_t queued; /* bytes with libuv */
+    size_t queued; /* bytes with libuv, and corked ones */
     uint64_t progress, bytes_in, bytes_out;
     uint64_t opened_ms, heard_ms;
     bool live, ping;     /* conn_live() */
@@ -121,14 +128,19 @@ handle_closed(uv_handle_t *h)
     free(c);
 }
 
+static int uncork(struct conn *c);
+
 void
 conn_close(struct conn *c)
 {
     if (!c || c->closing)
         return;
     c->closing = true;
+    uncork(c); /* as much as the socket takes at once */
     uv_close(&c->stream->handle, handle_closed);
     uv_close((uv_handle_t *)&c->timer, handle_closed);
+    uv_close((uv_handle_t *)&c->before, handle_closed);
+    uv_close((uv_handle_t *)&c->after, handle_closed);
 }
 
 /* The connection ends by itself. */
@@ -170,8 +182,8 @@ written(uv_write_t *req, int status)
         unchoke(c);
 }
 
-/* Hand o to libuv. */
-static bool
+/* Hand o, which is counted, to libuv. */
+static int
 write_out(struct conn *c, struct out *o)
 {
     uv_buf_t buf = uv_buf_init((char *)o->bytes, (unsigned)o->len);
@@ -179,32 +191,94 @@ write_out(struct conn *c, struct out *o)
 
     o->conn = c;
     o->req.data = o;
-    c->queued += o->len;
-    c->bytes_out += o->len;
     rc = uv_write(&o->req, &c->stream->stream, &buf, 1, written);
     if (rc == 0)
-        return true;
+        return 0;
     c->queued -= o->len; /* no callback will come */
     free(o);
-    end(c, uv_strerror(rc));
-    return false;
+    return rc;
+}
+
+static int
+uncork(struct conn *c)
+{
+    struct out *o = c->cork;
+
+    if (!o)
+        return 0;
+    c->cork = NULL;
+    uv_prepare_stop(&c->before);
+    uv_check_stop(&c->after);
+    return write_out(c, o);
+}
+
+static void
+uncork_or_end(struct conn *c)
+{
+    int rc = uncork(c);
+
+    if (rc < 0)
+        end(c, uv_strerror(rc));
+}
+
+static void
+before_waiting(uv_prepare_t *h)
+{
+    uncork_or_end(h->data);
+}
+
+static void
+after_waiting(uv_check_t *h)
+{
+    uncork_or_end(h->data);
+}
+
+/* Room for a message: a cork that is begun now, or its own; NULL: there is
+ * none. */
+static struct out *
+new_out(struct conn *c, size_t len)
+{
+    bool large = len > CORK_BYTES;
+    struct out *o = malloc(sizeof *o + (large ? len : CORK_BYTES));
+
+    if (!o) {
+        log_err("message not sent peer=%s: out of memory", c->peer);
+        return NULL;
+    }
+    o->len = 0;
+    if (!large) {
+        c->cork = o;
+        uv_prepare_start(&c->before, before_waiting);
+        uv_check_start(&c->after, after_waiting);
+    }
+    return o;
 }
 
 bool
 conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
 {
-    struct out *o;
+    struct out *o = c->cork;
+    int rc = 0;
 
     if (c->closing || c->finishing)
         return false;
-    o = malloc(sizeof *o + len);
-    if (!o) {
-        log_err("message not sent peer=%s: out of memory", c->peer);
-        return false;
+    if (o && len > CORK_BYTES - o->len) {
+        rc = uncork(c);
+        o = NULL;
     }
-    o->len = len;
-    memcpy(o->bytes, bytes, len);
-    return write_out(c, o);
+    if (rc == 0) {
+        if (!o && !(o = new_out(c, len)))
+            return false;
+        memcpy(o->bytes + o->len, bytes, len);
+        o->len += len;
+        c->queued += len;
+        c->bytes_out += len;
+        if (o != c->cork)
+            rc = write_out(c, o);
+    }
+    if (rc < 0)
+        end(c, uv_strerror(rc));
+    return rc == 0;
 }
 
 bool
@@ -347,7 +421,7 @@ conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
     c->stream->handle.data = c;
     c->handler = handler;
     c->arg = arg;
-    c->handles = 2;
+    c->handles = 4;
     snprintf(c->peer, sizeof c->peer, "%s", peer);
     /* messages are written whole; one that waited until those before it are
      * acknowledged would wait for 40 ms */
@@ -355,7 +429,9 @@ conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
         uv_tcp_nodelay((uv_tcp_t *)stream, 1);
     frame_reader_init(&c->reader, session);
     uv_timer_init(stream->loop, &c->timer);
-    c->timer.data = c;
+    uv_prepare_init(stream->loop, &c->before);
+    uv_check_init(stream->loop, &c->after);
+    c->timer.data = c->before.data = c->after.data = c;
     c->opened_ms = c->heard_ms = uv_now(stream->loop);
     uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
     uv_read_start(stream, on_alloc, on_read);
