@@ -43,6 +43,7 @@ struct program {
     bool embedded;
     struct target target;
     struct progress progress;
+    bool held;          /* was said */
     struct msg_nan nan; /* as last told */
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
@@ -110,12 +111,24 @@ share_done(const struct msg_progress *m)
     return cost > rows ? cost : rows;
 }
 
+/* The coordinator cannot go on, and now it can. */
+static void
+say_held(struct program *p, bool held)
+{
+    if (held && !p->held)
+        say(p, "the job is held: the coordinator's disk is full");
+    else if (!held && p->held)
+        say(p, "the coordinator's disk has room again: the job goes on");
+    p->held = held;
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
     struct program *p = arg;
     struct progress_report r;
 
+    say_held(p, m->state == MSG_STATE_HELD);
     r.elapsed_s = m->elapsed_s;
     r.done = share_done(m);
     r.rays = m->rays;

@@ -3,6 +3,7 @@
 
 #include "blobs.h"
 
+#include "disk.h"
 #include "service.h"
 
 #include <dirent.h>
@@ -145,8 +146,7 @@ blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
     p->fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (p->fd < 0) {
         rad_sha_release(&p->sha);
-        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path,
-                        strerror(errno));
+        return disk_fail(err, errno, "create", path);
     }
     p->open = true;
     return 0;
@@ -155,21 +155,27 @@ blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
 static int
 append(struct blob_part *p, const void *data, size_t n, struct rad_error *err)
 {
-    const char *from = data;
+    int rc = disk_write_at(p->fd, data, n, (off_t)p->got, p->blobs->dir, err);
 
-    for (size_t left = n; left > 0;) {
-        ssize_t put = write(p->fd, from, left);
-
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put < 0)
-            return rad_fail(err, RAD_EIO, "cannot write in '%s': %s",
-                            p->blobs->dir, strerror(errno));
-        from += put;
-        left -= (size_t)put;
-    }
+    if (rc < 0)
+        return rc;
     rad_sha_update(&p->sha, data, n);
     p->got += n;
+    return 0;
+}
+
+static int
+check_hash(struct blob_part *p, struct rad_error *err)
+{
+    char hex[RAD_SHA_HEX + 1];
+    int rc = p->hashed ? 0 : rad_sha_final(&p->sha, hex, err);
+
+    if (rc < 0 || p->hashed)
+        return rc;
+    p->hashed = true;
+    if (strcmp(hex, p->hash) != 0)
+        return rad_fail(err, RAD_EPROTO, "a file came as %.12s but is %.12s",
+                        p->hash, hex);
     return 0;
 }
 
@@ -177,30 +183,21 @@ append(struct blob_part *p, const void *data, size_t n, struct rad_error *err)
 static int
 finish(struct blob_part *p, struct rad_error *err)
 {
-    char hex[RAD_SHA_HEX + 1], from[BLOBS_PATH_MAX], to[BLOBS_PATH_MAX];
-    int rc = rad_sha_final(&p->sha, hex, err), fd;
+    char from[BLOBS_PATH_MAX], to[BLOBS_PATH_MAX];
+    int rc = check_hash(p, err);
 
-    if (rc < 0)
-        return rc;
-    if (strcmp(hex, p->hash) != 0)
-        return rad_fail(err, RAD_EPROTO, "a file came as %.12s but is %.12s",
-                        p->hash, hex);
     part_path(p, from);
     blobs_path(p->blobs, p->hash, to);
-    if ((p->blobs->durable && fsync(p->fd) < 0) || rename(from, to) < 0)
-        return rad_fail(err, RAD_EIO, "cannot keep '%s': %s", to,
-                        strerror(errno));
+    if (rc == 0 && p->blobs->durable)
+        rc = disk_sync(p->fd, from, err);
+    if (rc == 0 && rename(from, to) < 0)
+        rc = disk_fail(err, errno, "keep", to);
+    if (rc < 0)
+        return rc;
     close(p->fd);
     p->open = false;
-    if (!p->blobs->durable)
-        return 1;
-    /* the name lasts only when the folder does */
-    fd = open(p->blobs->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0 || fsync(fd) < 0)
-        rc = rad_fail(err, RAD_EIO, "cannot sync '%s': %s", p->blobs->dir,
-                      strerror(errno));
-    if (fd >= 0)
-        close(fd);
+    if (p->blobs->durable) /* the name lasts only when the folder does */
+        rc = disk_sync_dir(p->blobs->dir, err);
     return rc < 0 ? rc : 1;
 }
 
@@ -210,7 +207,9 @@ blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
 {
     int rc;
 
-    if (offset != p->got || n > p->total - p->got)
+    if (p->got == p->total && offset + n == p->got) /* all but the end */
+        rc = 0;
+    else if (offset != p->got || n > p->total - p->got)
         rc = rad_fail(err, RAD_EPROTO,
                       "%zu bytes at %llu do not follow %llu of %llu", n,
                       (unsigned long long)offset, (unsigned long long)p->got,
@@ -219,7 +218,7 @@ blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
         rc = append(p, data, n, err);
     if (rc == 0 && p->got == p->total)
         rc = finish(p, err);
-    if (rc < 0)
+    if (rc < 0 && rc != RAD_EFULL)
         blob_part_abort(p);
     return rc;
 }
@@ -231,7 +230,8 @@ blob_part_abort(struct blob_part *p)
 
     if (!p->open)
         return;
-    rad_sha_release(&p->sha);
+    if (!p->hashed)
+        rad_sha_release(&p->sha);
     part_path(p, path);
     close(p->fd);
     unlink(path);

@@ -54,6 +54,7 @@ struct blob_part {
     struct rad_sha sha;
     int fd;
     bool open;
+    bool hashed; /* sha is done with */
 };
 
 /* RAD_EPROTO for a bad hash; RAD_ECANTCREAT. */
@@ -62,7 +63,8 @@ int blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
 
 /* Append n bytes, which must be those at offset p->got.  Returns 1 when that
  * completed it: the file is there and p closed.  RAD_EPROTO for bytes out of
- * order, too many, or of another hash; RAD_EIO.  After an error p is closed. */
+ * order, too many, or of another hash; RAD_EIO.  After an error p is closed,
+ * but after RAD_EFULL: then the same bytes may be tried again. */
 int blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
                     size_t n, struct rad_error *err);
 

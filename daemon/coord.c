@@ -8,7 +8,7 @@
  * A job waits until its bundle is stored and there is room for its rows; then
  * it is accepted.  It is over when every frame's picture is written, when it
  * failed, or when it was cancelled; it is then remembered, without its place
- * in the queue, until KEPT_JOBS later ones are over too. */
+ * in the queue, for a while (struct coord_keep). */
 #include "config.h"
 
 #include "coord.h"
@@ -37,6 +37,7 @@ coord_new(const struct coord_env *env)
     if (!c)
         return NULL;
     c->env = *env;
+    c->keep.jobs = KEPT_JOBS;
     actions_init(&c->actions);
     return c;
 }
@@ -63,6 +64,12 @@ coord_free(struct coord *c)
     free(c->jobs);
     actions_release(&c->actions);
     free(c);
+}
+
+void
+coord_set_epoch(struct coord *c, uint64_t epoch)
+{
+    c->env.epoch = epoch;
 }
 
 struct action_list *
@@ -151,25 +158,47 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* Forget the oldest of the jobs that are over when there are too many. */
+/* Forget that job, of c->jobs. */
+static void
+forget(struct coord *c, size_t i)
+{
+    actions_log(&c->actions, ACT_INFO, "job forgotten job=%s", c->jobs[i]->hex);
+    actions_add_job(&c->actions, ACT_JOB_FORGET, 0, c->jobs[i]->id);
+    job_free(c->jobs[i]);
+    memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
+    c->njobs--;
+}
+
+/* Forget the oldest of the jobs that are over while there are too many, or they
+ * take too much room, or it is too old. */
 static void
 forget_old(struct coord *c)
 {
-    size_t over = 0, oldest = 0;
+    for (;;) {
+        uint64_t bytes = 0;
+        size_t over = 0, oldest = 0;
 
-    for (size_t i = 0; i < c->njobs; i++) {
-        if (!job_over(c->jobs[i]))
-            continue;
-        if (over++ == 0 || c->jobs[i]->end_ms < c->jobs[oldest]->end_ms)
-            oldest = i;
+        for (size_t i = 0; i < c->njobs; i++) {
+            if (!job_over(c->jobs[i]))
+                continue;
+            bytes += c->jobs[i]->kept_bytes;
+            if (over++ == 0 || c->jobs[i]->end_ms < c->jobs[oldest]->end_ms)
+                oldest = i;
+        }
+        if (over == 0 || (over <= c->keep.jobs &&
+                          (c->keep.bytes == 0 || bytes <= c->keep.bytes) &&
+                          (c->keep.ms == 0 ||
+                           c->now_ms - c->jobs[oldest]->end_ms < c->keep.ms)))
+            return;
+        forget(c, oldest);
     }
-    if (over <= KEPT_JOBS)
-        return;
-    actions_add_job(&c->actions, ACT_JOB_FORGET, 0, c->jobs[oldest]->id);
-    job_free(c->jobs[oldest]);
-    memmove(c->jobs + oldest, c->jobs + oldest + 1,
-            (c->njobs - oldest - 1) * sizeof *c->jobs);
-    c->njobs--;
+}
+
+void
+coord_set_keep(struct coord *c, const struct coord_keep *keep)
+{
+    c->keep = *keep;
+    forget_old(c);
 }
 
 /* The store learns how the job ended, if it knows it at all. */
@@ -260,6 +289,7 @@ coord_add_job(struct coord *c, struct job *job)
     c->jobs[i] = job;
     c->njobs++;
     job->sequence = ++c->sequence;
+    job->held = c->full;
     return true;
 }
 
@@ -718,17 +748,49 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
     forget_old(c);
 }
 
+/* One whose scene does not come through hears why, for it has no job yet. */
+static void
+say_held(struct coord *c, const struct coord_conn *conn)
+{
+    struct msg m = { .type = MSG_PROGRESS,
+                     .progress = { .state = MSG_STATE_HELD } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+void
+coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
+{
+    c->now_ms = now_ms;
+    c->full = full;
+    snprintf(c->full_text, sizeof c->full_text, "no room on the disk: %s",
+             text);
+    if (full)
+        actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
+                    text);
+    else
+        actions_log(&c->actions, ACT_INFO, "disk has room, jobs go on");
+    for (size_t i = 0; i < c->njobs; i++)
+        c->jobs[i]->held = full;
+    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+    sched_run(c);
+}
+
 void
 coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;
     sched_tick(c);
+    if (c->keep.ms > 0)
+        forget_old(c);
     if (now_ms - c->progress_ms < PROGRESS_MS)
         return;
     c->progress_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch)
             send_progress(c, conn, conn->watch);
+        else if (c->full && conn->offer_ms != 0)
+            say_held(c, conn);
 }
 
 bool

@@ -36,11 +36,26 @@ struct coord_peer {
     unsigned roles;      /* bit 1u << enum msg_role: what it may ask to be */
 };
 
+/* How long jobs that are over are remembered, with their pictures. */
+struct coord_keep {
+    uint32_t jobs; /* the last so many */
+    uint64_t ms;   /* for so long; 0: no limit */
+    uint64_t
+        bytes; /* of their folders on the disk, all together; 0: likewise */
+};
+
 struct coord;
 
 /* NULL when memory is out. */
 struct coord *coord_new(const struct coord_env *env);
 void coord_free(struct coord *c);
+
+/* The last 100 jobs, unless this is called. */
+void coord_set_keep(struct coord *c, const struct coord_keep *keep);
+
+/* The number of this life, once it is known; before any event but those of
+ * recover.h. */
+void coord_set_epoch(struct coord *c, uint64_t epoch);
 
 struct action_list *coord_actions(struct coord *c);
 
@@ -80,6 +95,10 @@ void coord_rows_stored(struct coord *c, uint64_t now_ms,
 void coord_picture_written(struct coord *c, uint64_t now_ms,
                            const uint8_t job[MSG_JOB], uint32_t frame,
                            int status, const char *text);
+
+/* The disk is full: jobs are held until there is room again.  text: where. */
+void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
+                    const char *text);
 
 /* Time passes; call it about every 100 ms. */
 void coord_tick(struct coord *c, uint64_t now_ms);

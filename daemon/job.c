@@ -115,6 +115,12 @@ job_state_name(enum job_state state)
     return name[state];
 }
 
+const char *
+job_is(const struct job *job)
+{
+    return job->held && !job_over(job) ? "held" : job_state_name(job->state);
+}
+
 int
 job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
                    struct rad_error *err)
@@ -487,7 +493,8 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
     }
     *p = (struct msg_progress){
         .job = job->id,
-        .state = (uint8_t)job->state,
+        .state =
+            job->held && !job_over(job) ? MSG_STATE_HELD : (uint8_t)job->state,
         .pixels_done = job->pixels_done,
         .pixels_total = job->pixels_total,
         .units_done = job->units_done,

@@ -97,9 +97,9 @@ struct job_worker {
     uint32_t setbacks;     /* children lost for reasons of its own, since it
                             * last finished a unit */
     bool took_part;        /* it was READY once */
-    bool excluded; /* --same-bits: of another fingerprint; or it cannot keep
-                    * a child */
-    uint64_t ready_ms;     /* first READY */
+    bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
+                        * a child */
+    uint64_t ready_ms; /* first READY */
     double load_s;
     uint64_t fingerprint;
     uint64_t rays; /* of its accepted units */
@@ -123,6 +123,7 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
+    bool held;      /* for want of room on the disk */
     uint32_t lives; /* of the coordinator, that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
     bool filed;     /* over; but for what follows only the store knows of it */
@@ -193,6 +194,7 @@ bool job_over(const struct job *job);
 
 /* "running". */
 const char *job_state_name(enum job_state state);
+const char *job_is(const struct job *job); /* the same, or "held" */
 
 /* How a job is to be split, but for single and the values of costs; RAD_EDATA
  * when its options are no options. */

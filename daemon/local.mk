@@ -1,7 +1,8 @@
 # libdaemon, the machines behind the daemons
 noinst_LIBRARIES += libdaemon.a
 libdaemon_a_CPPFLAGS = $(AM_CPPFLAGS)
-libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS)
+libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS) \
+	$(SQLITE_CFLAGS)
 libdaemon_a_SOURCES = \
 	daemon/action.c \
 	daemon/action.h \
@@ -22,6 +23,12 @@ libdaemon_a_SOURCES = \
 	daemon/coord.h \
 	daemon/daemon.c \
 	daemon/daemon.h \
+	daemon/disk.c \
+	daemon/disk.h \
+	daemon/folder.c \
+	daemon/folder.h \
+	daemon/journal.c \
+	daemon/journal.h \
 	daemon/dial.c \
 	daemon/dial.h \
 	daemon/estimate.c \
@@ -100,7 +107,8 @@ libdaemon_a_SOURCES = \
 	daemon/worker.h
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
-LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) $(INIH_LIBS)
+LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) \
+	$(INIH_LIBS) $(SQLITE_LIBS)
 
 sbin_PROGRAMS += radcoord radd
 radcoord_SOURCES = daemon/radcoord.c

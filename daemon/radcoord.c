@@ -7,6 +7,7 @@
 #include "daemon.h"
 #include "listen.h"
 #include "log.h"
+#include "recover.h"
 #include "shell.h"
 #include "store.h"
 #include "transfer.h"
@@ -23,6 +24,7 @@ struct settings {
     char listen[CONF_TEXT];
     char socket[CONF_TEXT];
     char state[CONF_TEXT];
+    int keep_jobs, keep_days, keep_mib;
 };
 
 #define DEFAULT_SOCKET "/run/radd/radcoord.sock"
@@ -33,7 +35,13 @@ static const struct conf_key keys[] = {
     { "socket", CONF_TEXT_KEY, FIELD(socket), 0, 0, DEFAULT_SOCKET, "PATH",
       "Unix socket of this machine's users; empty: none", false },
     { "state", CONF_TEXT_KEY, FIELD(state), 0, 0, "/var/lib/radd", "DIR",
-      "folder of scenes, rows and pictures", false },
+      "folder of jobs, scenes, rows and pictures", false },
+    { "keep_jobs", CONF_INT_KEY, FIELD(keep_jobs), 0, 100000, "100", "N",
+      "jobs that are over and still remembered", true },
+    { "keep_days", CONF_INT_KEY, FIELD(keep_days), 0, 36500, "30", "N",
+      "for so many days at most; 0: no limit", true },
+    { "keep_mib", CONF_INT_KEY, FIELD(keep_mib), 0, 1 << 30, "0", "N",
+      "with so many MiB of pictures at most; 0: no limit", true },
     DAEMON_KEYS,
 };
 
@@ -65,12 +73,14 @@ struct radcoord {
     struct transfers *transfers;
     struct shell shell;
     struct coord *coord;
+    uint64_t clock_ms; /* what the clock on the wall is ahead of the loop's */
 };
 
+/* Never goes back in one life, and goes on with the next. */
 static uint64_t
 now(struct radcoord *r)
 {
-    return daemon_now(&r->daemon);
+    return daemon_now(&r->daemon) + r->clock_ms;
 }
 
 /* --- from the connections to the machine --- */
@@ -130,6 +140,15 @@ open_job(struct radcoord *r, const uint8_t *job)
 }
 
 static void
+end_job(struct radcoord *r, const struct action *a)
+{
+    struct saved_job saved;
+
+    if (coord_saved(r->coord, a->job, &saved))
+        store_end_job(r->store, &saved, a->bytes, a->len);
+}
+
+static void
 send_source(struct radcoord *r, const struct action *a, bool file)
 {
     struct conn *c = shell_conn(&r->shell, a->conn);
@@ -160,6 +179,18 @@ on_action(void *arg, const struct action *a)
         break;
     case ACT_JOB_OPEN:
         open_job(r, a->job);
+        break;
+    case ACT_JOB_STATE:
+        store_put_state(r->store, a->job, a->status);
+        break;
+    case ACT_JOB_END:
+        end_job(r, a);
+        break;
+    case ACT_KEEP_UNIT:
+        store_keep_unit(r->store, a->job, a->unit);
+        break;
+    case ACT_SETTLE:
+        store_settle(r->store, a->conn, a->request);
         break;
     case ACT_PUT_ROWS:
         store_put_rows(r->store, &a->rows);
@@ -244,9 +275,53 @@ chunk_done(void *arg)
     shell_store_progress(&r->shell);
 }
 
-static const struct store_handler store_handler = { file_done, job_done,
-                                                    rows_done, picture_done,
-                                                    chunk_done };
+static void
+job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes)
+{
+    struct radcoord *r = arg;
+
+    coord_job_filed(r->coord, now(r), job, bytes);
+    settled(r);
+}
+
+static void
+request_kept(void *arg, uint64_t conn, uint32_t request)
+{
+    struct radcoord *r = arg;
+
+    coord_settled(r->coord, now(r), conn, request);
+    settled(r);
+}
+
+static void
+disk_full(void *arg, bool full, const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_fullness(r->coord, now(r), full, text);
+    shell_run(&r->shell);
+}
+
+/* Nothing is acknowledged from now on: what senders hear nothing of they send
+ * again to the next life. */
+static void
+store_broken(void *arg, int status, const char *text)
+{
+    struct radcoord *r = arg;
+
+    log_err("ending, for nothing can be kept any more why=%s", text);
+    daemon_stop(&r->daemon, status);
+}
+
+static const struct store_handler store_handler = { .file = file_done,
+                                                    .job = job_done,
+                                                    .rows = rows_done,
+                                                    .picture = picture_done,
+                                                    .progress = chunk_done,
+                                                    .broken = store_broken,
+                                                    .filed = job_filed,
+                                                    .settled = request_kept,
+                                                    .fullness = disk_full };
 
 static bool
 has_file(void *arg, const uint8_t hash[MSG_HASH])
@@ -352,24 +427,54 @@ on_term(void *arg)
 }
 
 static void
+set_keep(struct radcoord *r)
+{
+    struct coord_keep keep = {
+        .jobs = (uint32_t)r->set.keep_jobs,
+        .ms = (uint64_t)r->set.keep_days * 24 * 3600 * 1000,
+        .bytes = (uint64_t)r->set.keep_mib << 20,
+    };
+
+    coord_set_keep(r->coord, &keep);
+}
+
+static void
 on_reload(void *arg)
 {
-    (void)arg; /* the log's level is all that changes */
+    struct radcoord *r = arg;
+
+    set_keep(r);
+    shell_run(&r->shell);
+}
+
+static bool
+read_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
+         uint8_t *pixels)
+{
+    struct radcoord *r = arg;
+
+    return store_read_row(r->store, job, frame, y, pixels);
 }
 
 static int
-start(void *arg, struct rad_error *err)
+recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
 {
     struct radcoord *r = arg;
-    uv_timeval64_t wall;
+
+    return recover_job(r->coord, now(r), saved, read_row, r, err);
+}
+
+/* The state folder, and the jobs that are in it. */
+static int
+open_store(struct radcoord *r, struct rad_error *err)
+{
     struct coord_env env = { .has_file = has_file,
                              .random = shell_random,
                              .arg = r,
-                             .program = "radcoord " PACKAGE_VERSION };
+                             .program = "radcoord " PACKAGE_VERSION,
+                             .keeps = !r->set.common.embedded };
+    uint64_t epoch;
 
-    shell_init(&r->shell, &r->daemon.loop, &ops, r);
-    uv_gettimeofday(&wall);
-    env.epoch = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000;
     r->store = store_open(&r->daemon.loop, r->set.state,
                           !r->set.common.embedded, &store_handler, r, err);
     if (!r->store)
@@ -379,7 +484,27 @@ start(void *arg, struct rad_error *err)
     r->coord = coord_new(&env);
     if (!r->transfers || !r->coord)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    return open_sockets(r, err);
+    if (store_recover(r->store, now(r), &epoch, recover_one, r, err) < 0)
+        return err->code;
+    coord_set_epoch(r->coord, epoch);
+    set_keep(r);
+    return 0;
+}
+
+static int
+start(void *arg, struct rad_error *err)
+{
+    struct radcoord *r = arg;
+    uv_timeval64_t wall;
+
+    shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    uv_gettimeofday(&wall);
+    r->clock_ms = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000 -
+                  daemon_now(&r->daemon);
+    if (open_store(r, err) < 0 || open_sockets(r, err) < 0)
+        return err->code;
+    shell_run(&r->shell); /* what jobs of earlier lives want */
+    return 0;
 }
 
 /* What was handed to the store is still written. */
@@ -391,6 +516,8 @@ finish(void *arg)
     listener_close(r->tcp);
     listener_close(r->local);
     shell_close(&r->shell);
+    if (r->store)
+        store_end(r->store);
     while (r->store && !store_idle(r->store))
         uv_run(&r->daemon.loop, UV_RUN_ONCE);
 }

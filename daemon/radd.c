@@ -284,7 +284,17 @@ chunk_done(void *arg)
     shell_store_progress(&r->shell);
 }
 
-static const struct store_handler store_handler = { .file = file_done,
+static void
+store_broken(void *arg, int status, const char *text)
+{
+    struct radd *r = arg;
+
+    log_err("ending why=%s", text);
+    daemon_stop(&r->daemon, status);
+}
+
+static const struct store_handler store_handler = { .broken = store_broken,
+                                                    .file = file_done,
                                                     .progress = chunk_done };
 
 static bool

@@ -58,15 +58,16 @@ one_job(const struct coord *c, const struct job *job)
         "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
         "s:s,s:i}",
         "job", job->hex, "name", job->spec.name, "owner", job->owner, "state",
-        job_state_name(job->state), "priority", (int)job->spec.priority, "done",
-        done, "frames", (json_int_t)job->spec.nframes, "frames_ready",
+        job_is(job), "priority", (int)job->spec.priority, "done", done,
+        "frames", (json_int_t)job->spec.nframes, "frames_ready",
         (json_int_t)p.frames_ready, "width",
         (json_int_t)job->spec.frames[0].width, "height",
         (json_int_t)job->spec.frames[0].height, "units_done",
         (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
         "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
         "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
-        job->text, "status", job->status);
+        job->held && !job_over(job) ? c->full_text : job->text, "status",
+        job->status);
 }
 
 static json_t *

@@ -133,7 +133,7 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
 /* Whose rows of the unit count is decided: do these?  They do not where another
  * attempt leads, and where nobody waits for them. */
 static bool
-counts(const struct coord *c, struct job *job, uint32_t index,
+counts(struct coord *c, struct job *job, uint32_t index,
        const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
@@ -149,6 +149,7 @@ counts(const struct coord *c, struct job *job, uint32_t index,
     if (u->lead == 0 && m->row == 0 && !go->dropped) {
         u->lead = m->attempt;
         u->worker = index;
+        sched_keep_unit(c, job, m->unit);
     }
     if (u->lead != m->attempt) {
         go->dropped = true;

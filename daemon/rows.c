@@ -3,12 +3,15 @@
 
 #include "rows.h"
 
+#include "disk.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -18,13 +21,11 @@ row_bytes(const struct rows *r, int width)
     return (size_t)width * (size_t)r->channels * sizeof(float);
 }
 
-int
-rows_create(struct rows *r, const char *path, int width, int height,
-            int channels, bool reserve, struct rad_error *err)
+/* The file's name and what lies in it. */
+static int
+describe(struct rows *r, const char *path, int width, int height, int channels,
+         struct rad_error *err)
 {
-    off_t size;
-    int rc;
-
     memset(r, 0, sizeof *r);
     r->fd = -1;
     if (strlen(path) >= sizeof r->path)
@@ -33,21 +34,56 @@ rows_create(struct rows *r, const char *path, int width, int height,
     r->width = width;
     r->height = height;
     r->channels = channels;
+    return 0;
+}
+
+static off_t
+whole_size(const struct rows *r)
+{
+    return (off_t)row_bytes(r, r->width) * r->height;
+}
+
+int
+rows_create(struct rows *r, const char *path, int width, int height,
+            int channels, bool durable, struct rad_error *err)
+{
+    int rc = describe(r, path, width, height, channels, err), number;
+
+    if (rc < 0)
+        return rc;
     r->fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
     if (r->fd < 0)
-        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path,
-                        strerror(errno));
-    size = (off_t)row_bytes(r, width) * height;
-    if (reserve)
-        rc = posix_fallocate(r->fd, 0, size);
+        return disk_fail(err, errno, "create", path);
+    if (durable)
+        number = posix_fallocate(r->fd, 0, whole_size(r));
     else
-        rc = ftruncate(r->fd, size) < 0 ? errno : 0;
+        number = ftruncate(r->fd, whole_size(r)) < 0 ? errno : 0;
+    if (number != 0)
+        rc = disk_fail(err, number, "make room for", path);
+    else if (durable)
+        rc = disk_sync(r->fd, path, err);
     rows_rest(r);
-    if (rc == 0)
-        return 0;
-    unlink(r->path);
-    return rad_fail(err, RAD_EIO, "no room for '%s', %lld bytes: %s", path,
-                    (long long)size, strerror(rc));
+    if (rc < 0)
+        unlink(r->path);
+    return rc;
+}
+
+int
+rows_open(struct rows *r, const char *path, int width, int height, int channels,
+          struct rad_error *err)
+{
+    int rc = describe(r, path, width, height, channels, err);
+    struct stat st;
+
+    if (rc < 0)
+        return rc;
+    if (stat(path, &st) < 0)
+        return rad_fail(err, RAD_EDATA, "rows '%s' are missing", path);
+    if (!S_ISREG(st.st_mode) || st.st_size != whole_size(r))
+        return rad_fail(err, RAD_EDATA,
+                        "rows '%s' have %lld bytes, expected %lld", path,
+                        (long long)st.st_size, (long long)whole_size(r));
+    return 0;
 }
 
 static int
@@ -55,31 +91,7 @@ use(struct rows *r, struct rad_error *err)
 {
     if (r->fd < 0)
         r->fd = open(r->path, O_RDWR | O_CLOEXEC);
-    if (r->fd < 0)
-        return rad_fail(err, RAD_EIO, "cannot open '%s': %s", r->path,
-                        strerror(errno));
-    return 0;
-}
-
-static int
-put_at(struct rows *r, const void *data, size_t n, off_t at,
-       struct rad_error *err)
-{
-    const char *from = data;
-
-    while (n > 0) {
-        ssize_t put = pwrite(r->fd, from, n, at);
-
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put < 0)
-            return rad_fail(err, RAD_EIO, "cannot write '%s': %s", r->path,
-                            strerror(errno));
-        from += put;
-        at += put;
-        n -= (size_t)put;
-    }
-    return 0;
+    return r->fd < 0 ? disk_fail(err, errno, "open", r->path) : 0;
 }
 
 int
@@ -94,15 +106,16 @@ rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
                         "pixels %d,%d %dx%d do not lie in a picture of %dx%d",
                         x, y, w, h, r->width, r->height);
     rc = use(r, err);
-    r->dirty = rc == 0;
+    r->dirty |= rc == 0;
     if (w < r->width) /* not contiguous in the file */
         step = 1;
     for (int k = 0; k < h && rc == 0; k += step) {
         off_t at =
             (off_t)row_bytes(r, r->width) * (y + k) + (off_t)row_bytes(r, x);
 
-        rc = put_at(r, (const char *)pixels + row_bytes(r, w) * (size_t)k,
-                    row_bytes(r, w) * (size_t)step, at, err);
+        rc = disk_write_at(r->fd,
+                           (const char *)pixels + row_bytes(r, w) * (size_t)k,
+                           row_bytes(r, w) * (size_t)step, at, r->path, err);
     }
     return rc;
 }
@@ -110,34 +123,20 @@ rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
 int
 rows_sync(struct rows *r, struct rad_error *err)
 {
-    if (r->dirty && fdatasync(r->fd) < 0)
-        return rad_fail(err, RAD_EIO, "cannot sync '%s': %s", r->path,
-                        strerror(errno));
+    int rc = r->dirty ? disk_sync_data(r->fd, r->path, err) : 0;
+
     r->dirty = false;
-    return 0;
+    return rc;
 }
 
 int
 rows_read(struct rows *r, int y, float *pixels, struct rad_error *err)
 {
     size_t n = row_bytes(r, r->width);
-    off_t at = (off_t)n * y;
-    char *to = (char *)pixels;
 
     if (use(r, err) < 0)
         return RAD_EIO;
-    while (n > 0) {
-        ssize_t got = pread(r->fd, to, n, at);
-
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return rad_fail(err, RAD_EIO, "cannot read '%s'", r->path);
-        to += got;
-        at += got;
-        n -= (size_t)got;
-    }
-    return 0;
+    return disk_read_at(r->fd, pixels, n, (off_t)n * y, r->path, err);
 }
 
 void
@@ -154,53 +153,6 @@ rows_remove(struct rows *r)
     rows_rest(r);
     unlink(r->path);
     r->dirty = false;
-}
-
-/* A file that gets its name when it is whole. */
-struct whole_file {
-    char tmp[ROWS_PATH_MAX + 8];
-    const char *path;
-    FILE *f;
-};
-
-static int
-whole_open(struct whole_file *w, const char *path, struct rad_error *err)
-{
-    w->path = path;
-    if (snprintf(w->tmp, sizeof w->tmp, "%s.tmp", path) >= (int)sizeof w->tmp)
-        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
-    w->f = fopen(w->tmp, "we");
-    if (!w->f)
-        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", w->tmp,
-                        strerror(errno));
-    return 0;
-}
-
-static int
-whole_write(void *arg, const void *data, size_t len, struct rad_error *err)
-{
-    struct whole_file *w = arg;
-
-    if (fwrite(data, 1, len, w->f) != len)
-        return rad_fail(err, RAD_EIO, "cannot write '%s': %s", w->tmp,
-                        strerror(errno));
-    return 0;
-}
-
-/* Close and name it, or drop it if rc says that writing failed. */
-static int
-whole_close(struct whole_file *w, int rc, bool durable, struct rad_error *err)
-{
-    if (rc == 0 && (fflush(w->f) || (durable && fsync(fileno(w->f)) < 0)))
-        rc = rad_fail(err, RAD_EIO, "cannot write '%s': %s", w->tmp,
-                      strerror(errno));
-    fclose(w->f);
-    if (rc == 0 && rename(w->tmp, w->path) < 0)
-        rc = rad_fail(err, RAD_EIO, "cannot rename to '%s': %s", w->path,
-                      strerror(errno));
-    if (rc < 0)
-        unlink(w->tmp);
-    return rc;
 }
 
 static int
@@ -228,8 +180,8 @@ int
 rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
              bool durable, struct rad_error *err)
 {
-    struct whole_file w;
-    struct rad_sink sink = { whole_write, &w };
+    struct disk_file w;
+    struct rad_sink sink = { disk_file_write, &w };
     float *pixels = malloc(row_bytes(r, r->width));
     struct rad_rgb *line = calloc((size_t)r->width, sizeof *line);
     uint8_t *code = malloc(RAD_HDR_ROW_BYTES(r->width));
@@ -238,12 +190,12 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
     if (!pixels || !line || !code)
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     else
-        rc = whole_open(&w, path, err);
+        rc = disk_file_open(&w, path, err);
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
         if (rc == 0)
             rc = encode_rows(r, &sink, pixels, line, code, err);
-        rc = whole_close(&w, rc, durable, err);
+        rc = disk_file_close(&w, rc, durable, err);
     }
     free(pixels);
     free(line);
@@ -255,7 +207,7 @@ int
 rows_depth(struct rows *r, const char *path, bool durable,
            struct rad_error *err)
 {
-    struct whole_file w;
+    struct disk_file w;
     float *pixels;
     int rc;
 
@@ -264,7 +216,7 @@ rows_depth(struct rows *r, const char *path, bool durable,
     pixels = malloc(row_bytes(r, r->width));
     if (!pixels)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = whole_open(&w, path, err);
+    rc = disk_file_open(&w, path, err);
     if (rc < 0) {
         free(pixels);
         return rc;
@@ -274,10 +226,10 @@ rows_depth(struct rows *r, const char *path, bool durable,
         for (int x = 0; x < r->width; x++)
             pixels[x] = pixels[4 * (size_t)x + 3];
         if (rc == 0)
-            rc =
-                whole_write(&w, pixels, (size_t)r->width * sizeof *pixels, err);
+            rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
+                                 err);
     }
-    rc = whole_close(&w, rc, durable, err);
+    rc = disk_file_close(&w, rc, durable, err);
     free(pixels);
     return rc;
 }

@@ -24,10 +24,16 @@ struct rows {
     bool dirty;                  /* written to since the last rows_sync() */
 };
 
-/* Make the file; `reserve` asks for the disk's space at once, so that a full
- * disk shows here.  RAD_ECANTCREAT, RAD_EIO. */
+/* Make the file; durable: it has all its space on the disk, so that a full one
+ * shows here, and lasts (its name does when its folder is synced).  RAD_EFULL,
+ * RAD_EIO. */
 int rows_create(struct rows *r, const char *path, int width, int height,
-                int channels, bool reserve, struct rad_error *err);
+                int channels, bool durable, struct rad_error *err);
+
+/* The same file as it was left; RAD_EDATA when it is missing, or not as long.
+ */
+int rows_open(struct rows *r, const char *path, int width, int height,
+              int channels, struct rad_error *err);
 
 /* Put h rows of w pixels at column x, row y; pixels is w * h * channels
  * floats.  RAD_EPROTO if they do not lie in the picture. */

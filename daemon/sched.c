@@ -568,7 +568,7 @@ serve(struct coord *c, struct coord_worker *w)
 {
     bool done = false;
 
-    if (!sched_takes_units(w) || w->alone)
+    if (!sched_takes_units(w) || w->alone || c->full)
         return false;
     for (size_t i = 0; i < c->njobs && !done; i++) {
         struct job *job = c->jobs[i];
@@ -613,7 +613,8 @@ sched_run(struct coord *c)
         for (struct coord_worker *w = c->workers; w; w = w->next)
             gave |= serve(c, w);
     } while (gave);
-    balance_run(c);
+    if (!c->full)
+        balance_run(c);
     for (struct coord_worker *w = c->workers; w; w = w->next)
         let_go(c, w);
 }

@@ -58,6 +58,9 @@ struct coord_conn {
 
 struct coord {
     struct coord_env env;
+    struct coord_keep keep;
+    bool full; /* the disk is: jobs are held */
+    char full_text[MSG_MAX_TEXT + 1];
     struct action_list actions;
     uint64_t now_ms;
     struct coord_conn *conns;

@@ -132,7 +132,7 @@ service_lock_dir(const char *path, struct rad_error *err)
         return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", lock,
                         strerror(errno));
     if (flock(fd, LOCK_EX | LOCK_NB) == 0)
-        return 0; /* held until the process ends */
+        return fd;
     close(fd);
     return rad_fail(err, RAD_ECANTCREAT, "another process uses folder '%s'",
                     path);

@@ -33,8 +33,8 @@ int service_ports_file(const char *path, const char *const lines[], int n,
  * fine if it is there.  RAD_ECANTCREAT. */
 int service_make_dir(const char *path, int mode, struct rad_error *err);
 
-/* Take the folder for this process alone, until it ends; RAD_ECANTCREAT when
- * another has it. */
+/* Take the folder for this process alone, until it ends or closes what is
+ * returned; RAD_ECANTCREAT when another has it. */
 int service_lock_dir(const char *path, struct rad_error *err);
 
 /* Call end(arg) once when the pipe at fd reaches its end: whoever started

@@ -104,8 +104,6 @@ sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
     if (same == 1)
         note(s, digest, &st);
     *damaged = same == 0;
-    if (*damaged)
-        unlink(path);
     return same == 1;
 }
 

@@ -1,9 +1,8 @@
 /* sound.h - which files of a store hold what their names say
  *
  * A file is named by its SHA-256.  It is read and compared with its name when
- * this process first meets it, and again when its length or time has changed;
- * one that differs is removed, so that it is asked for anew.  Reading takes
- * about a second for a gigabyte, once.
+ * this process first meets it, and again when its length or time has changed.
+ * Reading takes about a second for a gigabyte, once.
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_SOUND_H
 #define RADD_DAEMON_SOUND_H
@@ -24,7 +23,7 @@ struct sounds {
 void sounds_release(struct sounds *s);
 
 /* Is the file at path there, and is its digest that?  *damaged says that it
- * was not, and has been removed. */
+ * is another. */
 bool sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
                   const char *path, bool *damaged);
 

@@ -1,28 +1,34 @@
 /* store.c - see store.h
  *
- * Each request is a task that owns copies of all it needs.  The lists of
- * arriving files and of jobs are the pool thread's; the loop never looks at
- * them. */
+ * Each request is a task that owns copies of all it needs.  The arriving files,
+ * the job folders and the journal are the pool thread's; the loop never looks
+ * at them once the jobs of earlier lives are recovered.
+ *
+ * What is noted in the journal is so before: files, then their names, then the
+ * note.  What is removed is so after, but a folder that is forgotten, which
+ * disappears at once: of that the journal may know a little longer. */
 #include "config.h"
 
 #include "store.h"
 
 #include "blobs.h"
-#include "jobtext.h"
-#include "rows.h"
+#include "folder.h"
+#include "frame.h"
+#include "job.h"
+#include "journal.h"
 #include "log.h"
 #include "service.h"
 #include "sound.h"
 #include "task.h"
 
 #include <assert.h>
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 /* A file that a connection sends. */
@@ -33,33 +39,20 @@ struct arriving {
     struct blob_part part;
 };
 
-struct frame_rows {
-    struct rows rows;
-    char *view;
-    uint32_t number;
-    bool open; /* rows are there */
-};
-
-struct job {
-    struct job *next;
-    uint8_t id[MSG_JOB];
-    char *params;
-    bool depth;
-    uint32_t nframes;
-    struct frame_rows *frames;
-};
-
 struct store {
     struct task_queue queue;
     const struct store_handler *handler;
     void *arg;
     char dir[BLOBS_DIR_MAX];
+    int lock;
     struct blobs blobs;
     struct sounds sounds;      /* [loop] */
     bool durable;              /* [fixed] */
+    bool ending;               /* [loop] */
     size_t backlog;            /* [loop] */
     struct arriving *arriving; /* [pool] */
-    struct job *jobs;          /* [pool] */
+    struct folder folder;      /* [pool] */
+    struct journal *journal;   /* [pool]; NULL: nothing outlives the process */
 };
 
 static const char *
@@ -74,15 +67,28 @@ status_of(const struct task *t)
     return t->code < 0 ? rad_exit_status(t->code) : 0;
 }
 
-static void *
-task_alloc(size_t size)
+/* Not to be told: it failed with the whole store. */
+static bool
+is_mute(const struct store *s, const struct task *t)
 {
-    void *p = calloc(1, size);
+    return t->code < 0 && (s->ending || s->queue.told_broken);
+}
 
-    /* a store that cannot answer must not go on as if it would */
-    if (!p)
-        abort();
-    return p;
+/* Room for a task; NULL when memory is out, and then the handler knows that the
+ * store does not answer. */
+static void *
+new_task(struct store *s, size_t size, int (*run)(struct task *t),
+         void (*done)(struct task *t))
+{
+    struct task *t = calloc(1, size);
+
+    if (t) {
+        t->run = run;
+        t->done = done;
+    } else {
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+    }
+    return t;
 }
 
 /* --- arriving files --- */
@@ -159,7 +165,7 @@ chunk_run(struct task *t)
         rc = rad_fail(&t->err, RAD_EPROTO, "a file that changed its length");
     else
         rc = blob_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err);
-    if (rc != 0)
+    if (rc != 0 && rc != RAD_EFULL)
         end_arriving(at);
     return rc;
 }
@@ -183,9 +189,9 @@ chunk_done(struct task *t)
     s->backlog -= c->len;
     if (t->code > 0)
         note_file(s, c->hash);
-    if (t->code != 0)
+    if (t->code != 0 && !is_mute(s, t))
         s->handler->file(s->arg, c->conn, c->hash, status_of(t), failure(t));
-    else if (s->handler->progress)
+    else if (t->code == 0 && s->handler->progress)
         s->handler->progress(s->arg);
     free(c);
 }
@@ -193,10 +199,12 @@ chunk_done(struct task *t)
 void
 store_put_chunk(struct store *s, uint64_t conn, const struct msg_chunk *chunk)
 {
-    struct chunk_task *c = task_alloc(sizeof *c + chunk->len);
+    struct chunk_task *c =
+        new_task(s, sizeof *c + chunk->len, chunk_run, chunk_done);
 
-    c->task.run = chunk_run;
-    c->task.done = chunk_done;
+    if (!c)
+        return;
+    c->task.writes = true;
     c->store = s;
     c->conn = conn;
     c->offset = chunk->offset;
@@ -235,10 +243,11 @@ free_task(struct task *t)
 void
 store_drop_conn(struct store *s, uint64_t conn)
 {
-    struct drop_task *d = task_alloc(sizeof *d);
+    struct drop_task *d = new_task(s, sizeof *d, drop_run, free_task);
 
-    d->task.run = drop_run;
-    d->task.done = free_task;
+    if (!d)
+        return;
+    d->task.writes = true; /* after its chunks, which may be held */
     d->store = s;
     d->conn = conn;
     task_push(&s->queue, &d->task);
@@ -246,204 +255,355 @@ store_drop_conn(struct store *s, uint64_t conn)
 
 /* --- jobs --- */
 
-static struct job **
-find_job(struct store *s, const uint8_t *id)
-{
-    struct job **at = &s->jobs;
-
-    while (*at && memcmp((*at)->id, id, MSG_JOB) != 0)
-        at = &(*at)->next;
-    return at;
-}
-
-static void
-free_job(struct job *j)
-{
-    if (!j)
-        return;
-    for (uint32_t i = 0; i < j->nframes; i++) {
-        if (j->frames[i].open)
-            rows_rest(&j->frames[i].rows);
-        free(j->frames[i].view);
-    }
-    free(j->frames);
-    free(j->params);
-    free(j);
-}
-
-static struct job *
-copy_job(const uint8_t *id, const struct msg_spec *p)
-{
-    struct job *j = calloc(1, sizeof *j);
-
-    if (!j)
-        return NULL;
-    memcpy(j->id, id, MSG_JOB);
-    j->depth = p->flags & MSG_JOB_DEPTH;
-    j->params = strdup(p->params);
-    j->frames = calloc(p->nframes, sizeof *j->frames);
-    if (!j->params || !j->frames) {
-        free_job(j);
-        return NULL;
-    }
-    j->nframes = p->nframes;
-    for (uint32_t i = 0; i < p->nframes; i++) {
-        struct frame_rows *f = &j->frames[i];
-
-        f->number = p->frames[i].number;
-        f->rows.fd = -1;
-        f->rows.width = (int)p->frames[i].width;
-        f->rows.height = (int)p->frames[i].height;
-        f->view = strdup(p->frames[i].view);
-        if (!f->view) {
-            free_job(j);
-            return NULL;
-        }
-    }
-    return j;
-}
-
-/* DIR/jobs/ID, or DIR/jobs/ID/FRAMEsuffix. */
-static void
-job_path(const struct store *s, const uint8_t *id, char path[ROWS_PATH_MAX])
-{
-    char hex[MSG_JOB_HEX];
-
-    msg_job_format(id, hex);
-    snprintf(path, ROWS_PATH_MAX, "%s/jobs/%s", s->dir, hex);
-}
-
-static void
-frame_path(const struct store *s, const uint8_t *id, uint32_t frame,
-           const char *suffix, char path[ROWS_PATH_MAX])
-{
-    size_t n;
-
-    job_path(s, id, path);
-    n = strlen(path);
-    snprintf(path + n, ROWS_PATH_MAX - n, "/%u%s", frame, suffix);
-}
-
-static const char *
-suffix_of(enum msg_what what)
-{
-    return what == MSG_WHAT_PICTURE ? ".hdr"
-           : what == MSG_WHAT_DEPTH ? ".z"
-                                    : ".preview";
-}
-
 struct job_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
     uint32_t frame;
-    struct job *job; /* of open_run; handed over to the list */
+    int state;
+    uint64_t bytes;
 };
 
 static struct job_task *
 new_job_task(struct store *s, const uint8_t *id, int (*run)(struct task *t),
              void (*done)(struct task *t))
 {
-    struct job_task *j = task_alloc(sizeof *j);
+    struct job_task *j = new_task(s, sizeof *j, run, done);
 
-    j->task.run = run;
-    j->task.done = done;
+    if (!j)
+        return NULL;
     j->store = s;
     memcpy(j->id, id, MSG_JOB);
     return j;
 }
 
+/* To be kept: it may be held, and is done when it lasts. */
+static void
+push_lasting(struct store *s, struct task *t)
+{
+    t->writes = t->lasts = true;
+    task_push(&s->queue, t);
+}
+
+/* A job that is to be kept, or how it ended, with all that it points at. */
+struct saved_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct saved_job saved;
+    struct wire_out bytes; /* its SUBMIT */
+    struct msg msg;        /* and that unpacked */
+    char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
+    char *stats;
+    size_t stats_len;
+};
+
+static void
+free_saved(struct saved_task *o)
+{
+    wire_out_release(&o->bytes);
+    msg_release(&o->msg);
+    free(o->stats);
+    free(o);
+}
+
+static struct saved_task *
+new_saved_task(struct store *s, const struct saved_job *from,
+               int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = from->spec };
+    struct saved_task *o = new_task(s, sizeof *o, run, done);
+
+    if (!o)
+        return NULL;
+    o->store = s;
+    memcpy(o->id, from->spec.job, MSG_JOB);
+    wire_out_init(&o->bytes, MSG_FRAME_MAX);
+    if (msg_pack(&o->bytes, &m) != 0 ||
+        msg_unpack(&o->msg, MSG_SUBMIT, 0, o->bytes.buf + MSG_HEADER,
+                   o->bytes.len - MSG_HEADER, NULL) != 0) {
+        free_saved(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return NULL;
+    }
+    o->saved = *from;
+    o->saved.spec = o->msg.submit;
+    o->saved.last.job = o->id;
+    snprintf(o->owner, sizeof o->owner, "%s", from->owner ? from->owner : "");
+    snprintf(o->text, sizeof o->text, "%s", from->text ? from->text : "");
+    o->saved.owner = o->owner;
+    o->saved.text = o->text;
+    return o;
+}
+
 static int
 open_run(struct task *t)
 {
-    struct job_task *o = (struct job_task *)t;
+    struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
-    struct job *j = o->job, **old = find_job(s, o->id);
-    char path[ROWS_PATH_MAX];
-    int rc;
+    int rc = folder_make(&s->folder, &o->saved.spec, &t->err);
 
-    if (!j)
-        return rad_fail(&t->err, RAD_ENOMEM, "out of memory");
-    if (*old) {
-        struct job *gone = *old;
-
-        *old = gone->next;
-        free_job(gone);
-    }
-    j->next = s->jobs;
-    s->jobs = j;
-    o->job = NULL;
-    job_path(s, o->id, path);
-    rc = service_make_dir(path, 0750, &t->err);
-    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
-        struct frame_rows *f = &j->frames[i];
-
-        frame_path(s, o->id, i, ".rows", path);
-        rc = rows_create(&f->rows, path, f->rows.width, f->rows.height,
-                         j->depth ? 4 : 3, s->durable, &t->err);
-        f->open = rc == 0;
-    }
+    if (rc == 0 && s->journal)
+        rc = journal_put_job(s->journal, &o->saved, &t->err);
     return rc;
 }
 
 static void
 open_done(struct task *t)
 {
-    struct job_task *o = (struct job_task *)t;
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
 
-    free_job(o->job);
-    o->store->handler->job(o->store->arg, o->id, status_of(t), failure(t));
-    free(o);
+    if (!is_mute(s, t))
+        s->handler->job(s->arg, o->id, status_of(t), failure(t));
+    free_saved(o);
 }
 
 void
 store_open_job(struct store *s, const uint8_t job[MSG_JOB],
                const struct saved_job *saved)
 {
-    struct job_task *o = new_job_task(s, job, open_run, open_done);
+    struct saved_job named = *saved;
+    struct saved_task *o;
 
-    o->job = copy_job(job, &saved->spec);
-    task_push(&s->queue, &o->task);
+    named.spec.job = job;
+    o = new_saved_task(s, &named, open_run, open_done);
+    if (o)
+        push_lasting(s, &o->task);
 }
 
-/* The rows of a frame, or an error. */
 static int
-find_frame(struct store *s, const uint8_t *id, uint32_t frame, struct job **job,
-           struct frame_rows **rows, struct rad_error *err)
+state_run(struct task *t)
 {
-    struct job *j = *find_job(s, id);
+    struct job_task *j = (struct job_task *)t;
 
-    if (!j || frame >= j->nframes || !j->frames[frame].open)
-        return rad_fail(err, RAD_ENOINPUT, "no rows of frame %u", frame);
-    *job = j;
-    *rows = &j->frames[frame];
+    return journal_put_state(j->store->journal, j->id, j->state, &t->err);
+}
+
+void
+store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state)
+{
+    struct job_task *j =
+        s->journal ? new_job_task(s, job, state_run, free_task) : NULL;
+
+    if (!j)
+        return;
+    j->state = state;
+    push_lasting(s, &j->task);
+}
+
+/* --- the end of a job --- */
+
+static int
+rest_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_rest(&j->store->folder, j->id);
+    j->bytes = folder_bytes(&j->store->folder, j->id);
     return 0;
+}
+
+static void
+rest_done(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+    struct store *s = j->store;
+
+    s->handler->filed(s->arg, j->id, j->bytes);
+    free(j);
+}
+
+static int
+end_run(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    int rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len, &t->err);
+
+    /* what is left when the rows have gone */
+    o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
+    return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
+}
+
+static void
+end_done(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    struct job_task *j;
+
+    if (!is_mute(s, t)) {
+        j = new_job_task(s, o->id, rest_run, rest_done);
+        if (j)
+            task_push(&s->queue, &j->task);
+    }
+    free_saved(o);
+}
+
+void
+store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
+              size_t len)
+{
+    struct saved_task *o =
+        s->journal ? new_saved_task(s, saved, end_run, end_done) : NULL;
+
+    if (!o)
+        return;
+    o->stats = malloc(len + 1);
+    o->stats_len = len;
+    if (!o->stats) {
+        free_saved(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return;
+    }
+    memcpy(o->stats, stats, len);
+    push_lasting(s, &o->task);
+}
+
+static int
+forget_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    folder_forget(&p->store->folder, p->id);
+    return 0;
+}
+
+static int
+strike_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    return journal_forget(p->store->journal, p->id, &t->err);
+}
+
+void
+store_forget_job(struct store *s, const uint8_t job[MSG_JOB])
+{
+    struct job_task *j = new_job_task(s, job, forget_run, free_task);
+
+    if (j) /* also while the disk is full: it makes room */
+        task_push(&s->queue, &j->task);
+    j = s->journal ? new_job_task(s, job, strike_run, free_task) : NULL;
+    if (j)
+        push_lasting(s, &j->task);
+}
+
+struct settle_task {
+    struct task task;
+    struct store *store;
+    uint64_t conn;
+    uint32_t request;
+};
+
+static int
+nothing_run(struct task *t)
+{
+    (void)t;
+    return 0;
+}
+
+static void
+settle_done(struct task *t)
+{
+    struct settle_task *w = (struct settle_task *)t;
+    struct store *s = w->store;
+
+    if (!is_mute(s, t))
+        s->handler->settled(s->arg, w->conn, w->request);
+    free(w);
+}
+
+void
+store_settle(struct store *s, uint64_t conn, uint32_t request)
+{
+    struct settle_task *w = new_task(s, sizeof *w, nothing_run, settle_done);
+
+    if (!w)
+        return;
+    w->store = s;
+    w->conn = conn;
+    w->request = request;
+    push_lasting(s, &w->task);
+}
+
+/* --- units and rows --- */
+
+struct unit_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct saved_unit unit;
+    char worker[MSG_MAX_NAME + 1];
+};
+
+static int
+unit_run(struct task *t)
+{
+    struct unit_task *u = (struct unit_task *)t;
+
+    return journal_put_unit(u->store->journal, u->id, &u->unit, &t->err);
+}
+
+void
+store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
+                const struct saved_unit *unit)
+{
+    struct unit_task *u =
+        s->journal ? new_task(s, sizeof *u, unit_run, free_task) : NULL;
+
+    if (!u)
+        return;
+    u->store = s;
+    memcpy(u->id, job, MSG_JOB);
+    u->unit = *unit;
+    snprintf(u->worker, sizeof u->worker, "%s", unit->worker);
+    u->unit.worker = u->worker;
+    push_lasting(s, &u->task);
 }
 
 struct rows_task {
     struct task task;
     struct store *store;
     struct action_rows key;
+    struct msg_counts counts;
     float *pixels;
+    uint8_t *bottom;
     size_t bytes;
 };
+
+static int
+note_rows(struct rows_task *r)
+{
+    const struct action_rows *k = &r->key;
+    struct saved_unit u = { .unit = k->unit,
+                            .attempt = k->attempt,
+                            .stored = k->row + k->rows,
+                            .done = k->last,
+                            .end_ms = k->now_ms,
+                            .counts = r->counts,
+                            .bottom = r->bottom,
+                            .nbottom = k->nbottom };
+
+    return journal_put_rows(r->store->journal, k->job, &u, &r->task.err);
+}
 
 static int
 rows_run(struct task *t)
 {
     struct rows_task *r = (struct rows_task *)t;
-    struct action_rows *k = &r->key;
-    struct frame_rows *f;
-    struct job *j;
-    int rc = find_frame(r->store, k->job, k->frame, &j, &f, &t->err);
+    int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, &t->err);
 
-    if (rc == 0 && k->channels != f->rows.channels)
-        rc = rad_fail(&t->err, RAD_EPROTO, "rows of %d channels, expected %d",
-                      k->channels, f->rows.channels);
-    if (rc == 0)
-        rc = rows_write(&f->rows, (int)k->x, (int)k->y, (int)k->width,
-                        (int)k->rows, r->pixels, &t->err);
-    return rc;
+    return rc == 0 && r->store->journal ? note_rows(r) : rc;
+}
+
+static void
+free_rows(struct rows_task *r)
+{
+    free(r->pixels);
+    free(r->bottom);
+    free(r);
 }
 
 static void
@@ -453,83 +613,89 @@ rows_done(struct task *t)
     struct store *s = r->store;
 
     s->backlog -= r->bytes;
-    s->handler->rows(s->arg, &r->key, status_of(t), failure(t));
-    free(r->pixels);
-    free(r);
+    if (!is_mute(s, t))
+        s->handler->rows(s->arg, &r->key, status_of(t), failure(t));
+    free_rows(r);
+}
+
+/* Own what the action lends; false: memory is out. */
+static bool
+copy_rows(struct rows_task *r, const struct action_rows *rows)
+{
+    size_t n = (size_t)rows->rows * rows->width * rows->channels;
+
+    r->key = *rows;
+    r->key.pixels = NULL;
+    r->key.counts = NULL;
+    r->key.bottom = NULL;
+    if (rows->counts)
+        r->counts = *rows->counts;
+    r->bytes = n * sizeof(float);
+    r->pixels = malloc(r->bytes + 1);
+    r->bottom = malloc(rows->nbottom + 1);
+    if (!r->pixels || !r->bottom)
+        return false;
+    wire_floats_get(r->pixels, rows->pixels, n);
+    if (rows->nbottom > 0)
+        memcpy(r->bottom, rows->bottom, rows->nbottom);
+    return true;
 }
 
 void
 store_put_rows(struct store *s, const struct action_rows *rows)
 {
-    struct rows_task *r = task_alloc(sizeof *r);
-    size_t n = (size_t)rows->rows * rows->width * rows->channels;
+    struct rows_task *r = new_task(s, sizeof *r, rows_run, rows_done);
 
-    r->task.run = rows_run;
-    r->task.done = rows_done;
+    if (!r)
+        return;
     r->store = s;
-    r->key = *rows;
-    r->key.pixels = NULL;
-    r->bytes = n * sizeof(float);
-    r->pixels = task_alloc(r->bytes + 1);
-    wire_floats_get(r->pixels, rows->pixels, n);
+    if (!copy_rows(r, rows)) {
+        free_rows(r);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return;
+    }
     s->backlog += r->bytes;
-    task_push(&s->queue, &r->task);
+    push_lasting(s, &r->task);
 }
 
-/* A picture of the rows so far. */
-static int
-write_rgbe(const struct job *j, struct frame_rows *f, const char *path,
-           bool durable, struct rad_error *err)
-{
-    struct rad_hdr_info info = { .program = "radsubmit",
-                                 .options = j->params,
-                                 .view = f->view,
-                                 .frame = f->number,
-                                 .width = f->rows.width,
-                                 .height = f->rows.height };
-
-    int rc = jobtext_pixaspect(j->params, f->view, f->rows.width,
-                               f->rows.height, &info.pixaspect, err);
-
-    if (rc < 0)
-        return rc;
-    return rows_picture(&f->rows, &info, path, durable, err);
-}
+/* --- pictures --- */
 
 static int
 picture_run(struct task *t)
 {
     struct job_task *p = (struct job_task *)t;
     struct store *s = p->store;
-    struct frame_rows *f;
-    struct job *j;
-    char path[ROWS_PATH_MAX];
-    int rc = find_frame(s, p->id, p->frame, &j, &f, &t->err);
+    int rc = folder_picture(&s->folder, p->id, p->frame, &t->err);
 
-    if (rc < 0)
-        return rc;
-    if (j->depth) {
-        frame_path(s, p->id, p->frame, suffix_of(MSG_WHAT_DEPTH), path);
-        rc = rows_depth(&f->rows, path, s->durable, &t->err);
-        if (rc < 0)
-            return rc;
-    }
-    frame_path(s, p->id, p->frame, suffix_of(MSG_WHAT_PICTURE), path);
-    rc = write_rgbe(j, f, path, s->durable, &t->err);
-    if (rc == 0) {
-        rows_remove(&f->rows);
-        f->open = false;
-    }
+    if (rc == 0 && s->journal)
+        rc = journal_put_frame(s->journal, p->id, p->frame, &t->err);
     return rc;
+}
+
+static int
+rows_gone_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    folder_drop_rows(&p->store->folder, p->id, p->frame);
+    return 0;
 }
 
 static void
 picture_done(struct task *t)
 {
-    struct job_task *p = (struct job_task *)t;
+    struct job_task *p = (struct job_task *)t, *gone;
+    struct store *s = p->store;
 
-    p->store->handler->picture(p->store->arg, p->id, p->frame, status_of(t),
-                               failure(t));
+    if (t->code == 0) {
+        gone = new_job_task(s, p->id, rows_gone_run, free_task);
+        if (gone) {
+            gone->frame = p->frame;
+            task_push(&s->queue, &gone->task);
+        }
+    }
+    if (!is_mute(s, t))
+        s->handler->picture(s->arg, p->id, p->frame, status_of(t), failure(t));
     free(p);
 }
 
@@ -538,65 +704,10 @@ store_write_picture(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
 {
     struct job_task *p = new_job_task(s, job, picture_run, picture_done);
 
+    if (!p)
+        return;
     p->frame = frame;
-    task_push(&s->queue, &p->task);
-}
-
-static void
-remove_dir(const char *path)
-{
-    DIR *d = opendir(path);
-    struct dirent *e;
-
-    if (!d)
-        return;
-    while ((e = readdir(d)) != NULL)
-        unlinkat(dirfd(d), e->d_name, 0);
-    closedir(d);
-    rmdir(path);
-}
-
-/* The folders of jobs that nobody knows any more: jobs live in memory. */
-static void
-remove_jobs(const struct store *s)
-{
-    char path[ROWS_PATH_MAX];
-    uint8_t id[MSG_JOB];
-    struct dirent *e;
-    DIR *d;
-
-    snprintf(path, sizeof path, "%s/jobs", s->dir);
-    d = opendir(path);
-    if (!d)
-        return;
-    while ((e = readdir(d)) != NULL)
-        if (msg_job_parse(e->d_name, id)) {
-            job_path(s, id, path);
-            remove_dir(path);
-        }
-    closedir(d);
-}
-
-static int
-forget_run(struct task *t)
-{
-    struct job_task *p = (struct job_task *)t;
-    struct job **at = find_job(p->store, p->id), *j = *at;
-    char path[ROWS_PATH_MAX];
-
-    if (j) {
-        *at = j->next;
-        free_job(j);
-    }
-    job_path(p->store, p->id, path);
-    remove_dir(path);
-    return 0;
-}
-
-void
-store_forget_job(struct store *s, const uint8_t job[MSG_JOB])
-{
-    task_push(&s->queue, &new_job_task(s, job, forget_run, free_task)->task);
+    push_lasting(s, &p->task);
 }
 
 /* --- reading --- */
@@ -613,36 +724,24 @@ struct read_task {
 };
 
 static int
-source_path(struct read_task *r, char path[ROWS_PATH_MAX])
+source_path(struct read_task *r, char path[DISK_PATH_MAX])
 {
-    struct store *s = r->store;
-    struct frame_rows *f;
-    struct job *j;
     char name[RAD_SHA_HEX + 1], part[BLOBS_PATH_MAX];
 
-    if (r->from.file) {
-        blobs_name(r->from.hash, name);
-        blobs_path(&s->blobs, name, part);
-        snprintf(path, ROWS_PATH_MAX, "%s", part);
-        return 0;
-    }
-    frame_path(s, r->from.job, r->from.frame, suffix_of(r->from.what), path);
-    if (r->from.what != MSG_WHAT_PREVIEW)
-        return 0;
-    /* once the rows are gone, the picture is the preview */
-    if (find_frame(s, r->from.job, r->from.frame, &j, &f, NULL) < 0) {
-        frame_path(s, r->from.job, r->from.frame, suffix_of(MSG_WHAT_PICTURE),
-                   path);
-        return 0;
-    }
-    return r->offset ? 0 : write_rgbe(j, f, path, false, &r->task.err);
+    if (!r->from.file)
+        return folder_find(&r->store->folder, r->from.job, r->from.frame,
+                           r->from.what, r->offset == 0, path, &r->task.err);
+    blobs_name(r->from.hash, name);
+    blobs_path(&r->store->blobs, name, part);
+    snprintf(path, DISK_PATH_MAX, "%s", part);
+    return 0;
 }
 
 static int
 read_run(struct task *t)
 {
     struct read_task *r = (struct read_task *)t;
-    char path[ROWS_PATH_MAX];
+    char path[DISK_PATH_MAX];
     struct stat st;
     ssize_t n = -1;
     int fd, rc = source_path(r, path);
@@ -680,10 +779,10 @@ void
 store_read(struct store *s, const struct store_source *from, uint64_t offset,
            void *buf, size_t cap, store_read_fn *fn, void *arg)
 {
-    struct read_task *r = task_alloc(sizeof *r);
+    struct read_task *r = new_task(s, sizeof *r, read_run, read_done);
 
-    r->task.run = read_run;
-    r->task.done = read_done;
+    if (!r)
+        return;
     r->store = s;
     r->from = *from;
     r->offset = offset;
@@ -694,22 +793,213 @@ store_read(struct store *s, const struct store_source *from, uint64_t offset,
     task_push(&s->queue, &r->task);
 }
 
+/* --- jobs of earlier lives --- */
+
+/* All that is needed of the store while it recovers. */
+struct recovery {
+    struct store *s;
+    journal_job_fn *fn;
+    void *arg;
+};
+
+/* Its scene is there, and is what it was. */
+static int
+check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
+{
+    for (uint32_t i = 0; i < spec->files.n; i++) {
+        const uint8_t *hash = spec->files.hash + (size_t)i * MSG_HASH;
+        char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+        bool damaged;
+
+        blobs_name(hash, name);
+        blobs_path(&s->blobs, name, path);
+        if (!sounds_check(&s->sounds, hash, path, &damaged))
+            return rad_fail(err, RAD_EDATA, "file '%s' is %s", path,
+                            damaged ? "damaged" : "missing");
+    }
+    return 0;
+}
+
+static int
+recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
+{
+    struct recovery *r = arg;
+    bool over = saved->state >= JOB_DONE;
+    int rc = 0;
+
+    if (over && !folder_is_there(&r->s->folder, saved->spec.job)) {
+        /* it was being forgotten */
+        return journal_forget(r->s->journal, saved->spec.job, err);
+    }
+    if (!over)
+        rc = check_files(r->s, &saved->spec, err);
+    if (rc == 0)
+        rc = folder_take_up(&r->s->folder, saved, over, err);
+    return rc == 0 ? r->fn(r->arg, saved, err) : rc;
+}
+
+/* One that nobody was told is accepted. */
+static int
+drop_unknown(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
+{
+    struct store *s = arg;
+    bool has;
+    int rc = journal_has(s->journal, job, &has, err);
+
+    if (rc == 0 && !has)
+        folder_forget(&s->folder, job);
+    return rc;
+}
+
+/* The tool is named to whoever has to deal with it. */
+static int
+refuse(const struct store *s, const struct rad_error *why,
+       struct rad_error *err)
+{
+    if (why->code != RAD_EDATA && why->code != RAD_EIO) {
+        *err = *why;
+        return why->code;
+    }
+    rad_fail(err, why->code, "%.180s; 'radctl check' tells more", why->what);
+    rad_error_where(err, "state folder '%.200s' is damaged", s->dir);
+    return why->code;
+}
+
+int
+store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
+              store_job_fn *fn, void *arg, struct rad_error *err)
+{
+    struct recovery r = { s, fn, arg };
+    struct rad_error why = { 0 };
+    int rc;
+
+    *epoch = now_ms;
+    if (!s->journal)
+        return 0;
+    rc = journal_begin_life(s->journal, now_ms, epoch, &why);
+    if (rc == 0)
+        rc = journal_read(s->journal, recover_one, &r, &why);
+    if (rc == 0)
+        rc = journal_commit(s->journal, &why);
+    if (rc == 0)
+        rc = folder_each(&s->folder, drop_unknown, s, &why);
+    return rc == 0 ? 0 : refuse(s, &why, err);
+}
+
+bool
+store_read_row(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame,
+               uint32_t y, uint8_t *pixels)
+{
+    return folder_read_row(&s->folder, job, frame, y, pixels, NULL) == 0;
+}
+
 /* --- the whole --- */
 
-/* One fdatasync for all rows that a group of tasks wrote to a file. */
+/* One fdatasync for all rows that a group of tasks wrote to a file, one commit
+ * for all that they noted. */
 static int
 settle(void *arg, struct rad_error *err)
 {
     struct store *s = arg;
-    int rc = 0;
+    int rc;
 
     if (!s->durable)
         return 0;
-    for (struct job *j = s->jobs; j && rc == 0; j = j->next)
-        for (uint32_t i = 0; i < j->nframes && rc == 0; i++)
-            if (j->frames[i].open)
-                rc = rows_sync(&j->frames[i].rows, err);
+    rc = folder_sync(&s->folder, err);
+    if (rc == 0 && s->journal)
+        rc = journal_commit(s->journal, err);
+    if (rc < 0 && s->journal)
+        journal_rollback(s->journal);
     return rc;
+}
+
+static void
+on_fullness(void *arg, bool full, const char *text)
+{
+    struct store *s = arg;
+
+    s->handler->fullness(s->arg, full, text);
+}
+
+static void
+on_broken(void *arg, const struct rad_error *err)
+{
+    struct store *s = arg;
+
+    s->handler->broken(s->arg, rad_exit_status(err->code), err->what);
+}
+
+/* With a journal what is acknowledged is kept, or the daemon ends. */
+static const struct task_ops plain_ops = { settle, NULL, NULL };
+static const struct task_ops journal_ops = { settle, on_fullness, on_broken };
+
+static int
+stranger(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
+{
+    char hex[MSG_JOB_HEX];
+
+    (void)arg;
+    msg_job_format(job, hex);
+    return rad_fail(err, RAD_EDATA, "there is a job %s, but no database", hex);
+}
+
+static int
+open_journal(struct store *s, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    struct rad_error why = { 0 };
+    bool there;
+    int rc;
+
+    snprintf(path, sizeof path, "%s/" STORE_DATABASE, s->dir);
+    there = access(path, F_OK) == 0;
+    rc = there ? 0 : folder_each(&s->folder, stranger, NULL, &why);
+    if (rc == 0)
+        rc = journal_open(&s->journal, path, JOURNAL_MAKE, &why);
+    if (rc == 0)
+        rc = there ? journal_check(s->journal, &why)
+                   : disk_sync_dir(s->dir, &why);
+    return rc == 0 ? 0 : refuse(s, &why, err);
+}
+
+static int
+forget_one(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
+{
+    (void)err;
+    folder_forget(arg, job);
+    return 0;
+}
+
+static int
+open_jobs(struct store *s, struct rad_error *err)
+{
+    int rc;
+
+    memcpy(s->folder.dir, s->dir, sizeof s->dir);
+    s->folder.durable = s->durable;
+    rc = folder_init(&s->folder, err);
+    if (rc < 0)
+        return rc;
+    /* jobs that live in memory are nobody's any more */
+    return s->durable ? open_journal(s, err)
+                      : folder_each(&s->folder, forget_one, &s->folder, err);
+}
+
+static int
+open_dirs(struct store *s, const char *dir, struct rad_error *err)
+{
+    char files[BLOBS_DIR_MAX];
+    int rc;
+
+    if (snprintf(s->dir, sizeof s->dir, "%s", dir) >= (int)sizeof s->dir ||
+        snprintf(files, sizeof files, "%s/files", dir) >= (int)sizeof files)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
+    rc = service_make_dir(dir, 0750, err);
+    if (rc == 0)
+        rc = s->lock = service_lock_dir(dir, err);
+    if (rc >= 0)
+        rc = blobs_open(&s->blobs, files, s->durable, err);
+    return rc == 0 && s->handler->job ? open_jobs(s, err) : rc;
 }
 
 struct store *
@@ -718,32 +1008,27 @@ store_open(uv_loop_t *loop, const char *dir, bool durable,
            struct rad_error *err)
 {
     struct store *s = calloc(1, sizeof *s);
-    char files[BLOBS_DIR_MAX];
+    struct rad_error why = { 0 };
 
     if (!s) {
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    task_queue_init(&s->queue, loop);
-    s->queue.settle = settle;
-    s->queue.arg = s;
     s->handler = handler;
     s->arg = arg;
     s->durable = durable;
-    if (snprintf(s->dir, sizeof s->dir, "%s", dir) >= (int)sizeof s->dir ||
-        snprintf(files, sizeof files, "%s/files", dir) >= (int)sizeof files) {
-        rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
-        goto fail;
+    s->lock = -1;
+    task_queue_init(&s->queue, loop, &plain_ops, s);
+    if (open_dirs(s, dir, &why) < 0) {
+        if (err)
+            *err = why;
+        store_close(s);
+        return NULL;
     }
-    if (service_make_dir(dir, 0750, err) < 0 ||
-        service_lock_dir(dir, err) < 0 ||
-        blobs_open(&s->blobs, files, durable, err) < 0)
-        goto fail;
-    remove_jobs(s);
+    s->queue.gather = durable && handler->job;
+    if (s->journal)
+        s->queue.ops = &journal_ops;
     return s;
-fail:
-    free(s);
-    return NULL;
 }
 
 bool
@@ -759,20 +1044,27 @@ store_backlog(const struct store *s)
 }
 
 void
+store_end(struct store *s)
+{
+    s->ending = true;
+    task_queue_end(&s->queue);
+}
+
+void
 store_close(struct store *s)
 {
     if (!s)
         return;
-    assert(store_idle(s));
+    task_queue_release(&s->queue);
     while (s->arriving)
         end_arriving(&s->arriving);
-    while (s->jobs) {
-        struct job *j = s->jobs;
-
-        s->jobs = j->next;
-        free_job(j);
-    }
+    if (s->journal) /* what did not last is nobody's */
+        journal_rollback(s->journal);
+    journal_close(s->journal);
+    folder_release(&s->folder);
     sounds_release(&s->sounds);
+    if (s->lock >= 0)
+        close(s->lock);
     free(s);
 }
 
@@ -791,7 +1083,9 @@ store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
     blobs_name(hash, name);
     blobs_path(&s->blobs, name, path);
     there = sounds_check(&s->sounds, hash, path, &damaged);
-    if (damaged)
+    if (damaged) {
+        unlink(path);
         log_warn("file removed path=%s: it is damaged", path);
+    }
     return there;
 }

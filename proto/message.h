@@ -223,11 +223,14 @@ struct msg_fault {
     uint64_t count;
 };
 
+#define MSG_STATE_HELD 6
+
 struct msg_progress {
-    const uint8_t *job;
-    uint8_t state; /* enum job_state of daemon/job.h: 0 waiting,
-                    * 1 running, 2 paused, 3 done, 4 failed,
-                    * 5 cancelled */
+    const uint8_t *job; /* zero: of one that is not accepted yet */
+    uint8_t state;      /* enum job_state of daemon/job.h: 0 waiting,
+                         * 1 running, 2 paused, 3 done, 4 failed,
+                         * 5 cancelled; or MSG_STATE_HELD: the coordinator has
+                         * no room on its disk */
     uint64_t pixels_done, pixels_total;
     uint32_t units_done, units_total, units_redone;
     double cost_done, cost_total; /* estimated; same unit for both */

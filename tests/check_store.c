@@ -276,6 +276,9 @@ struct heard {
     uint32_t unit;
     ssize_t n;
     uint64_t size;
+    int broken, filed;
+    uint32_t settled;
+    bool full;
 };
 
 static void
@@ -342,8 +345,52 @@ on_progress(void *arg)
     h->chunks++;
 }
 
-static const struct store_handler handler = { on_file, on_job, on_rows,
-                                              on_picture, on_progress };
+static void
+on_broken(void *arg, int status, const char *text)
+{
+    struct heard *h = arg;
+
+    (void)text;
+    h->broken = status;
+}
+
+static void
+on_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes)
+{
+    struct heard *h = arg;
+
+    (void)job;
+    h->filed++;
+    h->size = bytes;
+}
+
+static void
+on_settled(void *arg, uint64_t conn, uint32_t request)
+{
+    struct heard *h = arg;
+
+    ck_assert_uint_eq(conn, 5);
+    h->settled = request;
+}
+
+static void
+on_fullness(void *arg, bool full, const char *text)
+{
+    struct heard *h = arg;
+
+    (void)text;
+    h->full = full;
+}
+
+static const struct store_handler handler = { .file = on_file,
+                                              .job = on_job,
+                                              .rows = on_rows,
+                                              .picture = on_picture,
+                                              .progress = on_progress,
+                                              .broken = on_broken,
+                                              .filed = on_filed,
+                                              .settled = on_settled,
+                                              .fullness = on_fullness };
 
 static void
 run(uv_loop_t *loop, struct store *s)
@@ -514,7 +561,7 @@ is_there(const char *name)
 #define OLD_HASH                                                               \
     "2bb80d537b1da3e38bd30361aa855686bde0eacd7162fef6a25fe97bf527a25b"
 
-START_TEST(jobs_of_an_earlier_life_go_and_files_stay)
+START_TEST(without_a_database_jobs_go_and_files_stay)
 {
     struct heard h = { 0 };
     uv_loop_t loop;
@@ -525,7 +572,7 @@ START_TEST(jobs_of_an_earlier_life_go_and_files_stay)
     put_in("jobs/of-another-program", "0.rows");
     put_in("files", OLD_HASH);
     uv_loop_init(&loop);
-    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
     ck_assert_ptr_nonnull(s);
     ck_assert(!is_there(OLD_JOB));
     ck_assert(is_there("jobs/of-another-program/0.rows"));
@@ -552,6 +599,10 @@ put_unit(struct store *s, const uint8_t *job, uint32_t unit, uint32_t rows,
         px[i] = 2;
     wire_floats_put(bytes, px, (size_t)W * rows * channels);
     memcpy(a.job, job, MSG_JOB);
+    store_keep_unit(s, job,
+                    &(struct saved_unit){ .unit = unit,
+                                          .area = { 0, 0, a.y, W, rows },
+                                          .worker = "ws1" });
     store_put_rows(s, &a);
 }
 
@@ -612,6 +663,184 @@ START_TEST(job_becomes_a_picture)
 }
 END_TEST
 
+/* --- another life --- */
+
+static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
+static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
+
+static void
+open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+{
+    struct rad_error err = { 0 };
+
+    memset(h, 0, sizeof *h);
+    uv_loop_init(loop);
+    *s = store_open(loop, dir, true, &handler, h, &err);
+    ck_assert_msg(*s != NULL, "%s: %s", err.where, err.what);
+}
+
+static void
+close_kept(uv_loop_t *loop, struct store *s)
+{
+    run(loop, s);
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(loop), 0);
+}
+
+static int
+note_job(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    struct saved_job *to = arg;
+
+    (void)err;
+    ck_assert_mem_eq(s->spec.job, kept_job, MSG_JOB);
+    ck_assert_str_eq(s->spec.params, "-ab 0");
+    ck_assert_str_eq(s->owner, "ana");
+    ck_assert_str_eq(s->spec.frames[0].view, kept_frame.view);
+    *to = *s;
+    if (s->nunits > 0) {
+        ck_assert_uint_eq(s->units[0].area.height, 3);
+        ck_assert_str_eq(s->units[0].worker, "ws1");
+        ck_assert_uint_eq(s->units[0].stored, 3);
+    }
+    return 0;
+}
+
+static int
+recover(struct store *s, struct saved_job *job, struct rad_error *err)
+{
+    uint64_t epoch;
+
+    memset(job, 0, sizeof *job);
+    return store_recover(s, 1000, &epoch, note_job, job, err);
+}
+
+static void
+make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+{
+    struct saved_job p = { .spec = { .manifest = kept_job,
+                                     .params = "-ab 0",
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    struct saved_job none;
+
+    open_kept(loop, s, h);
+    ck_assert_int_eq(recover(*s, &none, NULL), 0);
+    store_open_job(*s, kept_job, &p);
+    put_unit(*s, kept_job, 0, 3, 3);
+    run(loop, *s);
+    ck_assert_int_eq(h->jobs, 1);
+    ck_assert_int_eq(h->rows, 1);
+    ck_assert_int_eq(h->status, 0);
+}
+
+START_TEST(a_job_goes_on_in_another_life)
+{
+    struct saved_job job;
+    struct heard h;
+    uint8_t row[W * 3 * 4];
+    float px[3];
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.nunits, 1);
+    ck_assert_uint_eq(job.lives, 1);
+    ck_assert(store_read_row(s, kept_job, 0, 2, row));
+    wire_floats_get(px, row, 3);
+    ck_assert_float_eq(px[0], 2);
+    put_unit(s, kept_job, 1, 3, 3);
+    store_write_picture(s, kept_job, 0);
+    store_settle(s, 5, 44);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.pictures, 1);
+    ck_assert_uint_eq(h.settled, 44);
+    ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
+    ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
+}
+END_TEST
+
+START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
+{
+    struct store_source from = { .what = MSG_WHAT_STATS };
+    struct saved_job job, end = { .spec = { .job = kept_job,
+                                            .manifest = kept_job,
+                                            .params = "-ab 0",
+                                            .frames = &kept_frame,
+                                            .nframes = 1 },
+                                  .state = 4,
+                                  .status = 70,
+                                  .text = "it was too late",
+                                  .last = { .state = 4, .rays = 17 } };
+    struct heard h;
+    char buf[100];
+    uv_loop_t loop;
+    struct store *s;
+
+    memcpy(from.job, kept_job, MSG_JOB);
+    make_kept(&loop, &s, &h);
+    store_end_job(s, &end, "{ }", 3);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.filed, 1);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.state, 4);
+    ck_assert_int_eq(job.status, 70);
+    ck_assert_uint_eq(job.last.rays, 17);
+    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.n, 3);
+    store_forget_job(s, kept_job);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_ptr_null(job.spec.job);
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* What somebody may do to a state folder, and what is said of it. */
+static const struct {
+    const char *command, *what;
+} damages[] = {
+    { "rm jobs/*/0.rows", "missing" },
+    { "truncate -s 100 jobs/*/0.rows", "100 bytes" },
+    { "rm radcoord.db*", "no database" },
+    { "echo no database, this >radcoord.db", "database" },
+    { "truncate -s 3000 radcoord.db", "database" },
+};
+
+START_TEST(a_damaged_folder_is_refused)
+{
+    struct rad_error err = { 0 };
+    struct saved_job job;
+    struct heard h;
+    char command[200];
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    snprintf(command, sizeof command, "cd %s && %s", dir, damages[_i].command);
+    ck_assert_int_eq(system(command), 0);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, &err);
+    if (s) {
+        ck_assert_int_lt(recover(s, &job, &err), 0);
+        store_close(s);
+    }
+    uv_loop_close(&loop);
+    ck_assert_int_eq(err.code, RAD_EDATA);
+    ck_assert_ptr_nonnull(strstr(err.where, "is damaged"));
+    ck_assert_msg(strstr(err.what, damages[_i].what) != NULL, "%s", err.what);
+    ck_assert_ptr_nonnull(strstr(err.what, "radctl check"));
+}
+END_TEST
+
 /* --- service --- */
 
 START_TEST(folders_are_made_and_files_written_whole)
@@ -657,8 +886,11 @@ main(void)
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
     tcase_add_test(tc, folder_serves_one_store);
-    tcase_add_test(tc, jobs_of_an_earlier_life_go_and_files_stay);
+    tcase_add_test(tc, without_a_database_jobs_go_and_files_stay);
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
+    tcase_add_test(tc, a_job_goes_on_in_another_life);
+    tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
+    tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -67,6 +67,7 @@ rad_exit_status(int code)
     case RAD_ECANTCREAT:
         return EX_CANTCREAT;
     case RAD_EIO:
+    case RAD_EFULL:
         return EX_IOERR;
     case RAD_ETEMPFAIL:
         return EX_TEMPFAIL;

@@ -25,7 +25,8 @@ enum rad_code {
     RAD_EPROTO = -5010,      /* bytes against the protocol EX_PROTOCOL 76 */
     RAD_EPERM = -5011,       /* not permitted              EX_NOPERM 77 */
     RAD_ECONFIG = -5012,     /* bad configuration file     EX_CONFIG 78 */
-    RAD_EUNSUPPORTED = -5013 /* a feature of Radiance that we lack        65 */
+    RAD_EUNSUPPORTED = -5013, /* a feature of Radiance that we lack        65 */
+    RAD_EFULL = -5014        /* no room on the disk        EX_IOERR 74 */
 };
 
 struct rad_error {

@@ -162,8 +162,7 @@ put_rows(struct sim *s, struct sim_job *job, const struct entry *e)
         struct sim_unit *u = unit_of(s, job, r->unit);
 
         SIM_CHECK(&s->net, u->there);
-        u->saved.attempt = r->attempt;
-        snprintf(u->worker, sizeof u->worker, "%s", e->worker);
+        SIM_CHECK(&s->net, u->saved.attempt == r->attempt);
         u->saved.stored = r->row + r->rows;
         u->saved.done = r->last;
         u->saved.end_ms = r->now_ms;
@@ -200,14 +199,6 @@ keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
         memcpy(e->bytes, a->bytes, a->len);
 }
 
-static const char *
-worker_name(struct sim *s, const struct action_rows *r)
-{
-    const struct coord_conn *c = coord_find_conn(s->coord, r->conn);
-
-    return c && c->worker ? c->worker->name : "";
-}
-
 static void
 keep_rows(struct sim *s, int i, const struct action_rows *r)
 {
@@ -217,7 +208,6 @@ keep_rows(struct sim *s, int i, const struct action_rows *r)
     e->rows = *r;
     e->counts = *r->counts;
     e->nbottom = r->nbottom;
-    snprintf(e->worker, sizeof e->worker, "%.15s", worker_name(s, r));
     if (r->nbottom)
         memcpy(e->bytes, r->bottom, r->nbottom);
     memcpy(e->bytes + r->nbottom, r->pixels, pixels);

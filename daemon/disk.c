@@ -1,0 +1,156 @@
+/* disk.c - see disk.h */
+#include "config.h"
+
+#include "disk.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int
+disk_fail(struct rad_error *err, int number, const char *verb, const char *path)
+{
+    bool full = number == ENOSPC || number == EDQUOT || number == EFBIG;
+
+    return rad_fail(err, full ? RAD_EFULL : RAD_EIO, "cannot %s '%s': %s", verb,
+                    path, strerror(number));
+}
+
+int
+disk_write_at(int fd, const void *data, size_t n, off_t at, const char *path,
+              struct rad_error *err)
+{
+    const char *from = data;
+
+    while (n > 0) {
+        ssize_t put = pwrite(fd, from, n, at);
+
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return disk_fail(err, errno, "write", path);
+        from += put;
+        at += put;
+        n -= (size_t)put;
+    }
+    return 0;
+}
+
+int
+disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
+             struct rad_error *err)
+{
+    char *to = data;
+
+    while (n > 0) {
+        ssize_t got = pread(fd, to, n, at);
+
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return disk_fail(err, errno, "read", path);
+        if (got == 0)
+            return rad_fail(err, RAD_EIO, "'%s' is too short", path);
+        to += got;
+        at += got;
+        n -= (size_t)got;
+    }
+    return 0;
+}
+
+/* For whatever reason: what the system has thrown away since cannot be known,
+ * so trying again proves nothing. */
+static int
+sync_failed(const char *path, struct rad_error *err)
+{
+    return rad_fail(err, RAD_EIO, "cannot sync '%s': %s", path,
+                    strerror(errno));
+}
+
+int
+disk_sync(int fd, const char *path, struct rad_error *err)
+{
+    return fsync(fd) < 0 ? sync_failed(path, err) : 0;
+}
+
+int
+disk_sync_data(int fd, const char *path, struct rad_error *err)
+{
+    return fdatasync(fd) < 0 ? sync_failed(path, err) : 0;
+}
+
+int
+disk_sync_dir(const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC), rc;
+
+    if (fd < 0)
+        return disk_fail(err, errno, "open", path);
+    rc = disk_sync(fd, path, err);
+    close(fd);
+    return rc;
+}
+
+int
+disk_sync_dir_of(const char *path, struct rad_error *err)
+{
+    const char *slash = strrchr(path, '/');
+    char dir[DISK_PATH_MAX];
+    size_t n = slash ? (size_t)(slash - path) : 0;
+
+    if (n >= sizeof dir)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    if (n == 0)
+        return disk_sync_dir(slash ? "/" : ".", err);
+    memcpy(dir, path, n);
+    dir[n] = '\0';
+    return disk_sync_dir(dir, err);
+}
+
+int
+disk_make_dir(const char *path, struct rad_error *err)
+{
+    if (mkdir(path, 0750) < 0 && errno != EEXIST)
+        return disk_fail(err, errno, "make folder", path);
+    return 0;
+}
+
+int
+disk_file_open(struct disk_file *w, const char *path, struct rad_error *err)
+{
+    w->path = path;
+    if (snprintf(w->tmp, sizeof w->tmp, "%s.tmp", path) >= (int)sizeof w->tmp)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    w->f = fopen(w->tmp, "we");
+    return w->f ? 0 : disk_fail(err, errno, "create", w->tmp);
+}
+
+int
+disk_file_write(void *arg, const void *data, size_t len, struct rad_error *err)
+{
+    struct disk_file *w = arg;
+
+    if (fwrite(data, 1, len, w->f) != len)
+        return disk_fail(err, errno, "write", w->tmp);
+    return 0;
+}
+
+int
+disk_file_close(struct disk_file *w, int rc, bool durable,
+                struct rad_error *err)
+{
+    if (rc == 0 && fflush(w->f) != 0)
+        rc = disk_fail(err, errno, "write", w->tmp);
+    if (rc == 0 && durable)
+        rc = disk_sync(fileno(w->f), w->tmp, err);
+    fclose(w->f);
+    if (rc == 0 && rename(w->tmp, w->path) < 0)
+        rc = disk_fail(err, errno, "rename to", w->path);
+    if (rc < 0)
+        unlink(w->tmp);
+    if (rc == 0 && durable)
+        rc = disk_sync_dir_of(w->path, err);
+    return rc;
+}

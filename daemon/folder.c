@@ -1,0 +1,585 @@
+/* folder.c - see folder.h */
+#include "config.h"
+
+#include "folder.h"
+
+#include "jobtext.h"
+#include "rows.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct frame_rows {
+    struct rows rows;
+    char *view;
+    uint32_t number;
+    bool open; /* rows are there */
+};
+
+struct folder_job {
+    struct folder_job *next;
+    uint8_t id[MSG_JOB];
+    char *params;
+    bool depth;
+    uint32_t nframes;
+    struct frame_rows *frames;
+};
+
+static const char gone_suffix[] = ".gone"; /* of what is being forgotten */
+
+/* --- names --- */
+
+/* DIR/jobs/ID, or DIR/jobs/ID/FRAMEsuffix. */
+static void
+job_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(id, hex);
+    snprintf(path, DISK_PATH_MAX, "%s/jobs/%s", f->dir, hex);
+}
+
+static void
+frame_path(const struct folder *f, const uint8_t *id, uint32_t frame,
+           const char *suffix, char path[DISK_PATH_MAX])
+{
+    size_t n;
+
+    job_path(f, id, path);
+    n = strlen(path);
+    snprintf(path + n, DISK_PATH_MAX - n, "/%u%s", frame, suffix);
+}
+
+static void
+stats_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+{
+    job_path(f, id, path);
+    strncat(path, "/stats", DISK_PATH_MAX - strlen(path) - 1);
+}
+
+static const char *
+suffix_of(enum msg_what what)
+{
+    return what == MSG_WHAT_PICTURE ? ".hdr"
+           : what == MSG_WHAT_DEPTH ? ".z"
+                                    : ".preview";
+}
+
+/* --- jobs --- */
+
+static struct folder_job **
+find(struct folder *f, const uint8_t *id)
+{
+    struct folder_job **at = &f->jobs;
+
+    while (*at && memcmp((*at)->id, id, MSG_JOB) != 0)
+        at = &(*at)->next;
+    return at;
+}
+
+static void
+free_job(struct folder_job *j)
+{
+    if (!j)
+        return;
+    for (uint32_t i = 0; i < j->nframes; i++) {
+        if (j->frames[i].open)
+            rows_rest(&j->frames[i].rows);
+        free(j->frames[i].view);
+    }
+    free(j->frames);
+    free(j->params);
+    free(j);
+}
+
+/* Forget it, but for its files. */
+static void
+drop_job(struct folder *f, const uint8_t *id)
+{
+    struct folder_job **at = find(f, id), *j = *at;
+
+    if (!j)
+        return;
+    *at = j->next;
+    free_job(j);
+}
+
+static bool
+copy_frames(struct folder_job *j, const struct msg_spec *spec)
+{
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        struct frame_rows *f = &j->frames[i];
+
+        f->number = spec->frames[i].number;
+        f->rows.fd = -1;
+        f->rows.width = (int)spec->frames[i].width;
+        f->rows.height = (int)spec->frames[i].height;
+        f->view = strdup(spec->frames[i].view);
+        if (!f->view)
+            return false;
+    }
+    return true;
+}
+
+static struct folder_job *
+new_job(const struct msg_spec *spec, struct rad_error *err)
+{
+    struct folder_job *j = calloc(1, sizeof *j);
+
+    if (j) {
+        memcpy(j->id, spec->job, MSG_JOB);
+        j->depth = spec->flags & MSG_JOB_DEPTH;
+        j->params = strdup(spec->params);
+        j->frames = calloc(spec->nframes, sizeof *j->frames);
+        j->nframes = j->frames ? spec->nframes : 0;
+        if (j->params && j->frames && copy_frames(j, spec))
+            return j;
+    }
+    free_job(j);
+    rad_fail(err, RAD_ENOMEM, "out of memory");
+    return NULL;
+}
+
+static void
+add_job(struct folder *f, struct folder_job *j)
+{
+    drop_job(f, j->id);
+    j->next = f->jobs;
+    f->jobs = j;
+}
+
+/* The rows of a frame, or an error. */
+static int
+find_frame(struct folder *f, const uint8_t *id, uint32_t frame,
+           struct folder_job **job, struct frame_rows **rows,
+           struct rad_error *err)
+{
+    struct folder_job *j = *find(f, id);
+
+    if (!j || frame >= j->nframes || !j->frames[frame].open)
+        return rad_fail(err, RAD_ENOINPUT, "no rows of frame %u", frame);
+    *job = j;
+    *rows = &j->frames[frame];
+    return 0;
+}
+
+static int
+make_rows(struct folder *f, struct folder_job *j, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int rc = 0;
+
+    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
+        struct frame_rows *r = &j->frames[i];
+
+        frame_path(f, j->id, i, ".rows", path);
+        rc = rows_create(&r->rows, path, r->rows.width, r->rows.height,
+                         j->depth ? 4 : 3, f->durable, err);
+        r->open = rc == 0;
+    }
+    return rc;
+}
+
+static void
+remove_dir(const char *path)
+{
+    DIR *d = opendir(path);
+    struct dirent *e;
+
+    if (!d)
+        return;
+    while ((e = readdir(d)) != NULL)
+        unlinkat(dirfd(d), e->d_name, 0);
+    closedir(d);
+    rmdir(path);
+}
+
+int
+folder_make(struct folder *f, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    struct folder_job *j = new_job(spec, err);
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    if (!j)
+        return RAD_ENOMEM;
+    job_path(f, spec->job, path);
+    rc = disk_make_dir(path, err);
+    if (rc == 0)
+        rc = make_rows(f, j, err);
+    if (rc == 0 && f->durable)
+        rc = disk_sync_dir(path, err);
+    if (rc == 0 && f->durable)
+        rc = disk_sync_dir_of(path, err);
+    if (rc < 0) {
+        free_job(j);
+        remove_dir(path);
+        return rc;
+    }
+    add_job(f, j);
+    return 0;
+}
+
+static bool
+is_file(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0;
+}
+
+/* The picture that is said to be there. */
+static int
+check_picture(const struct folder *f, const struct msg_spec *spec, uint32_t i,
+              struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    struct stat st;
+    off_t size = (off_t)spec->frames[i].width * spec->frames[i].height * 4;
+
+    frame_path(f, spec->job, i, suffix_of(MSG_WHAT_PICTURE), path);
+    if (!is_file(path))
+        return rad_fail(err, RAD_EDATA, "picture '%s' is missing", path);
+    if (!(spec->flags & MSG_JOB_DEPTH))
+        return 0;
+    frame_path(f, spec->job, i, suffix_of(MSG_WHAT_DEPTH), path);
+    if (stat(path, &st) < 0 || st.st_size != size)
+        return rad_fail(err, RAD_EDATA,
+                        "distances '%s' are missing, or not whole", path);
+    return 0;
+}
+
+static int
+take_rows(const struct folder *f, struct folder_job *j, uint32_t i,
+          struct rad_error *err)
+{
+    struct frame_rows *r = &j->frames[i];
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    frame_path(f, j->id, i, ".rows", path);
+    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height,
+                   j->depth ? 4 : 3, err);
+    r->open = rc == 0;
+    return rc;
+}
+
+int
+folder_take_up(struct folder *f, const struct saved_job *s, bool over,
+               struct rad_error *err)
+{
+    struct folder_job *j = new_job(&s->spec, err);
+    int rc = 0;
+
+    if (!j)
+        return RAD_ENOMEM;
+    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
+        if (s->written[i])
+            rc = check_picture(f, &s->spec, i, err);
+        else if (!over)
+            rc = take_rows(f, j, i, err);
+    }
+    if (rc < 0 || over)
+        free_job(j);
+    else
+        add_job(f, j);
+    if (rc == 0 && over)
+        folder_rest(f, s->spec.job);
+    return rc;
+}
+
+/* Rows and what was half written. */
+static bool
+is_left_over(const char *name)
+{
+    static const char *const suffix[] = { ".rows", ".preview", ".tmp" };
+    size_t n = strlen(name);
+
+    for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
+        size_t m = strlen(suffix[i]);
+
+        if (n > m && strcmp(name + n - m, suffix[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+void
+folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+    struct dirent *e;
+    DIR *d;
+
+    drop_job(f, id);
+    job_path(f, id, path);
+    d = opendir(path);
+    if (!d)
+        return;
+    while ((e = readdir(d)) != NULL)
+        if (is_left_over(e->d_name))
+            unlinkat(dirfd(d), e->d_name, 0);
+    closedir(d);
+}
+
+void
+folder_forget(struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX], gone[DISK_PATH_MAX + 8];
+
+    drop_job(f, id);
+    job_path(f, id, path);
+    snprintf(gone, sizeof gone, "%s%s", path, gone_suffix);
+    if (rename(path, gone) == 0)
+        remove_dir(gone);
+}
+
+bool
+folder_is_there(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+    struct stat st;
+
+    job_path(f, id, path);
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
+uint64_t
+folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+    struct dirent *e;
+    struct stat st;
+    uint64_t n = 0;
+    DIR *d;
+
+    job_path(f, id, path);
+    d = opendir(path);
+    if (!d)
+        return 0;
+    while ((e = readdir(d)) != NULL)
+        if (fstatat(dirfd(d), e->d_name, &st, 0) == 0 && S_ISREG(st.st_mode))
+            n += (uint64_t)st.st_blocks * 512;
+    closedir(d);
+    return n;
+}
+
+/* --- rows --- */
+
+int
+folder_put_rows(struct folder *f, const struct action_rows *k,
+                const float *pixels, struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+    int rc = find_frame(f, k->job, k->frame, &j, &r, err);
+
+    if (rc == 0 && k->channels != r->rows.channels)
+        rc = rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
+                      k->channels, r->rows.channels);
+    if (rc == 0)
+        rc = rows_write(&r->rows, (int)k->x, (int)k->y, (int)k->width,
+                        (int)k->rows, pixels, err);
+    return rc;
+}
+
+int
+folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
+                uint32_t y, uint8_t *pixels, struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+    int rc = find_frame(f, id, frame, &j, &r, err);
+    float *row;
+    size_t n;
+
+    if (rc < 0)
+        return rc;
+    n = (size_t)r->rows.width * (size_t)r->rows.channels;
+    row = malloc(n * sizeof *row);
+    if (!row)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = rows_read(&r->rows, (int)y, row, err);
+    if (rc == 0)
+        wire_floats_put(pixels, row, n);
+    free(row);
+    return rc;
+}
+
+int
+folder_sync(struct folder *f, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (struct folder_job *j = f->jobs; j && rc == 0; j = j->next)
+        for (uint32_t i = 0; i < j->nframes && rc == 0; i++)
+            if (j->frames[i].open)
+                rc = rows_sync(&j->frames[i].rows, err);
+    return rc;
+}
+
+/* --- pictures --- */
+
+/* A picture of the rows so far. */
+static int
+write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
+           bool durable, struct rad_error *err)
+{
+    struct rad_hdr_info info = { .program = "radsubmit",
+                                 .options = j->params,
+                                 .view = f->view,
+                                 .frame = f->number,
+                                 .width = f->rows.width,
+                                 .height = f->rows.height };
+
+    int rc = jobtext_pixaspect(j->params, f->view, f->rows.width,
+                               f->rows.height, &info.pixaspect, err);
+
+    if (rc < 0)
+        return rc;
+    return rows_picture(&f->rows, &info, path, durable, err);
+}
+
+int
+folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
+               struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+    char path[DISK_PATH_MAX];
+    int rc = find_frame(f, id, frame, &j, &r, err);
+
+    if (rc == 0 && j->depth) {
+        frame_path(f, id, frame, suffix_of(MSG_WHAT_DEPTH), path);
+        rc = rows_depth(&r->rows, path, f->durable, err);
+    }
+    if (rc < 0)
+        return rc;
+    frame_path(f, id, frame, suffix_of(MSG_WHAT_PICTURE), path);
+    return write_rgbe(j, r, path, f->durable, err);
+}
+
+void
+folder_drop_rows(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+
+    if (find_frame(f, id, frame, &j, &r, NULL) < 0)
+        return;
+    rows_remove(&r->rows);
+    r->open = false;
+}
+
+int
+folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
+             size_t len, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    struct disk_file w;
+    int rc;
+
+    stats_path(f, id, path);
+    rc = disk_file_open(&w, path, err);
+    if (rc < 0)
+        return rc;
+    rc = disk_file_write(&w, text, len, err);
+    return disk_file_close(&w, rc, f->durable, err);
+}
+
+int
+folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
+            enum msg_what what, bool make, char path[DISK_PATH_MAX],
+            struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+
+    if (what == MSG_WHAT_STATS) {
+        stats_path(f, id, path);
+        return 0;
+    }
+    frame_path(f, id, frame, suffix_of(what), path);
+    if (what != MSG_WHAT_PREVIEW)
+        return 0;
+    /* once the rows are gone, the picture is the preview */
+    if (find_frame(f, id, frame, &j, &r, NULL) < 0) {
+        frame_path(f, id, frame, suffix_of(MSG_WHAT_PICTURE), path);
+        return 0;
+    }
+    return make ? write_rgbe(j, r, path, false, err) : 0;
+}
+
+/* --- the whole --- */
+
+int
+folder_each(const struct folder *f,
+            int (*fn)(void *arg, const uint8_t job[MSG_JOB],
+                      struct rad_error *err),
+            void *arg, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    uint8_t id[MSG_JOB];
+    struct dirent *e;
+    int rc = 0;
+    DIR *d;
+
+    snprintf(path, sizeof path, "%s/jobs", f->dir);
+    d = opendir(path);
+    if (!d)
+        return errno == ENOENT ? 0 : disk_fail(err, errno, "open", path);
+    while (rc == 0 && (e = readdir(d)) != NULL)
+        if (msg_job_parse(e->d_name, id))
+            rc = fn(arg, id, err);
+    closedir(d);
+    return rc;
+}
+
+static void
+sweep(const char *jobs)
+{
+    char path[DISK_PATH_MAX];
+    struct dirent *e;
+    DIR *d = opendir(jobs);
+
+    if (!d)
+        return;
+    while ((e = readdir(d)) != NULL) {
+        size_t n = strlen(e->d_name), m = sizeof gone_suffix - 1;
+
+        if (n <= m || strcmp(e->d_name + n - m, gone_suffix) != 0 ||
+            snprintf(path, sizeof path, "%s/%s", jobs, e->d_name) >=
+                (int)sizeof path)
+            continue;
+        remove_dir(path);
+    }
+    closedir(d);
+}
+
+int
+folder_init(struct folder *f, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    snprintf(path, sizeof path, "%s/jobs", f->dir);
+    rc = disk_make_dir(path, err);
+    sweep(path);
+    return rc;
+}
+
+void
+folder_release(struct folder *f)
+{
+    while (f->jobs) {
+        struct folder_job *j = f->jobs;
+
+        f->jobs = j->next;
+        free_job(j);
+    }
+}
