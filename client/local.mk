@@ -32,6 +32,8 @@ libclient_a_SOURCES = \
 	client/picfile.h \
 	client/progress.c \
 	client/progress.h \
+	client/quality.c \
+	client/quality.h \
 	client/rays.c \
 	client/rays.h \
 	client/submit.c \

@@ -7,6 +7,7 @@
 
 #include "submit_options.h"
 #include "amblist.h"
+#include "quality.h"
 
 #include "picture/number.h"
 
@@ -71,6 +72,8 @@ static const struct option own[] = {
          "seconds for a coordinator and a worker to be there (60)"),
     WORD("--format", format, "auto|hdr|png",
          "of the picture, whatever the suffix"),
+    WORD("--quality", quality, QUALITY_WORDS,
+         "a set of rpict's options, for those that are not given"),
     TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
     TEXT("--stats", stats, "FILE.json", "statistics of the job"),
     WORD("--progress", progress, "auto|always|never",
@@ -122,6 +125,7 @@ struct cursor {
     struct submit_options *o;
     struct words *w;
     int at;
+    quality_given given; /* for --quality */
     struct rad_error *err;
 };
 
@@ -132,6 +136,7 @@ set_defaults(struct submit_options *o)
     rad_params_init(&o->params);
     rad_view_init(&o->view);
     o->wait_s = 60;
+    o->quality = -1;
 }
 
 static int
@@ -316,6 +321,8 @@ take_params(struct cursor *c, int argc, char *const argv[])
 
     if (rc > 0 && strcmp(argv[0], "-ps") == 0)
         c->o->psample_asked = (int)strtol(argv[1], NULL, 10);
+    if (rc > 0)
+        c->given |= quality_bit(argv[0]);
     return rc;
 }
 
@@ -492,6 +499,11 @@ submit_options_parse(struct submit_options *o, struct words *w,
 
     set_defaults(o);
     rc = take_options(&c);
+    if (rc >= 0 && o->quality >= 0) {
+        int bad = quality_apply(o->quality, c.given, &o->params, err);
+
+        rc = bad < 0 ? bad : rc;
+    }
     if (rc != SUBMIT_RUN)
         return rc;
     rc = take_scenes(&c, c.at > 0 && strcmp(w->list[c.at - 1], "--") == 0);

@@ -30,6 +30,7 @@ enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM, ORDER_COST };
 
 struct submit_options {
     struct rad_params params;
+    int quality;          /* --quality: the word's number; -1: none */
     int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
     /* files; NULL where not given */

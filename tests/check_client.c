@@ -96,6 +96,42 @@ START_TEST(options_of_both_kinds_mix)
 }
 END_TEST
 
+/* The rendering options that a command line comes to. */
+static const char *
+params_of(const char *text)
+{
+    static char formatted[2][RAD_PARAMS_TEXT];
+    static int turn;
+    struct rad_error err = { 0 };
+    struct submit_options o;
+    struct words w;
+
+    ck_assert_int_eq(parse(&o, &w, text, &err), SUBMIT_RUN);
+    turn = !turn;
+    rad_params_format(&o.params, formatted[turn], RAD_PARAMS_TEXT);
+    words_release(&w);
+    return formatted[turn];
+}
+
+START_TEST(quality_is_for_what_was_not_said)
+{
+    const char *plain = "-vp 0 0 0 -aa .3 s.rad";
+
+    ck_assert_str_eq(params_of("--quality=high -aa .7 -ps 2 s.rad"),
+                     params_of("-aa .7 -ps 2 --quality=high s.rad"));
+    ck_assert_str_ne(params_of("--quality=high -aa .7 s.rad"),
+                     params_of("--quality=high s.rad"));
+    ck_assert_str_ne(params_of("--quality=high s.rad"),
+                     params_of("--quality=medium s.rad"));
+    /* of several the last; what a default says counts too */
+    ck_assert_str_eq(params_of("--quality=draft --quality=high s.rad"),
+                     params_of("--quality=high s.rad"));
+    ck_assert_ptr_nonnull(
+        strstr(params_of("-ab 0 --quality=high s.rad"), "-ab 0 "));
+    ck_assert_ptr_nonnull(strstr(params_of(plain), "-aa 0.3 "));
+}
+END_TEST
+
 START_TEST(options_about_messages_are_rpicts)
 {
     struct submit_options o;
@@ -593,6 +629,7 @@ static void
 add_tests(TCase *tc)
 {
     tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_test(tc, quality_is_for_what_was_not_said);
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);
     tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));

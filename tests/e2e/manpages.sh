@@ -49,6 +49,28 @@ check_options() # PAGE TITLE < options
     [ "$n" -gt 0 ] || fail "$2: prints no option"
 }
 
+# The table of --quality is what the words do.
+check_quality() # PAGE
+{
+    i=0
+    for word in draft low medium high reference; do
+        i=$((i + 1))
+        "$top_builddir/radsubmit" --quality=$word -defaults >defaults.$$
+        awk -v word=$word -v column=$i '
+            FNR == NR { value[$1] = $2; next }
+            $1 == ".It" && $2 == "Fl" && $4 == "Ta" {
+                split($0, cell, " Ta ")
+                rows++
+                if (value["-" $3] + 0 != cell[column + 1] + 0)
+                    print "-" $3 " of " word " is " value["-" $3] ", not " \
+                        cell[column + 1]
+            }
+            END { if (!rows) print "no table of " word }' \
+            defaults.$$ "$1" >wrong.$$
+        [ ! -s wrong.$$ ] || fail "quality: $(cat wrong.$$)"
+    done
+}
+
 for program in radsubmit radctl radscene raderr radcoord radd; do
     path=$top_builddir/$program
     if [ ! -x "$path" ]; then
@@ -78,7 +100,8 @@ if defaults=$("$top_builddir/radsubmit" -defaults); then
 else
     fail "radsubmit -defaults: exit status $?"
 fi
-rm -f options.$$
+check_quality "$top_srcdir/man/radsubmit.1"
+rm -f options.$$ defaults.$$ wrong.$$
 
 for page in "$top_srcdir"/man/*.[1-8]; do
     for section in NAME SYNOPSIS DESCRIPTION 'SEE ALSO'; do

@@ -1,0 +1,68 @@
+/* quality.c - see quality.h
+ *
+ * The rows of the cache are rungs of bench/speed-error's ladder; the others go
+ * with them so that neither decides alone.  doc/accuracy.md has the time that
+ * each word takes and the error that it leaves. */
+#include "config.h"
+
+#include "quality.h"
+
+#include <string.h>
+
+enum { QUALITIES = 5 };
+
+/* clang-format off */
+static const struct {
+    const char *option;
+    const char *value[QUALITIES];
+} table[] = {
+    /*        draft   low     medium  high    reference */
+    { "-ps", { "8",    "6",    "4",    "3",    "1" } },
+    { "-pt", { ".15",  ".08",  ".05",  ".03",  "0" } },
+    { "-pj", { ".5",   ".7",   ".9",   ".9",   "1" } },
+    { "-dj", { "0",    ".4",   ".5",   ".7",   "1" } },
+    { "-ds", { ".4",   ".3",   ".2",   ".1",   ".05" } },
+    { "-dt", { ".2",   ".1",   ".05",  ".02",  "0" } },
+    { "-dc", { ".3",   ".5",   ".75",  ".9",   "1" } },
+    { "-dr", { "1",    "1",    "2",    "3",    "4" } },
+    { "-dp", { "64",   "256",  "512",  "1024", "4096" } },
+    { "-st", { ".3",   ".15",  ".1",   ".03",  "0" } },
+    { "-ab", { "1",    "2",    "4",    "5",    "6" } },
+    { "-aa", { ".5",   ".5",   ".3",   ".2",   ".1" } },
+    { "-ar", { "8",    "16",   "32",   "64",   "128" } },
+    { "-ad", { "32",   "64",   "128",  "512",  "2048" } },
+    { "-as", { "0",    "16",   "32",   "128",  "512" } },
+    { "-lr", { "4",    "6",    "8",    "10",   "12" } },
+    { "-lw", { ".02",  ".005", "5e-4", "2e-4", "5e-5" } },
+};
+/* clang-format on */
+
+enum { ROWS = sizeof table / sizeof table[0] };
+
+quality_given
+quality_bit(const char *option)
+{
+    for (unsigned i = 0; i < ROWS; i++)
+        if (strcmp(table[i].option, option) == 0)
+            return (quality_given)1 << i;
+    return 0;
+}
+
+int
+quality_apply(int quality, quality_given given, struct rad_params *p,
+              struct rad_error *err)
+{
+    for (unsigned i = 0; i < ROWS; i++) {
+        char option[8], value[8], *argv[3] = { option, value, NULL };
+        int rc;
+
+        if (given >> i & 1)
+            continue;
+        strcpy(option, table[i].option);
+        strcpy(value, table[i].value[quality]);
+        rc = rad_params_option(p, 2, argv, err);
+        if (rc < 0)
+            return rc;
+    }
+    return 0;
+}
