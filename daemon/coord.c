@@ -25,6 +25,7 @@
 #include <sysexits.h>
 
 #define PROGRESS_MS  500
+#define LEASE_MS     60000
 #define KEPT_JOBS    100  /* that are over */
 #define MOST_JOBS    1000 /* that are not */
 #define MOST_THREADS 4096 /* of one worker */
@@ -38,8 +39,15 @@ coord_new(const struct coord_env *env)
         return NULL;
     c->env = *env;
     c->keep.jobs = KEPT_JOBS;
+    c->lease_ms = LEASE_MS;
     actions_init(&c->actions);
     return c;
+}
+
+void
+coord_set_lease(struct coord *c, uint64_t ms)
+{
+    c->lease_ms = ms;
 }
 
 void
@@ -58,6 +66,12 @@ coord_free(struct coord *c)
 
         free(c->workers);
         c->workers = next;
+    }
+    while (c->owners) {
+        struct coord_owner *next = c->owners->next;
+
+        free(c->owners);
+        c->owners = next;
     }
     for (size_t i = 0; i < c->njobs; i++)
         job_free(c->jobs[i]);
@@ -268,6 +282,24 @@ coord_try_open(struct coord *c, struct job *job)
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
 }
 
+/* NULL when memory is out. */
+static struct coord_owner *
+owner_of(struct coord *c, const char *name)
+{
+    struct coord_owner *o = c->owners;
+
+    while (o && strcmp(o->name, name) != 0)
+        o = o->next;
+    if (o)
+        return o;
+    o = calloc(1, sizeof *o);
+    if (!o)
+        return NULL;
+    snprintf(o->name, sizeof o->name, "%s", name);
+    o->next = c->owners;
+    return c->owners = o;
+}
+
 bool
 coord_add_job(struct coord *c, struct job *job)
 {
@@ -282,6 +314,9 @@ coord_add_job(struct coord *c, struct job *job)
         c->jobs = v;
         c->cap_jobs = cap;
     }
+    job->payer = owner_of(c, job->owner);
+    if (!job->payer)
+        return false;
     while (i > 0 && c->jobs[i - 1]->spec.priority < job->spec.priority) {
         c->jobs[i] = c->jobs[i - 1];
         i--;
@@ -472,6 +507,16 @@ on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- workers --- */
 
+/* The shell answers; the number says whether it gets on. */
+static void
+on_ping(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (!conn->worker || conn->worker->progress == m->ping.progress)
+        return;
+    conn->worker->progress = m->ping.progress;
+    conn->worker->progress_ms = c->now_ms;
+}
+
 /* Of itself; sched_run says BYE when it has nothing left. */
 static void
 on_drain(struct coord *c, struct coord_conn *conn, const struct msg *m)
@@ -561,10 +606,10 @@ static const struct {
     { MSG_FAILED, on_failed },       { MSG_DRAIN, on_drain },
     { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
-    { MSG_ESTIMATED, on_estimated },
+    { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
 };
 
-/* PING is the shell's; BYE is followed by the end of the connection. */
+/* BYE is followed by the end of the connection. */
 static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {

@@ -31,6 +31,7 @@ libdaemon_a_SOURCES = \
 	daemon/journal.h \
 	daemon/dial.c \
 	daemon/dial.h \
+	daemon/duplicate.c \
 	daemon/estimate.c \
 	daemon/estimate.h \
 	daemon/faults.h \

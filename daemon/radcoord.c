@@ -25,6 +25,7 @@ struct settings {
     char socket[CONF_TEXT];
     char state[CONF_TEXT];
     int keep_jobs, keep_days, keep_mib;
+    int lease_floor_s;
 };
 
 #define DEFAULT_SOCKET "/run/radd/radcoord.sock"
@@ -42,6 +43,8 @@ static const struct conf_key keys[] = {
       "for so many days at most; 0: no limit", true },
     { "keep_mib", CONF_INT_KEY, FIELD(keep_mib), 0, 1 << 30, "0", "N",
       "with so many MiB of pictures at most; 0: no limit", true },
+    { "lease_floor_s", CONF_INT_KEY, FIELD(lease_floor_s), 1, 1 << 20, "60",
+      "N", "a unit that is out for less is not late [s]", true },
     DAEMON_KEYS,
 };
 
@@ -439,11 +442,18 @@ set_keep(struct radcoord *r)
 }
 
 static void
+set_lease(struct radcoord *r)
+{
+    coord_set_lease(r->coord, UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
+}
+
+static void
 on_reload(void *arg)
 {
     struct radcoord *r = arg;
 
     set_keep(r);
+    set_lease(r);
     shell_run(&r->shell);
 }
 
@@ -488,6 +498,7 @@ open_store(struct radcoord *r, struct rad_error *err)
         return err->code;
     coord_set_epoch(r->coord, epoch);
     set_keep(r);
+    set_lease(r);
     return 0;
 }
 

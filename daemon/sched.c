@@ -111,15 +111,17 @@ more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
     sched_lines_of(job, unit, go, &first, &last);
     go->lines = last - first;
     jw->lines += go->lines;
-    jw->in_flight++;
+    if (jw->in_flight++ == 0)
+        job->payer->threads += jw->held = jw->threads;
     jw->worker->in_flight++;
 }
 
 static void
-less_in_flight(struct job_worker *jw, const struct job_go *go)
+less_in_flight(struct job *job, struct job_worker *jw, const struct job_go *go)
 {
     jw->lines -= go->lines;
-    jw->in_flight--;
+    if (--jw->in_flight == 0)
+        job->payer->threads -= jw->held;
     jw->worker->in_flight--;
     if (jw->worker->in_flight == 0)
         jw->worker->alone = false;
@@ -153,6 +155,7 @@ sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->attempt = attempt;
     go->out_ms = c->now_ms;
     go->helps = go->dropped = helps;
+    job->units[unit].helped |= helps;
     more_in_flight(job, unit, go);
     return go;
 }
@@ -170,7 +173,7 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(jw, go);
+        less_in_flight(job, jw, go);
     }
     c->stirred = true;
     job_go_remove(job, unit, go);
@@ -186,7 +189,7 @@ sched_park(struct coord *c, struct job *job, struct job_go *go)
     go->parked_ms = c->now_ms;
     jw->parked++;
     jw->worker->parked++;
-    less_in_flight(jw, go);
+    less_in_flight(job, jw, go);
     c->stirred = true;
 }
 
@@ -200,7 +203,7 @@ sched_deliver(struct coord *c, struct job *job, struct job_go *go)
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(jw, go);
+        less_in_flight(job, jw, go);
     }
     go->parked = false;
     go->delivered = true;
@@ -232,6 +235,7 @@ sched_forget_rows(struct job *job, uint32_t unit)
     job->pixels_done -= pixels;
     job->frames[a.frame].rows_pixels -= pixels;
     u->next_row = u->stored_rows = 0;
+    duplicate_forget(u);
 }
 
 /* --- handing out --- */
@@ -453,7 +457,7 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    if (u->ngos > 1)
+    if (u->ngos > 1 && job->shared)
         tell_twins(c, job, unit);
     send_unit(c, job, unit, &u->go[u->ngos - 1]);
 }
@@ -542,7 +546,8 @@ static bool
 idle_job(const struct job *job)
 {
     return job_over(job) || !job->opened || job->state == JOB_PAUSED ||
-           (job->partition && job_waiting(job) == 0 && !can_balance(job));
+           (job->partition && job_waiting(job) == 0 && job->late == 0 &&
+            !can_balance(job));
 }
 
 /* Something of a job that the worker has loaded; *done: it gets nothing else
@@ -557,8 +562,31 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     }
     if (give_unit(c, job, w, index))
         return true;
+    if (job->late > 0 && has_room(job, w, index) &&
+        !runs_empty(c, job, w, index) && balance_late(c, job, index))
+        return true;
     *done = runs_empty(c, job, w, index);
     return false;
+}
+
+/* The next job to look at, in this search: the highest priority first, of
+ * equals whose owner has the fewest threads at work, of these the oldest. NULL:
+ * none is left. */
+static struct job *
+fairest(const struct coord *c)
+{
+    struct job *best = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (best && job->spec.priority < best->spec.priority)
+            break;
+        if (job->served != c->serving && !idle_job(job) &&
+            (!best || job->payer->threads < best->payer->threads))
+            best = job;
+    }
+    return best;
 }
 
 /* One unit of the first job that has one for this worker; jobs that it does
@@ -567,16 +595,15 @@ static bool
 serve(struct coord *c, struct coord_worker *w)
 {
     bool done = false;
+    struct job *job;
 
     if (!sched_takes_units(w) || w->alone || c->full)
         return false;
-    for (size_t i = 0; i < c->njobs && !done; i++) {
-        struct job *job = c->jobs[i];
-        uint32_t index;
+    c->serving++;
+    while (!done && (job = fairest(c))) {
+        uint32_t index = sched_index(job, w);
 
-        if (idle_job(job))
-            continue;
-        index = sched_index(job, w);
+        job->served = c->serving;
         if (index == JOB_NOBODY || job->workers[index].state == JW_GONE) {
             if (!w->loading &&
                 (index == JOB_NOBODY || !job->workers[index].excluded))
@@ -853,6 +880,7 @@ sched_tick(struct coord *c)
     if (c->now_ms - c->tick_ms < TICK_MS)
         return;
     c->tick_ms = c->now_ms;
+    balance_look(c);
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *job = c->jobs[i];
 
