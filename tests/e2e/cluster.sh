@@ -13,11 +13,14 @@ wait_file()
     until_true 30 test -s "$1" || fail "$1 does not come"
 }
 
+# shellcheck disable=SC2086 # options are words
+coord_options=
 coord_start()
 {
     rm -f "$work/c.ports"
     "$radcoord" --listen=127.0.0.1:0 --socket="$work/run/c.sock" \
-        --state="$work/state" --ports-file="$work/c.ports" 2>>"$work/c.log" &
+        --state="$work/state" --ports-file="$work/c.ports" \
+        $coord_options 2>>"$work/c.log" &
     coord_pid=$!
     wait_file "$work/c.ports"
     sock=$work/run/c.sock # in a folder that was not there
