@@ -338,6 +338,17 @@ balance_look(struct coord *c)
     }
 }
 
+/* Those that have a late unit: what else they would get, others do. */
+static void
+leave_out(struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (!u->go[i].helps)
+            sched_late(job, u->go[i].worker, true);
+}
+
 bool
 balance_late(struct coord *c, struct job *job, uint32_t index)
 {
@@ -360,6 +371,7 @@ balance_late(struct coord *c, struct job *job, uint32_t index)
                 "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
                 job->workers[job->units[unit].go[0].worker].name,
                 (unsigned long long)longest / 1000);
+    leave_out(job, unit);
     sched_hand_out(c, job, index, unit, false);
     return true;
 }

@@ -104,6 +104,7 @@ struct job_worker {
     uint32_t setbacks;     /* children lost for reasons of its own, since it
                             * last finished a unit */
     bool took_part;        /* it was READY once */
+    bool late;         /* others do its work until it is heard of */
     bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
                         * a child */
     uint64_t ready_ms; /* first READY */

@@ -79,10 +79,30 @@ sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
     struct job *job = coord_find_job(c, id);
 
     *index = job && !job_over(job) ? sched_index(job, w) : JOB_NOBODY;
-    if (*index != JOB_NOBODY)
+    if (*index != JOB_NOBODY) {
+        sched_late(job, *index, false);
         return job;
+    }
     sched_send_job_end(c, w->conn, id);
     return NULL;
+}
+
+static bool
+may_take_part(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state != JW_GONE && !jw->late && sched_takes_units(jw->worker);
+}
+
+void
+sched_late(struct job *job, uint32_t index, bool late)
+{
+    if (job->workers[index].late == late)
+        return;
+    job->workers[index].late = late;
+    if (job->partition)
+        partition_set_absent(job->partition, index, !may_take_part(job, index));
 }
 
 /* --- holding --- */
@@ -510,6 +530,17 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
     return false;
 }
 
+/* Is it silent, while there are others that are not? */
+static bool
+is_left_out(const struct job *job, uint32_t index)
+{
+    bool others = false;
+
+    for (uint32_t i = 0; i < job->nworkers && !others; i++)
+        others = job->workers[i].state == JW_READY && may_take_part(job, i);
+    return job->workers[index].late && others;
+}
+
 /* One unit of the job for the worker; false: it gets none now. */
 static bool
 give_unit(struct coord *c, struct job *job, struct coord_worker *w,
@@ -517,7 +548,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
 {
     uint32_t unit;
 
-    if (runs_empty(c, job, w, index))
+    if (runs_empty(c, job, w, index) || is_left_out(job, index))
         return false;
     if (find_suspect(c, job, index, &unit)) {
         job_suspect_remove(job, unit);
@@ -726,14 +757,6 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         introduce(c, job, w);
 }
 
-static bool
-may_take_part(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state != JW_GONE && sched_takes_units(jw->worker);
-}
-
 /* Static: who is here or on its way takes part, by its speed; drained workers
  * only where there are no others. */
 static void
@@ -823,6 +846,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
         sched_send_job_end(c, w->conn, m->job);
     if (index == JOB_NOBODY)
         return;
+    sched_late(job, index, false);
     jw = &job->workers[index];
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
         jw->past = job_tally(jw);

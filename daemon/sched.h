@@ -130,10 +130,14 @@ void sched_job_over(struct coord *c, struct job *job);
 
 /* --- sched.c, for its neighbours --- */
 
-/* The job and the index of w in it; NULL when the job is over or unknown, and
- * then the worker is told so. */
+/* The job and the index of w in it, which said something of it; NULL when the
+ * job is over or unknown, and then the worker is told so. */
 struct job *sched_job_of(struct coord *c, const struct coord_worker *w,
                          const uint8_t *id, uint32_t *index);
+
+/* A worker is so late with a unit that another does it: that may well have to
+ * do the rest of its work, too.  Or it is heard of again. */
+void sched_late(struct job *job, uint32_t index, bool late);
 
 /* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
 uint32_t sched_index(const struct job *job, const struct coord_worker *w);
