@@ -13,6 +13,7 @@
 
 #include "coord.h"
 
+#include "address.h"
 #include "request.h"
 #include "sched.h"
 #include "stats.h"
@@ -408,6 +409,23 @@ coord_worker_of(struct coord *c, const char *name)
     return w;
 }
 
+/* Where peers dial a worker: as it says, but one that listens on all of its
+ * addresses has that by which it came. */
+static void
+note_address(struct coord_worker *w, const struct coord_conn *conn,
+             const char *said)
+{
+    const char *from = conn->address, *colon = strrchr(from, ':');
+    bool named = colon && strncmp(from, "uid:", 4) != 0;
+
+    if (strncmp(said, "tcp ", 4) == 0 && address_is_wildcard(said + 4))
+        snprintf(w->address, sizeof w->address, "tcp %.*s:%s",
+                 named ? (int)(colon - from) : 9, named ? from : "127.0.0.1",
+                 strrchr(said, ':') + 1);
+    else
+        snprintf(w->address, sizeof w->address, "%s", said);
+}
+
 static bool
 join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 {
@@ -425,7 +443,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->since_ms = c->now_ms;
     w->leaving = w->alone = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
-    snprintf(w->address, sizeof w->address, "%s", m->address);
+    note_address(w, conn, m->address);
     conn->worker = w;
     return true;
 }
@@ -442,12 +460,16 @@ hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
                  m->min, m->max, MSG_VERSION);
         return text;
     }
-    if (!(conn->roles >> m->role & 1)) {
-        *status = EX_NOPERM;
+    *status = EX_NOPERM;
+    if (!(conn->roles >> m->role & 1))
         return "this role is not allowed from there";
-    }
     if (m->role != MSG_ROLE_WORKER)
         return NULL;
+    if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "the key is that of a worker called '%s'", conn->name);
+        return text;
+    }
     *status = EX_CONFIG;
     if (!good_name(m->name))
         return "a worker's name needs letters, digits, '.', '_' or '-'";
@@ -643,6 +665,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     conn->roles = peer->roles;
     snprintf(conn->address, sizeof conn->address, "%s", peer->address);
     snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
     conn->next = c->conns;
     c->conns = conn;
     conn->chain = c->by_id[slot_of(id)];

@@ -34,6 +34,7 @@ struct coord_peer {
     const char *address; /* for the log: "unix uid=1000", "127.0.0.1:4711" */
     const char *owner;   /* user that its jobs belong to */
     unsigned roles;      /* bit 1u << enum msg_role: what it may ask to be */
+    const char *name;    /* the only worker that it may be; NULL: any */
 };
 
 /* How long jobs that are over are remembered, with their pictures. */

@@ -51,6 +51,7 @@ struct coord_conn {
     unsigned roles; /* that it may ask for */
     char address[MSG_MAX_ADDRESS + 1];
     char owner[MSG_MAX_NAME + 1];
+    char name[MSG_MAX_NAME + 1]; /* of the worker that it may be; empty: any */
     struct coord_worker *worker; /* with MSG_AT_COORD_WORKER */
     const struct job *watch;     /* job whose progress it gets */
     uint32_t watch_request;      /* request id of its SUBMIT */

@@ -129,7 +129,7 @@ static void
 join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
      const char *owner)
 {
-    struct coord_peer peer = { "test", owner, 14 };
+    struct coord_peer peer = { "test", owner, 14, NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, 1, (uint8_t)role, name, "t", "", 2, 0 } };
 
@@ -602,12 +602,15 @@ static const struct {
     { 1, 1, MSG_ROLE_WORKER, "a b", 1, EX_CONFIG },
     { 1, 1, MSG_ROLE_WORKER, "w", 0, EX_CONFIG },
     { 1, 1, MSG_ROLE_ADMIN, "", 0, EX_NOPERM },
+    { 1, 1, MSG_ROLE_WORKER, "ws8", 1, EX_NOPERM }, /* the key is ws7's */
 };
 
 START_TEST(a_hello_that_does_not_fit_is_refused)
 {
     struct coord_peer peer = { "test", "x",
-                               1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER };
+                               1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER,
+                               strcmp(hellos[_i].name, "ws8") == 0 ? "ws7"
+                                                                   : NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { hellos[_i].min, hellos[_i].max, hellos[_i].role,
                                 hellos[_i].name, "t", "", hellos[_i].threads,
@@ -618,6 +621,40 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
     ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
     ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
     ck_assert(f.closed[7]);
+}
+END_TEST
+
+#define BIT(role) (1u << MSG_ROLE_##role)
+
+/* What each credential may ask to be, role by role. */
+static const struct {
+    unsigned roles;
+    bool worker, user, admin;
+} credentials[] = {
+    { BIT(WORKER), true, false, false },
+    { BIT(USER), false, true, false },
+    { BIT(USER) | BIT(ADMIN), false, true, true },
+    { BIT(WORKER) | BIT(USER) | BIT(ADMIN), true, true, true },
+    { 0, false, false, false },
+};
+
+START_TEST(a_credential_is_good_for_its_roles_alone)
+{
+    const bool *may = &credentials[_i].worker;
+
+    for (unsigned role = MSG_ROLE_WORKER; role <= MSG_ROLE_ADMIN; role++) {
+        struct coord_peer peer = { "test", "x", credentials[_i].roles, NULL };
+        uint64_t conn = 4 + role;
+        struct msg m = { .type = MSG_HELLO,
+                         .hello = { 1, 1, (uint8_t)role, "w", "t", "", 1, 0 } };
+
+        coord_opened(f.c, f.now_ms, conn, &peer);
+        say(&f, conn, &m);
+        ck_assert_int_eq(f.last[conn].type, may[role - MSG_ROLE_WORKER]
+                                                ? MSG_WELCOME
+                                                : MSG_REFUSE);
+        ck_assert(f.closed[conn] == !may[role - MSG_ROLE_WORKER]);
+    }
 }
 END_TEST
 
@@ -790,6 +827,8 @@ main(void)
     tcase_add_test(tc, a_duplicate_that_does_not_is_none);
     tcase_add_test(tc, a_new_connection_of_a_name_replaces_the_old);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
+    tcase_add_loop_test(tc, a_credential_is_good_for_its_roles_alone, 0,
+                        N_ELEM(credentials));
     tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
                         N_ELEM(hellos));
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);

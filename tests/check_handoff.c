@@ -163,7 +163,7 @@ count(uint64_t conn, uint16_t type)
 static void
 join(uint64_t conn, unsigned role, const char *name, const char *address)
 {
-    struct coord_peer peer = { "test", "ana", 14 };
+    struct coord_peer peer = { "test", "ana", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, 1, (uint8_t)role, name, "t", address, 1,
                                 0 } };

@@ -260,6 +260,7 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -282,6 +283,7 @@ EXTRA_DIST += \
 TESTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
