@@ -6,16 +6,29 @@ CLEANFILES += bench/kernel$(EXEEXT)
 bench_kernel_SOURCES = bench/kernel.c
 bench_kernel_LDADD = $(LIBRAD)
 
+EXTRA_PROGRAMS += bench/ambient
+CLEANFILES += bench/ambient$(EXEEXT)
+
+bench_ambient_SOURCES = bench/ambient.c
+bench_ambient_LDADD = $(LIBCLIENT) $(LIBRAD)
+
 BENCH_SCENE =
 BENCH_VIEW =
 
-.PHONY: bench bench-kernel bench-hosts bench-sim bench-error
-bench: bench-kernel bench-sim bench-hosts bench-error
+# AMBIENT_FLAGS are options of bench/ambient, rendering options among them.
+AMBIENT_FLAGS =
+.PHONY: bench bench-ambient bench-kernel bench-hosts bench-sim bench-error
+bench: bench-kernel bench-ambient bench-sim bench-hosts bench-error
 bench-kernel: bench/kernel$(EXEEXT)
 	$(MKDIR_P) bench/results
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \
 		>bench/results/kernel.txt
 	cat bench/results/kernel.txt
+bench-ambient: bench/ambient$(EXEEXT)
+	$(MKDIR_P) bench/results
+	bench/ambient$(EXEEXT) $(AMBIENT_FLAGS) $(BENCH_SCENE) $(BENCH_VIEW) \
+		>bench/results/ambient.txt
+	cat bench/results/ambient.txt
 
 # The ways to share a picture on emulated workstations; HOSTS_FLAGS are options
 # of bench/hosts.sh.

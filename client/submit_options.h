@@ -41,7 +41,6 @@ struct submit_options {
     const char *stats, *preview;
     /* where */
     const char *coordinator;
-    const char *key; /* file */
     bool local;
     int workers, threads; /* of an embedded cluster; 0: not said */
     double wait_s;

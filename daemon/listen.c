@@ -4,7 +4,6 @@
 #include "listen.h"
 
 #include "conn.h"
-#include "gate.h"
 #include "log.h"
 #include "service.h"
 
@@ -20,8 +19,9 @@
 struct listener {
     union conn_stream server;
     bool local;
-    struct listener_conf conf;
-    struct gate *gate; /* of TCP */
+    listener_fn *fn;
+    void *arg;
+    struct log_limit refused;
     char text[ADDRESS_TEXT + 8];
 };
 
@@ -92,10 +92,7 @@ bind_tcp(struct listener *l, uv_loop_t *loop, const struct address *a)
 static void
 free_listener(uv_handle_t *h)
 {
-    struct listener *l = h->data;
-
-    gate_free(l->gate);
-    free(l);
+    free(h->data);
 }
 
 /* The address that the kernel gave (port 0 in the wish). */
@@ -117,8 +114,8 @@ on_connection(uv_stream_t *server, int status)
 {
     struct listener *l = server->data;
     uv_stream_t *stream;
-    struct address from;
     char peer[ADDRESS_TEXT];
+    unsigned dropped;
 
     if (status < 0)
         return;
@@ -131,50 +128,37 @@ on_connection(uv_stream_t *server, int status)
         conn_stream_close(stream);
         return;
     }
-    conn_stream_peer(stream, peer, &from);
-    if (l->local)
-        l->conf.fn(l->conf.arg, stream, NULL, peer);
-    else
-        gate_take(l->gate, stream, &from);
-}
-
-static struct listener *
-new_listener(const struct address *a, const struct listener_conf *conf)
-{
-    struct listener *l = calloc(1, sizeof *l);
-
-    if (!l)
-        return NULL;
-    l->local = address_is_local(a);
-    l->conf = *conf;
-    if (l->local)
-        return l;
-    l->gate = gate_new(conf->find, conf->arg, conf->fn, conf->arg);
-    if (l->gate)
-        return l;
-    free(l);
-    return NULL;
+    if (!conn_stream_peer(stream, peer)) {
+        if (log_allowed(&l->refused, uv_now(server->loop), &dropped))
+            log_warn("connection refused peer=%s: not a loopback address",
+                     peer);
+        conn_stream_close(stream);
+        return;
+    }
+    l->fn(l->arg, stream, peer);
 }
 
 struct listener *
-listener_open(uv_loop_t *loop, const char *where,
-              const struct listener_conf *conf, struct rad_error *err)
+listener_open(uv_loop_t *loop, const char *where, listener_fn *fn, void *arg,
+              struct rad_error *err)
 {
     struct address a;
     struct listener *l;
     int rc;
 
     if (address_resolve(where, &a, err) < 0 ||
-        (!conf->anywhere && address_permitted(&a, where, err) < 0))
+        address_permitted(&a, where, err) < 0)
         return NULL;
-    l = new_listener(&a, conf);
+    l = calloc(1, sizeof *l);
     if (!l) {
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
+    l->local = address_is_local(&a);
+    l->fn = fn;
+    l->arg = arg;
     rc = l->local ? bind_local(l, loop, &a, err) : bind_tcp(l, loop, &a);
     if (rc == RAD_ECANTCREAT) { /* no handle yet */
-        gate_free(l->gate);
         free(l);
         return NULL;
     }

@@ -6,6 +6,7 @@ AM_TESTS_ENVIRONMENT = \
 	export CK_DEFAULT_TIMEOUT;
 
 UNIT_TESTS = \
+	tests/check_ambcache \
 	tests/check_ambient \
 	tests/check_ambshare \
 	tests/check_aniso \
@@ -77,6 +78,10 @@ tests_seqpict_SOURCES = tests/seqpict.c
 tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
+
+tests_check_ambcache_SOURCES = tests/check_ambcache.c tests/unit.h
+tests_check_ambcache_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ambcache_LDADD = $(UNIT_LIBS)
 
 tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h \
 	tests/world.h
@@ -244,12 +249,6 @@ tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
 tests_radd_hooked_LDADD = $(radd_LDADD)
 
-# a bad connection, for the shell tests
-check_PROGRAMS += tests/proxy
-tests_proxy_SOURCES = tests/proxy.c
-tests_proxy_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
-tests_proxy_LDADD = $(LIBDAEMON) $(LIBRAD)
-
 # runs a program as a unit of systemd would
 check_PROGRAMS += tests/confine
 tests_confine_SOURCES = tests/confine.c
@@ -260,7 +259,6 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
-	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -278,12 +276,10 @@ dist_check_SCRIPTS += \
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
-	tests/e2e/faults.sh \
 	tests/scenes
 TESTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
-	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -407,6 +403,7 @@ tests_check_frame_LDADD = $(UNIT_LIBS)
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
+	tests/check_ambcache \
 	tests/check_ambient \
 	tests/check_estimate \
 	tests/check_facts \

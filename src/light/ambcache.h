@@ -16,20 +16,38 @@ struct rad_ambcache;
 struct rad_ambcache *rad_ambcache_new(const double org[3], double side);
 void rad_ambcache_free(struct rad_ambcache *c);
 
-/* Add a copy of *rec, whose zone extends no farther than `reach` from rec->p.
- * False: out of memory. */
-bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
-                         double reach, bool local);
+/* Bounds of the part of space in which a record may serve: beyond `reach` from
+ * its point, beyond `height` before its plane and `behind` behind that, it does
+ * not. */
+struct rad_ambzone {
+    double reach, height, behind;
+};
 
-/* Call fn with every record whose zone may include p, smallest cells first:
- * the cell with the smallest zones, then the one about it, and so on.  After
- * each cell, `more` is told its side and says whether larger ones are wanted.
- */
+/* Add a copy of *rec, which must be sound: finite, its normal near enough to
+ * unit length.  False: out of memory. */
+bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
+                         const struct rad_ambzone *zone, bool local);
+
+/* What is asked for: records whose zone includes p, whose normal is within
+ * that of n, and that were made at fewer bounces than `level`, or at as many
+ * for a weight of `weight` at least. */
+struct rad_ambquery {
+    double p[3], n[3];
+    double min_cos; /* of the angle between the normals */
+    int level;
+    double weight; /* at most 4 */
+};
+
+/* Call fn with every record that meets the query, and with some that nearly do:
+ * it must look for itself.  Small zones come before large ones: `more` is told
+ * how far those reach that were looked at, and says whether larger ones are
+ * wanted, too.  Which records come does not depend on the order in which they
+ * were inserted, but the order in which they come does. */
 typedef void rad_ambcache_fn(void *arg, const struct rad_ambrec *rec);
-typedef bool rad_ambcache_more_fn(void *arg, double side);
-void rad_ambcache_visit(const struct rad_ambcache *c, const double p[3],
-                        rad_ambcache_fn *fn, rad_ambcache_more_fn *more,
-                        void *arg);
+typedef bool rad_ambcache_more_fn(void *arg, double reach);
+void rad_ambcache_visit(const struct rad_ambcache *c,
+                        const struct rad_ambquery *q, rad_ambcache_fn *fn,
+                        rad_ambcache_more_fn *more, void *arg);
 
 /* Copy records from the log, from position *cursor on, at most max, and move
  * the cursor; with local_only, those alone that were inserted as local.  Stops

@@ -10,11 +10,6 @@
  * with weights that fall to zero at the edges of the zones, in distance and in
  * angle, so nothing jumps where a zone ends.
  *
- * A record serves its own level alone.  One of a lower level holds the light of
- * more bounces than a deeper ray has left, so that as many bounces as -ab says
- * would become up to twice as many: with -ab 4 the Cornell box was 1.6 % too
- * bright however fine the cache.
- *
  * Light leaks: a record made in the open, near a wall that does not reach down
  * to it, must not serve beyond the wall.  A record remembers in which
  * directions something stood near by at the horizon; asked for from there, it
@@ -155,11 +150,14 @@ is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 static bool
 insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 {
-    double reach = rec->radius[1] * amb->job->params.ambacc;
+    double aa = amb->job->params.ambacc;
+    struct rad_ambzone zone = { .reach = rec->radius[1] * aa,
+                                .height = rec->radius[0] * aa,
+                                .behind = amb->least * aa };
     float lum = rad_rgb_lum(rec->E);
 
     if (!is_plausible(amb, rec) ||
-        !rad_ambcache_insert(amb->cache, rec, reach, local))
+        !rad_ambcache_insert(amb->cache, rec, &zone, local))
         return false;
     if (amb->job->params.ambvwt > 0 && lum > 0) {
         atomic_fetch_add_explicit(
@@ -298,7 +296,8 @@ add_record(void *arg, const struct rad_ambrec *rec)
     double aa = s->amb->job->params.ambacc;
     double f[3][3], d[3], uv[2], factor, cosine, turn, dist2, w;
 
-    if (rec->level != at->level || rec->weight < .9 * at->weight)
+    if (rec->level > at->level ||
+        (rec->level == at->level && rec->weight < .9 * at->weight))
         return;
     rad_sub(d, at->p, rec->p);
     if (rad_dot(d, d) >= aa * aa * rec->radius[1] * rec->radius[1])
@@ -341,13 +340,17 @@ rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
                  uint64_t *rays)
 {
     struct search s = { .amb = amb, .at = at, .counts = counts, .rays = rays };
+    struct rad_ambquery q = { .level = at->level, .weight = .9 * at->weight };
 
     /* ten degrees and -aa radians; more for rays that weigh little */
     s.max_angle = M_PI / 18 + amb->job->params.ambacc;
     if (at->weight < .6)
         s.max_angle =
             M_PI / 2 - (M_PI / 2 - s.max_angle) * pow(at->weight, .13);
-    rad_ambcache_visit(amb->cache, at->p, add_record, want_more, &s);
+    q.min_cos = rad_most(1 - .5 * s.max_angle * s.max_angle, 0);
+    rad_copy(q.p, at->p);
+    rad_copy(q.n, at->n);
+    rad_ambcache_visit(amb->cache, &q, add_record, want_more, &s);
     if (s.weight > 0)
         *E = rad_rgb((float)(s.E[0] / s.weight), (float)(s.E[1] / s.weight),
                      (float)(s.E[2] / s.weight));

@@ -1,0 +1,342 @@
+/* check_ambcache.c - tests of src/light/ambcache
+ *
+ * RADD_SOAK=long inserts 10^6 records from eight threads in place of some
+ * thousand. */
+#include "config.h"
+
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/ambcache.h"
+#include "unit.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <string.h>
+
+/* A cube that is not at the origin and not of side 1. */
+static const double org[3] = { -3, 5, 100 };
+#define SIDE 7.
+
+struct sample {
+    struct rad_ambrec rec;
+    struct rad_ambzone zone;
+};
+
+static double
+draw(uint64_t key, uint32_t i)
+{
+    return rad_rand(key, i);
+}
+
+static void
+widen(double d[3], const float v[3])
+{
+    for (int k = 0; k < 3; k++)
+        d[k] = v[k];
+}
+
+/* Mostly on walls of the cube's grid and upright on them; of any size. */
+static struct sample
+invent(uint64_t key)
+{
+    struct sample s = { .rec = { .weight = (float)(.25 + .75 * draw(key, 1)),
+                                 .level = (uint16_t)(3 * draw(key, 2)) } };
+    double n[3];
+
+    for (uint32_t k = 0; k < 3; k++) {
+        s.rec.p[k] = org[k] + SIDE * draw(key, 3 + k);
+        n[k] = draw(key, 6 + k) - .5;
+    }
+    rad_normalize(n);
+    for (int k = 0; k < 3; k++)
+        s.rec.n[k] = (float)n[k];
+    if (draw(key, 9) < .7) {
+        int axis = (int)(3 * draw(key, 10));
+
+        memset(s.rec.n, 0, sizeof s.rec.n);
+        s.rec.n[axis] = draw(key, 11) < .5 ? -1 : 1;
+        s.rec.p[axis] = org[axis] + SIDE / 4 * (int)(5 * draw(key, 12));
+    }
+    s.zone.reach = SIDE * exp(-1 - 14 * draw(key, 13));
+    s.zone.height = s.zone.reach * (.3 + .7 * draw(key, 14));
+    s.zone.behind = .01 * s.zone.height;
+    return s;
+}
+
+/* Asked near the edge of some record's zone, on its side or nearly. */
+static struct rad_ambquery
+ask_near(const struct sample *s, uint64_t key)
+{
+    struct rad_ambquery q = { .level = (int)(3 * draw(key, 1)),
+                              .weight = draw(key, 2),
+                              .min_cos = draw(key, 3) };
+    double out = s->zone.reach * (.2 + draw(key, 4)), n[3], u[3], v[3];
+
+    widen(n, s->rec.n);
+    rad_normalize(n);
+    rad_frame(u, v, n);
+    double phi = 2 * M_PI * draw(key, 5);
+    double up = s->zone.height * (draw(key, 6) - .2);
+
+    for (int k = 0; k < 3; k++) {
+        q.p[k] = s->rec.p[k] + out * (cos(phi) * u[k] + sin(phi) * v[k]) +
+                 (draw(key, 7) < .5 ? up * n[k] : 0);
+        q.n[k] = n[k] + draw(key, 8) * (draw(key, 9 + (uint32_t)k) - .5);
+    }
+    rad_normalize(q.n);
+    return q;
+}
+
+/* Does the query meet the record, with zones `more` as large? */
+static bool
+meets(const struct sample *s, const struct rad_ambquery *q, double more)
+{
+    double d[3], n[3], h, slack = more - 1;
+
+    rad_sub(d, q->p, s->rec.p);
+    widen(n, s->rec.n);
+    h = rad_dot(d, n);
+    double reach = s->zone.reach * more, height = s->zone.height * more;
+
+    return (rad_dot(d, d) - h * h) / (reach * reach) +
+                   h * h / (height * height) <
+               1 &&
+           (h >= -s->zone.behind || slack > 0) &&
+           rad_dot(n, q->n) >= q->min_cos - slack &&
+           (s->rec.level < q->level ||
+            (s->rec.level == q->level &&
+             (double)s->rec.weight >= q->weight - slack));
+}
+
+struct found {
+    const struct rad_ambrec *rec[4096];
+    int n;
+    double reach, enough; /* last told to want, and where to stop */
+};
+
+static void
+keep(void *arg, const struct rad_ambrec *rec)
+{
+    struct found *f = arg;
+
+    ck_assert_int_lt(f->n, N_ELEM(f->rec));
+    f->rec[f->n++] = rec;
+}
+
+static bool
+want(void *arg, double reach)
+{
+    struct found *f = arg;
+
+    ck_assert(reach > f->reach);
+    f->reach = reach;
+    return reach < f->enough;
+}
+
+enum { RECORDS = 2000, QUERIES = 1000 };
+static struct sample sample[RECORDS];
+
+static struct rad_ambcache *
+filled(void)
+{
+    struct rad_ambcache *c = rad_ambcache_new(org, SIDE);
+
+    ck_assert_ptr_nonnull(c);
+    for (int i = 0; i < RECORDS; i++) {
+        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
+        sample[i].rec.E.g = (float)i;
+        ck_assert(rad_ambcache_insert(c, &sample[i].rec, &sample[i].zone,
+                                      i % 2 == 0));
+    }
+    return c;
+}
+
+START_TEST(look_up_finds_what_a_search_of_all_finds)
+{
+    struct rad_ambcache *c = filled();
+    static int times[RECORDS];
+    int served = 0, nearly = 0, found = 0;
+
+    for (int i = 0; i < QUERIES; i++) {
+        uint64_t key = rad_key_branch(2, (uint64_t)i);
+        struct rad_ambquery q =
+            ask_near(&sample[(int)(RECORDS * draw(key, 0))], key);
+        struct found f = { .enough = INFINITY };
+
+        rad_ambcache_visit(c, &q, keep, want, &f);
+        found += f.n;
+        memset(times, 0, sizeof times);
+        for (int k = 0; k < f.n; k++)
+            times[(int)f.rec[k]->E.g]++;
+        for (int k = 0; k < RECORDS; k++) {
+            bool in = meets(&sample[k], &q, 1);
+            bool near = meets(&sample[k], &q, 1.02);
+            int n = times[k];
+
+            ck_assert_msg(n <= 1, "query %d: record %d %d times", i, k, n);
+            ck_assert_msg(n == 1 || !in, "query %d: no record %d", i, k);
+            /* what comes in vain is near the edge of what is asked for */
+            ck_assert_msg(n == 0 || near, "query %d: record %d", i, k);
+            served += in;
+            nearly += near;
+        }
+    }
+    ck_assert_int_gt(served, QUERIES / 2);
+    ck_assert_int_le(found, nearly);
+    rad_ambcache_free(c);
+}
+END_TEST
+
+START_TEST(small_zones_come_first_and_large_ones_if_wanted)
+{
+    struct rad_ambcache *c = filled();
+    int shorter = 0;
+
+    for (int i = 0; i < QUERIES; i++) {
+        uint64_t key = rad_key_branch(3, (uint64_t)i);
+        struct rad_ambquery q =
+            ask_near(&sample[(int)(RECORDS * draw(key, 0))], key);
+        struct found all = { .enough = INFINITY }, some = { .enough = .02 };
+        double reach = 0;
+
+        rad_ambcache_visit(c, &q, keep, want, &all);
+        for (int k = 0; k < all.n; k++) {
+            double r = sample[(int)all.rec[k]->E.g].zone.reach;
+
+            /* within a factor of two */
+            ck_assert_msg(2 * r >= reach, "%d: %g after %g", i, r / SIDE,
+                          reach / SIDE);
+            reach = rad_most(reach, r);
+        }
+        rad_ambcache_visit(c, &q, keep, want, &some);
+        ck_assert_int_le(some.n, all.n);
+        ck_assert(
+            memcmp(all.rec, some.rec, (size_t)some.n * sizeof *some.rec) == 0);
+        shorter += some.n < all.n;
+    }
+    ck_assert_int_gt(shorter, 0);
+    rad_ambcache_free(c);
+}
+END_TEST
+
+/* --- threads --- */
+
+enum { THREADS = 8 };
+
+struct crowd {
+    struct rad_ambcache *cache;
+    int each; /* records of a thread */
+    _Atomic int missed;
+};
+
+struct member {
+    pthread_t thread;
+    struct crowd *crowd;
+    int number;
+};
+
+static void
+look_for(void *arg, const struct rad_ambrec *rec)
+{
+    struct found *f = arg;
+
+    /* E says which it is, p and n whether it is whole */
+    f->n += (double)rec->E.r == f->enough;
+    ck_assert(rec->p[0] >= org[0] && rec->p[0] <= org[0] + SIDE);
+    ck_assert(rec->n[0] * rec->n[0] + rec->n[1] * rec->n[1] +
+                  rec->n[2] * rec->n[2] >
+              .99f);
+}
+
+static bool
+want_all(void *arg, double reach)
+{
+    (void)arg;
+    return reach < INFINITY;
+}
+
+static bool
+is_there(struct crowd *crowd, int thread, int i)
+{
+    struct sample s =
+        invent(rad_key_branch(7, (uint64_t)i * THREADS + (uint64_t)thread));
+    struct rad_ambquery q = { .level = s.rec.level + 1, .min_cos = .5 };
+    /* `enough` is here what is looked for */
+    struct found f = { .enough = (double)(float)(i * THREADS + thread) };
+
+    rad_copy(q.p, s.rec.p);
+    widen(q.n, s.rec.n);
+    rad_ambcache_visit(crowd->cache, &q, look_for, want_all, &f);
+    return f.n == 1;
+}
+
+static void *
+insert_and_look(void *arg)
+{
+    struct member *me = arg;
+    struct crowd *crowd = me->crowd;
+
+    for (int i = 0; i < crowd->each; i++) {
+        struct sample s = invent(
+            rad_key_branch(7, (uint64_t)i * THREADS + (uint64_t)me->number));
+
+        s.zone.reach *= .1; /* not too many at one place */
+        s.zone.height *= .1;
+        s.rec.E.r = (float)(i * THREADS + me->number);
+        if (!rad_ambcache_insert(crowd->cache, &s.rec, &s.zone, true) ||
+            !is_there(crowd, me->number, i))
+            atomic_fetch_add(&crowd->missed, 1);
+        /* what another may have put there by now */
+        is_there(crowd, (me->number + 1) % THREADS, i);
+    }
+    return NULL;
+}
+
+START_TEST(threads_find_what_they_insert)
+{
+    const char *soak = getenv("RADD_SOAK");
+    bool long_one = soak && strcmp(soak, "long") == 0;
+    struct crowd crowd = { .each = long_one ? 125000 : 1500 };
+    static struct rad_ambrec out[64];
+    struct member member[THREADS];
+    uint64_t cursor = 0;
+    size_t logged = 0, n;
+
+    crowd.cache = rad_ambcache_new(org, SIDE);
+    for (int i = 0; i < THREADS; i++) {
+        member[i] = (struct member){ .crowd = &crowd, .number = i };
+        ck_assert_int_eq(pthread_create(&member[i].thread, NULL,
+                                        insert_and_look, &member[i]),
+                         0);
+    }
+    for (int i = 0; i < THREADS; i++)
+        pthread_join(member[i].thread, NULL);
+    ck_assert_int_eq(crowd.missed, 0);
+    for (int i = 0; i < THREADS; i++)
+        for (int k = 0; k < crowd.each; k++)
+            ck_assert_msg(is_there(&crowd, i, k), "record %d of %d", k, i);
+    while ((n = rad_ambcache_read(crowd.cache, &cursor, true, out,
+                                  N_ELEM(out))) > 0)
+        logged += n;
+    ck_assert_uint_eq(logged, (size_t)crowd.each * THREADS);
+    ck_assert_uint_eq(rad_ambcache_count(crowd.cache), logged);
+    rad_ambcache_free(crowd.cache);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("ambcache");
+    TCase *tc = tcase_create("look-up");
+
+    tcase_set_timeout(tc, 60);
+    tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
+    tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("threads");
+    tcase_set_timeout(tc, 3600);
+    tcase_add_test(tc, threads_find_what_they_insert);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
