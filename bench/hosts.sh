@@ -259,10 +259,24 @@ n_workers()
         grep -c '"name"')" -eq "$1" ]
 }
 
+# Workstations come over TCP, each with a key.
+make_key() # K
+{
+    [ -e "$tmp/key$1" ] ||
+        (umask 077 && "$build/radctl" key add "worker:w$1" \
+            --keys="$tmp/keys" >"$tmp/key$1")
+}
+
 start_cluster() # N
 {
     rm -rf "$tmp/state" "$tmp"/w* "$tmp/c.ports"
-    "$build/radcoord" --listen=127.0.0.1:0 --socket="$tmp/c.sock" \
+    k=1
+    while [ $k -le "$1" ]; do
+        make_key $k || return 1
+        k=$((k + 1))
+    done
+    "$build/radcoord" --listen=127.0.0.1:0 --keys="$tmp/keys" \
+        --socket="$tmp/c.sock" \
         --state="$tmp/state" --ports-file="$tmp/c.ports" \
         2>"$tmp/c.log" </dev/null &
     coord_pid=$!
@@ -270,7 +284,7 @@ start_cluster() # N
     tcp=$(sed -n 's/^tcp //p' "$tmp/c.ports")
     k=1
     while [ $k -le "$1" ]; do
-        on_host $k "$build/radd" --coordinator="$tcp" --name="w$k" \
+        on_host $k "$build/radd" --coordinator="$tcp" --key="$tmp/key$k" \
             --threads=1 --nice=0 --listen="127.0.0.$((k + 1)):0" \
             --cache="$tmp/w$k" 2>"$tmp/w$k.log" </dev/null &
         pids="$pids $!"

@@ -18,7 +18,7 @@ BENCH_VIEW =
 # AMBIENT_FLAGS are options of bench/ambient, rendering options among them.
 AMBIENT_FLAGS =
 .PHONY: bench bench-ambient bench-kernel bench-hosts bench-sim bench-error
-bench: bench-kernel bench-ambient bench-sim bench-hosts bench-error
+bench: bench-ambient bench-kernel bench-sim bench-hosts bench-error
 bench-kernel: bench/kernel$(EXEEXT)
 	$(MKDIR_P) bench/results
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \

@@ -9,10 +9,13 @@
 #include "link.h"
 
 #include "frame.h"
+#include "keyfile.h"
+#include "tls.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
+#include <time.h>
 
 enum {
     READ_SIZE = 1 << 16,
@@ -31,8 +34,13 @@ struct link {
         uv_tcp_t tcp;
     } s;
     bool stream_open;
-    uv_timer_t ping;  /* sends PINGs, notices silence */
-    uv_timer_t limit; /* of one wait */
+    struct tls_ctx *tls_ctx;
+    struct tls *tls;      /* NULL: a Unix socket */
+    bool proven;          /* its handshake is over */
+    char *raw;            /* READ_SIZE bytes, of TLS */
+    struct rad_error why; /* of TLS, when failed is its code */
+    uv_timer_t ping;      /* sends PINGs, notices silence */
+    uv_timer_t limit;     /* of one wait */
     uv_connect_t connect;
     struct resolving *resolving;
     int nhandles; /* open ones */
@@ -89,11 +97,9 @@ lost(struct link *l, struct rad_error *err)
     if (code == UV_ETIMEDOUT)
         return rad_fail(err, RAD_EUNAVAIL,
                         "the coordinator at '%s' does not answer", l->name);
-    if (code == RAD_EPERM)
-        return rad_fail(err, code,
-                        "'%s' is not on this machine: without keys only a "
-                        "Unix socket or a loopback address is spoken to",
-                        l->name);
+    if (l->why.code == code && code != 0)
+        return rad_fail(err, code, "the coordinator at '%s': %s", l->name,
+                        l->why.what);
     if (code == RAD_ENOMEM)
         return rad_fail(err, code, "out of memory");
     if (code == RAD_EPROTO)
@@ -133,44 +139,80 @@ wait_for(struct link *l, int ms)
 
 /* --- input --- */
 
+/* Room for READ_SIZE bytes more. */
+static bool
+make_room(struct link *l)
+{
+    size_t cap = l->cap ? 2 * l->cap : 4 * READ_SIZE;
+    uint8_t *p;
+
+    if (l->start > 0) {
+        memmove(l->input, l->input + l->start, l->end - l->start);
+        l->end -= l->start;
+        l->start = 0;
+    }
+    if (l->cap - l->end >= READ_SIZE)
+        return true;
+    p = realloc(l->input, cap);
+    if (!p)
+        return false;
+    l->input = p;
+    l->cap = cap;
+    return true;
+}
+
 static void
 on_alloc(uv_handle_t *h, size_t suggested, uv_buf_t *buf)
 {
     struct link *l = h->data;
 
     (void)suggested;
-    if (l->start > 0) {
-        memmove(l->input, l->input + l->start, l->end - l->start);
-        l->end -= l->start;
-        l->start = 0;
-    }
-    if (l->cap - l->end < READ_SIZE) {
-        size_t cap = l->cap ? 2 * l->cap : 4 * READ_SIZE;
-        uint8_t *p = realloc(l->input, cap);
+    if (!make_room(l))
+        *buf = uv_buf_init(NULL, 0); /* on_read gets UV_ENOBUFS */
+    else
+        *buf =
+            uv_buf_init(l->tls ? l->raw : (char *)l->input + l->end, READ_SIZE);
+}
 
-        if (!p) {
-            *buf = uv_buf_init(NULL, 0); /* on_read gets UV_ENOBUFS */
+/* All that came by TLS becomes input. */
+static void
+unseal(struct link *l)
+{
+    int n = 1;
+
+    while (n > 0 && l->proven) {
+        if (!make_room(l)) {
+            fail(l, RAD_ENOMEM);
             return;
         }
-        l->input = p;
-        l->cap = cap;
+        n = tls_read(l->tls, l->input + l->end, READ_SIZE, &l->why);
+        if (n > 0)
+            l->end += (size_t)n;
+        else if (n < 0)
+            fail(l, n);
+        else if (tls_ended(l->tls))
+            fail(l, UV_EOF);
     }
-    *buf = uv_buf_init((char *)l->input + l->end, READ_SIZE);
 }
 
 static void
 on_read(uv_stream_t *s, ssize_t n, const uv_buf_t *buf)
 {
     struct link *l = s->data;
+    int rc;
 
-    (void)buf;
     if (n < 0) {
         uv_read_stop(s);
         l->reading = false;
         fail(l, n == UV_ENOBUFS ? RAD_ENOMEM : (int)n);
         return;
     }
-    l->end += (size_t)n;
+    if (!l->tls)
+        l->end += (size_t)n;
+    else if ((rc = tls_put(l->tls, buf->base, (size_t)n, &l->why)) < 0)
+        fail(l, rc);
+    else
+        unseal(l);
     l->silent = 0;
     l->done = true;
     if (l->end - l->start > INPUT_MARK) {
@@ -203,12 +245,44 @@ on_written(uv_write_t *req, int status)
     free(o);
 }
 
+/* Takes the bytes. */
+static void
+write_out(struct link *l, struct outgoing *o, uint8_t *bytes, size_t n)
+{
+    uv_buf_t buf = uv_buf_init((char *)bytes, (unsigned)n);
+    int rc;
+
+    o->bytes = bytes;
+    o->req.data = l;
+    rc = uv_write(&o->req, &l->s.stream, &buf, 1, on_written);
+    if (rc < 0) {
+        fail(l, rc);
+        free(o->bytes);
+        free(o);
+    }
+}
+
+/* A message's bytes as they go out; takes them.  NULL when that fails. */
+static uint8_t *
+seal(struct link *l, uint8_t *bytes, size_t *n)
+{
+    uint8_t *sealed;
+    size_t len = *n;
+
+    if (!l->tls)
+        return bytes;
+    sealed = tls_seal(l->tls, bytes, len, 0, n, &l->why);
+    free(bytes);
+    return sealed;
+}
+
 static int
 queue(struct link *l, const struct msg *m, struct rad_error *err)
 {
     struct wire_out out;
     struct outgoing *o = malloc(sizeof *o);
-    uv_buf_t buf;
+    uint8_t *bytes;
+    size_t n;
     int rc;
 
     wire_out_init(&out, MSG_FRAME_MAX);
@@ -221,16 +295,15 @@ queue(struct link *l, const struct msg *m, struct rad_error *err)
                                          : "%s: too long to be sent",
                         msg_name(m->type));
     }
-    o->bytes = out.buf;
-    o->req.data = l;
-    buf = uv_buf_init((char *)out.buf, (unsigned)out.len);
-    rc = uv_write(&o->req, &l->s.stream, &buf, 1, on_written);
-    if (rc < 0) {
-        fail(l, rc);
-        free(o->bytes);
+    n = out.len;
+    bytes = seal(l, out.buf, &n);
+    if (!bytes) {
         free(o);
+        fail(l, l->why.code);
+    } else {
+        write_out(l, o, bytes, n);
     }
-    return rc < 0 ? lost(l, err) : 0;
+    return l->failed ? lost(l, err) : 0;
 }
 
 int
@@ -358,18 +431,6 @@ on_resolved(uv_getaddrinfo_t *req, int status, struct addrinfo *found)
     }
 }
 
-static bool
-is_loopback(const struct sockaddr *sa)
-{
-    if (sa->sa_family == AF_INET) {
-        const struct sockaddr_in *in = (const struct sockaddr_in *)sa;
-
-        return (ntohl(in->sin_addr.s_addr) >> 24) == 127;
-    }
-    return sa->sa_family == AF_INET6 &&
-           IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)sa)->sin6_addr);
-}
-
 static void
 on_closed(uv_handle_t *h)
 {
@@ -419,13 +480,34 @@ resolve(struct link *l, const struct target *to)
     }
 }
 
+static bool
+is_loopback(const struct sockaddr *sa)
+{
+    if (sa->sa_family == AF_INET) {
+        const struct sockaddr_in *in = (const struct sockaddr_in *)sa;
+
+        return (ntohl(in->sin_addr.s_addr) >> 24) == 127;
+    }
+    return sa->sa_family == AF_INET6 &&
+           IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)sa)->sin6_addr);
+}
+
+static void
+no_key(struct link *l)
+{
+    fail(l, rad_fail(&l->why, RAD_EPERM,
+                     "it asks for a key: use --key or RADD_KEY"));
+}
+
+/* Without a key another machine is not called at all, and on this one it is
+ * only seen whether there is anybody. */
 static void
 connect_address(struct link *l, const struct sockaddr *sa)
 {
     int rc;
 
-    if (!is_loopback(sa)) {
-        fail(l, RAD_EPERM);
+    if (!l->tls && !is_loopback(sa)) {
+        no_key(l);
         return;
     }
     uv_tcp_init(l->where.loop, &l->s.tcp);
@@ -438,6 +520,8 @@ connect_address(struct link *l, const struct sockaddr *sa)
         fail(l, rc);
     else if (!wait_for(l, left_ms(l)))
         fail(l, UV_ETIMEDOUT);
+    else if (!l->tls)
+        no_key(l);
 }
 
 /* Try one address after the other; the last one's reason remains. */
@@ -469,6 +553,89 @@ connect_local(struct link *l, const struct target *to)
     uv_pipe_connect(&l->connect, &l->s.pipe, to->path, on_connected);
     if (!wait_for(l, left_ms(l)))
         fail(l, UV_ETIMEDOUT);
+}
+
+/* The session of the key that the user's file has for that role. */
+static int
+open_tls(struct link *l, const struct target *to, enum msg_role role,
+         struct rad_error *err)
+{
+    struct keyfile f;
+    const struct key *k;
+    char id[KEY_ID];
+    int rc;
+
+    if (!to->key[0]) /* see connect_address() */
+        return 0;
+    if ((rc = keyfile_load(&f, to->key, err)) < 0)
+        return rc;
+    k = keyfile_choice(&f, role, (int64_t)time(NULL));
+    if (k) {
+        key_id(k, id);
+        l->tls_ctx = tls_client();
+        l->tls = l->tls_ctx ? tls_dial(l->tls_ctx, id, k->secret) : NULL;
+        l->raw = malloc(READ_SIZE);
+    }
+    keyfile_release(&f);
+    if (!k)
+        return rad_fail(err, RAD_EPERM, "there is no key in '%s'", to->key);
+    return l->tls && l->raw ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+bool
+link_may_be_admin(const struct target *to)
+{
+    struct keyfile f;
+    bool may;
+
+    if (to->local || keyfile_load(&f, to->key, NULL) < 0)
+        return to->local;
+    may = keyfile_best(&f, MSG_ROLE_ADMIN, (int64_t)time(NULL)) != NULL;
+    keyfile_release(&f);
+    return may;
+}
+
+/* What the session has to say for itself. */
+static void
+flush_tls(struct link *l)
+{
+    const uint8_t *p;
+    size_t n = tls_out(l->tls, &p);
+    struct outgoing *o = n > 0 ? malloc(sizeof *o) : NULL;
+    uint8_t *bytes = o ? malloc(n) : NULL;
+
+    if (n == 0)
+        return;
+    if (!bytes) {
+        free(o);
+        fail(l, RAD_ENOMEM);
+        return;
+    }
+    memcpy(bytes, p, n);
+    tls_sent(l->tls);
+    write_out(l, o, bytes, n);
+}
+
+/* Both sides prove that they have the key. */
+static void
+prove(struct link *l)
+{
+    int rc = 0;
+
+    keep_reading(l);
+    while (!l->failed) {
+        rc = tls_handshake(l->tls, &l->why);
+        flush_tls(l);
+        if (rc < 0)
+            fail(l, rc);
+        if (rc != 0)
+            break;
+        l->done = false;
+        if (!wait_for(l, left_ms(l)))
+            fail(l, UV_ETIMEDOUT);
+    }
+    l->proven = rc == 1;
+    unseal(l);
 }
 
 static int
@@ -539,9 +706,11 @@ link_open(struct link **out, const struct link_where *where,
     l->until_ms = uv_now(where->loop) + (uint64_t)timeout_ms;
     if (to->local)
         connect_local(l, to);
-    else
+    else if ((rc = open_tls(l, to, role, err)) == 0)
         connect_tcp(l, to);
-    if (l->failed)
+    if (rc == 0 && l->tls && !l->failed)
+        prove(l);
+    if (rc == 0 && l->failed)
         rc = lost(l, err);
     if (rc == 0) {
         uv_timer_start(&l->ping, on_ping, PING_MS, PING_MS);
@@ -571,6 +740,9 @@ link_close(struct link *l)
     }
     frame_reader_release(&l->reader);
     msg_release(&l->in);
+    tls_free(l->tls);
+    tls_ctx_free(l->tls_ctx);
+    free(l->raw);
     free(l->input);
     free(l);
 }

@@ -3,12 +3,12 @@
  * Looks synchronous: each call runs the caller's loop until what it waits for
  * is there, so that signals and timers of the caller's go on meanwhile.  The
  * link answers PINGs, sends its own, and fails after 15 s without a byte.
- * Until connections carry keys, only a Unix socket or a loopback address is
- * spoken to: a scene must not leave the machine in the open.
+ * Over TCP both sides prove that they have the user's key (tls.h) before a byte
+ * of ours is said.
  * Errors: RAD_EUNAVAIL when the coordinator cannot be reached or the connection
- * is lost, which trying again may mend; RAD_EPROTO for bytes against the
- * protocol; what a REFUSE says; RAD_ENOMEM.
- * Thread: the loop's.  */
+ * is lost, which trying again may mend; RAD_EPERM without a key that the
+ * coordinator takes, or codes of keyfile_load(); RAD_EPROTO for bytes against
+ * the protocol; what a REFUSE says; RAD_ENOMEM. Thread: the loop's.  */
 #ifndef RADD_CLIENT_LINK_H
 #define RADD_CLIENT_LINK_H
 
@@ -25,6 +25,9 @@ struct link_where {
     uv_loop_t *loop;
     const int *wake;
 };
+
+/* Is there a reason to try as an admin: a Unix socket, or an admin's key? */
+bool link_may_be_admin(const struct target *to);
 
 /* Connect and say HELLO in the role (an enum msg_role) within timeout_ms.
  * RAD_EUNAVAIL also when woken. */

@@ -31,11 +31,13 @@ struct ctl {
     const char *arg;         /* the command's, NULL where it has none */
     const char *name;        /* the word behind it: a key's, or NULL */
     const char *coordinator; /* --coordinator */
+    const char *key;         /* --key: what to show the coordinator */
     const char *keys;        /* --keys: the file that `key` edits */
     const char *expires;     /* --expires */
     const char *output;
     int frame;
     bool json;
+    bool admin; /* what the coordinator let us be */
     uv_loop_t loop;
     int wake;
     struct link *link;
@@ -312,6 +314,13 @@ run_key(struct ctl *c)
                                  answer->answer.len, c->json, c->err);
 }
 
+/* A user who said it to a coordinator would be hung up on. */
+static bool
+for_admins(const struct command *command)
+{
+    return command->run == run_worker || command->run == run_key;
+}
+
 static const struct command commands[] = {
     { "status", NULL, "coordinator, workers and jobs in short", run_query,
       MSG_QUERY_STATUS },
@@ -347,6 +356,7 @@ help(void)
     puts("\n"
          "  --coordinator=HOST:PORT|SOCKET\n"
          "                    the coordinator\n"
+         "  --key=FILE        what to show a coordinator over the network\n"
          "  --json            print answers as JSON\n"
          "  --keys=FILE       edit this key file, not the coordinator's\n"
          "  --expires=DATE    when a new key ends: 2027-01-31, at 00:00 UTC\n"
@@ -391,6 +401,7 @@ take_option(struct ctl *c, char *argv[], int *i)
     }
     if ((rc = option_value("--coordinator", argv, i, &c->coordinator,
                            c->err)) != 0 ||
+        (rc = option_value("--key", argv, i, &c->key, c->err)) != 0 ||
         (rc = option_value("--keys", argv, i, &c->keys, c->err)) != 0 ||
         (rc = option_value("--expires", argv, i, &c->expires, c->err)) != 0 ||
         (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
@@ -402,10 +413,6 @@ take_option(struct ctl *c, char *argv[], int *i)
                           text);
         return rc < 0 ? rc : 0;
     }
-    if (strncmp(argv[*i], "--key", 5) == 0)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "option '--key': not in this version, whose "
-                        "coordinators serve one machine");
     return rad_fail(c->err, RAD_EUSAGE, "unknown option '%s'", argv[*i]);
 }
 
@@ -480,12 +487,17 @@ connect_to(struct ctl *c, const struct target *to)
 {
     struct link_where where = { &c->loop, &c->wake };
     struct rad_error refused = { 0 };
-    int rc =
-        link_open(&c->link, &where, to, MSG_ROLE_ADMIN, CONNECT_MS, &refused);
+    int rc = RAD_EPERM;
 
-    if (rc == RAD_EPERM)
+    c->admin = link_may_be_admin(to);
+    if (c->admin)
+        rc = link_open(&c->link, &where, to, MSG_ROLE_ADMIN, CONNECT_MS,
+                       &refused);
+    if (rc == RAD_EPERM && (to->local || refused.code == 0)) {
+        c->admin = false;
         return link_open(&c->link, &where, to, MSG_ROLE_USER, CONNECT_MS,
                          c->err);
+    }
     if (rc < 0)
         *c->err = refused;
     return rc;
@@ -510,7 +522,7 @@ run(struct ctl *c)
         rc = c->command->run(c);
         return rc < 0 ? rc : end_output(c);
     }
-    rc = target_find(&to, c->coordinator, c->err);
+    rc = target_find(&to, c->coordinator, c->key, c->err);
     if (rc < 0)
         return rc;
     if (rc == 0)
@@ -521,6 +533,9 @@ run(struct ctl *c)
         return rad_fail(c->err, RAD_ENOMEM, "out of memory");
     c->start_ms = uv_now(&c->loop);
     rc = connect_to(c, &to);
+    if (rc == 0 && !c->admin && for_admins(c->command))
+        rc = rad_fail(c->err, RAD_EPERM, "command '%s' is for administrators",
+                      c->command->name);
     if (rc == 0)
         rc = c->command->run(c);
     link_close(c->link);

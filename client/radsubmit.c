@@ -456,7 +456,7 @@ choose_cluster(struct program *p)
     int rc = 0;
 
     if (!p->o.local)
-        rc = target_find(&p->target, p->o.coordinator, p->err);
+        rc = target_find(&p->target, p->o.coordinator, p->o.key, p->err);
     if (rc < 0)
         return rc;
     p->embedded = rc == 0;

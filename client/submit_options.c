@@ -63,6 +63,7 @@ enum { MOST_WORKERS = 64, MOST_THREADS = 1024, MOST_WINDOWS = 1 << 20 };
 static const struct option own[] = {
     TEXT("--coordinator", coordinator, "HOST:PORT|SOCKET",
          "cluster that renders"),
+    TEXT("--key", key, "FILE", "key to show a coordinator over the network"),
     FLAG("--local", local, "render on a cluster of its own on this machine"),
     INT("--workers", workers, 1, MOST_WORKERS, "W",
         "worker processes of that cluster (1)"),
@@ -113,7 +114,6 @@ static const struct {
     const char *why;
 } lacking[] = {
     { "--same-bits", "not in this version" },
-    { "--key", "not in this version, whose coordinators serve one machine" },
     { "-features", "an option of rpict that is not supported" }
 };
 /* clang-format on */

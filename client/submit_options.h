@@ -41,6 +41,7 @@ struct submit_options {
     const char *stats, *preview;
     /* where */
     const char *coordinator;
+    const char *key; /* file */
     bool local;
     int workers, threads; /* of an embedded cluster; 0: not said */
     double wait_s;

@@ -57,6 +57,7 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
 /* What the file's reader fills. */
 struct found {
     char address[LONGEST];
+    char key[LONGEST];
     char unknown[64]; /* first key that is not ours */
 };
 
@@ -64,10 +65,13 @@ static int
 on_key(void *arg, const char *section, const char *name, const char *value)
 {
     struct found *f = arg;
+    bool ours = section[0] == '\0' || strcmp(section, "radsubmit") == 0;
+    char *to = ours && strcmp(name, "coordinator") == 0 ? f->address
+               : ours && strcmp(name, "key") == 0       ? f->key
+                                                        : NULL;
 
-    if ((section[0] == '\0' || strcmp(section, "radsubmit") == 0) &&
-        strcmp(name, "coordinator") == 0) {
-        snprintf(f->address, sizeof f->address, "%s", value);
+    if (to) {
+        snprintf(to, LONGEST, "%s", value);
         return 1;
     }
     if (f->unknown[0] == '\0')
@@ -75,11 +79,12 @@ on_key(void *arg, const char *section, const char *name, const char *value)
     return 0;
 }
 
-/* 1 if the file names a coordinator, 0 if it is absent or names none. */
+/* What the file names, where nothing is known yet; an absent one names
+ * nothing. */
 static int
-read_file(char address[LONGEST], const char *path, struct rad_error *err)
+read_file(struct found *known, const char *path, struct rad_error *err)
 {
-    struct found f = { "", "" };
+    struct found f = { "", "", "" };
     FILE *in = fopen(path, "r");
     int line;
 
@@ -97,8 +102,11 @@ read_file(char address[LONGEST], const char *path, struct rad_error *err)
             return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", f.unknown);
         return rad_fail(err, RAD_ECONFIG, "expected key = value");
     }
-    snprintf(address, LONGEST, "%s", f.address);
-    return address[0] != '\0';
+    if (!known->address[0])
+        memcpy(known->address, f.address, LONGEST);
+    if (!known->key[0])
+        memcpy(known->key, f.key, LONGEST);
+    return 0;
 }
 
 /* The user's file; false if there is no home to look in. */
@@ -118,24 +126,41 @@ user_file(char *path, size_t size)
     return n > 0 && (size_t)n < size;
 }
 
-int
-target_find(struct target *a, const char *given, struct rad_error *err)
+/* The first of the option and the variable that is there. */
+static void
+take_named(char to[LONGEST], const char *given, const char *variable)
 {
-    char path[4096], text[LONGEST];
-    const char *env = getenv("RADD_COORDINATOR");
+    const char *env = getenv(variable);
+
+    if (!given && env)
+        given = env;
+    snprintf(to, LONGEST, "%s", given ? given : "");
+}
+
+int
+target_find(struct target *a, const char *given, const char *key,
+            struct rad_error *err)
+{
+    struct found f = { "", "", "" };
+    char path[4096];
     int rc = 0;
 
-    if (!given && env && env[0])
-        given = env;
-    if (!given) {
+    if ((given && strlen(given) >= LONGEST) || (key && strlen(key) >= LONGEST))
+        return rad_fail(err, RAD_EUSAGE,
+                        "coordinator's address or key file is too long");
+    take_named(f.address, given, "RADD_COORDINATOR");
+    take_named(f.key, key, "RADD_KEY");
+    if (!f.address[0] || (!f.key[0] && !strchr(f.address, '/'))) {
         if (user_file(path, sizeof path))
-            rc = read_file(text, path, err);
+            rc = read_file(&f, path, err);
         if (rc == 0)
-            rc = read_file(text, RADD_SYSCONFDIR "/radd/radsubmit.conf", err);
-        if (rc <= 0)
-            return rc;
-        given = text;
+            rc = read_file(&f, RADD_SYSCONFDIR "/radd/radsubmit.conf", err);
     }
-    rc = target_parse(a, given, err);
-    return rc < 0 ? rc : 1;
+    if (rc < 0 || (!f.address[0] && !given))
+        return rc;
+    rc = target_parse(a, f.address, err);
+    if (rc < 0)
+        return rc;
+    memcpy(a->key, f.key, sizeof a->key);
+    return 1;
 }

@@ -5,7 +5,9 @@
  * ($XDG_CONFIG_HOME/radd, else ~/.config/radd), the system's
  * (SYSCONFDIR/radd).  An address is a socket's path (it has a '/') or
  * HOST:PORT, HOST alone meaning the default port; an IPv6 host stands in
- * brackets.  */
+ * brackets.
+ * The key file is named in the same places: by the command line, RADD_KEY, the
+ * key `key` of either file.  */
 #ifndef RADD_CLIENT_TARGET_H
 #define RADD_CLIENT_TARGET_H
 
@@ -19,14 +21,17 @@ struct target {
     char path[108];  /* local: the socket */
     char host[256];  /* else */
     char port[8];    /* decimal */
+    char key[1024];  /* a key file, for what is not local; empty: none */
 };
 
 /* Parse what the user wrote; RAD_EUSAGE. */
 int target_parse(struct target *a, const char *text, struct rad_error *err);
 
-/* given: the command line's, or NULL.  Returns 1 and *a, 0 if no coordinator is
- * named anywhere, or a negative code: RAD_EUSAGE, RAD_ECONFIG for a bad file.
+/* given, key: the command line's, or NULL.  Returns 1 and *a, 0 if no
+ * coordinator is named anywhere, or a negative code: RAD_EUSAGE, RAD_ECONFIG
+ * for a bad file.
  */
-int target_find(struct target *a, const char *given, struct rad_error *err);
+int target_find(struct target *a, const char *given, const char *key,
+                struct rad_error *err);
 
 #endif

@@ -47,9 +47,11 @@ enum action_type {
     ACT_SEND_PICTURE,  /* conn, request, job, frame, what: as CHUNKs; FAILED
                         * with that request if there is none */
     ACT_JOB_FORGET,    /* job: remove its files */
+    ACT_KEY,           /* conn, request, key: do it and answer */
     /* worker */
-    ACT_DIAL,  /* conn, text: address; empty: the coordinator's.  Then opened
-                * (an ACT_SESSION follows) or closed */
+    ACT_DIAL,  /* conn, text: address; empty: the coordinator's, with our own
+                * key; else with that of job and token (tls_peer_key).  Then
+                * opened (an ACT_SESSION follows) or closed */
     ACT_SPAWN, /* conn, job: start a child, session MSG_AT_PARENT_NEW; frames
                 * may be sent at once.  Then child_ended, once */
     ACT_KILL,  /* conn: end that child; no event follows */
@@ -87,6 +89,8 @@ struct action {
     enum msg_what what;
     enum action_level level;
     const uint8_t *job, *hash; /* MSG_JOB, MSG_HASH bytes */
+    const uint8_t *token;      /* MSG_TOKEN bytes */
+    struct msg_key key;
     const uint8_t *bytes;
     size_t len;
     const char *text;

@@ -96,10 +96,16 @@ address_permitted(const struct address *a, const char *text,
     if (address_is_loopback(a))
         return 0;
     return rad_fail(err, RAD_EPERM,
-                    "'%s' is not a loopback address, and without keys hosts "
-                    "cannot prove who they are: use 127.0.0.1, [::1] or a "
-                    "Unix socket",
+                    "'%s' is not a loopback address, and without a key file "
+                    "hosts cannot prove who they are: use 127.0.0.1, [::1] or "
+                    "a Unix socket",
                     text);
+}
+
+bool
+address_is_wildcard(const char *text)
+{
+    return strncmp(text, "0.0.0.0:", 8) == 0 || strncmp(text, "[::]:", 5) == 0;
 }
 
 void
@@ -117,6 +123,13 @@ address_format(const struct address *a, char text[ADDRESS_TEXT])
         snprintf(text, ADDRESS_TEXT, "%s:%d", host, ntohs(a->sa.in.sin_port));
         break;
     case AF_INET6:
+        if (IN6_IS_ADDR_V4MAPPED(&a->sa.in6.sin6_addr)) {
+            inet_ntop(AF_INET, a->sa.in6.sin6_addr.s6_addr + 12, host,
+                      sizeof host);
+            snprintf(text, ADDRESS_TEXT, "%s:%d", host,
+                     ntohs(a->sa.in6.sin6_port));
+            break;
+        }
         inet_ntop(AF_INET6, &a->sa.in6.sin6_addr, host, sizeof host);
         snprintf(text, ADDRESS_TEXT, "[%s]:%d", host,
                  ntohs(a->sa.in6.sin6_port));

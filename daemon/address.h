@@ -1,8 +1,7 @@
 /* address.h - where to listen and whom to dial
  *
  * "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a Unix socket.
- * Until peers prove who they are, only Unix sockets and loopback addresses
- * (127.0.0.0/8, ::1) are spoken to.
+ * An IPv4 address that comes in the clothes of IPv6 is shown as it is.
  * Thread: any; address_resolve() may wait for the resolver. */
 #ifndef RADD_DAEMON_ADDRESS_H
 #define RADD_DAEMON_ADDRESS_H
@@ -37,9 +36,13 @@ int address_resolve(const char *text, struct address *a, struct rad_error *err);
 bool address_is_local(const struct address *a);    /* a Unix socket */
 bool address_is_loopback(const struct address *a); /* or a loopback address */
 
-/* 0, or RAD_EPERM with the reason: not loopback. */
+/* Where one without keys may listen: 0, or RAD_EPERM with the reason. */
 int address_permitted(const struct address *a, const char *text,
                       struct rad_error *err);
+
+/* Does the text stand for all addresses of this machine ("0.0.0.0:7421",
+ * "[::]:7421")?  Then nobody can dial it. */
+bool address_is_wildcard(const char *text);
 
 /* "127.0.0.1:7420", "[::1]:7420" or the path. */
 void address_format(const struct address *a, char text[ADDRESS_TEXT]);

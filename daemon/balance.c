@@ -4,7 +4,8 @@
  * work left is asked to give half of the lines that it has not begun (SPLIT,
  * GAVE); these are a new unit, which waits.  Where nothing can be given, auto
  * hands the unit with the most time left to the idle one as well: a twin.  A
- * unit that is very late gets a twin in every strict partition. */
+ * unit that is very late gets a twin in every partition, before what waits in
+ * other jobs. */
 #include "config.h"
 
 #include "sched.h"
@@ -27,8 +28,8 @@
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
 
-/* A unit is late after this, or after so many times the median. */
-#define LEASE_MS     60000
+/* A unit is late after so many times the median, but not before the
+ * coordinator's lease. */
 #define LATE_MEDIANS 10
 
 /* One that waited is late when it has had its base line for so long. */
@@ -172,9 +173,10 @@ static bool
 is_slow(const struct coord *c, const struct job *job, uint32_t unit,
         const struct job_go *go, uint64_t lease_ms)
 {
+    const struct coord_worker *w = job->workers[go->worker].worker;
     uint64_t top_ms;
 
-    if (c->now_ms - go->out_ms < lease_ms)
+    if (c->now_ms - go->out_ms < (w->hangs ? c->lease_ms : lease_ms))
         return false;
     if (!go->parked)
         return true;
@@ -191,7 +193,7 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].helps &&
+        if (!u->go[i].helps && !u->go[i].spent &&
             (u->go[i].delivered || !is_slow(c, job, unit, &u->go[i], lease_ms)))
             return false;
     return true;
@@ -269,17 +271,115 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
 }
 
 static uint64_t
-lease_of(const struct job *job)
+lease_of(const struct coord *c, const struct job *job)
 {
     uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
 
-    return ms > LEASE_MS ? ms : LEASE_MS;
+    return ms > c->lease_ms ? ms : c->lease_ms;
+}
+
+/* May it have a twin because it is late? */
+static bool
+wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
+           uint64_t lease_ms)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    return u->ngos < JOB_MAX_HOLDERS && u->crashes == 0 &&
+           is_late(c, job, unit, lease_ms);
+}
+
+/* Whose rows did not count does nothing for it any more, and may try again. */
+static void
+release_spent(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t k = u->ngos; k-- > 0;)
+        if (u->go[k].spent && !u->go[k].delivered)
+            sched_release(c, job, unit, &u->go[k]);
+}
+
+/* A worker that has work, and whose PINGs say that it gets nowhere. */
+static void
+look_at_workers(struct coord *c)
+{
+    for (struct coord_worker *w = c->workers; w; w = w->next) {
+        bool hangs;
+
+        if (w->in_flight == 0)
+            w->progress_ms = c->now_ms;
+        hangs = c->now_ms - w->progress_ms >= c->lease_ms;
+        if (hangs && !w->hangs)
+            actions_log(&c->actions, ACT_WARN,
+                        "worker hangs worker=%s units=%u", w->name,
+                        w->in_flight);
+        w->hangs = hangs;
+    }
+}
+
+void
+balance_look(struct coord *c)
+{
+    look_at_workers(c);
+    for (size_t k = 0; k < c->njobs; k++) {
+        struct job *job = c->jobs[k];
+        uint64_t lease;
+
+        job->late = 0;
+        if (job_over(job) || job->nout == 0)
+            continue;
+        lease = lease_of(c, job);
+        for (uint32_t i = 0; i < job->nout; i++)
+            if (is_late(c, job, job->out[i], lease)) {
+                release_spent(c, job, job->out[i]);
+                job->late += wants_twin(c, job, job->out[i], lease);
+            }
+    }
+}
+
+/* Those that have a late unit: what else they would get, others do. */
+static void
+leave_out(struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (!u->go[i].helps)
+            sched_late(job, u->go[i].worker, true);
+}
+
+bool
+balance_late(struct coord *c, struct job *job, uint32_t index)
+{
+    uint64_t lease = lease_of(c, job), longest = 0;
+    uint32_t unit = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        uint64_t ms = c->now_ms - job->units[job->out[i]].go[0].out_ms;
+
+        if (ms <= longest || job_go_of(job, job->out[i], index) ||
+            !wants_twin(c, job, job->out[i], lease))
+            continue;
+        longest = ms;
+        unit = job->out[i];
+    }
+    if (longest == 0)
+        return false;
+    job->late--;
+    actions_log(&c->actions, ACT_INFO,
+                "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
+                job->workers[job->units[unit].go[0].worker].name,
+                (unsigned long long)longest / 1000);
+    leave_out(job, unit);
+    sched_hand_out(c, job, index, unit, false);
+    return true;
 }
 
 static void
 double_units(struct coord *c, struct job *job, uint32_t n)
 {
-    uint64_t lease = lease_of(job);
+    uint64_t lease = lease_of(c, job);
     uint32_t unit, failed = 0;
     bool helps;
 

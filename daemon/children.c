@@ -146,7 +146,7 @@ children_spawn(struct children *all, uint64_t id)
     }
     snprintf(name, sizeof name, "child:%d", c->process.pid);
     log_debug("child started pid=%d", c->process.pid);
-    if (!shell_add(all->shell, id, stream, MSG_AT_PARENT_NEW, name))
+    if (!shell_add(all->shell, id, stream, NULL, MSG_AT_PARENT_NEW, name))
         shell_gone(all->shell, id, "out of memory");
     else /* it may take its time */
         conn_live(shell_conn(all->shell, id), false);

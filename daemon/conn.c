@@ -5,12 +5,14 @@
 
 #include "log.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 
-#define READ_BYTES (64u << 10)
+#define READ_BYTES  (64u << 10)
+#define PLAIN_BYTES (16u << 10) /* what a record of TLS holds */
 
 /* A user with more unread answers than the one gets none of its requests
  * looked at, until there are less than the other. */
@@ -25,12 +27,16 @@
 struct out {
     uv_write_t req;
     struct conn *conn;
-    size_t len;
+    size_t len;   /* of bytes */
+    size_t count; /* of the message, for whoever counts */
     uint8_t bytes[];
 };
 
 struct conn {
     union conn_stream *stream;
+    struct tls *tls; /* NULL: messages go as they are */
+    uint8_t *plain;  /* with tls: what was read of it */
+    bool primed;     /* tls may have bytes that came with its handshake */
     uv_timer_t timer;
     uv_prepare_t before; /* the loop waits; and after it did: while there is */
     uv_check_t after;
@@ -94,23 +100,22 @@ conn_stream_uid(uv_stream_t *stream)
     return (long)cred.uid;
 }
 
-bool
-conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT])
+void
+conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
+                 struct address *from)
 {
     struct address a;
     int n = sizeof a.sa;
 
-    if (stream->type == UV_NAMED_PIPE) {
-        snprintf(text, ADDRESS_TEXT, "uid:%ld", conn_stream_uid(stream));
-        return true;
-    }
     memset(&a, 0, sizeof a);
-    if (uv_tcp_getpeername((uv_tcp_t *)stream, &a.sa.any, &n) < 0) {
-        snprintf(text, ADDRESS_TEXT, "?");
-        return false;
-    }
-    address_format(&a, text);
-    return address_is_loopback(&a);
+    if (stream->type == UV_NAMED_PIPE)
+        snprintf(text, ADDRESS_TEXT, "uid:%ld", conn_stream_uid(stream));
+    else if (uv_tcp_getpeername((uv_tcp_t *)stream, &a.sa.any, &n) < 0)
+        snprintf(text, ADDRESS_TEXT, "?"); /* it is gone already */
+    else
+        address_format(&a, text);
+    if (from)
+        *from = a;
 }
 
 static void unchoke(struct conn *c);
@@ -124,6 +129,8 @@ handle_closed(uv_handle_t *h)
         return;
     frame_reader_release(&c->reader);
     msg_release(&c->in);
+    tls_free(c->tls);
+    free(c->plain);
     free(c->stream);
     free(c);
 }
@@ -159,7 +166,7 @@ written(uv_write_t *req, int status)
 {
     struct out *o = req->data;
     struct conn *c = o->conn;
-    size_t n = o->len;
+    size_t n = o->count;
 
     c->queued -= n;
     if (c->choked)
@@ -176,7 +183,7 @@ written(uv_write_t *req, int status)
             conn_close(c);
         return;
     }
-    if (c->handler->written)
+    if (c->handler->written && n > 0)
         c->handler->written(c->arg, c, n);
     if (c->choked && c->queued < ANSWERS_LOW)
         unchoke(c);
@@ -194,9 +201,33 @@ write_out(struct conn *c, struct out *o)
     rc = uv_write(&o->req, &c->stream->stream, &buf, 1, written);
     if (rc == 0)
         return 0;
-    c->queued -= o->len; /* no callback will come */
+    c->queued -= o->count; /* no callback will come */
     free(o);
     return rc;
+}
+
+/* Messages in o go out; by TLS as its records. */
+static int
+seal_out(struct conn *c, struct out *o)
+{
+    struct rad_error err = { 0 };
+    struct out *sealed;
+    size_t n;
+
+    o->count = o->len;
+    if (!c->tls)
+        return write_out(c, o);
+    sealed = tls_seal(c->tls, o->bytes, o->len, sizeof *o, &n, &err);
+    if (!sealed) { /* half of it may be in the session */
+        log_err("messages not sent peer=%s: %s", c->peer, err.what);
+        c->queued -= o->count;
+        free(o);
+        return err.code == RAD_ENOMEM ? UV_ENOMEM : UV_EPROTO;
+    }
+    sealed->len = n;
+    sealed->count = o->count;
+    free(o);
+    return write_out(c, sealed);
 }
 
 static int
@@ -209,7 +240,7 @@ uncork(struct conn *c)
     c->cork = NULL;
     uv_prepare_stop(&c->before);
     uv_check_stop(&c->after);
-    return write_out(c, o);
+    return seal_out(c, o);
 }
 
 static void
@@ -274,11 +305,32 @@ conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
         c->queued += len;
         c->bytes_out += len;
         if (o != c->cork)
-            rc = write_out(c, o);
+            rc = seal_out(c, o);
     }
     if (rc < 0)
         end(c, uv_strerror(rc));
     return rc == 0;
+}
+
+/* An alert or a key update of the session's own; counted or not. */
+static void
+flush(struct conn *c, bool counted)
+{
+    const uint8_t *p;
+    size_t n = tls_out(c->tls, &p);
+    struct out *o = n > 0 ? malloc(sizeof *o + n) : NULL;
+    int rc;
+
+    if (!o)
+        return;
+    memcpy(o->bytes, p, n);
+    tls_sent(c->tls);
+    o->len = n;
+    o->count = counted ? n : 0;
+    c->queued += o->count;
+    rc = write_out(c, o);
+    if (rc < 0)
+        end(c, uv_strerror(rc));
 }
 
 bool
@@ -352,19 +404,49 @@ take(struct conn *c, const uint8_t *p, size_t left)
     }
 }
 
+/* What came by TLS, as far as it may be looked at. */
+static void
+unseal(struct conn *c)
+{
+    struct rad_error err = { 0 };
+    int n = 1;
+
+    while (n > 0 && !c->closing && !c->finishing && !c->choked) {
+        n = tls_read(c->tls, c->plain, PLAIN_BYTES, &err);
+        if (n > 0) {
+            c->bytes_in += (size_t)n;
+            take(c, c->plain, (size_t)n);
+        }
+    }
+    if (c->closing || c->finishing)
+        return;
+    flush(c, false);
+    if (n < 0)
+        garbage(c, &err);
+    else if (tls_ended(c->tls))
+        end(c, "closed by peer");
+}
+
 static void
 on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
 {
     struct conn *c = stream->data;
     size_t left = n > 0 ? (size_t)n : 0;
+    struct rad_error err = { 0 };
 
     if (n < 0) {
         end(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
         return;
     }
     c->heard_ms = uv_now(stream->loop);
-    c->bytes_in += left;
-    take(c, (const uint8_t *)buf->base, left);
+    if (!c->tls) {
+        c->bytes_in += left;
+        take(c, (const uint8_t *)buf->base, left);
+    } else if (tls_put(c->tls, buf->base, left, &err) < 0) {
+        garbage(c, &err);
+    } else {
+        unseal(c);
+    }
 }
 
 static void
@@ -382,6 +464,8 @@ unchoke(struct conn *c)
 {
     c->choked = false;
     take(c, c->rest, c->nrest);
+    if (c->tls && !c->choked)
+        unseal(c);
     if (!c->choked && !c->paused && !c->closing && !c->finishing)
         uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
@@ -393,6 +477,12 @@ on_timer(uv_timer_t *timer)
     uint64_t now = uv_now(timer->loop);
     struct msg ping = { .type = MSG_PING };
 
+    if (c->primed) {
+        c->primed = false;
+        uv_timer_start(timer, on_timer, CONN_PING_MS, CONN_PING_MS);
+        unseal(c);
+        return;
+    }
     if (c->finishing || (!c->live && now - c->opened_ms >= CONN_HANDSHAKE_MS)) {
         end(c, "took too long");
         return;
@@ -408,17 +498,24 @@ on_timer(uv_timer_t *timer)
 }
 
 struct conn *
-conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
-         const struct conn_handler *handler, void *arg)
+conn_new(uv_stream_t *stream, struct tls *tls, enum msg_session session,
+         const char *peer, const struct conn_handler *handler, void *arg)
 {
     struct conn *c = calloc(1, sizeof *c);
+    uint8_t *plain = tls ? malloc(PLAIN_BYTES) : NULL;
 
-    if (!c) {
+    assert(tls || stream->type != UV_TCP);
+    if (!c || (tls && !plain)) {
+        free(c);
+        free(plain);
+        tls_free(tls);
         conn_stream_close(stream);
         return NULL;
     }
     c->stream = (union conn_stream *)stream;
     c->stream->handle.data = c;
+    c->tls = tls;
+    c->plain = plain;
     c->handler = handler;
     c->arg = arg;
     c->handles = 4;
@@ -433,9 +530,17 @@ conn_new(uv_stream_t *stream, enum msg_session session, const char *peer,
     uv_check_init(stream->loop, &c->after);
     c->timer.data = c->before.data = c->after.data = c;
     c->opened_ms = c->heard_ms = uv_now(stream->loop);
-    uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
+    c->primed = tls != NULL;
+    uv_timer_start(&c->timer, on_timer, c->primed ? 0 : CONN_PING_MS,
+                   CONN_PING_MS);
     uv_read_start(stream, on_alloc, on_read);
     return c;
+}
+
+const char *
+conn_key(const struct conn *c)
+{
+    return c->tls ? tls_id(c->tls) : NULL;
 }
 
 void
@@ -519,6 +624,15 @@ conn_finish(struct conn *c)
     if (!c || c->closing)
         return;
     c->finishing = true;
+    if (c->tls) { /* the session's last word comes last */
+        uncork_or_end(c);
+        if (!c->closing) {
+            tls_end(c->tls);
+            flush(c, true);
+        }
+        if (c->closing)
+            return;
+    }
     uv_read_stop(&c->stream->stream);
     if (c->queued == 0)
         conn_close(c);

@@ -9,6 +9,10 @@
  * a PONG for each PING, and the end after 15 s without a byte.  Before that:
  * the end after 10 s.
  *
+ * Over TCP there is a TLS session between the stream and the messages, whose
+ * handshake is over (handshake.h); a TCP stream without one is our bug.  Counts
+ * of bytes are those of messages.
+ *
  * Back-pressure: what waits to be sent is counted, and the owner is told what
  * has been written.  Above CONN_HIGH it should stop producing for this peer.
  *
@@ -21,6 +25,7 @@
 
 #include "address.h"
 #include "frame.h"
+#include "tls.h"
 
 #include <stdbool.h>
 #include <uv.h>
@@ -43,9 +48,10 @@ union conn_stream {
 uv_stream_t *conn_stream_new(uv_loop_t *loop, bool local);
 /* Close and free one that no conn has taken. */
 void conn_stream_close(uv_stream_t *stream);
-/* Name the other side of an open stream; false if it is no Unix socket and
- * not on a loopback address. */
-bool conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT]);
+/* Name the other side of an open stream: "uid:1000", or its address, which
+ * from (may be NULL) gets, too. */
+void conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
+                      struct address *from);
 /* The user id at the other end of a Unix socket; -1 for TCP. */
 long conn_stream_uid(uv_stream_t *stream);
 
@@ -63,11 +69,15 @@ struct conn_handler {
     void (*written)(void *arg, struct conn *c, size_t n);
 };
 
-/* Take an open stream and read from it.  handler must outlive the
- * connection.  NULL when memory is out; the stream is then closed. */
-struct conn *conn_new(uv_stream_t *stream, enum msg_session session,
-                      const char *peer, const struct conn_handler *handler,
-                      void *arg);
+/* Take an open stream, and its session (NULL: a Unix socket), and read from
+ * it.  handler must outlive the connection and is called later, never from
+ * inside.  NULL when memory is out; both are then closed. */
+struct conn *conn_new(uv_stream_t *stream, struct tls *tls,
+                      enum msg_session session, const char *peer,
+                      const struct conn_handler *handler, void *arg);
+
+/* The id of the key that the other side has proven; NULL: none. */
+const char *conn_key(const struct conn *c);
 
 /* Which messages may come from now on. */
 void conn_set_session(struct conn *c, enum msg_session session);

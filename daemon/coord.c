@@ -13,6 +13,7 @@
 
 #include "coord.h"
 
+#include "address.h"
 #include "request.h"
 #include "sched.h"
 #include "stats.h"
@@ -25,6 +26,7 @@
 #include <sysexits.h>
 
 #define PROGRESS_MS  500
+#define LEASE_MS     60000
 #define KEPT_JOBS    100  /* that are over */
 #define MOST_JOBS    1000 /* that are not */
 #define MOST_THREADS 4096 /* of one worker */
@@ -38,8 +40,15 @@ coord_new(const struct coord_env *env)
         return NULL;
     c->env = *env;
     c->keep.jobs = KEPT_JOBS;
+    c->lease_ms = LEASE_MS;
     actions_init(&c->actions);
     return c;
+}
+
+void
+coord_set_lease(struct coord *c, uint64_t ms)
+{
+    c->lease_ms = ms;
 }
 
 void
@@ -58,6 +67,12 @@ coord_free(struct coord *c)
 
         free(c->workers);
         c->workers = next;
+    }
+    while (c->owners) {
+        struct coord_owner *next = c->owners->next;
+
+        free(c->owners);
+        c->owners = next;
     }
     for (size_t i = 0; i < c->njobs; i++)
         job_free(c->jobs[i]);
@@ -268,6 +283,24 @@ coord_try_open(struct coord *c, struct job *job)
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
 }
 
+/* NULL when memory is out. */
+static struct coord_owner *
+owner_of(struct coord *c, const char *name)
+{
+    struct coord_owner *o = c->owners;
+
+    while (o && strcmp(o->name, name) != 0)
+        o = o->next;
+    if (o)
+        return o;
+    o = calloc(1, sizeof *o);
+    if (!o)
+        return NULL;
+    snprintf(o->name, sizeof o->name, "%s", name);
+    o->next = c->owners;
+    return c->owners = o;
+}
+
 bool
 coord_add_job(struct coord *c, struct job *job)
 {
@@ -282,6 +315,9 @@ coord_add_job(struct coord *c, struct job *job)
         c->jobs = v;
         c->cap_jobs = cap;
     }
+    job->payer = owner_of(c, job->owner);
+    if (!job->payer)
+        return false;
     while (i > 0 && c->jobs[i - 1]->spec.priority < job->spec.priority) {
         c->jobs[i] = c->jobs[i - 1];
         i--;
@@ -373,6 +409,23 @@ coord_worker_of(struct coord *c, const char *name)
     return w;
 }
 
+/* Where peers dial a worker: as it says, but one that listens on all of its
+ * addresses has that by which it came. */
+static void
+note_address(struct coord_worker *w, const struct coord_conn *conn,
+             const char *said)
+{
+    const char *from = conn->address, *colon = strrchr(from, ':');
+    bool named = colon && strncmp(from, "uid:", 4) != 0;
+
+    if (strncmp(said, "tcp ", 4) == 0 && address_is_wildcard(said + 4))
+        snprintf(w->address, sizeof w->address, "tcp %.*s:%s",
+                 named ? (int)(colon - from) : 9, named ? from : "127.0.0.1",
+                 strrchr(said, ':') + 1);
+    else
+        snprintf(w->address, sizeof w->address, "%s", said);
+}
+
 static bool
 join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 {
@@ -390,7 +443,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->since_ms = c->now_ms;
     w->leaving = w->alone = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
-    snprintf(w->address, sizeof w->address, "%s", m->address);
+    note_address(w, conn, m->address);
     conn->worker = w;
     return true;
 }
@@ -407,12 +460,16 @@ hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
                  m->min, m->max, MSG_VERSION);
         return text;
     }
-    if (!(conn->roles >> m->role & 1)) {
-        *status = EX_NOPERM;
+    *status = EX_NOPERM;
+    if (!(conn->roles >> m->role & 1))
         return "this role is not allowed from there";
-    }
     if (m->role != MSG_ROLE_WORKER)
         return NULL;
+    if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "the key is that of a worker called '%s'", conn->name);
+        return text;
+    }
     *status = EX_CONFIG;
     if (!good_name(m->name))
         return "a worker's name needs letters, digits, '.', '_' or '-'";
@@ -471,6 +528,16 @@ on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 /* --- workers --- */
+
+/* The shell answers; the number says whether it gets on. */
+static void
+on_ping(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (!conn->worker || conn->worker->progress == m->ping.progress)
+        return;
+    conn->worker->progress = m->ping.progress;
+    conn->worker->progress_ms = c->now_ms;
+}
 
 /* Of itself; sched_run says BYE when it has nothing left. */
 static void
@@ -561,10 +628,10 @@ static const struct {
     { MSG_FAILED, on_failed },       { MSG_DRAIN, on_drain },
     { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
-    { MSG_ESTIMATED, on_estimated },
+    { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
 };
 
-/* PING is the shell's; BYE is followed by the end of the connection. */
+/* BYE is followed by the end of the connection. */
 static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -598,6 +665,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     conn->roles = peer->roles;
     snprintf(conn->address, sizeof conn->address, "%s", peer->address);
     snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
     conn->next = c->conns;
     c->conns = conn;
     conn->chain = c->by_id[slot_of(id)];

@@ -7,9 +7,9 @@
  *
  * Workers are known by name, connections by number.  A worker's new connection
  * replaces its old one; its units go back and are handed out again, unless the
- * rows that were missing arrive first.  Jobs are served by priority, then in
- * the order in which they came; a worker serves the first job that has a unit
- * for it.
+ * rows that were missing arrive first.  Jobs are served by priority;
+ * equals share the workers by owner, and an owner's are served in the order in
+ * which they came.  A worker serves the first job that has a unit for it.
  *
  * now_ms: milliseconds on a clock that never goes back.
  * Thread: one. */
@@ -34,6 +34,7 @@ struct coord_peer {
     const char *address; /* for the log: "unix uid=1000", "127.0.0.1:4711" */
     const char *owner;   /* user that its jobs belong to */
     unsigned roles;      /* bit 1u << enum msg_role: what it may ask to be */
+    const char *name;    /* the only worker that it may be; NULL: any */
 };
 
 /* How long jobs that are over are remembered, with their pictures. */
@@ -56,6 +57,10 @@ void coord_set_keep(struct coord *c, const struct coord_keep *keep);
 /* The number of this life, once it is known; before any event but those of
  * recover.h. */
 void coord_set_epoch(struct coord *c, uint64_t epoch);
+
+/* A unit is late when it is out for ten times as long as its job's units take,
+ * but not before this [ms], 60000 at first. */
+void coord_set_lease(struct coord *c, uint64_t ms);
 
 struct action_list *coord_actions(struct coord *c);
 

@@ -6,100 +6,240 @@
 #include "dial.h"
 
 #include "conn.h"
+#include "handshake.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct dialling {
+    struct dialling *next;
+    struct dialler *dialler;
     uv_work_t lookup;
     uv_connect_t connect;
-    uv_loop_t *loop;
+    uv_timer_t timer; /* of connecting */
+    bool looking, connecting;
     uint64_t id;
-    dial_fn *fn;
-    void *arg;
+    bool with_key;
+    struct dial_key key;
     struct address to;
     uv_stream_t *stream;
+    struct handshake *shake;
     struct rad_error err;
     char text[ADDRESS_TEXT];
 };
 
-static void
-give_up(struct dialling *d, const char *why)
+struct dialler {
+    uv_loop_t *loop;
+    struct tls_ctx *tls;
+    dial_fn *fn;
+    void *arg;
+    struct dialling *first;
+    bool closed;
+};
+
+struct dialler *
+dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg)
 {
-    if (d->stream)
-        conn_stream_close(d->stream);
-    d->fn(d->arg, d->id, NULL, d->text, why);
+    struct dialler *d = calloc(1, sizeof *d);
+
+    if (!d)
+        return NULL;
+    *d = (struct dialler){ .loop = loop, .fn = fn, .arg = arg };
+    d->tls = tls_client();
+    if (d->tls)
+        return d;
     free(d);
+    return NULL;
+}
+
+void
+dialler_free(struct dialler *d)
+{
+    if (!d)
+        return;
+    tls_ctx_free(d->tls);
+    free(d);
+}
+
+static void
+timer_closed(uv_handle_t *h)
+{
+    explicit_bzero(h->data, sizeof(struct dialling));
+    free(h->data);
+}
+
+/* Nobody waits for it any more: its handles go, at last itself. */
+static void
+let_go(struct dialling *g)
+{
+    struct dialling **link = &g->dialler->first;
+
+    while (*link != g)
+        link = &(*link)->next;
+    *link = g->next;
+    uv_timer_stop(&g->timer);
+    if (g->shake)
+        handshake_cancel(g->shake);
+    else if (g->stream)
+        conn_stream_close(g->stream); /* its connect request is cancelled */
+    g->shake = NULL;
+    g->stream = NULL;
+    if (!g->connecting)
+        uv_close((uv_handle_t *)&g->timer, timer_closed);
+}
+
+static void
+give_up(struct dialling *g, const char *why)
+{
+    struct dialler *d = g->dialler;
+
+    d->fn(d->arg, g->id, NULL, NULL, g->text, why);
+    let_go(g);
+}
+
+static void
+hand_over(struct dialling *g, uv_stream_t *stream, struct tls *tls)
+{
+    struct dialler *d = g->dialler;
+
+    g->stream = NULL;
+    d->fn(d->arg, g->id, stream, tls, g->text, NULL);
+    let_go(g);
+}
+
+void
+dialler_close(struct dialler *d)
+{
+    if (!d)
+        return;
+    d->closed = true;
+    for (struct dialling *g = d->first, *next; g; g = next) {
+        next = g->next;
+        if (!g->looking)
+            let_go(g);
+    }
+}
+
+static void
+shaken(void *arg, uv_stream_t *stream, struct tls *tls,
+       const struct rad_error *why)
+{
+    struct dialling *g = arg;
+
+    g->shake = NULL;
+    if (stream)
+        hand_over(g, stream, tls);
+    else
+        give_up(g, why->what);
 }
 
 static void
 connected(uv_connect_t *req, int status)
 {
-    struct dialling *d = req->data;
+    struct dialling *g = req->data;
+    struct dialler *d = g->dialler;
+    uv_stream_t *stream = g->stream;
 
-    if (status < 0) {
-        give_up(d, uv_strerror(status));
+    g->connecting = false;
+    if (!stream) { /* let go of meanwhile */
+        uv_close((uv_handle_t *)&g->timer, timer_closed);
         return;
     }
-    d->fn(d->arg, d->id, d->stream, d->text, NULL);
-    free(d);
+    uv_timer_stop(&g->timer);
+    if (status < 0) {
+        give_up(g, uv_strerror(status));
+    } else if (address_is_local(&g->to)) {
+        hand_over(g, stream, NULL);
+    } else {
+        g->stream = NULL; /* it is the handshake's */
+        g->shake = handshake_new(
+            stream, tls_dial(d->tls, g->key.id, g->key.secret), shaken, g);
+        if (!g->shake)
+            give_up(g, "out of memory");
+    }
 }
 
 static void
 look_up(uv_work_t *work)
 {
-    struct dialling *d = work->data;
+    struct dialling *g = work->data;
 
-    if (address_resolve(d->text, &d->to, &d->err) == 0)
-        address_permitted(&d->to, d->text, &d->err);
+    address_resolve(g->text, &g->to, &g->err);
+}
+
+static void
+on_timer(uv_timer_t *timer)
+{
+    give_up(timer->data, "took too long");
+}
+
+static void
+start_connect(struct dialling *g)
+{
+    bool local = address_is_local(&g->to);
+    int rc = 0;
+
+    g->stream = conn_stream_new(g->dialler->loop, local);
+    if (!g->stream) {
+        give_up(g, "out of memory");
+        return;
+    }
+    g->connect.data = g;
+    g->connecting = true;
+    if (local)
+        uv_pipe_connect(&g->connect, (uv_pipe_t *)g->stream,
+                        g->to.sa.un.sun_path, connected);
+    else
+        rc = uv_tcp_connect(&g->connect, (uv_tcp_t *)g->stream, &g->to.sa.any,
+                            connected);
+    if (rc < 0) {
+        g->connecting = false;
+        give_up(g, uv_strerror(rc));
+        return;
+    }
+    uv_timer_start(&g->timer, on_timer, HANDSHAKE_MS, 0);
 }
 
 static void
 looked_up(uv_work_t *work, int status)
 {
-    struct dialling *d = work->data;
-    bool local = address_is_local(&d->to);
-    int rc;
+    struct dialling *g = work->data;
 
     (void)status; /* never cancelled */
-    if (d->err.code) {
-        give_up(d, d->err.what);
-        return;
-    }
-    d->stream = conn_stream_new(d->loop, local);
-    if (!d->stream) {
-        give_up(d, "out of memory");
-        return;
-    }
-    d->connect.data = d;
-    if (local) {
-        uv_pipe_connect(&d->connect, (uv_pipe_t *)d->stream,
-                        d->to.sa.un.sun_path, connected);
-        return;
-    }
-    rc = uv_tcp_connect(&d->connect, (uv_tcp_t *)d->stream, &d->to.sa.any,
-                        connected);
-    if (rc < 0)
-        give_up(d, uv_strerror(rc));
+    g->looking = false;
+    if (g->dialler->closed)
+        let_go(g);
+    else if (g->err.code)
+        give_up(g, g->err.what);
+    else if (!g->with_key && !address_is_local(&g->to))
+        give_up(g, "there is no key to show there");
+    else
+        start_connect(g);
 }
 
 void
-dial(uv_loop_t *loop, const char *text, uint64_t id, dial_fn *fn, void *arg)
+dial(struct dialler *d, const char *text, uint64_t id,
+     const struct dial_key *key)
 {
-    struct dialling *d = calloc(1, sizeof *d);
+    struct dialling *g = calloc(1, sizeof *g);
 
-    if (!d)
+    if (!g)
         abort(); /* whoever asked would wait for ever */
     if (strncmp(text, "tcp ", 4) == 0)
         text += 4;
     else if (strncmp(text, "unix ", 5) == 0)
         text += 5;
-    snprintf(d->text, sizeof d->text, "%s", text);
-    d->loop = loop;
-    d->id = id;
-    d->fn = fn;
-    d->arg = arg;
-    d->lookup.data = d;
-    uv_queue_work(loop, &d->lookup, look_up, looked_up);
+    snprintf(g->text, sizeof g->text, "%s", text);
+    g->dialler = d;
+    g->id = id;
+    g->with_key = key != NULL;
+    if (key)
+        g->key = *key;
+    g->next = d->first;
+    d->first = g;
+    uv_timer_init(d->loop, &g->timer);
+    g->timer.data = g->lookup.data = g;
+    g->looking = true;
+    uv_queue_work(d->loop, &g->lookup, look_up, looked_up);
 }

@@ -86,8 +86,10 @@ job_free(struct job *job)
     if (!job)
         return;
     partition_free(job->partition);
-    for (uint32_t i = 0; i < job->nunits; i++)
+    for (uint32_t i = 0; i < job->nunits; i++) {
         free(job->units[i].go);
+        free(job->units[i].hash);
+    }
     free(job->units);
     free(job->out);
     survey_free(job->survey);
@@ -183,6 +185,16 @@ make_shared(struct job *job)
     return job->shared != NULL;
 }
 
+/* Is the cache off? */
+static bool
+is_exact(const struct job *job)
+{
+    struct rad_params p;
+
+    return jobtext_params(job->spec.params, &p, NULL) == 0 &&
+           (p.ambounce == 0 || p.ambacc == 0);
+}
+
 int
 job_split(struct job *job, bool single, struct rad_error *err)
 {
@@ -192,6 +204,7 @@ job_split(struct job *job, bool single, struct rad_error *err)
         return err->code;
     job->partition = p;
     job->cost_total = partition_cost_total(p);
+    job->exact = is_exact(job);
     if (!job_grow_units(job) || !make_shared(job)) {
         job->partition = NULL;
         partition_free(p);

@@ -11,6 +11,7 @@
 #include "partition.h"
 #include "shared.h"
 
+struct coord_owner;
 struct coord_worker;
 struct survey;
 
@@ -47,6 +48,7 @@ struct job_go {
     bool delivered;  /* all rows came, and are on their way to the disk */
     bool counted;    /* its work is among what was finished */
     bool dropped;    /* rows of it came and were dropped */
+    bool spent;      /* it came to its end, and its rows did not count */
     bool helps;      /* it has the unit's last lines alone, for their facts */
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
@@ -71,6 +73,10 @@ struct job_unit {
     uint32_t crasher; /* worker of the first crash */
     bool whole;       /* has nothing to give away */
     bool done;
+    bool helped;    /* somebody had but its end, for the facts */
+    uint64_t *hash; /* of its rows that count; NULL: not known */
+    uint32_t nhash;
+    uint64_t hashed; /* fingerprint of whoever made them */
     uint64_t end_ms;
     struct msg_counts counts; /* of the attempt that was accepted */
 };
@@ -87,6 +93,7 @@ struct job_worker {
     enum job_worker_state state;
     uint32_t threads;
     uint32_t in_flight;    /* units of this job that it works on */
+    uint32_t held;         /* threads, as counted for the job's owner */
     uint32_t lines;        /* of these units */
     uint32_t parked;       /* units that wait for a base line */
     uint64_t since_ms;     /* the two are as they are since then */
@@ -97,6 +104,7 @@ struct job_worker {
     uint32_t setbacks;     /* children lost for reasons of its own, since it
                             * last finished a unit */
     bool took_part;        /* it was READY once */
+    bool late;         /* others do its work until it is heard of */
     bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
                         * a child */
     uint64_t ready_ms; /* first READY */
@@ -139,6 +147,10 @@ struct job {
     uint32_t nunits, cap_units;
     uint32_t *out; /* units that somebody has */
     uint32_t nout, cap_out;
+    bool exact;    /* a pixel is a function: there is no ambient cache */
+    uint32_t late; /* units that are out for too long, and may have twins */
+    struct coord_owner *payer; /* whom it belongs to, at the coordinator */
+    uint32_t served;          /* the last search for a unit that looked at it */
     struct survey *survey;    /* NULL: costs are not estimated, or are by now */
     struct shared *shared;    /* NULL: lines are not shared */
     uint32_t ntwins;          /* holders of units beside the first */

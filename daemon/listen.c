@@ -4,6 +4,7 @@
 #include "listen.h"
 
 #include "conn.h"
+#include "gate.h"
 #include "log.h"
 #include "service.h"
 
@@ -19,9 +20,8 @@
 struct listener {
     union conn_stream server;
     bool local;
-    listener_fn *fn;
-    void *arg;
-    struct log_limit refused;
+    struct listener_conf conf;
+    struct gate *gate; /* of TCP */
     char text[ADDRESS_TEXT + 8];
 };
 
@@ -92,7 +92,10 @@ bind_tcp(struct listener *l, uv_loop_t *loop, const struct address *a)
 static void
 free_listener(uv_handle_t *h)
 {
-    free(h->data);
+    struct listener *l = h->data;
+
+    gate_free(l->gate);
+    free(l);
 }
 
 /* The address that the kernel gave (port 0 in the wish). */
@@ -114,8 +117,8 @@ on_connection(uv_stream_t *server, int status)
 {
     struct listener *l = server->data;
     uv_stream_t *stream;
+    struct address from;
     char peer[ADDRESS_TEXT];
-    unsigned dropped;
 
     if (status < 0)
         return;
@@ -128,37 +131,50 @@ on_connection(uv_stream_t *server, int status)
         conn_stream_close(stream);
         return;
     }
-    if (!conn_stream_peer(stream, peer)) {
-        if (log_allowed(&l->refused, uv_now(server->loop), &dropped))
-            log_warn("connection refused peer=%s: not a loopback address",
-                     peer);
-        conn_stream_close(stream);
-        return;
-    }
-    l->fn(l->arg, stream, peer);
+    conn_stream_peer(stream, peer, &from);
+    if (l->local)
+        l->conf.fn(l->conf.arg, stream, NULL, peer);
+    else
+        gate_take(l->gate, stream, &from);
+}
+
+static struct listener *
+new_listener(const struct address *a, const struct listener_conf *conf)
+{
+    struct listener *l = calloc(1, sizeof *l);
+
+    if (!l)
+        return NULL;
+    l->local = address_is_local(a);
+    l->conf = *conf;
+    if (l->local)
+        return l;
+    l->gate = gate_new(conf->find, conf->arg, conf->fn, conf->arg);
+    if (l->gate)
+        return l;
+    free(l);
+    return NULL;
 }
 
 struct listener *
-listener_open(uv_loop_t *loop, const char *where, listener_fn *fn, void *arg,
-              struct rad_error *err)
+listener_open(uv_loop_t *loop, const char *where,
+              const struct listener_conf *conf, struct rad_error *err)
 {
     struct address a;
     struct listener *l;
     int rc;
 
     if (address_resolve(where, &a, err) < 0 ||
-        address_permitted(&a, where, err) < 0)
+        (!conf->anywhere && address_permitted(&a, where, err) < 0))
         return NULL;
-    l = calloc(1, sizeof *l);
+    l = new_listener(&a, conf);
     if (!l) {
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    l->local = address_is_local(&a);
-    l->fn = fn;
-    l->arg = arg;
     rc = l->local ? bind_local(l, loop, &a, err) : bind_tcp(l, loop, &a);
     if (rc == RAD_ECANTCREAT) { /* no handle yet */
+        gate_free(l->gate);
         free(l);
         return NULL;
     }

@@ -5,22 +5,32 @@
 #define RADD_DAEMON_LISTEN_H
 
 #include "address.h"
+#include "tls.h"
 
 #include <stdbool.h>
 #include <uv.h>
 
 struct listener;
 
-/* A connection has come: stream is a heap-allocated union conn_stream
- * (conn.h), open; the callee owns it.  peer names the other side. */
-typedef void listener_fn(void *arg, uv_stream_t *stream, const char *peer);
+/* Somebody is there: stream is a heap-allocated union conn_stream (conn.h),
+ * open; tls is its session, whose key is proven, or NULL on a Unix socket.  The
+ * callee owns both.  peer names the other side. */
+typedef void listener_fn(void *arg, uv_stream_t *stream, struct tls *tls,
+                         const char *peer);
+
+struct listener_conf {
+    listener_fn *fn;
+    tls_find_fn *find; /* the keys of who may come over TCP */
+    bool anywhere;     /* on any address; else on this machine alone */
+    void *arg;         /* fn's and find's */
+};
 
 /* Listen at `where` (address.h); port 0 takes a free one.  A Unix socket's
  * file that nobody serves is replaced.
- * RAD_EPERM for an address that is not loopback, RAD_ECANTCREAT when it is
- * in use or cannot be bound; NULL then. */
+ * RAD_EPERM for an address that is not permitted, RAD_ECANTCREAT when it is in
+ * use or cannot be bound; NULL then. */
 struct listener *listener_open(uv_loop_t *loop, const char *where,
-                               listener_fn *fn, void *arg,
+                               const struct listener_conf *conf,
                                struct rad_error *err);
 
 /* "tcp 127.0.0.1:41234" or "unix /run/radd/radd.sock": as in a ports file. */

@@ -31,16 +31,23 @@ libdaemon_a_SOURCES = \
 	daemon/journal.h \
 	daemon/dial.c \
 	daemon/dial.h \
+	daemon/duplicate.c \
 	daemon/estimate.c \
 	daemon/estimate.h \
 	daemon/faults.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
+	daemon/gate.c \
+	daemon/gate.h \
 	daemon/handoff.c \
+	daemon/handshake.c \
+	daemon/handshake.h \
 	daemon/job.c \
 	daemon/job.h \
 	daemon/jobtext.c \
 	daemon/jobtext.h \
+	daemon/keyring.c \
+	daemon/keyring.h \
 	daemon/listen.c \
 	daemon/listen.h \
 	daemon/log.c \

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #define CALLER_MS    10000 /* for a PEER-HELLO, and for the coordinator's word */
-#define RETRY_MS     1000
-#define MOST_TRIES   5
+#define RETRY_MS     100   /* twice as long each time */
+#define MOST_TRIES   6
 #define MOST_CALLERS 64
 
 /* --- helpers --- */
@@ -65,6 +65,7 @@ free_peer(struct worker *w, struct wjob *job, struct wpeer *peer)
     else if (peer->conn != 0)
         actions_close(&w->actions, peer->conn); /* stop dialling */
     lossy_release(&peer->queue);
+    explicit_bzero(peer, sizeof *peer);
     free(peer);
 }
 
@@ -83,7 +84,7 @@ pump(struct worker *w, uint64_t conn, struct lossy *q)
 /* --- linking --- */
 
 static void
-dial(struct worker *w, struct wpeer *p)
+dial(struct worker *w, const struct wjob *job, struct wpeer *p)
 {
     struct action *a;
 
@@ -91,11 +92,13 @@ dial(struct worker *w, struct wpeer *p)
     p->state = PEER_DIALLING;
     p->retry_ms = 0;
     p->tries++;
-    a = actions_add(&w->actions, ACT_DIAL, p->conn);
-    if (a)
-        a->text =
-            rad_arena_strndup(&w->actions.mem, p->address, strlen(p->address));
-    if (!a || !a->text)
+    a = actions_add_job(&w->actions, ACT_DIAL, p->conn, job->id);
+    if (!a)
+        return;
+    a->text =
+        rad_arena_strndup(&w->actions.mem, p->address, strlen(p->address));
+    a->token = rad_arena_dup(&w->actions.mem, p->token, MSG_TOKEN);
+    if (!a->text || !a->token)
         w->actions.failed = true;
 }
 
@@ -143,6 +146,16 @@ match(struct worker *w, struct wcaller *caller)
     return true;
 }
 
+bool
+worker_peer_token(const struct worker *w, worker_token_fn *fits, void *arg)
+{
+    for (const struct wjob *job = w->jobs; job; job = job->next)
+        for (const struct wpeer *p = job->peers; p; p = p->next)
+            if (p->state == PEER_EXPECTED && fits(arg, job->id, p->token))
+                return true;
+    return false;
+}
+
 static void
 match_callers(struct worker *w)
 {
@@ -187,7 +200,7 @@ peer_introduce(struct worker *w, struct wjob *job,
         p->next = job->peers;
         job->peers = p;
         if (p->flags & MSG_PEER_DIAL)
-            dial(w, p);
+            dial(w, job, p);
     }
     match_callers(w);
 }
@@ -241,7 +254,7 @@ peer_closed(struct worker *w, uint64_t conn)
         return k != NULL;
     p->conn = 0;
     if (p->state == PEER_DIALLING && p->tries < MOST_TRIES)
-        p->retry_ms = w->now_ms + RETRY_MS;
+        p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
     else /* it was there and went: the coordinator says when it is back */
         free_peer(w, job, p);
     return true;
@@ -403,7 +416,7 @@ peer_tick(struct worker *w)
     for (struct wjob *job = w->jobs; job; job = job->next)
         for (struct wpeer *p = job->peers; p; p = p->next)
             if (p->retry_ms != 0 && w->now_ms >= p->retry_ms)
-                dial(w, p);
+                dial(w, job, p);
     for (struct wcaller *k = w->callers, *next; k; k = next) {
         next = k->next;
         if (w->now_ms - k->since_ms < CALLER_MS)

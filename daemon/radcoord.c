@@ -5,6 +5,7 @@
 
 #include "coord.h"
 #include "daemon.h"
+#include "keyring.h"
 #include "listen.h"
 #include "log.h"
 #include "recover.h"
@@ -15,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
+#include <time.h>
 #include <unistd.h>
 
 #define DEFAULT_LISTEN "127.0.0.1:" RADCOORD_PORT
@@ -25,6 +27,8 @@ struct settings {
     char socket[CONF_TEXT];
     char state[CONF_TEXT];
     int keep_jobs, keep_days, keep_mib;
+    int lease_floor_s;
+    char keys[CONF_TEXT];
 };
 
 #define DEFAULT_SOCKET "/run/radd/radcoord.sock"
@@ -42,6 +46,10 @@ static const struct conf_key keys[] = {
       "for so many days at most; 0: no limit", true },
     { "keep_mib", CONF_INT_KEY, FIELD(keep_mib), 0, 1 << 30, "0", "N",
       "with so many MiB of pictures at most; 0: no limit", true },
+    { "lease_floor_s", CONF_INT_KEY, FIELD(lease_floor_s), 1, 1 << 20, "60",
+      "N", "a unit that is out for less is not late [s]", true },
+    { "keys", CONF_TEXT_KEY, FIELD(keys), 0, 0, "", "FILE",
+      "keys of who may come over the network; empty: nobody", false },
     DAEMON_KEYS,
 };
 
@@ -57,7 +65,7 @@ check_settings(const void *settings, struct rad_error *err)
 
 static const struct conf_table table = {
     .program = "radcoord",
-    .synopsis = "[--listen=ADDR:PORT] [--socket=PATH] [--state=DIR] ...",
+    .synopsis = "[--listen=ADDR:PORT] [--socket=PATH] [--keys=FILE] ...",
     .file = SYSCONFDIR "/radd/radcoord.conf",
     .private_key = "embedded",
     .keys = keys,
@@ -69,6 +77,8 @@ struct radcoord {
     struct settings set;
     struct daemon daemon;
     struct listener *tcp, *local;
+    struct keyring *keys;
+    uint64_t keys_ms; /* when they were last looked after */
     struct store *store;
     struct transfers *transfers;
     struct shell shell;
@@ -126,6 +136,94 @@ out_of_memory(void *arg)
 
     log_err("out of memory");
     daemon_stop(&r->daemon, EX_OSERR);
+}
+
+/* --- keys --- */
+
+/* Take the file over as it is now, and let those go whose key it ends. */
+static int
+reload_keys(struct radcoord *r, struct rad_error *err)
+{
+    int rc = keyring_reload(r->keys, err);
+
+    if (rc < 0)
+        return rc;
+    shell_drop_keys(&r->shell, keyring_fault, r->keys);
+    keyring_settle(r->keys);
+    return 0;
+}
+
+static void
+reload_keys_or_say(struct radcoord *r)
+{
+    struct rad_error err = { 0 };
+    char text[600];
+
+    if (reload_keys(r, &err) == 0)
+        return;
+    rad_error_format(&err, text, sizeof text);
+    log_err("keys not reloaded: %s", text);
+}
+
+/* Every second: the file may have changed, a key may have come to its end. */
+static void
+look_after_keys(struct radcoord *r)
+{
+    if (!keyring_has_file(r->keys) || now(r) - r->keys_ms < 1000)
+        return;
+    r->keys_ms = now(r);
+    if (keyring_changed(r->keys)) {
+        log_info("key file changed");
+        reload_keys_or_say(r);
+    } else {
+        shell_drop_keys(&r->shell, keyring_fault, r->keys);
+    }
+}
+
+static int
+order_key(struct radcoord *r, const struct msg_key *m, char **json,
+          struct rad_error *err)
+{
+    struct key_order order = { (enum msg_key_order)m->what, m->name,
+                               (int64_t)m->expires };
+    int rc;
+
+    if (!keyring_has_file(r->keys))
+        return rad_fail(err, RAD_ENOINPUT,
+                        "the coordinator was started without a key file");
+    rc = keyfile_order(keyring_path(r->keys), &order, (int64_t)time(NULL), json,
+                       err);
+    if (rc < 0 || m->what == MSG_KEY_LIST)
+        return rc;
+    log_info("key %s name=%s", m->what == MSG_KEY_ADD ? "added" : "retired",
+             m->name);
+    return reload_keys(r, err);
+}
+
+/* An admin's order.  One that retires its own key hears no answer. */
+static void
+do_key(struct radcoord *r, const struct action *a)
+{
+    struct msg m = { .type = MSG_ANSWER, .request = a->request };
+    struct rad_error err = { 0 };
+    struct conn *c;
+    char *json = NULL;
+    int rc = order_key(r, &a->key, &json, &err);
+
+    c = shell_conn(&r->shell, a->conn);
+    if (rc == 0) {
+        m.answer.text = (const uint8_t *)json;
+        m.answer.len = strlen(json);
+    } else {
+        m.type = MSG_FAILED;
+        m.failed = (struct msg_failed){ .status = (uint16_t)rad_exit_status(rc),
+                                        .text = err.what };
+    }
+    if (c)
+        conn_send(c, &m);
+    if (json)
+        explicit_bzero(json, strlen(json));
+    free(json);
 }
 
 /* --- from the machine to the store --- */
@@ -197,6 +295,9 @@ on_action(void *arg, const struct action *a)
         break;
     case ACT_WRITE_PICTURE:
         store_write_picture(r->store, a->job, a->frame);
+        break;
+    case ACT_KEY:
+        do_key(r, a);
         break;
     case ACT_JOB_FORGET:
         store_forget_job(r->store, a->job);
@@ -334,33 +435,77 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 /* --- connections --- */
 
 /* On one machine: its root and the daemon's own user may be anything, others
- * only use it.  Loopback addresses are the machine's, without names. */
+ * only use it. */
 static unsigned
 roles_of(long uid)
 {
     unsigned user = 1u << MSG_ROLE_USER;
 
-    if (uid > 0 && uid != (long)geteuid())
+    if (uid != 0 && uid != (long)geteuid())
         return user;
     return user | 1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_ADMIN;
 }
 
-static void
-on_connection(void *arg, uv_stream_t *stream, const char *peer)
+/* A key is for one role, but that who may steer may also use. */
+static unsigned
+roles_of_key(const struct key *k)
 {
-    struct radcoord *r = arg;
-    uint64_t id = shell_new_id(&r->shell);
-    long uid = conn_stream_uid(stream);
-    struct coord_peer who = { .address = peer,
-                              .owner = uid < 0 ? "local" : peer,
-                              .roles = roles_of(uid) };
+    unsigned role = 1u << k->role;
 
-    if (!shell_add(&r->shell, id, stream, MSG_AT_COORD_NEW, peer)) {
-        log_err("connection refused peer=%s: out of memory", peer);
+    return k->role == MSG_ROLE_ADMIN ? role | 1u << MSG_ROLE_USER : role;
+}
+
+static void
+add_conn(struct radcoord *r, uv_stream_t *stream, struct tls *tls,
+         const struct coord_peer *who)
+{
+    uint64_t id = shell_new_id(&r->shell);
+
+    if (!shell_add(&r->shell, id, stream, tls, MSG_AT_COORD_NEW,
+                   who->address)) {
+        log_err("connection refused peer=%s: out of memory", who->address);
         return;
     }
-    coord_opened(r->coord, now(r), id, &who);
+    coord_opened(r->coord, now(r), id, who);
     shell_run(&r->shell);
+}
+
+static void
+on_local(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
+{
+    struct radcoord *r = arg;
+    struct coord_peer who = { .address = peer,
+                              .owner = peer,
+                              .roles = roles_of(conn_stream_uid(stream)) };
+
+    add_conn(r, stream, tls, &who);
+}
+
+static void
+on_keyed(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
+{
+    struct radcoord *r = arg;
+    struct coord_peer who = { .address = peer };
+    struct key k;
+
+    if (!key_id_parse(tls_id(tls), &k)) { /* it is one that we have */
+        tls_free(tls);
+        conn_stream_close(stream);
+        return;
+    }
+    who.owner = k.name;
+    who.roles = roles_of_key(&k);
+    who.name = k.role == MSG_ROLE_WORKER ? k.name : NULL;
+    log_debug("connection peer=%s key=%s", peer, tls_id(tls));
+    add_conn(r, stream, tls, &who);
+}
+
+static const char *
+find_key(void *arg, const char *id, uint8_t *secret)
+{
+    struct radcoord *r = arg;
+
+    return keyring_find(r->keys, id, secret);
 }
 
 /* The default socket is one for a system's coordinator: who has not the right
@@ -370,8 +515,9 @@ open_local(struct radcoord *r, struct rad_error *err)
 {
     struct rad_error why = { 0 };
 
-    r->local =
-        listener_open(&r->daemon.loop, r->set.socket, on_connection, r, &why);
+    struct listener_conf conf = { .fn = on_local, .arg = r };
+
+    r->local = listener_open(&r->daemon.loop, r->set.socket, &conf, &why);
     if (r->local)
         return 0;
     if (strcmp(r->set.socket, DEFAULT_SOCKET) != 0 || !r->set.listen[0]) {
@@ -385,6 +531,10 @@ open_local(struct radcoord *r, struct rad_error *err)
 static int
 open_sockets(struct radcoord *r, struct rad_error *err)
 {
+    struct listener_conf conf = { .fn = on_keyed,
+                                  .find = find_key,
+                                  .anywhere = keyring_has_file(r->keys),
+                                  .arg = r };
     const char *lines[2];
     int n = 0;
 
@@ -394,10 +544,11 @@ open_sockets(struct radcoord *r, struct rad_error *err)
         lines[n++] = listener_text(r->local);
     if (r->set.listen[0] && !(r->set.common.embedded &&
                               strcmp(r->set.listen, DEFAULT_LISTEN) == 0)) {
-        r->tcp = listener_open(&r->daemon.loop, r->set.listen, on_connection, r,
-                               err);
+        r->tcp = listener_open(&r->daemon.loop, r->set.listen, &conf, err);
         if (!r->tcp)
             return err->code;
+        if (!conf.anywhere)
+            log_warn("nobody can come over tcp: there is no key file");
         lines[n++] = listener_text(r->tcp);
     }
     for (int i = 0; i < n; i++)
@@ -416,6 +567,7 @@ on_tick(void *arg)
 
     coord_tick(r->coord, now(r));
     shell_run(&r->shell);
+    look_after_keys(r);
 }
 
 static void
@@ -439,11 +591,19 @@ set_keep(struct radcoord *r)
 }
 
 static void
+set_lease(struct radcoord *r)
+{
+    coord_set_lease(r->coord, UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
+}
+
+static void
 on_reload(void *arg)
 {
     struct radcoord *r = arg;
 
+    reload_keys_or_say(r);
     set_keep(r);
+    set_lease(r);
     shell_run(&r->shell);
 }
 
@@ -488,6 +648,7 @@ open_store(struct radcoord *r, struct rad_error *err)
         return err->code;
     coord_set_epoch(r->coord, epoch);
     set_keep(r);
+    set_lease(r);
     return 0;
 }
 
@@ -498,6 +659,8 @@ start(void *arg, struct rad_error *err)
     uv_timeval64_t wall;
 
     shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    if (keyring_open(&r->keys, r->set.keys, err) < 0)
+        return err->code;
     uv_gettimeofday(&wall);
     r->clock_ms = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000 -
                   daemon_now(&r->daemon);
@@ -529,6 +692,7 @@ release(void *arg)
 
     transfers_free(r->transfers);
     coord_free(r->coord);
+    keyring_free(r->keys);
     store_close(r->store);
 }
 

@@ -7,6 +7,7 @@
 #include "children.h"
 #include "daemon.h"
 #include "dial.h"
+#include "keyfile.h"
 #include "listen.h"
 #include "log.h"
 #include "render.h"
@@ -20,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
+#include <time.h>
 
 #define MAX_THREADS 1024
 
@@ -29,6 +31,7 @@ struct settings {
     char name[CONF_TEXT];
     char listen[CONF_TEXT];
     char cache[CONF_TEXT];
+    char key[CONF_TEXT];
     char sandbox[CONF_TEXT];
     int threads;
     int memory_mib;
@@ -40,9 +43,12 @@ struct settings {
 #define FIELD(f) offsetof(struct settings, f)
 static const struct conf_key keys[] = {
     { "coordinator", CONF_TEXT_KEY, FIELD(coordinator), 0, 0,
-      "127.0.0.1:" RADCOORD_PORT, "HOST:PORT|PATH", "whom to work for", false },
+      "/run/radd/radcoord.sock", "HOST:PORT|PATH", "whom to work for", false },
+    { "key", CONF_TEXT_KEY, FIELD(key), 0, 0, "", "FILE",
+      "this host's key, for a coordinator over the network", false },
     { "name", CONF_TEXT_KEY, FIELD(name), 0, 0, "", "NAME",
-      "of this worker, unlike all others (the host's name)", false },
+      "of this worker, unlike all others (its key's, or the host's name)",
+      false },
     { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, "127.0.0.1:" RADD_PORT,
       "ADDR:PORT|PATH", "where other workers dial", false },
     { "cache", CONF_TEXT_KEY, FIELD(cache), 0, 0, "/var/cache/radd", "DIR",
@@ -101,6 +107,8 @@ struct radd {
     struct settings set;
     struct daemon daemon;
     struct listener *peers;
+    struct dialler *dialler;
+    struct dial_key key; /* this host's; id empty: none */
     struct store *store;
     struct shell shell;
     struct children children;
@@ -185,21 +193,16 @@ on_child_ended(void *arg, uint64_t id, struct child_end how, const char *text)
 }
 
 static void
-on_dialled(void *arg, uint64_t id, uv_stream_t *stream, const char *peer,
-           const char *why)
+on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
+           const char *peer, const char *why)
 {
     struct radd *r = arg;
 
-    if (r->daemon.stopping) {
-        if (stream)
-            conn_stream_close(stream);
-        return;
-    }
     if (!stream) {
         shell_gone(&r->shell, id, why);
         return;
     }
-    if (!shell_add(&r->shell, id, stream, MSG_AT_DIALLER, peer)) {
+    if (!shell_add(&r->shell, id, stream, tls, MSG_AT_DIALLER, peer)) {
         shell_gone(&r->shell, id, "out of memory");
         return;
     }
@@ -208,17 +211,99 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, const char *peer,
 }
 
 static void
-on_peer(void *arg, uv_stream_t *stream, const char *peer)
+on_peer(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 {
     struct radd *r = arg;
     uint64_t id = shell_new_id(&r->shell);
 
-    if (!shell_add(&r->shell, id, stream, MSG_AT_PEER_NEW, peer)) {
+    if (!shell_add(&r->shell, id, stream, tls, MSG_AT_PEER_NEW, peer)) {
         log_err("connection refused peer=%s: out of memory", peer);
         return;
     }
     worker_accepted(r->worker, now(r), id);
     shell_run(&r->shell);
+}
+
+/* --- keys --- */
+
+/* The key of a worker's file; one of another role if it has none, for the
+ * coordinator to refuse.  The file is read at each dial, so a new key needs no
+ * restart. */
+static int
+read_key(struct radd *r, struct rad_error *err)
+{
+    struct keyfile f;
+    const struct key *k;
+    int rc;
+
+    if (!r->set.key[0])
+        return 0;
+    if ((rc = keyfile_load(&f, r->set.key, err)) < 0)
+        return rc;
+    k = keyfile_choice(&f, MSG_ROLE_WORKER, (int64_t)time(NULL));
+    if (k) {
+        key_id(k, r->key.id);
+        memcpy(r->key.secret, k->secret, KEY_SECRET);
+        if (!r->set.name[0])
+            snprintf(r->set.name, sizeof r->set.name, "%s", k->name);
+    } else {
+        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", r->set.key);
+    }
+    keyfile_release(&f);
+    return rc;
+}
+
+static void
+dial_coordinator(struct radd *r, uint64_t id)
+{
+    struct rad_error err = { 0 };
+    char text[600];
+
+    if (read_key(r, &err) < 0) { /* the one that it had may do */
+        rad_error_format(&err, text, sizeof text);
+        log_err("key not read: %s", text);
+    }
+    dial(r->dialler, r->set.coordinator, id, r->key.id[0] ? &r->key : NULL);
+}
+
+static void
+dial_peer(struct radd *r, const struct action *a)
+{
+    struct dial_key key;
+
+    tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
+    dial(r->dialler, a->text, a->conn, &key);
+    explicit_bzero(&key, sizeof key);
+}
+
+struct wanted {
+    const char *id;
+    uint8_t *secret;
+};
+
+static bool
+fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
+{
+    struct wanted *w = arg;
+    struct dial_key key;
+    bool same;
+
+    tls_peer_key(job, MSG_JOB, token, MSG_TOKEN, key.id, key.secret);
+    same = strcmp(key.id, w->id) == 0;
+    if (same)
+        memcpy(w->secret, key.secret, TLS_SECRET);
+    explicit_bzero(&key, sizeof key);
+    return same;
+}
+
+/* A peer comes with the key that the coordinator gave it and us. */
+static const char *
+find_peer(void *arg, const char *id, uint8_t *secret)
+{
+    struct radd *r = arg;
+    struct wanted w = { id, secret };
+
+    return worker_peer_token(r->worker, fits, &w) ? NULL : "unknown key";
 }
 
 /* --- from the machine --- */
@@ -230,9 +315,10 @@ on_action(void *arg, const struct action *a)
 
     switch (a->type) {
     case ACT_DIAL:
-        dial(&r->daemon.loop,
-             a->text && a->text[0] ? a->text : r->set.coordinator, a->conn,
-             on_dialled, r);
+        if (a->token)
+            dial_peer(r, a);
+        else
+            dial_coordinator(r, a->conn);
         break;
     case ACT_SPAWN:
         children_spawn(&r->children, a->conn);
@@ -349,9 +435,13 @@ processors(void)
 static int
 open_socket(struct radd *r, struct rad_error *err)
 {
+    struct listener_conf conf = { .fn = on_peer,
+                                  .find = find_peer,
+                                  .anywhere = r->set.key[0] != '\0',
+                                  .arg = r };
     const char *line;
 
-    r->peers = listener_open(&r->daemon.loop, r->set.listen, on_peer, r, err);
+    r->peers = listener_open(&r->daemon.loop, r->set.listen, &conf, err);
     if (!r->peers)
         return err->code;
     line = listener_text(r->peers);
@@ -401,6 +491,22 @@ check_sandbox(const struct radd *r, struct rad_error *err)
     return 0;
 }
 
+/* Over the network it takes a key. */
+static int
+check_coordinator(const struct radd *r, struct rad_error *err)
+{
+    char host[ADDRESS_TEXT], port[8];
+    bool local;
+    int rc = address_split(r->set.coordinator, host, port, &local, err);
+
+    if (rc < 0 || local || r->key.id[0])
+        return rc;
+    return rad_fail(err, RAD_EPERM,
+                    "a coordinator at '%s' asks for a key: use --key, or a "
+                    "Unix socket on its own machine",
+                    r->set.coordinator);
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
@@ -414,6 +520,11 @@ start(void *arg, struct rad_error *err)
         return rc;
     if (!r->set.threads)
         r->set.threads = processors();
+    r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
+    if (!r->dialler)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if ((rc = read_key(r, err)) < 0 || (rc = check_coordinator(r, err)) < 0)
+        return rc;
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
         return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
     r->store = store_open(&r->daemon.loop, r->set.cache,
@@ -437,6 +548,7 @@ finish(void *arg)
     struct radd *r = arg;
 
     listener_close(r->peers);
+    dialler_close(r->dialler);
     children_kill_all(&r->children);
     shell_close(&r->shell);
     while (r->store && !store_idle(r->store))
@@ -449,6 +561,8 @@ release(void *arg)
     struct radd *r = arg;
 
     worker_free(r->worker);
+    dialler_free(r->dialler);
+    explicit_bzero(&r->key, sizeof r->key);
     store_close(r->store);
 }
 

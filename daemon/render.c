@@ -832,7 +832,7 @@ open_link(struct render *r)
         conn_stream_close(stream);
         return rc;
     }
-    r->link = conn_new(stream, MSG_AT_CHILD_NEW, "radd", &handler, r);
+    r->link = conn_new(stream, NULL, MSG_AT_CHILD_NEW, "radd", &handler, r);
     if (!r->link)
         return UV_ENOMEM;
     conn_live(r->link, false);

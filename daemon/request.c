@@ -366,11 +366,20 @@ on_undrain(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- keys, by an admin --- */
 
+/* The shell has the file. */
 static void
 on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    coord_reply_failed(c, conn, m->request, NULL, EX_NOINPUT,
-                       "the coordinator has no key file");
+    struct action *a = actions_add(&c->actions, ACT_KEY, conn->id);
+
+    if (!a)
+        return;
+    a->request = m->request;
+    a->key = m->key;
+    a->key.name =
+        rad_arena_strndup(&c->actions.mem, m->key.name, strlen(m->key.name));
+    if (!a->key.name)
+        c->actions.failed = true;
 }
 
 static const struct {

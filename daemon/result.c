@@ -118,7 +118,8 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
     struct job_unit *u = &job->units[m->unit];
 
     if (m->row != 0 || go->dropped || u->next_row == 0 ||
-        c->now_ms - u->row_ms < SILENT_MS)
+        c->now_ms - u->row_ms <
+            (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS))
         return;
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].attempt == u->lead) {
@@ -185,6 +186,16 @@ is_old(const struct job *job, uint32_t index, const struct msg_result *m)
            job->workers[index].state != JW_READY;
 }
 
+/* One whose rows did not count is at its end. */
+static void
+note_end(struct job *job, uint32_t index, const struct msg_result *m)
+{
+    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+
+    if (m->last && go && go->dropped && m->attempt != job->units[m->unit].lead)
+        go->spent = true;
+}
+
 void
 sched_result(struct coord *c, struct coord_worker *w,
              const struct msg_result *m)
@@ -208,11 +219,14 @@ sched_result(struct coord *c, struct coord_worker *w,
             coord_break(c, w->conn, "a RESULT of no unit");
         return;
     }
+    partition_area(job->partition, m->unit, &a);
     if (!counts(c, job, index, m)) {
+        if (result_fits(job, m, &a))
+            duplicate_check(c, job, index, m);
+        note_end(job, index, m);
         ack(c, w, job, m);
         return;
     }
-    partition_area(job->partition, m->unit, &a);
     if (!result_fits(job, m, &a)) {
         coord_break(c, w->conn, "a RESULT that fits no unit");
         return;
@@ -237,6 +251,7 @@ sched_result(struct coord *c, struct coord_worker *w,
         spoilt(c, job, m->unit, go);
         return;
     }
+    duplicate_keep(job, index, m, a.height);
     u->next_row += m->rows;
     u->row_ms = c->now_ms;
     if (m->last) {

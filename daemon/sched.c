@@ -79,10 +79,30 @@ sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
     struct job *job = coord_find_job(c, id);
 
     *index = job && !job_over(job) ? sched_index(job, w) : JOB_NOBODY;
-    if (*index != JOB_NOBODY)
+    if (*index != JOB_NOBODY) {
+        sched_late(job, *index, false);
         return job;
+    }
     sched_send_job_end(c, w->conn, id);
     return NULL;
+}
+
+static bool
+may_take_part(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state != JW_GONE && !jw->late && sched_takes_units(jw->worker);
+}
+
+void
+sched_late(struct job *job, uint32_t index, bool late)
+{
+    if (job->workers[index].late == late)
+        return;
+    job->workers[index].late = late;
+    if (job->partition)
+        partition_set_absent(job->partition, index, !may_take_part(job, index));
 }
 
 /* --- holding --- */
@@ -111,15 +131,17 @@ more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
     sched_lines_of(job, unit, go, &first, &last);
     go->lines = last - first;
     jw->lines += go->lines;
-    jw->in_flight++;
+    if (jw->in_flight++ == 0)
+        job->payer->threads += jw->held = jw->threads;
     jw->worker->in_flight++;
 }
 
 static void
-less_in_flight(struct job_worker *jw, const struct job_go *go)
+less_in_flight(struct job *job, struct job_worker *jw, const struct job_go *go)
 {
     jw->lines -= go->lines;
-    jw->in_flight--;
+    if (--jw->in_flight == 0)
+        job->payer->threads -= jw->held;
     jw->worker->in_flight--;
     if (jw->worker->in_flight == 0)
         jw->worker->alone = false;
@@ -153,6 +175,7 @@ sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->attempt = attempt;
     go->out_ms = c->now_ms;
     go->helps = go->dropped = helps;
+    job->units[unit].helped |= helps;
     more_in_flight(job, unit, go);
     return go;
 }
@@ -170,7 +193,7 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(jw, go);
+        less_in_flight(job, jw, go);
     }
     c->stirred = true;
     job_go_remove(job, unit, go);
@@ -186,7 +209,7 @@ sched_park(struct coord *c, struct job *job, struct job_go *go)
     go->parked_ms = c->now_ms;
     jw->parked++;
     jw->worker->parked++;
-    less_in_flight(jw, go);
+    less_in_flight(job, jw, go);
     c->stirred = true;
 }
 
@@ -200,7 +223,7 @@ sched_deliver(struct coord *c, struct job *job, struct job_go *go)
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(jw, go);
+        less_in_flight(job, jw, go);
     }
     go->parked = false;
     go->delivered = true;
@@ -232,6 +255,7 @@ sched_forget_rows(struct job *job, uint32_t unit)
     job->pixels_done -= pixels;
     job->frames[a.frame].rows_pixels -= pixels;
     u->next_row = u->stored_rows = 0;
+    duplicate_forget(u);
 }
 
 /* --- handing out --- */
@@ -453,7 +477,7 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    if (u->ngos > 1)
+    if (u->ngos > 1 && job->shared)
         tell_twins(c, job, unit);
     send_unit(c, job, unit, &u->go[u->ngos - 1]);
 }
@@ -506,6 +530,17 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
     return false;
 }
 
+/* Is it silent, while there are others that are not? */
+static bool
+is_left_out(const struct job *job, uint32_t index)
+{
+    bool others = false;
+
+    for (uint32_t i = 0; i < job->nworkers && !others; i++)
+        others = job->workers[i].state == JW_READY && may_take_part(job, i);
+    return job->workers[index].late && others;
+}
+
 /* One unit of the job for the worker; false: it gets none now. */
 static bool
 give_unit(struct coord *c, struct job *job, struct coord_worker *w,
@@ -513,7 +548,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
 {
     uint32_t unit;
 
-    if (runs_empty(c, job, w, index))
+    if (runs_empty(c, job, w, index) || is_left_out(job, index))
         return false;
     if (find_suspect(c, job, index, &unit)) {
         job_suspect_remove(job, unit);
@@ -542,7 +577,8 @@ static bool
 idle_job(const struct job *job)
 {
     return job_over(job) || !job->opened || job->state == JOB_PAUSED ||
-           (job->partition && job_waiting(job) == 0 && !can_balance(job));
+           (job->partition && job_waiting(job) == 0 && job->late == 0 &&
+            !can_balance(job));
 }
 
 /* Something of a job that the worker has loaded; *done: it gets nothing else
@@ -557,8 +593,31 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     }
     if (give_unit(c, job, w, index))
         return true;
+    if (job->late > 0 && has_room(job, w, index) &&
+        !runs_empty(c, job, w, index) && balance_late(c, job, index))
+        return true;
     *done = runs_empty(c, job, w, index);
     return false;
+}
+
+/* The next job to look at, in this search: the highest priority first, of
+ * equals whose owner has the fewest threads at work, of these the oldest. NULL:
+ * none is left. */
+static struct job *
+fairest(const struct coord *c)
+{
+    struct job *best = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (best && job->spec.priority < best->spec.priority)
+            break;
+        if (job->served != c->serving && !idle_job(job) &&
+            (!best || job->payer->threads < best->payer->threads))
+            best = job;
+    }
+    return best;
 }
 
 /* One unit of the first job that has one for this worker; jobs that it does
@@ -567,16 +626,15 @@ static bool
 serve(struct coord *c, struct coord_worker *w)
 {
     bool done = false;
+    struct job *job;
 
     if (!sched_takes_units(w) || w->alone || c->full)
         return false;
-    for (size_t i = 0; i < c->njobs && !done; i++) {
-        struct job *job = c->jobs[i];
-        uint32_t index;
+    c->serving++;
+    while (!done && (job = fairest(c))) {
+        uint32_t index = sched_index(job, w);
 
-        if (idle_job(job))
-            continue;
-        index = sched_index(job, w);
+        job->served = c->serving;
         if (index == JOB_NOBODY || job->workers[index].state == JW_GONE) {
             if (!w->loading &&
                 (index == JOB_NOBODY || !job->workers[index].excluded))
@@ -699,14 +757,6 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         introduce(c, job, w);
 }
 
-static bool
-may_take_part(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state != JW_GONE && sched_takes_units(jw->worker);
-}
-
 /* Static: who is here or on its way takes part, by its speed; drained workers
  * only where there are no others. */
 static void
@@ -796,6 +846,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
         sched_send_job_end(c, w->conn, m->job);
     if (index == JOB_NOBODY)
         return;
+    sched_late(job, index, false);
     jw = &job->workers[index];
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
         jw->past = job_tally(jw);
@@ -853,6 +904,7 @@ sched_tick(struct coord *c)
     if (c->now_ms - c->tick_ms < TICK_MS)
         return;
     c->tick_ms = c->now_ms;
+    balance_look(c);
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *job = c->jobs[i];
 

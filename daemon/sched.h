@@ -7,6 +7,7 @@
  *   result.c   rows that come, units that are done
  *   loss.c     workers and children that go
  *   handoff.c  facts and base lines on their way between workers
+ *   duplicate.c  rows that come twice
  *   balance.c  giving away and doubling what one has, for one that has nothing
  *   survey.c   estimates, before the first unit
  *   recover.c  jobs of an earlier life
@@ -27,12 +28,15 @@ struct coord_worker {
     uint64_t conn;                     /* 0: not connected */
     uint32_t threads;
     uint64_t fingerprint;
-    uint64_t since_ms;  /* connected, or gone, since */
-    uint32_t id;        /* from 0, by the order of their first HELLO */
-    uint32_t in_flight; /* units of all jobs that it works on */
-    uint32_t parked;    /* units that wait for a base line */
-    uint32_t delivered; /* units whose rows are on their way to the disk */
-    double relative;    /* speed of a thread, by earlier jobs; 1: usual */
+    uint64_t since_ms;    /* connected, or gone, since */
+    uint32_t id;          /* from 0, by the order of their first HELLO */
+    uint32_t in_flight;   /* units of all jobs that it works on */
+    uint32_t parked;      /* units that wait for a base line */
+    uint32_t delivered;   /* units whose rows are on their way to the disk */
+    double relative;      /* speed of a thread, by earlier jobs; 1: usual */
+    uint64_t progress;    /* of its last PING */
+    uint64_t progress_ms; /* when that was new */
+    bool hangs;           /* it has work, and makes no progress */
     const struct job *loading; /* what its next READY is for */
     bool drained;              /* gets nothing new: an admin's wish */
     bool leaving;              /* gets nothing new: its own wish */
@@ -47,11 +51,19 @@ struct coord_conn {
     unsigned roles; /* that it may ask for */
     char address[MSG_MAX_ADDRESS + 1];
     char owner[MSG_MAX_NAME + 1];
+    char name[MSG_MAX_NAME + 1]; /* of the worker that it may be; empty: any */
     struct coord_worker *worker; /* with MSG_AT_COORD_WORKER */
     const struct job *watch;     /* job whose progress it gets */
     uint32_t watch_request;      /* request id of its SUBMIT */
     uint64_t offer_ms;           /* first OFFER since the last SUBMIT; or 0 */
     uint64_t sent_bytes;         /* CHUNK bytes since then */
+};
+
+/* Whom jobs belong to. */
+struct coord_owner {
+    struct coord_owner *next;
+    char name[MSG_MAX_NAME + 1];
+    uint32_t threads; /* of workers at units of theirs */
 };
 
 #define COORD_CONNS 1024 /* a power of 2 */
@@ -66,11 +78,14 @@ struct coord {
     struct coord_conn *conns;
     struct coord_worker *workers;
     uint32_t nworkers; /* all that ever were */
-    struct job **jobs; /* in the order in which they are served */
+    struct coord_owner *owners;
+    uint32_t serving;  /* counts searches for a unit */
+    struct job **jobs; /* by priority, then as they came */
     size_t njobs, cap_jobs;
     uint64_t sequence;
     uint64_t progress_ms; /* when PROGRESS was sent last */
     uint64_t tick_ms;     /* when the scheduler looked at the time last */
+    uint64_t lease_ms;    /* a unit that is out for less is not late */
     bool stirred;         /* somebody may get something since sched_run() */
     struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
 };
@@ -116,10 +131,14 @@ void sched_job_over(struct coord *c, struct job *job);
 
 /* --- sched.c, for its neighbours --- */
 
-/* The job and the index of w in it; NULL when the job is over or unknown, and
- * then the worker is told so. */
+/* The job and the index of w in it, which said something of it; NULL when the
+ * job is over or unknown, and then the worker is told so. */
 struct job *sched_job_of(struct coord *c, const struct coord_worker *w,
                          const uint8_t *id, uint32_t *index);
+
+/* A worker is so late with a unit that another does it: that may well have to
+ * do the rest of its work, too.  Or it is heard of again. */
+void sched_late(struct job *job, uint32_t index, bool late);
 
 /* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
 uint32_t sched_index(const struct job *job, const struct coord_worker *w);
@@ -196,6 +215,17 @@ void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
 /* Could another worker than that one try a suspect? */
 bool loss_others_than(const struct coord *c, const struct coord_worker *w);
 
+/* --- duplicate.c --- */
+
+/* Rows of a unit of that height that count. */
+void duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
+                    uint32_t height);
+/* Rows that do not, but lie in their unit: are they those that did? */
+void duplicate_check(struct coord *c, struct job *job, uint32_t index,
+                     const struct msg_result *m);
+/* What counted does not any more. */
+void duplicate_forget(struct job_unit *u);
+
 /* --- handoff.c --- */
 
 /* Flags of the UNIT for that holder. */
@@ -217,6 +247,10 @@ void handoff_tick(struct coord *c, struct job *job);
 
 /* Find something for workers that have nothing to do. */
 void balance_run(struct coord *c);
+/* See which workers hang, and which units are late. */
+void balance_look(struct coord *c);
+/* A late unit for a worker, as a twin; false: there is none. */
+bool balance_late(struct coord *c, struct job *job, uint32_t index);
 
 /* --- survey.c --- */
 

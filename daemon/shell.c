@@ -105,18 +105,19 @@ shell_new_id(struct shell *s)
 }
 
 bool
-shell_add(struct shell *s, uint64_t id, uv_stream_t *stream,
+shell_add(struct shell *s, uint64_t id, uv_stream_t *stream, struct tls *tls,
           enum msg_session session, const char *peer)
 {
     struct shell_link *l = calloc(1, sizeof *l);
 
     if (!l) {
+        tls_free(tls);
         conn_stream_close(stream);
         return false;
     }
     l->shell = s;
     l->id = id;
-    l->conn = conn_new(stream, session, peer, &handler, l);
+    l->conn = conn_new(stream, tls, session, peer, &handler, l);
     if (!l->conn) {
         free(l);
         return false;
@@ -159,6 +160,26 @@ shell_remove(struct shell *s, uint64_t id)
     *at = l->next;
     conn_close(l->conn);
     free(l);
+}
+
+void
+shell_drop_keys(struct shell *s, shell_key_fn *why, void *arg)
+{
+    for (int i = 0; i < SHELL_BUCKETS; i++)
+        for (struct shell_link **at = &s->links[i]; *at;) {
+            struct conn *c = (*at)->conn;
+            const char *key = conn_key(c), *text = key ? why(arg, key) : NULL;
+
+            if (text) {
+                log_warn("connection closed peer=%s key=%s: %s", conn_peer(c),
+                         key, text);
+                conn_close(c);
+                move_gone(at, text);
+            } else {
+                at = &(*at)->next;
+            }
+        }
+    shell_run(s);
 }
 
 static void

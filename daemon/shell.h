@@ -44,9 +44,15 @@ void shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
 /* A number for a connection that came in. */
 uint64_t shell_new_id(struct shell *s);
 
-/* Take an open stream as connection id; false when memory is out. */
+/* Take an open stream and its session (conn.h) as connection id; false when
+ * memory is out. */
 bool shell_add(struct shell *s, uint64_t id, uv_stream_t *stream,
-               enum msg_session session, const char *peer);
+               struct tls *tls, enum msg_session session, const char *peer);
+
+/* End those connections whose key (conn_key) is no longer good, as if they had
+ * ended by themselves; why says so, or is NULL. */
+typedef const char *shell_key_fn(void *arg, const char *key);
+void shell_drop_keys(struct shell *s, shell_key_fn *why, void *arg);
 
 /* NULL: there is none (any more). */
 struct conn *shell_conn(const struct shell *s, uint64_t id);

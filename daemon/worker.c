@@ -633,6 +633,8 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg tally = { .type = MSG_TALLY, .tally = m->tally };
 
+    if (m->tally.rays_under_way != job->tally.rays_under_way)
+        w->progress++;
     tally.tally.job = job->id;
     tally.tally.bytes_in = job->bytes_in;
     tally.tally.bytes_out = job->bytes_out;
@@ -698,6 +700,7 @@ from_child(struct worker *w, struct wjob *job, const struct msg *m)
             child_handlers[i].handle(w, job, m);
             return;
         }
+    w->progress++;
     relay_up(w, job, m);
 }
 

@@ -90,6 +90,12 @@ void worker_tick(struct worker *w, uint64_t now_ms);
 /* --- what the shell may look at --- */
 
 bool worker_connected(const struct worker *w); /* WELCOME was received */
+/* Is there a peer that may dial us for which fits(arg, job, token) says so? */
+typedef bool worker_token_fn(void *arg, const uint8_t job[MSG_JOB],
+                             const uint8_t token[MSG_TOKEN]);
+bool worker_peer_token(const struct worker *w, worker_token_fn *fits,
+                       void *arg);
+
 /* Grows with units and rows that pass, for PING. */
 uint64_t worker_progress(const struct worker *w);
 

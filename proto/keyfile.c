@@ -498,6 +498,22 @@ keyfile_best(const struct keyfile *f, enum msg_role role, int64_t now)
     return best;
 }
 
+const struct key *
+keyfile_choice(const struct keyfile *f, enum msg_role role, int64_t now)
+{
+    const struct key *k = keyfile_best(f, role, now);
+
+    if (!k && role == MSG_ROLE_USER)
+        k = keyfile_best(f, MSG_ROLE_ADMIN, now);
+    for (size_t i = f->n; !k && i-- > 0;)
+        if (f->v[i].role == role && !f->v[i].retired)
+            k = &f->v[i];
+    for (size_t i = f->n; !k && i-- > 0;)
+        if (!f->v[i].retired)
+            k = &f->v[i];
+    return k;
+}
+
 void
 key_format(const struct key *k, char line[KEY_LINE + 1])
 {

@@ -83,6 +83,12 @@ const struct key *keyfile_find(const struct keyfile *f, const char *id);
 const struct key *keyfile_best(const struct keyfile *f, enum msg_role role,
                                int64_t now);
 
+/* What to dial with in that role: its best key; else one that the other side
+ * will refuse and say why: an expired one, or one of another role.  (A user has
+ * an admin's key before that.)  NULL: there is none but retired ones. */
+const struct key *keyfile_choice(const struct keyfile *f, enum msg_role role,
+                                 int64_t now);
+
 /* A key's date: "2027-01-31", with the time of day where it is not midnight;
  * "" for never. */
 void key_date_format(int64_t expires, char text[KEY_DATE]);

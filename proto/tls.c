@@ -395,6 +395,48 @@ tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err)
     return 0;
 }
 
+/* Append what is to be sent, if there is room. */
+static bool
+append_out(struct tls *t, uint8_t *to, size_t *at, size_t room)
+{
+    const uint8_t *p;
+    size_t n = tls_out(t, &p);
+
+    if (n > room - *at)
+        return false;
+    if (n > 0)
+        memcpy(to + *at, p, n);
+    *at += n;
+    tls_sent(t);
+    return true;
+}
+
+void *
+tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
+         struct rad_error *err)
+{
+    size_t room = tls_room(len), at = 0;
+    const uint8_t *from = p;
+    uint8_t *block = malloc(head + room);
+
+    *n = 0;
+    if (!block) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    for (size_t piece; len > 0; from += piece, len -= piece) {
+        piece = len < TLS_PIECE ? len : TLS_PIECE;
+        if (tls_write(t, from, piece, err) == 0 &&
+            append_out(t, block + head, &at, room))
+            continue;
+        rad_fail(err, RAD_EINTERNAL, "more comes of it than there is room");
+        free(block);
+        return NULL;
+    }
+    *n = at;
+    return block;
+}
+
 void
 tls_end(struct tls *t)
 {

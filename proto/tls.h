@@ -65,6 +65,10 @@ bool tls_ended(const struct tls *t);
 
 /* Bytes for the other side, at most TLS_PIECE. */
 int tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err);
+/* Any number of them, and what comes of it in a block of its own, behind `head`
+ * bytes that are the caller's: *n bytes, to be freed.  NULL on failure. */
+void *tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
+               struct rad_error *err);
 /* Say that nothing more comes. */
 void tls_end(struct tls *t);
 

@@ -264,7 +264,6 @@ static const struct {
     { "--estimate=.json a.rad", "FILE.json" },
     { "--no-balance=1 a.rad", "--no-balance" },
     { "--same-bits a.rad", "--same-bits" },
-    { "--key=k a.rad", "--key" },
     { "--workers=0 a.rad", "--workers" },
     { "--workers=2.5 a.rad", "--workers" },
     { "--workers", "--workers" },
@@ -418,16 +417,26 @@ START_TEST(coordinator_comes_from_the_first_place_that_names_one)
     snprintf(path, sizeof path, "%s/radd", folder);
     mkdir(path, 0700);
     file_with("radd/radsubmit.conf", "# mine\ncoordinator = ws3:5\n");
-    ck_assert_int_eq(target_find(&t, NULL, &err), 1);
+    ck_assert_int_eq(target_find(&t, NULL, NULL, &err), 1);
     ck_assert_str_eq(t.host, "ws3");
     setenv("RADD_COORDINATOR", "ws2:5", 1);
-    ck_assert_int_eq(target_find(&t, NULL, &err), 1);
+    ck_assert_int_eq(target_find(&t, NULL, NULL, &err), 1);
     ck_assert_str_eq(t.host, "ws2");
-    ck_assert_int_eq(target_find(&t, "ws1:5", &err), 1);
+    ck_assert_int_eq(target_find(&t, "ws1:5", "mine", &err), 1);
     ck_assert_str_eq(t.host, "ws1");
+    ck_assert_str_eq(t.key, "mine");
     unsetenv("RADD_COORDINATOR");
+    file_with("radd/radsubmit.conf", "coordinator = ws3:5\nkey = /my/key\n");
+    ck_assert_int_eq(target_find(&t, NULL, NULL, &err), 1);
+    ck_assert_str_eq(t.host, "ws3");
+    ck_assert_str_eq(t.key, "/my/key");
+    setenv("RADD_KEY", "/another/key", 1);
+    ck_assert_int_eq(target_find(&t, "ws4:5", NULL, &err), 1);
+    ck_assert_str_eq(t.host, "ws4");
+    ck_assert_str_eq(t.key, "/another/key");
+    unsetenv("RADD_KEY");
     file_with("radd/radsubmit.conf", "\ncordinator = ws3:5\n");
-    ck_assert_int_eq(target_find(&t, NULL, &err), RAD_ECONFIG);
+    ck_assert_int_eq(target_find(&t, NULL, NULL, &err), RAD_ECONFIG);
     ck_assert_ptr_nonnull(strstr(err.what, "cordinator"));
     ck_assert_ptr_nonnull(strstr(err.where, "radsubmit.conf:2"));
 }

@@ -78,7 +78,7 @@ open_ends(struct ends *e, enum msg_session session)
     s = conn_stream_new(&e->loop, true);
     ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
     e->fd = fds[1];
-    e->conn = conn_new(s, session, "test", &handler, e);
+    e->conn = conn_new(s, NULL, session, "test", &handler, e);
     ck_assert_ptr_nonnull(e->conn);
 }
 
@@ -118,18 +118,22 @@ START_TEST(messages_over_tcp_go_at_once)
     uv_stream_t *s;
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0), on = 0;
     socklen_t size = sizeof on;
+    struct tls_ctx *ctx = tls_client();
+    const uint8_t secret[TLS_SECRET] = { 1 };
 
     memset(&e, 0, sizeof e);
     ck_assert_int_ge(fd, 0);
     ck_assert_int_eq(uv_loop_init(&e.loop), 0);
     s = conn_stream_new(&e.loop, false);
     ck_assert_int_eq(uv_tcp_open((uv_tcp_t *)s, fd), 0);
-    e.conn = conn_new(s, MSG_AT_COORD_NEW, "test", &handler, &e);
+    e.conn = conn_new(s, tls_dial(ctx, "user:a:k1", secret), MSG_AT_COORD_NEW,
+                      "test", &handler, &e);
     ck_assert_int_eq(getsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, &size), 0);
     ck_assert_int_ne(on, 0);
     conn_close(e.conn);
     uv_run(&e.loop, UV_RUN_DEFAULT);
     ck_assert_int_eq(uv_loop_close(&e.loop), 0);
+    tls_ctx_free(ctx);
 }
 END_TEST
 

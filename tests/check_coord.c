@@ -36,6 +36,8 @@ struct fixture {
     struct msg_progress progress; /* the last */
     int nan_logs;
     char nan_log[80];
+    int differ_logs; /* of duplicates */
+    int hang_logs;
 };
 
 static bool
@@ -97,8 +99,23 @@ carry_out(struct fixture *f)
             snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
                      strstr(a.text, "pixels="));
     }
+    for (size_t i = 0; i < l->n; i++)
+        if (l->v[i].type == ACT_LOG) {
+            f->differ_logs += !!strstr(l->v[i].text, "duplicate differs");
+            f->hang_logs += !!strstr(l->v[i].text, "worker hangs");
+        }
     ck_assert(!l->failed);
     actions_clear(l);
+}
+
+static void
+wait_s(struct fixture *f, unsigned s)
+{
+    for (unsigned i = 0; i < 10 * s; i++) {
+        f->now_ms += 100;
+        coord_tick(f->c, f->now_ms);
+        carry_out(f);
+    }
 }
 
 static void
@@ -112,7 +129,7 @@ static void
 join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
      const char *owner)
 {
-    struct coord_peer peer = { "test", owner, 14 };
+    struct coord_peer peer = { "test", owner, 14, NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, 1, (uint8_t)role, name, "t", "", 2, 0 } };
 
@@ -392,6 +409,156 @@ START_TEST(higher_priority_goes_first)
 }
 END_TEST
 
+START_TEST(owners_share_the_workers)
+{
+    submit(&f, ANA, job_a, 0);
+    submit(&f, BOB, job_b, 0);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+    ready(&f, WORKER, job_b);
+    ready(&f, SECOND, job_a);
+    ready(&f, SECOND, job_b);
+    ck_assert_uint_eq(f.unit_job, 0xaa); /* while it loads bob's */
+    ck_assert_int_eq(f.last[SECOND].type, MSG_UNIT);
+    result(&f, SECOND, job_a, f.last[SECOND].unit.unit, 1);
+    /* ana's is older, but she has more threads at work */
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
+START_TEST(priority_goes_before_fairness)
+{
+    submit(&f, ANA, job_a, 1);
+    submit(&f, BOB, job_b, 0);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    ready(&f, WORKER, job_b);
+    ready(&f, SECOND, job_a);
+    ready(&f, SECOND, job_b);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+}
+END_TEST
+
+/* ws1 has two units, ws2 has done the others. */
+static void
+two_are_left(void)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    result(&f, SECOND, job_a, 2, 1);
+    result(&f, SECOND, job_a, 3, 1);
+    f.units[SECOND] = 0;
+}
+
+START_TEST(a_late_unit_goes_to_another_and_the_first_result_wins)
+{
+    two_are_left();
+    wait_s(&f, 59);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    wait_s(&f, 2);
+    ck_assert_uint_eq(f.units[SECOND], 2);
+    result(&f, SECOND, job_a, 0, 2);
+    result(&f, SECOND, job_a, 1, 2);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+}
+END_TEST
+
+START_TEST(the_lease_is_a_setting)
+{
+    coord_set_lease(f.c, 2000);
+    two_are_left();
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    wait_s(&f, 2);
+    ck_assert_uint_eq(f.units[SECOND], 2);
+}
+END_TEST
+
+static void
+ping(uint64_t progress)
+{
+    struct msg m = { .type = MSG_PING, .ping = { progress } };
+
+    say(&f, WORKER, &m);
+}
+
+/* Units of this job take 100 s. */
+static void
+slow_job(void)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    for (int i = 0; i < 50; i++) {
+        wait_s(&f, 1);
+        ping((uint64_t)i);
+    }
+    result(&f, SECOND, job_a, 2, 1);
+    result(&f, SECOND, job_a, 3, 1);
+    f.units[SECOND] = 0;
+}
+
+START_TEST(a_worker_that_gets_on_has_time)
+{
+    slow_job();
+    for (int i = 0; i < 400; i++) {
+        wait_s(&f, 1);
+        ping(100 + (uint64_t)i / 8);
+    }
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    ck_assert_int_eq(f.hang_logs, 0);
+}
+END_TEST
+
+START_TEST(a_worker_that_hangs_has_not)
+{
+    slow_job();
+    for (int i = 0; i < 70; i++) {
+        wait_s(&f, 1);
+        ping(100);
+    }
+    ck_assert_uint_eq(f.units[SECOND], 2);
+    ck_assert_int_eq(f.hang_logs, 1);
+}
+END_TEST
+
+/* What ws1 made of unit 0 comes when ws2 was first. */
+static void
+late_twin(const uint8_t *bytes)
+{
+    struct msg m = { .type = MSG_RESULT,
+                     .result = {
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+
+    two_are_left();
+    wait_s(&f, 61);
+    result(&f, SECOND, job_a, 0, 2);
+    say(&f, WORKER, &m);
+}
+
+START_TEST(a_duplicate_that_differs_is_an_error)
+{
+    uint8_t other[sizeof pixels] = { 0 };
+
+    other[100] = 1;
+    late_twin(other);
+    ck_assert_int_eq(f.differ_logs, 1);
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+}
+END_TEST
+
+START_TEST(a_duplicate_that_does_not_is_none)
+{
+    late_twin(pixels);
+    ck_assert_int_eq(f.differ_logs, 0);
+}
+END_TEST
+
 START_TEST(a_new_connection_of_a_name_replaces_the_old)
 {
     submit(&f, ANA, job_a, 0);
@@ -435,12 +602,15 @@ static const struct {
     { 1, 1, MSG_ROLE_WORKER, "a b", 1, EX_CONFIG },
     { 1, 1, MSG_ROLE_WORKER, "w", 0, EX_CONFIG },
     { 1, 1, MSG_ROLE_ADMIN, "", 0, EX_NOPERM },
+    { 1, 1, MSG_ROLE_WORKER, "ws8", 1, EX_NOPERM }, /* the key is ws7's */
 };
 
 START_TEST(a_hello_that_does_not_fit_is_refused)
 {
     struct coord_peer peer = { "test", "x",
-                               1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER };
+                               1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_USER,
+                               strcmp(hellos[_i].name, "ws8") == 0 ? "ws7"
+                                                                   : NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { hellos[_i].min, hellos[_i].max, hellos[_i].role,
                                 hellos[_i].name, "t", "", hellos[_i].threads,
@@ -451,6 +621,40 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
     ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
     ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
     ck_assert(f.closed[7]);
+}
+END_TEST
+
+#define BIT(role) (1u << MSG_ROLE_##role)
+
+/* What each credential may ask to be, role by role. */
+static const struct {
+    unsigned roles;
+    bool worker, user, admin;
+} credentials[] = {
+    { BIT(WORKER), true, false, false },
+    { BIT(USER), false, true, false },
+    { BIT(USER) | BIT(ADMIN), false, true, true },
+    { BIT(WORKER) | BIT(USER) | BIT(ADMIN), true, true, true },
+    { 0, false, false, false },
+};
+
+START_TEST(a_credential_is_good_for_its_roles_alone)
+{
+    const bool *may = &credentials[_i].worker;
+
+    for (unsigned role = MSG_ROLE_WORKER; role <= MSG_ROLE_ADMIN; role++) {
+        struct coord_peer peer = { "test", "x", credentials[_i].roles, NULL };
+        uint64_t conn = 4 + role;
+        struct msg m = { .type = MSG_HELLO,
+                         .hello = { 1, 1, (uint8_t)role, "w", "t", "", 1, 0 } };
+
+        coord_opened(f.c, f.now_ms, conn, &peer);
+        say(&f, conn, &m);
+        ck_assert_int_eq(f.last[conn].type, may[role - MSG_ROLE_WORKER]
+                                                ? MSG_WELCOME
+                                                : MSG_REFUSE);
+        ck_assert(f.closed[conn] == !may[role - MSG_ROLE_WORKER]);
+    }
 }
 END_TEST
 
@@ -613,8 +817,18 @@ main(void)
     tcase_add_test(tc, a_drained_worker_gets_nothing_new);
     tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
     tcase_add_test(tc, higher_priority_goes_first);
+    tcase_add_test(tc, owners_share_the_workers);
+    tcase_add_test(tc, priority_goes_before_fairness);
+    tcase_add_test(tc, a_late_unit_goes_to_another_and_the_first_result_wins);
+    tcase_add_test(tc, the_lease_is_a_setting);
+    tcase_add_test(tc, a_worker_that_gets_on_has_time);
+    tcase_add_test(tc, a_worker_that_hangs_has_not);
+    tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
+    tcase_add_test(tc, a_duplicate_that_does_not_is_none);
     tcase_add_test(tc, a_new_connection_of_a_name_replaces_the_old);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
+    tcase_add_loop_test(tc, a_credential_is_good_for_its_roles_alone, 0,
+                        N_ELEM(credentials));
     tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
                         N_ELEM(hellos));
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);

@@ -28,7 +28,8 @@ enum {
 enum { WIDTH = 16, HEIGHT = 31, LINES = 11, BAR = 3 };
 
 static const struct msg_frame frames[] = { { 0, WIDTH, HEIGHT, "" },
-                                           { 1, WIDTH, HEIGHT, "" } };
+                                           { 1, WIDTH, HEIGHT, "" },
+                                           { 2, WIDTH, HEIGHT, "" } };
 static const uint8_t id[MSG_JOB] = { 0xaa }, hash[MSG_HASH] = { 1 };
 static const uint8_t pixels[HEIGHT * WIDTH * 12], density[WIDTH];
 static const uint8_t bitmap[BAR * 2] = { 0x81 }; /* two pixels */
@@ -162,7 +163,7 @@ count(uint64_t conn, uint16_t type)
 static void
 join(uint64_t conn, unsigned role, const char *name, const char *address)
 {
-    struct coord_peer peer = { "test", "ana", 14 };
+    struct coord_peer peer = { "test", "ana", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, 1, (uint8_t)role, name, "t", address, 1,
                                 0 } };
@@ -475,6 +476,43 @@ START_TEST(what_was_to_be_a_drained_workers_goes_to_others)
     b = *unit_of(W1);
     ck_assert(b.frame == 1 && b.y == a[1].height);
     finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+/* Its child is stopped: it has the first unit, and would have another run. */
+START_TEST(what_was_to_be_a_stopped_workers_goes_to_others)
+{
+    struct msg tally = { .type = MSG_TALLY, .tally = { .job = id } };
+    struct msg_unit u[2], b;
+
+    submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 3);
+    ready(W1);
+    ready(W2);
+    b = *unit_of(W2);
+    for (int i = 0; i < 3; i++) {
+        u[0] = *unit_of(W1);
+        ck_assert(u[0].frame == (uint32_t)i && u[0].y == 0);
+        clear();
+        finish(W1, &u[0]);
+    }
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    wait_ms(61000);
+    u[0] = *unit_of(W1);
+    ck_assert_uint_eq(u[0].unit, b.unit);
+    clear();
+    finish(W1, &u[0]);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 0);
+    u[1] = *unit_of(W1); /* W2's run of the next frame */
+    ck_assert(u[1].frame == 1 && u[1].y == b.y);
+    clear();
+    say(W2, &tally);
+    wait_ms(100);
+    u[0] = *unit_of(W2); /* it goes on after all */
+    ck_assert(u[0].frame == 2 && u[0].y == b.y);
+    finish(W1, &u[1]);
+    finish(W2, &u[0]);
     ck_assert(f.done);
 }
 END_TEST
@@ -1218,6 +1256,7 @@ main(void)
     tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
     tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
     tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);
+    tcase_add_test(tc, what_was_to_be_a_stopped_workers_goes_to_others);
     tcase_add_test(tc, one_that_is_drained_before_the_layout_has_no_part);
     tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
     tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);

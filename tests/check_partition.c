@@ -353,6 +353,39 @@ START_TEST(auto_cuts_shares_of_what_is_left)
 }
 END_TEST
 
+/* Where there are many lines for each worker it has a region, which its later
+ * units lie in, too; where there are few, units follow each other. */
+START_TEST(auto_gives_regions_where_there_are_many_lines)
+{
+    static struct msg_frame tall = { 0, 40, 289, "" }; /* 97 lines */
+    struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
+    struct partition *p;
+    uint32_t first, last, before, unit;
+
+    spec.frames = &tall;
+    p = partition_new(&spec, NULL);
+    ck_assert(cut(p, 0, 4, &first, &last, &unit));
+    ck_assert(first == 0 && last >= 24 && last <= 25);
+    ck_assert(cut(p, 1, 4, &first, &last, &unit));
+    ck_assert(first == 24 || first == 25);
+    before = last;
+    ck_assert_uint_lt(before, 48); /* a part of its region */
+    ck_assert(cut(p, 2, 4, &first, &last, &unit));
+    ck_assert(first == 48 || first == 49);
+    ck_assert(cut(p, 1, 4, &first, &last, &unit));
+    ck_assert_uint_eq(first, before);
+    ck_assert_uint_lt(last, 48);
+    partition_free(p);
+
+    p = partition_new(&spec, NULL);
+    ck_assert(cut(p, 0, 5, &first, &last, &unit)); /* 19 lines each */
+    before = last;
+    ck_assert(cut(p, 1, 5, &first, &last, &unit));
+    ck_assert_uint_eq(first, before);
+    partition_free(p);
+}
+END_TEST
+
 /* Speeds 1 : 3, costs that differ by line. */
 START_TEST(static_gives_runs_of_equal_cost_for_the_speed)
 {
@@ -637,6 +670,7 @@ main(void)
     tcase_add_test(tc, scanbar_hands_out_single_lines);
     tcase_add_test(tc, auto_gives_one_worker_whole_frames);
     tcase_add_test(tc, auto_cuts_shares_of_what_is_left);
+    tcase_add_test(tc, auto_gives_regions_where_there_are_many_lines);
     tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
     tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
     tcase_add_test(tc, fresh_frames_go_out_one_after_another);

@@ -517,7 +517,7 @@ START_TEST(conversations_end_as_they_should)
 }
 END_TEST
 
-START_TEST(loopback_alone_is_spoken_to)
+START_TEST(nothing_is_said_without_a_key)
 {
     struct link_where where;
     struct link *l;
@@ -549,7 +549,7 @@ main(void)
     tcase_set_timeout(tc, 120);
     tcase_add_loop_test(tc, conversations_end_as_they_should, 0,
                         N_ELEM(scripts));
-    tcase_add_test(tc, loopback_alone_is_spoken_to);
+    tcase_add_test(tc, nothing_is_said_without_a_key);
     suite_add_tcase(s, tc);
     rc = unit_run(s);
     snprintf(command, sizeof command, "rm -rf %s", folder);

@@ -249,6 +249,12 @@ tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
 tests_radd_hooked_LDADD = $(radd_LDADD)
 
+# a bad connection, for the shell tests
+check_PROGRAMS += tests/proxy
+tests_proxy_SOURCES = tests/proxy.c
+tests_proxy_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
+tests_proxy_LDADD = $(LIBDAEMON) $(LIBRAD)
+
 # runs a program as a unit of systemd would
 check_PROGRAMS += tests/confine
 tests_confine_SOURCES = tests/confine.c
@@ -259,6 +265,7 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -276,10 +283,12 @@ dist_check_SCRIPTS += \
 EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
+	tests/e2e/faults.sh \
 	tests/scenes
 TESTS += \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
+	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \

@@ -10,6 +10,11 @@
  * with weights that fall to zero at the edges of the zones, in distance and in
  * angle, so nothing jumps where a zone ends.
  *
+ * A record serves its own level alone.  One of a lower level holds the light of
+ * more bounces than a deeper ray has left, so that as many bounces as -ab says
+ * would become up to twice as many: with -ab 4 the Cornell box was 1.6 % too
+ * bright however fine the cache.
+ *
  * Light leaks: a record made in the open, near a wall that does not reach down
  * to it, must not serve beyond the wall.  A record remembers in which
  * directions something stood near by at the horizon; asked for from there, it
@@ -296,8 +301,7 @@ add_record(void *arg, const struct rad_ambrec *rec)
     double aa = s->amb->job->params.ambacc;
     double f[3][3], d[3], uv[2], factor, cosine, turn, dist2, w;
 
-    if (rec->level > at->level ||
-        (rec->level == at->level && rec->weight < .9 * at->weight))
+    if (rec->level != at->level || rec->weight < .9 * at->weight)
         return;
     rad_sub(d, at->p, rec->p);
     if (rad_dot(d, d) >= aa * aa * rec->radius[1] * rec->radius[1])

@@ -3,7 +3,8 @@
 # with "." after client_lib.sh
 #
 # cluster_start N THREADS gives $sock (the coordinator's Unix socket), $tcp (its
-# address), worker K's process in pid_K and its files in $work/wK.
+# address), worker K's process in pid_K and its files in $work/wK; over TCP it
+# asks for keys: $work/wK.key, $work/user.key and $work/admin.key.
 poke=$top_builddir/tests/poke
 coord_pid=
 workers=
@@ -13,11 +14,31 @@ wait_file()
     until_true 30 test -s "$1" || fail "$1 does not come"
 }
 
+# make_key ROLE:NAME FILE: with its line; the coordinator's file is $work/keys
+make_key()
+{
+    (umask 077 && "$radctl" key add "$1" --keys="$work/keys" >"$work/$2") ||
+        fail "no key for $1"
+}
+
+make_keys()
+{
+    for k in 1 2 3 4 5 6 7 8 9; do
+        make_key worker:w$k w$k.key
+    done
+    make_key user:ana user.key
+    make_key admin:root admin.key
+}
+
+# shellcheck disable=SC2086 # options are words
+coord_options=
 coord_start()
 {
+    [ -e "$work/keys" ] || make_keys
     rm -f "$work/c.ports"
-    "$radcoord" --listen=127.0.0.1:0 --socket="$work/run/c.sock" \
-        --state="$work/state" --ports-file="$work/c.ports" 2>>"$work/c.log" &
+    "$radcoord" --listen=127.0.0.1:0 --keys="$work/keys" \
+        --socket="$work/run/c.sock" --state="$work/state" \
+        --ports-file="$work/c.ports" $coord_options 2>>"$work/c.log" &
     coord_pid=$!
     wait_file "$work/c.ports"
     sock=$work/run/c.sock # in a folder that was not there
@@ -30,7 +51,7 @@ worker_options=
 worker_start()
 {
     rm -f "$work/w$1.ports"
-    "$radd" --coordinator="$tcp" --name="w$1" --threads="$2" \
+    "$radd" --coordinator="$tcp" --key="$work/w$1.key" --threads="$2" \
         --listen="127.0.0.$1:0" --cache="$work/w$1" \
         --ports-file="$work/w$1.ports" $worker_options 2>>"$work/w$1.log" &
     eval "pid_$1=$!"

@@ -28,7 +28,8 @@ printf '\000\011\000\011\001' >>hello9
 grep -q version answer || fail "the refusal does not say why"
 
 grep -q 'protocol error peer=' c.log || fail "radcoord's log names nobody"
-grep -q 'protocol error peer=127' w1.log || fail "radd's log names nobody"
+grep -q 'connection refused peer=127.*no TLS' w1.log ||
+    fail "radd's log names nobody"
 gone "$coord_pid" && fail "radcoord is gone"
 gone "$pid_1" && fail "worker 1 is gone"
 until_true 10 n_workers 2 || fail "the workers are not there any more"

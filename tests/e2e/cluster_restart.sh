@@ -20,8 +20,8 @@ job=$!
 until_true 60 in_the_middle again || fail "the job does not start"
 kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null
-"$radcoord" --listen="$tcp" --socket="$sock" --state="$work/state" \
-    2>>c.log &
+"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+    --state="$work/state" 2>>c.log &
 coord_pid=$!
 ended() { gone $job; }
 until_true 60 ended || {

@@ -50,8 +50,8 @@ expect 73 "no socket" "a file in the way" \
 kill -KILL "$coord_pid"
 [ -S "$sock" ] || fail "the socket went with the coordinator"
 wait "$coord_pid" 2>/dev/null
-"$radcoord" --listen="$tcp" --socket="$sock" --state="$work/state" \
-    2>>c.log &
+"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+    --state="$work/state" 2>>c.log &
 coord_pid=$!
 until_true 60 n_workers 1 || fail "the worker does not come back"
 

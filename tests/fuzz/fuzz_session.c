@@ -67,7 +67,7 @@ carry_out(struct session *s)
 static void
 open_conn(struct session *s, unsigned i)
 {
-    struct coord_peer peer = { "fuzz", "ana", 14 };
+    struct coord_peer peer = { "fuzz", "ana", 14, NULL };
 
     if (s->open[i])
         return;

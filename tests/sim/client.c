@@ -178,7 +178,7 @@ sim_client_dial(struct sim *s, int job)
     struct net *net = &s->net;
     int node = NODE_CLIENT + job;
     uint64_t there = ++net->next_conn;
-    struct coord_peer peer = { "sim", "ana", 1u << MSG_ROLE_USER };
+    struct coord_peer peer = { "sim", "ana", 1u << MSG_ROLE_USER, NULL };
     struct msg hello = { .type = MSG_HELLO,
                          .hello = { 1, 1, MSG_ROLE_USER, "", "radsubmit", "", 0,
                                     0 } };
@@ -227,7 +227,7 @@ sim_admin_dial(struct sim *s)
 {
     struct net *net = &s->net;
     uint64_t there = ++net->next_conn;
-    struct coord_peer peer = { "sim", "root", 1u << MSG_ROLE_ADMIN };
+    struct coord_peer peer = { "sim", "root", 1u << MSG_ROLE_ADMIN, NULL };
     struct msg hello = { .type = MSG_HELLO,
                          .hello = { 1, 1, MSG_ROLE_ADMIN, "", "radctl", "", 0,
                                     0 } };

@@ -192,9 +192,9 @@ dialled(struct net *net, struct net_event *e)
     net_join(net, NODE_WORKER + e->a, e->c, other, there, MSG_NSESSION,
              other == NODE_COORD ? MSG_AT_COORD_NEW : MSG_AT_PEER_NEW);
     if (other == NODE_COORD) {
-        coord_opened(
-            s->coord, net->now_ms, there,
-            &(struct coord_peer){ w->name, "daemon", 1u << MSG_ROLE_WORKER });
+        coord_opened(s->coord, net->now_ms, there,
+                     &(struct coord_peer){ w->name, "daemon",
+                                           1u << MSG_ROLE_WORKER, NULL });
         sim_coord_actions(s);
     } else {
         worker_accepted(s->worker[other - NODE_WORKER].machine, net->now_ms,

@@ -3,11 +3,13 @@
 # `make check`; how long each goes on is set by the variables that it names at
 # its top.
 SOAK = \
+	tests/soak/partition.sh \
+	tests/soak/standstill.sh \
 	tests/soak/storm.sh
 
 dist_check_SCRIPTS += $(SOAK)
-# a minute of it
-TESTS += tests/soak/storm.sh
+# a minute of them
+TESTS += $(SOAK)
 
 .PHONY: soak
 soak: all $(check_PROGRAMS)

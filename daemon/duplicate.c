@@ -1,0 +1,88 @@
+/* duplicate.c - rows that came twice must be the same
+ *
+ * Without the ambient cache a pixel is a function of scene and options, so two
+ * attempts at a unit, on machines that compute alike, give the same bytes.
+ * Where they do not, a machine is broken or we are: worth a line in the log,
+ * although the first stays.  A hash of each row that counted is kept until the
+ * job is over, 8 bytes a row. */
+#include "config.h"
+
+#include "sched.h"
+
+#include "base/rng.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t
+hash_row(const uint8_t *bytes, size_t n)
+{
+    uint64_t h = n, v;
+
+    for (; n >= 8; bytes += 8, n -= 8) {
+        memcpy(&v, bytes, 8);
+        h = rad_mix64(h ^ v);
+    }
+    v = 0;
+    memcpy(&v, bytes, n);
+    h = rad_mix64(h ^ v);
+    return h ? h : 1; /* 0: not known */
+}
+
+static uint64_t
+hash_of(const struct msg_result *m, uint32_t i)
+{
+    size_t n = (size_t)m->width * m->channels * 4;
+
+    return hash_row(m->pixels + i * n, n);
+}
+
+void
+duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
+               uint32_t height)
+{
+    struct job_unit *u = &job->units[m->unit];
+
+    if (!job->exact)
+        return;
+    if (!u->hash) {
+        u->hash = calloc(height, sizeof *u->hash);
+        u->nhash = u->hash ? height : 0; /* it can do without */
+    }
+    u->hashed = job->workers[index].fingerprint;
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++)
+        u->hash[m->row + i] = hash_of(m, i);
+}
+
+void
+duplicate_check(struct coord *c, struct job *job, uint32_t index,
+                const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+
+    /* one that helped counts its rows from where it began */
+    if (!u->hash || u->hashed != job->workers[index].fingerprint ||
+        m->attempt == u->lead || (go ? go->helps : u->helped))
+        return;
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
+        uint64_t kept = u->hash[m->row + i];
+
+        if (kept == 0 || kept == hash_of(m, i))
+            continue;
+        actions_log(&c->actions, ACT_ERR,
+                    "duplicate differs job=%s unit=%u row=%u worker=%s "
+                    "first=%s",
+                    job->hex, m->unit, m->row + i, job->workers[index].name,
+                    job->workers[u->worker].name);
+        return;
+    }
+}
+
+void
+duplicate_forget(struct job_unit *u)
+{
+    free(u->hash);
+    u->hash = NULL;
+    u->nhash = 0;
+}
