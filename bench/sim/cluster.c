@@ -511,6 +511,9 @@ make_hosts(struct cluster *c)
         double t = n > 1 ? (double)rank / (n - 1) : .5;
         double speed = 1 + t * (s->uneven - 1);
 
+        if (i == n - 1 && n > 1)
+            speed /= s->slow;
+
         host_init(c, host_at(c, i), i, speed / ((1 + s->uneven) / 2));
         c->out->speed += speed / ((1 + s->uneven) / 2);
     }

@@ -20,6 +20,7 @@ struct cluster_spec {
     int hosts;
     double uneven;     /* the fastest host's speed over the slowest's; speeds
                         * lie evenly between, and their mean is 1 */
+    double slow;       /* the last host is so many times slower still */
     double latency_us; /* one way */
     double bandwidth;  /* bytes a second of each link, and the coordinator's
                         * for all together each way */

@@ -92,6 +92,8 @@ number_table(struct options *o, struct numbers *n, struct number *t)
           "cost of a base line's row over a bar's row (1.5)" },
         { "--uneven", &c->uneven, 1, 1, 1000,
           "fastest host's speed over the slowest's (1)" },
+        { "--slow", &c->slow, 1, 1, 1000,
+          "the last host slower by so much (1)" },
         { "--latency", &c->latency_us, 1000, 0, 1e6, "one way, ms (.1)" },
         { "--bandwidth", &c->bandwidth, 125000, 1e-3, 1e6,
           "of each link, Mbit/s (1000)" },
@@ -211,6 +213,7 @@ parse(struct options *o, int argc, char *argv[])
     *o = (struct options){
         .map = { .base = 1.5 },
         .cluster = { .uneven = 1,
+                     .slow = 1,
                      .latency_us = 100,
                      .bandwidth = 125e6,
                      .coord_us = 20,
@@ -295,7 +298,7 @@ simulate_alone(struct bench *b, const struct options *o)
     struct options one = *o;
     struct cluster_result r;
 
-    one.cluster.uneven = 1;
+    one.cluster.uneven = one.cluster.slow = 1;
     one.cluster.failures = 0;
     simulate(b, &one, &all_ways[0], 1, &r);
     if (!r.done)
