@@ -34,6 +34,7 @@ children_init(struct children *all, struct shell *shell,
     all->ended = ended;
     all->arg = arg;
     all->list = NULL;
+    all->held = false;
 }
 
 static void
@@ -150,6 +151,8 @@ children_spawn(struct children *all, uint64_t id)
         shell_gone(all->shell, id, "out of memory");
     else /* it may take its time */
         conn_live(shell_conn(all->shell, id), false);
+    if (all->held)
+        children_hold(all, true);
 }
 
 static void
@@ -187,6 +190,15 @@ children_closed(struct children *all, uint64_t id, const char *why)
     kill_child(c); /* without a link it is of no use */
     settle(c);
     return true;
+}
+
+void
+children_hold(struct children *all, bool held)
+{
+    all->held = held;
+    for (struct child *c = all->list; c; c = c->next)
+        if (shell_conn(all->shell, c->id))
+            conn_pause(shell_conn(all->shell, c->id), held);
 }
 
 void

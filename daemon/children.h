@@ -36,6 +36,7 @@ struct children {
     child_ended_fn *ended;
     void *arg;
     struct child *list;
+    bool held;
 };
 
 void children_init(struct children *all, struct shell *shell,
@@ -51,6 +52,9 @@ void children_kill(struct children *all, uint64_t id);
 
 /* The shell says that connection id is gone.  False: it is no child's. */
 bool children_closed(struct children *all, uint64_t id, const char *why);
+
+/* Read nothing from any of them, or go on. */
+void children_hold(struct children *all, bool held);
 
 /* End all, at once. */
 void children_kill_all(struct children *all);

@@ -71,6 +71,7 @@ struct wjob {
     uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
     struct wunit *units; /* with the child, in the order in which they came */
     size_t nunits, cap_units;
+    size_t kept_bytes;
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
     struct relay *relay; /* base lines that were made here; NULL: none yet */
@@ -90,6 +91,7 @@ struct worker {
     struct action_list actions;
     uint64_t now_ms;
     uint64_t tick_ms;  /* of the last worker_tick() */
+    bool held;         /* children are not listened to: worker_hold() */
     uint64_t awake_ms; /* all time but what this process slept through */
     uint64_t coord; /* connection, 0: none */
     bool opened, welcome;

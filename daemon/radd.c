@@ -121,7 +121,34 @@ now(struct radd *r)
     return daemon_now(&r->daemon);
 }
 
+/* Rows that are not acknowledged [bytes]. */
+#define KEPT_HIGH ((size_t)64 << 20)
+
 /* --- from connections and children to the machine --- */
+
+/* Children make what goes to the coordinator.  While it takes less than that
+ * they are not read, and their threads wait as soon as their own room is full;
+ * they go on when half of it has left. */
+static void
+balance_flow(struct radd *r)
+{
+    const struct conn *coord = shell_conn(&r->shell, worker_coord(r->worker));
+    size_t waits = coord ? conn_queued(coord) : 0;
+    size_t kept = worker_kept(r->worker);
+    bool held = r->children.held;
+
+    if (!held && (waits > CONN_HIGH || kept > KEPT_HIGH))
+        held = true;
+    else if (held && waits < CONN_HIGH / 2 && kept < KEPT_HIGH / 2)
+        held = false;
+    if (held == r->children.held)
+        return;
+    log_info(held ? "children wait kept=%zu queued=%zu"
+                  : "children go on kept=%zu queued=%zu",
+             kept, waits);
+    children_hold(&r->children, held);
+    worker_hold(r->worker, held);
+}
 
 static void
 on_message(void *arg, uint64_t id, const struct msg *m)
@@ -129,6 +156,7 @@ on_message(void *arg, uint64_t id, const struct msg *m)
     struct radd *r = arg;
 
     worker_message(r->worker, now(r), id, m);
+    balance_flow(r);
 }
 
 static void
@@ -399,6 +427,7 @@ on_tick(void *arg)
     struct radd *r = arg;
 
     worker_tick(r->worker, now(r));
+    balance_flow(r);
     shell_run(&r->shell);
 }
 

@@ -106,6 +106,7 @@ drop_kept(struct wjob *job, struct wkept **link)
 {
     struct wkept *k = *link;
 
+    job->kept_bytes -= k->len;
     *link = k->next;
     if (!*link)
         job->kept_tail = link;
@@ -197,6 +198,7 @@ keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
     k->rows = r->rows;
     memcpy(k->bytes, bytes, len);
     k->len = len;
+    job->kept_bytes += len;
     *job->kept_tail = k;
     job->kept_tail = &k->next;
     return true;
@@ -950,7 +952,7 @@ watch_children(struct worker *w)
     for (struct wjob *job = w->jobs; job; job = job->next) {
         bool at_work = job->state == WJOB_LOADING || job->nunits > 0;
 
-        if (!job->child || !at_work)
+        if (!job->child || !at_work || w->held)
             job->heard_ms = w->awake_ms;
         if (w->env.load_s == 0 ||
             w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)
@@ -971,6 +973,28 @@ worker_tick(struct worker *w, uint64_t now_ms)
     if (w->coord == 0 && !w->stopped && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);
+}
+
+size_t
+worker_kept(const struct worker *w)
+{
+    size_t n = 0;
+
+    for (const struct wjob *job = w->jobs; job; job = job->next)
+        n += job->kept_bytes;
+    return n;
+}
+
+void
+worker_hold(struct worker *w, bool held)
+{
+    w->held = held;
+}
+
+uint64_t
+worker_coord(const struct worker *w)
+{
+    return w->coord;
 }
 
 bool

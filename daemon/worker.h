@@ -80,6 +80,12 @@ void worker_file_failed(struct worker *w, uint64_t now_ms,
 /* n bytes of what was sent to a connection have been written out. */
 void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n);
 
+/* Rows that wait for an ACK [bytes].  They are never dropped: above some number
+ * the shell stops reading from children, and says so, since they are silent
+ * then. */
+size_t worker_kept(const struct worker *w);
+void worker_hold(struct worker *w, bool held);
+
 /* Leave: finish the units in hand, then ACT_STOP.  A second call, or no
  * coordinator: ACT_STOP at once. */
 void worker_drain(struct worker *w, uint64_t now_ms);
@@ -90,6 +96,7 @@ void worker_tick(struct worker *w, uint64_t now_ms);
 /* --- what the shell may look at --- */
 
 bool worker_connected(const struct worker *w); /* WELCOME was received */
+uint64_t worker_coord(const struct worker *w); /* its connection; 0: none */
 /* Is there a peer that may dial us for which fits(arg, job, token) says so? */
 typedef bool worker_token_fn(void *arg, const uint8_t job[MSG_JOB],
                              const uint8_t token[MSG_TOKEN]);

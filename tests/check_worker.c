@@ -328,6 +328,44 @@ START_TEST(what_was_not_acknowledged_is_sent_again)
 }
 END_TEST
 
+START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
+{
+    struct msg ack = { .type = MSG_ACK, .ack = { job_id, 0, 1, 0, 2 } };
+    size_t one;
+
+    start_job();
+    child_ready();
+    unit(0);
+    ck_assert_uint_eq(worker_kept(f.w), 0);
+    rows(0, 0);
+    one = worker_kept(f.w);
+    ck_assert_uint_gt(one, 0);
+    rows(0, 2);
+    ck_assert_uint_gt(worker_kept(f.w), one);
+    hear(f.coord, &ack);
+    ck_assert_uint_gt(worker_kept(f.w), 0);
+    ack.ack.row = 2;
+    hear(f.coord, &ack);
+    ck_assert_uint_eq(worker_kept(f.w), 0);
+}
+END_TEST
+
+START_TEST(a_child_that_is_held_does_not_hang)
+{
+    start_job();
+    child_ready();
+    unit(0);
+    worker_hold(f.w, true);
+    for (int i = 0; i < 1000; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 0);
+    worker_hold(f.w, false);
+    for (int i = 0; i < 113; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 1);
+}
+END_TEST
+
 START_TEST(rows_wait_for_the_start_after_a_cut)
 {
     start_job();
@@ -844,6 +882,8 @@ main(void)
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
+    tcase_add_test(tc, what_is_kept_is_counted_until_it_is_acknowledged);
+    tcase_add_test(tc, a_child_that_is_held_does_not_hang);
     tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
     tcase_add_loop_test(tc, what_is_wrong_here_is_not_the_scenes_fault, 0,
                         N_ELEM(giving_up));

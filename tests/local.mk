@@ -263,6 +263,7 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 
 # Shell tests of the programs; client_lib.sh is what they share.
 dist_check_SCRIPTS += \
+	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
@@ -286,6 +287,7 @@ EXTRA_DIST += \
 	tests/e2e/faults.sh \
 	tests/scenes
 TESTS += \
+	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
