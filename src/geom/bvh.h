@@ -74,9 +74,9 @@ struct rad_bvh {
 
 /* A ray in the tree's coordinates. */
 struct rad_bvh_ray {
-    float org[3][2]; /* axis; for the bound where it enters, leaves */
+    float org[2][3]; /* for the bound where it enters, leaves; by axis */
     float inv[3];
-    int32_t enter[3], leave[3]; /* by which of a node's bounds: their index */
+    int64_t enter[3], leave[3]; /* by which of a node's bounds: their index */
     float tmin;
 };
 
@@ -131,7 +131,7 @@ int rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *items,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
 
-static inline void
+static inline __attribute__((always_inline)) void
 rad_bvh_ray_axis(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
                  const struct rad_probe *probe, int a)
 {
@@ -139,15 +139,15 @@ rad_bvh_ray_axis(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
     double x = (probe->org[a] - bvh->centre[a]) * bvh->scale;
     double pad = copysign(fabs(x) * 0x1p-22 + 0x1p-60, rcp);
 
-    r->org[a][0] = (float)(x + pad);
-    r->org[a][1] = (float)(x - pad);
+    r->org[0][a] = (float)(x + pad);
+    r->org[1][a] = (float)(x - pad);
     r->enter[a] = RAD_BVH_BOUND(a, rcp < 0);
     r->leave[a] = RAD_BVH_BOUND(a, rcp > 0);
     r->inv[a] = (float)(fabs(rcp) < 0x1p120 ? rcp : copysign(0x1p120, rcp));
 }
 
 /* A probe in the tree's coordinates.  (A loop here would stay one.) */
-static inline void
+static inline __attribute__((always_inline)) void
 rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
                  const struct rad_probe *probe, double tmin)
 {

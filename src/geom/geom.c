@@ -109,6 +109,25 @@ reorder(struct rad_set *set, uint32_t *order)
     }
 }
 
+/* Lay the faces' vertices out, in the tree's order: they are read in it. */
+static int
+lay_polygons(const struct making *mk, struct rad_error *err)
+{
+    for (uint32_t i = 0; i < mk->set->nprims; i++) {
+        struct rad_prim *p = &mk->set->prims[i];
+        double *room;
+
+        if (p->kind != PRIM_POLYGON)
+            continue;
+        room =
+            rad_arena_alloc(&mk->g->arena, rad_polygon_room(p) * sizeof *room);
+        if (!room)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_polygon_lay(p, room);
+    }
+    return 0;
+}
+
 /* List the places of a set by their numbers, and see whether one number tells
  * all copies apart. */
 static int
@@ -167,8 +186,10 @@ make_set(const struct making *mk, struct rad_error *err)
         rc = rad_bvh_build(&set->bvh, &items, order, err);
     if (!rc) {
         reorder(set, order);
-        rc = list_places(mk->g, set, err);
+        rc = lay_polygons(mk, err);
     }
+    if (!rc)
+        rc = list_places(mk->g, set, err);
     free(order);
     return rc;
 }

@@ -90,38 +90,16 @@ rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
     }
 }
 
-bool
-rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
-                   bool edges, double *zlo, double *zhi)
+void
+rad_polygon_lay(struct rad_prim *p, double *to)
 {
-    const double *v = p->v, *end = v + 3 * p->nv, *b = end - 3;
-    int kx = r->kx, ky = r->ky, kz = r->kz;
-    double ox = r->org[kx], oy = r->org[ky], oz = r->org[kz];
-    double bz = b[kz] - oz;
-    double bx = b[kx] - ox - r->sx * bz;
-    double by = b[ky] - oy - r->sy * bz;
-    double lo = bz, hi = bz;
-    int odd = 0, on = 0;
+    size_t n = rad_polygon_room(p) / 3;
+    const double *v = p->v;
 
-    for (b = v; b < end; b += 3) {
-        double ax = bx, ay = by;
-
-        bz = b[kz] - oz;
-        bx = b[kx] - ox - r->sx * bz;
-        by = b[ky] - oy - r->sy * bz;
-        /* as in rad_quad_inside(), and as there without a branch, which
-         * would be taken at random */
-        double e = ax * by, f = ay * bx;
-        int up = by > ay;
-
-        odd ^= ((ay > 0) != (by > 0)) & ((up & (e > f)) | (!up & (e < f)));
-        on |= rad_on_edge(ax, ay, bx, by);
-        lo = bz < lo ? bz : lo;
-        hi = bz > hi ? bz : hi;
-    }
-    *zlo = lo;
-    *zhi = hi;
-    return odd | (on & edges);
+    for (size_t i = 0; i < n; i++)
+        for (size_t a = 0; a < 3; a++)
+            to[a * n + i] = v[i < (size_t)p->nv ? 3 * i + a : a];
+    p->v = to;
 }
 
 /* The point is put onto the plane along the normal: its error is then that of

@@ -1,9 +1,10 @@
 /* polygon.h - the test of a ray against a flat face (inside geom/ only)
  *
  * Here and not in polygon.c so that each kernel has it inline, compiled for
- * its own instruction set: it is what most of a ray's time goes into.  The
- * vectors below are the compiler's: two registers, one, or none, the same
- * operations on each element, so the same bits.
+ * its own instruction set: it is what most of a ray's time goes into.
+ * Vertices come four at a time, as rad_polygon_lay() put them; what a face has
+ * less than a multiple of four is filled up with its first vertex, and edges
+ * without a length change nothing.
  *
  * A face is inside out where its edges cross the ray an odd number of times to
  * one side; so seams (edges run both ways, by which the scene language makes
@@ -28,58 +29,109 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <string.h>
 
-typedef double rad_v4d __attribute__((vector_size(32)));
-typedef int64_t rad_v4i __attribute__((vector_size(32)));
+/* What is known of a face's edges, element by element. */
+struct rad_edges {
+    rad_v4d x, y; /* the vertices looked at last */
+    rad_v4i odd;  /* all bits: an odd number of edges crosses the ray's side */
+    rad_v4i met;  /* the ray meets an edge exactly */
+};
 
-/* Does the ray meet the edge from (x0, y0) to (x, y) exactly?  The edge's ends
- * then lie in opposite quadrants. */
-static inline bool
-rad_on_edge(double x0, double y0, double x, double y)
+/* The vertices at v of an axis' n each, as the ray sees them. */
+static inline __attribute__((always_inline)) void
+rad_edges_see(struct rad_edges *s, const double *v, size_t n,
+              const struct rad_probe *r, rad_v4d *z)
 {
-    return x0 * y == y0 * x && x0 * x <= 0 && y0 * y <= 0;
+    memcpy(&s->x, v + (size_t)r->kx * n, sizeof s->x);
+    memcpy(&s->y, v + (size_t)r->ky * n, sizeof s->y);
+    memcpy(z, v + (size_t)r->kz * n, sizeof *z);
+    *z -= r->org[r->kz];
+    s->x = s->x - r->org[r->kx] - r->sx * *z;
+    s->y = s->y - r->org[r->ky] - r->sy * *z;
 }
 
-/* The same for any number of vertices; in polygon.c. */
-bool rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
-                        bool edges, double *zlo, double *zhi);
+/* The edges from (x0, y0) to where s is now. */
+static inline __attribute__((always_inline)) void
+rad_edges_add(struct rad_edges *s, const rad_v4d *x0, const rad_v4d *y0)
+{
+    /* does it cross the positive x axis?  e and f swap when the edge is
+     * walked the other way, and so does which of them must be greater */
+    rad_v4d e = *x0 * s->y, f = *y0 * s->x;
+    rad_v4i up = s->y > 0;
+
+    s->odd ^= ((*y0 > 0) ^ up) & ((up & (e > f)) | (~up & (e < f)));
+    /* a ray on an edge has its ends in opposite quadrants */
+    s->met |= (e == f) & (*x0 * s->x <= 0) & (*y0 * s->y <= 0);
+}
+
+/* Inside, or with `edges` on an edge? */
+static inline __attribute__((always_inline)) bool
+rad_edges_inside(const struct rad_edges *s, bool edges)
+{
+    /* the sum of four counts both */
+    rad_v4i both = (s->odd & 1) + (s->met & 16), swapped;
+    int64_t n;
+
+    swapped = __builtin_shufflevector(both, both, 2, 3, 0, 1);
+    both += swapped;
+    n = both[0] + both[1];
+    return (n & 1) | (edges & (n >= 16));
+}
+
+static inline __attribute__((always_inline)) void
+rad_span_of(const rad_v4d *z, double *zlo, double *zhi)
+{
+    const rad_v4d a = *z;
+
+    *zlo = rad_least(rad_least(a[0], a[1]), rad_least(a[2], a[3]));
+    *zhi = rad_most(rad_most(a[0], a[1]), rad_most(a[2], a[3]));
+}
 
 /* Does the ray pass inside a face of three or four vertices, or with `edges`
  * meet an edge of it?  [*zlo, *zhi] gets the span of the vertices along axis
- * kz, from the origin.  A fourth vertex equal to the first changes nothing: its
- * edge has no length. */
+ * kz, from the origin. */
 static inline __attribute__((always_inline)) bool
 rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r, bool edges,
                 double *zlo, double *zhi)
 {
-    const double *a = p->v, *b = a + 3, *c = a + 6, *d = p->nv > 3 ? a + 9 : a;
-    int kx = r->kx, ky = r->ky, kz = r->kz;
-    rad_v4d z = (rad_v4d){ a[kz], b[kz], c[kz], d[kz] } - r->org[kz];
-    rad_v4d x = (rad_v4d){ a[kx], b[kx], c[kx], d[kx] } - r->org[kx];
-    rad_v4d y = (rad_v4d){ a[ky], b[ky], c[ky], d[ky] } - r->org[ky];
-    rad_v4d x0, y0, e, f;
-    rad_v4i odd, near;
+    struct rad_edges s = { .odd = { 0 }, .met = { 0 } };
+    rad_v4d x0, y0, z;
 
-    x -= r->sx * z;
-    y -= r->sy * z;
-    /* each vertex's neighbour: the edge between them */
-    x0 = __builtin_shufflevector(x, x, 3, 0, 1, 2);
-    y0 = __builtin_shufflevector(y, y, 3, 0, 1, 2);
-    /* does it cross the positive x axis?  e and f swap when the edge is
-     * walked the other way, and so does which of them must be greater */
-    e = x0 * y;
-    f = y0 * x;
-    odd = ((y0 > 0) ^ (y > 0)) & (((y > y0) & (e > f)) | ((y < y0) & (e < f)));
-    near = e == f;
-    near[0] &= -(p->nv > 3); /* else an edge of no length */
-    *zlo = rad_least(rad_least(z[0], z[1]), rad_least(z[2], z[3]));
-    *zhi = rad_most(rad_most(z[0], z[1]), rad_most(z[2], z[3]));
-    if (__builtin_expect((near[0] | near[1] | near[2] | near[3]) != 0, 0) &&
-        edges)
-        for (int i = 0; i < 4; i++)
-            if (rad_on_edge(x0[i], y0[i], x[i], y[i]))
-                return true;
-    return (odd[0] ^ odd[1] ^ odd[2] ^ odd[3]) != 0;
+    rad_edges_see(&s, p->v, 4, r, &z);
+    x0 = __builtin_shufflevector(s.x, s.x, 3, 0, 1, 2);
+    y0 = __builtin_shufflevector(s.y, s.y, 3, 0, 1, 2);
+    rad_edges_add(&s, &x0, &y0);
+    if (!rad_edges_inside(&s, edges))
+        return false;
+    rad_span_of(&z, zlo, zhi);
+    return true;
+}
+
+/* The same for any number of vertices. */
+static inline __attribute__((always_inline)) bool
+rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
+                   bool edges, double *zlo, double *zhi)
+{
+    size_t n = rad_polygon_room(p) / 3;
+    struct rad_edges s = { .odd = { 0 }, .met = { 0 } };
+    rad_v4d x, y, x0, y0, z;
+    double lo, hi;
+
+    rad_edges_see(&s, p->v + n - 4, n, r, &z); /* before the first, the last */
+    rad_span_of(&z, zlo, zhi);
+    for (size_t i = 0; i < n; i += 4) {
+        x = s.x;
+        y = s.y;
+        rad_edges_see(&s, p->v + i, n, r, &z);
+        x0 = __builtin_shufflevector(x, s.x, 3, 4, 5, 6);
+        y0 = __builtin_shufflevector(y, s.y, 3, 4, 5, 6);
+        rad_edges_add(&s, &x0, &y0);
+        rad_span_of(&z, &lo, &hi);
+        *zlo = rad_least(lo, *zlo);
+        *zhi = rad_most(hi, *zhi);
+    }
+    return rad_edges_inside(&s, edges);
 }
 
 static inline __attribute__((always_inline)) bool

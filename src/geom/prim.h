@@ -49,7 +49,8 @@ struct rad_prim {
     double k[4]; /* polygon, ring: unit normal n and n.p of the plane;
                   * sphere: centre and radius; cone, place: unused */
     union {
-        const double *v; /* polygon: vertices; ring: its arguments */
+        const double *v; /* polygon: vertices, see rad_polygon_lay(); ring:
+                          * its arguments */
         const struct rad_cone *cone;
         const struct rad_place *place;
     };
@@ -61,6 +62,11 @@ struct rad_prim {
                    * of its own: OPAQUE, something in it may be */
     int8_t side;  /* sphere, cone: 1 normal outward, -1 inward */
 };
+
+/* Four numbers at a time: the compiler's vectors, two registers, one, or none,
+ * the same operations on each element, so the same bits. */
+typedef double rad_v4d __attribute__((vector_size(32)));
+typedef int64_t rad_v4i __attribute__((vector_size(32)));
 
 /* A ray with what every test needs of it, worked out once. */
 struct rad_probe {
@@ -115,6 +121,18 @@ bool rad_prim_bounded(const struct rad_prim *p);
 
 /* Bounds that hold every point that a hit can have. */
 void rad_prim_bounds(const struct rad_prim *p, struct rad_box *box);
+
+/* Doubles that rad_polygon_lay() needs. */
+static inline size_t
+rad_polygon_room(const struct rad_prim *p)
+{
+    return 3 * (((size_t)p->nv + 3) & ~(size_t)3);
+}
+
+/* Copy the vertices of a polygon that was made to `to`, which must live as long
+ * as p, as its test wants them: all x, all y, all z, each filled up to a
+ * multiple of four with the first one's.  Bounds are asked for before this. */
+void rad_polygon_lay(struct rad_prim *p, double *to);
 
 void rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box);

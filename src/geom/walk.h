@@ -136,6 +136,10 @@ WALK(descend)(struct rad_walk *w, const struct rad_bvh_ray *ray,
         w->nodes++;
         if (!mask)
             return false;
+        if (!(mask & (mask - 1))) {
+            *child = node->child[__builtin_ctz(mask)];
+            continue;
+        }
         *n = WALK(push_sorted)(stack, *n, node, mask, enter);
         *child = (uint32_t)stack[--*n];
     }

@@ -27,9 +27,9 @@ avx2_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 #pragma GCC unroll 3
     for (int a = 0; a < 3; a++) {
         in = _mm256_max_ps(
-            avx2_slab(node->bound + r->enter[a], r->org[a][0], r->inv[a]), in);
+            avx2_slab(node->bound + r->enter[a], r->org[0][a], r->inv[a]), in);
         out = _mm256_min_ps(
-            avx2_slab(node->bound + r->leave[a], r->org[a][1], r->inv[a]), out);
+            avx2_slab(node->bound + r->leave[a], r->org[1][a], r->inv[a]), out);
     }
     out = _mm256_mul_ps(out, _mm256_set1_ps(RAD_BVH_WIDEN));
     out = _mm256_min_ps(out, _mm256_set1_ps(limit));

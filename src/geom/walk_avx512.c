@@ -33,7 +33,7 @@ avx512_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 
         if (r->enter[a] > r->leave[a]) /* enters by the upper bound */
             b = _mm512_shuffle_f32x4(b, b, 0x4e);
-        b = _mm512_sub_ps(b, avx512_halves(r->org[a][0], r->org[a][1]));
+        b = _mm512_sub_ps(b, avx512_halves(r->org[0][a], r->org[1][a]));
         b = _mm512_mul_ps(b, avx512_halves(r->inv[a], -r->inv[a]));
         m = _mm512_max_ps(b, m);
     }

@@ -26,10 +26,10 @@ neon_half(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 
     for (int a = 0; a < 3; a++) {
         in = vmaxq_f32(
-            neon_slab(node->bound + r->enter[a] + i, r->org[a][0], r->inv[a]),
+            neon_slab(node->bound + r->enter[a] + i, r->org[0][a], r->inv[a]),
             in);
         out = vminq_f32(
-            neon_slab(node->bound + r->leave[a] + i, r->org[a][1], r->inv[a]),
+            neon_slab(node->bound + r->leave[a] + i, r->org[1][a], r->inv[a]),
             out);
     }
     out = vmulq_n_f32(out, RAD_BVH_WIDEN);

@@ -17,9 +17,9 @@ plain_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 
         for (int a = 0; a < 3; a++) {
             float near =
-                (node->bound[r->enter[a] + i] - r->org[a][0]) * r->inv[a];
+                (node->bound[r->enter[a] + i] - r->org[0][a]) * r->inv[a];
             float far =
-                (node->bound[r->leave[a] + i] - r->org[a][1]) * r->inv[a];
+                (node->bound[r->leave[a] + i] - r->org[1][a]) * r->inv[a];
 
             in = near > in ? near : in;
             out = far < out ? far : out;

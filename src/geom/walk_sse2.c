@@ -26,10 +26,10 @@ sse2_half(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
 
     for (int a = 0; a < 3; a++) {
         in = _mm_max_ps(
-            sse2_slab(node->bound + r->enter[a] + i, r->org[a][0], r->inv[a]),
+            sse2_slab(node->bound + r->enter[a] + i, r->org[0][a], r->inv[a]),
             in);
         out = _mm_min_ps(
-            sse2_slab(node->bound + r->leave[a] + i, r->org[a][1], r->inv[a]),
+            sse2_slab(node->bound + r->leave[a] + i, r->org[1][a], r->inv[a]),
             out);
     }
     out = _mm_mul_ps(out, _mm_set1_ps(RAD_BVH_WIDEN));
