@@ -8,6 +8,7 @@
 #include "keyctl.h"
 #include "picfile.h"
 #include "picture/number.h"
+#include "statecheck.h"
 #include "table.h"
 
 #include <errno.h>
@@ -32,6 +33,7 @@ struct ctl {
     const char *name;        /* the word behind it: a key's, or NULL */
     const char *coordinator; /* --coordinator */
     const char *key;         /* --key: what to show the coordinator */
+    json_t *problems;        /* of check, as JSON */
     const char *keys;        /* --keys: the file that `key` edits */
     const char *expires;     /* --expires */
     const char *output;
@@ -321,6 +323,57 @@ for_admins(const struct command *command)
     return command->run == run_worker || command->run == run_key;
 }
 
+static void
+tell_problem(void *arg, const char *text)
+{
+    struct ctl *c = arg;
+
+    if (c->problems)
+        json_array_append_new(c->problems, json_string(text));
+    else
+        printf("problem: %s\n", text);
+}
+
+static void
+print_check(struct ctl *c, const struct statecheck *found)
+{
+    json_t *root;
+
+    if (!c->problems) {
+        printf("%s: %u job%s, %u of them not over; %u problem%s\n",
+               found->problems ? "damaged" : "sound", found->jobs,
+               found->jobs == 1 ? "" : "s", found->open, found->problems,
+               found->problems == 1 ? "" : "s");
+        return;
+    }
+    root = json_pack("{s:b,s:i,s:i,s:O}", "sound", found->problems == 0, "jobs",
+                     (int)found->jobs, "open", (int)found->open, "problems",
+                     c->problems);
+    json_dumpf(root, stdout, JSON_INDENT(1));
+    putchar('\n');
+    json_decref(root);
+}
+
+/* check: of a folder of this machine */
+static int
+run_check(struct ctl *c)
+{
+    struct statecheck found;
+    int rc;
+
+    c->problems = c->json ? json_array() : NULL;
+    rc = statecheck_run(c->arg, &found, tell_problem, c, c->err);
+    if (rc == 0)
+        print_check(c, &found);
+    json_decref(c->problems);
+    if (rc == 0 && found.problems > 0)
+        rc = rad_fail(c->err, RAD_EDATA,
+                      "'%s' is damaged: put a backup in its place, or move it "
+                      "away to begin without its jobs",
+                      c->arg);
+    return rc;
+}
+
 static const struct command commands[] = {
     { "status", NULL, "coordinator, workers and jobs in short", run_query,
       MSG_QUERY_STATUS },
@@ -335,6 +388,8 @@ static const struct command commands[] = {
     { "undrain", "WORKER", "give it work again", run_worker, MSG_UNDRAIN },
     { "key", "add NAME | retire NAME | list", "of hosts and users", run_key,
       MSG_KEY },
+    { "check", "STATE-DIR", "is a coordinator's state folder sound?", run_check,
+      0 },
 };
 enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -424,9 +479,6 @@ find_command(struct ctl *c, const char *name)
             c->command = &commands[i];
     if (c->command)
         return 0;
-    if (strcmp(name, "check") == 0)
-        return rad_fail(c->err, RAD_EUSAGE, "command '%s': not in this version",
-                        name);
     return rad_fail(c->err, RAD_EUSAGE, "unknown command '%s'", name);
 }
 
@@ -518,7 +570,7 @@ run(struct ctl *c)
     struct target to;
     int rc;
 
-    if (c->keys) { /* needs no coordinator */
+    if (c->keys || c->command->run == run_check) { /* without coordinator */
         rc = c->command->run(c);
         return rc < 0 ? rc : end_output(c);
     }

@@ -5,6 +5,7 @@
 
 #include "log.h"
 #include "render.h"
+#include "service.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -129,7 +130,7 @@ children_spawn(struct children *all, uint64_t id)
     int rc;
 
     if (!c || !stream)
-        abort(); /* the machine would wait for ever */
+        service_out_of_memory(); /* the machine would wait for ever */
     c->all = all;
     c->id = id;
     c->how = (struct child_end){ -1, -1 };

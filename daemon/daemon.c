@@ -165,6 +165,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
     log_open(d->table->program,
              (enum log_level)log_level_parse(d->set->log_level));
     signal(SIGPIPE, SIG_IGN);
+    service_catch_no_memory();
     uv_loop_init(&d->loop);
     d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {

@@ -7,6 +7,7 @@
 
 #include "conn.h"
 #include "handshake.h"
+#include "service.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -225,7 +226,7 @@ dial(struct dialler *d, const char *text, uint64_t id,
     struct dialling *g = calloc(1, sizeof *g);
 
     if (!g)
-        abort(); /* whoever asked would wait for ever */
+        service_out_of_memory(); /* whoever asked would wait for ever */
     if (strncmp(text, "tcp ", 4) == 0)
         text += 4;
     else if (strncmp(text, "unix ", 5) == 0)

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -123,29 +124,53 @@ disk_file_open(struct disk_file *w, const char *path, struct rad_error *err)
     w->path = path;
     if (snprintf(w->tmp, sizeof w->tmp, "%s.tmp", path) >= (int)sizeof w->tmp)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
-    w->f = fopen(w->tmp, "we");
-    return w->f ? 0 : disk_fail(err, errno, "create", w->tmp);
+    w->at = 0;
+    w->n = 0;
+    w->fd = open(w->tmp, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+    return w->fd >= 0 ? 0 : disk_fail(err, errno, "create", w->tmp);
+}
+
+static int
+flush(struct disk_file *w, struct rad_error *err)
+{
+    int rc = disk_write_at(w->fd, w->buf, w->n, w->at, w->tmp, err);
+
+    w->at += (off_t)w->n;
+    w->n = 0;
+    return rc;
 }
 
 int
 disk_file_write(void *arg, const void *data, size_t len, struct rad_error *err)
 {
     struct disk_file *w = arg;
+    const char *from = data;
+    int rc = 0;
 
-    if (fwrite(data, 1, len, w->f) != len)
-        return disk_fail(err, errno, "write", w->tmp);
-    return 0;
+    while (len > 0 && rc == 0) {
+        size_t n = sizeof w->buf - w->n;
+
+        if (n > len)
+            n = len;
+        memcpy(w->buf + w->n, from, n);
+        w->n += n;
+        from += n;
+        len -= n;
+        if (w->n == sizeof w->buf)
+            rc = flush(w, err);
+    }
+    return rc;
 }
 
 int
 disk_file_close(struct disk_file *w, int rc, bool durable,
                 struct rad_error *err)
 {
-    if (rc == 0 && fflush(w->f) != 0)
-        rc = disk_fail(err, errno, "write", w->tmp);
+    if (rc == 0)
+        rc = flush(w, err);
     if (rc == 0 && durable)
-        rc = disk_sync(fileno(w->f), w->tmp, err);
-    fclose(w->f);
+        rc = disk_sync(w->fd, w->tmp, err);
+    close(w->fd);
     if (rc == 0 && rename(w->tmp, w->path) < 0)
         rc = disk_fail(err, errno, "rename to", w->path);
     if (rc < 0)

@@ -11,7 +11,7 @@
 #include "base/error.h"
 
 #include <stdbool.h>
-#include <stdio.h>
+#include <stddef.h>
 #include <sys/types.h>
 
 #define DISK_PATH_MAX 1280
@@ -40,7 +40,10 @@ int disk_make_dir(const char *path, struct rad_error *err);
 struct disk_file {
     char tmp[DISK_PATH_MAX + 8];
     const char *path;
-    FILE *f;
+    int fd;
+    off_t at; /* what is written */
+    size_t n; /* what waits in buf */
+    char buf[1 << 16];
 };
 
 /* path is borrowed until the file is closed. */

@@ -8,6 +8,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -288,8 +289,6 @@ folder_take_up(struct folder *f, const struct saved_job *s, bool over,
         free_job(j);
     else
         add_job(f, j);
-    if (rc == 0 && over)
-        folder_rest(f, s->spec.job);
     return rc;
 }
 

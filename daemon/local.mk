@@ -90,6 +90,8 @@ libdaemon_a_SOURCES = \
 	daemon/sound.c \
 	daemon/sound.h \
 	daemon/speed.c \
+	daemon/statecheck.c \
+	daemon/statecheck.h \
 	daemon/stats.c \
 	daemon/stats.h \
 	daemon/store.c \

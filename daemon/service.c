@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 void
@@ -65,6 +66,49 @@ service_credential(const char *name, char *path, size_t size)
         any = !isspace(c);
     fclose(f);
     return any;
+}
+
+_Noreturn void
+service_out_of_memory(void)
+{
+    static const char text[] = "out of memory\n";
+
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        _exit(EX_IOERR);
+    _exit(EX_OSERR);
+}
+
+static void *
+need(void *p)
+{
+    if (!p)
+        service_out_of_memory();
+    return p;
+}
+
+static void *
+need_malloc(size_t n)
+{
+    return need(malloc(n));
+}
+
+static void *
+need_realloc(void *p, size_t n)
+{
+    p = realloc(p, n);
+    return n > 0 ? need(p) : p;
+}
+
+static void *
+need_calloc(size_t n, size_t size)
+{
+    return need(calloc(n, size));
+}
+
+void
+service_catch_no_memory(void)
+{
+    uv_replace_allocator(need_malloc, need_realloc, need_calloc, free);
 }
 
 int

@@ -24,6 +24,13 @@ uint64_t service_watchdog_ms(void);
  * and true; false where there is none, or nothing but white space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
+/* End at once with EX_OSERR: for what cannot fail and has no memory.  Nothing
+ * that was acknowledged is lost by it. */
+_Noreturn void service_out_of_memory(void);
+/* The same for what libuv allocates, which would abort; before its first use.
+ */
+void service_catch_no_memory(void);
+
 /* Write lines to path, whole: a temporary file is renamed over it.
  * RAD_ECANTCREAT or RAD_EIO. */
 int service_ports_file(const char *path, const char *const lines[], int n,

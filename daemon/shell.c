@@ -4,6 +4,7 @@
 #include "shell.h"
 
 #include "log.h"
+#include "service.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -141,7 +142,7 @@ shell_gone(struct shell *s, uint64_t id, const char *why)
     struct shell_link *l = calloc(1, sizeof *l);
 
     if (!l)
-        abort(); /* the machine would wait for ever */
+        service_out_of_memory(); /* the machine would wait for ever */
     l->shell = s;
     l->id = id;
     snprintf(l->why, sizeof l->why, "%s", why);

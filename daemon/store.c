@@ -835,6 +835,8 @@ recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
         rc = check_files(r->s, &saved->spec, err);
     if (rc == 0)
         rc = folder_take_up(&r->s->folder, saved, over, err);
+    if (rc == 0 && over)
+        folder_rest(&r->s->folder, saved->spec.job);
     return rc == 0 ? r->fn(r->arg, saved, err) : rc;
 }
 

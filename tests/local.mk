@@ -241,6 +241,15 @@ check_PROGRAMS += tests/poke
 tests_poke_SOURCES = tests/poke.c
 tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 
+# what may befall the coordinator, for LD_PRELOAD: no program is linked with it
+check_DATA += tests/disaster.so
+EXTRA_DIST += tests/disaster.c
+CLEANFILES += tests/disaster.so
+tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
+	$(AM_V_CC)$(MKDIR_P) tests && \
+	$(CC) -std=gnu11 -O1 -g -Wall -Wextra $(DEFS) $(DEFAULT_INCLUDES) \
+		-shared -fPIC -o $@ $(top_srcdir)/tests/disaster.c
+
 # radd with the hooks of tests/hook.h: not to be installed
 check_PROGRAMS += tests/radd-hooked
 tests_radd_hooked_SOURCES = daemon/radd.c daemon/pool.c tests/hook.c \
@@ -265,6 +274,7 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
+	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
@@ -274,6 +284,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/radctl_check.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
@@ -289,6 +300,7 @@ EXTRA_DIST += \
 TESTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
+	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
@@ -298,6 +310,7 @@ TESTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/radctl_check.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \

@@ -3,6 +3,7 @@
 # `make check`; how long each goes on is set by the variables that it names at
 # its top.
 SOAK = \
+	tests/soak/disaster.sh \
 	tests/soak/partition.sh \
 	tests/soak/standstill.sh \
 	tests/soak/storm.sh
@@ -12,7 +13,7 @@ dist_check_SCRIPTS += $(SOAK)
 TESTS += $(SOAK)
 
 .PHONY: soak
-soak: all $(check_PROGRAMS)
+soak: all $(check_PROGRAMS) $(check_DATA)
 	@failed=; for script in $(SOAK); do \
 		echo "== $$script"; \
 		RADD_SOAK=long top_srcdir='$(top_srcdir)' \

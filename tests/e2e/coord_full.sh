@@ -1,0 +1,118 @@
+#!/bin/sh
+# coord_full.sh - on a full disk a job is held, and says so; when there is room
+# it goes on
+#
+# The disk is a tmpfs of 16 MiB where one may be mounted, else one that
+# tests/disaster.so calls full.
+if [ -z "${FULL_TMPFS:-}" ]; then
+    FULL_TMPFS=no
+    unshare -rm true 2>/dev/null && FULL_TMPFS=yes
+    export FULL_TMPFS
+    [ $FULL_TMPFS = no ] || exec unshare -rm "$0"
+fi
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
+--partition=window --windows=40"
+room=$scenes/room.rad
+
+mkdir state
+if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m none state; then
+    fill()
+    {
+        dd if=/dev/zero of=state/ballast bs=64k 2>/dev/null
+        dd if=/dev/zero of=state/crumbs bs=512 2>/dev/null
+    }
+    # room for the scene, not for the rows
+    make_some_room()
+    {
+        rm state/crumbs
+        truncate -s -512K state/ballast
+    }
+    make_room()
+    {
+        rm state/ballast
+    }
+else
+    [ -e "$top_builddir/tests/disaster.so" ] || exit 77
+    fill()
+    {
+        touch full
+    }
+    make_some_room()
+    {
+        :
+    }
+    make_room()
+    {
+        rm full
+    }
+    LD_PRELOAD=$top_builddir/tests/disaster.so
+    DISASTER_DIR=$work/state DISASTER_ROOM=$work/full
+    export LD_PRELOAD DISASTER_DIR DISASTER_ROOM
+    FULL_TMPFS=no
+fi
+
+says_held()
+{
+    grep -q "held: the coordinator's disk is full" "$1.err"
+}
+
+is_held()
+{
+    "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
+        grep -q '"state": "held"' jobs.json &&
+        grep -q 'no room on the disk: cannot make room for' jobs.json
+}
+
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --local --workers=1 --threads=1 $view -o alone.hdr "$room" \
+    2>stderr || fail "embedded: $(cat stderr)"
+cluster_start 2 1
+fill
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" $view -o held.hdr "$room" 2>held.err &
+job=$!
+until_true 30 says_held held || fail "radsubmit does not say that it is held"
+make_some_room
+[ $FULL_TMPFS = no ] ||
+    until_true 30 is_held || fail "radctl does not say that it is held"
+gone $job && fail "the job ended on a full disk: $(cat held.err)"
+grep -q 'disk full, jobs are held' c.log || fail "the log does not say it"
+make_room
+wait $job || fail "held: $(cat held.err)"
+grep -q 'the job goes on' held.err || fail "radsubmit does not say it goes on"
+cmp alone.hdr held.hdr || fail "the picture after a full disk differs"
+
+# full again, while a job is under way
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --name=again $view -o again.hdr "$room" \
+    2>again.err &
+job=$!
+until_true 60 in_the_middle again || fail "the second job does not start"
+fill
+sleep .3
+make_some_room
+make_room
+wait $job || fail "again: $(cat again.err)"
+cmp alone.hdr again.hdr || fail "the picture after a second time differs"
+
+# a coordinator that ends while it is full loses nothing
+fill
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" $view -o last.hdr "$room" 2>last.err &
+job=$!
+until_true 30 says_held last || fail "the last does not say that it is held"
+kill -TERM "$coord_pid"
+wait "$coord_pid" || fail "a full coordinator ends with $?"
+make_some_room
+make_room
+"$radcoord" --listen="$tcp" --socket="$sock" --state="$work/state" 2>>c.log &
+coord_pid=$!
+wait $job || fail "last: $(cat last.err)"
+cmp alone.hdr last.hdr || fail "the picture of another life differs"
+cluster_stop
+[ $FULL_TMPFS = no ] || umount state
+finish

@@ -1,0 +1,89 @@
+#!/bin/sh
+# radctl_check.sh - a damaged state folder is refused by radcoord, and radctl
+# check says what is wrong with it; a sound one it calls sound
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
+--partition=scanbar"
+
+# says WHAT: radctl check finds that, and radcoord does not start
+says()
+{
+    expect 65 "is damaged" "check: $1" "$radctl" check "$work/state"
+    grep -q "$1" stdout || fail "check does not say '$1': $(cat stdout)"
+    expect 65 "radctl check" "start: $1" "$radcoord" --listen= \
+        --socket="$work/other.sock" --state="$work/state"
+}
+
+damage()
+{
+    rm -rf state
+    cp -r sound state
+}
+
+expect 66 "is no folder" "no folder" "$radctl" check "$work/state"
+cluster_start 1 1
+expect 75 "running coordinator" "in use" "$radctl" check "$work/state"
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --coordinator="$sock" $view -o first.hdr "$scenes/room.rad" \
+    2>stderr || fail "first: $(cat stderr)"
+# shellcheck disable=SC2086
+id=$("$radsubmit" --coordinator="$sock" --name=half --detach $view \
+    "$scenes/room.rad" 2>stderr) || fail "half: $(cat stderr)"
+until_true 60 in_the_middle half || fail "the job does not start"
+kill -KILL "$coord_pid"
+wait "$coord_pid" 2>/dev/null
+kill -KILL "$pid_1"
+cp -r state sound
+
+"$radctl" check "$work/state" >stdout || fail "sound: $(cat stdout)"
+grep -q '^sound: 2 jobs, 1 of them not over; 0 problems' stdout ||
+    fail "of a sound folder it says $(cat stdout)"
+"$radctl" --json check "$work/state" | python3 -c '
+import json, sys
+found = json.load(sys.stdin)
+sys.exit(not (found["sound"] and found["jobs"] == 2 and
+              found["problems"] == []))' || fail "the JSON of a sound folder"
+diff -r state sound >diff.out || fail "check changed something: $(cat diff.out)"
+
+rm state/jobs/"$id"/0.rows
+says "0.rows' are missing"
+damage
+truncate -s 1000 state/jobs/"$id"/0.rows
+says "1000 bytes, expected"
+damage
+rm state/jobs/*/0.hdr
+says "0.hdr' is missing"
+damage
+for f in state/files/*; do
+    echo tampered >>"$f"
+done
+says "its hash is another"
+damage
+rm state/radcoord.db*
+says "but no database"
+damage
+rm -f state/radcoord.db-wal
+head -c 5000 /dev/urandom >state/radcoord.db
+says "database"
+damage
+
+# the sound one starts, and the picture of the job that was over is still there
+"$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>c.log &
+coord_pid=$!
+there() { "$radctl" --coordinator="$sock" status; }
+until_true 30 there || fail "a sound folder does not start: $(tail -n 3 c.log)"
+first=$("$radctl" --coordinator="$sock" --json jobs | python3 -c '
+import json, sys
+print([job["job"] for job in json.load(sys.stdin) if job["state"] == "done"][0])')
+"$radctl" --coordinator="$sock" fetch "$first" -o fetched.hdr ||
+    fail "the picture of an earlier life cannot be fetched"
+cmp first.hdr fetched.hdr || fail "the picture of an earlier life differs"
+"$radctl" --coordinator="$sock" --json job "$first" >stats.json ||
+    fail "no statistics of an earlier life"
+[ "$(total stats.json primary_rays)" -gt 0 ] || fail "they are empty"
+kill -TERM "$coord_pid"
+wait "$coord_pid" || fail "the coordinator ended with $?"
+finish

@@ -1,0 +1,197 @@
+#!/bin/sh
+# disaster.sh - the coordinator is killed, loses power, or its disk or memory
+# fails, at this or that write, sync, change of a name, message or allocation;
+# started again, it goes on: the picture and the primary rays are those of a
+# calm run, and no job that was accepted is lost
+#
+# RADD_SOAK=long tries every one of them, and 100 random moments (some hours);
+# else a few are drawn from DISASTER_SEED, which is printed.  DISASTER_ONLY=
+# "KIND:N:WHAT ..." tries just these (tests/disaster.c says what they mean).
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+shim=$top_builddir/tests/disaster.so
+[ -e "$shim" ] || {
+    echo "SKIP: no $shim"
+    rm -rf "$work"
+    exit 77
+}
+seed=${DISASTER_SEED:-$(date +%s)}
+echo "seed $seed"
+state=$((seed % 2147483647))
+
+# any N: a number below N, in $any (no subshell: the state would stay there)
+any()
+{
+    # Park and Miller's, which fits 64 bits
+    state=$(((state * 48271 + 11) % 2147483647))
+    any=$((state / 7 % $1))
+}
+
+reading=$top_srcdir/examples/reading-room
+view="-vf room.vf -x 160 -y 120 -ps 4 -ds .1 -dj .7 -pj .7 -ab 0"
+sock=$work/c.sock
+starts=0
+
+# The coordinator, with whatever is in the environment.
+start()
+{
+    starts=$((starts + 1))
+    rm -f c.ports
+    env "$@" "$radcoord" --listen= --socket="$sock" --state="$work/state" \
+        --ports-file="$work/c.ports" 2>>c.log &
+    coord=$!
+}
+
+started_or_gone()
+{
+    [ -s c.ports ] || gone $coord
+}
+
+# It is not there: what it ended with is as it should be, and it starts again.
+again()
+{
+    wait $coord 2>/dev/null
+    status=$?
+    case $status in
+    137) ;; # killed
+    71 | 73 | 74) ;; # no memory, also for a file; the disk failed
+    *) fail "$point: the coordinator ended with $status" ;;
+    esac
+    start true=true
+}
+
+# run POINT: one job with a disaster; $struck says whether it happened
+run()
+{
+    point=$1
+    rm -rf state struck out.hdr out.json backup.*
+    start LD_PRELOAD="$shim" DISASTER="$point" DISASTER_DIR="$work/state" \
+        DISASTER_LOG="$work/struck" DISASTER_COUNT="${2:-}"
+    until_true 20 started_or_gone || fail "$point: the start hangs"
+    gone $coord && again
+    for k in 1 2; do
+        "$radd" --coordinator="$sock" --name=w$k --threads=1 \
+            --listen=127.0.0.$k:0 --cache="$work/cache$k" 2>>w.log &
+        eval "worker_$k=$!"
+    done
+    # shellcheck disable=SC2086 # options are words
+    (cd "$reading" && exec "$radsubmit" --coordinator="$sock" $view \
+        --partition="$part" --stats="$work/out.json" -o "$work/out.hdr" \
+        room.rad) 2>submit.err </dev/null &
+    job=$!
+    tries=0
+    until gone $job; do
+        gone $coord && again
+        [ -z "${moment:-}" ] || [ $tries != "$moment" ] || {
+            kill -KILL $coord
+            echo killed >struck
+        }
+        tries=$((tries + 1))
+        [ $tries -lt 6000 ] || {
+            fail "$point: the job does not end"
+            kill $job
+        }
+        sleep .01
+    done
+    wait $job || fail "$point: $(cat submit.err)"
+    # shellcheck disable=SC2154 # worker_1 is set with eval
+    kill $worker_1 $worker_2
+    wait $worker_1 $worker_2
+    gone $coord && again
+    until_true 20 started_or_gone
+    kill -TERM $coord 2>/dev/null
+    wait $coord
+    struck=
+    [ -e struck ] && struck=yes
+}
+
+# try POINT: and what must come of it
+try()
+{
+    run "$1"
+    cmp calm.hdr out.hdr || fail "$1: another picture"
+    [ "$(total out.json primary_rays)" = "$primary" ] ||
+        fail "$1: $(total out.json primary_rays) primary rays, not $primary"
+    [ $failed = 0 ] || {
+        tail -n 20 c.log
+        finish
+    }
+    [ -z "$struck" ] || tried=$((tried + 1))
+}
+
+part=auto
+tried=0
+run none:0:nothing "$work/counts"
+mv out.hdr calm.hdr
+primary=$(total out.json primary_rays)
+[ "$primary" -gt 0 ] || fail "the calm job has no primary rays"
+cat counts
+
+n_of()
+{
+    sed -n "s/^$1 //p" counts
+}
+
+if [ -n "${DISASTER_ONLY:-}" ]; then
+    for point in $DISASTER_ONLY; do
+        try "$point"
+        echo "$point: ${struck:-not reached}"
+    done
+    finish
+fi
+if [ "${RADD_SOAK:-}" = long ]; then
+    for part in auto scanbar window; do
+        for kind in write sync name send; do
+            for what in before after power fail; do
+                [ $kind.$what = send.power ] && continue
+                [ $kind.$what = send.fail ] && continue
+                n=1
+                while try $kind:$n:$what && [ -n "$struck" ]; do
+                    n=$((n + 1))
+                done
+                echo "$part $kind $what: $((n - 1)) points"
+            done
+        done
+    done
+    part=auto
+    for kind in write name; do
+        n=1
+        while try $kind:$n:full && [ -n "$struck" ]; do
+            n=$((n + 1))
+        done
+        echo "$kind full: $((n - 1)) points"
+    done
+    n=1
+    while try alloc:$n:fail && [ -n "$struck" ]; do
+        any 60
+        n=$((n + 1 + any))
+    done
+    echo "allocations up to $n"
+    i=0
+    while [ $i -lt 100 ]; do
+        i=$((i + 1))
+        any 150
+        moment=$any
+        try none:0:nothing
+    done
+    moment=
+else
+    for kind in write sync name; do
+        any 4
+        what=$(echo before after power fail | cut -d' ' -f $((any + 1)))
+        any "$(n_of $kind)"
+        try $kind:$((any + 1)):$what
+    done
+    any "$(n_of send)"
+    try send:$((any + 1)):after
+    any 2000
+    try alloc:$((any + 1)):fail
+    any 60
+    moment=$any
+    try none:0:nothing
+fi
+echo "$tried disasters in $starts lives"
+[ $tried -gt 2 ] || fail "only $tried disasters happened"
+finish
