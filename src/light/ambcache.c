@@ -12,6 +12,9 @@
  * nanoseconds an insertion and a look-up, bytes a record (bench/ambient): 200,
  * 1700 and 258 for 4, 360, 910 and 443 for 2, and 1340, 820 and 1238 for 1.
  *
+ * Records of each number of bounces have an octree of their own, for only those
+ * of one are wanted at a time; beyond ROOTS - 1 bounces they share one.
+ *
  * Growth.  Nothing is ever moved, changed or taken away until all is freed, so
  * a reader may hold on to whatever it has found.
  * Records, blocks and cells come from pools, lists of chunks.  A writer takes
@@ -53,6 +56,7 @@
 #define CHUNK     256
 #define LANES     8
 #define SPAN      2
+#define ROOTS     8
 #define MAX_DEPTH 48 /* beyond it cells are smaller than rounding */
 
 /* --- pools --- */
@@ -197,9 +201,9 @@ typedef void scan_fn(const struct block *b, const struct probe *q,
                      rad_ambcache_fn *fn, void *arg);
 
 struct rad_ambcache {
-    double org[3], side; /* [fixed] */
-    scan_fn *scan;       /* [fixed] */
-    struct cell root;
+    double org[3], side;                /* [fixed] */
+    scan_fn *scan;                      /* [fixed] */
+    struct cell root[ROOTS];            /* by bounces */
     struct pool entries, blocks, cells; /* cells: eight an item */
     _Atomic size_t count;               /* relaxed: shown, never decided on */
 };
@@ -212,6 +216,12 @@ static double
 rank_of(int level, double weight)
 {
     return 8. * level + 4 - weight;
+}
+
+static int
+root_of(int level)
+{
+    return level < ROOTS ? level : ROOTS - 1;
 }
 
 /* The places of a block that are ready, as bits. */
@@ -529,7 +539,7 @@ touches(const struct load *l, const uint64_t cell[3], double side)
 static bool
 list_in(struct rad_ambcache *c, const struct load *l, const uint64_t cell[3])
 {
-    struct cell *at = &c->root, *kids;
+    struct cell *at = &c->root[root_of(l->rec->level)], *kids;
     int depth = 0, shift = MAX_DEPTH - l->depth;
     uint64_t number[3];
     double from[3];
@@ -631,7 +641,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
                    rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
 {
     const struct block *list[MAX_DEPTH + 1];
-    const struct cell *cell = &c->root, *kids;
+    const struct cell *cell = &c->root[root_of(q->level)], *kids;
     struct probe probe;
     uint64_t number[3];
     int depth = 0;

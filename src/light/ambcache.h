@@ -29,8 +29,8 @@ bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                          const struct rad_ambzone *zone, bool local);
 
 /* What is asked for: records whose zone includes p, whose normal is within
- * that of n, and that were made at fewer bounces than `level`, or at as many
- * for a weight of `weight` at least. */
+ * that of n, and that were made at `level` bounces for a weight of `weight` at
+ * least. */
 struct rad_ambquery {
     double p[3], n[3];
     double min_cos; /* of the angle between the normals */
