@@ -10,19 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_PASSES = 2 };
+
 struct area {
     uint32_t frame; /* index */
     struct rad_window part;
-    struct rad_sampled *sampled; /* made by the thread that took the area */
-    size_t n;                    /* of them */
+    /* by pass: made by the thread that took the area; then all in the first */
+    struct rad_sampled *sampled[MOST_PASSES];
+    size_t n[MOST_PASSES]; /* of them */
 };
 
 struct estimate {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t id, rays, nareas;      /* [fixed] */
+    uint32_t passes;                /* [fixed]; the last is what counts */
     struct area *areas;             /* [fixed]; each its taker's */
     struct msg_cost *costs;         /* likewise */
-    _Atomic uint32_t taken;         /* areas */
+    _Atomic uint32_t taken;         /* areas, of all passes */
     struct msg_counts counts;       /* under the lock of who counts */
     /* estimate_facts(): where it is, and the message's parts */
     uint32_t at;
@@ -84,6 +88,7 @@ estimate_new(const struct rad_frame *frames, uint32_t nframes,
         e->id = m->id;
         e->rays = m->rays;
         e->nareas = m->nareas;
+        e->passes = nframes > 0 && frames[0].job->ambient ? 2 : 1;
         e->areas = calloc(m->nareas + 1, sizeof *e->areas);
         e->costs = calloc(m->nareas + 1, sizeof *e->costs);
     }
@@ -102,7 +107,8 @@ estimate_free(struct estimate *e)
     if (!e)
         return;
     for (uint32_t i = 0; e->areas && i < e->nareas; i++)
-        free(e->areas[i].sampled);
+        for (int k = 0; k < MOST_PASSES; k++)
+            free(e->areas[i].sampled[k]);
     free(e->areas);
     free(e->costs);
     free(e->bitmap);
@@ -113,23 +119,32 @@ estimate_free(struct estimate *e)
 bool
 estimate_open(const struct estimate *e)
 {
-    return atomic_load_explicit(&e->taken, memory_order_relaxed) < e->nareas;
+    return atomic_load_explicit(&e->taken, memory_order_relaxed) <
+           e->nareas * e->passes;
 }
 
+/* Of the pass after the first there are n pixels, too: some of those, where the
+ * area has less than twice as many, which are not kept again. */
 static void
-work_on(struct estimate *e, uint32_t i, struct rad_ctx *ctx)
+work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx)
 {
     struct area *a = &e->areas[i];
+    const struct rad_frame *f = &e->frames[a->frame];
     uint64_t pixels = (uint64_t)a->part.width * (uint64_t)a->part.height;
     uint32_t n = e->rays < pixels ? e->rays : (uint32_t)pixels;
+    uint32_t left =
+        (uint64_t)n * (pass + 1) <= pixels ? n : (uint32_t)pixels - n * pass;
     struct rad_estimate cost = { 0 };
+    struct rad_sampled *v = malloc((n + 1) * sizeof *v);
 
-    a->sampled = malloc((n + 1) * sizeof *a->sampled);
-    if (!a->sampled)
+    if (!v)
         abort(); /* the job goes on elsewhere */
-    a->n = rad_estimate_trace(&e->frames[a->frame], ctx, &a->part, n, &cost,
-                              a->sampled);
-    e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };
+    if (left < n)
+        rad_estimate_trace(f, ctx, &a->part, 0, n - left, &cost, v);
+    a->n[pass] = rad_estimate_trace(f, ctx, &a->part, n * pass, left, &cost, v);
+    a->sampled[pass] = v;
+    if (pass == e->passes - 1)
+        e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };
 }
 
 void
@@ -138,8 +153,8 @@ estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
     uint32_t i;
 
     while (!atomic_load_explicit(stop, memory_order_relaxed) &&
-           (i = atomic_fetch_add(&e->taken, 1)) < e->nareas)
-        work_on(e, i, ctx);
+           (i = atomic_fetch_add(&e->taken, 1)) < e->nareas * e->passes)
+        work_on(e, i % e->nareas, i / e->nareas, ctx);
 }
 
 /* Pixels of an estimate are primary rays only where the picture uses them. */
@@ -207,6 +222,28 @@ make_room(struct estimate *e, size_t bitmap, size_t pixels)
     return e->bitmap && e->pixels;
 }
 
+/* Put the pixels of all passes over an area into one list. */
+static void
+merge(struct area *a)
+{
+    size_t n = a->n[0] + a->n[1];
+    struct rad_sampled *v = malloc((n + 1) * sizeof *v);
+
+    if (!v)
+        abort(); /* the job goes on elsewhere */
+    for (int k = 0, at = 0; k < MOST_PASSES; at += (int)a->n[k++])
+        if (a->n[k] > 0)
+            memcpy(v + at, a->sampled[k], a->n[k] * sizeof *v);
+    for (int k = 0; k < MOST_PASSES; k++) {
+        free(a->sampled[k]);
+        a->sampled[k] = NULL;
+        a->n[k] = 0;
+    }
+    rad_estimate_sort(v, n);
+    a->sampled[0] = v;
+    a->n[0] = n;
+}
+
 /* A message of the first pixels of `from`: those of one line.  *used of them
  * are in it, or dropped where it would be too long or memory is out. */
 static bool
@@ -253,10 +290,14 @@ estimate_facts(struct estimate *e)
 {
     while (e->at < e->nareas) {
         struct area *a = &e->areas[e->at];
-        const struct rad_sampled *from = a->sampled + e->at_pixel;
-        size_t left = a->n - e->at_pixel, used;
+        const struct rad_sampled *from;
+        size_t left, used;
         bool packed;
 
+        if (e->at_pixel == 0)
+            merge(a);
+        from = a->sampled[0] + e->at_pixel;
+        left = a->n[0] - e->at_pixel;
         if (left == 0) {
             e->at++;
             e->at_pixel = 0;

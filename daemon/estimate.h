@@ -1,7 +1,10 @@
 /* estimate.h - an ESTIMATE that a child's threads work on
  *
- * The threads that render take its areas one by one.  When all are done the
- * loop's thread sends what they cost, ESTIMATED, and before it the pixels, as
+ * The threads that render take its areas one by one.  Where ambient values are
+ * kept they do so twice: the first pixels of a job make the values of half the
+ * room, which the next ones find, whatever area they are in; so the first pass
+ * is not counted, and the second, over as many other pixels, sees what is the
+ * areas' own.  When all are done the loop's thread sends what they cost, ESTIMATED, and before it the pixels, as
  * FACTS, where the picture is shared by lines: they need not be traced again.
  * Thread: estimate_open() and estimate_work() from any; the others from one,
  * before the threads begin or after they are done. */

@@ -214,7 +214,8 @@ START_TEST(more_pixels_than_there_are_is_all_of_them)
 
     open_fixture(&f, options, false, 1);
     ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
-    n = rad_estimate_trace(&f.frame, &ctx, &part, 1000, &cost, out);
+    n = rad_estimate_trace(&f.frame, &ctx, &part, 0, 1000, &cost, out);
+    rad_estimate_sort(out, n);
     ck_assert_uint_eq(n, 40);
     for (size_t i = 0; i < n; i++) { /* in order, and as they are */
         struct rad_pixel p;
@@ -296,7 +297,7 @@ START_TEST(threads_count_what_one_counts)
                                    (int)areas[i].width, (int)areas[i].height };
         struct rad_estimate cost = { 0 };
 
-        rad_estimate_trace(&f.frame, &ctx, &part, runs[_i].rays, &cost, out);
+        rad_estimate_trace(&f.frame, &ctx, &part, 0, runs[_i].rays, &cost, out);
         ck_assert_uint_eq(got.costs[i].rays, cost.rays);
         if (runs[_i].threads == 1)
             ck_assert_uint_eq(got.costs[i].tests, cost.tests);
@@ -311,6 +312,37 @@ START_TEST(threads_count_what_one_counts)
     ck_assert_double_gt(f.wall_s, 0);
     ck_assert_double_gt(pool_tally(f.pool).busy_s, 0);
     rad_ctx_release(&ctx);
+    close_fixture(&f);
+}
+END_TEST
+
+/* Where ambient values are kept other pixels come first, which pay for most of
+ * them and are not counted; all are facts, each once, though an area has less
+ * than twice as many. */
+START_TEST(ambient_values_are_made_before_rays_are_counted)
+{
+    static struct fixture f;
+    const struct msg_area areas[2] = { { 0, 24, 20, 16, 4 },
+                                       { 0, 30, 30, 3, 2 } };
+    struct msg_estimated got;
+    const struct msg_facts *m;
+    uint32_t pixels = 0;
+
+    open_fixture(&f,
+                 "-x 64 -y 48 -pa 0 -ab 1 -aa .2 -ar 32 -ad 256 -as 0 -ps 6 "
+                 "-pt .05 -pj .67",
+                 false, 1);
+    make_estimate(&f, 4, areas, 2);
+    while ((m = estimate_facts(f.done)))
+        pixels += m->npixels;
+    ck_assert_uint_eq(pixels, 4 + 4 + 6);
+    estimate_result(f.done, &got);
+    ck_assert_uint_eq(got.counts.estimate_rays, 4 * 4);
+    ck_assert_uint_gt(got.counts.ambient_values, 1);
+    ck_assert_uint_ge(got.costs[0].rays, 4);
+    ck_assert_uint_ge(got.costs[1].rays, 4);
+    ck_assert_uint_lt(2 * (got.costs[0].rays + got.costs[1].rays),
+                      got.counts.rays);
     close_fixture(&f);
 }
 END_TEST
@@ -478,6 +510,7 @@ main(void)
     tcase_add_loop_test(tc, an_order_has_each_pixel_once, 0, N_ELEM(parts));
     tcase_add_test(tc, seed_frame_and_part_decide);
     tcase_add_test(tc, first_pixels_are_spread_evenly);
+    tcase_add_test(tc, ambient_values_are_made_before_rays_are_counted);
     tcase_add_test(tc, more_pixels_than_there_are_is_all_of_them);
     tcase_add_loop_test(tc, threads_count_what_one_counts, 0, N_ELEM(runs));
     tcase_add_loop_test(tc, pixels_come_back_as_facts, 0, N_ELEM(runs));

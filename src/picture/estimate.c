@@ -72,27 +72,31 @@ by_place(const void *a, const void *b)
     return p->x < q->x ? -1 : p->x > q->x;
 }
 
+void
+rad_estimate_sort(struct rad_sampled *v, size_t n)
+{
+    if (n > 0)
+        qsort(v, n, sizeof *v, by_place);
+}
+
 size_t
 rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
-                   const struct rad_window *part, uint32_t n,
+                   const struct rad_window *part, uint32_t first, uint32_t n,
                    struct rad_estimate *cost, struct rad_sampled *out)
 {
     uint64_t pixels = (uint64_t)part->width * (uint64_t)part->height;
     uint64_t rays = ctx->counts.rays, tests = ctx->counts.geom.tests;
     size_t shown = 0;
 
-    if (n > pixels)
-        n = (uint32_t)pixels;
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint64_t i = first; i < (uint64_t)first + n && i < pixels; i++) {
         struct rad_sampled *s = &out[shown];
         uint64_t primary = ctx->counts.primary_rays;
 
-        rad_estimate_pixel(f->job->params.seed, f->number, part, i, &s->x,
-                           &s->y);
+        rad_estimate_pixel(f->job->params.seed, f->number, part, (uint32_t)i,
+                           &s->x, &s->y);
         rad_frame_pixel(f, ctx, s->x, s->y, &s->pixel);
         shown += ctx->counts.primary_rays != primary;
     }
-    qsort(out, shown, sizeof *out, by_place);
     cost->rays += ctx->counts.rays - rays;
     cost->tests += ctx->counts.geom.tests - tests;
     return shown;

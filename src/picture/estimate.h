@@ -27,12 +27,15 @@ void rad_estimate_pixel(uint64_t seed, uint32_t frame,
                         const struct rad_window *part, uint32_t i, int *x,
                         int *y);
 
-/* Trace the first n pixels of that order, or all if the part has fewer, and
- * add what they cost.  The part must lie in the frame.  out has room for n; it
- * gets those that the view shows, in the order of their rows and columns.
- * Returns their number. */
+/* Trace pixels `first` to first + n - 1 of that order, as far as the part has
+ * them, and add what they cost.  The part must lie in the frame.  out has room
+ * for n; it gets those that the view shows.  Returns their number. */
 size_t rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
-                          const struct rad_window *part, uint32_t n,
-                          struct rad_estimate *cost, struct rad_sampled *out);
+                          const struct rad_window *part, uint32_t first,
+                          uint32_t n, struct rad_estimate *cost,
+                          struct rad_sampled *out);
+
+/* Sort pixels by their rows, then columns. */
+void rad_estimate_sort(struct rad_sampled *v, size_t n);
 
 #endif
