@@ -166,12 +166,14 @@ new_piece(struct active *u, int row)
     int n = left < u->piece_rows ? left : u->piece_rows;
     struct pool_rows *p;
 
-    p = calloc(1, sizeof *p + (size_t)n * row_floats(u) * sizeof(float));
+    /* the pixels are written before they are read */
+    p = malloc(sizeof *p + (size_t)n * row_floats(u) * sizeof(float));
     if (!p) {
         rad_fail(&u->err, RAD_ENOMEM, "out of memory");
         team_stop(u->team);
         return NULL;
     }
+    memset(p, 0, sizeof *p);
     p->unit = u->unit;
     p->row = (uint32_t)row;
     p->channels = u->channels;

@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 static uint64_t
 load_be(const uint8_t *p, int n)
 {
@@ -354,8 +358,7 @@ wire_set_u32(struct wire_out *out, size_t at, uint32_t v)
         store_be(out->buf + at, v, 4);
 }
 
-/* The bits of a float from the wire or to it: one instruction where a byte swap
- * is one, and a loop of them is vectors'. */
+/* The bits of a float from the wire or to it. */
 static uint32_t
 big_endian(uint32_t u)
 {
@@ -366,26 +369,40 @@ big_endian(uint32_t u)
 #endif
 }
 
-void
-wire_floats_get(float *dst, const uint8_t *src, size_t n)
+/* n of them.  Rows of pictures go through here, so four at a time where that is
+ * quicker: bytes change places in each half, then the halves. */
+static void
+copy_big_endian(uint8_t *dst, const uint8_t *src, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
+    size_t i = 0;
+
+#ifdef __SSE2__
+    for (; n - i >= 4; i += 4) {
+        __m128i v = _mm_loadu_si128((const __m128i *)(src + 4 * i));
+
+        v = _mm_or_si128(_mm_slli_epi16(v, 8), _mm_srli_epi16(v, 8));
+        v = _mm_shufflelo_epi16(v, _MM_SHUFFLE(2, 3, 0, 1));
+        v = _mm_shufflehi_epi16(v, _MM_SHUFFLE(2, 3, 0, 1));
+        _mm_storeu_si128((__m128i *)(dst + 4 * i), v);
+    }
+#endif
+    for (; i < n; i++) {
         uint32_t u;
 
         memcpy(&u, src + 4 * i, sizeof u);
         u = big_endian(u);
-        memcpy(&dst[i], &u, sizeof u);
+        memcpy(dst + 4 * i, &u, sizeof u);
     }
+}
+
+void
+wire_floats_get(float *dst, const uint8_t *src, size_t n)
+{
+    copy_big_endian((uint8_t *)dst, src, n);
 }
 
 void
 wire_floats_put(uint8_t *dst, const float *src, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
-        uint32_t u;
-
-        memcpy(&u, &src[i], sizeof u);
-        u = big_endian(u);
-        memcpy(dst + 4 * i, &u, sizeof u);
-    }
+    copy_big_endian(dst, (const uint8_t *)src, n);
 }
