@@ -14,6 +14,8 @@ libclient_a_SOURCES = \
 	client/compile.h \
 	client/costs.c \
 	client/costs.h \
+	client/dryrun.c \
+	client/dryrun.h \
 	client/fetch.c \
 	client/fetch.h \
 	client/frames.c \
@@ -44,6 +46,8 @@ libclient_a_SOURCES = \
 	client/table.h \
 	client/target.c \
 	client/target.h \
+	client/trial.c \
+	client/trial.h \
 	client/words.c \
 	client/words.h
 

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "compile.h"
 #include "costs.h"
+#include "dryrun.h"
 #include "frames.h"
 #include "local.h"
 #include "output.h"
@@ -39,7 +40,8 @@ struct program {
     uint8_t id[MSG_JOB];
     char params[RAD_PARAMS_TEXT];
     char needs[MSG_MAX_NEEDS + 1];
-    struct local *local; /* its folder holds the scene's files too */
+    struct prediction prediction; /* --dry-run */
+    struct local *local;          /* its folder holds the scene's files too */
     bool embedded;
     struct target target;
     struct progress progress;
@@ -281,7 +283,7 @@ check_outputs(const struct program *p)
         (rc = check_output(p, p->o.preview, false)) < 0 ||
         (rc = check_output(p, p->o.stats, false)) < 0)
         return rc;
-    if (!p->o.output && !p->o.detach && isatty(1))
+    if (!p->o.output && !p->o.detach && !p->o.dry_run && isatty(1))
         return rad_fail(p->err, RAD_EUSAGE,
                         "standard output is a terminal: use -o");
     return 0;
@@ -328,6 +330,16 @@ release_loop(struct program *p)
 
 /* --- the scene --- */
 
+/* --dry-run */
+static int
+try_scene(struct program *p)
+{
+    struct rad_files files = compile_files(&p->scene);
+
+    return dryrun_predict(&p->prediction, p->scene.scene, &files, &p->o.params,
+                          p->frames.list, p->frames.n, p->err);
+}
+
 static void
 compile_work(uv_work_t *w)
 {
@@ -337,6 +349,8 @@ compile_work(uv_work_t *w)
     p->compile_rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
                                   p->o.nscenes, local_folder(p->local), p->err);
     p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
+    if (p->compile_rc == 0 && p->o.dry_run)
+        p->compile_rc = try_scene(p);
 }
 
 static void
@@ -525,6 +539,35 @@ converse(struct program *p)
     return rc;
 }
 
+/* --dry-run, to its end. */
+static int
+run_dry(struct program *p)
+{
+    struct dryrun_cluster c = { .embedded = p->embedded };
+    struct link_where where = { &p->loop, &p->interrupts };
+    char *json;
+    int rc;
+
+    c.workers = workers_wanted(p);
+    c.threads = c.workers * local_threads(c.workers, p->o.threads);
+    if (!p->embedded && (rc = dryrun_ask(&c, &where, &p->target, p->err)) < 0)
+        return rc;
+    if ((rc = compile(p)) < 0)
+        return rc;
+    warn_of_scene(p);
+    fill_spec(p);
+    dryrun_print(&p->spec, &p->prediction, &c);
+    if (fflush(stdout) != 0)
+        return rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
+    if (!p->o.stats)
+        return 0;
+    json = dryrun_json(&p->spec, &p->prediction, &c);
+    rc = json ? on_stats(p, (const uint8_t *)json, strlen(json), p->err)
+              : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    free(json);
+    return rc;
+}
+
 static int
 run_job(struct program *p)
 {
@@ -582,8 +625,12 @@ run(struct program *p)
         (rc = read_costs(p)) < 0 || (rc = check_outputs(p)) < 0 ||
         (rc = watch_signals(p)) < 0)
         return rc;
-    if ((rc = local_new(&p->local, p->err)) == 0 && (rc = make_id(p)) == 0)
-        rc = run_job(p);
+    if ((rc = local_new(&p->local, p->err)) == 0) {
+        if (p->o.dry_run)
+            rc = run_dry(p);
+        else if ((rc = make_id(p)) == 0)
+            rc = run_job(p);
+    }
     local_stop(p->local);
     cargo_release(&p->cargo);
     compile_release(&p->scene);

@@ -79,6 +79,8 @@ static const struct option own[] = {
     TEXT("--stats", stats, "FILE.json", "statistics of the job"),
     WORD("--progress", progress, "auto|always|never",
          "a line on stderr that says how far it is"),
+    FLAG("--dry-run", dry_run,
+         "say what the job needs and will take, and render nothing"),
     FLAG("--detach", detach, "print the job's id and do not wait"),
     TEXT("--name", name, "TEXT", "of the job, for people"),
     INT("--priority", priority, -100, 100, "N",
@@ -473,8 +475,11 @@ check_together(struct submit_options *o, struct rad_error *err)
                         "-S 1 and all views");
     if (o->fresh_frames && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
-    if (o->first_frame && !o->output)
+    if (o->first_frame && !o->output && !o->dry_run)
         return rad_fail(err, RAD_EUSAGE, "-S needs -o with %%d in the name");
+    if (o->dry_run && o->detach)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--dry-run makes no job that --detach could leave");
     if (o->detach && (o->output || o->depth || o->stats || o->preview))
         return rad_fail(err, RAD_EUSAGE,
                         "--detach waits for no picture: leave out -o, -z, "

@@ -50,7 +50,7 @@ struct submit_options {
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */
-    bool no_balance, no_share, fresh_frames, detach;
+    bool no_balance, no_share, fresh_frames, detach, dry_run;
     int priority;
     const char *name;
     int progress;       /* enum submit_progress */

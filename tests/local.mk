@@ -289,6 +289,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/systemd_units.sh
@@ -315,6 +316,7 @@ TESTS += \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
+	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/systemd_units.sh

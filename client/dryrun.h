@@ -1,0 +1,37 @@
+/* dryrun.h - --dry-run: what a job would need and take
+ *
+ * Thread: one.  */
+#ifndef RADD_CLIENT_DRYRUN_H
+#define RADD_CLIENT_DRYRUN_H
+
+#include "link.h"
+#include "message.h"
+#include "trial.h"
+
+/* Where it would render. */
+struct dryrun_cluster {
+    bool embedded;
+    int workers, threads; /* threads of all */
+    int jobs;             /* that it has already */
+};
+
+/* Ask a coordinator.  RAD_EUNAVAIL where there is none. */
+int dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
+               const struct target *to, struct rad_error *err);
+
+/* Try the scene's pixels for two seconds and predict all frames of the job. */
+int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
+                   const struct rad_files *files,
+                   const struct rad_params *params,
+                   const struct msg_frame *frames, uint32_t nframes,
+                   struct rad_error *err);
+
+/* For people, on stdout. */
+void dryrun_print(const struct msg_spec *spec, const struct prediction *p,
+                  const struct dryrun_cluster *c);
+
+/* The same as JSON, to be freed; NULL: out of memory. */
+char *dryrun_json(const struct msg_spec *spec, const struct prediction *p,
+                  const struct dryrun_cluster *c);
+
+#endif

@@ -1,0 +1,58 @@
+/* trial.h - what a picture will take, from a few of its pixels
+ *
+ * A scene is made ready as a worker does it, and pixels are traced through the
+ * same code, for a second or two: some strewn over the picture, which fill the
+ * ambient cache as the picture will, and then small windows, which the sampler
+ * goes over with the cache that there is.  Where hemispheres are so large (-ad)
+ * that this would not get far, it is done with small ones, and the first pixels
+ * tell how much more the large ones take.  The rest is extrapolated
+ * (trial_predict).
+ * Thread: one, which it keeps busy.  */
+#ifndef RADD_CLIENT_TRIAL_H
+#define RADD_CLIENT_TRIAL_H
+
+#include "picture/frame.h"
+
+/* What was measured. */
+struct trial {
+    double load_s; /* of one processor */
+    double peak_bytes;
+    int width, height;
+    /* of pixels strewn over the picture, after each doubling of their number */
+    struct trial_step {
+        double pixels, rays, cpu_s, records;
+    } step[40];
+    int nsteps;
+    /* of windows */
+    double pixels, primary, rays, cpu_s, records;
+    /* of the first of the strewn pixels, where the above was measured with
+     * smaller hemispheres than are asked for; pixels 0: it was not */
+    struct trial_step full, small;
+    double samples; /* how many times larger a hemisphere is then */
+};
+
+/* What is to be expected of the picture, or of all frames. */
+struct prediction {
+    double primary_rays, rays, ambient_values;
+    double cpu_s;  /* of one processor like this one */
+    double load_s; /* the part of it that each worker spends */
+    double bytes;  /* a worker's memory */
+};
+
+/* What is tried; the scene must be checked, files are its own. */
+struct trial_scene {
+    const struct rad_scene *scene;
+    const struct rad_files *files;
+    const struct rad_view *view;
+};
+
+/* Measure within about so many seconds of a processor, more where a single
+ * pixel takes long. */
+int trial_run(struct trial *t, const struct trial_scene *scene,
+              const struct rad_params *params, double seconds,
+              struct rad_error *err);
+
+/* For so many pixels, of one picture or of all frames. */
+void trial_predict(const struct trial *t, double pixels, struct prediction *p);
+
+#endif

@@ -1,0 +1,82 @@
+#!/bin/sh
+# submit_dry_run.sh - --dry-run says what a job needs and will take, on a
+# cluster of its own and on a real one, and renders nothing
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 160 -y 120"
+indirect="-ab 1 -aa .2 -ar 64 -ad 128 -as 32"
+room=$scenes/room.rad
+
+number() # NAME FILE: the first of that name
+{
+    sed -n "s/^ *\"$1\": \([0-9.eE+-]*\),\{0,1\}\$/\1/p" "$2" | head -n 1
+}
+
+# Within a factor of 1.5, which is what a few thousand pixels can tell.
+check_close() # NAME
+{
+    a=$(number "$1" dry.json)
+    b=$(number "$1" real.json)
+    awk -v a="$a" -v b="$b" 'BEGIN {
+        exit !(a > 0 && b > 0 && a < 1.5 * b && b < 1.5 * a) }' ||
+        fail "$1: predicted $a, but $b"
+}
+
+for options in "-ab 0 -ps 1" "$indirect"; do
+    # shellcheck disable=SC2086 # options are words
+    "$radsubmit" --dry-run --stats=dry.json $view $options -o dry.hdr "$room" \
+        >said 2>err || fail "--dry-run: $(cat err)"
+    [ ! -s err ] || fail "--dry-run talks: $(cat err)"
+    [ ! -e dry.hdr ] || fail "--dry-run makes a picture"
+    for word in scene needs memory picture cluster rays time; do
+        grep -q "^$word  *[^ ]" said || fail "no $word in: $(cat said)"
+    done
+    grep -q '^picture  159 x 120' said || fail "another picture: $(cat said)"
+    # shellcheck disable=SC2086
+    "$radsubmit" --local --stats=real.json $view $options -o real.hdr "$room" \
+        2>err || fail "$(cat err)"
+    check_close rays
+    check_close primary_rays
+done
+check_close ambient_values
+needs=$(sed -n '/"needs"/,/]/p' dry.json)
+[ "$needs" = "$(sed -n '/"needs"/,/]/p' real.json)" ] || fail "other needs"
+
+# an animation costs what its frames do
+printf 'rview -vp %s 0 1\n' 0 .1 .2 >views
+# shellcheck disable=SC2086
+"$radsubmit" --dry-run --stats=many.json -S 1 --views=views $view -ab 0 \
+    "$room" >said || fail "an animation"
+grep -q ', 3 frames' said || fail "no frames: $(cat said)"
+
+# a real cluster's threads; nothing is sent
+sock=$work/coord.sock
+"$radcoord" --listen= --socket="$sock" --state="$work/state" 2>coord.log &
+coord=$!
+until_true 20 "$radctl" --coordinator="$sock" status || fail "no coordinator"
+"$radd" --coordinator="$sock" --name=ws1 --threads=3 --listen=127.0.0.1:0 \
+    --cache="$work/cache" 2>radd.log &
+worker=$!
+has_worker()
+{
+    "$radctl" --coordinator="$sock" --json workers | grep -q ws1
+}
+until_true 20 has_worker || fail "no worker"
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --dry-run $view -ab 0 "$room" >said ||
+    fail "on a coordinator"
+grep -q '^cluster  1 worker, 3 threads$' said || fail "cluster: $(cat said)"
+[ "$("$radctl" --coordinator="$sock" --json jobs | grep -c '"job"')" -eq 0 ] ||
+    fail "--dry-run made a job"
+kill "$worker" "$coord"
+wait
+
+# shellcheck disable=SC2086
+expect 69 "" "no coordinator" "$radsubmit" --coordinator="$work/none.sock" \
+    --wait=1 --dry-run $view "$room"
+expect 64 "--dry-run" "--detach too" "$radsubmit" --dry-run --detach "$room"
+echo 'void plastic p 0 0 1 .5' >bad.rad
+expect 65 "bad.rad:1" "a bad scene" "$radsubmit" --dry-run bad.rad
+check_nothing_left "--dry-run"
+finish
