@@ -186,6 +186,41 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
     rad_ray_absorb(ctx, sr);
 }
 
+/* Is a hit before the mirror, if the source is an image?  Behind a prism a ray
+ * to its image could pass that and meet the prism then. */
+static bool
+may_show(const struct rad_sources *s, int32_t source, const struct rad_hit *at)
+{
+    return source < s->n ||
+           rad_virtual_faces(&s->virtuals[source - s->n], at->p, at->err);
+}
+
+/* The image v of a source is looked at in direction dir, and its mirror met at
+ * hit; do the mirrors behind lead to the source from there?  Nothing is asked
+ * of what may be in the way. */
+static bool
+leads_there(struct rad_ctx *ctx, const struct rad_virtual *v,
+            const double dir[3], const struct rad_hit *hit)
+{
+    const struct rad_sources *s = ctx->job->sources;
+    struct rad_hit at = *hit, next;
+    struct rad_span span;
+    double d[3], turned[3];
+
+    rad_copy(d, dir);
+    for (int32_t from = v->from;; from = s->virtuals[from - s->n].from) {
+        rad_madd(turned, d, -2 * rad_dot(d, at.n), at.n);
+        rad_normalize(turned);
+        if (!may_show(s, from, &at) ||
+            !meet_target(ctx, &at, from, turned, &span, &next))
+            return false;
+        if (from < s->n)
+            return true;
+        rad_copy(d, turned);
+        at = next;
+    }
+}
+
 /* What the source, met at hit, sends along p's span. */
 static struct rad_rgb
 source_radiance(const struct direct *d, const struct potential *p,
@@ -197,8 +232,16 @@ source_radiance(const struct direct *d, const struct potential *p,
 
     if (p->source < s->n && s->list[p->source].flags & RAD_LIGHT_PLAIN)
         src = &s->list[p->source];
-    if (src && rad_rgb_black(d->r->ext))
-        return src->L;
+    if (rad_rgb_black(d->r->ext)) {
+        const struct rad_virtual *v =
+            p->source < s->n ? NULL : &s->virtuals[p->source - s->n];
+
+        if (src)
+            return src->L;
+        if (v && v->plain)
+            return leads_there(d->ctx, v, p->span.dir, hit) ? v->L
+                                                            : rad_grey(0);
+    }
     if (!start_ray(d, p, &sr))
         return rad_grey(0);
     if (src) {
@@ -333,15 +376,6 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
     default:
         return true;
     }
-}
-
-/* Is a hit before the mirror, if the source is an image?  Behind a prism a ray
- * to its image could pass that and meet the prism then. */
-static bool
-may_show(const struct rad_sources *s, int32_t source, const struct rad_hit *at)
-{
-    return source < s->n ||
-           rad_virtual_faces(&s->virtuals[source - s->n], at->p, at->err);
 }
 
 void

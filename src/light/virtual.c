@@ -13,6 +13,7 @@
 #include "base/vec.h"
 #include "scene/part.h"
 #include "shade/emitter.h"
+#include "shade/mirror.h"
 #include "shade/prism.h"
 
 #include <stdlib.h>
@@ -376,6 +377,42 @@ set_spread(struct rad_virtual *v, const struct rad_source *root)
     v->spread = asin(rad_least(v->spread / sqrt(rad_dot(centre, centre)), 1));
 }
 
+/* How far the places where a cone of half angle a about dir, whose cosine to
+ * the plane is c, meets a plane at distance 1 may lie from where dir does;
+ * INFINITY: any distance. */
+static double
+cone_slack(double c, double a)
+{
+    double least = c * cos(a) - sqrt(rad_most(1 - c * c, 0)) * sin(a);
+
+    return least > 0 ? 1 / least - 1 / c + a / least : INFINITY;
+}
+
+/* What rad_virtual_shows() needs of a distant image. */
+static void
+set_slack(struct rad_virtual *v)
+{
+    double c = -rad_dot(v->normal, v->image);
+
+    v->along = 1 / c;
+    v->loose = cone_slack(c, v->spread);
+}
+
+/* What it shows, where that is one colour. */
+static void
+set_radiance(const struct rad_job *job, struct rad_virtual *v)
+{
+    const struct rad_virtual *from = virtual_of(job->sources, v->from);
+    const struct rad_source *root = root_of(job->sources, v->from);
+    struct rad_rgb color;
+
+    v->plain = !v->bend &&
+               (from ? from->plain : root->flags & RAD_LIGHT_PLAIN) &&
+               rad_mirror_plain(job, v->mirror, &color);
+    if (v->plain)
+        v->L = rad_rgb_mul(from ? from->L : root->L, color);
+}
+
 static int
 add_image(struct maker *mk, int32_t from, const struct mirror *m, int way,
           const struct fold *f, struct rad_error *err)
@@ -415,6 +452,8 @@ add_image(struct maker *mk, int32_t from, const struct mirror *m, int way,
     v->way = way;
     v->bend = bend;
     set_spread(v, root_of(s, from));
+    set_slack(v);
+    set_radiance(mk->job, v);
     return 0;
 }
 
@@ -744,17 +783,6 @@ rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
     return rad_dot(v->normal, p) - v->offset > err;
 }
 
-/* How far the places where a cone of half angle a about dir, whose cosine to
- * the plane is c, meets a plane at distance k may lie from where dir does;
- * INFINITY: any distance. */
-static double
-cone_slack(double k, double c, double a)
-{
-    double least = c * cos(a) - sqrt(rad_most(1 - c * c, 0)) * sin(a);
-
-    return least > 0 ? k / least - k / c + k / least * a : INFINITY;
-}
-
 /* The same for what leads to a ball of radius r, whose centre is at distance
  * behind on the other side and d from the cone's point. */
 static double
@@ -778,9 +806,8 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     double k = rad_dot(v->normal, p) - v->offset, at[3], d[3], slack, c;
 
     if (s->list[v->root].flags & RAD_LIGHT_DISTANT) {
-        c = -rad_dot(v->normal, v->image);
-        slack = cone_slack(k, c, v->spread);
-        rad_madd(at, p, k / c, v->image);
+        slack = k * v->loose;
+        rad_madd(at, p, k * v->along, v->image);
     } else {
         c = v->offset - rad_dot(v->normal, v->image);
         rad_sub(d, v->image, p);

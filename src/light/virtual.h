@@ -29,6 +29,9 @@ struct rad_virtual {
     int32_t from;   /* source or image that the mirror relays */
     int32_t root;   /* source at the end of the way */
     bool sure;      /* nothing between the mirror and the source (-dp) */
+    bool plain;     /* L is what it shows wherever the way is free: the source
+                     * is RAD_LIGHT_PLAIN and all mirrors of one colour */
+    struct rad_rgb L;
     double normal[3], offset;    /* of the mirror: before it n.p > offset */
     double turn[3][3], move[3];  /* p to where the source sees it from:
                                   * turn p + move; turn is orthogonal where
@@ -37,6 +40,10 @@ struct rad_virtual {
     double spread;               /* radius of a ball about it that holds it;
                                   * distant: half angle [rad] */
     double middle[3], extent;    /* of a disk that holds the mirror */
+    double along, loose;         /* of a distant image, by distance to the
+                                  * mirror's plane: how far away the image's
+                                  * centre is seen in it, and how far from
+                                  * there any of the image may be */
     int32_t way;                 /* of a prism: which (shade/prism.h) */
     const struct rad_bend *bend; /* NULL: mirrors alone */
 };
