@@ -538,11 +538,36 @@ START_TEST(spot_keeps_to_its_cone)
     double bare = irradiance(&src, in, up, 0, NULL), d = sqrt(5);
 
     src.flags |= RAD_LIGHT_SPOT;
+    rad_light_set_apex(&src);
     ck_assert_double_eq_tol(irradiance(&src, in, up, 0, NULL),
                             bare * d * d / ((d + 2) * (d + 2)), 1e-12);
     ck_assert_double_eq(irradiance(&src, out, up, 0, NULL), 0);
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 0, 0, 0, 1 }));
     ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 9, 0, 0, 0 }));
+}
+END_TEST
+
+START_TEST(what_a_cone_cannot_light_is_known_early)
+{
+    static const double a[7] = { 1, 1, 1, 60, .3, 0, -2 };
+    struct rad_source src;
+    int lit = 0;
+
+    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .5 }, 8);
+    ck_assert(rad_spot_init(&src.spot, a));
+    src.flags |= RAD_LIGHT_SPOT;
+    for (int i = 0; i < 3000; i++) {
+        double p[3] = { .002 * i - 3, .0007 * (i % 200), .0006 * i };
+
+        src.apex = INFINITY;
+        double E = irradiance(&src, p, up, .1, NULL);
+
+        rad_light_set_apex(&src);
+        ck_assert_double_eq(irradiance(&src, p, up, .1, NULL), E);
+        lit += E > 0;
+    }
+    ck_assert_int_gt(lit, 500);
+    ck_assert_int_lt(lit, 2500);
 }
 END_TEST
 
@@ -848,6 +873,7 @@ make_suite(void)
     tcase_add_test(tc, flat_light_has_a_dark_side);
     tcase_add_test(tc, scale_changes_nothing);
     tcase_add_test(tc, spot_keeps_to_its_cone);
+    tcase_add_test(tc, what_a_cone_cannot_light_is_known_early);
     tcase_add_test(tc, no_area_and_cones_are_no_light);
     suite_add_tcase(s, tc);
     tc = tcase_create("shadows");

@@ -965,6 +965,29 @@ is_quad(const struct rad_source *src)
 }
 
 void
+rad_light_set_apex(struct rad_source *src)
+{
+    double c = 1 - src->spot.omega / (2 * M_PI); /* cosine of the half angle */
+
+    src->apex = c > 0 ? src->radius / sqrt(1 - c * c) : INFINITY;
+}
+
+/* Is a point, at d from the centre, outside of any light of a spotlight?  By
+ * more than rounding: samples tell the rest. */
+static bool
+spot_misses(const struct rad_source *src, const double d[3])
+{
+    double c = 1 - src->spot.omega / (2 * M_PI), a = src->apex, along, dist2;
+
+    if (!(a < INFINITY))
+        return false;
+    along = rad_dot(d, src->spot.aim);
+    dist2 = rad_dot(d, d) + (2 * along + a) * a;
+    along += a;
+    return along <= 0 ? dist2 > 0 : along * along < c * c * dist2 * (1 - 1e-9);
+}
+
+void
 rad_light_samples(const struct rad_source *src,
                   const struct rad_light_view *view, rad_light_fn *fn,
                   void *arg)
@@ -984,6 +1007,8 @@ rad_light_samples(const struct rad_source *src,
         if (rad_dot(d, d) > far * far)
             return;
     }
+    if (src->flags & RAD_LIGHT_SPOT && spot_misses(src, d))
+        return;
     if (src->shape == RAD_SPHERE) {
         sphere_sample(&w);
         return;

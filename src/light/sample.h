@@ -61,10 +61,16 @@ struct rad_source {
                            * solid angle [sr] */
     double reach;         /* of a glow [scene units] */
     struct rad_spot spot;
+    double apex;             /* of a spotlight: a cone as wide as its own that
+                              * begins so far behind the centre holds all that
+                              * any of it lights; INFINITY: no cone does */
     struct rad_rgb L;        /* where RAD_LIGHT_PLAIN */
     struct rad_moments root; /* of the whole, but sphere and distant ones */
     const struct rad_polytree *tree; /* polygons that are no parallelogram */
 };
+
+/* Set src->apex; its shape and spot are set. */
+void rad_light_set_apex(struct rad_source *src);
 
 /* Set the shape of *src from a surface of the scene.  Triangulations go to
  * arena.  Returns 0, or 1 if the surface has no area and so gives no light, or

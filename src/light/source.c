@@ -62,6 +62,7 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     }
     if (em->type == RAD_SPOTLIGHT) {
         src->flags |= RAD_LIGHT_SPOT;
+        rad_light_set_apex(src);
         if (src->flags & RAD_LIGHT_FLAT &&
             !spot_shines(&src->spot, src->normal))
             src->flags |= RAD_LIGHT_SKIP;
