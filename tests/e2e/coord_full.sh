@@ -109,7 +109,8 @@ kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "a full coordinator ends with $?"
 make_some_room
 make_room
-"$radcoord" --listen="$tcp" --socket="$sock" --state="$work/state" 2>>c.log &
+"$radcoord" --listen="$tcp" --keys="$work/keys" \
+    --socket="$sock" --state="$work/state" 2>>c.log &
 coord_pid=$!
 wait $job || fail "last: $(cat last.err)"
 cmp alone.hdr last.hdr || fail "the picture of another life differs"
