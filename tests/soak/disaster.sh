@@ -95,7 +95,7 @@ run()
         }
         sleep .01
     done
-    wait $job || fail "$point: $(cat submit.err)"
+    wait $job || fail "$point: radsubmit ended with $?: $(cat submit.err)"
     # shellcheck disable=SC2154 # worker_1 is set with eval
     kill $worker_1 $worker_2
     wait $worker_1 $worker_2
