@@ -123,10 +123,8 @@ on_connection(uv_stream_t *server, int status)
     if (status < 0)
         return;
     stream = conn_stream_new(server->loop, l->local);
-    if (!stream) {
-        log_err("connection refused on=%s: out of memory", l->text);
-        return;
-    }
+    if (!stream) /* what is not taken stands in the way of all after it */
+        service_out_of_memory();
     if (uv_accept(server, stream) < 0) {
         conn_stream_close(stream);
         return;

@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <openssl/crypto.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,9 +106,35 @@ need_calloc(size_t n, size_t size)
     return need(calloc(n, size));
 }
 
+/* libcrypto's, which tells where it stands */
+static void *
+crypto_malloc(size_t n, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    return n > 0 ? need_malloc(n) : NULL;
+}
+
+static void *
+crypto_realloc(void *p, size_t n, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    return need_realloc(p, n);
+}
+
+static void
+crypto_free(void *p, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    free(p);
+}
+
 void
 service_catch_no_memory(void)
 {
+    CRYPTO_set_mem_functions(crypto_malloc, crypto_realloc, crypto_free);
     uv_replace_allocator(need_malloc, need_realloc, need_calloc, free);
 }
 

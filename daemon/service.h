@@ -27,8 +27,8 @@ bool service_credential(const char *name, char *path, size_t size);
 /* End at once with EX_OSERR: for what cannot fail and has no memory.  Nothing
  * that was acknowledged is lost by it. */
 _Noreturn void service_out_of_memory(void);
-/* The same for what libuv allocates, which would abort; before its first use.
- */
+/* The same for what libuv and libcrypto allocate, which abort or crash in
+ * places; before their first use. */
 void service_catch_no_memory(void);
 
 /* Write lines to path, whole: a temporary file is renamed over it.

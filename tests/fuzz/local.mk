@@ -14,6 +14,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
+	tests/fuzz/fuzz_journal \
 	tests/fuzz/fuzz_keyfile \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
@@ -91,6 +92,10 @@ tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_frame_SOURCES = tests/fuzz/fuzz_frame.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_frame_LDADD = $(LIBPROTO) $(LIBRAD)
 tests_fuzz_fuzz_frame_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_journal_SOURCES = tests/fuzz/fuzz_journal.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_journal_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_journal_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_session_SOURCES = tests/fuzz/fuzz_session.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_session_LDADD = $(LIBDAEMON) $(LIBRAD)
