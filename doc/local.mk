@@ -6,6 +6,7 @@ dist_doc_DATA = \
 	README.md \
 	doc/accuracy.md \
 	doc/architecture.md \
+	doc/operations.md \
 	doc/performance.md \
 	doc/protocol.md \
 	doc/security.md
