@@ -363,7 +363,14 @@ answer_ping(struct conn *c, const struct msg *ping)
 static void
 garbage(struct conn *c, const struct rad_error *err)
 {
-    log_warn("protocol error peer=%s: %s", c->peer, err->what);
+    struct log_limit *limit = c->handler->errors;
+    unsigned dropped = 0;
+
+    if (!limit || log_allowed(limit, uv_now(c->timer.loop), &dropped)) {
+        if (dropped > 0)
+            log_warn("protocol errors not logged n=%u", dropped);
+        log_warn("protocol error peer=%s: %s", c->peer, err->what);
+    }
     end(c, CONN_BROKE_PROTOCOL);
 }
 

@@ -25,6 +25,7 @@
 
 #include "address.h"
 #include "frame.h"
+#include "log.h"
 #include "tls.h"
 
 #include <stdbool.h>
@@ -67,6 +68,7 @@ struct conn_handler {
     void (*closed)(void *arg, struct conn *c, const char *why);
     /* n bytes have been written; may be NULL. */
     void (*written)(void *arg, struct conn *c, size_t n);
+    struct log_limit *errors; /* on lines about bad bytes; NULL: none */
 };
 
 /* Take an open stream, and its session (NULL: a Unix socket), and read from

@@ -845,6 +845,21 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
 }
 
 void
+coord_expel(struct coord *c, uint64_t now_ms, const char *name)
+{
+    struct coord_worker *w = c->workers;
+
+    c->now_ms = now_ms;
+    while (w && strcmp(w->name, name) != 0)
+        w = w->next;
+    if (!w)
+        return;
+    for (size_t i = 0; i < c->njobs; i++)
+        if (!job_over(c->jobs[i]))
+            sched_drop_peer(c, c->jobs[i], w);
+}
+
+void
 coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;

@@ -105,6 +105,10 @@ void coord_picture_written(struct coord *c, uint64_t now_ms,
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
                     const char *text);
 
+/* The worker of that name is no longer welcome: the others of its jobs are told
+ * to have no more to do with it.  Its connection is the shell's to close. */
+void coord_expel(struct coord *c, uint64_t now_ms, const char *name);
+
 /* Time passes; call it about every 100 ms. */
 void coord_tick(struct coord *c, uint64_t now_ms);
 

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HOST 17 /* bytes that stand for a host: its family, then its address   \
-                 */
+#define HOST 17 /* bytes that stand for a host: family, address */
 
 struct visitor {
     struct visitor *next; /* a later one */

@@ -184,8 +184,10 @@ peer_introduce(struct worker *w, struct wjob *job,
         const struct msg_peer *in = &m->peers[i];
         struct wpeer *p = find_named(job, in->name);
 
-        if (p) /* it is new again */
+        if (p) /* it is new again, or no longer welcome */
             free_peer(w, job, p);
+        if (in->flags & MSG_PEER_DROP)
+            continue;
         p = calloc(1, sizeof *p);
         if (!p) {
             w->actions.failed = true;

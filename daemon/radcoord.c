@@ -140,6 +140,20 @@ out_of_memory(void *arg)
 
 /* --- keys --- */
 
+/* Why the key of a connection is no longer good; then its worker's friends
+ * hear of it, too. */
+static const char *
+key_fault(void *arg, const char *id)
+{
+    struct radcoord *r = arg;
+    const char *fault = keyring_fault(r->keys, id);
+    struct key k;
+
+    if (fault && key_id_parse(id, &k) && k.role == MSG_ROLE_WORKER)
+        coord_expel(r->coord, now(r), k.name);
+    return fault;
+}
+
 /* Take the file over as it is now, and let those go whose key it ends. */
 static int
 reload_keys(struct radcoord *r, struct rad_error *err)
@@ -148,7 +162,7 @@ reload_keys(struct radcoord *r, struct rad_error *err)
 
     if (rc < 0)
         return rc;
-    shell_drop_keys(&r->shell, keyring_fault, r->keys);
+    shell_drop_keys(&r->shell, key_fault, r);
     keyring_settle(r->keys);
     return 0;
 }
@@ -176,7 +190,7 @@ look_after_keys(struct radcoord *r)
         log_info("key file changed");
         reload_keys_or_say(r);
     } else {
-        shell_drop_keys(&r->shell, keyring_fault, r->keys);
+        shell_drop_keys(&r->shell, key_fault, r);
     }
 }
 

@@ -796,7 +796,7 @@ on_written(void *arg, struct conn *c, size_t n)
 }
 
 static const struct conn_handler handler = { on_message, on_closed,
-                                             on_written };
+                                             on_written, NULL };
 
 /* --- the process --- */
 

@@ -718,6 +718,21 @@ introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
     }
 }
 
+void
+sched_drop_peer(struct coord *c, const struct job *job,
+                const struct coord_worker *w)
+{
+    const uint8_t none[MSG_TOKEN] = { 0 };
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *o = job->workers[i].worker;
+
+        if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
+            send_peer(c, o, job->id,
+                      &(struct msg_peer){ w->name, "", none, MSG_PEER_DROP });
+    }
+}
+
 /* --- messages of workers --- */
 
 static bool

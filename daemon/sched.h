@@ -95,6 +95,9 @@ void sched_run(struct coord *c);
 
 /* Time has passed. */
 void sched_tick(struct coord *c);
+/* Tell the other workers of a job to have no more to do with this one. */
+void sched_drop_peer(struct coord *c, const struct job *job,
+                     const struct coord_worker *w);
 
 /* Messages of workers. */
 void sched_ready(struct coord *c, struct coord_worker *w,

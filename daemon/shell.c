@@ -86,9 +86,6 @@ on_written(void *arg, struct conn *c, size_t n)
     shell_run(s);
 }
 
-static const struct conn_handler handler = { on_message, on_closed,
-                                             on_written };
-
 void
 shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
            void *arg)
@@ -97,6 +94,8 @@ shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
     s->loop = loop;
     s->ops = ops;
     s->arg = arg;
+    s->handler = (struct conn_handler){ on_message, on_closed, on_written,
+                                        &s->errors };
 }
 
 uint64_t
@@ -118,7 +117,7 @@ shell_add(struct shell *s, uint64_t id, uv_stream_t *stream, struct tls *tls,
     }
     l->shell = s;
     l->id = id;
-    l->conn = conn_new(stream, tls, session, peer, &handler, l);
+    l->conn = conn_new(stream, tls, session, peer, &s->handler, l);
     if (!l->conn) {
         free(l);
         return false;

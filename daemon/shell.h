@@ -36,6 +36,8 @@ struct shell {
     struct shell_link *gone;                 /* closed, not told yet */
     uint64_t next_id;
     bool running;
+    struct conn_handler handler; /* of all connections */
+    struct log_limit errors;
 };
 
 void shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,

@@ -686,7 +686,8 @@ msg_unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
         p[i].address = wire_get_str(in, MSG_MAX_ADDRESS);
         p[i].token = wire_get_view(in, MSG_TOKEN);
         p[i].flags = wire_get_u32(in);
-        msg_must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE));
+        msg_must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE) ||
+                         p[i].flags == MSG_PEER_DROP);
     }
 }
 

@@ -481,6 +481,7 @@ struct msg_estimated {
 
 #define MSG_PEER_DIAL (1u << 0) /* you dial; else wait for its call */
 #define MSG_PEER_GIVE (1u << 1) /* send it all that your cache holds */
+#define MSG_PEER_DROP (1u << 2) /* have no more to do with it; alone */
 
 struct msg_peer {
     const char *name, *address;

@@ -62,7 +62,7 @@ on_written(void *arg, struct conn *c, size_t n)
 }
 
 static const struct conn_handler handler = { on_message, on_closed,
-                                             on_written };
+                                             on_written, NULL };
 
 static void
 open_ends(struct ends *e, enum msg_session session)

@@ -548,6 +548,22 @@ START_TEST(records_go_to_peers_and_from_peers_to_the_child)
 }
 END_TEST
 
+START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
+{
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    child_records(0);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+    introduce(MSG_PEER_DROP);
+    child_records(0);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+    introduce(MSG_PEER_DROP); /* and again: there is none */
+}
+END_TEST
+
 static void
 peer_says_hello(uint64_t conn, const uint8_t *its_token)
 {
@@ -893,6 +909,7 @@ main(void)
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
     tcase_add_test(tc, a_child_that_gives_up_is_reported);
     tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
+    tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_refusal_ends_it_with_the_status);

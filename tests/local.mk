@@ -237,6 +237,10 @@ tests_check_quincunx_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_quincunx_LDADD = $(UNIT_LIBS)
 
 # sends bytes to a socket, for the shell tests
+check_PROGRAMS += tests/flood
+tests_flood_SOURCES = tests/flood.c
+tests_flood_LDADD = $(LIBDAEMON) $(LIBRAD)
+
 check_PROGRAMS += tests/poke
 tests_poke_SOURCES = tests/poke.c
 tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)

@@ -4,6 +4,7 @@
 # its top.
 SOAK = \
 	tests/soak/disaster.sh \
+	tests/soak/garbage.sh \
 	tests/soak/partition.sh \
 	tests/soak/standstill.sh \
 	tests/soak/storm.sh
