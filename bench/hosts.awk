@@ -1,8 +1,9 @@
 # hosts.awk - the tables of hosts.sh, from the lines of its runs
 #
 # Reads two files: what was simulated, in lines of table, row, workers and
-# seconds; and the runs: table, row, workers, then what stats.awk tells.  Variables: tables,
-# workers, windows as hosts.sh has them; share: workstations of the first
+# seconds; and the runs: table, row, workers, then what stats.awk tells, and how
+# fast the machine was, as a multiple of its speed at the first run.  Variables:
+# tables, workers, windows as hosts.sh has them; share: workstations of the first
 # table; most: of the table of estimates; frames of the animation.
 function median(key, field,   n, i, j, t, v)
 {
@@ -216,11 +217,21 @@ FILENAME ~ /simulated$/ {
     n = ++count[key]
     for (i = 4; i <= NF; i++)
         what[key, n, i - 3] = $i
+    # as if it had been made at the speed of the first
+    what[key, n, 1] *= $NF
+    what[key, n, 2] *= $NF
+    what[key, n, 8] *= $NF
+    if (!least || $NF < least)
+        least = $NF
+    if ($NF > most_speed)
+        most_speed = $NF
 }
 END {
     nworkers = split(workers, worker, " ")
     nwindows = split(windows, window, " ")
     base = median("base auto 1", 1)
+    printf "The machine was %.2f to %.2f times as fast as at first; seconds" \
+        " are as at that speed.\n", least, most_speed
     printf "One worker: %s s, %s million rays\n", show("%.2f", base),
         show("%.3f", times(median("base auto 1", 3), 1e-6))
     n = split(tables, table, ",")

@@ -7,7 +7,7 @@
 #  9 base_line_bytes 10 base_line_pixels (- where the file has none)
 # 11 units           12, 13 correlation of the units' estimates with their
 # cpu_s and with their rays (- where estimates do not differ)
-# 14 render_s
+# 14 render_s        15 processor time of all units [s]
 # The file is as jansson writes it with an indent of 1: a key a line.
 function number(line)
 {
@@ -56,8 +56,8 @@ section == "units" && /"estimate"/ { e = number($0) }
 section == "units" && /"cpu_s"/ { c = number($0) }
 section == "units" && /^  }/ { end_unit() }
 END {
-    printf "%s %.6g %.6g %.0f %.0f %.0f %.0f %.6g %.6g %s %s %d %s %s %.6g\n",
+    printf "%s %.6g %.6g %.0f %.0f %.0f %.0f %.6g %.6g %s %s %d %s %s %.6g %.6g\n",
         head, wall, estimate, rays, primary, speculative, values, redundant,
         wait, line_bytes, line_pixels, units, correlation(sc, scc, sec),
-        correlation(sr, srr, ser), render
+        correlation(sr, srr, ser), render, sc
 }
