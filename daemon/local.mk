@@ -42,6 +42,10 @@ libdaemon_a_SOURCES = \
 	daemon/handoff.c \
 	daemon/handshake.c \
 	daemon/handshake.h \
+	daemon/hours.c \
+	daemon/hours.h \
+	daemon/idle.c \
+	daemon/idle.h \
 	daemon/job.c \
 	daemon/job.h \
 	daemon/jobtext.c \

@@ -98,6 +98,7 @@ struct worker {
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;
+    bool away; /* by worker_allow() */
     uint64_t next_conn;
     uint32_t next_peer;
     uint64_t progress;

@@ -673,6 +673,8 @@ start(void *arg, struct rad_error *err)
     uv_timeval64_t wall;
 
     shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    if (!r->set.keys[0]) /* systemd's, if it has one */
+        service_credential("keys", r->set.keys, sizeof r->set.keys);
     if (keyring_open(&r->keys, r->set.keys, err) < 0)
         return err->code;
     uv_gettimeofday(&wall);

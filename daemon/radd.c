@@ -7,6 +7,8 @@
 #include "children.h"
 #include "daemon.h"
 #include "dial.h"
+#include "hours.h"
+#include "idle.h"
 #include "keyfile.h"
 #include "listen.h"
 #include "log.h"
@@ -38,6 +40,8 @@ struct settings {
     int nice;
     int pixel_s;
     int load_s;
+    char hours[CONF_TEXT];
+    bool idle_only;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -63,6 +67,10 @@ static const struct conf_key keys[] = {
       "most processor time of a pixel [s]; 0: no limit", true },
     { "load_s", CONF_INT_KEY, FIELD(load_s), 1, 1 << 20, "3600", "N",
       "longest that a job's process may load, or say nothing [s]", true },
+    { "hours", CONF_TEXT_KEY, FIELD(hours), 0, 0, "", "TIMES",
+      "when to work, as 'mon-fri 19:00-07:00, sat, sun' (always)", true },
+    { "idle_only", CONF_BOOL_KEY, FIELD(idle_only), 0, 0, "no", "",
+      "work only while nobody uses the machine", true },
     { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
       "required: render nothing where the kernel has no seccomp", false },
     DAEMON_KEYS,
@@ -78,6 +86,7 @@ static int
 check_settings(const void *settings, struct rad_error *err)
 {
     const struct settings *s = settings;
+    struct hours hours;
 
     if (strlen(s->name) > MSG_MAX_NAME)
         return rad_fail(err, RAD_EUSAGE, "name longer than %d bytes",
@@ -87,6 +96,12 @@ check_settings(const void *settings, struct rad_error *err)
                         "sandbox is 'auto' or 'required', "
                         "not '%s'",
                         s->sandbox);
+    if (hours_parse(s->hours, &hours, err) < 0)
+        return err->code;
+    if (s->idle_only && s->nice == 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "idle_only needs nice above 0: what gives way is told "
+                        "from what others use by that");
     if (!s->listen[0] || !s->coordinator[0])
         return rad_fail(err, RAD_EUSAGE, "'%s' is not set",
                         s->listen[0] ? "coordinator" : "listen");
@@ -112,6 +127,9 @@ struct radd {
     struct store *store;
     struct shell shell;
     struct children children;
+    struct hours hours; /* by set.hours */
+    struct idle idle;
+    uint64_t hours_ms; /* when it was last asked whether to work */
     struct worker *worker;
 };
 
@@ -421,11 +439,35 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 
 /* --- start and end --- */
 
+/* May it work now? */
+static bool
+may_work(struct radd *r)
+{
+    time_t t = time(NULL);
+    struct tm tm;
+
+    if (!localtime_r(&t, &tm) ||
+        !hours_open(&r->hours, tm.tm_wday, 60 * tm.tm_hour + tm.tm_min))
+        return false;
+    return !r->set.idle_only || !idle_look(&r->idle, now(r));
+}
+
+/* Every few seconds, or at once. */
+static void
+look_at_clock(struct radd *r, bool at_once)
+{
+    if (!at_once && now(r) - r->hours_ms < IDLE_LOOK_MS)
+        return;
+    r->hours_ms = now(r);
+    worker_allow(r->worker, now(r), may_work(r));
+}
+
 static void
 on_tick(void *arg)
 {
     struct radd *r = arg;
 
+    look_at_clock(r, false);
     worker_tick(r->worker, now(r));
     balance_flow(r);
     shell_run(&r->shell);
@@ -449,6 +491,9 @@ on_reload(void *arg)
     r->children.conf.nice = r->set.nice;
     r->children.conf.pixel_s = r->set.pixel_s;
     worker_set_limits(r->worker, (unsigned)r->set.load_s);
+    hours_parse(r->set.hours, &r->hours, NULL);
+    look_at_clock(r, true);
+    shell_run(&r->shell);
 }
 
 static int
@@ -552,6 +597,8 @@ start(void *arg, struct rad_error *err)
     r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
     if (!r->dialler)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (!r->set.key[0]) /* systemd's, if it has one */
+        service_credential("key", r->set.key, sizeof r->set.key);
     if ((rc = read_key(r, err)) < 0 || (rc = check_coordinator(r, err)) < 0)
         return rc;
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
@@ -566,6 +613,8 @@ start(void *arg, struct rad_error *err)
         rc = make_worker(r, err);
     if (rc < 0)
         return rc;
+    hours_parse(r->set.hours, &r->hours, NULL);
+    look_at_clock(r, true);
     worker_start(r->worker, now(r));
     shell_run(&r->shell);
     return 0;

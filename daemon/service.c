@@ -59,13 +59,14 @@ service_credential(const char *name, char *path, size_t size)
     int c;
 
     if (!dir || snprintf(path, size, "%s/%s", dir, name) >= (int)size)
-        return false;
-    f = fopen(path, "re");
-    if (!f)
-        return false;
-    while (!any && (c = getc(f)) != EOF)
+        dir = NULL;
+    f = dir ? fopen(path, "re") : NULL;
+    while (f && !any && (c = getc(f)) != EOF)
         any = !isspace(c);
-    fclose(f);
+    if (f)
+        fclose(f);
+    if (!any)
+        path[0] = '\0';
     return any;
 }
 

@@ -21,7 +21,8 @@ void service_notify(const char *state);
 uint64_t service_watchdog_ms(void);
 
 /* A credential that systemd handed over (LoadCredential=): its file's path,
- * and true; false where there is none, or nothing but white space in it. */
+ * and true; false and an empty path where there is none, or nothing but white
+ * space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
 /* End at once with EX_OSERR: for what cannot fail and has no memory.  Nothing

@@ -420,7 +420,7 @@ on_welcome(struct worker *w, const struct msg *m)
         tally.tally.job = job->id;
         send_coord(w, &tally);
     }
-    if (w->draining) {
+    if (w->draining || w->away) {
         struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
 
         send_coord(w, &drain);
@@ -746,6 +746,8 @@ lost_coord(struct worker *w, const char *why)
     w->nasked = 0;
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
+    while (w->away && w->jobs) /* the machine is somebody else's now */
+        end_job(w, w->jobs);
     if (w->draining)
         stop(w, 0, "");
 }
@@ -804,7 +806,8 @@ void
 worker_start(struct worker *w, uint64_t now_ms)
 {
     w->now_ms = now_ms;
-    dial(w);
+    if (!w->away)
+        dial(w);
 }
 
 void
@@ -963,6 +966,23 @@ watch_children(struct worker *w)
 }
 
 void
+worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+    w->now_ms = now_ms;
+    if (w->away != allowed)
+        return;
+    w->away = !allowed;
+    actions_log(&w->actions, ACT_INFO,
+                allowed ? "work begins" : "work ends: finishing what is begun");
+    if (allowed)
+        w->dial_ms = now_ms;
+    else if (!w->draining)
+        send_coord(w, &m);
+}
+
+void
 worker_tick(struct worker *w, uint64_t now_ms)
 {
     uint64_t ms = w->tick_ms ? now_ms - w->tick_ms : 0;
@@ -970,7 +990,7 @@ worker_tick(struct worker *w, uint64_t now_ms)
     w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
     w->tick_ms = w->now_ms = now_ms;
     watch_children(w);
-    if (w->coord == 0 && !w->stopped && now_ms >= w->dial_ms)
+    if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);
 }

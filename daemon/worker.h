@@ -90,6 +90,10 @@ void worker_hold(struct worker *w, bool held);
  * coordinator: ACT_STOP at once. */
 void worker_drain(struct worker *w, uint64_t now_ms);
 
+/* May it work?  No: it finishes the units in hand and leaves the coordinator,
+ * with no process left, and calls it again once it may. */
+void worker_allow(struct worker *w, uint64_t now_ms, bool allowed);
+
 /* Time passes; call it about every 100 ms. */
 void worker_tick(struct worker *w, uint64_t now_ms);
 

@@ -328,6 +328,36 @@ START_TEST(what_was_not_acknowledged_is_sent_again)
 }
 END_TEST
 
+START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
+{
+    struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
+    unsigned dials;
+
+    start_job();
+    child_ready();
+    unit(0);
+    worker_allow(f.w, f.now_ms, false);
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert_uint_eq(f.kills, 0);
+    rows(0, 0);
+    rows(0, 2); /* what is begun is finished */
+    ck_assert_int_eq(f.last.type, MSG_RESULT);
+    hear(f.coord, &bye);
+    ck_assert(!f.stopped);
+    worker_closed(f.w, f.now_ms, f.coord, "closed");
+    carry_out();
+    ck_assert_uint_eq(f.kills, 1); /* and nothing stays */
+    dials = f.dials;
+    for (int i = 0; i < 100; i++)
+        tick(1000);
+    ck_assert_uint_eq(f.dials, dials);
+    worker_allow(f.w, f.now_ms, true);
+    tick(100);
+    ck_assert_uint_eq(f.dials, dials + 1);
+}
+END_TEST
+
 START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
 {
     struct msg ack = { .type = MSG_ACK, .ack = { job_id, 0, 1, 0, 2 } };
@@ -898,6 +928,7 @@ main(void)
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
+    tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);
     tcase_add_test(tc, what_is_kept_is_counted_until_it_is_acknowledged);
     tcase_add_test(tc, a_child_that_is_held_does_not_hang);
     tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);

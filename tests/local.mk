@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/check_handoff \
 	tests/check_hdr \
 	tests/check_hostile \
+	tests/check_idle \
 	tests/check_keyfile \
 	tests/check_message \
 	tests/check_metric \
@@ -289,6 +290,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radctl_check.sh \
+	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
@@ -316,6 +318,7 @@ TESTS += \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/radctl_check.sh \
+	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/submit_bad_input.sh \
@@ -397,6 +400,10 @@ tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
 tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_idle_SOURCES = tests/check_idle.c tests/unit.h
+tests_check_idle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_idle_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_sandbox_SOURCES = tests/check_sandbox.c tests/unit.h
 tests_check_sandbox_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -1,0 +1,42 @@
+#!/bin/sh
+# radd_hours.sh - a worker is there in its hours, and leaves after them with
+# nothing left running
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+expect 64 "not 'never'" 'no hours' "$radd" --hours=never
+expect 64 'idle_only needs nice' 'no nice' "$radd" --idle-only --nice=0
+
+hour=$(date +%H)
+hour=${hour#0}
+cat >later <<EOF
+hours = $(((hour + 2) % 24))-$(((hour + 3) % 24))
+EOF
+echo 'hours = 0-24' >always
+
+cp later radd.conf
+worker_options=--config=$work/radd.conf
+coord_start
+worker_start 1 1
+sleep 1
+n_workers 0 || fail "it works before its hours"
+cp always radd.conf
+kill -HUP "$pid_1"
+until_true 10 n_workers 1 || fail "it does not come in its hours"
+"$radsubmit" --coordinator="$sock" --name=job -vf "$scenes/room.vf" -x 200 \
+    -y 150 -ps 1 -ds .05 -dj 1 -ab 0 --partition=window --windows=60 \
+    -o job.hdr "$scenes/room.rad" 2>job.err &
+job=$!
+until_true 30 in_the_middle job || fail "the job does not start"
+cp later radd.conf
+kill -HUP "$pid_1"
+until_true 20 grep -q 'work ends' w1.log || fail "it does not end its work"
+until_true 20 no_child 1 || fail "a child stays after the hours"
+gone "$pid_1" && fail "the worker is gone"
+gone $job && fail "the job is over: $(cat job.err)"
+cp always radd.conf
+kill -HUP "$pid_1"
+wait $job || fail "the job: $(cat job.err)"
+cluster_stop
+finish
