@@ -150,7 +150,7 @@ end(struct render *r, int status)
     r->link = NULL;
 }
 
-/* A pixel that takes so long never ends. */
+/* A pixel that takes so long never ends: say so, and no more. */
 static void
 watch(struct render *r)
 {
@@ -163,7 +163,10 @@ watch(struct render *r)
              "the pixel at x %d, y %d took more than %d s of a processor", x, y,
              r->pixel_s);
     send_failed(r, &err);
-    end(r, rad_exit_status(err.code));
+    /* its thread would never be joined: radd ends this process */
+    uv_timer_stop(&r->drain);
+    uv_timer_stop(&r->teller);
+    uv_timer_stop(&r->ticker);
 }
 
 static void

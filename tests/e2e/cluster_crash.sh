@@ -42,7 +42,7 @@ fails()
 "$radsubmit" --local --threads=1 $view -o alone.hdr "$room" 2>stderr ||
     fail "embedded: $(cat stderr)"
 
-worker_options=--pixel-s=1
+worker_options='--pixel-s=1 --nice=0'
 cluster_start 3 1
 submit good "$room" &
 good=$!
@@ -67,14 +67,14 @@ done
 
 # one that has no memory for it is no reason to give up while others have
 submit again "$room" || fail "after that: $(cat again.err)"
-worker_options=--memory-mib=3
+worker_options='--memory-mib=3 --nice=0'
 worker_start 4 1
 until_true 30 n_workers 4 || fail "worker 4 does not come"
 submit poor "$room" || fail "beside a poor worker: $(cat poor.err)"
 cmp alone.hdr poor.hdr || fail "the picture beside a poor worker differs"
 cluster_stop
 
-worker_options=--memory-mib=3
+worker_options='--memory-mib=3 --nice=0'
 cluster_start 1 1
 submit poorer "$room" && fail "a job without memory is done"
 grep -qi 'no worker can.*memory\|no worker can.*cannot start thread' \
