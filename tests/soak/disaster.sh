@@ -6,7 +6,8 @@
 #
 # RADD_SOAK=long tries every one of them, and 100 random moments (some hours);
 # else a few are drawn from DISASTER_SEED, which is printed.  DISASTER_ONLY=
-# "KIND:N:WHAT ..." tries just these (tests/disaster.c says what they mean).
+# "KIND:N:WHAT ..." tries just these (tests/disaster.c says what they mean), with
+# DISASTER_PART=scanbar and the like, and DISASTER_HOW=detached.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -62,6 +63,39 @@ again()
     start true=true
 }
 
+# The job, by one who waits for it, and who would submit it again were it lost.
+# shellcheck disable=SC2086 # options are words
+waited()
+{
+    (cd "$reading" && exec "$radsubmit" --coordinator="$sock" $view \
+        --partition="$part" --stats="$work/out.json" -o "$work/out.hdr" \
+        room.rad)
+}
+
+# By one who goes away when it is accepted: it must be there from then on.
+# shellcheck disable=SC2086
+detached()
+{
+    id=$(cd "$reading" && "$radsubmit" --coordinator="$sock" --detach $view \
+        --partition="$part" room.rad) || return
+    while :; do
+        "$radctl" --coordinator="$sock" --json job "$id" >job.json 2>job.err
+        case $? in
+        0)
+            grep -q '"state": "done"' job.json &&
+                "$radctl" --coordinator="$sock" fetch "$id" -o out.hdr \
+                    2>job.err && "$radctl" --coordinator="$sock" --json \
+                    job "$id" >out.json 2>job.err && return
+            ;;
+        66)
+            cat job.err >&2
+            return 66
+            ;;
+        esac
+        sleep .05
+    done
+}
+
 # run POINT: one job with a disaster; $struck says whether it happened
 run()
 {
@@ -76,10 +110,7 @@ run()
             --listen=127.0.0.$k:0 --cache="$work/cache$k" 2>>w.log &
         eval "worker_$k=$!"
     done
-    # shellcheck disable=SC2086 # options are words
-    (cd "$reading" && exec "$radsubmit" --coordinator="$sock" $view \
-        --partition="$part" --stats="$work/out.json" -o "$work/out.hdr" \
-        room.rad) 2>submit.err </dev/null &
+    "$how" 2>submit.err </dev/null &
     job=$!
     tries=0
     until gone $job; do
@@ -122,6 +153,7 @@ try()
 }
 
 part=auto
+how=waited
 tried=0
 run none:0:nothing "$work/counts"
 mv out.hdr calm.hdr
@@ -135,6 +167,7 @@ n_of()
 }
 
 if [ -n "${DISASTER_ONLY:-}" ]; then
+    part=${DISASTER_PART:-auto} how=${DISASTER_HOW:-waited}
     for point in $DISASTER_ONLY; do
         try "$point"
         echo "$point: ${struck:-not reached}"
@@ -143,6 +176,7 @@ if [ -n "${DISASTER_ONLY:-}" ]; then
 fi
 if [ "${RADD_SOAK:-}" = long ]; then
     for part in auto scanbar window; do
+        [ $part = auto ] && how=detached || how=waited
         for kind in write sync name send; do
             for what in before after power fail; do
                 [ $kind.$what = send.power ] && continue
@@ -155,7 +189,7 @@ if [ "${RADD_SOAK:-}" = long ]; then
             done
         done
     done
-    part=auto
+    part=auto how=detached
     for kind in write name; do
         n=1
         while try $kind:$n:full && [ -n "$struck" ]; do
@@ -184,6 +218,7 @@ else
         any "$(n_of $kind)"
         try $kind:$((any + 1)):$what
     done
+    how=detached
     any "$(n_of send)"
     try send:$((any + 1)):after
     any 2000
