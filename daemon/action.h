@@ -78,6 +78,19 @@ struct action_rows {
     uint64_t now_ms;
 };
 
+/* Files that should be looked at before has_file is asked of them, which would
+ * wait for the disk: it takes about a second for a gigabyte.  The whole comes
+ * back when that is done, to say who asked. */
+struct action_look {
+    uint64_t conn;
+    uint32_t request;
+    uint8_t job[MSG_JOB];
+    struct msg_hashes files;
+};
+/* Are they known, or missing?  If not, the event follows later.  The files are
+ * copied.  A machine's env may have NULL for it: then all are. */
+typedef bool action_look_fn(void *arg, const struct action_look *l);
+
 enum action_level { ACT_ERR, ACT_WARN, ACT_INFO, ACT_DEBUG };
 
 struct action {

@@ -712,6 +712,16 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
 }
 
 void
+coord_looked(struct coord *c, uint64_t now_ms, const struct action_look *l)
+{
+    struct coord_conn *conn = coord_find_conn(c, l->conn);
+
+    c->now_ms = now_ms;
+    if (conn)
+        request_looked(c, conn, l);
+}
+
+void
 coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
                   const uint8_t hash[MSG_HASH])
 {

@@ -23,8 +23,9 @@ struct coord_env {
     bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
     void (*random)(void *arg, void *buf, size_t n); /* tokens of peers */
     void *arg;
-    const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
-    uint64_t epoch;      /* this life of the coordinator */
+    action_look_fn *look; /* then coord_looked; or NULL */
+    const char *program;  /* "radcoord 0.1.0"; outlives the coordinator */
+    uint64_t epoch;       /* this life of the coordinator */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
 };
@@ -84,6 +85,10 @@ void coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t conn,
 void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const uint8_t hash[MSG_HASH], int status,
                        const char *text);
+
+/* The files of an OFFER are known. */
+void coord_looked(struct coord *c, uint64_t now_ms,
+                  const struct action_look *l);
 
 /* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
  * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order. */

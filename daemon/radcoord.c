@@ -428,7 +428,17 @@ store_broken(void *arg, int status, const char *text)
     daemon_stop(&r->daemon, status);
 }
 
-static const struct store_handler store_handler = { .file = file_done,
+static void
+files_known(void *arg, const struct action_look *l)
+{
+    struct radcoord *r = arg;
+
+    coord_looked(r->coord, now(r), l);
+    shell_run(&r->shell);
+}
+
+static const struct store_handler store_handler = { .looked = files_known,
+                                                    .file = file_done,
                                                     .job = job_done,
                                                     .rows = rows_done,
                                                     .picture = picture_done,
@@ -444,6 +454,14 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
     struct radcoord *r = arg;
 
     return store_has_file(r->store, hash);
+}
+
+static bool
+look(void *arg, const struct action_look *l)
+{
+    struct radcoord *r = arg;
+
+    return store_look(r->store, l);
 }
 
 /* --- connections --- */
@@ -645,6 +663,7 @@ open_store(struct radcoord *r, struct rad_error *err)
     struct coord_env env = { .has_file = has_file,
                              .random = shell_random,
                              .arg = r,
+                             .look = look,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded };
     uint64_t epoch;

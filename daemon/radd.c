@@ -425,9 +425,27 @@ store_broken(void *arg, int status, const char *text)
     daemon_stop(&r->daemon, status);
 }
 
-static const struct store_handler store_handler = { .broken = store_broken,
+static void
+files_known(void *arg, const struct action_look *l)
+{
+    struct radd *r = arg;
+
+    worker_looked(r->worker, now(r), l);
+    shell_run(&r->shell);
+}
+
+static const struct store_handler store_handler = { .looked = files_known,
+                                                    .broken = store_broken,
                                                     .file = file_done,
                                                     .progress = chunk_done };
+
+static bool
+look(void *arg, const struct action_look *l)
+{
+    struct radd *r = arg;
+
+    return store_look(r->store, l);
+}
 
 static bool
 has_file(void *arg, const uint8_t hash[MSG_HASH])
@@ -537,6 +555,7 @@ make_worker(struct radd *r, struct rad_error *err)
     struct worker_env env = { .has_file = has_file,
                               .random = shell_random,
                               .arg = r,
+                              .look = look,
                               .program = "radd " PACKAGE_VERSION,
                               .name = r->set.name,
                               .address = listener_text(r->peers),

@@ -65,11 +65,12 @@ keep_state(struct coord *c, const struct job *job)
 
 /* --- files --- */
 
-static void
-on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
+void
+request_looked(struct coord *c, struct coord_conn *conn,
+               const struct action_look *l)
 {
-    struct msg want = { .type = MSG_WANT, .request = m->request };
-    const struct msg_hashes *f = &m->offer;
+    struct msg want = { .type = MSG_WANT, .request = l->request };
+    const struct msg_hashes *f = &l->files;
     uint8_t *list = rad_arena_alloc(&c->actions.mem, (size_t)f->n * MSG_HASH);
 
     if (!list) {
@@ -83,9 +84,20 @@ on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
             memcpy(list + (size_t)want.want.n++ * MSG_HASH, hash, MSG_HASH);
     }
     want.want.hash = list;
+    actions_send(&c->actions, conn->id, &want);
+}
+
+static void
+on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct action_look l = { .conn = conn->id,
+                             .request = m->request,
+                             .files = m->offer };
+
     if (conn->offer_ms == 0)
         conn->offer_ms = c->now_ms;
-    actions_send(&c->actions, conn->id, &want);
+    if (!c->env.look || c->env.look(c->env.arg, &l))
+        request_looked(c, conn, &l);
 }
 
 static void

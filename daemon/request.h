@@ -11,6 +11,10 @@
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
+/* The files of an OFFER are known: say which are wanted. */
+void request_looked(struct coord *c, struct coord_conn *conn,
+                    const struct action_look *l);
+
 /* What the request was about is kept: answer it. */
 void request_settled(struct coord *c, const struct coord_conn *conn,
                      uint32_t request);

@@ -82,25 +82,41 @@ compare(int fd, const uint8_t *digest)
     return strcmp(hex, wanted) == 0;
 }
 
+int
+sounds_read(const uint8_t digest[RAD_SHA_BYTES], const char *path)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int same = fd < 0 ? -1 : compare(fd, digest);
+
+    if (fd >= 0)
+        close(fd);
+    return same;
+}
+
+bool
+sounds_known(const struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
+             const char *path)
+{
+    const struct sound *known = find(s, digest);
+    struct stat st;
+
+    return stat(path, &st) < 0 || !S_ISREG(st.st_mode) ||
+           (known && unchanged(known, &st));
+}
+
 bool
 sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
              const char *path, bool *damaged)
 {
-    const struct sound *known = find(s, digest);
     struct stat st;
-    int fd, same = -1;
+    int same;
 
     *damaged = false;
     if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
         return false;
-    if (known && unchanged(known, &st))
+    if (sounds_known(s, digest, path))
         return true;
-    fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return false;
-    if (fstat(fd, &st) == 0)
-        same = compare(fd, digest);
-    close(fd);
+    same = sounds_read(digest, path);
     if (same == 1)
         note(s, digest, &st);
     *damaged = same == 0;

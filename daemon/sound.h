@@ -3,7 +3,7 @@
  * A file is named by its SHA-256.  It is read and compared with its name when
  * this process first meets it, and again when its length or time has changed.
  * Reading takes about a second for a gigabyte, once.
- * Thread: the loop's. */
+ * Thread: the loop's, but where another is named. */
 #ifndef RADD_DAEMON_SOUND_H
 #define RADD_DAEMON_SOUND_H
 
@@ -26,6 +26,14 @@ void sounds_release(struct sounds *s);
  * is another. */
 bool sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
                   const char *path, bool *damaged);
+
+/* Would sounds_check() answer at once? */
+bool sounds_known(const struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
+                  const char *path);
+
+/* Read the file at path: 1: its digest is that; 0: another; -1: that cannot be
+ * told.  Any thread. */
+int sounds_read(const uint8_t digest[RAD_SHA_BYTES], const char *path);
 
 /* The file at path has just been written, and its digest was that. */
 void sounds_note(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],

@@ -253,6 +253,117 @@ store_drop_conn(struct store *s, uint64_t conn)
     task_push(&s->queue, &d->task);
 }
 
+/* --- files that are there --- */
+
+struct look_task {
+    struct task task;
+    struct store *store;
+    struct action_look look;
+    int8_t *found; /* of each file, as sounds_read(); 2: it was known */
+    uint8_t hash[];
+};
+
+static void
+path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
+{
+    char name[RAD_SHA_HEX + 1];
+
+    blobs_name(hash, name);
+    blobs_path(&s->blobs, name, path);
+}
+
+static int
+look_run(struct task *t)
+{
+    struct look_task *l = (struct look_task *)t;
+    char path[BLOBS_PATH_MAX];
+
+    for (uint32_t i = 0; i < l->look.files.n; i++)
+        if (l->found[i] != 2) {
+            path_of(l->store, l->hash + (size_t)i * MSG_HASH, path);
+            l->found[i] =
+                (int8_t)sounds_read(l->hash + (size_t)i * MSG_HASH, path);
+        }
+    return 0;
+}
+
+static void
+remove_damaged(const char *path)
+{
+    unlink(path);
+    log_warn("file removed path=%s: it is damaged", path);
+}
+
+static void
+look_done(struct task *t)
+{
+    struct look_task *l = (struct look_task *)t;
+    struct store *s = l->store;
+    char path[BLOBS_PATH_MAX];
+
+    for (uint32_t i = 0; i < l->look.files.n; i++) {
+        const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
+
+        path_of(s, hash, path);
+        if (l->found[i] == 1)
+            sounds_note(&s->sounds, hash, path);
+        else if (l->found[i] == 0)
+            remove_damaged(path);
+    }
+    s->handler->looked(s->arg, &l->look);
+    free(l->found);
+    free(l);
+}
+
+static struct look_task *
+new_look(struct store *s, const struct action_look *from)
+{
+    size_t n = from->files.n, bytes = n * MSG_HASH;
+    struct look_task *l = new_task(s, sizeof *l + bytes, look_run, look_done);
+
+    if (!l)
+        return NULL;
+    l->found = calloc(n + 1, sizeof *l->found);
+    if (!l->found) {
+        free(l);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return NULL;
+    }
+    l->store = s;
+    l->look = *from;
+    if (n > 0)
+        memcpy(l->hash, from->files.hash, bytes);
+    l->look.files.hash = l->hash;
+    return l;
+}
+
+bool
+store_look(struct store *s, const struct action_look *from)
+{
+    struct look_task *l = new_look(s, from);
+    char path[BLOBS_PATH_MAX];
+    bool known = true;
+
+    if (!l)
+        return false; /* the daemon ends */
+    for (uint32_t i = 0; i < from->files.n; i++) {
+        const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
+
+        path_of(s, hash, path);
+        if (sounds_known(&s->sounds, hash, path))
+            l->found[i] = 2;
+        else
+            known = false;
+    }
+    if (!known) {
+        task_push(&s->queue, &l->task);
+        return false;
+    }
+    free(l->found);
+    free(l);
+    return true;
+}
+
 /* --- jobs --- */
 
 struct job_task {
@@ -1085,9 +1196,7 @@ store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
     blobs_name(hash, name);
     blobs_path(&s->blobs, name, path);
     there = sounds_check(&s->sounds, hash, path, &damaged);
-    if (damaged) {
-        unlink(path);
-        log_warn("file removed path=%s: it is damaged", path);
-    }
+    if (damaged)
+        remove_damaged(path);
     return there;
 }

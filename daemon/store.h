@@ -47,6 +47,8 @@ struct store_handler {
     /* The end of a job is kept; its folder has so many bytes. */
     void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes);
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
+    /* store_look() has looked. */
+    void (*looked)(void *arg, const struct action_look *l);
     /* The disk is full, and what writes is held; or it goes on. */
     void (*fullness)(void *arg, bool full, const char *text);
 };
@@ -95,6 +97,11 @@ const char *store_files_dir(const struct store *s);
 /* Is the file there, and is it what its name says?  A damaged one is removed;
  * see sound.h. */
 bool store_has_file(struct store *s, const uint8_t hash[MSG_HASH]);
+
+/* Is it known of each of the files, or are they missing?  If not they are read
+ * on another thread, and looked() follows; then store_has_file() answers at
+ * once. */
+bool store_look(struct store *s, const struct action_look *l);
 
 /* Append a piece of the file that `conn` sends. */
 void store_put_chunk(struct store *s, uint64_t conn,

@@ -476,6 +476,18 @@ resume_job(struct worker *w, struct wjob *job)
     send_coord(w, &ready);
 }
 
+/* Which files are here may take a while to tell. */
+static void
+look(struct worker *w, struct wjob *job)
+{
+    struct action_look l = { .files = { job->nfiles, job->files } };
+
+    memcpy(l.job, job->id, MSG_JOB);
+    job->state = WJOB_FETCHING;
+    if (!w->env.look || w->env.look(w->env.arg, &l))
+        fetch(w, job);
+}
+
 static void
 on_job_start(struct worker *w, const struct msg *m)
 {
@@ -491,7 +503,7 @@ on_job_start(struct worker *w, const struct msg *m)
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)
-        fetch(w, job);
+        look(w, job);
 }
 
 static void
@@ -893,6 +905,16 @@ void
 worker_set_limits(struct worker *w, unsigned load_s)
 {
     w->env.load_s = load_s;
+}
+
+void
+worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
+{
+    struct wjob *job = worker_find_job(w, l->job);
+
+    w->now_ms = now_ms;
+    if (job && job->state == WJOB_FETCHING)
+        fetch(w, job);
 }
 
 void

@@ -22,7 +22,8 @@ struct worker_env {
     bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
     void (*random)(void *arg, void *buf, size_t n); /* jitter */
     void *arg;
-    const char *program; /* "radd 0.1.0"; all strings outlive the worker */
+    action_look_fn *look; /* then worker_looked; or NULL */
+    const char *program;  /* "radd 0.1.0"; all strings outlive the worker */
     const char *name;
     const char *address; /* where peers dial it, as in msg_hello */
     unsigned threads;
@@ -71,6 +72,9 @@ bool worker_status_is_local(int status);
 /* The limits of worker_env have changed. */
 void worker_set_limits(struct worker *w, unsigned load_s);
 
+/* The files of a job that began are known. */
+void worker_looked(struct worker *w, uint64_t now_ms,
+                   const struct action_look *l);
 void worker_file_stored(struct worker *w, uint64_t now_ms,
                         const uint8_t hash[MSG_HASH]);
 void worker_file_failed(struct worker *w, uint64_t now_ms,

@@ -191,7 +191,11 @@ static struct fixture f;
 static void
 set_up(void)
 {
-    struct coord_env env = { has_file, no_random, &f, "radcoord", 1, false };
+    struct coord_env env = { .has_file = has_file,
+                             .random = no_random,
+                             .arg = &f,
+                             .program = "radcoord",
+                             .epoch = 1 };
 
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);

@@ -335,7 +335,11 @@ stat_of(const char *group, const char *key)
 static void
 set_up(void)
 {
-    struct coord_env env = { has_file, no_random, NULL, "radcoord", 1, false };
+    struct coord_env env = { .has_file = has_file,
+                             .random = no_random,
+                             .arg = NULL,
+                             .program = "radcoord",
+                             .epoch = 1 };
 
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);

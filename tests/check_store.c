@@ -277,7 +277,7 @@ struct heard {
     ssize_t n;
     uint64_t size;
     int broken, filed;
-    uint32_t settled;
+    uint32_t settled, looked;
     bool full;
 };
 
@@ -382,7 +382,17 @@ on_fullness(void *arg, bool full, const char *text)
     h->full = full;
 }
 
-static const struct store_handler handler = { .file = on_file,
+static void
+on_looked(void *arg, const struct action_look *l)
+{
+    struct heard *h = arg;
+
+    h->looked = l->request;
+    ck_assert_uint_eq(l->files.n, 1);
+}
+
+static const struct store_handler handler = { .looked = on_looked,
+                                              .file = on_file,
                                               .job = on_job,
                                               .rows = on_rows,
                                               .picture = on_picture,
@@ -511,6 +521,40 @@ START_TEST(store_notices_damaged_files)
         ck_assert(!store_has_file(s, digest));
         ck_assert(!store_has_file(s, digest));
     }
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
+/* Another process finds a file: it is read off the loop, once. */
+START_TEST(files_are_read_behind_the_loop)
+{
+    struct heard h = { 0 };
+    uint8_t digest[MSG_HASH];
+    struct action_look look = { .request = 7, .files = { 1, digest } };
+    char hex[RAD_SHA_HEX + 1];
+    uv_loop_t loop;
+    struct store *s;
+
+    hash_of("hello", 5, hex);
+    for (int i = 0; i < MSG_HASH; i++)
+        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert(store_look(s, &look)); /* it is missing */
+    put_file(s, "hello", "hello");
+    run(&loop, s);
+    ck_assert(store_look(s, &look)); /* it was written just now */
+    store_close(s);
+    if (_i)
+        damage(hex);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert(!store_look(s, &look));
+    ck_assert_uint_eq(h.looked, 0);
+    run(&loop, s);
+    ck_assert_uint_eq(h.looked, 7);
+    ck_assert(store_look(s, &look));
+    ck_assert(store_has_file(s, digest) == !_i);
     store_close(s);
     uv_loop_close(&loop);
 }
@@ -885,6 +929,7 @@ main(void)
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
+    tcase_add_loop_test(tc, files_are_read_behind_the_loop, 0, 2);
     tcase_add_test(tc, folder_serves_one_store);
     tcase_add_test(tc, without_a_database_jobs_go_and_files_stay);
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);

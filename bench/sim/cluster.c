@@ -536,7 +536,11 @@ void
 cluster_run(const struct cluster_spec *s, struct cluster_result *out)
 {
     struct cluster c = { .spec = s, .out = out, .job = { 7 } };
-    struct coord_env env = { has_file, random_bytes, &c, "sim", 1, false };
+    struct coord_env env = { .has_file = has_file,
+                             .random = random_bytes,
+                             .arg = &c,
+                             .program = "sim",
+                             .epoch = 1 };
 
     memset(out, 0, sizeof *out);
     c.coord = coord_new(&env);

@@ -98,7 +98,11 @@ hear(struct session *s, unsigned i, const uint8_t *p, size_t n, struct msg *m)
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct coord_env env = { has_file, no_random, NULL, "radcoord", 1, false };
+    struct coord_env env = { .has_file = has_file,
+                             .random = no_random,
+                             .arg = NULL,
+                             .program = "radcoord",
+                             .epoch = 1 };
     struct session s = { .coord = coord_new(&env), .now_ms = 1 };
     struct msg m = { 0 };
 

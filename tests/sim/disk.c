@@ -312,8 +312,12 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 void
 sim_coord_born(struct sim *s)
 {
-    struct coord_env env = { has_file,   net_bytes,  s,
-                             "radcoord", ++s->lives, s->keeps };
+    struct coord_env env = { .has_file = has_file,
+                             .random = net_bytes,
+                             .arg = s,
+                             .program = "radcoord",
+                             .epoch = ++s->lives,
+                             .keeps = s->keeps };
 
     s->coord = coord_new(&env);
     SIM_CHECK(&s->net, s->coord != NULL);

@@ -152,14 +152,20 @@ try()
     [ -z "$struck" ] || tried=$((tried + 1))
 }
 
-part=auto
+# What nothing befalls: calm.hdr, $primary, counts.
+calm()
+{
+    run none:0:nothing "$work/counts"
+    mv out.hdr calm.hdr
+    primary=$(total out.json primary_rays)
+    [ "$primary" -gt 0 ] || fail "the calm job has no primary rays"
+    cat counts
+}
+
+part=${DISASTER_PART:-auto}
 how=waited
 tried=0
-run none:0:nothing "$work/counts"
-mv out.hdr calm.hdr
-primary=$(total out.json primary_rays)
-[ "$primary" -gt 0 ] || fail "the calm job has no primary rays"
-cat counts
+calm
 
 n_of()
 {
@@ -167,7 +173,7 @@ n_of()
 }
 
 if [ -n "${DISASTER_ONLY:-}" ]; then
-    part=${DISASTER_PART:-auto} how=${DISASTER_HOW:-waited}
+    how=${DISASTER_HOW:-waited}
     for point in $DISASTER_ONLY; do
         try "$point"
         echo "$point: ${struck:-not reached}"
@@ -176,7 +182,9 @@ if [ -n "${DISASTER_ONLY:-}" ]; then
 fi
 if [ "${RADD_SOAK:-}" = long ]; then
     for part in auto scanbar window; do
-        [ $part = auto ] && how=detached || how=waited
+        how=waited
+        calm
+        [ $part = auto ] && how=detached
         for kind in write sync name send; do
             for what in before after power fail; do
                 [ $kind.$what = send.power ] && continue
@@ -189,7 +197,9 @@ if [ "${RADD_SOAK:-}" = long ]; then
             done
         done
     done
-    part=auto how=detached
+    part=auto how=waited
+    calm
+    how=detached
     for kind in write name; do
         n=1
         while try $kind:$n:full && [ -n "$struck" ]; do
