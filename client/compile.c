@@ -765,6 +765,47 @@ compile_check(struct compiled *c, struct rad_error *err)
     return rad_job_check(c->scene, &files, err);
 }
 
+static int
+digest_bundle(const struct rad_bundle *b, char hex[RAD_SHA_HEX + 1],
+              struct rad_error *err)
+{
+    size_t len;
+    char *text = rad_bundle_format(b, &len);
+    int rc;
+
+    if (!text)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = rad_sha_hex(text, len, hex, err);
+    free(text);
+    return rc;
+}
+
+int
+compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
+               struct rad_error *err)
+{
+    const char *tmp = getenv("TMPDIR");
+    char dir[512], path[sizeof dir + RAD_SHA_HEX + 2];
+    int n = snprintf(dir, sizeof dir, "%s/radscene-XXXXXX",
+                     tmp && *tmp ? tmp : "/tmp"),
+        rc;
+
+    if (n < 0 || (size_t)n >= sizeof dir || !mkdtemp(dir))
+        return rad_fail(err, RAD_ECANTCREAT, "cannot make a folder in '%s': %s",
+                        tmp && *tmp ? tmp : "/tmp", strerror(errno));
+    rc = compile_octree(c, err);
+    if (!rc)
+        rc = compile_bundle(c, dir, err);
+    if (!rc)
+        rc = digest_bundle(&c->bundle, hex, err);
+    for (int i = 0; i < c->bundle.n; i++) {
+        snprintf(path, sizeof path, "%s/%s", dir, c->bundle.entries[i].hash);
+        unlink(path);
+    }
+    rmdir(dir);
+    return rc;
+}
+
 int
 compile_scene(struct compiled *c, const char *const *files, int n,
               const char *dir, struct rad_error *err)

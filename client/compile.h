@@ -70,6 +70,11 @@ bool compile_fault(const struct rad_scene *scene, uint32_t object,
  * compile_octree(). */
 int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
 
+/* A name for the scene and the files that it needs: equal for equal ones.
+ * Needs compile_read(). */
+int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
+                   struct rad_error *err);
+
 /* Read, check and bundle it. */
 int compile_scene(struct compiled *c, const char *const *files, int n,
                   const char *dir, struct rad_error *err);

@@ -4,6 +4,8 @@ libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
 libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(JANSSON_CFLAGS) \
 	$(UV_CFLAGS)
 libclient_a_SOURCES = \
+	client/ambfile.c \
+	client/ambfile.h \
 	client/amblist.c \
 	client/amblist.h \
 	client/cargo.c \
@@ -49,7 +51,9 @@ libclient_a_SOURCES = \
 	client/trial.c \
 	client/trial.h \
 	client/words.c \
-	client/words.h
+	client/words.h \
+	daemon/ambshare.c \
+	daemon/ambshare.h
 
 # what a client links with, before LIBRAD
 LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(JANSSON_LIBS) $(UV_LIBS)

@@ -22,7 +22,7 @@ static const char usage_text[] =
     "       radscene info FILE...\n"
     "       radscene needs FILE...\n"
     "       radscene freeze FILE... > scene.oct\n"
-    "       radscene rays [-I] [rendering options] FILE...\n"
+    "       radscene rays [-I] [-af FILE] [rendering options] FILE...\n"
     "       radscene --help | --version\n";
 
 static const char help_text[] =
@@ -242,6 +242,7 @@ run_rays(int argc, char **argv, struct rad_error *err)
     struct compiled c;
     struct rad_files files;
     struct words w;
+    char digest[RAD_SHA_HEX + 1] = "";
     int first, rc = words_init(&w, argc, argv, err);
 
     if (rc)
@@ -252,7 +253,12 @@ run_rays(int argc, char **argv, struct rad_error *err)
                                   w.n - first, NULL, NULL, err);
     if (!rc) {
         files = compile_files(&c);
-        rc = rays_run(&options, c.scene, &files, stdin, stdout, faults, err);
+        memset(faults, 0, sizeof faults);
+        if (options.ambfile)
+            rc = compile_digest(&c, digest, err);
+        if (!rc)
+            rc = rays_run(&options, c.scene, &files, stdin, stdout, digest,
+                          faults, err);
         warn_of_faults(c.scene, faults);
         compile_release(&c);
     }

@@ -2,9 +2,11 @@
 #include "config.h"
 
 #include "rays.h"
+#include "ambfile.h"
 #include "amblist.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "light/ambient.h"
 #include "shade/ray.h"
 
 #include <errno.h>
@@ -18,6 +20,7 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
 
     rad_params_init(&o->params);
     o->irradiance = false;
+    o->ambfile = NULL;
     for (;;) {
         int n, rc = words_expand(w, at, err);
         const char *word = w->list[at];
@@ -31,6 +34,11 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
         if (strcmp(word, "-I") == 0) {
             o->irradiance = true;
             at++;
+            continue;
+        }
+        if (strcmp(word, "-af") == 0 && at + 1 < w->n) {
+            o->ambfile = w->list[at + 1];
+            at += 2;
             continue;
         }
         n = amblist_option(&o->params, w->n - at, w->list + at, err);
@@ -123,9 +131,33 @@ trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
     return rc < 0 ? rc : 0;
 }
 
+/* Trace with the records of the file, and keep what there is then. */
+static int
+trace_with_file(const struct rays_options *o, const char *digest,
+                struct rad_ctx *ctx, FILE *in, FILE *out, struct rad_error *err)
+{
+    struct rad_ambient *amb = ctx->job->ambient;
+    struct ambfile file = { .params = o->params };
+    size_t before;
+    int rc;
+
+    if (!amb)
+        return rad_fail(err, RAD_EUSAGE,
+                        "-af: there are no ambient records without -ab and "
+                        "-aa");
+    snprintf(file.scene, sizeof file.scene, "%s", digest);
+    rc = ambfile_load(&file, o->ambfile, amb, err);
+    before = rad_ambient_count(amb);
+    if (rc == 0)
+        rc = trace_lines(ctx, o->irradiance, in, out, err);
+    if (rc == 0 && rad_ambient_count(amb) > before)
+        rc = ambfile_save(&file, o->ambfile, amb, err);
+    return rc;
+}
+
 int
 rays_run(const struct rays_options *o, const struct rad_scene *scene,
-         const struct rad_files *files, FILE *in, FILE *out,
+         const struct rad_files *files, FILE *in, FILE *out, const char *digest,
          struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err)
 {
     struct rad_error why = { 0 };
@@ -141,7 +173,8 @@ rays_run(const struct rays_options *o, const struct rad_scene *scene,
     }
     rc = rad_ctx_init(&ctx, job, err);
     if (rc == 0) {
-        rc = trace_lines(&ctx, o->irradiance, in, out, err);
+        rc = o->ambfile ? trace_with_file(o, digest, &ctx, in, out, err)
+                        : trace_lines(&ctx, o->irradiance, in, out, err);
         memcpy(faults, ctx.counts.faults, RAD_MAX_FAULTS * sizeof *faults);
         rad_ctx_release(&ctx);
     }

@@ -1,6 +1,6 @@
 /* rays.h - `radscene rays`: what single rays see
  *
- *   radscene rays [-I] [rendering options] FILE...
+ *   radscene rays [-I] [-af FILE] [rendering options] FILE...
  * Each line of the input has six numbers, a ray's origin and direction, or with
  * -I a point and a normal; each gives a line of output, its radiance
  * [W/sr/m^2] or irradiance [W/m^2], as "r g b" with nine significant digits.
@@ -20,7 +20,8 @@
 
 struct rays_options {
     struct rad_params params;
-    bool irradiance; /* -I */
+    bool irradiance;     /* -I */
+    const char *ambfile; /* -af, a word of the command line, or NULL */
 };
 
 /* Take the options at the front of w, opening @file words.  Returns where the
@@ -31,10 +32,13 @@ int rays_options(struct rays_options *o, struct words *w,
 
 /* Trace what `in` has.  The scene is checked; `files` are those it needs.
  * `faults` gets which of its objects' functions had no value (shade/job.h).
- * RAD_EDATA with "stdin:LINE" for a line that is not six finite numbers,
+ * With -af the file's records are read first, and after the last ray written
+ * with those that were made; digest, compile_digest()'s, is needed for it
+ * alone. RAD_EDATA with "stdin:LINE" for a line that is not six finite numbers,
  * RAD_EIO, or why the scene cannot be rendered. */
 int rays_run(const struct rays_options *o, const struct rad_scene *scene,
              const struct rad_files *files, FILE *in, FILE *out,
-             struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err);
+             const char *digest, struct rad_fault faults[RAD_MAX_FAULTS],
+             struct rad_error *err);
 
 #endif

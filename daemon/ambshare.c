@@ -60,8 +60,8 @@ is_unit(const float v[3])
     return fabs(len2 - 1) <= UNIT_TOLERANCE;
 }
 
-static bool
-sound(const struct rad_ambrec *r)
+bool
+ambshare_sound(const struct rad_ambrec *r)
 {
     return isfinite(r->p[0]) && isfinite(r->p[1]) && isfinite(r->p[2]) &&
            is_unit(r->n) && is_unit(r->u) && all_finite(r->radius, 2) &&
@@ -87,5 +87,5 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     rec->corral = wire_get_u32(in);
     rec->weight = wire_get_f32(in);
     rec->level = wire_get_u16(in);
-    return !in->bad && sound(rec);
+    return !in->bad && ambshare_sound(rec);
 }

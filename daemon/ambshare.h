@@ -20,4 +20,7 @@ void ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec);
  * length, a radius that is not positive, light that is negative. */
 bool ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec);
 
+/* Is it one, by these rules? */
+bool ambshare_sound(const struct rad_ambrec *rec);
+
 #endif

@@ -43,7 +43,7 @@ run(const char *options, const char *input, char *buf, size_t size,
         ck_assert_int_eq(rad_scene_check(scene, NULL, NULL, err), 0);
         fputs(input, in);
         rewind(in);
-        rc = rays_run(&o, scene, NULL, in, out, faults, err);
+        rc = rays_run(&o, scene, NULL, in, out, NULL, faults, err);
     }
     rewind(out);
     n = fread(buf, 1, size - 1, out);

@@ -7,6 +7,7 @@ AM_TESTS_ENVIRONMENT = \
 
 UNIT_TESTS = \
 	tests/check_ambcache \
+	tests/check_ambfile \
 	tests/check_ambient \
 	tests/check_ambshare \
 	tests/check_aniso \
@@ -83,6 +84,10 @@ UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 tests_check_ambcache_SOURCES = tests/check_ambcache.c tests/unit.h
 tests_check_ambcache_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambcache_LDADD = $(UNIT_LIBS)
+
+tests_check_ambfile_SOURCES = tests/check_ambfile.c tests/unit.h tests/world.h
+tests_check_ambfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ambfile_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h \
 	tests/world.h

@@ -224,4 +224,29 @@ printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
 expect 0 '' sh -c "$radscene rays -ab 0 -av 1 1 1 good.rad <rays"
 same '0.5 0.5 0.5
 0 0 0'
+
+# ambient records: kept for the next run, refused where they do not fit
+cat >cell.rad <<'END'
+void plastic grey 0 0 5 .5 .4 .3 0 0
+void light lamp 0 0 3 9 9 9
+lamp sphere a 0 0 4 0 0 .5 .1
+grey bubble b 0 0 4 0 0 0 1
+END
+printf '0 .2 -.7 0 0 1\n.2 .2 -.7 0 0 1\n' >rays
+amb='-I -ab 2 -aa .2 -ad 64 -as 0'
+expect 0 '' sh -c "$radscene rays $amb -af cell.amb cell.rad <rays"
+cp cell.amb first.amb
+mv out first.out
+expect 0 '' sh -c "$radscene rays $amb -af cell.amb cell.rad <rays"
+cmp cell.amb first.amb && cmp out first.out || failed=1
+expect 65 'cell.amb: was made with other options: -ad differs' \
+    sh -c "$radscene rays $amb -ad 128 -af cell.amb cell.rad <rays"
+sed 's/0 0 0 1$/0 0 0 2/' cell.rad >other.rad
+expect 65 'cell.amb: belongs to another scene' \
+    sh -c "$radscene rays $amb -af cell.amb other.rad <rays"
+expect 65 'other.rad: not a file of ambient records' \
+    sh -c "$radscene rays $amb -af other.rad cell.rad <rays"
+expect 64 'there are no ambient records without' \
+    sh -c "$radscene rays -I -af cell.amb cell.rad <rays"
+cmp cell.amb first.amb || failed=1
 exit $failed

@@ -4,6 +4,7 @@
 #
 # To add one: its name to FUZZ_TARGETS, and the three lines of its own below.
 FUZZ_TARGETS = \
+	tests/fuzz/fuzz_ambfile \
 	tests/fuzz/fuzz_ambshare \
 	tests/fuzz/fuzz_bsdf \
 	tests/fuzz/fuzz_bundle \
@@ -84,6 +85,10 @@ tests_fuzz_fuzz_rtm_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_octfile_SOURCES = tests/fuzz/fuzz_octfile.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_octfile_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_octfile_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_ambfile_SOURCES = tests/fuzz/fuzz_ambfile.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_ambfile_LDADD = $(LIBCLIENT) $(LIBRAD)
+tests_fuzz_fuzz_ambfile_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_ambshare_SOURCES = tests/fuzz/fuzz_ambshare.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_ambshare_LDADD = $(LIBDAEMON) $(LIBRAD)

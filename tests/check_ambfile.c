@@ -1,0 +1,298 @@
+/* check_ambfile.c - tests of client/ambfile */
+#include "config.h"
+
+#include "ambfile.h"
+#include "base/files.h"
+#include "world.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define ROOM                                                                   \
+    "void plastic grey 0 0 5 .5 .4 .3 0 0\n"                                   \
+    "void light lamp 0 0 3 9 9 9\n"                                            \
+    "lamp sphere a 0 0 4 0 0 .5 .1\n"                                          \
+    "grey bubble b 0 0 4 0 0 0 1\n"
+#define OPTIONS "-ab 2 -aa .2 -ar 32 -ad 64 -as 32"
+#define SCENE   "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
+
+static void
+look(struct world *w, int n)
+{
+    for (int i = 0; i < n; i++) {
+        double p[3] = { .1 * i - .4, .2, -.7 }, up[3] = { 0, 0, 1 };
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w->ctx, &r, p, up, (uint64_t)i);
+    }
+}
+
+static struct ambfile
+file_of(const struct world *w, enum ambfile_format format)
+{
+    struct ambfile a = { .format = format,
+                         .params = w->params,
+                         .scene = SCENE };
+
+    return a;
+}
+
+static char *
+written(const struct ambfile *a, const struct rad_ambient *amb, size_t *len)
+{
+    char *bytes = NULL;
+    FILE *f = open_memstream(&bytes, len);
+
+    ck_assert_ptr_nonnull(f);
+    ck_assert_int_eq(ambfile_format(a, amb, f, NULL), 0);
+    ck_assert_int_eq(fclose(f), 0);
+    return bytes;
+}
+
+struct taken {
+    struct rad_ambrec rec[4096];
+    size_t n;
+};
+static struct taken taken, listed;
+
+static void
+take(void *arg, const struct rad_ambrec *rec)
+{
+    struct taken *t = arg;
+
+    ck_assert_uint_lt(t->n, 4096);
+    t->rec[t->n++] = *rec;
+}
+
+static void
+list(const struct rad_ambient *amb)
+{
+    uint64_t cursor = 0;
+
+    listed.n = rad_ambient_list(amb, &cursor, listed.rec, 4096);
+    ck_assert_uint_gt(listed.n, 10);
+}
+
+START_TEST(our_file_loses_nothing)
+{
+    struct rad_error err = { 0 };
+    struct ambfile a, b;
+    struct world w;
+    size_t len;
+    char *bytes;
+
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    list(w.job->ambient);
+    a = b = file_of(&w, AMBFILE_OURS);
+    bytes = written(&a, w.job->ambient, &len);
+    b.format = AMBFILE_RADIANCE;
+    taken.n = 0;
+    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
+                  err.what);
+    ck_assert_int_eq(b.format, AMBFILE_OURS);
+    ck_assert_uint_eq(taken.n, listed.n);
+    for (size_t i = 0; i < taken.n; i++) {
+        ck_assert_mem_eq(taken.rec[i].p, listed.rec[i].p, sizeof(double[3]));
+        ck_assert_mem_eq(&taken.rec[i].E, &listed.rec[i].E,
+                         sizeof(struct rad_rgb));
+        ck_assert_uint_eq(taken.rec[i].corral, listed.rec[i].corral);
+        ck_assert_uint_eq(taken.rec[i].level, listed.rec[i].level);
+    }
+    free(bytes);
+    world_close(&w);
+}
+END_TEST
+
+static void
+ck_near(const float *a, const float *b, int n, double tol)
+{
+    for (int i = 0; i < n; i++)
+        ck_assert_double_eq_tol((double)a[i], (double)b[i],
+                                tol * (1 + fabs((double)b[i])));
+}
+
+START_TEST(radiance_file_keeps_what_it_has_room_for)
+{
+    struct rad_error err = { 0 };
+    struct ambfile a, b;
+    struct world w;
+    size_t len;
+    char *bytes;
+
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    list(w.job->ambient);
+    a = file_of(&w, AMBFILE_RADIANCE);
+    b = file_of(&w, AMBFILE_OURS);
+    bytes = written(&a, w.job->ambient, &len);
+    taken.n = 0;
+    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
+                  err.what);
+    ck_assert_int_eq(b.format, AMBFILE_RADIANCE);
+    ck_assert_uint_eq(taken.n, listed.n);
+    for (size_t i = 0; i < taken.n; i++) {
+        const struct rad_ambrec *got = &taken.rec[i], *put = &listed.rec[i];
+
+        for (int k = 0; k < 3; k++)
+            ck_assert_double_eq_tol(got->p[k], put->p[k], 1e-8);
+        ck_near(got->n, put->n, 3, 2e-4);
+        ck_near(got->u, put->u, 3, 4e-4);
+        ck_near(got->radius, put->radius, 2, 1e-6);
+        ck_near(got->gpos, put->gpos, 2, 1e-6);
+        ck_near(got->gdir, put->gdir, 2, 1e-6);
+        ck_near(&got->E.r, &put->E.r, 3, .02);
+        ck_near(&got->weight, &put->weight, 1, 1e-6);
+        ck_assert_uint_eq(got->corral, put->corral);
+        ck_assert_uint_eq(got->level, put->level);
+    }
+    free(bytes);
+    world_close(&w);
+}
+END_TEST
+
+/* A file of the other scene or options, or a part of one; each row spoils one
+ * thing and names what is said. */
+static const struct {
+    const char *options, *scene;
+    size_t cut;
+    enum ambfile_format format;
+    const char *what;
+} bad[] = {
+    { OPTIONS " -ad 128", SCENE, 0, AMBFILE_OURS, "-ad differs" },
+    { OPTIONS " -dt .1", SCENE, 0, AMBFILE_OURS, "-dt differs" },
+    { OPTIONS, "f" SCENE, 0, AMBFILE_OURS, "another scene" },
+    { OPTIONS, SCENE, 1, AMBFILE_OURS, "in the middle" },
+    { OPTIONS, SCENE, SIZE_MAX, AMBFILE_OURS, "not a file of" },
+    { OPTIONS " -ad 128", SCENE, 0, AMBFILE_RADIANCE, "-ad 64, not 128" },
+    { OPTIONS " -ab 3", SCENE, 0, AMBFILE_RADIANCE, "-ab 2, not 3" },
+    { OPTIONS, SCENE, 1, AMBFILE_RADIANCE, "in the middle" },
+};
+
+START_TEST(what_does_not_fit_is_refused)
+{
+    struct rad_error err = { 0 };
+    struct ambfile a, b;
+    struct world w, v;
+    size_t len;
+    char *bytes;
+
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    a = file_of(&w, bad[_i].format);
+    bytes = written(&a, w.job->ambient, &len);
+    world_open(&v, ROOM, bad[_i].options);
+    b = file_of(&v, AMBFILE_OURS);
+    snprintf(b.scene, sizeof b.scene, "%s", bad[_i].scene);
+    taken.n = 0;
+    ck_assert_int_eq(
+        ambfile_parse(&b, bytes,
+                      bad[_i].cut == SIZE_MAX ? 50 : len - bad[_i].cut, take,
+                      &taken, &err),
+        RAD_EDATA);
+    ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
+    ck_assert_uint_eq(taken.n, 0);
+    free(bytes);
+    world_close(&w);
+    world_close(&v);
+}
+END_TEST
+
+/* How pixels are placed does not matter. */
+START_TEST(other_pixels_use_the_same_records)
+{
+    struct rad_error err = { 0 };
+    struct ambfile a, b;
+    struct world w, v;
+    size_t len;
+    char *bytes;
+
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    a = file_of(&w, AMBFILE_OURS);
+    bytes = written(&a, w.job->ambient, &len);
+    world_open(&v, ROOM, OPTIONS " -x 99 -pa 0 -ps 1 -pj .5 -pt .2");
+    b = file_of(&v, AMBFILE_OURS);
+    taken.n = 0;
+    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
+                  err.what);
+    ck_assert_uint_gt(taken.n, 0);
+    free(bytes);
+    world_close(&w);
+    world_close(&v);
+}
+END_TEST
+
+/* Written once and read again, nothing is left to be sampled. */
+START_TEST(second_run_makes_no_records)
+{
+    char path[] = "check_ambfile.XXXXXX";
+    int fd = mkstemp(path);
+    struct rad_error err = { 0 };
+
+    ck_assert_int_ge(fd, 0);
+    close(fd);
+    unlink(path);
+    for (int run = 0; run < 2; run++) {
+        struct ambfile a;
+        struct world w;
+
+        world_open(&w, ROOM, OPTIONS);
+        a = file_of(&w, AMBFILE_OURS);
+        ck_assert_msg(ambfile_load(&a, path, w.job->ambient, &err) == 0, "%s",
+                      err.what);
+        look(&w, 9);
+        ck_assert(run == 0 ? w.ctx.counts.ambient_values > 0
+                           : w.ctx.counts.ambient_values == 0);
+        ck_assert_msg(ambfile_save(&a, path, w.job->ambient, &err) == 0, "%s",
+                      err.what);
+        world_close(&w);
+    }
+    unlink(path);
+}
+END_TEST
+
+START_TEST(records_outside_the_scene_are_refused)
+{
+    char path[] = "check_ambfile.XXXXXX";
+    int fd = mkstemp(path);
+    struct rad_error err = { 0 };
+    struct ambfile a;
+    struct world w, v;
+
+    ck_assert_int_ge(fd, 0);
+    close(fd);
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    a = file_of(&w, AMBFILE_RADIANCE);
+    ck_assert_int_eq(ambfile_save(&a, path, w.job->ambient, &err), 0);
+    world_open(&v,
+               "void plastic grey 0 0 5 .5 .4 .3 0 0\n"
+               "grey sphere b 0 0 4 9 0 0 .1\n",
+               OPTIONS);
+    ck_assert_int_eq(ambfile_load(&a, path, v.job->ambient, &err), RAD_EDATA);
+    ck_assert_msg(strstr(err.what, "do not fit the scene") != NULL, "%s",
+                  err.what);
+    ck_assert_str_eq(err.where, path);
+    unlink(path);
+    world_close(&w);
+    world_close(&v);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("ambfile");
+    TCase *tc = tcase_create("file");
+
+    tcase_add_test(tc, our_file_loses_nothing);
+    tcase_add_test(tc, radiance_file_keeps_what_it_has_room_for);
+    tcase_add_loop_test(tc, what_does_not_fit_is_refused, 0, N_ELEM(bad));
+    tcase_add_test(tc, other_pixels_use_the_same_records);
+    tcase_add_test(tc, second_run_makes_no_records);
+    tcase_add_test(tc, records_outside_the_scene_are_refused);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
