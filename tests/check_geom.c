@@ -511,6 +511,67 @@ START_TEST(blocker_is_remembered_and_skipped)
 }
 END_TEST
 
+START_TEST(sight_finds_the_first_veil)
+{
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    int veiled = 0, tied = 0;
+
+    geom_scene_init(&g, 40, 300);
+    for (uint32_t i = 0; i < 40; i++) { /* some of them twice */
+        uint64_t key = rad_key_pixel(5, 0, i - i % 8 / 7, 0);
+        double a[8] = { rad_rand(key, 0),
+                        rad_rand(key, 1),
+                        rad_rand(key, 2),
+                        rad_rand(key, 3),
+                        rad_rand(key, 4),
+                        1,
+                        0,
+                        .2 };
+
+        geom_scene_add(&g, i % 3 ? RAD_RING : RAD_SPHERE, RAD_VOID,
+                       i % 5 ? RAD_SURF_TRANSPARENT : RAD_SURF_OPAQUE,
+                       i % 3 ? a : (double[]){ a[0], a[1], a[2], .1 },
+                       i % 3 ? 8 : 4);
+    }
+    geom = geom_scene_compile(&g);
+    for (uint32_t i = 0; i < 4000; i++) {
+        uint64_t key = rad_key_pixel(6, 0, i, 0);
+        struct rad_span s =
+            geom_span(rad_rand(key, 0), rad_rand(key, 1), rad_rand(key, 2),
+                      rad_rand(key, 3) - .5, rad_rand(key, 4) - .5,
+                      rad_rand(key, 5) - .5);
+        struct rad_hit first, hit;
+        bool stopped = rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
+        bool met = rad_geom_nearest(geom, &s, &hit, &counts);
+
+        switch (rad_geom_sight(geom, &s, RAD_VOID, NULL, &first, &counts)) {
+        case RAD_SIGHT_BLOCKED:
+            ck_assert(stopped);
+            break;
+        case RAD_SIGHT_CLEAR:
+            ck_assert(!met);
+            break;
+        case RAD_SIGHT_VEILED:
+            ck_assert(!stopped && met);
+            ck_assert_int_eq(first.obj, hit.obj);
+            ck_assert_double_eq(first.t, hit.t);
+            ck_assert_double_eq(first.err, hit.err);
+            ck_assert_mem_eq(first.p, hit.p, sizeof hit.p);
+            ck_assert_mem_eq(first.n, hit.n, sizeof hit.n);
+            veiled++;
+            tied += hit.obj % 8 == 7;
+            break;
+        }
+    }
+    ck_assert_int_gt(veiled, 500);
+    ck_assert_int_gt(tied, 20);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
 /* Distance from p to the plane of the first three vertices. */
 static long double
 off_plane(const double *v, const double *p)
@@ -686,6 +747,7 @@ main(void)
     tcase_add_test(tc, span_with_nan_meets_nothing);
     tcase_add_test(tc, span_ends_where_it_says);
     tcase_add_test(tc, blocker_is_remembered_and_skipped);
+    tcase_add_test(tc, sight_finds_the_first_veil);
     tcase_add_loop_test(tc, hit_is_within_its_bound_and_is_left_behind, 0,
                         N_ELEM(leaving));
     suite_add_tcase(s, tc);

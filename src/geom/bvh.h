@@ -106,6 +106,12 @@ struct rad_walk {
     bool tie;          /* another hit lies within the window behind best */
     int32_t skip;      /* object that does not count */
     bool veiled;       /* something not opaque is on the way */
+    /* any: is the first such thing wanted?  If so it is prims[veil], met at
+     * `best`, and the next after it at `second`; vague: but for what was met
+     * in places */
+    bool first, vague;
+    uint32_t veil;
+    double second;
     /* an instance's own modifier: the bits of what is met become
      * (surf & keep) | give */
     uint8_t keep, give;

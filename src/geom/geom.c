@@ -470,26 +470,19 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     return g->kernel->one(w, p, &t);
 }
 
-enum rad_sight
-rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
-               int32_t skip, int32_t *blocker, struct rad_geom_counts *counts)
+/* Does something opaque stop w's walk? */
+static bool
+is_blocked(const struct rad_geom *g, struct rad_walk *w, int32_t skip,
+           int32_t *blocker)
 {
-    struct rad_walk w;
-    bool blocked;
-
-    if (!walk_init(&w, g, span))
-        return RAD_SIGHT_CLEAR;
-    w.skip = skip;
-    blocked = blocker && still_blocks(g, &w, *blocker);
-    if (!blocked && g->kernel->any(&w)) {
-        blocked = true;
-        if (blocker)
-            *blocker = w.prims[w.prim].obj;
-    }
-    add_counts(counts, &w);
-    return blocked    ? RAD_SIGHT_BLOCKED
-           : w.veiled ? RAD_SIGHT_VEILED
-                      : RAD_SIGHT_CLEAR;
+    w->skip = skip;
+    if (blocker && still_blocks(g, w, *blocker))
+        return true;
+    if (!g->kernel->any(w))
+        return false;
+    if (blocker)
+        *blocker = w->prims[w->prim].obj;
+    return true;
 }
 
 bool
@@ -497,7 +490,42 @@ rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
                   int32_t skip, int32_t *blocker,
                   struct rad_geom_counts *counts)
 {
-    return rad_geom_sight(g, span, skip, blocker, counts) == RAD_SIGHT_BLOCKED;
+    struct rad_walk w;
+    bool blocked;
+
+    if (!walk_init(&w, g, span))
+        return false;
+    blocked = is_blocked(g, &w, skip, blocker);
+    add_counts(counts, &w);
+    return blocked;
+}
+
+enum rad_sight
+rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
+               int32_t skip, int32_t *blocker, struct rad_hit *hit,
+               struct rad_geom_counts *counts)
+{
+    struct rad_walk w;
+    bool blocked;
+
+    if (!walk_init(&w, g, span))
+        return RAD_SIGHT_CLEAR;
+    w.first = true;
+    w.second = INFINITY;
+    blocked = is_blocked(g, &w, skip, blocker);
+    add_counts(counts, &w);
+    if (blocked)
+        return RAD_SIGHT_BLOCKED;
+    if (!w.veiled)
+        return RAD_SIGHT_CLEAR;
+    /* nothing opaque is there: what that walk met first is the nearest, but in
+     * places, and where the tie rule has to choose */
+    if (!w.vague &&
+        w.second > w.best + RAD_WALK_WINDOW * (w.probe.size + w.best))
+        rad_prim_surface(&w.prims[w.veil], &w.probe, w.best, hit);
+    else if (!rad_geom_nearest(g, span, hit, counts))
+        return RAD_SIGHT_CLEAR;
+    return RAD_SIGHT_VEILED;
 }
 
 bool

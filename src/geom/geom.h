@@ -98,11 +98,14 @@ bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
                        struct rad_geom_counts *counts);
 
 /* The same, and where nothing opaque is in the way: does anything else meet the
- * span, something that could dim or turn the light? */
+ * span, something that could dim or turn the light?  VEILED: *hit gets the
+ * first such surface (of all but object `skip`, if the tie rule does not
+ * prefer that), as rad_geom_nearest() would. */
 enum rad_sight { RAD_SIGHT_CLEAR, RAD_SIGHT_VEILED, RAD_SIGHT_BLOCKED };
 enum rad_sight rad_geom_sight(const struct rad_geom *g,
                               const struct rad_span *span, int32_t skip,
-                              int32_t *blocker, struct rad_geom_counts *counts);
+                              int32_t *blocker, struct rad_hit *hit,
+                              struct rad_geom_counts *counts);
 
 /* Test one surface alone (a light source that a shadow ray aims at). */
 bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,

@@ -491,10 +491,13 @@ meet_any(struct rad_walk *w, uint32_t i)
 
     if (turn(&in, w, &w->prims[i]) == 0)
         return false;
+    if (w->first) /* is there something in here? */
+        in.veiled = false;
     blocked =
         (in.meshed ? w->geom->kernel->mesh_any : w->geom->kernel->any)(&in);
     count(w, &in);
-    w->veiled = in.veiled;
+    w->vague |= in.veiled;
+    w->veiled |= in.veiled;
     return blocked;
 }
 

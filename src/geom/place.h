@@ -96,6 +96,7 @@ rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
     w->tie = false;
     w->skip = RAD_VOID;
     w->veiled = false;
+    w->first = w->vague = false;
     w->keep = 0xff;
     w->give = 0;
     w->tests = w->nodes = 0;

@@ -195,6 +195,22 @@ WALK(stops)(const struct rad_walk *w, uint8_t surf)
     return ((surf & w->keep) | w->give) & RAD_SURF_OPAQUE;
 }
 
+/* Item i, not opaque, is met at t. */
+static inline WALK_TARGET void
+WALK(veil)(struct rad_walk *w, uint32_t i, double t)
+{
+    w->veiled = true;
+    if (!w->first)
+        return;
+    if (t < w->best) {
+        w->second = w->best;
+        w->best = t;
+        w->veil = i;
+    } else if (t < w->second) {
+        w->second = t;
+    }
+}
+
 static inline WALK_TARGET bool
 WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
@@ -203,7 +219,8 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         const struct rad_prim *p = &w->prims[i];
 
-        if (p->obj == w->skip || (w->veiled && !WALK(stops)(w, p->surf)))
+        if (p->obj == w->skip ||
+            (w->veiled && !w->first && !WALK(stops)(w, p->surf)))
             continue;
         w->tests++;
         if (!WALK(meets)(w, i, RAD_MEET_ANY, &t))
@@ -212,7 +229,7 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
             w->prim = i;
             return true;
         }
-        w->veiled = true;
+        WALK(veil)(w, i, t);
     }
     return false;
 }

@@ -884,6 +884,35 @@ visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
 
 /* --- sources without patches --- */
 
+static bool
+is_quad(const struct rad_source *src)
+{
+    return !src->tree && src->shape == RAD_POLYGON;
+}
+
+/* Has a flat source one sample, the same as flat_sample() would make of it? */
+static bool
+is_whole(const struct rad_source *src, const struct rad_light_view *view)
+{
+    return src->flags & RAD_LIGHT_FLAT && !(view->sizerat > 0) &&
+           !(view->jitter > 0) && !(src->shape == RAD_RING && src->r0 > 0);
+}
+
+static void
+whole_sample(struct walk *w)
+{
+    const struct rad_source *src = w->src;
+    const struct rad_moments *m = &src->root;
+    bool quad = is_quad(src);
+    struct rad_light_sample s;
+    double to[3];
+
+    rad_sub(to, quad ? src->centre : m->c, w->view->p);
+    at_point(&s, w->view, quad ? src->centre : m->aim,
+             -rad_dot(src->normal, to) * m->area);
+    put(w, &s);
+}
+
 static void
 sphere_sample(struct walk *w)
 {
@@ -958,12 +987,6 @@ root_patch(const struct rad_source *src, struct patch *p)
     }
 }
 
-static bool
-is_quad(const struct rad_source *src)
-{
-    return !src->tree && src->shape == RAD_POLYGON;
-}
-
 void
 rad_light_set_apex(struct rad_source *src)
 {
@@ -1023,6 +1046,10 @@ rad_light_samples(const struct rad_source *src,
         z *= z / rad_dot(src->axis[0], src->axis[0]);
         if (!(rad_dot(d, d) - z > src->r1 * src->r1))
             return;
+    }
+    if (is_whole(src, view)) {
+        whole_sample(&w);
+        return;
     }
     if (is_quad(src)) {
         visit_whole_quad(&w);

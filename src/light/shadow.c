@@ -306,21 +306,20 @@ see_beyond(const struct direct *d, struct potential *p)
     return p->source < d->ctx->job->sources->n || see_in_mirror(d, p);
 }
 
-/* Follow the shadow ray of p through what is not opaque; false: no light
- * arrives.  Sets p->val to what does. */
+/* Follow the shadow ray of p through what is not opaque, first at hit; false:
+ * no light arrives.  Sets p->val to what does. */
 static bool
-see_through(const struct direct *d, struct potential *p)
+see_through(const struct direct *d, struct potential *p,
+            const struct rad_hit *hit)
 {
     const struct rad_job *job = d->ctx->job;
-    struct rad_hit hit;
     struct rad_ray sr;
 
-    if (!rad_geom_nearest(job->geom, &p->span, &hit, &d->ctx->counts.geom) ||
-        hit.obj == rad_source_target(job->sources, p->source))
+    if (hit->obj == rad_source_target(job->sources, p->source))
         return see_beyond(d, p);
     if (!start_ray(d, p, &sr))
         return false;
-    sr.hit = hit;
+    sr.hit = *hit;
     rad_ray_enter(&sr);
     rad_ray_continue(d->ctx, &sr);
     rad_ray_absorb(d->ctx, &sr);
@@ -334,16 +333,17 @@ test(const struct direct *d, struct potential *p)
 {
     struct rad_ctx *ctx = d->ctx;
     const struct rad_job *job = ctx->job;
+    struct rad_hit hit;
 
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
-    switch (rad_geom_sight(job->geom, &p->span,
-                           rad_source_target(job->sources, p->source),
-                           &ctx->last_blocker[p->source], &ctx->counts.geom)) {
+    switch (rad_geom_sight(
+        job->geom, &p->span, rad_source_target(job->sources, p->source),
+        &ctx->last_blocker[p->source], &hit, &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
     case RAD_SIGHT_VEILED:
-        return see_through(d, p);
+        return see_through(d, p, &hit);
     default:
         return see_beyond(d, p);
     }
@@ -361,12 +361,12 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
     switch (rad_geom_sight(job->geom, span, target,
-                           &ctx->last_blocker[r->source], &ctx->counts.geom)) {
+                           &ctx->last_blocker[r->source], &hit,
+                           &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
     case RAD_SIGHT_VEILED:
-        if (!rad_geom_nearest(job->geom, span, &hit, &ctx->counts.geom) ||
-            hit.obj == target)
+        if (hit.obj == target)
             return true;
         r->hit = hit;
         rad_ray_enter(r);

@@ -268,8 +268,12 @@ transmission(double ext, double t)
 static struct rad_rgb
 transmission_rgb(struct rad_rgb ext, double t)
 {
-    return rad_rgb(transmission(ext.r, t), transmission(ext.g, t),
-                   transmission(ext.b, t));
+    struct rad_rgb T;
+
+    T.r = transmission(ext.r, t);
+    T.g = ext.g == ext.r ? T.r : transmission(ext.g, t);
+    T.b = ext.b == ext.g ? T.g : transmission(ext.b, t);
+    return T;
 }
 
 /* rad_brdf_fn: of what a sample of the source sends, the part that is

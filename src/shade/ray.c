@@ -264,6 +264,7 @@ rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
 {
     const struct rad_rgb *e = &r->ext;
     double t = r->hit.t;
+    struct rad_rgb T;
 
     if (e->r <= 0 && e->g <= 0 && e->b <= 0)
         return;
@@ -272,9 +273,10 @@ rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
         return;
     }
     /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
-    r->L.r *= e->r > 0 ? (float)exp(-e->r * t) : 1;
-    r->L.g *= e->g > 0 ? (float)exp(-e->g * t) : 1;
-    r->L.b *= e->b > 0 ? (float)exp(-e->b * t) : 1;
+    T.r = e->r > 0 ? (float)exp(-e->r * t) : 1;
+    T.g = e->g == e->r ? T.r : e->g > 0 ? (float)exp(-e->g * t) : 1;
+    T.b = e->b == e->g ? T.g : e->b > 0 ? (float)exp(-e->b * t) : 1;
+    r->L = rad_rgb_mul(r->L, T);
 }
 
 void
