@@ -560,7 +560,7 @@ START_TEST(interpolation_is_close_to_sampling)
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < 12; i++)
             for (int j = 0; j < 12; j++) {
-                double x = .02 * i - .4, y = .02 * j + .1;
+                double x = .01 * i - .4, y = .01 * j + .1;
                 double E = irradiance_up(&cached, x, y, -.9).g;
 
                 if (pass == 0)
@@ -574,6 +574,34 @@ START_TEST(interpolation_is_close_to_sampling)
     ck_assert_uint_lt(rad_ambient_count(cached.job->ambient), 144);
     world_close(&cached);
     world_close(&sampled);
+}
+END_TEST
+
+/* A bounce takes three quarters of the samples, and no record is made for a
+ * place that one serves. */
+START_TEST(deep_records_take_fewer_samples)
+{
+    enum { MOST = 4096 };
+    static struct rad_ambrec out[MOST];
+    uint64_t cursor = 0, rays = 0;
+    struct world w;
+    size_t n;
+
+    world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 1024 -as 0 -av 0 0 0");
+    irradiance_up(&w, .1, .2, -.9);
+    irradiance_up(&w, -.4, .2, -.9);
+    n = rad_ambient_list(w.job->ambient, &cursor, out, MOST);
+    ck_assert(n > 10 && n < MOST);
+    for (size_t i = 0; i < n; i++) {
+        rays += out[i].level == 0 ? 1024 : out[i].level == 1 ? 256 : 64;
+        /* at least a 16th of the scene, doubled by each bounce; at most a
+         * fifth */
+        ck_assert(out[i].radius[0] > (out[i].level == 0   ? .1249f
+                                      : out[i].level == 1 ? .2499f
+                                                          : .3999f));
+    }
+    ck_assert_uint_eq(rays, w.ctx.counts.ambient_rays);
+    world_close(&w);
 }
 END_TEST
 
@@ -848,6 +876,7 @@ make_suite(void)
     tcase_add_loop_test(tc, implausible_record_is_refused, 0, 16);
     tcase_add_test(tc, log_gives_each_record_once);
     tcase_add_test(tc, interpolation_is_close_to_sampling);
+    tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, no_light_leaks_through_a_wall);
     tcase_add_test(tc, infinite_irradiance_is_not_kept);
     tcase_add_test(tc, units_do_not_matter);

@@ -53,8 +53,22 @@
  * scene's cube: far enough to be still as the point moves. */
 #define FAR_SIDES 10.
 
-/* The length that stands for the unit in radius_of(), in sides of the cube. */
-#define ERROR_UNIT .25
+/* The length that stands for the unit in radius_of(), in sides of the cube:
+ * what bends within a tenth of the scene gets zones as small as -ar 32 lets
+ * them be. At much more than that most zones are as large as they may be, and
+ * their error, then most of the picture's, hardly falls with more rays; at less
+ * there are more records, and little is gained. */
+#define ERROR_UNIT .003
+
+/* Each bounce leaves about half of the light, and what deep records get wrong
+ * is averaged over the hemisphere of the one above.  So a bounce halves a
+ * record's samples and doubles the area of its zone beyond what they are for
+ * its weight. */
+#define LESS_BY_BOUNCE .5
+
+/* Fewest cells along a side: what a picture shows needs gradients. */
+#define SIDE_SHOWN 7
+#define SIDE_DEEP  5
 
 struct rad_ambient {
     const struct rad_job *job;  /* [fixed] */
@@ -380,21 +394,21 @@ rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 
 /* --- making records --- */
 
-/* Radius for an eigenvalue of the Hessian over E.  The error that a record
- * leaves in its zone, summed over the zone's area, grows as value * r^4
- * (Schwarzhaupt et al. 2012): equal for all records if r is its fourth root.
- * The scene's size stands for the unit, so that units do not matter. */
+/* Radius for an eigenvalue of the Hessian over E.  In its zone a record is
+ * wrong by about value * r^2, and there are 1 / r^2 records to the area
+ * (Schwarzhaupt et al. 2012).  For so many records the squared error, summed
+ * over the area, is least if value^2 r^6 is the same for all; their paper,
+ * which sums the error itself, has value r^4.  The scene's size stands for the
+ * unit, so that units do not matter. */
 static double
 radius_of(const struct rad_ambient *amb, double value)
 {
-    double unit = amb->side * ERROR_UNIT;
-
     value = fabs(value);
-    return value > 0 ? sqrt(2 * unit / sqrt(value)) : INFINITY;
+    return value > 0 ? cbrt(amb->side * ERROR_UNIT / value) : INFINITY;
 }
 
 /* Limit the radii: E must not double over them, and they keep to -ar; lighter
- * rays may do with larger ones. */
+ * and deeper rays may do with larger ones. */
 static void
 limit_radii(const struct rad_ambient *amb, const double gpos[2], double weight,
             double r[2])
@@ -488,7 +502,7 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
     } else {
         r[0] = r[1] = mean_distance(h);
     }
-    limit_radii(amb, gpos, rec->weight, r);
+    limit_radii(amb, gpos, rec->weight * pow(LESS_BY_BOUNCE, rec->level), r);
     /* over the zone E may double, not more */
     double swing = hypot(gpos[0] * r[0], gpos[1] * r[1]);
     double cap = swing > 1 ? 1 / swing : 1;
@@ -506,6 +520,16 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
     rec->corral = find_corral(h, f, zone);
 }
 
+/* The weight that a record made here is for: that of a ray which has been
+ * reflected as often, unless this one is much lighter. */
+static float
+record_weight(const struct rad_ambplace *at)
+{
+    double usual = pow(MEAN_REFLECTANCE, at->level);
+
+    return (float)(at->weight < .1 * usual ? 1.25 * at->weight : usual);
+}
+
 /* Sample the hemisphere at a place and keep the result if it is fit to be
  * kept.  False: no light could be traced. */
 static bool
@@ -520,9 +544,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     struct rad_hemi h;
     bool ok;
 
-    plan.weight = pow(MEAN_REFLECTANCE, at->level);
-    if (at->weight < .1 * plan.weight)
-        plan.weight = 1.25 * at->weight;
+    rec.weight = record_weight(at);
+    plan.weight = (double)rec.weight * pow(LESS_BY_BOUNCE, at->level);
+    plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->side;
     rad_copy(plan.normal, at->n);
@@ -537,7 +561,6 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         for (int k = 0; k < 3; k++)
             rec.n[k] = (float)at->n[k];
         rec.E = h.E;
-        rec.weight = (float)plan.weight;
         shape_record(amb, &h, &rec);
         if (insert(amb, &rec, true))
             ctx->counts.ambient_values++;

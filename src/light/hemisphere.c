@@ -17,8 +17,8 @@
 
 #include <string.h>
 
-/* Fewest cells along a side that gradients can be taken from. */
-#define MIN_SIDE 7
+/* Fewest cells along a side among which differences mean something. */
+#define MIN_SIDE 5
 /* Reflectance assumed for the weight of rays that make a record, which serves
  * surfaces of any. */
 #define MEAN_REFLECTANCE .5f
@@ -241,7 +241,7 @@ choose_side(const struct rad_params *par, const struct rad_ray *r,
         *weight = rad_least(*weight, most);
     }
     int n = (int)(sqrt(par->ambdiv * *weight) + .5);
-    int least = plan->store ? MIN_SIDE : 1;
+    int least = plan->store ? plan->side : 1;
 
     return n > least ? n : least;
 }

@@ -34,8 +34,9 @@ struct rad_hemi_plan {
     bool behind;         /* that is the far side of the surface r hit */
     struct rad_rgb coef; /* what E is for: the surface's reflectance */
     double weight;       /* scales -ad and -as, in (0, 1] */
-    bool store;          /* for a record: enough cells for gradients, and a
-                          * ray's weight as for any reflectance */
+    bool store;          /* for a record: a ray's weight as for any reflectance,
+                          * and at least `side` cells along each side */
+    int side;
     double far; /* stands for infinity in cell positions [unit]; without
                  * `store` they are directions */
 };
