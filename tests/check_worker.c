@@ -578,6 +578,31 @@ START_TEST(records_go_to_peers_and_from_peers_to_the_child)
 }
 END_TEST
 
+static bool
+is_token(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
+{
+    (void)arg;
+    return memcmp(job, job_id, MSG_JOB) == 0 &&
+           memcmp(its, token, MSG_TOKEN) == 0;
+}
+
+/* Only while the peer is expected, and not after the job. */
+START_TEST(a_peers_key_is_forgotten)
+{
+    struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    start_job();
+    child_ready();
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+    introduce(MSG_PEER_DIAL); /* ours is to dial: nobody may come with it */
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+    introduce(0);
+    ck_assert(worker_peer_token(f.w, is_token, NULL));
+    hear(f.coord, &end);
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+}
+END_TEST
+
 START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
 {
     start_job();
@@ -940,6 +965,7 @@ main(void)
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
     tcase_add_test(tc, a_child_that_gives_up_is_reported);
     tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
+    tcase_add_test(tc, a_peers_key_is_forgotten);
     tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);

@@ -32,6 +32,7 @@ UNIT_TESTS = \
 	tests/check_fprism \
 	tests/check_frame \
 	tests/check_func \
+	tests/check_gate \
 	tests/check_geom \
 	tests/check_handoff \
 	tests/check_hdr \
@@ -287,6 +288,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -315,6 +317,7 @@ TESTS += \
 	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
 	tests/e2e/identity.sh \
@@ -353,6 +356,10 @@ tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_message_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 EXTRA_DIST += tests/golden
+
+tests_check_gate_SOURCES = tests/check_gate.c tests/unit.h
+tests_check_gate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_gate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

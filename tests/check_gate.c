@@ -1,0 +1,319 @@
+/* check_gate.c - strangers at a listener, over loopback, and a connection whose
+ * messages go by TLS */
+#include "config.h"
+
+#include "conn.h"
+#include "dial.h"
+#include "gate.h"
+#include "listen.h"
+#include "log.h"
+
+#include "unit.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const uint8_t secret[TLS_SECRET] = { 5 };
+
+static const char *
+find(void *arg, const char *id, uint8_t *out)
+{
+    (void)arg;
+    if (strcmp(id, "worker:w:k1") != 0)
+        return "unknown key";
+    memcpy(out, secret, TLS_SECRET);
+    return NULL;
+}
+
+/* A listener, what came in and what was dialled. */
+struct scene {
+    uv_loop_t loop;
+    struct listener *listener;
+    struct dialler *dialler;
+    struct conn *in, *out;
+    int nin, nrefused;
+    int messages_in, messages_out, ended;
+    size_t bytes_in;
+};
+static struct scene s;
+
+static void
+on_message(void *arg, struct conn *c, const struct msg *m)
+{
+    (void)arg;
+    if (c == s.in) {
+        s.messages_in++;
+        if (m->type == MSG_AMBIENT)
+            s.bytes_in += m->ambient.len;
+    } else {
+        s.messages_out++;
+    }
+}
+
+static void
+on_closed(void *arg, struct conn *c, const char *why)
+{
+    (void)arg;
+    (void)why;
+    s.ended++;
+    if (c == s.in)
+        s.in = NULL;
+    else
+        s.out = NULL;
+}
+
+static const struct conn_handler handler = { on_message, on_closed, NULL,
+                                             NULL };
+
+static void
+on_visitor(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
+{
+    (void)arg;
+    s.nin++;
+    ck_assert_ptr_nonnull(tls);
+    ck_assert_str_eq(tls_id(tls), "worker:w:k1");
+    conn_close(s.in);
+    s.in = conn_new(stream, tls, MSG_AT_PEER, peer, &handler, NULL);
+    ck_assert_ptr_nonnull(s.in);
+    ck_assert_str_eq(conn_key(s.in), "worker:w:k1");
+}
+
+static void
+on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
+           const char *peer, const char *why)
+{
+    (void)arg;
+    (void)id;
+    if (!stream) {
+        ck_assert_ptr_nonnull(why);
+        s.nrefused++;
+        return;
+    }
+    ck_assert_ptr_nonnull(tls);
+    s.out = conn_new(stream, tls, MSG_AT_PEER, peer, &handler, NULL);
+}
+
+static void
+open_scene(void)
+{
+    struct listener_conf conf = { .fn = on_visitor, .find = find };
+
+    memset(&s, 0, sizeof s);
+    signal(SIGPIPE, SIG_IGN);
+    log_set_level(LOG_LEVEL_ERR);
+    ck_assert_int_eq(uv_loop_init(&s.loop), 0);
+    s.listener = listener_open(&s.loop, "127.0.0.1:0", &conf, NULL);
+    s.dialler = dialler_new(&s.loop, on_dialled, NULL);
+    ck_assert(s.listener && s.dialler);
+}
+
+/* All handles go, whatever is under way. */
+static void
+close_scene(void)
+{
+    listener_close(s.listener);
+    dialler_close(s.dialler);
+    conn_close(s.in);
+    conn_close(s.out);
+    uv_run(&s.loop, UV_RUN_DEFAULT);
+    ck_assert_int_eq(uv_loop_close(&s.loop), 0);
+    dialler_free(s.dialler);
+}
+
+static void
+turn(int ms)
+{
+    uint64_t until = uv_hrtime() + (uint64_t)ms * 1000000;
+
+    while (uv_hrtime() < until) {
+        uv_run(&s.loop, UV_RUN_NOWAIT);
+        usleep(500);
+    }
+}
+
+static bool
+turn_until(const int *n, int want)
+{
+    for (int i = 0; i < 20000 && *n < want; i++) {
+        uv_run(&s.loop, UV_RUN_NOWAIT);
+        usleep(500);
+    }
+    return *n >= want;
+}
+
+static void
+dial_with(const char *id)
+{
+    struct dial_key key;
+
+    snprintf(key.id, sizeof key.id, "%s", id);
+    memcpy(key.secret, secret, TLS_SECRET);
+    dial(s.dialler, listener_text(s.listener), 1, &key);
+}
+
+START_TEST(a_key_lets_in_and_another_does_not)
+{
+    dial_with("worker:w:k1");
+    ck_assert(turn_until(&s.nin, 1));
+    dial_with("worker:x:k1");
+    ck_assert(turn_until(&s.nrefused, 1));
+    dial(s.dialler, listener_text(s.listener), 1, NULL);
+    ck_assert(turn_until(&s.nrefused, 2));
+    ck_assert_int_eq(s.nin, 1);
+}
+END_TEST
+
+/* Much in both directions, in messages of all sizes. */
+START_TEST(messages_go_by_tls_as_they_are)
+{
+    static uint8_t payload[MSG_MAX_AMBIENT];
+    struct msg m = { .type = MSG_AMBIENT };
+    size_t total = 0;
+
+    dial_with("worker:w:k1");
+    ck_assert(turn_until(&s.nin, 1));
+    for (int i = 0; i < 4000 && !s.out; i++)
+        turn(1);
+    ck_assert_ptr_nonnull(s.out);
+    m.ambient.count = 1;
+    m.ambient.data = payload;
+    for (int i = 0; i < 60; i++) {
+        m.ambient.len = 1 + (size_t)i * 2000;
+        total += m.ambient.len;
+        ck_assert(conn_send(s.out, &m));
+        m.ambient.len = 9;
+        ck_assert(conn_send(s.in, &m));
+    }
+    ck_assert(turn_until(&s.messages_in, 60));
+    ck_assert(turn_until(&s.messages_out, 60));
+    ck_assert_uint_eq(s.bytes_in, total);
+    ck_assert_uint_eq(conn_bytes_in(s.in), conn_bytes_out(s.out));
+    ck_assert_uint_eq(conn_queued(s.out), 0);
+    conn_finish(s.out); /* its last word is heard */
+    s.out = NULL;
+    ck_assert(turn_until(&s.ended, 1));
+    ck_assert_ptr_null(s.in);
+}
+END_TEST
+
+/* --- strangers --- */
+
+/* A silent connection from 127.0.0.host. */
+static int
+stranger(int host)
+{
+    struct sockaddr_in to = { .sin_family = AF_INET }, from = to;
+    int fd = socket(AF_INET, SOCK_STREAM, 0);
+    unsigned a, b, c, d, port;
+
+    ck_assert_int_eq(sscanf(listener_address(s.listener), "%u.%u.%u.%u:%u", &a,
+                            &b, &c, &d, &port),
+                     5);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons((uint16_t)port);
+    from.sin_addr.s_addr = htonl(0x7f000000u | (unsigned)host);
+    ck_assert_int_eq(bind(fd, (struct sockaddr *)&from, sizeof from), 0);
+    ck_assert_int_eq(connect(fd, (struct sockaddr *)&to, sizeof to), 0);
+    fcntl(fd, F_SETFL, O_NONBLOCK);
+    turn(2);
+    return fd;
+}
+
+static bool
+hung_up(int fd)
+{
+    char byte;
+
+    return recv(fd, &byte, 1, 0) == 0 || (errno != EAGAIN && errno != EINTR);
+}
+
+START_TEST(a_host_holds_eight_and_the_oldest_goes)
+{
+    int fds[12];
+
+    for (int i = 0; i < 12; i++)
+        fds[i] = stranger(7);
+    turn(20);
+    for (int i = 0; i < 12; i++)
+        ck_assert_msg(hung_up(fds[i]) == (i < 12 - GATE_MOST_HOST), "%d", i);
+    dial_with("worker:w:k1"); /* of another host, and it comes through */
+    ck_assert(turn_until(&s.nin, 1));
+    for (int i = 0; i < 12; i++)
+        close(fds[i]);
+}
+END_TEST
+
+START_TEST(all_hosts_hold_sixty_four_and_the_oldest_goes)
+{
+    enum { N = GATE_MOST + 10 };
+    int fds[N];
+
+    for (int i = 0; i < N; i++)
+        fds[i] = stranger(10 + i / GATE_MOST_HOST);
+    turn(20);
+    for (int i = 0; i < N; i++)
+        ck_assert_msg(hung_up(fds[i]) == (i < N - GATE_MOST), "%d", i);
+    for (int i = 0; i < 20; i++) { /* one after the other, and all through */
+        dial_with("worker:w:k1");
+        ck_assert(turn_until(&s.nin, i + 1));
+        conn_close(s.out);
+        s.out = NULL;
+    }
+    for (int i = 0; i < N; i++)
+        close(fds[i]);
+}
+END_TEST
+
+/* Not more is taken from one who has no key than a handshake needs. */
+START_TEST(a_stranger_who_talks_is_let_go)
+{
+    static const uint8_t head[] = { 22, 3, 1, 64, 0, 1, 0, 63, 252, 3, 3 };
+    static uint8_t noise[1000];
+    int fd = stranger(8), sent = 0;
+
+    ck_assert_int_eq(send(fd, head, sizeof head, MSG_NOSIGNAL), sizeof head);
+    while (sent < 400000 && !hung_up(fd)) {
+        if (send(fd, noise, sizeof noise, MSG_NOSIGNAL) > 0)
+            sent += (int)sizeof noise;
+        turn(1);
+    }
+    ck_assert_int_lt(sent, 2 * HANDSHAKE_BYTES);
+    close(fd);
+}
+END_TEST
+
+START_TEST(what_is_under_way_ends_with_the_listener)
+{
+    int fd = stranger(9);
+
+    for (int i = 0; i < 5; i++)
+        dial_with("worker:w:k1");
+    uv_run(&s.loop, UV_RUN_NOWAIT);
+    turn(1);
+    close_scene();
+    ck_assert(hung_up(fd));
+    close(fd);
+    open_scene();
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *suite = suite_create("gate");
+    TCase *tc = tcase_create("gate");
+
+    tcase_add_checked_fixture(tc, open_scene, close_scene);
+    tcase_add_test(tc, a_key_lets_in_and_another_does_not);
+    tcase_add_test(tc, messages_go_by_tls_as_they_are);
+    tcase_add_test(tc, a_host_holds_eight_and_the_oldest_goes);
+    tcase_add_test(tc, all_hosts_hold_sixty_four_and_the_oldest_goes);
+    tcase_add_test(tc, a_stranger_who_talks_is_let_go);
+    tcase_add_test(tc, what_is_under_way_ends_with_the_listener);
+    suite_add_tcase(suite, tc);
+    return unit_run(suite);
+}
