@@ -23,7 +23,8 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
 	tests/fuzz/fuzz_tls \
-	tests/fuzz/fuzz_view
+	tests/fuzz/fuzz_view \
+	tests/fuzz/fuzz_worker
 
 if FUZZERS
 FUZZ_MAIN =
@@ -129,3 +130,7 @@ tests_fuzz_fuzz_keyfile_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_tls_SOURCES = tests/fuzz/fuzz_tls.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_tls_LDADD = $(LIBPROTO) $(LIBRAD)
 tests_fuzz_fuzz_tls_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_worker_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_worker_LDFLAGS = $(FUZZ_LINK)
