@@ -199,11 +199,21 @@ START_TEST(perfect_mirrors_end)
 }
 END_TEST
 
-/* An infinite or negative radiance is black, and counted. */
-static const char *const unsound[] = {
-    "void light m 0 0 3 1e39 1 1 m",
-    "void brighttext t 3 f . A 0 11 0 0 0 1 0 0 0 1 0 -1 -1\n"
-    "t light m 0 0 3 1 1 1 m",
+/* An infinite radiance is black, a negative channel cut off; both count. */
+static const struct {
+    const char *text;
+    struct rad_rgb L;
+} unsound[] = {
+    { "void light m 0 0 3 1e39 1 1 m", { 0, 0, 0 } },
+    { "void brighttext t 3 f . A 0 11 0 0 0 1 0 0 0 1 0 -1 -1\n"
+      "t light m 0 0 3 1 1 1 m",
+      { 0, 0, 0 } },
+    { "void colortext t 3 f . A 0 15 0 0 0 1 0 0 0 1 0 -1 2 3 -1 2 3\n"
+      "t light m 0 0 3 1 1 1 m",
+      { 0, 2, 3 } },
+    { "void colortext t 3 f . A 0 15 0 0 0 1 0 0 0 1 0 -1 2 3 -1 2 3\n"
+      "t light m 0 0 3 1 1e39 1 m",
+      { 0, 0, 0 } },
 };
 
 static unsigned char *
@@ -216,17 +226,18 @@ empty_font(void *arg, const char *name, size_t *len, struct rad_error *err)
     return calloc(1, 1);
 }
 
-START_TEST(unsound_radiance_is_black_and_counted)
+START_TEST(unsound_radiance_is_cut_off_and_counted)
 {
     static const struct rad_files files = { empty_font, NULL };
     char text[512];
     struct rad_rgb c;
     struct world w;
 
-    snprintf(text, sizeof text, "%s" SQUARE, unsound[_i]);
+    snprintf(text, sizeof text, "%s" SQUARE, unsound[_i].text);
     ck_assert_int_eq(world_try(&w, text, "", &files), 0);
     c = world_see(&w, 0, 0, 1, 0, 0, -1);
-    ck_assert(c.r == 0 && c.g == 0 && c.b == 0);
+    ck_assert(c.r == unsound[_i].L.r && c.g == unsound[_i].L.g &&
+              c.b == unsound[_i].L.b);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
     world_close(&w);
 }
@@ -302,7 +313,7 @@ main(void)
     tcase_add_loop_test(tc, distance_is_of_what_is_seen, 0, N_ELEM(depth));
     tcase_add_loop_test(tc, many_layers_pass_and_endless_ones_end, 0, 3);
     tcase_add_test(tc, perfect_mirrors_end);
-    tcase_add_loop_test(tc, unsound_radiance_is_black_and_counted, 0,
+    tcase_add_loop_test(tc, unsound_radiance_is_cut_off_and_counted, 0,
                         N_ELEM(unsound));
     tcase_add_test(tc, ray_does_not_depend_on_those_before_it);
     tcase_add_test(tc, normal_never_turns_away_from_the_ray);

@@ -155,12 +155,23 @@ rad_ray_enter(struct rad_ray *r)
     r->dist = r->hit.t;
 }
 
-/* What is not finite or negative becomes black, and is counted. */
+/* Negative channels are cut off at 0, the others stay, as in rpict's pictures;
+ * what is not finite anywhere is black. */
+static struct rad_rgb
+made_sound(struct rad_rgb L)
+{
+    L = rad_rgb(L.r < 0 ? 0 : L.r, L.g < 0 ? 0 : L.g, L.b < 0 ? 0 : L.b);
+    return rad_rgb_sound(L) ? L : rad_grey(0);
+}
+
+/* What is not finite or negative is cut off, and counted. */
 static void
 drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
 {
     if (!rad_rgb_sound(r->L)) {
-        r->L = r->L_mirror = rad_grey(0);
+        r->L = made_sound(r->L);
+        r->L_mirror =
+            rad_rgb_black(r->L) ? rad_grey(0) : made_sound(r->L_mirror);
         ctx->counts.unsound_rays++;
     }
 }
