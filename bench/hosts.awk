@@ -1,9 +1,8 @@
 # hosts.awk - the tables of hosts.sh, from the lines of its runs
 #
 # Reads two files: what was simulated, in lines of table, row, workers and
-# seconds; and the runs: table, row, workers, then what stats.awk tells, and how
-# fast the machine was, as a multiple of its speed at the first run.  Variables:
-# tables, workers, windows as hosts.sh has them; share: workstations of the first
+# seconds; and the runs: table, row, workers, then what stats.awk tells.  Variables: tables,
+# workers, windows as hosts.sh has them; share: workstations of the first
 # table; most: of the table of estimates; frames of the animation.
 function median(key, field,   n, i, j, t, v)
 {
@@ -127,8 +126,10 @@ function best_windows(n,   i, t, best, least)
 function way_line(label, key, n,   t)
 {
     t = median(key, 1)
-    printf "%-14s%5d%s%s%s%s%s%s%s%s%s\n", label, n, show("%9.2f", t),
-        show("%9.2f", over(base, t)), show("%7.1f", times(over(over(base, t),
+    printf "%-14s%5d%s%s%s%s%s%s%s%s%s%s\n", label, n, show("%9.2f", t),
+        show("%9.2f", over(base, t)),
+        show("%6.2f", over(median("base auto 1", 16), median(key, 16))),
+        show("%7.1f", times(over(over(base, t),
         n), 100)), show("%9.3f", times(median(key, 3), 1e-6)),
         show("%9.0f", median(key, 4)),
         show("%7.2f", times(over(median(key, 5), median(key, 4)), 100)),
@@ -139,12 +140,14 @@ function way_line(label, key, n,   t)
 
 function ways_table(   i, n, b)
 {
-    title("Ways to share (static with balancing): seconds, speed-up," \
-        " efficiency [%], million rays,\nprimary rays, speculative ones [%" \
-        " of them], longest wait of a worker for base lines\n[% of the time]," \
+    title("Ways to share (static with balancing): seconds, speed-up, the same" \
+        " at even cost of\nrays, efficiency [%], million rays, primary rays," \
+        " speculative ones [% of them], longest wait of\na worker for base" \
+        " lines [% of the time],"  \
         " redundant ambient values [%], bytes a base-line pixel")
-    printf "%-14s%5s%9s%9s%7s%9s%9s%7s%7s%7s%7s\n", "", "hosts", "seconds",
-        "speed-up", "eff", "rays", "primary", "spec", "wait", "redun", "bytes"
+    printf "%-14s%5s%9s%9s%6s%7s%9s%9s%7s%7s%7s%7s\n", "", "hosts",
+        "seconds", "speed-up", "even", "eff", "rays", "primary", "spec", \
+        "wait", "redun", "bytes"
     way_line("one worker", "base auto 1", 1)
     for (i = 1; i <= nworkers; i++) {
         n = worker[i]
@@ -217,21 +220,13 @@ FILENAME ~ /simulated$/ {
     n = ++count[key]
     for (i = 4; i <= NF; i++)
         what[key, n, i - 3] = $i
-    # as if it had been made at the speed of the first
-    what[key, n, 1] *= $NF
-    what[key, n, 2] *= $NF
-    what[key, n, 8] *= $NF
-    if (!least || $NF < least)
-        least = $NF
-    if ($NF > most_speed)
-        most_speed = $NF
+    # seconds, as if a ray took a microsecond of processor time
+    what[key, n, 16] = $18 > 0 ? 1e-6 * $4 * $6 / $18 : "-"
 }
 END {
     nworkers = split(workers, worker, " ")
     nwindows = split(windows, window, " ")
     base = median("base auto 1", 1)
-    printf "The machine was %.2f to %.2f times as fast as at first; seconds" \
-        " are as at that speed.\n", least, most_speed
     printf "One worker: %s s, %s million rays\n", show("%.2f", base),
         show("%.3f", times(median("base auto 1", 3), 1e-6))
     n = split(tables, table, ",")

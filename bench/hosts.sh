@@ -7,10 +7,9 @@
 # coordinator and radsubmit have no quota.  Every run has a fresh cluster, so
 # that reading, sending and loading the scene count.  The runs of one round
 # follow each other, the baseline (one worker) first; tables give the medians
-# of all rounds.  Processors are not as fast now as they were then, where others
-# use the machine: so a small picture is rendered before and after each run, and
-# seconds count by the processor time that this took, as if all runs had been
-# made at the speed of the first.  Where quotas are not to be had, workers are plain processes,
+# of all rounds.  Processors that others use as well are not as fast in one run
+# as in the next; so beside the speed-up stands what it would have been had a
+# ray cost the same processor time in both runs.  Where quotas are not to be had, workers are plain processes,
 # up to the processors there are.
 #
 #   --quota=Q        of a processor, for each workstation (0.2)
@@ -306,23 +305,6 @@ submit() # OPTIONS...
         "$scene") >/dev/null 2>"$tmp/err" </dev/null
 }
 
-# Processor seconds of a small picture without a quota; - if it fails.
-look_at_speed()
-{
-    rm -f "$tmp/probe.json"
-    # shellcheck disable=SC2086 # options are words
-    (cd "$(dirname "$scene")" && timeout -k 5 600 "$build/radsubmit" --local \
-        --workers=1 --threads=1 --progress=never --stats="$tmp/probe.json" \
-        -vf "$view" -x 192 -y 128 $options -o "$tmp/probe.hdr" "$scene") \
-        >/dev/null 2>&1 </dev/null
-    if [ -e "$tmp/probe.json" ]; then
-        awk -v head=probe -f "$here/stats.awk" "$tmp/probe.json" |
-            awk '{ print $NF }'
-    else
-        echo -
-    fi
-}
-
 # What is under way, to a terminal.
 say()
 {
@@ -330,8 +312,8 @@ say()
 }
 
 # Once, of one round: what a run had to say goes into $tmp/runs, a line of
-# table, row, workers, statistics (stats.awk) and how fast the machine was; or
-# its error into $tmp/refused.
+# table, row, workers and statistics (stats.awk); or its error into
+# $tmp/refused.
 run() # TABLE ROW WORKERS OPTIONS...
 {
     table=$1 row=$2 n=$3
@@ -339,14 +321,8 @@ run() # TABLE ROW WORKERS OPTIONS...
     say "round $round of $rounds: $table, $row, $n"
     rm -f "$tmp/stats.json"
     echo "the cluster does not start" >"$tmp/err"
-    before=${after:-$(look_at_speed)}
-    : "${first:=$before}"
     if start_cluster "$n" && submit "$@"; then
-        stop_cluster
-        after=$(look_at_speed)
-        awk -v head="$table $row $n" -f "$here/stats.awk" "$tmp/stats.json" |
-            awk -v f="$first" -v b="$before" -v a="$after" '{
-                print $0, (f > 0 && a + b > 0) ? 2 * f / (a + b) : 1 }' \
+        awk -v head="$table $row $n" -f "$here/stats.awk" "$tmp/stats.json" \
             >>"$tmp/runs"
     else
         echo "$table, $row, $n: $(grep -v ': job ' "$tmp/err" | tail -n 1)" \
@@ -429,8 +405,7 @@ simulate()
                 }
             return v[int((n + 1) / 2)]
         }
-        $1 == "base" { wall[++n] = $4 * $NF; render[n] = $17 * $NF
-            rays[n] = $6 }
+        $1 == "base" { wall[++n] = $4; render[n] = $17; rays[n] = $6 }
         $1 == "ways" && $2 == "auto" && $3 == most { all[++m] = $6 }
         END {
             if (n == 0) exit
@@ -500,7 +475,7 @@ measure() # the scene and view that are set
     : >"$tmp/refused"
     optimum=$tmp/optimum.json
     rm -f "$optimum"
-    round=1 first='' after=''
+    round=1
     while [ "$round" -le "$rounds" ]; do
         run base auto 1
         for t in $(echo "$tables" | tr , ' '); do

@@ -375,7 +375,7 @@ random_bytes(void *arg, void *buf, size_t n)
 static uint64_t
 open_conn(struct cluster *c, int host, enum msg_role role)
 {
-    const struct coord_peer peer = { "sim", "sim", 1u << role };
+    const struct coord_peer peer = { "sim", "sim", 1u << role, NULL };
     uint64_t low = host == CLIENT ? 65535 : (uint64_t)host;
     uint64_t conn = ++c->next_conn << 16 | low;
 
