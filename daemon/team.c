@@ -829,6 +829,8 @@ put_top(struct team *t)
     }
     if (spec->top_density)
         memcpy(t->density, spec->top_density, t->ndensity);
+    else if (t->ndensity > 0)
+        rad_quincunx_guess(&spec->sampler, t->density);
     if (spec->top)
         memcpy(row_at(t, rad_quincunx_base_row(&spec->sampler, above)),
                spec->top, (size_t)spec->sampler.width * sizeof *spec->top);

@@ -346,6 +346,43 @@ START_TEST(pieces_give_the_same_as_whole_lines)
 }
 END_TEST
 
+static void
+trace_flat(void *arg, int x, int y, struct rad_pixel *out)
+{
+    (void)arg;
+    (void)x;
+    (void)y;
+    *out = (struct rad_pixel){ .z = 1 };
+}
+
+/* What lines leave, begun with nothing known at line 1, is what the truth has
+ * a few lines on, where there is no detail: to the last, of which no line makes
+ * any. */
+START_TEST(a_guess_comes_to_the_truth)
+{
+    enum { LINES = 12 };
+    static struct rad_pixel line[MOST];
+
+    for (int width = 1; width < 80; width++) {
+        struct rad_quincunx q = { .width = width,
+                                  .maxdiff = .05,
+                                  .trace = trace_flat };
+        uint8_t truth[MOST], guess[MOST];
+
+        rad_quincunx_steps(_i, &q.xstep, &q.ystep);
+        q.height = LINES * q.ystep;
+        rad_quincunx_start(&q, truth);
+        rad_quincunx_guess(&q, guess);
+        for (int i = 0; i < LINES; i++) {
+            rad_quincunx_base(&q, i, truth, line);
+            if (i > 0)
+                rad_quincunx_base(&q, i, guess, line);
+        }
+        ck_assert_mem_eq(truth, guess, rad_quincunx_ndensity(&q));
+    }
+}
+END_TEST
+
 START_TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
 {
     static const int want[][2] = { { 1, 1 },  { 3, 1 },  { 4, 2 },  { 6, 3 },
@@ -400,6 +437,7 @@ main(void)
     tcase_add_loop_test(tc, sampler_does_as_the_model, 0, N_ELEM(cases));
     tcase_add_loop_test(tc, pieces_give_the_same_as_whole_lines, 0,
                         N_ELEM(cases));
+    tcase_add_loop_test(tc, a_guess_comes_to_the_truth, 2, 17);
     tcase_add_test(tc, steps_make_a_lattice_of_ps_by_ps_pixels);
     tcase_add_test(tc, base_lines_reach_from_the_first_row_to_the_last);
     suite_add_tcase(s, tc);

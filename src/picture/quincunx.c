@@ -217,6 +217,19 @@ cut_off(const struct rad_quincunx *q, int i)
 }
 
 void
+rad_quincunx_guess(const struct rad_quincunx *q, uint8_t *density)
+{
+    size_t n = rad_quincunx_ndensity(q);
+    size_t even = (size_t)rad_quincunx_ngaps(q, 0) + 1;
+    size_t odd = (size_t)rad_quincunx_ngaps(q, 1);
+    size_t reached = even > odd ? even : odd;
+
+    memset(density, 0, n);
+    if (reached < n)
+        memset(density + reached, q->xstep, n - reached);
+}
+
+void
 rad_quincunx_line_start(struct rad_quincunx_line *s,
                         const struct rad_quincunx *q, int i,
                         const uint8_t *above, uint8_t *below,

@@ -58,6 +58,10 @@ size_t rad_quincunx_ndensity(const struct rad_quincunx *q);
 /* The densities above base line 0: full. */
 void rad_quincunx_start(const struct rad_quincunx *q, uint8_t *density);
 
+/* The densities after a line of which nothing is known: none found, but for
+ * those that no line reaches, which stay as they were at the start. */
+void rad_quincunx_guess(const struct rad_quincunx *q, uint8_t *density);
+
 /* Base lines: their number, and the row of number i.  Number 0 is row 0; the
  * last is row height - 1, so the last bar may be lower than the others. */
 int rad_quincunx_nbases(const struct rad_quincunx *q);
