@@ -40,7 +40,7 @@ static const struct conf_key keys[] = {
       "Unix socket of this machine's users; empty: none", false },
     { "state", CONF_TEXT_KEY, FIELD(state), 0, 0, "/var/lib/radd", "DIR",
       "folder of jobs, scenes, rows and pictures", false },
-    { "keep_jobs", CONF_INT_KEY, FIELD(keep_jobs), 0, 100000, "100", "N",
+    { "keep_jobs", CONF_INT_KEY, FIELD(keep_jobs), 10, 100000, "100", "N",
       "jobs that are over and still remembered", true },
     { "keep_days", CONF_INT_KEY, FIELD(keep_days), 0, 36500, "30", "N",
       "for so many days at most; 0: no limit", true },

@@ -530,8 +530,11 @@ end_run(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
-    int rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len, &t->err);
+    int rc;
 
+    if (!folder_is_there(&s->folder, o->id))
+        return 0; /* forgotten while this was held */
+    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len, &t->err);
     /* what is left when the rows have gone */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);

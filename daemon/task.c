@@ -159,7 +159,7 @@ run_all(uv_work_t *work)
             list_add(&q->held, t);
         else
             run_one(q, t);
-        if (q->unsettled.n >= TASK_GATHER)
+        if (q->unsettled.n >= TASK_MOST)
             settle(q);
     }
     if (is_time_to_settle(q))
