@@ -28,9 +28,9 @@
 #define PROGRESS_MS  500
 #define LEASE_MS     60000
 #define FETCH_MS     60000 /* in which a user gets a picture that is done */
-#define KEPT_JOBS    100  /* that are over */
-#define MOST_JOBS    1000 /* that are not */
-#define MOST_THREADS 4096 /* of one worker */
+#define KEPT_JOBS    100   /* that are over */
+#define MOST_JOBS    1000  /* that are not */
+#define MOST_THREADS 4096  /* of one worker */
 
 struct coord *
 coord_new(const struct coord_env *env)
@@ -203,7 +203,7 @@ forget_old(struct coord *c)
         }
         if (over == 0 || (over <= c->keep.jobs &&
                           (c->keep.bytes == 0 || bytes <= c->keep.bytes ||
-              c->now_ms - c->jobs[oldest]->end_ms < FETCH_MS) &&
+                           c->now_ms - c->jobs[oldest]->end_ms < FETCH_MS) &&
                           (c->keep.ms == 0 ||
                            c->now_ms - c->jobs[oldest]->end_ms < c->keep.ms)))
             return;

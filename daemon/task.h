@@ -5,10 +5,10 @@
  * no two tasks meet.
  *
  * Tasks that must last are not done when they have run, but when `settle` has:
- * one settling serves all that ran since the last.  It comes TASK_GATHER_MS after
- * the last, or when there are TASK_GATHER of them; what came while the disk was
- * busy is settled together, up to TASK_MOST, so a slow disk settles less often
- * and not less.
+ * one settling serves all that ran since the last.  It comes TASK_GATHER_MS
+ * after the last, or when there are TASK_GATHER of them; what came while the
+ * disk was busy is settled together, up to TASK_MOST, so a slow disk settles
+ * less often and not less.
  *
  * Where the disk is full (RAD_EFULL), a task that writes is held, and so is all
  * that writes after it, in order; they run again each TASK_RETRY_MS until there

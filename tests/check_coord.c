@@ -777,6 +777,59 @@ START_TEST(frames_are_fetched_when_they_are_there)
 }
 END_TEST
 
+START_TEST(a_full_disk_holds_jobs)
+{
+    f.have = false;
+    submit(&f, ANA, job_a, 0);
+    coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.progress.state, MSG_STATE_HELD);
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, ANA, hash);
+    carry_out(&f);
+    ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
+    coord_fullness(f.c, f.now_ms, false, "");
+    carry_out(&f);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    wait_s(&f, 1);
+    ck_assert_uint_ne(f.progress.state, MSG_STATE_HELD);
+}
+END_TEST
+
+static void
+whole_job(const uint8_t *job)
+{
+    submit(&f, ANA, job, 0);
+    ready(&f, WORKER, job);
+    for (uint32_t u = 0; u < 4; u++)
+        result(&f, WORKER, job, u, 1);
+}
+
+/* By number, by age, and by size, but not before its user can have it. */
+START_TEST(jobs_that_are_over_are_kept_for_a_while)
+{
+    static const struct coord_keep keeps[] = { { 1, 0, 0 },
+                                               { 9, 90000, 0 },
+                                               { 9, 0, 1000 } };
+    static const unsigned until_s[] = { 0, 90, 60 };
+
+    coord_set_keep(f.c, &keeps[_i]);
+    whole_job(job_a);
+    coord_job_filed(f.c, f.now_ms, job_a, 900);
+    whole_job(job_b);
+    coord_job_filed(f.c, f.now_ms, job_b, 900);
+    carry_out(&f);
+    if (until_s[_i] > 0) {
+        wait_s(&f, until_s[_i] / 2);
+        ck_assert_ptr_nonnull(coord_find_job(f.c, job_a));
+        wait_s(&f, until_s[_i]);
+        coord_job_filed(f.c, f.now_ms, job_b, 900);
+    }
+    ck_assert_ptr_null(coord_find_job(f.c, job_a));
+    ck_assert((coord_find_job(f.c, job_b) == NULL) == (_i == 1));
+}
+END_TEST
+
 START_TEST(queries_are_answered_in_json)
 {
     static const struct {
@@ -842,6 +895,8 @@ main(void)
     tcase_add_test(tc, a_job_that_nobody_can_keep_a_child_for_fails);
     tcase_add_test(tc, a_unit_done_makes_up_for_setbacks);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
+    tcase_add_test(tc, a_full_disk_holds_jobs);
+    tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_test(tc, queries_are_answered_in_json);
     suite_add_tcase(s, tc);
     return unit_run(s);

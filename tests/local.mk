@@ -62,6 +62,7 @@ UNIT_TESTS = \
 	tests/check_strict \
 	tests/check_submit \
 	tests/check_table \
+	tests/check_task \
 	tests/check_team \
 	tests/check_tls \
 	tests/check_view \
@@ -408,6 +409,10 @@ tests_check_estimate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_task_SOURCES = tests/check_task.c tests/unit.h
+tests_check_task_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
+tests_check_task_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
 tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

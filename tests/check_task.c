@@ -1,0 +1,240 @@
+/* check_task.c - work behind the loop: grouped, held while there is no room,
+ * and ended when the disk fails */
+#include "config.h"
+
+#include "task.h"
+#include "unit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct fixture {
+    uv_loop_t loop;
+    struct task_queue q;
+    char log[400]; /* what ran (letters), was settled (|) and done (capitals) */
+    _Atomic int run_code, settle_code; /* what they return */
+    int settled;
+    bool full, broken;
+};
+
+struct letter {
+    struct task task;
+    struct fixture *f;
+    char c;
+};
+
+static struct fixture f;
+
+static void
+note(char c)
+{
+    size_t n = strlen(f.log);
+
+    ck_assert_uint_lt(n + 1, sizeof f.log);
+    f.log[n] = c;
+}
+
+static int
+run_letter(struct task *t)
+{
+    struct letter *l = (struct letter *)t;
+
+    note(l->c);
+    return t->writes && f.run_code
+               ? rad_fail(&t->err, f.run_code, "no %c", l->c)
+               : 0;
+}
+
+static void
+letter_done(struct task *t)
+{
+    struct letter *l = (struct letter *)t;
+
+    note(t->code < 0 ? '!' : (char)(l->c - 'a' + 'A'));
+    free(l);
+}
+
+static void
+push(char c, bool writes)
+{
+    struct letter *l = calloc(1, sizeof *l);
+
+    ck_assert_ptr_nonnull(l);
+    l->task.run = run_letter;
+    l->task.done = letter_done;
+    l->task.writes = l->task.lasts = writes;
+    l->c = c;
+    task_push(&f.q, &l->task);
+}
+
+static int
+settle(void *arg, struct rad_error *err)
+{
+    (void)arg;
+    f.settled++;
+    note('|');
+    return f.settle_code ? rad_fail(err, f.settle_code, "not settled") : 0;
+}
+
+static void
+fullness(void *arg, bool full, const char *text)
+{
+    (void)arg;
+    ck_assert_str_ne(text, "");
+    f.full = full;
+}
+
+static void
+broken(void *arg, const struct rad_error *err)
+{
+    (void)arg;
+    ck_assert_int_ne(err->code, 0);
+    f.broken = true;
+}
+
+static const struct task_ops ops = { settle, fullness, broken };
+
+static void
+set_up(void)
+{
+    memset(&f, 0, sizeof f);
+    uv_loop_init(&f.loop);
+    task_queue_init(&f.q, &f.loop, &ops, &f);
+}
+
+static void
+turn(void)
+{
+    uv_run(&f.loop, UV_RUN_ONCE);
+}
+
+static void
+go(void)
+{
+    while (!task_queue_idle(&f.q))
+        turn();
+}
+
+static void
+tear_down(void)
+{
+    task_queue_end(&f.q);
+    go();
+    task_queue_release(&f.q);
+    ck_assert_int_eq(uv_loop_close(&f.loop), 0);
+}
+
+START_TEST(what_lasts_is_done_when_it_is_settled)
+{
+    push('a', true);
+    go();
+    ck_assert_str_eq(f.log, "a|A");
+    push('b', false); /* it does not */
+    go();
+    ck_assert_str_eq(f.log, "a|AbB");
+}
+END_TEST
+
+START_TEST(what_comes_within_a_while_is_settled_together)
+{
+    f.q.gather = true;
+    for (char c = 'a'; c <= 'z'; c++) {
+        push(c, true);
+        turn();
+    }
+    go();
+    ck_assert_int_le(f.settled, 6); /* a busy machine takes its time */
+    for (char c = 'A'; c < 'Z'; c++)
+        ck_assert(strchr(f.log, c) < strchr(f.log, c + 1));
+}
+END_TEST
+
+START_TEST(a_full_disk_holds_what_writes)
+{
+    f.run_code = RAD_EFULL;
+    push('a', true);
+    push('b', true);
+    push('c', false);
+    while (!strchr(f.log, 'C') || !f.full)
+        turn();
+    ck_assert_ptr_null(strpbrk(f.log, "AB!"));
+    ck_assert(!task_queue_idle(&f.q));
+    f.run_code = 0;
+    go();
+    ck_assert(!f.full);
+    ck_assert(strchr(f.log, 'A') && strchr(f.log, 'A') < strchr(f.log, 'B'));
+    ck_assert_ptr_null(strchr(f.log, '!'));
+}
+END_TEST
+
+START_TEST(what_cannot_be_settled_for_room_runs_again)
+{
+    f.settle_code = RAD_EFULL;
+    push('a', true);
+    while (!f.full)
+        turn();
+    f.settle_code = 0;
+    go();
+    ck_assert_str_eq(f.log, "a|a|A");
+    ck_assert(!f.full && !f.broken);
+}
+END_TEST
+
+START_TEST(what_is_held_is_given_up_in_the_end)
+{
+    f.run_code = RAD_EFULL;
+    push('a', true);
+    while (!f.full)
+        turn();
+    task_queue_end(&f.q);
+    go();
+    ck_assert_ptr_nonnull(strchr(f.log, '!'));
+}
+END_TEST
+
+START_TEST(a_disk_that_fails_ends_it)
+{
+    if (_i)
+        f.settle_code = RAD_EIO;
+    else
+        f.run_code = RAD_EIO;
+    push('a', true);
+    go();
+    ck_assert(f.broken);
+    ck_assert_str_eq(f.log, _i ? "a|!" : "a!");
+    f.run_code = f.settle_code = 0; /* it may have come to its senses */
+    push('b', true);
+    push('c', false);
+    go();
+    ck_assert_ptr_null(strpbrk(f.log, "Bb"));
+    ck_assert_ptr_nonnull(strchr(f.log, 'C'));
+}
+END_TEST
+
+START_TEST(what_fails_for_its_own_sake_ends_nothing)
+{
+    f.run_code = RAD_EPROTO;
+    push('a', true);
+    go();
+    ck_assert_str_eq(f.log, "a!");
+    ck_assert(!f.broken && !f.full);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("task");
+    TCase *tc = tcase_create("task");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, what_lasts_is_done_when_it_is_settled);
+    tcase_add_test(tc, what_comes_within_a_while_is_settled_together);
+    tcase_add_test(tc, a_full_disk_holds_what_writes);
+    tcase_add_test(tc, what_cannot_be_settled_for_room_runs_again);
+    tcase_add_test(tc, what_is_held_is_given_up_in_the_end);
+    tcase_add_loop_test(tc, a_disk_that_fails_ends_it, 0, 2);
+    tcase_add_test(tc, what_fails_for_its_own_sake_ends_nothing);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
