@@ -202,6 +202,7 @@ typedef void scan_fn(const struct block *b, const struct probe *q,
 
 struct rad_ambcache {
     double org[3], side;                /* [fixed] */
+    double scale;                       /* [fixed] 1 / side */
     scan_fn *scan;                      /* [fixed] */
     struct cell root[ROOTS];            /* by bounces */
     struct pool entries, blocks, cells; /* cells: eight an item */
@@ -376,6 +377,7 @@ rad_ambcache_new(const double org[3], double side)
         return NULL;
     rad_copy(c->org, org);
     c->side = side;
+    c->scale = 1 / side;
     c->scan = best_scan();
     if (pool_init(&c->entries, sizeof(struct entry)) &&
         pool_init(&c->blocks, sizeof(struct block)) &&
@@ -400,7 +402,7 @@ static void
 to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
 {
     for (int k = 0; k < 3; k++)
-        q[k] = (p[k] - c->org[k]) / c->side;
+        q[k] = (p[k] - c->org[k]) * c->scale;
 }
 
 /* Number of the smallest cell there could be, along an axis: bit
@@ -415,6 +417,13 @@ cell_number(double q)
     if (!(q > 0))
         return 0;
     return q >= 1 ? last : (uint64_t)(q * 0x1p48);
+}
+
+/* Cells of that depth in a row. */
+static inline double
+cells_across(int depth)
+{
+    return (double)(INT64_C(1) << depth);
 }
 
 static int
@@ -629,11 +638,12 @@ rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
 static void
 aim(struct probe *probe, const double q[3], const uint64_t number[3], int depth)
 {
-    double scale = ldexp(1, depth);
+    double scale = cells_across(depth);
 
     for (int k = 0; k < 3; k++)
         probe->at[k] =
-            (float)(q[k] * scale - (double)(number[k] >> (MAX_DEPTH - depth)));
+            (float)(q[k] * scale -
+                    (double)(int64_t)(number[k] >> (MAX_DEPTH - depth)));
 }
 
 void
@@ -668,7 +678,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
     for (; depth >= 0; depth--) {
         if (!list[depth])
             continue;
-        if (any && !more(arg, ldexp(c->side / SPAN, -depth - 1)))
+        if (any && !more(arg, c->side / (SPAN * cells_across(depth + 1))))
             return;
         any = true;
         aim(&probe, at, number, depth);
