@@ -642,7 +642,7 @@ END_TEST
 /* The same room in other units, by powers of two: the same bits. */
 START_TEST(units_do_not_matter)
 {
-    static const double scale[] = { 1, 0x1p-10, 0x1p20 };
+    static const double scale[] = { 1, 0x1p-17, 0x1p20 };
     struct rad_rgb first[20];
     uint64_t values = 0;
 
