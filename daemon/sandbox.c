@@ -56,7 +56,7 @@ static const int allowed[] = {
     SCMP_SYS(clock_nanosleep), SCMP_SYS(close), SCMP_SYS(epoll_create1),
     SCMP_SYS(epoll_ctl), SCMP_SYS(epoll_pwait), SCMP_SYS(epoll_pwait2),
     SCMP_SYS(epoll_wait), SCMP_SYS(eventfd2), SCMP_SYS(exit),
-    SCMP_SYS(exit_group), SCMP_SYS(fstat), SCMP_SYS(futex),
+    SCMP_SYS(exit_group), SCMP_SYS(fstat), SCMP_SYS(futex), SCMP_SYS(getcpu),
     SCMP_SYS(get_robust_list), SCMP_SYS(getpid), SCMP_SYS(getppid),
     SCMP_SYS(getpriority), SCMP_SYS(getrandom), SCMP_SYS(getrusage),
     SCMP_SYS(gettid), SCMP_SYS(gettimeofday), SCMP_SYS(lseek),
@@ -128,6 +128,8 @@ static const struct rule {
     { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_GETFD) },
     { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_SETFD) },
     { SCMP_SYS(prctl), 0, SCMP_A0_32(SCMP_CMP_EQ, PR_SET_NAME) },
+    /* names of mappings, and what later libraries may try */
+    { SCMP_SYS(prctl), EPERM, SCMP_A0_32(SCMP_CMP_NE, PR_SET_NAME) },
     /* asking is fine, setting is not */
     { SCMP_SYS(prlimit64), 0, SCMP_A2_64(SCMP_CMP_EQ, 0) },
     { SCMP_SYS(prlimit64), EPERM, SCMP_A2_64(SCMP_CMP_NE, 0) },

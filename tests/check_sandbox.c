@@ -206,6 +206,12 @@ raises_limit(void)
 }
 
 static bool
+may_be_traced(void)
+{
+    return prctl(PR_SET_DUMPABLE, 1, 0, 0, 0) == 0;
+}
+
+static bool
 leaves_namespace(void)
 {
     return unshare(CLONE_NEWUSER) == 0;
@@ -327,6 +333,7 @@ static const struct {
     { "maps_code", maps_code, KILLED, KILLED },
     { "makes_code", makes_code, KILLED, KILLED },
     { "raises_limit", raises_limit, SPECIAL, SPECIAL },
+    { "may_be_traced", may_be_traced, SPECIAL, SPECIAL },
     { "leaves_namespace", leaves_namespace, DIES, DIES },
     { "loads_filter_program", loads_filter_program, DIES, DIES },
     { "opens_ring", opens_ring, FAILS, FAILS },
