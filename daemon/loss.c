@@ -15,6 +15,21 @@ loss_others_than(const struct coord *c, const struct coord_worker *w)
     return false;
 }
 
+bool
+loss_others_may(const struct coord *c, const struct job *job,
+                const struct coord_worker *w, bool late)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next) {
+        uint32_t i = sched_index(job, o);
+
+        if (o != w && sched_takes_units(o) &&
+            (i == JOB_NOBODY ||
+             (!job->workers[i].excluded && (late || !job->workers[i].late))))
+            return true;
+    }
+    return false;
+}
+
 /* The one that led is gone: another may lead, but not one whose first rows were
  * dropped. */
 static void
@@ -158,21 +173,6 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* May another worker do the job? */
-static bool
-others_may(const struct coord *c, const struct job *job,
-           const struct coord_worker *w)
-{
-    for (const struct coord_worker *o = c->workers; o; o = o->next) {
-        uint32_t index = sched_index(job, o);
-
-        if (o != w && sched_takes_units(o) &&
-            (index == JOB_NOBODY || !job->workers[index].excluded))
-            return true;
-    }
-    return false;
-}
-
 /* A child died at its units, and not of them; false: the job cannot go on. */
 static bool
 setback(struct coord *c, struct job *job, struct job_worker *jw,
@@ -186,7 +186,7 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
     actions_log(&c->actions, ACT_WARN,
                 "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
                 why);
-    if (others_may(c, job, jw->worker))
+    if (loss_others_may(c, job, jw->worker, true))
         return true;
     snprintf(text, sizeof text, "no worker can keep a process for it: %.400s",
              why);

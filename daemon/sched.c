@@ -491,7 +491,7 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
         uint32_t crasher = job->units[job->suspects[i]].crasher;
 
         if (crasher != index ||
-            !loss_others_than(c, job->workers[crasher].worker)) {
+            !loss_others_may(c, job, job->workers[crasher].worker, false)) {
             *unit = job->suspects[i];
             return true;
         }

@@ -215,8 +215,11 @@ void loss_of(struct coord *c, struct job *job, uint32_t unit,
  * start reached it, is all that comes. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
 
-/* Could another worker than that one try a suspect? */
+/* Is there another worker than that one? */
 bool loss_others_than(const struct coord *c, const struct coord_worker *w);
+/* And one that may do the job?  late: also if it is late. */
+bool loss_others_may(const struct coord *c, const struct job *job,
+                     const struct coord_worker *w, bool late);
 
 /* --- duplicate.c --- */
 

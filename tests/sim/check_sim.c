@@ -19,6 +19,7 @@
 static struct {
     unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
+    unsigned parted, late;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, estimates, pictures;
     uint64_t primary, speculative;
@@ -78,7 +79,7 @@ static bool
 is_quiet(const struct sim *s)
 {
     return s->coord_deaths + s->deaths + s->cuts + s->peer_cuts + s->crashes +
-               s->drains + s->stops + s->twins ==
+               s->drains + s->stops + s->parted + s->late + s->twins ==
            0;
 }
 
@@ -180,6 +181,8 @@ run(uint64_t seed, bool verbose)
     sum.drains += s.drains;
     sum.stops += s.stops;
     sum.repeats += s.net.repeated;
+    sum.parted += s.parted;
+    sum.late += s.late;
     for (int t = 0; t < SIM_TYPES; t++)
         for (int b = 0; b < SIM_NBLOW; b++)
             sum.blows[t][b] += s.blows[t][b];
@@ -201,7 +204,8 @@ was_tried(void)
     };
     bool tried = sum.coord_deaths && sum.deaths && sum.cuts && sum.peer_cuts &&
                  sum.crashes && sum.drains && sum.stops && sum.repeats &&
-                 sum.parked && sum.gave && sum.twins && sum.estimates;
+                 sum.parted && sum.late && sum.parked && sum.gave &&
+                 sum.twins && sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -225,13 +229,14 @@ tell(uint64_t runs)
            "%u coordinators died, %u workers, %u links to the coordinator were "
            "cut, %u of "
            "peers, %u children died; %u of these at chosen messages; %u "
-           "drains, %u stood still, %u messages came twice\n"
-           "%u units parked, %u answers to SPLIT, %u twins, %u estimates\n",
+           "drains, %u stood still, %u were cut off, %u messages came twice\n"
+           "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
+           "estimates\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
            sum.coord_deaths, sum.deaths, sum.cuts, sum.peer_cuts, sum.crashes,
-           blows, sum.drains, sum.stops, sum.repeats, sum.parked, sum.gave,
-           sum.twins, sum.estimates);
+           blows, sum.drains, sum.stops, sum.parted, sum.repeats, sum.late,
+           sum.parked, sum.gave, sum.twins, sum.estimates);
 }
 
 int

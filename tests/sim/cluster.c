@@ -127,6 +127,10 @@ sim_coord_actions(struct sim *s)
     for (size_t i = 0; i < l->n; i++) {
         struct action a = l->v[i];
 
+        if (a.type == ACT_LOG) {
+            s->late += !!strstr(a.text, "unit late");
+            SIM_CHECK(&s->net, !strstr(a.text, "duplicate differs"));
+        }
         coord_action(s, &a);
     }
     SIM_CHECK(&s->net, !l->failed);
@@ -524,12 +528,24 @@ describe(const struct sim *s)
                 w && w->draining ? " draining" : "",
                 w && w->stopped ? " stopped" : "");
     }
+    for (const struct coord_worker *w = s->coord->workers; w; w = w->next)
+        fprintf(stderr,
+                "%s conn %llx: %u in flight, %u parked, %u delivered%s%s%s%s\n",
+                w->name, (unsigned long long)w->conn, w->in_flight, w->parked,
+                w->delivered, w->loading ? " loading " : "",
+                w->loading ? w->loading->hex : "", w->alone ? " alone" : "",
+                w->drained ? " drained" : w->leaving ? " leaving" : "");
     for (size_t i = 0; i < s->coord->njobs; i++) {
         const struct job *job = s->coord->jobs[i];
 
-        fprintf(stderr, "job %s partition %d flags %x waiting %u\n", job->hex,
-                job->spec.partition, job->spec.flags,
+        fprintf(stderr, "job %s %s partition %d flags %x waiting %u\n",
+                job->hex, job_state_name(job->state), job->spec.partition, job->spec.flags,
                 job->partition ? job_waiting(job) : 0);
+        for (uint32_t k = 0; k < job->nworkers; k++)
+            fprintf(stderr, "  %s: state %d%s%s\n", job->workers[k].name,
+                    (int)job->workers[k].state,
+                    job->workers[k].late ? " late" : "",
+                    job->workers[k].excluded ? " excluded" : "");
         for (uint32_t k = 0; k < job->nout; k++) {
             const struct job_unit *u = &job->units[job->out[k]];
             struct partition_area a;

@@ -157,6 +157,8 @@ struct sim {
     /* what happened at all */
     unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
+    unsigned parted;
+    unsigned late; /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, estimates;
 };

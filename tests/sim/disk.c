@@ -321,6 +321,8 @@ sim_coord_born(struct sim *s)
 
     s->coord = coord_new(&env);
     SIM_CHECK(&s->net, s->coord != NULL);
+    if (s->net.seed % 3 == 0) /* many units are late */
+        coord_set_lease(s->coord, 1500);
 }
 
 void

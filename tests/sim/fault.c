@@ -1,7 +1,8 @@
 /* fault.c - accidents, at any time and at chosen messages
  *
  * Workers die, or are told to leave; children die; connections are cut, with
- * what is under way on them; processes stand still.  Some happen exactly when
+ * what is under way on them; processes stand still, or
+ * nothing that they say or hear arrives for a while.  Some happen exactly when
  * the n-th message of a type is about to be heard, or just was, to whoever sent
  * it, to whoever hears it, or to a third. */
 #include "config.h"
@@ -24,11 +25,12 @@ of(struct net *net)
     return (struct sim *)net;
 }
 
-/* Which message of a type: few clusters have more than a twin or two. */
+/* Which message of a type: in few clusters there are more than a
+ * twin or two, or lines are given away more often. */
 static uint32_t
 which(struct net *net, enum msg_type type)
 {
-    if (type == MSG_TWIN)
+    if (type == MSG_TWIN || type == MSG_GAVE)
         return 1 + net_random(net, 2);
     return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
 }
@@ -114,6 +116,18 @@ strike(struct sim *s, int worker, enum sim_blow blow)
     return true;
 }
 
+/* For less than it takes to find out by silence: one way, the other, or both.
+ */
+static void
+part(struct sim *s, int worker)
+{
+    unsigned way = net_random(&s->net, 3);
+
+    s->parted++;
+    net_hold(&s->net, NODE_WORKER + worker, net_random(&s->net, 14000),
+             way != 0, way != 1);
+}
+
 static void
 drain(struct sim *s, int i)
 {
@@ -147,6 +161,9 @@ sim_accident(struct sim *s)
         break;
     case 3:
         strike(s, i, SIM_CHILD_DIES);
+        break;
+    case 4:
+        part(s, i);
         break;
     default:
         strike(s, i, (enum sim_blow)net_random(&s->net, SIM_NBLOW));

@@ -411,6 +411,22 @@ net_cut(struct net *net, int node, int first, int last)
 }
 
 void
+net_hold(struct net *net, int node, unsigned ms, bool to, bool from)
+{
+    uint64_t until = net->now_ms + ms;
+
+    for (size_t i = 0; i < net->nlinks; i++)
+        for (int s = 0; s < 2; s++) {
+            struct net_link *l = net->links[i];
+            bool hit = (to && l->end[s].node == node) ||
+                       (from && l->end[!s].node == node);
+
+            if (hit && l->end[s].busy_ms < until)
+                l->end[s].busy_ms = until;
+        }
+}
+
+void
 net_close_all(struct net *net, int node)
 {
     for (size_t i = 0; i < net->nlinks; i++)

@@ -107,6 +107,9 @@ void net_close(struct net *net, int node, uint64_t conn);
 /* One link of a node, any, to one of nodes [first, last] breaks: nothing that
  * is under way comes, each side hears of it some time.  Returns how many. */
 unsigned net_cut(struct net *net, int node, int first, int last);
+/* What is sent to a node from now on, or by it, or both, arrives no sooner than
+ * in so long: it is cut off, and nobody hears of that. */
+void net_hold(struct net *net, int node, unsigned ms, bool to, bool from);
 /* All ends of a node: it died. */
 void net_close_all(struct net *net, int node);
 
