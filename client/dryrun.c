@@ -160,6 +160,8 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
         print_seconds(wall_seconds(p, c));
     }
     printf("\n");
+    if (p->error.all > 0)
+        printf("error    about %.2g %%\n", 100 * p->error.all);
 }
 
 /* Blank-separated words as a list. */
@@ -184,7 +186,7 @@ dryrun_json(const struct msg_spec *spec, const struct prediction *p,
 {
     json_t *j = json_pack(
         "{s:b,s:s,s:s,s:I,s:{s:I,s:I,s:o},s:{s:I,s:I,s:I},s:{s:b,s:i,s:i,s:i},"
-        "s:{s:f,s:f,s:f,s:f,s:f,s:f,s:f}}",
+        "s:{s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:{s:f,s:f,s:f}}}",
         "dry_run", 1, "radd", PACKAGE_VERSION, "options", spec->params, "seed",
         (json_int_t)(spec->seed & INT64_MAX), "scene", "objects",
         (json_int_t)spec->objects, "bundle_bytes",
@@ -195,7 +197,9 @@ dryrun_json(const struct msg_spec *spec, const struct prediction *p,
         "threads", c->threads, "jobs", c->jobs, "predicted", "wall_s",
         wall_seconds(p, c), "cpu_s", p->cpu_s, "load_s", p->load_s, "rays",
         p->rays, "primary_rays", p->primary_rays, "ambient_values",
-        p->ambient_values, "memory_bytes", p->bytes);
+        p->ambient_values, "memory_bytes", p->bytes, "error", "estimate",
+        p->error.all, "ambient", p->error.ambient, "sampling",
+        p->error.sampling);
     char *text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;
 
     json_decref(j);

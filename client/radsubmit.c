@@ -45,8 +45,9 @@ struct program {
     bool embedded;
     struct target target;
     struct progress progress;
-    bool held;          /* was said */
-    struct msg_nan nan; /* as last told */
+    bool held;               /* was said */
+    double elapsed_s, error; /* as last told */
+    struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
     uv_signal_t signals[3];
@@ -136,6 +137,8 @@ on_progress(void *arg, const struct msg_progress *m)
     r.rays = m->rays;
     r.workers = (int)m->workers;
     progress_update(&p->progress, &r);
+    p->elapsed_s = m->elapsed_s;
+    p->error = m->error;
     p->nan = m->nan;
     memcpy(p->faults, m->faults, sizeof p->faults);
 }
@@ -155,6 +158,21 @@ warn_of_nan(struct program *p)
              n->pixels, n->pixels == 1 ? " was" : "s were",
              n->pixels == 1 ? "is" : "are", n->frame, n->x, n->y);
     warn(p, text);
+}
+
+/* The last line. */
+static void
+say_done(struct program *p)
+{
+    char text[120];
+
+    if (p->error > 0)
+        snprintf(text, sizeof text,
+                 "done in %.3g s, relative error about %.2g %%", p->elapsed_s,
+                 100 * p->error);
+    else
+        snprintf(text, sizeof text, "done in %.3g s", p->elapsed_s);
+    say(p, text);
 }
 
 static void
@@ -536,6 +554,8 @@ converse(struct program *p)
     progress_clear(&p->progress);
     warn_of_nan(p);
     warn_of_faults(p);
+    if (rc == 0 && !p->o.detach)
+        say_done(p);
     return rc;
 }
 

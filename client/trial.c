@@ -127,6 +127,8 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     for (long k = 1; rc == 0 && k <= MOST_WINDOWS; k++) {
         place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
         rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
+        for (int i = 0; rc == 0 && i < w.height; i++)
+            rad_rough_row(&t->rough, rows[i], w.width, i, t->psample);
         t->pixels += (double)w.width * w.height;
         if (k >= LEAST_WINDOWS && cpu_seconds() - begin > seconds)
             break;
@@ -188,6 +190,7 @@ try_full(struct trial *t, const struct trial_scene *scene,
         trace_place(&s.frame, &s.ctx, ++n);
     while (n < LAST_FULL && cpu_seconds() - begin < seconds);
     t->full = look(n, &s.ctx, begin);
+    t->doubt = s.ctx.counts.doubt;
     stand_release(&s);
     return 0;
 }
@@ -218,8 +221,10 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     t->load_s = cpu_seconds() - begin;
     t->width = s.frame.width;
     t->height = s.frame.height;
+    t->psample = params->psample;
     try_pixels(t, &s.frame, &s.ctx, .6 * seconds);
     rc = try_windows(t, &s.frame, &s.ctx, .4 * seconds, err);
+    t->doubt = s.ctx.counts.doubt;
     t->peak_bytes = peak_bytes();
     stand_release(&s);
     return rc;
@@ -328,5 +333,6 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
     p->rays = total(t, false, p->primary_rays, more);
     p->load_s = t->load_s;
     p->cpu_s = t->load_s + total(t, true, p->primary_rays, more);
+    p->error = rad_doubt_error(&t->doubt, &t->rough, t->psample);
     p->bytes = t->peak_bytes + RECORD_BYTES * (records - last->records);
 }

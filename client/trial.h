@@ -11,6 +11,7 @@
 #ifndef RADD_CLIENT_TRIAL_H
 #define RADD_CLIENT_TRIAL_H
 
+#include "picture/doubt.h"
 #include "picture/frame.h"
 
 /* What was measured. */
@@ -28,6 +29,9 @@ struct trial {
     /* of the first of the strewn pixels, where the above was measured with
      * smaller hemispheres than are asked for; pixels 0: it was not */
     struct trial_step full, small;
+    struct rad_doubt doubt; /* of the first pixels, or of all */
+    struct rad_rough rough; /* of the windows */
+    int psample;
     double samples; /* how many times larger a hemisphere is then */
 };
 
@@ -37,6 +41,7 @@ struct prediction {
     double cpu_s;  /* of one processor like this one */
     double load_s; /* the part of it that each worker spends */
     double bytes;  /* a worker's memory */
+    struct rad_error_estimate error; /* of the picture */
 };
 
 /* What is tried; the scene must be checked, files are its own. */

@@ -264,6 +264,7 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);
+    msg_doubt_add(&job->doubt, &u->counts.doubt);
     job_see_rays(job);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
@@ -494,6 +495,19 @@ job_see_rays(struct job *job)
         job->rays_seen = n;
 }
 
+struct rad_error_estimate
+job_error(const struct job *job)
+{
+    const struct msg_doubt *m = &job->doubt;
+    const struct rad_doubt d = { m->pixels, m->variance, m->known, m->all };
+    const struct rad_rough r = { m->rough, m->nrough };
+    struct rad_params params;
+
+    if (jobtext_params(job->spec.params, &params, NULL) != 0)
+        params.psample = 1; /* it was read before */
+    return rad_doubt_error(&d, &r, params.psample);
+}
+
 void
 job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
@@ -520,6 +534,7 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .frames_ready = job->frames_ready,
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
         .nan = job->nan,
+        .error = job_error(job).all,
     };
     memcpy(p->faults, job->faults, sizeof p->faults);
 }

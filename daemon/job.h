@@ -7,6 +7,7 @@
 #ifndef DAEMON_JOB_H
 #define DAEMON_JOB_H
 
+#include "picture/doubt.h"
 #include "base/arena.h"
 #include "partition.h"
 #include "shared.h"
@@ -104,7 +105,7 @@ struct job_worker {
     uint32_t setbacks;     /* children lost for reasons of its own, since it
                             * last finished a unit */
     bool took_part;        /* it was READY once */
-    bool late;         /* others do its work until it is heard of */
+    bool late;             /* others do its work until it is heard of */
     bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
                         * a child */
     uint64_t ready_ms; /* first READY */
@@ -187,7 +188,8 @@ struct job {
     uint64_t rays_seen; /* and of those under way; what is lost stays in */
     struct msg_nan nan; /* frame: its number */
     struct msg_fault faults[MSG_FAULTS];
-    uint64_t sent_bytes; /* of the bundle, by radsubmit */
+    struct msg_doubt doubt; /* of units that are done */
+    uint64_t sent_bytes;    /* of the bundle, by radsubmit */
 
     uint64_t offer_ms;  /* its radsubmit began to send */
     uint64_t submit_ms; /* SUBMIT came */
@@ -264,6 +266,9 @@ void job_see_rays(struct job *job);
 
 /* Sum of a worker's tallies, but for rays_under_way, which is 0. */
 struct msg_tally job_tally(const struct job_worker *w);
+
+/* How far the units that are done may be off. */
+struct rad_error_estimate job_error(const struct job *job);
 
 void job_progress(const struct job *job, uint64_t now_ms,
                   struct msg_progress *p);

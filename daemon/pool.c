@@ -12,6 +12,7 @@
 #include "config.h"
 
 #include "pool.h"
+#include "picture/doubt.h"
 #include "faults.h"
 #include "team.h"
 #ifdef RADD_TEST_HOOKS
@@ -52,6 +53,7 @@ struct active {
     struct pool_rows *piece; /* NULL: none begun */
     struct rad_error err;    /* of a piece that could not be made */
     bool whole;              /* all rows were handed on, and count */
+    struct rad_rough rough;
 };
 
 /* An estimate that threads work on, or that is done. */
@@ -149,6 +151,10 @@ add_counts(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
     sum->ambient_values += c->ambient_values;
     msg_nan_add(&sum->nan, &nan);
     faults_add(sum->faults, c->faults);
+    sum->doubt.pixels += c->doubt.pixels;
+    sum->doubt.variance += c->doubt.variance;
+    sum->doubt.known += c->doubt.known;
+    sum->doubt.all += c->doubt.all;
     sum->cpu_s += cpu_s;
 }
 
@@ -230,6 +236,8 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
         send_piece(u);
     if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;
+    rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
+                  u->pool->job->params.psample);
     copy_row(u->piece->pixels + u->piece->rows * row_floats(u), pixels,
              u->unit.window.width, u->channels);
     u->piece->rows++;
@@ -414,6 +422,8 @@ leave_locked(struct active *u)
     *at = u->next;
     p->wait_s += team_waited(u->team);
     u->counts.wall_s = seconds(CLOCK_MONOTONIC) - u->wall0;
+    u->counts.doubt.rough = u->rough.sum;
+    u->counts.doubt.nrough = u->rough.n;
     if (u->pass)
         end_pass_locked(u);
     else

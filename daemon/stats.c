@@ -209,10 +209,11 @@ stats_json(const struct job *job, uint64_t now_ms)
 {
     const struct msg_spec *s = &job->spec;
     const struct partition *p = job->partition;
+    struct rad_error_estimate error = job_error(job);
     char *text;
     json_t *root = json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I},s:o,s:o,s:o,s:o}",
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options", s->params,
         "partition", partition_kind_name(p ? partition_kind(p) : s->partition),
         "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
@@ -221,8 +222,9 @@ stats_json(const struct job *job, uint64_t now_ms)
         integer(job->sent_bytes), "needs", needs(s->needs), "picture", "width",
         (json_int_t)s->frames[0].width, "height",
         (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
-        "time", times(job, now_ms), "totals", totals(job), "workers",
-        workers(job), "units", units(job));
+        "time", times(job, now_ms), "totals", totals(job), "error", "estimate",
+        error.all, "ambient", error.ambient, "sampling", error.sampling,
+        "workers", workers(job), "units", units(job));
 
     if (!root)
         return NULL;

@@ -87,6 +87,23 @@ msg_put_counts(struct wire_out *o, const struct msg_counts *c)
     msg_put_faults(o, c->faults);
     wire_put_f64(o, c->cpu_s);
     wire_put_f64(o, c->wall_s);
+    wire_put_f64(o, c->doubt.pixels);
+    wire_put_f64(o, c->doubt.variance);
+    wire_put_f64(o, c->doubt.known);
+    wire_put_f64(o, c->doubt.all);
+    wire_put_f64(o, c->doubt.rough);
+    wire_put_f64(o, c->doubt.nrough);
+}
+
+/* A sum of squares: nothing that a sum of others would not survive. */
+static double
+get_sum(struct wire_in *in)
+{
+    double v = wire_get_f64(in);
+
+    if (!(v >= 0 && v < 1e100))
+        in->bad = true;
+    return v;
 }
 
 void
@@ -108,6 +125,12 @@ msg_get_counts(struct wire_in *in, struct msg_counts *c)
     msg_get_faults(in, c->faults);
     c->cpu_s = wire_get_f64(in);
     c->wall_s = wire_get_f64(in);
+    c->doubt.pixels = get_sum(in);
+    c->doubt.variance = get_sum(in);
+    c->doubt.known = get_sum(in);
+    c->doubt.all = get_sum(in);
+    c->doubt.rough = get_sum(in);
+    c->doubt.nrough = get_sum(in);
     msg_must(in, c->cpu_s >= 0 && c->wall_s >= 0);
 }
 

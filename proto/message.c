@@ -337,6 +337,7 @@ msg_pack_progress(struct wire_out *o, const struct msg_progress *b)
     wire_put_u32(o, b->nan.x);
     wire_put_u32(o, b->nan.y);
     msg_put_faults(o, b->faults);
+    wire_put_f64(o, b->error);
 }
 
 static void
@@ -361,6 +362,7 @@ msg_unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
     b->nan.x = wire_get_u32(in);
     b->nan.y = wire_get_u32(in);
     msg_get_faults(in, b->faults);
+    b->error = wire_get_f64(in);
 }
 
 static void
@@ -889,6 +891,17 @@ msg_faults_add(struct msg_fault a[MSG_FAULTS],
 }
 
 void
+msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b)
+{
+    a->pixels += b->pixels;
+    a->variance += b->variance;
+    a->known += b->known;
+    a->all += b->all;
+    a->rough += b->rough;
+    a->nrough += b->nrough;
+}
+
+void
 msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
 {
     a->rays += b->rays;
@@ -904,6 +917,7 @@ msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
     msg_faults_add(a->faults, b->faults);
     a->cpu_s += b->cpu_s;
     a->wall_s += b->wall_s;
+    msg_doubt_add(&a->doubt, &b->doubt);
 }
 
 const char *

@@ -240,6 +240,7 @@ struct msg_progress {
     double elapsed_s;      /* since the job was accepted */
     struct msg_nan nan;    /* in the units that are done; frame as named */
     struct msg_fault faults[MSG_FAULTS]; /* in them, too */
+    double error; /* relative, as estimated of them; 0: nothing is known */
 };
 
 struct msg_done {
@@ -302,6 +303,13 @@ struct msg_ready {
 };
 
 /* What one unit cost; nan.frame is the unit's and does not travel. */
+/* How far pixels may be off: sums of src/shade/job.h and src/picture/doubt.h.
+ * None is negative, and each below 1e100. */
+struct msg_doubt {
+    double pixels, variance, known, all; /* of indirect light */
+    double rough, nrough;                /* of base lines */
+};
+
 struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
         paint_rays, estimate_rays, intersection_tests, ambient_values;
@@ -310,6 +318,7 @@ struct msg_counts {
     double cpu_s;  /* processor time of the render threads */
     double wall_s; /* from taking the unit to its last row; of a strict unit,
                     * that of its passes (daemon/strict.h) */
+    struct msg_doubt doubt;
 };
 
 /* Rows of a unit, from its top, each piece following the last.  Pixels are
@@ -550,6 +559,7 @@ void msg_faults_add(struct msg_fault a[MSG_FAULTS],
 
 /* Add all of b. */
 void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);
+void msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b);
 
 /* "JOB-START"; "?" for a number that is no message. */
 const char *msg_name(uint16_t type);

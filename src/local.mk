@@ -65,6 +65,8 @@ librad_a_SOURCES = \
 	src/light/spot.h \
 	src/light/virtual.c \
 	src/light/virtual.h \
+	src/picture/doubt.c \
+	src/picture/doubt.h \
 	src/picture/estimate.c \
 	src/picture/estimate.h \
 	src/picture/facts.c \

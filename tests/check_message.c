@@ -49,7 +49,10 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
     }
 #define COUNTS                                                                 \
     {                                                                          \
-        1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, { { 13, 14 } }, .5, .75  \
+        1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, { { 13, 14 } }, .5, .75, \
+        {                                                                      \
+            15.5, 16.5, 17.5, 18.5, 19.5, 20.5                                 \
+        }                                                                      \
     }
 
 /* clang-format off */
@@ -72,7 +75,7 @@ static const struct msg examples[] = {
     { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1 } },
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
-                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } } } },
+                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625 } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },

@@ -40,6 +40,7 @@ UNIT_TESTS = \
 	tests/check_idle \
 	tests/check_keyfile \
 	tests/check_message \
+	tests/check_doubt \
 	tests/check_metric \
 	tests/check_mirror \
 	tests/check_mist \
@@ -304,6 +305,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \
+	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/systemd_units.sh
@@ -333,6 +335,7 @@ TESTS += \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \
+	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/systemd_units.sh
@@ -433,6 +436,10 @@ tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_strict_SOURCES = tests/check_strict.c tests/unit.h
 tests_check_strict_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_strict_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_doubt_SOURCES = tests/check_doubt.c tests/unit.h
+tests_check_doubt_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_doubt_LDADD = $(UNIT_LIBS)
 
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -285,6 +285,8 @@ struct search {
     double max_angle;
     double weight; /* found so far */
     double E[3];   /* weighted */
+    /* how they differ: sums of weights squared, and of luminances squared */
+    double weight2, lum2;
     struct rad_geom_counts *counts;
     uint64_t *rays;
 };
@@ -339,6 +341,10 @@ add_record(void *arg, const struct rad_ambrec *rec)
     s->E[1] += w * factor * rec->E.g;
     s->E[2] += w * factor * rec->E.b;
     s->weight += w;
+    double lum = factor * rad_rgb_lum(rec->E);
+
+    s->weight2 += w * w;
+    s->lum2 += w * lum * lum;
 }
 
 /* Where small zones have given enough, large ones are left out, unless they
@@ -352,27 +358,56 @@ want_more(void *arg, double side)
            side * s->amb->job->params.ambacc <= s->amb->least;
 }
 
+/* Find all that serves at s->at. */
+static void
+search_all(struct search *s)
+{
+    const struct rad_ambplace *at = s->at;
+    struct rad_ambquery q = { .level = at->level, .weight = .9 * at->weight };
+
+    /* ten degrees and -aa radians; more for rays that weigh little */
+    s->max_angle = M_PI / 18 + s->amb->job->params.ambacc;
+    if (at->weight < .6)
+        s->max_angle =
+            M_PI / 2 - (M_PI / 2 - s->max_angle) * pow(at->weight, .13);
+    q.min_cos = rad_most(1 - .5 * s->max_angle * s->max_angle, 0);
+    rad_copy(q.p, at->p);
+    rad_copy(q.n, at->n);
+    rad_ambcache_visit(s->amb->cache, &q, add_record, want_more, s);
+}
+
+static struct rad_rgb
+found(const struct search *s)
+{
+    return rad_rgb((float)(s->E[0] / s->weight), (float)(s->E[1] / s->weight),
+                   (float)(s->E[2] / s->weight));
+}
+
 double
 rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
                  struct rad_rgb *E, struct rad_geom_counts *counts,
                  uint64_t *rays)
 {
     struct search s = { .amb = amb, .at = at, .counts = counts, .rays = rays };
-    struct rad_ambquery q = { .level = at->level, .weight = .9 * at->weight };
 
-    /* ten degrees and -aa radians; more for rays that weigh little */
-    s.max_angle = M_PI / 18 + amb->job->params.ambacc;
-    if (at->weight < .6)
-        s.max_angle =
-            M_PI / 2 - (M_PI / 2 - s.max_angle) * pow(at->weight, .13);
-    q.min_cos = rad_most(1 - .5 * s.max_angle * s.max_angle, 0);
-    rad_copy(q.p, at->p);
-    rad_copy(q.n, at->n);
-    rad_ambcache_visit(amb->cache, &q, add_record, want_more, &s);
+    search_all(&s);
     if (s.weight > 0)
-        *E = rad_rgb((float)(s.E[0] / s.weight), (float)(s.E[1] / s.weight),
-                     (float)(s.E[2] / s.weight));
+        *E = found(&s);
     return s.weight;
+}
+
+/* Variance of what was found over its square, from what the records differ by;
+ * negative: one record, which differs from none.  Weights w make the variance
+ * of a mean q / (1 - q) times that of the values, q = sum w^2 / (sum w)^2. */
+static double
+variance(const struct search *s)
+{
+    double q = s->weight2 / (s->weight * s->weight);
+    double mean = rad_rgb_lum(found(s));
+
+    if (!(q < .95) || !(mean > 0))
+        return -1;
+    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q);
 }
 
 bool
@@ -641,19 +676,44 @@ constant_radiance(const struct rad_job *job)
     return rad_rgb_scale(av, (float)(exp(sum / (par->ambvwt + n)) / lum));
 }
 
-/* E at the place, interpolated or sampled; false: neither is possible. */
+/* E at the place, interpolated or sampled; false: neither is possible.  *var
+ * becomes its relative variance, if it is known. */
 static bool
 irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
            const struct rad_ambplace *at, bool behind,
-           const struct rad_rgb *coef, struct rad_rgb *E)
+           const struct rad_rgb *coef, struct rad_rgb *E, double *var)
 {
-    const struct rad_ambient *amb = ctx->job->ambient;
+    struct search s = { .amb = ctx->job->ambient,
+                        .at = at,
+                        .counts = &ctx->counts.geom,
+                        .rays = &ctx->counts.rays };
 
-    if (!amb)
+    if (!s.amb)
         return sample_here(ctx, r, at, behind, coef, E);
-    if (rad_ambient_find(amb, at, E, &ctx->counts.geom, &ctx->counts.rays) > 0)
-        return true;
-    return make_record(ctx, r, at, behind, E);
+    search_all(&s);
+    if (!(s.weight > 0))
+        return make_record(ctx, r, at, behind, E);
+    *E = found(&s);
+    *var = variance(&s);
+    return true;
+}
+
+/* What a pixel shows of L at r's hit is in doubt with this relative variance;
+ * negative: nobody knows. */
+static void
+doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
+      double var)
+{
+    double lum2 = rad_rgb_lum(L);
+
+    for (; r; r = r->parent)
+        lum2 *= rad_rgb_lum(r->coef);
+    lum2 *= lum2;
+    ctx->doubt.all += lum2;
+    if (var < 0)
+        return;
+    ctx->doubt.known += lum2;
+    ctx->doubt.variance += lum2 * var;
 }
 
 /* Is the surface that r met left out by -ae or -ai? */
@@ -675,6 +735,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
     const struct rad_params *par = &ctx->job->params;
     struct rad_ambplace at;
     struct rad_rgb E;
+    double var = -1;
     bool behind = rad_dot(r->n, n) < 0;
 
     if (par->ambounce > 0 && par->ambdiv > 0 &&
@@ -684,8 +745,10 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
         at.err = r->hit.err;
         rad_scale(at.n, behind ? -1 : 1, r->n);
         rad_copy(at.pn, n);
-        if (irradiance(ctx, r, &at, behind, coef, &E)) {
+        if (irradiance(ctx, r, &at, behind, coef, &E, &var)) {
             *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
+            if (at.level == 0 && ctx->job->ambient)
+                doubt(ctx, r, *coef, var);
             return;
         }
     }

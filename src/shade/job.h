@@ -63,6 +63,16 @@ struct rad_fault {
     uint64_t count;
 };
 
+/* How far interpolated indirect light may be off, in squares of luminance.
+ * Where the zones of several records reach, what they say differs, and so the
+ * mean of theirs has a variance; where one reaches nothing is known. */
+struct rad_doubt {
+    double pixels;   /* in which this was counted */
+    double variance; /* of what several records gave */
+    double known;    /* the square of that itself */
+    double all;      /* the same of all indirect light */
+};
+
 /* What one thread counts; summed by whoever owns the contexts. */
 struct rad_counts {
     uint64_t rays;         /* all, as rpict's report counts them */
@@ -78,6 +88,7 @@ struct rad_counts {
                               * that what it has traced is touched by it */
     struct rad_fault faults[RAD_MAX_FAULTS];
     struct rad_geom_counts geom;
+    struct rad_doubt doubt; /* of pixels, in units of their radiance squared */
 };
 
 /* A function of that object had no value. */
@@ -89,7 +100,7 @@ void rad_counts_nan(struct rad_counts *c, int x, int y);
 
 #define RAD_AT(x, y)                                                           \
     (UINT64_C(1) << 63 | (uint64_t)(uint32_t)(y) << 31 | (uint32_t)(x))
-#define RAD_AT_X(at) ((int)((at) & 0x7fffffff))
+#define RAD_AT_X(at) ((int)((at)&0x7fffffff))
 #define RAD_AT_Y(at) ((int)((at) >> 31 & 0x7fffffff))
 
 /* What one thread needs to trace rays.  Not shared, but for `at`. */
@@ -97,6 +108,7 @@ struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
+    struct rad_doubt doubt; /* of the pixel that it is at */
     /* the pixel it is at, RAD_AT(x, y), or 0 before the first: relaxed, for
      * whoever watches the thread */
     _Atomic uint64_t at;

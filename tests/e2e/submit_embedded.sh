@@ -69,15 +69,15 @@ render w22.hdr --partition=window --windows=64 --workers=2 --threads=2 \
     --order=random
 same w11.hdr w31.hdr "3 workers change the picture"
 same w11.hdr w22.hdr "2 workers of 2 threads change the picture"
-[ "$(wc -l <stderr)" -eq 1 ] || fail "more than the job's id is said: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 2 ] || fail "more than id and end are said: $(cat stderr)"
 grep -qE '^radsubmit: job [0-9a-f]{32}$' stderr || fail "no job id is said"
 
 # what is taken otherwise than it was said is told, and nothing else
 render ps.hdr -ps 40 --threads=1
 grep -q 'warning: -ps 40 .* taken as 16' stderr || fail "-ps 40: $(cat stderr)"
-[ "$(wc -l <stderr)" -eq 2 ] || fail "-ps 40 says more: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 3 ] || fail "-ps 40 says more: $(cat stderr)"
 render ps.hdr -ps 0 --threads=1
-[ "$(wc -l <stderr)" -eq 1 ] || fail "-ps 0 is told of: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 2 ] || fail "-ps 0 is told of: $(cat stderr)"
 
 # a function that has no value everywhere is told of once, with its place
 cat >log.rad <<'END'
@@ -97,7 +97,7 @@ END
     fail "log.rad: exit status $?"
 grep -q "warning: log.rad:1: brightfunc 'half': no value in 200 places" stderr ||
     fail "log(0) is not told: $(cat stderr)"
-[ "$(wc -l <stderr)" -eq 2 ] || fail "log(0) says more: $(cat stderr)"
+[ "$(wc -l <stderr)" -eq 3 ] || fail "log(0) says more: $(cat stderr)"
 
 # where it goes
 "$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr
@@ -131,7 +131,7 @@ for workers in 1 2; do
         --stats=hot.json -o hot.hdr hot.rad 2>stderr || fail "$(cat stderr)"
     grep -q 'warning: 6 pixels were not numbers and are black; first: frame 0, column 1, row 3$' \
         stderr || fail "black pixels are not told of: $(cat stderr)"
-    [ "$(wc -l <stderr)" -eq 2 ] || fail "said more than once: $(cat stderr)"
+    [ "$(wc -l <stderr)" -eq 3 ] || fail "said more than once: $(cat stderr)"
     grep -q '"nan_pixels": 6,' hot.json || fail "not in the statistics"
 done
 

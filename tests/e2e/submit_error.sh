@@ -1,0 +1,48 @@
+#!/bin/sh
+# submit_error.sh - radsubmit says how far its picture may be off, and is right:
+# pictures by other random numbers differ by about as much
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+raderr=$top_builddir/raderr
+room=$scenes/room.rad
+view="-vf $scenes/room.vf -pa 0 -x 400 -y 300 -pj .9 -dj .5"
+
+estimate() # FILE
+{
+    sed -n 's/^ *"estimate": \([0-9.e-]*\),$/\1/p' "$1" | head -n 1
+}
+
+# Two pictures with these options: the error estimated, and that of one seen in
+# the other, by blocks of 5x5; the latter has both pictures' noise, and none of
+# what they have in common.
+look() # OPTIONS
+{
+    for seed in 1 2; do
+        # shellcheck disable=SC2086 # options are words
+        "$radsubmit" --local --threads=1 --seed=$seed --stats=$seed.json \
+            $view $1 -o $seed.hdr "$room" 2>err || fail "$(cat err)"
+    done
+    tail -n 1 err | grep -q '^radsubmit: done in [0-9.e-]* s, relative error' ||
+        fail "the last line: $(cat err)"
+    said=$(estimate 2.json)
+    real=$("$raderr" -1 -c 4 -b 5 1.hdr 2.hdr |
+        awk '{ print $6 / sqrt(2) }')
+}
+
+look "-ab 1 -aa .3 -ar 32 -ad 64 -as 0"
+coarse=$said
+awk -v a="$said" -v b="$real" 'BEGIN { exit !(a > b / 2 && a < 2 * b) }' ||
+    fail "estimated $said, but pictures differ by $real"
+grep -A 3 '"error"' 2.json | grep -q '"ambient": 0\.0*[1-9]' ||
+    fail "nothing ambient: $(grep -A 3 '"error"' 2.json)"
+look "-ab 1 -aa .15 -ar 64 -ad 512 -as 0"
+awk -v a="$said" -v b="$coarse" 'BEGIN { exit !(a < .75 * b) }' ||
+    fail "$coarse, and with a better cache still $said"
+
+# without indirect light only the sampler is in doubt
+look "-ab 0"
+grep -A 3 '"error"' 2.json | grep -q '"ambient": 0.0,' ||
+    fail "ambient without -ab: $(grep -A 3 '"error"' 2.json)"
+[ -n "$said" ] || fail "no estimate without -ab"
+finish
