@@ -7,7 +7,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/ambcache.h"
-#include "unit.h"
+#include "world.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -117,7 +117,8 @@ keep(void *arg, const struct rad_ambrec *rec)
 {
     struct found *f = arg;
 
-    ck_assert_int_lt(f->n, N_ELEM(f->rec));
+    if (f->n >= N_ELEM(f->rec))
+        ck_abort_msg("too many");
     f->rec[f->n++] = rec;
 }
 
@@ -126,7 +127,8 @@ want(void *arg, double reach)
 {
     struct found *f = arg;
 
-    ck_assert(reach > f->reach);
+    if (!(reach > f->reach))
+        ck_abort_msg("%g after %g", reach, f->reach);
     f->reach = reach;
     return reach < f->enough;
 }
@@ -138,14 +140,15 @@ static struct rad_ambcache *
 filled(void)
 {
     struct rad_ambcache *c = rad_ambcache_new(org, SIDE);
+    bool ok = c != NULL;
 
-    ck_assert_ptr_nonnull(c);
-    for (int i = 0; i < RECORDS; i++) {
+    for (int i = 0; ok && i < RECORDS; i++) {
         sample[i] = invent(rad_key_branch(1, (uint64_t)i));
         sample[i].rec.E.g = (float)i;
-        ck_assert(rad_ambcache_insert(c, &sample[i].rec, &sample[i].zone,
-                                      i % 2 == 0));
+        ok &=
+            rad_ambcache_insert(c, &sample[i].rec, &sample[i].zone, i % 2 == 0);
     }
+    ck_assert(ok);
     return c;
 }
 
@@ -171,10 +174,13 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
             bool near = meets(&sample[k], &q, 1.02);
             int n = times[k];
 
-            ck_assert_msg(n <= 1, "query %d: record %d %d times", i, k, n);
-            ck_assert_msg(n == 1 || !in, "query %d: no record %d", i, k);
+            if (n > 1)
+                ck_abort_msg("query %d: record %d %d times", i, k, n);
+            if (n == 0 && in)
+                ck_abort_msg("query %d: no record %d", i, k);
             /* what comes in vain is near the edge of what is asked for */
-            ck_assert_msg(n == 0 || near, "query %d: record %d", i, k);
+            if (n > 0 && !near)
+                ck_abort_msg("query %d: record %d", i, k);
             served += in;
             nearly += near;
         }
@@ -201,8 +207,8 @@ START_TEST(small_zones_come_first_and_large_ones_if_wanted)
             double r = sample[(int)all.rec[k]->E.g].zone.reach;
 
             /* within a factor of two */
-            ck_assert_msg(2 * r >= reach, "%d: %g after %g", i, r / SIDE,
-                          reach / SIDE);
+            if (2 * r < reach)
+                ck_abort_msg("%d: %g after %g", i, r / SIDE, reach / SIDE);
             reach = rad_most(reach, r);
         }
         rad_ambcache_visit(c, &q, keep, want, &some);
@@ -213,6 +219,137 @@ START_TEST(small_zones_come_first_and_large_ones_if_wanted)
     }
     ck_assert_int_gt(shorter, 0);
     rad_ambcache_free(c);
+}
+END_TEST
+
+/* --- memory --- */
+
+/* The linker sends every allocation here. */
+void *__real_malloc(size_t n);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *p, size_t n);
+void *__real_aligned_alloc(size_t align, size_t n);
+void *__wrap_malloc(size_t n);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *p, size_t n);
+void *__wrap_aligned_alloc(size_t align, size_t n);
+
+static _Atomic unsigned long allocations;
+
+void *
+__wrap_malloc(size_t n)
+{
+    allocations++;
+    return __real_malloc(n);
+}
+
+void *
+__wrap_calloc(size_t n, size_t size)
+{
+    allocations++;
+    return __real_calloc(n, size);
+}
+
+void *
+__wrap_realloc(void *p, size_t n)
+{
+    allocations++;
+    return __real_realloc(p, n);
+}
+
+void *
+__wrap_aligned_alloc(size_t align, size_t n)
+{
+    allocations++;
+    return __real_aligned_alloc(align, n);
+}
+
+/* ck_assert() allocates. */
+static void
+tally(void *arg, const struct rad_ambrec *rec)
+{
+    struct found *f = arg;
+
+    f->n += rec->level < 3;
+}
+
+static bool
+want_any(void *arg, double reach)
+{
+    (void)arg;
+    return reach < INFINITY;
+}
+
+START_TEST(insertions_allocate_in_bulk_and_look_ups_never)
+{
+    unsigned long before = allocations, between, after;
+    struct rad_ambcache *c = filled();
+    struct found f = { .n = 0 };
+
+    between = allocations;
+    for (int i = 0; i < QUERIES; i++) {
+        uint64_t key = rad_key_branch(4, (uint64_t)i);
+        struct rad_ambquery q = ask_near(&sample[i], key);
+
+        rad_ambcache_visit(c, &q, tally, want_any, &f);
+    }
+    after = allocations;
+    ck_assert_int_gt(f.n, 0);
+    ck_assert_uint_eq(after, between);
+    /* 256 at a time of records, of blocks of eight places, and of cells */
+    ck_assert_uint_gt(between, before);
+    ck_assert_uint_lt(between - before, RECORDS / 8);
+    rad_ambcache_free(c);
+}
+END_TEST
+
+static void
+trace_room(struct world *w)
+{
+    static const double up[3] = { 0, 0, 1 };
+
+    for (int i = 0; i < 400; i++) {
+        double p[3] = { .04 * (i % 20) - .4, .04 * (i / 20) - .4, -.8 };
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w->ctx, &r, p, up, (uint64_t)i);
+    }
+}
+
+START_TEST(rays_allocate_nothing)
+{
+    unsigned long before, between, after;
+    struct world w;
+
+    world_open(&w,
+               "void plastic grey 0 0 5 .5 .4 .3 0 0\n"
+               "void light lamp 0 0 3 9 9 9\n"
+               "lamp sphere a 0 0 4 0 0 .5 .1\n"
+               "grey bubble b 0 0 4 0 0 0 1\n",
+               "-ab 2 -aa .1 -ar 32 -ad 64 -as 32");
+    trace_room(&w); /* makes the records, and room for a hemisphere */
+    uint64_t values = w.ctx.counts.ambient_values, rays = w.ctx.counts.rays;
+
+    before = allocations;
+    trace_room(&w);
+    between = allocations;
+    ck_assert_uint_eq(w.ctx.counts.ambient_values, values);
+    ck_assert_uint_eq(between, before);
+    /* where records are made: in bulk again */
+    double p[3] = { 0, .1, .6 }, down[3] = { 0, 0, -1 };
+
+    between = allocations;
+    for (int i = 0; i < 50; i++) {
+        struct rad_ray r;
+
+        p[0] = .01 * i;
+        rad_ray_irradiance(&w.ctx, &r, p, down, (uint64_t)i);
+    }
+    after = allocations;
+    ck_assert_uint_gt(w.ctx.counts.ambient_values, values);
+    ck_assert_uint_gt(w.ctx.counts.rays - rays, 1000);
+    ck_assert_uint_lt(after - between, 10);
+    world_close(&w);
 }
 END_TEST
 
@@ -239,10 +376,10 @@ look_for(void *arg, const struct rad_ambrec *rec)
 
     /* E says which it is, p and n whether it is whole */
     f->n += (double)rec->E.r == f->enough;
-    ck_assert(rec->p[0] >= org[0] && rec->p[0] <= org[0] + SIDE);
-    ck_assert(rec->n[0] * rec->n[0] + rec->n[1] * rec->n[1] +
-                  rec->n[2] * rec->n[2] >
-              .99f);
+    if (rec->p[0] < org[0] || rec->p[0] > org[0] + SIDE ||
+        rec->n[0] * rec->n[0] + rec->n[1] * rec->n[1] + rec->n[2] * rec->n[2] <
+            .99f)
+        ck_abort_msg("a record that is not whole");
 }
 
 static bool
@@ -311,7 +448,8 @@ START_TEST(threads_find_what_they_insert)
     ck_assert_int_eq(crowd.missed, 0);
     for (int i = 0; i < THREADS; i++)
         for (int k = 0; k < crowd.each; k++)
-            ck_assert_msg(is_there(&crowd, i, k), "record %d of %d", k, i);
+            if (!is_there(&crowd, i, k))
+                ck_abort_msg("record %d of %d", k, i);
     while ((n = rad_ambcache_read(crowd.cache, &cursor, true, out,
                                   N_ELEM(out))) > 0)
         logged += n;
@@ -330,6 +468,10 @@ main(void)
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
     tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("memory");
+    tcase_add_test(tc, insertions_allocate_in_bulk_and_look_ups_never);
+    tcase_add_test(tc, rays_allocate_nothing);
     suite_add_tcase(s, tc);
     tc = tcase_create("threads");
     tcase_set_timeout(tc, 3600);

@@ -84,8 +84,10 @@ tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
-tests_check_ambcache_SOURCES = tests/check_ambcache.c tests/unit.h
+tests_check_ambcache_SOURCES = tests/check_ambcache.c tests/unit.h tests/world.h
 tests_check_ambcache_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_ambcache_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=malloc \
+	-Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=aligned_alloc
 tests_check_ambcache_LDADD = $(UNIT_LIBS)
 
 tests_check_ambfile_SOURCES = tests/check_ambfile.c tests/unit.h tests/world.h

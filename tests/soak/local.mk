@@ -3,6 +3,7 @@
 # `make check`; how long each goes on is set by the variables that it names at
 # its top.
 SOAK = \
+	tests/soak/ambcache.sh \
 	tests/soak/disaster.sh \
 	tests/soak/garbage.sh \
 	tests/soak/partition.sh \
