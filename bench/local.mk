@@ -68,5 +68,6 @@ bench-sim: bench/sim/sim$(EXEEXT)
 		--plot=bench/results/sim.png >bench/results/sim.txt
 	cat bench/results/sim.txt
 
-# Against rpict, where that is on PATH: bench/versus.sh says how to call it.
+# Against rpict, where that is on PATH: the scripts say how to call them.
+dist_noinst_SCRIPTS += bench/rpict.sh
 dist_noinst_SCRIPTS += bench/versus.sh
