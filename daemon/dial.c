@@ -66,8 +66,10 @@ dialler_free(struct dialler *d)
 static void
 timer_closed(uv_handle_t *h)
 {
-    explicit_bzero(h->data, sizeof(struct dialling));
-    free(h->data);
+    struct dialling *g = h->data; /* which h is in */
+
+    explicit_bzero(g, sizeof *g);
+    free(g);
 }
 
 /* Nobody waits for it any more: its handles go, at last itself. */
