@@ -175,6 +175,23 @@ START_TEST(gradient_sees_what_an_occluder_hides)
 }
 END_TEST
 
+/* One sample of a lamp that is hardly ever met brightens a record, but must not
+ * make its zone much larger. */
+START_TEST(rare_bright_sample_leaves_the_zone_alone)
+{
+    struct rad_gradients plain, bright;
+    struct rad_hemi h;
+
+    look_at_disk(&h, .5, .2f);
+    rad_hemi_gradients(&h, &plain);
+    cells[SIDE * SIDE / 8].L = rad_grey(SIDE * SIDE);
+    h.E = rad_grey(h.E.g + (float)M_PI);
+    rad_hemi_gradients(&h, &bright);
+    ck_assert(fabs(bright.hess[0]) > .7 * fabs(plain.hess[0]));
+    ck_assert(fabs(bright.hess[2]) > .7 * fabs(plain.hess[2]));
+}
+END_TEST
+
 START_TEST(uniform_surrounding_has_no_gradient)
 {
     struct rad_gradients g;
@@ -857,6 +874,7 @@ make_suite(void)
     tcase_add_test(tc, eigenvector_belongs_to_the_larger_value);
     tcase_add_loop_test(tc, gradient_of_a_disk_matches_the_closed_form, 0, 3);
     tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
+    tcase_add_test(tc, rare_bright_sample_leaves_the_zone_alone);
     tcase_add_test(tc, uniform_surrounding_has_no_gradient);
     tcase_add_test(tc, turning_toward_the_light_brightens);
     suite_add_tcase(s, tc);

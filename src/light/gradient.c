@@ -72,9 +72,35 @@ rad_edge_derivatives(const double a[3], const double b[3], const double n[3],
     hess[5] -= scale * d * A2;
 }
 
-/* Luminance of the farthest of three cells. */
+/* What a cell may count for at most, over the mean. */
+#define MOST_SHARE 4
+
+/* The mean luminance of the cells, of which none counts for more than *most,
+ * about MOST_SHARE times that.  A cell that drew a rare bright sample would
+ * else make all other differences small, so that its record, which is too
+ * bright, would get a larger zone than those without, which are too dark: the
+ * picture would be too bright.  Where most cells are black and some alike the
+ * limit is small, but so is the mean, and their ratio stays. */
 static double
-behind(const struct rad_hemi *h, int a, int b, int c)
+fair_mean(const struct rad_hemi *h, double *most)
+{
+    int n2 = h->n * h->n;
+    double mean = rad_rgb_lum(h->E) / M_PI;
+
+    for (int pass = 0; pass < 8; pass++) {
+        double sum = 0;
+
+        *most = MOST_SHARE * mean;
+        for (int k = 0; k < n2; k++)
+            sum += rad_least(rad_rgb_lum(h->cell[k].L), *most);
+        mean = sum / n2;
+    }
+    return mean;
+}
+
+/* Luminance of the farthest of three cells, at most `most`. */
+static double
+behind(const struct rad_hemi *h, int a, int b, int c, double most)
 {
     const struct rad_hemicell *far = &h->cell[a];
 
@@ -82,24 +108,24 @@ behind(const struct rad_hemi *h, int a, int b, int c)
         far = &h->cell[b];
     if (h->cell[c].near < far->near)
         far = &h->cell[c];
-    return rad_rgb_lum(far->L);
+    return rad_least(rad_rgb_lum(far->L), most);
 }
 
 /* The two triangles of the square of cells above and right of (i, j). */
 static double
-lower(const struct rad_hemi *h, int i, int j)
+lower(const struct rad_hemi *h, int i, int j, double most)
 {
     int k = i * h->n + j;
 
-    return behind(h, k, k + 1, k + h->n);
+    return behind(h, k, k + 1, k + h->n, most);
 }
 
 static double
-upper(const struct rad_hemi *h, int i, int j)
+upper(const struct rad_hemi *h, int i, int j, double most)
 {
     int k = i * h->n + j;
 
-    return behind(h, k + h->n + 1, k + h->n, k + 1);
+    return behind(h, k + h->n + 1, k + h->n, k + 1, most);
 }
 
 struct sums {
@@ -119,20 +145,20 @@ add_edge(const struct rad_hemi *h, struct sums *s, int from, int to,
  * right one.  The mesh's outline has no right side: what lies beyond is taken
  * to go on as it is. */
 static void
-sum_edges(const struct rad_hemi *h, struct sums *s)
+sum_edges(const struct rad_hemi *h, struct sums *s, double most)
 {
     int n = h->n;
 
     for (int i = 0; i < n - 1; i++)
         for (int j = 0; j < n - 1; j++) {
             int k = i * n + j;
-            double low = lower(h, i, j);
+            double low = lower(h, i, j, most);
 
-            add_edge(h, s, k + 1, k + n, low - upper(h, i, j));
+            add_edge(h, s, k + 1, k + n, low - upper(h, i, j, most));
             if (i > 0)
-                add_edge(h, s, k, k + 1, low - upper(h, i - 1, j));
+                add_edge(h, s, k, k + 1, low - upper(h, i - 1, j, most));
             if (j > 0)
-                add_edge(h, s, k, k + n, upper(h, i, j - 1) - low);
+                add_edge(h, s, k, k + n, upper(h, i, j - 1, most) - low);
         }
 }
 
@@ -140,9 +166,9 @@ void
 rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
 {
     struct sums s = { .grad = { 0 } };
-    double E = rad_rgb_lum(h->E);
+    double most, E = M_PI * fair_mean(h, &most);
 
-    sum_edges(h, &s);
+    sum_edges(h, &s, most);
     rad_hemi_turn(h, g->turn);
     g->move[0] = rad_dot(s.grad, h->u) / E;
     g->move[1] = rad_dot(s.grad, h->v) / E;

@@ -6,7 +6,9 @@
  * its Hessian are sums over the mesh's edges of the radiance difference across
  * each, so only what differs from its neighbour counts, and a point in a
  * uniform surrounding has none.
- * All results are relative to E, in the frame of the sampling.
+ * All results are relative to E, in the frame of the sampling; in those of the
+ * mesh, and the E that they are relative to, no cell counts for much more than
+ * the others.
  * Sources: Lambert 1760 (irradiance from polygons); Ward & Heckbert 1992
  * (rotation); Schwarzhaupt, Jensen & Jarosz 2012, Practical Hessian-based error
  * control for irradiance caching.  */
