@@ -57,7 +57,7 @@ invent(uint64_t key)
         s.rec.n[axis] = draw(key, 11) < .5 ? -1 : 1;
         s.rec.p[axis] = org[axis] + SIDE / 4 * (int)(5 * draw(key, 12));
     }
-    s.zone.reach = SIDE * exp(-1 - 14 * draw(key, 13));
+    s.zone.reach = SIDE * exp(-1.1 - 13 * draw(key, 13));
     s.zone.height = s.zone.reach * (.3 + .7 * draw(key, 14));
     s.zone.behind = .01 * s.zone.height;
     return s;

@@ -8,9 +8,10 @@
  * places of a block are tried all at once with vectors, and only what passes
  * is fetched and handed on.  All is in single precision, relative to the cell,
  * and rounded so that nothing is left out that double precision would take.
- * SPAN weighs insertions against look-ups.  An office's 6200 records,
- * nanoseconds an insertion and a look-up, bytes a record (bench/ambient): 200,
- * 1700 and 258 for 4, 360, 910 and 443 for 2, and 1340, 820 and 1238 for 1.
+ * SPAN weighs insertions against look-ups: nanoseconds of both and bytes a
+ * record (bench/ambient) are 590, 660, 377 with 2, 330, 790, 243 with 3 and
+ * 270, 800, 235 with 4 for an office's 12000 dense records, and 1890, 670, 651,
+ * 870, 550, 373 and 940, 490, 327 for 100000 sparse ones.
  *
  * Records of each number of bounces have an octree of their own, for only those
  * of one are wanted at a time; beyond ROOTS - 1 bounces they share one.
@@ -55,7 +56,7 @@
 #define LINE      64 /* bytes that a processor fetches at once */
 #define CHUNK     256
 #define LANES     8
-#define SPAN      2
+#define SPAN      3
 #define ROOTS     8
 #define MAX_DEPTH 48 /* beyond it cells are smaller than rounding */
 
