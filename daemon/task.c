@@ -222,7 +222,7 @@ finish_all(uv_work_t *work, int status)
         t->done(t);
     if (q->busy)
         return;
-    if (q->waiting.n > 0 || (q->ending && q->held.n + q->unsettled.n > 0))
+    if (q->waiting.n > 0 || (q->ends && q->held.n + q->unsettled.n > 0))
         start(q);
     else
         arm(q);
@@ -234,6 +234,7 @@ start(struct task_queue *q)
     int rc;
 
     list_move(&q->running, &q->waiting);
+    q->ending = q->ends;
     q->busy = true;
     rc = uv_queue_work(q->loop, &q->work, run_all, finish_all);
     assert(rc == 0); /* it fails only without a callback */
@@ -276,7 +277,7 @@ task_queue_idle(const struct task_queue *q)
 void
 task_queue_end(struct task_queue *q)
 {
-    q->ending = true;
+    q->ends = true;
     if (!q->busy && !task_queue_idle(q))
         start(q);
 }

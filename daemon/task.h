@@ -69,6 +69,7 @@ struct task_queue {
     bool busy;                   /* [loop] a pool thread has the fields below */
     bool closed;                 /* [loop] the timer is */
     bool told_full, told_broken; /* [loop] */
+    bool ends;                   /* [loop] it was told to */
     bool retry, ending;          /* [loop] while not busy, else [pool] */
     struct task_list waiting;    /* [loop] */
     struct task_list running;    /* likewise, and so are the rest */

@@ -710,6 +710,7 @@ END_TEST
 /* --- another life --- */
 
 static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
+static const uint8_t kept_manifest[MSG_HASH] = { 6, 5, 4 };
 static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
 
 static void
@@ -762,7 +763,7 @@ recover(struct store *s, struct saved_job *job, struct rad_error *err)
 static void
 make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
 {
-    struct saved_job p = { .spec = { .manifest = kept_job,
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
                                      .params = "-ab 0",
                                      .frames = &kept_frame,
                                      .nframes = 1 },
@@ -812,7 +813,7 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
 {
     struct store_source from = { .what = MSG_WHAT_STATS };
     struct saved_job job, end = { .spec = { .job = kept_job,
-                                            .manifest = kept_job,
+                                            .manifest = kept_manifest,
                                             .params = "-ab 0",
                                             .frames = &kept_frame,
                                             .nframes = 1 },

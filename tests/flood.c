@@ -74,21 +74,24 @@ send_all(int fd, const void *bytes, size_t n)
 static size_t
 make_garbage(uint8_t *p, size_t room, uint32_t *state)
 {
-    static const char *const heads[] = {
-        "",
-        "RADD\0\1\0\0\0\0\0\1\0\0\0\5",
-        "GET / HTTP/1.1\r\nHost: x\r\n\r\n",
-        "\26\3\1\4\0\1\0\3\374\3\3",
-        "\26\3\1\377\377",
-        "\27\3\3\0\20",
+    static const struct {
+        uint8_t n;
+        const char *bytes;
+    } heads[] = {
+        { 0, "" },
+        { 16, "RADD\0\1\0\0\0\0\0\1\0\0\0\5" },
+        { 27, "GET / HTTP/1.1\r\nHost: x\r\n\r\n" },
+        { 11, "\26\3\1\4\0\1\0\3\374\3\3" },
+        { 5, "\26\3\1\377\377" },
+        { 5, "\27\3\3\0\20" },
     };
-    static const size_t sizes[] = { 0, 16, 27, 11, 5, 5 };
     uint32_t which = next_random(state) % 6;
-    size_t n = sizes[which] + next_random(state) % (room - sizes[which]);
+    size_t head = heads[which].n;
+    size_t n = head + next_random(state) % (room - head);
 
     for (size_t i = 0; i < n; i++)
         p[i] = (uint8_t)next_random(state);
-    memcpy(p, heads[which], sizes[which]);
+    memcpy(p, heads[which].bytes, head);
     return n;
 }
 

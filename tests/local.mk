@@ -51,6 +51,7 @@ UNIT_TESTS = \
 	tests/check_partition \
 	tests/check_place \
 	tests/check_pool \
+	tests/check_task \
 	tests/check_prism \
 	tests/check_quincunx \
 	tests/check_ray \
@@ -471,6 +472,7 @@ THREAD_TESTS = \
 	tests/check_estimate \
 	tests/check_facts \
 	tests/check_pool \
+	tests/check_task \
 	tests/check_team
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \

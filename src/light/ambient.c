@@ -734,7 +734,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
 {
     const struct rad_params *par = &ctx->job->params;
     struct rad_ambplace at;
-    struct rad_rgb E;
+    struct rad_rgb E = { 0, 0, 0 };
     double var = -1;
     bool behind = rad_dot(r->n, n) < 0;
 
