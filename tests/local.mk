@@ -313,6 +313,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/systemd_units.sh
 EXTRA_DIST += \
+	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
 	tests/e2e/faults.sh \

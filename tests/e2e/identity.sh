@@ -5,28 +5,11 @@
 # What is tried is drawn from a seed, which is printed; IDENTITY_SEED=n tries the
 # same again, IDENTITY_RUNS=n as many.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/chance.sh"
 set -u
 
-seed=${IDENTITY_SEED:-$(date +%s)}
 runs=${IDENTITY_RUNS:-20}
-echo "seed $seed"
-state=$((seed % 2147483647))
-
-# any N: a number below N, in $any (no subshell: the state would stay there)
-any()
-{
-    # Park and Miller's, which fits 64 bits
-    state=$(((state * 48271 + 11) % 2147483647))
-    any=$((state / 7 % $1))
-}
-
-# one_of WORD...: in $word
-one_of()
-{
-    any $#
-    shift "$any"
-    word=$1
-}
+draw_from "${IDENTITY_SEED:-}"
 
 body()
 {

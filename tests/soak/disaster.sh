@@ -10,6 +10,7 @@
 # DISASTER_PART=scanbar and the like, and DISASTER_HOW=detached.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/chance.sh"
 set -u
 
 shim=$top_builddir/tests/disaster.so
@@ -18,17 +19,7 @@ shim=$top_builddir/tests/disaster.so
     rm -rf "$work"
     exit 77
 }
-seed=${DISASTER_SEED:-$(date +%s)}
-echo "seed $seed"
-state=$((seed % 2147483647))
-
-# any N: a number below N, in $any (no subshell: the state would stay there)
-any()
-{
-    # Park and Miller's, which fits 64 bits
-    state=$(((state * 48271 + 11) % 2147483647))
-    any=$((state / 7 % $1))
-}
+draw_from "${DISASTER_SEED:-}"
 
 reading=$top_srcdir/examples/reading-room
 view="-vf room.vf -x 160 -y 120 -ps 4 -ds .1 -dj .7 -pj .7 -ab 0"

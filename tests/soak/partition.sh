@@ -8,6 +8,7 @@
 # byte end a connection).  PARTITION_SEED, which is printed, PARTITION_ROUNDS.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/chance.sh"
 . "$top_srcdir/tests/e2e/faults.sh"
 set -u
 
@@ -16,17 +17,7 @@ long=false
 if $long; then
     : "${PARTITION_ROUNDS:=10}"
 fi
-seed=${PARTITION_SEED:-$(date +%s)}
-echo "seed $seed"
-state=$((seed % 2147483647))
-
-# any N: a number below N, in $any
-any()
-{
-    # Park and Miller's, which fits 64 bits
-    state=$(((state * 48271 + 11) % 2147483647))
-    any=$((state / 7 % $1))
-}
+draw_from "${PARTITION_SEED:-}"
 
 room=$scenes/room.rad
 view="-vf $scenes/room.vf -x 160 -y 120 -ps 2 -ds .1 -dj .7 -pj .7 -ab 0"

@@ -9,6 +9,7 @@
 # one each.  What happens is drawn from STORM_SEED, which is printed.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/chance.sh"
 set -u
 
 if [ "${RADD_SOAK:-}" = long ]; then
@@ -18,17 +19,7 @@ else
     : "${STORM_SECONDS:=6}" "${STORM_JOBS:=8}" "${STORM_WORKERS:=3}"
     : "${STORM_EVERY:=1}"
 fi
-seed=${STORM_SEED:-$(date +%s)}
-echo "seed $seed"
-state=$((seed % 2147483647))
-
-# any N: a number below N, in $any (no subshell: the state would stay there)
-any()
-{
-    # Park and Miller's, which fits 64 bits
-    state=$(((state * 48271 + 11) % 2147483647))
-    any=$((state / 7 % $1))
-}
+draw_from "${STORM_SEED:-}"
 
 # --- jobs ---
 
@@ -44,14 +35,6 @@ render()
     # shellcheck disable=SC2086 # options are words
     (cd "$reading" && exec "$radsubmit" $where --partition="$part" \
         -o "$out" "$@" room.rad) 2>"$out.err" </dev/null
-}
-
-# one_of WORD...: in $word
-one_of()
-{
-    any $#
-    shift "$any"
-    word=$1
 }
 
 # stream NUMBER: one job after the other; what is wrong goes to $work/wrong
