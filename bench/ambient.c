@@ -11,6 +11,9 @@
  * and the records made up: on its six walls, of any size.  */
 #include "config.h"
 
+#define TOOL "ambient"
+#include "tool.h"
+
 #include "base/files.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -24,7 +27,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define NPLACES   100000
 #define MAX_WALKS 1000000 /* where records have become dense enough */
@@ -41,31 +43,6 @@ struct bench {
     struct rad_ambplace *place; /* NPLACES */
     struct rad_span *span;      /* NPLACES rays of hemispheres */
 };
-
-static double
-now(void)
-{
-    struct timespec ts;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &ts);
-    return (double)ts.tv_sec + 1e-9 * (double)ts.tv_nsec;
-}
-
-static _Noreturn void
-die_of(const char *what)
-{
-    fprintf(stderr, "ambient: %s\n", what);
-    exit(EXIT_FAILURE);
-}
-
-static _Noreturn void
-die(const struct rad_error *err)
-{
-    char text[600];
-
-    rad_error_format(err, text, sizeof text);
-    die_of(text);
-}
 
 static struct rad_job *
 new_job(const struct bench *b, int bounces)

@@ -10,6 +10,9 @@
  * is drawn beforehand, so that only rad_geom's work is timed. */
 #include "config.h"
 
+#define TOOL "kernel"
+#include "tool.h"
+
 #include "base/files.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -22,7 +25,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 
 enum { KIND_PRIMARY, KIND_BOUNCE, KIND_SHADOW, NKINDS };
 
@@ -38,31 +40,6 @@ struct bench {
     double seconds;   /* at least so long for each figure */
     const char *only; /* this kernel, NULL: all */
 };
-
-static double
-now(void)
-{
-    struct timespec ts;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &ts);
-    return (double)ts.tv_sec + 1e-9 * (double)ts.tv_nsec;
-}
-
-static _Noreturn void
-die_of(const char *what)
-{
-    fprintf(stderr, "kernel: %s\n", what);
-    exit(EXIT_FAILURE);
-}
-
-static _Noreturn void
-die(const struct rad_error *err)
-{
-    char text[600];
-
-    rad_error_format(err, text, sizeof text);
-    die_of(text);
-}
 
 static void
 load(struct bench *b, const char *path, const char *view_path)

@@ -3,13 +3,13 @@
 EXTRA_PROGRAMS += bench/kernel
 CLEANFILES += bench/kernel$(EXEEXT)
 
-bench_kernel_SOURCES = bench/kernel.c
+bench_kernel_SOURCES = bench/kernel.c bench/tool.h
 bench_kernel_LDADD = $(LIBRAD)
 
 EXTRA_PROGRAMS += bench/ambient
 CLEANFILES += bench/ambient$(EXEEXT)
 
-bench_ambient_SOURCES = bench/ambient.c
+bench_ambient_SOURCES = bench/ambient.c bench/tool.h
 bench_ambient_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 BENCH_SCENE =
