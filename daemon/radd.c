@@ -316,9 +316,10 @@ static void
 dial_peer(struct radd *r, const struct action *a)
 {
     struct dial_key key;
+    bool made =
+        tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
 
-    tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
-    dial(r->dialler, a->text, a->conn, &key);
+    dial(r->dialler, a->text, a->conn, made ? &key : NULL);
     explicit_bzero(&key, sizeof key);
 }
 
@@ -334,8 +335,8 @@ fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
     struct dial_key key;
     bool same;
 
-    tls_peer_key(job, MSG_JOB, token, MSG_TOKEN, key.id, key.secret);
-    same = strcmp(key.id, w->id) == 0;
+    same = tls_peer_key(job, MSG_JOB, token, MSG_TOKEN, key.id, key.secret) &&
+           strcmp(key.id, w->id) == 0;
     if (same)
         memcpy(w->secret, key.secret, TLS_SECRET);
     explicit_bzero(&key, sizeof key);

@@ -469,7 +469,7 @@ tls_room(size_t n)
 
 /* --- keys of peers --- */
 
-static void
+static bool
 hash(const char *what, const uint8_t *job, size_t njob, const uint8_t *token,
      size_t ntoken, uint8_t digest[TLS_SECRET])
 {
@@ -481,20 +481,20 @@ hash(const char *what, const uint8_t *job, size_t njob, const uint8_t *token,
               EVP_DigestFinal_ex(c, digest, NULL);
 
     EVP_MD_CTX_free(c);
-    if (!ok) /* a key that nobody has */
-        if (RAND_bytes(digest, TLS_SECRET) != 1)
-            abort();
+    return ok;
 }
 
-void
+bool
 tls_peer_key(const uint8_t *job, size_t njob, const uint8_t *token,
              size_t ntoken, char id[TLS_ID], uint8_t secret[TLS_SECRET])
 {
     uint8_t name[TLS_SECRET];
 
-    hash("radd peer name", job, njob, token, ntoken, name);
-    hash("radd peer key", job, njob, token, ntoken, secret);
+    if (!hash("radd peer name", job, njob, token, ntoken, name) ||
+        !hash("radd peer key", job, njob, token, ntoken, secret))
+        return false;
     strcpy(id, "peer:");
     for (int i = 0; i < 16; i++)
         snprintf(id + 5 + (size_t)2 * i, 3, "%02x", name[i]);
+    return true;
 }

@@ -81,8 +81,8 @@ void tls_sent(struct tls *t);
 size_t tls_room(size_t n);
 
 /* The key of two workers in one job, from what the coordinator gave both: its
- * id, which says nothing, and its secret. */
-void tls_peer_key(const uint8_t *job, size_t njob, const uint8_t *token,
+ * id, which says nothing, and its secret.  False: memory is out. */
+bool tls_peer_key(const uint8_t *job, size_t njob, const uint8_t *token,
                   size_t ntoken, char id[TLS_ID], uint8_t secret[TLS_SECRET]);
 
 #endif
