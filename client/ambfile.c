@@ -428,19 +428,37 @@ put_header(const struct ambfile *a, FILE *f)
             RADIANCE_MAGIC & 0xff);
 }
 
-int
-ambfile_format(const struct ambfile *a, const struct rad_ambient *amb, FILE *f,
-               struct rad_error *err)
+/* Where records come from: at most max of the next; 0: there are no more. */
+struct source {
+    const struct rad_ambient *amb; /* NULL: list */
+    uint64_t cursor;
+    struct wire_in list;
+};
+
+static size_t
+next_records(struct source *s, struct rad_ambrec *rec, size_t max)
+{
+    size_t n = 0;
+
+    if (s->amb)
+        return rad_ambient_list(s->amb, &s->cursor, rec, max);
+    while (n < max && wire_left(&s->list) >= AMBSHARE_BYTES)
+        n += ambshare_unpack(&s->list, &rec[n]);
+    return n;
+}
+
+static int
+format_all(const struct ambfile *a, struct source *s, FILE *f,
+           struct rad_error *err)
 {
     struct rad_ambrec rec[64];
     struct wire_out out;
-    uint64_t cursor = 0;
+    bool bad;
     size_t n;
 
     put_header(a, f);
     wire_out_init(&out, sizeof rec / sizeof *rec * AMBSHARE_BYTES);
-    while ((n = rad_ambient_list(amb, &cursor, rec, sizeof rec / sizeof *rec)) >
-               0 &&
+    while ((n = next_records(s, rec, sizeof rec / sizeof *rec)) > 0 &&
            !out.bad) {
         out.len = 0;
         for (size_t i = 0; i < n; i++)
@@ -450,14 +468,32 @@ ambfile_format(const struct ambfile *a, const struct rad_ambient *amb, FILE *f,
                 put_record(&out, &rec[i]);
         fwrite(out.buf, 1, out.len, f);
     }
-    bool bad = out.bad;
-
+    bad = out.bad;
     wire_out_release(&out);
     if (bad)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     return ferror(f)
                ? rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno))
                : 0;
+}
+
+int
+ambfile_format(const struct ambfile *a, const struct rad_ambient *amb, FILE *f,
+               struct rad_error *err)
+{
+    struct source s = { .amb = amb };
+
+    return format_all(a, &s, f, err);
+}
+
+int
+ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
+                    FILE *f, struct rad_error *err)
+{
+    struct source s = { .amb = NULL };
+
+    wire_in_init(&s.list, list, len);
+    return format_all(a, &s, f, err);
 }
 
 int

@@ -54,9 +54,12 @@ typedef void ambfile_take(void *arg, const struct rad_ambrec *rec);
 int ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
                   ambfile_take *take, void *arg, struct rad_error *err);
 
-/* Write all records of the cache, in a->format. */
+/* Write all records of the cache, in a->format; or of a list of len bytes, as
+ * they travel between workers (ambshare.h), sound ones alone. */
 int ambfile_format(const struct ambfile *a, const struct rad_ambient *amb,
                    FILE *f, struct rad_error *err);
+int ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
+                        FILE *f, struct rad_error *err);
 
 /* Read what there is at path into the cache; no file there is not wrong.
  * Besides the above: RAD_EDATA when a record lies outside the scene. */

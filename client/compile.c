@@ -765,12 +765,25 @@ compile_check(struct compiled *c, struct rad_error *err)
     return rad_job_check(c->scene, &files, err);
 }
 
-static int
-digest_bundle(const struct rad_bundle *b, char hex[RAD_SHA_HEX + 1],
-              struct rad_error *err)
+int
+compile_add(struct compiled *c, const char *name, const void *bytes, size_t len,
+            const char *dir, struct rad_error *err)
+{
+    struct storing f;
+    int rc = store_begin(&f, dir, err);
+
+    if (rc)
+        return rc;
+    rc = store_bytes(&f, bytes, len, err);
+    return store_end(&f, rc, c, dir, RAD_BUNDLE_FILE, name, err);
+}
+
+int
+compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
+             struct rad_error *err)
 {
     size_t len;
-    char *text = rad_bundle_format(b, &len);
+    char *text = rad_bundle_format(&c->bundle, &len);
     int rc;
 
     if (!text)
@@ -797,7 +810,7 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
     if (!rc)
         rc = compile_bundle(c, dir, err);
     if (!rc)
-        rc = digest_bundle(&c->bundle, hex, err);
+        rc = compile_name(c, hex, err);
     for (int i = 0; i < c->bundle.n; i++) {
         snprintf(path, sizeof path, "%s/%s", dir, c->bundle.entries[i].hash);
         unlink(path);

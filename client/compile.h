@@ -70,8 +70,17 @@ bool compile_fault(const struct rad_scene *scene, uint32_t object,
  * compile_octree(). */
 int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
 
+/* Put one more file, that is not the scene's, into the bundle and the folder;
+ * after compile_bundle(). */
+int compile_add(struct compiled *c, const char *name, const void *bytes,
+                size_t len, const char *dir, struct rad_error *err);
+
 /* A name for the scene and the files that it needs: equal for equal ones.
- * Needs compile_read(). */
+ * Needs compile_bundle(), and comes before compile_add(). */
+int compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
+                 struct rad_error *err);
+
+/* The same where there is no bundle.  Needs compile_read(). */
 int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
                    struct rad_error *err);
 

@@ -39,6 +39,8 @@ libclient_a_SOURCES = \
 	client/quality.c \
 	client/quality.h \
 	client/rays.c \
+	client/records.c \
+	client/records.h \
 	client/rays.h \
 	client/submit.c \
 	client/submit.h \

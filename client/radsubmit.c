@@ -16,6 +16,7 @@
 #include "output.h"
 #include "picfile.h"
 #include "progress.h"
+#include "records.h"
 #include "submit.h"
 #include "submit_options.h"
 
@@ -33,6 +34,7 @@ struct program {
     struct words words;
     struct frames frames;
     struct compiled scene;
+    struct records records; /* -af */
     struct cargo cargo;
     struct msg_spec spec;
     uint8_t *costs; /* of lines, from a former run; NULL: none */
@@ -254,6 +256,14 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
     return rc;
 }
 
+static void
+on_records(void *arg, const struct msg_records *m)
+{
+    struct program *p = arg;
+
+    records_take(&p->records, m);
+}
+
 static int
 on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
 {
@@ -272,6 +282,41 @@ static int
 on_expected(void *arg)
 {
     return local_workers(((struct program *)arg)->local);
+}
+
+/* -af: is there a use for it, and can it be written?  What was said of rpict's
+ * file holds here: without records there is none, and one that may only be read
+ * is read. */
+static int
+check_ambient(struct program *p)
+{
+    const char *path = p->o.ambient;
+    char text[600];
+
+    if (!path)
+        return 0;
+    if (p->o.params.ambounce <= 0 || p->o.params.ambacc <= 0) {
+        warn(p, "warning: -af: there are no ambient values to keep without "
+                "-ab and -aa");
+        p->o.ambient = NULL;
+        return 0;
+    }
+    p->records.keep = !p->o.detach && !p->o.dry_run;
+    if (p->o.detach)
+        warn(p, "warning: -af: the file is read, but nobody waits to add to "
+                "it");
+    if (!p->records.keep || access(path, W_OK) == 0)
+        return 0;
+    if (errno == ENOENT)
+        return output_check(path, p->err);
+    if (access(path, R_OK) == 0) {
+        snprintf(text, sizeof text,
+                 "warning: -af: '%.400s' may only be read: it is not added to",
+                 path);
+        warn(p, text);
+        p->records.keep = false;
+    }
+    return 0;
 }
 
 /* A picture that nobody can keep need not be rendered. */
@@ -467,7 +512,8 @@ fill_spec(struct program *p)
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
                (o->no_share ? 0 : MSG_JOB_SHARE) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
-               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0);
+               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
+               (p->records.keep ? MSG_JOB_RECORDS : 0);
     s->partition = choose_partition(p);
     s->order = (uint8_t)o->order; /* the same words in the same order */
     s->windows = (uint32_t)o->windows;
@@ -546,11 +592,15 @@ converse(struct program *p)
         cb.preview = on_preview;
     if (p->o.stats)
         cb.stats = on_stats;
+    if (p->records.keep)
+        cb.records = on_records;
     if (p->embedded) {
         cb.alive = on_alive;
         cb.expected = on_expected;
     }
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
+    if (rc == 0)
+        rc = records_write(&p->records, !p->embedded, p->err);
     progress_clear(&p->progress);
     warn_of_nan(p);
     warn_of_faults(p);
@@ -589,12 +639,22 @@ run_dry(struct program *p)
 }
 
 static int
+begin_records(struct program *p)
+{
+    if (!p->o.ambient)
+        return 0;
+    return records_begin(&p->records, p->o.ambient, p->records.keep,
+                         &p->o.params, &p->scene, local_folder(p->local),
+                         p->err);
+}
+
+static int
 run_job(struct program *p)
 {
     char hex[MSG_JOB_HEX];
     int rc;
 
-    if ((rc = compile(p)) < 0 ||
+    if ((rc = compile(p)) < 0 || (rc = begin_records(p)) < 0 ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
@@ -643,7 +703,7 @@ run(struct program *p)
     if ((rc = choose_cluster(p)) < 0 ||
         (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
         (rc = read_costs(p)) < 0 || (rc = check_outputs(p)) < 0 ||
-        (rc = watch_signals(p)) < 0)
+        (rc = check_ambient(p)) < 0 || (rc = watch_signals(p)) < 0)
         return rc;
     if ((rc = local_new(&p->local, p->err)) == 0) {
         if (p->o.dry_run)
@@ -653,6 +713,7 @@ run(struct program *p)
     }
     local_stop(p->local);
     cargo_release(&p->cargo);
+    records_release(&p->records);
     compile_release(&p->scene);
     if (rc != RAD_EUNAVAIL) /* a resolver may still be at work then */
         release_loop(p);

@@ -81,6 +81,10 @@ take(struct submit *s, const struct msg *m)
         if (s->cb->progress)
             s->cb->progress(s->cb->arg, &m->progress);
         return 0;
+    case MSG_RECORDS:
+        if (s->cb->records && is_ours(s, m->records.job))
+            s->cb->records(s->cb->arg, &m->records);
+        return 0;
     case MSG_DONE:
         s->done |= is_ours(s, m->done.job);
         return 0;

@@ -24,6 +24,8 @@ struct submit_callbacks {
     /* The .hdr of a frame so far; NULL where no preview is wanted. */
     int (*preview)(void *arg, const uint8_t *picture, size_t len,
                    struct rad_error *err);
+    /* Ambient records that a worker has made; NULL where not wanted. */
+    void (*records)(void *arg, const struct msg_records *m);
     /* The job's statistics, JSON; NULL where not wanted. */
     int (*stats)(void *arg, const uint8_t *json, size_t len,
                  struct rad_error *err);

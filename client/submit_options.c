@@ -105,6 +105,7 @@ static const struct option own[] = {
 static const struct option rpicts[] = {
     TEXT("-o", output, "FILE", "the picture (standard output)"),
     TEXT("-z", depth, "FILE", "distances, as floats"),
+    TEXT("-af", ambient, "FILE", "ambient values, read and added to"),
     INT("-S", first_frame, 1, INT_MAX, "N", "animation, first frame's number"),
     INT("-t", report_s, 0, INT_MAX, "S", "seconds between progress reports"),
     TEXT("-e", errors, "FILE", "errors and progress reports, for stderr")

@@ -35,9 +35,10 @@ struct submit_options {
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
     /* files; NULL where not given */
     const char *output, *depth;
-    const char *views; /* --views; NULL with -S: stdin */
-    int first_frame;   /* -S: number of the first view; 0: one picture */
-    int format;        /* enum picfile_format */
+    const char *ambient; /* -af */
+    const char *views;   /* --views; NULL with -S: stdin */
+    int first_frame;     /* -S: number of the first view; 0: one picture */
+    int format;          /* enum picfile_format */
     const char *stats, *preview;
     /* where */
     const char *coordinator;

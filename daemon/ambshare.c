@@ -89,3 +89,24 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     rec->level = wire_get_u16(in);
     return !in->bad && ambshare_sound(rec);
 }
+
+int
+ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
+              struct rad_error *err)
+{
+    struct rad_ambrec rec;
+    struct wire_in in;
+    size_t refused = 0;
+
+    if (len % AMBSHARE_BYTES != 0)
+        return rad_fail(err, RAD_EDATA,
+                        "the ambient records end in the middle of one");
+    wire_in_init(&in, bytes, len);
+    while (wire_left(&in) > 0)
+        if (!ambshare_unpack(&in, &rec) || !rad_ambient_insert(amb, &rec))
+            refused++;
+    return refused == 0
+               ? 0
+               : rad_fail(err, RAD_EDATA,
+                          "%zu ambient records do not fit the scene", refused);
+}

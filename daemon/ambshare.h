@@ -23,4 +23,10 @@ bool ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec);
 /* Is it one, by these rules? */
 bool ambshare_sound(const struct rad_ambrec *rec);
 
+/* Put a file of such records, and nothing else, into the cache, as ones made
+ * elsewhere.  RAD_EDATA: it ends in the middle of one, or has some that are
+ * none or lie outside the scene; then the cache has the others. */
+int ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
+                  struct rad_error *err);
+
 #endif

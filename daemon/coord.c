@@ -580,6 +580,23 @@ on_facts(struct coord *c, struct coord_conn *conn, const struct msg *m)
     handoff_facts(c, conn->worker, &m->facts);
 }
 
+/* For those who wait for the job. */
+static void
+on_records(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_RECORDS, .records = m->records };
+    uint32_t index;
+    struct job *job = sched_job_of(c, conn->worker, m->records.job, &index);
+
+    if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
+        return;
+    for (struct coord_conn *to = c->conns; to; to = to->next)
+        if (to->watch == job) {
+            pass.request = to->watch_request;
+            actions_send(&c->actions, to->id, &pass);
+        }
+}
+
 static void
 on_base_line(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -631,6 +648,7 @@ static const struct {
     { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
     { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
+    { MSG_RECORDS, on_records },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -695,7 +713,8 @@ static bool
 is_work(uint16_t type)
 {
     return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
-           type == MSG_TALLY || type == MSG_PING || type == MSG_PONG;
+           type == MSG_TALLY || type == MSG_RECORDS || type == MSG_PING ||
+           type == MSG_PONG;
 }
 
 void

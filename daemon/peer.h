@@ -59,6 +59,7 @@ struct wjob {
     size_t start_len;
     struct msg_area *frames; /* their sizes; the rest is 0 */
     uint32_t nframes;
+    uint32_t flags;   /* MSG_JOB_... */
     uint8_t channels; /* of a pixel */
     uint8_t *files;   /* hashes that it needs */
     uint32_t nfiles;
@@ -93,7 +94,7 @@ struct worker {
     uint64_t tick_ms;  /* of the last worker_tick() */
     bool held;         /* children are not listened to: worker_hold() */
     uint64_t awake_ms; /* all time but what this process slept through */
-    uint64_t coord; /* connection, 0: none */
+    uint64_t coord;    /* connection, 0: none */
     bool opened, welcome;
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */

@@ -73,6 +73,7 @@ struct render {
     int nthreads;
     uint8_t id[MSG_JOB];
     bool share, ended;
+    bool records;         /* radsubmit wants them */
     bool sandboxed;       /* must be */
     int pixel_s;          /* most processor time of a pixel; 0: any */
     struct msg start;     /* JOB-START, in start_bytes */
@@ -85,7 +86,8 @@ struct render {
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct give *gives;
-    uint64_t first_ms;                  /* records were drained; 0: not yet */
+    uint64_t loaded;   /* where records begin that others may lack */
+    uint64_t first_ms; /* records were drained; 0: not yet */
     uint64_t sent, received, redundant; /* ambient records */
     uint64_t told_rays;                 /* under way, in the last TALLY */
     uint64_t told_dropped;              /* likewise */
@@ -180,6 +182,8 @@ on_teller(uv_timer_t *timer)
     watch(r);
 }
 
+static void drain(struct render *r);
+
 static void
 on_rows(void *arg, const struct pool_rows *p)
 {
@@ -209,6 +213,8 @@ on_rows(void *arg, const struct pool_rows *p)
     m.result.last = p->last;
     m.result.counts = p->counts;
     m.result.pixels = bytes;
+    if (p->last && r->records)
+        drain(r); /* after the last unit's rows nobody would wait for them */
     if (p->last)
         send_tally(r);
     conn_send(r->link, &m);
@@ -262,7 +268,7 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
     m.ambient.count = (uint32_t)n;
     m.ambient.data = w.buf;
     m.ambient.len = w.len;
-    if (!w.bad && conn_send(r->link, &m))
+    if (!w.bad && conn_send(r->link, &m) && r->share)
         r->sent += n;
     wire_out_release(&w);
 }
@@ -295,10 +301,10 @@ drain_ms(const struct render *r)
     return ms < DRAIN_MS ? DRAIN_MS : ms > CALM_MS ? CALM_MS : ms;
 }
 
+/* Send what the threads have made since the last call. */
 static void
-on_drain(uv_timer_t *timer)
+drain(struct render *r)
 {
-    struct render *r = timer->data;
     struct rad_ambrec recs[BATCH_RECORDS];
     size_t n;
 
@@ -308,6 +314,15 @@ on_drain(uv_timer_t *timer)
         if (r->first_ms == 0)
             r->first_ms = uv_now(&r->loop);
     }
+}
+
+static void
+on_drain(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+    struct rad_ambrec recs[BATCH_RECORDS];
+
+    drain(r);
     go_on_giving(r, recs);
     if (!r->ended)
         uv_timer_start(timer, on_drain, drain_ms(r), 0);
@@ -343,6 +358,7 @@ take_give(struct render *r, const struct msg_give *m)
     if (!g)
         return; /* costs the other one time, nothing else */
     g->to = m->to;
+    g->cursor = r->loaded; /* the job's file of records is everybody's */
     g->next = r->gives;
     r->gives = g;
 }
@@ -368,6 +384,32 @@ read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
     return rc;
 }
 
+/* Those that the job begins with, if there are any. */
+static int
+load_records(struct render *r, const struct rad_bundle *bundle,
+             struct rad_error *err)
+{
+    struct rad_bundle_dir where = { bundle, r->files_dir };
+    struct rad_files files = rad_bundle_files(&where);
+    struct rad_ambrec recs[BATCH_RECORDS];
+    unsigned char *bytes;
+    size_t len;
+    int rc;
+
+    r->loaded = 0;
+    if (!r->job->ambient ||
+        !rad_bundle_find(bundle, RAD_BUNDLE_FILE, RAD_BUNDLE_RECORDS))
+        return 0;
+    bytes = files.read(files.arg, RAD_BUNDLE_RECORDS, &len, err);
+    if (!bytes)
+        return err->code;
+    rc = ambshare_load(r->job->ambient, bytes, len, err);
+    free(bytes);
+    while (rad_ambient_list(r->job->ambient, &r->loaded, recs, BATCH_RECORDS))
+        ;
+    return rc;
+}
+
 static int
 load_job(struct render *r, const struct rad_bundle *bundle,
          const struct msg_spec *spec, struct rad_error *err)
@@ -389,7 +431,7 @@ load_job(struct render *r, const struct rad_bundle *bundle,
     r->scene = rad_octfile_load(path, err);
     if (r->scene && !rad_scene_include(r->scene, &files, NULL, NULL, err))
         r->job = rad_job_new(r->scene, &params, &files, err);
-    return r->job ? 0 : err->code;
+    return r->job ? load_records(r, bundle, err) : err->code;
 }
 
 static int
@@ -543,7 +585,8 @@ start_job(struct render *r, const struct msg *m)
         return;
     }
     r->share = spec->flags & MSG_JOB_SHARE && r->job->ambient;
-    if (r->share)
+    r->records = spec->flags & MSG_JOB_RECORDS && r->job->ambient;
+    if (r->share || r->records)
         uv_timer_start(&r->drain, on_drain, DRAIN_MS, 0);
     uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
     ready.ready.job = r->id;
@@ -592,7 +635,7 @@ begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
         if (rc < 0)
             return rc;
         for (struct give *g = r->gives; g; g = g->next)
-            g->cursor = 0;
+            g->cursor = r->loaded;
     }
     r->frame = frame;
     return 0;
@@ -798,8 +841,8 @@ on_written(void *arg, struct conn *c, size_t n)
     on_news(r); /* there may be room for more */
 }
 
-static const struct conn_handler handler = { on_message, on_closed,
-                                             on_written, NULL };
+static const struct conn_handler handler = { on_message, on_closed, on_written,
+                                             NULL };
 
 /* --- the process --- */
 

@@ -252,6 +252,7 @@ copy_frames(struct wjob *job, const struct msg_spec *spec)
     if (!job->frames)
         return false;
     job->nframes = spec->nframes;
+    job->flags = spec->flags;
     job->channels = spec->flags & MSG_JOB_DEPTH ? 4 : 3;
     for (uint32_t i = 0; i < spec->nframes; i++) {
         job->frames[i].width = spec->frames[i].width;
@@ -689,10 +690,18 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_IDLE;
 }
 
+/* Those that answer a GIVE are not new. */
 static void
 child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    peer_spread(w, job, &m->ambient);
+    const struct msg_ambient *a = &m->ambient;
+    struct msg records = { .type = MSG_RECORDS,
+                           .records = { job->id, a->count, a->data, a->len } };
+
+    if (job->flags & MSG_JOB_SHARE)
+        peer_spread(w, job, a);
+    if (job->flags & MSG_JOB_RECORDS && a->to == 0 && job->started)
+        send_coord(w, &records);
 }
 
 static const struct {

@@ -730,6 +730,24 @@ msg_unpack_ambient(struct wire_in *in, struct msg_ambient *b, struct msg *m)
 }
 
 static void
+msg_pack_records(struct wire_out *o, const struct msg_records *b)
+{
+    msg_put_job(o, b->job);
+    wire_put_u32(o, b->count);
+    wire_put_blob(o, b->data, b->len, MSG_MAX_AMBIENT);
+}
+
+static void
+msg_unpack_records(struct wire_in *in, struct msg_records *b, struct msg *m)
+{
+    (void)m;
+    b->job = wire_get_view(in, MSG_JOB);
+    b->count = wire_get_u32(in);
+    b->data = wire_get_blob(in, MSG_MAX_AMBIENT, &b->len);
+    msg_must(in, b->count <= b->len);
+}
+
+static void
 msg_pack_give(struct wire_out *o, const struct msg_give *b)
 {
     wire_put_u32(o, b->to);

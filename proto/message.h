@@ -86,7 +86,8 @@ enum msg_order {
 #define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing kept between frames */
 #define MSG_JOB_NO_BALANCE   (1u << 3)
 #define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
-#define MSG_JOB_FLAGS        31u       /* all of them */
+#define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
+#define MSG_JOB_FLAGS        63u       /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {
@@ -514,6 +515,15 @@ struct msg_peer_hello {
 /* A batch of ambient records, opaque here (daemon/ambshare.c packs them). */
 struct msg_ambient {
     uint32_t to;    /* child to radd: the GIVE that it answers, 0: all peers */
+    uint32_t count; /* records */
+    const uint8_t *data;
+    size_t len;
+};
+
+/* Ambient records that a worker has made, for the radsubmit of a job that wants
+ * them (MSG_JOB_RECORDS), by way of the coordinator. */
+struct msg_records {
+    const uint8_t *job;
     uint32_t count; /* records */
     const uint8_t *data;
     size_t len;

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "ambfile.h"
+#include "ambshare.h"
 #include "base/files.h"
 #include "world.h"
 
@@ -281,6 +282,61 @@ START_TEST(records_outside_the_scene_are_refused)
 }
 END_TEST
 
+/* A list as it travels becomes the same file; a cache takes it whole, or says
+ * what is wrong. */
+START_TEST(a_list_is_as_good_as_a_cache)
+{
+    struct rad_error err = { 0 };
+    struct wire_out list_of;
+    struct world w, v, other;
+    struct ambfile a;
+    size_t len, len2;
+    char *bytes, *bytes2 = NULL;
+    FILE *f = open_memstream(&bytes2, &len2);
+
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    list(w.job->ambient);
+    a = file_of(&w, AMBFILE_OURS);
+    bytes = written(&a, w.job->ambient, &len);
+    wire_out_init(&list_of, 1 << 20);
+    for (size_t i = 0; i < listed.n; i++)
+        ambshare_pack(&list_of, &listed.rec[i]);
+    ck_assert_int_eq(ambfile_format_list(&a, list_of.buf, list_of.len, f, NULL),
+                     0);
+    fclose(f);
+    ck_assert_uint_eq(len, len2);
+    ck_assert_mem_eq(bytes, bytes2, len);
+
+    world_open(&v, ROOM, OPTIONS);
+    ck_assert_int_eq(
+        ambshare_load(v.job->ambient, list_of.buf, list_of.len, &err), 0);
+    ck_assert_uint_eq(rad_ambient_count(v.job->ambient), listed.n);
+    ck_assert_uint_eq(rad_ambient_drain(v.job->ambient, taken.rec, 4096), 0);
+    look(&v, 9);
+    ck_assert_uint_eq(v.ctx.counts.ambient_values, 0);
+    ck_assert_int_eq(ambshare_load(v.job->ambient, list_of.buf, 93, &err),
+                     RAD_EDATA);
+    ck_assert_msg(strstr(err.what, "in the middle") != NULL, "%s", err.what);
+    err = (struct rad_error){ 0 };
+    world_open(&other,
+               "void plastic grey 0 0 5 .5 .4 .3 0 0\n"
+               "grey sphere b 0 0 4 9 0 0 .1\n",
+               OPTIONS);
+    ck_assert_int_eq(
+        ambshare_load(other.job->ambient, list_of.buf, list_of.len, &err),
+        RAD_EDATA);
+    ck_assert_msg(strstr(err.what, "do not fit the scene") != NULL, "%s",
+                  err.what);
+    free(bytes);
+    free(bytes2);
+    wire_out_release(&list_of);
+    world_close(&w);
+    world_close(&v);
+    world_close(&other);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -293,6 +349,7 @@ main(void)
     tcase_add_test(tc, other_pixels_use_the_same_records);
     tcase_add_test(tc, second_run_makes_no_records);
     tcase_add_test(tc, records_outside_the_scene_are_refused);
+    tcase_add_test(tc, a_list_is_as_good_as_a_cache);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

@@ -245,7 +245,7 @@ static const struct {
     { "-t -1 a.rad", "-t" },
     { "-pm .1 -S 2 -o %d.hdr a.rad", "-S" },
     { "-aI", "-aI" },
-    { "-af f a.rad", "-af" },
+    { "-af", "-af" },
     { "-features a.rad", "-features" },
     { "-nonsense a.rad", "-nonsense" },
     { "--nonsense a.rad", "--nonsense" },

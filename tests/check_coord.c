@@ -137,6 +137,8 @@ join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
     say(f, conn, &m);
 }
 
+static uint32_t submit_flags; /* of jobs that are submitted from now on */
+
 static void
 submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
 {
@@ -149,6 +151,7 @@ submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
                                  .needs = "",
                                  .estimate = "",
                                  .priority = priority,
+                                 .flags = submit_flags,
                                  .partition = MSG_PART_WINDOW,
                                  .windows = 4,
                                  .files = { 1, hash },
@@ -315,6 +318,36 @@ START_TEST(a_job_goes_from_submit_to_done)
         result(&f, WORKER, job_a, u, 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+}
+END_TEST
+
+/* To whoever waits for the job that wants them, and to nobody else. */
+START_TEST(records_go_to_the_radsubmit_that_wants_them)
+{
+    struct msg m = { .type = MSG_RECORDS, .records = { job_a, 1, hash, 7 } };
+    unsigned to_ana, to_bob;
+
+    submit(&f, ANA, job_a, 0);
+    submit_flags = MSG_JOB_RECORDS;
+    submit(&f, BOB, job_b, 0);
+    submit_flags = 0;
+    ready(&f, WORKER, job_a);
+    ready(&f, WORKER, job_b);
+    to_ana = f.sent[ANA];
+    to_bob = f.sent[BOB];
+    say(&f, WORKER, &m);
+    m.records.job = hash; /* of no job */
+    say(&f, WORKER, &m);
+    ck_assert_uint_eq(f.sent[BOB], to_bob);
+    m.records.job = job_b;
+    say(&f, WORKER, &m);
+    ck_assert_uint_eq(f.sent[ANA], to_ana);
+    ck_assert_uint_eq(f.sent[BOB], to_bob + 1);
+    ck_assert_int_eq(f.last[BOB].type, MSG_RECORDS);
+    ck_assert_uint_eq(f.last[BOB].request, 5);
+    ck_assert_mem_eq(f.last[BOB].records.job, job_b, MSG_JOB);
+    ck_assert_uint_eq(f.last[BOB].records.len, 7);
+    ck_assert_mem_eq(f.last[BOB].records.data, hash, 7);
 }
 END_TEST
 
@@ -867,6 +900,7 @@ main(void)
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
     tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
+    tcase_add_test(tc, records_go_to_the_radsubmit_that_wants_them);
     tcase_add_test(tc, a_job_waits_for_its_files);
     tcase_add_test(tc, the_same_id_again_attaches);
     tcase_add_test(tc, only_owner_and_admin_steer_a_job);

@@ -118,6 +118,8 @@ static const struct msg examples[] = {
     { .type = MSG_AMBIENT,
       .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_GIVE, .give = { 3 } },
+    { .type = MSG_RECORDS,
+      .records = { ID, 2, (const uint8_t *)"records", 7 } },
 };
 /* clang-format on */
 
@@ -341,7 +343,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED " },
+      "BASE_LINE GAVE ESTIMATED RECORDS " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
@@ -351,7 +353,7 @@ static const struct {
                      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
                      "ESTIMATE " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
-                     "FAILED ANSWER " },
+                     "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE " },
     { MSG_AT_CHILD_NEW, " JOB_START " },

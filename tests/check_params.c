@@ -158,8 +158,6 @@ static const struct {
       "option '-pc': illegal primary chromaticities" },
     { "-f fun.cal", "option '-f' of rpict is not supported: definitions "
                     "belong in the function files of the scene" },
-    { "-af amb", "option '-af' of rpict is not supported: workers share "
-                 "ambient values by themselves" },
     { "-ap map 50", "option '-ap' of rpict is not supported: there are no "
                     "photon maps" },
     { "-am+", "option '-am+' of rpict is not supported: there are no photon "

@@ -152,6 +152,8 @@ cut(void)
     carry_out();
 }
 
+static uint32_t job_flags = MSG_JOB_SHARE;
+
 static void
 start_job(void)
 {
@@ -162,6 +164,7 @@ start_job(void)
                                     .params = "",
                                     .needs = "",
                                     .estimate = "",
+                                    .flags = job_flags,
                                     .files = { 1, hash },
                                     .nframes = 1,
                                     .frames = &frame } };
@@ -578,6 +581,45 @@ START_TEST(records_go_to_peers_and_from_peers_to_the_child)
 }
 END_TEST
 
+/* New ones alone, and to the peers too where they are shared. */
+static void
+keep_records(uint32_t flags, int to_peer)
+{
+    job_flags = flags;
+    start_job();
+    job_flags = MSG_JOB_SHARE;
+    child_ready();
+    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    child_records(f.last.give.to); /* what there was */
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
+    child_records(0);
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 1);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), to_peer);
+}
+
+START_TEST(records_that_radsubmit_wants_go_to_the_coordinator)
+{
+    keep_records(MSG_JOB_RECORDS | MSG_JOB_SHARE, 2);
+}
+END_TEST
+
+START_TEST(records_that_are_not_shared_go_nowhere_else)
+{
+    keep_records(MSG_JOB_RECORDS, 0);
+}
+END_TEST
+
+START_TEST(records_that_nobody_wants_stay)
+{
+    start_job();
+    child_ready();
+    child_records(0);
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
+}
+END_TEST
+
 static bool
 is_token(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
 {
@@ -967,6 +1009,9 @@ main(void)
     tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
     tcase_add_test(tc, a_peers_key_is_forgotten);
     tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
+    tcase_add_test(tc, records_that_radsubmit_wants_go_to_the_coordinator);
+    tcase_add_test(tc, records_that_are_not_shared_go_nowhere_else);
+    tcase_add_test(tc, records_that_nobody_wants_stay);
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_refusal_ends_it_with_the_status);

@@ -305,6 +305,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \
@@ -336,6 +337,7 @@ TESTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \

@@ -106,7 +106,7 @@ static const struct option options[] = {
 };
 
 /* what else rpict(1) has, but for what programs do themselves: -vf -o -z -S
- * -t -e -w -aE -aI -defaults -help -version -features */
+ * -t -e -w -aE -aI -af -defaults -help -version -features */
 static const struct {
     const char *name, *why;
 } lacking[] = {
@@ -117,7 +117,6 @@ static const struct {
              "again" },
     { "-P", "the daemons stay, and a second job sends no scene again" },
     { "-PP", "the daemons stay, and a second job sends no scene again" },
-    { "-af", "workers share ambient values by themselves" },
     { "-ap", "there are no photon maps" },
     { "-am", "there are no photon maps" },
     { "-ac", "there are no photon maps" },

@@ -29,6 +29,10 @@
 #define RAD_MAX_BUNDLE_FILES 65536
 #define RAD_MAX_BUNDLE_NAME  4095
 
+/* A file that no scene names: ambient records that a job begins with, as they
+ * travel between workers, one after another. */
+#define RAD_BUNDLE_RECORDS "ambient records"
+
 enum rad_bundle_role {
     RAD_BUNDLE_SCENE, /* the frozen octree, exactly one */
     RAD_BUNDLE_FILE,  /* read at run time under its name */

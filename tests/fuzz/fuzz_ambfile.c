@@ -7,6 +7,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "ambshare.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
@@ -17,6 +22,33 @@ take(void *arg, const struct rad_ambrec *rec)
     assert(rec->radius[0] > 0 && rec->radius[1] > 0 && rec->weight > 0);
     assert(rec->E.r >= 0 && rec->E.g >= 0 && rec->E.b >= 0);
     assert(isfinite(rec->n[0]) && isfinite(rec->u[2]));
+}
+
+/* The same bytes as a list of what workers made: what is sound of it makes a
+ * file that is read again, every record. */
+static void
+list(const uint8_t *data, size_t size)
+{
+    struct ambfile a = { .format = size & 1 ? AMBFILE_RADIANCE : AMBFILE_OURS };
+    size_t len, n = 0, sound = 0;
+    struct rad_ambrec rec;
+    struct wire_in in;
+    char *text = NULL;
+    FILE *f = open_memstream(&text, &len);
+
+    assert(f);
+    rad_params_init(&a.params);
+    memset(a.scene, '0', RAD_SHA_HEX);
+    wire_in_init(&in, data, size);
+    while (wire_left(&in) >= AMBSHARE_BYTES)
+        sound += ambshare_unpack(&in, &rec);
+    assert(ambfile_format_list(&a, data, size, f, NULL) == 0);
+    assert(fclose(f) == 0);
+    assert(ambfile_parse(&a, text, len, take, &n, NULL) == 0);
+    /* Radiance's numbers reach to 2^127, and what is beyond comes back as none
+     * or as nothing */
+    assert(a.format == AMBFILE_OURS ? n == sound : n <= sound);
+    free(text);
 }
 
 int
@@ -33,5 +65,6 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     assert((rc == 0) == (err.code == 0));
     assert(rc == 0 || n == 0);
     assert(n <= size / 67);
+    list(data, size);
     return 0;
 }

@@ -456,6 +456,7 @@ make_job(struct sim *s, int i)
         .seed = net->seed,
         .priority = (int32_t)net_random(net, 3) - 1,
         .flags = (net_chance(net, 2) ? MSG_JOB_SHARE : 0) |
+                 (net_chance(net, 4) ? MSG_JOB_RECORDS : 0) |
                  (net_chance(net, 4) ? MSG_JOB_NO_BALANCE : 0) |
                  (net_chance(net, 4) ? MSG_JOB_FRESH_FRAMES : 0) |
                  (net_chance(net, 4) ? MSG_JOB_DEPTH : 0),
