@@ -68,10 +68,11 @@ struct action_rows {
     uint32_t frame;     /* index */
     uint32_t x, y;      /* of the first pixel, in the picture */
     uint32_t width;
-    uint8_t channels; /* 3 or 4 */
+    uint8_t channels; /* 3 or 4; 1: coded */
     uint8_t last;     /* of its unit */
     /* not in the key */
-    const uint8_t *pixels;           /* floats as on the wire */
+    const uint8_t *pixels;           /* floats as on the wire, or coded */
+    size_t len;                      /* bytes of pixels that are coded */
     const struct msg_counts *counts; /* with last */
     const uint8_t *bottom;           /* likewise; see struct saved_unit */
     uint32_t nbottom;

@@ -10,6 +10,7 @@
 #include "sched.h"
 
 #include "base/rng.h"
+#include "picture/hdr.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -42,12 +43,13 @@ hash_row(const uint8_t *bytes, size_t n)
     return v ? v : 1; /* 0: not known */
 }
 
-static uint64_t
-hash_of(const struct msg_result *m, uint32_t i)
+/* Bytes of the row that begins there; coded ones were looked at before. */
+static size_t
+row_bytes(const struct msg_result *m, size_t at)
 {
-    size_t n = (size_t)m->width * m->channels * 4;
-
-    return hash_row(m->pixels + i * n, n);
+    if (m->channels == 1)
+        return rad_hdr_row_bytes(m->pixels + at, m->len - at, (int)m->width);
+    return (size_t)m->width * m->channels * 4;
 }
 
 void
@@ -55,6 +57,7 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
                uint32_t height)
 {
     struct job_unit *u = &job->units[m->unit];
+    size_t at = 0;
 
     if (!job->exact)
         return;
@@ -63,8 +66,12 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
         u->nhash = u->hash ? height : 0; /* it can do without */
     }
     u->hashed = job->workers[index].fingerprint;
-    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++)
-        u->hash[m->row + i] = hash_of(m, i);
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
+        size_t n = row_bytes(m, at);
+
+        u->hash[m->row + i] = hash_row(m->pixels + at, n);
+        at += n;
+    }
 }
 
 void
@@ -73,6 +80,7 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
 {
     struct job_unit *u = &job->units[m->unit];
     struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+    size_t at = 0, n;
 
     /* one that helped counts its rows from where it began; in an earlier life
      * of the coordinator, that kept nothing of it, the number may have been
@@ -81,10 +89,11 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
         u->hashed != job->workers[index].fingerprint || m->attempt == u->lead ||
         (go ? go->helps : u->helped))
         return;
-    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++, at += n) {
         uint64_t kept = u->hash[m->row + i];
 
-        if (kept == 0 || kept == hash_of(m, i))
+        n = row_bytes(m, at);
+        if (kept == 0 || kept == hash_row(m->pixels + at, n))
             continue;
         actions_log(&c->actions, ACT_ERR,
                     "duplicate differs job=%s unit=%u row=%u worker=%s "

@@ -26,6 +26,7 @@ struct folder_job {
     uint8_t id[MSG_JOB];
     char *params;
     bool depth;
+    int channels; /* of its rows */
     uint32_t nframes;
     struct frame_rows *frames;
 };
@@ -89,7 +90,7 @@ free_job(struct folder_job *j)
         return;
     for (uint32_t i = 0; i < j->nframes; i++) {
         if (j->frames[i].open)
-            rows_rest(&j->frames[i].rows);
+            rows_release(&j->frames[i].rows);
         free(j->frames[i].view);
     }
     free(j->frames);
@@ -134,6 +135,7 @@ new_job(const struct msg_spec *spec, struct rad_error *err)
     if (j) {
         memcpy(j->id, spec->job, MSG_JOB);
         j->depth = spec->flags & MSG_JOB_DEPTH;
+        j->channels = spec->flags & MSG_JOB_CODED ? 1 : j->depth ? 4 : 3;
         j->params = strdup(spec->params);
         j->frames = calloc(spec->nframes, sizeof *j->frames);
         j->nframes = j->frames ? spec->nframes : 0;
@@ -179,7 +181,7 @@ make_rows(struct folder *f, struct folder_job *j, struct rad_error *err)
 
         frame_path(f, j->id, i, ".rows", path);
         rc = rows_create(&r->rows, path, r->rows.width, r->rows.height,
-                         j->depth ? 4 : 3, f->durable, err);
+                         j->channels, f->durable, err);
         r->open = rc == 0;
     }
     return rc;
@@ -264,8 +266,8 @@ take_rows(const struct folder *f, struct folder_job *j, uint32_t i,
     int rc;
 
     frame_path(f, j->id, i, ".rows", path);
-    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height,
-                   j->depth ? 4 : 3, err);
+    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height, j->channels,
+                   err);
     r->open = rc == 0;
     return rc;
 }
@@ -372,7 +374,7 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
 
 int
 folder_put_rows(struct folder *f, const struct action_rows *k,
-                const float *pixels, struct rad_error *err)
+                const void *pixels, size_t n, struct rad_error *err)
 {
     struct frame_rows *r;
     struct folder_job *j;
@@ -381,7 +383,10 @@ folder_put_rows(struct folder *f, const struct action_rows *k,
     if (rc == 0 && k->channels != r->rows.channels)
         rc = rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
                       k->channels, r->rows.channels);
-    if (rc == 0)
+    if (rc == 0 && k->channels == 1)
+        rc =
+            rows_write_coded(&r->rows, (int)k->y, (int)k->rows, pixels, n, err);
+    else if (rc == 0)
         rc = rows_write(&r->rows, (int)k->x, (int)k->y, (int)k->width,
                         (int)k->rows, pixels, err);
     return rc;

@@ -43,9 +43,10 @@ void folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
 /* Bytes that its files take. */
 uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 
-/* RAD_EPROTO when they do not lie in the picture. */
+/* pixels is n bytes, of floats or coded.  RAD_EPROTO when they do not lie in
+ * the picture. */
 int folder_put_rows(struct folder *f, const struct action_rows *key,
-                    const float *pixels, struct rad_error *err);
+                    const void *pixels, size_t n, struct rad_error *err);
 /* Row y, as it travels. */
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,

@@ -80,6 +80,14 @@ job_new(const struct msg_spec *spec, const char *owner)
     return job;
 }
 
+uint8_t
+job_channels(const struct job *job)
+{
+    if (job->spec.flags & MSG_JOB_CODED)
+        return 1;
+    return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
+}
+
 void
 job_free(struct job *job)
 {

@@ -201,6 +201,9 @@ struct job {
 
 /* Copies all that spec lends.  NULL when memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
+
+/* Channels of the rows that its workers send, as a RESULT has them. */
+uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
 /* Is it over, one way or the other? */

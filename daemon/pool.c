@@ -13,6 +13,7 @@
 
 #include "pool.h"
 #include "picture/doubt.h"
+#include "picture/hdr.h"
 #include "faults.h"
 #include "team.h"
 #ifdef RADD_TEST_HOOKS
@@ -49,7 +50,7 @@ struct active {
     struct msg_counts counts; /* [mu] of members that left */
     double wall0;             /* [fixed] */
     /* the member that hands rows on */
-    int channels, piece_rows;
+    int channels;
     struct pool_rows *piece; /* NULL: none begun */
     struct rad_error err;    /* of a piece that could not be made */
     bool whole;              /* all rows were handed on, and count */
@@ -77,6 +78,7 @@ struct pool {
     const struct rad_job *job;      /* [fixed] */
     const struct rad_frame *frames; /* [fixed] */
     struct strict *strict;          /* [mu] what it points to; NULL: none */
+    bool coded;                     /* [fixed] rows leave as in a picture */
     int nthreads;                   /* [fixed] after pool_new() */
     struct renderer *renderers;     /* [fixed] */
     pool_rows_fn *fn;               /* [fixed] */
@@ -123,16 +125,22 @@ put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
     uv_async_send(&p->async);
 }
 
-static void
-copy_row(float *to, const struct rad_pixel *from, int width, int channels)
+/* Put a row at `to` as it is to leave; returns its bytes. */
+static size_t
+put_row(void *to, const struct rad_pixel *from, int width, int channels)
 {
-    for (int x = 0; x < width; x++, to += channels) {
-        to[0] = from[x].L.r;
-        to[1] = from[x].L.g;
-        to[2] = from[x].L.b;
+    float *p = to;
+
+    if (channels == 1)
+        return rad_hdr_encode_pixels(from, width, to);
+    for (int x = 0; x < width; x++, p += channels) {
+        p[0] = from[x].L.r;
+        p[1] = from[x].L.g;
+        p[2] = from[x].L.b;
         if (channels == 4)
-            to[3] = from[x].z;
+            p[3] = from[x].z;
     }
+    return (size_t)((char *)p - (char *)to);
 }
 
 /* Add what a member did for the unit. */
@@ -158,22 +166,27 @@ add_counts(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
     sum->cpu_s += cpu_s;
 }
 
+/* The most that a row takes, and what putting it there takes to work in. */
 static size_t
-row_floats(const struct active *u)
+row_room(const struct active *u)
 {
-    return (size_t)u->unit.window.width * (size_t)u->channels;
+    size_t width = (size_t)u->unit.window.width;
+
+    if (u->channels == 1)
+        return RAD_HDR_ROW_BYTES(width);
+    return width * (size_t)u->channels * sizeof(float);
 }
 
 /* Begin a piece at `row` of the unit; NULL: memory is out, which ends it. */
 static struct pool_rows *
 new_piece(struct active *u, int row)
 {
-    int left = u->unit.window.height - row;
-    int n = left < u->piece_rows ? left : u->piece_rows;
+    size_t left = (size_t)(u->unit.window.height - row) * row_room(u);
+    size_t most = PIECE_BYTES + row_room(u);
     struct pool_rows *p;
 
     /* the pixels are written before they are read */
-    p = malloc(sizeof *p + (size_t)n * row_floats(u) * sizeof(float));
+    p = malloc(sizeof *p + (left < most ? left : most));
     if (!p) {
         rad_fail(&u->err, RAD_ENOMEM, "out of memory");
         team_stop(u->team);
@@ -218,9 +231,7 @@ count(void *arg, const struct rad_ctx *ctx)
 static void
 send_piece(struct active *u)
 {
-    size_t bytes = u->piece->rows * row_floats(u) * sizeof(float);
-
-    put_done(u->pool, u->piece, bytes);
+    put_done(u->pool, u->piece, u->piece->bytes);
     u->piece = NULL;
 }
 
@@ -232,14 +243,14 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
     struct active *u = arg;
 
-    if (u->piece && (int)u->piece->rows == u->piece_rows)
+    if (u->piece && u->piece->bytes > PIECE_BYTES)
         send_piece(u);
     if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;
     rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
                   u->pool->job->params.psample);
-    copy_row(u->piece->pixels + u->piece->rows * row_floats(u), pixels,
-             u->unit.window.width, u->channels);
+    u->piece->bytes += put_row((char *)u->piece->pixels + u->piece->bytes,
+                               pixels, u->unit.window.width, u->channels);
     u->piece->rows++;
 }
 
@@ -333,8 +344,7 @@ new_active(struct pool *p, const struct pool_unit *unit,
     u->mode = pass ? pass->mode : TEAM_TRUTH;
     u->row0 = pass ? unit->window.y : 0;
     u->wall0 = seconds(CLOCK_MONOTONIC);
-    u->channels = p->frames[unit->frame].depth ? 4 : 3;
-    u->piece_rows = (int)(PIECE_BYTES / (row_floats(u) * sizeof(float))) + 1;
+    u->channels = p->coded ? 1 : p->frames[unit->frame].depth ? 4 : 3;
     u->team = new_team(u);
     if (!u->team) {
         free_active(u);
@@ -942,7 +952,8 @@ start_threads(struct pool *p, int nthreads, struct rad_error *err)
 struct pool *
 pool_new(uv_loop_t *loop, const struct rad_job *job,
          const struct rad_frame *frames, struct strict *strict, int nthreads,
-         pool_rows_fn *fn, pool_news_fn *news, void *arg, struct rad_error *err)
+         bool coded, pool_rows_fn *fn, pool_news_fn *news, void *arg,
+         struct rad_error *err)
 {
     struct pool *p = calloc(1, sizeof *p);
 
@@ -956,6 +967,7 @@ pool_new(uv_loop_t *loop, const struct rad_job *job,
     p->job = job;
     p->frames = frames;
     p->strict = strict;
+    p->coded = coded;
     p->fn = fn;
     p->news = news;
     p->arg = arg;

@@ -29,11 +29,12 @@ struct pool_rows {
     struct pool_rows *next;
     struct pool_unit unit;
     uint32_t row, rows; /* from the top of the unit */
-    int channels;       /* 3, or 4 with the distance */
+    int channels;       /* 3, or 4 with the distance; 1: coded */
     bool last;          /* counts are the unit's */
     struct msg_counts counts;
     struct rad_error err; /* code is not 0: the unit failed, no rows */
-    float pixels[];
+    size_t bytes;         /* of pixels: floats, or coded (rad_hdr_encode_row) */
+    uint32_t pixels[];
 };
 
 struct pool;
@@ -46,11 +47,12 @@ typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
 typedef void pool_news_fn(void *arg);
 
 /* Start nthreads threads.  job, frames and strict (NULL: there will be no
- * strict units) must outlive the pool.  NULL and *err on failure. */
+ * strict units) must outlive the pool.  coded: rows leave as in a picture file.
+ * NULL and *err on failure. */
 struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
                       const struct rad_frame *frames, struct strict *strict,
-                      int nthreads, pool_rows_fn *fn, pool_news_fn *news,
-                      void *arg, struct rad_error *err);
+                      int nthreads, bool coded, pool_rows_fn *fn,
+                      pool_news_fn *news, void *arg, struct rad_error *err);
 
 /* Queue a unit that is a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);

@@ -189,8 +189,7 @@ on_rows(void *arg, const struct pool_rows *p)
 {
     struct render *r = arg;
     struct msg m = { .type = MSG_RESULT };
-    size_t n = (size_t)p->rows * p->unit.window.width * p->channels;
-    uint8_t *bytes;
+    uint8_t *floats = NULL;
 
     if (!r->link)
         return;
@@ -199,10 +198,13 @@ on_rows(void *arg, const struct pool_rows *p)
         end(r, rad_exit_status(p->err.code));
         return;
     }
-    bytes = malloc(n * sizeof(float) + 1);
-    if (!bytes)
-        _exit(EX_OSERR); /* radd hands the unit to somebody else */
-    wire_floats_put(bytes, p->pixels, n);
+    if (p->channels > 1) {
+        floats = malloc(p->bytes + 1);
+        if (!floats)
+            _exit(EX_OSERR); /* radd hands the unit to somebody else */
+        wire_floats_put(floats, (const float *)p->pixels,
+                        p->bytes / sizeof(float));
+    }
     m.result.job = r->id;
     m.result.unit = p->unit.unit;
     m.result.attempt = p->unit.attempt;
@@ -212,13 +214,14 @@ on_rows(void *arg, const struct pool_rows *p)
     m.result.channels = (uint8_t)p->channels;
     m.result.last = p->last;
     m.result.counts = p->counts;
-    m.result.pixels = bytes;
+    m.result.pixels = floats ? floats : (const uint8_t *)p->pixels;
+    m.result.len = p->bytes;
     if (p->last && r->records)
         drain(r); /* after the last unit's rows nobody would wait for them */
     if (p->last)
         send_tally(r);
     conn_send(r->link, &m);
-    free(bytes);
+    free(floats);
 }
 
 /* What strict units have to say. */
@@ -511,7 +514,7 @@ load(struct render *r, const struct msg_spec *spec, struct rad_error *err)
         return rc;
     r->frame = r->nframes;
     r->pool = pool_new(&r->loop, r->job, r->frames, r->strict, r->nthreads,
-                       on_rows, on_news, r, err);
+                       spec->flags & MSG_JOB_CODED, on_rows, on_news, r, err);
     return r->pool ? 0 : err->code;
 }
 

@@ -176,6 +176,18 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
         conn->watch = job;
 }
 
+/* Rows come as they lie in the picture where nothing else is made of them: no
+ * distances, no base lines for another life; and where they are whole, which
+ * those of windows are not. */
+static void
+choose_coding(const struct coord *c, struct job *job)
+{
+    job->spec.flags &= ~MSG_JOB_CODED;
+    if (c->env.coded && !(job->spec.flags & MSG_JOB_DEPTH) &&
+        job->spec.partition != MSG_PART_WINDOW)
+        job->spec.flags |= MSG_JOB_CODED;
+}
+
 static void
 on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -197,6 +209,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         c->actions.failed = true;
         return;
     }
+    choose_coding(c, job);
     job->submit_ms = c->now_ms;
     job->offer_ms = conn->offer_ms ? conn->offer_ms : c->now_ms;
     job->sent_bytes = conn->sent_bytes;

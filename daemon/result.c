@@ -3,6 +3,8 @@
 
 #include "sched.h"
 
+#include "picture/hdr.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sysexits.h>
@@ -10,16 +12,32 @@
 /* One that sent rows and then none for so long may be stopped. */
 #define SILENT_MS 15000
 
+/* Are those as many rows as are said, each no longer than it may be? */
+static bool
+is_coded_right(const struct msg_result *m)
+{
+    size_t at = 0;
+
+    for (uint32_t i = 0; i < m->rows; i++) {
+        size_t n =
+            rad_hdr_row_bytes(m->pixels + at, m->len - at, (int)m->width);
+
+        if (n == 0 || n > RAD_HDR_CODED_BYTES(m->width))
+            return false;
+        at += n;
+    }
+    return at == m->len;
+}
+
 /* Does the piece lie where the unit's rows lie? */
 static bool
 result_fits(const struct job *job, const struct msg_result *m,
             const struct partition_area *a)
 {
-    uint8_t channels = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
-
-    return m->width == a->width && m->channels == channels &&
+    return m->width == a->width && m->channels == job_channels(job) &&
            m->row <= a->height && m->rows <= a->height - m->row &&
-           (m->last || m->row + m->rows < a->height);
+           (m->last || m->row + m->rows < a->height) &&
+           (m->channels > 1 || is_coded_right(m));
 }
 
 /* The worker that lost the unit turns out to have rows of it, and nobody else
@@ -72,6 +90,7 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
                                .channels = m->channels,
                                .last = m->last,
                                .pixels = m->pixels,
+                               .len = m->len,
                                .counts = &m->counts,
                                .now_ms = c->now_ms };
     memcpy(r->job, job->id, MSG_JOB);

@@ -15,6 +15,9 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#define COPY_BYTES (64u << 10) /* that are read at a time, but for long rows   \
+                                */
+
 static size_t
 row_bytes(const struct rows *r, int width)
 {
@@ -37,9 +40,12 @@ describe(struct rows *r, const char *path, int width, int height, int channels,
     return 0;
 }
 
+/* Coded rows take what they take. */
 static off_t
 whole_size(const struct rows *r)
 {
+    if (r->channels == 1)
+        return 0;
     return (off_t)row_bytes(r, r->width) * r->height;
 }
 
@@ -51,6 +57,8 @@ rows_create(struct rows *r, const char *path, int width, int height,
 
     if (rc < 0)
         return rc;
+    if (durable && channels == 1)
+        return rad_fail(err, RAD_EINTERNAL, "coded rows do not last");
     r->fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
     if (r->fd < 0)
         return disk_fail(err, errno, "create", path);
@@ -120,6 +128,51 @@ rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
     return rc;
 }
 
+/* Note where rows lie that will be written at the end of the file. */
+static int
+place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+           struct rad_error *err)
+{
+    size_t at = 0;
+
+    if (!r->place)
+        r->place = calloc((size_t)r->height, sizeof *r->place);
+    if (!r->place)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_row_bytes(code + at, n - at, r->width);
+
+        if (row == 0 || row > RAD_HDR_CODED_BYTES(r->width))
+            break;
+        r->place[y + k] = (struct rows_place){ r->end + at, row };
+        at += row;
+        if (k + 1 == h && at == n)
+            return 0;
+    }
+    memset(r->place + y, 0, (size_t)h * sizeof *r->place);
+    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+}
+
+int
+rows_write_coded(struct rows *r, int y, int h, const void *code, size_t n,
+                 struct rad_error *err)
+{
+    int rc;
+
+    if (y < 0 || h < 1 || h > r->height - y)
+        return rad_fail(err, RAD_EPROTO,
+                        "rows %d to %d do not lie in a picture of %dx%d", y,
+                        y + h - 1, r->width, r->height);
+    rc = use(r, err);
+    if (rc == 0)
+        rc = place_rows(r, y, h, code, n, err);
+    if (rc == 0)
+        rc = disk_write_at(r->fd, code, n, (off_t)r->end, r->path, err);
+    if (rc == 0)
+        r->end += n;
+    return rc;
+}
+
 int
 rows_sync(struct rows *r, struct rad_error *err)
 {
@@ -148,9 +201,18 @@ rows_rest(struct rows *r)
 }
 
 void
-rows_remove(struct rows *r)
+rows_release(struct rows *r)
 {
     rows_rest(r);
+    free(r->place);
+    r->place = NULL;
+    r->end = 0;
+}
+
+void
+rows_remove(struct rows *r)
+{
+    rows_release(r);
     unlink(r->path);
     r->dirty = false;
 }
@@ -176,6 +238,53 @@ encode_rows(struct rows *r, const struct rad_sink *sink, float *pixels,
     return 0;
 }
 
+/* Copy coded rows from row y on that lie one behind the other; what has not
+ * come is black.  Returns how many, or a code. */
+static int
+copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
+          const uint8_t *black, size_t nblack, struct rad_error *err)
+{
+    const struct rows_place *p = r->place ? &r->place[y] : NULL;
+    size_t n = p ? p->n : 0;
+    int k = 1, rc;
+
+    if (n == 0) {
+        rc = sink->write(sink->arg, black, nblack, err);
+        return rc < 0 ? rc : 1;
+    }
+    for (; y + k < r->height && p[k].n > 0 && p[k].at == p[0].at + n &&
+           n + p[k].n <= COPY_BYTES;
+         k++)
+        n += p[k].n;
+    rc = use(r, err);
+    if (rc == 0)
+        rc = disk_read_at(r->fd, code, n, (off_t)p->at, r->path, err);
+    if (rc == 0)
+        rc = sink->write(sink->arg, code, n, err);
+    return rc < 0 ? rc : k;
+}
+
+/* line is a black row. */
+static int
+copy_coded(struct rows *r, const struct rad_sink *sink,
+           const struct rad_rgb *line, struct rad_error *err)
+{
+    size_t room = RAD_HDR_ROW_BYTES(r->width), nblack;
+    uint8_t *code = malloc(COPY_BYTES + room), *black = malloc(room);
+    int rc = 0;
+
+    if (!code || !black) {
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    } else {
+        nblack = rad_hdr_encode_row(line, r->width, black);
+        for (int y = 0; y < r->height && rc >= 0; y += rc)
+            rc = copy_rows(r, y, sink, code, black, nblack, err);
+    }
+    free(code);
+    free(black);
+    return rc < 0 ? rc : 0;
+}
+
 int
 rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
              bool durable, struct rad_error *err)
@@ -193,7 +302,9 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
         rc = disk_file_open(&w, path, err);
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
-        if (rc == 0)
+        if (rc == 0 && r->channels == 1)
+            rc = copy_coded(r, &sink, line, err);
+        else if (rc == 0)
             rc = encode_rows(r, &sink, pixels, line, code, err);
         rc = disk_file_close(&w, rc, durable, err);
     }

@@ -682,7 +682,7 @@ struct rows_task {
     struct store *store;
     struct action_rows key;
     struct msg_counts counts;
-    float *pixels;
+    void *pixels; /* floats, or coded bytes */
     uint8_t *bottom;
     size_t bytes;
 };
@@ -707,7 +707,8 @@ static int
 rows_run(struct task *t)
 {
     struct rows_task *r = (struct rows_task *)t;
-    int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, &t->err);
+    int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, r->bytes,
+                             &t->err);
 
     return rc == 0 && r->store->journal ? note_rows(r) : rc;
 }
@@ -744,12 +745,15 @@ copy_rows(struct rows_task *r, const struct action_rows *rows)
     r->key.bottom = NULL;
     if (rows->counts)
         r->counts = *rows->counts;
-    r->bytes = n * sizeof(float);
+    r->bytes = rows->channels == 1 ? rows->len : n * sizeof(float);
     r->pixels = malloc(r->bytes + 1);
     r->bottom = malloc(rows->nbottom + 1);
     if (!r->pixels || !r->bottom)
         return false;
-    wire_floats_get(r->pixels, rows->pixels, n);
+    if (rows->channels == 1)
+        memcpy(r->pixels, rows->pixels, r->bytes);
+    else
+        wire_floats_get(r->pixels, rows->pixels, n);
     if (rows->nbottom > 0)
         memcpy(r->bottom, rows->bottom, rows->nbottom);
     return true;

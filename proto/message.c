@@ -511,16 +511,21 @@ msg_unpack_ready(struct wire_in *in, struct msg_ready *b, struct msg *m)
     msg_must(in, b->load_s >= 0 && b->threads >= 1);
 }
 
-/* Bytes of a RESULT's pixels; false when they cannot be. */
+/* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
+ * False when they cannot be. */
 static bool
-result_bytes(const struct msg_result *b, size_t *n)
+result_bytes(const struct msg_result *b, size_t len, size_t *n)
 {
     if (b->rows < 1 || b->rows > MSG_MAX_SIDE || b->row > MSG_MAX_SIDE ||
-        b->width < 1 || b->width > MSG_MAX_SIDE ||
-        (b->channels != 3 && b->channels != 4))
+        b->width < 1 || b->width > MSG_MAX_SIDE)
         return false;
-    *n = (size_t)b->rows * b->width * b->channels * 4; /* below 2^36 */
-    return *n <= MSG_MAX_PIXELS;
+    if (b->channels == 3 || b->channels == 4)
+        *n = (size_t)b->rows * b->width * b->channels * 4; /* below 2^36 */
+    else if (b->channels == 1)
+        *n = len;
+    else
+        return false;
+    return *n > 0 && *n <= MSG_MAX_PIXELS;
 }
 
 static void
@@ -528,7 +533,7 @@ msg_pack_result(struct wire_out *o, const struct msg_result *b)
 {
     size_t n;
 
-    if (!result_bytes(b, &n)) {
+    if (!result_bytes(b, b->len, &n)) {
         o->bad = true;
         return;
     }
@@ -561,10 +566,11 @@ msg_unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
     b->last = msg_get_below(in, 2);
     if (b->last)
         msg_get_counts(in, &b->counts);
-    if (result_bytes(b, &n))
+    if (result_bytes(b, wire_left(in), &n))
         b->pixels = wire_get_view(in, n);
     else
         in->bad = true;
+    b->len = b->channels == 1 && b->pixels ? n : 0;
 }
 
 static void

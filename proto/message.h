@@ -87,7 +87,8 @@ enum msg_order {
 #define MSG_JOB_NO_BALANCE   (1u << 3)
 #define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
-#define MSG_JOB_FLAGS        63u       /* all of them */
+#define MSG_JOB_CODED        (1u << 6) /* rows come coded: the coordinator's */
+#define MSG_JOB_FLAGS        127u      /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {
@@ -324,15 +325,18 @@ struct msg_counts {
 
 /* Rows of a unit, from its top, each piece following the last.  Pixels are
  * r g b, or r g b distance with channels 4, as floats on the wire
- * (wire_floats_get).  counts only with last; zero else. */
+ * (wire_floats_get); with channels 1, of jobs with MSG_JOB_CODED, rows as in a
+ * picture file (rad_hdr_encode_row()), which are looked at by whoever takes
+ * them apart.  counts only with last; zero else. */
 struct msg_result {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t row, rows, width; /* row from the unit's top */
-    uint8_t channels;          /* 3 or 4 */
+    uint8_t channels;          /* 3 or 4; 1: coded */
     uint8_t last;
     struct msg_counts counts;
-    const uint8_t *pixels; /* rows * width * channels floats */
+    const uint8_t *pixels; /* rows * width * channels floats, or coded, */
+    size_t len;            /* so many bytes; only read of those */
 };
 
 struct msg_ack {

@@ -192,9 +192,10 @@ about(struct fixture *f, uint64_t conn, uint16_t type, const uint8_t *job)
 static struct fixture f;
 
 static void
-set_up(void)
+set_up_coord(bool coded)
 {
-    struct coord_env env = { .has_file = has_file,
+    struct coord_env env = { .coded = coded,
+                             .has_file = has_file,
                              .random = no_random,
                              .arg = &f,
                              .program = "radcoord",
@@ -210,6 +211,12 @@ set_up(void)
     join(&f, ANA, MSG_ROLE_USER, "", "ana");
     join(&f, BOB, MSG_ROLE_USER, "", "bob");
     join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
+}
+
+static void
+set_up(void)
+{
+    set_up_coord(false);
 }
 
 static void
@@ -239,6 +246,88 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
     ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
     ck_assert_uint_eq(f.progress.nan.pixels, 6);
     ck_assert_uint_eq(f.progress.nan.y, 6);
+}
+END_TEST
+
+static const struct {
+    bool coordinator; /* takes coded rows */
+    uint8_t partition;
+    uint32_t flags, started; /* of the SUBMIT and of the JOB_START */
+} codings[] = {
+    { true, MSG_PART_AUTO, 0, MSG_JOB_CODED },
+    { true, MSG_PART_STATIC, MSG_JOB_SHARE, MSG_JOB_SHARE | MSG_JOB_CODED },
+    { true, MSG_PART_WINDOW, MSG_JOB_CODED, 0 },
+    { true, MSG_PART_AUTO, MSG_JOB_DEPTH | MSG_JOB_CODED, MSG_JOB_DEPTH },
+    { false, MSG_PART_AUTO, MSG_JOB_CODED, 0 },
+};
+
+START_TEST(rows_come_coded_where_pictures_are_all_they_make)
+{
+    struct msg m = { .type = MSG_SUBMIT,
+                     .submit = { .job = job_a,
+                                 .manifest = hash,
+                                 .name = "n",
+                                 .params = "",
+                                 .needs = "",
+                                 .estimate = "uniform",
+                                 .flags = codings[_i].flags,
+                                 .partition = codings[_i].partition,
+                                 .files = { 1, hash },
+                                 .nframes = 1,
+                                 .frames = &frame } };
+
+    tear_down();
+    set_up_coord(codings[_i].coordinator);
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ck_assert_uint_eq(f.last[WORKER].job_start.flags, codings[_i].started);
+}
+END_TEST
+
+static const struct {
+    const char *code;
+    size_t len;
+    uint32_t rows;
+    uint8_t channels;
+    bool taken;
+} coded_rows[] = {
+    /* eight columns, one component after the other */
+    { "\2\2\0\10\210\1\210\2\210\3\210\4", 12, 1, 1, true },
+    { "\2\2\0\10\210\1\210\2\210\3\210\4", 12, 2, 1, false },
+    { "\2\2\0\10\210\1\210\2\210\3\210\4\0", 13, 1, 1, false },
+    { "\2\2\0\10\210\1\210\2\210\3\210", 11, 1, 1, false },
+    { "\2\2\0\7\207\1\207\2\207\3\207\4", 12, 1, 1, false },
+    { NULL, 0, 1, 3, false },
+};
+
+START_TEST(coded_rows_that_are_none_end_the_connection)
+{
+    struct msg m = { .type = MSG_SUBMIT,
+                     .submit = { .job = job_a,
+                                 .manifest = hash,
+                                 .name = "n",
+                                 .params = "-ps 1",
+                                 .needs = "",
+                                 .estimate = "uniform",
+                                 .partition = MSG_PART_AUTO,
+                                 .files = { 1, hash },
+                                 .nframes = 1,
+                                 .frames = &frame } };
+    struct msg r = { .type = MSG_RESULT,
+                     .result = { job_a, 0, 1, 0, coded_rows[_i].rows, 8,
+                                 coded_rows[_i].channels } };
+
+    tear_down();
+    set_up_coord(true);
+    say(&f, ANA, &m);
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_gt(f.units[WORKER], 0);
+    r.result.pixels =
+        coded_rows[_i].code ? (const uint8_t *)coded_rows[_i].code : pixels;
+    r.result.len = coded_rows[_i].len;
+    say(&f, WORKER, &r);
+    ck_assert(f.closed[WORKER] == !coded_rows[_i].taken);
+    ck_assert(!coded_rows[_i].taken || f.last[WORKER].type == MSG_ACK);
 }
 END_TEST
 
@@ -897,6 +986,10 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
+    tcase_add_loop_test(tc, rows_come_coded_where_pictures_are_all_they_make, 0,
+                        N_ELEM(codings));
+    tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
+                        N_ELEM(coded_rows));
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
     tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
     tcase_add_test(tc, a_job_goes_from_submit_to_done);

@@ -3,6 +3,7 @@
 
 #include "base/rng.h"
 #include "picture/hdr.h"
+#include "picture/quincunx.h"
 #include "unit.h"
 
 #include <math.h>
@@ -94,6 +95,9 @@ START_TEST(rows_hold_what_each_pixel_has_alone)
     struct rad_rgb L[53];
     uint8_t row[RAD_HDR_ROW_BYTES(N_ELEM(L))], c[4][N_ELEM(L)], rgbe[4];
     const uint8_t *at = row + 4;
+    struct rad_pixel p[N_ELEM(L)];
+    uint8_t same[sizeof row];
+    size_t n;
 
     for (int x = 0; x < N_ELEM(L); x++) {
         L[x] = codes[x % N_ELEM(codes)].L;
@@ -102,14 +106,49 @@ START_TEST(rows_hold_what_each_pixel_has_alone)
         if (x % 7 == 6)
             L[x] = rad_grey(ldexpf(1.3f, 5 * x - 130));
     }
-    rad_hdr_encode_row(L, N_ELEM(L), row);
+    n = rad_hdr_encode_row(L, N_ELEM(L), row);
     for (int k = 0; k < 4; k++)
         at = decode(at, c[k], N_ELEM(L));
+    for (int x = 0; x < N_ELEM(L); x++)
+        p[x] = (struct rad_pixel){ L[x], (float)x };
+    ck_assert_uint_eq(rad_hdr_encode_pixels(p, N_ELEM(p), same), n);
+    ck_assert_mem_eq(same, row, n);
     for (int x = 0; x < N_ELEM(L); x++) {
         rad_rgbe(L[x], rgbe);
         for (int k = 0; k < 4; k++)
             ck_assert_uint_eq(c[k][x], rgbe[k]);
     }
+}
+END_TEST
+
+static const int row_widths[] = { 1, 7, 8, 300, 32767, 32768 };
+
+/* The bytes of a row are found again, with anything behind it, and not where
+ * one is missing or a count is wrong. */
+START_TEST(a_coded_row_tells_where_it_ends)
+{
+    int width = row_widths[_i];
+    struct rad_rgb *L = calloc((size_t)width, sizeof *L);
+    uint8_t *row = malloc(RAD_HDR_ROW_BYTES(width));
+    bool flat = width < 8 || width > 32767;
+    size_t n;
+
+    ck_assert(L && row);
+    for (int x = 0; x < width; x++)
+        L[x] = rad_grey((float)(x % 97 < 40 ? 1 : x));
+    n = rad_hdr_encode_row(L, width, row);
+    ck_assert_uint_le(n, RAD_HDR_CODED_BYTES(width));
+    ck_assert_uint_eq(rad_hdr_row_bytes(row, n, width), n);
+    ck_assert_uint_eq(rad_hdr_row_bytes(row, n + 7, width), n);
+    ck_assert_uint_eq(rad_hdr_row_bytes(row, n - 1, width), 0);
+    ck_assert_uint_eq(rad_hdr_row_bytes(row, 0, width), 0);
+    ck_assert(flat || rad_hdr_row_bytes(row, n, width + 1) == 0);
+    row[4] = 0; /* a count of none */
+    ck_assert(flat || rad_hdr_row_bytes(row, n, width) == 0);
+    row[4] = 255; /* more than what is left at the end of a component */
+    ck_assert(flat || width > 127 || rad_hdr_row_bytes(row, n, width) == 0);
+    free(L);
+    free(row);
 }
 END_TEST
 
@@ -394,6 +433,8 @@ main(void)
 
     tcase_add_loop_test(tc, mantissas_are_cut_off, 0, N_ELEM(codes));
     tcase_add_test(tc, rows_hold_what_each_pixel_has_alone);
+    tcase_add_loop_test(tc, a_coded_row_tells_where_it_ends, 0,
+                        N_ELEM(row_widths));
     tcase_add_test(tc, reading_adds_half_a_step);
     tcase_add_loop_test(tc, pictures_come_back_as_written, 0,
                         4 * N_ELEM(widths));

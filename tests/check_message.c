@@ -260,6 +260,30 @@ START_TEST(every_message_comes_back)
 }
 END_TEST
 
+/* Coded rows are all that is left of a RESULT. */
+START_TEST(coded_rows_come_back)
+{
+    uint8_t bytes[MOST];
+    const struct msg m = { .type = MSG_RESULT,
+                           .result = { ID, 1, 2, 3, 1, 2, 1, 0,
+                                       .pixels = (const uint8_t *)"12345678",
+                                       .len = 8 } };
+    size_t n = pack(&m, bytes) - MSG_HEADER;
+    struct msg back = { 0 };
+
+    for (size_t len = n - 7; len <= n; len++) {
+        ck_assert_int_eq(
+            msg_unpack(&back, MSG_RESULT, 0, bytes + MSG_HEADER, len, NULL), 0);
+        ck_assert_uint_eq(back.result.len, 8 - (n - len));
+        ck_assert_mem_eq(back.result.pixels, m.result.pixels, back.result.len);
+        msg_release(&back);
+    }
+    ck_assert_int_eq(
+        msg_unpack(&back, MSG_RESULT, 0, bytes + MSG_HEADER, n - 8, NULL),
+        RAD_EPROTO); /* no byte of them */
+}
+END_TEST
+
 /* From a block of its own size, so that a sanitizer sees any read beyond. */
 static int
 unpack_exactly(uint16_t type, const uint8_t *payload, size_t n, struct msg *m)
@@ -467,6 +491,7 @@ static const struct msg impossible[] = {
     { .type = MSG_CHUNK, .chunk = { ID, 5, 9, (const uint8_t *)"hello", 5 } },
     { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 1, 1, 5 } },
     { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 60000, 60000, 3 } },
+    { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 1, 1, 1, .len = 0 } },
     { .type = MSG_FETCH, .fetch = { ID, 0, MSG_NWHAT } },
     { .type = MSG_SUBMIT, /* a cost below 0 */
       .submit = { .ncosts = 1,
@@ -549,6 +574,7 @@ main(void)
     tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
     tcase_add_test(tc, every_message_has_an_example);
     tcase_add_loop_test(tc, every_message_comes_back, 0, n);
+    tcase_add_test(tc, coded_rows_come_back);
     tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, n);
     tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, n);
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);

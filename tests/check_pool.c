@@ -51,7 +51,7 @@ on_rows(void *arg, const struct pool_rows *r)
 {
     struct fixture *f = arg;
     const struct rad_window *w = &r->unit.window;
-    const float *p = r->pixels;
+    const float *p = (const float *)r->pixels;
 
     ck_assert_int_eq(r->err.code, 0);
     if (f->nrows[r->unit.unit] != (int)r->row)
@@ -95,8 +95,8 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
     ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
                      0);
     ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop, f->job, &f->frame, NULL, threads, on_rows,
-                       NULL, f, &err);
+    f->pool = pool_new(&f->loop, f->job, &f->frame, NULL, threads, false,
+                       on_rows, NULL, f, &err);
     ck_assert_msg(f->pool != NULL, "%s", err.what);
 }
 
@@ -380,7 +380,7 @@ on_children_news(void *arg)
 static void
 take_pixels(struct fixture *f, const struct pool_rows *r, int y)
 {
-    const float *p = r->pixels;
+    const float *p = (const float *)r->pixels;
 
     for (uint32_t k = 0; k < r->rows; k++)
         for (int x = 0; x < SIDE; x++, p += r->channels) {
@@ -444,7 +444,7 @@ open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
         k->of = c;
         k->strict = strict_new(&c->q, 1, true, nthreads, id);
         k->pool = pool_new(&f->loop, f->job, &f->frame, k->strict, nthreads,
-                           on_part_rows, on_children_news, k, NULL);
+                           false, on_part_rows, on_children_news, k, NULL);
         ck_assert(k->strict && k->pool);
     }
     uv_timer_init(&f->loop, &c->timer);

@@ -268,6 +268,76 @@ START_TEST(picture_and_depth_hold_the_rows)
 }
 END_TEST
 
+/* Coded rows in any order, some in one piece, one of them twice. */
+START_TEST(coded_rows_make_the_picture_of_the_others)
+{
+    struct rad_hdr_info info = { .program = "radsubmit",
+                                 .options = "-ab 0",
+                                 .pixaspect = 1,
+                                 .width = W,
+                                 .height = H };
+    static const int order[][2] = { { 3, 2 }, { 0, 2 }, { 3, 2 } };
+    unsigned char *data[2], code[3 * RAD_HDR_ROW_BYTES(W)];
+    struct rad_rgb line[W];
+    char path[160];
+    struct rows r;
+    size_t n[2];
+
+    for (int coded = 0; coded < 2; coded++) {
+        snprintf(path, sizeof path, "%s/f.rows", dir);
+        ck_assert_int_eq(
+            rows_create(&r, path, W, H, coded ? 1 : 3, false, NULL), 0);
+        for (int i = 0; i < N_ELEM(order); i++) {
+            size_t len = 0;
+
+            if (!coded)
+                put(&r, 0, order[i][0], W, order[i][1]);
+            for (int y = order[i][0]; y < order[i][0] + order[i][1]; y++) {
+                for (int x = 0; x < W; x++)
+                    line[x] =
+                        rad_rgb(value(x, y, 0), value(x, y, 1), value(x, y, 2));
+                len += rad_hdr_encode_row(line, W, code + len);
+            }
+            if (!coded)
+                continue;
+            ck_assert_int_eq(
+                rows_write_coded(&r, order[i][0], order[i][1], code, len, NULL),
+                0);
+            rows_rest(&r);
+        }
+        snprintf(path, sizeof path, "%s/f.hdr", dir);
+        ck_assert_int_eq(rows_picture(&r, &info, path, false, NULL), 0);
+        data[coded] = slurp(path, &n[coded]);
+        rows_remove(&r);
+    }
+    ck_assert_uint_eq(n[0], n[1]);
+    ck_assert_mem_eq(data[0], data[1], n[0]);
+    free(data[0]);
+    free(data[1]);
+}
+END_TEST
+
+START_TEST(coded_rows_that_are_none_are_refused)
+{
+    uint8_t code[2 * RAD_HDR_ROW_BYTES(W)];
+    struct rad_rgb line[W] = { { 1, 1, 1 } };
+    size_t n = rad_hdr_encode_row(line, W, code);
+    char path[160];
+    struct rows r;
+
+    snprintf(path, sizeof path, "%s/f.rows", dir);
+    ck_assert_int_eq(rows_create(&r, path, W, H, 1, true, NULL), RAD_EINTERNAL);
+    ck_assert_int_eq(rows_create(&r, path, W, H, 1, false, NULL), 0);
+    ck_assert_int_eq(rows_write_coded(&r, H, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, -1, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 2, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n + 1, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n - 1, NULL), RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n, NULL), 0);
+    rows_remove(&r);
+}
+END_TEST
+
 /* --- the store --- */
 
 struct heard {
@@ -927,6 +997,8 @@ main(void)
     tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
+    tcase_add_test(tc, coded_rows_make_the_picture_of_the_others);
+    tcase_add_test(tc, coded_rows_that_are_none_are_refused);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);

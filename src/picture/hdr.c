@@ -9,6 +9,7 @@
 
 #include "picture/hdr.h"
 #include "picture/number.h"
+#include "picture/quincunx.h"
 
 #include <float.h>
 #include <limits.h>
@@ -266,17 +267,28 @@ struct planes {
     uint8_t *c[4]; /* red, green, blue, exponent */
 };
 
-#ifdef __SSE2__
-/* What coded() does, for four pixels at a time: in c the components of each. */
-static inline void
-code_four(const struct rad_rgb *row, __m128i c[4])
-{
-    const __m128 most_float = _mm_set1_ps(FLT_MAX), zero = _mm_setzero_ps();
-    __m128 p = _mm_loadu_ps(&row[0].r);       /* r0 g0 b0 r1 */
-    __m128 q = _mm_loadu_ps((&row[0].r) + 4); /* g1 b1 r2 g2 */
-    __m128 s = _mm_loadu_ps((&row[0].r) + 8), v[3], most, scale; /* b2 r3.. */
-    __m128i e, none;
+/* Rows come as colours alone, or as pixels with a distance behind each: floats
+ * from one to the next. */
+enum { COLOURS = 3, PIXELS = 4 };
 
+#ifdef __SSE2__
+/* Red, green and blue of four pixels. */
+static inline void
+load_four(const float *row, int step, __m128 v[3])
+{
+    __m128 p = _mm_loadu_ps(row);     /* r0 g0 b0 r1, or z0 */
+    __m128 q = _mm_loadu_ps(row + 4); /* g1 b1 r2 g2, or r1 g1 b1 z1 */
+    __m128 s = _mm_loadu_ps(row + 8); /* b2 r3 g3 b3, or r2 g2 b2 z2 */
+
+    if (step == PIXELS) {
+        __m128 t = _mm_loadu_ps(row + 12);
+
+        _MM_TRANSPOSE4_PS(p, q, s, t);
+        v[0] = p;
+        v[1] = q;
+        v[2] = s;
+        return;
+    }
     v[0] = _mm_shuffle_ps(p, _mm_shuffle_ps(q, s, _MM_SHUFFLE(1, 1, 2, 2)),
                           _MM_SHUFFLE(2, 0, 3, 0));
     v[1] = _mm_shuffle_ps(_mm_shuffle_ps(p, q, _MM_SHUFFLE(0, 0, 1, 1)),
@@ -284,6 +296,17 @@ code_four(const struct rad_rgb *row, __m128i c[4])
                           _MM_SHUFFLE(2, 0, 2, 0));
     v[2] = _mm_shuffle_ps(_mm_shuffle_ps(p, q, _MM_SHUFFLE(1, 1, 2, 2)), s,
                           _MM_SHUFFLE(3, 0, 2, 0));
+}
+
+/* What coded() does, for four pixels at a time: in c the components of each. */
+static inline void
+code_four(const float *row, int step, __m128i c[4])
+{
+    const __m128 most_float = _mm_set1_ps(FLT_MAX), zero = _mm_setzero_ps();
+    __m128 v[3], most, scale;
+    __m128i e, none;
+
+    load_four(row, step, v);
     for (int k = 0; k < 3; k++) /* the second of two wins where one is NaN */
         v[k] = _mm_min_ps(_mm_max_ps(v[k], zero), most_float);
     most = _mm_max_ps(_mm_max_ps(v[0], v[1]), v[2]);
@@ -301,12 +324,12 @@ code_four(const struct rad_rgb *row, __m128i c[4])
 
 /* Sixteen pixels from column x on; packing holds what is above 255 at that. */
 static inline void
-code_sixteen(const struct rad_rgb *row, const struct planes *to, int x)
+code_sixteen(const float *row, int step, const struct planes *to, int x)
 {
     __m128i c[4][4];
 
     for (int i = 0; i < 4; i++)
-        code_four(row + x + 4 * i, c[i]);
+        code_four(row + (ptrdiff_t)(x + 4 * i) * step, step, c[i]);
     for (int k = 0; k < 4; k++)
         _mm_storeu_si128((__m128i *)(to->c[k] + x),
                          _mm_packus_epi16(_mm_packs_epi32(c[0][k], c[1][k]),
@@ -314,37 +337,51 @@ code_sixteen(const struct rad_rgb *row, const struct planes *to, int x)
 }
 #endif
 
-static void
-code_row(const struct rad_rgb *row, int width, const struct planes *to)
+static inline struct rad_rgb
+colour_at(const float *row, int step, int x)
+{
+    const float *p = row + (ptrdiff_t)x * step;
+
+    return rad_rgb(p[0], p[1], p[2]);
+}
+
+static inline void
+code_row(const float *row, int step, int width, const struct planes *to)
 {
     int x = 0;
 
 #ifdef __SSE2__
     for (; width - x >= 16; x += 16)
-        code_sixteen(row, to, x);
+        code_sixteen(row, step, to, x);
 #endif
     for (; x < width; x++) {
-        uint32_t c = coded(row[x]);
+        uint32_t c = coded(colour_at(row, step, x));
 
         for (int k = 0; k < 4; k++)
             to->c[k][x] = (uint8_t)(c >> 8 * k);
     }
 }
 
-size_t
-rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
+static bool
+is_flat(int width)
+{
+    return width < SHORTEST_CODED || width > LONGEST_CODED;
+}
+
+static inline size_t
+encode_row(const float *row, int step, int width, uint8_t *out)
 {
     /* bytes by component in the upper half, their coding in the lower */
     uint8_t *upper = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
     struct planes planes = { { upper, upper + width, upper + 2 * width,
                                upper + 3 * width } };
 
-    if (width < SHORTEST_CODED || width > LONGEST_CODED) {
+    if (is_flat(width)) {
         for (int x = 0; x < width; x++, at += 4)
-            rad_rgbe(row[x], at);
+            rad_rgbe(colour_at(row, step, x), at);
         return (size_t)(at - out);
     }
-    code_row(row, width, &planes);
+    code_row(row, step, width, &planes);
     *at++ = 2;
     *at++ = 2;
     *at++ = (uint8_t)(width >> 8);
@@ -352,6 +389,57 @@ rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
     for (int i = 0; i < 4; i++)
         at = encode_component(planes.c[i], width, at);
     return (size_t)(at - out);
+}
+
+size_t
+rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out)
+{
+    return encode_row(&row->r, COLOURS, width, out);
+}
+
+size_t
+rad_hdr_encode_pixels(const struct rad_pixel *row, int width, uint8_t *out)
+{
+    return encode_row(&row->L.r, PIXELS, width, out);
+}
+
+/* Bytes of one coded component of n pixels; 0: it is none. */
+static size_t
+component_bytes(const uint8_t *c, size_t len, int n)
+{
+    size_t at = 0;
+
+    while (n > 0) {
+        int k = at < len ? c[at] : 0;
+        size_t more = k > 128 ? 2 : 1 + (size_t)k;
+
+        k = k > 128 ? k - 128 : k;
+        if (k == 0 || k > n || more > len - at)
+            return 0;
+        at += more;
+        n -= k;
+    }
+    return at;
+}
+
+size_t
+rad_hdr_row_bytes(const uint8_t *code, size_t len, int width)
+{
+    size_t at = 4;
+
+    if (is_flat(width))
+        return len >= 4 * (size_t)width ? 4 * (size_t)width : 0;
+    if (len < 4 || code[0] != 2 || code[1] != 2 ||
+        (code[2] << 8 | code[3]) != width)
+        return 0;
+    for (int i = 0; i < 4; i++) {
+        size_t n = component_bytes(code + at, len - at, width);
+
+        if (n == 0)
+            return 0;
+        at += n;
+    }
+    return at;
 }
 
 void

@@ -19,6 +19,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct rad_pixel; /* quincunx.h */
+
 /* What a picture's header says of it. */
 struct rad_hdr_info {
     const char *program; /* "radsubmit" */
@@ -45,6 +47,14 @@ struct rad_rgb rad_rgbe_radiance(const uint8_t rgbe[4]);
  * Rows of less than 8 or more than 32767 columns are written flat. */
 #define RAD_HDR_ROW_BYTES(width) (8 * ((size_t)(width) + (width) / 128 + 2))
 size_t rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out);
+size_t rad_hdr_encode_pixels(const struct rad_pixel *row, int width,
+                             uint8_t *out);
+
+/* Bytes of the row of width pixels that code begins with, as one of the two
+ * above may have made it; 0 where the len bytes hold no such row.  Never more
+ * than RAD_HDR_CODED_BYTES(width) of a row that they did make. */
+#define RAD_HDR_CODED_BYTES(width) (RAD_HDR_ROW_BYTES(width) / 2)
+size_t rad_hdr_row_bytes(const uint8_t *code, size_t len, int width);
 
 /* A whole picture in memory. */
 struct rad_picture {

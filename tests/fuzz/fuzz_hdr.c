@@ -4,6 +4,8 @@
 #include "picture/hdr.h"
 #include "scene/data.h"
 
+#include <stdlib.h>
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int
@@ -16,6 +18,9 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct rad_pict *p;
     double rgb[3];
 
+    for (int width = 1; width < 40; width += 3)
+        if (rad_hdr_row_bytes(data, size, width) > size)
+            abort();
     rad_hdr_read(data, size, 1 << 20, &pic, &err);
     rad_picture_release(&pic);
     /* the same again, but for the limit */
