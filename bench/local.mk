@@ -48,8 +48,7 @@ bench-error: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) raderr$(EXEEXT)
 
 # The scheduler with simulated hosts; SIM_FLAGS are options of bench/sim/sim,
 # a statistics file among them.
-EXTRA_PROGRAMS += bench/sim/sim
-CLEANFILES += bench/sim/sim$(EXEEXT)
+check_PROGRAMS += bench/sim/sim
 bench_sim_sim_SOURCES = \
 	bench/sim/cluster.c \
 	bench/sim/cluster.h \

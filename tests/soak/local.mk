@@ -6,7 +6,9 @@ SOAK = \
 	tests/soak/ambcache.sh \
 	tests/soak/disaster.sh \
 	tests/soak/garbage.sh \
+	tests/soak/kills.sh \
 	tests/soak/partition.sh \
+	tests/soak/slow.sh \
 	tests/soak/standstill.sh \
 	tests/soak/storm.sh
 
