@@ -4,10 +4,14 @@
 # started again, it goes on: the picture and the primary rays are those of a
 # calm run, and no job that was accepted is lost
 #
-# RADD_SOAK=long tries every one of them, and 100 random moments (some hours);
-# else a few are drawn from DISASTER_SEED, which is printed.  DISASTER_ONLY=
-# "KIND:N:WHAT ..." tries just these (tests/disaster.c says what they mean), with
-# DISASTER_PART=scanbar and the like, and DISASTER_HOW=detached.
+# RADD_SOAK=long tries every one of them, and 100 random moments (an hour or
+# so), DISASTER_AT_ONCE (6) kinds of them beside each other, for most of it is
+# waiting; else a few are drawn from DISASTER_SEED, which is printed.
+#
+# disaster.sh PART HOW KIND WHAT [FIRST] tries all of a kind, from the FIRST on
+# (tests/disaster.c says what they are; "moment none" is the random ones).
+# DISASTER_ONLY="KIND:N:WHAT ..." tries just these, with DISASTER_PART=scanbar
+# and the like, and DISASTER_HOW=detached.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 . "$top_srcdir/tests/e2e/chance.sh"
@@ -19,10 +23,46 @@ shim=$top_builddir/tests/disaster.so
     rm -rf "$work"
     exit 77
 }
+
+# What a long run tries: PART HOW KIND WHAT, those that take longest first.
+everything()
+{
+    for part in window scanbar auto; do
+        how=waited
+        [ $part = auto ] && how=detached
+        for kind in write sync name send; do
+            for what in before after power fail; do
+                [ $kind.$what = send.power ] && continue
+                [ $kind.$what = send.fail ] && continue
+                echo $part $how $kind $what
+            done
+        done
+    done
+    echo auto detached alloc fail
+    echo auto detached moment none
+    echo auto detached write full
+    echo auto detached name full
+}
+
+if [ "${RADD_SOAK:-}" = long ] && [ $# -eq 0 ]; then
+    # every one to its end, also when one of them finds something
+    everything | xargs -L 1 -P "${DISASTER_AT_ONCE:-6}" sh -c \
+        'sh "$0" "$@" >"$TMPDIR/out.$(echo "$@" | tr " " .)" 2>&1 </dev/null
+        cat "$TMPDIR/out.$(echo "$@" | tr " " .)"' \
+        "$top_srcdir/tests/soak/disaster.sh"
+    grep -A 20 FAIL out.* && fail "see above"
+    [ "$(grep -l 'disasters in' out.* | wc -l)" -eq "$(everything | wc -l)" ] ||
+        fail "not all of them came to their end"
+    finish
+fi
 draw_from "${DISASTER_SEED:-}"
 
 reading=$top_srcdir/examples/reading-room
-view="-vf room.vf -x 160 -y 120 -ps 4 -ds .1 -dj .7 -pj .7 -ab 0"
+part=${1:-${DISASTER_PART:-auto}}
+size="-x 160 -y 120"
+# each row of a window is written by itself, and each write is a disaster
+[ "$part" != window ] || size="-x 80 -y 60 --windows=6"
+view="-vf room.vf $size -ps 4 -ds .1 -dj .7 -pj .7 -ab 0"
 sock=$work/c.sock
 starts=0
 
@@ -98,7 +138,8 @@ run()
     gone $coord && again
     for k in 1 2; do
         "$radd" --coordinator="$sock" --name=w$k --threads=1 \
-            --listen=127.0.0.$k:0 --cache="$work/cache$k" 2>>w.log &
+            --listen=127.0.0.$k:0 --cache="$work/cache$k" --nice=0 \
+            2>>w.log &
         eval "worker_$k=$!"
     done
     "$how" 2>submit.err </dev/null &
@@ -153,7 +194,6 @@ calm()
     cat counts
 }
 
-part=${DISASTER_PART:-auto}
 how=waited
 tried=0
 calm
@@ -161,6 +201,29 @@ calm
 n_of()
 {
     sed -n "s/^$1 //p" counts
+}
+
+# all_of KIND WHAT FIRST: one after the other, until one is not reached
+all_of()
+{
+    n=$3
+    if [ "$1" = moment ]; then
+        while [ "$n" -le 100 ]; do
+            any 150
+            moment=$any
+            try none:0:nothing
+            # it may have been over before that
+            [ -z "$struck" ] || n=$((n + 1))
+        done
+    else
+        while try "$1:$n:$2" && [ -n "$struck" ]; do
+            # of some tens of thousands of allocations, one in 30
+            any=0
+            [ "$1" != alloc ] || any 60
+            n=$((n + 1 + any))
+        done
+    fi
+    echo "$part $how $1 $2: $tried disasters in $starts lives"
 }
 
 if [ -n "${DISASTER_ONLY:-}" ]; then
@@ -171,63 +234,25 @@ if [ -n "${DISASTER_ONLY:-}" ]; then
     done
     finish
 fi
-if [ "${RADD_SOAK:-}" = long ]; then
-    for part in auto scanbar window; do
-        how=waited
-        calm
-        [ $part = auto ] && how=detached
-        for kind in write sync name send; do
-            for what in before after power fail; do
-                [ $kind.$what = send.power ] && continue
-                [ $kind.$what = send.fail ] && continue
-                n=1
-                while try $kind:$n:$what && [ -n "$struck" ]; do
-                    n=$((n + 1))
-                done
-                echo "$part $kind $what: $((n - 1)) points"
-            done
-        done
-    done
-    part=auto how=waited
-    calm
-    how=detached
-    for kind in write name; do
-        n=1
-        while try $kind:$n:full && [ -n "$struck" ]; do
-            n=$((n + 1))
-        done
-        echo "$kind full: $((n - 1)) points"
-    done
-    n=1
-    while try alloc:$n:fail && [ -n "$struck" ]; do
-        any 60
-        n=$((n + 1 + any))
-    done
-    echo "allocations up to $n"
-    i=0
-    while [ $i -lt 100 ]; do
-        i=$((i + 1))
-        any 150
-        moment=$any
-        try none:0:nothing
-    done
-    moment=
-else
-    for kind in write sync name; do
-        any 4
-        what=$(echo before after power fail | cut -d' ' -f $((any + 1)))
-        any "$(n_of $kind)"
-        try $kind:$((any + 1)):$what
-    done
-    how=detached
-    any "$(n_of send)"
-    try send:$((any + 1)):after
-    any 2000
-    try alloc:$((any + 1)):fail
-    any 60
-    moment=$any
-    try none:0:nothing
+if [ $# -ge 4 ]; then
+    how=$2
+    all_of "$3" "$4" "${5:-1}"
+    finish
 fi
+for kind in write sync name; do
+    any 4
+    what=$(echo before after power fail | cut -d' ' -f $((any + 1)))
+    any "$(n_of $kind)"
+    try $kind:$((any + 1)):$what
+done
+how=detached
+any "$(n_of send)"
+try send:$((any + 1)):after
+any 2000
+try alloc:$((any + 1)):fail
+any 60
+moment=$any
+try none:0:nothing
 echo "$tried disasters in $starts lives"
 [ $tried -gt 2 ] || fail "only $tried disasters happened"
 finish
