@@ -1,13 +1,13 @@
 /* fuzz_session.c - a coordinator that hears anything from a worker and a user
  *
- * Each input is a row of steps: a byte that says what happens (its low bits:
- * which connection), then, for a message, bytes for its frame reader up to the
- * length in the next two bytes.  The coordinator may refuse, but must keep its
- * word: no action on a connection that it closed. */
+ * Each input is a row of steps (steps.h); bytes go to the frame reader of one
+ * of four connections.  The coordinator may refuse, but must keep its word: no
+ * action on a connection that it closed. */
 #include "config.h"
 
 #include "coord.h"
 #include "frame.h"
+#include "steps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,20 +22,6 @@ struct session {
     bool open[CONNS];
     uint64_t now_ms;
 };
-
-static bool
-has_file(void *arg, const uint8_t hash[MSG_HASH])
-{
-    (void)arg;
-    return hash[0] & 1;
-}
-
-static void
-no_random(void *arg, void *buf, size_t n)
-{
-    (void)arg;
-    memset(buf, 7, n);
-}
 
 static void
 carry_out(struct session *s)
@@ -98,33 +84,28 @@ hear(struct session *s, unsigned i, const uint8_t *p, size_t n, struct msg *m)
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct coord_env env = { .has_file = has_file,
-                             .random = no_random,
+    struct coord_env env = { .has_file = steps_has_file,
+                             .random = steps_no_random,
                              .arg = NULL,
                              .program = "radcoord",
                              .epoch = 1 };
     struct session s = { .coord = coord_new(&env), .now_ms = 1 };
     struct msg m = { 0 };
+    struct step step;
+    size_t at = 0;
 
-    for (size_t at = 0; s.coord && at < size;) {
-        unsigned what = data[at] >> 2, i = data[at] & 3;
-        size_t n;
+    while (s.coord && step_next(&step, data, size, &at)) {
+        unsigned i = step.who;
 
-        at++;
-        s.now_ms += 50;
+        s.now_ms += step.ms;
         open_conn(&s, i);
-        if (what == 63) {
+        if (step.what == STEP_LOSE) {
             s.open[i] = false;
             coord_closed(s.coord, s.now_ms, i + 1, "closed");
-        } else if (what == 62) {
+        } else if (step.what == STEP_TICK) {
             coord_tick(s.coord, s.now_ms);
-        } else if (size - at >= 2) {
-            n = (size_t)data[at] << 8 | data[at + 1];
-            at += 2;
-            if (n > size - at)
-                n = size - at;
-            hear(&s, i, data + at, n, &m);
-            at += n;
+        } else {
+            hear(&s, i, step.p, step.n, &m);
         }
         carry_out(&s);
     }

@@ -1,13 +1,13 @@
 /* fuzz_worker.c - a worker that hears anything from its coordinator, a peer and
  * its child
  *
- * Each input is a row of steps: a byte that says what happens (its low bits:
- * who speaks), then, for a message, bytes for that one's frame reader up to the
- * length in the next two bytes.  The worker may hang up, but must keep its
- * word: no action on a connection that is closed. */
+ * Each input is a row of steps (steps.h); bytes go to the frame reader of who
+ * speaks.  The worker may hang up, but must keep its word: no action on a
+ * connection that is closed. */
 #include "config.h"
 
 #include "frame.h"
+#include "steps.h"
 #include "worker.h"
 
 #include <stdlib.h>
@@ -32,20 +32,6 @@ struct session {
     uint64_t now_ms, next_caller;
     bool stopped;
 };
-
-static bool
-has_file(void *arg, const uint8_t hash[MSG_HASH])
-{
-    (void)arg;
-    return hash[0] & 1;
-}
-
-static void
-no_random(void *arg, void *buf, size_t n)
-{
-    (void)arg;
-    memset(buf, 7, n);
-}
 
 static struct end *
 end_of(struct session *s, uint64_t id)
@@ -162,38 +148,32 @@ hear(struct session *s, int i, const uint8_t *p, size_t n, struct msg *m)
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct worker_env env = { .has_file = has_file,
-                              .random = no_random,
+    struct worker_env env = { .has_file = steps_has_file,
+                              .random = steps_no_random,
                               .program = "radd",
                               .name = "w",
                               .address = "tcp 127.0.0.1:1",
                               .threads = 2 };
     struct session s = { .worker = worker_new(&env), .now_ms = 1 };
     struct msg m = { 0 };
+    struct step step;
+    size_t at = 0;
 
     if (!s.worker)
         return 0;
     worker_start(s.worker, s.now_ms);
     carry_out(&s);
-    for (size_t at = 0; at < size && !s.stopped;) {
-        unsigned what = data[at] >> 2, i = data[at] & 3;
-        size_t n;
+    while (!s.stopped && step_next(&step, data, size, &at)) {
+        int i = (int)step.who;
 
-        at++;
-        s.now_ms += what == 61 ? 20000 : 50;
-        bring_up(&s, (int)i);
-        if (what == 63) {
-            lose(&s, (int)i);
-        } else if (what == 62 || what == 61) {
+        s.now_ms += step.ms;
+        bring_up(&s, i);
+        if (step.what == STEP_LOSE)
+            lose(&s, i);
+        else if (step.what == STEP_TICK)
             worker_tick(s.worker, s.now_ms);
-        } else if (size - at >= 2) {
-            n = (size_t)data[at] << 8 | data[at + 1];
-            at += 2;
-            if (n > size - at)
-                n = size - at;
-            hear(&s, (int)i, data + at, n, &m);
-            at += n;
-        }
+        else
+            hear(&s, i, step.p, step.n, &m);
         carry_out(&s);
     }
     for (int i = 0; i < ENDS; i++)

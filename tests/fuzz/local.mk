@@ -9,6 +9,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bsdf \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_calc \
+	tests/fuzz/fuzz_conf \
 	tests/fuzz/fuzz_costs \
 	tests/fuzz/fuzz_dat \
 	tests/fuzz/fuzz_facts \
@@ -103,13 +104,18 @@ tests_fuzz_fuzz_journal_SOURCES = tests/fuzz/fuzz_journal.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_journal_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_journal_LDFLAGS = $(FUZZ_LINK)
 
-tests_fuzz_fuzz_session_SOURCES = tests/fuzz/fuzz_session.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_session_SOURCES = tests/fuzz/fuzz_session.c \
+	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_session_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_session_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_calc_SOURCES = tests/fuzz/fuzz_calc.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_calc_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_calc_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_conf_SOURCES = tests/fuzz/fuzz_conf.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_conf_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_conf_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_dat_SOURCES = tests/fuzz/fuzz_dat.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_dat_LDADD = $(LIBRAD)
@@ -131,6 +137,7 @@ tests_fuzz_fuzz_tls_SOURCES = tests/fuzz/fuzz_tls.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_tls_LDADD = $(LIBPROTO) $(LIBRAD)
 tests_fuzz_fuzz_tls_LDFLAGS = $(FUZZ_LINK)
 
-tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c \
+	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_worker_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_worker_LDFLAGS = $(FUZZ_LINK)
