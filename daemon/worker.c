@@ -380,10 +380,11 @@ fetch(struct worker *w, struct wjob *job)
         if (!is_asked(w, hash) && !add_asked(w, hash))
             w->actions.failed = true;
     }
-    m.want.n = w->nasked - first;
-    m.want.hash = w->asked + (size_t)first * MSG_HASH;
-    if (m.want.n > 0)
+    if (w->nasked > first) {
+        m.want.n = w->nasked - first;
+        m.want.hash = w->asked + (size_t)first * MSG_HASH;
         send_coord(w, &m);
+    }
     if (!missing)
         spawn(w, job);
 }
