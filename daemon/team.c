@@ -539,7 +539,7 @@ sample_line(struct member *m)
     do {
         size_t need = needed(m, &s);
 
-        if (s.ndensity > 0)
+        if (s.ndensity > 0 && t->spec.nthreads > 1) /* else nobody waits */
             publish(t, l, s.ndensity);
         show_bottom(m, s.x + 1);
         maybe_tell_rays(m);

@@ -1,6 +1,7 @@
 /* check_quincunx.c - the sampler against a model of it, and in pieces */
 #include "config.h"
 
+#include "base/rng.h"
 #include "picture/quincunx.h"
 #include "unit.h"
 
@@ -30,8 +31,21 @@ struct picture {
     struct rad_pixel pixel[MOST][MOST]; /* row, column, from the window's
                                          * upper left */
     int asked[MOST][MOST];              /* how often it was traced */
+    double gentle; /* not 0: all differ by chance, up to that times -pt */
     int ntraced;
 };
+
+/* A picture about 1, with a black channel; no place is like the next. */
+static struct rad_pixel
+chance(int x, int y, double amplitude)
+{
+    uint64_t h = rad_mix64((uint64_t)x << 32 | (uint64_t)y);
+    struct rad_pixel p = { { 1, 0, 1 }, 0 };
+
+    p.L.r += (float)(amplitude * (double)(h >> 48) * 0x1p-16);
+    p.L.b += (float)(amplitude * (double)(h >> 32 & 0xffff) * 0x1p-16);
+    return p;
+}
 
 static void
 trace(void *arg, int x, int y, struct rad_pixel *out)
@@ -40,7 +54,8 @@ trace(void *arg, int x, int y, struct rad_pixel *out)
 
     ck_assert(x >= p->q.x0 && x < p->q.x0 + p->q.width);
     ck_assert(y >= p->q.y0 && y < p->q.y0 + p->q.height);
-    *out = formula(x, y);
+    *out =
+        p->gentle > 0 ? chance(x, y, p->gentle * p->q.maxdiff) : formula(x, y);
     if (!p->q.depth)
         out->z = 0;
     p->asked[y - p->q.y0][x - p->q.x0]++;
@@ -124,8 +139,7 @@ model_needs(struct model *m, const struct rad_pixel *a,
     return model_far_apart(a->L.r, b->L.r, t) ||
            model_far_apart(a->L.g, b->L.g, t) ||
            model_far_apart(a->L.b, b->L.b, t) ||
-           (m->p->q.depth &&
-            fabs(a->z - b->z) > t * ((double)a->z + b->z) / 2);
+           (m->p->q.depth && fabs(a->z - b->z) > t * ((double)a->z + b->z) / 2);
 }
 
 static float
@@ -211,24 +225,19 @@ static const struct {
     bool depth;
     int ntraced;
 } cases[] = {
-    { 1, 64, 48, .05, false, 3072 },
-    { 2, 64, 48, .05, false, 1557 },
-    { 4, 64, 48, .05, false, 897 },
-    { 4, 64, 48, .05, true, 979 },
-    { 4, 61, 47, .2, true, 940 },
-    { 8, 100, 80, .1, false, 2182 },
-    { 16, 200, 130, .017, true, 16005 },
-    { 5, 3, 9, .05, false, 16 },
-    { 6, 1, 40, .05, false, 32 },
-    { 6, 40, 1, .05, true, 27 },
+    { 1, 64, 48, .05, false, 3072 },     { 2, 64, 48, .05, false, 1557 },
+    { 4, 64, 48, .05, false, 897 },      { 4, 64, 48, .05, true, 979 },
+    { 4, 61, 47, .2, true, 940 },        { 8, 100, 80, .1, false, 2182 },
+    { 16, 200, 130, .017, true, 16005 }, { 5, 3, 9, .05, false, 16 },
+    { 6, 1, 40, .05, false, 32 },        { 6, 40, 1, .05, true, 27 },
     { 4, 64, 48, 5, false, 472 },
 };
 
 START_TEST(same_pixels_are_traced_as_in_rpict)
 {
-    struct picture *p = picture_new(cases[_i].psample, cases[_i].width,
-                                    cases[_i].height, cases[_i].maxdiff,
-                                    cases[_i].depth);
+    struct picture *p =
+        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
+                    cases[_i].maxdiff, cases[_i].depth);
 
     sample(p);
     ck_assert_int_eq(p->ntraced, cases[_i].ntraced);
@@ -259,18 +268,39 @@ compare(const struct picture *a, const struct picture *b)
 START_TEST(sampler_does_as_the_model)
 {
     for (int where = 0; where < 2; where++) {
-        struct picture *p = picture_new(cases[_i].psample, cases[_i].width,
-                                        cases[_i].height, cases[_i].maxdiff,
-                                        cases[_i].depth);
-        struct picture *m = picture_new(cases[_i].psample, cases[_i].width,
-                                        cases[_i].height, cases[_i].maxdiff,
-                                        cases[_i].depth);
+        struct picture *p =
+            picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
+                        cases[_i].maxdiff, cases[_i].depth);
+        struct picture *m =
+            picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
+                        cases[_i].maxdiff, cases[_i].depth);
 
         p->q.x0 = m->q.x0 = 17 * where;
         p->q.y0 = m->q.y0 = 5 * where;
         sample(p);
         model_sample(m);
         compare(p, m);
+        free(p);
+        free(m);
+    }
+}
+END_TEST
+
+static const double limits[] = { .002, .05, .3, 1, 1.2 };
+
+/* Differences about the limit, where those within it are not asked for again
+ * further down. */
+START_TEST(what_is_about_the_limit_is_as_in_the_model)
+{
+    for (int psample = 1; psample <= 16; psample++) {
+        struct picture *p = picture_new(psample, 97, 64, limits[_i], false);
+        struct picture *m = picture_new(psample, 97, 64, limits[_i], false);
+
+        p->gentle = m->gentle = .8 + .03 * psample;
+        sample(p);
+        model_sample(m);
+        compare(p, m);
+        ck_assert_int_lt(p->ntraced, psample < 3 ? 97 * 64 + 1 : 97 * 64);
         free(p);
         free(m);
     }
@@ -309,12 +339,12 @@ step_line(struct picture *p, int i, const uint8_t *above, uint8_t *below)
 
 START_TEST(pieces_give_the_same_as_whole_lines)
 {
-    struct picture *whole = picture_new(cases[_i].psample, cases[_i].width,
-                                        cases[_i].height, cases[_i].maxdiff,
-                                        cases[_i].depth);
-    struct picture *p = picture_new(cases[_i].psample, cases[_i].width,
-                                    cases[_i].height, cases[_i].maxdiff,
-                                    cases[_i].depth);
+    struct picture *whole =
+        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
+                    cases[_i].maxdiff, cases[_i].depth);
+    struct picture *p =
+        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
+                    cases[_i].maxdiff, cases[_i].depth);
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
     uint8_t *density = malloc(2 * (rad_quincunx_ndensity(&p->q) + 1));
     uint8_t *above = density, *below = above + rad_quincunx_ndensity(&p->q) + 1;
@@ -385,11 +415,11 @@ END_TEST
 
 START_TEST(steps_make_a_lattice_of_ps_by_ps_pixels)
 {
-    static const int want[][2] = { { 1, 1 },  { 3, 1 },  { 4, 2 },  { 6, 3 },
-                                   { 7, 4 },  { 8, 4 },  { 10, 5 }, { 11, 6 },
-                                   { 13, 6 }, { 14, 7 }, { 16, 8 }, { 17, 8 },
-                                   { 18, 9 }, { 20, 10 }, { 21, 11 },
-                                   { 23, 11 } };
+    static const int want[][2] = {
+        { 1, 1 },  { 3, 1 },   { 4, 2 },   { 6, 3 },  { 7, 4 },  { 8, 4 },
+        { 10, 5 }, { 11, 6 },  { 13, 6 },  { 14, 7 }, { 16, 8 }, { 17, 8 },
+        { 18, 9 }, { 20, 10 }, { 21, 11 }, { 23, 11 }
+    };
 
     for (int ps = 1; ps <= 16; ps++) {
         int xstep, ystep;
@@ -414,10 +444,9 @@ START_TEST(base_lines_reach_from_the_first_row_to_the_last)
                 { 7, 3, { 0, 3, 6 } } };
 
     for (int i = 0; i < N_ELEM(row); i++) {
-        struct rad_quincunx q = { .width = 5,
-                                  .height = row[i].height,
-                                  .xstep = 6,
-                                  .ystep = 3 };
+        struct rad_quincunx q = {
+            .width = 5, .height = row[i].height, .xstep = 6, .ystep = 3
+        };
 
         ck_assert_int_eq(rad_quincunx_nbases(&q), row[i].n);
         for (int k = 0; k < row[i].n; k++)
@@ -435,6 +464,8 @@ main(void)
     tcase_add_loop_test(tc, same_pixels_are_traced_as_in_rpict, 0,
                         N_ELEM(cases));
     tcase_add_loop_test(tc, sampler_does_as_the_model, 0, N_ELEM(cases));
+    tcase_add_loop_test(tc, what_is_about_the_limit_is_as_in_the_model, 0,
+                        N_ELEM(limits));
     tcase_add_loop_test(tc, pieces_give_the_same_as_whole_lines, 0,
                         N_ELEM(cases));
     tcase_add_loop_test(tc, a_guess_comes_to_the_truth, 2, 17);

@@ -162,6 +162,107 @@ static const double middle_of[RAD_QUINCUNX_MAX_XSTEP + 1] = {
     .5, 8. / 17, .5, 9. / 19, .5, 10. / 21, .5, 11. / 23
 };
 
+/* Where two pixels are well within the limit, all that bisection finds between
+ * them is within it, too, and need not be asked again: it lies between them but
+ * for its rounding.  For a channel from a to b, 0 < a <= b <= (1 + c) a, values
+ * that lie between them before r roundings differ by at most c a + 2 r u b,
+ * u being 2^-24, and none is below a (1 - r u).  With c 15/16 of the limit m,
+ * that is no more than m times the lesser while 2 r u (1 + m)^2 is below m /
+ * 16: for the few roundings of a gap's bisection with room to spare from
+ * CALM_LEAST on.  Nothing of it is denormal; and between two zeros all is zero.
+ */
+#define CALM_LEAST  1e-4
+#define CALM_MOST   1.
+#define CALM_FACTOR (15. / 16)
+#define CALM_NORMAL 1e-30f /* far from where products lose digits */
+
+/* The factor for are_calm(); below 0: nothing is known to be calm. */
+static inline float
+calm_limit(const struct rad_quincunx *q)
+{
+    if (q->depth || !(q->maxdiff >= CALM_LEAST && q->maxdiff <= CALM_MOST))
+        return -1;
+    return (float)(q->maxdiff * CALM_FACTOR);
+}
+
+/* factor is above 0. */
+static inline bool
+are_calm(v4f a, v4f b, float factor)
+{
+    v4i more = a > b;
+    v4f least = (v4f)((more & (v4i)b) | (~more & (v4i)a));
+    v4f d = (v4f)((v4i)(a - b) & INT32_MAX);
+    v4f limit = least * factor;
+
+    return factor > 0 && are_all_three(((d <= limit) & (limit >= CALM_NORMAL)) |
+                                       ((a == 0) & (b == 0)));
+}
+
+/* The middle of two pixels, as blend() has it. */
+static inline v4f
+middle(v4f a, v4f b)
+{
+    return b * .5f + a * .5f;
+}
+
+static inline v4f
+mix(v4f a, v4f b, double wb)
+{
+    return weighted(b, wb) + weighted(a, 1 - wb);
+}
+
+/* What fill_gap() finds in a calm gap of 2 and of 3. */
+static inline void
+mix_two(struct rad_pixel *p, v4f a, v4f b)
+{
+    put(&p[1], middle(a, b));
+}
+
+static inline void
+mix_three(struct rad_pixel *p, v4f a, v4f b)
+{
+    v4f m = mix(a, b, 1. / 3);
+
+    put(&p[1], m);
+    put(&p[2], middle(m, b));
+}
+
+/* The same of any. */
+static void
+mix_gap(struct rad_pixel *p, int len)
+{
+    v4f a = get(&p[0]), b = get(&p[len]), m;
+    int half = len / 2;
+
+    switch (len) {
+    case 1:
+        return;
+    case 2:
+        mix_two(p, a, b);
+        return;
+    case 3:
+        mix_three(p, a, b);
+        return;
+    case 5:
+        m = mix(a, b, middle_of[5]);
+        mix_two(p, a, m);
+        put(&p[2], m);
+        mix_three(p + 2, m, b);
+        return;
+    case 6:
+        m = middle(a, b);
+        mix_three(p, a, m);
+        put(&p[3], m);
+        mix_three(p + 3, m, b);
+        return;
+    default:
+        m = middle_of[len] == .5 ? middle(a, b) : mix(a, b, middle_of[len]);
+        put(&p[half], m);
+        mix_gap(p, half);
+        mix_gap(p + half, len - half);
+    }
+}
+
 /* A gap on its way through bisection: pixels p[0] to p[len] in a row or going
  * up a column from (x, y). */
 struct gap {
@@ -199,6 +300,20 @@ fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
         len -= half;
         density /= 2;
     }
+}
+
+/* The same of a whole gap. */
+static int
+fill_whole(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
+           int density)
+{
+    float factor = calm_limit(g->q);
+
+    if (density > 0 || !(factor > 0) ||
+        !are_calm(get(&p[0]), get(&p[len]), factor))
+        return fill_gap(g, p, x, y, len, density);
+    mix_gap(p, len);
+    return 0;
 }
 
 /* Every other line has its samples half a step to the left, the first gap cut
@@ -298,8 +413,9 @@ rad_quincunx_line_step(struct rad_quincunx_line *s)
         density = a > b ? a : b;
     }
     trace(q, s->x + len, y, &s->pixels[s->x + len]);
-    found =
-        len > 1 ? fill_gap(&g, s->pixels + s->x, s->x, y, len, density / 2) : 0;
+    found = len > 1
+                ? fill_whole(&g, s->pixels + s->x, s->x, y, len, density / 2)
+                : 0;
     leave_density(s, found);
     s->found = found;
     s->gap++;
@@ -351,27 +467,55 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
     trace(q, x, y, &pixels[x]);
     trace(q, x + len, y, &pixels[x + len]);
     if (len > 1)
-        fill_gap(&gap, pixels + x, x, y, len, density / 2);
+        fill_whole(&gap, pixels + x, x, y, len, density / 2);
 }
 
-/* What fill_gap() does in a bar of three rows, the commonest, where nothing is
- * to be traced: columns from x on, as long as that is so.  Returns the next. */
+/* Fill the columns of a bar of three rows, the commonest, that are calm, from x
+ * on; returns the next. */
+static int
+mix_columns(struct rad_pixel *const rows[], int x, int end, float factor)
+{
+    const struct rad_pixel *above = rows[0], *below = rows[3];
+    struct rad_pixel *first = rows[1], *second = rows[2];
+
+    if (!(factor > 0))
+        return x;
+    for (; x < end; x++) {
+        v4f lower = get(&below[x]), upper = get(&above[x]), p;
+
+        if (!are_calm(lower, upper, factor))
+            break;
+        p = mix(lower, upper, 1. / 3);
+        put(&second[x], p);
+        put(&first[x], middle(p, upper));
+    }
+    return x;
+}
+
+/* What fill_gap() does in such a bar where nothing is to be traced: columns
+ * from x on, as long as that is so.  Returns the next. */
 static int
 blend_columns(const struct rad_quincunx *q, struct rad_pixel *const rows[],
               int x, int end)
 {
-    for (; x < end; x++) {
-        v4f lower = get(&rows[3][x]), upper = get(&rows[0][x]), p;
+    const float factor = calm_limit(q);
 
+    for (;; x++) {
+        v4f lower, upper, p;
+
+        x = mix_columns(rows, x, end, factor);
+        if (x == end)
+            return x;
+        lower = get(&rows[3][x]);
+        upper = get(&rows[0][x]);
         if (differ(q, lower, upper))
-            break;
+            return x;
         p = blend(q, lower, upper, 1. / 3);
         if (differ(q, p, upper))
-            break;
+            return x;
         put(&rows[2][x], p);
         put(&rows[1][x], blend(q, p, upper, .5));
     }
-    return x;
 }
 
 static void
@@ -382,7 +526,7 @@ fill_column(const struct gap *g, struct rad_pixel *const rows[], int n, int x,
 
     put(&column[0], get(&rows[n][x]));
     put(&column[n], get(&rows[0][x]));
-    *found = fill_gap(g, column, x, y, n, *found / 2);
+    *found = fill_whole(g, column, x, y, n, *found / 2);
     for (int k = 1; k < n; k++)
         put(&rows[n - k][x], get(&column[k]));
 }
