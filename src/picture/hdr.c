@@ -27,7 +27,6 @@ enum {
     LONGEST_CODED = 32767,
     LONGEST_RUN = 127,
     LONGEST_LITERAL = 128,
-    SHORTEST_RUN = 4, /* a shorter one costs more than it saves */
     EXPONENT_BIAS = 128,
     LONGEST_SIDE = 1 << 24
 };
@@ -161,65 +160,77 @@ rad_rgbe_radiance(const uint8_t rgbe[4])
                    (rgbe[2] + .5f) * step);
 }
 
-#define EACH_BYTE(x) ((uint64_t)(x)*UINT64_C(0x0101010101010101))
+/* Which of a component's bytes are like the next, a bit for each, and zeros
+ * behind them. */
+struct alike {
+    uint64_t bit[(LONGEST_CODED + 63) / 64 + 2];
+};
 
-/* Eight bytes as a number, the first lowest. */
-static inline uint64_t
-eight_at(const uint8_t *c)
-{
-    uint64_t v;
-
-    memcpy(&v, c, sizeof v);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    v = __builtin_bswap64(v);
-#endif
-    return v;
-}
-
-/* The highest bit of each byte of v that is 0. */
-static inline uint64_t
-zero_bytes(uint64_t v)
-{
-    return ~(((v & EACH_BYTE(0x7f)) + EACH_BYTE(0x7f)) | v | EACH_BYTE(0x7f));
-}
-
-/* Of the n bytes at c, the index of the first where a run that pays starts; n
- * if there is none. */
-static inline int
-find_run(const uint8_t *c, int n)
+static void
+find_alike(const uint8_t *c, int n, struct alike *a)
 {
     int i = 0;
 
-    /* where neighbours are equal three times over; the last two of eight do
-     * not see enough */
-    for (; n - i > 8; i += 6) {
-        uint64_t same = zero_bytes(eight_at(c + i) ^ eight_at(c + i + 1));
+#ifdef __SSE2__
+    for (; n - i > 64; i += 64) {
+        uint64_t bits = 0;
 
-        same &= same >> 8 & same >> 16;
-        if (same)
-            return i + __builtin_ctzll(same) / 8;
+        for (int k = 0; k < 64; k += 16) {
+            __m128i v = _mm_loadu_si128((const __m128i *)(c + i + k));
+            __m128i w = _mm_loadu_si128((const __m128i *)(c + i + k + 1));
+
+            bits |= (uint64_t)_mm_movemask_epi8(_mm_cmpeq_epi8(v, w)) << k;
+        }
+        a->bit[i / 64] = bits;
     }
-    for (; n - i >= SHORTEST_RUN; i++)
-        if (c[i] == c[i + 1] && c[i] == c[i + 2] && c[i] == c[i + 3])
-            return i;
+#endif
+    for (; i < n; i += 64) {
+        uint64_t bits = 0;
+
+        for (int k = 0; k < 64 && i + k + 1 < n; k++)
+            bits |= (uint64_t)(c[i + k] == c[i + k + 1]) << k;
+        a->bit[i / 64] = bits;
+    }
+    a->bit[i / 64] = a->bit[i / 64 + 1] = 0;
+}
+
+/* Bits i to i + 63. */
+static inline uint64_t
+bits_from(const struct alike *a, int i)
+{
+    const uint64_t *w = &a->bit[i / 64];
+
+    return i % 64 ? w[0] >> i % 64 | w[1] << (64 - i % 64) : w[0];
+}
+
+/* From byte i of n on, the index of the first where a run of four starts, n if
+ * there is none; a shorter one costs more than it saves. */
+static inline int
+find_run(const struct alike *a, int i, int n)
+{
+    for (; i < n; i += 62) { /* the last two of 64 do not see enough */
+        uint64_t same = bits_from(a, i);
+
+        same &= same >> 1 & same >> 2;
+        if (same)
+            return i + __builtin_ctzll(same);
+    }
     return n;
 }
 
-/* Length of the run of equal bytes that starts at c, of which n are there. */
+/* Length of the run of equal bytes that starts at i. */
 static inline int
-run_length(const uint8_t *c, int n)
+run_length(const struct alike *a, int i)
 {
-    int most = n < LONGEST_RUN ? n : LONGEST_RUN, k = 1;
+    uint64_t other = ~bits_from(a, i);
+    int k = 1;
 
-    for (; most - k >= 8; k += 8) {
-        uint64_t other = eight_at(c + k) ^ EACH_BYTE(c[0]);
-
-        if (other)
-            return k + __builtin_ctzll(other) / 8;
+    if (!other) {
+        k += 64;
+        other = ~bits_from(a, i + 64);
     }
-    while (k < most && c[k] == c[0])
-        k++;
-    return k;
+    k += other ? __builtin_ctzll(other) : 64;
+    return k < LONGEST_RUN ? k : LONGEST_RUN;
 }
 
 /* memcpy() of few bytes; returns the end of out. */
@@ -230,8 +241,11 @@ copy(uint8_t *out, const uint8_t *c, int n)
 
     for (; n - i >= 8; i += 8)
         memcpy(out + i, c + i, 8);
-    for (; i < n; i++)
-        out[i] = c[i];
+    if (n >= 8) /* the last eight, some of them again */
+        memcpy(out + n - 8, c + n - 8, 8);
+    else
+        for (; i < n; i++)
+            out[i] = c[i];
     return out + n;
 }
 
@@ -239,10 +253,12 @@ copy(uint8_t *out, const uint8_t *c, int n)
 static uint8_t *
 encode_component(const uint8_t *c, int n, uint8_t *out)
 {
+    struct alike a;
     int i = 0;
 
+    find_alike(c, n, &a);
     while (i < n) {
-        int run = i + find_run(c + i, n - i); /* where the next one is */
+        int run = find_run(&a, i, n); /* where the next one is */
 
         while (i < run) { /* literals up to there */
             int k = run - i < LONGEST_LITERAL ? run - i : LONGEST_LITERAL;
@@ -252,7 +268,7 @@ encode_component(const uint8_t *c, int n, uint8_t *out)
             i += k;
         }
         if (i < n) {
-            int k = run_length(c + i, n - i);
+            int k = run_length(&a, i);
 
             *out++ = (uint8_t)(128 + k);
             *out++ = c[i];
