@@ -9,11 +9,15 @@
 # processors, then again.  Seconds are those of all processes that a run
 # starts; rpict's octree is made beforehand, radsubmit's within its time.
 #
-#   --scenes=LIST    of cornell, night, day, virtual, room (all that are there)
-#   --folder=DIR     where the folders cornell, office and virtual are, with
-#                    their references ($RADD_SCENES); room is the example
+#   --scenes=LIST    of cornell, night, day, virtual, mirror, room (all that are
+#                    there)
+#   --folder=DIR     where the folders cornell, office, virtual and mirror are,
+#                    with their references ($RADD_SCENES); room is the example
 #   --size=N         width of the pictures, a multiple of the references' (960)
-#   --runs=N         of each setting, with another seed each (3)
+#   --runs=N         of each setting, with another seed each (3); all scenes
+#                    once, then all once more
+#   --minutes=N      begin no further picture when so many are over, and show
+#                    what there is
 #   --rungs=LIST     the ladder, settings of -aa/-ar/-ad/-as
 #   --rpict-rungs=LIST   rpict's, in place of the first four of those; none: no
 #                    rpict
@@ -29,7 +33,8 @@
 #   --rungs=.5/16/64/16,.3/32/128/32 --threads=1
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-folder=${RADD_SCENES:-} scenes=cornell,night,day,virtual,room size=960 runs=3
+folder=${RADD_SCENES:-} scenes=cornell,night,day,virtual,mirror,room
+size=960 runs=3 minutes=100000
 rungs=.5/16/64/16,.3/32/128/32,.25/48/192/48,.3/32/512/128
 rungs=$rungs,.2/64/512/128,.15/96/1024/256
 rpict_rungs='' threads=1,all passes=12 results=bench/results table=
@@ -51,6 +56,7 @@ while [ $# -gt 0 ]; do
     --folder=*) folder=${1#*=} ;;
     --size=*) size=${1#*=} ;;
     --runs=*) runs=${1#*=} ;;
+    --minutes=*) minutes=${1#*=} ;;
     --rungs=*) rungs=${1#*=} ;;
     --rpict-rungs=*) rpict_rungs=${1#*=} ;;
     --threads=*) threads=${1#*=} ;;
@@ -70,8 +76,8 @@ done
     exit 64
 }
 build=$(cd "$1" && pwd)
-for n in "$size" "$runs" "$passes"; do
-    [[ $n =~ ^[1-9][0-9]{0,4}$ ]] || die "'$n' is no number from 1"
+for n in "$size" "$runs" "$passes" "$minutes"; do
+    [[ $n =~ ^[1-9][0-9]{0,5}$ ]] || die "'$n' is no number from 1"
 done
 is_ladder()
 {
@@ -87,7 +93,7 @@ none) rpict_rungs='' ;;
 esac
 for s in ${scenes//,/ }; do
     case $s in
-    cornell | night | day | virtual | room) ;;
+    cornell | night | day | virtual | mirror | room) ;;
     *) die "no scene '$s'" ;;
     esac
 done
@@ -135,6 +141,10 @@ find_scene() # NAME
     virtual)
         at=$folder/virtual file=plain.rad view=back.vf extra='-dr 2'
         reference=$at/ref/plain_back_conv.hdr
+        ;;
+    mirror)
+        at=$folder/mirror file=mirror.rad view=inside.vf extra='-ab 3'
+        reference=$at/ref/mirror_inside_conv.hdr
         ;;
     room)
         at=$here/../examples/reading-room file=room.rad view=room.vf
@@ -222,7 +232,7 @@ run_rpict() # RUNG RUN
     say "$scene, run $2 of $runs: rpict $1"
     # shellcheck disable=SC2046,SC2086
     (cd "$at" && { time rpict -t 100000 -vf $view -x $w -y $h $options \
-        $extra $more $(setting "$1") "$tmp/scene.oct" >"$tmp/out.hdr" \
+        $extra $more $(setting "$1") "$tmp/$scene.oct" >"$tmp/out.hdr" \
         2>"$tmp/err"; } 2>"$tmp/time") ||
         die "rpict: $(tail -n 1 "$tmp/err")"
     judge rpict 0 "$1" "$2" \
@@ -243,27 +253,56 @@ run_radsubmit() # THREADS RUNG RUN
         "$tmp/stats.json" | awk '{ print $3, $6 }')
 }
 
-measure_scene()
+# A scene's octree and what is known of its reference; sets $w and $h.
+prepare_scene()
 {
-    local factor run rung t all
-    all=$(getconf _NPROCESSORS_ONLN)
+    local factor
     size_of "$reference"
     [ $((size % width)) -eq 0 ] ||
         die "$scene: $size is not a multiple of the reference's $width"
     factor=$((size / width)) w=$size
     h=$((height * factor))
+    [ "$1" -eq 1 ] || return 0
     echo "$scene reference $width $height $w $h $(reference_noise)" >>"$data"
     [ -z "$rpict_rungs" ] ||
-        (cd "$at" && oconv -f "$file" >"$tmp/scene.oct") ||
+        (cd "$at" && oconv -f "$file" >"$tmp/$scene.oct") ||
         die "$scene: no octree"
-    for ((run = 1; run <= runs; run++)); do
-        for rung in $(echo "$rungs,$rpict_rungs" | tr , '\n' | awk '!n[$0]++'); do
-            [[ ,$rpict_rungs, != *,$rung,* ]] || run_rpict "$rung" $run
-            [[ ,$rungs, == *,$rung,* ]] || continue
-            for t in ${threads//,/ }; do
-                run_radsubmit "${t/all/$all}" "$rung" $run
-            done
+}
+
+# Is there time for another picture?
+in_time()
+{
+    [ $SECONDS -lt $((60 * minutes)) ]
+}
+
+measure_scene() # RUN
+{
+    local run=$1 rung t all
+    all=$(getconf _NPROCESSORS_ONLN)
+    prepare_scene "$run"
+    for rung in $(echo "$rungs,$rpict_rungs" | tr , '\n' | awk '!n[$0]++'); do
+        [[ ,$rpict_rungs, != *,$rung,* ]] || ! in_time ||
+            run_rpict "$rung" "$run"
+        [[ ,$rungs, == *,$rung,* ]] || continue
+        for t in ${threads//,/ }; do
+            ! in_time || run_radsubmit "${t/all/$all}" "$rung" "$run"
         done
+    done
+}
+
+# The scenes whose reference is there, or can be made, in $present.
+find_references()
+{
+    present=
+    for scene in ${scenes//,/ }; do
+        find_scene "$scene"
+        if [ "$scene" != room ] && [ ! -r "$reference" ]; then
+            echo "# $scene left out: no $(basename "$reference") (--folder)" \
+                >>"$data"
+            continue
+        fi
+        [ -r "$reference" ] || make_reference
+        present="$present $scene"
     done
 }
 
@@ -277,15 +316,12 @@ if [ -z "$table" ]; then
         # shellcheck disable=SC2086
         echo "# options:" $options $more
     } >"$data"
-    for scene in ${scenes//,/ }; do
-        find_scene "$scene"
-        if [ "$scene" != room ] && [ ! -r "$reference" ]; then
-            echo "# $scene left out: no $(basename "$reference") (--folder)" \
-                >>"$data"
-            continue
-        fi
-        [ -r "$reference" ] || make_reference
-        measure_scene
+    find_references
+    for ((n = 1; n <= runs; n++)); do
+        for scene in $present; do
+            find_scene "$scene"
+            measure_scene $n
+        done
     done
     say ''
 fi
