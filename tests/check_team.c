@@ -10,6 +10,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MOST_W = 200, MOST_H = 160, MOST_LINES = MOST_H };
 
@@ -783,6 +784,71 @@ START_TEST(twins_share_the_work)
 }
 END_TEST
 
+/* The picture's first line stands still until the second is traced from its end
+ * to its beginning: the thread at that may not wait. */
+struct halted {
+    struct world *w;
+    _Atomic bool reached;
+};
+
+static bool
+trace_halted(void *arg, struct rad_ctx *ctx, int x, int y,
+             struct rad_pixel *out)
+{
+    enum { PATIENCE_S = 100 };
+    struct halted *h = arg;
+    struct world *w = h->w;
+
+    (void)ctx;
+    if (y == rad_quincunx_base_row(&w->q, 1) &&
+        x == rad_quincunx_gap_begin(&w->q, 1, 1))
+        h->reached = true;
+    for (int ms = 0; y == 0 && x > 0 && !h->reached; ms++) {
+        ck_assert_int_lt(ms, PATIENCE_S * 1000);
+        usleep(1000);
+    }
+    return analytic_pixel(&w->a, false, x, y, out);
+}
+
+static void
+halted_rows(void *arg, int row, const struct rad_pixel *pixels)
+{
+    hand_on(((struct halted *)arg)->w, row, pixels);
+}
+
+/* With facts and without. */
+START_TEST(who_waits_traces_what_is_wanted_anyway)
+{
+    for (int kind = 0; kind < ANALYTIC_KINDS; kind++) {
+        struct analytic a = { (enum analytic_kind)kind, 3 };
+        struct world *w = world_new(&a, 4, MOST_W, 40, .05, false);
+        struct halted h = { .w = w };
+        struct team_spec spec = { .sampler = w->q,
+                                  .last = w->nlines,
+                                  .facts = _i ? w->facts : NULL,
+                                  .trace = trace_halted,
+                                  .rows = halted_rows,
+                                  .arg = &h,
+                                  .nthreads = 2 };
+        struct team *t = team_new(&spec);
+        pthread_t thread;
+
+        render_alone(w);
+        ck_assert_ptr_nonnull(t);
+        ck_assert_int_eq(pthread_create(&thread, NULL, be_member, t), 0);
+        team_work(t, NULL);
+        ck_assert_int_eq(pthread_join(thread, NULL), 0);
+        ck_assert(team_done(t));
+        w->primary = team_primary(t);
+        assert_same(w);
+        ck_assert_uint_eq(team_traced(t), w->want_primary);
+        ck_assert_uint_eq(unused(w), 0);
+        team_free(t);
+        world_free(w);
+    }
+}
+END_TEST
+
 int
 main(void)
 {
@@ -795,6 +861,7 @@ main(void)
                         3 * ANALYTIC_KINDS);
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
+    tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
