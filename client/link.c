@@ -285,8 +285,15 @@ queue(struct link *l, const struct msg *m, struct rad_error *err)
     size_t n;
     int rc;
 
+    if (l->reader.version < msg_since(m->type)) {
+        free(o);
+        return rad_fail(err, RAD_EPROTO,
+                        "the coordinator at '%s' is too old to be asked that: "
+                        "it speaks protocol version %u",
+                        l->name, l->reader.version);
+    }
     wire_out_init(&out, MSG_FRAME_MAX);
-    rc = o ? msg_pack(&out, m) : RAD_ENOMEM;
+    rc = o ? msg_pack_as(l->reader.version, &out, m) : RAD_ENOMEM;
     if (rc < 0) {
         wire_out_release(&out);
         free(o);
@@ -645,7 +652,8 @@ handshake(struct link *l, enum msg_role role, struct rad_error *err)
     const struct msg *m;
     int rc;
 
-    hello.hello.min = hello.hello.max = MSG_VERSION;
+    hello.hello.min = MSG_VERSION_MIN;
+    hello.hello.max = MSG_VERSION;
     hello.hello.role = (uint8_t)role;
     hello.hello.name = hello.hello.address = "";
     hello.hello.program = PACKAGE_STRING;
@@ -663,11 +671,13 @@ handshake(struct link *l, enum msg_role role, struct rad_error *err)
         return rad_fail(err, link_code(m->refuse.status),
                         "the coordinator at '%s' refuses: %s", l->name,
                         m->refuse.text);
-    if (m->welcome.version != MSG_VERSION)
+    if (msg_common_version(m->welcome.version, m->welcome.version) == 0)
         return rad_fail(err, RAD_EPROTO,
                         "the coordinator at '%s' speaks protocol version %u, "
-                        "not %u",
-                        l->name, m->welcome.version, MSG_VERSION);
+                        "not %u to %u",
+                        l->name, m->welcome.version, MSG_VERSION_MIN,
+                        MSG_VERSION);
+    l->reader.version = m->welcome.version;
     l->epoch = m->welcome.epoch;
     l->reader.session = MSG_AT_CLIENT;
     l->welcome = true;
@@ -751,4 +761,10 @@ uint64_t
 link_epoch(const struct link *l)
 {
     return l->epoch;
+}
+
+unsigned
+link_version(const struct link *l)
+{
+    return l->reader.version;
 }

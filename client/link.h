@@ -49,6 +49,9 @@ int link_recv(struct link *l, int timeout_ms, const struct msg **m,
 /* The coordinator's number of lives; changes when it starts again. */
 uint64_t link_epoch(const struct link *l);
 
+/* The version of the protocol that is spoken. */
+unsigned link_version(const struct link *l);
+
 /* Which of our codes stands for a sysexits.h status in a message. */
 int link_code(unsigned status);
 

@@ -523,6 +523,21 @@ backoff_ms(struct submit *s, int n)
     return ms;
 }
 
+/* Does the coordinator know all that the job asks for?  A limit that it cannot
+ * pass on is no reason to do without the picture, a file that stays empty is.
+ */
+static int
+check_version(struct submit *s)
+{
+    if (!(s->job->spec->flags & MSG_JOB_RECORDS) ||
+        link_version(s->link) >= msg_since(MSG_RECORDS))
+        return 0;
+    return rad_fail(s->err, RAD_EPROTO,
+                    "the coordinator at '%s' is too old for -af: it speaks "
+                    "protocol version %u",
+                    s->job->to.text, link_version(s->link));
+}
+
 /* One connection's life. */
 static int
 attempt(struct submit *s, int *failures)
@@ -535,7 +550,9 @@ attempt(struct submit *s, int *failures)
     if (s->accepted)
         s->cb->say(s->cb->arg, "connected again");
     *failures = 0;
-    rc = converse(s);
+    rc = check_version(s);
+    if (rc == 0)
+        rc = converse(s);
     link_close(s->link);
     s->link = NULL;
     return rc;

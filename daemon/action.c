@@ -93,12 +93,15 @@ actions_send_bytes(struct action_list *l, uint64_t conn, const uint8_t *bytes,
 }
 
 void
-actions_session(struct action_list *l, uint64_t conn, enum msg_session session)
+actions_session(struct action_list *l, uint64_t conn, enum msg_session session,
+                unsigned version)
 {
     struct action *a = actions_add(l, ACT_SESSION, conn);
 
-    if (a)
-        a->session = session;
+    if (!a)
+        return;
+    a->session = session;
+    a->version = version;
 }
 
 void

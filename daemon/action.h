@@ -22,8 +22,10 @@
 
 enum action_type {
     /* both daemons */
-    ACT_SEND,      /* conn, bytes: a whole frame; never dropped */
-    ACT_SESSION,   /* conn, session: what may arrive from now on */
+    ACT_SEND,      /* conn, bytes: a whole frame of the current version; never
+                    * dropped */
+    ACT_SESSION,   /* conn, session, version: what may arrive from now on, and
+                    * what the other side speaks */
     ACT_CLOSE,     /* conn: close once what was sent is out; its closed event
                     * still comes */
     ACT_LOG,       /* level, text */
@@ -100,6 +102,7 @@ struct action {
     uint32_t request;
     uint32_t frame; /* index */
     enum msg_session session;
+    unsigned version;
     enum msg_what what;
     enum action_level level;
     const uint8_t *job, *hash; /* MSG_JOB, MSG_HASH bytes */
@@ -145,7 +148,7 @@ void actions_send_bytes(struct action_list *l, uint64_t conn,
                         const uint8_t *bytes, size_t len);
 
 void actions_session(struct action_list *l, uint64_t conn,
-                     enum msg_session session);
+                     enum msg_session session, unsigned version);
 void actions_close(struct action_list *l, uint64_t conn);
 
 /* "fixed words key=value ...", one event a line. */

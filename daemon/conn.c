@@ -285,14 +285,13 @@ new_out(struct conn *c, size_t len)
     return o;
 }
 
-bool
-conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
+/* Queue bytes that the other side understands. */
+static bool
+queue(struct conn *c, const uint8_t *bytes, size_t len)
 {
     struct out *o = c->cork;
     int rc = 0;
 
-    if (c->closing || c->finishing)
-        return false;
     if (o && len > CORK_BYTES - o->len) {
         rc = uncork(c);
         o = NULL;
@@ -310,6 +309,37 @@ conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
     if (rc < 0)
         end(c, uv_strerror(rc));
     return rc == 0;
+}
+
+/* Queue what was packed in w, or say why it was not. */
+static bool
+queue_packed(struct conn *c, struct wire_out *w, int rc, uint16_t type)
+{
+    bool ok = rc >= 0 && queue(c, w->buf, w->len);
+
+    if (rc < 0)
+        log_err("message not sent peer=%s type=%s: too long, none of protocol "
+                "version %u, or out of memory",
+                c->peer, msg_name(type), c->reader.version);
+    wire_out_release(w);
+    return ok;
+}
+
+bool
+conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
+{
+    struct wire_out w;
+    int rc;
+
+    if (c->closing || c->finishing)
+        return false;
+    if (c->reader.version == MSG_VERSION)
+        return queue(c, bytes, len);
+    wire_out_init(&w, MSG_FRAME_MAX);
+    rc = msg_frame_as(c->reader.version, &w, bytes, len);
+    if (rc == 0)
+        return queue(c, bytes, len);
+    return queue_packed(c, &w, rc, msg_frame_type(bytes, len));
 }
 
 /* An alert or a key update of the session's own; counted or not. */
@@ -337,18 +367,13 @@ bool
 conn_send(struct conn *c, const struct msg *m)
 {
     struct wire_out w;
-    bool ok = false;
+    int rc;
 
     if (c->closing || c->finishing)
         return false;
     wire_out_init(&w, MSG_FRAME_MAX);
-    if (msg_pack(&w, m) < 0)
-        log_err("message not sent peer=%s type=%s: too long or out of memory",
-                c->peer, msg_name(m->type));
-    else
-        ok = conn_send_frame(c, w.buf, w.len);
-    wire_out_release(&w);
-    return ok;
+    rc = msg_pack_as(c->reader.version, &w, m);
+    return queue_packed(c, &w, rc, m->type);
 }
 
 static void
@@ -548,6 +573,12 @@ const char *
 conn_key(const struct conn *c)
 {
     return c->tls ? tls_id(c->tls) : NULL;
+}
+
+void
+conn_set_version(struct conn *c, unsigned version)
+{
+    c->reader.version = version;
 }
 
 void

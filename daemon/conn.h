@@ -81,6 +81,10 @@ struct conn *conn_new(uv_stream_t *stream, struct tls *tls,
 /* The id of the key that the other side has proven; NULL: none. */
 const char *conn_key(const struct conn *c);
 
+/* The version of the protocol that the other side speaks; the current one until
+ * it is told.  Messages are translated on their way. */
+void conn_set_version(struct conn *c, unsigned version);
+
 /* Which messages may come from now on. */
 void conn_set_session(struct conn *c, enum msg_session session);
 enum msg_session conn_session(const struct conn *c);
@@ -92,10 +96,11 @@ void conn_live(struct conn *c, bool ping);
 /* The counter that goes out with PINGs. */
 void conn_set_progress(struct conn *c, uint64_t progress);
 
-/* Queue a message; its bytes are copied.  False if it cannot be packed or
- * memory is out, which is logged. */
+/* Queue a message; its bytes are copied.  False if it cannot be packed, is none
+ * in the other side's version, or memory is out, which is logged. */
 bool conn_send(struct conn *c, const struct msg *m);
-/* The same for a message that is packed already: a whole frame. */
+/* The same for a message that is packed already: a whole frame of the current
+ * version. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
 size_t conn_queued(const struct conn *c);

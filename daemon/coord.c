@@ -364,7 +364,7 @@ coord_break(struct coord *c, uint64_t id, const char *why)
     actions_log(&c->actions, ACT_WARN,
                 "connection closed peer=%s name=%s why=%s", conn->address,
                 conn->worker ? conn->worker->name : "", why);
-    actions_session(&c->actions, id, MSG_NSESSION);
+    actions_session(&c->actions, id, MSG_NSESSION, conn->version);
     actions_close(&c->actions, id);
     drop_conn(c, conn);
 }
@@ -440,6 +440,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     if (w->conn != 0)
         coord_break(c, w->conn, "replaced by a new connection of that name");
     w->conn = conn->id;
+    w->version = conn->version;
     w->threads = m->threads;
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
@@ -456,10 +457,11 @@ hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
             char text[MSG_MAX_TEXT + 1], int *status)
 {
     *status = EX_PROTOCOL;
-    if (m->min > MSG_VERSION || m->max < MSG_VERSION) {
+    if (msg_common_version(m->min, m->max) == 0) {
         snprintf(text, MSG_MAX_TEXT + 1,
-                 "protocol versions %u to %u are not spoken here, only %u",
-                 m->min, m->max, MSG_VERSION);
+                 "protocol versions %u to %u are not spoken here, only %u to "
+                 "%u",
+                 m->min, m->max, MSG_VERSION_MIN, MSG_VERSION);
         return text;
     }
     *status = EX_NOPERM;
@@ -490,8 +492,7 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
     };
     struct msg welcome = { .type = MSG_WELCOME,
                            .request = m->request,
-                           .welcome = { MSG_VERSION, c->env.epoch,
-                                        c->env.program } };
+                           .welcome = { 0, c->env.epoch, c->env.program } };
     char text[MSG_MAX_TEXT + 1];
     int status;
     const char *fault = hello_fault(conn, &m->hello, text, &status);
@@ -500,13 +501,16 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
         refuse(c, conn, m->request, status, fault);
         return;
     }
+    conn->version = msg_common_version(m->hello.min, m->hello.max);
+    welcome.welcome.version = (uint16_t)conn->version;
     if (m->hello.role == MSG_ROLE_WORKER && !join_worker(c, conn, &m->hello))
         return;
     conn->session = session[m->hello.role];
     actions_log(&c->actions, ACT_INFO,
-                "hello peer=%s role=%u name=%s threads=%u", conn->address,
-                m->hello.role, m->hello.name, m->hello.threads);
-    actions_session(&c->actions, conn->id, conn->session);
+                "hello peer=%s role=%u name=%s threads=%u protocol=%u",
+                conn->address, m->hello.role, m->hello.name, m->hello.threads,
+                conn->version);
+    actions_session(&c->actions, conn->id, conn->session, conn->version);
     actions_send(&c->actions, conn->id, &welcome);
 }
 
@@ -591,7 +595,7 @@ on_records(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
         return;
     for (struct coord_conn *to = c->conns; to; to = to->next)
-        if (to->watch == job) {
+        if (to->watch == job && to->version >= msg_since(MSG_RECORDS)) {
             pass.request = to->watch_request;
             actions_send(&c->actions, to->id, &pass);
         }
@@ -682,6 +686,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     }
     conn->id = id;
     conn->session = MSG_AT_COORD_NEW;
+    conn->version = MSG_VERSION;
     conn->roles = peer->roles;
     snprintf(conn->address, sizeof conn->address, "%s", peer->address);
     snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);

@@ -17,7 +17,8 @@
 #include <string.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      1
+#define SCHEMA      2
+#define LAYOUT      2    /* version of the protocol whose bytes are kept */
 #define WAL_PAGES   1000 /* in the log before it is carried over */
 
 static const char schema[] =
@@ -355,6 +356,7 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
     if (!j)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     wire_out_init(&j->out, MSG_FRAME_MAX);
+    j->out.version = LAYOUT;
     rc = sqlite3_open_v2(path, &j->db, flags[how] | SQLITE_OPEN_NOMUTEX, NULL);
     if (rc != SQLITE_OK)
         rc = j->db ? failed(j, rc, err)
@@ -439,7 +441,7 @@ pack(struct journal *j, const struct msg *m, struct rad_error *err)
 {
     j->out.len = 0;
     j->out.bad = false;
-    if (msg_pack(&j->out, m) != 0)
+    if (msg_pack_as(LAYOUT, &j->out, m) != 0)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     return 0;
 }
@@ -711,6 +713,7 @@ get_counts(struct msg_counts *c, const uint8_t *v, size_t n)
     struct wire_in in;
 
     wire_in_init(&in, v, n);
+    in.version = LAYOUT;
     msg_get_counts(&in, c);
     return !in.bad && wire_left(&in) == 0;
 }
@@ -850,7 +853,7 @@ get_spec(struct reading *r, sqlite3_stmt *s)
     spec = rad_arena_dup(&r->mem, spec, nspec);
     if (nspec > 0 && !spec)
         return no_memory(r->err);
-    if (msg_unpack(&r->spec, MSG_SUBMIT, 0, spec, nspec, &why) < 0)
+    if (msg_unpack_as(LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, nspec, &why) < 0)
         return why.code == RAD_ENOMEM ? no_memory(r->err)
                                       : bad(r->err, "the specification", r->n);
     r->saved.spec = r->spec.submit;
@@ -874,7 +877,7 @@ get_progress(struct reading *r, sqlite3_stmt *s)
     v = rad_arena_dup(&r->mem, v, n);
     if (n > 0 && !v)
         return no_memory(r->err);
-    if (msg_unpack(&r->progress, MSG_PROGRESS, 0, v, n, NULL) < 0)
+    if (msg_unpack_as(LAYOUT, &r->progress, MSG_PROGRESS, 0, v, n, NULL) < 0)
         return bad(r->err, "the end", r->n);
     r->saved.last = r->progress.progress;
     return 0;

@@ -48,7 +48,7 @@ drop_caller(struct worker *w, struct wcaller *caller)
 static void
 close_conn(struct worker *w, uint64_t conn)
 {
-    actions_session(&w->actions, conn, MSG_NSESSION);
+    actions_session(&w->actions, conn, MSG_NSESSION, MSG_VERSION);
     actions_close(&w->actions, conn);
 }
 
@@ -108,7 +108,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
     struct msg give = { .type = MSG_GIVE, .give = { p->id } };
 
     p->state = PEER_LINKED;
-    actions_session(&w->actions, p->conn, MSG_AT_PEER);
+    actions_session(&w->actions, p->conn, MSG_AT_PEER, p->version);
     actions_log(&w->actions, ACT_DEBUG, "peer linked job=%s peer=%s", job->hex,
                 p->name);
     if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
@@ -195,6 +195,7 @@ peer_introduce(struct worker *w, struct wjob *job,
         }
         p->id = ++w->next_peer;
         p->flags = in->flags;
+        p->version = in->version;
         snprintf(p->name, sizeof p->name, "%s", in->name);
         snprintf(p->address, sizeof p->address, "%s", in->address);
         memcpy(p->token, in->token, MSG_TOKEN);
@@ -276,7 +277,7 @@ caller_hello(struct worker *w, struct wcaller *k,
     memcpy(k->token, m->token, MSG_TOKEN);
     snprintf(k->name, sizeof k->name, "%s", m->name);
     /* until it is matched, what it sends is read and dropped */
-    actions_session(&w->actions, k->conn, MSG_AT_PEER);
+    actions_session(&w->actions, k->conn, MSG_AT_PEER, MSG_VERSION);
     match(w, k);
 }
 

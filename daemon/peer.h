@@ -34,7 +34,8 @@ struct wpeer {
     char name[MSG_MAX_NAME + 1];
     char address[MSG_MAX_ADDRESS + 1];
     uint8_t token[MSG_TOKEN];
-    uint32_t flags; /* MSG_PEER_... */
+    uint32_t flags;   /* MSG_PEER_... */
+    unsigned version; /* that is spoken with it */
     enum peer_state state;
     uint64_t conn;
     uint64_t retry_ms; /* dial again then; 0: no */

@@ -682,10 +682,13 @@ sched_run(struct coord *c)
 /* Tell one worker of one peer. */
 static void
 send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
-          const struct msg_peer *peer)
+          const struct coord_worker *about, struct msg_peer peer)
 {
-    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job, 1, peer } };
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job, 1, &peer } };
 
+    peer.name = about->name;
+    peer.version =
+        (uint16_t)(about->version < to->version ? about->version : to->version);
     actions_send(&c->actions, to->conn, &m);
 }
 
@@ -707,12 +710,15 @@ introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
             continue;
         dial = o->address[0] != '\0'; /* the newcomer, where that is possible */
         c->env.random(c->env.arg, token, sizeof token);
-        send_peer(c, o, job->id,
-                  &(struct msg_peer){ w->name, dial ? "" : w->address, token,
-                                      give | (dial ? 0 : MSG_PEER_DIAL) });
-        send_peer(c, w, job->id,
-                  &(struct msg_peer){ o->name, dial ? o->address : "", token,
-                                      dial ? MSG_PEER_DIAL : 0 });
+        send_peer(
+            c, o, job->id, w,
+            (struct msg_peer){ .address = dial ? "" : w->address,
+                               .token = token,
+                               .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
+        send_peer(c, w, job->id, o,
+                  (struct msg_peer){ .address = dial ? o->address : "",
+                                     .token = token,
+                                     .flags = dial ? MSG_PEER_DIAL : 0 });
         give = 0;
         n++;
     }
@@ -728,8 +734,10 @@ sched_drop_peer(struct coord *c, const struct job *job,
         const struct coord_worker *o = job->workers[i].worker;
 
         if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
-            send_peer(c, o, job->id,
-                      &(struct msg_peer){ w->name, "", none, MSG_PEER_DROP });
+            send_peer(c, o, job->id, w,
+                      (struct msg_peer){ .address = "",
+                                         .token = none,
+                                         .flags = MSG_PEER_DROP });
     }
 }
 

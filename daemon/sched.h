@@ -27,6 +27,7 @@ struct coord_worker {
     char address[MSG_MAX_ADDRESS + 1]; /* where peers dial it */
     uint64_t conn;                     /* 0: not connected */
     uint32_t threads;
+    unsigned version; /* of the protocol that it speaks */
     uint64_t fingerprint;
     uint64_t since_ms;    /* connected, or gone, since */
     uint32_t id;          /* from 0, by the order of their first HELLO */
@@ -48,7 +49,8 @@ struct coord_conn {
     struct coord_conn *chain; /* the next of coord.by_id */
     uint64_t id;
     enum msg_session session;
-    unsigned roles; /* that it may ask for */
+    unsigned version; /* of the protocol, since its HELLO */
+    unsigned roles;   /* that it may ask for */
     char address[MSG_MAX_ADDRESS + 1];
     char owner[MSG_MAX_NAME + 1];
     char name[MSG_MAX_NAME + 1]; /* of the worker that it may be; empty: any */

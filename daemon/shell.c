@@ -94,8 +94,8 @@ shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
     s->loop = loop;
     s->ops = ops;
     s->arg = arg;
-    s->handler = (struct conn_handler){ on_message, on_closed, on_written,
-                                        &s->errors };
+    s->handler =
+        (struct conn_handler){ on_message, on_closed, on_written, &s->errors };
 }
 
 uint64_t
@@ -209,9 +209,10 @@ shell_store_progress(struct shell *s)
 /* The session decides how the connection is kept alive: a peer is asked for
  * signs of life, a child may be busy loading. */
 static void
-set_session(struct conn *c, enum msg_session session)
+set_session(struct conn *c, enum msg_session session, unsigned version)
 {
     conn_set_session(c, session);
+    conn_set_version(c, version);
     switch (session) {
     case MSG_AT_COORD_WORKER:
     case MSG_AT_COORD_USER:
@@ -252,7 +253,7 @@ carry_out(struct shell *s, const struct action *a)
         break;
     case ACT_SESSION:
         if (l)
-            set_session(l->conn, a->session);
+            set_session(l->conn, a->session, a->version);
         break;
     case ACT_CLOSE:
         if (l) {

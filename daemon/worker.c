@@ -403,18 +403,21 @@ needs_file(const struct wjob *job, const uint8_t *hash)
 static void
 on_welcome(struct worker *w, const struct msg *m)
 {
-    if (m->welcome.version != MSG_VERSION) {
+    unsigned version = m->welcome.version;
+
+    if (msg_common_version(version, version) == 0) {
         actions_log(&w->actions, ACT_ERR,
-                    "the coordinator speaks protocol version %u, not %u",
-                    m->welcome.version, MSG_VERSION);
+                    "the coordinator speaks protocol version %u, not %u to %u",
+                    version, MSG_VERSION_MIN, MSG_VERSION);
         stop(w, EX_PROTOCOL, "the coordinator speaks another version");
         return;
     }
     w->welcome = true;
     w->welcome_ms = w->now_ms;
-    actions_session(&w->actions, w->coord, MSG_AT_WORKER);
-    actions_log(&w->actions, ACT_INFO, "welcome program=%s epoch=%llu",
-                m->welcome.program, (unsigned long long)m->welcome.epoch);
+    actions_session(&w->actions, w->coord, MSG_AT_WORKER, version);
+    actions_log(&w->actions, ACT_INFO,
+                "welcome program=%s epoch=%llu protocol=%u", m->welcome.program,
+                (unsigned long long)m->welcome.epoch, version);
     /* the answer to a TALLY of a job that is over is JOB-END */
     for (struct wjob *job = w->jobs; job; job = job->next) {
         struct msg tally = { .type = MSG_TALLY, .tally = job->tally };
@@ -616,7 +619,7 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_READY;
     job->ready = m->ready;
     job->ready.job = ready.ready.job = job->id;
-    actions_session(&w->actions, job->child, MSG_AT_PARENT);
+    actions_session(&w->actions, job->child, MSG_AT_PARENT, MSG_VERSION);
     send_coord(w, &ready);
 }
 
@@ -778,7 +781,7 @@ static void
 say_hello(struct worker *w)
 {
     struct msg m = { .type = MSG_HELLO,
-                     .hello = { .min = MSG_VERSION,
+                     .hello = { .min = MSG_VERSION_MIN,
                                 .max = MSG_VERSION,
                                 .role = MSG_ROLE_WORKER,
                                 .name = w->env.name,
@@ -787,7 +790,7 @@ say_hello(struct worker *w)
                                 .threads = (uint16_t)w->env.threads } };
 
     w->opened = true;
-    actions_session(&w->actions, w->coord, MSG_AT_DIALLER);
+    actions_session(&w->actions, w->coord, MSG_AT_DIALLER, MSG_VERSION);
     actions_send(&w->actions, w->coord, &m);
 }
 

@@ -3,6 +3,7 @@
 
 #include "codec.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 void
@@ -69,9 +70,21 @@ msg_get_faults(struct wire_in *in, struct msg_fault faults[MSG_FAULTS])
     }
 }
 
+static void
+put_doubt(struct wire_out *o, const struct msg_doubt *d)
+{
+    wire_put_f64(o, d->pixels);
+    wire_put_f64(o, d->variance);
+    wire_put_f64(o, d->known);
+    wire_put_f64(o, d->all);
+    wire_put_f64(o, d->rough);
+    wire_put_f64(o, d->nrough);
+}
+
 void
 msg_put_counts(struct wire_out *o, const struct msg_counts *c)
 {
+    assert(o->version >= MSG_VERSION_MIN);
     wire_put_u64(o, c->rays);
     wire_put_u64(o, c->primary_rays);
     wire_put_u64(o, c->speculative_rays);
@@ -87,12 +100,8 @@ msg_put_counts(struct wire_out *o, const struct msg_counts *c)
     msg_put_faults(o, c->faults);
     wire_put_f64(o, c->cpu_s);
     wire_put_f64(o, c->wall_s);
-    wire_put_f64(o, c->doubt.pixels);
-    wire_put_f64(o, c->doubt.variance);
-    wire_put_f64(o, c->doubt.known);
-    wire_put_f64(o, c->doubt.all);
-    wire_put_f64(o, c->doubt.rough);
-    wire_put_f64(o, c->doubt.nrough);
+    if (o->version >= 2)
+        put_doubt(o, &c->doubt);
 }
 
 /* A sum of squares: nothing that a sum of others would not survive. */
@@ -106,9 +115,21 @@ get_sum(struct wire_in *in)
     return v;
 }
 
+static void
+get_doubt(struct wire_in *in, struct msg_doubt *d)
+{
+    d->pixels = get_sum(in);
+    d->variance = get_sum(in);
+    d->known = get_sum(in);
+    d->all = get_sum(in);
+    d->rough = get_sum(in);
+    d->nrough = get_sum(in);
+}
+
 void
 msg_get_counts(struct wire_in *in, struct msg_counts *c)
 {
+    assert(in->version >= MSG_VERSION_MIN);
     c->rays = wire_get_u64(in);
     c->primary_rays = wire_get_u64(in);
     c->speculative_rays = wire_get_u64(in);
@@ -125,12 +146,9 @@ msg_get_counts(struct wire_in *in, struct msg_counts *c)
     msg_get_faults(in, c->faults);
     c->cpu_s = wire_get_f64(in);
     c->wall_s = wire_get_f64(in);
-    c->doubt.pixels = get_sum(in);
-    c->doubt.variance = get_sum(in);
-    c->doubt.known = get_sum(in);
-    c->doubt.all = get_sum(in);
-    c->doubt.rough = get_sum(in);
-    c->doubt.nrough = get_sum(in);
+    c->doubt = (struct msg_doubt){ 0 };
+    if (in->version >= 2)
+        get_doubt(in, &c->doubt);
     msg_must(in, c->cpu_s >= 0 && c->wall_s >= 0);
 }
 

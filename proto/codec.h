@@ -1,7 +1,9 @@
 /* codec.h - what the codecs of message bodies share
  *
  * Private to message.c and sharing.c.  Writers and readers rely on the sticky
- * `bad` of wire.h.
+ * `bad` of wire.h.  A field that version N brought is written and read where
+ * the wire's version is N or later; when N is the oldest that is spoken, the
+ * question goes.
  * Thread: any. */
 #ifndef CODEC_H
 #define CODEC_H

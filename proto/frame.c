@@ -9,7 +9,7 @@
 void
 frame_reader_init(struct frame_reader *r, enum msg_session session)
 {
-    *r = (struct frame_reader){ .session = session };
+    *r = (struct frame_reader){ .session = session, .version = MSG_VERSION };
 }
 
 void
@@ -20,7 +20,7 @@ frame_reader_release(struct frame_reader *r)
 }
 
 int
-frame_header(struct msg_header *h, enum msg_session session,
+frame_header(struct msg_header *h, enum msg_session session, unsigned version,
              const uint8_t bytes[MSG_HEADER], struct rad_error *err)
 {
     struct wire_in in;
@@ -35,7 +35,7 @@ frame_header(struct msg_header *h, enum msg_session session,
     h->length = wire_get_u32(&in);
     if (magic != MSG_MAGIC)
         return rad_fail(err, RAD_EPROTO, "not radd's protocol");
-    if (msg_limit(h->type) == 0 || flags != 0)
+    if (msg_limit(h->type) == 0 || version < msg_since(h->type) || flags != 0)
         return rad_fail(err, RAD_EPROTO, "unknown message %u, flags %u",
                         h->type, flags);
     if (!msg_allowed(session, h->type))
@@ -84,7 +84,7 @@ read_step(struct frame_reader *r, const uint8_t **data, size_t *n,
         rc = fill(r, MSG_HEADER, data, n, err);
         if (rc <= 0)
             return rc;
-        rc = frame_header(&r->head, r->session, r->buf, err);
+        rc = frame_header(&r->head, r->session, r->version, r->buf, err);
         if (rc < 0)
             return rc;
         r->have_head = true;
@@ -95,8 +95,8 @@ read_step(struct frame_reader *r, const uint8_t **data, size_t *n,
         return rc;
     r->have_head = false;
     r->len = 0;
-    rc = msg_unpack(m, r->head.type, r->head.request, r->buf, r->head.length,
-                    err);
+    rc = msg_unpack_as(r->version, m, r->head.type, r->head.request, r->buf,
+                       r->head.length, err);
     return rc < 0 ? rc : 1;
 }
 

@@ -21,13 +21,16 @@ struct msg_header {
 };
 
 struct frame_reader {
-    enum msg_session session; /* the owner sets it when the state changes */
+    enum msg_session session; /* the owner sets them when the state changes */
+    unsigned version;         /* of what comes */
     struct msg_header head;
     bool have_head, bad;
     uint8_t *buf;
     size_t len, cap;
 };
 
+/* Of the current version, as it is until one has been agreed upon: what is said
+ * before that has the same bytes in all. */
 void frame_reader_init(struct frame_reader *r, enum msg_session session);
 void frame_reader_release(struct frame_reader *r);
 
@@ -35,13 +38,14 @@ void frame_reader_release(struct frame_reader *r);
  * both move on.  Returns 1 with *m unpacked (valid until the next call), 0
  * when more bytes are needed, or a negative code with *err set: the stream is
  * of no use from then on.
- * Change r->session between calls, not later than the call that reads the
- * next message. */
+ * Change r->session and r->version between calls, not later than the call that
+ * reads the next message. */
 int frame_read(struct frame_reader *r, const uint8_t **data, size_t *n,
                struct msg *m, struct rad_error *err);
 
 /* Check a header; 0 or RAD_EPROTO. */
 int frame_header(struct msg_header *h, enum msg_session session,
-                 const uint8_t bytes[MSG_HEADER], struct rad_error *err);
+                 unsigned version, const uint8_t bytes[MSG_HEADER],
+                 struct rad_error *err);
 
 #endif

@@ -16,6 +16,14 @@
 
 /* --- session --- */
 
+unsigned
+msg_common_version(unsigned min, unsigned max)
+{
+    unsigned highest = max < MSG_VERSION ? max : MSG_VERSION;
+
+    return highest < min || highest < MSG_VERSION_MIN ? 0 : highest;
+}
+
 static void
 msg_pack_hello(struct wire_out *o, const struct msg_hello *b)
 {
@@ -36,7 +44,7 @@ msg_unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
     b->min = wire_get_u16(in);
     b->max = wire_get_u16(in);
     b->role = wire_get_u8(in);
-    if (b->min > MSG_VERSION || b->max < MSG_VERSION) {
+    if (msg_common_version(b->min, b->max) == 0) {
         b->name = b->program = b->address = "";
         wire_get_view(in, wire_left(in));
         return;
@@ -214,10 +222,17 @@ msg_unpack_frames(struct wire_in *in, struct msg_spec *b, struct msg *m)
     }
 }
 
-static bool
-spec_fits(const struct msg_spec *b)
+/* The flags that a version has. */
+static uint32_t
+job_flags(unsigned version)
 {
-    return (b->flags & ~MSG_JOB_FLAGS) == 0 && b->partition < MSG_NPART &&
+    return version < 2 ? MSG_JOB_FLAGS_1 : MSG_JOB_FLAGS;
+}
+
+static bool
+spec_fits(const struct msg_spec *b, uint32_t flags)
+{
+    return (b->flags & ~flags) == 0 && b->partition < MSG_NPART &&
            b->order < MSG_NORDER;
 }
 
@@ -256,7 +271,9 @@ get_costs(struct wire_in *in, struct msg_spec *b)
 static void
 msg_pack_spec(struct wire_out *o, const struct msg_spec *b)
 {
-    msg_put_must(o, spec_fits(b));
+    msg_put_must(o, spec_fits(b, MSG_JOB_FLAGS));
+    /* who cannot code rows cannot work on that job */
+    msg_put_must(o, o->version >= 2 || !(b->flags & MSG_JOB_CODED));
     msg_put_job(o, b->job);
     msg_put_hash(o, b->manifest);
     wire_put_str(o, b->name, MSG_MAX_NAME);
@@ -266,13 +283,15 @@ msg_pack_spec(struct wire_out *o, const struct msg_spec *b)
     put_costs(o, b);
     wire_put_u64(o, b->seed);
     wire_put_i32(o, b->priority);
-    wire_put_u32(o, b->flags);
+    wire_put_u32(o, b->flags & job_flags(o->version));
     wire_put_u8(o, b->partition);
     wire_put_u8(o, b->order);
     wire_put_u32(o, b->windows);
     wire_put_u32(o, b->objects);
     wire_put_u64(o, b->bundle_bytes);
     wire_put_f64(o, b->compile_s);
+    if (o->version >= 2)
+        wire_put_u32(o, b->memory_mib);
     msg_pack_hashes(o, &b->files);
     msg_pack_frames(o, b);
 }
@@ -296,7 +315,9 @@ msg_unpack_spec(struct wire_in *in, struct msg_spec *b, struct msg *m)
     b->objects = wire_get_u32(in);
     b->bundle_bytes = wire_get_u64(in);
     b->compile_s = wire_get_f64(in);
-    msg_must(in, spec_fits(b) && b->compile_s >= 0);
+    if (in->version >= 2)
+        b->memory_mib = wire_get_u32(in);
+    msg_must(in, spec_fits(b, job_flags(in->version)) && b->compile_s >= 0);
     msg_unpack_hashes(in, &b->files, m);
     msg_unpack_frames(in, b, m);
 }
@@ -316,11 +337,18 @@ msg_unpack_accept(struct wire_in *in, struct msg_accept *b, struct msg *m)
     b->again = msg_get_below(in, 2);
 }
 
+/* A disk that is full is no state of version 1: the job waits. */
+static uint8_t
+state_as(unsigned version, uint8_t state)
+{
+    return version < 2 && state == MSG_STATE_HELD ? 0 : state;
+}
+
 static void
 msg_pack_progress(struct wire_out *o, const struct msg_progress *b)
 {
     msg_put_job(o, b->job);
-    wire_put_u8(o, b->state);
+    wire_put_u8(o, state_as(o->version, b->state));
     wire_put_u64(o, b->pixels_done);
     wire_put_u64(o, b->pixels_total);
     wire_put_u32(o, b->units_done);
@@ -337,7 +365,8 @@ msg_pack_progress(struct wire_out *o, const struct msg_progress *b)
     wire_put_u32(o, b->nan.x);
     wire_put_u32(o, b->nan.y);
     msg_put_faults(o, b->faults);
-    wire_put_f64(o, b->error);
+    if (o->version >= 2)
+        wire_put_f64(o, b->error);
 }
 
 static void
@@ -362,7 +391,8 @@ msg_unpack_progress(struct wire_in *in, struct msg_progress *b, struct msg *m)
     b->nan.x = wire_get_u32(in);
     b->nan.y = wire_get_u32(in);
     msg_get_faults(in, b->faults);
-    b->error = wire_get_f64(in);
+    if (in->version >= 2)
+        b->error = wire_get_f64(in);
 }
 
 static void
@@ -514,14 +544,15 @@ msg_unpack_ready(struct wire_in *in, struct msg_ready *b, struct msg *m)
 /* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
  * False when they cannot be. */
 static bool
-result_bytes(const struct msg_result *b, size_t len, size_t *n)
+result_bytes(unsigned version, const struct msg_result *b, size_t len,
+             size_t *n)
 {
     if (b->rows < 1 || b->rows > MSG_MAX_SIDE || b->row > MSG_MAX_SIDE ||
         b->width < 1 || b->width > MSG_MAX_SIDE)
         return false;
     if (b->channels == 3 || b->channels == 4)
         *n = (size_t)b->rows * b->width * b->channels * 4; /* below 2^36 */
-    else if (b->channels == 1)
+    else if (b->channels == 1 && version >= 2)
         *n = len;
     else
         return false;
@@ -533,7 +564,7 @@ msg_pack_result(struct wire_out *o, const struct msg_result *b)
 {
     size_t n;
 
-    if (!result_bytes(b, b->len, &n)) {
+    if (!result_bytes(o->version, b, b->len, &n)) {
         o->bad = true;
         return;
     }
@@ -566,7 +597,7 @@ msg_unpack_result(struct wire_in *in, struct msg_result *b, struct msg *m)
     b->last = msg_get_below(in, 2);
     if (b->last)
         msg_get_counts(in, &b->counts);
-    if (result_bytes(b, wire_left(in), &n))
+    if (result_bytes(in->version, b, wire_left(in), &n))
         b->pixels = wire_get_view(in, n);
     else
         in->bad = true;
@@ -662,21 +693,40 @@ msg_unpack_tally(struct wire_in *in, struct msg_tally *b, struct msg *m)
 
 /* --- peers --- */
 
-#define PEER_MIN  26 /* bytes of a peer with empty strings */
+#define PEER_MIN  26 /* bytes of a peer with empty strings, in any version */
 #define MAX_PEERS 4096
+
+/* Version 1 knows no keys that are retired, and nobody to be dropped. */
+static bool
+peer_is_told(unsigned version, const struct msg_peer *p)
+{
+    return version >= 2 || !(p->flags & MSG_PEER_DROP);
+}
+
+static void
+put_peer(struct wire_out *o, const struct msg_peer *p)
+{
+    wire_put_str(o, p->name, MSG_MAX_NAME);
+    wire_put_str(o, p->address, MSG_MAX_ADDRESS);
+    wire_put_bytes(o, p->token, MSG_TOKEN);
+    wire_put_u32(o, p->flags);
+    if (o->version >= 2)
+        wire_put_u16(o, p->version);
+}
 
 static void
 msg_pack_job_peers(struct wire_out *o, const struct msg_job_peers *b)
 {
+    uint32_t n = 0;
+
     msg_put_must(o, b->npeers <= MAX_PEERS);
+    for (uint32_t i = 0; i < b->npeers; i++)
+        n += peer_is_told(o->version, &b->peers[i]);
     msg_put_job(o, b->job);
-    wire_put_u32(o, b->npeers);
-    for (uint32_t i = 0; i < b->npeers && !o->bad; i++) {
-        wire_put_str(o, b->peers[i].name, MSG_MAX_NAME);
-        wire_put_str(o, b->peers[i].address, MSG_MAX_ADDRESS);
-        wire_put_bytes(o, b->peers[i].token, MSG_TOKEN);
-        wire_put_u32(o, b->peers[i].flags);
-    }
+    wire_put_u32(o, n);
+    for (uint32_t i = 0; i < b->npeers && !o->bad; i++)
+        if (peer_is_told(o->version, &b->peers[i]))
+            put_peer(o, &b->peers[i]);
 }
 
 static void
@@ -694,8 +744,10 @@ msg_unpack_job_peers(struct wire_in *in, struct msg_job_peers *b, struct msg *m)
         p[i].address = wire_get_str(in, MSG_MAX_ADDRESS);
         p[i].token = wire_get_view(in, MSG_TOKEN);
         p[i].flags = wire_get_u32(in);
+        p[i].version = in->version >= 2 ? wire_get_u16(in) : 1;
         msg_must(in, p[i].flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE) ||
-                         p[i].flags == MSG_PEER_DROP);
+                         (p[i].flags == MSG_PEER_DROP && in->version >= 2));
+        msg_must(in, msg_common_version(p[i].version, p[i].version) != 0);
     }
 }
 
@@ -779,6 +831,7 @@ msg_unpack_give(struct wire_in *in, struct msg_give *b, struct msg *m)
 struct row {
     uint16_t type;
     const char *name;
+    unsigned since, bytes; /* versions */
     size_t limit;
     unsigned at; /* bit per enum msg_session */
     void (*pack)(struct wire_out *o, const struct msg *m);
@@ -786,7 +839,7 @@ struct row {
 };
 
 /* From the body's codec to one that takes the whole message. */
-#define MSG(NAME, lower, body, number, limit, at)                              \
+#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
     static void pack_##lower(struct wire_out *o, const struct msg *m)          \
     {                                                                          \
         msg_pack_##body(o, &m->lower);                                         \
@@ -798,8 +851,8 @@ struct row {
 #include "message.def"
 
 static const struct row rows[] = {
-#define MSG(NAME, lower, body, number, limit, at)                              \
-    { number, #NAME, limit, at, pack_##lower, unpack_##lower },
+#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
+    { number, #NAME, since, bytes, limit, at, pack_##lower, unpack_##lower },
 #include "message.def"
 };
 
@@ -824,11 +877,18 @@ msg_release(struct msg *m)
 int
 msg_pack(struct wire_out *out, const struct msg *m)
 {
+    return msg_pack_as(MSG_VERSION, out, m);
+}
+
+int
+msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m)
+{
     const struct row *row = find_row(m->type);
     size_t start = out->len;
 
-    if (!row || out->bad)
+    if (!row || out->bad || version < row->since)
         return RAD_EPROTO;
+    out->version = version;
     wire_put_u32(out, MSG_MAGIC);
     wire_put_u16(out, m->type);
     wire_put_u16(out, 0);
@@ -846,9 +906,56 @@ msg_pack(struct wire_out *out, const struct msg *m)
     return 0;
 }
 
+uint16_t
+msg_frame_type(const uint8_t *frame, size_t n)
+{
+    struct wire_in in;
+
+    wire_in_init(&in, frame, n);
+    wire_get_u32(&in); /* the magic */
+    return wire_get_u16(&in);
+}
+
+static uint32_t
+frame_request(const uint8_t *frame, size_t n)
+{
+    struct wire_in in;
+
+    wire_in_init(&in, frame, n);
+    wire_get_view(&in, 8); /* magic, type, flags */
+    return wire_get_u32(&in);
+}
+
+int
+msg_frame_as(unsigned version, struct wire_out *out, const uint8_t *frame,
+             size_t n)
+{
+    const struct row *row = find_row(msg_frame_type(frame, n));
+    struct msg m = { 0 };
+    int rc;
+
+    if (n < MSG_HEADER || !row)
+        return RAD_EPROTO;
+    if (version >= row->bytes)
+        return 0;
+    rc = msg_unpack(&m, row->type, frame_request(frame, n), frame + MSG_HEADER,
+                    n - MSG_HEADER, NULL);
+    if (rc == 0)
+        rc = msg_pack_as(version, out, &m);
+    msg_release(&m);
+    return rc < 0 ? rc : 1;
+}
+
 int
 msg_unpack(struct msg *m, uint16_t type, uint32_t request,
            const uint8_t *payload, size_t n, struct rad_error *err)
+{
+    return msg_unpack_as(MSG_VERSION, m, type, request, payload, n, err);
+}
+
+int
+msg_unpack_as(unsigned version, struct msg *m, uint16_t type, uint32_t request,
+              const uint8_t *payload, size_t n, struct rad_error *err)
 {
     const struct row *row = find_row(type);
     void *list = m->list;
@@ -858,9 +965,10 @@ msg_unpack(struct msg *m, uint16_t type, uint32_t request,
     *m = (struct msg){
         .type = type, .request = request, .list = list, .list_size = list_size
     };
-    if (!row)
+    if (!row || version < row->since)
         return rad_fail(err, RAD_EPROTO, "unknown message %u", type);
     wire_in_init(&in, payload, n);
+    in.version = version;
     row->unpack(&in, m);
     if (in.bad)
         return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes", row->name,
@@ -958,6 +1066,22 @@ msg_limit(uint16_t type)
     const struct row *row = find_row(type);
 
     return row ? row->limit : 0;
+}
+
+unsigned
+msg_since(uint16_t type)
+{
+    const struct row *row = find_row(type);
+
+    return row ? row->since : 0;
+}
+
+unsigned
+msg_bytes_since(uint16_t type)
+{
+    const struct row *row = find_row(type);
+
+    return row ? row->bytes : 0;
 }
 
 bool

@@ -15,7 +15,12 @@
 #include "base/error.h"
 #include "wire.h"
 
-#define MSG_VERSION     1
+/* Versions of the protocol: the current one, and the oldest that is spoken
+ * besides.  A struct msg is always of the current one; what the other side of a
+ * connection speaks matters only where bytes are made and read. */
+#define MSG_VERSION     2
+#define MSG_VERSION_MIN 1
+
 #define MSG_MAX         (1u << 20)      /* largest payload [bytes] */
 #define MSG_MAX_CHUNK   (1u << 18)      /* most file bytes in a CHUNK */
 #define MSG_MAX_AMBIENT (1u << 17)      /* most record bytes in an AMBIENT */
@@ -40,7 +45,8 @@
 #define MSG_TOKEN 16 /* bytes of a peer's token */
 
 enum msg_type {
-#define MSG(NAME, name, body, number, limit, at) MSG_##NAME = number,
+#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
+    MSG_##NAME = number,
 #include "message.def"
 };
 
@@ -89,6 +95,7 @@ enum msg_order {
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
 #define MSG_JOB_CODED        (1u << 6) /* rows come coded: the coordinator's */
 #define MSG_JOB_FLAGS        127u      /* all of them */
+#define MSG_JOB_FLAGS_1      31u       /* those of version 1 */
 
 /* What FETCH asks for. */
 enum msg_what {
@@ -110,8 +117,8 @@ enum msg_topic {
 
 /* --- session --- */
 
-/* When [min, max] leaves our version out, the fields after role are not read
- * (another version may have others) and are empty. */
+/* When [min, max] leaves all of our versions out, the fields after role are not
+ * read (another version may have others) and are empty. */
 struct msg_hello {
     uint16_t min, max;    /* versions that the sender speaks */
     uint8_t role;         /* enum msg_role that it asks for */
@@ -199,6 +206,8 @@ struct msg_spec {
     uint32_t objects;  /* in the scene, for the statistics */
     uint64_t bundle_bytes;
     double compile_s;
+    uint32_t memory_mib; /* most memory of its process on a worker; 0: as much
+                          * as that has for it */
     struct msg_hashes files; /* all of the bundle, the manifest among them */
     uint32_t nframes;
     const struct msg_frame *frames;
@@ -501,6 +510,7 @@ struct msg_peer {
     const char *name, *address;
     const uint8_t *token; /* MSG_TOKEN bytes, of this pair and job */
     uint32_t flags;
+    uint16_t version; /* that the two speak: the highest that both do */
 };
 
 /* New peers of a job, besides those named before. */
@@ -542,7 +552,8 @@ struct msg {
     uint16_t type;    /* enum msg_type */
     uint32_t request; /* a reply repeats its request's; 0 where none is due */
     union {
-#define MSG(NAME, name, body, number, limit, at) struct msg_##body name;
+#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
+    struct msg_##body name;
 #include "message.def"
     };
     /* scratch of the unpacked list; see msg_release() */
@@ -559,10 +570,33 @@ void msg_release(struct msg *m);
  * of its bounds or memory is out; out is as before then. */
 int msg_pack(struct wire_out *out, const struct msg *m);
 
+/* The same for somebody who speaks that version: what it does not know is left
+ * out, where that does no harm.  RAD_EPROTO, too, for a message that it does
+ * not have. */
+int msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m);
+
+/* The type of a whole frame of ours; 0: it is none. */
+uint16_t msg_frame_type(const uint8_t *frame, size_t n);
+
+/* Make of a whole frame of ours, of the current version, one of that version.
+ * 1: it is appended to out; 0: it has the same bytes; or RAD_EPROTO as above.
+ */
+int msg_frame_as(unsigned version, struct wire_out *out, const uint8_t *frame,
+                 size_t n);
+
 /* Decode a payload of n bytes.  0, or RAD_EPROTO: fields missing, out of
  * range, or bytes left over; or RAD_ENOMEM. */
 int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
                const uint8_t *payload, size_t n, struct rad_error *err);
+
+/* The same for one in the bytes of that version.  Fields that came later are
+ * zero. */
+int msg_unpack_as(unsigned version, struct msg *m, uint16_t type,
+                  uint32_t request, const uint8_t *payload, size_t n,
+                  struct rad_error *err);
+
+/* The highest of our versions in [min, max]; 0: none is. */
+unsigned msg_common_version(unsigned min, unsigned max);
 
 /* Add the pixels of b; the first of both is kept. */
 void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
@@ -580,6 +614,11 @@ const char *msg_name(uint16_t type);
 
 /* Largest payload; 0 for a number that is no message. */
 size_t msg_limit(uint16_t type);
+
+/* The version that brought it, and the one that last changed its bytes; 0 for a
+ * number that is no message. */
+unsigned msg_since(uint16_t type);
+unsigned msg_bytes_since(uint16_t type);
 
 /* May this type arrive there?  Default: no. */
 bool msg_allowed(enum msg_session session, uint16_t type);

@@ -16,13 +16,15 @@
 struct wire_in {
     const uint8_t *p, *end;
     bool bad;
+    unsigned version; /* whose layout it is; not looked at here */
 };
 
 /* A buffer that grows up to `max` bytes. */
 struct wire_out {
     uint8_t *buf;
     size_t len, cap, max;
-    bool bad; /* too long, a bad argument, or memory is out */
+    bool bad;         /* too long, a bad argument, or memory is out */
+    unsigned version; /* whose layout is written; not looked at here */
 };
 
 /* Lends the bytes; they must outlive what is read from them. */

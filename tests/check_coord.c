@@ -38,6 +38,9 @@ struct fixture {
     char nan_log[80];
     int differ_logs; /* of duplicates */
     int hang_logs;
+    unsigned version[8];
+    int peers[8]; /* JOB_PEERS that came */
+    uint16_t peer_version[8];
 };
 
 static bool
@@ -75,6 +78,10 @@ sent(struct fixture *f, const struct action *a)
     }
     if (m->type == MSG_PROGRESS)
         f->progress = m->progress;
+    if (m->type == MSG_JOB_PEERS) {
+        f->peers[a->conn]++;
+        f->peer_version[a->conn] = m->job_peers.peers[0].version;
+    }
 }
 
 static void
@@ -87,6 +94,8 @@ carry_out(struct fixture *f)
 
         if (a.type == ACT_SEND)
             sent(f, &a);
+        else if (a.type == ACT_SESSION)
+            f->version[a.conn] = a.version;
         else if (a.type == ACT_CLOSE)
             f->closed[a.conn] = true;
         else if (a.type == ACT_JOB_OPEN)
@@ -131,7 +140,8 @@ join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
 {
     struct coord_peer peer = { "test", owner, 14, NULL };
     struct msg m = { .type = MSG_HELLO,
-                     .hello = { 1, 1, (uint8_t)role, name, "t", "", 2, 0 } };
+                     .hello = { MSG_VERSION_MIN, MSG_VERSION, (uint8_t)role,
+                                name, "t", "", 2, 0 } };
 
     coord_opened(f->c, f->now_ms, conn, &peer);
     say(f, conn, &m);
@@ -140,7 +150,8 @@ join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
 static uint32_t submit_flags; /* of jobs that are submitted from now on */
 
 static void
-submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
+submit_with(struct fixture *f, uint64_t conn, const uint8_t *job, int priority,
+            uint32_t windows, uint32_t flags)
 {
     struct msg m = { .type = MSG_SUBMIT,
                      .request = 5,
@@ -151,14 +162,20 @@ submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
                                  .needs = "",
                                  .estimate = "",
                                  .priority = priority,
-                                 .flags = submit_flags,
+                                 .flags = flags | submit_flags,
                                  .partition = MSG_PART_WINDOW,
-                                 .windows = 4,
+                                 .windows = windows,
                                  .files = { 1, hash },
                                  .nframes = 1,
                                  .frames = &frame } };
 
     say(f, conn, &m);
+}
+
+static void
+submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
+{
+    submit_with(f, conn, job, priority, 4, 0);
 }
 
 static void
@@ -723,7 +740,9 @@ static const struct {
     uint16_t threads;
     int status;
 } hellos[] = {
-    { 2, 3, MSG_ROLE_WORKER, "w", 1, EX_PROTOCOL },
+    { 3, 4, MSG_ROLE_WORKER, "w", 1, EX_PROTOCOL },
+    { 0, 0, MSG_ROLE_WORKER, "w", 1, EX_PROTOCOL },
+    { 2, 1, MSG_ROLE_WORKER, "w", 1, EX_PROTOCOL },
     { 1, 1, MSG_ROLE_WORKER, "", 1, EX_CONFIG },
     { 1, 1, MSG_ROLE_WORKER, "a b", 1, EX_CONFIG },
     { 1, 1, MSG_ROLE_WORKER, "w", 0, EX_CONFIG },
@@ -747,6 +766,55 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
     ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
     ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
     ck_assert(f.closed[7]);
+}
+END_TEST
+
+static const struct {
+    uint16_t min, max, spoken;
+} versions[] = { { 1, 1, 1 }, { 1, 2, 2 }, { 1, 9, 2 }, { 2, 2, 2 } };
+
+/* The highest that both know: told in the WELCOME, and to the shell, which
+ * translates. */
+START_TEST(old_and_new_ones_are_welcome)
+{
+    struct coord_peer peer = { "test", "x", 14, NULL };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { versions[_i].min, versions[_i].max,
+                                MSG_ROLE_WORKER, "w", "t", "", 1, 0 } };
+
+    coord_opened(f.c, f.now_ms, 7, &peer);
+    say(&f, 7, &m);
+    ck_assert_int_eq(f.last[7].type, MSG_WELCOME);
+    ck_assert_uint_eq(f.last[7].welcome.version, versions[_i].spoken);
+    ck_assert_uint_eq(f.version[7], versions[_i].spoken);
+}
+END_TEST
+
+/* Two workers speak with each other what both know. */
+START_TEST(peers_are_told_the_version_of_the_pair)
+{
+    static const uint16_t max[] = { 2, 1, 2 };
+    static const char *const name[] = { "w1", "w2", "w3" };
+    uint16_t told[3] = { 0 };
+
+    submit_with(&f, ANA, job_a, 0, 64, MSG_JOB_SHARE);
+    for (unsigned i = 0; i < 3; i++) {
+        struct coord_peer peer = { "test", "x", 14, NULL };
+        struct msg m = { .type = MSG_HELLO,
+                         .hello = { 1, max[i], MSG_ROLE_WORKER, name[i], "t",
+                                    "unix /w", 1, 0 } };
+
+        coord_opened(f.c, f.now_ms, 5 + i, &peer);
+        say(&f, 5 + i, &m);
+        ready(&f, 5 + i, job_a);
+        for (unsigned k = 0; k <= i; k++)
+            if (f.peers[5 + k] > 0)
+                told[k] = f.peer_version[5 + k];
+        if (i == 1)
+            ck_assert(told[0] == 1 && told[1] == 1);
+    }
+    ck_assert(told[0] == 2 && told[1] == 1);
+    ck_assert_uint_eq(told[2], 1); /* the last that it heard of is w2 */
 }
 END_TEST
 
@@ -1015,6 +1083,8 @@ main(void)
                         N_ELEM(credentials));
     tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
                         N_ELEM(hellos));
+    tcase_add_loop_test(tc, old_and_new_ones_are_welcome, 0, N_ELEM(versions));
+    tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
     tcase_add_test(tc,

@@ -2,7 +2,9 @@
  *
  * tests/golden/NAME.hex holds the recorded frame of one example of each
  * message; with RADD_RECORD=FOLDER in the environment they are written there
- * instead (after a change of the protocol, with its new version). */
+ * instead (after a change of the protocol, with its new version).
+ * tests/golden/v1 has those of version 1 whose bytes have changed since, as
+ * they were recorded when it was the only one. */
 #include "config.h"
 
 #include "frame.h"
@@ -25,8 +27,8 @@ static const struct msg_frame frames[] = {
 };
 static const uint32_t units[] = { 5, 0x01020304 };
 static const struct msg_peer peers[] = {
-    { "ws1", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL },
-    { "ws2", "", ID + 1, MSG_PEER_GIVE },
+    { "ws1", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL, 2 },
+    { "ws2", "", ID + 1, MSG_PEER_GIVE, 1 },
 };
 static const uint8_t costs[2 * 4] = { 0x3f, 0x80, [4] = 0x40 };
 static const uint8_t bitmap[2 * 2] = { 0x81, 0x01, 0x00, 0x02 };
@@ -44,8 +46,8 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         .costs = costs, .seed = 1, .priority = -3, .flags = MSG_JOB_SHARE,     \
         .partition = MSG_PART_WINDOW, .order = MSG_ORDER_RANDOM,               \
         .windows = 64, .objects = 4000, .bundle_bytes = 1u << 20,              \
-        .compile_s = .25, .files = { 2, two_hashes }, .nframes = 2,            \
-        .frames = frames                                                       \
+        .compile_s = .25, .memory_mib = 512, .files = { 2, two_hashes },       \
+        .nframes = 2, .frames = frames                                         \
     }
 #define COUNTS                                                                 \
     {                                                                          \
@@ -124,40 +126,62 @@ static const struct msg examples[] = {
 /* clang-format on */
 
 static size_t
-pack(const struct msg *m, uint8_t *buf)
+pack_as(unsigned version, const struct msg *m, uint8_t *buf)
 {
     struct wire_out out;
     size_t n;
 
     wire_out_init(&out, MOST);
-    ck_assert_int_eq(msg_pack(&out, m), 0);
+    ck_assert_int_eq(msg_pack_as(version, &out, m), 0);
     n = out.len;
     memcpy(buf, out.buf, n);
     wire_out_release(&out);
     return n;
 }
 
-static FILE *
-golden(const char *folder, uint16_t type, const char *mode)
+static size_t
+pack(const struct msg *m, uint8_t *buf)
 {
-    const char *top = getenv("top_srcdir");
+    return pack_as(MSG_VERSION, m, buf);
+}
+
+/* Loops over examples go through them once for each version: those that it
+ * does not have are left out. */
+#define VERSIONS    (MSG_VERSION - MSG_VERSION_MIN + 1)
+#define N_EXAMPLES  N_ELEM(examples)
+#define EXAMPLE(i)  (&examples[(i) % N_EXAMPLES])
+#define SPOKEN(i)   ((unsigned)(MSG_VERSION - (i) / N_EXAMPLES))
+#define IS_THERE(i) (msg_since(EXAMPLE(i)->type) <= SPOKEN(i))
+
+static FILE *
+open_golden(const char *folder, const char *under, uint16_t type,
+            const char *mode)
+{
     char path[4096];
     FILE *f;
 
-    snprintf(path, sizeof path, "%s%s/%s.hex",
-             folder ? folder
-             : top  ? top
-                    : ".",
-             folder ? "" : "/tests/golden", msg_name(type));
+    snprintf(path, sizeof path, "%s%s/%s.hex", folder, under, msg_name(type));
     f = fopen(path, mode);
     ck_assert_msg(f != NULL, "%s: cannot open", path);
     return f;
 }
 
+/* What was recorded of a message in that version. */
+static FILE *
+golden(uint16_t type, unsigned version)
+{
+    const char *top = getenv("top_srcdir");
+    char under[40] = "/tests/golden";
+
+    if (version < msg_bytes_since(type))
+        snprintf(under, sizeof under, "/tests/golden/v%u", version);
+    return open_golden(top ? top : ".", under, type, "r");
+}
+
 static void
 record(const char *folder, uint16_t type, const uint8_t *bytes, size_t n)
 {
-    FILE *f = golden(folder, type, "w");
+    FILE *f = open_golden(folder, "", type, "w");
 
     for (size_t i = 0; i < n; i++)
         fprintf(f, "%02x%c", bytes[i], i % 16 == 15 || i == n - 1 ? '\n' : ' ');
@@ -213,21 +237,24 @@ END_TEST
 
 START_TEST(every_message_has_its_recorded_bytes)
 {
+    const struct msg *m = EXAMPLE(_i);
     uint8_t bytes[MOST];
-    size_t n = pack(&examples[_i], bytes), i = 0;
     const char *folder = getenv("RADD_RECORD");
+    size_t n, i = 0;
     unsigned byte;
     FILE *f;
 
-    if (folder) {
-        record(folder, examples[_i].type, bytes, n);
+    if (!IS_THERE(_i))
+        return;
+    n = pack_as(SPOKEN(_i), m, bytes);
+    if (folder && SPOKEN(_i) == MSG_VERSION) {
+        record(folder, m->type, bytes, n);
         return;
     }
-    f = golden(NULL, examples[_i].type, "r");
+    f = golden(m->type, SPOKEN(_i));
     for (; fscanf(f, "%2x", &byte) == 1; i++) {
-        ck_assert_msg(i < n, "%s is shorter", msg_name(examples[_i].type));
-        ck_assert_msg(bytes[i] == byte, "%s: byte %zu",
-                      msg_name(examples[_i].type), i);
+        ck_assert_msg(i < n, "%s is shorter", msg_name(m->type));
+        ck_assert_msg(bytes[i] == byte, "%s: byte %zu", msg_name(m->type), i);
     }
     ck_assert_uint_eq(i, n);
     fclose(f);
@@ -247,14 +274,19 @@ END_TEST
 /* Unpacked and packed again it is the same. */
 START_TEST(every_message_comes_back)
 {
+    const struct msg *example = EXAMPLE(_i);
     uint8_t first[MOST], again[MOST];
-    size_t n = pack(&examples[_i], first);
     struct msg m = { 0 };
+    size_t n;
 
-    ck_assert_int_eq(msg_unpack(&m, examples[_i].type, examples[_i].request,
-                                first + MSG_HEADER, n - MSG_HEADER, NULL),
+    if (!IS_THERE(_i))
+        return;
+    n = pack_as(SPOKEN(_i), example, first);
+    ck_assert_int_eq(msg_unpack_as(SPOKEN(_i), &m, example->type,
+                                   example->request, first + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
                      0);
-    ck_assert_uint_eq(pack(&m, again), n);
+    ck_assert_uint_eq(pack_as(SPOKEN(_i), &m, again), n);
     ck_assert_mem_eq(again, first, n);
     msg_release(&m);
 }
@@ -281,24 +313,172 @@ START_TEST(coded_rows_come_back)
     ck_assert_int_eq(
         msg_unpack(&back, MSG_RESULT, 0, bytes + MSG_HEADER, n - 8, NULL),
         RAD_EPROTO); /* no byte of them */
+    msg_release(&back);
+}
+END_TEST
+
+/* A frame that lies packed goes to whoever speaks another version as if it had
+ * been packed for that. */
+START_TEST(a_frame_is_translated)
+{
+    const struct msg *m = EXAMPLE(_i);
+    bool same = SPOKEN(_i) >= msg_bytes_since(m->type);
+    uint8_t frame[MOST], want[MOST];
+    size_t n = pack(m, frame);
+    struct wire_out out;
+    int rc;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    rc = msg_frame_as(SPOKEN(_i), &out, frame, n);
+    if (!IS_THERE(_i)) {
+        ck_assert_int_eq(rc, RAD_EPROTO);
+        ck_assert_uint_eq(out.len, 0);
+    } else if (same) {
+        ck_assert_int_eq(rc, 0);
+        ck_assert_uint_eq(out.len, 0);
+        ck_assert_uint_eq(pack_as(SPOKEN(_i), m, want), n);
+        ck_assert_mem_eq(frame, want, n);
+    } else {
+        ck_assert_int_eq(rc, 1);
+        ck_assert_uint_eq(pack_as(SPOKEN(_i), m, want), out.len);
+        ck_assert_mem_eq(out.buf, want, out.len);
+        ck_assert(n != out.len || memcmp(frame, want, n) != 0);
+    }
+    wire_out_release(&out);
+}
+END_TEST
+
+/* Coded rows are for those who know them; there is no other way to say them. */
+START_TEST(what_is_coded_is_not_said_in_version_1)
+{
+    struct msg job = { .type = MSG_JOB_START, .job_start = SPEC };
+    struct msg rows = { .type = MSG_RESULT,
+                        .result = { ID, 1, 2, 3, 1, 2, 1, 0,
+                                    .pixels = (const uint8_t *)"12345678",
+                                    .len = 8 } };
+    struct wire_out out;
+    struct msg m = { 0 };
+    uint8_t bytes[MOST];
+    size_t n = pack(&rows, bytes);
+
+    wire_out_init(&out, MOST);
+    job.job_start.flags |= MSG_JOB_CODED;
+    ck_assert_int_eq(msg_pack_as(1, &out, &job), RAD_EPROTO);
+    ck_assert_int_eq(msg_pack_as(1, &out, &rows), RAD_EPROTO);
+    ck_assert_int_eq(msg_unpack_as(1, &m, MSG_RESULT, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     RAD_EPROTO);
+    wire_out_release(&out);
+    msg_release(&m);
+}
+END_TEST
+
+START_TEST(what_is_no_frame_is_not_translated)
+{
+    uint8_t frame[MOST] = { 0 };
+    struct wire_out out;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_frame_as(1, &out, frame, 3), RAD_EPROTO);
+    ck_assert_int_eq(msg_frame_as(1, &out, frame, MSG_HEADER), RAD_EPROTO);
+    wire_out_release(&out);
+}
+END_TEST
+
+static const struct {
+    unsigned min, max, common;
+} ranges[] = {
+    { 1, 1, 1 }, { 1, 2, 2 }, { 2, 2, 2 }, { 0, 9999, 2 }, { 2, 65535, 2 },
+    { 0, 1, 1 }, { 3, 3, 0 }, { 0, 0, 0 }, { 2, 1, 0 }, /* no range at all */
+};
+
+START_TEST(the_highest_version_that_both_speak_is_taken)
+{
+    ck_assert_uint_eq(msg_common_version(ranges[_i].min, ranges[_i].max),
+                      ranges[_i].common);
+}
+END_TEST
+
+/* What came after version 1 is none of it, in neither direction. */
+START_TEST(a_later_message_is_none_of_an_earlier_version)
+{
+    struct msg m = { .type = MSG_KEY, .key = { MSG_KEY_LIST, "", 0 } };
+    struct rad_error err = { 0 };
+    uint8_t bytes[MOST];
+    size_t n = pack(&m, bytes);
+    struct msg_header h;
+    struct wire_out out;
+
+    wire_out_init(&out, MOST);
+    ck_assert_int_eq(msg_pack_as(1, &out, &m), RAD_EPROTO);
+    ck_assert_int_eq(frame_header(&h, MSG_AT_COORD_ADMIN, 1, bytes, &err),
+                     RAD_EPROTO);
+    ck_assert_str_eq(err.what, "unknown message 33, flags 0");
+    ck_assert_int_eq(frame_header(&h, MSG_AT_COORD_ADMIN, 2, bytes, NULL), 0);
+    ck_assert_int_eq(msg_unpack_as(1, &m, MSG_KEY, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     RAD_EPROTO);
+    msg_release(&m);
+    wire_out_release(&out);
+}
+END_TEST
+
+/* By version 1 what it has no word for is left out, or said as near as can
+ * be. */
+START_TEST(version_1_is_told_what_it_can_take)
+{
+    const struct msg_peer some[] = {
+        { "ws1", "", ID, MSG_PEER_DROP, 2 },
+        { "ws2", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL, 1 },
+    };
+    struct msg told = { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, some } };
+    struct msg held = { .type = MSG_PROGRESS,
+                        .progress = { .state = MSG_STATE_HELD, .error = 1 } };
+    struct msg job = { .type = MSG_JOB_START, .job_start = SPEC };
+    struct msg m = { 0 };
+    uint8_t bytes[MOST];
+    size_t n = pack_as(1, &told, bytes);
+
+    job.job_start.flags |= MSG_JOB_RECORDS;
+
+    ck_assert_int_eq(msg_unpack_as(1, &m, told.type, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     0);
+    ck_assert_uint_eq(m.job_peers.npeers, 1);
+    ck_assert_str_eq(m.job_peers.peers[0].name, "ws2");
+    ck_assert_uint_eq(m.job_peers.peers[0].version, 1);
+    n = pack_as(1, &job, bytes);
+    ck_assert_int_eq(msg_unpack_as(1, &m, job.type, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     0);
+    ck_assert_uint_eq(m.job_start.flags, MSG_JOB_SHARE);
+    ck_assert_uint_eq(m.job_start.memory_mib, 0);
+    n = pack_as(1, &held, bytes);
+    ck_assert_int_eq(msg_unpack_as(1, &m, held.type, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     0);
+    ck_assert_uint_eq(m.progress.state, 0);
+    ck_assert(m.progress.error == 0);
+    msg_release(&m);
 }
 END_TEST
 
 /* From a block of its own size, so that a sanitizer sees any read beyond. */
 static int
-unpack_exactly(uint16_t type, const uint8_t *payload, size_t n, struct msg *m)
+unpack_exactly(unsigned version, uint16_t type, const uint8_t *payload,
+               size_t n, struct msg *m)
 {
     uint8_t *copy = malloc(n ? n : 1);
     int rc;
 
     ck_assert_ptr_nonnull(copy);
     memcpy(copy, payload, n);
-    rc = msg_unpack(m, type, 0, copy, n, NULL);
+    rc = msg_unpack_as(version, m, type, 0, copy, n, NULL);
     if (rc == 0) { /* touch all that was lent */
         struct wire_out out;
 
         wire_out_init(&out, MSG_FRAME_MAX);
-        ck_assert_int_eq(msg_pack(&out, m), 0);
+        ck_assert_int_eq(msg_pack_as(version, &out, m), 0);
         ck_assert_uint_eq(out.len, n + MSG_HEADER);
         ck_assert_mem_eq(out.buf + MSG_HEADER, payload, n);
         wire_out_release(&out);
@@ -309,17 +489,19 @@ unpack_exactly(uint16_t type, const uint8_t *payload, size_t n, struct msg *m)
 
 START_TEST(a_message_of_any_other_length_is_refused)
 {
+    uint16_t type = EXAMPLE(_i)->type;
     uint8_t bytes[MOST] = { 0 };
-    size_t n = pack(&examples[_i], bytes) - MSG_HEADER;
+    const uint8_t *payload = bytes + MSG_HEADER;
     struct msg m = { 0 };
+    size_t n;
 
-    for (size_t len = 0; len < n; len++)
-        ck_assert_int_eq(
-            unpack_exactly(examples[_i].type, bytes + MSG_HEADER, len, &m),
-            RAD_EPROTO);
-    ck_assert_int_eq(
-        unpack_exactly(examples[_i].type, bytes + MSG_HEADER, n + 1, &m),
-        RAD_EPROTO);
+    if (!IS_THERE(_i))
+        return;
+    n = pack_as(SPOKEN(_i), EXAMPLE(_i), bytes) - MSG_HEADER;
+    for (size_t len = 0; len <= n + 1; len++)
+        if (len != n)
+            ck_assert_int_eq(unpack_exactly(SPOKEN(_i), type, payload, len, &m),
+                             RAD_EPROTO);
     msg_release(&m);
 }
 END_TEST
@@ -327,17 +509,20 @@ END_TEST
 /* Whatever a byte is changed to: refused, or it packs to the same bytes. */
 START_TEST(a_damaged_message_is_refused_or_consistent)
 {
+    uint16_t type = EXAMPLE(_i)->type;
     uint8_t bytes[MOST] = { 0 };
-    size_t n = pack(&examples[_i], bytes) - MSG_HEADER;
     uint8_t *payload = bytes + MSG_HEADER;
     struct msg m = { 0 };
+    size_t n;
 
-    if (examples[_i].type == MSG_HELLO)
-        return; /* of another version is not read to its end */
+    if (!IS_THERE(_i) ||
+        type == MSG_HELLO) /* of another version it is not read to its end */
+        return;
+    n = pack_as(SPOKEN(_i), EXAMPLE(_i), bytes) - MSG_HEADER;
     for (size_t at = 0; at < n; at++)
         for (int flip = 1; flip < 256; flip *= 2) {
             payload[at] ^= (uint8_t)flip;
-            unpack_exactly(examples[_i].type, payload, n, &m);
+            unpack_exactly(SPOKEN(_i), type, payload, n, &m);
             payload[at] ^= (uint8_t)flip;
         }
     msg_release(&m);
@@ -346,13 +531,13 @@ END_TEST
 
 START_TEST(a_hello_of_another_version_is_understood_so_far)
 {
-    static const uint8_t bytes[] = { 0, 2, 0, 3, 1, 0xff, 0xee };
+    static const uint8_t bytes[] = { 0, 3, 0, 4, 1, 0xff, 0xee };
     struct msg m = { 0 };
 
     ck_assert_int_eq(msg_unpack(&m, MSG_HELLO, 0, bytes, sizeof bytes, NULL),
                      0);
-    ck_assert_uint_eq(m.hello.min, 2);
-    ck_assert_uint_eq(m.hello.max, 3);
+    ck_assert_uint_eq(m.hello.min, 3);
+    ck_assert_uint_eq(m.hello.max, 4);
     ck_assert_str_eq(m.hello.name, "");
     msg_release(&m);
 }
@@ -567,16 +752,23 @@ main(void)
 {
     Suite *s = suite_create("message");
     TCase *tc = tcase_create("message");
-    int n = N_ELEM(examples);
+    int n = N_EXAMPLES, all = n * VERSIONS;
 
     tcase_add_test(tc, the_first_pixel_that_is_no_number_is_kept);
     tcase_add_test(tc, functions_without_a_value_are_summed_by_object);
-    tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, n);
+    tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, all);
     tcase_add_test(tc, every_message_has_an_example);
-    tcase_add_loop_test(tc, every_message_comes_back, 0, n);
+    tcase_add_loop_test(tc, every_message_comes_back, 0, all);
     tcase_add_test(tc, coded_rows_come_back);
-    tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, n);
-    tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, n);
+    tcase_add_loop_test(tc, a_frame_is_translated, 0, all);
+    tcase_add_test(tc, what_is_coded_is_not_said_in_version_1);
+    tcase_add_test(tc, what_is_no_frame_is_not_translated);
+    tcase_add_loop_test(tc, the_highest_version_that_both_speak_is_taken, 0,
+                        N_ELEM(ranges));
+    tcase_add_test(tc, a_later_message_is_none_of_an_earlier_version);
+    tcase_add_test(tc, version_1_is_told_what_it_can_take);
+    tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, all);
+    tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, all);
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));

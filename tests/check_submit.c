@@ -31,6 +31,7 @@ struct player {
     uint8_t bytes[1 << 16];
     const uint8_t *next;
     size_t left;
+    unsigned speaks; /* at most that version; 0: all */
 };
 
 enum { WRONG = 99 }; /* exit status when the client strays from the script */
@@ -42,7 +43,7 @@ player_send(struct player *p, const struct msg *m)
     size_t done = 0;
 
     wire_out_init(&out, MSG_FRAME_MAX);
-    if (msg_pack(&out, m) < 0)
+    if (msg_pack_as(p->reader.version, &out, m) < 0)
         _exit(WRONG);
     while (done < out.len) {
         ssize_t n = write(p->fd, out.buf + done, out.len - done);
@@ -96,12 +97,16 @@ static void
 player_welcome(struct player *p, uint64_t epoch)
 {
     struct msg m = { .type = MSG_WELCOME };
+    const struct msg *in;
 
     player_accept(p);
-    if (player_expect(p, MSG_HELLO)->hello.role != MSG_ROLE_USER)
+    in = player_expect(p, MSG_HELLO);
+    if (in->hello.role != MSG_ROLE_USER || in->hello.min != MSG_VERSION_MIN ||
+        in->hello.max != MSG_VERSION)
         _exit(WRONG);
     p->reader.session = MSG_AT_COORD_USER;
-    m.welcome.version = MSG_VERSION;
+    p->reader.version = p->speaks ? p->speaks : MSG_VERSION;
+    m.welcome.version = (uint16_t)p->reader.version;
     m.welcome.epoch = epoch;
     m.welcome.program = "player";
     player_send(p, &m);
@@ -255,6 +260,14 @@ script_renders(struct player *p)
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
 }
 
+/* As a coordinator does that has not been upgraded yet. */
+static void
+script_renders_by_version_1(struct player *p)
+{
+    p->speaks = 1;
+    script_renders(p);
+}
+
 static void
 script_starts_again(struct player *p)
 {
@@ -392,6 +405,8 @@ static const struct script {
     { "nonsense", script_speaks_nonsense, RAD_EPROTO, 30, false, false },
     { "out of turn", script_speaks_out_of_turn, RAD_EPROTO, 30, false, false },
     { "renders", script_renders, 0, 30, false, false },
+    { "renders by version 1", script_renders_by_version_1, 0, 30, false,
+      false },
     { "starts again", script_starts_again, 0, 30, false, false },
     { "fails", script_fails_the_job, RAD_EINTERNAL, 30, false, false },
     { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30, false,

@@ -29,7 +29,8 @@ struct fixture {
     int nsaid;
     struct msg last; /* what was said last */
     struct wire_out bytes;
-    enum msg_session session; /* set last */
+    enum msg_session session; /* set last, with the version */
+    unsigned version;
 };
 
 static struct fixture f;
@@ -94,7 +95,7 @@ carry_out(void)
         else if (a->type == ACT_STOP)
             f.stopped = true, f.status = a->status;
         else if (a->type == ACT_SESSION)
-            f.session = a->session;
+            f.session = a->session, f.version = a->version;
     }
     ck_assert(!l->failed);
     actions_clear(l);
@@ -544,7 +545,7 @@ static void
 introduce(uint32_t flags)
 {
     struct msg_peer p = { "ws2", flags & MSG_PEER_DIAL ? "tcp x" : "", token,
-                          flags };
+                          flags, MSG_VERSION };
     struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
 
     hear(f.coord, &m);
@@ -712,9 +713,51 @@ START_TEST(a_refusal_ends_it_with_the_status)
 }
 END_TEST
 
+/* Old coordinators know 1, and new ones what they take of what is offered. */
+START_TEST(it_speaks_as_it_is_welcomed)
+{
+    const uint16_t version = (uint16_t)_i;
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { version, 1, "radcoord" } };
+
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    carry_out();
+    ck_assert_int_eq(f.last.type, MSG_HELLO);
+    ck_assert_uint_eq(f.last.hello.min, MSG_VERSION_MIN);
+    ck_assert_uint_eq(f.last.hello.max, MSG_VERSION);
+    ck_assert_uint_eq(f.version, MSG_VERSION); /* HELLO is the same in all */
+    hear(f.coord, &m);
+    ck_assert(worker_connected(f.w));
+    ck_assert_int_eq(f.session, MSG_AT_WORKER);
+    ck_assert_uint_eq(f.version, version);
+}
+END_TEST
+
+/* As the coordinator says of the pair. */
+START_TEST(it_speaks_with_a_peer_what_both_know)
+{
+    const uint16_t version = (uint16_t)_i;
+    struct msg_peer p = { "ws2", "tcp x", token, MSG_PEER_DIAL, version };
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
+
+    start_job();
+    child_ready();
+    hear(f.coord, &m);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    ck_assert_int_eq(f.session, MSG_AT_PEER);
+    ck_assert_uint_eq(f.version, version);
+}
+END_TEST
+
+static const uint16_t strange[] = { 0, MSG_VERSION + 1, 9 };
+
 START_TEST(it_ends_when_welcomed_in_another_version)
 {
-    struct msg m = { .type = MSG_WELCOME, .welcome = { 9, 1, "radcoord" } };
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { strange[_i], 1, "radcoord" } };
 
     cut();
     tick(500);
@@ -1015,7 +1058,12 @@ main(void)
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_refusal_ends_it_with_the_status);
-    tcase_add_test(tc, it_ends_when_welcomed_in_another_version);
+    tcase_add_loop_test(tc, it_speaks_as_it_is_welcomed, MSG_VERSION_MIN,
+                        MSG_VERSION + 1);
+    tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
+                        MSG_VERSION_MIN, MSG_VERSION + 1);
+    tcase_add_loop_test(tc, it_ends_when_welcomed_in_another_version, 0,
+                        N_ELEM(strange));
     tcase_add_test(tc, results_come_again_in_another_life_of_the_coordinator);
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);

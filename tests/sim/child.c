@@ -736,7 +736,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         k->started = true;
         k->job = sim_find_job(of(net), m->job_start.job);
         load(net, node);
-        net_session(net, node, conn, MSG_AT_CHILD);
+        net_session(net, node, conn, MSG_AT_CHILD, MSG_VERSION);
         later(net, node, net_random(net, 300), ready);
         return;
     case MSG_UNIT:

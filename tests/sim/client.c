@@ -129,7 +129,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
 
     switch (m->type) {
     case MSG_WELCOME:
-        net_session(net, node, conn, MSG_AT_CLIENT);
+        net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
         net_send_msg(net, node, conn, &offer);
         break;
     case MSG_WANT:
@@ -180,8 +180,8 @@ sim_client_dial(struct sim *s, int job)
     uint64_t there = ++net->next_conn;
     struct coord_peer peer = { "sim", "ana", 1u << MSG_ROLE_USER, NULL };
     struct msg hello = { .type = MSG_HELLO,
-                         .hello = { 1, 1, MSG_ROLE_USER, "", "radsubmit", "", 0,
-                                    0 } };
+                         .hello = { MSG_VERSION_MIN, MSG_VERSION, MSG_ROLE_USER,
+                                    "", "radsubmit", "", 0, 0 } };
 
     s->job[job].conn = ++net->next_conn;
     s->job[job].stats_len = 0;
@@ -200,7 +200,7 @@ static void
 admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
     if (m->type == MSG_WELCOME)
-        net_session(net, node, conn, MSG_AT_CLIENT);
+        net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
 }
 
 static void
@@ -229,8 +229,8 @@ sim_admin_dial(struct sim *s)
     uint64_t there = ++net->next_conn;
     struct coord_peer peer = { "sim", "root", 1u << MSG_ROLE_ADMIN, NULL };
     struct msg hello = { .type = MSG_HELLO,
-                         .hello = { 1, 1, MSG_ROLE_ADMIN, "", "radctl", "", 0,
-                                    0 } };
+                         .hello = { MSG_VERSION_MIN, MSG_VERSION,
+                                    MSG_ROLE_ADMIN, "", "radctl", "", 0, 0 } };
 
     s->admin = ++net->next_conn;
     net->ops[NODE_ADMIN] = &sim_admin_ops;

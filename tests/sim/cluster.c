@@ -85,7 +85,7 @@ coord_action(struct sim *s, const struct action *a)
         net_send(net, NODE_COORD, a->conn, a->bytes, a->len);
         break;
     case ACT_SESSION:
-        net_session(net, NODE_COORD, a->conn, a->session);
+        net_session(net, NODE_COORD, a->conn, a->session, a->version);
         break;
     case ACT_CLOSE:
         net_close(net, NODE_COORD, a->conn);
@@ -244,7 +244,7 @@ worker_action(struct sim *s, int i, const struct action *a)
         worker_written(s->worker[i].machine, net->now_ms, a->conn, a->len);
         break;
     case ACT_SESSION:
-        net_session(net, node, a->conn, a->session);
+        net_session(net, node, a->conn, a->session, a->version);
         break;
     case ACT_CLOSE:
         if (net_find(net, node, a->conn))
@@ -535,13 +535,15 @@ describe(const struct sim *s)
                 w->name, (unsigned long long)w->conn, w->in_flight, w->parked,
                 w->delivered, w->loading ? " loading " : "",
                 w->loading ? w->loading->hex : "", w->alone ? " alone" : "",
-                w->drained ? " drained" : w->leaving ? " leaving" : "");
+                w->drained   ? " drained"
+                : w->leaving ? " leaving"
+                             : "");
     for (size_t i = 0; i < s->coord->njobs; i++) {
         const struct job *job = s->coord->jobs[i];
 
         fprintf(stderr, "job %s %s partition %d flags %x waiting %u\n",
-                job->hex, job_state_name(job->state), job->spec.partition, job->spec.flags,
-                job->partition ? job_waiting(job) : 0);
+                job->hex, job_state_name(job->state), job->spec.partition,
+                job->spec.flags, job->partition ? job_waiting(job) : 0);
         for (uint32_t k = 0; k < job->nworkers; k++)
             fprintf(stderr, "  %s: state %d%s%s\n", job->workers[k].name,
                     (int)job->workers[k].state,

@@ -21,6 +21,14 @@ net_fail(const struct net *net, const char *file, int line, const char *what)
     exit(EXIT_FAILURE);
 }
 
+/* Every fifth node has not been upgraded yet. */
+static unsigned
+speaks(uint64_t seed, unsigned node)
+{
+    return rad_mix64(rad_mix64(seed) + node) % 5 == 0 ? MSG_VERSION_MIN
+                                                      : MSG_VERSION;
+}
+
 void
 net_init(struct net *net, uint64_t seed)
 {
@@ -28,6 +36,8 @@ net_init(struct net *net, uint64_t seed)
     net->seed = seed;
     net->random = rad_mix64(seed + 1);
     net->now_ms = 1000;
+    for (unsigned i = 0; i < sizeof net->speaks / sizeof net->speaks[0]; i++)
+        net->speaks[i] = speaks(seed, i);
 }
 
 static void
@@ -332,20 +342,42 @@ to_other(struct net *net, int link, int side)
     return push(net, at, arrive, (struct net_event){ .a = link, .b = !side });
 }
 
+/* An old program asks for no more than it speaks, and one that is asked for
+ * more than it does is as good as asked for that. */
+static void
+cap_hello(struct net *net, const struct net_link *l, uint8_t *hello)
+{
+    unsigned most = MSG_VERSION;
+
+    for (int side = 0; side < 2; side++)
+        if (net->speaks[l->end[side].node] < most)
+            most = net->speaks[l->end[side].node];
+    hello[MSG_HEADER + 2] = (uint8_t)(most >> 8); /* its `max` */
+    hello[MSG_HEADER + 3] = (uint8_t)most;
+}
+
 void
 net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
          size_t len)
 {
-    int link, side;
+    struct net_end *end;
     struct net_event *e;
+    struct wire_out out;
+    int link, side, rc;
 
     /* no machine may speak into a connection that it knows is gone */
-    SIM_CHECK(net, find(net, node, conn, &link, &side) != NULL);
+    SIM_CHECK(net, (end = find(net, node, conn, &link, &side)) != NULL);
+    wire_out_init(&out, MSG_FRAME_MAX);
+    rc = msg_frame_as(end->reader.version, &out, bytes, len);
+    SIM_CHECK(net, rc >= 0);
+    if (rc == 0)
+        wire_put_bytes(&out, bytes, len);
+    SIM_CHECK(net, !out.bad);
+    if (msg_frame_type(bytes, len) == MSG_HELLO)
+        cap_hello(net, net->links[link], out.buf);
     e = to_other(net, link, side);
-    e->data = malloc(len);
-    SIM_CHECK(net, e->data != NULL);
-    memcpy(e->data, bytes, len);
-    e->len = len;
+    e->data = out.buf; /* that of wire_out_release() */
+    e->len = out.len;
 }
 
 void
@@ -360,12 +392,14 @@ net_send_msg(struct net *net, int node, uint64_t conn, const struct msg *m)
 }
 
 void
-net_session(struct net *net, int node, uint64_t conn, enum msg_session session)
+net_session(struct net *net, int node, uint64_t conn, enum msg_session session,
+            unsigned version)
 {
     struct net_end *e = net_find(net, node, conn);
 
     SIM_CHECK(net, e != NULL);
     e->reader.session = session;
+    e->reader.version = version;
 }
 
 void

@@ -56,7 +56,8 @@ struct net {
     /* Called before a message is heard, and after; NULL: nobody cares. */
     void (*hear)(struct net *net, int from, int to, const struct msg *m,
                  bool after);
-    bool repeats; /* messages that may come twice sometimes do */
+    unsigned speaks[64]; /* by node: the highest version of the protocol */
+    bool repeats;        /* messages that may come twice sometimes do */
     unsigned repeated;
     struct msg msg;
 };
@@ -94,13 +95,14 @@ struct net_link *net_join(struct net *net, int a, uint64_t a_conn, int b,
 /* The open end of a node; NULL if it is not open. */
 struct net_end *net_find(struct net *net, int node, uint64_t conn);
 
-/* Send bytes, or a message, from a node's open end. */
+/* Send bytes, or a message, from a node's open end.  They are of the current
+ * version, and translated where the connection's is another. */
 void net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
               size_t len);
 void net_send_msg(struct net *net, int node, uint64_t conn,
                   const struct msg *m);
 void net_session(struct net *net, int node, uint64_t conn,
-                 enum msg_session session);
+                 enum msg_session session, unsigned version);
 
 /* Close from this side; the other hears of it after what was sent. */
 void net_close(struct net *net, int node, uint64_t conn);
