@@ -20,13 +20,14 @@ view="-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 60 -vv 60 -x 1900 -y 1750 -ps 1 -ab 0
 
 coord_options=--lease-floor-s=600
 faulty_start 1 1
+# from the first row on, so that it does not matter how soon they are looked at
+tell c1 rate 500000
 # shellcheck disable=SC2086
 "$radsubmit" --coordinator="$sock" --name=big $view -o big.hdr plain.rad \
     2>big.err &
 job=$!
-until_true 30 in_the_middle big || fail "the job does not start"
+until_true 30 grep -q 'children wait' w1.log || fail "nobody waits"
 tell c1 hold up
-until_true 12 grep -q 'children wait' w1.log || fail "nobody waits"
 kib=$(sed -n 's/^VmRSS:[^0-9]*\([0-9]*\).*/\1/p' "/proc/$pid_1/status")
 [ "$kib" -lt 60000 ] || fail "radd has $kib KiB"
 tell c1 well
