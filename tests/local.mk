@@ -312,7 +312,8 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
-	tests/e2e/systemd_units.sh
+	tests/e2e/systemd_units.sh \
+	tests/e2e/versions.sh
 EXTRA_DIST += \
 	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
@@ -344,7 +345,8 @@ TESTS += \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
-	tests/e2e/systemd_units.sh
+	tests/e2e/systemd_units.sh \
+	tests/e2e/versions.sh
 
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
 tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)

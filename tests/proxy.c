@@ -11,7 +11,9 @@
  *   cut BYTES      each is closed once so many more bytes have passed
  *   halfopen       the target's side is closed, the other is not told
  *   refuse         drop, and close every new connection at once
- *   well           an end to all that; what was held goes on
+ *   speak N        who connects from now on offers version N of the protocol at
+ *                  most (0: whatever it does), as if it had not been upgraded
+ *   well           an end to all that but speak; what was held goes on
  *   gone           there are no connections any more that halfopen left
  * Ends with SIGTERM. */
 #include "config.h"
@@ -42,7 +44,7 @@ struct flow {
     struct link *link;
     uv_stream_t *from, *to;
     struct chunk *first, **last;
-    size_t waiting;
+    size_t waiting, passed; /* bytes; since it began */
     bool up, reading, ended;
     char buf[16384];
 };
@@ -68,7 +70,7 @@ static struct {
     char line[256];
     size_t nline;
     bool hold_up, hold_down, refuse;
-    unsigned delay_ms, rate;
+    unsigned delay_ms, rate, speak;
 } g;
 
 static void
@@ -168,6 +170,19 @@ on_alloc(uv_handle_t *h, size_t wish, uv_buf_t *buf)
     *buf = uv_buf_init(f->buf, sizeof f->buf);
 }
 
+/* The highest version that a HELLO offers: two bytes, 18 into the first frame.
+ */
+static void
+cap_hello(struct flow *f, struct chunk *c)
+{
+    const char most[2] = { (char)(g.speak >> 8), (char)g.speak };
+
+    for (size_t i = 0; g.speak && f == &f->link->up && i < c->len; i++)
+        if (f->passed + i >= 18 && f->passed + i < 20)
+            c->bytes[i] = most[f->passed + i - 18];
+    f->passed += c->len;
+}
+
 static void
 on_read(uv_stream_t *s, ssize_t n, const uv_buf_t *buf)
 {
@@ -187,6 +202,7 @@ on_read(uv_stream_t *s, ssize_t n, const uv_buf_t *buf)
     *c = (struct chunk){ .due_ms = uv_now(&g.loop) + g.delay_ms,
                          .len = (size_t)n };
     memcpy(c->bytes, buf->base, (size_t)n);
+    cap_hello(f, c);
     *f->last = c;
     f->last = &c->next;
     f->waiting += (size_t)n;
@@ -355,6 +371,8 @@ obey(const char *line)
     } else if (sscanf(line, "cut %u", &n) == 1) {
         for (struct link *l = g.links; l; l = l->next)
             l->left = n;
+    } else if (sscanf(line, "speak %u", &n) == 1) {
+        g.speak = n;
     } else if (strcmp(line, "drop") == 0) {
         all_links(close_link);
     } else if (strcmp(line, "halfopen") == 0) {

@@ -1,0 +1,88 @@
+#!/bin/sh
+# versions.sh - a cluster of which one half speaks the protocol's version 1: a
+# proxy lowers what HELLO offers, as if its sender had not been upgraded, and all
+# that follows is between the daemons
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/faults.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 240 -y 180 -ps 4 -ab 0"
+room=$scenes/room.rad
+
+# spoken WHAT VERSION: the coordinator heard such a HELLO
+spoken()
+{
+    grep -q "hello .*$1.* protocol=$2\$" "$work/c.log"
+}
+
+# speaks N: worker 1 comes back and speaks that
+speaks()
+{
+    tell c1 speak "$1"
+    tell c1 drop
+    until_true 30 last_of_1 "$1" || fail "worker 1 does not speak version $1"
+}
+
+last_of_1()
+{
+    grep 'hello .*name=w1 ' "$work/c.log" | tail -n 1 | grep -q "protocol=$1\$"
+}
+
+# submit AT OUT OPTION...
+submit()
+{
+    at=$1 out=$2
+    shift 2
+    # shellcheck disable=SC2086 # options are words
+    "$radsubmit" --coordinator="$at" "$@" $view --stats="$out.json" \
+        -o "$out" "$room" 2>stderr </dev/null || fail "$out: $(cat stderr)"
+}
+
+# shellcheck disable=SC2086
+"$radsubmit" --local --workers=1 --threads=1 $view -o strict.hdr "$room" \
+    2>stderr || fail "embedded: $(cat stderr)"
+# shellcheck disable=SC2086
+"$radsubmit" --local --workers=1 --threads=1 --partition=window $view \
+    -o window.hdr "$room" 2>stderr || fail "embedded: $(cat stderr)"
+
+faulty_start 2 1
+proxy_start old "$work/old.sock" "$sock"
+tell old speak 1
+speaks 1
+spoken name=w2 2 || fail "worker 2 does not speak version 2"
+
+# both take part, whoever asks, with lines shared between them and without
+for part in window scanbar auto; do
+    for at in "$sock" "$work/old.sock"; do
+        submit "$at" out.hdr --partition=$part
+        [ $part = window ] && want=window.hdr || want=strict.hdr
+        cmp "$want" out.hdr || fail "$part by $at: another picture"
+    done
+done
+spoken role=2 1 || fail "no radsubmit spoke version 1"
+spoken role=2 2 || fail "no radsubmit spoke version 2"
+
+# what version 1 has no word for
+"$radctl" --coordinator="$work/old.sock" workers >/dev/null || fail "workers"
+expect 76 "too old to be asked that: it speaks protocol version 1" "keys" \
+    "$radctl" --coordinator="$work/old.sock" key list
+"$radctl" --coordinator="$sock" key list >/dev/null || fail "keys"
+
+# upgraded in the middle of a job, and taken back: what it kept packed goes on
+view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -ab 0
+--partition=window --windows=40"
+submit "$sock" calm.hdr
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --name=turn $view -o out.hdr "$room" \
+    2>stderr &
+job=$!
+until_true 60 in_the_middle turn || fail "the job does not start"
+speaks 2
+speaks 1
+wait $job || fail "turn: $(cat stderr)"
+cmp calm.hdr out.hdr || fail "the picture after an upgrade differs"
+
+grep -H 'protocol error\|not sent' ./*.log && fail "somebody is not understood"
+faulty_stop
+finish
