@@ -502,6 +502,19 @@ unchoke(struct conn *c)
         uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 
+static unsigned
+limit_ms(const struct conn *c)
+{
+    return c->handler->limit_ms ? c->handler->limit_ms : CONN_HANDSHAKE_MS;
+}
+
+/* How often to look at the time. */
+static unsigned
+period_ms(const struct conn *c)
+{
+    return limit_ms(c) < CONN_PING_MS ? limit_ms(c) : CONN_PING_MS;
+}
+
 static void
 on_timer(uv_timer_t *timer)
 {
@@ -511,11 +524,11 @@ on_timer(uv_timer_t *timer)
 
     if (c->primed) {
         c->primed = false;
-        uv_timer_start(timer, on_timer, CONN_PING_MS, CONN_PING_MS);
+        uv_timer_start(timer, on_timer, period_ms(c), period_ms(c));
         unseal(c);
         return;
     }
-    if (c->finishing || (!c->live && now - c->opened_ms >= CONN_HANDSHAKE_MS)) {
+    if (c->finishing || (!c->live && now - c->opened_ms >= limit_ms(c))) {
         end(c, "took too long");
         return;
     }
@@ -563,8 +576,8 @@ conn_new(uv_stream_t *stream, struct tls *tls, enum msg_session session,
     c->timer.data = c->before.data = c->after.data = c;
     c->opened_ms = c->heard_ms = uv_now(stream->loop);
     c->primed = tls != NULL;
-    uv_timer_start(&c->timer, on_timer, c->primed ? 0 : CONN_PING_MS,
-                   CONN_PING_MS);
+    uv_timer_start(&c->timer, on_timer, c->primed ? 0 : period_ms(c),
+                   period_ms(c));
     uv_read_start(stream, on_alloc, on_read);
     return c;
 }
@@ -598,6 +611,8 @@ conn_live(struct conn *c, bool ping)
 {
     c->live = true;
     c->ping = ping;
+    if (period_ms(c) < CONN_PING_MS && !c->primed)
+        uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
 }
 
 void

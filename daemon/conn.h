@@ -7,7 +7,7 @@
  *
  * Liveness, once the owner says that the connection is live: a PING each 5 s,
  * a PONG for each PING, and the end after 15 s without a byte.  Before that:
- * the end after 10 s.
+ * the end after CONN_HANDSHAKE_MS, or what the handler says.
  *
  * Over TCP there is a TLS session between the stream and the messages, whose
  * handshake is over (handshake.h); a TCP stream without one is our bug.  Counts
@@ -69,6 +69,7 @@ struct conn_handler {
     /* n bytes have been written; may be NULL. */
     void (*written)(void *arg, struct conn *c, size_t n);
     struct log_limit *errors; /* on lines about bad bytes; NULL: none */
+    unsigned limit_ms;        /* to be live in; 0: CONN_HANDSHAKE_MS */
 };
 
 /* Take an open stream, and its session (NULL: a Unix socket), and read from

@@ -156,8 +156,9 @@ connected(uv_connect_t *req, int status)
         hand_over(g, stream, NULL);
     } else {
         g->stream = NULL; /* it is the handshake's */
-        g->shake = handshake_new(
-            stream, tls_dial(d->tls, g->key.id, g->key.secret), shaken, g);
+        g->shake =
+            handshake_new(stream, tls_dial(d->tls, g->key.id, g->key.secret),
+                          HANDSHAKE_MS, shaken, g);
         if (!g->shake)
             give_up(g, "out of memory");
     }

@@ -21,6 +21,7 @@ struct visitor {
 
 struct gate {
     struct tls_ctx *tls;
+    unsigned limit_ms;
     gate_fn *fn;
     void *arg;
     struct visitor *first; /* the oldest */
@@ -29,13 +30,15 @@ struct gate {
 };
 
 struct gate *
-gate_new(tls_find_fn *find, void *find_arg, gate_fn *fn, void *arg)
+gate_new(tls_find_fn *find, void *find_arg, unsigned limit_ms, gate_fn *fn,
+         void *arg)
 {
     struct gate *g = calloc(1, sizeof *g);
 
     if (!g)
         return NULL;
     g->tls = tls_server(find, find_arg);
+    g->limit_ms = limit_ms;
     g->fn = fn;
     g->arg = arg;
     if (g->tls)
@@ -164,7 +167,8 @@ gate_take(struct gate *g, uv_stream_t *stream, const struct address *from)
     host_of(from, v->host);
     address_format(from, v->peer);
     make_room(g, v->host);
-    v->shake = handshake_new(stream, tls_accept(g->tls), shaken, v);
+    v->shake =
+        handshake_new(stream, tls_accept(g->tls), g->limit_ms, shaken, v);
     if (!v->shake) {
         log_err("connection refused peer=%s: out of memory", v->peer);
         free(v);

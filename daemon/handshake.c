@@ -14,6 +14,7 @@ struct handshake {
     struct tls *tls;
     handshake_fn *fn;
     void *arg;
+    unsigned limit_ms;
     size_t bytes_in;
     bool over;
     char buf[2048];
@@ -157,7 +158,7 @@ on_timer(uv_timer_t *timer)
     struct rad_error err = { 0 };
 
     if (uv_timer_get_repeat(timer) == 0) { /* the beginning */
-        uv_timer_start(timer, on_timer, HANDSHAKE_MS, HANDSHAKE_MS);
+        uv_timer_start(timer, on_timer, h->limit_ms, h->limit_ms);
         uv_read_start(h->stream, on_alloc, on_read);
         go_on(h);
         return;
@@ -167,7 +168,8 @@ on_timer(uv_timer_t *timer)
 }
 
 struct handshake *
-handshake_new(uv_stream_t *stream, struct tls *tls, handshake_fn *fn, void *arg)
+handshake_new(uv_stream_t *stream, struct tls *tls, unsigned limit_ms,
+              handshake_fn *fn, void *arg)
 {
     struct handshake *h = tls ? calloc(1, sizeof *h) : NULL;
 
@@ -178,6 +180,7 @@ handshake_new(uv_stream_t *stream, struct tls *tls, handshake_fn *fn, void *arg)
     }
     h->stream = stream;
     h->tls = tls;
+    h->limit_ms = limit_ms;
     h->fn = fn;
     h->arg = arg;
     stream->data = h;

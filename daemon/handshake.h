@@ -2,7 +2,7 @@
  *
  * Carries a TLS handshake over an open stream.  Until it is over nothing of
  * ours is read, and nothing is kept but the session itself: a few kilobytes
- * may come, for CONN_HANDSHAKE_MS at most.
+ * may come, in the time that its owner gives it.
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_HANDSHAKE_H
 #define RADD_DAEMON_HANDSHAKE_H
@@ -11,7 +11,7 @@
 
 #include <uv.h>
 
-#define HANDSHAKE_MS    10000
+#define HANDSHAKE_MS    10000 /* that it usually is given */
 #define HANDSHAKE_BYTES 16384 /* most that a side may send */
 
 struct handshake;
@@ -22,10 +22,11 @@ struct handshake;
 typedef void handshake_fn(void *arg, uv_stream_t *stream, struct tls *tls,
                           const struct rad_error *why);
 
-/* Takes the stream (a union conn_stream) and the session.  fn is called later,
- * never from inside.  NULL when memory is out; both are closed then. */
+/* Takes the stream (a union conn_stream) and the session; it is over limit_ms
+ * from now at the latest, whatever comes.  fn is called later, never from
+ * inside.  NULL when memory is out; both are closed then. */
 struct handshake *handshake_new(uv_stream_t *stream, struct tls *tls,
-                                handshake_fn *fn, void *arg);
+                                unsigned limit_ms, handshake_fn *fn, void *arg);
 
 /* End it; fn is not called.  Not after fn was. */
 void handshake_cancel(struct handshake *h);

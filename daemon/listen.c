@@ -147,7 +147,9 @@ new_listener(const struct address *a, const struct listener_conf *conf)
     l->conf = *conf;
     if (l->local)
         return l;
-    l->gate = gate_new(conf->find, conf->arg, conf->fn, conf->arg);
+    l->gate = gate_new(conf->find, conf->arg,
+                       conf->limit_ms ? conf->limit_ms : HANDSHAKE_MS, conf->fn,
+                       conf->arg);
     if (l->gate)
         return l;
     free(l);

@@ -22,6 +22,7 @@ struct listener_conf {
     listener_fn *fn;
     tls_find_fn *find; /* the keys of who may come over TCP */
     bool anywhere;     /* on any address; else on this machine alone */
+    unsigned limit_ms; /* to prove a key in; 0: HANDSHAKE_MS */
     void *arg;         /* fn's and find's */
 };
 

@@ -844,8 +844,9 @@ on_written(void *arg, struct conn *c, size_t n)
     on_news(r); /* there may be room for more */
 }
 
-static const struct conn_handler handler = { on_message, on_closed, on_written,
-                                             NULL };
+static const struct conn_handler handler = { .message = on_message,
+                                             .closed = on_closed,
+                                             .written = on_written };
 
 /* --- the process --- */
 

@@ -94,8 +94,10 @@ shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
     s->loop = loop;
     s->ops = ops;
     s->arg = arg;
-    s->handler =
-        (struct conn_handler){ on_message, on_closed, on_written, &s->errors };
+    s->handler = (struct conn_handler){ .message = on_message,
+                                        .closed = on_closed,
+                                        .written = on_written,
+                                        .errors = &s->errors };
 }
 
 uint64_t

@@ -61,11 +61,13 @@ on_written(void *arg, struct conn *c, size_t n)
     e->written += n;
 }
 
-static const struct conn_handler handler = { on_message, on_closed, on_written,
-                                             NULL };
+static const struct conn_handler handler = { .message = on_message,
+                                             .closed = on_closed,
+                                             .written = on_written };
 
 static void
-open_ends(struct ends *e, enum msg_session session)
+open_ends_of(struct ends *e, enum msg_session session,
+             const struct conn_handler *owner)
 {
     int fds[2];
     uv_stream_t *s;
@@ -78,8 +80,14 @@ open_ends(struct ends *e, enum msg_session session)
     s = conn_stream_new(&e->loop, true);
     ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
     e->fd = fds[1];
-    e->conn = conn_new(s, NULL, session, "test", &handler, e);
+    e->conn = conn_new(s, NULL, session, "test", owner, e);
     ck_assert_ptr_nonnull(e->conn);
+}
+
+static void
+open_ends(struct ends *e, enum msg_session session)
+{
+    open_ends_of(e, session, &handler);
 }
 
 static void
@@ -281,6 +289,52 @@ START_TEST(end_of_stream_is_told_once)
 }
 END_TEST
 
+enum { SHORT_MS = 40 };
+
+static const struct conn_handler hasty = { .message = on_message,
+                                           .closed = on_closed,
+                                           .written = on_written,
+                                           .limit_ms = SHORT_MS };
+
+/* Who does not say who it is in time is gone, not sooner; bytes of a message
+ * that does not end are no sign of life. */
+START_TEST(who_is_slow_to_introduce_itself_is_let_go)
+{
+    struct ends e;
+    uint64_t start = uv_hrtime();
+    ssize_t n = 0;
+
+    open_ends_of(&e, MSG_AT_COORD_NEW, &hasty);
+    for (int i = 0; e.nclosed == 0 && i < 20000; i++) {
+        if (_i && n < 10)
+            n += write(e.fd, "RADD\0\1\0\0\0\0" + n, 1);
+        run(&e);
+        usleep(500);
+    }
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_str_eq(e.why, "took too long");
+    ck_assert_uint_ge(uv_hrtime() - start, (SHORT_MS - 2) * 1000000u);
+    close_ends(&e);
+}
+END_TEST
+
+/* Once it has, it may be silent for longer than that. */
+START_TEST(who_has_introduced_itself_stays)
+{
+    struct ends e;
+    uint64_t until = uv_hrtime() + 3 * SHORT_MS * 1000000u;
+
+    open_ends_of(&e, MSG_AT_COORD_USER, &hasty);
+    conn_live(e.conn, true);
+    while (uv_hrtime() < until) {
+        run(&e);
+        usleep(500);
+    }
+    ck_assert_int_eq(e.nclosed, 0);
+    close_ends(&e);
+}
+END_TEST
+
 START_TEST(message_that_may_not_come_here_ends_it)
 {
     struct ends e;
@@ -417,6 +471,8 @@ main(void)
     tcase_add_test(tc, messages_in_one_piece_all_arrive);
     tcase_add_test(tc, owner_may_close_while_it_is_called);
     tcase_add_test(tc, end_of_stream_is_told_once);
+    tcase_add_loop_test(tc, who_is_slow_to_introduce_itself_is_let_go, 0, 2);
+    tcase_add_test(tc, who_has_introduced_itself_stays);
     tcase_add_test(tc, message_that_may_not_come_here_ends_it);
     tcase_add_loop_test(tc, random_bytes_only_end_it, 0, 256);
     tcase_add_test(tc, what_waits_is_counted_and_goes_out);

@@ -66,8 +66,8 @@ on_closed(void *arg, struct conn *c, const char *why)
         s.out = NULL;
 }
 
-static const struct conn_handler handler = { on_message, on_closed, NULL,
-                                             NULL };
+static const struct conn_handler handler = { .message = on_message,
+                                             .closed = on_closed };
 
 static void
 on_visitor(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
@@ -98,9 +98,11 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
 }
 
 static void
-open_scene(void)
+open_scene_with(unsigned limit_ms)
 {
-    struct listener_conf conf = { .fn = on_visitor, .find = find };
+    struct listener_conf conf = { .fn = on_visitor,
+                                  .find = find,
+                                  .limit_ms = limit_ms };
 
     memset(&s, 0, sizeof s);
     signal(SIGPIPE, SIG_IGN);
@@ -109,6 +111,12 @@ open_scene(void)
     s.listener = listener_open(&s.loop, "127.0.0.1:0", &conf, NULL);
     s.dialler = dialler_new(&s.loop, on_dialled, NULL);
     ck_assert(s.listener && s.dialler);
+}
+
+static void
+open_scene(void)
+{
+    open_scene_with(0);
 }
 
 /* All handles go, whatever is under way. */
@@ -286,6 +294,53 @@ START_TEST(a_stranger_who_talks_is_let_go)
 }
 END_TEST
 
+enum { SHORT_MS = 60 };
+
+static const uint8_t hello[] = { 22, 3, 1, 0, 200, 1, 0, 0, 196, 3, 3 };
+
+/* Who has not proven a key in time is let go, not sooner: one that is silent,
+ * and one that says a byte now and then. */
+START_TEST(a_stranger_has_its_time_and_no_more)
+{
+    uint64_t start;
+    size_t said = 0;
+    int fd;
+
+    close_scene();
+    open_scene_with(SHORT_MS);
+    start = uv_hrtime();
+    fd = stranger(12);
+    for (int i = 0; i < 20000 && !hung_up(fd); i++) {
+        if (_i && said < sizeof hello)
+            said += send(fd, hello + said, 1, MSG_NOSIGNAL) == 1;
+        turn(1);
+    }
+    ck_assert(hung_up(fd));
+    ck_assert_uint_ge(uv_hrtime() - start, (SHORT_MS - 2) * 1000000u);
+    ck_assert_int_eq(s.nin, 0);
+    close(fd);
+    /* nobody counts whom the next one would have to push out */
+    for (int i = 0; i < GATE_MOST_HOST; i++) {
+        fd = stranger(12);
+        for (int k = 0; k < 20000 && !hung_up(fd); k++)
+            turn(1);
+        close(fd);
+    }
+}
+END_TEST
+
+/* Unless told otherwise it is ten seconds: nobody goes at once. */
+START_TEST(a_stranger_has_some_time)
+{
+    int fd = stranger(13);
+
+    ck_assert_int_eq(HANDSHAKE_MS, 10000);
+    turn(3 * SHORT_MS);
+    ck_assert(!hung_up(fd));
+    close(fd);
+}
+END_TEST
+
 START_TEST(what_is_under_way_ends_with_the_listener)
 {
     int fd = stranger(9);
@@ -313,6 +368,8 @@ main(void)
     tcase_add_test(tc, a_host_holds_eight_and_the_oldest_goes);
     tcase_add_test(tc, all_hosts_hold_sixty_four_and_the_oldest_goes);
     tcase_add_test(tc, a_stranger_who_talks_is_let_go);
+    tcase_add_loop_test(tc, a_stranger_has_its_time_and_no_more, 0, 2);
+    tcase_add_test(tc, a_stranger_has_some_time);
     tcase_add_test(tc, what_is_under_way_ends_with_the_listener);
     suite_add_tcase(suite, tc);
     return unit_run(suite);

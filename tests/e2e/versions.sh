@@ -69,6 +69,11 @@ expect 76 "too old to be asked that: it speaks protocol version 1" "keys" \
     "$radctl" --coordinator="$work/old.sock" key list
 "$radctl" --coordinator="$sock" key list >/dev/null || fail "keys"
 
+# shellcheck disable=SC2086
+expect 76 "too old for -af: it speaks protocol version 1" "records" \
+    "$radsubmit" --coordinator="$work/old.sock" $view -ab 1 -af r.amb -o x.hdr \
+    "$room"
+
 # upgraded in the middle of a job, and taken back: what it kept packed goes on
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -ab 0
 --partition=window --windows=40"
