@@ -37,6 +37,7 @@ step_next(struct step *s, const uint8_t *data, size_t size, size_t *at)
                                 : what >= 61 ? STEP_TICK
                                              : STEP_BYTES,
                         .who = data[*at] & 3,
+                        .p = data,
                         .ms = what == 61 ? 20000 : 50 };
     ++*at;
     if (s->what != STEP_BYTES || size - *at < 2)
