@@ -483,7 +483,9 @@ sim_init(struct sim *s, uint64_t seed)
     memset(s, 0, sizeof *s);
     net_init(net, seed);
     net->most_delay_ms = net_random(net, 120);
-    s->nworkers = 1 + (int)net_random(net, SIM_WORKERS);
+    /* most clusters are small, in which more happens to each */
+    s->nworkers =
+        1 + (int)net_random(net, net_chance(net, 4) ? SIM_WORKERS : 6);
     s->njobs = 1 + (int)net_random(net, SIM_JOBS);
     sim_make_faults(s);
     net->hear = sim_hear;

@@ -14,24 +14,25 @@
 #include "worker.h"
 
 enum {
-    SIM_WORKERS = 6,
+    SIM_WORKERS = 16,
     SIM_JOBS = 3,
     SIM_FILES = 3, /* of a job */
     SIM_FRAMES = 3,
-    SIM_CHILDREN = 40,
+    SIM_CHILDREN = 96,
     SIM_THREADS = 4,
     SIM_WIDTH = 100, /* of a picture, and more */
     SIM_HEIGHT = 100,
     SIM_EDGES = 4,
-    SIM_TYPES = 64,   /* of messages */
+    SIM_TYPES = 128,  /* of messages */
     SIM_UNITS = 4096, /* of a job */
     /* nodes */
     NODE_COORD = 0,
     NODE_WORKER = 1,
     NODE_CLIENT = NODE_WORKER + SIM_WORKERS,
     NODE_ADMIN = NODE_CLIENT + SIM_JOBS,
-    NODE_CHILD = 16
+    NODE_CHILD = NODE_ADMIN + 1
 };
+_Static_assert(NODE_CHILD + SIM_CHILDREN <= NET_NODES, "too many nodes");
 
 /* What is to be seen in a frame. */
 struct sim_look {

@@ -12,6 +12,8 @@
 
 struct net;
 
+enum { NET_NODES = 128 };
+
 /* What a kind of node does. */
 struct node_ops {
     void (*message)(struct net *net, int node, uint64_t conn,
@@ -52,7 +54,7 @@ struct net {
     struct net_link **links;
     size_t nlinks, cap_links;
     uint64_t next_conn;
-    const struct node_ops *ops[64]; /* by node; NULL: not there */
+    const struct node_ops *ops[NET_NODES]; /* by node; NULL: not there */
     /* Called before a message is heard, and after; NULL: nobody cares. */
     void (*hear)(struct net *net, int from, int to, const struct msg *m,
                  bool after);
