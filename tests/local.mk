@@ -312,6 +312,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh
 EXTRA_DIST += \
@@ -345,6 +346,7 @@ TESTS += \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh
 
