@@ -20,10 +20,10 @@
 /* Twins at a time: all that they trace goes through here. */
 #define MOST_TWINS 64
 
-/* One twin for so much work of all [ms]: until each has heard of the other, and
- * at the end of the unit, both trace the same for some ms; of all rays that
- * should be 1 %. */
-#define WORK_FOR_TWIN_MS 1500
+/* Until each has heard of the other a unit's holders trace the same, at worst
+ * all of it: one pixel may have a twin for so many that were traced and count.
+ * So whatever becomes of messages, 1 % of the rays are for nothing at most. */
+#define RAYS_FOR_TWIN 100
 
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
@@ -232,21 +232,39 @@ has_one_bar(const struct job *job, uint32_t unit)
     return last - (first > 0 ? first : 1) <= 1; /* line 0 has none */
 }
 
+/* Pixels of what a twin gets of a unit. */
+static uint64_t
+twin_pixels(const struct job *job, uint32_t unit, bool helps)
+{
+    struct job_go go = { .helps = helps };
+    uint32_t first, last, row, rows;
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    sched_lines_of(job, unit, &go, &first, &last);
+    row = partition_line_rows(job->partition, a.frame, first, &rows);
+    return (uint64_t)(a.y + a.height - row) * a.width;
+}
+
+static bool
+can_afford(const struct job *job, uint64_t pixels)
+{
+    return (job->twin_pixels + pixels) * RAYS_FOR_TWIN <= job->primary_rays;
+}
+
 /* The unit that a worker should have as well, or help with at its end; false:
  * none.  There is always room for one that takes over what is late. */
 static bool
 choose_twin(const struct coord *c, const struct job *job, uint32_t index,
             uint64_t lease_ms, uint32_t *unit, bool *helps)
 {
-    bool may_twin =
-        twins(job) && job->twins_made <= job->work_ms / WORK_FOR_TWIN_MS;
     double most = twins(job) ? LEAST_TWIN_MS : 0;
     bool found = false;
 
     for (uint32_t i = 0; i < job->nout; i++) {
         const struct job_unit *u = &job->units[job->out[i]];
+        bool late, few = has_one_bar(job, job->out[i]);
         double ms;
-        bool late;
 
         if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0 ||
             job_go_of(job, job->out[i], index))
@@ -255,8 +273,9 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
         if (late)
             ms =
                 1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
-        else if (!may_twin || u->ngos == JOB_MAX_HOLDERS - 1 ||
-                 (!u->whole && !has_one_bar(job, job->out[i])))
+        else if (!twins(job) || u->ngos == JOB_MAX_HOLDERS - 1 ||
+                 (!u->whole && !few) ||
+                 !can_afford(job, twin_pixels(job, job->out[i], !few)))
             continue;
         else
             ms = least_left(c, job, job->out[i]);
@@ -264,7 +283,7 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
             most = ms;
             found = true;
             *unit = job->out[i];
-            *helps = !late && !has_one_bar(job, *unit);
+            *helps = !late && !few;
         }
     }
     return found;
@@ -389,10 +408,12 @@ double_units(struct coord *c, struct job *job, uint32_t n)
         n--;
         if (job->ntwins >= MOST_TWINS || failed == MOST_TRIES)
             return;
-        if (choose_twin(c, job, i, lease, &unit, &helps))
+        if (choose_twin(c, job, i, lease, &unit, &helps)) {
+            job->twin_pixels += twin_pixels(job, unit, helps);
             sched_hand_out(c, job, i, unit, helps);
-        else
+        } else {
             failed++; /* it may have been a holder */
+        }
     }
 }
 

@@ -14,8 +14,8 @@
 
 #include <string.h>
 
-#define LONG_MS 100 /* of a bar that is not left to wait */
-#define LINK_MS 100 /* a link between workers has brought it by then */
+#define LINK_MS 100  /* a link between workers has brought it by then */
+#define KEEP_MS 5000 /* whoever has not made a base line by then is stuck */
 
 /* Lines [*first, *last) of a unit; its frame. */
 static uint32_t
@@ -46,58 +46,48 @@ conn_of(const struct job *job, const struct job_go *go)
 
 /* --- out --- */
 
-/* Whoever has the unit, of one bar, makes its rows now: its base line comes at
- * once, and true. */
+/* Without colours above it a unit's first bar cannot be traced ahead.  Those of
+ * a base line that another worker has, or is about to get, come from there: it
+ * makes base lines first, and what two make is for nothing.  But a line that
+ * nobody has the one below makes, and until it is there nobody gets it. */
+uint8_t
+handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
+    uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
+
+    if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
+        unit_at(job, frame, first - 1) != PARTITION_NONE)
+        return flags;
+    go->makes_top = true;
+    partition_keep_line(job->partition, frame, first - 1, true);
+    return flags | MSG_UNIT_TOP;
+}
+
+/* The line that the holder of a unit makes for whoever gets it. */
 static bool
-is_at_truth(const struct job *job, uint32_t unit)
+makes(const struct job *job, uint32_t unit, const struct job_go *go,
+      uint32_t frame, uint32_t line)
+{
+    uint32_t first, last;
+
+    return go->makes_top && lines_of_unit(job, unit, &first, &last) == frame &&
+           first == line + 1;
+}
+
+void
+handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
+                 struct job_go *go)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
-    return job->units[unit].ngos > 0 && last - (first > 0 ? first : 1) <= 1 &&
-           (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0);
-}
-
-/* Will the base line above come soon enough?  Whoever has the unit above has
- * one bar and is at its truth; or it makes base lines first, as does the one
- * below: they come when that one can use them, unless it has but one bar, which
- * takes long.  To make it here as well is 1 % more rays and more. */
-static bool
-comes_soon(const struct job *job, uint32_t above, uint32_t unit,
-           const struct job_go *go, uint32_t line)
-{
-    const struct shared_facts *at = NULL;
-    struct partition_area a;
-    struct msg_facts facts;
-    double rate = speed_cost(job, go->worker, 1);
-
-    if (is_at_truth(job, above))
-        return true;
-    partition_area(job->partition, unit, &a);
-    return job->units[above].ngos > 0 &&
-           (go->lines > 1 || rate <= 0 ||
-            partition_cost(job->partition, unit) < LONG_MS * rate) &&
-           !shared_get_facts(job->shared, a.frame, line, &at, &facts);
-}
-
-/* Without colours above it the first bar cannot be traced ahead.  Where the
- * unit above is here no facts are needed; where another has it, what comes of
- * its base line first serves both. */
-uint8_t
-handoff_flags(const struct job *job, uint32_t unit, const struct job_go *go)
-{
-    uint32_t first, last, above;
-    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
-    uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
-
-    if (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0)
-        return flags;
-    above = unit_at(job, frame, first - 1);
-    if (above == PARTITION_NONE || above == unit ||
-        (!job_go_of(job, above, go->worker) &&
-         !comes_soon(job, above, unit, go, first - 1)))
-        flags |= MSG_UNIT_TOP;
-    return flags;
+    if (!go->makes_top)
+        return;
+    go->makes_top = false;
+    partition_keep_line(job->partition, frame, first - 1, false);
+    c->stirred = true;
 }
 
 static void
@@ -185,7 +175,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     uint32_t first, last;
     uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
 
-    if (handoff_flags(job, unit, go) & MSG_UNIT_TOP)
+    if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0)
         send_facts(c, job, frame, first - 1, go);
     for (uint32_t i = first; i < last; i++)
         send_facts(c, job, frame, i, go);
@@ -260,6 +250,21 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
     return job;
 }
 
+/* Facts of a line that nobody has: whoever makes it sends them when it is done.
+ */
+static void
+top_facts(struct coord *c, struct job *job, uint32_t index,
+          const struct msg_facts *m)
+{
+    uint32_t below = unit_at(job, m->frame, m->line + 1);
+    struct job_go *go =
+        below != PARTITION_NONE ? job_go_of(job, below, index) : NULL;
+
+    if (go && makes(job, below, go, m->frame, m->line) &&
+        shared_of_base(job->shared, m))
+        handoff_top_made(c, job, below, go);
+}
+
 void
 handoff_facts(struct coord *c, struct coord_worker *w,
               const struct msg_facts *m)
@@ -281,6 +286,8 @@ handoff_facts(struct coord *c, struct coord_worker *w,
     }
     job->late_rays += shared_put_facts(job->shared, m);
     pass_on(c, job, index, m);
+    if (unit == PARTITION_NONE)
+        top_facts(c, job, index, m);
 }
 
 /* Two workers of which neither can be dialled have no link. */
@@ -396,6 +403,7 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     if (!go || go->parked_ms != 0 || go->delivered)
         return;
     sched_log_unit(c, job, m->unit, go, "unit parked");
+    handoff_top_made(c, job, m->unit, go);
     if (!go->helps && !go->counted) {
         speed_finished(job, m->unit);
         go->counted = true;
@@ -438,6 +446,12 @@ handoff_done(struct job *job, uint32_t unit)
 void
 handoff_tick(struct coord *c, struct job *job)
 {
-    for (uint32_t i = 0; i < job->nout; i++)
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
         offer_top(c, job, job->out[i]);
+        for (uint8_t k = 0; k < u->ngos; k++)
+            if (c->now_ms - u->go[k].out_ms >= KEEP_MS)
+                handoff_top_made(c, job, job->out[i], &u->go[k]);
+    }
 }

@@ -269,6 +269,7 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     jw->rays += u->counts.rays;
     jw->cpu_s += u->counts.cpu_s;
     job->rays += u->counts.rays;
+    job->primary_rays += u->counts.primary_rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);
@@ -322,10 +323,8 @@ job_go_add(struct job *job, uint32_t unit)
         }
     }
     memset(&u->go[u->ngos], 0, sizeof *u->go);
-    if (u->ngos > 0) {
+    if (u->ngos > 0)
         job->ntwins++;
-        job->twins_made++;
-    }
     return &u->go[u->ngos++];
 }
 

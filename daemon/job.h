@@ -54,6 +54,7 @@ struct job_go {
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
     bool top_sent;   /* the base line above, whole, by us */
+    bool makes_top;  /* it traces the base line above, which is kept for it */
     uint64_t out_ms; /* handed out */
     uint64_t parked_ms, split_ms;
 };
@@ -155,7 +156,8 @@ struct job {
     struct survey *survey;    /* NULL: costs are not estimated, or are by now */
     struct shared *shared;    /* NULL: lines are not shared */
     uint32_t ntwins;          /* holders of units beside the first */
-    uint32_t twins_made;      /* and of those, all that ever were */
+    uint64_t twin_pixels;     /* that such have had, all that ever were */
+    uint64_t primary_rays;    /* of units that are done */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's

@@ -137,6 +137,10 @@ uint32_t partition_line_rows(const struct partition *p, uint32_t frame,
 uint32_t partition_line_unit(const struct partition *p, uint32_t frame,
                              uint32_t line);
 
+/* Keep a line that is in no unit back, or no longer: it does not go out. */
+void partition_keep_line(struct partition *p, uint32_t frame, uint32_t line,
+                         bool keep);
+
 /* Lines [*first, *last) of a unit. */
 void partition_unit_lines(const struct partition *p, uint32_t unit,
                           uint32_t *first, uint32_t *last);

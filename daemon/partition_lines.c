@@ -40,6 +40,7 @@ struct frame {
     uint32_t first;    /* of its lines among all */
     uint32_t n;        /* lines */
     uint32_t nfree;    /* of them in no unit */
+    uint32_t nkept;    /* of those, kept back */
     uint32_t undone;   /* lines that are not done */
     double spread;     /* shares of the workers that began in it */
     double cost, left; /* of all its lines, and of those that are free */
@@ -59,11 +60,12 @@ struct partition_lines {
     int ystep;
     uint32_t nframes, nlines;
     struct frame *frame;
-    uint32_t *unit; /* by line of all frames: PARTITION_NONE, free */
-    float *cost;    /* likewise */
-    double left;    /* cost of all free lines */
-    uint32_t lo;    /* frames before have no free line */
-    uint32_t nfree; /* of all frames */
+    uint32_t *unit;        /* by line of all frames: PARTITION_NONE, free */
+    float *cost;           /* likewise */
+    bool *kept;            /* likewise */
+    double left;           /* cost of all free lines */
+    uint32_t lo;           /* frames before have no free line */
+    uint32_t nfree, nkept; /* of all frames */
     struct asker *who;
     uint32_t nwho, cap_who;
     uint32_t most; /* workers that took part at a time */
@@ -99,7 +101,8 @@ top_row(const struct partition_lines *s, const struct frame *f, uint32_t i)
 static bool
 is_free(const struct partition_lines *s, const struct frame *f, uint32_t line)
 {
-    return line < f->n && s->unit[f->first + line] == PARTITION_NONE;
+    return line < f->n && s->unit[f->first + line] == PARTITION_NONE &&
+           !s->kept[f->first + line];
 }
 
 static double
@@ -268,7 +271,8 @@ lines_new(struct partition *p, const struct partition_spec *spec)
     s->frame = calloc(s->nframes, sizeof *s->frame);
     s->unit = malloc(n * sizeof *s->unit);
     s->cost = malloc(n * sizeof *s->cost);
-    if (!s->frame || !s->unit || !s->cost)
+    s->kept = calloc(n, sizeof *s->kept);
+    if (!s->frame || !s->unit || !s->cost || !s->kept)
         return false;
     for (uint32_t i = 0; i < s->nframes; i++) {
         struct frame *f = &s->frame[i];
@@ -295,6 +299,7 @@ lines_free(struct partition_lines *s)
     free(s->frame);
     free(s->unit);
     free(s->cost);
+    free(s->kept);
     free(s->who);
     free(s);
 }
@@ -338,9 +343,12 @@ lines_free_count(const struct partition *p, bool all)
 {
     const struct partition_lines *s = p->lines;
 
-    if (all || !s->fresh)
+    if (all)
         return s->nfree;
-    return may_begin(s, s->lo) ? s->frame[s->lo].nfree : 0;
+    if (!s->fresh)
+        return s->nfree - s->nkept;
+    return may_begin(s, s->lo) ? s->frame[s->lo].nfree - s->frame[s->lo].nkept
+                               : 0;
 }
 
 /* --- cutting --- */
@@ -464,8 +472,11 @@ unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
 static bool
 has_top(const struct partition *p, const struct frame *f, uint32_t line)
 {
+    uint32_t above =
+        line > 0 ? p->lines->unit[f->first + line - 1] : PARTITION_NONE;
+
     return line == 0 ||
-           p->unit[p->lines->unit[f->first + line - 1]].state == PART_DONE;
+           (above != PARTITION_NONE && p->unit[above].state == PART_DONE);
 }
 
 /* The first line that is free, of a frame that has one. */
@@ -513,6 +524,9 @@ next_cut(struct partition *p, struct asker *w, const struct partition_who *who,
     uint32_t frame = s->lo, first;
     struct frame *f;
 
+    while (may_begin(s, frame) &&
+           s->frame[frame].nfree == s->frame[frame].nkept)
+        frame++;
     if (!may_begin(s, frame))
         return false;
     f = &s->frame[frame];
@@ -737,6 +751,21 @@ partition_give(struct partition *p, uint32_t unit, uint32_t height)
     u->last = line;
     u->cost -= p->unit[given].cost;
     return given;
+}
+
+void
+partition_keep_line(struct partition *p, uint32_t frame, uint32_t line,
+                    bool keep)
+{
+    struct partition_lines *s = p->lines;
+    struct frame *f = &s->frame[frame];
+    bool *kept = &s->kept[f->first + line];
+
+    if (*kept == keep || s->unit[f->first + line] != PARTITION_NONE)
+        return;
+    *kept = keep;
+    f->nkept += keep ? 1 : -1u;
+    s->nkept += keep ? 1 : -1u;
 }
 
 uint32_t

@@ -196,6 +196,8 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
         less_in_flight(job, jw, go);
     }
     c->stirred = true;
+    if (job->shared)
+        handoff_top_made(c, job, unit, go);
     job_go_remove(job, unit, go);
 }
 

@@ -236,9 +236,12 @@ void duplicate_forget(struct job_unit *u);
 
 /* --- handoff.c --- */
 
-/* Flags of the UNIT for that holder. */
-uint8_t handoff_flags(const struct job *job, uint32_t unit,
-                      const struct job_go *go);
+/* Flags of the UNIT for that holder, which it goes to now. */
+uint8_t handoff_flags(struct job *job, uint32_t unit, struct job_go *go);
+/* The holder has made the base line above its unit, if it was to, or will not.
+ */
+void handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
+                      struct job_go *go);
 /* The unit went out to it. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);

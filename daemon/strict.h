@@ -73,7 +73,7 @@ struct strict_pass {
     bool true_top;                      /* what follows is true */
     struct rad_pixel *top;              /* NULL: not known */
     uint8_t *top_density;               /* NULL: not known, or none at all */
-    bool poor_top;                      /* see team.h */
+    int top_known;                      /* see team.h */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* end it: nobody wants it any more */
     bool split; /* call team_shrink() with least, and tell

@@ -180,7 +180,7 @@ facts_unused(const struct strict *s, const struct strict_unit *u)
         const struct rad_facts *facts = facts_at(s, u->frame, i);
 
         n += facts ? rad_facts_unused(facts) : 0;
-        n += facts && u->twin ? rad_facts_doubled(facts) : 0;
+        n += facts ? rad_facts_doubled(facts) : 0;
     }
     return n;
 }
@@ -197,23 +197,75 @@ facts_fit(const struct strict *s, const struct msg_facts *m)
            m->channels == channels_of(f);
 }
 
-/* Facts of the base line above a unit came from whoever has it: with these
- * colours the first bar can be traced, too. */
+/* A line that is gone over to see whether facts are all that it wants. */
+struct trial {
+    const struct rad_facts *facts;
+    bool lacks;
+};
+
+static void
+try_fact(void *arg, int x, int y, struct rad_pixel *out)
+{
+    struct trial *t = arg;
+
+    (void)y;
+    if (!rad_facts_get(t->facts, x, rad_facts_rows(t->facts) - 1, out)) {
+        *out = (struct rad_pixel){ .z = 0 };
+        t->lacks = true;
+    }
+}
+
+/* Are all facts there that a guess wants of a base line of which nothing else
+ * is known? */
+static bool
+facts_suffice(struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+    struct trial t = { facts_at(s, frame, line), false };
+    struct rad_quincunx q = f->q;
+    struct rad_pixel *pixels;
+    uint8_t *density;
+
+    if (!t.facts)
+        return false;
+    pixels = malloc((size_t)q.width * sizeof *pixels);
+    density = malloc(f->ndensity + 1);
+    q.trace = try_fact;
+    q.arg = &t;
+    if (pixels && density) {
+        rad_quincunx_guess(&q, density);
+        rad_quincunx_base(&q, line, density, pixels);
+    } else {
+        s->error = RAD_ENOMEM;
+    }
+    free(pixels);
+    free(density);
+    return !s->error && !t.lacks;
+}
+
+/* With the colours of the base line above a unit, which another worker has, the
+ * first bar can be traced, too. */
+void
+facts_use_above(struct strict *s, struct strict_unit *u)
+{
+    if (u->first == 0 || u->make_top || u->knows_top || unit_has_top(s, u) ||
+        unit_above(s, u) || !facts_suffice(s, u->frame, u->first - 1))
+        return;
+    u->knows_top = true;
+    u->ahead_done = u->ahead_done && u->ahead_guessed;
+}
+
 static void
 use_above(struct strict *s, const struct msg_facts *m)
 {
     const struct frame *f = frame_of(s, m->frame);
     int line = (int)m->line;
 
-    if (m->flags & MSG_FACTS_ESTIMATE ||
-        (int)(m->row + m->rows) < team_line_rows(&f->q, line))
+    if ((int)(m->row + m->rows) < team_line_rows(&f->q, line))
         return;
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (!u->gone && !u->make_top && u->frame == m->frame &&
-            u->first - 1 == line && !unit_has_top(s, u) && !unit_above(s, u)) {
-            u->make_top = true;
-            u->ahead_done = u->ahead_done && u->ahead_guessed;
-        }
+        if (!u->gone && u->frame == m->frame && u->first - 1 == line)
+            facts_use_above(s, u);
 }
 
 void

@@ -37,13 +37,15 @@ struct strict_unit {
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
     enum team_end end;
-    bool make_top; /* base line first - 1 is gone over ahead here too, since
-                    * nobody has it, or with the facts of whoever has */
-    bool twin;     /* facts go out as they are made */
-    bool gone;     /* to be freed when its pass has ended */
-    bool over;     /* all its rows are made */
-    bool split;    /* GAVE is due when its pass has ended */
-    bool at_end;   /* it had nothing to give: others are at its last lines */
+    bool make_top;  /* base line first - 1 is traced ahead here too, since
+                     * nobody else does */
+    bool knows_top; /* it is gone over ahead with the facts of whoever has it,
+                     * which are all that a guess wants */
+    bool twin;      /* facts go out as they are made */
+    bool gone;      /* to be freed when its pass has ended */
+    bool over;      /* all its rows are made */
+    bool split;     /* GAVE is due when its pass has ended */
+    bool at_end;    /* it had nothing to give: others are at its last lines */
     bool lines_done, ahead_done;
     bool bottom_done;   /* the bottom is out, true */
     bool ahead_guessed; /* AHEAD had colours above the first bar */
@@ -58,7 +60,7 @@ struct strict_unit {
     uint8_t *guess_density;
     uint8_t *guess_above; /* the densities that it follows from; NULL: it was
                            * made of nothing */
-    bool guess_poor;      /* of one line, with nothing known above it */
+    int guess_known;      /* lines that it is made of, at most TEAM_SURE */
 };
 
 /* Something to send. */
@@ -164,6 +166,8 @@ struct strict_unit *unit_below(const struct strict *s,
                                const struct strict_unit *u);
 /* Give half of a unit that no team is at. */
 void unit_split_idle(struct strict *s, struct strict_unit *u);
+/* Send what others may wait for of the base line above. */
+void unit_say_top(struct strict *s, const struct strict_unit *u);
 /* If it can only wait, say so at once: its thread has room for another. */
 void unit_park(struct strict *s, struct strict_unit *u);
 
@@ -183,6 +187,9 @@ struct rad_facts *facts_at(const struct strict *s, uint32_t frame, int line);
  * memory is out, here and below. */
 bool facts_make_table(struct strict *s, uint32_t frame);
 bool facts_make_all(struct strict *s, const struct strict_unit *u);
+/* The unit's first bar can be traced ahead if there are such of the base line
+ * above. */
+void facts_use_above(struct strict *s, struct strict_unit *u);
 /* Free those of a line, if nobody needs them. */
 void facts_drop(struct strict *s, uint32_t frame, int line);
 /* With many frames, do not keep what those that are done had. */

@@ -12,12 +12,19 @@
 /* Pixels of a unit whose facts are kept in case that it gets a twin. */
 #define MOST_KEPT (1 << 22)
 
+/* Is the base line above gone over ahead, too? */
+static bool
+goes_above(const struct strict_unit *u)
+{
+    return u->make_top || u->knows_top;
+}
+
 static bool
 top_is_guessed(const struct strict *s, const struct strict_unit *u)
 {
     const struct strict_unit *a = unit_above(s, u);
 
-    return !u->make_top && a && a->guess;
+    return !goes_above(u) && a && a->guess;
 }
 
 /* Is the bottom, to be had before the bars, of use to others? */
@@ -200,12 +207,17 @@ set_top(struct strict *s, struct strict_pass *p)
     const struct strict_unit *u = p->of, *a = unit_above(s, u);
     const struct edge *e = edge_find(s, u->frame, p->first - 1);
 
+    p->top_known = p->first > 0 ? 0 : TEAM_SURE;
+    if (p->first < u->first && !u->make_top)
+        return true; /* with densities it might want more */
     /* of a line that is another's only the base line is made, not the bar */
-    if (e && e->missing == 0)
+    if (e && e->missing == 0) {
+        p->top_known = TEAM_SURE;
         return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
                         e->density);
+    }
     if (p->first == u->first && a && a->guess) {
-        p->poor_top = a->guess_poor;
+        p->top_known = a->guess_known;
         return copy_top(s, p, a->guess, a->guess_density);
     }
     return true;
@@ -257,7 +269,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->rank = rank;
     p->mode = mode_of(rank);
     p->true_top = rank <= STRICT_TRUTH;
-    p->first = u->first - (!p->true_top && u->make_top ? 1 : 0);
+    p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
     p->last = u->last;
     p->least = u->first + 1;
     p->end = u->end;
@@ -358,7 +370,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         u->ahead_guessed = p->top || p->first < u->first;
     }
     u->lines_done = true;
-    u->guess_poor = p->first > 0 && p->last - p->first == 1 && !p->top_density;
+    u->guess_known = p->top_known + p->last - p->first;
     if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
         !unit_below(s, u))
         out_facts(s, &s->urgent, u, u->last - 1);
@@ -423,14 +435,14 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     bool over = done && !u->gone && p->mode == TEAM_TRUTH;
 
     msg_counts_add(&u->spent, spent);
-    if (u->make_top && !u->gone)
-        out_facts(s, &s->urgent, u, u->first - 1);
     if (over)
         end_truth(s, p, pixels, density, total);
     else if (done && !p->stop)
         end_ahead(s, u, p, pixels, density);
     u->pass = NULL;
     pass_free(p);
+    if (!u->gone)
+        unit_say_top(s, u);
     if (over || u->gone)
         end_unit(s, u, over);
     else if (u->split)

@@ -226,6 +226,7 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     *at = u;
     link_first(s, u);
     link_last(s, u);
+    facts_use_above(s, u);
     return 0;
 }
 
@@ -310,6 +311,15 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     give_lines(s, u, last);
 }
 
+/* What it made of the base line above, once that is all that a guess wants:
+ * until then nobody else begins there. */
+void
+unit_say_top(struct strict *s, const struct strict_unit *u)
+{
+    if (u->make_top && u->lines_done)
+        out_facts(s, &s->urgent, u, u->first - 1);
+}
+
 /* What others at the unit need of its facts. */
 static void
 push_twin_facts(struct strict *s, const struct strict_unit *u)
@@ -366,8 +376,6 @@ strict_tick(struct strict *s, uint64_t now_ms)
     for (struct strict_unit *u = s->units; u; u = u->next) {
         bool waiting = pass_waits(s, u);
 
-        if (u->make_top && !u->gone)
-            out_facts(s, &s->urgent, u, u->first - 1);
         if (u->twin && !u->gone)
             push_twin_facts(s, u);
         if (waiting && !u->waiting)

@@ -365,23 +365,30 @@ density_above(const struct member *m)
     return m->i > t->spec.first ? line_at(t, m->i - 1)->density : t->density;
 }
 
-/* Is a column of the member's bar worth to be traced on a guess?  Where the
- * sampler found nothing in a gap of either base line, it may have been for lack
- * of densities; the truth has other colours there, and often wants less. */
+/* Is that pixel of base line i, as it is here, a traced one?  There may be
+ * facts that this pass did not want: of an estimate, or of another's better
+ * guess. */
 static bool
-is_likely(const struct member *m, int x)
+was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
 {
-    _Atomic(struct rad_facts *) *facts = m->team->spec.facts;
+    const struct rad_facts *f =
+        atomic_load_explicit(&t->spec.facts[i], memory_order_acquire);
+    struct rad_pixel p;
 
-    for (int i = m->i; i >= m->i - 1 && i >= m->team->spec.first; i--) {
-        const struct rad_facts *f =
-            atomic_load_explicit(&facts[i], memory_order_acquire);
-        struct rad_pixel p;
+    return f && rad_facts_get(f, x, rad_facts_rows(f) - 1, &p) &&
+           memcmp(&p, here, sizeof p) == 0;
+}
 
-        if (rad_facts_get(f, x, rad_facts_rows(f) - 1, &p))
-            return true;
-    }
-    return false;
+/* What is traced between two pixels that were traced themselves the truth wants
+ * too: it has the same colours there, and no less density.  Where the sampler
+ * found nothing in a gap it may have been for lack of densities. */
+static bool
+is_certain(const struct member *m, struct rad_pixel *const rows[], int x)
+{
+    int n = team_line_rows(&m->q, m->i);
+
+    return was_traced(m->team, m->i, x, &rows[n][x]) &&
+           was_traced(m->team, m->i - 1, x, &rows[0][x]);
 }
 
 /* Fill columns up to `end` of the bar below base line i - 1, some. */
@@ -394,7 +401,7 @@ fill_some(struct member *m, struct rad_pixel *const rows[],
         return;
     }
     for (int x = s->x; x < end; x++)
-        if (is_likely(m, x)) {
+        if (is_certain(m, rows, x)) {
             if (s->x < x)
                 *s = (struct rad_quincunx_fill){ x, 0 };
             rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, x + 1);
@@ -648,14 +655,23 @@ has_bar(const struct team *t, int i)
            (i > t->spec.first || t->spec.top);
 }
 
-/* The last line whose bar has colours above it that were sampled with nothing
- * known of the densities. */
+/* Lines whose densities go into those above line i, as far as the guess knows
+ * of them. */
 static int
-last_unsure(const struct team *t)
+known_above(const struct team *t, int i)
 {
-    if (!t->spec.top_density)
-        return t->spec.first + 1;
-    return t->spec.poor_top ? t->spec.first : -1;
+    return i - t->spec.first + (t->spec.top_density ? t->spec.top_known : 0);
+}
+
+/* Are the colours above the member's bar sampled with too little known of the
+ * densities? */
+static bool
+is_unsure(const struct member *m)
+{
+    const struct team *t = m->team;
+
+    return t->spec.mode == TEAM_AHEAD && !t->spec.true_top && t->ndensity > 0 &&
+           t->spec.first > 0 && known_above(t, m->i) < TEAM_SURE;
 }
 
 static bool
@@ -668,8 +684,7 @@ do_line(struct member *m)
     m->ahead = rad_quincunx_ngaps(&m->q, m->i);
     if (line_at(t, m->i)->known)
         memset(line_at(t, m->i)->known, 0, (size_t)m->q.width * sizeof(bool));
-    m->unsure = t->spec.mode == TEAM_AHEAD && t->ndensity > 0 &&
-                t->spec.first > 0 && m->i <= last_unsure(t);
+    m->unsure = is_unsure(m);
     m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }

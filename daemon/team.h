@@ -18,9 +18,10 @@
  *   TEAM_LINES  the top is a guess.  Base lines alone are traced, into facts.
  *   TEAM_AHEAD  the top is a guess.  Base lines and bars, into facts.  Left
  *               out are a bar without colours above it (of the first line, if
- *               top is NULL), and, where nothing is known of the densities
- *               above, what the guess would often get wrong in the first bar
- *               that is filled.
+ *               top is NULL), and, where little is known of the densities
+ *               above, what the truth may not want: all of a bar but columns
+ *               between two traced pixels.  (A base line that is sampled with
+ *               too little density is a part of what the truth wants.)
  * The two last hand nothing on and paint nothing; their bottom is a guess, its
  * colours as they were sampled.  To make a base line for the unit above as well
  * (MSG_UNIT_TOP), begin LINES and AHEAD one line earlier, with no top: the
@@ -44,6 +45,10 @@ struct team;
 struct rad_ctx; /* a member's own; the callbacks' affair */
 
 enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD };
+
+/* So many base lines below one of which nothing is known the densities are as
+ * good as true. */
+enum { TEAM_SURE = 4 };
 
 /* Where a line is begun, so that workers at the same unit meet late: a line is
  * traced ahead in this order before it is gone over from the left, which other
@@ -87,8 +92,9 @@ struct team_spec {
     const struct rad_pixel *top;
     const uint8_t *top_density;
     bool true_top; /* they are, with LINES or AHEAD */
-    bool poor_top; /* with AHEAD: they are of a line above which nothing was
-                    * known */
+    int top_known; /* with AHEAD: the densities are a guess that was made of
+                    * so many lines; at least TEAM_SURE: that is as good as all
+                    */
     /* facts[i] is for line i, as wide as the sampler's area and with as many
      * rows as line i has (team_line_rows()); must stay until team_free().  NULL
      * where there are none; TEAM_TRUTH looks again for each pixel, so they may

@@ -40,13 +40,16 @@ struct said {
     char name[MSG_MAX_NAME + 1];
 };
 
+#define PLENTY (1 << 20) /* rays, to afford twins */
+
 static struct {
     struct coord *c;
     uint64_t now_ms;
     struct said said[400];
     int nsaid;
     bool closed[CONNS], done, failed;
-    bool slow_disk; /* nothing is kept */
+    bool slow_disk;   /* nothing is kept */
+    uint64_t primary; /* of each RESULT */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -278,7 +281,7 @@ result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
                                  WIDTH,
                                  3,
                                  end,
-                                 { .rays = 10 },
+                                 { .rays = 10, .primary_rays = f.primary },
                                  pixels } };
 
     say(conn, &m);
@@ -383,6 +386,67 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert_str_eq(last(W2, MSG_NEXT_HOLDER)->name, "ws2");
     ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* its top is here */
     ck_assert_uint_eq(last(W2, MSG_BASE_LINE)->m.base_line.n, WIDTH);
+}
+END_TEST
+
+static uint32_t
+waiting(void)
+{
+    return job_waiting(coord_find_job(f.c, id));
+}
+
+/* Two that make a base line make one of them for nothing. */
+START_TEST(a_line_that_the_one_below_makes_is_kept_till_it_is_there)
+{
+    struct msg_unit b;
+    uint32_t n;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    b = *first_unit_of(W2);
+    n = waiting();
+    facts(W2, line_above(b.y) - 1); /* another's */
+    facts(W1, line_above(b.y));     /* by another */
+    ck_assert_uint_eq(waiting(), n);
+    facts(W2, line_above(b.y));
+    ck_assert_uint_eq(waiting(), n + 1);
+}
+END_TEST
+
+START_TEST(a_kept_line_is_free_when_its_maker_has_no_more_to_do)
+{
+    struct msg_unit b;
+    uint32_t n;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    b = *first_unit_of(W2);
+    n = waiting();
+    attempt(W2, MSG_PARKED, &b);
+    ck_assert_uint_eq(waiting(), n); /* one is out for it */
+}
+END_TEST
+
+START_TEST(a_kept_line_is_free_when_its_maker_is_lost)
+{
+    uint32_t n;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    n = waiting();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    ck_assert_uint_eq(waiting(), n + 3); /* and its two units */
+}
+END_TEST
+
+START_TEST(a_kept_line_is_free_when_its_maker_is_stuck)
+{
+    uint32_t n;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    n = waiting();
+    wait_ms(4900);
+    ck_assert_uint_eq(waiting(), n);
+    wait_ms(200);
+    ck_assert_uint_eq(waiting(), n + 1);
 }
 END_TEST
 
@@ -734,7 +798,8 @@ START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
         attempt(W3, MSG_PARKED, u);
     }
     ck_assert(again);
-    ck_assert_int_eq(count(W3, MSG_FACTS), 1);
+    /* the unit's, and its last line's to the one below */
+    ck_assert_int_eq(count(W3, MSG_FACTS), 2);
 }
 END_TEST
 
@@ -866,6 +931,7 @@ twins(struct msg_unit *a, struct msg_unit *b)
     struct msg_unit own[LINES];
     int n = 0;
 
+    f.primary = PLENTY;
     start(MSG_PART_AUTO, 0, 2);
     for (int i = 0; i < f.nsaid; i++) {
         const struct msg *m = &f.said[i].m;
@@ -923,10 +989,37 @@ START_TEST(the_first_of_twins_whose_rows_come_leads)
 }
 END_TEST
 
+/* All that a twin traces may be for nothing: 1 % of the rays at most. */
+START_TEST(there_is_no_twin_before_so_many_rays_count)
+{
+    uint64_t enough = 0, most = 0;
+
+    f.primary = 100;
+    start(MSG_PART_AUTO, 0, 2);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct msg *m = &f.said[i].m;
+        const struct msg_unit u = m->unit;
+
+        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
+            gave(W1, first_unit_of(W1), first_unit_of(W1)->height);
+        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
+            continue;
+        ck_assert(!(u.flags & MSG_UNIT_TWIN));
+        wait_ms(100);
+        finish(W2, &u);
+    }
+    most = coord_find_job(f.c, id)->primary_rays;
+    enough = UINT64_C(100) * BAR * WIDTH;
+    ck_assert_uint_gt(most, 0);
+    ck_assert_uint_lt(most, enough);
+}
+END_TEST
+
 /* ws1 is at the last line of a run, all else being done: ws2 helps. */
 static void
 helper(struct msg_unit *a, struct msg_unit *b)
 {
+    f.primary = PLENTY;
     start(MSG_PART_AUTO, 0, 2);
     *a = *first_unit_of(W1);
     ck_assert_uint_gt(a->height, 1 + 2 * BAR);
@@ -958,7 +1051,7 @@ START_TEST(an_idle_worker_helps_with_the_last_line_of_a_run)
     line = line_above(a.y + a.height);
     ck_assert_uint_eq(b.attempt, a.attempt + 1);
     ck_assert(b.height == BAR && b.y + b.height == a.y + a.height);
-    ck_assert_uint_eq(b.flags, MSG_UNIT_TOP | MSG_UNIT_TWIN);
+    ck_assert_uint_eq(b.flags, MSG_UNIT_TWIN);
     ck_assert(b.end == MSG_END_RIGHT && count(W1, MSG_TWIN) == 1);
     clear();
     facts(W2, line);
@@ -1256,6 +1349,11 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
+    tcase_add_test(tc,
+                   a_line_that_the_one_below_makes_is_kept_till_it_is_there);
+    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_has_no_more_to_do);
+    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_is_lost);
+    tcase_add_test(tc, a_kept_line_is_free_when_its_maker_is_stuck);
     tcase_add_test(tc, a_line_is_at_hand_until_few_are_left);
     tcase_add_test(tc, both_sides_hear_who_waits_for_a_base_line);
     tcase_add_test(tc, a_single_worker_has_no_links_and_whole_frames);
@@ -1280,6 +1378,7 @@ main(void)
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
     tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
+    tcase_add_test(tc, there_is_no_twin_before_so_many_rays_count);
     tcase_add_test(tc, an_idle_worker_helps_with_the_last_line_of_a_run);
     tcase_add_test(tc, one_that_helped_gets_the_whole_run_when_its_worker_goes);
     tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);

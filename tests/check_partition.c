@@ -322,6 +322,35 @@ START_TEST(auto_gives_one_worker_whole_frames)
 }
 END_TEST
 
+START_TEST(a_line_that_is_kept_back_goes_out_when_it_is_not)
+{
+    struct partition *p = lines(MSG_PART_SCANBAR, 2);
+    uint32_t first, last, unit, n = partition_waiting(p);
+    uint32_t left = partition_left(p), per_frame = partition_lines(p, 0);
+
+    partition_keep_line(p, 0, 5, true);
+    partition_keep_line(p, 0, 5, true);
+    ck_assert_uint_eq(partition_waiting(p), n - 1);
+    ck_assert_uint_eq(partition_left(p), left);
+    for (uint32_t i = 0; i < per_frame - 2; i++) { /* 0 goes with 1 */
+        ck_assert(cut(p, 0, 1, &first, &last, &unit));
+        ck_assert(first > 5 || last <= 5);
+    }
+    ck_assert_uint_eq(partition_waiting(p), per_frame);
+    ck_assert(cut(p, 0, 1, &first, &last, &unit)); /* of the next frame */
+    ck_assert_uint_eq(partition_line_unit(p, 0, 5), PARTITION_NONE);
+    partition_keep_line(p, 0, 5, false);
+    partition_keep_line(p, 0, 5, false);
+    ck_assert(cut(p, 0, 1, &first, &last, &unit));
+    ck_assert_uint_eq(partition_line_unit(p, 0, 5), unit);
+    partition_keep_line(p, 0, 5, true); /* too late */
+    while (cut(p, 0, 1, &first, &last, &unit))
+        ;
+    ck_assert_uint_eq(partition_waiting(p), 0);
+    partition_free(p);
+}
+END_TEST
+
 /* Units of auto get smaller, none is below what is worth one, and several
  * frames are cut only when few are left. */
 START_TEST(auto_cuts_shares_of_what_is_left)
@@ -669,6 +698,7 @@ main(void)
     tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
     tcase_add_test(tc, scanbar_hands_out_single_lines);
     tcase_add_test(tc, auto_gives_one_worker_whole_frames);
+    tcase_add_test(tc, a_line_that_is_kept_back_goes_out_when_it_is_not);
     tcase_add_test(tc, auto_cuts_shares_of_what_is_left);
     tcase_add_test(tc, auto_gives_regions_where_there_are_many_lines);
     tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);

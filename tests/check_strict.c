@@ -747,7 +747,7 @@ run_pass(struct node *d)
     spec.first = r.pass->first;
     spec.last = r.pass->last;
     spec.true_top = r.pass->true_top;
-    spec.poor_top = r.pass->poor_top;
+    spec.top_known = r.pass->top_known;
     spec.top = r.pass->top;
     spec.top_density = r.pass->top_density;
     spec.facts = r.pass->facts;

@@ -299,7 +299,7 @@ new_team(struct sim_task *t)
     spec.first = pass->first;
     spec.last = pass->last;
     spec.true_top = pass->true_top;
-    spec.poor_top = pass->poor_top;
+    spec.top_known = pass->top_known;
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;
