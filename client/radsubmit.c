@@ -509,6 +509,7 @@ fill_spec(struct program *p)
     s->ncosts = p->ncosts;
     s->seed = o->params.seed;
     s->priority = o->priority;
+    s->memory_mib = (uint32_t)o->memory_mib;
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
                (o->no_share ? 0 : MSG_JOB_SHARE) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |

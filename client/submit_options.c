@@ -85,6 +85,8 @@ static const struct option own[] = {
     TEXT("--name", name, "TEXT", "of the job, for people"),
     INT("--priority", priority, -100, 100, "N",
         "jobs with more go first (0)"),
+    INT("--memory-mib", memory_mib, 0, 1 << 24, "N",
+        "most memory of the job's process on each worker [MiB] (0: any)"),
     WORD("--partition", partition, "auto|static|scanbar|window",
          "how the work is shared"),
     INT("--windows", windows, 1, MOST_WINDOWS, "N",

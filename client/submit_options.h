@@ -53,6 +53,7 @@ struct submit_options {
     const char *costs;    /* the file that --estimate named; or NULL */
     bool no_balance, no_share, fresh_frames, detach, dry_run;
     int priority;
+    int memory_mib; /* most that its process on a worker may have; 0: any */
     const char *name;
     int progress;       /* enum submit_progress */
     int report_s;       /* -t: seconds from one line of it to the next; 0: no

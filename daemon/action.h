@@ -54,8 +54,9 @@ enum action_type {
     ACT_DIAL,  /* conn, text: address; empty: the coordinator's, with our own
                 * key; else with that of job and token (tls_peer_key).  Then
                 * opened (an ACT_SESSION follows) or closed */
-    ACT_SPAWN, /* conn, job: start a child, session MSG_AT_PARENT_NEW; frames
-                * may be sent at once.  Then child_ended, once */
+    ACT_SPAWN, /* conn, job, memory_mib: start a child, session
+                * MSG_AT_PARENT_NEW; frames may be sent at once.  Then
+                * child_ended, once */
     ACT_KILL,  /* conn: end that child; no event follows */
     ACT_STOP   /* leave with an exit status; text says why, or is empty */
 };
@@ -111,7 +112,8 @@ struct action {
     const uint8_t *bytes;
     size_t len;
     const char *text;
-    int status; /* of sysexits.h */
+    int status;          /* of sysexits.h */
+    uint32_t memory_mib; /* most that the job may use; 0: no limit of its own */
     struct msg_chunk chunk;
     struct action_rows rows;
     const struct saved_unit *unit;

@@ -86,8 +86,17 @@ on_exit_cb(uv_process_t *process, int64_t status, int signum)
     settle(c);
 }
 
+/* Of two where 0 is none. */
+static unsigned
+lower_limit(int radds, uint32_t jobs)
+{
+    if (radds <= 0 || jobs == 0)
+        return radds > 0 ? (unsigned)radds : jobs;
+    return (unsigned)radds < jobs ? (unsigned)radds : jobs;
+}
+
 static int
-start(struct child *c, uv_stream_t *stream)
+start(struct child *c, uv_stream_t *stream, unsigned memory_mib)
 {
     struct children *all = c->all;
     char threads[16], memory[16], nice[16], pixel[16];
@@ -115,14 +124,14 @@ start(struct child *c, uv_stream_t *stream)
                                .stdio_count = RENDER_LINK_FD + 1 };
 
     snprintf(threads, sizeof threads, "%d", all->conf.threads);
-    snprintf(memory, sizeof memory, "%d", all->conf.memory_mib);
+    snprintf(memory, sizeof memory, "%u", memory_mib);
     snprintf(pixel, sizeof pixel, "%d", all->conf.pixel_s);
     snprintf(nice, sizeof nice, "%d", all->conf.nice);
     return uv_spawn(all->shell->loop, &c->process, &o);
 }
 
 void
-children_spawn(struct children *all, uint64_t id)
+children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
 {
     struct child *c = calloc(1, sizeof *c);
     uv_stream_t *stream = conn_stream_new(all->shell->loop, true);
@@ -137,7 +146,7 @@ children_spawn(struct children *all, uint64_t id)
     c->process.data = c;
     c->next = all->list;
     all->list = c;
-    rc = start(c, stream);
+    rc = start(c, stream, lower_limit(all->conf.memory_mib, memory_mib));
     if (rc < 0) {
         c->exited = true;
         c->how = (struct child_end){ EX_OSERR, 0 };

@@ -43,9 +43,10 @@ void children_init(struct children *all, struct shell *shell,
                    const struct children_conf *conf, child_ended_fn *ended,
                    void *arg);
 
-/* Start one as connection id.  If that fails, ended() is called from
+/* Start one as connection id, whose job wants no more than memory_mib (0: any);
+ * the lower limit holds.  If that fails, ended() is called from
  * children_tell(), as for every other end. */
-void children_spawn(struct children *all, uint64_t id);
+void children_spawn(struct children *all, uint64_t id, uint32_t memory_mib);
 
 /* End one; ended() will not be called. */
 void children_kill(struct children *all, uint64_t id);

@@ -55,8 +55,9 @@ struct wjob {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     enum wjob_state state;
-    bool started;   /* by the coordinator, in this connection */
-    uint8_t *start; /* the JOB-START frame, for children */
+    bool started;        /* by the coordinator, in this connection */
+    uint32_t memory_mib; /* its own limit; 0: none */
+    uint8_t *start;      /* the JOB-START frame, for children */
     size_t start_len;
     struct msg_area *frames; /* their sizes; the rest is 0 */
     uint32_t nframes;

@@ -368,7 +368,7 @@ on_action(void *arg, const struct action *a)
             dial_coordinator(r, a->conn);
         break;
     case ACT_SPAWN:
-        children_spawn(&r->children, a->conn);
+        children_spawn(&r->children, a->conn, a->memory_mib);
         break;
     case ACT_KILL:
         children_kill(&r->children, a->conn);

@@ -71,6 +71,7 @@ struct render {
     struct conn *link; /* NULL once it is gone */
     const char *files_dir;
     int nthreads;
+    unsigned memory_mib; /* most that it may have; 0: any */
     uint8_t id[MSG_JOB];
     bool share, ended;
     bool records;         /* radsubmit wants them */
@@ -97,15 +98,39 @@ struct render {
 
 /* --- what is said --- */
 
+/* Whose limit it was where memory is out: the job's own is the same everywhere
+ * and fails it, radd's or the machine's is not. */
+static int
+blame_limit(const struct render *r, int code, char *text, size_t size)
+{
+    size_t n = strlen(text);
+    uint32_t own = r->start.job_start.memory_mib;
+
+    if (code != RAD_ENOMEM && code != UV_ENOMEM)
+        return code;
+    if (own > 0 && own == r->memory_mib) {
+        snprintf(text + n, size - n,
+                 ", and the job may have %u MiB (--memory-mib)", own);
+        return RAD_EDATA;
+    }
+    if (r->memory_mib > 0)
+        snprintf(text + n, size - n,
+                 ", and a job's process may have %u MiB here (memory_mib)",
+                 r->memory_mib);
+    return RAD_ENOMEM;
+}
+
 static void
 send_failed(struct render *r, const struct rad_error *err)
 {
     struct msg m = { .type = MSG_FAILED };
     char text[MSG_MAX_TEXT + 1];
+    int code;
 
     rad_error_format(err, text, sizeof text);
+    code = blame_limit(r, err->code, text, sizeof text);
     m.failed.job = r->id;
-    m.failed.status = (uint16_t)rad_exit_status(err->code);
+    m.failed.status = (uint16_t)rad_exit_status(code);
     m.failed.text = text;
     if (r->link)
         conn_send(r->link, &m);
@@ -852,7 +877,7 @@ static const struct conn_handler handler = { .message = on_message,
 
 /* Give way to whoever sits at the machine, die with radd. */
 static void
-confine(int memory_mib, int give_way)
+confine(unsigned memory_mib, int give_way)
 {
     struct rlimit memory = { (rlim_t)memory_mib << 20,
                              (rlim_t)memory_mib << 20 };
@@ -921,7 +946,8 @@ render_main(int argc, char *argv[])
     r.nthreads = atoi(argv[3]);
     r.pixel_s = atoi(argv[6]);
     r.sandboxed = strcmp(argv[7], RENDER_SANDBOXED) == 0;
-    confine(atoi(argv[4]), atoi(argv[5]));
+    r.memory_mib = (unsigned)strtoul(argv[4], NULL, 10);
+    confine(r.memory_mib, atoi(argv[5]));
     log_open("radd-child", LOG_LEVEL_WARN);
     if (sandbox_begin(r.files_dir, r.sandboxed, &err) < 0) {
         log_err("%s", err.what);

@@ -253,6 +253,7 @@ copy_frames(struct wjob *job, const struct msg_spec *spec)
         return false;
     job->nframes = spec->nframes;
     job->flags = spec->flags;
+    job->memory_mib = spec->memory_mib;
     job->channels = spec->flags & MSG_JOB_DEPTH ? 4 : 3;
     for (uint32_t i = 0; i < spec->nframes; i++) {
         job->frames[i].width = spec->frames[i].width;
@@ -295,11 +296,15 @@ new_job(struct worker *w, const struct msg *m)
 static void
 spawn(struct worker *w, struct wjob *job)
 {
+    struct action *a;
+
     job->child = worker_new_conn(w);
     job->state = WJOB_LOADING;
     job->heard_ms = w->awake_ms;
     actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);
-    actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
+    a = actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
+    if (a)
+        a->memory_mib = job->memory_mib;
     send_child_bytes(w, job, job->start, job->start_len);
 }
 

@@ -18,10 +18,12 @@ for kind in crash loop; do
 done
 
 # shellcheck disable=SC2086 # options are words
-submit() # NAME SCENE
+submit() # NAME SCENE OPTION...
 {
-    "$radsubmit" --coordinator="$sock" --name="$1" $view -o "$1.hdr" "$2" \
-        >/dev/null 2>"$1.err"
+    name=$1 scene=$2
+    shift 2
+    "$radsubmit" --coordinator="$sock" --name="$name" $view "$@" \
+        -o "$name.hdr" "$scene" >/dev/null 2>"$name.err"
 }
 
 # fails NAME TEXT...: the job failed as our bug, and its last words have these
@@ -65,6 +67,18 @@ for why in 'signal 6' 'took more'; do
     [ "$n" -ge 2 ] || fail "$why: $n workers tried it, not two"
 done
 
+# more memory than the job may have: it fails, alone, and says which limit
+submit beside "$room" &
+good=$!
+submit thrifty "$room" --memory-mib=3
+status=$?
+[ $status -eq 65 ] || fail "thrifty: status $status, expected 65"
+grep -q 'the job may have 3 MiB (--memory-mib)' thrifty.err ||
+    fail "no word of the job's limit: $(cat thrifty.err)"
+wait $good || fail "beside it: $(cat beside.err)"
+cmp alone.hdr beside.hdr || fail "the picture beside it differs"
+submit frugal "$room" --memory-mib=500 || fail "frugal: $(cat frugal.err)"
+
 # one that has no memory for it is no reason to give up while others have
 submit again "$room" || fail "after that: $(cat again.err)"
 worker_options='--memory-mib=3 --nice=0'
@@ -76,8 +90,8 @@ cluster_stop
 
 worker_options='--memory-mib=3 --nice=0'
 cluster_start 1 1
-submit poorer "$room" && fail "a job without memory is done"
-grep -qi 'no worker can.*memory\|no worker can.*cannot start thread' \
-    poorer.err || fail "no word of memory: $(cat poorer.err)"
+submit poorer "$room" --memory-mib=500 && fail "a job without memory is done"
+grep -q 'no worker can.*may have 3 MiB here (memory_mib)' poorer.err ||
+    fail "no word of radd's limit: $(cat poorer.err)"
 cluster_stop
 finish
