@@ -24,6 +24,8 @@ librad_a_SOURCES = \
 	src/geom/geom.h \
 	src/geom/kernel.c \
 	src/geom/kernel.h \
+	src/geom/line.c \
+	src/geom/line.h \
 	src/geom/octree.c \
 	src/geom/octree.h \
 	src/geom/overlap.c \

@@ -58,8 +58,9 @@ add_random(struct geom_scene *g, uint64_t key, double size, const double c[3])
         }
     }
     geom_scene_add(g, type, RAD_VOID,
-                   geom_rand(key, 25, 0, 1) < .7 ? RAD_SURF_OPAQUE
-                                                 : RAD_SURF_TRANSPARENT,
+                   geom_rand(key, 25, 0, 1) < .7
+                       ? RAD_SURF_OPAQUE
+                       : RAD_SURF_TRANSPARENT | RAD_SURF_PASSED,
                    v, n);
 }
 
@@ -162,7 +163,8 @@ END_TEST
 
 /* One ray's answers by one kernel. */
 struct answer {
-    struct rad_hit hit;
+    struct rad_hit hit, first;
+    struct rad_line line;
     bool shadow;
     int32_t blocker;
     struct rad_geom_counts counts;
@@ -172,10 +174,19 @@ static void
 ask(struct rad_geom *geom, const struct rad_kernel *k,
     const struct rad_span *span, struct answer *a)
 {
+    struct rad_line line;
+
     memset(a, 0, sizeof *a);
     a->blocker = RAD_VOID;
     rad_geom_use(geom, k);
     rad_geom_nearest(geom, span, &a->hit, &a->counts);
+    rad_geom_first(geom, span, &a->first, &line, &a->counts);
+    a->line.n = line.n;
+    a->line.open = line.open;
+    for (int i = 0; i < line.n; i++) {
+        a->line.at[i].t = line.at[i].t;
+        a->line.at[i].item = line.at[i].item;
+    }
     a->shadow =
         rad_geom_occluded(geom, span, RAD_VOID, &a->blocker, &a->counts);
 }

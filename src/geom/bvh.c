@@ -473,6 +473,8 @@ set_frame(struct rad_bvh *bvh, const struct rad_box *boxes, uint32_t n)
     }
     frexp(half, &e);
     bvh->scale = half > 0 ? ldexp(1, -e) : 1;
+    /* outweighs the rounding of a slab test in float, and of this */
+    bvh->reach = bvh->scale * (1 + 0x1p-20);
 }
 
 static void

@@ -69,6 +69,7 @@ struct rad_bvh {
     struct rad_bvh_node *nodes; /* [0] is the root */
     uint32_t nnodes, capacity;
     double centre[3], scale;
+    double reach;        /* scale, and what rad_bvh_limit() adds */
     double lo[3], hi[3]; /* of all items, in the scene's coordinates */
 };
 
@@ -106,12 +107,10 @@ struct rad_walk {
     bool tie;          /* another hit lies within the window behind best */
     int32_t skip;      /* object that does not count */
     bool veiled;       /* something not opaque is on the way */
-    /* any: is the first such thing wanted?  If so it is prims[veil], met at
-     * `best`, and the next after it at `second`; vague: but for what was met
-     * in places */
-    bool first, vague;
-    uint32_t veil;
-    double second;
+    bool vague;        /* any: and line lacks it, as it was met in a place */
+    /* NULL: not wanted; along: surfaces that are passed; any: all that are not
+     * opaque */
+    struct rad_line *line;
     /* an instance's own modifier: the bits of what is met become
      * (surf & keep) | give */
     uint8_t keep, give;
@@ -170,9 +169,7 @@ rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
 static inline float
 rad_bvh_limit(const struct rad_bvh *bvh, double t)
 {
-    double x = t * bvh->scale * (1 + 0x1p-20);
-
-    return x < FLT_MAX ? (float)x : FLT_MAX;
+    return (float)rad_least(t * bvh->reach, FLT_MAX);
 }
 
 /* One instruction set's walks; all give the same bits. */
@@ -184,6 +181,8 @@ struct rad_kernel {
     bool (*one)(const struct rad_walk *w, const struct rad_prim *p, double *t);
     /* the nearest hit into w->best, w->prim, w->tie */
     void (*nearest)(struct rad_walk *w);
+    /* the same but for what is passed, which goes into w->line */
+    void (*along)(struct rad_walk *w);
     /* the first opaque hit met, into w->prim; false: none */
     bool (*any)(struct rad_walk *w);
     /* all hits before w->cut, to w->offer */

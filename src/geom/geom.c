@@ -19,6 +19,7 @@
 #include "base/vec.h"
 #include "base/xform.h"
 #include "geom/kernel.h"
+#include "geom/line.h"
 
 #include <float.h>
 #include <math.h>
@@ -248,6 +249,9 @@ compile(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 
     if (!rc)
         rc = make_set(&mk, err);
+    for (uint32_t i = 0; i < g->top.nprims; i++)
+        g->passes |=
+            (g->top.prims[i].surf & (RAD_SURF_PASSED | RAD_SURF_ONESIDED)) != 0;
     return rc ? rc : index_prims(g, mk.n, err);
 }
 
@@ -427,6 +431,22 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
     *hit = c.leader.hit;
 }
 
+/* What the walk has met, if anything; settles ties. */
+static inline void
+take_met(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
+{
+    const struct rad_prim *p = &w->prims[w->prim];
+
+    if (w->prim == RAD_NO_PRIM)
+        return;
+    if (p->kind == PRIM_PLACE)
+        *hit = w->met.hit;
+    else
+        rad_prim_surface(p, &w->probe, w->best, hit);
+    if (w->tie)
+        settle_tie(g, w, hit);
+}
+
 bool
 rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
                  struct rad_hit *hit, struct rad_geom_counts *counts)
@@ -437,16 +457,47 @@ rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
     if (!walk_init(&w, g, span))
         return false;
     g->kernel->nearest(&w);
-    if (w.prim != RAD_NO_PRIM) {
-        const struct rad_prim *p = &w.prims[w.prim];
+    take_met(g, &w, hit);
+    add_counts(counts, &w);
+    return hit->obj != RAD_VOID;
+}
 
-        if (p->kind == PRIM_PLACE)
-            *hit = w.met.hit;
-        else
-            rad_prim_surface(p, &w.probe, w.best, hit);
-        if (w.tie)
-            settle_tie(g, &w, hit);
+static void
+start_line(struct rad_walk *w, struct rad_line *line)
+{
+    line->n = 0;
+    line->open = false;
+    w->line = line;
+}
+
+/* Nothing is known of what follows. */
+static void
+forget_line(struct rad_line *line)
+{
+    line->n = 0;
+    line->open = true;
+}
+
+bool
+rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
+               struct rad_hit *hit, struct rad_line *line,
+               struct rad_geom_counts *counts)
+{
+    struct rad_walk w;
+
+    if (!g->passes) {
+        forget_line(line);
+        return rad_geom_nearest(g, span, hit, counts);
     }
+    hit->obj = RAD_VOID;
+    if (!walk_init(&w, g, span)) {
+        forget_line(line);
+        return false;
+    }
+    start_line(&w, line);
+    g->kernel->along(&w);
+    rad_line_end(&w);
+    take_met(g, &w, hit);
     add_counts(counts, &w);
     return hit->obj != RAD_VOID;
 }
@@ -500,18 +551,40 @@ rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
     return blocked;
 }
 
+/* Behind all that w's line holds is what it leads to. */
+static void
+end_at_target(const struct rad_geom *g, struct rad_walk *w, int32_t target,
+              struct rad_geom_counts *counts)
+{
+    struct rad_line *line = w->line;
+    bool whole = !line->open && line->n < RAD_LINE_MOST;
+    double t, last = line->at[line->n - 1].t;
+    uint32_t i;
+
+    line->open = true;
+    if (!whole || target < 0 || target >= g->nown)
+        return;
+    i = g->prim_of[target];
+    w->cut = DBL_MAX;
+    counts->tests++;
+    if (i == RAD_NO_PRIM || !g->kernel->one(w, &w->prims[i], &t) ||
+        !(t - last > rad_walk_window(w, last)))
+        return;
+    line->at[line->n].t = t;
+    line->at[line->n++].item = i;
+}
+
 enum rad_sight
 rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
                int32_t skip, int32_t *blocker, struct rad_hit *hit,
-               struct rad_geom_counts *counts)
+               struct rad_line *line, struct rad_geom_counts *counts)
 {
     struct rad_walk w;
     bool blocked;
 
     if (!walk_init(&w, g, span))
         return RAD_SIGHT_CLEAR;
-    w.first = true;
-    w.second = INFINITY;
+    start_line(&w, line);
     blocked = is_blocked(g, &w, skip, blocker);
     add_counts(counts, &w);
     if (blocked)
@@ -520,12 +593,16 @@ rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
         return RAD_SIGHT_CLEAR;
     /* nothing opaque is there: what that walk met first is the nearest, but in
      * places, and where the tie rule has to choose */
-    if (!w.vague &&
-        w.second > w.best + RAD_WALK_WINDOW * (w.probe.size + w.best))
-        rad_prim_surface(&w.prims[w.veil], &w.probe, w.best, hit);
-    else if (!rad_geom_nearest(g, span, hit, counts))
-        return RAD_SIGHT_CLEAR;
-    return RAD_SIGHT_VEILED;
+    if (!w.vague && !rad_line_untie(&w)) {
+        if (span->tmax < INFINITY)
+            end_at_target(g, &w, skip, counts);
+        rad_prim_surface(&w.prims[line->at[0].item], &w.probe, line->at[0].t,
+                         hit);
+        return RAD_SIGHT_VEILED;
+    }
+    forget_line(line);
+    return rad_geom_nearest(g, span, hit, counts) ? RAD_SIGHT_VEILED
+                                                  : RAD_SIGHT_CLEAR;
 }
 
 bool

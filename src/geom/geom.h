@@ -26,7 +26,9 @@ struct rad_geom;
 enum {
     RAD_SURF_OPAQUE = 1,      /* its material stops every shadow ray */
     RAD_SURF_TRANSPARENT = 2, /* loses ties against what is not (tie rule) */
-    RAD_SURF_NOMATERIAL = 4   /* loses ties against all that has one */
+    RAD_SURF_NOMATERIAL = 4,  /* loses ties against all that has one */
+    RAD_SURF_PASSED = 8,      /* what meets it mostly goes straight on, */
+    RAD_SURF_ONESIDED = 16    /* or what meets its back, at least */
 };
 
 /* A stretch of a line: p(t) = org + t*dir, tmin < t < tmax. */
@@ -54,6 +56,18 @@ struct rad_hit {
     uint64_t copy;
     double bend[3]; /* what turns n into the normal of the curved surface that
                      * a mesh stands for */
+};
+
+/* What a ray meets one after the other, if it goes straight on: found in one
+ * walk.  Filled where there are surfaces that are passed (RAD_SURF_PASSED). */
+#define RAD_LINE_MOST 8
+struct rad_line {
+    int n;     /* how many are known */
+    bool open; /* behind the last of them there may be more */
+    struct {
+        double t;      /* distance from the line's origin */
+        uint32_t item; /* of the tree */
+    } at[RAD_LINE_MOST];
 };
 
 /* Instances within instances may make this many copies, 0 for what is none:
@@ -89,6 +103,25 @@ void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);
 bool rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
                       struct rad_hit *hit, struct rad_geom_counts *counts);
 
+/* The same; *line gets what was met on the way to the first surface that is not
+ * passed, this one too; nothing where no surface ever is.  hit is its first
+ * entry. */
+bool rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
+                    struct rad_hit *hit, struct rad_line *line,
+                    struct rad_geom_counts *counts);
+
+/* Are there surfaces that are passed? */
+bool rad_geom_passes(const struct rad_geom *g);
+
+/* What is behind the hit `last`, which was number i - 1 of the line, in the
+ * same direction?  MET: *hit gets that, at its distance from last->p.  UNKNOWN:
+ * ask rad_geom_first(); too much is there for the line to tell, or too near. */
+enum rad_beyond { RAD_BEYOND_NONE, RAD_BEYOND_MET, RAD_BEYOND_UNKNOWN };
+enum rad_beyond rad_geom_beyond(const struct rad_geom *g,
+                                const struct rad_line *line, int i,
+                                const struct rad_hit *last, const double org[3],
+                                const double dir[3], struct rad_hit *hit);
+
 /* Does a surface with RAD_SURF_OPAQUE, other than object `skip` (RAD_VOID:
  * none), meet the span?  Stops at the first one found; *blocker (may be NULL)
  * gets its index, and if it holds an index on entry that one is tested first
@@ -100,11 +133,12 @@ bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
 /* The same, and where nothing opaque is in the way: does anything else meet the
  * span, something that could dim or turn the light?  VEILED: *hit gets the
  * first such surface (of all but object `skip`, if the tie rule does not
- * prefer that), as rad_geom_nearest() would. */
+ * prefer that), as rad_geom_nearest() would, and *line all that follow. */
 enum rad_sight { RAD_SIGHT_CLEAR, RAD_SIGHT_VEILED, RAD_SIGHT_BLOCKED };
 enum rad_sight rad_geom_sight(const struct rad_geom *g,
                               const struct rad_span *span, int32_t skip,
                               int32_t *blocker, struct rad_hit *hit,
+                              struct rad_line *line,
                               struct rad_geom_counts *counts);
 
 /* Test one surface alone (a light source that a shadow ray aims at). */

@@ -4,6 +4,7 @@
 #define RAD_GEOM_KERNEL_H
 
 #include "geom/bvh.h"
+#include "geom/line.h"
 #include "geom/place.h"
 #include "geom/polygon.h"
 
@@ -24,6 +25,12 @@
  * numbers: ample for grazing faces. */
 #define RAD_WALK_WINDOW 0x1p-30
 
+static inline double
+rad_walk_window(const struct rad_walk *w, double t)
+{
+    return RAD_WALK_WINDOW * (w->probe.size + t);
+}
+
 /* What all that is in geom/ may see. */
 struct rad_geom {
     const struct rad_scene *scene;
@@ -33,6 +40,7 @@ struct rad_geom {
     struct rad_set *sets; /* by part */
     int32_t nown;         /* objects of the scene itself */
     uint32_t *prim_of;    /* by these; RAD_NO_PRIM: none */
+    bool passes;          /* top holds surfaces with RAD_SURF_PASSED */
 };
 
 /* Best first, ended by NULL. */

@@ -491,7 +491,7 @@ meet_any(struct rad_walk *w, uint32_t i)
 
     if (turn(&in, w, &w->prims[i]) == 0)
         return false;
-    if (w->first) /* is there something in here? */
+    if (w->line) /* is there something in here? */
         in.veiled = false;
     blocked =
         (in.meshed ? w->geom->kernel->mesh_any : w->geom->kernel->any)(&in);

@@ -7,9 +7,9 @@
  *
  * The ray's direction keeps its unit length, so that a distance there is `len`
  * times that here; m is the scale times a rotation or reflection, made
- * orthogonal to the last bits whatever it was the product of.  What tells the surface's side is computed there, from the
- * surface's own numbers, so faces of a copy share edges as those of the
- * original do.
+ * orthogonal to the last bits whatever it was the product of.  What tells the
+ * surface's side is computed there, from the surface's own numbers, so faces of
+ * a copy share edges as those of the original do.
  *
  * Rounding (prim.h).  Turning the ray moves its origin by fewer than eight
  * roundings of |m^-1||org| + |t'|; that is put into probe.size, which bounds
@@ -96,7 +96,8 @@ rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
     w->tie = false;
     w->skip = RAD_VOID;
     w->veiled = false;
-    w->first = w->vague = false;
+    w->vague = false;
+    w->line = NULL;
     w->keep = 0xff;
     w->give = 0;
     w->tests = w->nodes = 0;

@@ -72,6 +72,25 @@ WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
     }
 }
 
+/* What is passed does not end the walk. */
+static inline WALK_TARGET void
+WALK(leaf_along)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = first; i < first + count; i++) {
+        double t;
+
+        if (!WALK(meets)(w, i, RAD_MEET_NEAREST, &t))
+            continue;
+        if (rad_line_passes(&w->prims[i], &w->probe))
+            w->cut = rad_least(rad_line_note(w, i, t), w->cut);
+        else if (t > w->best ||
+                 (t == w->best && w->prims[i].obj > w->prims[w->prim].obj))
+            w->tie = true;
+        else
+            WALK(lead)(w, i, t);
+    }
+}
+
 static inline WALK_TARGET void
 WALK(mesh_leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
@@ -183,6 +202,12 @@ WALK(nearest)(struct rad_walk *w)
 }
 
 static WALK_TARGET void
+WALK(along)(struct rad_walk *w)
+{
+    WALK(seek)(w, WALK(leaf_along));
+}
+
+static WALK_TARGET void
 WALK(mesh_nearest)(struct rad_walk *w)
 {
     WALK(seek)(w, WALK(mesh_leaf_nearest));
@@ -195,22 +220,6 @@ WALK(stops)(const struct rad_walk *w, uint8_t surf)
     return ((surf & w->keep) | w->give) & RAD_SURF_OPAQUE;
 }
 
-/* Item i, not opaque, is met at t. */
-static inline WALK_TARGET void
-WALK(veil)(struct rad_walk *w, uint32_t i, double t)
-{
-    w->veiled = true;
-    if (!w->first)
-        return;
-    if (t < w->best) {
-        w->second = w->best;
-        w->best = t;
-        w->veil = i;
-    } else if (t < w->second) {
-        w->second = t;
-    }
-}
-
 static inline WALK_TARGET bool
 WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
 {
@@ -220,7 +229,7 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
         const struct rad_prim *p = &w->prims[i];
 
         if (p->obj == w->skip ||
-            (w->veiled && !w->first && !WALK(stops)(w, p->surf)))
+            (w->veiled && !w->line && !WALK(stops)(w, p->surf)))
             continue;
         w->tests++;
         if (!WALK(meets)(w, i, RAD_MEET_ANY, &t))
@@ -229,7 +238,9 @@ WALK(leaf_any)(struct rad_walk *w, uint32_t first, uint32_t count)
             w->prim = i;
             return true;
         }
-        WALK(veil)(w, i, t);
+        w->veiled = true;
+        if (w->line)
+            rad_line_note(w, i, t);
     }
     return false;
 }
@@ -351,5 +362,5 @@ WALK(one)(const struct rad_walk *w, const struct rad_prim *p, double *t)
 
 /* What a kernel's table holds. */
 #define WALK_ALL                                                               \
-    WALK(one), WALK(nearest), WALK(any), WALK(all), WALK(mesh_nearest),        \
-        WALK(mesh_any), WALK(mesh_all)
+    WALK(one), WALK(nearest), WALK(along), WALK(any), WALK(all),               \
+        WALK(mesh_nearest), WALK(mesh_any), WALK(mesh_all)

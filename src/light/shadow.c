@@ -310,7 +310,7 @@ see_beyond(const struct direct *d, struct potential *p)
  * no light arrives.  Sets p->val to what does. */
 static bool
 see_through(const struct direct *d, struct potential *p,
-            const struct rad_hit *hit)
+            const struct rad_hit *hit, const struct rad_line *line)
 {
     const struct rad_job *job = d->ctx->job;
     struct rad_ray sr;
@@ -320,6 +320,8 @@ see_through(const struct direct *d, struct potential *p,
     if (!start_ray(d, p, &sr))
         return false;
     sr.hit = *hit;
+    sr.line = line;
+    sr.line_at = 1;
     rad_ray_enter(&sr);
     rad_ray_continue(d->ctx, &sr);
     rad_ray_absorb(d->ctx, &sr);
@@ -333,17 +335,18 @@ test(const struct direct *d, struct potential *p)
 {
     struct rad_ctx *ctx = d->ctx;
     const struct rad_job *job = ctx->job;
+    struct rad_line line;
     struct rad_hit hit;
 
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
     switch (rad_geom_sight(
         job->geom, &p->span, rad_source_target(job->sources, p->source),
-        &ctx->last_blocker[p->source], &hit, &ctx->counts.geom)) {
+        &ctx->last_blocker[p->source], &hit, &line, &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
     case RAD_SIGHT_VEILED:
-        return see_through(d, p, &hit);
+        return see_through(d, p, &hit, &line);
     default:
         return see_beyond(d, p);
     }
@@ -356,12 +359,13 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
 {
     const struct rad_job *job = ctx->job;
     int32_t target = rad_source_target(job->sources, r->source);
+    struct rad_line line;
     struct rad_hit hit;
 
     ctx->counts.rays++;
     ctx->counts.shadow_rays++;
     switch (rad_geom_sight(job->geom, span, target,
-                           &ctx->last_blocker[r->source], &hit,
+                           &ctx->last_blocker[r->source], &hit, &line,
                            &ctx->counts.geom)) {
     case RAD_SIGHT_BLOCKED:
         return false;
@@ -369,9 +373,12 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
         if (hit.obj == target)
             return true;
         r->hit = hit;
+        r->line = &line;
+        r->line_at = 1;
         rad_ray_enter(r);
         rad_ray_continue(ctx, r);
         rad_ray_absorb(ctx, r);
+        r->line = NULL;
         return false;
     default:
         return true;

@@ -115,6 +115,7 @@ pass(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
         if (rad_normalize(tr.dir) == 0)
             rad_copy(tr.dir, r->dir);
     }
+    rad_ray_onward(&tr);
     rad_ray_trace(ctx, &tr);
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
     if (straight)

@@ -19,17 +19,21 @@ surface_flags(const struct rad_job *job, int32_t i)
     const struct rad_scene *scene = job->scene;
     int32_t mod = scene->objects[i].modifier;
     int32_t m = rad_material_of(scene, mod);
-    unsigned flags;
+    unsigned flags, onesided = 0;
 
     if (m == RAD_VOID)
-        return RAD_SURF_NOMATERIAL;
+        return RAD_SURF_NOMATERIAL | RAD_SURF_PASSED;
     flags = job->materials[m].flags;
     if (scene->objects[m].type == RAD_MIRROR && scene->objects[m].nstrings > 0)
         flags &= ~(unsigned)RAD_MAT_OPAQUE; /* another material's place */
     if (job->cut && job->cut[mod])
         flags &= ~(unsigned)RAD_MAT_OPAQUE; /* not everywhere */
+    if (!job->params.backvis && flags & RAD_MAT_OPAQUE &&
+        !(flags & RAD_MAT_EMITS))
+        onesided = RAD_SURF_ONESIDED;
     return (uint8_t)((flags & RAD_MAT_OPAQUE ? RAD_SURF_OPAQUE : 0) |
-                     (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0));
+                     (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0) |
+                     onesided | (flags & RAD_MAT_PASSED ? RAD_SURF_PASSED : 0));
 }
 
 static int

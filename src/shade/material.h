@@ -29,7 +29,8 @@ enum {
     RAD_MAT_EMITS = 4,       /* light, illum, glow, spotlight */
     RAD_MAT_PATTERN = 8,     /* no material: only changes pattern and pert */
     RAD_MAT_CUTS = 16,       /* antimatter: no surface, even to -i */
-    RAD_MAT_MIXTURE = 32     /* a material if it mixes any, else a pattern */
+    RAD_MAT_MIXTURE = 32,    /* a material if it mixes any, else a pattern */
+    RAD_MAT_PASSED = 64      /* most light that meets it goes straight on */
 };
 
 struct rad_shader {

@@ -386,6 +386,7 @@ pass(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_medium *medium,
     rad_copy(tr.dir, r->dir);
     tr.medium = medium;
     tr.ext = ext;
+    rad_ray_onward(&tr);
     rad_ray_trace(ctx, &tr);
     r->L = tr.L;
     r->L_mirror = tr.L_mirror;

@@ -207,6 +207,7 @@ pass_straight(struct normal_hit *hit)
                        RAD_BRANCH_TRANSMIT))
         return;
     rad_copy(tr.dir, hit->ahead);
+    rad_ray_onward(&tr);
     rad_ray_trace(hit->ctx, &tr);
     add_light(r, rad_rgb_mul(tr.L, tr.coef));
     if (hit->tspec >= 1 - RAD_TINY) {

@@ -95,6 +95,7 @@ begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     r->weight = coef ? fminf(rad_rgb_max(*coef), 1) : 1;
     r->kind = (uint16_t)kind;
     r->parent = parent;
+    r->line = NULL;
     if (!parent) {
         spawn_primary(ctx, r, kind);
     } else {
@@ -177,19 +178,56 @@ drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
 }
 
 void
-rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+rad_ray_onward(struct rad_ray *r)
 {
-    const struct rad_job *job = ctx->job;
+    const struct rad_ray *p = r->parent;
+
+    if (p->line && r->dir[0] == p->dir[0] && r->dir[1] == p->dir[1] &&
+        r->dir[2] == p->dir[2]) {
+        r->line = p->line;
+        r->line_at = p->line_at;
+    }
+}
+
+/* Find what r meets; false: nothing.  `own` is for what lies behind that, where
+ * it is not known yet. */
+static bool
+meet(struct rad_ctx *ctx, struct rad_ray *r, struct rad_line *own)
+{
+    const struct rad_geom *geom = ctx->job->geom;
     struct rad_span span;
 
-    rad_ray_leave(r);
-    rad_ray_clear(r);
+    if (r->line) {
+        switch (rad_geom_beyond(geom, r->line, r->line_at++, &r->parent->hit,
+                                r->org, r->dir, &r->hit)) {
+        case RAD_BEYOND_NONE:
+            return false;
+        case RAD_BEYOND_MET:
+            return true;
+        default:
+            break;
+        }
+    }
     rad_copy(span.org, r->org);
     rad_copy(span.dir, r->dir);
     span.tmin = 0;
     span.tmax = r->tmax;
+    if (!rad_geom_passes(geom))
+        return rad_geom_nearest(geom, &span, &r->hit, &ctx->counts.geom);
+    r->line = own;
+    r->line_at = 1;
+    return rad_geom_first(geom, &span, &r->hit, own, &ctx->counts.geom);
+}
+
+void
+rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_line own;
+
+    rad_ray_leave(r);
+    rad_ray_clear(r);
     ctx->counts.rays++;
-    if (rad_geom_nearest(job->geom, &span, &r->hit, &ctx->counts.geom)) {
+    if (meet(ctx, r, &own)) {
         rad_ray_enter(r);
         rad_ray_continue(ctx, r);
     } else if (!(r->tmax < INFINITY)) { /* else the aft plane hides it */
@@ -200,6 +238,7 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
     }
     rad_ray_absorb(ctx, r);
     drop_unsound(ctx, r);
+    r->line = NULL;
 }
 
 void
@@ -263,6 +302,7 @@ rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r)
     if (!begin(ctx, &tr, RAD_RAY_TRANS, r, NULL, RAD_BRANCH_TRANSMIT))
         return;
     rad_copy(tr.dir, r->dir);
+    rad_ray_onward(&tr);
     rad_ray_trace(ctx, &tr);
     r->L = tr.L;
     r->L_mirror = tr.L_mirror;

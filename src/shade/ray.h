@@ -89,6 +89,10 @@ struct rad_ray {
                           * [1/unit]: inside a dielectric or mist */
     const struct rad_medium *medium; /* that scatters, or once did; NULL: none
                                       * (shade/mist.h) */
+    /* where it or its ancestors walked to: what lies straight ahead, the next
+     * being number line_at; NULL: not known */
+    const struct rad_line *line;
+    int line_at;
     /* what it met */
     struct rad_hit hit;     /* hit.obj is RAD_VOID: nothing (or a distant
                              * source: then far_source says which) */
@@ -122,6 +126,11 @@ void rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Set r->org: where a ray of direction r->dir leaves its parent's hit. */
 void rad_ray_leave(struct rad_ray *r);
+
+/* r, which rad_ray_spawn() started off parent and which has its direction, goes
+ * straight on if that is its parent's: then it may meet what is known to be
+ * there. */
+void rad_ray_onward(struct rad_ray *r);
 
 /* Forget what r met and brought back. */
 void rad_ray_clear(struct rad_ray *r);

@@ -1,0 +1,131 @@
+/* line.c - see line.h */
+#include "config.h"
+
+#include "geom/line.h"
+
+#include "base/vec.h"
+#include "geom/kernel.h"
+
+#include <math.h>
+
+/* Returns how far the line is complete. */
+static double
+put(struct rad_line *line, uint32_t i, double t)
+{
+    double end = INFINITY;
+    int k = line->n;
+
+    if (k == RAD_LINE_MOST) {
+        line->open = true;
+        end = line->at[--k].t;
+        if (!(t < end))
+            return t;
+    } else {
+        line->n++;
+    }
+    for (; k > 0 && line->at[k - 1].t > t; k--)
+        line->at[k] = line->at[k - 1];
+    line->at[k].t = t;
+    line->at[k].item = i;
+    return end;
+}
+
+double
+rad_line_note(const struct rad_walk *w, uint32_t i, double t)
+{
+    const struct rad_prim *p = &w->prims[i];
+    double end = put(w->line, i, t), again;
+    bool twice = false;
+
+    /* what is round has a far side */
+    if (p->kind == PRIM_SPHERE)
+        twice = rad_sphere_hit(p, &w->probe, t, w->cut, &again);
+    else if (p->kind == PRIM_CONE)
+        twice = rad_cone_hit(p, &w->probe, t, w->cut, &again);
+    return twice ? rad_least(put(w->line, i, again), end) : end;
+}
+
+bool
+rad_line_untie(const struct rad_walk *w)
+{
+    struct rad_line *line = w->line;
+
+    for (int k = 1; k < line->n; k++)
+        if (!(line->at[k].t - line->at[k - 1].t >
+              rad_walk_window(w, line->at[k - 1].t))) {
+            line->n = k - 1;
+            line->open = true;
+            return k == 1;
+        }
+    return false;
+}
+
+/* Does the line hold nothing before what stops w? */
+static bool
+only_stopped(struct rad_walk *w)
+{
+    struct rad_line *line = w->line;
+
+    while (line->n > 0 && line->at[line->n - 1].t >= w->best) {
+        line->n--;
+        w->tie |= line->at[line->n].t < w->cut;
+    }
+    return line->n == 0;
+}
+
+/* rad_line_untie(), and the last entry goes, too, if that is unsure. */
+static bool
+untie_but(const struct rad_walk *w, bool unsure)
+{
+    int n = w->line->n;
+    bool tied = rad_line_untie(w);
+
+    if (unsure && w->line->n == n)
+        w->line->n--;
+    return tied;
+}
+
+void
+rad_line_end(struct rad_walk *w)
+{
+    struct rad_line *line = w->line;
+    bool stopped = w->prim != RAD_NO_PRIM;
+    bool unsure = w->tie || (stopped && w->prims[w->prim].kind == PRIM_PLACE);
+
+    if (!only_stopped(w)) {
+        unsure |= w->tie;
+        if (stopped)
+            put(line, w->prim, w->best);
+        w->best = line->at[0].t;
+        w->prim = line->at[0].item;
+        w->tie = untie_but(w, unsure);
+    }
+    line->open |= stopped;
+    if (w->tie)
+        w->cut = rad_least(w->best + rad_walk_window(w, w->best), w->tmax);
+}
+
+enum rad_beyond
+rad_geom_beyond(const struct rad_geom *g, const struct rad_line *line, int i,
+                const struct rad_hit *last, const double org[3],
+                const double dir[3], struct rad_hit *hit)
+{
+    struct rad_probe probe;
+    double t;
+
+    if (i >= line->n)
+        return line->open ? RAD_BEYOND_UNKNOWN : RAD_BEYOND_NONE;
+    t = line->at[i].t - line->at[i - 1].t;
+    if (!(t * fabs(rad_dot(last->n, dir)) > 4 * last->err))
+        return RAD_BEYOND_UNKNOWN;
+    rad_copy(probe.org, org);
+    rad_copy(probe.dir, dir);
+    rad_prim_surface(&g->top.prims[line->at[i].item], &probe, t, hit);
+    return RAD_BEYOND_MET;
+}
+
+bool
+rad_geom_passes(const struct rad_geom *g)
+{
+    return g->passes;
+}
