@@ -13,6 +13,7 @@ room=$scenes/room.rad
 "$radsubmit" --local --workers=1 --threads=1 $view -o alone.hdr "$room" \
     2>stderr || fail "embedded: $(cat stderr)"
 
+coord_options=--log-level=debug
 cluster_start 3 1
 # shellcheck disable=SC2086
 "$radsubmit" --coordinator="$sock" $view --stats=calm.json -o calm.hdr \
@@ -20,14 +21,18 @@ cluster_start 3 1
 cmp alone.hdr calm.hdr || fail "three daemons' picture differs"
 [ "$(total calm.json units_redone)" -eq 0 ] || fail "units done twice in calm"
 
+# Worker 3 stands still with a unit, so that the job lasts until all is done to it.
+: >c.log
 # shellcheck disable=SC2086
 "$radsubmit" --coordinator="$sock" --name=storm $view --stats=storm.json \
     -o storm.hdr "$room" 2>storm.err &
 job=$!
+until_true 60 grep -q 'unit out .*worker=w3 ' c.log || fail "w3 gets nothing"
+kill -STOP "$pid_3"
 until_true 60 in_the_middle storm || fail "the job does not start"
-kill -KILL "$pid_3"
 until_true 30 child_of 2 || fail "worker 2 has no child"
 child_of 2 | xargs kill -KILL
+kill -KILL "$pid_3"
 wait $job || fail "storm: $(cat storm.err)"
 cmp alone.hdr storm.hdr || fail "the picture after losses differs"
 [ "$(total storm.json units_redone)" -gt 0 ] || fail "no unit was done again"
