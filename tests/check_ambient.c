@@ -358,6 +358,51 @@ START_TEST(super_samples_leave_the_mean_alone)
 }
 END_TEST
 
+/* One lamp that the wall sees and 19 weaker ones that it does not: what -dt
+ * leaves untested must not brighten the light that comes from the wall.  The
+ * point itself sees none. */
+START_TEST(untested_lamps_leave_the_mean_alone)
+{
+    static const char *const options[] = {
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0",
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt .05 -dc .75",
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 1 -dc 0",
+    };
+    char scene[2048] = PLASTIC
+        "white polygon wall 0 0 12 8 -9 0 8 -9 9 8 9 9 8 9 0\n"
+        "void plastic black 0 0 5 0 0 0 0 0\n"
+        "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
+        "black polygon plate 0 0 12 -.2 -.2 3 .2 -.2 3 .2 .2 3 -.2 .2 3\n"
+        "void light strong 0 0 3 1000 1000 1000\n"
+        "void light weak 0 0 3 50 40 60\n"
+        "strong sphere s 0 0 4 0 0 6 .1\n";
+    struct rad_rgb sum[N_ELEM(options)];
+    const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
+    enum { TIMES = 3000 };
+
+    for (int i = 0; i < 19; i++)
+        snprintf(scene + strlen(scene), 64,
+                 "weak sphere w%d 0 0 4 0 %d 10 .1\n", i, i - 9);
+    for (int k = 0; k < N_ELEM(options); k++) {
+        struct world w;
+
+        sum[k] = rad_grey(0);
+        world_open(&w, scene, options[k]);
+        for (uint64_t i = 0; i < TIMES; i++) {
+            struct rad_ray r;
+
+            rad_ray_irradiance(&w.ctx, &r, p, n, rad_key_branch(9, i));
+            sum[k] = rad_rgb_add(sum[k], r.L);
+        }
+        world_close(&w);
+        ck_assert_msg(fabs(sum[k].r / sum[0].r - 1) < .02 &&
+                          fabs(sum[k].b / sum[0].b - 1) < .02,
+                      "%s: %g times as bright", options[k],
+                      (double)sum[k].r / sum[0].r);
+    }
+}
+END_TEST
+
 /* --- the cache --- */
 
 #define CACHED "-ab 2 -aa .2 -ar 64 -ad 64 -as 0"
@@ -885,6 +930,7 @@ make_suite(void)
     tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
                         2 * N_ELEM(listed));
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
+    tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
     tcase_set_timeout(tc, 60);

@@ -9,6 +9,13 @@
  * luck colours the next; here it is the visible share of what was tested at
  * this very point, so a pixel stays a function.
  *
+ * That guess is too bright where what is weak is hidden more often than what is
+ * strong, and the less a ray weighs, the more is guessed: it made indirect
+ * light nearly 2 % too bright.  Rays of indirect light are many, and what each
+ * says need be right in the mean only: so one sample is drawn, as likely as its
+ * part in the sum of potentials, and tested for all (Shirley, Wang & Zimmerman
+ * 1996, Monte Carlo techniques for direct lighting calculations).
+ *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
  * Only if there is none, but something to see through, does it go on, from
  * surface to surface, as a ray that materials shade.
@@ -446,6 +453,27 @@ test_all(struct direct *d)
             d->r->L = rad_rgb_add(d->r->L, d->list[i].val);
 }
 
+/* The sample that is drawn, tested for all. */
+static void
+test_drawn(struct direct *d)
+{
+    struct potential *p = d->list;
+    double all = 0, at, lum = 0;
+
+    for (int32_t i = 0; i < d->n; i++)
+        all += rad_rgb_lum(d->list[i].val);
+    at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
+    /* rounding may leave nothing behind the last */
+    for (int32_t i = 0; i < d->n && at >= 0; i++) {
+        p = &d->list[i];
+        lum = rad_rgb_lum(p->val);
+        at -= lum;
+    }
+    if (test(d, p))
+        d->r->L =
+            rad_rgb_add(d->r->L, rad_rgb_scale(p->val, (float)(all / lum)));
+}
+
 static void
 test_selected(struct direct *d, struct order *o)
 {
@@ -543,7 +571,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     struct order *o;
     double up[3];
     /* a tilted normal may see what the surface itself does not */
-    bool skip = !through && !rad_ray_perturbed(r);
+    bool skip = !through && !rad_ray_perturbed(r), drawn;
 
     if (s->nlit == 0)
         return;
@@ -568,9 +596,12 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     if (s->nvirtuals > 0)
         weigh_images(&d, &view, skip);
     o = NULL;
-    if (d.n > 0 && par->shadthresh > 0)
+    drawn = d.n > 1 && par->shadthresh > 0 && r->path & RAD_RAY_AMBIENT;
+    if (d.n > 0 && par->shadthresh > 0 && !drawn)
         o = rad_arena_alloc(&ctx->scratch, (size_t)d.n * sizeof *o);
-    if (o)
+    if (drawn)
+        test_drawn(&d);
+    else if (o)
         test_selected(&d, o);
     else
         test_all(&d);
