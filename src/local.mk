@@ -103,6 +103,7 @@ librad_a_SOURCES = \
 	src/scene/bundle.h \
 	src/scene/calc.c \
 	src/scene/calc.h \
+	src/scene/calcargs.c \
 	src/scene/calceval.c \
 	src/scene/calcimpl.h \
 	src/scene/calcinit.c \

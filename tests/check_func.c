@@ -66,7 +66,7 @@ static const struct {
     { "6 U . -t 0 -1 0", 2 },
     { "2 sqrt(-Px) .", 1 }, /* no value: no effect */
     { "2 1/(Px-2) .", 1 },
-    { "2 A4 .", 1 },
+    { "2 arg(AC+1) .", 1 },
 };
 
 START_TEST(brightness_is_the_functions_value)
@@ -276,7 +276,41 @@ static const struct {
     { "brightfunc p 4 1 . -s 0 0 0", "", "scales by 0" },
     { "brightfunc p 1 1 0 0", "", "expected at least 2 string arguments" },
     { "mixfunc p 4 void nope 1 . 0 0", "", "undefined modifier 'nope'" },
+    /* arguments that any ray would ask for */
+    { "brightfunc p 2 A1*A2 . 0 1 .5", "", "missing real argument 2" },
+    { "brightfunc p 2 a lib/own.cal 0 0", "a=b(1)+2; b(x)=x*arg(3);",
+      "missing real argument 3" },
+    { "brightfunc p 2 a lib/own.cal 0 1 .5", "a=if(A2,1,2); c(x,y)=x;",
+      "missing real argument 2" },
+    { "brightfunc p 2 a lib/own.cal 0 1 .5", "a=c(A2,1); c(x,y)=y+x;",
+      "missing real argument 2" },
+    { "brightfunc p 2 c(1) lib/own.cal 0 0", "c(x,y)=x*y;",
+      "too few arguments for c`lib_own()" },
 };
+
+/* Arguments that functions may do without. */
+static const struct {
+    const char *expression, *file;
+} optional[] = {
+    { "if(AC-1.5,A2,.5)", "" },      { "select(A1,.5,A2)", "" },
+    { "a", "a=c(A2,1); c(x,y)=y;" }, { "a", "a=if(1-A1,1,arg(7)); c(x,y)=x;" },
+    { "c(1)", "c(x,y)=if(x,x,y);" }, { "arg(AC)", "" },
+};
+
+START_TEST(an_argument_that_may_be_left_out_is_not_missed)
+{
+    struct rad_files files = { read_file,
+                               (void *)(uintptr_t)optional[_i].file };
+    char scene[512];
+    struct world w;
+
+    snprintf(scene, sizeof scene, "void brightfunc p 2 %s %s 0 1 1\np" SHINE,
+             optional[_i].expression,
+             optional[_i].file[0] ? "lib/own.cal" : ".");
+    ck_assert_msg(world_try(&w, scene, PLAIN, &files) == 0, "%s", w.err.what);
+    world_close(&w);
+}
+END_TEST
 
 START_TEST(bad_function_is_refused_by_name)
 {
@@ -342,6 +376,8 @@ main(void)
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
     tcase_add_test(tc, failures_are_counted_by_object);
     tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));
+    tcase_add_loop_test(tc, an_argument_that_may_be_left_out_is_not_missed, 0,
+                        N_ELEM(optional));
     tcase_add_test(tc, scene_without_functions_has_no_evaluator);
     tcase_add_test(tc, function_file_belongs_to_the_bundle);
     suite_add_tcase(s, tc);

@@ -116,6 +116,16 @@ bool rad_calc_number(const struct rad_calc *c, int expression, double *value);
 /* Which channels may what was compiled last read?  Bit 0 for $1. */
 uint64_t rad_calc_channels(const struct rad_calc *c, int expression);
 
+/* What an expression needs whatever the ray is: beyond what if(), select() and
+ * a divisor of 0 may leave out.  Where nothing is known (no memory, too long to
+ * look through) it needs nothing. */
+struct rad_calc_need {
+    int reals;            /* arg(reals) is asked for, and none beyond it */
+    const char *function; /* one that asks for an argument it is not given */
+};
+void rad_calc_needs(const struct rad_calc *c, int expression,
+                    struct rad_calc_need *need);
+
 /* An evaluator for programs of this size; NULL: out of memory. */
 struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
 void rad_calc_env_free(struct rad_calc_env *env);

@@ -33,6 +33,23 @@ load(struct rad_job *job, const struct rad_object *o,
     return rc ? rad_material_file_fail(job, o, name, &why, err) : context;
 }
 
+/* rpict ends where it meets such a one. */
+static int
+check_needs(const struct rad_job *job, const struct rad_object *o, int code,
+            struct rad_error *err)
+{
+    struct rad_calc_need need;
+
+    rad_calc_needs(job->calc, code, &need);
+    if (need.reals > o->nreals)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "missing real argument %d", need.reals);
+    if (need.function)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "too few arguments for %s()", need.function);
+    return 0;
+}
+
 static int
 compile_expressions(struct rad_job *job, const struct rad_object *o,
                     unsigned which, struct rad_expr *e, struct rad_error *err)
@@ -49,6 +66,8 @@ compile_expressions(struct rad_job *job, const struct rad_object *o,
         code = rad_calc_expression(job->calc, e->context, o->strings[i], &why);
         if (code < 0)
             return rad_material_file_fail(job, o, o->strings[i], &why, err);
+        if (check_needs(job, o, code, err) < 0)
+            return RAD_EDATA;
         if (rad_calc_number(job->calc, code, &e->number[e->n]))
             e->numbers |= 1u << e->n;
         e->channels |= rad_calc_channels(job->calc, code);

@@ -15,12 +15,17 @@ run(const struct rad_calc *c, int at)
     double channel[RAD_CALC_NCHANNELS] = { 1, 0, 0, 0, 0, 1, 3, 4, 5, 9, 1 };
     struct rad_calc_input in = { channel, args, 10 };
     struct rad_calc_env *env = rad_calc_env_new(c);
+    struct rad_calc_need need;
     enum rad_calc_fault fault;
 
     if (!env)
         return;
     rad_calc_begin(env, &in);
     rad_calc_eval(c, at, env, &fault);
+    /* what any ray needs this one did, too */
+    rad_calc_needs(c, at, &need);
+    if (fault <= RAD_CALC_MATH && (need.reals > in.nargs || need.function))
+        abort();
     rad_calc_env_free(env);
 }
 
