@@ -12,9 +12,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define MAX_VALUES  (4 * RAD_MAX_CALC_DEPTH)
-#define MAX_RETURNS (4 * RAD_MAX_CALC_DEPTH)
-#define MAX_KEPT    (8 * RAD_MAX_CALC_DEPTH) /* arguments of all frames */
+#define MAX_VALUES    (4 * RAD_MAX_CALC_DEPTH)
+#define MAX_RETURNS   (4 * RAD_MAX_CALC_DEPTH)
+#define LARGEST_WHOLE 16 /* power that is multiplied out */
+#define MAX_KEPT      (8 * RAD_MAX_CALC_DEPTH) /* arguments of all frames */
 
 struct frame {
     int32_t call;   /* the call's code */
@@ -268,6 +269,22 @@ spoil(struct machine *m)
         m->fault = RAD_CALC_MATH;
 }
 
+/* Skies are full of small whole powers: a few products instead of a logarithm
+ * and an exponential, as exact to some units in the last place. */
+static double
+power(double a, double b)
+{
+    int n = b >= -LARGEST_WHOLE && b <= LARGEST_WHOLE ? (int)b : 0;
+    double product = 1;
+
+    if (n == 0 || n != b)
+        return pow(a, b);
+    for (int k = n < 0 ? -n : n; k > 0; k >>= 1, a *= a)
+        if (k & 1)
+            product *= a;
+    return n < 0 ? 1 / product : product;
+}
+
 static void
 arithmetic(struct machine *m, enum op op)
 {
@@ -287,7 +304,7 @@ arithmetic(struct machine *m, enum op op)
         *a = b / *a;
         break;
     default:
-        *a = pow(*a, b);
+        *a = power(*a, b);
     }
 }
 
