@@ -36,6 +36,7 @@ struct submit {
     struct rad_error *err;
     uint32_t request;  /* of the last request that we sent */
     uint64_t start_ms; /* when we began; then, when the job was accepted */
+    bool connected; /* at some time */
     bool accepted, met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
@@ -547,8 +548,9 @@ attempt(struct submit *s, int *failures)
 
     if (rc < 0)
         return rc;
-    if (s->accepted)
+    if (s->connected)
         s->cb->say(s->cb->arg, "connected again");
+    s->connected = true;
     *failures = 0;
     rc = check_version(s);
     if (rc == 0)
