@@ -324,14 +324,14 @@ for_admins(const struct command *command)
 }
 
 static void
-tell_problem(void *arg, const char *text)
+tell_finding(void *arg, bool problem, const char *text)
 {
     struct ctl *c = arg;
 
-    if (c->problems)
+    if (!c->problems)
+        printf("%s: %s\n", problem ? "problem" : "to be made again", text);
+    else if (problem)
         json_array_append_new(c->problems, json_string(text));
-    else
-        printf("problem: %s\n", text);
 }
 
 static void
@@ -339,6 +339,9 @@ print_check(struct ctl *c, const struct statecheck *found)
 {
     json_t *root;
 
+    if (!c->problems && found->redo > 0)
+        printf("the rows of %u unit%s will be made again: is the disk sound?\n",
+               found->redo, found->redo == 1 ? "" : "s");
     if (!c->problems) {
         printf("%s: %u job%s, %u of them not over; %u problem%s\n",
                found->problems ? "damaged" : "sound", found->jobs,
@@ -346,9 +349,9 @@ print_check(struct ctl *c, const struct statecheck *found)
                found->problems == 1 ? "" : "s");
         return;
     }
-    root = json_pack("{s:b,s:i,s:i,s:O}", "sound", found->problems == 0, "jobs",
-                     (int)found->jobs, "open", (int)found->open, "problems",
-                     c->problems);
+    root = json_pack("{s:b,s:i,s:i,s:i,s:O}", "sound", found->problems == 0,
+                     "jobs", (int)found->jobs, "open", (int)found->open, "redo",
+                     (int)found->redo, "problems", c->problems);
     json_dumpf(root, stdout, JSON_INDENT(1));
     putchar('\n');
     json_decref(root);
@@ -362,7 +365,7 @@ run_check(struct ctl *c)
     int rc;
 
     c->problems = c->json ? json_array() : NULL;
-    rc = statecheck_run(c->arg, &found, tell_problem, c, c->err);
+    rc = statecheck_run(c->arg, &found, tell_finding, c, c->err);
     if (rc == 0)
         print_check(c, &found);
     json_decref(c->problems);

@@ -9,39 +9,11 @@
 
 #include "sched.h"
 
-#include "base/rng.h"
 #include "picture/hdr.h"
+#include "rowsum.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* One to one for a word, so rows that differ in one never look the same. */
-static inline uint64_t
-stir(uint64_t h, const uint8_t *bytes)
-{
-    uint64_t v;
-
-    memcpy(&v, bytes, sizeof v);
-    h = (h ^ v) * UINT64_C(0x9e3779b97f4a7c15);
-    return h ^ h >> 32;
-}
-
-/* Four by turns, that do not wait for each other: every pixel comes by here. */
-static uint64_t
-hash_row(const uint8_t *bytes, size_t n)
-{
-    uint64_t h[4] = { n, 1, 2, 3 }, v = 0;
-
-    for (; n >= 32; bytes += 32, n -= 32)
-        for (int k = 0; k < 4; k++)
-            h[k] = stir(h[k], bytes + 8 * k);
-    for (; n >= 8; bytes += 8, n -= 8)
-        h[0] = stir(h[0], bytes);
-    memcpy(&v, bytes, n);
-    for (int k = 0; k < 4; k++)
-        v = rad_mix64(v ^ h[k]);
-    return v ? v : 1; /* 0: not known */
-}
 
 /* Bytes of the row that begins there; coded ones were looked at before. */
 static size_t
@@ -69,7 +41,7 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
     for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
         size_t n = row_bytes(m, at);
 
-        u->hash[m->row + i] = hash_row(m->pixels + at, n);
+        u->hash[m->row + i] = rowsum_hash(m->pixels + at, n);
         at += n;
     }
 }
@@ -93,7 +65,7 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
         uint64_t kept = u->hash[m->row + i];
 
         n = row_bytes(m, at);
-        if (kept == 0 || kept == hash_row(m->pixels + at, n))
+        if (kept == 0 || kept == rowsum_hash(m->pixels + at, n))
             continue;
         actions_log(&c->actions, ACT_ERR,
                     "duplicate differs job=%s unit=%u row=%u worker=%s "

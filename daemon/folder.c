@@ -5,6 +5,7 @@
 
 #include "jobtext.h"
 #include "rows.h"
+#include "rowsum.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -411,6 +412,33 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     rc = rows_read(&r->rows, (int)y, row, err);
     if (rc == 0)
         wire_floats_put(pixels, row, n);
+    free(row);
+    return rc;
+}
+
+int
+folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
+           const struct partition_area *a, uint32_t rows, uint64_t *sum,
+           struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+    int rc = find_frame(f, id, a->frame, &j, &r, err);
+    float *row;
+    size_t n;
+
+    *sum = 0;
+    if (rc < 0)
+        return rc;
+    n = (size_t)a->width * (size_t)r->rows.channels * sizeof *row;
+    row = malloc(n);
+    if (!row)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < rows && rc == 0; i++) {
+        rc = rows_read_part(&r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
+                            row, err);
+        *sum ^= rowsum(row, n, a->y + i, 1);
+    }
     free(row);
     return rc;
 }

@@ -51,6 +51,10 @@ int folder_put_rows(struct folder *f, const struct action_rows *key,
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,
                     struct rad_error *err);
+/* rowsum() of the first rows of an area, as they are in the file. */
+int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
+               const struct partition_area *a, uint32_t rows, uint64_t *sum,
+               struct rad_error *err);
 /* What was written to rows lasts. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

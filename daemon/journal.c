@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      2
+#define SCHEMA      3
 #define LAYOUT      2    /* version of the protocol whose bytes are kept */
 #define WAL_PAGES   1000 /* in the log before it is carried over */
 
@@ -36,6 +36,7 @@ static const char schema[] =
     " height INTEGER NOT NULL, attempt INTEGER NOT NULL,"
     " tries INTEGER NOT NULL, worker TEXT NOT NULL,"
     " fingerprint INTEGER NOT NULL, stored INTEGER NOT NULL DEFAULT 0,"
+    " sum INTEGER NOT NULL DEFAULT 0,"
     " done INTEGER NOT NULL DEFAULT 0, end_ms INTEGER NOT NULL DEFAULT 0,"
     " counts BLOB, bottom BLOB, PRIMARY KEY (job, unit)) WITHOUT ROWID;"
     "CREATE TABLE frame (job INTEGER NOT NULL, frame INTEGER NOT NULL,"
@@ -85,9 +86,14 @@ static const char *const sql[NWHAT] = {
         " ON CONFLICT DO UPDATE SET frame = ?3, x = ?4, y = ?5, width = ?6,"
         " height = ?7, tries = ?9, worker = ?10, fingerprint = ?11,"
         " stored = CASE attempt WHEN ?8 THEN stored ELSE 0 END,"
+        " sum = CASE attempt WHEN ?8 THEN sum ELSE 0 END,"
         " done = CASE attempt WHEN ?8 THEN done ELSE 0 END, attempt = ?8",
+    /* exclusive or of sums is what SQLite has no word for; the first rows of
+     * an attempt begin anew */
     [PUT_ROWS] = "UPDATE unit SET attempt = ?3, stored = ?4, done = ?5,"
-                 " end_ms = ?6, counts = ?7, bottom = ?8"
+                 " end_ms = ?6, counts = ?7, bottom = ?8,"
+                 " sum = CASE ?4 WHEN ?10 THEN ?9"
+                 " ELSE (sum | ?9) - (sum & ?9) END"
                  " WHERE job = " N_OF_JOB " AND unit = ?2",
     [PUT_FRAME] = "INSERT INTO frame VALUES (" N_OF_JOB ", ?2)"
                   " ON CONFLICT DO NOTHING",
@@ -100,7 +106,7 @@ static const char *const sql[NWHAT] = {
              " FROM job ORDER BY n",
     [LIVES] = "SELECT count(*) FROM life WHERE epoch > ?1",
     [UNITS] = "SELECT unit, frame, x, y, width, height, attempt, tries, worker,"
-              " fingerprint, stored, done, end_ms, counts, bottom"
+              " fingerprint, stored, done, end_ms, counts, bottom, sum"
               " FROM unit WHERE job = ?1 ORDER BY unit",
     [FRAMES] = "SELECT frame FROM frame WHERE job = ?1 ORDER BY frame",
 };
@@ -564,6 +570,8 @@ journal_put_rows(struct journal *j, const uint8_t job[MSG_JOB],
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     if (u->nbottom > 0)
         sqlite3_bind_blob(s, 8, u->bottom, (int)u->nbottom, SQLITE_STATIC);
+    bind_u64(s, 9, u->sum);
+    bind_u64(s, 10, u->now);
     return change(j, s, err);
 }
 
@@ -745,7 +753,7 @@ get_unit(const struct reading *r, sqlite3_stmt *s, struct saved_unit *u)
               get_u64(s, 9, &u->fingerprint) && get_u32(s, 10, &u->stored) &&
               get_u32(s, 11, &done) && get_u64(s, 12, &u->end_ms) &&
               get_blob(s, 13, &counts, &ncounts) &&
-              get_blob(s, 14, &bottom, &nbottom);
+              get_blob(s, 14, &bottom, &nbottom) && get_u64(s, 15, &u->sum);
 
     if (!ok || done > 1 || nbottom > MSG_MAX_SIDE || !is_unit(r, u))
         return false;

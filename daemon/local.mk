@@ -78,8 +78,12 @@ libdaemon_a_SOURCES = \
 	daemon/request.c \
 	daemon/request.h \
 	daemon/result.c \
+	daemon/rowcheck.c \
+	daemon/rowcheck.h \
 	daemon/rows.c \
 	daemon/rows.h \
+	daemon/rowsum.c \
+	daemon/rowsum.h \
 	daemon/sandbox.c \
 	daemon/sandbox.h \
 	daemon/saved.h \

@@ -15,8 +15,9 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#define COPY_BYTES (64u << 10) /* that are read at a time, but for long rows   \
-                                */
+#define COPY_BYTES                                                             \
+    (64u << 10) /* that are read at a time, but for long rows                  \
+                 */
 
 static size_t
 row_bytes(const struct rows *r, int width)
@@ -183,13 +184,25 @@ rows_sync(struct rows *r, struct rad_error *err)
 }
 
 int
-rows_read(struct rows *r, int y, float *pixels, struct rad_error *err)
+rows_read_part(struct rows *r, int x, int y, int w, float *pixels,
+               struct rad_error *err)
 {
-    size_t n = row_bytes(r, r->width);
-
+    if (x < 0 || y < 0 || w < 1 || w > r->width - x || y >= r->height)
+        return rad_fail(err, RAD_EDATA,
+                        "pixels %d,%d %dx1 do not lie in a picture of %dx%d", x,
+                        y, w, r->width, r->height);
     if (use(r, err) < 0)
         return RAD_EIO;
-    return disk_read_at(r->fd, pixels, n, (off_t)n * y, r->path, err);
+    return disk_read_at(r->fd, pixels, row_bytes(r, w),
+                        (off_t)row_bytes(r, r->width) * y +
+                            (off_t)row_bytes(r, x),
+                        r->path, err);
+}
+
+int
+rows_read(struct rows *r, int y, float *pixels, struct rad_error *err)
+{
+    return rows_read_part(r, 0, y, r->width, pixels, err);
 }
 
 void

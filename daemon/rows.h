@@ -60,6 +60,11 @@ int rows_write_coded(struct rows *r, int y, int h, const void *code, size_t n,
 /* Wait until what was written is on the disk. */
 int rows_sync(struct rows *r, struct rad_error *err);
 
+/* Read w pixels of row y from column x on; not of coded ones.  RAD_EDATA if
+ * they do not lie in the picture. */
+int rows_read_part(struct rows *r, int x, int y, int w, float *pixels,
+                   struct rad_error *err);
+
 /* Read whole row y into width * channels floats; not of coded ones. */
 int rows_read(struct rows *r, int y, float *pixels, struct rad_error *err);
 

@@ -19,6 +19,8 @@ struct saved_unit {
     const char *worker;   /* of that attempt; "": it never went out */
     uint64_t fingerprint; /* of that worker */
     uint32_t stored;      /* rows of it that are kept, from its top */
+    uint64_t sum;         /* rowsum() of these; put: of those that came now, */
+    uint32_t now;         /* so many */
     bool done;            /* all of them; then the rest is known */
     uint64_t end_ms;
     struct msg_counts counts;

@@ -7,18 +7,20 @@
 #include "journal.h"
 #include "job.h"
 #include "recover.h"
+#include "rowcheck.h"
 #include "service.h"
 #include "sound.h"
 #include "store.h"
 
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 struct look {
     struct statecheck *out;
-    void (*tell)(void *arg, const char *problem);
+    void (*tell)(void *arg, bool problem, const char *text);
     void *arg;
     const char *dir;
     struct folder folder;
@@ -36,7 +38,7 @@ problem(struct look *l, const char *fmt, ...)
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
     l->out->problems++;
-    l->tell(l->arg, text);
+    l->tell(l->arg, true, text);
 }
 
 /* What is wrong with the folder is a problem that is told, and no failure. */
@@ -93,20 +95,44 @@ read_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
     return folder_read_row(&l->folder, job, frame, y, pixels, NULL) == 0;
 }
 
+/* No problem, since they can be made again; but a disk that spoils what is on
+ * it is one to know of. */
+static int
+to_be_made(void *arg, const struct saved_job *s, const struct saved_unit *u,
+           struct rad_error *err)
+{
+    struct look *l = arg;
+    char hex[MSG_JOB_HEX], text[200];
+
+    (void)err;
+    msg_job_format(s->spec.job, hex);
+    snprintf(text, sizeof text,
+             "job %s: rows of frame %u, unit %u, are not what they were", hex,
+             u->area.frame, u->unit);
+    l->out->redo++;
+    l->tell(l->arg, false, text);
+    return 0;
+}
+
 /* Would a coordinator take it up? */
 static void
-try_recovery(struct look *l, const struct saved_job *s, struct rad_error *err)
+try_recovery(struct look *l, const struct saved_job *saved,
+             struct rad_error *err)
 {
+    struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
+    struct saved_job s = *saved;
     struct coord_env env = { .has_file = no_file,
                              .random = no_random,
                              .program = "check" };
     struct coord *c = coord_new(&env);
 
-    if (c)
-        recover_job(c, 1, s, read_row, l, err);
-    else
+    s.units = units;
+    if (!c || !units)
         rad_fail(err, RAD_ENOMEM, "out of memory");
+    else if (rowcheck_job(&l->folder, saved, units, to_be_made, l, err) == 0)
+        recover_job(c, 1, &s, read_row, l, err);
     coord_free(c);
+    free(units);
 }
 
 static int
@@ -188,8 +214,8 @@ take(const char *dir, struct rad_error *err)
 
 int
 statecheck_run(const char *dir, struct statecheck *out,
-               void (*tell)(void *arg, const char *problem), void *arg,
-               struct rad_error *err)
+               void (*tell)(void *arg, bool problem, const char *text),
+               void *arg, struct rad_error *err)
 {
     struct look l = { .out = out, .tell = tell, .arg = arg, .dir = dir };
     int lock = take(dir, err), rc;

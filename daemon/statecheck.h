@@ -8,18 +8,22 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct statecheck {
     uint32_t jobs;     /* that are known */
     uint32_t open;     /* of these not over */
     uint32_t problems; /* that were told */
+    uint32_t redo;     /* units whose rows are other than they were: they will
+                        * be made again */
 };
 
-/* tell is called for each problem.  RAD_ENOINPUT when there is no such folder,
- * RAD_ETEMPFAIL when a coordinator uses it, RAD_ENOMEM. */
+/* tell is called for each problem, and each unit that is to be made again.
+ * RAD_ENOINPUT when there is no such folder, RAD_ETEMPFAIL when a coordinator
+ * uses it, RAD_ENOMEM. */
 int statecheck_run(const char *dir, struct statecheck *out,
-                   void (*tell)(void *arg, const char *problem), void *arg,
-                   struct rad_error *err);
+                   void (*tell)(void *arg, bool problem, const char *text),
+                   void *arg, struct rad_error *err);
 
 #endif

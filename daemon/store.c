@@ -17,6 +17,8 @@
 #include "job.h"
 #include "journal.h"
 #include "log.h"
+#include "rowcheck.h"
+#include "rowsum.h"
 #include "service.h"
 #include "sound.h"
 #include "task.h"
@@ -694,6 +696,9 @@ note_rows(struct rows_task *r)
     struct saved_unit u = { .unit = k->unit,
                             .attempt = k->attempt,
                             .stored = k->row + k->rows,
+                            .now = k->rows,
+                            .sum = rowsum(r->pixels, r->bytes / k->rows, k->y,
+                                          k->rows),
                             .done = k->last,
                             .end_ms = k->now_ms,
                             .counts = r->counts,
@@ -938,6 +943,39 @@ check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
     return 0;
 }
 
+/* Rows that are not what they were are made again. */
+static int
+drop_damaged(void *arg, const struct saved_job *saved,
+             const struct saved_unit *unit, struct rad_error *err)
+{
+    struct store *s = arg;
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(saved->spec.job, hex);
+    log_warn("rows damaged job=%s frame=%u unit=%u: they are made again", hex,
+             unit->area.frame, unit->unit);
+    return journal_put_rows(s->journal, saved->spec.job, unit, err);
+}
+
+/* One that goes on, as far as its rows are sound. */
+static int
+recover_open(struct recovery *r, const struct saved_job *saved,
+             struct rad_error *err)
+{
+    struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
+    struct saved_job sound = *saved;
+    int rc;
+
+    if (!units)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    sound.units = units;
+    rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
+    if (rc == 0)
+        rc = r->fn(r->arg, &sound, err);
+    free(units);
+    return rc;
+}
+
 static int
 recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
 {
@@ -955,6 +993,8 @@ recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
         rc = folder_take_up(&r->s->folder, saved, over, err);
     if (rc == 0 && over)
         folder_rest(&r->s->folder, saved->spec.job);
+    if (rc == 0 && !over)
+        return recover_open(r, saved, err);
     return rc == 0 ? r->fn(r->arg, saved, err) : rc;
 }
 

@@ -956,6 +956,87 @@ START_TEST(a_damaged_folder_is_refused)
 }
 END_TEST
 
+/* Rows of unit 0 come in two pieces, those of unit 1 in one. */
+static void
+put_pieces(struct store *s)
+{
+    static const uint32_t first[] = { 0, 1, 3 }, n[] = { 1, 2, 3 };
+    static uint8_t bytes[W * H * 12];
+
+    for (uint32_t unit = 0; unit < 2; unit++)
+        store_keep_unit(s, kept_job,
+                        &(struct saved_unit){ .unit = unit,
+                                              .area = { 0, 0, 3 * unit, W, 3 },
+                                              .worker = "ws1" });
+    for (int i = 0; i < N_ELEM(first); i++) {
+        struct action_rows a = { .unit = first[i] / 3,
+                                 .row = first[i] % 3,
+                                 .rows = n[i],
+                                 .y = first[i],
+                                 .width = W,
+                                 .channels = 3,
+                                 .pixels = bytes };
+
+        memcpy(a.job, kept_job, MSG_JOB);
+        store_put_rows(s, &a);
+    }
+}
+
+static int
+note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    uint32_t *stored = arg;
+
+    (void)err;
+    ck_assert_uint_eq(s->nunits, 2);
+    for (uint32_t i = 0; i < 2; i++)
+        stored[i] = s->units[i].stored;
+    return 0;
+}
+
+/* A bit in any row: that unit's rows are none, also in lives to come. */
+START_TEST(rows_that_a_disk_has_spoilt_are_none)
+{
+    const long at = (long)(_i * W * 12 + _i); /* all black: a row is a row */
+    uint32_t stored[2];
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    struct heard h;
+    uint64_t epoch;
+    char path[200];
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    store_open_job(s, kept_job, &p);
+    put_pieces(s);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.rows, 3);
+    if (_i < H) {
+        snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
+                 "09080700000000000000000000000000");
+        f = fopen(path, "r+");
+        ck_assert_ptr_nonnull(f);
+        ck_assert_int_eq(fseek(f, at, SEEK_SET), 0);
+        ck_assert_int_eq(fputc(1, f), 1);
+        ck_assert_int_eq(fclose(f), 0);
+    }
+    for (int life = 0; life < 2; life++) {
+        open_kept(&loop, &s, &h);
+        ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
+                         0);
+        close_kept(&loop, s);
+        ck_assert_uint_eq(stored[0], _i < 3 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], _i >= 3 && _i < 6 ? 0 : 3);
+    }
+}
+END_TEST
+
 /* --- service --- */
 
 START_TEST(folders_are_made_and_files_written_whole)
@@ -1009,6 +1090,7 @@ main(void)
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
+    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0, H + 1);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);
     return unit_run(s);

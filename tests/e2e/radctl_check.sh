@@ -62,6 +62,24 @@ for f in state/files/*; do
 done
 says "its hash is another"
 damage
+# rows that a disk has spoilt are no loss but of time: they are made again
+rows=state/jobs/$id/0.rows
+dd if=/dev/urandom of="$rows" bs="$(stat -c %s "$rows")" count=1 conv=notrunc \
+    2>dd.err || fail "$(cat dd.err)"
+"$radctl" check "$work/state" >stdout || fail "spoilt rows: $(cat stdout)"
+grep -q "to be made again: job $id: rows of frame 0, unit [0-9]*, are not" \
+    stdout || fail "nobody looks at rows: $(cat stdout)"
+grep -q '^the rows of [0-9]* units* will be made again' stdout ||
+    fail "no word of how many: $(cat stdout)"
+coord_start
+until_true 10 grep -q "rows damaged job=$id frame=0 unit=" c.log ||
+    fail "radcoord does not look at rows: $(tail -n 3 c.log)"
+worker_start 1 2
+done_half() { "$radctl" --coordinator="$sock" fetch "$id" -o half.hdr; }
+until_true 60 done_half || fail "the job does not end"
+cmp first.hdr half.hdr || fail "spoilt rows are in the picture"
+cluster_stop
+damage
 rm state/radcoord.db*
 says "but no database"
 damage
