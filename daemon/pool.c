@@ -31,6 +31,10 @@
 /* rows are sent when so many bytes of them are done */
 #define PIECE_BYTES (64u << 10)
 
+/* Coded rows take so little that many wait in a piece: not for longer [s], so
+ * that a preview shows them. */
+#define PIECE_AGE .25
+
 struct queued {
     struct queued *next;
     struct pool_unit unit;
@@ -52,6 +56,7 @@ struct active {
     /* the member that hands rows on */
     int channels;
     struct pool_rows *piece; /* NULL: none begun */
+    double piece_wall0;      /* when it was */
     struct rad_error err;    /* of a piece that could not be made */
     bool whole;              /* all rows were handed on, and count */
     struct rad_rough rough;
@@ -193,6 +198,7 @@ new_piece(struct active *u, int row)
         return NULL;
     }
     memset(p, 0, sizeof *p);
+    u->piece_wall0 = seconds(CLOCK_MONOTONIC);
     p->unit = u->unit;
     p->row = (uint32_t)row;
     p->channels = u->channels;
@@ -235,6 +241,14 @@ send_piece(struct active *u)
     u->piece = NULL;
 }
 
+static bool
+is_full(const struct active *u)
+{
+    return u->piece->bytes > PIECE_BYTES ||
+           (u->channels == 1 &&
+            seconds(CLOCK_MONOTONIC) - u->piece_wall0 > PIECE_AGE);
+}
+
 /* A row is done: into the piece with it.  A full piece goes out when there is
  * another row: the last one waits for the counts, and which that is a strict
  * unit does not know. */
@@ -243,7 +257,7 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
     struct active *u = arg;
 
-    if (u->piece && u->piece->bytes > PIECE_BYTES)
+    if (u->piece && is_full(u))
         send_piece(u);
     if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;

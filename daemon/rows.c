@@ -15,9 +15,8 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#define COPY_BYTES                                                             \
-    (64u << 10) /* that are read at a time, but for long rows                  \
-                 */
+/* Coded bytes that are copied at a time, but for long rows. */
+#define COPY_BYTES (64u << 10)
 
 static size_t
 row_bytes(const struct rows *r, int width)
