@@ -25,6 +25,7 @@ UNIT_TESTS = \
 	tests/check_conn \
 	tests/check_coord \
 	tests/check_costs \
+	tests/check_credentials \
 	tests/check_data \
 	tests/check_estimate \
 	tests/check_facts \
@@ -378,6 +379,10 @@ tests_check_gate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_keyfile_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+
+tests_check_credentials_SOURCES = tests/check_credentials.c tests/unit.h
+tests_check_credentials_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
+tests_check_credentials_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 
 tests_check_tls_SOURCES = tests/check_tls.c tests/unit.h
 tests_check_tls_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
