@@ -465,7 +465,7 @@ main(void)
     Suite *s = suite_create("ambcache");
     TCase *tc = tcase_create("look-up");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
     tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
     suite_add_tcase(s, tc);

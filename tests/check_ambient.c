@@ -924,7 +924,7 @@ make_suite(void)
     tcase_add_test(tc, turning_toward_the_light_brightens);
     suite_add_tcase(s, tc);
     tc = tcase_create("hemisphere");
-    tcase_set_timeout(tc, 60); /* for busy machines */
+    tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
     tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
     tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
@@ -933,7 +933,7 @@ make_suite(void)
     tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_test(tc, record_serves_its_zone_and_no_more);
     tcase_add_test(tc, other_side_is_not_served);
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
@@ -947,7 +947,7 @@ make_suite(void)
     tcase_add_test(tc, one_thread_is_deterministic);
     suite_add_tcase(s, tc);
     tc = tcase_create("threads");
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_test(tc, threads_lose_no_record);
     tcase_add_test(tc, threads_share_what_they_sample);
     suite_add_tcase(s, tc);

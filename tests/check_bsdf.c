@@ -677,8 +677,8 @@ main(void)
     Suite *s = suite_create("bsdf");
     TCase *tc = tcase_create("data"), *material = tcase_create("material");
 
-    tcase_set_timeout(tc, 60);
-    tcase_set_timeout(material, 60);
+    tcase_set_timeout(tc, 600);
+    tcase_set_timeout(material, 600);
     tcase_add_loop_test(tc, matrix_gives_the_value_of_its_patches, 0,
                         N_ELEM(matrices));
     tcase_add_test(tc, colour_is_kept);

@@ -333,7 +333,7 @@ main(void)
     Suite *s = suite_create("bvh");
     TCase *tc = tcase_create("bvh");
 
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
                         N_ELEM(place));
     tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));

@@ -525,7 +525,7 @@ main(void)
     Suite *s = suite_create("calc");
     TCase *tc = tcase_create("calc");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, function_is_called_by_its_name, 0, N_ELEM(called));
     tcase_add_loop_test(tc, what_is_no_function_is_not_called, 0,
                         N_ELEM(uncalled));

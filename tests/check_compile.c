@@ -521,7 +521,7 @@ main(void)
     Suite *s = suite_create("compile");
     TCase *tc = tcase_create("compile");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_checked_fixture(tc, make_dir, remove_dir);
     tcase_add_test(tc, commands_run_in_their_files_folder);
     tcase_add_test(tc, much_output_is_read);

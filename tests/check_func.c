@@ -361,7 +361,7 @@ main(void)
     Suite *s = suite_create("func");
     TCase *tc = tcase_create("func");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, brightness_is_the_functions_value, 0,
                         N_ELEM(bright));
     tcase_add_test(tc, colour_has_a_function_for_each_channel);

@@ -865,7 +865,7 @@ main(void)
     Suite *s = suite_create("geom");
     TCase *tc = tcase_create("geom");
 
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, surface_is_met_where_geometry_says, 0,
                         N_ELEM(closed) * N_ELEM(scales));
     tcase_add_test(tc, empty_scene_is_never_met);

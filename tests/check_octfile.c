@@ -350,7 +350,7 @@ main(void)
     Suite *s = suite_create("octfile");
     TCase *tc = tcase_create("octfile");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_test(tc, scene_survives_to_the_last_bit);
     tcase_add_test(tc, radiance_part_stands_alone);
     tcase_add_test(tc, tree_is_read_as_written);

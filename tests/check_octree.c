@@ -374,7 +374,7 @@ main(void)
     Suite *s = suite_create("octree");
     TCase *tc = tcase_create("octree");
 
-    tcase_set_timeout(tc, 60);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, a_cube_names_every_surface_in_it, 0,
                         N_ELEM(scenes));
     tcase_add_loop_test(tc, cube_and_surface_meet, 0, N_ELEM(cubes));

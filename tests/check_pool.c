@@ -651,7 +651,7 @@ main(void)
     Suite *s = suite_create("pool");
     TCase *tc = tcase_create("pool");
 
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
     tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);
     tcase_add_loop_test(tc, strict_units_give_the_picture_and_rays_of_one, 0,

@@ -306,7 +306,7 @@ main(void)
     Suite *s = suite_create("ray");
     TCase *tc = tcase_create("ray");
 
-    tcase_set_timeout(tc, 60); /* for busy machines */
+    tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, limits_end_rays, 0, N_ELEM(limit));
     tcase_add_test(tc, roulette_keeps_the_mean);
     tcase_add_test(tc, aft_plane_hides_what_lies_beyond);

@@ -658,7 +658,7 @@ main(void)
     Suite *s = suite_create("shade");
     TCase *tc = tcase_create("materials");
 
-    tcase_set_timeout(tc, 60); /* for busy machines */
+    tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, glass_transmits_as_the_manual_says, 0,
                         N_ELEM(angles));
     tcase_add_loop_test(tc, clear_glass_reflects_what_it_does_not_transmit, 0,

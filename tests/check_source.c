@@ -852,7 +852,7 @@ make_suite(void)
     Suite *s = suite_create("source");
     TCase *tc = tcase_create("samples");
 
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, divided_polygon_gives_the_closed_form, 0,
                         N_ELEM(polygon));

@@ -561,7 +561,7 @@ main(void)
 
     if (!mkdtemp(folder))
         return EXIT_FAILURE;
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, conversations_end_as_they_should, 0,
                         N_ELEM(scripts));
     tcase_add_test(tc, nothing_is_said_without_a_key);

@@ -854,7 +854,7 @@ main(void)
     Suite *s = suite_create("team");
     TCase *tc = tcase_create("team");
 
-    tcase_set_timeout(tc, 120);
+    tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, any_guess_ends_in_the_same_picture, 0, SEEDS);
     tcase_add_loop_test(tc, little_is_traced_for_nothing, 0,
                         3 * ANALYTIC_KINDS);

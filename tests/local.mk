@@ -2,7 +2,7 @@
 AM_TESTS_ENVIRONMENT = \
 	top_srcdir='$(abs_top_srcdir)'; export top_srcdir; \
 	top_builddir='$(abs_top_builddir)'; export top_builddir; \
-	CK_DEFAULT_TIMEOUT=$${CK_DEFAULT_TIMEOUT:-120}; \
+	CK_DEFAULT_TIMEOUT=$${CK_DEFAULT_TIMEOUT:-600}; \
 	export CK_DEFAULT_TIMEOUT;
 
 UNIT_TESTS = \

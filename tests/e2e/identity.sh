@@ -85,7 +85,7 @@ while [ "$run" -lt "$runs" ]; do
         ${depth:+-z "$work/ref.z"} --counts -o "$work/ref.hdr" $file) \
         2>counts || fail "$say: $(cat counts)"
     # shellcheck disable=SC2086
-    (cd "$folder" && timeout -k 5 60 "$radsubmit" --local $options $share \
+    (cd "$folder" && timeout -k 5 600 "$radsubmit" --local $options $share \
         ${depth:+-z "$work/out.z"} --stats="$work/stats.json" \
         -o "$work/out.hdr" $file) 2>stderr ||
         fail "$say: $(cat stderr)"

@@ -74,7 +74,7 @@ reference()
 submit()
 {
     # shellcheck disable=SC2086
-    (cd "$folder" && exec timeout -k 5 60 "$radsubmit" --coordinator="$sock" \
+    (cd "$folder" && exec timeout -k 5 600 "$radsubmit" --coordinator="$sock" \
         "$@" --stats="$work/stats.json" $files) 2>stderr &
     job=$!
 }

@@ -135,7 +135,7 @@ mkfifo pipe.cal
 for name in pipe.cal /dev/zero /; do
     printf '\nvoid brightfunc p 2 Px %s 0 0\n%s\n' $name "$use" >bad.rad
     expect 66 "bad.rad:2: brightfunc 'p': cannot find file '$name'" \
-        timeout 60 $radscene check bad.rad
+        timeout 600 $radscene check bad.rad
 done
 printf '\nvoid colorpict p 7 red green blue good.rad . Px Py 0 0\n%s\n' \
     "$use" >bad.rad
