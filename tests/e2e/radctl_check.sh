@@ -24,18 +24,23 @@ damage()
 }
 
 expect 66 "is no folder" "no folder" "$radctl" check "$work/state"
-cluster_start 1 1
+coord_options=--log-level=debug
+cluster_start 2 1
 expect 75 "running coordinator" "in use" "$radctl" check "$work/state"
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --coordinator="$sock" $view -o first.hdr "$scenes/room.rad" \
     2>stderr || fail "first: $(cat stderr)"
+# Worker 2 stands still with a unit, so that the second is not over.
+: >c.log
 # shellcheck disable=SC2086
 id=$("$radsubmit" --coordinator="$sock" --name=half --detach $view \
     "$scenes/room.rad" 2>stderr) || fail "half: $(cat stderr)"
+until_true 60 grep -q 'unit out .*worker=w2 ' c.log || fail "w2 gets nothing"
+kill -STOP "$pid_2"
 until_true 60 in_the_middle half || fail "the job does not start"
 kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null
-kill -KILL "$pid_1"
+kill -KILL "$pid_1" "$pid_2"
 cp -r state sound
 
 "$radctl" check "$work/state" >stdout || fail "sound: $(cat stdout)"

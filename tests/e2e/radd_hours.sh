@@ -17,6 +17,7 @@ echo 'hours = 0-24' >always
 
 cp later radd.conf
 worker_options=--config=$work/radd.conf
+coord_options=--log-level=debug
 coord_start
 worker_start 1 1
 sleep 1
@@ -28,10 +29,14 @@ until_true 10 n_workers 1 || fail "it does not come in its hours"
     -y 150 -ps 1 -ds .05 -dj 1 -ab 0 --partition=window --windows=60 \
     -o job.hdr "$scenes/room.rad" 2>job.err &
 job=$!
-until_true 30 in_the_middle job || fail "the job does not start"
+# Its child stands still with a unit, so that the job lasts until the hours end.
+until_true 30 grep -q 'unit out ' c.log || fail "the job does not start"
+child=$(child_of 1)
+kill -STOP "$child"
 cp later radd.conf
 kill -HUP "$pid_1"
 until_true 20 grep -q 'work ends' w1.log || fail "it does not end its work"
+kill -CONT "$child"
 until_true 20 no_child 1 || fail "a child stays after the hours"
 gone "$pid_1" && fail "the worker is gone"
 gone $job && fail "the job is over: $(cat job.err)"
