@@ -36,7 +36,8 @@ FUZZ_LINK = $(AM_LDFLAGS)
 endif
 
 check_PROGRAMS += $(FUZZ_TARGETS)
-dist_check_SCRIPTS += tests/fuzz/replay.sh tests/fuzz/run.sh
+dist_check_SCRIPTS += tests/fuzz/coverage.sh tests/fuzz/replay.sh \
+	tests/fuzz/run.sh
 EXTRA_DIST += tests/fuzz/corpus tests/fuzz/replay.c
 TESTS += tests/fuzz/replay.sh
 
@@ -47,6 +48,12 @@ FUZZ =
 fuzz: $(FUZZ_TARGETS)
 	top_srcdir='$(top_srcdir)' top_builddir='$(top_builddir)' \
 		$(SHELL) $(top_srcdir)/tests/fuzz/run.sh $(FUZZ_SECONDS) $(FUZZ)
+
+# make coverage, in a build with CFLAGS='-O0 -g --coverage'
+.PHONY: coverage
+coverage: all $(check_PROGRAMS)
+	top_srcdir='$(top_srcdir)' top_builddir='$(top_builddir)' \
+		$(SHELL) $(top_srcdir)/tests/fuzz/coverage.sh
 
 # tests_fuzz_fuzz_x_SOURCES = tests/fuzz/fuzz_x.c $(FUZZ_MAIN)
 # tests_fuzz_fuzz_x_LDADD = $(LIBRAD)
