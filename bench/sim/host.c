@@ -291,6 +291,24 @@ missing(const struct host *h)
     return sum;
 }
 
+/* The ends of a base line's gaps, where the sampler looks whether another's
+ * facts are all that it needs; they cost nothing more. */
+static void
+fill_ends(struct host *h, struct rad_facts *facts, int x0, int x1)
+{
+    const struct rad_quincunx *q = &map_of(h)->q;
+    int row = rad_facts_rows(facts) - 1, n = rad_quincunx_ngaps(q, h->line);
+    static const struct rad_pixel black;
+    struct rad_pixel p;
+
+    for (int g = 0; g <= n; g++) {
+        int x = rad_quincunx_gap_begin(q, h->line, g);
+
+        if (x >= x0 && x < x1 && !rad_facts_use(facts, x, row, &p))
+            rad_facts_put(facts, x, row, &black, RAD_FACT_USED);
+    }
+}
+
 /* The block is traced; with TRUTH its facts are used. */
 static void
 fill(struct host *h)
@@ -317,6 +335,8 @@ fill(struct host *h)
                 rad_facts_put(facts, x, r, &black, truth ? RAD_FACT_USED : 0);
             }
         }
+    if (facts && !h->in_bar)
+        fill_ends(h, facts, x0, x1);
 }
 
 /* --- base lines to peers --- */
