@@ -21,8 +21,8 @@
 #define MOST_TWINS 64
 
 /* Until each has heard of the other a unit's holders trace the same, at worst
- * all of it: one pixel may have a twin for so many that were traced and count.
- * So whatever becomes of messages, 1 % of the rays are for nothing at most. */
+ * all of it: all that may yet be traced twice so, and what was, is this part of
+ * the rays that count at most. */
 #define RAYS_FOR_TWIN 100
 
 /* A SPLIT that was not answered: nothing is given. */
@@ -232,24 +232,31 @@ has_one_bar(const struct job *job, uint32_t unit)
     return last - (first > 0 ? first : 1) <= 1; /* line 0 has none */
 }
 
-/* Pixels of what a twin gets of a unit. */
+/* Rays of what a twin gets of a unit, if it is like the rest of the picture: as
+ * many are for nothing at worst, if no message comes through in time. */
 static uint64_t
-twin_pixels(const struct job *job, uint32_t unit, bool helps)
+twin_rays(const struct job *job, uint32_t unit, bool helps)
 {
     struct job_go go = { .helps = helps };
     uint32_t first, last, row, rows;
     struct partition_area a;
+    uint64_t pixels;
 
     partition_area(job->partition, unit, &a);
     sched_lines_of(job, unit, &go, &first, &last);
     row = partition_line_rows(job->partition, a.frame, first, &rows);
-    return (uint64_t)(a.y + a.height - row) * a.width;
+    pixels = (uint64_t)(a.y + a.height - row) * a.width;
+    if (job->primary_rays >= job->pixels_counted)
+        return pixels;
+    return (uint64_t)((double)pixels * (double)job->primary_rays /
+                      (double)job->pixels_counted);
 }
 
 static bool
-can_afford(const struct job *job, uint64_t pixels)
+can_afford(const struct job *job, uint64_t rays)
 {
-    return (job->twin_pixels + pixels) * RAYS_FOR_TWIN <= job->primary_rays;
+    return (job->twin_rays + job->late_rays + rays) * RAYS_FOR_TWIN <=
+           job->primary_rays;
 }
 
 /* The unit that a worker should have as well, or help with at its end; false:
@@ -275,7 +282,7 @@ choose_twin(const struct coord *c, const struct job *job, uint32_t index,
                 1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
         else if (!twins(job) || u->ngos == JOB_MAX_HOLDERS - 1 ||
                  (!u->whole && !few) ||
-                 !can_afford(job, twin_pixels(job, job->out[i], !few)))
+                 !can_afford(job, twin_rays(job, job->out[i], !few)))
             continue;
         else
             ms = least_left(c, job, job->out[i]);
@@ -409,7 +416,10 @@ double_units(struct coord *c, struct job *job, uint32_t n)
         if (job->ntwins >= MOST_TWINS || failed == MOST_TRIES)
             return;
         if (choose_twin(c, job, i, lease, &unit, &helps)) {
-            job->twin_pixels += twin_pixels(job, unit, helps);
+            uint64_t rays = twin_rays(job, unit, helps);
+
+            job->twin_rays += rays;
+            job->units[unit].twin_rays += rays;
             sched_hand_out(c, job, i, unit, helps);
         } else {
             failed++; /* it may have been a holder */

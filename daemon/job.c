@@ -270,6 +270,9 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     jw->cpu_s += u->counts.cpu_s;
     job->rays += u->counts.rays;
     job->primary_rays += u->counts.primary_rays;
+    job->pixels_counted += (uint64_t)a.width * a.height;
+    if (u->twin_rays > u->counts.speculative_rays)
+        job->twin_rays -= u->twin_rays - u->counts.speculative_rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);

@@ -69,6 +69,7 @@ struct job_unit {
     uint64_t row_ms;      /* when the last of them came */
     uint32_t slot;        /* in the job's list of units that are out */
     struct job_go *go;    /* JOB_MAX_HOLDERS of them; NULL: not out */
+    uint64_t twin_rays;   /* that holders beside the first may trace twice */
     uint8_t ngos;
     uint8_t crashes;
     uint8_t faults;   /* attempts that left no base line */
@@ -156,8 +157,9 @@ struct job {
     struct survey *survey;    /* NULL: costs are not estimated, or are by now */
     struct shared *shared;    /* NULL: lines are not shared */
     uint32_t ntwins;          /* holders of units beside the first */
-    uint64_t twin_pixels;     /* that such have had, all that ever were */
+    uint64_t twin_rays;       /* for nothing: that such may trace, or did */
     uint64_t primary_rays;    /* of units that are done */
+    uint64_t pixels_counted;  /* of these units */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's
