@@ -435,10 +435,11 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 static inline void
 take_met(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 {
-    const struct rad_prim *p = &w->prims[w->prim];
+    const struct rad_prim *p;
 
     if (w->prim == RAD_NO_PRIM)
         return;
+    p = &w->prims[w->prim];
     if (p->kind == PRIM_PLACE)
         *hit = w->met.hit;
     else
