@@ -610,6 +610,30 @@ END_TEST
     "g polygon p 0 0 12 -.3 -.3 .9 -.3 .3 .9 .3 .3 .9 .3 -.3 .9\n" PLASTIC     \
         CUBE
 
+/* -ar bounds the radius of a zone, but where light bends within that it may be
+ * down to half as long. */
+START_TEST(bent_light_gets_zones_below_the_bound)
+{
+    struct world w;
+    struct rad_ambrec rec;
+    uint64_t cursor = 0;
+    double bound = 2. / 4; /* side of the cube over -ar */
+
+    world_open(&w, ROOM, "-ab 1 -aa .5 -ar 4 -ad 1024 -as 0 -av 0 0 0");
+    irradiance_up(&w, .3, 0, .75); /* below the edge of the glow */
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
+    ck_assert_double_lt(rec.radius[0], .95 * bound);
+    ck_assert_double_ge(rec.radius[0], .4999 * bound);
+    world_close(&w);
+    world_open(&w, ROOM, "-ab 1 -aa .1 -ar 4 -ad 1024 -as 0 -av 0 0 0");
+    cursor = 0;
+    irradiance_up(&w, .3, 0, -.5);
+    ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
+    ck_assert_double_ge(rec.radius[0], .9999 * bound);
+    world_close(&w);
+}
+END_TEST
+
 START_TEST(interpolation_is_close_to_sampling)
 {
     struct world cached, sampled;
@@ -939,6 +963,7 @@ make_suite(void)
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
     tcase_add_loop_test(tc, implausible_record_is_refused, 0, 16);
     tcase_add_test(tc, log_gives_each_record_once);
+    tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, no_light_leaks_through_a_wall);

@@ -66,6 +66,13 @@
  * its weight. */
 #define LESS_BY_BOUNCE .5
 
+/* Where light bends so much that at the edge of the smallest zone that -ar
+ * allows E would be off by more than a quarter, zones are smaller, down to half
+ * of that: in a scene that is much larger than the room in view, that is most
+ * of the error, and far beyond the samples' noise. */
+#define MOST_BENT .5 /* E'' r^2 / E; the error is half of it */
+#define FINEST    .5
+
 /* Fewest cells along a side: what a picture shows needs gradients. */
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
@@ -442,18 +449,30 @@ radius_of(const struct rad_ambient *amb, double value)
     return value > 0 ? cbrt(amb->side * ERROR_UNIT / value) : INFINITY;
 }
 
-/* Limit the radii: E must not double over them, and they keep to -ar; lighter
- * and deeper rays may do with larger ones. */
+/* The least radius, where the Hessian over E has no larger eigenvalue. */
+static double
+least_radius(const struct rad_ambient *amb, double value)
+{
+    double aa = amb->job->params.ambacc;
+
+    value = fabs(value) * aa * aa;
+    if (!(value * amb->least * amb->least > MOST_BENT))
+        return amb->least;
+    return rad_most(sqrt(MOST_BENT / value), FINEST * amb->least);
+}
+
+/* Limit the radii: E must not double over them, and they are `least` at least;
+ * lighter and deeper rays may do with larger ones. */
 static void
-limit_radii(const struct rad_ambient *amb, const double gpos[2], double weight,
-            double r[2])
+limit_radii(const struct rad_ambient *amb, const double gpos[2], double least,
+            double weight, double r[2])
 {
     for (int k = 0; k < 2; k++)
         if (r[k] * fabs(gpos[k]) > 1)
             r[k] = 1 / fabs(gpos[k]);
     r[0] = rad_least(r[0], r[1]);
     for (int k = 0; k < 2; k++)
-        r[k] = rad_least(rad_most(r[k], amb->least) / sqrt(weight), amb->most);
+        r[k] = rad_least(rad_most(r[k], least) / sqrt(weight), amb->most);
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 
@@ -522,7 +541,7 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
              struct rad_ambrec *rec)
 {
     double aa = amb->job->params.ambacc, value[2], vec[2] = { 1, 0 };
-    double r[2], gpos[2] = { 0, 0 }, gdir[2] = { 0, 0 };
+    double r[2], gpos[2] = { 0, 0 }, gdir[2] = { 0, 0 }, least = amb->least;
     struct rad_gradients g;
 
     if (rad_rgb_lum(h->E) > 0) {
@@ -534,10 +553,14 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
         gdir[1] = g.turn[1] * vec[0] - g.turn[0] * vec[1];
         for (int k = 0; k < 2; k++)
             r[k] = radius_of(amb, value[k]);
+        /* what a pixel shows; deeper errors are averaged */
+        if (rec->level == 0)
+            least = least_radius(amb, value[0]);
     } else {
         r[0] = r[1] = mean_distance(h);
     }
-    limit_radii(amb, gpos, rec->weight * pow(LESS_BY_BOUNCE, rec->level), r);
+    limit_radii(amb, gpos, least, rec->weight * pow(LESS_BY_BOUNCE, rec->level),
+                r);
     /* over the zone E may double, not more */
     double swing = hypot(gpos[0] * r[0], gpos[1] * r[1]);
     double cap = swing > 1 ? 1 / swing : 1;
