@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -77,6 +78,64 @@ blobs_has(const struct blobs *b, const char *hash, uint64_t *size)
     if (size)
         *size = (uint64_t)st.st_size;
     return true;
+}
+
+/* The time at which it was read, which is nobody else's here: a folder that is
+ * mounted without keeps what is set. */
+void
+blobs_touch(const struct blobs *b, const char *hash)
+{
+    const struct timespec times[2] = { { .tv_nsec = UTIME_NOW },
+                                       { .tv_nsec = UTIME_OMIT } };
+    char path[BLOBS_PATH_MAX];
+    int ignored;
+
+    blobs_path(b, hash, path);
+    ignored = utimensat(AT_FDCWD, path, times, 0);
+    (void)ignored; /* it is not there */
+}
+
+static int
+compare_digests(const void *a, const void *b)
+{
+    return memcmp(a, b, RAD_SHA_BYTES);
+}
+
+static bool
+is_kept(const char *name, const uint8_t *keep, size_t n)
+{
+    uint8_t digest[RAD_SHA_BYTES];
+
+    for (int i = 0; i < RAD_SHA_BYTES; i++) {
+        unsigned byte;
+
+        sscanf(name + 2 * i, "%2x", &byte);
+        digest[i] = (uint8_t)byte;
+    }
+    return n > 0 &&
+           bsearch(digest, keep, n, RAD_SHA_BYTES, compare_digests) != NULL;
+}
+
+unsigned
+blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n, time_t before)
+{
+    DIR *d = opendir(b->dir);
+    unsigned removed = 0;
+    struct dirent *e;
+    struct stat st;
+
+    if (!d)
+        return 0;
+    while ((e = readdir(d)) != NULL) {
+        if (!rad_sha_valid(e->d_name) || is_kept(e->d_name, keep, n) ||
+            fstatat(dirfd(d), e->d_name, &st, AT_SYMLINK_NOFOLLOW) < 0 ||
+            !S_ISREG(st.st_mode) || st.st_atime >= before ||
+            st.st_mtime >= before)
+            continue;
+        removed += unlinkat(dirfd(d), e->d_name, 0) == 0;
+    }
+    closedir(d);
+    return removed;
 }
 
 static int

@@ -15,6 +15,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <time.h>
 
 #define BLOBS_DIR_MAX 1024
 
@@ -39,6 +40,14 @@ void blobs_path(const struct blobs *b, const char *hash,
 
 /* Is it there?  *size (may be NULL) gets its length. */
 bool blobs_has(const struct blobs *b, const char *hash, uint64_t *size);
+
+/* Note that somebody wants it. */
+void blobs_touch(const struct blobs *b, const char *hash);
+
+/* Remove the files that are none of the n digests at keep, which rise, and that
+ * nobody has touched or made since `before`.  Returns how many. */
+unsigned blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n,
+                     time_t before);
 
 /* Copy n bytes from `offset` on into buf; RAD_ENOINPUT when it is not there,
  * RAD_EIO when it is shorter. */

@@ -174,6 +174,39 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
+static int
+compare_hashes(const void *a, const void *b)
+{
+    return memcmp(a, b, MSG_HASH);
+}
+
+uint8_t *
+coord_files(const struct coord *c, size_t *n)
+{
+    size_t all = 0, at = 0;
+    uint8_t *list;
+
+    for (size_t i = 0; i < c->njobs; i++)
+        all += c->jobs[i]->spec.files.n;
+    list = malloc(all * MSG_HASH + 1);
+    if (!list)
+        return NULL;
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct msg_hashes *f = &c->jobs[i]->spec.files;
+
+        if (f->n > 0)
+            memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
+        at += f->n;
+    }
+    qsort(list, all, MSG_HASH, compare_hashes);
+    *n = 0;
+    for (size_t i = 0; i < all; i++)
+        if (*n == 0 || memcmp(list + (*n - 1) * MSG_HASH, list + i * MSG_HASH,
+                              MSG_HASH) != 0)
+            memmove(list + (*n)++ * MSG_HASH, list + i * MSG_HASH, MSG_HASH);
+    return list;
+}
+
 /* Forget that job, of c->jobs. */
 static void
 forget(struct coord *c, size_t i)

@@ -108,6 +108,10 @@ void coord_picture_written(struct coord *c, uint64_t now_ms,
                            const uint8_t job[MSG_JOB], uint32_t frame,
                            int status, const char *text);
 
+/* The hashes of all files of its jobs, those that are over too, rising, each
+ * once: *n of them, to be freed; NULL when memory is out. */
+uint8_t *coord_files(const struct coord *c, size_t *n);
+
 /* The disk is full: jobs are held until there is room again.  text: where. */
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
                     const char *text);

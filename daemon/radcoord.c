@@ -73,12 +73,15 @@ static const struct conf_table table = {
     .check = check_settings,
 };
 
+#define SWEEP_MS (3600 * 1000)
+
 struct radcoord {
     struct settings set;
     struct daemon daemon;
     struct listener *tcp, *local;
     struct keyring *keys;
-    uint64_t keys_ms; /* when they were last looked after */
+    uint64_t keys_ms;  /* when they were last looked after */
+    uint64_t sweep_ms; /* when files that nobody needs last went */
     struct store *store;
     struct transfers *transfers;
     struct shell shell;
@@ -592,6 +595,23 @@ open_sockets(struct radcoord *r, struct rad_error *err)
 
 /* --- start and end --- */
 
+/* At first, and every hour: files that no job names have no use, but that of
+ * one whose user has sent them and has yet to say so. */
+static void
+look_after_files(struct radcoord *r)
+{
+    uint8_t *list;
+    size_t n;
+
+    if (r->set.common.embedded ||
+        (r->sweep_ms > 0 && now(r) - r->sweep_ms < SWEEP_MS))
+        return;
+    r->sweep_ms = now(r);
+    list = coord_files(r->coord, &n);
+    if (list)
+        store_sweep(r->store, list, n);
+}
+
 static void
 on_tick(void *arg)
 {
@@ -600,6 +620,7 @@ on_tick(void *arg)
     coord_tick(r->coord, now(r));
     shell_run(&r->shell);
     look_after_keys(r);
+    look_after_files(r);
 }
 
 static void

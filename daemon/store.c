@@ -31,6 +31,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sysexits.h>
+#include <time.h>
 #include <unistd.h>
 
 /* A file that a connection sends. */
@@ -364,6 +365,52 @@ store_look(struct store *s, const struct action_look *from)
     free(l->found);
     free(l);
     return true;
+}
+
+/* --- files that nobody needs any more --- */
+
+struct sweep_task {
+    struct task task;
+    struct store *store;
+    uint8_t *hashes;
+    size_t n;
+    unsigned removed;
+};
+
+static int
+sweep_run(struct task *t)
+{
+    struct sweep_task *w = (struct sweep_task *)t;
+
+    w->removed = blobs_sweep(&w->store->blobs, w->hashes, w->n,
+                             time(NULL) - STORE_FILES_S);
+    return 0;
+}
+
+static void
+sweep_done(struct task *t)
+{
+    struct sweep_task *w = (struct sweep_task *)t;
+
+    if (w->removed > 0)
+        log_info("files removed n=%u: no job needs them", w->removed);
+    free(w->hashes);
+    free(w);
+}
+
+void
+store_sweep(struct store *s, uint8_t *hashes, size_t n)
+{
+    struct sweep_task *w = new_task(s, sizeof *w, sweep_run, sweep_done);
+
+    if (!w) {
+        free(hashes);
+        return;
+    }
+    w->store = s;
+    w->hashes = hashes;
+    w->n = n;
+    task_push(&s->queue, &w->task);
 }
 
 /* --- jobs --- */
@@ -1245,5 +1292,7 @@ store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
     there = sounds_check(&s->sounds, hash, path, &damaged);
     if (damaged)
         remove_damaged(path);
+    if (there && s->handler->job) /* a coordinator's, which sweeps */
+        blobs_touch(&s->blobs, name);
     return there;
 }

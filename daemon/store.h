@@ -98,6 +98,11 @@ const char *store_files_dir(const struct store *s);
  * see sound.h. */
 bool store_has_file(struct store *s, const uint8_t hash[MSG_HASH]);
 
+/* Remove the files that are none of these n, and that nobody has asked for
+ * (store_has_file) or sent for STORE_FILES_S.  hashes rise, and are taken. */
+#define STORE_FILES_S (24 * 3600)
+void store_sweep(struct store *s, uint8_t *hashes, size_t n);
+
 /* Is it known of each of the files, or are they missing?  If not they are read
  * on another thread, and looked() follows; then store_has_file() answers at
  * once. */

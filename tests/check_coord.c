@@ -818,6 +818,26 @@ START_TEST(peers_are_told_the_version_of_the_pair)
 }
 END_TEST
 
+/* Files are needed as long as a job is remembered. */
+START_TEST(files_of_jobs_are_needed)
+{
+    size_t n;
+    uint8_t *list = coord_files(f.c, &n);
+
+    ck_assert_ptr_nonnull(list);
+    ck_assert_uint_eq(n, 0);
+    free(list);
+    submit(&f, ANA, job_a, 0);
+    submit(&f, BOB, job_b, 0);
+    about(&f, ANA, MSG_CANCEL, job_a);
+    list = coord_files(f.c, &n);
+    ck_assert_ptr_nonnull(list);
+    ck_assert_uint_eq(n, 1); /* that of both */
+    ck_assert_mem_eq(list, hash, MSG_HASH);
+    free(list);
+}
+END_TEST
+
 #define BIT(role) (1u << MSG_ROLE_##role)
 
 /* What each credential may ask to be, role by role. */
@@ -1085,6 +1105,7 @@ main(void)
                         N_ELEM(hellos));
     tcase_add_loop_test(tc, old_and_new_ones_are_welcome, 0, N_ELEM(versions));
     tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
+    tcase_add_test(tc, files_of_jobs_are_needed);
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
     tcase_add_test(tc,

@@ -777,6 +777,78 @@ START_TEST(job_becomes_a_picture)
 }
 END_TEST
 
+/* --- files that go --- */
+
+/* As if nobody had asked for it for so long. */
+static void
+make_old(const char *text, long s)
+{
+    struct timespec times[2] = { { .tv_sec = time(NULL) - s }, { 0 } };
+    char hex[RAD_SHA_HEX + 1], path[300];
+
+    times[1] = times[0];
+    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
+    snprintf(path, sizeof path, "%s/files/%s", dir, hex);
+    ck_assert_int_eq(utimensat(AT_FDCWD, path, times, 0), 0);
+}
+
+static bool
+has_text(const char *text)
+{
+    char hex[RAD_SHA_HEX + 1], path[RAD_SHA_HEX + 8];
+
+    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
+    snprintf(path, sizeof path, "files/%s", hex);
+    return is_there(path);
+}
+
+static void
+digest_of(const char *text, uint8_t digest[MSG_HASH])
+{
+    char hex[RAD_SHA_HEX + 1];
+
+    ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
+    for (int i = 0; i < MSG_HASH; i++)
+        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+}
+
+START_TEST(files_that_no_job_needs_go_after_a_day)
+{
+    static const char *const texts[] = { "needed", "asked for", "new",
+                                         "forgotten", "old" };
+    uint8_t *keep = malloc(MSG_HASH), asked[MSG_HASH];
+    struct heard h = { 0 };
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+    char path[200];
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    for (int i = 0; i < N_ELEM(texts); i++)
+        put_file(s, texts[i], texts[i]);
+    run(&loop, s);
+    for (int i = 0; i < N_ELEM(texts); i++)
+        if (strcmp(texts[i], "new") != 0)
+            make_old(texts[i], STORE_FILES_S + 60);
+    snprintf(path, sizeof path, "%s/files/a note of somebody's", dir);
+    f = fopen(path, "w");
+    ck_assert_ptr_nonnull(f);
+    fclose(f);
+    digest_of("asked for", asked);
+    ck_assert(store_has_file(s, asked));
+    digest_of("needed", keep);
+    store_sweep(s, keep, 1);
+    run(&loop, s);
+    ck_assert(has_text("needed") && has_text("asked for") && has_text("new"));
+    ck_assert(!has_text("forgotten") && !has_text("old"));
+    ck_assert(is_there("files/a note of somebody's"));
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
 /* --- another life --- */
 
 static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
@@ -1091,6 +1163,7 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0, H + 1);
+    tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);
     return unit_run(s);

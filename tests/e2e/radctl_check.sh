@@ -93,7 +93,12 @@ head -c 5000 /dev/urandom >state/radcoord.db
 says "database"
 damage
 
-# the sound one starts, and the picture of the job that was over is still there
+# the sound one starts, and the picture of the job that was over is still there;
+# a scene's file that no job needs is not for long
+old=state/files/$(printf '%064d' 7)
+echo nobody\'s >"$old"
+touch -d '2 days ago' "$old"
+files=$(find state/files -type f | wc -l)
 "$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>c.log &
 coord_pid=$!
 there() { "$radctl" --coordinator="$sock" status; }
@@ -107,6 +112,10 @@ cmp first.hdr fetched.hdr || fail "the picture of an earlier life differs"
 "$radctl" --coordinator="$sock" --json job "$first" >stats.json ||
     fail "no statistics of an earlier life"
 [ "$(total stats.json primary_rays)" -gt 0 ] || fail "they are empty"
+no_old() { [ ! -e "$old" ]; }
+until_true 10 no_old || fail "a file that nobody needs stays"
+[ "$(find state/files -type f | wc -l)" -eq $((files - 1)) ] ||
+    fail "files of jobs went with it"
 kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "the coordinator ended with $?"
 finish
