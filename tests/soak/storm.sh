@@ -20,7 +20,7 @@ if [ "${RADD_SOAK:-}" = long ]; then
     : "${STORM_EVERY:=5}" "${STORM_WARM:=120}"
 else
     : "${STORM_SECONDS:=6}" "${STORM_JOBS:=8}" "${STORM_WORKERS:=3}"
-    : "${STORM_EVERY:=1}" "${STORM_WARM:=8}"
+    : "${STORM_EVERY:=1}" "${STORM_WARM:=10}"
 fi
 draw_from "${STORM_SEED:-}"
 
@@ -164,6 +164,10 @@ done
 # what is freed goes back to the system at once, so that memory is what is held
 # and not what was held in the worst moment
 export MALLOC_MMAP_THRESHOLD_=16384 MALLOC_TRIM_THRESHOLD_=16384
+# as many jobs that are over are remembered at the end as after the warming,
+# however many the machine gets through meanwhile
+# shellcheck disable=SC2034 # of cluster_start
+coord_options="--keep-jobs=$STORM_WARM"
 cluster_start "$STORM_WORKERS" 1
 touch wrong
 streams warming
