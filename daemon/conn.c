@@ -19,6 +19,10 @@
 #define ANSWERS_HIGH (4u << 20)
 #define ANSWERS_LOW  (1u << 20)
 
+/* A user with more unread bytes than this gets none of the messages that it can
+ * do without. */
+#define SPARE_HIGH (8u << 20)
+
 /* Short messages that are sent in one turn of the loop go out together, up to
  * so many bytes: a call of the system costs more than they do. */
 #define CORK_BYTES (8u << 10)
@@ -53,6 +57,7 @@ struct conn {
     bool paused;         /* conn_pause() */
     bool finishing;      /* conn_finish() */
     bool choked;         /* takes no requests until its answers are read */
+    bool skipped;        /* something that it could do without, and logged */
     const uint8_t *rest; /* of buf, not looked at while choked */
     size_t nrest;
     bool closing;
@@ -325,13 +330,34 @@ queue_packed(struct conn *c, struct wire_out *w, int rc, uint16_t type)
     return ok;
 }
 
+static bool
+to_user(const struct conn *c)
+{
+    return c->reader.session == MSG_AT_COORD_USER ||
+           c->reader.session == MSG_AT_COORD_ADMIN;
+}
+
+/* Ambient records come as fast as workers make them, whether or not they are
+ * read; they are worth time in a later job, and nothing else. */
+static bool
+skip(struct conn *c, uint16_t type)
+{
+    if (type != MSG_RECORDS || !to_user(c) || c->queued <= SPARE_HIGH)
+        return false;
+    if (!c->skipped)
+        log_warn("ambient records dropped peer=%s: it reads too slowly",
+                 c->peer);
+    c->skipped = true;
+    return true;
+}
+
 bool
 conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
 {
     struct wire_out w;
     int rc;
 
-    if (c->closing || c->finishing)
+    if (c->closing || c->finishing || skip(c, msg_frame_type(bytes, len)))
         return false;
     if (c->reader.version == MSG_VERSION)
         return queue(c, bytes, len);
@@ -404,10 +430,7 @@ garbage(struct conn *c, const struct rad_error *err)
 static bool
 overfull(const struct conn *c)
 {
-    enum msg_session session = c->reader.session;
-
-    return (session == MSG_AT_COORD_USER || session == MSG_AT_COORD_ADMIN) &&
-           c->queued > ANSWERS_HIGH;
+    return to_user(c) && c->queued > ANSWERS_HIGH;
 }
 
 /* Bytes that were read: whole messages go to the handler. */

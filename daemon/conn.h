@@ -101,7 +101,8 @@ void conn_set_progress(struct conn *c, uint64_t progress);
  * in the other side's version, or memory is out, which is logged. */
 bool conn_send(struct conn *c, const struct msg *m);
 /* The same for a message that is packed already: a whole frame of the current
- * version. */
+ * version.  False, too, for RECORDS to a user that has not read 8 MiB yet, which
+ * is logged once. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
 size_t conn_queued(const struct conn *c);

@@ -523,6 +523,9 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
         [MSG_ROLE_USER] = MSG_AT_COORD_USER,
         [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
     };
+    static const char *const role[] = { [MSG_ROLE_WORKER] = "worker",
+                                        [MSG_ROLE_USER] = "user",
+                                        [MSG_ROLE_ADMIN] = "admin" };
     struct msg welcome = { .type = MSG_WELCOME,
                            .request = m->request,
                            .welcome = { 0, c->env.epoch, c->env.program } };
@@ -540,9 +543,9 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     conn->session = session[m->hello.role];
     actions_log(&c->actions, ACT_INFO,
-                "hello peer=%s role=%u name=%s threads=%u protocol=%u",
-                conn->address, m->hello.role, m->hello.name, m->hello.threads,
-                conn->version);
+                "hello peer=%s role=%s name=%s threads=%u protocol=%u",
+                conn->address, role[m->hello.role], m->hello.name,
+                m->hello.threads, conn->version);
     actions_session(&c->actions, conn->id, conn->session, conn->version);
     actions_send(&c->actions, conn->id, &welcome);
 }

@@ -415,6 +415,49 @@ START_TEST(what_waits_is_counted_and_goes_out)
 }
 END_TEST
 
+/* Read what waits. */
+static void
+drain(struct ends *e)
+{
+    static uint8_t sink[1 << 18];
+
+    while (conn_queued(e->conn) > 0) {
+        if (read(e->fd, sink, sizeof sink) < 0)
+            ck_assert_int_eq(errno, EAGAIN);
+        run(e);
+    }
+}
+
+static const enum msg_session users[] = { MSG_AT_COORD_USER,
+                                          MSG_AT_COORD_ADMIN };
+
+START_TEST(a_user_that_does_not_read_gets_no_more_records)
+{
+    static uint8_t job[MSG_JOB], data[50000];
+    struct msg records = { .type = MSG_RECORDS,
+                           .records = { job, 1, data, sizeof data } };
+    struct msg ping = { .type = MSG_PING };
+    struct wire_out w;
+    struct ends e;
+    int sent = 0;
+
+    open_ends(&e, users[_i]);
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(&w, &records), 0);
+    while (sent < 1000 && conn_send_frame(e.conn, w.buf, w.len))
+        sent++;
+    ck_assert_uint_gt(conn_queued(e.conn), 8u << 20);
+    ck_assert_uint_le(conn_queued(e.conn), (8u << 20) + w.len);
+    ck_assert(!conn_send_frame(e.conn, w.buf, w.len));
+    ck_assert(conn_send(e.conn, &ping)); /* all else it gets */
+    drain(&e);
+    ck_assert(conn_send_frame(e.conn, w.buf, w.len));
+    ck_assert_int_eq(e.nclosed, 0);
+    wire_out_release(&w);
+    close_ends(&e);
+}
+END_TEST
+
 START_TEST(finish_sends_what_waits_and_says_nothing)
 {
     struct msg m = { .type = MSG_REFUSE };
@@ -476,6 +519,8 @@ main(void)
     tcase_add_test(tc, message_that_may_not_come_here_ends_it);
     tcase_add_loop_test(tc, random_bytes_only_end_it, 0, 256);
     tcase_add_test(tc, what_waits_is_counted_and_goes_out);
+    tcase_add_loop_test(tc, a_user_that_does_not_read_gets_no_more_records, 0,
+                        N_ELEM(users));
     tcase_add_test(tc, finish_sends_what_waits_and_says_nothing);
     tcase_add_test(tc, peer_that_goes_while_we_send_is_no_crash);
     suite_add_tcase(s, tc);

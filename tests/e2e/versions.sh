@@ -60,8 +60,8 @@ for part in window scanbar auto; do
         cmp "$want" out.hdr || fail "$part by $at: another picture"
     done
 done
-spoken role=2 1 || fail "no radsubmit spoke version 1"
-spoken role=2 2 || fail "no radsubmit spoke version 2"
+spoken role=user 1 || fail "no radsubmit spoke version 1"
+spoken role=user 2 || fail "no radsubmit spoke version 2"
 
 # what version 1 has no word for
 "$radctl" --coordinator="$work/old.sock" workers >/dev/null || fail "workers"
