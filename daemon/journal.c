@@ -292,6 +292,20 @@ make(struct journal *j, struct rad_error *err)
     return rc == 0 ? exec(j, "COMMIT", err) : rc;
 }
 
+/* Not damaged, but not to be read either. */
+static int
+check_version(sqlite3_int64 version, struct rad_error *err)
+{
+    if (version == SCHEMA)
+        return 0;
+    return rad_fail(err, RAD_EUNSUPPORTED,
+                    "database: of version %lld, made by %s radcoord, where "
+                    "this one's is %d: let that one finish its jobs, then "
+                    "move the folder away",
+                    (long long)version,
+                    version < SCHEMA ? "an older" : "a newer", SCHEMA);
+}
+
 static int
 look(struct journal *j, enum journal_how how, struct rad_error *err)
 {
@@ -306,10 +320,7 @@ look(struct journal *j, enum journal_how how, struct rad_error *err)
         rc = one_number(j, "PRAGMA user_version", &version, err);
     if (rc == 0 && (tables == 0 || application != APPLICATION))
         rc = rad_fail(err, RAD_EDATA, "database: not one of radcoord");
-    if (rc == 0 && version != SCHEMA)
-        rc = rad_fail(err, RAD_EDATA, "database: of version %lld, expected %d",
-                      (long long)version, SCHEMA);
-    return rc;
+    return rc == 0 ? check_version(version, err) : rc;
 }
 
 static int
@@ -369,6 +380,8 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
                    : rad_fail(err, RAD_ENOMEM, "out of memory");
     else
         rc = set_up(j, how, err);
+    if (rc == RAD_EUNSUPPORTED)
+        rad_error_where(err, "%.200s", path);
     if (rc < 0) {
         journal_close(j);
         return rc;

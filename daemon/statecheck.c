@@ -41,13 +41,15 @@ problem(struct look *l, const char *fmt, ...)
     l->tell(l->arg, true, text);
 }
 
-/* What is wrong with the folder is a problem that is told, and no failure. */
+/* What is wrong with the folder is a problem that is told, and no failure; one
+ * that another radcoord made is no damage. */
 static int
 judge(struct look *l, const struct rad_error *why, struct rad_error *err)
 {
     if (why->code == 0)
         return 0;
-    if (why->code == RAD_ENOMEM || why->code == RAD_ETEMPFAIL) {
+    if (why->code == RAD_ENOMEM || why->code == RAD_ETEMPFAIL ||
+        why->code == RAD_EUNSUPPORTED) {
         *err = *why;
         return why->code;
     }

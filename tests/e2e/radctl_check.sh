@@ -121,4 +121,23 @@ until_true 10 no_old || fail "a file that nobody needs stays"
     fail "files of jobs went with it"
 kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "the coordinator ended with $?"
+
+# one that an older or a newer release made is not damaged, and stays as it is
+for version in 2 99; do
+    # where SQLite has the user's version in its header
+    # shellcheck disable=SC2059
+    printf "\\$(printf %03o $version)" |
+        dd of=state/radcoord.db bs=1 seek=63 conv=notrunc 2>dd.err ||
+        fail "$(cat dd.err)"
+    cp state/radcoord.db before.db
+    says_version()
+    {
+        expect 65 "radcoord.db: database: of version $version, made by" "$@"
+        ! grep -q damaged stderr || fail "$1: it is called damaged"
+    }
+    says_version "check $version" "$radctl" check "$work/state"
+    says_version "start $version" "$radcoord" --listen= \
+        --socket="$work/other.sock" --state="$work/state"
+    cmp before.db state/radcoord.db || fail "version $version: it is changed"
+done
 finish
