@@ -9,19 +9,14 @@
  * disappears at once: of that the journal may know a little longer. */
 #include "config.h"
 
-#include "store.h"
+#include "store_impl.h"
 
-#include "blobs.h"
-#include "folder.h"
 #include "frame.h"
 #include "job.h"
-#include "journal.h"
 #include "log.h"
 #include "rowcheck.h"
 #include "rowsum.h"
 #include "service.h"
-#include "sound.h"
-#include "task.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -34,54 +29,9 @@
 #include <time.h>
 #include <unistd.h>
 
-/* A file that a connection sends. */
-struct arriving {
-    struct arriving *next;
-    uint64_t conn;
-    uint8_t hash[MSG_HASH];
-    struct blob_part part;
-};
-
-struct store {
-    struct task_queue queue;
-    const struct store_handler *handler;
-    void *arg;
-    char dir[BLOBS_DIR_MAX];
-    int lock;
-    struct blobs blobs;
-    struct sounds sounds;      /* [loop] */
-    bool durable;              /* [fixed] */
-    bool ending;               /* [loop] */
-    size_t backlog;            /* [loop] */
-    struct arriving *arriving; /* [pool] */
-    struct folder folder;      /* [pool] */
-    struct journal *journal;   /* [pool]; NULL: nothing outlives the process */
-};
-
-static const char *
-failure(const struct task *t)
-{
-    return t->code < 0 ? t->err.what : "";
-}
-
-static int
-status_of(const struct task *t)
-{
-    return t->code < 0 ? rad_exit_status(t->code) : 0;
-}
-
-/* Not to be told: it failed with the whole store. */
-static bool
-is_mute(const struct store *s, const struct task *t)
-{
-    return t->code < 0 && (s->ending || s->queue.told_broken);
-}
-
-/* Room for a task; NULL when memory is out, and then the handler knows that the
- * store does not answer. */
-static void *
-new_task(struct store *s, size_t size, int (*run)(struct task *t),
-         void (*done)(struct task *t))
+void *
+store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
+               void (*done)(struct task *t))
 {
     struct task *t = calloc(1, size);
 
@@ -94,7 +44,28 @@ new_task(struct store *s, size_t size, int (*run)(struct task *t),
     return t;
 }
 
+void
+store_free_task(struct task *t)
+{
+    free(t);
+}
+
+void
+store_push_lasting(struct store *s, struct task *t)
+{
+    t->writes = t->lasts = true;
+    task_push(&s->queue, t);
+}
+
 /* --- arriving files --- */
+
+/* A file that a connection sends. */
+struct arriving {
+    struct arriving *next;
+    uint64_t conn;
+    uint8_t hash[MSG_HASH];
+    struct blob_part part;
+};
 
 struct chunk_task {
     struct task task;
@@ -203,7 +174,7 @@ void
 store_put_chunk(struct store *s, uint64_t conn, const struct msg_chunk *chunk)
 {
     struct chunk_task *c =
-        new_task(s, sizeof *c + chunk->len, chunk_run, chunk_done);
+        store_new_task(s, sizeof *c + chunk->len, chunk_run, chunk_done);
 
     if (!c)
         return;
@@ -218,6 +189,13 @@ store_put_chunk(struct store *s, uint64_t conn, const struct msg_chunk *chunk)
         memcpy(c->data, chunk->data, chunk->len);
     s->backlog += c->len;
     task_push(&s->queue, &c->task);
+}
+
+void
+store_release_arriving(struct store *s)
+{
+    while (s->arriving)
+        end_arriving(&s->arriving);
 }
 
 struct drop_task {
@@ -237,16 +215,11 @@ drop_run(struct task *t)
     return 0;
 }
 
-static void
-free_task(struct task *t)
-{
-    free(t);
-}
-
 void
 store_drop_conn(struct store *s, uint64_t conn)
 {
-    struct drop_task *d = new_task(s, sizeof *d, drop_run, free_task);
+    struct drop_task *d =
+        store_new_task(s, sizeof *d, drop_run, store_free_task);
 
     if (!d)
         return;
@@ -265,15 +238,6 @@ struct look_task {
     int8_t *found; /* of each file, as sounds_read(); 2: it was known */
     uint8_t hash[];
 };
-
-static void
-path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
-{
-    char name[RAD_SHA_HEX + 1];
-
-    blobs_name(hash, name);
-    blobs_path(&s->blobs, name, path);
-}
 
 static int
 look_run(struct task *t)
@@ -322,7 +286,8 @@ static struct look_task *
 new_look(struct store *s, const struct action_look *from)
 {
     size_t n = from->files.n, bytes = n * MSG_HASH;
-    struct look_task *l = new_task(s, sizeof *l + bytes, look_run, look_done);
+    struct look_task *l =
+        store_new_task(s, sizeof *l + bytes, look_run, look_done);
 
     if (!l)
         return NULL;
@@ -401,7 +366,7 @@ sweep_done(struct task *t)
 void
 store_sweep(struct store *s, uint8_t *hashes, size_t n)
 {
-    struct sweep_task *w = new_task(s, sizeof *w, sweep_run, sweep_done);
+    struct sweep_task *w = store_new_task(s, sizeof *w, sweep_run, sweep_done);
 
     if (!w) {
         free(hashes);
@@ -415,34 +380,17 @@ store_sweep(struct store *s, uint8_t *hashes, size_t n)
 
 /* --- jobs --- */
 
-struct job_task {
-    struct task task;
-    struct store *store;
-    uint8_t id[MSG_JOB];
-    uint32_t frame;
-    int state;
-    uint64_t bytes;
-};
-
-static struct job_task *
-new_job_task(struct store *s, const uint8_t *id, int (*run)(struct task *t),
-             void (*done)(struct task *t))
+struct job_task *
+store_new_job_task(struct store *s, const uint8_t *id,
+                   int (*run)(struct task *t), void (*done)(struct task *t))
 {
-    struct job_task *j = new_task(s, sizeof *j, run, done);
+    struct job_task *j = store_new_task(s, sizeof *j, run, done);
 
     if (!j)
         return NULL;
     j->store = s;
     memcpy(j->id, id, MSG_JOB);
     return j;
-}
-
-/* To be kept: it may be held, and is done when it lasts. */
-static void
-push_lasting(struct store *s, struct task *t)
-{
-    t->writes = t->lasts = true;
-    task_push(&s->queue, t);
 }
 
 /* A job that is to be kept, or how it ended, with all that it points at. */
@@ -472,7 +420,7 @@ new_saved_task(struct store *s, const struct saved_job *from,
                int (*run)(struct task *t), void (*done)(struct task *t))
 {
     struct msg m = { .type = MSG_SUBMIT, .submit = from->spec };
-    struct saved_task *o = new_task(s, sizeof *o, run, done);
+    struct saved_task *o = store_new_task(s, sizeof *o, run, done);
 
     if (!o)
         return NULL;
@@ -529,7 +477,7 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
     named.spec.job = job;
     o = new_saved_task(s, &named, open_run, open_done);
     if (o)
-        push_lasting(s, &o->task);
+        store_push_lasting(s, &o->task);
 }
 
 static int
@@ -544,12 +492,13 @@ void
 store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state)
 {
     struct job_task *j =
-        s->journal ? new_job_task(s, job, state_run, free_task) : NULL;
+        s->journal ? store_new_job_task(s, job, state_run, store_free_task)
+                   : NULL;
 
     if (!j)
         return;
     j->state = state;
-    push_lasting(s, &j->task);
+    store_push_lasting(s, &j->task);
 }
 
 /* --- the end of a job --- */
@@ -597,7 +546,7 @@ end_done(struct task *t)
     struct job_task *j;
 
     if (!is_mute(s, t)) {
-        j = new_job_task(s, o->id, rest_run, rest_done);
+        j = store_new_job_task(s, o->id, rest_run, rest_done);
         if (j)
             task_push(&s->queue, &j->task);
     }
@@ -621,7 +570,7 @@ store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
         return;
     }
     memcpy(o->stats, stats, len);
-    push_lasting(s, &o->task);
+    store_push_lasting(s, &o->task);
 }
 
 static int
@@ -644,13 +593,15 @@ strike_run(struct task *t)
 void
 store_forget_job(struct store *s, const uint8_t job[MSG_JOB])
 {
-    struct job_task *j = new_job_task(s, job, forget_run, free_task);
+    struct job_task *j =
+        store_new_job_task(s, job, forget_run, store_free_task);
 
     if (j) /* also while the disk is full: it makes room */
         task_push(&s->queue, &j->task);
-    j = s->journal ? new_job_task(s, job, strike_run, free_task) : NULL;
+    j = s->journal ? store_new_job_task(s, job, strike_run, store_free_task)
+                   : NULL;
     if (j)
-        push_lasting(s, &j->task);
+        store_push_lasting(s, &j->task);
 }
 
 struct settle_task {
@@ -681,14 +632,15 @@ settle_done(struct task *t)
 void
 store_settle(struct store *s, uint64_t conn, uint32_t request)
 {
-    struct settle_task *w = new_task(s, sizeof *w, nothing_run, settle_done);
+    struct settle_task *w =
+        store_new_task(s, sizeof *w, nothing_run, settle_done);
 
     if (!w)
         return;
     w->store = s;
     w->conn = conn;
     w->request = request;
-    push_lasting(s, &w->task);
+    store_push_lasting(s, &w->task);
 }
 
 /* --- units and rows --- */
@@ -714,7 +666,8 @@ store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
                 const struct saved_unit *unit)
 {
     struct unit_task *u =
-        s->journal ? new_task(s, sizeof *u, unit_run, free_task) : NULL;
+        s->journal ? store_new_task(s, sizeof *u, unit_run, store_free_task)
+                   : NULL;
 
     if (!u)
         return;
@@ -723,7 +676,7 @@ store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
     u->unit = *unit;
     snprintf(u->worker, sizeof u->worker, "%s", unit->worker);
     u->unit.worker = u->worker;
-    push_lasting(s, &u->task);
+    store_push_lasting(s, &u->task);
 }
 
 struct rows_task {
@@ -814,7 +767,7 @@ copy_rows(struct rows_task *r, const struct action_rows *rows)
 void
 store_put_rows(struct store *s, const struct action_rows *rows)
 {
-    struct rows_task *r = new_task(s, sizeof *r, rows_run, rows_done);
+    struct rows_task *r = store_new_task(s, sizeof *r, rows_run, rows_done);
 
     if (!r)
         return;
@@ -825,7 +778,7 @@ store_put_rows(struct store *s, const struct action_rows *rows)
         return;
     }
     s->backlog += r->bytes;
-    push_lasting(s, &r->task);
+    store_push_lasting(s, &r->task);
 }
 
 /* --- pictures --- */
@@ -858,7 +811,7 @@ picture_done(struct task *t)
     struct store *s = p->store;
 
     if (t->code == 0) {
-        gone = new_job_task(s, p->id, rows_gone_run, free_task);
+        gone = store_new_job_task(s, p->id, rows_gone_run, store_free_task);
         if (gone) {
             gone->frame = p->frame;
             task_push(&s->queue, &gone->task);
@@ -872,12 +825,12 @@ picture_done(struct task *t)
 void
 store_write_picture(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
 {
-    struct job_task *p = new_job_task(s, job, picture_run, picture_done);
+    struct job_task *p = store_new_job_task(s, job, picture_run, picture_done);
 
     if (!p)
         return;
     p->frame = frame;
-    push_lasting(s, &p->task);
+    store_push_lasting(s, &p->task);
 }
 
 /* --- reading --- */
@@ -949,7 +902,7 @@ void
 store_read(struct store *s, const struct store_source *from, uint64_t offset,
            void *buf, size_t cap, store_read_fn *fn, void *arg)
 {
-    struct read_task *r = new_task(s, sizeof *r, read_run, read_done);
+    struct read_task *r = store_new_task(s, sizeof *r, read_run, read_done);
 
     if (!r)
         return;
@@ -1058,10 +1011,9 @@ drop_unknown(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
     return rc;
 }
 
-/* The tool is named to whoever has to deal with it. */
-static int
-refuse(const struct store *s, const struct rad_error *why,
-       struct rad_error *err)
+int
+store_refuse(const struct store *s, const struct rad_error *why,
+             struct rad_error *err)
 {
     if (why->code != RAD_EDATA && why->code != RAD_EIO) {
         *err = *why;
@@ -1090,7 +1042,7 @@ store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
         rc = journal_commit(s->journal, &why);
     if (rc == 0)
         rc = folder_each(&s->folder, drop_unknown, s, &why);
-    return rc == 0 ? 0 : refuse(s, &why, err);
+    return rc == 0 ? 0 : store_refuse(s, &why, err);
 }
 
 bool
@@ -1166,7 +1118,7 @@ open_journal(struct store *s, struct rad_error *err)
     if (rc == 0)
         rc = there ? journal_check(s->journal, &why)
                    : disk_sync_dir(s->dir, &why);
-    return rc == 0 ? 0 : refuse(s, &why, err);
+    return rc == 0 ? 0 : store_refuse(s, &why, err);
 }
 
 static int
@@ -1263,8 +1215,7 @@ store_close(struct store *s)
     if (!s)
         return;
     task_queue_release(&s->queue);
-    while (s->arriving)
-        end_arriving(&s->arriving);
+    store_release_arriving(s);
     if (s->journal) /* what did not last is nobody's */
         journal_rollback(s->journal);
     journal_close(s->journal);

@@ -1,0 +1,98 @@
+/* store_impl.h - what the files of the store share
+ *
+ * Private to store*.c:
+ *   store.c  opening, the queue of tasks, the end
+ * Each request is a task that owns copies of all it needs. */
+#ifndef RADD_DAEMON_STORE_IMPL_H
+#define RADD_DAEMON_STORE_IMPL_H
+
+#include "store.h"
+
+#include "blobs.h"
+#include "folder.h"
+#include "journal.h"
+#include "sound.h"
+#include "task.h"
+
+struct arriving; /* a file that a connection sends */
+
+struct store {
+    struct task_queue queue;
+    const struct store_handler *handler;
+    void *arg;
+    char dir[BLOBS_DIR_MAX];
+    int lock;
+    struct blobs blobs;
+    struct sounds sounds;      /* [loop] */
+    bool durable;              /* [fixed] */
+    bool ending;               /* [loop] */
+    size_t backlog;            /* [loop] */
+    struct arriving *arriving; /* [pool] */
+    struct folder folder;      /* [pool] */
+    struct journal *journal;   /* [pool]; NULL: nothing outlives the process */
+};
+
+static inline const char *
+failure(const struct task *t)
+{
+    return t->code < 0 ? t->err.what : "";
+}
+
+static inline int
+status_of(const struct task *t)
+{
+    return t->code < 0 ? rad_exit_status(t->code) : 0;
+}
+
+/* Not to be told: it failed with the whole store. */
+static inline bool
+is_mute(const struct store *s, const struct task *t)
+{
+    return t->code < 0 && (s->ending || s->queue.told_broken);
+}
+
+static inline void
+path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
+{
+    char name[RAD_SHA_HEX + 1];
+
+    blobs_name(hash, name);
+    blobs_path(&s->blobs, name, path);
+}
+
+/* --- tasks --- */
+
+/* Room for a task; NULL when memory is out, and then the handler knows that the
+ * store does not answer. */
+void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
+                     void (*done)(struct task *t));
+/* The done() of one that nobody hears of. */
+void store_free_task(struct task *t);
+/* To be kept: it may be held, and is done when it lasts. */
+void store_push_lasting(struct store *s, struct task *t);
+
+/* What is about a job, and needs little. */
+struct job_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    uint32_t frame;
+    int state;
+    uint64_t bytes;
+};
+
+/* NULL: as store_new_task(). */
+struct job_task *store_new_job_task(struct store *s, const uint8_t *id,
+                                    int (*run)(struct task *t),
+                                    void (*done)(struct task *t));
+
+/* --- parts --- */
+
+/* Forget all that was sent by halves; only when idle. */
+void store_release_arriving(struct store *s);
+/* The folder cannot be taken up; the tool is named to whoever has to deal with
+ * it.  Returns why->code. */
+int store_refuse(const struct store *s, const struct rad_error *why,
+                 struct rad_error *err);
+
+#endif
