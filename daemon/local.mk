@@ -104,6 +104,7 @@ libdaemon_a_SOURCES = \
 	daemon/stats.h \
 	daemon/store.c \
 	daemon/store.h \
+	daemon/store_arrive.c \
 	daemon/store_impl.h \
 	daemon/strict.c \
 	daemon/strict.h \

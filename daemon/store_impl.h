@@ -1,7 +1,8 @@
 /* store_impl.h - what the files of the store share
  *
  * Private to store*.c:
- *   store.c  opening, the queue of tasks, the end
+ *   store.c          opening, the queue of tasks, the end
+ *   store_arrive.c   files that connections send
  * Each request is a task that owns copies of all it needs. */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H
