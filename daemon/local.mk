@@ -105,6 +105,7 @@ libdaemon_a_SOURCES = \
 	daemon/store.c \
 	daemon/store.h \
 	daemon/store_arrive.c \
+	daemon/store_files.c \
 	daemon/store_impl.h \
 	daemon/strict.c \
 	daemon/strict.h \

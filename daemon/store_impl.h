@@ -3,6 +3,7 @@
  * Private to store*.c:
  *   store.c          opening, the queue of tasks, the end
  *   store_arrive.c   files that connections send
+ *   store_files.c    files that are there, and those that nobody needs
  * Each request is a task that owns copies of all it needs. */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H
