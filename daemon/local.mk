@@ -107,6 +107,7 @@ libdaemon_a_SOURCES = \
 	daemon/store_arrive.c \
 	daemon/store_files.c \
 	daemon/store_impl.h \
+	daemon/store_jobs.c \
 	daemon/strict.c \
 	daemon/strict.h \
 	daemon/strict_edge.c \

@@ -4,6 +4,7 @@
  *   store.c          opening, the queue of tasks, the end
  *   store_arrive.c   files that connections send
  *   store_files.c    files that are there, and those that nobody needs
+ *   store_jobs.c     jobs: kept, over, forgotten
  * Each request is a task that owns copies of all it needs. */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H

@@ -1,0 +1,243 @@
+/* store_jobs.c - jobs of the store: kept, over, forgotten
+ *
+ * What is kept of a job points at much (its SUBMIT, its owner, a text), so a
+ * task has copies of it all: the specification is packed and unpacked, which
+ * copies exactly what the wire can carry.
+ * The end is two tasks: one notes it, and when that lasts another removes the
+ * rows that are left and counts the bytes.  Forgetting is two as well: the
+ * folder goes at once, also while the disk is full, for that makes room; then
+ * the journal's entry, which may have to wait. */
+#include "config.h"
+
+#include "store_impl.h"
+
+#include "frame.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+struct job_task *
+store_new_job_task(struct store *s, const uint8_t *id,
+                   int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct job_task *j = store_new_task(s, sizeof *j, run, done);
+
+    if (!j)
+        return NULL;
+    j->store = s;
+    memcpy(j->id, id, MSG_JOB);
+    return j;
+}
+
+/* A job that is to be kept, or how it ended, with all that it points at. */
+struct saved_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct saved_job saved;
+    struct wire_out bytes; /* its SUBMIT */
+    struct msg msg;        /* and that unpacked */
+    char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
+    char *stats;
+    size_t stats_len;
+};
+
+static void
+free_saved(struct saved_task *o)
+{
+    wire_out_release(&o->bytes);
+    msg_release(&o->msg);
+    free(o->stats);
+    free(o);
+}
+
+static struct saved_task *
+new_saved_task(struct store *s, const struct saved_job *from,
+               int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = from->spec };
+    struct saved_task *o = store_new_task(s, sizeof *o, run, done);
+
+    if (!o)
+        return NULL;
+    o->store = s;
+    memcpy(o->id, from->spec.job, MSG_JOB);
+    wire_out_init(&o->bytes, MSG_FRAME_MAX);
+    if (msg_pack(&o->bytes, &m) != 0 ||
+        msg_unpack(&o->msg, MSG_SUBMIT, 0, o->bytes.buf + MSG_HEADER,
+                   o->bytes.len - MSG_HEADER, NULL) != 0) {
+        free_saved(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return NULL;
+    }
+    o->saved = *from;
+    o->saved.spec = o->msg.submit;
+    o->saved.last.job = o->id;
+    snprintf(o->owner, sizeof o->owner, "%s", from->owner ? from->owner : "");
+    snprintf(o->text, sizeof o->text, "%s", from->text ? from->text : "");
+    o->saved.owner = o->owner;
+    o->saved.text = o->text;
+    return o;
+}
+
+static int
+open_run(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    int rc = folder_make(&s->folder, &o->saved.spec, &t->err);
+
+    if (rc == 0 && s->journal)
+        rc = journal_put_job(s->journal, &o->saved, &t->err);
+    return rc;
+}
+
+static void
+open_done(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+
+    if (!is_mute(s, t))
+        s->handler->job(s->arg, o->id, status_of(t), failure(t));
+    free_saved(o);
+}
+
+void
+store_open_job(struct store *s, const uint8_t job[MSG_JOB],
+               const struct saved_job *saved)
+{
+    struct saved_job named = *saved;
+    struct saved_task *o;
+
+    named.spec.job = job;
+    o = new_saved_task(s, &named, open_run, open_done);
+    if (o)
+        store_push_lasting(s, &o->task);
+}
+
+static int
+state_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    return journal_put_state(j->store->journal, j->id, j->state, &t->err);
+}
+
+void
+store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state)
+{
+    struct job_task *j =
+        s->journal ? store_new_job_task(s, job, state_run, store_free_task)
+                   : NULL;
+
+    if (!j)
+        return;
+    j->state = state;
+    store_push_lasting(s, &j->task);
+}
+
+/* --- the end of a job --- */
+
+static int
+rest_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_rest(&j->store->folder, j->id);
+    j->bytes = folder_bytes(&j->store->folder, j->id);
+    return 0;
+}
+
+static void
+rest_done(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+    struct store *s = j->store;
+
+    s->handler->filed(s->arg, j->id, j->bytes);
+    free(j);
+}
+
+static int
+end_run(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    int rc;
+
+    if (!folder_is_there(&s->folder, o->id))
+        return 0; /* forgotten while this was held */
+    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len, &t->err);
+    /* what is left when the rows have gone */
+    o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
+    return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
+}
+
+static void
+end_done(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    struct job_task *j;
+
+    if (!is_mute(s, t)) {
+        j = store_new_job_task(s, o->id, rest_run, rest_done);
+        if (j)
+            task_push(&s->queue, &j->task);
+    }
+    free_saved(o);
+}
+
+void
+store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
+              size_t len)
+{
+    struct saved_task *o =
+        s->journal ? new_saved_task(s, saved, end_run, end_done) : NULL;
+
+    if (!o)
+        return;
+    o->stats = malloc(len + 1);
+    o->stats_len = len;
+    if (!o->stats) {
+        free_saved(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return;
+    }
+    memcpy(o->stats, stats, len);
+    store_push_lasting(s, &o->task);
+}
+
+static int
+forget_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    folder_forget(&p->store->folder, p->id);
+    return 0;
+}
+
+static int
+strike_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    return journal_forget(p->store->journal, p->id, &t->err);
+}
+
+void
+store_forget_job(struct store *s, const uint8_t job[MSG_JOB])
+{
+    struct job_task *j =
+        store_new_job_task(s, job, forget_run, store_free_task);
+
+    if (j) /* also while the disk is full: it makes room */
+        task_push(&s->queue, &j->task);
+    j = s->journal ? store_new_job_task(s, job, strike_run, store_free_task)
+                   : NULL;
+    if (j)
+        store_push_lasting(s, &j->task);
+}
