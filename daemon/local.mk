@@ -108,6 +108,7 @@ libdaemon_a_SOURCES = \
 	daemon/store_files.c \
 	daemon/store_impl.h \
 	daemon/store_jobs.c \
+	daemon/store_read.c \
 	daemon/store_rows.c \
 	daemon/strict.c \
 	daemon/strict.h \

@@ -6,6 +6,7 @@
  *   store_files.c    files that are there, and those that nobody needs
  *   store_jobs.c     jobs: kept, over, forgotten
  *   store_rows.c     units, rows and pictures
+ *   store_read.c     reading files and pictures
  * Each request is a task that owns copies of all it needs. */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H
