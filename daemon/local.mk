@@ -109,6 +109,7 @@ libdaemon_a_SOURCES = \
 	daemon/store_impl.h \
 	daemon/store_jobs.c \
 	daemon/store_read.c \
+	daemon/store_recover.c \
 	daemon/store_rows.c \
 	daemon/strict.c \
 	daemon/strict.h \

@@ -7,7 +7,7 @@
  *   store_jobs.c     jobs: kept, over, forgotten
  *   store_rows.c     units, rows and pictures
  *   store_read.c     reading files and pictures
- * Each request is a task that owns copies of all it needs. */
+ *   store_recover.c  jobs of earlier lives */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H
 
@@ -65,7 +65,7 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
     blobs_path(&s->blobs, name, path);
 }
 
-/* --- tasks --- */
+/* --- store.c --- */
 
 /* Room for a task; NULL when memory is out, and then the handler knows that the
  * store does not answer. */
@@ -75,8 +75,19 @@ void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
 void store_free_task(struct task *t);
 /* To be kept: it may be held, and is done when it lasts. */
 void store_push_lasting(struct store *s, struct task *t);
+/* The folder cannot be taken up; the tool is named to whoever has to deal with
+ * it.  Returns why->code. */
+int store_refuse(const struct store *s, const struct rad_error *why,
+                 struct rad_error *err);
 
-/* What is about a job, and needs little. */
+/* --- store_arrive.c --- */
+
+/* Forget all that was sent by halves; only when idle. */
+void store_release_arriving(struct store *s);
+
+/* --- store_jobs.c --- */
+
+/* A task that is about a job, and needs no more than this. */
 struct job_task {
     struct task task;
     struct store *store;
@@ -90,14 +101,5 @@ struct job_task {
 struct job_task *store_new_job_task(struct store *s, const uint8_t *id,
                                     int (*run)(struct task *t),
                                     void (*done)(struct task *t));
-
-/* --- parts --- */
-
-/* Forget all that was sent by halves; only when idle. */
-void store_release_arriving(struct store *s);
-/* The folder cannot be taken up; the tool is named to whoever has to deal with
- * it.  Returns why->code. */
-int store_refuse(const struct store *s, const struct rad_error *why,
-                 struct rad_error *err);
 
 #endif
