@@ -100,10 +100,9 @@ chunk_run(struct task *t)
 static void
 note_file(struct store *s, const uint8_t *hash)
 {
-    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    char path[BLOBS_PATH_MAX];
 
-    blobs_name(hash, name);
-    blobs_path(&s->blobs, name, path);
+    path_of(s, hash, path);
     sounds_note(&s->sounds, hash, path);
 }
 

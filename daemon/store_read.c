@@ -30,13 +30,12 @@ struct read_task {
 static int
 source_path(struct read_task *r, char path[DISK_PATH_MAX])
 {
-    char name[RAD_SHA_HEX + 1], part[BLOBS_PATH_MAX];
+    char part[BLOBS_PATH_MAX];
 
     if (!r->from.file)
         return folder_find(&r->store->folder, r->from.job, r->from.frame,
                            r->from.what, r->offset == 0, path, &r->task.err);
-    blobs_name(r->from.hash, name);
-    blobs_path(&r->store->blobs, name, part);
+    path_of(r->store, r->from.hash, part);
     snprintf(path, DISK_PATH_MAX, "%s", part);
     return 0;
 }

@@ -29,11 +29,10 @@ check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
 {
     for (uint32_t i = 0; i < spec->files.n; i++) {
         const uint8_t *hash = spec->files.hash + (size_t)i * MSG_HASH;
-        char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+        char path[BLOBS_PATH_MAX];
         bool damaged;
 
-        blobs_name(hash, name);
-        blobs_path(&s->blobs, name, path);
+        path_of(s, hash, path);
         if (!sounds_check(&s->sounds, hash, path, &damaged))
             return rad_fail(err, RAD_EDATA, "file '%s' is %s", path,
                             damaged ? "damaged" : "missing");
