@@ -87,23 +87,35 @@ ask_near(const struct sample *s, uint64_t key)
     return q;
 }
 
-/* Does the query meet the record, with zones `more` as large? */
+/* Does the query meet the record? */
 static bool
-meets(const struct sample *s, const struct rad_ambquery *q, double more)
+meets(const struct sample *s, const struct rad_ambquery *q)
 {
-    double d[3], n[3], h, slack = more - 1;
+    double d[3], n[3], h, reach = s->zone.reach, height = s->zone.height;
 
     rad_sub(d, q->p, s->rec.p);
     widen(n, s->rec.n);
     h = rad_dot(d, n);
-    double reach = s->zone.reach * more, height = s->zone.height * more;
-
     return (rad_dot(d, d) - h * h) / (reach * reach) +
                    h * h / (height * height) <
                1 &&
-           (h >= -s->zone.behind || slack > 0) &&
-           rad_dot(n, q->n) >= q->min_cos - slack && s->rec.level == q->level &&
-           (double)s->rec.weight >= q->weight - slack;
+           h >= -s->zone.behind && rad_dot(n, q->n) >= q->min_cos &&
+           s->rec.level == q->level && (double)s->rec.weight >= q->weight;
+}
+
+/* May it come in vain?  In the cube about its zone, by what bytes are rounded
+ * by: three steps of at most a 21st of its reach, and .03 of a cosine. */
+static bool
+nearly_meets(const struct sample *s, const struct rad_ambquery *q)
+{
+    double n[3], reach = s->zone.reach * (1 + 3. / 21);
+
+    widen(n, s->rec.n);
+    for (int k = 0; k < 3; k++)
+        if (fabs(q->p[k] - s->rec.p[k]) > reach)
+            return false;
+    return rad_dot(n, q->n) >= q->min_cos - .03 && s->rec.level == q->level &&
+           (double)s->rec.weight >= q->weight - .011;
 }
 
 struct found {
@@ -170,8 +182,8 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
         for (int k = 0; k < f.n; k++)
             times[(int)f.rec[k]->E.g]++;
         for (int k = 0; k < RECORDS; k++) {
-            bool in = meets(&sample[k], &q, 1);
-            bool near = meets(&sample[k], &q, 1.02);
+            bool in = meets(&sample[k], &q);
+            bool near = nearly_meets(&sample[k], &q);
             int n = times[k];
 
             if (n > 1)

@@ -3,15 +3,16 @@
  * Look-up.  A record is listed in every cell that its zone touches, of the
  * smallest cells at least SPAN times as wide as the zone reaches; so a look-up
  * walks one path, from the root to the smallest cell about the point, and then
- * back up.  A list is made of blocks of LANES places each, which hold of every
- * record what decides whether it may serve, one array for each number; the
- * places of a block are tried all at once with vectors, and only what passes
- * is fetched and handed on.  All is in single precision, relative to the cell,
- * and rounded so that nothing is left out that double precision would take.
+ * back up.  A list is made of blocks of LANES places each.  Of ten records in a
+ * list about one may serve, so a block says of each in a byte a number what
+ * tells most of the others: where it is, how far it reaches, its normal, and
+ * its weight.  The places of a block are tried all at once, in two lines of
+ * memory, and only what passes is fetched and handed on.  Bytes are rounded so
+ * that nothing is left out that may serve.
  * SPAN weighs insertions against look-ups: nanoseconds of both and bytes a
- * record (bench/ambient) are 590, 660, 377 with 2, 330, 790, 243 with 3 and
- * 270, 800, 235 with 4 for an office's 12000 dense records, and 1890, 670, 651,
- * 870, 550, 373 and 940, 490, 327 for 100000 sparse ones.
+ * record (bench/ambient) are 900, 530, 505 with 1.4, 380, 440, 265 with 2 and
+ * 250, 510, 185 with 3 for an office's 28000 dense records, and 700, 620, 392,
+ * 440, 590, 242 and 310, 520, 184 for 100000 sparse ones.
  *
  * Records of each number of bounces have an octree of their own, for only those
  * of one are wanted at a time; beyond ROOTS - 1 bounces they share one.
@@ -43,6 +44,7 @@
 #include "light/ambcache.h"
 #include "base/vec.h"
 
+#include <math.h>
 #include <stdalign.h>
 #include <stdatomic.h>
 #include <stddef.h>
@@ -50,15 +52,17 @@
 #include <string.h>
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 #define WITH_VECTORS 1
-#include <immintrin.h>
+#include <emmintrin.h>
 #endif
 
-#define LINE      64 /* bytes that a processor fetches at once */
-#define CHUNK     256
-#define LANES     8
-#define SPAN      3
-#define ROOTS     8
-#define MAX_DEPTH 48 /* beyond it cells are smaller than rounding */
+#define LINE         64 /* bytes that a processor fetches at once */
+#define CHUNK        256
+#define LANES        16
+#define STEPS        128 /* to the side of a cell */
+#define NORMAL_STEPS 127.
+#define SPAN         3
+#define ROOTS        8
+#define MAX_DEPTH    48 /* beyond it cells are smaller than rounding */
 
 /* --- pools --- */
 
@@ -173,17 +177,15 @@ struct entry {
 };
 
 /* Places of a list, newer blocks first.  What belongs to a place is [fixed]
- * once its bit in `ready` is set.  Lengths are in sides of the cell. */
+ * once its bit in `ready` is set. */
 struct block {
-    alignas(LINE) float at[3][LANES]; /* the record's point, from the corner */
-    float n[3][LANES];                /* its normal */
-    float reach2[LANES];              /* square of the zone's reach */
-    float flat[LANES];  /* square of reach over height, less 1: what a height
-                         * counts more than its part of the distance */
-    float rank[LANES];  /* rank_of() */
-    struct block *next; /* [fixed] once pushed */
-    _Atomic uint32_t taken; /* places given out; may pass LANES */
-    _Atomic uint32_t ready; /* a bit for each */
+    alignas(LINE) uint8_t at[3][LANES]; /* the record's point: place_byte() */
+    uint8_t reach[LANES];               /* of its zone, in the same steps */
+    int8_t n[3][LANES];                 /* its normal: normal_byte() */
+    uint8_t weight[LANES];              /* weight_byte(), rounded up */
+    struct block *next;                 /* [fixed] once pushed */
+    _Atomic uint32_t taken;             /* places given out; may pass LANES */
+    _Atomic uint32_t ready;             /* a bit for each */
     const struct rad_ambrec *rec[LANES];
 };
 
@@ -192,34 +194,73 @@ struct cell {
     _Atomic(struct cell *) kids; /* eight, by x | y << 1 | z << 2 */
 };
 
-/* A query on its way through a cell. */
+/* A query on its way through a cell, in bytes as in a block. */
 struct probe {
-    float at[3], n[3], min_cos, rank;
+    uint8_t at[3], weight;
+    int8_t n[3];
+    int16_t min_dot; /* of n with a normal's bytes */
 };
-
-/* Walks a list and hands on what may serve. */
-typedef void scan_fn(const struct block *b, const struct probe *q,
-                     rad_ambcache_fn *fn, void *arg);
 
 struct rad_ambcache {
     double org[3], side;                /* [fixed] */
     double scale;                       /* [fixed] 1 / side */
-    scan_fn *scan;                      /* [fixed] */
     struct cell root[ROOTS];            /* by bounces */
     struct pool entries, blocks, cells; /* cells: eight an item */
     _Atomic size_t count;               /* relaxed: shown, never decided on */
 };
 
-/* --- scanning --- */
+/* --- bytes --- */
 
-/* Orders records by bounces, then by weight, heavy ones first: weights are
- * between 0 and 4. */
-static double
-rank_of(int level, double weight)
+static inline double
+clamp(double x, double lo, double hi)
 {
-    return 8. * level + 4 - weight;
+    return x < lo ? lo : x > hi ? hi : x;
 }
 
+/* A place along an axis in sides of a cell, from its corner: STEPS to the side,
+ * and half a side before and behind, for records outside it that reach into
+ * it.  What lies farther out counts as there, which brings no two places
+ * farther apart.  Two bytes differ by less than one more than the places. */
+static inline uint8_t
+place_byte(double x)
+{
+    return (uint8_t)clamp((x + .5) * STEPS, 0, 255);
+}
+
+/* The steps within which a place is that is nearer than `reach` sides. */
+static inline uint8_t
+reach_byte(double reach)
+{
+    return (uint8_t)clamp(ceil(reach * STEPS) + 1, 0, 255);
+}
+
+/* Weights beyond 1.27 count as one.  Never less for more. */
+static inline double
+weight_steps(double weight)
+{
+    return clamp(weight * 200, 0, 255);
+}
+
+/* A component of a unit vector, off by half a step. */
+static inline int8_t
+normal_byte(double x)
+{
+    return (int8_t)lrint(clamp(x, -1, 1) * NORMAL_STEPS);
+}
+
+/* No two normals with a cosine of that at least have bytes with a smaller
+ * product: each vector is off by less than sqrt(3)/2 steps, and no longer than
+ * NORMAL_STEPS + 1. */
+static inline int16_t
+least_dot(double cosine)
+{
+    return (int16_t)floor(NORMAL_STEPS * NORMAL_STEPS * cosine -
+                          2 * .87 * (NORMAL_STEPS + 1));
+}
+
+/* --- scanning --- */
+
+/* The tree of records of that many bounces. */
 static int
 root_of(int level)
 {
@@ -234,6 +275,97 @@ ready_places(const struct block *b)
     return atomic_load_explicit(&b->ready, memory_order_acquire);
 }
 
+#ifdef WITH_VECTORS
+
+static inline __m128i
+load16(const void *p)
+{
+    return _mm_load_si128(p);
+}
+
+/* Those whose reach the point is within along each axis. */
+static inline __m128i
+near_places(const struct block *b, const __m128i at[3])
+{
+    __m128i far = _mm_setzero_si128();
+
+    for (int k = 0; k < 3; k++) {
+        __m128i x = load16(b->at[k]);
+
+        far = _mm_max_epu8(far, _mm_or_si128(_mm_subs_epu8(x, at[k]),
+                                             _mm_subs_epu8(at[k], x)));
+    }
+    return _mm_cmpeq_epi8(_mm_subs_epu8(far, load16(b->reach)),
+                          _mm_setzero_si128());
+}
+
+/* Those that were made for as much weight, and look the same way. */
+static inline __m128i
+like_places(const struct block *b, const struct probe *q)
+{
+    __m128i zero = _mm_setzero_si128(), lo = zero, hi = zero;
+    __m128i weight = _mm_set1_epi8((char)q->weight);
+    __m128i least = _mm_set1_epi16((int16_t)(q->min_dot - 1));
+
+    for (int k = 0; k < 3; k++) {
+        __m128i n = load16(b->n[k]), by = _mm_set1_epi16(q->n[k]);
+        /* into the high half of each word, then down with its sign */
+        __m128i a = _mm_srai_epi16(_mm_unpacklo_epi8(zero, n), 8);
+        __m128i c = _mm_srai_epi16(_mm_unpackhi_epi8(zero, n), 8);
+
+        lo = _mm_add_epi16(lo, _mm_mullo_epi16(a, by));
+        hi = _mm_add_epi16(hi, _mm_mullo_epi16(c, by));
+    }
+    return _mm_and_si128(
+        _mm_packs_epi16(_mm_cmpgt_epi16(lo, least), _mm_cmpgt_epi16(hi, least)),
+        _mm_cmpeq_epi8(_mm_subs_epu8(weight, load16(b->weight)), zero));
+}
+
+/* The places that may serve, as bits. */
+static inline unsigned
+passing(const struct block *b, const struct probe *q, unsigned ready)
+{
+    __m128i at[3];
+
+    for (int k = 0; k < 3; k++)
+        at[k] = _mm_set1_epi8((char)q->at[k]);
+    ready &= (unsigned)_mm_movemask_epi8(near_places(b, at));
+    if (ready)
+        ready &= (unsigned)_mm_movemask_epi8(like_places(b, q));
+    return ready;
+}
+
+#else
+
+static bool
+may_serve(const struct block *b, const struct probe *q, unsigned i)
+{
+    int dot = 0;
+
+    for (int k = 0; k < 3; k++) {
+        if (abs(b->at[k][i] - q->at[k]) > b->reach[i])
+            return false;
+        dot += b->n[k][i] * q->n[k];
+    }
+    return dot >= q->min_dot && b->weight[i] >= q->weight;
+}
+
+/* The places that may serve, as bits. */
+static unsigned
+passing(const struct block *b, const struct probe *q, unsigned ready)
+{
+    unsigned pass = 0;
+
+    for (; ready; ready &= ready - 1) {
+        unsigned i = (unsigned)__builtin_ctz(ready);
+
+        pass |= (unsigned)may_serve(b, q, i) << i;
+    }
+    return pass;
+}
+
+#endif
+
 static inline void
 hand_on(const struct block *b, unsigned pass, rad_ambcache_fn *fn, void *arg)
 {
@@ -247,124 +379,16 @@ hand_on(const struct block *b, unsigned pass, rad_ambcache_fn *fn, void *arg)
         fn(arg, b->rec[__builtin_ctz(pass)]);
 }
 
-#ifdef WITH_VECTORS
-
-/* Four places from number i on. */
-static inline unsigned
-four(const struct block *b, const struct probe *q, int i)
-{
-    __m128 d2 = _mm_setzero_ps(), h = d2, cosine = d2, in;
-
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        __m128 n = _mm_load_ps(b->n[k] + i);
-        __m128 d = _mm_sub_ps(_mm_set1_ps(q->at[k]), _mm_load_ps(b->at[k] + i));
-
-        d2 = _mm_add_ps(d2, _mm_mul_ps(d, d));
-        h = _mm_add_ps(h, _mm_mul_ps(d, n));
-        cosine = _mm_add_ps(cosine, _mm_mul_ps(_mm_set1_ps(q->n[k]), n));
-    }
-    d2 = _mm_add_ps(d2, _mm_mul_ps(_mm_load_ps(b->flat + i), _mm_mul_ps(h, h)));
-    in = _mm_cmple_ps(d2, _mm_load_ps(b->reach2 + i));
-    in = _mm_and_ps(in, _mm_cmpge_ps(cosine, _mm_set1_ps(q->min_cos)));
-    in = _mm_and_ps(
-        in, _mm_cmple_ps(_mm_load_ps(b->rank + i), _mm_set1_ps(q->rank)));
-    return (unsigned)_mm_movemask_ps(in);
-}
-
+/* Walk a list and hand on what may serve. */
 static void
-scan_sse2(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
-          void *arg)
+scan(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
+     void *arg)
 {
     for (; b; b = b->next) {
-        unsigned ready = ready_places(b);
-
-        hand_on(b, (four(b, q, 0) | four(b, q, 4) << 4) & ready, fn, arg);
-    }
-}
-
-static inline __attribute__((target("avx2"), always_inline)) __m256
-avx2_dot(const __m256 a[3], const __m256 b[3])
-{
-    return _mm256_add_ps(
-        _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1])),
-        _mm256_mul_ps(a[2], b[2]));
-}
-
-static __attribute__((target("avx2"))) void
-scan_avx2(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
-          void *arg)
-{
-    __m256 min_cos = _mm256_set1_ps(q->min_cos), rank = _mm256_set1_ps(q->rank);
-    __m256 at[3], norm[3];
-
-    for (int k = 0; k < 3; k++) {
-        at[k] = _mm256_set1_ps(q->at[k]);
-        norm[k] = _mm256_set1_ps(q->n[k]);
-    }
-    for (; b; b = b->next) {
-        unsigned ready = ready_places(b);
-        __m256 n[3], d[3], d2, h, cosine, in;
-
         __builtin_prefetch(b->next);
-        for (int k = 0; k < 3; k++) {
-            n[k] = _mm256_load_ps(b->n[k]);
-            d[k] = _mm256_sub_ps(at[k], _mm256_load_ps(b->at[k]));
-        }
-        d2 = avx2_dot(d, d);
-        h = avx2_dot(d, n);
-        cosine = avx2_dot(norm, n);
-        h = _mm256_mul_ps(h, h);
-        d2 = _mm256_add_ps(d2, _mm256_mul_ps(_mm256_load_ps(b->flat), h));
-        in = _mm256_cmp_ps(d2, _mm256_load_ps(b->reach2), _CMP_LE_OQ);
-        in = _mm256_and_ps(in, _mm256_cmp_ps(cosine, min_cos, _CMP_GE_OQ));
-        in = _mm256_and_ps(
-            in, _mm256_cmp_ps(_mm256_load_ps(b->rank), rank, _CMP_LE_OQ));
-        hand_on(b, (unsigned)_mm256_movemask_ps(in) & ready, fn, arg);
+        __builtin_prefetch((const char *)b->next + LINE);
+        hand_on(b, passing(b, q, ready_places(b)), fn, arg);
     }
-}
-
-#else
-
-static bool
-may_serve(const struct block *b, const struct probe *q, unsigned i)
-{
-    float x = q->at[0] - b->at[0][i], y = q->at[1] - b->at[1][i];
-    float z = q->at[2] - b->at[2][i];
-    float h = x * b->n[0][i] + y * b->n[1][i] + z * b->n[2][i];
-    float cosine =
-        q->n[0] * b->n[0][i] + q->n[1] * b->n[1][i] + q->n[2] * b->n[2][i];
-
-    return x * x + y * y + z * z + b->flat[i] * (h * h) <= b->reach2[i] &&
-           cosine >= q->min_cos && b->rank[i] <= q->rank;
-}
-
-static void
-scan_plain(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
-           void *arg)
-{
-    for (; b; b = b->next) {
-        unsigned pass = 0;
-
-        for (unsigned left = ready_places(b); left; left &= left - 1) {
-            unsigned i = (unsigned)__builtin_ctz(left);
-
-            pass |= (unsigned)may_serve(b, q, i) << i;
-        }
-        hand_on(b, pass, fn, arg);
-    }
-}
-
-#endif
-
-static scan_fn *
-best_scan(void)
-{
-#ifdef WITH_VECTORS
-    return __builtin_cpu_supports("avx2") ? scan_avx2 : scan_sse2;
-#else
-    return scan_plain;
-#endif
 }
 
 /* --- insertion --- */
@@ -379,7 +403,6 @@ rad_ambcache_new(const double org[3], double side)
     rad_copy(c->org, org);
     c->side = side;
     c->scale = 1 / side;
-    c->scan = best_scan();
     if (pool_init(&c->entries, sizeof(struct entry)) &&
         pool_init(&c->blocks, sizeof(struct block)) &&
         pool_init(&c->cells, 8 * sizeof(struct cell)))
@@ -465,26 +488,19 @@ struct load {
     int depth;               /* of the cells to list it in */
 };
 
-/* Fill place i.  Margins pay for single precision, in which both points, their
- * difference and the height are off by less than 2^-21 sides; the height is
- * taken to be at least an eighth of the reach, so that its error does not
- * count for much more. */
+/* Fill place i.  The reach has a margin for what both points are rounded by. */
 static void
 fill(struct block *b, unsigned i, const struct load *l, const double from[3],
      double scale)
 {
     const struct rad_ambrec *rec = l->rec;
-    double reach = l->zone.reach * scale * (1 + 0x1p-12) + 0x1p-16;
-    double height = l->zone.height * scale * (1 + 0x1p-12) + 0x1p-16;
-    double flat = reach / rad_least(rad_most(height, reach / 8), reach);
 
     for (int k = 0; k < 3; k++) {
-        b->at[k][i] = (float)(l->q[k] * scale - from[k]);
-        b->n[k][i] = rec->n[k];
+        b->at[k][i] = place_byte(l->q[k] * scale - from[k]);
+        b->n[k][i] = normal_byte((double)rec->n[k]);
     }
-    b->reach2[i] = (float)(reach * reach);
-    b->flat[i] = (float)(flat * flat - 1);
-    b->rank[i] = (float)rank_of(rec->level, (double)rec->weight);
+    b->reach[i] = reach_byte(l->zone.reach * scale + 0x1p-16);
+    b->weight[i] = (uint8_t)ceil(weight_steps((double)rec->weight));
     b->rec[i] = rec;
 }
 
@@ -642,9 +658,8 @@ aim(struct probe *probe, const double q[3], const uint64_t number[3], int depth)
     double scale = cells_across(depth);
 
     for (int k = 0; k < 3; k++)
-        probe->at[k] =
-            (float)(q[k] * scale -
-                    (double)(int64_t)(number[k] >> (MAX_DEPTH - depth)));
+        probe->at[k] = place_byte(
+            q[k] * scale - (double)(int64_t)(number[k] >> (MAX_DEPTH - depth)));
 }
 
 void
@@ -662,7 +677,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
     to_cube(c, q->p, at);
     for (int k = 0; k < 3; k++) {
         number[k] = cell_number(at[k]);
-        probe.n[k] = (float)q->n[k];
+        probe.n[k] = normal_byte(q->n[k]);
     }
     for (;; depth++) {
         list[depth] = atomic_load_explicit(&cell->list, memory_order_acquire);
@@ -673,9 +688,8 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
             break;
         cell = &kids[octant_at(number, depth)];
     }
-    /* margins for single precision */
-    probe.min_cos = (float)q->min_cos - 1e-5f;
-    probe.rank = (float)(rank_of(q->level, q->weight) * (1 + 0x1p-20) + 1e-3);
+    probe.min_dot = least_dot(q->min_cos);
+    probe.weight = (uint8_t)weight_steps(q->weight);
     for (; depth >= 0; depth--) {
         if (!list[depth])
             continue;
@@ -683,7 +697,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
             return;
         any = true;
         aim(&probe, at, number, depth);
-        c->scan(list[depth], &probe, fn, arg);
+        scan(list[depth], &probe, fn, arg);
     }
 }
 

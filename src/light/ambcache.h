@@ -38,8 +38,9 @@ struct rad_ambquery {
     double weight; /* at most 4 */
 };
 
-/* Call fn with every record that meets the query, and with some that nearly do:
- * it must look for itself.  Small zones come before large ones: `more` is told
+/* Call fn with every record that meets the query, and with some that nearly do
+ * (in the cube about the zone, and up to a seventh of its reach beyond): it
+ * must look for itself.  Small zones come before large ones: `more` is told
  * how far those reach that were looked at, and says whether larger ones are
  * wanted, too.  Which records come does not depend on the order in which they
  * were inserted, but the order in which they come does. */
