@@ -24,8 +24,9 @@ CLEANFILES += $(systemdsystemunit_DATA)
 	$(SED) -e 's|[@]sbindir[@]|$(sbindir)|g' \
 		-e 's|[@]sysconfdir[@]|$(sysconfdir)|g' $< >$@.tmp && mv $@.tmp $@
 
-install-data-local: install-sysusers install-completion
+install-data-local: install-sysusers install-completion install-settings
 uninstall-local:
+	rmdir '$(DESTDIR)$(sysconfdir)/radd' 2>/dev/null || :
 	rm -f '$(DESTDIR)$(prefix)/lib/sysusers.d/radd.conf' \
 		'$(DESTDIR)$(datadir)/bash-completion/completions/radd'
 	for p in $(COMPLETED); do \
@@ -33,11 +34,15 @@ uninstall-local:
 	done
 
 # systemd's folder wants another name than the file has here
-.PHONY: install-sysusers install-completion
+.PHONY: install-sysusers install-completion install-settings
 install-sysusers:
 	$(MKDIR_P) '$(DESTDIR)$(prefix)/lib/sysusers.d'
 	$(INSTALL_DATA) $(srcdir)/etc/radd.sysusers \
 		'$(DESTDIR)$(prefix)/lib/sysusers.d/radd.conf'
+
+# where settings and keys are looked for; what is in it stays
+install-settings:
+	$(MKDIR_P) '$(DESTDIR)$(sysconfdir)/radd'
 
 # one file for all programs, found under the name of each
 COMPLETED = radcoord radctl raderr radscene radsubmit
