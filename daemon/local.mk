@@ -128,7 +128,8 @@ libdaemon_a_SOURCES = \
 	daemon/transfer.c \
 	daemon/transfer.h \
 	daemon/worker.c \
-	daemon/worker.h
+	daemon/worker.h \
+	daemon/worker_impl.h
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) \

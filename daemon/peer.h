@@ -1,7 +1,7 @@
-/* peer.h - a worker's jobs, and its links to the other workers of a job
+/* peer.h - a worker's links to the other workers of a job
  *
- * The structs that worker.c, peer.c and relay.c share, and what they ask of
- * each other.  Private to the three.
+ * What worker*.c, peer.c and relay.c ask of the latter two, which share
+ * worker_impl.h with them.  Private to these.
  *
  * The coordinator names a pair of workers to each other with a token; one
  * dials and says PEER-HELLO.  That may come before the coordinator's word, so
@@ -10,114 +10,7 @@
 #ifndef DAEMON_PEER_H
 #define DAEMON_PEER_H
 
-#include "lossy.h"
-#include "worker.h"
-
-struct wunit {
-    uint32_t unit, attempt;
-    bool parked; /* the child only waits for the base line above */
-};
-
-/* A RESULT that is not acknowledged. */
-struct wkept {
-    struct wkept *next;
-    uint32_t unit, attempt, row, rows;
-    uint8_t *bytes; /* whole frame */
-    size_t len;
-};
-
-enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
-
-struct wpeer {
-    struct wpeer *next;
-    uint32_t id; /* the child knows it by this number */
-    char name[MSG_MAX_NAME + 1];
-    char address[MSG_MAX_ADDRESS + 1];
-    uint8_t token[MSG_TOKEN];
-    uint32_t flags;   /* MSG_PEER_... */
-    unsigned version; /* that is spoken with it */
-    enum peer_state state;
-    uint64_t conn;
-    uint64_t retry_ms; /* dial again then; 0: no */
-    unsigned tries;
-    struct lossy queue;
-};
-
-enum wjob_state {
-    WJOB_FETCHING, /* files are missing */
-    WJOB_LOADING,  /* child started */
-    WJOB_READY,
-    WJOB_IDLE /* no child: it died, or gave up */
-};
-
-struct wjob {
-    struct wjob *next;
-    uint8_t id[MSG_JOB];
-    char hex[MSG_JOB_HEX];
-    enum wjob_state state;
-    bool started;        /* by the coordinator, in this connection */
-    uint32_t memory_mib; /* its own limit; 0: none */
-    uint8_t *start;      /* the JOB-START frame, for children */
-    size_t start_len;
-    struct msg_area *frames; /* their sizes; the rest is 0 */
-    uint32_t nframes;
-    uint32_t flags;   /* MSG_JOB_... */
-    uint8_t channels; /* of a pixel */
-    uint8_t *files;   /* hashes that it needs */
-    uint32_t nfiles;
-    uint64_t child;    /* connection, 0: none */
-    uint64_t heard_ms; /* when the child last said something, by awake_ms */
-    struct lossy to_child;
-    struct msg_ready ready;
-    struct msg_tally tally;
-    uint64_t bytes_in, bytes_out;
-    uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
-    struct wunit *units; /* with the child, in the order in which they came */
-    size_t nunits, cap_units;
-    size_t kept_bytes;
-    struct wkept *kept, **kept_tail;
-    struct wpeer *peers;
-    struct relay *relay; /* base lines that were made here; NULL: none yet */
-};
-
-/* A peer's connection that has not been matched with a job. */
-struct wcaller {
-    struct wcaller *next;
-    uint64_t conn, since_ms;
-    bool said; /* its PEER-HELLO, below */
-    uint8_t job[MSG_JOB], token[MSG_TOKEN];
-    char name[MSG_MAX_NAME + 1];
-};
-
-struct worker {
-    struct worker_env env;
-    struct action_list actions;
-    uint64_t now_ms;
-    uint64_t tick_ms;  /* of the last worker_tick() */
-    bool held;         /* children are not listened to: worker_hold() */
-    uint64_t awake_ms; /* all time but what this process slept through */
-    uint64_t coord;    /* connection, 0: none */
-    bool opened, welcome;
-    uint64_t welcome_ms, dial_ms;
-    unsigned delay_ms; /* before the next dial */
-    bool draining, stopped;
-    bool away; /* by worker_allow() */
-    uint64_t next_conn;
-    uint32_t next_peer;
-    uint64_t progress;
-    struct wjob *jobs;
-    struct wcaller *callers;
-    uint8_t *asked; /* hashes that were WANTed and have not come */
-    uint32_t nasked, cap_asked;
-};
-
-uint64_t worker_new_conn(struct worker *w);
-struct wjob *worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB]);
-/* A unit that the child has; NULL: it does not. */
-struct wunit *worker_find_unit(const struct wjob *job, uint32_t unit,
-                               uint32_t attempt);
-/* Send to a job's child, keeping count of the bytes. */
-void worker_send_child(struct worker *w, struct wjob *job, const struct msg *m);
+#include "worker_impl.h"
 
 /* --- peer.c --- */
 

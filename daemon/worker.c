@@ -54,17 +54,16 @@ find_child(const struct worker *w, uint64_t conn)
     return conn ? job : NULL;
 }
 
-/* To the coordinator, if it is there. */
-static void
-send_coord(struct worker *w, const struct msg *m)
+void
+worker_send_coord(struct worker *w, const struct msg *m)
 {
     if (w->welcome)
         actions_send(&w->actions, w->coord, m);
 }
 
-static void
-send_child_bytes(struct worker *w, struct wjob *job, const uint8_t *bytes,
-                 size_t len)
+void
+worker_send_child_bytes(struct worker *w, struct wjob *job,
+                        const uint8_t *bytes, size_t len)
 {
     lossy_sent(&job->to_child, len);
     actions_send_bytes(&w->actions, job->child, bytes, len);
@@ -79,11 +78,11 @@ worker_send_child(struct worker *w, struct wjob *job, const struct msg *m)
     if (msg_pack(out, m) != 0)
         w->actions.failed = true;
     else
-        send_child_bytes(w, job, out->buf, out->len);
+        worker_send_child_bytes(w, job, out->buf, out->len);
 }
 
-static void
-stop(struct worker *w, int status, const char *text)
+void
+worker_stop(struct worker *w, int status, const char *text)
 {
     struct action *a;
 
@@ -101,8 +100,8 @@ stop(struct worker *w, int status, const char *text)
 
 /* --- units and results of a job --- */
 
-static void
-drop_kept(struct wjob *job, struct wkept **link)
+void
+wjob_drop_kept(struct wjob *job, struct wkept **link)
 {
     struct wkept *k = *link;
 
@@ -123,14 +122,14 @@ worker_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
     return NULL;
 }
 
-static bool
-has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+bool
+wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
     return worker_find_unit(job, unit, attempt) != NULL;
 }
 
-static void
-drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+void
+wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
 {
     for (size_t i = 0; i < job->nunits; i++)
         if (job->units[i].unit == unit && job->units[i].attempt == attempt) {
@@ -141,8 +140,8 @@ drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
         }
 }
 
-static bool
-add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+bool
+wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
 {
     if (job->nunits == job->cap_units) {
         size_t cap = job->cap_units ? 2 * job->cap_units : 16;
@@ -157,20 +156,19 @@ add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
     return true;
 }
 
-/* Units that are not finished will not be: forget them and their rows. */
-static void
-drop_units(struct wjob *job)
+void
+wjob_drop_units(struct wjob *job)
 {
     for (struct wkept **link = &job->kept; *link;)
-        if (has_unit(job, (*link)->unit, (*link)->attempt))
-            drop_kept(job, link);
+        if (wjob_has_unit(job, (*link)->unit, (*link)->attempt))
+            wjob_drop_kept(job, link);
         else
             link = &(*link)->next;
     job->nunits = 0;
 }
 
-static void
-revoke_units(struct worker *w, struct wjob *job)
+void
+wjob_revoke_units(struct worker *w, struct wjob *job)
 {
     for (size_t i = 0; i < job->nunits; i++) {
         struct msg m = { .type = MSG_REVOKE,
@@ -179,12 +177,12 @@ revoke_units(struct worker *w, struct wjob *job)
 
         worker_send_child(w, job, &m);
     }
-    drop_units(job);
+    wjob_drop_units(job);
 }
 
-static bool
-keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
-     size_t len)
+bool
+wjob_keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
+          size_t len)
 {
     struct wkept *k = calloc(1, sizeof *k);
 
@@ -210,7 +208,7 @@ static void
 free_job(struct wjob *job)
 {
     while (job->kept)
-        drop_kept(job, &job->kept);
+        wjob_drop_kept(job, &job->kept);
     lossy_release(&job->to_child);
     relay_release(job);
     free(job->start);
@@ -220,8 +218,8 @@ free_job(struct wjob *job)
     free(job);
 }
 
-static void
-kill_child(struct worker *w, struct wjob *job)
+void
+wjob_kill_child(struct worker *w, struct wjob *job)
 {
     if (job->child == 0)
         return;
@@ -231,15 +229,15 @@ kill_child(struct worker *w, struct wjob *job)
     lossy_init(&job->to_child);
 }
 
-static void
-end_job(struct worker *w, struct wjob *job)
+void
+wjob_end(struct worker *w, struct wjob *job)
 {
     struct wjob **link = &w->jobs;
 
     while (*link != job)
         link = &(*link)->next;
     *link = job->next;
-    kill_child(w, job);
+    wjob_kill_child(w, job);
     peer_release_job(w, job);
     free_job(job);
 }
@@ -262,8 +260,8 @@ copy_frames(struct wjob *job, const struct msg_spec *spec)
     return true;
 }
 
-static struct wjob *
-new_job(struct worker *w, const struct msg *m)
+struct wjob *
+wjob_new(struct worker *w, const struct msg *m)
 {
     struct wire_out *out = &w->actions.scratch;
     const struct msg_spec *spec = &m->job_start;
@@ -293,8 +291,8 @@ new_job(struct worker *w, const struct msg *m)
     return job;
 }
 
-static void
-spawn(struct worker *w, struct wjob *job)
+void
+wjob_spawn(struct worker *w, struct wjob *job)
 {
     struct action *a;
 
@@ -305,14 +303,11 @@ spawn(struct worker *w, struct wjob *job)
     a = actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
     if (a)
         a->memory_mib = job->memory_mib;
-    send_child_bytes(w, job, job->start, job->start_len);
+    worker_send_child_bytes(w, job, job->start, job->start_len);
 }
 
-/* Tell the coordinator that the job has no child here any more.  Units on which
- * nobody worked are not under suspicion, and none is if the reason lies here.
- */
-static void
-send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
+void
+wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
 {
     uint32_t list[64];
     struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
@@ -322,8 +317,8 @@ send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
          i++)
         if (!job->units[i].parked)
             list[m.lost.nunits++] = job->units[i].unit;
-    send_coord(w, &m);
-    drop_units(job);
+    worker_send_coord(w, &m);
+    wjob_drop_units(job);
     job->state = WJOB_IDLE;
 }
 
@@ -388,19 +383,63 @@ fetch(struct worker *w, struct wjob *job)
     if (w->nasked > first) {
         m.want.n = w->nasked - first;
         m.want.hash = w->asked + (size_t)first * MSG_HASH;
-        send_coord(w, &m);
+        worker_send_coord(w, &m);
     }
     if (!missing)
-        spawn(w, job);
+        wjob_spawn(w, job);
 }
 
-static bool
-needs_file(const struct wjob *job, const uint8_t *hash)
+bool
+wjob_needs_file(const struct wjob *job, const uint8_t *hash)
 {
     for (uint32_t i = 0; i < job->nfiles; i++)
         if (memcmp(job->files + (size_t)i * MSG_HASH, hash, MSG_HASH) == 0)
             return true;
     return false;
+}
+
+void
+wjob_look(struct worker *w, struct wjob *job)
+{
+    struct action_look l = { .files = { job->nfiles, job->files } };
+
+    memcpy(l.job, job->id, MSG_JOB);
+    job->state = WJOB_FETCHING;
+    if (!w->env.look || w->env.look(w->env.arg, &l))
+        fetch(w, job);
+}
+
+void
+worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
+{
+    struct wjob *job = worker_find_job(w, l->job);
+
+    w->now_ms = now_ms;
+    if (job && job->state == WJOB_FETCHING)
+        fetch(w, job);
+}
+
+void
+worker_file_stored(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH])
+{
+    w->now_ms = now_ms;
+    forget_asked(w, hash);
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && wjob_needs_file(job, hash))
+            fetch(w, job);
+}
+
+void
+worker_file_failed(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH], int status, const char *text)
+{
+    (void)status;
+    w->now_ms = now_ms;
+    forget_asked(w, hash);
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && wjob_needs_file(job, hash))
+            wjob_send_lost(w, job, true, text);
 }
 
 /* --- messages of the coordinator --- */
@@ -414,7 +453,7 @@ on_welcome(struct worker *w, const struct msg *m)
         actions_log(&w->actions, ACT_ERR,
                     "the coordinator speaks protocol version %u, not %u to %u",
                     version, MSG_VERSION_MIN, MSG_VERSION);
-        stop(w, EX_PROTOCOL, "the coordinator speaks another version");
+        worker_stop(w, EX_PROTOCOL, "the coordinator speaks another version");
         return;
     }
     w->welcome = true;
@@ -428,12 +467,12 @@ on_welcome(struct worker *w, const struct msg *m)
         struct msg tally = { .type = MSG_TALLY, .tally = job->tally };
 
         tally.tally.job = job->id;
-        send_coord(w, &tally);
+        worker_send_coord(w, &tally);
     }
     if (w->draining || w->away) {
         struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
 
-        send_coord(w, &drain);
+        worker_send_coord(w, &drain);
     }
 }
 
@@ -449,7 +488,7 @@ on_refuse(struct worker *w, const struct msg *m)
     if (status < EX__BASE || status > EX__MAX)
         status = EX_PROTOCOL;
     if (status != EX_TEMPFAIL)
-        stop(w, status, m->refuse.text);
+        worker_stop(w, status, m->refuse.text);
 }
 
 static void
@@ -457,7 +496,7 @@ on_bye(struct worker *w, const struct msg *m)
 {
     (void)m;
     if (w->draining)
-        stop(w, 0, "");
+        worker_stop(w, 0, "");
 }
 
 static void
@@ -468,7 +507,7 @@ on_chunk(struct worker *w, const struct msg *m)
     if (a)
         a->chunk = m->chunk;
     for (struct wjob *job = w->jobs; job; job = job->next)
-        if (job->state == WJOB_FETCHING && needs_file(job, m->chunk.hash))
+        if (job->state == WJOB_FETCHING && wjob_needs_file(job, m->chunk.hash))
             job->bytes_in += m->chunk.len;
 }
 
@@ -478,24 +517,12 @@ resume_job(struct worker *w, struct wjob *job)
 {
     struct msg ready = { .type = MSG_READY, .ready = job->ready };
 
-    revoke_units(w, job);
+    wjob_revoke_units(w, job);
     if (job->kept && w->welcome) /* a unit is nothing without its base line */
         relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
         actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
-    send_coord(w, &ready);
-}
-
-/* Which files are here may take a while to tell. */
-static void
-look(struct worker *w, struct wjob *job)
-{
-    struct action_look l = { .files = { job->nfiles, job->files } };
-
-    memcpy(l.job, job->id, MSG_JOB);
-    job->state = WJOB_FETCHING;
-    if (!w->env.look || w->env.look(w->env.arg, &l))
-        fetch(w, job);
+    worker_send_coord(w, &ready);
 }
 
 static void
@@ -504,7 +531,7 @@ on_job_start(struct worker *w, const struct msg *m)
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
     if (!job)
-        job = new_job(w, m);
+        job = wjob_new(w, m);
     if (!job) {
         w->actions.failed = true;
         return;
@@ -513,7 +540,7 @@ on_job_start(struct worker *w, const struct msg *m)
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)
-        look(w, job);
+        wjob_look(w, job);
 }
 
 static void
@@ -524,7 +551,7 @@ on_job_end(struct worker *w, const struct msg *m)
     if (!job)
         return;
     actions_log(&w->actions, ACT_INFO, "job end job=%s", job->hex);
-    end_job(w, job);
+    wjob_end(w, job);
 }
 
 static void
@@ -534,7 +561,7 @@ on_unit(struct worker *w, const struct msg *m)
 
     if (!job || job->state != WJOB_READY)
         return; /* the coordinator will hear of the lost child */
-    if (!add_unit(job, m->unit.unit, m->unit.attempt)) {
+    if (!wjob_add_unit(job, m->unit.unit, m->unit.attempt)) {
         w->actions.failed = true;
         return;
     }
@@ -548,14 +575,14 @@ on_revoke(struct worker *w, const struct msg *m)
     const struct msg_attempt *r = &m->revoke;
     struct wjob *job = worker_find_job(w, r->job);
 
-    if (!job || !has_unit(job, r->unit, r->attempt))
+    if (!job || !wjob_has_unit(job, r->unit, r->attempt))
         return;
     for (struct wkept **link = &job->kept; *link;)
         if ((*link)->unit == r->unit && (*link)->attempt == r->attempt)
-            drop_kept(job, link);
+            wjob_drop_kept(job, link);
         else
             link = &(*link)->next;
-    drop_unit(job, r->unit, r->attempt);
+    wjob_drop_unit(job, r->unit, r->attempt);
     worker_send_child(w, job, m);
 }
 
@@ -570,7 +597,7 @@ on_ack(struct worker *w, const struct msg *m)
     for (struct wkept **link = &job->kept; *link; link = &(*link)->next)
         if ((*link)->unit == a->unit && (*link)->attempt == a->attempt &&
             (*link)->row == a->row) {
-            drop_kept(job, link);
+            wjob_drop_kept(job, link);
             return;
         }
 }
@@ -600,8 +627,8 @@ static const struct {
     { MSG_JOB_PEERS, on_job_peers },
 };
 
-static void
-from_coord(struct worker *w, const struct msg *m)
+void
+worker_from_coord(struct worker *w, const struct msg *m)
 {
     for (size_t i = 0; i < sizeof coord_handlers / sizeof coord_handlers[0];
          i++)
@@ -625,7 +652,7 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
     job->ready = m->ready;
     job->ready.job = ready.ready.job = job->id;
     actions_session(&w->actions, job->child, MSG_AT_PARENT, MSG_VERSION);
-    send_coord(w, &ready);
+    worker_send_coord(w, &ready);
 }
 
 static void
@@ -635,19 +662,19 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     struct msg pass = *m;
     const struct msg_result *r = &m->result;
 
-    if (!has_unit(job, r->unit, r->attempt))
+    if (!wjob_has_unit(job, r->unit, r->attempt))
         return; /* revoked meanwhile */
     pass.result.job = job->id;
     pass.request = 0;
     out->len = 0;
-    if (msg_pack(out, &pass) != 0 || !keep(job, r, out->buf, out->len)) {
+    if (msg_pack(out, &pass) != 0 || !wjob_keep(job, r, out->buf, out->len)) {
         w->actions.failed = true;
         return;
     }
     w->progress++;
     job->bytes_out += out->len;
     if (r->last)
-        drop_unit(job, r->unit, r->attempt);
+        wjob_drop_unit(job, r->unit, r->attempt);
     if (w->welcome && job->started)
         actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
 }
@@ -665,7 +692,7 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
     tally.tally.base_line_bytes = job->base_line_bytes;
     tally.tally.base_line_pixels = job->base_line_pixels;
     job->tally = tally.tally;
-    send_coord(w, &tally);
+    worker_send_coord(w, &tally);
 }
 
 /* The child is of no more use. */
@@ -674,8 +701,8 @@ lose_child(struct worker *w, struct wjob *job, bool local, const char *text)
 {
     actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
                 text);
-    kill_child(w, job);
-    send_lost(w, job, local, text);
+    wjob_kill_child(w, job);
+    wjob_send_lost(w, job, local, text);
 }
 
 static void
@@ -693,9 +720,9 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     }
     actions_log(&w->actions, ACT_ERR, "job failed job=%s why=%s", job->hex,
                 m->failed.text);
-    send_coord(w, &failed);
-    kill_child(w, job);
-    drop_units(job);
+    worker_send_coord(w, &failed);
+    wjob_kill_child(w, job);
+    wjob_drop_units(job);
     job->state = WJOB_IDLE;
 }
 
@@ -710,7 +737,7 @@ child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
     if (job->flags & MSG_JOB_SHARE)
         peer_spread(w, job, a);
     if (job->flags & MSG_JOB_RECORDS && a->to == 0 && job->started)
-        send_coord(w, &records);
+        worker_send_coord(w, &records);
 }
 
 static const struct {
@@ -722,8 +749,8 @@ static const struct {
     { MSG_FAILED, child_failed },
 };
 
-static void
-from_child(struct worker *w, struct wjob *job, const struct msg *m)
+void
+worker_from_child(struct worker *w, struct wjob *job, const struct msg *m)
 {
     job->heard_ms = w->awake_ms;
     for (size_t i = 0; i < sizeof child_handlers / sizeof child_handlers[0];
@@ -734,6 +761,24 @@ from_child(struct worker *w, struct wjob *job, const struct msg *m)
         }
     w->progress++;
     relay_up(w, job, m);
+}
+
+void
+worker_watch_children(struct worker *w)
+{
+    char text[64];
+
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        bool at_work = job->state == WJOB_LOADING || job->nunits > 0;
+
+        if (!job->child || !at_work || w->held)
+            job->heard_ms = w->awake_ms;
+        if (w->env.load_s == 0 ||
+            w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)
+            continue;
+        snprintf(text, sizeof text, "silent for %u s", w->env.load_s);
+        lose_child(w, job, false, text);
+    }
 }
 
 /* --- the connection to the coordinator --- */
@@ -777,9 +822,9 @@ lost_coord(struct worker *w, const char *why)
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
     while (w->away && w->jobs) /* the machine is somebody else's now */
-        end_job(w, w->jobs);
+        wjob_end(w, w->jobs);
     if (w->draining)
-        stop(w, 0, "");
+        worker_stop(w, 0, "");
 }
 
 static void
@@ -819,7 +864,7 @@ worker_free(struct worker *w)
     if (!w)
         return;
     while (w->jobs)
-        end_job(w, w->jobs);
+        wjob_end(w, w->jobs);
     peer_release_callers(w);
     free(w->asked);
     actions_release(&w->actions);
@@ -875,12 +920,12 @@ worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
 
     w->now_ms = now_ms;
     if (conn == w->coord) {
-        from_coord(w, m);
+        worker_from_coord(w, m);
         return;
     }
     job = find_child(w, conn);
     if (job)
-        from_child(w, job, m);
+        worker_from_child(w, job, m);
     else
         peer_message(w, conn, m);
 }
@@ -899,7 +944,7 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
     job->child = 0;
     lossy_release(&job->to_child);
     lossy_init(&job->to_child);
-    send_lost(w, job, local, text);
+    wjob_send_lost(w, job, local, text);
 }
 
 bool
@@ -926,39 +971,6 @@ worker_set_limits(struct worker *w, unsigned load_s)
 }
 
 void
-worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
-{
-    struct wjob *job = worker_find_job(w, l->job);
-
-    w->now_ms = now_ms;
-    if (job && job->state == WJOB_FETCHING)
-        fetch(w, job);
-}
-
-void
-worker_file_stored(struct worker *w, uint64_t now_ms,
-                   const uint8_t hash[MSG_HASH])
-{
-    w->now_ms = now_ms;
-    forget_asked(w, hash);
-    for (struct wjob *job = w->jobs; job; job = job->next)
-        if (job->state == WJOB_FETCHING && needs_file(job, hash))
-            fetch(w, job);
-}
-
-void
-worker_file_failed(struct worker *w, uint64_t now_ms,
-                   const uint8_t hash[MSG_HASH], int status, const char *text)
-{
-    (void)status;
-    w->now_ms = now_ms;
-    forget_asked(w, hash);
-    for (struct wjob *job = w->jobs; job; job = job->next)
-        if (job->state == WJOB_FETCHING && needs_file(job, hash))
-            send_lost(w, job, true, text);
-}
-
-void
 worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
 {
     struct wjob *job = find_child(w, conn);
@@ -979,30 +991,11 @@ worker_drain(struct worker *w, uint64_t now_ms)
 
     w->now_ms = now_ms;
     if (w->draining || !w->welcome) {
-        stop(w, 0, "");
+        worker_stop(w, 0, "");
         return;
     }
     w->draining = true;
-    send_coord(w, &m);
-}
-
-/* Children that hang, loading or with units in hand. */
-static void
-watch_children(struct worker *w)
-{
-    char text[64];
-
-    for (struct wjob *job = w->jobs; job; job = job->next) {
-        bool at_work = job->state == WJOB_LOADING || job->nunits > 0;
-
-        if (!job->child || !at_work || w->held)
-            job->heard_ms = w->awake_ms;
-        if (w->env.load_s == 0 ||
-            w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)
-            continue;
-        snprintf(text, sizeof text, "silent for %u s", w->env.load_s);
-        lose_child(w, job, false, text);
-    }
+    worker_send_coord(w, &m);
 }
 
 void
@@ -1019,7 +1012,7 @@ worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
     if (allowed)
         w->dial_ms = now_ms;
     else if (!w->draining)
-        send_coord(w, &m);
+        worker_send_coord(w, &m);
 }
 
 void
@@ -1029,7 +1022,7 @@ worker_tick(struct worker *w, uint64_t now_ms)
 
     w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
     w->tick_ms = w->now_ms = now_ms;
-    watch_children(w);
+    worker_watch_children(w);
     if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);
