@@ -129,7 +129,8 @@ libdaemon_a_SOURCES = \
 	daemon/transfer.h \
 	daemon/worker.c \
 	daemon/worker.h \
-	daemon/worker_impl.h
+	daemon/worker_impl.h \
+	daemon/worker_job.c
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) \

@@ -1,7 +1,8 @@
 /* worker_impl.h - what the files of a worker's machine share
  *
  * Private to worker*.c, and to peer.c and relay.c (peer.h):
- *   worker.c  events, and the connection to the coordinator */
+ *   worker.c        events, and the connection to the coordinator
+ *   worker_job.c    jobs, their units, results and children */
 #ifndef DAEMON_WORKER_IMPL_H
 #define DAEMON_WORKER_IMPL_H
 
