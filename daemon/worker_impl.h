@@ -3,7 +3,8 @@
  * Private to worker*.c, and to peer.c and relay.c (peer.h):
  *   worker.c        events, and the connection to the coordinator
  *   worker_job.c    jobs, their units, results and children
- *   worker_files.c  files that jobs need */
+ *   worker_files.c  files that jobs need
+ *   worker_coord.c  messages of the coordinator */
 #ifndef DAEMON_WORKER_IMPL_H
 #define DAEMON_WORKER_IMPL_H
 
