@@ -129,6 +129,7 @@ libdaemon_a_SOURCES = \
 	daemon/transfer.h \
 	daemon/worker.c \
 	daemon/worker.h \
+	daemon/worker_child.c \
 	daemon/worker_coord.c \
 	daemon/worker_files.c \
 	daemon/worker_impl.h \

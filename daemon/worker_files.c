@@ -1,4 +1,4 @@
-/* worker_files.c - files that a worker's jobs need, and does not have
+/* worker_files.c - files that a worker's jobs need
  *
  * A file is asked for once, however many jobs need it; `asked` holds those that
  * have not come.  A job starts its child when nothing is missing: each file

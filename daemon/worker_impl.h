@@ -4,7 +4,8 @@
  *   worker.c        events, and the connection to the coordinator
  *   worker_job.c    jobs, their units, results and children
  *   worker_files.c  files that jobs need
- *   worker_coord.c  messages of the coordinator */
+ *   worker_coord.c  messages of the coordinator
+ *   worker_child.c  messages of a child */
 #ifndef DAEMON_WORKER_IMPL_H
 #define DAEMON_WORKER_IMPL_H
 
