@@ -57,7 +57,8 @@
 
 #define LINE         64 /* bytes that a processor fetches at once */
 #define CHUNK        256
-#define LANES        16
+#define WIDTH        16  /* of a vector of bytes */
+#define LANES        14  /* so many make a block four lines of memory */
 #define STEPS        128 /* to the side of a cell */
 #define NORMAL_STEPS 127.
 #define SPAN         3
@@ -179,10 +180,10 @@ struct entry {
 /* Places of a list, newer blocks first.  What belongs to a place is [fixed]
  * once its bit in `ready` is set. */
 struct block {
-    alignas(LINE) uint8_t at[3][LANES]; /* the record's point: place_byte() */
-    uint8_t reach[LANES];               /* of its zone, in the same steps */
-    int8_t n[3][LANES];                 /* its normal: normal_byte() */
-    uint8_t weight[LANES];              /* weight_byte(), rounded up */
+    alignas(LINE) uint8_t at[3][WIDTH]; /* the record's point: place_byte() */
+    uint8_t reach[WIDTH];               /* of its zone, in the same steps */
+    int8_t n[3][WIDTH];                 /* its normal: normal_byte() */
+    uint8_t weight[WIDTH];              /* weight_steps(), rounded up */
     struct block *next;                 /* [fixed] once pushed */
     _Atomic uint32_t taken;             /* places given out; may pass LANES */
     _Atomic uint32_t ready;             /* a bit for each */
@@ -366,6 +367,15 @@ passing(const struct block *b, const struct probe *q, unsigned ready)
 
 #endif
 
+/* All but the last records' addresses. */
+static inline void
+prefetch(const struct block *b)
+{
+    __builtin_prefetch(b);
+    __builtin_prefetch((const char *)b + LINE);
+    __builtin_prefetch((const char *)b + 2 * LINE);
+}
+
 static inline void
 hand_on(const struct block *b, unsigned pass, rad_ambcache_fn *fn, void *arg)
 {
@@ -385,8 +395,7 @@ scan(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
      void *arg)
 {
     for (; b; b = b->next) {
-        __builtin_prefetch(b->next);
-        __builtin_prefetch((const char *)b->next + LINE);
+        prefetch(b->next);
         hand_on(b, passing(b, q, ready_places(b)), fn, arg);
     }
 }
@@ -682,7 +691,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
     for (;; depth++) {
         list[depth] = atomic_load_explicit(&cell->list, memory_order_acquire);
         if (list[depth])
-            __builtin_prefetch(list[depth]);
+            prefetch(list[depth]);
         kids = atomic_load_explicit(&cell->kids, memory_order_acquire);
         if (!kids || depth == MAX_DEPTH)
             break;
