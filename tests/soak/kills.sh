@@ -55,7 +55,7 @@ strike()
     part=$word
     any 3
     k=$((any + 1))
-    any 60
+    any $span
     moment=$any
     say="$part, $1 $k at moment $moment"
     struck=
@@ -95,21 +95,25 @@ strike()
     until_true 30 n_workers 3 || fail "$say: a worker is missing"
 }
 
-# strikes WHOM N: until so many were struck while they rendered
+# strikes WHOM N: until so many were struck with a unit in hand.  Who strikes too
+# late, for there is nothing left to do, strikes sooner the next time.
 strikes()
 {
-    hits=0 idle=0 again=0
+    hits=0 idle=0 again=0 span=60
     while [ $hits -lt "$2" ] && [ $failed -eq 0 ]; do
         strike "$1"
-        if [ -n "$struck" ]; then
+        if [ -n "$struck" ] && [ "$flight" -gt 0 ]; then
             hits=$((hits + 1))
             again=$((again + redone))
-            [ "$flight" -gt 0 ] || idle=$((idle + 1))
+            span=60
+        else
+            idle=$((idle + 1))
+            span=$((span / 2 + 1))
         fi
+        [ $idle -lt $((50 + 10 * $2)) ] || fail "no $1 has anything in hand"
     done
-    echo "$1: $hits killed, $idle of them with nothing in hand;" \
+    echo "$1: $hits killed, $idle times with nothing in hand;" \
         "$again units done again"
-    [ $idle -lt "$2" ] || fail "no $1 had anything in hand"
 }
 
 coord_options='--log-level=debug'
