@@ -9,10 +9,12 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 struct frame_rows {
@@ -202,6 +204,32 @@ remove_dir(const char *path)
     rmdir(path);
 }
 
+/* One that can never have its room must not wait for it, for all that writes
+ * would wait as well. */
+static int
+check_size(const struct folder *f, const struct folder_job *j,
+           struct rad_error *err)
+{
+    struct statvfs fs;
+    uint64_t all, need = 0;
+
+    if (!f->durable || statvfs(f->dir, &fs) < 0)
+        return 0; /* whoever needs the room notices */
+    for (uint32_t i = 0; i < j->nframes; i++) {
+        const struct rows *r = &j->frames[i].rows;
+
+        need += (uint64_t)r->width * (uint64_t)r->height *
+                (uint64_t)j->channels * sizeof(float);
+    }
+    all = (uint64_t)fs.f_blocks * fs.f_frsize;
+    if (need <= all)
+        return 0;
+    return rad_fail(err, RAD_EDATA,
+                    "its rows need %" PRIu64 " MiB, and the coordinator's disk "
+                    "has %" PRIu64 " in all",
+                    need >> 20, all >> 20);
+}
+
 int
 folder_make(struct folder *f, const struct msg_spec *spec,
             struct rad_error *err)
@@ -212,6 +240,11 @@ folder_make(struct folder *f, const struct msg_spec *spec,
 
     if (!j)
         return RAD_ENOMEM;
+    rc = check_size(f, j, err);
+    if (rc < 0) {
+        free_job(j);
+        return rc;
+    }
     job_path(f, spec->job, path);
     rc = disk_make_dir(path, err);
     if (rc == 0)

@@ -19,7 +19,8 @@
 #include "sound.h"
 #include "task.h"
 
-struct arriving; /* a file that a connection sends */
+struct arriving;   /* a file that a connection sends */
+struct saved_task; /* a job that is to be kept */
 
 struct store {
     struct task_queue queue;
@@ -28,13 +29,14 @@ struct store {
     char dir[BLOBS_DIR_MAX];
     int lock;
     struct blobs blobs;
-    struct sounds sounds;      /* [loop] */
-    bool durable;              /* [fixed] */
-    bool ending;               /* [loop] */
-    size_t backlog;            /* [loop] */
-    struct arriving *arriving; /* [pool] */
-    struct folder folder;      /* [pool] */
-    struct journal *journal;   /* [pool]; NULL: nothing outlives the process */
+    struct sounds sounds;       /* [loop] */
+    bool durable;               /* [fixed] */
+    bool ending;                /* [loop] */
+    size_t backlog;             /* [loop] */
+    struct saved_task *opening; /* [loop] */
+    struct arriving *arriving;  /* [pool] */
+    struct folder folder;       /* [pool] */
+    struct journal *journal;    /* [pool]; NULL: nothing outlives the process */
 };
 
 static inline const char *

@@ -13,6 +13,7 @@
 
 #include "frame.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +43,8 @@ struct saved_task {
     char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
     char *stats;
     size_t stats_len;
+    struct saved_task *next; /* [loop] of those that are being opened */
+    atomic_bool over;        /* that job is, before it was opened */
 };
 
 static void
@@ -87,8 +90,11 @@ open_run(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
-    int rc = folder_make(&s->folder, &o->saved.spec, &t->err);
+    int rc;
 
+    if (atomic_load(&o->over) && !folder_is_there(&s->folder, o->id))
+        return rad_fail(&t->err, RAD_ETEMPFAIL, "the job is over");
+    rc = folder_make(&s->folder, &o->saved.spec, &t->err);
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
     return rc;
@@ -99,7 +105,11 @@ open_done(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
+    struct saved_task **at = &s->opening;
 
+    while (*at != o)
+        at = &(*at)->next;
+    *at = o->next;
     if (!is_mute(s, t))
         s->handler->job(s->arg, o->id, status_of(t), failure(t));
     free_saved(o);
@@ -114,8 +124,20 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
 
     named.spec.job = job;
     o = new_saved_task(s, &named, open_run, open_done);
-    if (o)
-        store_push_lasting(s, &o->task);
+    if (!o)
+        return;
+    o->next = s->opening;
+    s->opening = o;
+    store_push_lasting(s, &o->task);
+}
+
+/* One that waits for room, and all that writes with it, need not any longer. */
+static void
+give_up_opening(struct store *s, const uint8_t *id)
+{
+    for (struct saved_task *o = s->opening; o; o = o->next)
+        if (memcmp(o->id, id, MSG_JOB) == 0)
+            atomic_store(&o->over, true);
 }
 
 static int
@@ -198,6 +220,7 @@ store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
     struct saved_task *o =
         s->journal ? new_saved_task(s, saved, end_run, end_done) : NULL;
 
+    give_up_opening(s, saved->spec.job);
     if (!o)
         return;
     o->stats = malloc(len + 1);

@@ -114,6 +114,37 @@ make_room
 coord_pid=$!
 wait $job || fail "last: $(cat last.err)"
 cmp alone.hdr last.hdr || fail "the picture of another life differs"
+
+if [ $FULL_TMPFS = yes ]; then
+    # what can never have its room does not wait for it
+    # shellcheck disable=SC2086
+    expect 65 "MiB, and the coordinator's disk has 16 in all" \
+        "too large" "$radsubmit" --coordinator="$sock" $view -x 4000 -y 4000 \
+        -o large.hdr "$room"
+
+    # one that waits for more than there is holds what comes after it, until
+    # somebody cancels it
+    fill
+    rm state/crumbs
+    truncate -s -4M state/ballast
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" --name=more $view -x 1000 -y 750 \
+        -o more.hdr "$room" 2>more.err &
+    more=$!
+    until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" $view -o after.hdr "$room" \
+        2>after.err &
+    job=$!
+    until_true 30 says_held after || fail "after: $(cat after.err)"
+    id=$(sed -n 's/^radsubmit: job //p' more.err)
+    "$radctl" --coordinator="$sock" cancel "$id" 2>stderr ||
+        { fail "a held job cannot be cancelled: $(cat stderr)"; make_room; }
+    wait $more && fail "a cancelled job is done"
+    wait $job || fail "after: $(cat after.err)"
+    cmp alone.hdr after.hdr || fail "the picture after a cancelled job differs"
+    rm -f state/ballast
+fi
 cluster_stop
 [ $FULL_TMPFS = no ] || umount state
 finish
