@@ -222,7 +222,7 @@ check_size(const struct folder *f, const struct folder_job *j,
                 (uint64_t)j->channels * sizeof(float);
     }
     all = (uint64_t)fs.f_blocks * fs.f_frsize;
-    if (need <= all)
+    if (all == 0 || need <= all) /* 0: it does not say */
         return 0;
     return rad_fail(err, RAD_EDATA,
                     "its rows need %" PRIu64 " MiB, and the coordinator's disk "
