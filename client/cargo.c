@@ -7,47 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void
-hash_from_hex(uint8_t hash[MSG_HASH], const char *hex)
-{
-    for (int i = 0; i < MSG_HASH; i++) {
-        char pair[3] = { hex[2 * i], hex[2 * i + 1], '\0' };
-
-        hash[i] = (uint8_t)strtoul(pair, NULL, 16);
-    }
-}
-
-static void
-hash_to_hex(char hex[RAD_SHA_HEX + 1], const uint8_t hash[MSG_HASH])
-{
-    for (int i = 0; i < MSG_HASH; i++)
-        sprintf(hex + 2 * i, "%02x", hash[i]);
-}
-
-static int
-compare_hashes(const void *a, const void *b)
-{
-    return memcmp(a, b, MSG_HASH);
-}
-
-/* Sort all but the first, and drop what is there twice. */
-static void
-make_unique(struct cargo *c)
-{
-    uint32_t kept = 1;
-
-    qsort(c->hashes + MSG_HASH, c->n - 1, MSG_HASH, compare_hashes);
-    for (uint32_t i = 1; i < c->n; i++) {
-        uint8_t *h = c->hashes + (size_t)i * MSG_HASH;
-
-        if (kept > 1 && memcmp(h - MSG_HASH, h, MSG_HASH) == 0)
-            continue;
-        memmove(c->hashes + (size_t)kept * MSG_HASH, h, MSG_HASH);
-        kept++;
-    }
-    c->n = kept;
-}
-
 int
 cargo_init(struct cargo *c, const struct rad_bundle *bundle, const char *dir,
            struct rad_error *err)
@@ -72,12 +31,13 @@ cargo_init(struct cargo *c, const struct rad_bundle *bundle, const char *dir,
         cargo_release(c);
         return rc;
     }
-    hash_from_hex(c->hashes, hex);
+    rad_sha_from_hex(hex, c->hashes);
     for (int i = 0; i < bundle->n; i++)
-        hash_from_hex(c->hashes + ((size_t)i + 1) * MSG_HASH,
-                      bundle->entries[i].hash);
-    c->n = (uint32_t)bundle->n + 1;
-    make_unique(c);
+        rad_sha_from_hex(bundle->entries[i].hash,
+                         c->hashes + ((size_t)i + 1) * MSG_HASH);
+    /* the manifest stays first, whatever its digest */
+    c->n =
+        1 + (uint32_t)rad_sha_unique(c->hashes + MSG_HASH, (size_t)bundle->n);
     return 0;
 }
 
@@ -109,7 +69,7 @@ cargo_read(const struct cargo *c, const uint8_t hash[MSG_HASH],
 
     if (memcmp(hash, c->hashes, MSG_HASH) == 0)
         return read_manifest(c, bytes, len, err);
-    hash_to_hex(hex, hash);
+    rad_sha_to_hex(hash, hex);
     for (int i = 0; i < c->bundle->n; i++) {
         const struct rad_bundle_entry *e = &c->bundle->entries[i];
 

@@ -17,13 +17,6 @@
 
 static const char part_suffix[] = ".part";
 
-void
-blobs_name(const uint8_t digest[RAD_SHA_BYTES], char hash[RAD_SHA_HEX + 1])
-{
-    for (int i = 0; i < RAD_SHA_BYTES; i++)
-        snprintf(hash + 2 * i, 3, "%02x", digest[i]);
-}
-
 static void
 drop_parts(const struct blobs *b)
 {
@@ -95,25 +88,13 @@ blobs_touch(const struct blobs *b, const char *hash)
     (void)ignored; /* it is not there */
 }
 
-static int
-compare_digests(const void *a, const void *b)
-{
-    return memcmp(a, b, RAD_SHA_BYTES);
-}
-
 static bool
 is_kept(const char *name, const uint8_t *keep, size_t n)
 {
     uint8_t digest[RAD_SHA_BYTES];
 
-    for (int i = 0; i < RAD_SHA_BYTES; i++) {
-        unsigned byte;
-
-        sscanf(name + 2 * i, "%2x", &byte);
-        digest[i] = (uint8_t)byte;
-    }
-    return n > 0 &&
-           bsearch(digest, keep, n, RAD_SHA_BYTES, compare_digests) != NULL;
+    rad_sha_from_hex(name, digest);
+    return rad_sha_among(keep, n, digest);
 }
 
 unsigned

@@ -25,10 +25,6 @@ struct blobs {
     unsigned parts; /* files begun so far, for their temporary names */
 };
 
-/* The name of a digest. */
-void blobs_name(const uint8_t digest[RAD_SHA_BYTES],
-                char hash[RAD_SHA_HEX + 1]);
-
 /* Make the folder if it is missing, and drop what was half there. */
 int blobs_open(struct blobs *b, const char *dir, bool durable,
                struct rad_error *err);

@@ -14,6 +14,7 @@
 #include "coord.h"
 
 #include "address.h"
+#include "base/sha.h"
 #include "request.h"
 #include "sched.h"
 #include "stats.h"
@@ -174,12 +175,6 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-static int
-compare_hashes(const void *a, const void *b)
-{
-    return memcmp(a, b, MSG_HASH);
-}
-
 uint8_t *
 coord_files(const struct coord *c, size_t *n)
 {
@@ -198,12 +193,7 @@ coord_files(const struct coord *c, size_t *n)
             memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
         at += f->n;
     }
-    qsort(list, all, MSG_HASH, compare_hashes);
-    *n = 0;
-    for (size_t i = 0; i < all; i++)
-        if (*n == 0 || memcmp(list + (*n - 1) * MSG_HASH, list + i * MSG_HASH,
-                              MSG_HASH) != 0)
-            memmove(list + (*n)++ * MSG_HASH, list + i * MSG_HASH, MSG_HASH);
+    *n = rad_sha_unique(list, all);
     return list;
 }
 

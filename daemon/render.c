@@ -402,7 +402,7 @@ read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
     size_t len;
     int rc;
 
-    blobs_name(hash, name);
+    rad_sha_to_hex(hash, name);
     snprintf(path, sizeof path, "%s/%s", r->files_dir, name);
     text = rad_file_read(path, LARGEST_MANIFEST, &len, err);
     if (!text)

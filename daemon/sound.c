@@ -78,7 +78,7 @@ compare(int fd, const uint8_t *digest)
     }
     if (rad_sha_final(&sha, hex, NULL) < 0)
         return -1;
-    blobs_name(digest, wanted);
+    rad_sha_to_hex(digest, wanted);
     return strcmp(hex, wanted) == 0;
 }
 

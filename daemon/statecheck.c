@@ -65,7 +65,7 @@ check_files(struct look *l, const struct msg_spec *spec, const char *hex)
         char name[RAD_SHA_HEX + 1], path[DISK_PATH_MAX];
         bool damaged;
 
-        blobs_name(hash, name);
+        rad_sha_to_hex(hash, name);
         snprintf(path, sizeof path, "%s/files/%s", l->dir, name);
         if (!sounds_check(&l->sounds, hash, path, &damaged))
             problem(l, "job %s: file '%s' is %s", hex, path,

@@ -60,7 +60,7 @@ begin_arriving(struct store *s, const struct chunk_task *c,
 
     if (!a)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    blobs_name(c->hash, name);
+    rad_sha_to_hex(c->hash, name);
     rc = blob_part_open(&a->part, &s->blobs, name, c->total, err);
     if (rc < 0) {
         free(a);

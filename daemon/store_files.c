@@ -177,7 +177,7 @@ store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
     char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
     bool damaged, there;
 
-    blobs_name(hash, name);
+    rad_sha_to_hex(hash, name);
     blobs_path(&s->blobs, name, path);
     there = sounds_check(&s->sounds, hash, path, &damaged);
     if (damaged)

@@ -63,7 +63,7 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
 {
     char name[RAD_SHA_HEX + 1];
 
-    blobs_name(hash, name);
+    rad_sha_to_hex(hash, name);
     blobs_path(&s->blobs, name, path);
 }
 

@@ -45,6 +45,56 @@ START_TEST(only_64_lower_case_digits_are_a_hash)
 }
 END_TEST
 
+START_TEST(digest_of_hex_is_hex_again)
+{
+    static const uint8_t first[] = { 0xba, 0x78, 0x16, 0xbf };
+    char hex[RAD_SHA_HEX + 1];
+    uint8_t digest[RAD_SHA_BYTES];
+
+    rad_sha_from_hex(SHA_ABC, digest);
+    ck_assert_mem_eq(digest, first, sizeof first);
+    ck_assert_uint_eq(digest[RAD_SHA_BYTES - 1], 0xad);
+    rad_sha_to_hex(digest, hex);
+    ck_assert_str_eq(hex, SHA_ABC);
+}
+END_TEST
+
+/* Digests that differ in their last byte alone. */
+static void
+digests_ending(uint8_t *list, const char *ends)
+{
+    memset(list, 0x80, strlen(ends) * RAD_SHA_BYTES);
+    for (size_t i = 0; i < strlen(ends); i++)
+        list[(i + 1) * RAD_SHA_BYTES - 1] = (uint8_t)ends[i];
+}
+
+START_TEST(list_of_digests_becomes_a_set)
+{
+    uint8_t list[6 * RAD_SHA_BYTES], wanted[3 * RAD_SHA_BYTES];
+
+    ck_assert_uint_eq(rad_sha_unique(NULL, 0), 0);
+    digests_ending(list, "caacba");
+    digests_ending(wanted, "abc");
+    ck_assert_uint_eq(rad_sha_unique(list, 6), 3);
+    ck_assert_mem_eq(list, wanted, sizeof wanted);
+    ck_assert_uint_eq(rad_sha_unique(list, 3), 3);
+    ck_assert_mem_eq(list, wanted, sizeof wanted);
+}
+END_TEST
+
+START_TEST(digest_is_found_in_a_set)
+{
+    uint8_t list[3 * RAD_SHA_BYTES], one[RAD_SHA_BYTES];
+
+    digests_ending(list, "ace");
+    for (const char *c = "abcdef"; *c; c++) {
+        digests_ending(one, (const char[]){ *c, '\0' });
+        ck_assert(rad_sha_among(list, 3, one) == (strchr("ace", *c) != NULL));
+    }
+    ck_assert(!rad_sha_among(NULL, 0, one));
+}
+END_TEST
+
 static void
 sample(struct rad_bundle *b)
 {
@@ -196,6 +246,9 @@ main(void)
 
     tcase_add_test(tc, digest_matches_the_standard);
     tcase_add_test(tc, only_64_lower_case_digits_are_a_hash);
+    tcase_add_test(tc, digest_of_hex_is_hex_again);
+    tcase_add_test(tc, list_of_digests_becomes_a_set);
+    tcase_add_test(tc, digest_is_found_in_a_set);
     tcase_add_test(tc, manifest_survives_a_round_trip);
     tcase_add_test(tc, one_name_has_one_content);
     tcase_add_loop_test(tc, bad_manifest_is_refused, 0, N_ELEM(bad_manifest));

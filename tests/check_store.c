@@ -491,8 +491,7 @@ put_file(struct store *s, const char *text, const char *name)
                            .len = strlen(text) };
 
     hash_of(name, strlen(name), hex);
-    for (int i = 0; i < MSG_HASH; i++)
-        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    rad_sha_from_hex(hex, digest);
     store_put_chunk(s, 5, &c);
 }
 
@@ -528,8 +527,7 @@ START_TEST(store_tells_of_every_chunk)
     struct store *s;
 
     hash_of(text, strlen(text), hex);
-    for (int i = 0; i < MSG_HASH; i++)
-        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    rad_sha_from_hex(hex, digest);
     uv_loop_init(&loop);
     s = store_open(&loop, dir, false, &handler, &h, NULL);
     ck_assert_ptr_nonnull(s);
@@ -577,8 +575,7 @@ START_TEST(store_notices_damaged_files)
     struct store *s;
 
     hash_of("hello", 5, hex);
-    for (int i = 0; i < MSG_HASH; i++)
-        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    rad_sha_from_hex(hex, digest);
     uv_loop_init(&loop);
     s = store_open(&loop, dir, false, &handler, &h, NULL);
     ck_assert_ptr_nonnull(s);
@@ -607,8 +604,7 @@ START_TEST(files_are_read_behind_the_loop)
     struct store *s;
 
     hash_of("hello", 5, hex);
-    for (int i = 0; i < MSG_HASH; i++)
-        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    rad_sha_from_hex(hex, digest);
     uv_loop_init(&loop);
     s = store_open(&loop, dir, false, &handler, &h, NULL);
     ck_assert(store_look(s, &look)); /* it is missing */
@@ -808,8 +804,7 @@ digest_of(const char *text, uint8_t digest[MSG_HASH])
     char hex[RAD_SHA_HEX + 1];
 
     ck_assert_int_eq(rad_sha_hex(text, strlen(text), hex, NULL), 0);
-    for (int i = 0; i < MSG_HASH; i++)
-        sscanf(hex + 2 * i, "%2hhx", &digest[i]);
+    rad_sha_from_hex(hex, digest);
 }
 
 START_TEST(files_that_no_job_needs_go_after_a_day)

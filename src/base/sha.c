@@ -4,6 +4,8 @@
 #include "base/sha.h"
 
 #include <openssl/evp.h>
+#include <stdlib.h>
+#include <string.h>
 
 int
 rad_sha_init(struct rad_sha *sha, struct rad_error *err)
@@ -30,19 +32,14 @@ int
 rad_sha_final(struct rad_sha *sha, char hex[RAD_SHA_HEX + 1],
               struct rad_error *err)
 {
-    static const char digit[] = "0123456789abcdef";
-    unsigned char sum[RAD_SHA_BYTES];
+    uint8_t sum[RAD_SHA_BYTES];
 
     if (!EVP_DigestFinal_ex(sha->ctx, sum, NULL))
         sha->bad = true;
     rad_sha_release(sha);
     if (sha->bad)
         return rad_fail(err, RAD_EINTERNAL, "SHA-256 failed");
-    for (int i = 0; i < RAD_SHA_BYTES; i++) {
-        hex[2 * i] = digit[sum[i] >> 4];
-        hex[2 * i + 1] = digit[sum[i] & 15];
-    }
-    hex[RAD_SHA_HEX] = '\0';
+    rad_sha_to_hex(sum, hex);
     return 0;
 }
 
@@ -64,6 +61,62 @@ rad_sha_hex(const void *p, size_t n, char hex[RAD_SHA_HEX + 1],
         return rc;
     rad_sha_update(&sha, p, n);
     return rad_sha_final(&sha, hex, err);
+}
+
+void
+rad_sha_to_hex(const uint8_t digest[RAD_SHA_BYTES], char hex[RAD_SHA_HEX + 1])
+{
+    static const char digit[] = "0123456789abcdef";
+
+    for (int i = 0; i < RAD_SHA_BYTES; i++) {
+        hex[2 * i] = digit[digest[i] >> 4];
+        hex[2 * i + 1] = digit[digest[i] & 15];
+    }
+    hex[RAD_SHA_HEX] = '\0';
+}
+
+static unsigned
+digit_value(char c)
+{
+    return (unsigned)(c <= '9' ? c - '0' : c - 'a' + 10);
+}
+
+void
+rad_sha_from_hex(const char *hex, uint8_t digest[RAD_SHA_BYTES])
+{
+    for (int i = 0; i < RAD_SHA_BYTES; i++)
+        digest[i] = (uint8_t)(digit_value(hex[2 * i]) << 4 |
+                              digit_value(hex[2 * i + 1]));
+}
+
+static int
+compare(const void *a, const void *b)
+{
+    return memcmp(a, b, RAD_SHA_BYTES);
+}
+
+size_t
+rad_sha_unique(uint8_t *digests, size_t n)
+{
+    size_t kept = 0;
+
+    if (n > 0)
+        qsort(digests, n, RAD_SHA_BYTES, compare);
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t *d = digests + i * RAD_SHA_BYTES;
+
+        if (kept > 0 && compare(d - RAD_SHA_BYTES, d) == 0)
+            continue;
+        memmove(digests + kept++ * RAD_SHA_BYTES, d, RAD_SHA_BYTES);
+    }
+    return kept;
+}
+
+bool
+rad_sha_among(const uint8_t *digests, size_t n,
+              const uint8_t digest[RAD_SHA_BYTES])
+{
+    return n > 0 && bsearch(digest, digests, n, RAD_SHA_BYTES, compare) != NULL;
 }
 
 bool

@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #define RAD_SHA_BYTES 32
 #define RAD_SHA_HEX   64 /* digits; as a string one byte more */
@@ -29,6 +30,18 @@ void rad_sha_release(struct rad_sha *sha);
 /* The digest of n bytes. */
 int rad_sha_hex(const void *p, size_t n, char hex[RAD_SHA_HEX + 1],
                 struct rad_error *err);
+
+void rad_sha_to_hex(const uint8_t digest[RAD_SHA_BYTES],
+                    char hex[RAD_SHA_HEX + 1]);
+/* Of what rad_sha_valid() finds good. */
+void rad_sha_from_hex(const char *hex, uint8_t digest[RAD_SHA_BYTES]);
+
+/* Lists of digests, one behind the other.  Sort one and drop what is there
+ * twice: returns how many are left. */
+size_t rad_sha_unique(uint8_t *digests, size_t n);
+/* Is it in such a list? */
+bool rad_sha_among(const uint8_t *digests, size_t n,
+                   const uint8_t digest[RAD_SHA_BYTES]);
 
 /* Exactly 64 digits 0-9 a-f, and nothing behind them: safe as a file name. */
 bool rad_sha_valid(const char *hex);
