@@ -1,10 +1,9 @@
 /* codec.h - what the codecs of message bodies share
  *
- * Private to message.c and sharing.c.  Writers and readers rely on the sticky
- * `bad` of wire.h.  A field that version N brought is written and read where
- * the wire's version is N or later; when N is the oldest that is spoken, the
- * question goes.
- * Thread: any. */
+ * Private to message.c and the msg_*.c.  Writers and readers rely on the sticky
+ * `bad` of wire.h: a range that is wrong sets it.  A field that version N
+ * brought is written and read where the wire's version is N or later; when N is
+ * the oldest that is spoken, the question goes. Thread: any. */
 #ifndef CODEC_H
 #define CODEC_H
 
@@ -32,19 +31,11 @@ void msg_get_counts(struct wire_in *in, struct msg_counts *c);
  * by it. */
 void *msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry);
 
-/* The bodies of sharing.c. */
-#define BODY(name)                                                             \
-    void msg_pack_##name(struct wire_out *o, const struct msg_##name *b);      \
-    void msg_unpack_##name(struct wire_in *in, struct msg_##name *b,           \
+/* Every body's pair.  m is the message itself, for its list. */
+#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
+    void msg_pack_##body(struct wire_out *o, const struct msg_##body *b);      \
+    void msg_unpack_##body(struct wire_in *in, struct msg_##body *b,           \
                            struct msg *m);
-BODY(unit)
-BODY(attempt)
-BODY(facts)
-BODY(base_line)
-BODY(next_holder)
-BODY(gave)
-BODY(estimate)
-BODY(estimated)
-#undef BODY
+#include "message.def"
 
 #endif

@@ -4,6 +4,7 @@ libproto_a_CFLAGS = $(AM_CFLAGS) $(SSL_CFLAGS)
 libproto_a_SOURCES = \
 	proto/codec.c \
 	proto/codec.h \
+	proto/counts.c \
 	proto/frame.c \
 	proto/frame.h \
 	proto/keyfile.c \
@@ -11,7 +12,13 @@ libproto_a_SOURCES = \
 	proto/message.c \
 	proto/message.def \
 	proto/message.h \
-	proto/sharing.c \
+	proto/msg_job.c \
+	proto/msg_order.c \
+	proto/msg_peer.c \
+	proto/msg_session.c \
+	proto/msg_sharing.c \
+	proto/msg_store.c \
+	proto/msg_work.c \
 	proto/tls.c \
 	proto/tls.h \
 	proto/wire.c \

@@ -313,7 +313,6 @@ struct msg_ready {
     uint16_t threads;
 };
 
-/* What one unit cost; nan.frame is the unit's and does not travel. */
 /* How far pixels may be off: sums of src/shade/job.h and src/picture/doubt.h.
  * None is negative, and each below 1e100. */
 struct msg_doubt {
@@ -321,6 +320,7 @@ struct msg_doubt {
     double rough, nrough;                /* of base lines */
 };
 
+/* What one unit cost; nan.frame is the unit's and does not travel. */
 struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
         paint_rays, estimate_rays, intersection_tests, ambient_values;

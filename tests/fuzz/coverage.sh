@@ -21,8 +21,9 @@ src/scene/lex src/scene/parse src/scene/data src/scene/font src/scene/bundle
 src/scene/calcparse src/scene/bsdfxml src/scene/bsdfmatrix src/scene/bsdftree
 src/scene/meshfile src/scene/octfile src/scene/octin
 src/picture/hdr src/picture/params src/picture/view src/picture/facts
-proto/wire proto/codec proto/message proto/sharing proto/frame proto/keyfile
-proto/tls
+proto/wire proto/codec proto/message proto/msg_job proto/msg_order proto/msg_peer
+proto/msg_session proto/msg_sharing proto/msg_store proto/msg_work proto/frame
+proto/keyfile proto/tls
 daemon/conf daemon/hours daemon/address daemon/journal daemon/ambshare
 client/costs client/ambfile'
 

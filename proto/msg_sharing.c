@@ -1,4 +1,4 @@
-/* sharing.c - the codec of the messages by which workers share a picture
+/* msg_sharing.c - the codec of the messages by which workers share a picture
  *
  * See "sharing a picture" in message.h. */
 #include "config.h"

@@ -1,0 +1,82 @@
+/* counts.c - sums of what units cost
+ *
+ * Pixels that are no numbers are known by the first of them in the picture, so
+ * that a sum does not depend on the order; so are faults by the first few. */
+#include "config.h"
+
+#include "message.h"
+
+#include <string.h>
+
+static bool
+nan_before(const struct msg_nan *a, const struct msg_nan *b)
+{
+    if (a->frame != b->frame)
+        return a->frame < b->frame;
+    return a->y != b->y ? a->y < b->y : a->x < b->x;
+}
+
+void
+msg_nan_add(struct msg_nan *a, const struct msg_nan *b)
+{
+    uint64_t sum = a->pixels + b->pixels;
+
+    if (b->pixels > 0 && (a->pixels == 0 || nan_before(b, a)))
+        *a = *b;
+    a->pixels = sum;
+}
+
+static void
+add_fault(struct msg_fault a[MSG_FAULTS], const struct msg_fault *b)
+{
+    int at = 0;
+
+    while (at < MSG_FAULTS && a[at].count > 0 && a[at].object < b->object)
+        at++;
+    if (at == MSG_FAULTS)
+        return;
+    if (a[at].count == 0 || a[at].object != b->object) {
+        memmove(a + at + 1, a + at, (size_t)(MSG_FAULTS - 1 - at) * sizeof *a);
+        a[at] = (struct msg_fault){ b->object, 0 };
+    }
+    a[at].count += b->count;
+}
+
+void
+msg_faults_add(struct msg_fault a[MSG_FAULTS],
+               const struct msg_fault b[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++)
+        if (b[i].count > 0)
+            add_fault(a, &b[i]);
+}
+
+void
+msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b)
+{
+    a->pixels += b->pixels;
+    a->variance += b->variance;
+    a->known += b->known;
+    a->all += b->all;
+    a->rough += b->rough;
+    a->nrough += b->nrough;
+}
+
+void
+msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
+{
+    a->rays += b->rays;
+    a->primary_rays += b->primary_rays;
+    a->speculative_rays += b->speculative_rays;
+    a->shadow_rays += b->shadow_rays;
+    a->ambient_rays += b->ambient_rays;
+    a->paint_rays += b->paint_rays;
+    a->estimate_rays += b->estimate_rays;
+    a->intersection_tests += b->intersection_tests;
+    a->ambient_values += b->ambient_values;
+    msg_nan_add(&a->nan, &b->nan);
+    msg_faults_add(a->faults, b->faults);
+    a->cpu_s += b->cpu_s;
+    a->wall_s += b->wall_s;
+    msg_doubt_add(&a->doubt, &b->doubt);
+}
