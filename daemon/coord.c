@@ -15,11 +15,11 @@
 
 #include "address.h"
 #include "base/sha.h"
+#include "keyfile.h"
 #include "request.h"
 #include "sched.h"
 #include "stats.h"
 
-#include <ctype.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -404,18 +404,6 @@ refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
     coord_break(c, conn->id, text);
 }
 
-/* Names go into logs, JSON and file names: letters, digits, '.', '_', '-'. */
-static bool
-good_name(const char *name)
-{
-    if (name[0] == '\0')
-        return false;
-    for (; *name; name++)
-        if (!isalnum((unsigned char)*name) && !strchr("._-", *name))
-            return false;
-    return true;
-}
-
 struct coord_worker *
 coord_worker_of(struct coord *c, const char *name)
 {
@@ -498,7 +486,7 @@ hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
         return text;
     }
     *status = EX_CONFIG;
-    if (!good_name(m->name))
+    if (!key_name_valid(m->name, strlen(m->name)))
         return "a worker's name needs letters, digits, '.', '_' or '-'";
     if (m->threads < 1 || m->threads > MOST_THREADS)
         return "a worker needs 1 to 4096 threads";
@@ -513,9 +501,6 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
         [MSG_ROLE_USER] = MSG_AT_COORD_USER,
         [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
     };
-    static const char *const role[] = { [MSG_ROLE_WORKER] = "worker",
-                                        [MSG_ROLE_USER] = "user",
-                                        [MSG_ROLE_ADMIN] = "admin" };
     struct msg welcome = { .type = MSG_WELCOME,
                            .request = m->request,
                            .welcome = { 0, c->env.epoch, c->env.program } };
@@ -534,7 +519,7 @@ on_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
     conn->session = session[m->hello.role];
     actions_log(&c->actions, ACT_INFO,
                 "hello peer=%s role=%s name=%s threads=%u protocol=%u",
-                conn->address, role[m->hello.role], m->hello.name,
+                conn->address, key_role_name(m->hello.role), m->hello.name,
                 m->hello.threads, conn->version);
     actions_session(&c->actions, conn->id, conn->session, conn->version);
     actions_send(&c->actions, conn->id, &welcome);

@@ -39,8 +39,8 @@ is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static bool
-good_name(const char *s, size_t n)
+bool
+key_name_valid(const char *s, size_t n)
 {
     if (n < 1 || n > MSG_MAX_NAME)
         return false;
@@ -92,7 +92,7 @@ parse_id(const char *s, size_t n, struct key *k)
         if (k->number == 0)
             return false;
     }
-    if (!good_name(name, nname))
+    if (!key_name_valid(name, nname))
         return false;
     memcpy(k->name, name, nname);
     return true;

@@ -75,6 +75,9 @@ bool key_id_parse(const char *id, struct key *k);
 enum key_state key_state(const struct key *k, int64_t now);
 const char *key_state_name(enum key_state s); /* "valid" ... */
 const char *key_role_name(enum msg_role role);
+/* May that be a NAME, n bytes long?  They go into logs, JSON and the names of
+ * files. */
+bool key_name_valid(const char *name, size_t n);
 
 /* The key of that id, whatever its state; NULL: there is none. */
 const struct key *keyfile_find(const struct keyfile *f, const char *id);
