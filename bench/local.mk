@@ -69,4 +69,5 @@ bench-sim: bench/sim/sim$(EXEEXT)
 
 # Against rpict, where that is on PATH: the scripts say how to call them.
 dist_noinst_SCRIPTS += bench/rpict.sh
+EXTRA_DIST += bench/scenes.rows
 dist_noinst_SCRIPTS += bench/versus.sh

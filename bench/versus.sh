@@ -4,10 +4,12 @@
 #
 # ROUNDS (3) interleaved runs of each; prints every run and the medians.  The
 # seconds are those of all processes that a run starts: for rpict the octree is
-# made beforehand, for radsubmit its making and sending counts.
+# made beforehand, for radsubmit its making and sending counts.  SCENE is one
+# file, or several in one word, blanks between them.
 set -eu
-[ $# -ge 3 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 64; }
-build=$(cd "$1" && pwd) scene=$2 view=$3
+[ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 64; }
+build=$(cd "$1" && pwd) view=$3
+read -ra scene <<<"$2"
 shift 3
 rounds=${ROUNDS:-3}
 tmp=$(mktemp -d)
@@ -31,13 +33,13 @@ median()
 rpict=
 if command -v rpict >/dev/null && command -v oconv >/dev/null; then
     rpict=yes
-    oconv -f "$scene" >"$tmp/scene.oct"
+    oconv -f "${scene[@]}" >"$tmp/scene.oct"
 fi
 for ((i = 0; i < rounds; i++)); do
     [ -z "$rpict" ] ||
         user_seconds rpict rpict -t 1 -vf "$view" "$@" "$tmp/scene.oct"
     user_seconds radsubmit "$build/radsubmit" --local --workers=1 --threads=1 \
-        --stats="$tmp/stats.json" -vf "$view" "$@" -o "$tmp/out.hdr" "$scene"
+        --stats="$tmp/stats.json" -vf "$view" "$@" -o "$tmp/out.hdr" "${scene[@]}"
 done
 ours=$(median radsubmit)
 awk -v s="$ours" '/"rays":/ && !n++ { gsub(/[^0-9]/, "");
