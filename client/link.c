@@ -50,7 +50,6 @@ struct link {
     bool welcome;      /* the handshake is over */
     uint64_t until_ms; /* when opening must be over, in the loop's time */
     int silent;        /* PINGs since the last byte */
-    uint64_t epoch;
     struct frame_reader reader;
     struct msg in;
     uint8_t *input; /* bytes not cut up yet: start..end of cap */
@@ -678,7 +677,6 @@ handshake(struct link *l, enum msg_role role, struct rad_error *err)
                         l->name, m->welcome.version, MSG_VERSION_MIN,
                         MSG_VERSION);
     l->reader.version = m->welcome.version;
-    l->epoch = m->welcome.epoch;
     l->reader.session = MSG_AT_CLIENT;
     l->welcome = true;
     return 0;
@@ -755,12 +753,6 @@ link_close(struct link *l)
     free(l->raw);
     free(l->input);
     free(l);
-}
-
-uint64_t
-link_epoch(const struct link *l)
-{
-    return l->epoch;
 }
 
 unsigned

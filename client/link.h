@@ -46,9 +46,6 @@ int link_send(struct link *l, const struct msg *m, struct rad_error *err);
 int link_recv(struct link *l, int timeout_ms, const struct msg **m,
               struct rad_error *err);
 
-/* The coordinator's number of lives; changes when it starts again. */
-uint64_t link_epoch(const struct link *l);
-
 /* The version of the protocol that is spoken. */
 unsigned link_version(const struct link *l);
 

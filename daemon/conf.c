@@ -85,9 +85,10 @@ conf_defaults(const struct conf_table *t, void *settings)
             set_key(k, settings, k->def, NULL);
 }
 
-int
-conf_set(const struct conf_table *t, void *settings, const char *name,
-         const char *value, struct rad_error *err)
+/* RAD_ECONFIG for an unknown key or a bad value. */
+static int
+set_named(const struct conf_table *t, void *settings, const char *name,
+          const char *value, struct rad_error *err)
 {
     for (const struct conf_key *k = t->keys; k->name; k++)
         if (k->arg && strcmp(k->name, name) == 0)
@@ -139,7 +140,7 @@ take_pair(void *user, const char *section, const char *name, const char *value)
     if (section[0] && strcmp(section, r->table->program) != 0)
         rc = rad_fail(r->err, RAD_ECONFIG, "unknown section '%s'", section);
     else
-        rc = conf_set(r->table, r->settings, name, value, r->err);
+        rc = set_named(r->table, r->settings, name, value, r->err);
     if (rc < 0)
         reader_failed(r, rc);
     return rc == 0;

@@ -49,10 +49,6 @@ enum conf_wish { CONF_RUN, CONF_HELP, CONF_VERSION };
 /* Defaults into settings. */
 void conf_defaults(const struct conf_table *t, void *settings);
 
-/* Set the key called name; RAD_ECONFIG for an unknown key or a bad value. */
-int conf_set(const struct conf_table *t, void *settings, const char *name,
-             const char *value, struct rad_error *err);
-
 /* Read the file at path over *settings.  RAD_ENOINPUT if it cannot be opened,
  * RAD_ECONFIG with file and line for what is wrong in it. */
 int conf_read(const struct conf_table *t, void *settings, const char *path,

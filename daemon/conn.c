@@ -623,12 +623,6 @@ conn_set_session(struct conn *c, enum msg_session session)
     c->reader.session = session;
 }
 
-enum msg_session
-conn_session(const struct conn *c)
-{
-    return c->reader.session;
-}
-
 void
 conn_live(struct conn *c, bool ping)
 {
@@ -666,18 +660,6 @@ const char *
 conn_peer(const struct conn *c)
 {
     return c->peer;
-}
-
-void *
-conn_arg(const struct conn *c)
-{
-    return c->arg;
-}
-
-void
-conn_set_arg(struct conn *c, void *arg)
-{
-    c->arg = arg;
 }
 
 void

@@ -88,7 +88,6 @@ void conn_set_version(struct conn *c, unsigned version);
 
 /* Which messages may come from now on. */
 void conn_set_session(struct conn *c, enum msg_session session);
-enum msg_session conn_session(const struct conn *c);
 
 /* The handshake is over.  ping: keep it alive with PINGs and end it when it
  * is silent; else it may be silent for ever (a child that loads). */
@@ -101,16 +100,14 @@ void conn_set_progress(struct conn *c, uint64_t progress);
  * in the other side's version, or memory is out, which is logged. */
 bool conn_send(struct conn *c, const struct msg *m);
 /* The same for a message that is packed already: a whole frame of the current
- * version.  False, too, for RECORDS to a user that has not read 8 MiB yet, which
- * is logged once. */
+ * version.  False, too, for RECORDS to a user that has not read 8 MiB yet,
+ * which is logged once. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
 size_t conn_queued(const struct conn *c);
 uint64_t conn_bytes_in(const struct conn *c);
 uint64_t conn_bytes_out(const struct conn *c);
 const char *conn_peer(const struct conn *c);
-void *conn_arg(const struct conn *c);
-void conn_set_arg(struct conn *c, void *arg);
 
 /* Stop and start reading: the back-pressure on what feeds a slow one. */
 void conn_pause(struct conn *c, bool pause);
