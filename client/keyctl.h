@@ -1,12 +1,12 @@
 /* keyctl.h - radctl's commands about keys
  *
  * Edits a key file itself, or asks the coordinator to; either way the answer
- * is the JSON of keyfile_order().
+ * is the JSON of key_order_run().
  * Thread: any.  */
 #ifndef RADD_CLIENT_KEYCTL_H
 #define RADD_CLIENT_KEYCTL_H
 
-#include "keyfile.h"
+#include "keyorder.h"
 
 /* From the words behind "key": what to do, the name that it needs or NULL, and
  * --expires or NULL.  RAD_EUSAGE. */

@@ -286,7 +286,7 @@ static int
 run_key_file(struct ctl *c, const struct key_order *order)
 {
     char *text;
-    int rc = keyfile_order(c->keys, order, (int64_t)time(NULL), &text, c->err);
+    int rc = key_order_run(c->keys, order, (int64_t)time(NULL), &text, c->err);
 
     if (rc == 0)
         rc = keyctl_print(order, text, strlen(text), c->json, c->err);

@@ -5,6 +5,7 @@
 
 #include "coord.h"
 #include "daemon.h"
+#include "keyorder.h"
 #include "keyring.h"
 #include "listen.h"
 #include "log.h"
@@ -208,7 +209,7 @@ order_key(struct radcoord *r, const struct msg_key *m, char **json,
     if (!keyring_has_file(r->keys))
         return rad_fail(err, RAD_ENOINPUT,
                         "the coordinator was started without a key file");
-    rc = keyfile_order(keyring_path(r->keys), &order, (int64_t)time(NULL), json,
+    rc = key_order_run(keyring_path(r->keys), &order, (int64_t)time(NULL), json,
                        err);
     if (rc < 0 || m->what == MSG_KEY_LIST)
         return rc;

@@ -63,6 +63,9 @@ int keyfile_parse(struct keyfile *f, const char *text, size_t len,
 /* The same from a file.  RAD_ENOINPUT when it cannot be read, RAD_EPERM when
  * others may read it, RAD_ECONFIG for what is wrong in it. */
 int keyfile_load(struct keyfile *f, const char *path, struct rad_error *err);
+/* From one that is open. */
+int keyfile_load_fd(struct keyfile *f, int fd, const char *path,
+                    struct rad_error *err);
 
 /* --- what is in it --- */
 
@@ -112,33 +115,5 @@ int keyfile_add(struct keyfile *f, const char *name, int64_t expires,
  * not yet retired, or RAD_EUSAGE for a bad name, RAD_ENOINPUT for one that is
  * not there. */
 int keyfile_retire(struct keyfile *f, const char *name, struct rad_error *err);
-
-/* A file that is about to be changed: locked, so that of two who change it
- * one waits.  A file that is not there is made, empty, if `make`. */
-struct keyfile_edit {
-    struct keyfile file;
-    const char *path; /* outlives the edit */
-    int fd;
-};
-int keyfile_edit_begin(struct keyfile_edit *e, const char *path, bool make,
-                       struct rad_error *err);
-/* Write e->file.text whole: a temporary file is renamed over it.
- * RAD_ECANTCREAT or RAD_EIO. */
-int keyfile_edit_write(struct keyfile_edit *e, struct rad_error *err);
-void keyfile_edit_end(struct keyfile_edit *e);
-
-/* --- an order as a whole --- */
-
-struct key_order {
-    enum msg_key_order what;
-    const char *name; /* not of a list */
-    int64_t expires;  /* of a new key */
-};
-
-/* Do to the file at path what `radctl key` asks.  *json says what came of it,
- * for the caller to free (that of a new key holds its secret): an object, of a
- * list an array.  NULL on failure.  now as above. */
-int keyfile_order(const char *path, const struct key_order *order, int64_t now,
-                  char **json, struct rad_error *err);
 
 #endif

@@ -9,6 +9,8 @@ libproto_a_SOURCES = \
 	proto/frame.h \
 	proto/keyfile.c \
 	proto/keyfile.h \
+	proto/keyorder.c \
+	proto/keyorder.h \
 	proto/message.c \
 	proto/message.def \
 	proto/message.h \

@@ -1,7 +1,7 @@
 /* check_keyfile.c - lines of a key file, good and bad; changes to one */
 #include "config.h"
 
-#include "keyfile.h"
+#include "keyorder.h"
 
 #include "unit.h"
 
@@ -216,7 +216,7 @@ order(enum msg_key_order what, const char *name, char **json)
 {
     struct key_order o = { what, name, 0 };
 
-    return keyfile_order(path, &o, 1, json, NULL);
+    return key_order_run(path, &o, 1, json, NULL);
 }
 
 START_TEST(orders_change_the_file_and_say_what_they_did)
