@@ -51,7 +51,7 @@ fuzz: $(FUZZ_TARGETS)
 
 # make coverage, in a build with CFLAGS='-O0 -g --coverage'
 .PHONY: coverage
-coverage: all $(check_PROGRAMS)
+coverage: all-am $(check_PROGRAMS)
 	top_srcdir='$(top_srcdir)' top_builddir='$(top_builddir)' \
 		$(SHELL) $(top_srcdir)/tests/fuzz/coverage.sh
 

@@ -17,7 +17,7 @@ dist_check_SCRIPTS += $(SOAK)
 TESTS += $(SOAK)
 
 .PHONY: soak
-soak: all $(check_PROGRAMS) $(check_DATA)
+soak: all-am $(check_PROGRAMS) $(check_DATA)
 	@failed=; for script in $(SOAK); do \
 		echo "== $$script"; \
 		RADD_SOAK=long top_srcdir='$(top_srcdir)' \
