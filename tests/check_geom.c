@@ -809,6 +809,79 @@ aim(uint64_t key, int row, double dist)
     return span;
 }
 
+/* Cones lower than they are wide, and one that is not quite. */
+static const double low_cone[][8] = {
+    { 0, 0, 0, 0, 0, .1, 1, 1 },
+    { 0, 0, 0, .02, -.01, .02, .6, .59 },
+    { 1, 2, 3, 1.1, 2.2, 3.3, 0, 1 },
+    { 0, 0, 0, 0, 1e-5, 0, 1, .5 },
+    { -3, 1, 2, -3, 2.9, 2, 1, .7 },
+    { 1e9, -1e9, 1e9, 1e9, -1e9, 1e9 + 1, 4, 5 },
+};
+
+/* A point between the ends of a cone, as often as not `margin` from one, and
+ * its normal. */
+static void
+cone_point(uint64_t key, const double a[8], double margin, double p[3],
+           double n[3])
+{
+    double axis[3], x[3], y[3], phi = geom_rand(key, 0, 0, 2 * M_PI);
+    double s = geom_rand(key, 1, -.5, 1.5), len;
+
+    rad_sub(axis, a + 3, a);
+    len = rad_normalize(axis);
+    s = fmin(fmax(s, margin / len), 1 - margin / len);
+    rad_frame(x, y, axis);
+    rad_scale(n, cos(phi), x);
+    rad_madd(n, n, sin(phi), y);
+    rad_madd(p, a, s * len, axis);
+    rad_madd(p, p, a[6] + s * (a[7] - a[6]), n);
+    rad_madd(n, n, -(a[7] - a[6]) / len, axis);
+    rad_normalize(n);
+}
+
+/* What is known of a ray between the ends must not hide a hit. */
+START_TEST(low_cone_is_met_where_it_is)
+{
+    static const double dists[] = { 1e-3, .3, 10, 1e7 };
+    const double *a = low_cone[_i];
+    struct rad_geom_counts counts = { 0 };
+    struct geom_scene g;
+    struct rad_geom *geom;
+    double size = 0;
+    int met = 0;
+
+    for (int k = 0; k < 8; k++)
+        size += fabs(a[k]);
+    geom_scene_init(&g, 1, 8);
+    geom_scene_add(&g, RAD_CONE, RAD_VOID, RAD_SURF_OPAQUE, a, 8);
+    geom = geom_scene_compile(&g);
+    for (uint64_t i = 0; i < 40000; i++) {
+        uint64_t key = rad_key_branch(9, i);
+        struct rad_span span = { .tmin = 0, .tmax = INFINITY };
+        /* aimed at a place to within a few roundings; a ray along the surface
+         * makes a hundred times as much of them */
+        double off = 0x1p-50 * (size + dists[i % 4]), p[3], n[3], dist;
+        struct rad_hit hit;
+
+        cone_point(key, a, 200 * off, p, n);
+        geom_rand_dir(key, 2, span.org);
+        rad_madd(span.org, p, dists[i % 4], span.org);
+        rad_sub(span.dir, p, span.org);
+        dist = rad_normalize(span.dir);
+        if (fabs(rad_dot(span.dir, n)) < .01)
+            continue;
+        ck_assert_msg(rad_geom_nearest(geom, &span, &hit, &counts),
+                      "ray %d misses", (int)i);
+        ck_assert(hit.t < dist + 1e4 * off); /* not the far side */
+        met++;
+    }
+    ck_assert_int_gt(met, 20000);
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+END_TEST
+
 START_TEST(hit_is_within_its_bound_and_is_left_behind)
 {
     static const double dists[] = { 1e-3, 1, 1e3, 1e7 };
@@ -885,6 +958,7 @@ main(void)
     tcase_add_test(tc, line_of_sight_leads_to_the_target);
     tcase_add_loop_test(tc, hit_is_within_its_bound_and_is_left_behind, 0,
                         N_ELEM(leaving));
+    tcase_add_loop_test(tc, low_cone_is_met_where_it_is, 0, N_ELEM(low_cone));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

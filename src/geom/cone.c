@@ -9,7 +9,10 @@
  *      C = f.f - w^2,   B^2 - A C = |w d - m f|^2 - (f x d)^2.
  * The right-hand form does not cancel where B^2 and A C are both huge (a thin
  * pipe seen from afar); the roots are C/q and q/A with q = B +- sqrt(..), of
- * which neither cancels. */
+ * which neither cancels.
+ * Of what is wide and low, as the cones that a torus is made of, most rays meet
+ * the surface beyond its ends only: where they are between them is asked first.
+ */
 #include "config.h"
 
 #include "geom/prim.h"
@@ -23,7 +26,10 @@ struct rad_cone {
     double p0[3];
     double x[3], y[3], axis[3]; /* orthonormal */
     double len, r0, r1, k;
-    double slant; /* sqrt(1 + k^2) */
+    double slant;       /* sqrt(1 + k^2) */
+    double mid[3];      /* of p0 and the other end */
+    double least, most; /* of r0 and r1 */
+    bool low;           /* no higher than it is wide */
 };
 
 bool
@@ -50,6 +56,10 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
     rad_frame(c.x, c.y, c.axis);
     c.k = (c.r1 - c.r0) / c.len;
     c.slant = sqrt(1 + c.k * c.k);
+    rad_madd(c.mid, c.p0, c.len / 2, c.axis);
+    c.least = rad_least(c.r0, c.r1);
+    c.most = rad_most(c.r0, c.r1);
+    c.low = c.len < 2 * c.most;
     keep = rad_arena_dup(arena, &c, sizeof c);
     if (!keep) {
         *nomem = true;
@@ -89,13 +99,47 @@ between(double t, double tmin, double tmax, double h, double rise,
     return t > tmin && t < tmax && at >= -err && at <= c->len + err;
 }
 
+/* Is the ray nowhere between the ends near the surface?  It is half way between
+ * them at t, where it is far[] from the axis, and between them for a distance
+ * before and behind that, on which it comes nearer to the axis, or goes off, by
+ * that distance times the sine of its angle to it, sqrt(1 - rise^2) <=
+ * 1 - rise^2 / 2, at most.  What rounding and its bound `err` may change is
+ * allowed for, generously; of a ray across the axis all is infinite or NaN, and
+ * nothing said. */
+static inline bool
+is_missed(const struct rad_cone *c, const struct rad_probe *r, double tmin,
+          double tmax, double err)
+{
+    double o[3], h, rise = rad_dot(r->dir, c->axis), steep = fabs(rise);
+    double half = c->len / 2 + 4 * err, t, far[3], rho2, aside, in;
+
+    rad_sub(o, r->org, c->mid);
+    h = rad_dot(o, c->axis);
+    t = copysign(1, rise) * -h; /* times steep, as yet */
+    if (t + half < tmin * steep || t - half > tmax * steep)
+        return true;
+    t /= steep;
+    half /= steep;
+    rad_madd(far, o, t, r->dir);
+    rho2 = rad_dot(far, far);
+    aside = half * (1 - rise * rise / 2) +
+            4 * (RAD_GEOM_ROUND * (fabs(t) + half) + err);
+    in = c->least - aside;
+    if (in > 0 && rho2 < in * in)
+        return true;
+    aside += c->most;
+    return rho2 > aside * aside;
+}
+
 bool
 rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
              double tmax, double *t)
 {
     const struct rad_cone *c = p->cone;
-    double o[3];
+    double err = RAD_GEOM_ROUND * r->size + p->slack, o[3];
 
+    if (c->low && is_missed(c, r, tmin, tmax, err))
+        return false;
     rad_sub(o, r->org, c->p0);
     double fx = rad_dot(o, c->x), fy = rad_dot(o, c->y);
     double dx = rad_dot(r->dir, c->x), dy = rad_dot(r->dir, c->y);
@@ -111,7 +155,6 @@ rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
     double q = B + copysign(sqrt(disc), B);
     double t0 = (fx * fx + fy * fy - w * w) / q;
     double t1 = q / (dx * dx + dy * dy - m * m);
-    double err = RAD_GEOM_ROUND * r->size + p->slack;
 
     /* either may be infinite or NaN: comparisons refuse it */
     *t = t0 < t1 ? t0 : t1;
