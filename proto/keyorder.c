@@ -225,6 +225,10 @@ key_order_run(const char *path, const struct key_order *o, int64_t now,
     int rc;
 
     *json = NULL;
+    if (o->what == MSG_KEY_ADD && o->expires != 0 && o->expires <= now)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a key that has expired would never be taken: the time "
+                        "of --expires is past");
     if (o->what == MSG_KEY_LIST) {
         if ((rc = keyfile_load(&f, path, err)) < 0)
             return rc;

@@ -17,8 +17,9 @@ struct key_order {
 /* Do that to the file at path, which MSG_KEY_ADD makes if it is missing.  *json
  * says what came of it, for the caller to free (that of a new key holds its
  * secret): an object, of a list an array; NULL on failure.  now: seconds since
- * 1970.  Errors as of keyfile_load(), keyfile_add() and keyfile_retire();
- * RAD_ECANTCREAT, RAD_EIO, RAD_ENOMEM. */
+ * 1970.  RAD_EUSAGE for a new key that would have expired by then; errors as of
+ * keyfile_load(), keyfile_add() and keyfile_retire(); RAD_ECANTCREAT, RAD_EIO,
+ * RAD_ENOMEM. */
 int key_order_run(const char *path, const struct key_order *order, int64_t now,
                   char **json, struct rad_error *err);
 

@@ -251,6 +251,25 @@ START_TEST(orders_change_the_file_and_say_what_they_did)
 }
 END_TEST
 
+START_TEST(a_key_that_has_expired_is_not_made)
+{
+    const int64_t end = 1800000000;
+    struct key_order o = { MSG_KEY_ADD, "user:a", end };
+    char *json;
+
+    make_folder();
+    ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), RAD_EUSAGE);
+    ck_assert_ptr_null(json);
+    ck_assert_int_eq(access(path, F_OK), -1);
+    ck_assert_int_eq(key_order_run(path, &o, end - 1, &json, NULL), 0);
+    free(json);
+    o = (struct key_order){ MSG_KEY_RETIRE, "user:a", 0 };
+    ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), 0);
+    free(json);
+    remove_folder();
+}
+END_TEST
+
 static const mode_t open_modes[] = { 0640, 0604, 0620, 0602, 0601, 0660 };
 
 START_TEST(a_file_that_others_may_open_is_refused)
@@ -327,6 +346,7 @@ main(void)
     tcase_add_test(tc, a_key_ends_when_its_date_comes);
     tcase_add_loop_test(tc, only_names_get_keys, 0, N_ELEM(no_names));
     tcase_add_test(tc, orders_change_the_file_and_say_what_they_did);
+    tcase_add_test(tc, a_key_that_has_expired_is_not_made);
     tcase_add_loop_test(tc, a_file_that_others_may_open_is_refused, 0,
                         N_ELEM(open_modes));
     tcase_add_test(tc, credentials_of_systemd_are_taken);

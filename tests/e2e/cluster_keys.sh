@@ -60,7 +60,10 @@ tr 0123456789abcdef 123456789abcdef0 <user.key |
 sed 's/:ana:/:bob:/' user.key >unknown.key
 "$radctl" key add user:eve --keys=keys >retired.key
 "$radctl" key retire user:eve --keys=keys >/dev/null
-"$radctl" key add user:old --expires=2024-01-01 --keys=keys >expired.key
+"$radctl" key add user:old --keys=keys >expired.key
+sed -i '/^user:old:/s/$/ 2024-01-01/' keys expired.key
+expect 64 "past" "a key that has expired" "$radctl" --coordinator="$tcp" \
+    --key=admin.key key add user:older --expires=2024-01-01
 kill -HUP "$coord_pid"
 until_true 10 grep -q reloaded c.log || fail "no reload"
 sleep 1.2 # the look at the file that comes each second

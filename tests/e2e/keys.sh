@@ -8,9 +8,9 @@ set -u
 grep -qE '^worker:ws07:k1 [0-9a-f]{64}$' line || fail "line: $(cat line)"
 cmp -s line keys || fail "the line is not the file's"
 echo '# a note' >>keys
-"$radctl" key add user:ana --expires=2027-01-31 --keys=keys >line ||
+"$radctl" key add user:ana --expires=2127-01-31 --keys=keys >line ||
     fail "key add"
-grep -qE '^user:ana:k1 [0-9a-f]{64} 2027-01-31$' line || fail "$(cat line)"
+grep -qE '^user:ana:k1 [0-9a-f]{64} 2127-01-31$' line || fail "$(cat line)"
 "$radctl" --json key add worker:ws07 --keys=keys >json || fail "json"
 python3 -c '
 import json
@@ -27,6 +27,11 @@ grep -q '^worker:ws07:k1 retired$' keys || fail "the secret stays"
 
 expect 64 "names no key" "no role" "$radctl" key add ana --keys=keys
 expect 64 "date" "no date" "$radctl" key add user:a --expires=soon --keys=keys
+cp keys before
+expect 64 "past" "a date that is over" \
+    "$radctl" key add user:a --expires=2024-01-01 --keys=keys
+cmp -s keys before || fail "a refused key is there"
+rm before
 expect 64 "expires" "date of a list" \
     "$radctl" key list --expires=2027-01-01 --keys=keys
 expect 64 "missing" "no name" "$radctl" key add --keys=keys
