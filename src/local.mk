@@ -56,6 +56,8 @@ librad_a_SOURCES = \
 	src/light/hemisphere.h \
 	src/light/polytree.c \
 	src/light/polytree.h \
+	src/light/quad.c \
+	src/light/quad.h \
 	src/light/sample.c \
 	src/light/sample.h \
 	src/light/shadow.c \

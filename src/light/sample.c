@@ -23,27 +23,23 @@
 #include "light/sample.h"
 #include "light/contour.h"
 #include "light/polytree.h"
+#include "light/quad.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
 #include <string.h>
 
-/* Patches of one source at most, as in rpict. */
-#define MAX_PATCHES 64
-
 /* Variance of a patch over its squared distance below which the expansion to
  * second order is good for 3e-5 (the third order of a triangle grows with the
- * power 3/2), and below which it is good for 3e-3 for a parallelogram, as small
- * as -ds asks for: nearer ones are all that 64 patches can be. */
-#define FAR_VARIANCE      2e-4
-#define FAR_QUAD_VARIANCE .02
+ * power 3/2). */
+#define FAR_VARIANCE 2e-4
 
 struct patch {
-    enum { QUAD, TRIANGLE, SECTOR, LINE, GROUP } kind;
-    int budget;                /* patches that may come of it */
-    double p[3], u[3], v[3];   /* QUAD, LINE: centre and half-axes; TRIANGLE:
-                                * corner and sides */
-    double r0, r1, phi, delta; /* SECTOR: radii; middle and half angle */
+    enum { TRIANGLE, SECTOR, LINE, GROUP } kind;
+    int budget;                      /* patches that may come of it */
+    double p[3], u[3], v[3];         /* LINE: centre and half-axis u; TRIANGLE:
+                                      * corner and sides */
+    double r0, r1, phi, delta;       /* SECTOR: radii; middle and half angle */
     const struct rad_polytree *node; /* GROUP */
 };
 
@@ -118,8 +114,6 @@ patch_moments(const struct rad_source *src, const struct patch *p,
               struct rad_moments *m)
 {
     switch (p->kind) {
-    case QUAD: /* see quad_sample() */
-        break;
     case TRIANGLE:
         rad_triangle_moments(m, p->p, p->u, p->v);
         break;
@@ -219,32 +213,11 @@ split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
     case LINE:
         split_line(p, half);
         break;
-    case QUAD: /* see cut_quad() */
-        break;
     case GROUP:
         from_node(&half[0], p->node->kid[0]);
         from_node(&half[1], p->node->kid[1]);
         break;
     }
-}
-
-/* Is a parallelogram or a stretch of cylinder at squared distance d2 small
- * enough, by its longer side?  aa, bb and ab are the products of the axes of
- * its moments. */
-static inline bool
-side_small_enough(double aa, double bb, double ab, double d2, double sizerat)
-{
-    double limit = sizerat * sizerat * d2 / 12; /* the variance of a square
-                                                 * with that side */
-
-    /* the largest variance is at least the larger, at most the sum */
-    if (aa > limit || bb > limit)
-        return false;
-    if (aa + bb <= limit)
-        return true;
-    double half = (aa - bb) / 2;
-
-    return (aa + bb) / 2 + sqrt(half * half + ab * ab) <= limit;
 }
 
 /* Is the patch small enough at its distance?  One without a longer side, as in
@@ -258,8 +231,9 @@ small_enough(const struct patch *p, const struct rad_moments *m,
 
     if (p->kind != LINE)
         return m->area <= view->sizerat * view->sizerat * d2;
-    return side_small_enough(rad_dot(m->a, m->a), rad_dot(m->b, m->b),
-                             rad_dot(m->a, m->b), d2, view->sizerat);
+    return rad_side_small_enough(rad_dot(m->a, m->a), rad_dot(m->b, m->b),
+                                 rad_dot(m->a, m->b),
+                                 rad_side_limit(view->sizerat) * d2);
 }
 
 /* --- samples of one patch --- */
@@ -373,18 +347,13 @@ jittered_point(struct walk *w, const struct patch *p, double d[3])
 {
     const struct rad_polytree *t = p->node;
     double jit = w->view->jitter, s = next_rand(w), u = next_rand(w), c[3];
-    double x = .5 + (s - .5) * jit, y = .5 + (u - .5) * jit;
 
     switch (p->kind) {
-    case QUAD:
-        rad_madd(d, p->p, 2 * x - 1, p->u);
-        rad_madd(d, d, 2 * y - 1, p->v);
-        break;
     case SECTOR:
         sector_point(w, p, s, u, d);
         break;
     case LINE:
-        rad_madd(d, p->p, 2 * x - 1, p->u);
+        rad_madd(d, p->p, (2 * s - 1) * jit, p->u);
         break;
     case TRIANGLE:
         triangle_point(d, p->p, p->u, p->v, s, u);
@@ -423,23 +392,6 @@ triangle_flux(double F[3], const double view[3], const double p0[3],
     rad_madd(q[2], q[0], 1, e2);
     for (int i = 0; i < 3; i++)
         rad_contour_edge(F, q[i], q[(i + 1) % 3]);
-}
-
-static void
-quad_flux(double F[3], const double view[3], const struct patch *p)
-{
-    static const int side[4][2] = {
-        { 1, 1 }, { -1, 1 }, { -1, -1 }, { 1, -1 }
-    };
-    double q[4][3];
-
-    for (int i = 0; i < 4; i++) {
-        rad_sub(q[i], p->p, view);
-        rad_madd(q[i], q[i], side[i][0], p->u);
-        rad_madd(q[i], q[i], side[i][1], p->v);
-    }
-    for (int i = 0; i < 4; i++)
-        rad_contour_edge(F, q[i], q[(i + 1) % 4]);
 }
 
 static void
@@ -490,16 +442,13 @@ exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
       const struct rad_moments *m)
 {
     const double *view = w->view->p;
-    double limit = p->kind == QUAD ? FAR_QUAD_VARIANCE : FAR_VARIANCE;
     double F[3] = { 0, 0, 0 }, to[3];
 
     rad_sub(to, m->c, view);
-    limit *= rad_dot(to, to);
-    if (rad_dot(m->a, m->a) + rad_dot(m->b, m->b) < limit)
+    if (rad_dot(m->a, m->a) + rad_dot(m->b, m->b) <
+        FAR_VARIANCE * rad_dot(to, to))
         return false;
-    if (p->kind == QUAD)
-        quad_flux(F, view, p);
-    else if (p->kind == TRIANGLE)
+    if (p->kind == TRIANGLE)
         triangle_flux(F, view, p->p, p->u, p->v);
     else if (p->kind == GROUP)
         group_flux(F, view, p->node);
@@ -675,8 +624,7 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     rad_sub(to, m->c, view->p);
     double k = -rad_dot(w->src->normal, to) * m->area;
 
-    if (view->up && p->kind != QUAD && view->sizerat > 0 &&
-        !(view->jitter > 0)) {
+    if (view->up && view->sizerat > 0 && !(view->jitter > 0)) {
         risen_sample(w, p);
         return;
     }
@@ -688,8 +636,7 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
         if (out_of_reach(w->src, &s))
             return; /* before it costs more */
         if (view->sizerat > 0) {
-            /* a parallelogram is small, or cannot be cut further */
-            if ((p->kind == QUAD && p->budget > 1) || !exact(&s, w, p, m))
+            if (!exact(&s, w, p, m))
                 second_order(&s, view, m, k);
         } else if (p->kind == SECTOR && p->r0 > 0) {
             /* the middle is the hole's, and cannot be aimed at */
@@ -778,88 +725,15 @@ line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     put(w, &s);
 }
 
-/* A parallelogram that may be cut, with what a half has of the whole but for a
- * power of two, which is exact: most lamps are such, and most patches. */
-struct quad {
-    double c[3], u[3], v[3]; /* as in struct patch */
-    double uu, vv;           /* squares of u and v */
-    double aa, bb, ab;       /* products of the moments' axes */
-    double area;
-    int budget;
-};
-
+/* Parallelograms: see quad.h. */
 static void
-quad_sample(struct walk *w, const struct quad *q)
+visit_quad(struct walk *w)
 {
-    struct rad_moments m = { .area = q->area };
-    struct patch p;
+    struct rad_light_sample s[RAD_LIGHT_PATCHES];
+    int n = rad_quad_samples(w->src, w->view, s);
 
-    p.kind = QUAD;
-    p.budget = q->budget;
-    p.node = NULL;
-    rad_copy(p.p, q->c);
-    rad_copy(p.u, q->u);
-    rad_copy(p.v, q->v);
-    rad_copy(m.c, q->c);
-    rad_copy(m.aim, q->c);
-    rad_scale(m.a, 1 / sqrt(3), q->u);
-    rad_scale(m.b, 1 / sqrt(3), q->v);
-    flat_sample(w, &p, &m);
-}
-
-/* Leave of q what each half has, and the way from its middle to theirs. */
-static void
-cut_quad(struct quad *q, double way[3])
-{
-    bool in_u = q->uu > q->vv;
-    double *axis = in_u ? q->u : q->v;
-
-    rad_scale(axis, .5, axis);
-    rad_copy(way, axis);
-    *(in_u ? &q->uu : &q->vv) *= .25;
-    *(in_u ? &q->aa : &q->bb) *= .25;
-    q->ab *= .5;
-    q->area *= .5;
-    q->budget /= 2;
-}
-
-static void
-visit_quad(struct walk *w, const struct quad *q)
-{
-    const struct rad_light_view *view = w->view;
-    struct quad half;
-    double way[3];
-
-    if (!(view->sizerat > 0) || q->budget <= 1 ||
-        side_small_enough(q->aa, q->bb, q->ab, rad_dist2(view->p, q->c),
-                          view->sizerat)) {
-        quad_sample(w, q);
-        return;
-    }
-    half = *q;
-    cut_quad(&half, way);
-    for (int h = 0; h < 2; h++) {
-        rad_madd(half.c, q->c, h ? 1 : -1, way);
-        visit_quad(w, &half);
-    }
-}
-
-static void
-visit_whole_quad(struct walk *w)
-{
-    const struct rad_source *src = w->src;
-    const struct rad_moments *m = &src->root;
-    struct quad q = { .area = m->area, .budget = MAX_PATCHES };
-
-    rad_copy(q.c, src->centre);
-    rad_copy(q.u, src->axis[0]);
-    rad_copy(q.v, src->axis[1]);
-    q.uu = rad_dot(q.u, q.u);
-    q.vv = rad_dot(q.v, q.v);
-    q.aa = rad_dot(m->a, m->a);
-    q.bb = rad_dot(m->b, m->b);
-    q.ab = rad_dot(m->a, m->b);
-    visit_quad(w, &q);
+    for (int i = 0; i < n; i++)
+        put(w, &s[i]);
 }
 
 /* The other shapes. */
@@ -972,7 +846,7 @@ static void
 root_patch(const struct rad_source *src, struct patch *p)
 {
     memset(p, 0, sizeof *p);
-    p->budget = MAX_PATCHES;
+    p->budget = RAD_LIGHT_PATCHES;
     if (src->tree) {
         from_node(p, src->tree);
     } else if (src->shape == RAD_RING) {
@@ -1052,7 +926,7 @@ rad_light_samples(const struct rad_source *src,
         return;
     }
     if (is_quad(src)) {
-        visit_whole_quad(&w);
+        visit_quad(&w);
         return;
     }
     root_patch(src, &root);

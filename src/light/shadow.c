@@ -53,6 +53,13 @@ struct order {
     int32_t i; /* index of the potential */
 };
 
+/* Where shadow rays start to one side of the hit. */
+struct start {
+    bool known;
+    double org[3];
+    double height; /* above the lamp's plane: see height_above() */
+};
+
 struct direct {
     struct rad_ctx *ctx;
     struct rad_ray *r;
@@ -60,6 +67,10 @@ struct direct {
     void *data;
     int32_t source;    /* whose samples are being weighed */
     uint32_t nsamples; /* so far, weighed or not */
+    /* that source, if it is flat and looks the same all over: then nothing of
+     * the place aimed at need be known */
+    const struct rad_source *lamp;
+    struct start start[2]; /* for directions above and below the hit */
     struct potential *list;
     int32_t n, capacity;
 };
@@ -107,18 +118,16 @@ largest(const double v[3])
     return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
-/* Distance along the span to the plane of a flat source, less what rounding
- * may have done to it and to another surface in that plane. */
+/* How high a place is above the plane of a flat source, less what rounding may
+ * do to the distance to that and to another surface in that plane. */
 static double
-reach_plane(const struct rad_source *src, const struct rad_span *span)
+height_above(const struct rad_source *src, const double p[3])
 {
-    double cosine = -rad_dot(src->normal, span->dir), d[3];
+    double d[3];
 
-    rad_sub(d, span->org, src->centre);
-    return (rad_dot(d, src->normal) -
-            ROUNDING *
-                (largest(span->org) + largest(src->centre) + largest(d))) /
-           cosine;
+    rad_sub(d, p, src->centre);
+    return rad_dot(d, src->normal) -
+           ROUNDING * (largest(p) + largest(src->centre) + largest(d));
 }
 
 static bool
@@ -151,26 +160,37 @@ meet_target(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
     return span->tmax > 0;
 }
 
-/* The same for p's span, in the direction of a sample. */
+/* The same for p's span, if it goes to d's lamp. */
 static bool
-meet_source(const struct direct *d, struct potential *p, const double dir[3],
-            struct rad_hit *hit)
+meet_lamp(struct direct *d, struct potential *p, const double dir[3])
+{
+    const struct rad_hit *from = &d->r->hit;
+    struct start *start = &d->start[signbit(rad_dot(from->n, dir)) != 0];
+
+    if (!start->known) {
+        rad_geom_leave(from, dir, start->org);
+        start->height = height_above(d->lamp, start->org);
+        start->known = true;
+    }
+    rad_copy(p->span.org, start->org);
+    rad_copy(p->span.dir, dir);
+    p->span.tmin = 0;
+    p->span.tmax = start->height / -rad_dot(d->lamp->normal, dir);
+    return p->span.tmax > 0;
+}
+
+/* The source whose samples are weighed next. */
+static void
+turn_to(struct direct *d, int32_t source)
 {
     const struct rad_sources *s = d->ctx->job->sources;
-    const struct rad_source *src;
+    const unsigned lamp = RAD_LIGHT_FLAT | RAD_LIGHT_PLAIN;
 
-    if (p->source < s->n) {
-        src = &s->list[p->source];
-        if (src->flags & RAD_LIGHT_FLAT && src->flags & RAD_LIGHT_PLAIN) {
-            /* the place aimed at is on it: nothing of it need be known */
-            rad_copy(p->span.dir, dir);
-            rad_geom_leave(&d->r->hit, dir, p->span.org);
-            p->span.tmin = 0;
-            p->span.tmax = reach_plane(src, &p->span);
-            return p->span.tmax > 0;
-        }
-    }
-    return meet_target(d->ctx, &d->r->hit, p->source, dir, &p->span, hit);
+    d->source = source;
+    d->lamp = NULL;
+    if (source < s->n && (s->list[source].flags & lamp) == lamp)
+        d->lamp = &s->list[source];
+    d->start[0].known = d->start[1].known = false;
 }
 
 /* Shade a ray that nothing has stopped on its way to its source, which it meets
@@ -279,7 +299,9 @@ weigh(void *arg, const struct rad_light_sample *s)
     p->coef = coef;
     p->source = d->source;
     p->branch = branch;
-    if (!meet_source(d, p, s->aim, &hit))
+    if (!(d->lamp ? meet_lamp(d, p, s->aim)
+                  : meet_target(d->ctx, &d->r->hit, p->source, s->aim, &p->span,
+                                &hit)))
         return;
     p->val = rad_rgb_mul(source_radiance(d, p, &hit), coef);
     if (rad_rgb_lum(p->val) > 0)
@@ -553,7 +575,7 @@ weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
              height_of(&s->list[v->root], v->image, d->r) <
                  -s->list[v->root].radius))
             continue;
-        d->source = s->n + i;
+        turn_to(d, s->n + i);
         view->key = sample_key(d->r, view, d->source);
         rad_virtual_samples(s, v, view, weigh, d);
     }
@@ -579,9 +601,8 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     rad_copy(view.p, r->hit.p);
     rad_scale(up, r->cos_o < 0 ? -1 : 1, r->n);
     view.sizerat = par->srcsizerat / r->weight;
-    for (d.source = 0; d.source < s->n; d.source++) {
-        const struct rad_source *src = &s->list[d.source];
-
+    for (int32_t i = 0; i < s->n; i++) {
+        const struct rad_source *src = &s->list[i];
         double height = INFINITY;
 
         if (src->flags & RAD_LIGHT_SKIP)
@@ -589,7 +610,8 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
         if (skip && (height = height_of(src, src->centre, r)) < -src->radius)
             continue;
         view.up = height < src->radius ? up : NULL;
-        view.key = sample_key(r, &view, d.source);
+        view.key = sample_key(r, &view, i);
+        turn_to(&d, i);
         rad_light_samples(src, &view, weigh, &d);
     }
     view.up = NULL;
@@ -615,9 +637,7 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
     const struct rad_sources *s = ctx->job->sources;
     const struct rad_virtual *v =
         source < s->n ? NULL : &s->virtuals[source - s->n];
-    struct direct d = {
-        .ctx = ctx, .r = r, .brdf = brdf, .data = data, .source = source
-    };
+    struct direct d = { .ctx = ctx, .r = r, .brdf = brdf, .data = data };
     struct rad_light_view view = { .jitter = ctx->job->params.srcjitter };
     struct rad_arena_mark mark;
 
@@ -626,6 +646,7 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
     view.key = sample_key(r, &view, source);
+    turn_to(&d, source);
     if (!v)
         rad_light_samples(&s->list[source], &view, weigh, &d);
     else if (rad_virtual_faces(v, view.p, r->hit.err))
