@@ -21,6 +21,8 @@ libdaemon_a_SOURCES = \
 	daemon/conn.h \
 	daemon/coord.c \
 	daemon/coord.h \
+	daemon/coord_conn.c \
+	daemon/coord_job.c \
 	daemon/daemon.c \
 	daemon/daemon.h \
 	daemon/disk.c \

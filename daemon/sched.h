@@ -1,8 +1,11 @@
 /* sched.h - who works on what: the part of the coordinator that hands out
  *
- * coord.c keeps connections and requests and calls these; both change the
- * structs below.  Private to the coordinator's files: coord.c, request.c,
- * report.c, and those of the scheduler:
+ * Private to the coordinator's files, which all change the structs below:
+ *   coord.c    events, and messages of workers
+ *   coord_conn.c  connections, and who is behind them
+ *   coord_job.c  the life of a job
+ *   request.c, report.c  what users and admins ask for
+ * and those of the scheduler:
  *   sched.c    who gets what
  *   result.c   rows that come, units that are done
  *   loss.c     workers and children that go
@@ -292,11 +295,13 @@ double speed_cost(const struct job *job, uint32_t index, double ms);
 double speed_left_ms(const struct coord *c, const struct job *job,
                      uint32_t unit, const struct job_go *go);
 
-/* --- coord.c --- */
+/* --- coord_conn.c --- */
 
-/* The job or connection of that id, or NULL. */
-struct job *coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
+/* The connection of that id, or NULL. */
 struct coord_conn *coord_find_conn(const struct coord *c, uint64_t id);
+
+/* It says who it is: welcome or not. */
+void coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m);
 
 /* Close a connection that broke the rules, or that is not needed. */
 void coord_break(struct coord *c, uint64_t conn, const char *why);
@@ -304,15 +309,23 @@ void coord_break(struct coord *c, uint64_t conn, const char *why);
 void coord_reply_failed(struct coord *c, const struct coord_conn *conn,
                         uint32_t request, const uint8_t *job, int status,
                         const char *text);
-void coord_send_accept(struct coord *c, const struct coord_conn *conn,
-                       const struct job *job, bool again);
-/* The last words to one who watches the job. */
-void coord_send_end(struct coord *c, const struct coord_conn *conn,
-                    const struct job *job);
 
 /* The record of the worker of that name, a new one if it never was here; NULL
  * when memory is out. */
 struct coord_worker *coord_worker_of(struct coord *c, const char *name);
+
+/* --- coord_job.c --- */
+
+/* The job of that id, or NULL. */
+struct job *coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
+
+/* To one who watches the job: how far it is, and the last words. */
+void coord_send_progress(struct coord *c, const struct coord_conn *conn,
+                         const struct job *job);
+void coord_send_accept(struct coord *c, const struct coord_conn *conn,
+                       const struct job *job, bool again);
+void coord_send_end(struct coord *c, const struct coord_conn *conn,
+                    const struct job *job);
 
 /* Put a job into the queue; false when memory is out. */
 bool coord_add_job(struct coord *c, struct job *job);
@@ -321,5 +334,8 @@ void coord_try_open(struct coord *c, struct job *job);
 /* End a job; text may be NULL. */
 void coord_job_ends(struct coord *c, struct job *job, enum job_state state,
                     int status, const char *text);
+/* Forget the oldest of the jobs that are over while there are too many, or they
+ * take too much room, or it is too old. */
+void coord_forget_old(struct coord *c);
 
 #endif

@@ -1,0 +1,255 @@
+/* coord_conn.c - who is connected to the coordinator, and as what
+ *
+ * Each connection has a number from the shell, and a session which says what
+ * may come on it; what it may become is known when it opens, what it is by its
+ * HELLO.  A worker has one connection: a new one of its name replaces the old.
+ */
+#include "config.h"
+
+#include "address.h"
+#include "keyfile.h"
+#include "sched.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define MOST_THREADS 4096 /* of one worker */
+
+/* The low bits count up in the shell, and are a host's in the simulation. */
+static size_t
+slot_of(uint64_t id)
+{
+    return (size_t)(id ^ id >> 16) % COORD_CONNS;
+}
+
+struct coord_conn *
+coord_find_conn(const struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = c->by_id[slot_of(id)];
+
+    while (conn && conn->id != id)
+        conn = conn->chain;
+    return conn;
+}
+
+void
+coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
+             const struct coord_peer *peer)
+{
+    struct coord_conn *conn = calloc(1, sizeof *conn);
+
+    c->now_ms = now_ms;
+    if (!conn) {
+        c->actions.failed = true;
+        return;
+    }
+    conn->id = id;
+    conn->session = MSG_AT_COORD_NEW;
+    conn->version = MSG_VERSION;
+    conn->roles = peer->roles;
+    snprintf(conn->address, sizeof conn->address, "%s", peer->address);
+    snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
+    conn->next = c->conns;
+    c->conns = conn;
+    conn->chain = c->by_id[slot_of(id)];
+    c->by_id[slot_of(id)] = conn;
+}
+
+/* Forget a connection that is closed, or about to be. */
+static void
+drop_conn(struct coord *c, struct coord_conn *conn)
+{
+    struct coord_conn **link = &c->conns;
+
+    while (*link != conn)
+        link = &(*link)->next;
+    *link = conn->next;
+    link = &c->by_id[slot_of(conn->id)];
+    while (*link != conn)
+        link = &(*link)->chain;
+    *link = conn->chain;
+    if (conn->worker) {
+        conn->worker->conn = 0;
+        conn->worker->since_ms = c->now_ms;
+        sched_worker_gone(c, conn->worker);
+    }
+    free(conn);
+}
+
+void
+coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (!conn)
+        return;
+    actions_log(&c->actions, conn->worker ? ACT_WARN : ACT_DEBUG,
+                "connection lost peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+    drop_conn(c, conn);
+    sched_run(c);
+}
+
+void
+coord_break(struct coord *c, uint64_t id, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    if (!conn)
+        return;
+    actions_log(&c->actions, ACT_WARN,
+                "connection closed peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+    actions_session(&c->actions, id, MSG_NSESSION, conn->version);
+    actions_close(&c->actions, id);
+    drop_conn(c, conn);
+}
+
+void
+coord_reply_failed(struct coord *c, const struct coord_conn *conn,
+                   uint32_t request, const uint8_t *job, int status,
+                   const char *text)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .request = request,
+                     .failed = { job, (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+static void
+refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
+       const char *text)
+{
+    struct msg m = { .type = MSG_REFUSE,
+                     .request = request,
+                     .refuse = { (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+    coord_break(c, conn->id, text);
+}
+
+struct coord_worker *
+coord_worker_of(struct coord *c, const char *name)
+{
+    struct coord_worker *w, **link = &c->workers;
+
+    for (; (w = *link) != NULL; link = &w->next)
+        if (strcmp(w->name, name) == 0)
+            return w;
+    w = calloc(1, sizeof *w);
+    if (w) {
+        snprintf(w->name, sizeof w->name, "%s", name);
+        w->id = c->nworkers++;
+        w->relative = 1;
+        *link = w;
+    }
+    return w;
+}
+
+/* Where peers dial a worker: as it says, but one that listens on all of its
+ * addresses has that by which it came. */
+static void
+note_address(struct coord_worker *w, const struct coord_conn *conn,
+             const char *said)
+{
+    const char *from = conn->address, *colon = strrchr(from, ':');
+    bool named = colon && strncmp(from, "uid:", 4) != 0;
+
+    if (strncmp(said, "tcp ", 4) == 0 && address_is_wildcard(said + 4))
+        snprintf(w->address, sizeof w->address, "tcp %.*s:%s",
+                 named ? (int)(colon - from) : 9, named ? from : "127.0.0.1",
+                 strrchr(said, ':') + 1);
+    else
+        snprintf(w->address, sizeof w->address, "%s", said);
+}
+
+static bool
+join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
+{
+    struct coord_worker *w = coord_worker_of(c, m->name);
+
+    if (!w) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (w->conn != 0)
+        coord_break(c, w->conn, "replaced by a new connection of that name");
+    w->conn = conn->id;
+    w->version = conn->version;
+    w->threads = m->threads;
+    w->fingerprint = m->fingerprint;
+    w->since_ms = c->now_ms;
+    w->leaving = w->alone = false;
+    snprintf(w->program, sizeof w->program, "%s", m->program);
+    note_address(w, conn, m->address);
+    conn->worker = w;
+    return true;
+}
+
+/* Why a HELLO is not welcome; NULL: it is. */
+static const char *
+hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
+            char text[MSG_MAX_TEXT + 1], int *status)
+{
+    *status = EX_PROTOCOL;
+    if (msg_common_version(m->min, m->max) == 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "protocol versions %u to %u are not spoken here, only %u to "
+                 "%u",
+                 m->min, m->max, MSG_VERSION_MIN, MSG_VERSION);
+        return text;
+    }
+    *status = EX_NOPERM;
+    if (!(conn->roles >> m->role & 1))
+        return "this role is not allowed from there";
+    if (m->role != MSG_ROLE_WORKER)
+        return NULL;
+    if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "the key is that of a worker called '%s'", conn->name);
+        return text;
+    }
+    *status = EX_CONFIG;
+    if (!key_name_valid(m->name, strlen(m->name)))
+        return "a worker's name needs letters, digits, '.', '_' or '-'";
+    if (m->threads < 1 || m->threads > MOST_THREADS)
+        return "a worker needs 1 to 4096 threads";
+    return NULL;
+}
+
+void
+coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    static const enum msg_session session[] = {
+        [MSG_ROLE_WORKER] = MSG_AT_COORD_WORKER,
+        [MSG_ROLE_USER] = MSG_AT_COORD_USER,
+        [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
+    };
+    struct msg welcome = { .type = MSG_WELCOME,
+                           .request = m->request,
+                           .welcome = { 0, c->env.epoch, c->env.program } };
+    char text[MSG_MAX_TEXT + 1];
+    int status;
+    const char *fault = hello_fault(conn, &m->hello, text, &status);
+
+    if (fault) {
+        refuse(c, conn, m->request, status, fault);
+        return;
+    }
+    conn->version = msg_common_version(m->hello.min, m->hello.max);
+    welcome.welcome.version = (uint16_t)conn->version;
+    if (m->hello.role == MSG_ROLE_WORKER && !join_worker(c, conn, &m->hello))
+        return;
+    conn->session = session[m->hello.role];
+    actions_log(&c->actions, ACT_INFO,
+                "hello peer=%s role=%s name=%s threads=%u protocol=%u",
+                conn->address, key_role_name(m->hello.role), m->hello.name,
+                m->hello.threads, conn->version);
+    actions_session(&c->actions, conn->id, conn->session, conn->version);
+    actions_send(&c->actions, conn->id, &welcome);
+}
