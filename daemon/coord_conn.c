@@ -16,6 +16,9 @@
 #include <sysexits.h>
 
 #define MOST_THREADS 4096 /* of one worker */
+#define MOST_CONNS   256  /* of one user */
+
+static const char crowded[] = "too many connections of this user";
 
 /* The low bits count up in the shell, and are a host's in the simulation. */
 static size_t
@@ -32,30 +35,6 @@ coord_find_conn(const struct coord *c, uint64_t id)
     while (conn && conn->id != id)
         conn = conn->chain;
     return conn;
-}
-
-void
-coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
-             const struct coord_peer *peer)
-{
-    struct coord_conn *conn = calloc(1, sizeof *conn);
-
-    c->now_ms = now_ms;
-    if (!conn) {
-        c->actions.failed = true;
-        return;
-    }
-    conn->id = id;
-    conn->session = MSG_AT_COORD_NEW;
-    conn->version = MSG_VERSION;
-    conn->roles = peer->roles;
-    snprintf(conn->address, sizeof conn->address, "%s", peer->address);
-    snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
-    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
-    conn->next = c->conns;
-    c->conns = conn;
-    conn->chain = c->by_id[slot_of(id)];
-    c->by_id[slot_of(id)] = conn;
 }
 
 /* Forget a connection that is closed, or about to be. */
@@ -107,6 +86,65 @@ coord_break(struct coord *c, uint64_t id, const char *why)
     actions_session(&c->actions, id, MSG_NSESSION, conn->version);
     actions_close(&c->actions, id);
     drop_conn(c, conn);
+}
+
+/* Connections of whoever has this one, where that may do no more than use the
+ * cluster: all of them, or those alone that have said who they are; and the
+ * oldest that has not, or NULL. */
+static unsigned
+count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
+           const struct coord_conn **oldest)
+{
+    unsigned n = 0;
+
+    *oldest = NULL;
+    if (conn->roles != 1u << MSG_ROLE_USER)
+        return 0;
+    for (const struct coord_conn *i = c->conns; i; i = i->next) {
+        bool is_new = i->session == MSG_AT_COORD_NEW;
+
+        if (i->roles != conn->roles || strcmp(i->owner, conn->owner) != 0)
+            continue;
+        n += !(greeted && is_new);
+        if (is_new)
+            *oldest = i; /* they begin with the newest */
+    }
+    return n;
+}
+
+/* Before one more: nobody takes all that a process can have of them. */
+static void
+make_room(struct coord *c, const struct coord_conn *conn)
+{
+    const struct coord_conn *oldest;
+
+    if (count_user(c, conn, false, &oldest) >= MOST_CONNS && oldest)
+        coord_break(c, oldest->id, crowded);
+}
+
+void
+coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
+             const struct coord_peer *peer)
+{
+    struct coord_conn *conn = calloc(1, sizeof *conn);
+
+    c->now_ms = now_ms;
+    if (!conn) {
+        c->actions.failed = true;
+        return;
+    }
+    conn->id = id;
+    conn->session = MSG_AT_COORD_NEW;
+    conn->version = MSG_VERSION;
+    conn->roles = peer->roles;
+    snprintf(conn->address, sizeof conn->address, "%s", peer->address);
+    snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
+    make_room(c, conn);
+    conn->next = c->conns;
+    c->conns = conn;
+    conn->chain = c->by_id[slot_of(id)];
+    c->by_id[slot_of(id)] = conn;
 }
 
 void
@@ -168,6 +206,21 @@ note_address(struct coord_worker *w, const struct coord_conn *conn,
         snprintf(w->address, sizeof w->address, "%s", said);
 }
 
+/* It called again before the old connection was known to be dead; or two hosts
+ * have one name, and then both should hear of it. */
+static void
+replace(struct coord *c, const struct coord_worker *w,
+        const struct coord_conn *by)
+{
+    char why[MSG_MAX_TEXT + 1];
+    struct msg m = { .type = MSG_BYE, .bye = { why } };
+
+    snprintf(why, sizeof why, "replaced by a connection of that name from %s",
+             by->address);
+    actions_send(&c->actions, w->conn, &m);
+    coord_break(c, w->conn, why);
+}
+
 static bool
 join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 {
@@ -178,7 +231,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
         return false;
     }
     if (w->conn != 0)
-        coord_break(c, w->conn, "replaced by a new connection of that name");
+        replace(c, w, conn);
     w->conn = conn->id;
     w->version = conn->version;
     w->threads = m->threads;
@@ -193,9 +246,11 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
 
 /* Why a HELLO is not welcome; NULL: it is. */
 static const char *
-hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
-            char text[MSG_MAX_TEXT + 1], int *status)
+hello_fault(const struct coord *c, const struct coord_conn *conn,
+            const struct msg_hello *m, char text[MSG_MAX_TEXT + 1], int *status)
 {
+    const struct coord_conn *oldest;
+
     *status = EX_PROTOCOL;
     if (msg_common_version(m->min, m->max) == 0) {
         snprintf(text, MSG_MAX_TEXT + 1,
@@ -207,8 +262,10 @@ hello_fault(const struct coord_conn *conn, const struct msg_hello *m,
     *status = EX_NOPERM;
     if (!(conn->roles >> m->role & 1))
         return "this role is not allowed from there";
-    if (m->role != MSG_ROLE_WORKER)
-        return NULL;
+    if (m->role != MSG_ROLE_WORKER) {
+        *status = EX_TEMPFAIL;
+        return count_user(c, conn, true, &oldest) < MOST_CONNS ? NULL : crowded;
+    }
     if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
         snprintf(text, MSG_MAX_TEXT + 1,
                  "the key is that of a worker called '%s'", conn->name);
@@ -235,7 +292,7 @@ coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
                            .welcome = { 0, c->env.epoch, c->env.program } };
     char text[MSG_MAX_TEXT + 1];
     int status;
-    const char *fault = hello_fault(conn, &m->hello, text, &status);
+    const char *fault = hello_fault(c, conn, &m->hello, text, &status);
 
     if (fault) {
         refuse(c, conn, m->request, status, fault);

@@ -59,7 +59,8 @@ on_refuse(struct worker *w, const struct msg *m)
 static void
 on_bye(struct worker *w, const struct msg *m)
 {
-    (void)m;
+    actions_log(&w->actions, w->draining ? ACT_INFO : ACT_WARN,
+                "let go by the coordinator why=%s", m->bye.text);
     if (w->draining)
         worker_stop(w, 0, "");
 }

@@ -23,24 +23,26 @@ static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
 static const uint8_t hash[MSG_HASH] = { 1 };
 static const uint8_t pixels[8 * 8 * 12];
 
+enum { CONNS = 300 };
+
 struct fixture {
     struct coord *c;
     uint64_t now_ms;
-    bool have;          /* the file is stored */
-    struct msg last[8]; /* by connection: what was said to it last */
-    struct wire_out bytes[8];
-    unsigned sent[8];
-    bool closed[8];
-    unsigned units[8];            /* UNITs by connection */
+    bool have;              /* the file is stored */
+    struct msg last[CONNS]; /* by connection: what was said to it last */
+    struct wire_out bytes[CONNS];
+    unsigned sent[CONNS];
+    bool closed[CONNS];
+    unsigned units[CONNS];        /* UNITs by connection */
     uint8_t unit_job;             /* first byte of the job of the last UNIT */
     struct msg_progress progress; /* the last */
     int nan_logs;
     char nan_log[80];
     int differ_logs; /* of duplicates */
     int hang_logs;
-    unsigned version[8];
-    int peers[8]; /* JOB_PEERS that came */
-    uint16_t peer_version[8];
+    unsigned version[CONNS];
+    int peers[CONNS]; /* JOB_PEERS that came */
+    uint16_t peer_version[CONNS];
 };
 
 static bool
@@ -222,7 +224,7 @@ set_up_coord(bool coded)
     f.c = coord_new(&env);
     f.now_ms = 1;
     f.have = true;
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < CONNS; i++)
         wire_out_init(&f.bytes[i], MSG_FRAME_MAX);
     join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     join(&f, ANA, MSG_ROLE_USER, "", "ana");
@@ -240,7 +242,7 @@ static void
 tear_down(void)
 {
     coord_free(f.c);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < CONNS; i++) {
         wire_out_release(&f.bytes[i]);
         msg_release(&f.last[i]);
     }
@@ -769,6 +771,72 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
 }
 END_TEST
 
+START_TEST(a_worker_that_calls_again_replaces_itself)
+{
+    join(&f, 7, MSG_ROLE_WORKER, "w", "x");
+    ck_assert(!f.closed[7]);
+    join(&f, 6, MSG_ROLE_WORKER, "w", "x");
+    ck_assert_int_eq(f.last[7].type, MSG_BYE);
+    ck_assert_str_eq(f.last[7].bye.text,
+                     "replaced by a connection of that name from test");
+    ck_assert(f.closed[7]);
+    ck_assert_int_eq(f.last[6].type, MSG_WELCOME);
+}
+END_TEST
+
+static void
+call(uint64_t conn, unsigned roles, const char *owner, bool hello)
+{
+    struct coord_peer peer = { "test", owner, roles, NULL };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { MSG_VERSION_MIN, MSG_VERSION, MSG_ROLE_USER, "",
+                                "t", "", 0, 0 } };
+
+    coord_opened(f.c, f.now_ms, conn, &peer);
+    carry_out(&f);
+    if (hello)
+        say(&f, conn, &m);
+}
+
+/* A user, by a socket or a key, has 256; who steers or renders has any. */
+START_TEST(one_user_has_not_all_connections)
+{
+    const unsigned user = 1u << MSG_ROLE_USER, first = 10;
+
+    for (unsigned i = 0; i < 256; i++)
+        call(first + i, user, "eve", true);
+    ck_assert_int_eq(f.last[first + 255].type, MSG_WELCOME);
+    call(first + 256, user, "eve", true);
+    ck_assert_int_eq(f.last[first + 256].type, MSG_REFUSE);
+    ck_assert_int_eq(f.last[first + 256].refuse.status, EX_TEMPFAIL);
+    ck_assert(f.closed[first + 256]);
+    ck_assert(!f.closed[first]);
+    call(first + 257, user, "cleo", true);
+    ck_assert_int_eq(f.last[first + 257].type, MSG_WELCOME);
+    call(first + 258, user | 1u << MSG_ROLE_ADMIN, "eve", true);
+    ck_assert_int_eq(f.last[first + 258].type, MSG_WELCOME);
+    coord_closed(f.c, f.now_ms, first, "gone");
+    carry_out(&f);
+    call(first + 259, user, "eve", true);
+    ck_assert_int_eq(f.last[first + 259].type, MSG_WELCOME);
+}
+END_TEST
+
+/* Nor do those that say nothing keep the next one out. */
+START_TEST(a_silent_connection_goes_when_a_user_has_too_many)
+{
+    const unsigned user = 1u << MSG_ROLE_USER, first = 10;
+
+    for (unsigned i = 0; i < 256; i++)
+        call(first + i, user, "eve", i == 0);
+    ck_assert(!f.closed[first + 1]);
+    call(first + 256, user, "eve", true);
+    ck_assert(f.closed[first + 1]); /* the oldest that is silent */
+    ck_assert(!f.closed[first] && !f.closed[first + 2]);
+    ck_assert_int_eq(f.last[first + 256].type, MSG_WELCOME);
+}
+END_TEST
+
 static const struct {
     uint16_t min, max, spoken;
 } versions[] = { { 1, 1, 1 }, { 1, 2, 2 }, { 1, 9, 2 }, { 2, 2, 2 } };
@@ -1103,6 +1171,9 @@ main(void)
                         N_ELEM(credentials));
     tcase_add_loop_test(tc, a_hello_that_does_not_fit_is_refused, 0,
                         N_ELEM(hellos));
+    tcase_add_test(tc, a_worker_that_calls_again_replaces_itself);
+    tcase_add_test(tc, one_user_has_not_all_connections);
+    tcase_add_test(tc, a_silent_connection_goes_when_a_user_has_too_many);
     tcase_add_loop_test(tc, old_and_new_ones_are_welcome, 0, N_ELEM(versions));
     tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
     tcase_add_test(tc, files_of_jobs_are_needed);
