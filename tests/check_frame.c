@@ -196,6 +196,38 @@ START_TEST(sampled_windows_repeat_themselves_in_any_order)
 }
 END_TEST
 
+/* A thread sets rays up before it is asked for their pixels.  What it has of
+ * one frame must not be taken for another's that lies where that lay. */
+START_TEST(a_frame_in_anothers_place_has_rays_of_its_own)
+{
+    static const char *const views[] = {
+        "VIEW= -vp 0 0 0 -vd .3 1 0 -vu 0 0 1 -vh 40 -vv 40",
+        "VIEW= -vp .2 0 0 -vd 0 1 0 -vu 0 0 1 -vh 50 -vv 50 -vo .1 -va 30",
+    };
+    struct stage s, fresh;
+    struct rad_pixel got, want;
+    struct rad_view v;
+
+    stage_init(&s, room, params(48, 1), ahead, true);
+    for (int i = 0; i < 2; i++) {
+        for (int x = 10; x < 20; x += 3)
+            rad_frame_pixel(&s.frame, &s.ctx, x, 20, &got);
+        rad_frame_release(&s.frame);
+        rad_view_init(&v);
+        rad_view_line(&v, views[i], strlen(views[i]), NULL);
+        ck_assert_int_eq(rad_frame_init(&s.frame, s.job, &v, 0, true, NULL), 0);
+        stage_init(&fresh, room, params(48, 1), views[i], true);
+        for (int x = 22; x < 30; x++) {
+            rad_frame_pixel(&s.frame, &s.ctx, x, 20, &got);
+            rad_frame_pixel(&fresh.frame, &fresh.ctx, x, 20, &want);
+            ck_assert_mem_eq(&got, &want, sizeof got);
+        }
+        stage_release(&fresh);
+    }
+    stage_release(&s);
+}
+END_TEST
+
 START_TEST(seed_and_frame_move_the_jitter)
 {
     struct rad_params p = params(16, 1);
@@ -456,6 +488,7 @@ main(void)
                    pixels_that_are_no_numbers_are_black_and_the_first_is_kept);
     tcase_add_test(tc, painted_sources_that_are_no_numbers_count_too);
     tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
+    tcase_add_test(tc, a_frame_in_anothers_place_has_rays_of_its_own);
     tcase_add_test(tc, seed_and_frame_move_the_jitter);
     tcase_add_test(tc, what_is_out_of_focus_blurs_by_the_lens);
     tcase_add_test(tc, motion_blurs_between_the_views);

@@ -29,6 +29,30 @@ rad_frame_size(const struct rad_params *p, const struct rad_view *view,
     return 0;
 }
 
+static uint64_t
+stamp_view(uint64_t stamp, const struct rad_view *v)
+{
+    uint64_t word[sizeof *v / sizeof(uint64_t)];
+
+    memcpy(word, v, sizeof word);
+    for (size_t i = 0; i < sizeof word / sizeof word[0]; i++)
+        stamp = rad_mix64(stamp ^ word[i]) + 1;
+    return stamp;
+}
+
+/* A hash of what the rays of its pixels are made from, beside the job. */
+static void
+stamp(struct rad_frame *f)
+{
+    uint64_t size = (uint64_t)f->width << 32 | (uint32_t)f->height;
+
+    f->stamp = stamp_view(f->key ^ rad_mix64(size), &f->view);
+    if (f->moving)
+        f->stamp = stamp_view(f->stamp, &f->before);
+    if (f->stamp == 0)
+        f->stamp = 1;
+}
+
 int
 rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                const struct rad_view *view, uint32_t number, bool depth,
@@ -46,6 +70,7 @@ rad_frame_init(struct rad_frame *f, const struct rad_job *job,
         (rc = rad_frame_size(&job->params, &f->view, &f->width, &f->height,
                              &f->pixaspect, err)) < 0)
         return rc;
+    stamp(f);
     if (!job->params.directvis || job->params.aperture > 0)
         return 0;
     return rad_paint_init(&f->paint, job, &f->view, f->width, err);
@@ -60,7 +85,10 @@ rad_frame_move(struct rad_frame *f, const struct rad_view *before,
     rad_paint_release(&f->paint);
     f->before = *before;
     f->moving = true;
-    return rad_view_setup(&f->before, err);
+    if (rad_view_setup(&f->before, err) < 0)
+        return RAD_EUSAGE;
+    stamp(f);
+    return 0;
 }
 
 void
@@ -73,7 +101,7 @@ rad_frame_release(struct rad_frame *f)
  * frame's view at the same place, or beyond.  As in rpict there is no blur
  * where that view has no ray. */
 static bool
-move(const struct rad_frame *f, double h, double v, struct rad_ray *r,
+move(const struct rad_frame *f, double h, double v, struct rad_aim *r,
      double *aft)
 {
     double d = f->job->params.motion * (.5 - rad_rand(r->key, RAD_DIM_MOTION));
@@ -91,7 +119,7 @@ move(const struct rad_frame *f, double h, double v, struct rad_ray *r,
 
 /* Set up the primary ray of a pixel; false: the view has none there. */
 static bool
-aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
+aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
 {
     const struct rad_params *p = &f->job->params;
     double jx = .5, jy = .5, aft, u[3];
@@ -113,6 +141,38 @@ aim(const struct rad_frame *f, int x, int y, struct rad_ray *r)
     }
     r->tmax = aft > 0 ? aft : INFINITY;
     return true;
+}
+
+/* Set up r as the primary ray of a pixel, and where pixels come in even steps
+ * along a row the next one's: its square root and divisions, one waiting for
+ * the other, take place while r is on its way.  False: the view has none. */
+static bool
+take_aim(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
+         struct rad_ray *r)
+{
+    struct rad_aim *a = &ctx->aim;
+    bool found = a->frame == f->stamp && a->x == x && a->y == y, seen;
+    uint64_t last = atomic_load_explicit(&ctx->at, memory_order_relaxed);
+    int step = RAD_AT_Y(last) == y ? x - RAD_AT_X(last) : 0;
+
+    if (!found)
+        a->seen = aim(f, x, y, a);
+    seen = a->seen;
+    if (seen) {
+        r->key = a->key;
+        r->tmax = a->tmax;
+        rad_copy(r->org, a->org);
+        rad_copy(r->dir, a->dir);
+    }
+    a->frame = 0;
+    if (step > 0 && step == a->step && step < f->width - x) {
+        a->frame = f->stamp;
+        a->x = x + step;
+        a->y = y;
+        a->seen = aim(f, x + step, y, a);
+    }
+    a->step = step;
+    return seen;
 }
 
 void
@@ -149,12 +209,12 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
 {
     uint64_t unsound = ctx->counts.unsound_rays;
     struct rad_ray r;
+    bool seen = take_aim(f, ctx, x, y, &r);
 
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
     out->L = rad_grey(0);
     out->z = 0;
-    if (!aim(f, x, y, &r) ||
-        !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+    if (!seen || !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
         return false;
     ctx->counts.primary_rays++;
     if (ctx->job->ambient)

@@ -21,6 +21,7 @@ struct rad_frame {
     double pixaspect;       /* height / width of a pixel, for the header */
     uint32_t number;        /* 0 for a still, 1.. in an animation */
     uint64_t key;           /* of its random numbers */
+    uint64_t stamp;         /* tells its rays from other frames', not 0 */
     bool depth;             /* -z wanted */
     bool moving;            /* -pm: between these views */
     struct rad_view before; /* the last frame's, set up */

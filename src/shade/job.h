@@ -103,6 +103,16 @@ void rad_counts_nan(struct rad_counts *c, int x, int y);
 #define RAD_AT_X(at) ((int)((at)&0x7fffffff))
 #define RAD_AT_Y(at) ((int)((at) >> 31 & 0x7fffffff))
 
+/* A primary ray that was set up ahead of its pixel (picture/frame.c). */
+struct rad_aim {
+    uint64_t frame; /* whose it is; 0: none */
+    int x, y;       /* its pixel */
+    int step;       /* from the pixel before to that one, along the row */
+    bool seen;      /* the view has a ray there */
+    uint64_t key;
+    double org[3], dir[3], tmax;
+};
+
 /* What one thread needs to trace rays.  Not shared, but for `at`. */
 struct rad_ctx {
     const struct rad_job *job;
@@ -112,6 +122,7 @@ struct rad_ctx {
     /* the pixel it is at, RAD_AT(x, y), or 0 before the first: relaxed, for
      * whoever watches the thread */
     _Atomic uint64_t at;
+    struct rad_aim aim;
     struct rad_calc_env *calc; /* NULL: no functions */
     int32_t
         *last_blocker; /* by source or image of one: object that blocked
