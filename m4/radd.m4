@@ -3,10 +3,12 @@
 # Flags of every compilation, in RADD_CFLAGS (CFLAGS is the user's).
 # -ffp-contract=off and no fast math: the same bits on every machine whose
 # numeric fingerprint agrees.
+# No pairing of scalars: points are three doubles, stored one by one; a load of
+# two of them at once waits until the stores have reached the cache.
 AC_DEFUN([RADD_COMPILER_FLAGS], [
-RADD_CFLAGS="-std=gnu11 -ffp-contract=off -fno-math-errno -Wall -Wextra \
--Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith \
--Wwrite-strings -Wvla"
+RADD_CFLAGS="-std=gnu11 -ffp-contract=off -fno-math-errno \
+-fno-tree-slp-vectorize -Wall -Wextra -Wshadow \
+-Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wwrite-strings -Wvla"
 AS_IF([test "x$enable_werror" = xyes], [RADD_CFLAGS="$RADD_CFLAGS -Werror"])
 RADD_LDFLAGS=
 AC_SUBST([RADD_CFLAGS])
