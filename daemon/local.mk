@@ -75,6 +75,10 @@ libdaemon_a_SOURCES = \
 	daemon/relay.c \
 	daemon/render.c \
 	daemon/render.h \
+	daemon/render_impl.h \
+	daemon/render_load.c \
+	daemon/render_records.c \
+	daemon/render_units.c \
 	daemon/report.c \
 	daemon/report.h \
 	daemon/request.c \

@@ -636,7 +636,7 @@ ready(struct net *net, struct net_event *e)
     net_send_msg(net, e->a, k->conn, &m);
 }
 
-/* As in render.c: something of another frame than the last. */
+/* As in render_units.c: something of another frame than the last. */
 static void
 begin_frame(struct net *net, int node, uint32_t frame)
 {
