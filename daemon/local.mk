@@ -31,6 +31,9 @@ libdaemon_a_SOURCES = \
 	daemon/folder.h \
 	daemon/journal.c \
 	daemon/journal.h \
+	daemon/journal_impl.h \
+	daemon/journal_put.c \
+	daemon/journal_read.c \
 	daemon/dial.c \
 	daemon/dial.h \
 	daemon/duplicate.c \

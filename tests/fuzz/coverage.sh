@@ -24,7 +24,8 @@ src/picture/hdr src/picture/params src/picture/view src/picture/facts
 proto/wire proto/codec proto/message proto/msg_job proto/msg_order proto/msg_peer
 proto/msg_session proto/msg_sharing proto/msg_store proto/msg_work proto/frame
 proto/keyfile proto/tls
-daemon/conf daemon/hours daemon/address daemon/journal daemon/ambshare
+daemon/conf daemon/hours daemon/address daemon/journal daemon/journal_put
+daemon/journal_read daemon/ambshare
 client/costs client/ambfile'
 
 cd "$top_builddir" || exit 2
