@@ -334,6 +334,9 @@ tls_handshake(struct tls *t, struct rad_error *err)
         if (!SSL_session_reused(t->ssl))
             return rad_fail(err, RAD_EPERM, "the key '%s' was not used", t->id);
         t->done = true;
+        /* whom we know may keep its 33 KiB of buffers: to allocate them for
+         * each record takes as long as to seal a short one */
+        SSL_clear_mode(t->ssl, SSL_MODE_RELEASE_BUFFERS);
         OPENSSL_cleanse(t->secret, sizeof t->secret);
         return 1;
     }
@@ -365,6 +368,9 @@ tls_read(struct tls *t, void *p, size_t n, struct rad_error *err)
 
     if (!t->done || t->ended)
         return 0;
+    /* to be told so by SSL_read() takes as long as a short message */
+    if (SSL_pending(t->ssl) == 0 && BIO_ctrl_pending(t->in) == 0)
+        return 0;
     ERR_clear_error();
     rc = SSL_read(t->ssl, p, n > INT32_MAX ? INT32_MAX : (int)n);
     if (rc > 0)
@@ -387,7 +393,6 @@ tls_ended(const struct tls *t)
 int
 tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err)
 {
-    ERR_clear_error();
     if (!t->done || n > TLS_PIECE)
         return rad_fail(err, RAD_EINTERNAL, "not now, or too much");
     if (n > 0 && SSL_write(t->ssl, p, (int)n) != (int)n)
@@ -399,15 +404,14 @@ tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err)
 static bool
 append_out(struct tls *t, uint8_t *to, size_t *at, size_t room)
 {
-    const uint8_t *p;
-    size_t n = tls_out(t, &p);
+    size_t n = BIO_ctrl_pending(t->out);
 
     if (n > room - *at)
         return false;
-    if (n > 0)
-        memcpy(to + *at, p, n);
+    /* a reset would clear all that was ever in it */
+    if (n > 0 && BIO_read(t->out, to + *at, (int)n) != (int)n)
+        return false;
     *at += n;
-    tls_sent(t);
     return true;
 }
 
