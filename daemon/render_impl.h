@@ -46,6 +46,7 @@ struct render {
     struct give *gives;
     uint64_t loaded;   /* where records begin that others may lack */
     uint64_t first_ms; /* records were drained; 0: not yet */
+    bool twin;         /* others were at a unit that is here, too */
     uint64_t sent, received, redundant; /* ambient records */
     uint64_t told_rays;                 /* under way, in the last TALLY */
     uint64_t told_dropped;              /* likewise */

@@ -85,6 +85,7 @@ render_take_unit(struct render *r, const struct msg_unit *u)
     struct rad_error err = { 0 };
     int rc = check_unit(r, u, &err);
 
+    r->twin |= u->flags & MSG_UNIT_TWIN;
     if (rc == 0)
         rc = begin_frame(r, u->frame, &err);
     if (rc == 0)
@@ -133,6 +134,7 @@ render_take_strict(struct render *r, const struct msg *m)
         strict_split(s, m->split.unit, m->split.attempt);
         break;
     case MSG_TWIN:
+        r->twin = true;
         strict_twin(s, m->twin.unit, m->twin.attempt);
         break;
     case MSG_FACTS:
