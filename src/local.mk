@@ -4,6 +4,7 @@ librad_a_CPPFLAGS = $(AM_CPPFLAGS)
 librad_a_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS) $(CRYPTO_CFLAGS) \
 	$(EXPAT_CFLAGS)
 librad_a_SOURCES = \
+	src/base/angle.h \
 	src/base/arena.c \
 	src/base/arena.h \
 	src/base/color.h \

@@ -487,11 +487,12 @@ is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
     return rad_dot(c->p, c->p) * c->near * c->near > a * a + b * b;
 }
 
-/* Directions, 32 of them about the normal from axis u on, in which something
- * at the horizon is nearer than the zone's edge, or may be where the cell's ray
- * did not go: a wall that is met aside of its nearest point seems farther. */
+/* Directions, 32 of them about the normal from the record's axis u on, which is
+ * `axis` in the sampling's frame, in which something at the horizon is nearer
+ * than the zone's edge, or may be where the cell's ray did not go: a wall that
+ * is met aside of its nearest point seems farther. */
 static uint32_t
-find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
+find_corral(const struct rad_hemi *h, const double axis[2], const double r[2])
 {
     double overhead = INFINITY; /* 1 / distance of what is farthest there */
     /* what a cell spans; between two rays that meet a wall, and beyond the
@@ -510,7 +511,8 @@ find_corral(const struct rad_hemi *h, const double f[3][3], const double r[2])
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j += i == 0 || i == n - 1 ? 1 : n - 1) {
             const struct rad_hemicell *c = &h->cell[i * n + j];
-            double u = rad_dot(c->p, f[0]), v = rad_dot(c->p, f[1]);
+            double u = c->p[0] * axis[0] + c->p[1] * axis[1];
+            double v = c->p[1] * axis[0] - c->p[0] * axis[1];
 
             if (!is_inside(c, u, v, wide))
                 continue;
@@ -572,10 +574,9 @@ shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
         rec->gpos[k] = (float)(gpos[k] * cap);
         rec->gdir[k] = (float)gdir[k];
     }
-    double f[3][3], zone[2] = { r[0] * aa, r[1] * aa };
+    double zone[2] = { r[0] * aa, r[1] * aa };
 
-    record_frame(rec, f);
-    rec->corral = find_corral(h, f, zone);
+    rec->corral = find_corral(h, vec, zone);
 }
 
 /* The weight that a record made here is for: that of a ray which has been

@@ -9,67 +9,81 @@
  * With h the foot of the perpendicular on the edge's line and s the length
  * along it from there, r = h + s e/|e|, every integral is one of
  *     A_k = integral ds / q^k,  B_k = ... s / q^k,  C_3 = ... s^2 / q^3,
- * q = h^2 + s^2, which have closed forms.  */
+ * q = h^2 + s^2, which have closed forms.  Only what is in the plane of the
+ * point is wanted, and with the normal along z that is x and y.  */
 #include "config.h"
 
 #include "light/gradient.h"
+#include "base/angle.h"
 #include "base/vec.h"
-
-#include <string.h>
 
 /* An edge whose line passes this close to the point, relative to its distance,
  * is seen end on: it spans no angle worth the cancellation in h. */
 #define END_ON 1e-6
 
-/* m (xx xy xz yy yz zz) += s (a b^T + b a^T) / 2 */
-static void
-add_outer(double m[6], double s, const double a[3], const double b[3])
-{
-    int k = 0;
+/* The end of an edge. */
+struct corner {
+    const double *p;
+    double q, rcp; /* |p|^2, 1 / q */
+};
 
-    for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++)
-            m[k++] += s / 2 * (a[i] * b[j] + a[j] * b[i]);
+static inline struct corner
+corner_at(const double p[3])
+{
+    double q = rad_dot(p, p);
+
+    return (struct corner){ p, q, 1 / q };
+}
+
+static inline void
+add_edge(const struct corner *a, const struct corner *b, double scale,
+         struct rad_slope *sum)
+{
+    double e[3], axb[3];
+
+    rad_sub(e, b->p, a->p);
+    rad_cross(axb, a->p, b->p);
+
+    double len2 = rad_dot(e, e), area2 = rad_dot(axb, axb);
+
+    if (!(area2 > END_ON * END_ON * len2 * rad_least(a->q, b->q)))
+        return;
+
+    double len = sqrt(len2), area = sqrt(area2), per = 1 / len;
+    double x = e[0] * per, y = e[1] * per; /* the edge's unit vector */
+    double s0 = rad_dot(a->p, e) * per, s1 = s0 + len;
+    double hx = a->p[0] - s0 * x, hy = a->p[1] - s0 * y;
+    double rcp = len2 / area2; /* 1 / h^2 */
+    double d = axb[2] * per;   /* the integrals are over s = t len */
+    double A1 = rad_angle(area, rad_dot(a->p, b->p)) * area * rcp * per;
+    double A2 = ((s1 * b->rcp - s0 * a->rcp) + A1) * rcp / 2;
+    double B2 = (a->rcp - b->rcp) / 2;
+    double A3 =
+        ((s1 * b->rcp * b->rcp - s0 * a->rcp * a->rcp) + 3 * A2) * rcp / 4;
+    double B3 = (a->rcp + b->rcp) * B2 / 2;
+    double C3 = A2 - area2 * per * per * A3;
+    double Gx = 2 * (A2 * hx + B2 * x), Gy = 2 * (A2 * hy + B2 * y);
+
+    d *= scale;
+    sum->grad[0] += (d * Gx - scale * A1 * y) / 2;
+    sum->grad[1] += (d * Gy + scale * A1 * x) / 2;
+    d *= 4;
+    A2 /= 4;
+    sum->hess[0] +=
+        d * (A3 * hx * hx + 2 * B3 * hx * x + C3 * x * x - A2) - scale * y * Gx;
+    sum->hess[1] += d * (A3 * hx * hy + B3 * (hx * y + hy * x) + C3 * x * y) +
+                    scale / 2 * (x * Gx - y * Gy);
+    sum->hess[2] +=
+        d * (A3 * hy * hy + 2 * B3 * hy * y + C3 * y * y - A2) + scale * x * Gy;
 }
 
 void
-rad_edge_derivatives(const double a[3], const double b[3], const double n[3],
-                     double scale, double grad[3], double hess[6])
+rad_edge_slope(const double a[3], const double b[3], double scale,
+               struct rad_slope *sum)
 {
-    double e[3], h[3], axb[3], nxe[3], G[3];
+    struct corner from = corner_at(a), to = corner_at(b);
 
-    rad_sub(e, b, a);
-    double len = rad_normalize(e);
-    double s0 = rad_dot(a, e), s1 = s0 + len;
-
-    rad_madd(h, a, -s0, e);
-    double h2 = rad_dot(h, h), q0 = rad_dot(a, a), q1 = rad_dot(b, b);
-
-    if (!(h2 > END_ON * END_ON * rad_least(q0, q1)))
-        return;
-    rad_cross(axb, a, b);
-    rad_cross(nxe, n, e);
-
-    double d = rad_dot(n, axb) / len; /* the integrals are over s = t len */
-    double hh = sqrt(h2);
-    double A1 = atan2(hh * len, h2 + s0 * s1) / hh;
-    double A2 = ((s1 / q1 - s0 / q0) + A1) / (2 * h2);
-    double B2 = (1 / q0 - 1 / q1) / 2;
-    double A3 = ((s1 / (q1 * q1) - s0 / (q0 * q0)) + 3 * A2) / (4 * h2);
-    double B3 = (1 / (q0 * q0) - 1 / (q1 * q1)) / 4;
-    double C3 = A2 - h2 * A3;
-
-    rad_scale(G, 2 * A2, h);
-    rad_madd(G, G, 2 * B2, e);
-    rad_madd(grad, grad, scale / 2 * A1, nxe);
-    rad_madd(grad, grad, scale / 2 * d, G);
-    add_outer(hess, scale, nxe, G);
-    add_outer(hess, 4 * scale * d * A3, h, h);
-    add_outer(hess, 8 * scale * d * B3, h, e);
-    add_outer(hess, 4 * scale * d * C3, e, e);
-    hess[0] -= scale * d * A2;
-    hess[3] -= scale * d * A2;
-    hess[5] -= scale * d * A2;
+    add_edge(&from, &to, scale, sum);
 }
 
 /* What a cell may count for at most, over the mean. */
@@ -128,62 +142,49 @@ upper(const struct rad_hemi *h, int i, int j, double most)
     return behind(h, k + h->n + 1, k + h->n, k + 1, most);
 }
 
-struct sums {
-    double grad[3], hess[6];
-};
-
-static void
-add_edge(const struct rad_hemi *h, struct sums *s, int from, int to,
-         double difference)
-{
-    if (difference != 0)
-        rad_edge_derivatives(h->cell[from].p, h->cell[to].p, h->w, difference,
-                             s->grad, s->hess);
-}
-
 /* Each edge between two triangles, with the difference of its left one and its
  * right one.  The mesh's outline has no right side: what lies beyond is taken
  * to go on as it is. */
 static void
-sum_edges(const struct rad_hemi *h, struct sums *s, double most)
+sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
 {
     int n = h->n;
 
-    for (int i = 0; i < n - 1; i++)
-        for (int j = 0; j < n - 1; j++) {
-            int k = i * n + j;
-            double low = lower(h, i, j, most);
+    for (int i = 0; i < n - 1; i++) {
+        const struct rad_hemicell *cell = &h->cell[i * n];
+        struct corner at = corner_at(cell->p);
 
-            add_edge(h, s, k + 1, k + n, low - upper(h, i, j, most));
-            if (i > 0)
-                add_edge(h, s, k, k + 1, low - upper(h, i - 1, j, most));
-            if (j > 0)
-                add_edge(h, s, k, k + n, upper(h, i, j - 1, most) - low);
+        for (int j = 0; j < n - 1; j++, cell++) {
+            struct corner right = corner_at(cell[1].p),
+                          above = corner_at(cell[n].p);
+            double low = lower(h, i, j, most), d;
+
+            d = low - upper(h, i, j, most);
+            if (d != 0)
+                add_edge(&right, &above, d, sum);
+            d = i > 0 ? low - upper(h, i - 1, j, most) : 0;
+            if (d != 0)
+                add_edge(&at, &right, d, sum);
+            d = j > 0 ? upper(h, i, j - 1, most) - low : 0;
+            if (d != 0)
+                add_edge(&at, &above, d, sum);
+            at = right;
         }
+    }
 }
 
 void
 rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
 {
-    struct sums s = { .grad = { 0 } };
+    struct rad_slope sum = { .grad = { 0 } };
     double most, E = M_PI * fair_mean(h, &most);
 
-    sum_edges(h, &s, most);
+    sum_edges(h, &sum, most);
     rad_hemi_turn(h, g->turn);
-    g->move[0] = rad_dot(s.grad, h->u) / E;
-    g->move[1] = rad_dot(s.grad, h->v) / E;
-
-    const double *m = s.hess;
-    double Hu[3] = { m[0] * h->u[0] + m[1] * h->u[1] + m[2] * h->u[2],
-                     m[1] * h->u[0] + m[3] * h->u[1] + m[4] * h->u[2],
-                     m[2] * h->u[0] + m[4] * h->u[1] + m[5] * h->u[2] };
-    double Hv[3] = { m[0] * h->v[0] + m[1] * h->v[1] + m[2] * h->v[2],
-                     m[1] * h->v[0] + m[3] * h->v[1] + m[4] * h->v[2],
-                     m[2] * h->v[0] + m[4] * h->v[1] + m[5] * h->v[2] };
-
-    g->hess[0] = rad_dot(h->u, Hu) / E;
-    g->hess[1] = rad_dot(h->u, Hv) / E;
-    g->hess[2] = rad_dot(h->v, Hv) / E;
+    for (int k = 0; k < 2; k++)
+        g->move[k] = sum.grad[k] / E;
+    for (int k = 0; k < 3; k++)
+        g->hess[k] = sum.hess[k] / E;
 }
 
 /* Turning the normal by da about axis t adds L da.(n x d) / (n.d) per sample
@@ -198,10 +199,10 @@ rad_hemi_turn(const struct rad_hemi *h, double turn[2])
     for (int k = 0; k < h->n * h->n; k++) {
         const double *d = h->cell[k].p;
         /* a uniform part turns nothing, but low rays would make it noise */
-        double f = (rad_rgb_lum(h->cell[k].L) - mean) / rad_dot(h->w, d);
+        double f = (rad_rgb_lum(h->cell[k].L) - mean) / d[2];
 
-        turn[0] -= scale * f * rad_dot(h->v, d);
-        turn[1] += scale * f * rad_dot(h->u, d);
+        turn[0] -= scale * f * d[1];
+        turn[1] += scale * f * d[0];
     }
 }
 

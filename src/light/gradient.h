@@ -29,13 +29,17 @@ void rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g);
 /* The gradient for turning alone. */
 void rad_hemi_turn(const struct rad_hemi *h, double turn[2]);
 
-/* Irradiance per radiance of the polygon edge from a to b (relative to the
- * point), its gradient and Hessian as the point moves: added to grad[3] and
- * hess[6] (xx, xy, xz, yy, yz, zz) times `scale`.  Summed counter-clockwise, as
- * seen along -n, over a closed polygon they are those of the polygon. */
-void rad_edge_derivatives(const double a[3], const double b[3],
-                          const double n[3], double scale, double grad[3],
-                          double hess[6]);
+/* How the irradiance per radiance changes as the point moves in its plane. */
+struct rad_slope {
+    double grad[2]; /* x, y */
+    double hess[3]; /* xx, xy, yy */
+};
+
+/* Add what a polygon's edge from a to b (relative to the point, the normal
+ * along z) has of that, times `scale`.  Summed counter-clockwise, as seen from
+ * above, over a closed polygon it is that of the polygon. */
+void rad_edge_slope(const double a[3], const double b[3], double scale,
+                    struct rad_slope *sum);
 
 /* Eigenvalues of the symmetric matrix { uu, uv, vv }, the one larger in
  * magnitude first, and the unit eigenvector of that one. */

@@ -12,6 +12,7 @@
 #include "config.h"
 
 #include "light/hemisphere.h"
+#include "base/angle.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -51,48 +52,44 @@ struct sampler {
 static void
 square_to_disk(double x, double y, double d[2])
 {
-    double a = 2 * x - 1, b = 2 * y - 1, r, phi;
+    double a = 2 * x - 1, b = 2 * y - 1, sine, cosine;
+    int along = !(fabs(a) > fabs(b)); /* the axis that is nearer */
+    double r = along ? b : a, over = along ? a : b;
 
-    if (a == 0 && b == 0) {
+    if (r == 0) {
         d[0] = d[1] = 0;
         return;
     }
-    if (fabs(a) > fabs(b)) {
-        r = a;
-        phi = M_PI / 4 * (b / a);
-    } else {
-        r = b;
-        phi = M_PI / 2 - M_PI / 4 * (a / b);
-    }
-    d[0] = r * cos(phi);
-    d[1] = r * sin(phi);
+    rad_sin_cos(M_PI / 4 * (over / r), &sine, &cosine);
+    d[along] = r * cosine;
+    d[!along] = r * sine;
 }
 
-/* Trace the ray through (x, y) of the square; false: it was refused.  *dist
- * is how far it went. */
+/* Trace the ray through (x, y) of the square; false: it was refused.  d gets
+ * its direction, in the frame of the sampling, *dist how far it went. */
 static bool
-trace(struct sampler *s, double x, double y, uint32_t number,
-      struct rad_ray *ray, struct rad_rgb *L, double *dist)
+trace(struct sampler *s, double x, double y, uint32_t number, double d[3],
+      struct rad_rgb *L, double *dist)
 {
     struct rad_ctx *ctx = s->ctx;
-    double d[2], z;
+    struct rad_ray ray;
 
-    if (!rad_ray_spawn(ctx, ray, s->kind, s->r, &s->coef, s->branch | number))
+    if (!rad_ray_spawn(ctx, &ray, s->kind, s->r, &s->coef, s->branch | number))
         return false;
     square_to_disk(x, y, d);
-    z = sqrt(rad_most(1 - d[0] * d[0] - d[1] * d[1], 0));
-    rad_scale(ray->dir, d[0], s->h->u);
-    rad_madd(ray->dir, ray->dir, d[1], s->h->v);
-    rad_madd(ray->dir, ray->dir, z, s->h->w);
+    d[2] = sqrt(rad_most(1 - d[0] * d[0] - d[1] * d[1], 0));
+    rad_scale(ray.dir, d[0], s->h->u);
+    rad_madd(ray.dir, ray.dir, d[1], s->h->v);
+    rad_madd(ray.dir, ray.dir, d[2], s->h->w);
     ctx->counts.ambient_rays++;
-    rad_ray_trace(ctx, ray);
+    rad_ray_trace(ctx, &ray);
     /* roulette has raised the coefficient of a survivor */
-    *L = rad_rgb_scale(ray->L, rad_rgb_max(ray->coef) / rad_rgb_max(s->coef));
+    *L = rad_rgb_scale(ray.L, rad_rgb_max(ray.coef) / rad_rgb_max(s->coef));
     if (!s->plan->store) {
         *dist = 1;
         return true;
     }
-    *dist = rad_ray_distance(ray);
+    *dist = rad_ray_distance(&ray);
     *dist = *dist < s->plan->far ? *dist : s->plan->far;
     *dist = rad_most(*dist, NEAREST * s->plan->far);
     return true;
@@ -130,13 +127,12 @@ sample_cells(struct sampler *s)
             uint32_t dim = DIM_JITTER + 2 * number;
             double x = perm[i] + rad_rand(s->key, dim);
             double y = perm[n + j] + rad_rand(s->key, dim + 1);
-            struct rad_ray ray;
-            double dist;
+            double d[3], dist;
 
-            if (!trace(s, (j + x / n) / n, (i + y / n) / n, number, &ray, &c->L,
+            if (!trace(s, (j + x / n) / n, (i + y / n) / n, number, d, &c->L,
                        &dist))
                 continue;
-            rad_scale(c->p, dist, ray.dir);
+            rad_scale(c->p, dist, d);
             c->near = (float)(1 / dist);
             s->traced++;
         }
@@ -173,11 +169,11 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
 
     for (int k = 0; k < more; k++, ++*number) {
         uint32_t dim = DIM_JITTER + 2 * *number;
-        double x = rad_rand(s->key, dim), y = rad_rand(s->key, dim + 1), dist;
-        struct rad_ray ray;
+        double x = rad_rand(s->key, dim), y = rad_rand(s->key, dim + 1);
+        double d[3], dist;
         struct rad_rgb L;
 
-        if (!trace(s, (j + x) / n, (i + y) / n, *number, &ray, &L, &dist))
+        if (!trace(s, (j + x) / n, (i + y) / n, *number, d, &L, &dist))
             continue;
         sum = rad_rgb_add(sum, L);
         if (dist * c->near < 1)

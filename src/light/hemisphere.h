@@ -13,7 +13,8 @@
 #include "shade/ray.h"
 
 struct rad_hemicell {
-    double p[3];      /* what the cell's first ray met, from the origin */
+    double p[3];      /* what the cell's first ray met, from the origin, in the
+                       * frame of the sampling */
     float near;       /* 1 / distance of the nearest thing met [1/unit] */
     struct rad_rgb L; /* mean radiance of the cell */
 };
