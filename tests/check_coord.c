@@ -151,26 +151,34 @@ join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
 
 static uint32_t submit_flags; /* of jobs that are submitted from now on */
 
+/* A SUBMIT of the usual job of one file and one frame; what else it has is for
+ * the caller to set. */
+static struct msg
+usual_submit(const uint8_t *job)
+{
+    return (struct msg){ .type = MSG_SUBMIT,
+                         .submit = { .job = job,
+                                     .manifest = hash,
+                                     .name = "n",
+                                     .params = "",
+                                     .needs = "",
+                                     .estimate = "",
+                                     .files = { 1, hash },
+                                     .nframes = 1,
+                                     .frames = &frame } };
+}
+
 static void
 submit_with(struct fixture *f, uint64_t conn, const uint8_t *job, int priority,
             uint32_t windows, uint32_t flags)
 {
-    struct msg m = { .type = MSG_SUBMIT,
-                     .request = 5,
-                     .submit = { .job = job,
-                                 .manifest = hash,
-                                 .name = "n",
-                                 .params = "",
-                                 .needs = "",
-                                 .estimate = "",
-                                 .priority = priority,
-                                 .flags = flags | submit_flags,
-                                 .partition = MSG_PART_WINDOW,
-                                 .windows = windows,
-                                 .files = { 1, hash },
-                                 .nframes = 1,
-                                 .frames = &frame } };
+    struct msg m = usual_submit(job);
 
+    m.request = 5;
+    m.submit.priority = priority;
+    m.submit.flags = flags | submit_flags;
+    m.submit.partition = MSG_PART_WINDOW;
+    m.submit.windows = windows;
     say(f, conn, &m);
 }
 
@@ -282,19 +290,11 @@ static const struct {
 
 START_TEST(rows_come_coded_where_pictures_are_all_they_make)
 {
-    struct msg m = { .type = MSG_SUBMIT,
-                     .submit = { .job = job_a,
-                                 .manifest = hash,
-                                 .name = "n",
-                                 .params = "",
-                                 .needs = "",
-                                 .estimate = "uniform",
-                                 .flags = codings[_i].flags,
-                                 .partition = codings[_i].partition,
-                                 .files = { 1, hash },
-                                 .nframes = 1,
-                                 .frames = &frame } };
+    struct msg m = usual_submit(job_a);
 
+    m.submit.estimate = "uniform";
+    m.submit.flags = codings[_i].flags;
+    m.submit.partition = codings[_i].partition;
     tear_down();
     set_up_coord(codings[_i].coordinator);
     say(&f, ANA, &m);
@@ -321,21 +321,14 @@ static const struct {
 
 START_TEST(coded_rows_that_are_none_end_the_connection)
 {
-    struct msg m = { .type = MSG_SUBMIT,
-                     .submit = { .job = job_a,
-                                 .manifest = hash,
-                                 .name = "n",
-                                 .params = "-ps 1",
-                                 .needs = "",
-                                 .estimate = "uniform",
-                                 .partition = MSG_PART_AUTO,
-                                 .files = { 1, hash },
-                                 .nframes = 1,
-                                 .frames = &frame } };
+    struct msg m = usual_submit(job_a);
     struct msg r = { .type = MSG_RESULT,
                      .result = { job_a, 0, 1, 0, coded_rows[_i].rows, 8,
                                  coded_rows[_i].channels } };
 
+    m.submit.params = "-ps 1";
+    m.submit.estimate = "uniform";
+    m.submit.partition = MSG_PART_AUTO;
     tear_down();
     set_up_coord(true);
     say(&f, ANA, &m);

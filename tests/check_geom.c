@@ -511,6 +511,15 @@ START_TEST(blocker_is_remembered_and_skipped)
 }
 END_TEST
 
+/* From anywhere in the unit cube, in any direction. */
+static struct rad_span
+span_through_cube(uint64_t key)
+{
+    return geom_span(rad_rand(key, 0), rad_rand(key, 1), rad_rand(key, 2),
+                     rad_rand(key, 3) - .5, rad_rand(key, 4) - .5,
+                     rad_rand(key, 5) - .5);
+}
+
 START_TEST(sight_finds_the_first_veil)
 {
     struct rad_geom_counts counts = { 0 };
@@ -538,10 +547,7 @@ START_TEST(sight_finds_the_first_veil)
     geom = geom_scene_compile(&g);
     for (uint32_t i = 0; i < 4000; i++) {
         uint64_t key = rad_key_pixel(6, 0, i, 0);
-        struct rad_span s =
-            geom_span(rad_rand(key, 0), rad_rand(key, 1), rad_rand(key, 2),
-                      rad_rand(key, 3) - .5, rad_rand(key, 4) - .5,
-                      rad_rand(key, 5) - .5);
+        struct rad_span s = span_through_cube(key);
         struct rad_hit first, hit;
         struct rad_line line;
         bool stopped = rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
@@ -647,10 +653,7 @@ START_TEST(line_holds_what_walks_meet)
     ck_assert(rad_geom_passes(geom));
     for (uint32_t i = 0; i < 4000; i++) {
         uint64_t key = rad_key_pixel(8, 0, i, 0);
-        struct rad_span s =
-            geom_span(rad_rand(key, 0), rad_rand(key, 1), rad_rand(key, 2),
-                      rad_rand(key, 3) - .5, rad_rand(key, 4) - .5,
-                      rad_rand(key, 5) - .5);
+        struct rad_span s = span_through_cube(key);
         struct rad_hit hit, want;
         struct rad_line line;
 

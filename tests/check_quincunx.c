@@ -233,11 +233,16 @@ static const struct {
     { 4, 64, 48, 5, false, 472 },
 };
 
+static struct picture *
+picture_of(int i)
+{
+    return picture_new(cases[i].psample, cases[i].width, cases[i].height,
+                       cases[i].maxdiff, cases[i].depth);
+}
+
 START_TEST(same_pixels_are_traced_as_in_rpict)
 {
-    struct picture *p =
-        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
-                    cases[_i].maxdiff, cases[_i].depth);
+    struct picture *p = picture_of(_i);
 
     sample(p);
     ck_assert_int_eq(p->ntraced, cases[_i].ntraced);
@@ -268,12 +273,8 @@ compare(const struct picture *a, const struct picture *b)
 START_TEST(sampler_does_as_the_model)
 {
     for (int where = 0; where < 2; where++) {
-        struct picture *p =
-            picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
-                        cases[_i].maxdiff, cases[_i].depth);
-        struct picture *m =
-            picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
-                        cases[_i].maxdiff, cases[_i].depth);
+        struct picture *p = picture_of(_i);
+        struct picture *m = picture_of(_i);
 
         p->q.x0 = m->q.x0 = 17 * where;
         p->q.y0 = m->q.y0 = 5 * where;
@@ -339,12 +340,8 @@ step_line(struct picture *p, int i, const uint8_t *above, uint8_t *below)
 
 START_TEST(pieces_give_the_same_as_whole_lines)
 {
-    struct picture *whole =
-        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
-                    cases[_i].maxdiff, cases[_i].depth);
-    struct picture *p =
-        picture_new(cases[_i].psample, cases[_i].width, cases[_i].height,
-                    cases[_i].maxdiff, cases[_i].depth);
+    struct picture *whole = picture_of(_i);
+    struct picture *p = picture_of(_i);
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
     uint8_t *density = malloc(2 * (rad_quincunx_ndensity(&p->q) + 1));
     uint8_t *above = density, *below = above + rad_quincunx_ndensity(&p->q) + 1;
