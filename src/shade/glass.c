@@ -85,9 +85,14 @@ pane_fresnel(struct pane *p)
     rs = (cos_i - n * cos_r) / (cos_i + n * cos_r);
     rp = (cos_r - n * cos_i) / (cos_r + n * cos_i);
     for (int i = 0; i < 3; i++) {
-        double t = p->m->clear ? exp(p->m->log_tn[i] / cos_r) : 0;
-        double Ts, Rs, Tp, Rp;
+        double t, Ts, Rs, Tp, Rp;
 
+        if (i > 0 && p->m->log_tn[i] == p->m->log_tn[i - 1]) {
+            T[i] = T[i - 1];
+            R[i] = R[i - 1];
+            continue;
+        }
+        t = p->m->clear ? exp(p->m->log_tn[i] / cos_r) : 0;
         slab(rs * rs, t, &Ts, &Rs);
         slab(rp * rp, t, &Tp, &Rp);
         T[i] = .5 * (Ts + Tp);
