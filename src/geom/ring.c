@@ -55,16 +55,16 @@ rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
              double tmax, double *t)
 {
     double den = rad_dot(p->k, r->dir);
-    double d[3], rho, err, r0, r1;
+    double d[3], rho2, err, least, most;
 
     *t = (p->k[3] - rad_dot(p->k, r->org)) / den;
     if (!(*t > tmin && *t < tmax))
         return false;
     for (int i = 0; i < 3; i++)
         d[i] = r->org[i] - p->v[i] + *t * r->dir[i];
-    rho = sqrt(rad_dot(d, d));
+    rho2 = rad_dot(d, d);
     err = RAD_GEOM_ROUND * (r->size + *t) + p->slack;
-    r0 = rad_least(p->v[6], p->v[7]);
-    r1 = rad_most(p->v[6], p->v[7]);
-    return rho >= r0 - err && rho <= r1 + err;
+    least = rad_most(rad_least(p->v[6], p->v[7]) - err, 0);
+    most = rad_most(p->v[6], p->v[7]) + err;
+    return rho2 <= most * most && rho2 >= least * least;
 }

@@ -92,7 +92,8 @@ begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
 {
     r->coef = coef ? *coef : rad_grey(1);
     /* coefficients above 1 must not let paths grow */
-    r->weight = coef ? fminf(rad_rgb_max(*coef), 1) : 1;
+    r->weight = rad_rgb_max(r->coef);
+    r->weight = r->weight < 1 ? r->weight : 1;
     r->kind = (uint16_t)kind;
     r->parent = parent;
     r->line = NULL;
