@@ -7,6 +7,8 @@
 
 #include "keyfile.h"
 
+#include "base/hex.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -110,18 +112,6 @@ key_id(const struct key *k, char id[KEY_ID])
              k->number);
 }
 
-static int
-hex_digit(char c)
-{
-    if (is_digit(c))
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F')
-        return c - 'A' + 10;
-    return -1;
-}
-
 static bool
 parse_secret(const char *s, size_t n, struct key *k)
 {
@@ -129,16 +119,7 @@ parse_secret(const char *s, size_t n, struct key *k)
         k->retired = true;
         return true;
     }
-    if (n != 2 * KEY_SECRET)
-        return false;
-    for (size_t i = 0; i < KEY_SECRET; i++) {
-        int high = hex_digit(s[2 * i]), low = hex_digit(s[2 * i + 1]);
-
-        if (high < 0 || low < 0)
-            return false;
-        k->secret[i] = (uint8_t)(high << 4 | low);
-    }
-    return true;
+    return n == 2 * KEY_SECRET && rad_hex_read(s, KEY_SECRET, k->secret);
 }
 
 /* --- dates --- */
@@ -520,8 +501,8 @@ key_format(const struct key *k, char line[KEY_LINE + 1])
     char id[KEY_ID], secret[2 * KEY_SECRET + 1] = RETIRED, date[KEY_DATE];
 
     key_id(k, id);
-    for (int i = 0; i < KEY_SECRET && !k->retired; i++)
-        snprintf(secret + (size_t)2 * i, 3, "%02x", k->secret[i]);
+    if (!k->retired)
+        rad_hex_write(k->secret, KEY_SECRET, secret);
     key_date_format(k->expires, date);
     snprintf(line, KEY_LINE + 1, "%s %s%s%s", id, secret, date[0] ? " " : "",
              date);

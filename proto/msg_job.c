@@ -6,8 +6,9 @@
 
 #include "codec.h"
 
+#include "base/hex.h"
+
 #include <float.h>
-#include <string.h>
 
 #define FRAME_MIN 15 /* bytes of a frame with an empty view */
 
@@ -276,36 +277,11 @@ msg_unpack_jobid(struct wire_in *in, struct msg_jobid *b, struct msg *m)
 void
 msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX])
 {
-    static const char digit[] = "0123456789abcdef";
-
-    for (int i = 0; i < MSG_JOB; i++) {
-        hex[2 * i] = digit[job[i] >> 4];
-        hex[2 * i + 1] = digit[job[i] & 15];
-    }
-    hex[2 * MSG_JOB] = '\0';
-}
-
-static int
-hex_digit(char c)
-{
-    if (c >= '0' && c <= '9')
-        return c - '0';
-    if (c >= 'a' && c <= 'f')
-        return c - 'a' + 10;
-    return -1;
+    rad_hex_write(job, MSG_JOB, hex);
 }
 
 bool
 msg_job_parse(const char *hex, uint8_t job[MSG_JOB])
 {
-    if (strlen(hex) != 2 * MSG_JOB)
-        return false;
-    for (int i = 0; i < MSG_JOB; i++) {
-        int hi = hex_digit(hex[2 * i]), lo = hex_digit(hex[2 * i + 1]);
-
-        if (hi < 0 || lo < 0)
-            return false;
-        job[i] = (uint8_t)(hi << 4 | lo);
-    }
-    return true;
+    return rad_hex_valid(hex, MSG_JOB) && rad_hex_read(hex, MSG_JOB, job);
 }

@@ -12,6 +12,8 @@ librad_a_SOURCES = \
 	src/base/error.h \
 	src/base/files.c \
 	src/base/files.h \
+	src/base/hex.c \
+	src/base/hex.h \
 	src/base/rng.h \
 	src/base/sha.c \
 	src/base/sha.h \

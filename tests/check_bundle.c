@@ -1,7 +1,8 @@
-/* check_bundle.c - tests of base/sha, base/files and scene/bundle */
+/* check_bundle.c - tests of base/hex, base/sha, base/files and scene/bundle */
 #include "config.h"
 
 #include "base/files.h"
+#include "base/hex.h"
 #include "base/sha.h"
 #include "scene/bundle.h"
 #include "unit.h"
@@ -42,6 +43,28 @@ START_TEST(only_64_lower_case_digits_are_a_hash)
     ck_assert(!rad_sha_valid(&SHA_ABC[1]));
     ck_assert(!rad_sha_valid("BA7816bf8f01cfea414140de5dae2223b00361a396177a9c"
                              "b410ff61f20015ad"));
+}
+END_TEST
+
+static const struct {
+    const char *hex;
+    bool read, valid;
+} hexes[] = {
+    { "00ff7a", true, true },   { "00FF7a", true, false },
+    { "00ff7a0", true, false }, { "00ff7", false, false },
+    { "00ff7g", false, false }, { "00ff 7", false, false },
+    { "", false, false },       { "0xff7a", false, false },
+};
+
+START_TEST(only_digits_are_read_and_none_is_missing)
+{
+    static const uint8_t want[] = { 0, 255, 0x7a };
+    uint8_t bytes[3];
+
+    ck_assert(rad_hex_valid(hexes[_i].hex, 3) == hexes[_i].valid);
+    ck_assert(rad_hex_read(hexes[_i].hex, 3, bytes) == hexes[_i].read);
+    if (hexes[_i].read)
+        ck_assert_mem_eq(bytes, want, sizeof want);
 }
 END_TEST
 
@@ -246,6 +269,8 @@ main(void)
 
     tcase_add_test(tc, digest_matches_the_standard);
     tcase_add_test(tc, only_64_lower_case_digits_are_a_hash);
+    tcase_add_loop_test(tc, only_digits_are_read_and_none_is_missing, 0,
+                        N_ELEM(hexes));
     tcase_add_test(tc, digest_of_hex_is_hex_again);
     tcase_add_test(tc, list_of_digests_becomes_a_set);
     tcase_add_test(tc, digest_is_found_in_a_set);

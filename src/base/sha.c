@@ -3,6 +3,8 @@
 
 #include "base/sha.h"
 
+#include "base/hex.h"
+
 #include <openssl/evp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,27 +68,13 @@ rad_sha_hex(const void *p, size_t n, char hex[RAD_SHA_HEX + 1],
 void
 rad_sha_to_hex(const uint8_t digest[RAD_SHA_BYTES], char hex[RAD_SHA_HEX + 1])
 {
-    static const char digit[] = "0123456789abcdef";
-
-    for (int i = 0; i < RAD_SHA_BYTES; i++) {
-        hex[2 * i] = digit[digest[i] >> 4];
-        hex[2 * i + 1] = digit[digest[i] & 15];
-    }
-    hex[RAD_SHA_HEX] = '\0';
-}
-
-static unsigned
-digit_value(char c)
-{
-    return (unsigned)(c <= '9' ? c - '0' : c - 'a' + 10);
+    rad_hex_write(digest, RAD_SHA_BYTES, hex);
 }
 
 void
 rad_sha_from_hex(const char *hex, uint8_t digest[RAD_SHA_BYTES])
 {
-    for (int i = 0; i < RAD_SHA_BYTES; i++)
-        digest[i] = (uint8_t)(digit_value(hex[2 * i]) << 4 |
-                              digit_value(hex[2 * i + 1]));
+    rad_hex_read(hex, RAD_SHA_BYTES, digest);
 }
 
 static int
@@ -122,11 +110,5 @@ rad_sha_among(const uint8_t *digests, size_t n,
 bool
 rad_sha_valid(const char *hex)
 {
-    int i = 0;
-
-    for (; hex[i]; i++)
-        if (i >= RAD_SHA_HEX || !((hex[i] >= '0' && hex[i] <= '9') ||
-                                  (hex[i] >= 'a' && hex[i] <= 'f')))
-            return false;
-    return i == RAD_SHA_HEX;
+    return rad_hex_valid(hex, RAD_SHA_BYTES);
 }
