@@ -3,6 +3,8 @@
 
 #include "dryrun.h"
 
+#include "wordlist.h"
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -164,22 +166,6 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
         printf("error    about %.2g %%\n", 100 * p->error.all);
 }
 
-/* Blank-separated words as a list. */
-static json_t *
-words_of(const char *text)
-{
-    json_t *list = json_array();
-
-    while (*text) {
-        size_t n = strcspn(text, " ");
-
-        if (n > 0)
-            json_array_append_new(list, json_stringn(text, n));
-        text += n + (text[n] == ' ');
-    }
-    return list;
-}
-
 char *
 dryrun_json(const struct msg_spec *spec, const struct prediction *p,
             const struct dryrun_cluster *c)
@@ -190,7 +176,7 @@ dryrun_json(const struct msg_spec *spec, const struct prediction *p,
         "dry_run", 1, "radd", PACKAGE_VERSION, "options", spec->params, "seed",
         (json_int_t)(spec->seed & INT64_MAX), "scene", "objects",
         (json_int_t)spec->objects, "bundle_bytes",
-        (json_int_t)spec->bundle_bytes, "needs", words_of(spec->needs),
+        (json_int_t)spec->bundle_bytes, "needs", wordlist_json(spec->needs),
         "picture", "width", (json_int_t)spec->frames[0].width, "height",
         (json_int_t)spec->frames[0].height, "frames", (json_int_t)spec->nframes,
         "cluster", "embedded", (int)c->embedded, "workers", c->workers,

@@ -55,7 +55,9 @@ libclient_a_SOURCES = \
 	client/words.c \
 	client/words.h \
 	daemon/ambshare.c \
-	daemon/ambshare.h
+	daemon/ambshare.h \
+	daemon/wordlist.c \
+	daemon/wordlist.h
 
 # what a client links with, before LIBRAD
 LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(JANSSON_LIBS) $(UV_LIBS)

@@ -136,6 +136,8 @@ libdaemon_a_SOURCES = \
 	daemon/team.h \
 	daemon/transfer.c \
 	daemon/transfer.h \
+	daemon/wordlist.c \
+	daemon/wordlist.h \
 	daemon/worker.c \
 	daemon/worker.h \
 	daemon/worker_child.c \

@@ -3,6 +3,8 @@
 
 #include "stats.h"
 
+#include "wordlist.h"
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,22 +21,6 @@ static json_int_t
 integer(uint64_t n)
 {
     return n > INT64_MAX ? INT64_MAX : (json_int_t)n;
-}
-
-/* Features, blanks between, as an array. */
-static json_t *
-needs(const char *text)
-{
-    json_t *list = json_array();
-
-    while (*text) {
-        size_t n = strcspn(text, " ");
-
-        if (n > 0)
-            json_array_append_new(list, json_stringn(text, n));
-        text += n + (text[n] == ' ');
-    }
-    return list;
 }
 
 /* Fingerprints that took part: one, or "mixed". */
@@ -219,8 +205,8 @@ stats_json(const struct job *job, uint64_t now_ms)
         "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
         "seed", integer(s->seed), "scene", "objects", (json_int_t)s->objects,
         "bundle_bytes", integer(s->bundle_bytes), "sent_bytes",
-        integer(job->sent_bytes), "needs", needs(s->needs), "picture", "width",
-        (json_int_t)s->frames[0].width, "height",
+        integer(job->sent_bytes), "needs", wordlist_json(s->needs), "picture",
+        "width", (json_int_t)s->frames[0].width, "height",
         (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
         "time", times(job, now_ms), "totals", totals(job), "error", "estimate",
         error.all, "ambient", error.ambient, "sampling", error.sampling,
