@@ -235,6 +235,10 @@ static const struct {
     { "Dx*100+Ny*10+Pz", 100 + 50 + 9 },
     { "D(3)+N(1)+P(2)", 3 + 4 + 8 },
     { "Ts", 25 },
+    { "3-A1", 1 },
+    { "A1-3", -1 },
+    { "3*A1+4", 10 },
+    { "4+A1*3", 10 },
     { "Lv", 27 },
     { "dot(D,N)", 1 * 4 + 2 * 5 + 3 * 6 },
     { "cross(3,D,N)", 1 * 5 - 2 * 4 },
@@ -280,6 +284,14 @@ static const struct {
     { ";;a = 1;;", "a", 1 },
     { "a = 1", "a", 1 }, /* the last ; may lack */
     { "n=select(3,1,2,f(2)); f(x)=x+1;", "n", 3 },
+    { "c = $2; f(x) = x-c; g(y) = f(y);", "g($1)", -1 },
+    { "f(x) = x+x*x; g(y) = f(y);", "g(sq(3))", 90 },
+    { "f(x) = x*2; g(y) = f(y)+y; h(z) = z+g(z);", "h(A1+1)", 12 },
+    { "r = arg(1); r = arg(2);", "r", -3 }, /* the last, of whatever kind */
+    { "c = $3; c(x) = x;", "c(4)", 4 },
+    { "c = $3; c = 4;", "c", 4 },
+    { "c(x) = x; c = $3;", "c", 3 },
+    { "c = 4; c = arg(1);", "c", 2 },
 };
 
 START_TEST(names_are_found_in_their_scope)
@@ -319,6 +331,8 @@ static const struct {
     { NULL, "1/(A1-2)", RAD_CALC_MATH, 0 },
     { NULL, "cos(1/(A1-2))", RAD_CALC_MATH, 0 },       /* not cos(0) */
     { NULL, "1/(A1-2)+cos(0*A1)", RAD_CALC_SOUND, 1 }, /* forgotten */
+    { NULL, "A2+1/(A1-2)+A2", RAD_CALC_MATH, -6 },     /* it was known */
+    { "f(x) = A1/(A1-2)+x;", "f(Dz)", RAD_CALC_MATH, 3 },
     { NULL, "if(1,log(A1-2),3)", RAD_CALC_MATH, 0 },
     { NULL, "A2^.5", RAD_CALC_MATH, 0 },
     { NULL, "exp(1000*A1)", RAD_CALC_MATH, 0 },

@@ -100,7 +100,7 @@ find_library(const char *name)
 static int32_t
 insert(struct rad_calc *c, const char *name, struct rad_error *err)
 {
-    struct symbol s = { .hash = hash_name(name), .code = -1 };
+    struct symbol s = { .hash = hash_name(name), .code = -1, .channel = -1 };
 
     if (c->nsymbol >= RAD_MAX_CALC_CODE)
         return rad_fail(err, RAD_EDATA, "functions of too many names");
@@ -234,7 +234,7 @@ land(struct emitter *m, int32_t pc)
 }
 
 static void
-put_number(struct emitter *m, double v)
+put_number(struct emitter *m, enum op op, double v)
 {
     struct rad_calc *c = m->c;
 
@@ -245,7 +245,7 @@ put_number(struct emitter *m, double v)
         return;
     }
     c->number[c->nnumber] = v;
-    put(m, OP_NUMBER, 0, c->nnumber++);
+    put(m, op, 0, c->nnumber++);
 }
 
 static void put_node(struct emitter *m, const struct node *n);
@@ -362,6 +362,27 @@ put_call(struct emitter *m, const struct node *call)
     land(m, at + 1);
 }
 
+/* A sum or product of which one side is a number; false: it is none. */
+static bool
+put_with_number(struct emitter *m, const struct node *n)
+{
+    const struct node *a = n->kid, *b = a->next;
+
+    if (b->type != N_NUMBER && n->op != '-') {
+        b = a;
+        a = n->kid->next;
+    }
+    if (b->type != N_NUMBER || n->op == '^')
+        return false;
+    put_node(m, a);
+    put_number(m,
+               n->op == '+'   ? OP_ADD_NUMBER
+               : n->op == '-' ? OP_SUBTRACT_NUMBER
+                              : OP_MULTIPLY_NUMBER,
+               b->number);
+    return true;
+}
+
 static void
 put_binary(struct emitter *m, const struct node *n)
 {
@@ -376,6 +397,8 @@ put_binary(struct emitter *m, const struct node *n)
         land(m, divisor);
         return;
     }
+    if (put_with_number(m, n))
+        return;
     if (n->op == '^')
         put(m, OP_CLEAR, 0, 0);
     put_node(m, a);
@@ -397,7 +420,7 @@ put_node(struct emitter *m, const struct node *n)
         return;
     switch (n->type) {
     case N_NUMBER:
-        put_number(m, n->number);
+        put_number(m, OP_NUMBER, n->number);
         break;
     case N_CHANNEL:
         put(m, OP_CHANNEL, 0, n->ref);

@@ -27,7 +27,7 @@ struct frame {
 enum { BACK_END, BACK_CALL, BACK_PARAM, BACK_VARIABLE };
 
 struct back {
-    int32_t pc;
+    const struct ins *at;
     int32_t frame;
     int32_t what; /* parameter or symbol */
     int32_t kind; /* BACK_* */
@@ -43,20 +43,28 @@ struct rad_calc_env {
         double value;
     } * known; /* by symbol */
     int32_t nknown;
-    int32_t nvalues, nframes, nbacks, nkept;
+    int32_t nframes, nbacks, nkept;
     double value[MAX_VALUES];
     struct frame frame[RAD_MAX_CALC_DEPTH];
     struct back back[MAX_RETURNS];
     double kept[MAX_KEPT];
 };
 
+/* What it works on; a variable of rad_calc_run() and of functions that become
+ * part of it, so that it can stay in registers. */
 struct machine {
     const struct rad_calc *c;
     struct rad_calc_env *e;
-    int32_t pc;
-    int32_t frame; /* whose parameters are meant, -1: none */
+    double *top;          /* behind the last value */
+    const struct ins *at; /* what is next */
+    int32_t frame;        /* whose parameters are meant, -1: none */
     enum rad_calc_fault fault;
 };
+
+/* What is next when nothing can go on. */
+static const struct ins halt = { OP_HALT, 0, 0 };
+
+#define PART static inline __attribute__((always_inline))
 
 const char *
 rad_calc_fault_text(enum rad_calc_fault fault)
@@ -115,52 +123,105 @@ rad_calc_is_begun(const struct rad_calc_env *e, const struct rad_calc_input *in)
     return e->in.channel == in->channel && e->in.args == in->args;
 }
 
-static void
+PART void
+stop(struct machine *m, enum rad_calc_fault fault)
+{
+    m->fault = fault;
+    m->at = &halt;
+}
+
+PART void
 push(struct machine *m, double v)
 {
-    if (m->e->nvalues == MAX_VALUES)
-        m->fault = RAD_CALC_DEPTH;
+    if (m->top == m->e->value + MAX_VALUES)
+        stop(m, RAD_CALC_DEPTH);
     else
-        m->e->value[m->e->nvalues++] = v;
+        *m->top++ = v;
 }
 
 /* Code never takes more than it put there. */
-static double
+PART double
 pop(struct machine *m)
 {
-    return m->e->value[--m->e->nvalues];
+    return *--m->top;
 }
 
 /* Go on at pc in a frame, and come back to where it is now. */
-static void
+PART void
 enter(struct machine *m, int32_t pc, int32_t frame, int kind, int32_t what)
 {
     struct rad_calc_env *e = m->e;
 
     if (e->nbacks == MAX_RETURNS) {
-        m->fault = RAD_CALC_DEPTH;
+        stop(m, RAD_CALC_DEPTH);
         return;
     }
-    e->back[e->nbacks++] = (struct back){ m->pc, m->frame, what, kind };
-    m->pc = pc;
+    e->back[e->nbacks++] = (struct back){ m->at, m->frame, what, kind };
+    m->at = &m->c->code[pc];
     m->frame = frame;
 }
 
-static void
+PART void
+push_channel(struct machine *m, int32_t i)
+{
+    if (m->e->in.channel)
+        push(m, m->e->in.channel[i]);
+    else
+        stop(m, RAD_CALC_NO_CHANNEL);
+}
+
+PART void
+push_value(struct machine *m, int32_t i)
+{
+    if (m->e->call_value)
+        push(m, m->e->call_value[i]);
+    else
+        stop(m, RAD_CALC_NO_ARG);
+}
+
+/* What OP_CLEAR, the number n, arg() and OP_CHECK do; false: they would find a
+ * fault. */
+PART bool
+get_real(struct machine *m, int32_t n)
+{
+    const struct rad_calc_input *in = &m->e->in;
+
+    if (!in->args || n > in->nargs || !isfinite(in->args[n - 1]))
+        return false;
+    m->fault = RAD_CALC_SOUND;
+    push(m, in->args[n - 1]);
+    return true;
+}
+
+/* Variables are evaluated once. */
+PART void
+keep(struct machine *m, int32_t sym, double v)
+{
+    if (sym < m->e->nknown)
+        m->e->known[sym] = (struct known){ m->e->clock, v };
+}
+
+/* Another name of a channel or of a real argument, as most variables are, is
+ * read without ado. */
+PART void
 get_variable(struct machine *m, int32_t sym)
 {
     const struct symbol *s = &m->c->symbol[sym];
 
-    if (s->kind != SYM_VARIABLE)
-        m->fault = RAD_CALC_NAME;
-    else if (sym < m->e->nknown && m->e->known[sym].clock == m->e->clock)
+    if (sym < m->e->nknown && m->e->known[sym].clock == m->e->clock)
         push(m, m->e->known[sym].value);
-    else
+    else if (s->channel >= 0)
+        push_channel(m, s->channel);
+    else if (s->real > 0 && get_real(m, s->real))
+        keep(m, sym, m->top[-1]);
+    else if (s->kind == SYM_VARIABLE)
         enter(m, s->code, -1, BACK_VARIABLE, sym);
+    else
+        stop(m, RAD_CALC_NAME);
 }
 
 /* Code of argument i of a frame, or -1. */
-static int32_t
+PART int32_t
 argument(const struct machine *m, const struct frame *f, int32_t i)
 {
     const struct ins *call = &m->c->code[f->call];
@@ -168,30 +229,70 @@ argument(const struct machine *m, const struct frame *f, int32_t i)
     return i < call->n ? call[1 + i].a : -1;
 }
 
-static void
+/* An argument that is a number, a channel, a value or a parameter alone is read
+ * where it is: there is nothing to be kept. */
+/* A number, a channel, a value or a parameter alone, at whose end there is
+ * nothing to be kept; false: it is none of these. */
+PART bool
+get_plain(struct machine *m, const struct frame *f, int32_t i)
+{
+    for (;;) {
+        int32_t pc = argument(m, f, i);
+        const struct ins *in = &m->c->code[pc < 0 ? 0 : pc];
+
+        if (pc < 0 || in[1].op != OP_END)
+            return false;
+        if (in->op == OP_NUMBER) {
+            push(m, m->c->number[in->a]);
+            return true;
+        }
+        if (in->op == OP_CHANNEL) {
+            push_channel(m, in->a);
+            return true;
+        }
+        if (in->op == OP_VALUE) {
+            push_value(m, in->a);
+            return true;
+        }
+        if (in->op != OP_PARAM || f->parent < 0)
+            return false;
+        f = &m->e->frame[f->parent];
+        i = in->a;
+        if (f->known >> i & 1) {
+            push(m, m->e->kept[f->kept + i]);
+            return true;
+        }
+    }
+}
+
+PART void
 get_param(struct machine *m, int32_t i)
 {
     struct frame *f;
     int32_t pc;
 
     if (m->frame < 0) {
-        m->fault = RAD_CALC_NAME;
+        stop(m, RAD_CALC_NAME);
         return;
     }
     f = &m->e->frame[m->frame];
+    if (f->known >> i & 1) {
+        push(m, m->e->kept[f->kept + i]);
+        return;
+    }
+    if (get_plain(m, f, i))
+        return;
     pc = argument(m, f, i);
     if (pc < 0)
-        m->fault = RAD_CALC_NO_ARG;
-    else if (f->known >> i & 1)
-        push(m, m->e->kept[f->kept + i]);
+        stop(m, RAD_CALC_NO_ARG);
     else
         enter(m, pc, f->parent, BACK_PARAM, i);
 }
 
 /* The symbol that a parameter names: its argument is a bare name, or a bare
  * parameter of the frame before, and so on. */
-static int32_t
-named_function(struct machine *m, int32_t param)
+PART int32_t
+named_function(const struct machine *m, int32_t param)
 {
     for (int32_t f = m->frame; f >= 0; f = m->e->frame[f].parent) {
         int32_t pc = argument(m, &m->e->frame[f], param);
@@ -208,40 +309,42 @@ named_function(struct machine *m, int32_t param)
     return -1;
 }
 
-/* Call symbol sym; m->pc is behind the call's instruction. */
-static void
-call(struct machine *m, int32_t sym)
+/* Call symbol sym. */
+PART void
+call(struct machine *m, const struct ins *in, int32_t sym)
 {
     struct rad_calc_env *e = m->e;
-    int32_t at = m->pc - 1, n = m->c->code[at].n;
+    const struct ins *const code = m->c->code;
+    int32_t n = in->n;
     const struct symbol *s;
 
     if (sym < 0 || m->c->symbol[sym].code < 0 ||
         m->c->symbol[sym].kind == SYM_VARIABLE) {
-        m->fault = RAD_CALC_NAME;
+        stop(m, RAD_CALC_NAME);
         return;
     }
     s = &m->c->symbol[sym];
     if (e->nframes == RAD_MAX_CALC_DEPTH || e->nkept + n > MAX_KEPT) {
-        m->fault = RAD_CALC_DEPTH;
+        stop(m, RAD_CALC_DEPTH);
         return;
     }
-    e->frame[e->nframes] = (struct frame){ at, m->frame, e->nkept, 0 };
+    e->frame[e->nframes] =
+        (struct frame){ (int32_t)(in - code), m->frame, e->nkept, 0 };
     e->nkept += n;
-    m->pc = m->c->code[at + 1 + n].a; /* of RESUME */
+    m->at = code + in[1 + n].a; /* of RESUME */
     enter(m, s->code, e->nframes++, BACK_CALL, 0);
 }
 
 /* A piece is done, its value is on the stack.  False: so is all. */
-static bool
+PART bool
 leave(struct machine *m)
 {
     struct rad_calc_env *e = m->e;
     struct back b = e->back[--e->nbacks];
-    double v = e->value[e->nvalues - 1];
+    double v = m->top[-1];
     struct frame *f;
 
-    m->pc = b.pc;
+    m->at = b.at;
     m->frame = b.frame;
     switch (b.kind) {
     case BACK_CALL:
@@ -253,18 +356,17 @@ leave(struct machine *m)
         e->kept[f->kept + b.what] = v;
         return true;
     case BACK_VARIABLE:
-        if (b.what < e->nknown)
-            e->known[b.what] = (struct known){ e->clock, v };
+        keep(m, b.what, v);
         return true;
     default:
         return false;
     }
 }
 
-static void
+PART void
 spoil(struct machine *m)
 {
-    m->e->value[m->e->nvalues - 1] = 0;
+    m->top[-1] = 0;
     if (m->fault == RAD_CALC_SOUND)
         m->fault = RAD_CALC_MATH;
 }
@@ -285,31 +387,8 @@ power(double a, double b)
     return n < 0 ? 1 / product : product;
 }
 
-static void
-arithmetic(struct machine *m, enum op op)
-{
-    double b = pop(m), *a = &m->e->value[m->e->nvalues - 1];
-
-    switch (op) {
-    case OP_ADD:
-        *a += b;
-        break;
-    case OP_SUBTRACT:
-        *a -= b;
-        break;
-    case OP_MULTIPLY:
-        *a *= b;
-        break;
-    case OP_DIVIDE:
-        *a = b / *a;
-        break;
-    default:
-        *a = power(*a, b);
-    }
-}
-
 /* The stack's top says which: 0 how many there are, else that one. */
-static void
+PART void
 choose(struct machine *m, const struct ins *in)
 {
     double which = pop(m);
@@ -317,61 +396,47 @@ choose(struct machine *m, const struct ins *in)
     if (!(which >= -.5 && which + .5 < in->n + 1.0)) {
         push(m, 0);
         spoil(m);
-        m->pc = in->a;
+        m->at = m->c->code + in->a;
     } else if ((int)(which + .5) == 0) {
         push(m, in->n);
-        m->pc = in->a;
+        m->at = m->c->code + in->a;
     } else {
-        m->pc = m->c->code[m->pc + (int)(which + .5) - 1].a;
+        m->at = m->c->code + in[(int)(which + .5)].a;
     }
 }
 
-static void
+PART void
 library(struct machine *m, const struct ins *in)
 {
     struct rad_calc_env *e = m->e;
-    double *v = &e->value[e->nvalues - in->n];
+    enum rad_calc_fault fault = m->fault; /* m itself has no address */
+    double *v = m->top - in->n;
 
     v[0] = in->a == LIB_PRISM
-               ? rad_calc_prism(v, &e->in, e->clock, &e->prism, &m->fault)
-               : rad_calc_library_value(in->a, v, &e->in, &m->fault);
-    e->nvalues -= in->n - 1;
+               ? rad_calc_prism(v, &e->in, e->clock, &e->prism, &fault)
+               : rad_calc_library_value(in->a, v, &e->in, &fault);
+    m->top = v + 1;
+    if (fault > RAD_CALC_MATH)
+        stop(m, fault);
+    else
+        m->fault = fault;
 }
 
-static void
-branch(struct machine *m, const struct ins *in)
-{
-    switch (in->op) {
-    case OP_DIVISOR:
-        if (m->e->value[m->e->nvalues - 1] != 0)
-            return;
-        spoil(m);
-        break;
-    case OP_UNLESS:
-        if (pop(m) > 0)
-            return;
-        break;
-    default:
-        break;
-    }
-    m->pc = in->a;
-}
+/* Two values become one. */
+#define TWO(m, op) ((m)->top--, (m)->top[-1] op(m)->top[0])
+/* A value and the number of an instruction do. */
+#define ONE(m, op) ((m)->top[-1] op(m)->c->number[in->a])
 
-/* One instruction but OP_END. */
-static void
+/* One instruction; false: it was the last. */
+PART bool
 step(struct machine *m, const struct ins *in)
 {
-    struct rad_calc_env *e = m->e;
-
     switch ((enum op)in->op) {
     case OP_NUMBER:
         push(m, m->c->number[in->a]);
         break;
     case OP_CHANNEL:
-        if (e->in.channel)
-            push(m, e->in.channel[in->a]);
-        else
-            m->fault = RAD_CALC_NO_CHANNEL;
+        push_channel(m, in->a);
         break;
     case OP_VARIABLE:
         get_variable(m, in->a);
@@ -380,25 +445,56 @@ step(struct machine *m, const struct ins *in)
         get_param(m, in->a);
         break;
     case OP_VALUE:
-        if (e->call_value)
-            push(m, e->call_value[in->a]);
-        else
-            m->fault = RAD_CALC_NO_ARG;
+        push_value(m, in->a);
         break;
     case OP_NEGATE:
-        e->value[e->nvalues - 1] = -e->value[e->nvalues - 1];
+        m->top[-1] = -m->top[-1];
+        break;
+    case OP_ADD:
+        TWO(m, +=);
+        break;
+    case OP_SUBTRACT:
+        TWO(m, -=);
+        break;
+    case OP_MULTIPLY:
+        TWO(m, *=);
+        break;
+    case OP_ADD_NUMBER:
+        ONE(m, +=);
+        break;
+    case OP_SUBTRACT_NUMBER:
+        ONE(m, -=);
+        break;
+    case OP_MULTIPLY_NUMBER:
+        ONE(m, *=);
+        break;
+    case OP_DIVIDE:
+        m->top--;
+        m->top[-1] = m->top[0] / m->top[-1];
+        break;
+    case OP_POWER:
+        m->top--;
+        m->top[-1] = power(m->top[-1], m->top[0]);
         break;
     case OP_CLEAR:
         m->fault = RAD_CALC_SOUND;
         break;
     case OP_CHECK:
-        if (m->fault || !isfinite(e->value[e->nvalues - 1]))
+        if (m->fault || !isfinite(m->top[-1]))
             spoil(m);
         break;
     case OP_DIVISOR:
+        if (m->top[-1] != 0)
+            break;
+        spoil(m);
+        m->at = m->c->code + in->a;
+        break;
     case OP_UNLESS:
+        if (!(pop(m) > 0))
+            m->at = m->c->code + in->a;
+        break;
     case OP_JUMP:
-        branch(m, in);
+        m->at = m->c->code + in->a;
         break;
     case OP_SELECT:
         choose(m, in);
@@ -407,38 +503,34 @@ step(struct machine *m, const struct ins *in)
         library(m, in);
         break;
     case OP_CALL:
-        call(m, in->a);
-        break;
     case OP_CALL_PARAM:
-        call(m, named_function(m, in->a));
+        call(m, in, in->op == OP_CALL ? in->a : named_function(m, in->a));
         break;
-    default:
-        arithmetic(m, (enum op)in->op);
+    case OP_END:
+        return leave(m);
+    case OP_ARG_AT: /* these two are words of calls, and never next */
+    case OP_RESUME:
+    case OP_HALT:
+        return false;
     }
+    return true;
 }
 
 double
 rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,
              struct rad_calc_env *e, enum rad_calc_fault *fault)
 {
-    struct machine m = { .c = c, .e = e, .pc = pc, .frame = -1 };
+    struct machine m = { .c = c, .e = e, .top = e->value, .frame = -1 };
 
-    e->nvalues = e->nframes = e->nbacks = e->nkept = 0;
+    e->nframes = e->nbacks = e->nkept = 0;
     enter(&m, pc, -1, BACK_END, 0);
-    for (int32_t steps = 0; m.fault <= RAD_CALC_MATH; steps++) {
-        const struct ins *in = &c->code[m.pc++];
-
-        if (in->op != OP_END) {
-            step(&m, in);
-        } else if (!leave(&m)) {
-            *fault = m.fault;
-            return e->value[0];
-        }
-        if (steps == limit)
+    for (int32_t left = limit; step(&m, m.at++); left--)
+        if (left == 0) {
             m.fault = RAD_CALC_STEPS;
-    }
+            break;
+        }
     *fault = m.fault;
-    return 0;
+    return m.fault > RAD_CALC_MATH ? 0 : e->value[0];
 }
 
 double

@@ -22,6 +22,9 @@ enum op {
     OP_ADD,
     OP_SUBTRACT,
     OP_MULTIPLY,
+    OP_ADD_NUMBER, /* the same with number[a] instead of the stack's top */
+    OP_SUBTRACT_NUMBER,
+    OP_MULTIPLY_NUMBER,
     OP_DIVISOR, /* 0 on the stack: a fault, go on at a; else nothing */
     OP_DIVIDE,  /* the divisor lies below */
     OP_POWER,
@@ -34,7 +37,8 @@ enum op {
     OP_CALL,       /* symbol a with n arguments */
     OP_CALL_PARAM, /* the function that parameter a names */
     OP_ARG_AT,
-    OP_RESUME
+    OP_RESUME,
+    OP_HALT /* in no code: what the evaluator runs after a fault that ends it */
 };
 
 struct ins {
@@ -57,6 +61,8 @@ struct symbol {
     int32_t code;     /* of its definition, or of a library function's call */
     int32_t end;      /* behind it */
     int32_t library;  /* index of the function that it names, or -1 */
+    int32_t channel;  /* that a variable is another name of, or -1 */
+    int32_t real;     /* argument that it is another name of, or 0 */
     int32_t nparams;  /* of a function that a file defines */
     int32_t line;
     const char *file;

@@ -405,6 +405,22 @@ parse_params(struct parser *ps)
     expect(ps, ')', "expected ')'");
 }
 
+/* The real argument that a variable is when this defines it, as A1=arg(1); 0:
+ * none. */
+static int32_t
+real_of(const struct rad_calc *c, const struct node *body)
+{
+    const struct node *which = body->kid;
+
+    if (body->type != N_CALL || body->by_param ||
+        c->symbol[body->ref].kind != SYM_LIBRARY ||
+        c->symbol[body->ref].library != LIB_ARG || which->type != N_NUMBER ||
+        !(which->number >= 1 && which->number <= INT16_MAX) ||
+        which->number != (int32_t)which->number)
+        return 0;
+    return (int32_t)which->number;
+}
+
 /* What stands for a name from here on. */
 static void
 define(struct parser *ps, const char *name, const char *file, int line,
@@ -424,6 +440,9 @@ define(struct parser *ps, const char *name, const char *file, int line,
     c->symbol[i].code = code;
     c->symbol[i].end = c->ncode;
     c->symbol[i].nparams = ps->nparams;
+    c->symbol[i].channel =
+        ps->nparams == 0 && body->type == N_CHANNEL ? body->ref : -1;
+    c->symbol[i].real = ps->nparams ? 0 : real_of(c, body);
     c->symbol[i].line = line;
     c->symbol[i].file = file;
 }
