@@ -39,9 +39,9 @@ libclient_a_SOURCES = \
 	client/quality.c \
 	client/quality.h \
 	client/rays.c \
+	client/rays.h \
 	client/records.c \
 	client/records.h \
-	client/rays.h \
 	client/submit.c \
 	client/submit.h \
 	client/submit_options.c \
