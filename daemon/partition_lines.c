@@ -14,7 +14,9 @@
  *   are not at the same place at the same time, half of what follows at most.
  *   Else they go from the top down: the units above are a little further than
  *   those below, base lines arrive before they are needed, and rows are done
- *   from the top down.
+ *   from the top down.  These do not shrink at first: whoever has a unit makes
+ *   its base lines before its bars, so the sooner all lines are out, the sooner
+ *   the truth is everywhere; what was too much is given away later.
  *
  * Frames go out in order: one begins when the one before it has no free line
  * left, or, where nothing may be kept between frames, when that is done. */
@@ -34,6 +36,10 @@
  * night, 40 lines each; but with few lines each bar's wait for the one above it
  * counts for more. */
 #define REGION 24
+
+/* Auto, without regions: a unit that is large for its time is no more than so
+ * many times the worker's share of what is left. */
+#define MOST_SHARES 4
 
 struct frame {
     uint32_t width, height;
@@ -446,17 +452,27 @@ has_regions(const struct partition_lines *s, const struct frame *f,
            (s->fresh ? f->left : s->left) <= f->cost * 1.000001;
 }
 
+/* Auto without regions: units get no smaller than half of the worker's part of
+ * the frame, until that is much of what is left. */
+static double
+least_share(const struct frame *f, double left, double share)
+{
+    return fmin(f->cost * share / 2, left * fmin(MOST_SHARES * share, .25));
+}
+
 /* Where a unit that begins at `first` ends. */
 static uint32_t
 unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
          const struct partition_who *who)
 {
     uint32_t end = stretch(s, f, first), last = first + 1;
-    double most = (s->fresh ? f->left : s->left) * who->share;
+    double left = s->fresh ? f->left : s->left, most = left * who->share;
 
     if (s->kind == MSG_PART_AUTO) {
         if (has_regions(s, f, who))
             most = fmin(most, cost_of(s, f, first, end) / 2);
+        else if (who->workers > 1)
+            most = fmax(most, least_share(f, left, who->share));
         if (most < who->least)
             most = who->least;
         last = reach(s, f, first, end, most * 1.000001);

@@ -382,6 +382,27 @@ START_TEST(auto_cuts_shares_of_what_is_left)
 }
 END_TEST
 
+/* So many workers that there are no regions: all lines are out soon, and only
+ * the last units are smaller. */
+START_TEST(auto_has_all_lines_out_early)
+{
+    static struct msg_frame tall = { 0, 40, 1441, "" }; /* 481 lines */
+    struct partition_spec spec = lines_spec(MSG_PART_AUTO, 1);
+    struct partition *p;
+    uint32_t first, last, unit, n = 0;
+
+    spec.frames = &tall;
+    p = partition_new(&spec, NULL);
+    while (cut(p, n % 40, 40, &first, &last, &unit)) {
+        if (n < 40) /* an even share is 12 */
+            ck_assert(last - first >= 6 && last - first <= 13);
+        n++;
+    }
+    ck_assert(n > 60 && n < 100); /* without a least: 150 */
+    partition_free(p);
+}
+END_TEST
+
 /* Where there are many lines for each worker it has a region, which its later
  * units lie in, too; where there are few, units follow each other. */
 START_TEST(auto_gives_regions_where_there_are_many_lines)
@@ -700,6 +721,7 @@ main(void)
     tcase_add_test(tc, auto_gives_one_worker_whole_frames);
     tcase_add_test(tc, a_line_that_is_kept_back_goes_out_when_it_is_not);
     tcase_add_test(tc, auto_cuts_shares_of_what_is_left);
+    tcase_add_test(tc, auto_has_all_lines_out_early);
     tcase_add_test(tc, auto_gives_regions_where_there_are_many_lines);
     tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
     tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);

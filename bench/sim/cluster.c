@@ -555,6 +555,7 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
               fail_host);
     run_to_end(&c);
     for (int i = 0; i < s->hosts; i++) {
+        host_over(host_at(&c, i));
         host_count(host_at(&c, i), out);
         host_release(host_at(&c, i));
     }

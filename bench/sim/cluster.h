@@ -40,6 +40,19 @@ struct cluster_spec {
     bool verbose;
 };
 
+/* What a host does, or does not. */
+enum host_state {
+    HOST_LOADS, /* the scene, or it has not heard of the job */
+    HOST_TRUTH, /* traces under a true top, or windows */
+    HOST_AHEAD, /* traces ahead */
+    HOST_WAITS, /* has nothing but units that wait for a base line */
+    HOST_EMPTY, /* has no unit */
+    HOST_STATES
+};
+
+/* Slices of a run, each so much of what is ideal: 5 %. */
+enum { CLUSTER_SLICES = 60, CLUSTER_SLICES_IDEAL = 20 };
+
 struct cluster_result {
     bool done;
     char text[MSG_MAX_TEXT + 1]; /* why not */
@@ -52,6 +65,7 @@ struct cluster_result {
     double work;                 /* seconds of one host of speed 1 */
     double coord_s; /* processor time that coord.c really took here */
     uint64_t bytes, messages, base_line_bytes, units, failed;
+    double state_s[CLUSTER_SLICES][HOST_STATES]; /* of all hosts */
 };
 
 /* Run it; RAD_EUSAGE for what the coordinator refuses, said in text as well. */
@@ -107,6 +121,8 @@ uint64_t *host_down_us(struct host *h);
 uint64_t *host_peer_us(struct host *h);
 
 void host_message(struct cluster *c, struct host *h, const struct msg *m);
+/* The job is over: whatever it does ends. */
+void host_over(struct host *h);
 /* What it counted so far into the result. */
 void host_count(const struct host *h, struct cluster_result *out);
 

@@ -72,6 +72,9 @@ struct host {
     struct bottom *bottoms;
     bool working, ticking;
     uint64_t idle_us; /* since when it waits for a top; 0: it does not */
+    bool ready;
+    enum host_state state;
+    uint64_t state_us; /* since when */
     /* for the result */
     double busy_s, wait_s;
     uint64_t traced, units;
@@ -725,6 +728,48 @@ count_wait(struct host *h)
     }
 }
 
+static enum host_state
+state_of(const struct host *h)
+{
+    if (!h->ready)
+        return HOST_LOADS;
+    if (h->working)
+        return h->pass && !h->pass->true_top ? HOST_AHEAD : HOST_TRUTH;
+    return strict_waits(h->strict) ? HOST_WAITS : HOST_EMPTY;
+}
+
+/* Book what it did since it began with that. */
+static void
+note_state(struct host *h, enum host_state next)
+{
+    const struct cluster *c = h->cluster;
+    double slice_us = 1e6 * c->out->work / c->out->speed / CLUSTER_SLICES_IDEAL;
+    double at = (double)h->state_us - (double)c->start_us;
+    double end = (double)c->events.now_us - (double)c->start_us;
+
+    if (at < 0)
+        at = 0;
+    while (at < end) {
+        int k = (int)(at / slice_us);
+        double to = fmin(end, (k + 1) * slice_us);
+
+        if (k >= CLUSTER_SLICES)
+            k = CLUSTER_SLICES - 1;
+        if (to <= at)
+            to = end;
+        c->out->state_s[k][h->state] += 1e-6 * (to - at);
+        at = to;
+    }
+    h->state = next;
+    h->state_us = c->events.now_us;
+}
+
+void
+host_over(struct host *h)
+{
+    note_state(h, h->state);
+}
+
 static void
 work(struct host *h)
 {
@@ -776,6 +821,8 @@ go_on(struct host *h)
     work(h);
     flush(h);
     count_wait(h);
+    if (state_of(h) != h->state)
+        note_state(h, state_of(h));
     if (!h->ticking && h->lines) {
         h->ticking = true;
         later(h, TICK_US, tick);
@@ -795,6 +842,8 @@ ready(void *arg, struct event *e)
     m.ready = (struct msg_ready){ h->cluster->job,
                                   1e-6 * h->cluster->spec->load_us, 42, 1 };
     say(h, &m);
+    h->ready = true;
+    note_state(h, HOST_EMPTY);
 }
 
 static void
@@ -905,6 +954,8 @@ host_fail(struct cluster *c, struct host *h)
 {
     h->conn = 0;
     h->life++;
+    h->ready = false;
+    note_state(h, HOST_LOADS);
     forget(h);
     h->working = h->ticking = false;
     h->idle_us = 0;

@@ -48,7 +48,7 @@ struct options {
     struct map_spec map;
     struct cluster_spec cluster;
     const char *hosts, *ways, *plot;
-    bool details, share;
+    bool details, timeline, share;
 };
 
 struct number {
@@ -125,6 +125,11 @@ usage(const struct number *t, int n)
          "  --ways=LIST       of those below (auto,scanbar,static,window)\n"
          "  --plot=FILE       draw it: FILE.png or FILE.svg\n"
          "  --details         more about each run\n"
+         "  --timeline        what hosts do, by time: of each slice of a run, "
+         "in %\n"
+         "                    load, trace (under a true top, ahead), wait for "
+         "a base\n"
+         "                    line, have no unit\n"
          "  --share           peers' links, as for ambient values\n"
          "  --verbose         every message");
     for (int i = 0; i < n; i++)
@@ -191,6 +196,8 @@ take_option(struct options *o, const struct number *t, int n, const char *arg)
         o->plot = v;
     else if (strcmp(arg, "--details") == 0)
         o->details = true;
+    else if (strcmp(arg, "--timeline") == 0)
+        o->timeline = true;
     else if (strcmp(arg, "--share") == 0)
         o->share = true;
     else if (strcmp(arg, "--verbose") == 0)
@@ -348,6 +355,33 @@ say_details(const struct bench *b, const struct way *w, int hosts,
            (unsigned long long)r->failed);
 }
 
+/* What hosts do in each slice of a run, in percent. */
+static void
+say_timeline(const struct cluster_result *r, int hosts)
+{
+    static const char *const name[HOST_STATES] = { "load", "truth", "ahead",
+                                                   "wait", "empty" };
+    double slice_s = r->work / r->speed / CLUSTER_SLICES_IDEAL;
+    double sum[HOST_STATES] = { 0 };
+
+    printf("%8s", "until s");
+    for (int s = 0; s < HOST_STATES; s++)
+        printf("%8s", name[s]);
+    puts("");
+    for (int k = 0; k < CLUSTER_SLICES && k * slice_s < r->seconds; k++) {
+        printf("%8.3f", fmin((k + 1) * slice_s, r->seconds));
+        for (int s = 0; s < HOST_STATES; s++) {
+            printf("%8.1f", 100 * r->state_s[k][s] / (slice_s * hosts));
+            sum[s] += r->state_s[k][s];
+        }
+        puts("");
+    }
+    printf("%8s", "in all");
+    for (int s = 0; s < HOST_STATES; s++)
+        printf("%8.1f", 100 * sum[s] / (r->seconds * hosts));
+    puts("");
+}
+
 static void
 say_table(const struct bench *b)
 {
@@ -477,6 +511,8 @@ main(int argc, char *argv[])
             simulate(&b, &o, b.ways[k], b.hosts[i], &b.result[k][i]);
             if (o.details)
                 say_details(&b, b.ways[k], b.hosts[i], &b.result[k][i]);
+            if (o.timeline)
+                say_timeline(&b.result[k][i], b.hosts[i]);
             fflush(stdout);
         }
     say_table(&b);
