@@ -516,7 +516,8 @@ fill_spec(struct program *p)
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (p->records.keep ? MSG_JOB_RECORDS : 0);
     s->partition = choose_partition(p);
-    s->order = (uint8_t)o->order; /* the same words in the same order */
+    /* the same words in the same order */
+    s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
     s->windows = (uint32_t)o->windows;
     s->objects = (uint32_t)p->scene.scene->nobjects;
     s->bundle_bytes = rad_bundle_bytes(&p->scene.bundle);

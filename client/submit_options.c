@@ -142,6 +142,7 @@ set_defaults(struct submit_options *o)
     rad_view_init(&o->view);
     o->wait_s = 60;
     o->quality = -1;
+    o->order = ORDER_NONE;
 }
 
 static int
@@ -452,7 +453,7 @@ check_sharing(struct submit_options *o, struct rad_error *err)
 
     if (lines && o->windows > 0)
         return rad_fail(err, RAD_EUSAGE, "--windows is for --partition=window");
-    if (lines && o->order != ORDER_FORWARD)
+    if (lines && o->order != ORDER_NONE)
         return rad_fail(err, RAD_EUSAGE, "--order is for --partition=window");
     return check_estimate(o, err);
 }

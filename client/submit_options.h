@@ -26,7 +26,13 @@ enum submit_partition {
     PARTITION_SCANBAR,
     PARTITION_WINDOW
 };
-enum submit_order { ORDER_FORWARD, ORDER_BACKWARD, ORDER_RANDOM, ORDER_COST };
+enum submit_order {
+    ORDER_NONE = -1, /* was asked for */
+    ORDER_FORWARD,
+    ORDER_BACKWARD,
+    ORDER_RANDOM,
+    ORDER_COST
+};
 
 struct submit_options {
     struct rad_params params;

@@ -259,7 +259,7 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
-    partition_done(job->partition, unit);
+    partition_done(job->partition, unit, (double)u->counts.rays);
     u->done = true;
     u->end_ms = end_ms;
     if (end_ms > job->last_ms)

@@ -68,6 +68,7 @@ libdaemon_a_SOURCES = \
 	daemon/partition.h \
 	daemon/partition_impl.h \
 	daemon/partition_lines.c \
+	daemon/partition_queue.c \
 	daemon/partition_window.c \
 	daemon/peer.c \
 	daemon/peer.h \

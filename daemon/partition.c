@@ -97,6 +97,7 @@ partition_free(struct partition *p)
     if (!p)
         return;
     window_free(p->window);
+    queue_free(p);
     lines_free(p->lines);
     free(p->unit);
     free(p->back);
@@ -230,7 +231,7 @@ partition_take(struct partition *p, uint32_t unit)
 }
 
 void
-partition_done(struct partition *p, uint32_t unit)
+partition_done(struct partition *p, uint32_t unit, double took)
 {
     if (p->unit[unit].state != PART_OUT)
         return;
@@ -238,6 +239,8 @@ partition_done(struct partition *p, uint32_t unit)
     p->undone--;
     if (p->lines)
         lines_done(p, unit);
+    if (p->queue && took > 0)
+        queue_measured(p, unit, took);
 }
 
 void

@@ -29,7 +29,7 @@ struct partition_spec {
     enum msg_partition kind;
     enum msg_order order;
     uint32_t windows;   /* per frame; 0: by the picture's size alone */
-    uint64_t seed;      /* of MSG_ORDER_RANDOM */
+    uint64_t seed;      /* of MSG_ORDER_RANDOM, and where costs are not known */
     bool single;        /* one worker in all: auto by windows is one window,
                          * which its threads render together */
     bool strict;        /* auto shares lines; else windows */
@@ -104,8 +104,8 @@ void partition_lost(struct partition *p, uint32_t unit);
 /* Take a certain waiting unit out of the queue. */
 void partition_take(struct partition *p, uint32_t unit);
 
-/* A unit that is out is done. */
-void partition_done(struct partition *p, uint32_t unit);
+/* A unit that is out is done; what it took, in any unit, or 0. */
+void partition_done(struct partition *p, uint32_t unit, double took);
 
 /* Before any unit went out: a unit was cut with that number and area in an
  * earlier life, and is out of the queue.  Where lines are shared they come by

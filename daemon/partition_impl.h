@@ -16,6 +16,7 @@ struct partition_unit {
 };
 
 struct partition_window;
+struct partition_queue;
 struct partition_lines;
 
 struct partition {
@@ -29,6 +30,7 @@ struct partition {
     enum msg_partition kind;
     char choice[160];
     struct partition_window *window; /* one of the two */
+    struct partition_queue *queue;   /* of windows by what is measured */
     struct partition_lines *lines;
 };
 
@@ -46,6 +48,15 @@ void window_free(struct partition_window *w);
 void window_set_costs(struct partition *p, const double *cost);
 /* The next of those that never went out. */
 bool window_next(struct partition *p, uint32_t *unit);
+
+/* --- partition_queue.c --- */
+
+/* All units, which are windows, by what those beside them took, and at random
+ * where that is not known.  False: memory is out. */
+bool queue_new(struct partition *p, uint64_t seed, bool fresh);
+void queue_free(struct partition *p);
+bool queue_next(struct partition *p, uint32_t *unit);
+void queue_measured(struct partition *p, uint32_t unit, double cost);
 
 /* --- partition_lines.c --- */
 

@@ -273,6 +273,9 @@ window_new(struct partition *p, const struct partition_spec *spec)
     order_all(p);
     if (spec->ncosts > 0)
         given_costs(p, spec);
+    else if (spec->order == MSG_ORDER_COST &&
+             !queue_new(p, spec->seed, spec->fresh))
+        return false;
     p->kind = MSG_PART_WINDOW;
     snprintf(p->choice, sizeof p->choice, "%s", why(spec));
     return true;
@@ -292,6 +295,7 @@ window_set_costs(struct partition *p, const double *cost)
 {
     for (uint32_t u = 0; u < p->total; u++)
         p->unit[u].cost = cost[u];
+    queue_free(p); /* no need to guess */
     order_all(p);
 }
 
@@ -314,6 +318,8 @@ window_next(struct partition *p, uint32_t *unit)
 {
     struct partition_window *w = p->window;
 
+    if (p->queue)
+        return queue_next(p, unit);
     while (w->next < p->total && !must_wait(p)) {
         *unit = w->order[w->next++];
         if (p->unit[*unit].state == PART_WAITING)

@@ -189,16 +189,16 @@ static const struct {
     const char *estimate, *costs;
     bool no_balance;
 } sharing[] = {
-    { "a.rad", PARTITION_AUTO, ORDER_FORWARD, NULL, NULL, false },
-    { "--partition=static --estimate=20a a.rad", PARTITION_STATIC,
-      ORDER_FORWARD, "20a", NULL, false },
+    { "a.rad", PARTITION_AUTO, ORDER_NONE, NULL, NULL, false },
+    { "--partition=static --estimate=20a a.rad", PARTITION_STATIC, ORDER_NONE,
+      "20a", NULL, false },
     { "--partition static --no-balance --estimate 1000b a.rad",
-      PARTITION_STATIC, ORDER_FORWARD, "1000b", NULL, true },
+      PARTITION_STATIC, ORDER_NONE, "1000b", NULL, true },
     { "--partition=scanbar --estimate=uniform a.rad", PARTITION_SCANBAR,
-      ORDER_FORWARD, "uniform", NULL, false },
+      ORDER_NONE, "uniform", NULL, false },
     { "--partition=window --order=cost --estimate=1a a.rad", PARTITION_WINDOW,
       ORDER_COST, "1a", NULL, false },
-    { "--estimate=b/20a.json a.rad", PARTITION_AUTO, ORDER_FORWARD, NULL,
+    { "--estimate=b/20a.json a.rad", PARTITION_AUTO, ORDER_NONE, NULL,
       "b/20a.json", false },
 };
 

@@ -1,0 +1,235 @@
+/* partition_queue.c - windows whose order is not fixed
+ *
+ * Nobody knows what a window costs before it is done; but what lies beside a
+ * dear one is likely dear.  So at first windows go out at random, which spreads
+ * workers over the picture, each with ambient values of its own to make; those
+ * beside one that took long come before the others, and those beside cheap ones
+ * last: what all wait for in the end is small then.
+ * "Long" is by what was measured about the same time, as the first windows pay
+ * for ambient values that the later ones find.
+ *
+ * The queue is a heap of the windows that wait, by frame, guessed cost and a
+ * random rank.  What is taken out of turn is left where it is, and skipped. */
+#include "config.h"
+
+#include "partition_impl.h"
+
+#include "base/rng.h"
+
+#include <stdlib.h>
+
+/* The usual cost of a pixel is the mean of about so many windows. */
+#define RECENT 16
+
+struct guess {
+    float sum; /* of what its neighbours took, 1: the usual */
+    uint32_t n;
+    uint32_t rank;  /* random, each once in a frame */
+    uint32_t place; /* in the heap; PARTITION_NONE: it has gone out */
+};
+
+struct partition_queue {
+    struct guess *guess; /* by unit */
+    uint32_t *heap;
+    uint32_t n;     /* in heap */
+    double usual;   /* cost of a pixel lately; 0: not known */
+    uint32_t frame; /* of what went out last */
+    bool fresh;     /* a frame begins when those before it are done */
+};
+
+static double
+guessed(const struct guess *g)
+{
+    return g->n > 0 ? (double)g->sum / g->n : 1;
+}
+
+/* Does window a go out before b? */
+static bool
+is_before(const struct partition *p, uint32_t a, uint32_t b)
+{
+    const struct guess *guess = p->queue->guess;
+    uint32_t fa = p->unit[a].area.frame, fb = p->unit[b].area.frame;
+    double ca = guessed(&guess[a]), cb = guessed(&guess[b]);
+
+    if (fa != fb)
+        return fa < fb;
+    if (ca != cb)
+        return ca > cb;
+    return guess[a].rank < guess[b].rank;
+}
+
+static void
+put_at(struct partition_queue *q, uint32_t place, uint32_t unit)
+{
+    q->heap[place] = unit;
+    q->guess[unit].place = place;
+}
+
+static void
+sift_up(struct partition *p, uint32_t at)
+{
+    struct partition_queue *q = p->queue;
+    uint32_t unit = q->heap[at];
+
+    for (; at > 0; at = (at - 1) / 2) {
+        if (!is_before(p, unit, q->heap[(at - 1) / 2]))
+            break;
+        put_at(q, at, q->heap[(at - 1) / 2]);
+    }
+    put_at(q, at, unit);
+}
+
+static void
+sift_down(struct partition *p, uint32_t at)
+{
+    struct partition_queue *q = p->queue;
+    uint32_t unit = q->heap[at];
+
+    for (uint32_t kid; (kid = 2 * at + 1) < q->n; at = kid) {
+        if (kid + 1 < q->n && is_before(p, q->heap[kid + 1], q->heap[kid]))
+            kid++;
+        if (!is_before(p, q->heap[kid], unit))
+            break;
+        put_at(q, at, q->heap[kid]);
+    }
+    put_at(q, at, unit);
+}
+
+/* A random order for units [first, end), all of a frame. */
+static void
+rank_frame(struct partition_queue *q, uint64_t key, uint32_t first,
+           uint32_t end)
+{
+    for (uint32_t u = first; u < end; u++)
+        q->guess[u].rank = u;
+    for (uint32_t u = first; u + 1 < end; u++) {
+        uint32_t v = u + (uint32_t)(rad_rand(key, u) * (end - u));
+        uint32_t t = q->guess[u].rank;
+
+        q->guess[u].rank = q->guess[v].rank;
+        q->guess[v].rank = t;
+    }
+}
+
+bool
+queue_new(struct partition *p, uint64_t seed, bool fresh)
+{
+    struct partition_queue *q = calloc(1, sizeof *q);
+
+    p->queue = q;
+    if (!q)
+        return false;
+    q->guess = calloc(p->total + 1, sizeof *q->guess);
+    q->heap = calloc(p->total + 1, sizeof *q->heap);
+    if (!q->guess || !q->heap)
+        return false;
+    for (uint32_t first = 0, end; first < p->total; first = end) {
+        uint32_t frame = p->unit[first].area.frame;
+
+        for (end = first; end < p->total; end++)
+            if (p->unit[end].area.frame != frame)
+                break;
+        rank_frame(q, rad_key_branch(rad_mix64(seed), frame), first, end);
+    }
+    for (uint32_t u = 0; u < p->total; u++)
+        put_at(q, u, u);
+    q->n = p->total;
+    for (uint32_t i = q->n / 2; i-- > 0;)
+        sift_down(p, i);
+    q->fresh = fresh;
+    return true;
+}
+
+void
+queue_free(struct partition *p)
+{
+    if (!p->queue)
+        return;
+    free(p->queue->guess);
+    free(p->queue->heap);
+    free(p->queue);
+    p->queue = NULL;
+}
+
+static void
+drop_first(struct partition *p)
+{
+    struct partition_queue *q = p->queue;
+
+    q->guess[q->heap[0]].place = PARTITION_NONE;
+    if (--q->n == 0)
+        return;
+    put_at(q, 0, q->heap[q->n]);
+    sift_down(p, 0);
+}
+
+bool
+queue_next(struct partition *p, uint32_t *unit)
+{
+    struct partition_queue *q = p->queue;
+
+    while (q->n > 0 && p->unit[q->heap[0]].state != PART_WAITING)
+        drop_first(p);
+    if (q->n == 0)
+        return false;
+    *unit = q->heap[0];
+    if (q->fresh && p->unit[*unit].area.frame != q->frame &&
+        p->undone > p->waiting)
+        return false; /* some of the frame before are out */
+    q->frame = p->unit[*unit].area.frame;
+    drop_first(p);
+    return true;
+}
+
+/* Do the windows share an edge or a corner? */
+static bool
+are_beside(const struct partition_area *a, const struct partition_area *b)
+{
+    return a->frame == b->frame && a->x <= b->x + b->width &&
+           b->x <= a->x + a->width && a->y <= b->y + b->height &&
+           b->y <= a->y + a->height;
+}
+
+static void
+guess_beside(struct partition *p, uint32_t unit, const struct partition_area *a,
+             double cost)
+{
+    struct partition_queue *q = p->queue;
+    struct guess *g = &q->guess[unit];
+    uint32_t place = g->place;
+
+    if (place == PARTITION_NONE || !are_beside(&p->unit[unit].area, a))
+        return;
+    g->sum += (float)cost;
+    g->n++;
+    sift_up(p, place);
+    sift_down(p, g->place);
+}
+
+void
+queue_measured(struct partition *p, uint32_t unit, double cost)
+{
+    struct partition_queue *q = p->queue;
+    const struct partition_area a = p->unit[unit].area;
+
+    cost /= (double)a.width * a.height;
+    q->usual += (cost - q->usual) / (q->usual > 0 ? RECENT : 1);
+    if (!(q->usual > 0))
+        return;
+    cost /= q->usual;
+    /* units lie row by row: rows above and below begin and end near by */
+    for (uint32_t u = unit; u-- > 0;) {
+        const struct partition_area *b = &p->unit[u].area;
+
+        if (b->frame != a.frame || b->y + b->height < a.y)
+            break;
+        guess_beside(p, u, &a, cost);
+    }
+    for (uint32_t u = unit + 1; u < p->total; u++) {
+        const struct partition_area *b = &p->unit[u].area;
+
+        if (b->frame != a.frame || b->y > a.y + a.height)
+            break;
+        guess_beside(p, u, &a, cost);
+    }
+}
