@@ -44,8 +44,8 @@ void children_init(struct children *all, struct shell *shell,
                    void *arg);
 
 /* Start one as connection id, whose job wants no more than memory_mib (0: any);
- * the lower limit holds.  If that fails, ended() is called from
- * children_tell(), as for every other end. */
+ * the lower limit holds.  If that fails, ended() is called later, as for every
+ * other end. */
 void children_spawn(struct children *all, uint64_t id, uint32_t memory_mib);
 
 /* End one; ended() will not be called. */

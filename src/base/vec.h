@@ -1,7 +1,7 @@
 /* vec.h - points and vectors in double[3]
  *
  * Plain arrays, so that literature's formulas read as written.  No function
- * here fails; rad_vec_normalize() says so when there was nothing to scale. */
+ * here fails; rad_normalize() says so when there was nothing to scale. */
 #ifndef RAD_BASE_VEC_H
 #define RAD_BASE_VEC_H
 

@@ -38,8 +38,8 @@ struct rad_octree {
     int32_t nkids, max_kids;
     int32_t *sets;
     int32_t nsets, max_sets; /* in int32_t */
-    int32_t left_out;        /* surfaces not entered where a cube had MAX_SET,
-                              * summed over cubes */
+    int32_t left_out;        /* surfaces not entered where a cube had
+                              * RAD_OCTREE_MAX_SET, summed over cubes */
 };
 
 void rad_octree_init(struct rad_octree *t);

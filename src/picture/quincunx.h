@@ -107,8 +107,8 @@ bool rad_quincunx_line_step(struct rad_quincunx_line *s);
 /* A base line that is traced ahead gap by gap in any order: what lies between
  * gap number g's ends depends on the densities above and on nothing else of the
  * line.  Its pixels, both ends included, are filled; with above NULL only what
- * the ends force.  Gap g begins in column gap_begin, and ends where the next
- * one does. */
+ * the ends force.  Gap g begins in column rad_quincunx_gap_begin(), and ends
+ * where the next one does. */
 int rad_quincunx_ngaps(const struct rad_quincunx *q, int i);
 int rad_quincunx_gap_begin(const struct rad_quincunx *q, int i, int g);
 void rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
