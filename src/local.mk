@@ -10,6 +10,7 @@ librad_a_SOURCES = \
 	src/base/color.h \
 	src/base/error.c \
 	src/base/error.h \
+	src/base/expf.h \
 	src/base/files.c \
 	src/base/files.h \
 	src/base/hex.c \

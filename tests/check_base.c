@@ -4,6 +4,7 @@
 #include "base/angle.h"
 #include "base/arena.h"
 #include "base/error.h"
+#include "base/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "unit.h"
@@ -86,6 +87,25 @@ START_TEST(normalize_keeps_extremes)
 
     ck_assert(rad_normalize(zero) == 0);
     ck_assert(rad_normalize(nan) == 0);
+}
+END_TEST
+
+START_TEST(exponential_is_as_good_as_float_holds)
+{
+    for (double x = 0; x > -87; x -= 1.37e-3) {
+        float e, again;
+
+        ck_assert_double_eq_tol(rad_expf(x), exp(x), 0x1.01p-24 * exp(x));
+        rad_expf2(x, x / 2, &e, &again);
+        ck_assert(e == rad_expf(x) && again == rad_expf(x / 2));
+    }
+    ck_assert(rad_expf(0) == 1);
+    ck_assert(rad_expf(-1e-300) == 1);
+    ck_assert_float_eq(rad_expf(-100), (float)exp(-100)); /* denormal */
+    ck_assert(rad_expf(-105) == 0);
+    ck_assert(rad_expf(-1e300) == 0);
+    ck_assert(rad_expf(-INFINITY) == 0);
+    ck_assert(rad_expf(NAN) == 0);
 }
 END_TEST
 
@@ -176,6 +196,7 @@ main(void)
     tcase_add_test(tc, message_has_no_control_characters);
     tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
     tcase_add_test(tc, normalize_keeps_extremes);
+    tcase_add_test(tc, exponential_is_as_good_as_float_holds);
     tcase_add_test(tc, frame_is_orthonormal);
     tcase_add_test(tc, angles_are_those_of_libm);
     tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);

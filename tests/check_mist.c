@@ -21,6 +21,12 @@ near(double value, double truth)
     ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
 }
 
+static void
+alike(double a, double b)
+{
+    ck_assert_msg(a == b || fabs(a - b) < 2e-6 * b, "%.9g and %.9g", a, b);
+}
+
 static double
 down(struct world *w, double x, double z)
 {
@@ -350,6 +356,65 @@ START_TEST(same_key_gives_the_same_value)
 }
 END_TEST
 
+/* Mists in mists, two of which name lamps, before a wall; more of a mist than
+ * a ray's line holds. */
+#define MAZE                                                                   \
+    "void spotlight a 0 0 7 900 500 300 60 -2 0 -2\n"                          \
+    "a ring lamp 0 0 8 2 0 2 -2 0 -2 0 .1\n"                                   \
+    "void light b 0 0 3 20 20 40\n"                                            \
+    "b polygon pane 0 0 12 -1 -1 3  -1 1 3  1 1 3  1 -1 3\n"                   \
+    "void plastic grey 0 0 5 .5 .5 .5 0 0\n"                                   \
+    "grey ring wall 0 0 8 0 0 -4 0 0 1 0 9\n"                                  \
+    "void mist smoke 0 0 7 .1 .2 .3 .9 .8 .7 .3\n"                             \
+    "smoke sphere s1 0 0 4 0 0 0 2.5\nsmoke sphere s2 0 0 4 0 0 -2 1\n"        \
+    "void mist beam 1 lamp 0 0\n"                                              \
+    "beam cone c 0 0 8 1.9 0 1.9 -1.5 0 -1.5 .1 2\n"                           \
+    "beam ring d 0 0 8 -1.5 0 -1.5 -2 0 -2 0 2\n"                              \
+    "beam ring e 0 0 8 1.9 0 1.9 2 0 2 0 .1\n"                                 \
+    "void mist light 2 lamp pane 0 4 .05 .05 .1 .5\n"                          \
+    "light sphere l1 0 0 4 0 .3 0 .7\nlight sphere l2 0 0 4 .5 0 .5 .4\n"      \
+    "light sphere l3 0 0 4 -.5 0 -.5 .4\n"
+
+/* Antimatter anywhere makes each boundary a ray's end. */
+#define ELSEWHERE                                                              \
+    "void antimatter hole 1 grey 0 0\nhole sphere far 0 0 4 0 0 90 1\n"
+
+static const char *const maze[] = {
+    "-ds .2 -dj 0", "-ds 0 -ms .3 -dj .9 -dt .1",       "-lw .5",
+    "-lr 0 -lw .4", "-me .1 .1 .1 -ma .5 .5 .5 -mg .2", "-me .3 .2 .1",
+};
+
+START_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one)
+{
+    struct world w[2];
+    struct rad_ray r[2];
+
+    world_open(&w[0], MAZE, maze[_i]);
+    world_open(&w[1], MAZE ELSEWHERE, maze[_i]);
+    for (int i = 0; i < 2000; i++) {
+        uint64_t key = rad_key_branch(7, (uint64_t)i);
+        double d[3], o[3];
+
+        for (int k = 0; k < 3; k++) { /* some begin inside */
+            o[k] = 4 * rad_rand(key, k) - 2 + (k == 2 ? 2 : 0);
+            d[k] = 2 * rad_rand(key, 3 + k) - 1 - o[k];
+        }
+        rad_normalize(d);
+        for (int k = 0; k < 2; k++) {
+            world_ray(&w[k], &r[k], o[0], o[1], o[2], d[0], d[1], d[2]);
+            r[k].key = key;
+            rad_ray_trace(&w[k].ctx, &r[k]);
+        }
+        alike(r[0].L.r, r[1].L.r);
+        alike(r[0].L.b, r[1].L.b);
+        alike(r[0].dist, r[1].dist);
+    }
+    ck_assert_uint_eq(w[0].ctx.counts.rays, w[1].ctx.counts.rays);
+    world_close(&w[0]);
+    world_close(&w[1]);
+}
+END_TEST
+
 START_TEST(irradiance_of_the_eye_sees_no_mist)
 {
     struct world w;
@@ -384,6 +449,9 @@ main(void)
     tcase_add_loop_test(tc, samples_are_as_far_apart_as_asked, 0,
                         N_ELEM(spacing));
     tcase_add_test(tc, same_key_gives_the_same_value);
+    tcase_add_loop_test(tc,
+                        boundaries_passed_at_once_are_what_they_are_one_by_one,
+                        0, N_ELEM(maze));
     tcase_add_test(tc, irradiance_of_the_eye_sees_no_mist);
     suite_add_tcase(s, tc);
     return unit_run(s);

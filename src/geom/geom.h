@@ -110,6 +110,14 @@ bool rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
                     struct rad_hit *hit, struct rad_line *line,
                     struct rad_geom_counts *counts);
 
+/* The object that is number i of the line; RAD_VOID: it does not tell. */
+int32_t rad_geom_ahead(const struct rad_geom *g, const struct rad_line *line,
+                       int i);
+
+/* Does the span, along which *line was found, meet number i on its front? */
+bool rad_geom_faces(const struct rad_geom *g, const struct rad_line *line,
+                    int i, const struct rad_span *span);
+
 /* Are there surfaces that are passed? */
 bool rad_geom_passes(const struct rad_geom *g);
 

@@ -124,6 +124,28 @@ rad_geom_beyond(const struct rad_geom *g, const struct rad_line *line, int i,
     return RAD_BEYOND_MET;
 }
 
+int32_t
+rad_geom_ahead(const struct rad_geom *g, const struct rad_line *line, int i)
+{
+    return i < line->n ? g->top.prims[line->at[i].item].obj : RAD_VOID;
+}
+
+bool
+rad_geom_faces(const struct rad_geom *g, const struct rad_line *line, int i,
+               const struct rad_span *span)
+{
+    const struct rad_prim *p = &g->top.prims[line->at[i].item];
+    struct rad_probe probe;
+    struct rad_hit hit;
+
+    if (p->kind == PRIM_POLYGON || p->kind == PRIM_RING)
+        return rad_dot(p->k, span->dir) < 0;
+    rad_copy(probe.org, span->org);
+    rad_copy(probe.dir, span->dir);
+    rad_prim_surface(p, &probe, line->at[i].t, &hit);
+    return rad_dot(hit.n, span->dir) < 0;
+}
+
 bool
 rad_geom_passes(const struct rad_geom *g)
 {

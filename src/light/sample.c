@@ -884,6 +884,33 @@ spot_misses(const struct rad_source *src, const double d[3])
     return along <= 0 ? dist2 > 0 : along * along < c * c * dist2 * (1 - 1e-9);
 }
 
+bool
+rad_light_reaches(const struct rad_source *src, const double p[3])
+{
+    double d[3], d2, z;
+
+    if (src->flags & RAD_LIGHT_DISTANT)
+        return true;
+    rad_sub(d, p, src->centre);
+    if (src->flags & RAD_LIGHT_FLAT && !(rad_dot(d, src->normal) > 0))
+        return false;
+    d2 = rad_dot(d, d);
+    if (src->flags & RAD_LIGHT_NEAR) {
+        double far = src->reach + src->radius;
+
+        if (d2 > far * far)
+            return false;
+    }
+    if (src->flags & RAD_LIGHT_SPOT && spot_misses(src, d))
+        return false;
+    if (src->flags & RAD_LIGHT_FLAT || src->shape == RAD_SPHERE)
+        return true;
+    /* inside the cylinder, however long? */
+    z = rad_dot(d, src->axis[0]);
+    z *= z / rad_dot(src->axis[0], src->axis[0]);
+    return d2 - z > src->r1 * src->r1;
+}
+
 void
 rad_light_samples(const struct rad_source *src,
                   const struct rad_light_view *view, rad_light_fn *fn,
@@ -891,44 +918,19 @@ rad_light_samples(const struct rad_source *src,
 {
     struct walk w = { src, view, fn, arg, 0 };
     struct patch root;
-    double d[3];
 
+    if (!rad_light_reaches(src, view->p))
+        return;
     if (src->flags & RAD_LIGHT_DISTANT) {
         distant_sample(&w);
-        return;
-    }
-    rad_sub(d, view->p, src->centre);
-    if (src->flags & RAD_LIGHT_NEAR) {
-        double far = src->reach + src->radius;
-
-        if (rad_dot(d, d) > far * far)
-            return;
-    }
-    if (src->flags & RAD_LIGHT_SPOT && spot_misses(src, d))
-        return;
-    if (src->shape == RAD_SPHERE) {
+    } else if (src->shape == RAD_SPHERE) {
         sphere_sample(&w);
-        return;
-    }
-    if (src->flags & RAD_LIGHT_FLAT) {
-        if (!(rad_dot(d, src->normal) > 0))
-            return;
-    } else {
-        /* inside the cylinder, however long? */
-        double z = rad_dot(d, src->axis[0]);
-
-        z *= z / rad_dot(src->axis[0], src->axis[0]);
-        if (!(rad_dot(d, d) - z > src->r1 * src->r1))
-            return;
-    }
-    if (is_whole(src, view)) {
+    } else if (is_whole(src, view)) {
         whole_sample(&w);
-        return;
-    }
-    if (is_quad(src)) {
+    } else if (is_quad(src)) {
         visit_quad(&w);
-        return;
+    } else {
+        root_patch(src, &root);
+        visit(&w, &root, &src->root);
     }
-    root_patch(src, &root);
-    visit(&w, &root, &src->root);
 }

@@ -96,8 +96,12 @@ struct rad_light_view {
 
 typedef void rad_light_fn(void *arg, const struct rad_light_sample *s);
 
-/* Call fn with each sample of *src from *view, in a fixed order; none where
- * the point is behind a flat source, inside a round one, or out of reach. */
+/* May anything of *src reach a point?  Not where that is behind a flat source,
+ * inside a round one, or out of reach. */
+bool rad_light_reaches(const struct rad_source *src, const double p[3]);
+
+/* Call fn with each sample of *src from *view, in a fixed order; none where it
+ * does not reach. */
 void rad_light_samples(const struct rad_source *src,
                        const struct rad_light_view *view, rad_light_fn *fn,
                        void *arg);

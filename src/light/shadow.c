@@ -27,6 +27,7 @@
 #include "light/sources.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "shade/mist.h"
 
 #include <float.h>
 #include <string.h>
@@ -67,8 +68,7 @@ struct direct {
     void *data;
     int32_t source;    /* whose samples are being weighed */
     uint32_t nsamples; /* so far, weighed or not */
-    /* that source, if it is flat and looks the same all over: then nothing of
-     * the place aimed at need be known */
+    /* that source, if nothing of the place aimed at need be known */
     const struct rad_source *lamp;
     struct start start[2]; /* for directions above and below the hit */
     struct potential *list;
@@ -179,17 +179,23 @@ meet_lamp(struct direct *d, struct potential *p, const double dir[3])
     return p->span.tmax > 0;
 }
 
+/* The source, if it is flat and looks the same all over; else NULL. */
+static const struct rad_source *
+plain_lamp(const struct rad_sources *s, int32_t source)
+{
+    const unsigned plain = RAD_LIGHT_FLAT | RAD_LIGHT_PLAIN;
+
+    return source < s->n && (s->list[source].flags & plain) == plain
+               ? &s->list[source]
+               : NULL;
+}
+
 /* The source whose samples are weighed next. */
 static void
 turn_to(struct direct *d, int32_t source)
 {
-    const struct rad_sources *s = d->ctx->job->sources;
-    const unsigned lamp = RAD_LIGHT_FLAT | RAD_LIGHT_PLAIN;
-
     d->source = source;
-    d->lamp = NULL;
-    if (source < s->n && (s->list[source].flags & lamp) == lamp)
-        d->lamp = &s->list[source];
+    d->lamp = plain_lamp(d->ctx->job->sources, source);
     d->start[0].known = d->start[1].known = false;
 }
 
@@ -269,14 +275,10 @@ source_radiance(const struct direct *d, const struct potential *p,
             return leads_there(d->ctx, v, p->span.dir, hit) ? v->L
                                                             : rad_grey(0);
     }
+    if (src)
+        return rad_rgb_mul(src->L, rad_mist_veil(d->ctx, d->r, p->span.tmax));
     if (!start_ray(d, p, &sr))
         return rad_grey(0);
-    if (src) {
-        sr.L = src->L;
-        sr.hit.t = p->span.tmax;
-        rad_ray_absorb(d->ctx, &sr);
-        return sr.L;
-    }
     sr.path |= RAD_RAY_UNTESTED;
     shade_target(d->ctx, &sr, hit);
     return sr.L;
@@ -342,10 +344,20 @@ see_through(const struct direct *d, struct potential *p,
             const struct rad_hit *hit, const struct rad_line *line)
 {
     const struct rad_job *job = d->ctx->job;
+    const struct rad_source *lamp = plain_lamp(job->sources, p->source);
+    int32_t target = rad_source_target(job->sources, p->source);
+    struct rad_rgb T;
     struct rad_ray sr;
 
-    if (hit->obj == rad_source_target(job->sources, p->source))
+    if (hit->obj == target)
         return see_beyond(d, p);
+    /* up to a lamp there may be nothing but mist */
+    if (lamp && line->n > 0 &&
+        rad_geom_ahead(job->geom, line, line->n - 1) == target &&
+        rad_mist_veils(d->ctx, d->r, &p->span, line, &T)) {
+        p->val = rad_rgb_mul(rad_rgb_mul(lamp->L, T), p->coef);
+        return rad_rgb_lum(p->val) > 0;
+    }
     if (!start_ray(d, p, &sr))
         return false;
     sr.hit = *hit;

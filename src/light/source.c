@@ -150,6 +150,12 @@ rad_source_toward(const struct rad_sources *s, int32_t i, const double p[3],
     rad_normalize(dir);
 }
 
+bool
+rad_source_reaches(const struct rad_sources *s, int32_t i, const double p[3])
+{
+    return i >= s->n || rad_light_reaches(&s->list[i], p);
+}
+
 int32_t
 rad_sources_targets(const struct rad_sources *s)
 {

@@ -36,6 +36,11 @@ typedef void rad_brdf_fn(struct rad_rgb *coef, void *data, const double ldir[3],
 void rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
                 void *data, bool through);
 
+/* May anything of source or image i reach a place?  Decided without looking at
+ * the source's parts, or at what is in the way. */
+bool rad_source_reaches(const struct rad_sources *s, int32_t i,
+                        const double p[3]);
+
 /* Add to r->L what comes from one source (or image of one), undivided: for a
  * place in mid-air, which r->hit is made to look like. */
 void rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,

@@ -23,6 +23,7 @@
 #include "config.h"
 
 #include "shade/mist.h"
+#include "base/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/source.h"
@@ -168,6 +169,25 @@ rad_mists_resolve(struct rad_job *job, struct rad_error *err)
 
 /* --- the chain of media --- */
 
+/* Let link have what lights `outer` and its own mist.  False: out of memory. */
+static bool
+add_lights(struct rad_ctx *ctx, struct rad_medium *link,
+           const struct rad_medium *outer)
+{
+    const struct rad_mist *m = link->mist;
+    int32_t *all, n = outer->nlights;
+
+    all = rad_arena_alloc(&ctx->scratch, (size_t)(n + m->nlights) * sizeof n);
+    if (!all)
+        return false;
+    memcpy(all, outer->lights, (size_t)n * sizeof n);
+    for (int32_t k = 0; k < m->nlights; k++)
+        if (!has(all, n, m->lights[k]))
+            all[link->nlights++] = m->lights[k];
+    link->lights = all;
+    return true;
+}
+
 /* Put what link's mist says on top of what is about it.  False: out of
  * memory. */
 static bool
@@ -176,7 +196,7 @@ add_link(struct rad_ctx *ctx, struct rad_medium *link,
 {
     const struct rad_params *p = &ctx->job->params;
     const struct rad_mist *m = link->mist;
-    int32_t n = outer ? outer->nlights : 0;
+    bool lit = outer && outer->nlights > 0;
 
     link->outer = outer;
     link->outer_ext = outer_ext;
@@ -185,20 +205,9 @@ add_link(struct rad_ctx *ctx, struct rad_medium *link,
                    : outer       ? outer->albedo
                                  : p->salbedo;
     link->g = m->has_g ? m->g : outer ? outer->g : (float)p->seccg;
-    link->nlights = n;
-    link->lights = outer ? outer->lights : NULL;
-    if (m->nlights == 0)
-        return true;
-    link->lights =
-        rad_arena_alloc(&ctx->scratch, (size_t)(n + m->nlights) * sizeof n);
-    if (!link->lights)
-        return false;
-    if (n > 0)
-        memcpy(link->lights, outer->lights, (size_t)n * sizeof n);
-    for (int32_t k = 0; k < m->nlights; k++)
-        if (!has(link->lights, n, m->lights[k]))
-            link->lights[link->nlights++] = m->lights[k];
-    return true;
+    link->nlights = lit ? outer->nlights : m->nlights;
+    link->lights = lit ? outer->lights : m->lights;
+    return !lit || m->nlights == 0 || add_lights(ctx, link, outer);
 }
 
 static const struct rad_medium *
@@ -258,21 +267,18 @@ rad_medium_about(const struct rad_job *job, const struct rad_medium *m)
 
 /* --- scattering --- */
 
-static float
-transmission(double ext, double t)
+static struct rad_rgb
+transmission(struct rad_rgb ext, double t)
 {
     /* exp(-0 * INFINITY) would be no number: what is clear stays so */
-    return ext > 0 ? (float)exp(-ext * t) : 1;
-}
-
-static struct rad_rgb
-transmission_rgb(struct rad_rgb ext, double t)
-{
+    double r = ext.r > 0 ? -ext.r * t : 0, b = ext.b > 0 ? -ext.b * t : 0;
     struct rad_rgb T;
 
-    T.r = transmission(ext.r, t);
-    T.g = ext.g == ext.r ? T.r : transmission(ext.g, t);
-    T.b = ext.b == ext.g ? T.g : transmission(ext.b, t);
+    rad_expf2(r, b, &T.r, &T.b);
+    T.g = ext.g == ext.r   ? T.r
+          : ext.g == ext.b ? T.b
+          : ext.g > 0      ? rad_expf(-ext.g * t)
+                           : 1;
     return T;
 }
 
@@ -296,10 +302,11 @@ phase(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     *coef = rad_grey((float)(p * omega / (4 * M_PI)));
 }
 
-/* What comes by way of the place at distance t, for a stretch of length ds. */
+/* What comes by way of the place p at distance t, for a stretch of length
+ * ds. */
 static struct rad_rgb
 scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
-           double t, double ds, uint64_t key)
+           const double p[3], double t, double ds, uint64_t key)
 {
     const struct rad_medium *m = r->medium;
     struct scattered s = { r->dir, m->g };
@@ -310,12 +317,13 @@ scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
     rad_ray_clear(&at);
     at.hit.t = t;
     at.hit.err = 0;
-    rad_madd(at.hit.p, r->org, t, r->dir);
+    rad_copy(at.hit.p, p);
     rad_scale(at.hit.n, -1, r->dir);
     rad_ray_enter(&at);
     rad_direct_from(ctx, &at, source, phase, &s);
-    f = rad_rgb_mul(rad_rgb_mul(m->albedo, r->ext),
-                    transmission_rgb(r->ext, t));
+    if (rad_rgb_black(at.L))
+        return at.L;
+    f = rad_rgb_mul(rad_rgb_mul(m->albedo, r->ext), transmission(r->ext, t));
     return rad_rgb_mul(at.L, rad_rgb_scale(f, (float)ds));
 }
 
@@ -329,16 +337,14 @@ sample_count(const struct rad_ctx *ctx, double length)
     return n > MAX_SAMPLES ? MAX_SAMPLES : (int)n;
 }
 
+/* Add what sources send by way of r's stretch, each by n samples. */
 static void
 scatter(struct rad_ctx *ctx, struct rad_ray *r)
 {
     const struct rad_medium *m = r->medium;
-    double length = r->hit.t;
-    int n;
+    double length = r->hit.t, p[3];
+    int n = sample_count(ctx, length);
 
-    if (!(length < INFINITY) || m->g >= 1 - RAD_TINY)
-        return; /* all or nothing comes straight on */
-    n = sample_count(ctx, length);
     for (int32_t i = 0; i < m->nlights; i++) {
         uint64_t key = rad_key_branch(
             rad_key_branch(r->key, RAD_BRANCH_SCATTER), (uint64_t)m->lights[i]);
@@ -346,52 +352,319 @@ scatter(struct rad_ctx *ctx, struct rad_ray *r)
         for (int j = 0; j < n; j++) {
             double t = length * (j + rad_rand(key, (uint32_t)j)) / n;
 
-            r->L = rad_rgb_add(r->L,
-                               scatter_at(ctx, r, m->lights[i], t, length / n,
-                                          rad_key_branch(key, (uint64_t)j)));
+            rad_madd(p, r->org, t, r->dir);
+            if (rad_source_reaches(ctx->job->sources, m->lights[i], p))
+                r->L = rad_rgb_add(
+                    r->L, scatter_at(ctx, r, m->lights[i], p, t, length / n,
+                                     rad_key_branch(key, (uint64_t)j)));
         }
     }
+}
+
+/* Let a stretch of length t of a medium (NULL: one that does not scatter) dim
+ * *L, which comes through it, and add what it scatters of the ambient value.
+ * True: sources light it, too. */
+static bool
+dim(const struct rad_ctx *ctx, const struct rad_medium *m, struct rad_rgb ext,
+    double t, bool shadow, struct rad_rgb *L)
+{
+    bool scatters = m && !m->solid;
+    struct rad_rgb a, T;
+
+    if (shadow && scatters) {
+        a = m->albedo;
+        ext = rad_rgb_mul(ext, rad_rgb(1 - a.r, 1 - a.g, 1 - a.b));
+    }
+    T = transmission(ext, t);
+    *L = rad_rgb_mul(*L, T);
+    if (shadow || !scatters || rad_rgb_max(m->albedo) <= RAD_TINY)
+        return false;
+    a = rad_rgb_mul(m->albedo, ctx->job->params.ambval);
+    *L = rad_rgb_add(*L, rad_rgb_mul(a, rad_rgb(1 - T.r, 1 - T.g, 1 - T.b)));
+    /* of eccentricity 1, all or nothing comes straight on */
+    return m->nlights > 0 && t < INFINITY && m->g < 1 - RAD_TINY;
 }
 
 void
 rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r)
 {
-    const struct rad_medium *m = r->medium;
-    struct rad_rgb ext = r->ext, a = m->albedo, T;
-    bool shadow = r->path & RAD_RAY_SHADOW;
-
-    if (shadow && !m->solid)
-        ext = rad_rgb_mul(ext, rad_rgb(1 - a.r, 1 - a.g, 1 - a.b));
-    T = transmission_rgb(ext, r->hit.t);
-    r->L = rad_rgb_mul(r->L, T);
-    if (shadow || m->solid || rad_rgb_max(a) <= RAD_TINY)
-        return;
-    a = rad_rgb_mul(a, ctx->job->params.ambval);
-    r->L =
-        rad_rgb_add(r->L, rad_rgb_mul(a, rad_rgb(1 - T.r, 1 - T.g, 1 - T.b)));
-    scatter(ctx, r);
+    if (dim(ctx, r->medium, r->ext, r->hit.t, r->path & RAD_RAY_SHADOW, &r->L))
+        scatter(ctx, r);
 }
 
 /* --- the surface --- */
+
+/* From one boundary to the next: what of a ray differs from stretch to
+ * stretch. */
+struct stretch {
+    double org[3], t;
+    uint64_t key;
+    float weight;
+    uint16_t depth;
+    struct rad_rgb ext;
+    const struct rad_medium *medium;
+    struct rad_medium link; /* of the mist that begins at its end */
+};
+
+/* The boundaries that a ray meets one after the other behind the first. */
+struct passage {
+    struct stretch way[RAD_LINE_MOST];
+    int n;
+    bool dead;           /* nothing goes on behind the last */
+    double length;       /* of all stretches */
+    struct rad_ray last; /* the ray of the last stretch, but for what it met: */
+    const struct rad_hit *met;
+    struct rad_hit hit[2]; /* by turns */
+};
+
+/* The mist that number i of a line bounds, if that needs no shading; NULL:
+ * it is something else. */
+static const struct rad_mist *
+mist_of(const struct rad_job *job, const struct rad_line *line, int i)
+{
+    int32_t obj = rad_geom_ahead(job->geom, line, i), mod;
+    const struct rad_material *mat;
+
+    if (obj == RAD_VOID || job->cut)
+        return NULL;
+    mod = job->scene->objects[obj].modifier;
+    if (mod == RAD_VOID)
+        return NULL;
+    mat = &job->materials[mod];
+    return mat->shader && mat->shader->type == RAD_MIST && mat->next == RAD_VOID
+               ? mat->data
+               : NULL;
+}
+
+/* The one that is next on r's way. */
+static const struct rad_mist *
+next_mist(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    return r->line ? mist_of(ctx->job, r->line, r->line_at) : NULL;
+}
+
+/* r has met the boundary of m: set *medium and *ext to what is behind it.
+ * False: out of memory. */
+static bool
+cross(struct rad_ctx *ctx, const struct rad_mist *m,
+      const struct rad_medium *old, struct rad_medium *link,
+      const struct rad_medium **medium, struct rad_rgb *ext)
+{
+    if (old) {
+        *medium = without(ctx, *medium, old, ext);
+        return true;
+    }
+    link->mist = m;
+    link->solid = false;
+    link->own_ext = m->ext;
+    if (!add_link(ctx, link, *medium, *ext))
+        return false;
+    *medium = link;
+    *ext = link->ext;
+    return true;
+}
+
+/* Go to the next boundary, which is that of m, and through it; *medium and
+ * *ext are those on the way there, and then those behind.  False: it is not
+ * for us. */
+static bool
+go_through(struct rad_ctx *ctx, struct passage *p, const struct rad_mist *m,
+           const struct rad_medium **medium, struct rad_rgb *ext)
+{
+    const struct rad_medium *old = find_link(*medium, m);
+    struct rad_hit *hit = &p->hit[p->n & 1];
+    struct rad_ray *r = &p->last;
+    struct stretch *s = &p->way[p->n];
+
+    rad_geom_leave(p->met, r->dir, s->org);
+    if (rad_geom_beyond(ctx->job->geom, r->line, r->line_at, p->met, s->org,
+                        r->dir, hit) != RAD_BEYOND_MET)
+        return false;
+    if (-rad_dot(r->dir, hit->n) > 0)
+        old = NULL;
+    else if (!old)
+        return false; /* it has started inside: that takes more */
+    p->dead = !rad_ray_go_on(ctx, r);
+    if (p->dead)
+        return true;
+    ctx->counts.rays++;
+    p->met = hit;
+    r->line_at++;
+    r->hit.t = s->t = hit->t;
+    r->ext = s->ext = *ext;
+    s->medium = *medium;
+    s->key = r->key;
+    s->weight = r->weight;
+    s->depth = r->depth;
+    p->length += s->t;
+    p->n++;
+    p->dead = !cross(ctx, m, old, &s->link, medium, ext);
+    return true;
+}
+
+/* Go on from r's hit through all boundaries of mists that are known to be
+ * there.  NULL: there is none. */
+static struct passage *
+go_far(struct rad_ctx *ctx, const struct rad_ray *r,
+       const struct rad_medium **medium, struct rad_rgb *ext)
+{
+    const struct rad_mist *m = next_mist(ctx, r);
+    struct passage *p = m ? rad_arena_alloc(&ctx->scratch, sizeof *p) : NULL;
+
+    if (!p)
+        return NULL;
+    p->n = 0;
+    p->dead = false;
+    p->length = 0;
+    p->last = *r;
+    p->last.parent = r;
+    p->met = &r->hit;
+    while (m && go_through(ctx, p, m, medium, ext) && !p->dead)
+        m = next_mist(ctx, &p->last);
+    if (p->n == 0 && !p->dead)
+        return NULL;
+    p->last.hit = *p->met;
+    return p;
+}
+
+/* Let at be the ray of stretch s, for what its medium scatters. */
+static void
+return_to(struct rad_ray *at, const struct stretch *s)
+{
+    rad_copy(at->org, s->org);
+    at->hit.t = s->t;
+    at->key = s->key;
+    at->weight = s->weight;
+    at->depth = s->depth;
+    at->ext = s->ext;
+    at->medium = s->medium;
+}
+
+/* Bring r->L, which is what comes from behind the last boundary, back to r's
+ * hit. */
+static void
+come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
+{
+    bool shadow = r->path & RAD_RAY_SHADOW;
+    struct rad_rgb L = r->L;
+    double met = r->hit.t, before = p->length;
+
+    while (p->n > 0) {
+        const struct stretch *s = &p->way[--p->n];
+
+        before -= s->t;
+        if (rad_rgb_black(s->ext) ||
+            !dim(ctx, s->medium, s->ext, s->t, shadow, &L))
+            continue;
+        r->hit.t = met + before; /* it stands for all that came before */
+        return_to(&p->last, s);
+        p->last.L = L;
+        scatter(ctx, &p->last);
+        L = p->last.L;
+    }
+    r->hit.t = met;
+    r->L = L;
+}
+
+/* What comes from behind r's hit, or that of the last boundary passed. */
+static void
+trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
+             const struct rad_medium *medium, struct rad_rgb ext,
+             struct passage *p)
+{
+    double met = r->hit.t, length = p ? p->length : 0;
+    struct rad_ray tr;
+
+    if (p)
+        r->dist = met + length;
+    if ((p && p->dead) ||
+        !rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, p ? &p->last : r, NULL,
+                       RAD_BRANCH_TRANSMIT))
+        return;
+    rad_copy(tr.dir, r->dir);
+    tr.medium = medium;
+    tr.ext = ext;
+    rad_ray_onward(&tr);
+    if (p) /* r stands for all but the last stretch */
+        r->hit.t = met + length - p->last.hit.t;
+    rad_ray_trace(ctx, &tr);
+    r->hit.t = met;
+    r->L = tr.L;
+    r->L_mirror = tr.L_mirror;
+    r->dist = met + length + tr.dist;
+    r->mirror_dist = met + length + tr.mirror_dist;
+}
 
 /* Go on in another medium. */
 static void
 pass(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_medium *medium,
      struct rad_rgb ext)
 {
-    struct rad_ray tr;
+    struct passage *p = go_far(ctx, r, &medium, &ext);
 
-    if (!rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, r, NULL, RAD_BRANCH_TRANSMIT))
-        return;
-    rad_copy(tr.dir, r->dir);
-    tr.medium = medium;
-    tr.ext = ext;
-    rad_ray_onward(&tr);
-    rad_ray_trace(ctx, &tr);
-    r->L = tr.L;
-    r->L_mirror = tr.L_mirror;
-    r->dist = r->hit.t + tr.dist;
-    r->mirror_dist = r->hit.t + tr.mirror_dist;
+    trace_behind(ctx, r, medium, ext, p);
+    if (p)
+        come_back(ctx, r, p);
+}
+
+struct rad_rgb
+rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r, double t)
+{
+    struct rad_rgb T = rad_grey(1);
+
+    if (!rad_rgb_black(r->ext))
+        dim(ctx, r->medium, r->ext, t, true, &T);
+    return T;
+}
+
+/* See rad_mist_veils(); memory is the caller's to give back. */
+static bool
+look_through(struct rad_ctx *ctx, const struct rad_ray *r,
+             const struct rad_span *span, const struct rad_line *line,
+             struct rad_rgb *T)
+{
+    const struct rad_job *job = ctx->job;
+    struct rad_medium link[RAD_LINE_MOST];
+    const struct rad_medium *medium = r->medium;
+    struct rad_rgb ext = r->ext;
+    double from = 0;
+
+    *T = rad_grey(1);
+    for (int i = 0; i < line->n; i++) {
+        const struct rad_medium *old;
+        const struct rad_mist *m;
+
+        if (!rad_rgb_black(ext))
+            dim(ctx, medium, ext, line->at[i].t - from, true, T);
+        from = line->at[i].t;
+        if (i == line->n - 1)
+            break;
+        m = mist_of(job, line, i);
+        if (!m)
+            return false;
+        old = find_link(medium, m);
+        if (rad_geom_faces(job->geom, line, i, span))
+            old = NULL;
+        else if (!old)
+            return false; /* it has started inside */
+        if (!cross(ctx, m, old, &link[i], &medium, &ext))
+            return false;
+    }
+    return true;
+}
+
+bool
+rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
+               const struct rad_span *span, const struct rad_line *line,
+               struct rad_rgb *T)
+{
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    bool ok = look_through(ctx, r, span, line, T);
+
+    rad_arena_rewind(&ctx->scratch, mark);
+    if (ok) /* as many as if each had been a ray */
+        ctx->counts.rays += (uint64_t)line->n - 1;
+    return ok;
 }
 
 /* The ray started inside: charge it for its way now that this is known. */

@@ -25,9 +25,10 @@ struct rad_medium {
     struct rad_rgb ext, outer_ext;  /* here, and before this was entered */
     struct rad_rgb own_ext;         /* the difference */
     struct rad_rgb albedo;
-    float g;         /* Henyey-Greenstein's eccentricity */
-    int32_t nlights; /* sources, or images of them, that light it: */
-    int32_t *lights; /* their numbers, all of the chain, no two the same */
+    float g;               /* Henyey-Greenstein's eccentricity */
+    int32_t nlights;       /* sources, or images of them, that light it: */
+    const int32_t *lights; /* their numbers, all of the chain, no two the
+                            * same */
 };
 
 int rad_mist_prepare(struct rad_job *job, int32_t index,
@@ -43,6 +44,17 @@ int rad_mists_resolve(struct rad_job *job, struct rad_error *err);
 /* What r's way from its origin to its hit does to r->L.  r->medium is not
  * NULL. */
 void rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r);
+
+/* What *line, found along the span of a shadow ray from r's hit, leaves of the
+ * light from its last entry: by r's medium and by the mists whose boundaries
+ * the others are.  False: something else is there, and nothing done. */
+bool rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
+                    const struct rad_span *span, const struct rad_line *line,
+                    struct rad_rgb *T);
+
+/* The same of r's medium alone, for a shadow ray of length t. */
+struct rad_rgb rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r,
+                             double t);
 
 /* Make *link the inside of a dielectric that is met in medium m, and return
  * what a ray in there has for its medium. */

@@ -5,6 +5,7 @@
 #include "config.h"
 
 #include "shade/ray.h"
+#include "base/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/source.h"
@@ -31,7 +32,7 @@ medium_weight(const struct rad_ray *parent)
     if (least <= 0)
         return 1;
     depth = least * parent->hit.t;
-    return depth <= .1 ? 1 : depth > OPAQUE_DEPTH ? 0 : (float)exp(-depth);
+    return depth <= .1 ? 1 : depth > OPAQUE_DEPTH ? 0 : rad_expf(-depth);
 }
 
 static void
@@ -107,6 +108,15 @@ begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     return r->weight > 0;
 }
 
+/* Is it worth tracing, by -lw and -lr? */
+static bool
+goes_far_enough(const struct rad_params *p, const struct rad_ray *r)
+{
+    if (r->path & RAD_RAY_SHADOW) /* once aimed, a shadow ray goes through */
+        return true;
+    return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
+}
+
 bool
 rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
               const struct rad_ray *parent, const struct rad_rgb *coef,
@@ -116,11 +126,24 @@ rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
 
     if (!begin(ctx, r, kind, parent, coef, branch))
         return false;
-    if (r->path & RAD_RAY_SHADOW) /* once aimed, a shadow ray goes through */
-        return true;
-    if (p->maxdepth <= 0 && coef)
+    if (p->maxdepth <= 0 && coef && !(r->path & RAD_RAY_SHADOW))
         return roulette(p, r);
-    return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
+    return goes_far_enough(p, r);
+}
+
+bool
+rad_ray_go_on(const struct rad_ctx *ctx, struct rad_ray *r)
+{
+    if (!(r->hit.t < INFINITY) || r->depth >= RAD_MAX_DEPTH)
+        return false;
+    r->key = rad_key_branch(r->key, RAD_BRANCH_TRANSMIT);
+    r->depth++;
+    r->kind = RAD_RAY_TRANS;
+    r->path |= RAD_RAY_TRANS;
+    r->tmax -= r->hit.t;
+    r->coef = rad_grey(1);
+    r->weight *= medium_weight(r);
+    return r->weight > 0 && goes_far_enough(&ctx->job->params, r);
 }
 
 void
@@ -325,9 +348,9 @@ rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
         return;
     }
     /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
-    T.r = e->r > 0 ? (float)exp(-e->r * t) : 1;
-    T.g = e->g == e->r ? T.r : e->g > 0 ? (float)exp(-e->g * t) : 1;
-    T.b = e->b == e->g ? T.g : e->b > 0 ? (float)exp(-e->b * t) : 1;
+    T.r = e->r > 0 ? rad_expf(-e->r * t) : 1;
+    T.g = e->g == e->r ? T.r : e->g > 0 ? rad_expf(-e->g * t) : 1;
+    T.b = e->b == e->g ? T.g : e->b > 0 ? rad_expf(-e->b * t) : 1;
     r->L = rad_rgb_mul(r->L, T);
 }
 

@@ -132,6 +132,11 @@ void rad_ray_leave(struct rad_ray *r);
  * there. */
 void rad_ray_onward(struct rad_ray *r);
 
+/* r, which has met something, becomes the ray that goes straight on from there,
+ * as rad_ray_spawn() makes it of r; parent, org, line and what it meets and
+ * brings back are left alone.  False: it is too weak or too deep. */
+bool rad_ray_go_on(const struct rad_ctx *ctx, struct rad_ray *r);
+
 /* Forget what r met and brought back. */
 void rad_ray_clear(struct rad_ray *r);
 
