@@ -143,25 +143,11 @@ START_TEST(samples_follow_the_density_of_half_vectors)
     enum { N = 4000 };
 
     for (int axis = 0; axis < 2; axis++) {
-        double sum = 0, expect = mean_throw(200, 10, axis);
-        struct world w;
-        char scene[512];
+        double expect = mean_throw(200, 10, axis);
+        double sum =
+            square_spread("void ashik2 m 4 1 0 0 . 0 8 0 0 0 1 1 1 200 10",
+                          "-av 0 0 0 -st 0 -lw 0 -ss 0", axis, N);
 
-        snprintf(scene, sizeof scene,
-                 "void brightfunc p 2 2+%s . 0 0 p glow white 0 0 4 1 1 1 0\n"
-                 "white source sky 0 0 4 0 0 1 180\n"
-                 "void ashik2 m 4 1 0 0 . 0 8 0 0 0 1 1 1 200 10\n" SQUARE,
-                 axis ? "Dy" : "Dx");
-        world_open(&w, scene, "-av 0 0 0 -st 0 -lw 0 -ss 0");
-        for (int i = 0; i < N; i++) {
-            struct rad_ray r;
-
-            world_ray(&w, &r, 0, 0, 5, 0, 0, -1);
-            r.key = (uint64_t)i + 1;
-            rad_ray_trace(&w.ctx, &r);
-            sum += pow(r.L.r - 2, 2) / N;
-        }
-        world_close(&w);
         /* four deviations of the mean of N squares of nearly a Gaussian */
         ck_assert_double_eq_tol(sum, expect, 4 * sqrt(2. / N) * expect);
     }

@@ -11,22 +11,15 @@
 
 #include "base/rng.h"
 #include "geom/octree.h"
-#include "picture/frame.h"
 #include "scene/octfile.h"
 #include "scene/part.h"
-#include "world.h"
+#include "wild.h"
 
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 
-enum {
-    SIDE = 4, /* of the pictures [pixels] */
-    MAX_SCENES = 64,
-    MAX_TOKENS = 4000,
-    HUGE_LIST = 1500,
-    PARTS = 8
-};
+enum { MAX_SCENES = 64, MAX_TOKENS = 4000, HUGE_LIST = 1500, PARTS = 8 };
 
 static const char *const words[] = {
     "0",     "-0",     "1e-30",  "-1e-30", "1e30",    "-1e30", "1",
@@ -388,43 +381,6 @@ static const char *const views[] = {
     "1e30",
 };
 
-static void
-look(const struct rad_job *job, const char *view, const char *text)
-{
-    struct rad_pixel pixel[SIDE * SIDE], *rows[SIDE];
-    struct rad_window all = { 0, 0, SIDE, SIDE };
-    struct rad_error err = { 0 };
-    struct rad_frame f;
-    struct rad_ctx ctx;
-    struct rad_view v;
-
-    rad_view_init(&v);
-    rad_view_line(&v, view, strlen(view), NULL);
-    if (rad_frame_init(&f, job, &v, 0, true, &err) < 0)
-        return; /* a view that cannot be, in words */
-    ck_assert_int_eq(rad_ctx_init(&ctx, job, &err), 0);
-    for (int y = 0; y < SIDE; y++)
-        rows[y] = pixel + y * SIDE;
-    ck_assert_int_eq(rad_frame_window(&f, &ctx, &all, rows, NULL, NULL), 0);
-    for (int i = 0; i < SIDE * SIDE; i++)
-        ck_assert_msg(rad_rgb_sound(pixel[i].L) && pixel[i].z >= 0,
-                      "pixel %d: %g %g %g, %g away, in\n%s", i, pixel[i].L.r,
-                      pixel[i].L.g, pixel[i].L.b, pixel[i].z, text);
-    rad_ctx_release(&ctx);
-    rad_frame_release(&f);
-}
-
-/* Refused, and with words? */
-static bool
-refused(int rc, const struct rad_error *err, const char *text)
-{
-    ck_assert_msg(rc == 0 || err->what[0] != '\0', "no words for\n%s", text);
-    ck_assert_msg(rc == 0 || rc == RAD_EDATA || rc == RAD_EUNSUPPORTED ||
-                      rc == RAD_ENOINPUT,
-                  "code %d, %s, for\n%s", rc, err->what, text);
-    return rc < 0;
-}
-
 /* Did it render? */
 static bool
 try(const char *text, size_t len, uint64_t key)
@@ -440,14 +396,15 @@ try(const char *text, size_t len, uint64_t key)
         poison(w.scene, rad_key_branch(key, 10));
     if (rc == 0)
         rc = rad_scene_check(w.scene, NULL, NULL, &w.err);
-    if (!refused(rc, &w.err, text)) {
+    if (!wild_refused(rc, RAD_ENOINPUT, &w.err, text)) {
         rad_params_init(&w.params);
         world_options(&w, options[pick(key, 4, N_ELEM(options))]);
-        w.params.xres = w.params.yres = SIDE;
+        w.params.xres = w.params.yres = WILD_SIDE;
         w.job = rad_job_new(w.scene, &w.params, &files, &w.err);
         rc = w.job ? 0 : w.err.code;
-        if (!refused(rc, &w.err, text))
-            look(w.job, views[pick(key, 5, N_ELEM(views))], text);
+        if (!wild_refused(rc, RAD_ENOINPUT, &w.err, text))
+            wild_look(w.job, views[pick(key, 5, N_ELEM(views))], INFINITY,
+                      text);
     }
     rad_job_free(w.job);
     rad_scene_free(w.scene);

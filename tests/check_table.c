@@ -221,15 +221,10 @@ START_TEST(bad_table_is_refused_by_name)
 {
     int reads = 0;
     struct rad_files files = { read_file, &reads };
-    char scene[512], text[600];
-    struct world w;
+    char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);
-    ck_assert_int_lt(world_try(&w, scene, PLAIN, &files), 0);
-    rad_error_format(&w.err, text, sizeof text);
-    ck_assert_msg(strstr(text, bad[_i].problem) != NULL, "%s", text);
-    ck_assert_msg(strstr(text, "test.rad:1") != NULL, "%s", text);
-    world_close(&w);
+    world_refused(scene, PLAIN, &files, bad[_i].problem);
 }
 END_TEST
 

@@ -9,18 +9,17 @@
 
 #include "base/rng.h"
 #include "geom/octree.h"
-#include "picture/frame.h"
 #include "scene/octfile.h"
 #include "scene/parse.h"
 #include "unit.h"
-#include "world.h"
+#include "wild.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE      4 /* of the pictures [pixels] */
 #define MAX_REALS 15
 #define TEXT      20000
 
@@ -190,43 +189,6 @@ make_scene(char *text, const struct victim *v, unsigned turn)
 }
 
 static void
-look(const struct rad_job *job, const char *view, const char *text)
-{
-    struct rad_pixel pixel[SIDE * SIDE], *rows[SIDE];
-    struct rad_window all = { 0, 0, SIDE, SIDE };
-    struct rad_error err = { 0 };
-    struct rad_frame f;
-    struct rad_ctx ctx;
-    struct rad_view v;
-
-    rad_view_init(&v);
-    rad_view_line(&v, view, strlen(view), NULL);
-    ck_assert_int_eq(rad_frame_init(&f, job, &v, 0, true, &err), 0);
-    ck_assert_int_eq(rad_ctx_init(&ctx, job, &err), 0);
-    for (int y = 0; y < SIDE; y++)
-        rows[y] = pixel + y * SIDE;
-    ck_assert_int_eq(rad_frame_window(&f, &ctx, &all, rows, NULL, NULL), 0);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        ck_assert_msg(rad_rgb_sound(pixel[i].L), "pixel %d: %g %g %g in\n%s", i,
-                      pixel[i].L.r, pixel[i].L.g, pixel[i].L.b, text);
-        ck_assert_msg(pixel[i].z >= 0 && pixel[i].z < INFINITY,
-                      "pixel %d: distance %g in\n%s", i, pixel[i].z, text);
-    }
-    rad_ctx_release(&ctx);
-    rad_frame_release(&f);
-}
-
-/* Refused, and with words? */
-static bool
-refused(int rc, const struct rad_error *err, const char *text)
-{
-    ck_assert_msg(rc == 0 || err->what[0] != '\0', "no words for\n%s", text);
-    ck_assert_msg(rc == 0 || rc == RAD_EDATA || rc == RAD_EUNSUPPORTED,
-                  "code %d, %s, for\n%s", rc, err->what, text);
-    return rc < 0;
-}
-
-static void
 render(const struct rad_scene *s, const char *opts, const char *text)
 {
     struct world w = { .scene = NULL };
@@ -234,12 +196,14 @@ render(const struct rad_scene *s, const char *opts, const char *text)
 
     rad_params_init(&w.params);
     world_options(&w, opts);
-    w.params.xres = w.params.yres = SIDE;
+    w.params.xres = w.params.yres = WILD_SIDE;
     job = rad_job_new(s, &w.params, &files, &w.err);
-    if (!refused(job ? 0 : w.err.code, &w.err, text)) {
-        look(job, "VIEW= -vp 0 -1 0 -vd 0 1 0 -vu 0 0 1", text);
-        look(job, "VIEW= -vta -vp 0 2 0 -vd 0 0 -1 -vu 0 1 0 -vh 270 -vv 270",
-             text);
+    if (!wild_refused(job ? 0 : w.err.code, 0, &w.err, text)) {
+        ck_assert(wild_look(job, "VIEW= -vp 0 -1 0 -vd 0 1 0 -vu 0 0 1",
+                            DBL_MAX, text));
+        ck_assert(wild_look(
+            job, "VIEW= -vta -vp 0 2 0 -vd 0 0 -1 -vu 0 1 0 -vh 270 -vv 270",
+            DBL_MAX, text));
     }
     rad_job_free(job);
 }
@@ -254,7 +218,7 @@ render_stored(const struct rad_scene *s, const char *opts, const char *text)
     struct rad_octree tree;
     int rc = rad_octree_build(&tree, s, &err);
 
-    if (!refused(rc, &err, text)) {
+    if (!wild_refused(rc, 0, &err, text)) {
         struct rad_memory_in from;
         struct rad_stream in;
         struct rad_scene *again = rad_scene_new();
@@ -289,7 +253,7 @@ START_TEST(wild_numbers_are_refused_or_rendered)
 
         if (rc == 0)
             rc = rad_scene_check(s, NULL, NULL, &err);
-        if (!refused(rc, &err, text)) {
+        if (!wild_refused(rc, 0, &err, text)) {
             if (t % 3 == 0)
                 render_stored(s, opts, text);
             else

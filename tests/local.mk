@@ -211,7 +211,8 @@ tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/unit.h \
 tests_check_antimatter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_antimatter_LDADD = $(UNIT_LIBS)
 
-tests_check_hostile_SOURCES = tests/check_hostile.c tests/unit.h tests/world.h
+tests_check_hostile_SOURCES = tests/check_hostile.c tests/unit.h tests/wild.h \
+	tests/world.h
 tests_check_hostile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_hostile_LDADD = $(UNIT_LIBS)
 
@@ -465,7 +466,8 @@ tests_check_wgmd_SOURCES = tests/check_wgmd.c tests/square.h tests/suns.h \
 tests_check_wgmd_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_wgmd_LDADD = $(UNIT_LIBS)
 
-tests_check_wild_SOURCES = tests/check_wild.c tests/unit.h tests/world.h
+tests_check_wild_SOURCES = tests/check_wild.c tests/unit.h tests/wild.h \
+	tests/world.h
 tests_check_wild_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_wild_LDADD = $(UNIT_LIBS)
 

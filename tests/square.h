@@ -8,6 +8,9 @@
 #include "suns.h"
 #include "world.h"
 
+#include <math.h>
+#include <stdio.h>
+
 /* Of a material m. */
 #define SQUARE "m polygon s 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
 /* Half a sky of radiance 1. */
@@ -40,6 +43,33 @@ static inline struct rad_rgb
 see(const char *scene, const char *options, double deg)
 {
     return see_with(scene, options, NULL, deg);
+}
+
+/* Single samples of a square of that material, seen from straight above,
+ * spread: the mean square of the axis' direction cosine, of n of them.  The sky
+ * is brighter by that much the farther it is along the axis (0: x). */
+static inline double
+square_spread(const char *material, const char *options, int axis, int n)
+{
+    char scene[512];
+    double sum = 0;
+    struct world w;
+
+    snprintf(scene, sizeof scene,
+             "void brightfunc p 2 2+%s . 0 0 p glow white 0 0 4 1 1 1 0\n"
+             "white source sky 0 0 4 0 0 1 180\n%s\n" SQUARE,
+             axis ? "Dy" : "Dx", material);
+    world_open(&w, scene, options);
+    for (int i = 0; i < n; i++) {
+        struct rad_ray r;
+
+        world_ray(&w, &r, 0, 0, 5, 0, 0, -1);
+        r.key = (uint64_t)i + 1;
+        rad_ray_trace(&w.ctx, &r);
+        sum += pow(r.L.r - 2, 2) / n;
+    }
+    world_close(&w);
+    return sum;
 }
 
 static inline void

@@ -77,6 +77,21 @@ world_close(struct world *w)
     rad_scene_free(w->scene);
 }
 
+/* The scene is refused, for that reason, which names its first line. */
+static inline void
+world_refused(const char *text, const char *options,
+              const struct rad_files *files, const char *problem)
+{
+    char what[600];
+    struct world w;
+
+    ck_assert_int_lt(world_try(&w, text, options, files), 0);
+    rad_error_format(&w.err, what, sizeof what);
+    ck_assert_msg(strstr(what, problem) != NULL, "%s", what);
+    ck_assert_msg(strstr(what, "test.rad:1") != NULL, "%s", what);
+    world_close(&w);
+}
+
 /* A primary ray, ready to trace; dir need not be of unit length. */
 static inline void
 world_ray(struct world *w, struct rad_ray *r, double ox, double oy, double oz,
