@@ -65,15 +65,21 @@ n_workers()
         grep -c '"name"')" -eq "$1" ]
 }
 
-cluster_start()
+# start_with WORKER N THREADS: the coordinator, and workers by that function
+start_with()
 {
     coord_start
     k=1
-    while [ $k -le "$1" ]; do
-        worker_start $k "$2"
+    while [ $k -le "$2" ]; do
+        "$1" $k "$3"
         k=$((k + 1))
     done
-    until_true 30 n_workers "$1" || fail "the workers do not come"
+    until_true 30 n_workers "$2" || fail "the workers do not come"
+}
+
+cluster_start()
+{
+    start_with worker_start "$@"
 }
 
 gone()

@@ -42,13 +42,7 @@ faulty_worker()
 
 faulty_start()
 {
-    coord_start
-    k=1
-    while [ $k -le "$1" ]; do
-        faulty_worker $k "$2"
-        k=$((k + 1))
-    done
-    until_true 30 n_workers "$1" || fail "the workers do not come"
+    start_with faulty_worker "$@"
 }
 
 faulty_stop()
