@@ -73,6 +73,8 @@ librad_a_SOURCES = \
 	src/light/spot.h \
 	src/light/virtual.c \
 	src/light/virtual.h \
+	src/light/way.c \
+	src/light/way.h \
 	src/picture/doubt.c \
 	src/picture/doubt.h \
 	src/picture/estimate.c \

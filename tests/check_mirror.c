@@ -154,6 +154,72 @@ START_TEST(image_is_shaded_on_each_stretch)
 }
 END_TEST
 
+/* Upright panes at x, and one that lies at z, over what matters. */
+#define PANE(x)                                                                \
+    "pane polygon p 0 0 12 " x " -9 -9 " x " 9 -9 " x " 9 9 " x " -9 9\n"
+#define FLOOR(z)                                                               \
+    "pane polygon q 0 0 12 -9 -9 " z " 9 -9 " z " 9 9 " z " -9 9 " z "\n"
+#define SUN "lit source sun 0 0 4 -1 0 1 .5\n"
+
+static const struct {
+    const char *glass, *scene, *options;
+} panes[] = {
+    { "3 .9 .8 .7", BALL FLOOR("1.5"), "" },
+    { "3 .9 .8 .7", BALL FLOOR("1.5") FLOOR("1"), "" },
+    { "3 .9 .8 .7", BALL GOLD "gold " SMALL FLOOR("1.5"), "" },
+    { "3 .9 .9 .9", BALL GOLD "gold " SMALL FLOOR(".5"), "" },
+    { "4 .9 .9 .9 1.8", BALL GOLD "gold " SMALL PANE(".5"), "" },
+    { "3 .9 .9 .9", BALL GOLD "gold " EAST "gold " WEST PANE(".5"), "-dr 3" },
+    { "3 0 .5 0", BALL GOLD "gold " EAST PANE(".5") FLOOR("1"), "" },
+    { "3 0 0 0", BALL GOLD "gold " EAST PANE(".5") FLOOR("1"), "" },
+    { "3 .9 .8 .7", BALL GOLD "gold " SMALL PANE(".5"), "-bv-" },
+    { "3 .9 .8 .7", LAMP SUN GOLD "gold " EAST PANE(".5"), "" },
+    { "3 .9 .8 .7", LAMP SUN GOLD "gold " EAST FLOOR("1.5"), "" },
+    { "3 .9 .8 .7",
+      BALL GOLD "gold " SMALL FLOOR("1") "void plastic b 0 0 5 1 1 1 0 0\n"
+                                         "b sphere s 0 0 4 .5 0 1.5 .1\n",
+      "" },
+    { "3 .9 .8 .7",
+      BALL GOLD "gold " SMALL FLOOR(
+          "1") "void dielectric b 0 0 5 .9 .9 .9 1.5 0\n"
+               "b polygon s 0 0 12 -9 -9 .4 9 -9 .4 9 9 .4 -9 9 .4\n",
+      "" },
+    { "3 .9 .8 .7",
+      BALL GOLD "gold " SMALL FLOOR(
+          "1") "void antimatter b 1 void 0 0\nb sphere s 0 0 4 .5 0 1.5 .1\n",
+      "" },
+    { "3 .9 .8 .7", BALL GOLD "gold " SMALL FLOOR(".5"), "-me 1 1 1" },
+};
+
+/* A pattern that is 1 changes nothing, but rays are made where it is. */
+START_TEST(plain_panes_dim_as_those_that_take_rays)
+{
+    int row = _i / N_ELEM(pretest);
+    char scene[2048], options[64];
+    struct rad_rgb E[2];
+    uint64_t rays[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct world w;
+
+        snprintf(scene, sizeof scene,
+                 "void brightfunc one 2 1 . 0 0\n%s glass pane 0 0 %s\n%s",
+                 i ? "one" : "void", panes[row].glass, panes[row].scene);
+        snprintf(options, sizeof options, "%s %s",
+                 pretest[_i % N_ELEM(pretest)], panes[row].options);
+        world_open(&w, scene, options);
+        E[i] = irradiance(&w, origin, up);
+        rays[i] = w.ctx.counts.rays + w.ctx.counts.shadow_rays;
+        world_close(&w);
+    }
+    ck_assert_uint_eq(rays[0], rays[1]);
+    ck_assert_double_eq_tol(E[0].r, E[1].r, 1e-6 * (double)E[1].r + 1e-30);
+    ck_assert_double_eq_tol(E[0].g, E[1].g, 1e-6 * (double)E[1].g + 1e-30);
+    ck_assert_double_eq_tol(E[0].b, E[1].b, 1e-6 * (double)E[1].b + 1e-30);
+    ck_assert_int_eq(E[0].g > 0, strcmp(panes[row].glass, "3 0 0 0") != 0);
+}
+END_TEST
+
 /* A box about the lamp, open below. */
 START_TEST(pretest_drops_what_never_arrives)
 {
@@ -395,6 +461,8 @@ make_suite(void)
                         N_ELEM(pretest));
     tcase_add_loop_test(tc, image_is_shaded_on_each_stretch, 0,
                         N_ELEM(blocker));
+    tcase_add_loop_test(tc, plain_panes_dim_as_those_that_take_rays, 0,
+                        N_ELEM(panes) * N_ELEM(pretest));
     tcase_add_test(tc, pretest_drops_what_never_arrives);
     tcase_add_test(tc, pretest_saves_rays);
     tcase_add_test(tc, image_is_seen_in_the_mirror_alone);

@@ -18,18 +18,18 @@
  *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
  * Only if there is none, but something to see through, does it go on, from
- * surface to surface, as a ray that materials shade.
+ * surface to surface, as a ray that materials shade; no rays are made for what
+ * are plain panes and mirrors alone (way.h).
  *
  * The ray to an image in a mirror ends at the mirror, which shows it what is at
  * the end of the way (rad_source_aimed).  It is tested stretch by stretch.  */
 #include "config.h"
 
-#include "light/sources.h"
+#include "light/way.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "shade/mist.h"
 
-#include <float.h>
 #include <string.h>
 
 /* Shadow rays sent whatever -dt says, as in rpict. */
@@ -130,37 +130,7 @@ height_above(const struct rad_source *src, const double p[3])
            ROUNDING * (largest(p) + largest(src->centre) + largest(d));
 }
 
-static bool
-is_distant(const struct rad_sources *s, int32_t source)
-{
-    return source < s->n && s->list[source].flags & RAD_LIGHT_DISTANT;
-}
-
-/* Aim a span from a hit at a source, and end it short of that, so that what a
- * lamp is mounted on, in the same plane, does not shade it.  Both surfaces may
- * be off by their error bounds.  False: the source is missed. */
-static bool
-meet_target(struct rad_ctx *ctx, const struct rad_hit *from, int32_t source,
-            const double dir[3], struct rad_span *span, struct rad_hit *hit)
-{
-    const struct rad_sources *s = ctx->job->sources;
-
-    rad_copy(span->dir, dir);
-    rad_geom_leave(from, dir, span->org);
-    span->tmin = 0;
-    span->tmax = INFINITY;
-    if (is_distant(s, source))
-        return true;
-    if (!rad_geom_hit_object(ctx->job->geom, rad_source_target(s, source), span,
-                             hit, &ctx->counts.geom))
-        return false;
-    double cosine = fabs(rad_dot(hit->n, dir));
-
-    span->tmax = hit->t - 2 * hit->err / rad_most(cosine, DBL_MIN);
-    return span->tmax > 0;
-}
-
-/* The same for p's span, if it goes to d's lamp. */
+/* rad_way_aim() for p's span, if it goes to d's lamp. */
 static bool
 meet_lamp(struct direct *d, struct potential *p, const double dir[3])
 {
@@ -206,7 +176,7 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
 {
     const struct rad_job *job = ctx->job;
 
-    if (is_distant(job->sources, sr->source)) {
+    if (rad_source_distant(job->sources, sr->source)) {
         int32_t mod = rad_source_behind(ctx, sr);
 
         if (mod != RAD_VOID)
@@ -217,41 +187,6 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
         rad_ray_shade(ctx, sr, job->scene->objects[hit->obj].modifier);
     }
     rad_ray_absorb(ctx, sr);
-}
-
-/* Is a hit before the mirror, if the source is an image?  Behind a prism a ray
- * to its image could pass that and meet the prism then. */
-static bool
-may_show(const struct rad_sources *s, int32_t source, const struct rad_hit *at)
-{
-    return source < s->n ||
-           rad_virtual_faces(&s->virtuals[source - s->n], at->p, at->err);
-}
-
-/* The image v of a source is looked at in direction dir, and its mirror met at
- * hit; do the mirrors behind lead to the source from there?  Nothing is asked
- * of what may be in the way. */
-static bool
-leads_there(struct rad_ctx *ctx, const struct rad_virtual *v,
-            const double dir[3], const struct rad_hit *hit)
-{
-    const struct rad_sources *s = ctx->job->sources;
-    struct rad_hit at = *hit, next;
-    struct rad_span span;
-    double d[3], turned[3];
-
-    rad_copy(d, dir);
-    for (int32_t from = v->from;; from = s->virtuals[from - s->n].from) {
-        rad_madd(turned, d, -2 * rad_dot(d, at.n), at.n);
-        rad_normalize(turned);
-        if (!may_show(s, from, &at) ||
-            !meet_target(ctx, &at, from, turned, &span, &next))
-            return false;
-        if (from < s->n)
-            return true;
-        rad_copy(d, turned);
-        at = next;
-    }
 }
 
 /* What the source, met at hit, sends along p's span. */
@@ -272,8 +207,8 @@ source_radiance(const struct direct *d, const struct potential *p,
         if (src)
             return src->L;
         if (v && v->plain)
-            return leads_there(d->ctx, v, p->span.dir, hit) ? v->L
-                                                            : rad_grey(0);
+            return rad_way_leads(d->ctx, v, p->span.dir, hit) ? v->L
+                                                              : rad_grey(0);
     }
     if (src)
         return rad_rgb_mul(src->L, rad_mist_veil(d->ctx, d->r, p->span.tmax));
@@ -302,12 +237,24 @@ weigh(void *arg, const struct rad_light_sample *s)
     p->source = d->source;
     p->branch = branch;
     if (!(d->lamp ? meet_lamp(d, p, s->aim)
-                  : meet_target(d->ctx, &d->r->hit, p->source, s->aim, &p->span,
+                  : rad_way_aim(d->ctx, &d->r->hit, p->source, s->aim, &p->span,
                                 &hit)))
         return;
     p->val = rad_rgb_mul(source_radiance(d, p, &hit), coef);
     if (rad_rgb_lum(p->val) > 0)
         d->n++;
+}
+
+/* Is nothing but products of colours between p's source and where it is seen
+ * from, if that is clear? */
+static bool
+is_plain(const struct direct *d, const struct potential *p)
+{
+    const struct rad_sources *s = d->ctx->job->sources;
+
+    return rad_rgb_black(d->r->ext) &&
+           (p->source < s->n ? s->list[p->source].flags & RAD_LIGHT_PLAIN
+                             : s->virtuals[p->source - s->n].plain);
 }
 
 /* The way to the image that p aims at is clear; is it so behind the mirror?
@@ -316,14 +263,23 @@ static bool
 see_in_mirror(const struct direct *d, struct potential *p)
 {
     const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_virtual *v = &s->virtuals[p->source - s->n];
     struct rad_span span;
     struct rad_hit hit;
     struct rad_ray sr;
 
-    if (s->virtuals[p->source - s->n].sure)
+    if (v->sure)
         return true;
-    if (!meet_target(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit) ||
-        !start_ray(d, p, &sr))
+    if (!rad_way_aim(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit))
+        return false;
+    if (is_plain(d, p)) {
+        enum rad_sight seen =
+            rad_way_clear(d->ctx, v, p->span.dir, &hit, &p->val);
+
+        if (seen != RAD_SIGHT_VEILED)
+            return seen == RAD_SIGHT_CLEAR;
+    }
+    if (!start_ray(d, p, &sr))
         return false;
     shade_target(d->ctx, &sr, &hit);
     p->val = rad_rgb_mul(sr.L, p->coef);
@@ -351,6 +307,13 @@ see_through(const struct direct *d, struct potential *p,
 
     if (hit->obj == target)
         return see_beyond(d, p);
+    if (is_plain(d, p)) {
+        enum rad_sight seen =
+            rad_way_through(d->ctx, p->source, &p->span, hit, line, &p->val);
+
+        if (seen != RAD_SIGHT_VEILED)
+            return seen == RAD_SIGHT_CLEAR;
+    }
     /* up to a lamp there may be nothing but mist */
     if (lamp && line->n > 0 &&
         rad_geom_ahead(job->geom, line, line->n - 1) == target &&
@@ -433,8 +396,8 @@ rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
     struct rad_hit hit;
 
     rad_ray_clear(r);
-    if (!may_show(ctx->job->sources, r->source, &r->parent->hit) ||
-        !meet_target(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
+    if (!rad_way_faces(ctx->job->sources, r->source, &r->parent->hit) ||
+        !rad_way_aim(ctx, &r->parent->hit, r->source, r->dir, &span, &hit))
         return;
     rad_copy(r->org, span.org);
     if (r->path & RAD_RAY_UNTESTED || is_clear(ctx, r, &span))

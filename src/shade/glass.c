@@ -102,6 +102,27 @@ pane_fresnel(struct pane *p)
     p->R = rad_rgb((float)R[0], (float)R[1], (float)R[2]);
 }
 
+bool
+rad_glass_plain(const struct rad_job *job, const struct rad_hit *hit,
+                const double dir[3], struct rad_rgb *T)
+{
+    const struct rad_material *mat =
+        rad_material_first(job, job->scene->objects[hit->obj].modifier);
+    struct pane p;
+
+    if (hit->bent || !mat || mat->shader->shade != rad_glass_shade ||
+        rad_material_first(job, mat->next))
+        return false;
+    p.m = mat->data;
+    p.cos_n = fabs(rad_dot(dir, hit->n));
+    *T = rad_grey(0);
+    if (p.m->clear) {
+        pane_fresnel(&p);
+        *T = p.T;
+    }
+    return true;
+}
+
 static void
 pass(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
 {

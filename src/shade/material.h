@@ -70,6 +70,16 @@ int rad_material_file_fail(const struct rad_job *job,
 int rad_materials_compile(struct rad_job *job, const struct rad_files *files,
                           struct rad_error *err);
 
+/* The first of the chain from modifier mod that does something; NULL: there is
+ * none. */
+static inline const struct rad_material *
+rad_material_first(const struct rad_job *job, int32_t mod)
+{
+    while (mod != RAD_VOID && !job->materials[mod].shader)
+        mod = job->materials[mod].next;
+    return mod == RAD_VOID ? NULL : &job->materials[mod];
+}
+
 /* Is surface material m a light source's? */
 bool rad_material_lights(const struct rad_object *m);
 

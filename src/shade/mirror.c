@@ -63,25 +63,15 @@ rad_mirror_prepare(struct rad_job *job, int32_t index,
     return prepare_alternate(job, index, m, err);
 }
 
-/* The first of a chain of modifiers that does something; NULL: there is none.
- */
-static const struct rad_material *
-first_of(const struct rad_job *job, int32_t mod)
-{
-    while (mod != RAD_VOID && !job->materials[mod].shader)
-        mod = job->materials[mod].next;
-    return mod == RAD_VOID ? NULL : &job->materials[mod];
-}
-
 bool
 rad_mirror_plain(const struct rad_job *job, int32_t obj, struct rad_rgb *color)
 {
     const struct rad_material *mat =
-        first_of(job, job->scene->objects[obj].modifier);
+        rad_material_first(job, job->scene->objects[obj].modifier);
     const struct mirror *m;
 
     if (!mat || mat->shader->shade != rad_mirror_shade ||
-        first_of(job, mat->next))
+        rad_material_first(job, mat->next))
         return false;
     m = mat->data;
     *color = m->color;
