@@ -213,7 +213,7 @@ get_variable(struct machine *m, int32_t sym)
     else if (s->channel >= 0)
         push_channel(m, s->channel);
     else if (s->real > 0 && get_real(m, s->real))
-        keep(m, sym, m->top[-1]);
+        keep(m, sym, m->e->in.args[s->real - 1]);
     else if (s->kind == SYM_VARIABLE)
         enter(m, s->code, -1, BACK_VARIABLE, sym);
     else

@@ -43,43 +43,70 @@ shade_part(struct rad_ctx *ctx, struct rad_ray *part, int32_t mod, double coef)
     return rad_ray_shade(ctx, part, mod);
 }
 
-/* Light and distances of a mixture of two materials, the fraction t of fore:
- * the distances are of the brighter part. */
+/* Light and distances of a mixture of two materials, the fraction t of fore,
+ * which is r itself: the distances are of the brighter part. */
 static void
-mix_light(struct rad_ray *r, const struct rad_ray *fore,
-          const struct rad_ray *back, double t)
+mix_light(struct rad_ray *r, const struct rad_ray *back, double t)
 {
     float s = (float)t;
-    float fm = s * rad_rgb_lum(fore->L_mirror);
+    float fm = s * rad_rgb_lum(r->L_mirror);
     float bm = (1 - s) * rad_rgb_lum(back->L_mirror);
-    float fd = s * rad_rgb_lum(fore->L) - fm;
+    float fd = s * rad_rgb_lum(r->L) - fm;
     float bd = (1 - s) * rad_rgb_lum(back->L) - bm;
 
-    r->L = mix(fore->L, back->L, t);
-    r->L_mirror = mix(fore->L_mirror, back->L_mirror, t);
-    r->mirror_dist = fm > bm ? fore->mirror_dist : back->mirror_dist;
-    r->dist = fd > bd ? fore->dist : back->dist;
+    r->L = mix(r->L, back->L, t);
+    r->L_mirror = mix(r->L_mirror, back->L_mirror, t);
+    if (!(fm > bm))
+        r->mirror_dist = back->mirror_dist;
+    if (!(fd > bd))
+        r->dist = back->dist;
 }
 
+/* Where one part is all there is, as where a function chooses between two
+ * materials: what mixing it with r as it was comes to. */
+static bool
+shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    double dist = r->dist, mirror_dist = r->mirror_dist;
+    float fm;
+
+    if (!rad_ray_shade(ctx, r, mod))
+        return false;
+    fm = rad_rgb_lum(r->L_mirror);
+    if (!(fm > 0))
+        r->mirror_dist = mirror_dist;
+    if (!(rad_rgb_lum(r->L) - fm > 0))
+        r->dist = dist;
+    return true;
+}
+
+/* A ray is some 400 bytes, and r serves as its own first part. */
 bool
 rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
                   double t)
 {
-    struct rad_ray fore = *r, back = *r;
+    struct rad_rgb coef = r->coef;
+    float weight = r->weight;
+    struct rad_ray back;
     bool fore_mat, back_mat;
 
     t = rad_least(rad_most(t, 0), 1);
-    fore_mat = shade_part(ctx, &fore, part[0], t);
+    if (t == 0 || t == 1)
+        return shade_whole(ctx, r, part[t == 0]);
+    back = *r;
+    fore_mat = shade_part(ctx, r, part[0], t);
     back_mat = shade_part(ctx, &back, part[1], 1 - t);
     if (back_mat && !fore_mat && t > RAD_TINY)
-        rad_ray_transmit(ctx, &fore);
+        rad_ray_transmit(ctx, r);
     else if (fore_mat && !back_mat && 1 - t > RAD_TINY)
         rad_ray_transmit(ctx, &back);
+    r->weight = weight;
+    r->coef = coef;
     for (int i = 0; i < 3; i++)
-        r->pert[i] = t * fore.pert[i] + (1 - t) * back.pert[i];
-    r->pattern = mix(fore.pattern, back.pattern, t);
+        r->pert[i] = t * r->pert[i] + (1 - t) * back.pert[i];
+    r->pattern = mix(r->pattern, back.pattern, t);
     if (!fore_mat && !back_mat)
         return false;
-    mix_light(r, &fore, &back, t);
+    mix_light(r, &back, t);
     return true;
 }
