@@ -115,6 +115,7 @@ librad_a_SOURCES = \
 	src/scene/calceval.c \
 	src/scene/calcimpl.h \
 	src/scene/calcinit.c \
+	src/scene/calcinline.c \
 	src/scene/calclamp.c \
 	src/scene/calclib.c \
 	src/scene/calcparse.c \

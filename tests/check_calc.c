@@ -292,6 +292,9 @@ static const struct {
     { "c = $3; c = 4;", "c", 4 },
     { "c(x) = x; c = $3;", "c", 3 },
     { "c = 4; c = arg(1);", "c", 2 },
+    { "clip(x) = x/4;", "clip(2)", .5 }, /* not the one that all have */
+    { "f(x) = clip(x); clip(x) = x/4;", "f($1)", 1 },
+    { "f(x) = and(x-1,x); g(y) = bound(0,f(y),y+1);", "g(A1*2)", 4 },
 };
 
 START_TEST(names_are_found_in_their_scope)
@@ -331,7 +334,10 @@ static const struct {
     { NULL, "1/(A1-2)", RAD_CALC_MATH, 0 },
     { NULL, "cos(1/(A1-2))", RAD_CALC_MATH, 0 },       /* not cos(0) */
     { NULL, "1/(A1-2)+cos(0*A1)", RAD_CALC_SOUND, 1 }, /* forgotten */
-    { NULL, "A2+1/(A1-2)+A2", RAD_CALC_MATH, -6 },     /* it was known */
+    { NULL, "log(A1-2)*red(.5,-1,A1)", RAD_CALC_SOUND, 0 },
+    { NULL, "and(log(A1-2),1)", RAD_CALC_MATH, 0 },
+    { NULL, "and(A1)", RAD_CALC_NO_ARG, 0 },       /* it is needed */
+    { NULL, "A2+1/(A1-2)+A2", RAD_CALC_MATH, -6 }, /* it was known */
     { "f(x) = A1/(A1-2)+x;", "f(Dz)", RAD_CALC_MATH, 3 },
     { NULL, "if(1,log(A1-2),3)", RAD_CALC_MATH, 0 },
     { NULL, "A2^.5", RAD_CALC_MATH, 0 },

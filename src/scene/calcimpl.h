@@ -51,6 +51,8 @@ struct ins {
 
 enum kind { SYM_UNDEFINED, SYM_VARIABLE, SYM_FUNCTION, SYM_LIBRARY };
 
+struct node;
+
 struct symbol {
     const char *name; /* with its context */
     uint64_t hash;
@@ -64,6 +66,7 @@ struct symbol {
     int32_t channel;  /* that a variable is another name of, or -1 */
     int32_t real;     /* argument that it is another name of, or 0 */
     int32_t nparams;  /* of a function that a file defines */
+    const struct node *body; /* of one whose calls it may replace, or NULL */
     int32_t line;
     const char *file;
 };
@@ -172,6 +175,15 @@ int32_t rad_calc_emit(struct rad_calc *c, const struct node *n,
 /* Turn a node whose kids are all numbers into one, if it always has the same
  * value and no fault. */
 void rad_calc_fold(struct rad_calc *c, struct node *n);
+
+/* Keep the body of a function in the program's arena, so that it may stand
+ * where it is called; NULL: it is not one for that, or memory is out. */
+const struct node *rad_calc_keep(struct rad_calc *c, const struct node *body);
+
+/* What stands for a call of such a function, in arena; its height is the
+ * call's own.  NULL: it stays a call. */
+struct node *rad_calc_inlined(struct rad_calc *c, const struct node *call,
+                              struct rad_arena *arena);
 
 /* Run code from pc, at most limit instructions. */
 double rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,

@@ -252,6 +252,21 @@ resolve(struct parser *ps, struct node *n, const char *name)
         inline_variable(ps->c, &ps->c->symbol[n->ref], n);
 }
 
+/* A call, or what stands for it. */
+static struct node *
+in_place(struct parser *ps, struct node *n)
+{
+    struct node *body =
+        n->type == N_CALL ? rad_calc_inlined(ps->c, n, &ps->arena) : NULL;
+
+    if (!body)
+        return n;
+    /* bounded by the nesting of calls and the size of such bodies: an
+     * expression is not to be refused for the functions that it calls */
+    body->height = n->height;
+    return body;
+}
+
 static struct node *
 reference(struct parser *ps)
 {
@@ -270,7 +285,7 @@ reference(struct parser *ps)
     if (ps->failed)
         return NULL;
     rad_calc_fold(ps->c, n);
-    return n;
+    return in_place(ps, n);
 }
 
 static struct node *
@@ -443,6 +458,8 @@ define(struct parser *ps, const char *name, const char *file, int line,
     c->symbol[i].channel =
         ps->nparams == 0 && body->type == N_CHANNEL ? body->ref : -1;
     c->symbol[i].real = ps->nparams ? 0 : real_of(c, body);
+    c->symbol[i].body =
+        c->standard && ps->nparams ? rad_calc_keep(c, body) : NULL;
     c->symbol[i].line = line;
     c->symbol[i].file = file;
 }
@@ -702,7 +719,9 @@ rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
                   struct rad_error *err)
 {
     struct node value[RAD_MAX_CALC_ARGS], call = { .type = N_CALL };
+    const struct node *body;
     struct rad_error why = { 0 };
+    struct rad_arena arena;
     int32_t pc = -1;
 
     call.ref = find_name(c, context, name, &why);
@@ -712,7 +731,11 @@ rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
         value[i] = (struct node){ .type = N_VALUE,
                                   .ref = i,
                                   .next = i + 1 < n ? &value[i + 1] : NULL };
-    if (call.ref >= 0)
-        pc = rad_calc_emit(c, &call, &why);
+    if (call.ref >= 0) {
+        rad_arena_init(&arena);
+        body = rad_calc_inlined(c, &call, &arena);
+        pc = rad_calc_emit(c, body ? body : &call, &why);
+        rad_arena_release(&arena);
+    }
     return accept_code(c, pc, &why, err);
 }
