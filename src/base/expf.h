@@ -21,23 +21,30 @@ static inline void
 rad_expf2(double x0, double x1, float *e0, float *e1)
 {
     /* added to a number it leaves it rounded to an integer, in the low bits */
-    const double magic = 0x1.8p52, low = -150;
-    rad_v2d x = { x0, x1 }, y = x * 1.4426950408889634, k = y + magic;
+    const rad_v2d magic = { 0x1.8p52, 0x1.8p52 }, low = { -150, -150 };
+    const rad_v2d one = { 1, 1 },
+                  per_ln2 = { 1.4426950408889634, 1.4426950408889634 };
+    rad_v2d x = { x0, x1 }, y = x * per_ln2, k = y + magic;
     rad_v2d f = y - (k - magic), f2 = f * f, s;
     rad_v2u bits;
 
     /* (ln 2)^n / n! */
-    s = (1 + f * 0.6931471805599453) +
-        f2 * (0.2402265069591007 + f * 0.05550410866482158) +
-        f2 * f2 *
-            ((0.009618129107628477 + f * 0.0013333558146428443) +
-             f2 * (0.0001540353039338161 + f * 1.5252733804059841e-05));
+    const rad_v2d c1 = { 0.6931471805599453, 0.6931471805599453 },
+                  c2 = { 0.2402265069591007, 0.2402265069591007 },
+                  c3 = { 0.05550410866482158, 0.05550410866482158 },
+                  c4 = { 0.009618129107628477, 0.009618129107628477 },
+                  c5 = { 0.0013333558146428443, 0.0013333558146428443 },
+                  c6 = { 0.0001540353039338161, 0.0001540353039338161 },
+                  c7 = { 1.5252733804059841e-05, 1.5252733804059841e-05 };
+
+    s = (one + f * c1) + f2 * (c2 + f * c3) +
+        f2 * f2 * ((c4 + f * c5) + f2 * (c6 + f * c7));
     memcpy(&bits, &k, sizeof bits);
     bits = ((bits + 1023) << 52) & (rad_v2u)(y > low);
     memcpy(&k, &bits, sizeof k);
-    s *= k;
-    *e0 = y[0] > low ? (float)s[0] : 0;
-    *e1 = y[1] > low ? (float)s[1] : 0;
+    s *= k; /* by 0 where there is nothing, but for what is no number */
+    *e0 = y[0] > low[0] ? (float)s[0] : 0;
+    *e1 = y[1] > low[1] ? (float)s[1] : 0;
 }
 
 /* The same for one. */

@@ -26,7 +26,7 @@ struct rad_cone {
     double p0[3];
     double x[3], y[3], axis[3]; /* orthonormal */
     double len, r0, r1, k;
-    double slant;       /* sqrt(1 + k^2) */
+    double upright;     /* 1 / sqrt(1 + k^2) */
     double mid[3];      /* of p0 and the other end */
     double least, most; /* of r0 and r1 */
     bool low;           /* no higher than it is wide */
@@ -55,7 +55,7 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
         return false;
     rad_frame(c.x, c.y, c.axis);
     c.k = (c.r1 - c.r0) / c.len;
-    c.slant = sqrt(1 + c.k * c.k);
+    c.upright = 1 / sqrt(1 + c.k * c.k);
     rad_madd(c.mid, c.p0, c.len / 2, c.axis);
     c.least = rad_least(c.r0, c.r1);
     c.most = rad_most(c.r0, c.r1);
@@ -180,6 +180,6 @@ rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
     rad_madd(hit->p, c->p0, h, c->axis);
     rad_madd(hit->p, hit->p, rad_most(c->r0 + c->k * h, 0), radial);
     for (int i = 0; i < 3; i++)
-        hit->n[i] = p->side * (radial[i] - c->k * c->axis[i]) / c->slant;
+        hit->n[i] = p->side * (radial[i] - c->k * c->axis[i]) * c->upright;
     hit->err = p->slack;
 }

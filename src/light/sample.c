@@ -867,6 +867,7 @@ rad_light_set_apex(struct rad_source *src)
     double c = 1 - src->spot.omega / (2 * M_PI); /* cosine of the half angle */
 
     src->apex = c > 0 ? src->radius / sqrt(1 - c * c) : INFINITY;
+    src->cone2 = c * c * (1 - 1e-9);
 }
 
 /* Is a point, at d from the centre, outside of any light of a spotlight?  By
@@ -874,14 +875,14 @@ rad_light_set_apex(struct rad_source *src)
 static bool
 spot_misses(const struct rad_source *src, const double d[3])
 {
-    double c = 1 - src->spot.omega / (2 * M_PI), a = src->apex, along, dist2;
+    double a = src->apex, along, dist2;
 
     if (!(a < INFINITY))
         return false;
     along = rad_dot(d, src->spot.aim);
     dist2 = rad_dot(d, d) + (2 * along + a) * a;
     along += a;
-    return along <= 0 ? dist2 > 0 : along * along < c * c * dist2 * (1 - 1e-9);
+    return along <= 0 ? dist2 > 0 : along * along < src->cone2 * dist2;
 }
 
 bool
@@ -912,15 +913,13 @@ rad_light_reaches(const struct rad_source *src, const double p[3])
 }
 
 void
-rad_light_samples(const struct rad_source *src,
-                  const struct rad_light_view *view, rad_light_fn *fn,
-                  void *arg)
+rad_light_samples_within(const struct rad_source *src,
+                         const struct rad_light_view *view, rad_light_fn *fn,
+                         void *arg)
 {
     struct walk w = { src, view, fn, arg, 0 };
     struct patch root;
 
-    if (!rad_light_reaches(src, view->p))
-        return;
     if (src->flags & RAD_LIGHT_DISTANT) {
         distant_sample(&w);
     } else if (src->shape == RAD_SPHERE) {
@@ -933,4 +932,13 @@ rad_light_samples(const struct rad_source *src,
         root_patch(src, &root);
         visit(&w, &root, &src->root);
     }
+}
+
+void
+rad_light_samples(const struct rad_source *src,
+                  const struct rad_light_view *view, rad_light_fn *fn,
+                  void *arg)
+{
+    if (rad_light_reaches(src, view->p))
+        rad_light_samples_within(src, view, fn, arg);
 }

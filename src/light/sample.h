@@ -64,12 +64,14 @@ struct rad_source {
     double apex;             /* of a spotlight: a cone as wide as its own that
                               * begins so far behind the centre holds all that
                               * any of it lights; INFINITY: no cone does */
+    double cone2;            /* square of the cosine of its half angle, less
+                              * rounding */
     struct rad_rgb L;        /* where RAD_LIGHT_PLAIN */
     struct rad_moments root; /* of the whole, but sphere and distant ones */
     const struct rad_polytree *tree; /* polygons that are no parallelogram */
 };
 
-/* Set src->apex; its shape and spot are set. */
+/* Set src->apex and cone2; its shape and spot are set. */
 void rad_light_set_apex(struct rad_source *src);
 
 /* Set the shape of *src from a surface of the scene.  Triangulations go to
@@ -99,6 +101,11 @@ typedef void rad_light_fn(void *arg, const struct rad_light_sample *s);
 /* May anything of *src reach a point?  Not where that is behind a flat source,
  * inside a round one, or out of reach. */
 bool rad_light_reaches(const struct rad_source *src, const double p[3]);
+
+/* The same as rad_light_samples() where it is known that it reaches. */
+void rad_light_samples_within(const struct rad_source *src,
+                              const struct rad_light_view *view,
+                              rad_light_fn *fn, void *arg);
 
 /* Call fn with each sample of *src from *view, in a fixed order; none where it
  * does not reach. */

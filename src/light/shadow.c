@@ -623,7 +623,7 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
     view.key = sample_key(r, &view, source);
     turn_to(&d, source);
     if (!v)
-        rad_light_samples(&s->list[source], &view, weigh, &d);
+        rad_light_samples_within(&s->list[source], &view, weigh, &d);
     else if (rad_virtual_faces(v, view.p, r->hit.err))
         rad_virtual_samples(s, v, &view, weigh, &d);
     test_all(&d);

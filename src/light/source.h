@@ -42,7 +42,8 @@ bool rad_source_reaches(const struct rad_sources *s, int32_t i,
                         const double p[3]);
 
 /* Add to r->L what comes from one source (or image of one), undivided: for a
- * place in mid-air, which r->hit is made to look like. */
+ * place in mid-air, which r->hit is made to look like and
+ * rad_source_reaches() is true of. */
 void rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
                      rad_brdf_fn *brdf, void *data);
 

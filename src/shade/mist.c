@@ -28,6 +28,7 @@
 #include "base/vec.h"
 #include "light/source.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /* Samples of one source along one ray at most, as in Radiance. */
@@ -192,15 +193,15 @@ add_lights(struct rad_ctx *ctx, struct rad_medium *link,
  * memory. */
 static bool
 add_link(struct rad_ctx *ctx, struct rad_medium *link,
-         const struct rad_medium *outer, struct rad_rgb outer_ext)
+         const struct rad_medium *outer, const struct rad_rgb *outer_ext)
 {
     const struct rad_params *p = &ctx->job->params;
     const struct rad_mist *m = link->mist;
     bool lit = outer && outer->nlights > 0;
 
     link->outer = outer;
-    link->outer_ext = outer_ext;
-    link->ext = rad_rgb_add(outer_ext, link->own_ext);
+    link->outer_ext = *outer_ext;
+    link->ext = rad_rgb_add(*outer_ext, link->own_ext);
     link->albedo = m->has_albedo ? m->albedo
                    : outer       ? outer->albedo
                                  : p->salbedo;
@@ -235,7 +236,7 @@ without(struct rad_ctx *ctx, const struct rad_medium *chain,
     copy = rad_arena_alloc(&ctx->scratch, sizeof *copy);
     if (copy) {
         *copy = *chain;
-        if (!add_link(ctx, copy, outer, *ext))
+        if (!add_link(ctx, copy, outer, ext))
             copy = NULL;
     }
     if (!copy) { /* out of memory: as if it had not been left */
@@ -267,7 +268,9 @@ rad_medium_about(const struct rad_job *job, const struct rad_medium *m)
 
 /* --- scattering --- */
 
-static struct rad_rgb
+/* Inline, as all that handles colours had better be: a call puts three floats
+ * into two registers by way of memory, and waits for that. */
+static inline __attribute__((always_inline)) struct rad_rgb
 transmission(struct rad_rgb ext, double t)
 {
     /* exp(-0 * INFINITY) would be no number: what is clear stays so */
@@ -302,6 +305,14 @@ phase(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     *coef = rad_grey((float)(p * omega / (4 * M_PI)));
 }
 
+/* Let *to go the way of r; what it meets and brings back is not copied, for
+ * that is most of a ray. */
+static void
+follow(struct rad_ray *to, const struct rad_ray *r)
+{
+    memcpy(to, r, offsetof(struct rad_ray, hit));
+}
+
 /* What comes by way of the place p at distance t, for a stretch of length
  * ds. */
 static struct rad_rgb
@@ -310,13 +321,15 @@ scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
 {
     const struct rad_medium *m = r->medium;
     struct scattered s = { r->dir, m->g };
-    struct rad_ray at = *r; /* as if it ended there, in mid-air */
+    struct rad_ray at; /* as if r ended there, in mid-air */
     struct rad_rgb f;
 
+    follow(&at, r);
     at.key = key;
     rad_ray_clear(&at);
     at.hit.t = t;
     at.hit.err = 0;
+    at.hit.uv[0] = at.hit.uv[1] = 0;
     rad_copy(at.hit.p, p);
     rad_scale(at.hit.n, -1, r->dir);
     rad_ray_enter(&at);
@@ -365,11 +378,11 @@ scatter(struct rad_ctx *ctx, struct rad_ray *r)
  * *L, which comes through it, and add what it scatters of the ambient value.
  * True: sources light it, too. */
 static bool
-dim(const struct rad_ctx *ctx, const struct rad_medium *m, struct rad_rgb ext,
-    double t, bool shadow, struct rad_rgb *L)
+dim(const struct rad_ctx *ctx, const struct rad_medium *m,
+    const struct rad_rgb *extinction, double t, bool shadow, struct rad_rgb *L)
 {
     bool scatters = m && !m->solid;
-    struct rad_rgb a, T;
+    struct rad_rgb a, T, ext = *extinction;
 
     if (shadow && scatters) {
         a = m->albedo;
@@ -388,7 +401,7 @@ dim(const struct rad_ctx *ctx, const struct rad_medium *m, struct rad_rgb ext,
 void
 rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r)
 {
-    if (dim(ctx, r->medium, r->ext, r->hit.t, r->path & RAD_RAY_SHADOW, &r->L))
+    if (dim(ctx, r->medium, &r->ext, r->hit.t, r->path & RAD_RAY_SHADOW, &r->L))
         scatter(ctx, r);
 }
 
@@ -412,9 +425,7 @@ struct passage {
     int n;
     bool dead;           /* nothing goes on behind the last */
     double length;       /* of all stretches */
-    struct rad_ray last; /* the ray of the last stretch, but for what it met: */
-    const struct rad_hit *met;
-    struct rad_hit hit[2]; /* by turns */
+    struct rad_ray last; /* the ray of the last stretch */
 };
 
 /* The mist that number i of a line bounds, if that needs no shading; NULL:
@@ -443,8 +454,8 @@ next_mist(const struct rad_ctx *ctx, const struct rad_ray *r)
     return r->line ? mist_of(ctx->job, r->line, r->line_at) : NULL;
 }
 
-/* r has met the boundary of m: set *medium and *ext to what is behind it.
- * False: out of memory. */
+/* A ray enters m, or if `old` is its link leaves it: set *medium and *ext to
+ * what is behind the boundary.  False: out of memory. */
 static bool
 cross(struct rad_ctx *ctx, const struct rad_mist *m,
       const struct rad_medium *old, struct rad_medium *link,
@@ -457,40 +468,46 @@ cross(struct rad_ctx *ctx, const struct rad_mist *m,
     link->mist = m;
     link->solid = false;
     link->own_ext = m->ext;
-    if (!add_link(ctx, link, *medium, *ext))
+    if (!add_link(ctx, link, *medium, ext))
         return false;
     *medium = link;
     *ext = link->ext;
     return true;
 }
 
+/* A ray that started in m leaves it at the end of s: charge it for that
+ * stretch, as settle() does. */
+static bool
+settle_stretch(struct rad_ctx *ctx, const struct rad_mist *m, struct stretch *s)
+{
+    return m->nlights == 0 ||
+           cross(ctx, m, NULL, &s->link, &s->medium, &s->ext);
+}
+
 /* Go to the next boundary, which is that of m, and through it; *medium and
- * *ext are those on the way there, and then those behind.  False: it is not
- * for us. */
+ * *ext are those on the way there, and then those behind.  False: what is there
+ * is not sure. */
 static bool
 go_through(struct rad_ctx *ctx, struct passage *p, const struct rad_mist *m,
            const struct rad_medium **medium, struct rad_rgb *ext)
 {
-    const struct rad_medium *old = find_link(*medium, m);
-    struct rad_hit *hit = &p->hit[p->n & 1];
+    const struct rad_medium *old;
     struct rad_ray *r = &p->last;
     struct stretch *s = &p->way[p->n];
+    double before = r->hit.t;
 
-    rad_geom_leave(p->met, r->dir, s->org);
-    if (rad_geom_beyond(ctx->job->geom, r->line, r->line_at, p->met, s->org,
-                        r->dir, hit) != RAD_BEYOND_MET)
+    rad_geom_leave(&r->hit, r->dir, s->org);
+    if (rad_geom_beyond(ctx->job->geom, r->line, r->line_at, &r->hit, s->org,
+                        r->dir, &r->hit) != RAD_BEYOND_MET)
         return false;
-    if (-rad_dot(r->dir, hit->n) > 0)
-        old = NULL;
-    else if (!old)
-        return false; /* it has started inside: that takes more */
+    s->t = r->hit.t;
+    r->hit.t = before;
     p->dead = !rad_ray_go_on(ctx, r);
+    r->hit.t = s->t;
     if (p->dead)
         return true;
     ctx->counts.rays++;
-    p->met = hit;
     r->line_at++;
-    r->hit.t = s->t = hit->t;
     r->ext = s->ext = *ext;
     s->medium = *medium;
     s->key = r->key;
@@ -498,7 +515,13 @@ go_through(struct rad_ctx *ctx, struct passage *p, const struct rad_mist *m,
     s->depth = r->depth;
     p->length += s->t;
     p->n++;
-    p->dead = !cross(ctx, m, old, &s->link, medium, ext);
+    old = find_link(*medium, m);
+    if (-rad_dot(r->dir, r->hit.n) > 0)
+        p->dead = !cross(ctx, m, NULL, &s->link, medium, ext);
+    else if (old)
+        p->dead = !cross(ctx, m, old, &s->link, medium, ext);
+    else
+        p->dead = !settle_stretch(ctx, m, s);
     return true;
 }
 
@@ -516,15 +539,15 @@ go_far(struct rad_ctx *ctx, const struct rad_ray *r,
     p->n = 0;
     p->dead = false;
     p->length = 0;
-    p->last = *r;
+    follow(&p->last, r);
     p->last.parent = r;
-    p->met = &r->hit;
+    p->last.hit.t = r->hit.t;
+    rad_copy(p->last.hit.p, r->hit.p);
+    rad_copy(p->last.hit.n, r->hit.n);
+    p->last.hit.err = r->hit.err;
     while (m && go_through(ctx, p, m, medium, ext) && !p->dead)
         m = next_mist(ctx, &p->last);
-    if (p->n == 0 && !p->dead)
-        return NULL;
-    p->last.hit = *p->met;
-    return p;
+    return p->n > 0 || p->dead ? p : NULL;
 }
 
 /* Let at be the ray of stretch s, for what its medium scatters. */
@@ -554,7 +577,7 @@ come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
 
         before -= s->t;
         if (rad_rgb_black(s->ext) ||
-            !dim(ctx, s->medium, s->ext, s->t, shadow, &L))
+            !dim(ctx, s->medium, &s->ext, s->t, shadow, &L))
             continue;
         r->hit.t = met + before; /* it stands for all that came before */
         return_to(&p->last, s);
@@ -569,7 +592,7 @@ come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
 /* What comes from behind r's hit, or that of the last boundary passed. */
 static void
 trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
-             const struct rad_medium *medium, struct rad_rgb ext,
+             const struct rad_medium *medium, const struct rad_rgb *ext,
              struct passage *p)
 {
     double met = r->hit.t, length = p ? p->length : 0;
@@ -583,7 +606,7 @@ trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
         return;
     rad_copy(tr.dir, r->dir);
     tr.medium = medium;
-    tr.ext = ext;
+    tr.ext = *ext;
     rad_ray_onward(&tr);
     if (p) /* r stands for all but the last stretch */
         r->hit.t = met + length - p->last.hit.t;
@@ -598,11 +621,12 @@ trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
 /* Go on in another medium. */
 static void
 pass(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_medium *medium,
-     struct rad_rgb ext)
+     const struct rad_rgb *behind)
 {
+    struct rad_rgb ext = *behind;
     struct passage *p = go_far(ctx, r, &medium, &ext);
 
-    trace_behind(ctx, r, medium, ext, p);
+    trace_behind(ctx, r, medium, &ext, p);
     if (p)
         come_back(ctx, r, p);
 }
@@ -613,7 +637,7 @@ rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r, double t)
     struct rad_rgb T = rad_grey(1);
 
     if (!rad_rgb_black(r->ext))
-        dim(ctx, r->medium, r->ext, t, true, &T);
+        dim(ctx, r->medium, &r->ext, t, true, &T);
     return T;
 }
 
@@ -635,7 +659,7 @@ look_through(struct rad_ctx *ctx, const struct rad_ray *r,
         const struct rad_mist *m;
 
         if (!rad_rgb_black(ext))
-            dim(ctx, medium, ext, line->at[i].t - from, true, T);
+            dim(ctx, medium, &ext, line->at[i].t - from, true, T);
         from = line->at[i].t;
         if (i == line->n - 1)
             break;
@@ -673,7 +697,7 @@ settle(struct rad_ctx *ctx, struct rad_ray *r, struct rad_medium *link)
 {
     const struct rad_medium *before = r->medium;
 
-    if (!add_link(ctx, link, before, r->ext))
+    if (!add_link(ctx, link, before, &r->ext))
         return;
     r->medium = link;
     r->ext = link->ext;
@@ -696,13 +720,13 @@ rad_mist_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         link.own_ext = rad_rgb_mul(link.mist->ext, r->pattern);
     }
     if (r->cos_o > 0) {
-        if (add_link(ctx, &link, r->medium, r->ext))
-            pass(ctx, r, &link, link.ext);
+        if (add_link(ctx, &link, r->medium, &r->ext))
+            pass(ctx, r, &link, &link.ext);
     } else if ((old = find_link(r->medium, link.mist)) != NULL) {
         rest = without(ctx, r->medium, old, &ext);
-        pass(ctx, r, rest, ext);
+        pass(ctx, r, rest, &ext);
     } else {
-        pass(ctx, r, r->medium, r->ext);
+        pass(ctx, r, r->medium, &r->ext);
         if (link.mist->nlights > 0)
             settle(ctx, r, &link);
     }
