@@ -474,6 +474,31 @@ START_TEST(record_serves_its_zone_and_no_more)
 }
 END_TEST
 
+/* Where one record serves, others that do not quite reach are averaged in, but
+ * where deeper rays end. */
+START_TEST(near_records_are_averaged_in)
+{
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    for (int level = 0; level < 2; level++) {
+        struct rad_ambrec rec = record(.14, .2, -.5, 4, level);
+        struct rad_rgb E = { 0, 0, 0 };
+
+        /* zones of .2 * .1 along x, asked for up to .3 * .1 */
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+        ck_assert(find(&w, .115, .2, -.5, level, 1, &E) == 0);
+        rec = record(.1, .2, -.5, 2, level);
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+        ck_assert(find(&w, .115, .2, -.5, level, 1, &E) > 0);
+        ck_assert_double_eq_tol(E.r, level == 0 ? 2.5 : 2, 1e-5);
+        ck_assert(find(&w, .1105, .2, -.5, level, 1, &E) > 0);
+        ck_assert_double_eq_tol(E.r, level == 0 ? 2.05 : 2, 1e-5);
+    }
+    world_close(&w);
+}
+END_TEST
+
 START_TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
@@ -962,6 +987,7 @@ make_suite(void)
     tc = tcase_create("cache");
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, record_serves_its_zone_and_no_more);
+    tcase_add_test(tc, near_records_are_averaged_in);
     tcase_add_test(tc, other_side_is_not_served);
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
     tcase_add_loop_test(tc, implausible_record_is_refused, 0, 16);
