@@ -75,6 +75,21 @@ struct direct {
     int32_t n, capacity;
 };
 
+/* Nothing is weighed yet.  (Clearing all of *d would take longer than most of
+ * what follows.) */
+static void
+begin(struct direct *d, struct rad_ctx *ctx, struct rad_ray *r,
+      rad_brdf_fn *brdf, void *data)
+{
+    d->ctx = ctx;
+    d->r = r;
+    d->brdf = brdf;
+    d->data = data;
+    d->nsamples = 0;
+    d->list = NULL;
+    d->n = d->capacity = 0;
+}
+
 /* Room for one more; false: out of memory, and the sample is lost. */
 static bool
 reserve(struct direct *d)
@@ -562,9 +577,9 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
 {
     const struct rad_sources *s = ctx->job->sources;
     const struct rad_params *par = &ctx->job->params;
-    struct direct d = { .ctx = ctx, .r = r, .brdf = brdf, .data = data };
     struct rad_light_view view = { .jitter = par->srcjitter };
     struct rad_arena_mark mark;
+    struct direct d;
     struct order *o;
     double up[3];
     /* a tilted normal may see what the surface itself does not */
@@ -572,6 +587,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
 
     if (s->nlit == 0)
         return;
+    begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
     rad_scale(up, r->cos_o < 0 ? -1 : 1, r->n);
@@ -612,12 +628,13 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
     const struct rad_sources *s = ctx->job->sources;
     const struct rad_virtual *v =
         source < s->n ? NULL : &s->virtuals[source - s->n];
-    struct direct d = { .ctx = ctx, .r = r, .brdf = brdf, .data = data };
     struct rad_light_view view = { .jitter = ctx->job->params.srcjitter };
     struct rad_arena_mark mark;
+    struct direct d;
 
     if (s->list[v ? v->root : source].flags & RAD_LIGHT_SKIP)
         return;
+    begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
     view.key = sample_key(r, &view, source);

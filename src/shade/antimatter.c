@@ -95,9 +95,7 @@ rad_antimatter_hides(const struct rad_ctx *ctx, struct rad_ray *r)
     const struct rad_job *job = ctx->job;
     int32_t modifier = job->scene->objects[r->hit.obj].modifier;
 
-    r->kind &= (uint16_t)~RAD_RAY_CUT;
-    if (modifier == RAD_VOID || !job->cut[modifier] ||
-        !is_within(job, r, modifier))
+    if (!is_within(job, r, modifier))
         return false;
     r->kind |= RAD_RAY_CUT;
     return true;

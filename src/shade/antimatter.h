@@ -15,8 +15,8 @@ int rad_antimatter_prepare(struct rad_job *job, int32_t index,
 bool rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                           struct rad_ray *r);
 
-/* Is the surface that r has met cut away?  Notes it in r->kind.  Only where
- * there is antimatter: job->cut. */
+/* Is the surface that r has met, one that antimatter names (job->cut), cut
+ * away?  Notes it in r->kind. */
 bool rad_antimatter_hides(const struct rad_ctx *ctx, struct rad_ray *r);
 
 #endif

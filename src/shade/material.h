@@ -44,10 +44,6 @@ struct rad_shader {
                   struct rad_ray *r);
 };
 
-/* Fractions of light below this are none, as in Radiance, where they decide
- * which parts of a material are there at all. */
-#define RAD_TINY 1e-6
-
 const struct rad_shader *rad_shader_find(enum rad_otype type);
 
 /* Does object index have between least and most real arguments?  What

@@ -91,7 +91,8 @@ static bool
 begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
       const struct rad_ray *parent, const struct rad_rgb *coef, uint32_t branch)
 {
-    r->coef = coef ? *coef : rad_grey(1);
+    /* each by itself: what has just been stored cannot be loaded as a whole */
+    r->coef = coef ? rad_rgb(coef->r, coef->g, coef->b) : rad_grey(1);
     /* coefficients above 1 must not let paths grow */
     r->weight = rad_rgb_max(r->coef);
     r->weight = r->weight < 1 ? r->weight : 1;
@@ -271,7 +272,9 @@ rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
     const struct rad_job *job = ctx->job;
     int32_t mod = job->scene->objects[r->hit.obj].modifier;
 
-    if ((job->cut && rad_antimatter_hides(ctx, r)) ||
+    r->kind &= (uint16_t)~RAD_RAY_CUT;
+    if ((job->cut && mod != RAD_VOID && job->cut[mod] &&
+         rad_antimatter_hides(ctx, r)) ||
         !rad_ray_shade(ctx, r, mod))
         rad_ray_transmit(ctx, r);
 }
@@ -368,12 +371,6 @@ rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
         }
         mod = mat->next;
     }
-}
-
-bool
-rad_ray_perturbed(const struct rad_ray *r)
-{
-    return rad_dot(r->pert, r->pert) > RAD_TINY * RAD_TINY;
 }
 
 double

@@ -10,6 +10,7 @@
 #define RAD_SHADE_RAY_H
 
 #include "base/color.h"
+#include "base/vec.h"
 #include "geom/geom.h"
 #include "shade/job.h"
 
@@ -162,8 +163,16 @@ void rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r);
 /* Apply the textures and patterns of the chain from mod. */
 void rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod);
 
+/* Fractions of light below this are none, as in Radiance, where they decide
+ * which parts of a material are there at all. */
+#define RAD_TINY 1e-6
+
 /* Has a texture tilted the normal, by more than RAD_TINY? */
-bool rad_ray_perturbed(const struct rad_ray *r);
+static inline bool
+rad_ray_perturbed(const struct rad_ray *r)
+{
+    return rad_dot(r->pert, r->pert) > RAD_TINY * RAD_TINY;
+}
 
 /* The perturbed unit normal; returns -dir.norm, whose sign is cos_o's. */
 double rad_ray_normal(const struct rad_ray *r, double norm[3]);
