@@ -16,6 +16,8 @@
 
 #include "tls.h"
 
+#include "base/hex.h"
+
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
@@ -498,7 +500,6 @@ tls_peer_key(const uint8_t *job, size_t njob, const uint8_t *token,
         !hash("radd peer key", job, njob, token, ntoken, secret))
         return false;
     strcpy(id, "peer:");
-    for (int i = 0; i < 16; i++)
-        snprintf(id + 5 + (size_t)2 * i, 3, "%02x", name[i]);
+    rad_hex_write(name, 16, id + strlen(id));
     return true;
 }
