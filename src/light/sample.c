@@ -293,10 +293,20 @@ static void
 at_point(struct rad_light_sample *s, const struct rad_light_view *view,
          const double p[3], double k)
 {
+    double q, per;
+
     rad_sub(s->aim, p, view->p);
-    s->dist = rad_normalize(s->aim);
+    q = rad_dot(s->aim, s->aim);
+    if (q > 0x1p-600 && q < 0x1p+600) { /* one quotient does */
+        s->dist = sqrt(q);
+        per = 1 / s->dist;
+        rad_scale(s->aim, per, s->aim);
+        s->omega = k * (per * per * per);
+    } else {
+        s->dist = rad_normalize(s->aim);
+        s->omega = k / (s->dist * s->dist * s->dist);
+    }
     rad_copy(s->dir, s->aim);
-    s->omega = k / (s->dist * s->dist * s->dist);
 }
 
 static void

@@ -58,7 +58,8 @@ struct order {
 struct start {
     bool known;
     double org[3];
-    double height; /* above the lamp's plane: see height_above() */
+    double height; /* above the lamp's plane: of flat ones */
+    double round;  /* bound of what rounding does to that */
 };
 
 struct direct {
@@ -133,45 +134,72 @@ largest(const double v[3])
     return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
-/* How high a place is above the plane of a flat source, less what rounding may
- * do to the distance to that and to another surface in that plane. */
-static double
-height_above(const struct rad_source *src, const double p[3])
+/* How shadow rays start in direction dir. */
+static const struct start *
+start_of(struct direct *d, const double dir[3])
 {
-    double d[3];
+    const struct rad_hit *from = &d->r->hit;
+    const struct rad_source *lamp = d->lamp;
+    struct start *s = &d->start[signbit(rad_dot(from->n, dir)) != 0];
+    double to[3];
 
-    rad_sub(d, p, src->centre);
-    return rad_dot(d, src->normal) -
-           ROUNDING * (largest(p) + largest(src->centre) + largest(d));
+    if (s->known)
+        return s;
+    s->known = true;
+    rad_geom_leave(from, dir, s->org);
+    rad_sub(to, s->org, lamp->centre);
+    s->height = rad_dot(to, lamp->normal);
+    s->round =
+        ROUNDING * (largest(s->org) + largest(lamp->centre) + largest(to));
+    return s;
+}
+
+/* How far is a sphere in direction dir, less what rounding may do to that and
+ * to another surface on it?  Not positive: it is missed. */
+static double
+reach_sphere(const struct rad_source *lamp, const struct start *s,
+             const double dir[3])
+{
+    double to[3], aside[3], along, deep;
+
+    rad_sub(to, lamp->centre, s->org);
+    along = rad_dot(to, dir);
+    rad_madd(aside, to, -along, dir);
+    deep = lamp->r1 * lamp->r1 - rad_dot(aside, aside);
+    if (!(deep > 0))
+        return 0;
+    deep = sqrt(deep); /* r1 times the cosine to the surface */
+    return along - deep - s->round * lamp->r1 / deep;
 }
 
 /* rad_way_aim() for p's span, if it goes to d's lamp. */
 static bool
 meet_lamp(struct direct *d, struct potential *p, const double dir[3])
 {
-    const struct rad_hit *from = &d->r->hit;
-    struct start *start = &d->start[signbit(rad_dot(from->n, dir)) != 0];
+    const struct start *s = start_of(d, dir);
 
-    if (!start->known) {
-        rad_geom_leave(from, dir, start->org);
-        start->height = height_above(d->lamp, start->org);
-        start->known = true;
-    }
-    rad_copy(p->span.org, start->org);
+    rad_copy(p->span.org, s->org);
     rad_copy(p->span.dir, dir);
     p->span.tmin = 0;
-    p->span.tmax = start->height / -rad_dot(d->lamp->normal, dir);
+    p->span.tmax = d->lamp->flags & RAD_LIGHT_FLAT
+                       ? (s->height - s->round) / -rad_dot(d->lamp->normal, dir)
+                       : reach_sphere(d->lamp, s, dir);
     return p->span.tmax > 0;
 }
 
-/* The source, if it is flat and looks the same all over; else NULL. */
+/* The source, if it is flat or a sphere and looks the same all over; else
+ * NULL. */
 static const struct rad_source *
 plain_lamp(const struct rad_sources *s, int32_t source)
 {
-    const unsigned plain = RAD_LIGHT_FLAT | RAD_LIGHT_PLAIN;
+    const struct rad_source *src;
 
-    return source < s->n && (s->list[source].flags & plain) == plain
-               ? &s->list[source]
+    if (source >= s->n)
+        return NULL;
+    src = &s->list[source];
+    return src->flags & RAD_LIGHT_PLAIN &&
+                   (src->flags & RAD_LIGHT_FLAT || src->shape == RAD_SPHERE)
+               ? src
                : NULL;
 }
 

@@ -148,7 +148,7 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     if (part > RAD_TINY) {
         if (hit->m->fresnel)
             part *= 1 - fresnel_rise(fabs(cos_l));
-        *coef = scaled(hit->color, part * fabs(cos_l) * omega / M_PI);
+        *coef = scaled(hit->color, part * fabs(cos_l) * omega * M_1_PI);
     }
     if (hit->m->mirror)
         return;
