@@ -37,7 +37,8 @@ struct mirror {
     int32_t obj;
     int32_t prism; /* material of a prism, or RAD_VOID */
     double normal[3], offset;
-    double centre[3], radius; /* of a disk that holds it */
+    double centre[3], radius; /* of a disk that holds it, */
+    double lo[3], hi[3];      /* and of a box */
 };
 
 struct maker {
@@ -79,6 +80,29 @@ mirror_material(const struct rad_job *job, int32_t obj)
     }
 }
 
+/* The box about a ring; or a polygon, and what is in its plane there, if it is
+ * not quite flat. */
+static void
+box_mirror(struct mirror *m, const struct rad_object *o)
+{
+    int n = o->type == RAD_POLYGON ? o->nreals / 3 : 0;
+    double off = n > 0 ? 0 : m->radius;
+
+    rad_copy(m->lo, n > 0 ? o->reals : m->centre);
+    rad_copy(m->hi, m->lo);
+    for (const double *v = o->reals; n > 0; v += 3, n--) {
+        off = rad_most(off, fabs(rad_dot(m->normal, v) - m->offset));
+        for (int k = 0; k < 3; k++) {
+            m->lo[k] = rad_least(m->lo[k], v[k]);
+            m->hi[k] = rad_most(m->hi[k], v[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        m->lo[k] -= off;
+        m->hi[k] += off;
+    }
+}
+
 /* 0, 1 if it has no area, or a negative code. */
 static int
 make_mirror(struct mirror *m, struct rad_job *job, int32_t obj, int32_t mat)
@@ -92,6 +116,7 @@ make_mirror(struct mirror *m, struct rad_job *job, int32_t obj, int32_t mat)
     rad_copy(m->centre, shape.centre);
     m->offset = rad_dot(m->normal, m->centre);
     m->radius = shape.radius;
+    box_mirror(m, &job->scene->objects[obj]);
     return rc;
 }
 
@@ -355,6 +380,8 @@ make_image(const struct rad_sources *s, int32_t from, const struct mirror *m,
         rad_normalize(v->image);
     rad_copy(v->middle, m->centre);
     v->extent = m->radius;
+    rad_copy(v->lo, m->lo);
+    rad_copy(v->hi, m->hi);
 }
 
 /* How far the image reaches from its centre.  A linear map stretches no vector
@@ -816,7 +843,11 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     }
     if (!(slack < INFINITY))
         return true;
-    slack += v->extent + ROUNDING * (largest(at) + largest(v->middle));
+    slack += ROUNDING * (largest(at) + largest(v->middle) + v->extent);
+    for (int i = 0; i < 3; i++)
+        if (at[i] < v->lo[i] - slack || at[i] > v->hi[i] + slack)
+            return false;
+    slack += v->extent;
     return !(rad_dist2(at, v->middle) > slack * slack);
 }
 

@@ -39,7 +39,8 @@ struct rad_virtual {
     double image[3];             /* centre, or direction, of the image */
     double spread;               /* radius of a ball about it that holds it;
                                   * distant: half angle [rad] */
-    double middle[3], extent;    /* of a disk that holds the mirror */
+    double middle[3], extent;    /* of a disk that holds the mirror, */
+    double lo[3], hi[3];         /* and of a box */
     double along, loose;         /* of a distant image, by distance to the
                                   * mirror's plane: how far away the image's
                                   * centre is seen in it, and how far from
