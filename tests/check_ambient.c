@@ -406,6 +406,48 @@ START_TEST(untested_lamps_leave_the_mean_alone)
 }
 END_TEST
 
+/* One strong lamp and 19 weak ones, of which every other is hidden: what -dt
+ * leaves untested is right in the mean where the lamps shine, too. */
+START_TEST(untested_lamps_are_drawn)
+{
+    static const char *const options[] = { "-ab 0 -dt 0", "-ab 0 -dt 1 -dc 0" };
+    char scene[2048] =
+        PLASTIC "void plastic black 0 0 5 0 0 0 0 0\n"
+                "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
+                "void light strong 0 0 3 1000 1000 1000\n"
+                "void light weak 0 0 3 50 40 60\n"
+                "strong sphere s 0 0 4 2 0 6 .1\n";
+    const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
+    struct rad_rgb sum[2];
+    uint64_t shadow[2];
+    enum { TIMES = 4000 };
+
+    for (int i = 0; i < 19; i++)
+        snprintf(scene + strlen(scene), 64,
+                 "weak sphere w%d 0 0 4 0 %d %g .1\n", i, i - 9,
+                 i % 2 ? 10 : 9.);
+    for (int k = 0; k < 2; k++) {
+        struct world w;
+
+        sum[k] = rad_grey(0);
+        world_open(&w, scene, options[k]);
+        for (uint64_t i = 0; i < TIMES; i++) {
+            struct rad_ray r;
+
+            rad_ray_irradiance(&w.ctx, &r, p, n, rad_key_branch(7, i));
+            sum[k] = rad_rgb_add(sum[k], r.L);
+        }
+        shadow[k] = w.ctx.counts.shadow_rays;
+        world_close(&w);
+    }
+    ck_assert_uint_eq(shadow[0], 20 * TIMES);
+    ck_assert_uint_eq(shadow[1], 3 * TIMES);
+    ck_assert_msg(fabs(sum[1].r / sum[0].r - 1) < .01 &&
+                      fabs(sum[1].b / sum[0].b - 1) < .01,
+                  "%g times as bright", (double)sum[1].r / sum[0].r);
+}
+END_TEST
+
 /* --- the cache --- */
 
 #define CACHED "-ab 2 -aa .2 -ar 64 -ad 64 -as 0"
@@ -983,6 +1025,7 @@ make_suite(void)
                         2 * N_ELEM(listed));
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
     tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
+    tcase_add_test(tc, untested_lamps_are_drawn);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
     tcase_set_timeout(tc, 600);

@@ -4,17 +4,17 @@
  * were in the way?  Then shadow rays are sent in order of that potential, until
  * what the untested ones could add is below -dt of what was found (Ward 1991;
  * -dc says how many of them are looked at together).
- * What is untested still adds its potential times an estimated visibility.
- * Radiance takes that from the hit rates of each source so far, so one pixel's
- * luck colours the next; here it is the visible share of what was tested at
- * this very point, so a pixel stays a function.
+ * What is untested still counts.  Radiance takes its visibility from the hit
+ * rates of each source so far, so one pixel's luck colours the next.  The
+ * visible share of what was tested at this very point would leave a pixel a
+ * function, but is too bright where what is weak is hidden more often than what
+ * is strong.  So one of the samples left is drawn, as likely as its part in the
+ * sum of their potentials, and tested for all of them (Shirley, Wang &
+ * Zimmerman 1996, Monte Carlo techniques for direct lighting calculations):
+ * their sum is right in the mean, and its noise within -dt.
  *
- * That guess is too bright where what is weak is hidden more often than what is
- * strong, and the less a ray weighs, the more is guessed: it made indirect
- * light nearly 2 % too bright.  Rays of indirect light are many, and what each
- * says need be right in the mean only: so one sample is drawn, as likely as its
- * part in the sum of potentials, and tested for all (Shirley, Wang & Zimmerman
- * 1996, Monte Carlo techniques for direct lighting calculations).
+ * Rays of indirect light are many, and what each says need be right in the mean
+ * only: there one sample is drawn from all.
  *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
  * Only if there is none, but something to see through, does it go on, from
@@ -514,13 +514,47 @@ test_drawn(struct direct *d)
             rad_rgb_add(d->r->L, rad_rgb_scale(p->val, (float)(all / lum)));
 }
 
+/* The part of each channel of a that is left in b. */
+static struct rad_rgb
+part_left(struct rad_rgb a, struct rad_rgb b)
+{
+    float all = fminf(rad_rgb_lum(b) / rad_rgb_lum(a), 1);
+
+    return rad_rgb(a.r > 0 ? fminf(b.r / a.r, 1) : all,
+                   a.g > 0 ? fminf(b.g / a.g, 1) : all,
+                   a.b > 0 ? fminf(b.b / a.b, 1) : all);
+}
+
+/* Draw from the samples from the first of o on, n of them, which add up to a
+ * luminance of `all`, and test that: what is left of it is left of each, so
+ * where all is seen there is no noise. */
+static void
+test_rest(struct direct *d, const struct order *o, int32_t n, double all)
+{
+    double at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
+    struct rad_rgb sum = { 0, 0, 0 }, was;
+    struct potential *p = NULL;
+
+    for (int32_t i = 0; i < n; i++) {
+        struct potential *q = &d->list[o[i].i];
+
+        if (at >= 0)
+            p = q;
+        at -= o[i].lum;
+        sum = rad_rgb_add(sum, q->val);
+    }
+    was = p->val;
+    if (test(d, p))
+        d->r->L =
+            rad_rgb_add(d->r->L, rad_rgb_mul(sum, part_left(was, p->val)));
+}
+
 static void
 test_selected(struct direct *d, struct order *o)
 {
     const struct rad_params *par = &d->ctx->job->params;
     int32_t ahead = (int32_t)rad_least(d->n, pow(d->n, par->shadcert) + .5), k;
     double thresh = par->shadthresh / d->r->weight;
-    double tried = 0, seen = 0;
     float *rest; /* luminance of o[k] and all after it */
 
     rest = rad_arena_alloc(&d->ctx->scratch, (size_t)d->n * sizeof *rest);
@@ -539,17 +573,11 @@ test_selected(struct direct *d, struct order *o)
 
         if (k >= MIN_TESTS && next < thresh * rad_rgb_lum(d->r->L))
             break;
-        tried += o[k].lum;
-        if (!test(d, p))
-            continue;
-        seen += rad_least(rad_rgb_lum(p->val), o[k].lum);
-        d->r->L = rad_rgb_add(d->r->L, p->val);
+        if (test(d, p))
+            d->r->L = rad_rgb_add(d->r->L, p->val);
     }
-    for (; k < d->n; k++) {
-        struct rad_rgb v = d->list[o[k].i].val;
-
-        d->r->L = rad_rgb_add(d->r->L, rad_rgb_scale(v, (float)(seen / tried)));
-    }
+    if (k < d->n)
+        test_rest(d, o + k, d->n - k, rest[k]);
 }
 
 /* How high is the centre of the source, which is there, above the horizon of
