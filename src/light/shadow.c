@@ -269,21 +269,21 @@ weigh(void *arg, const struct rad_light_sample *s)
     struct direct *d = arg;
     struct rad_hit hit;
     struct potential *p;
-    struct rad_rgb coef;
     uint32_t branch = RAD_BRANCH_SHADOW + d->nsamples++;
 
-    d->brdf(&coef, d->data, s->dir, s->omega);
-    if (rad_rgb_black(coef) || !reserve(d))
+    if (!reserve(d))
         return;
     p = &d->list[d->n];
-    p->coef = coef;
+    d->brdf(&p->coef, d->data, s->dir, s->omega);
+    if (rad_rgb_black(p->coef))
+        return;
     p->source = d->source;
     p->branch = branch;
     if (!(d->lamp ? meet_lamp(d, p, s->aim)
                   : rad_way_aim(d->ctx, &d->r->hit, p->source, s->aim, &p->span,
                                 &hit)))
         return;
-    p->val = rad_rgb_mul(source_radiance(d, p, &hit), coef);
+    p->val = rad_rgb_mul(source_radiance(d, p, &hit), p->coef);
     if (rad_rgb_lum(p->val) > 0)
         d->n++;
 }
