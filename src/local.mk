@@ -58,8 +58,11 @@ librad_a_SOURCES = \
 	src/light/gradient.h \
 	src/light/hemisphere.c \
 	src/light/hemisphere.h \
+	src/light/image.c \
+	src/light/image.h \
 	src/light/polytree.c \
 	src/light/polytree.h \
+	src/light/pretest.c \
 	src/light/quad.c \
 	src/light/quad.h \
 	src/light/sample.c \

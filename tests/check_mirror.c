@@ -1,4 +1,4 @@
-/* check_mirror.c - tests of src/shade/mirror.c and src/light/virtual.c: what
+/* check_mirror.c - tests of src/shade/mirror.c and src/light/image.c: what
  * mirrors show, and the light that they relay
  *
  * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,

@@ -1,5 +1,5 @@
 /* check_prism.c - tests of src/shade/prism.c, and of the images that
- * src/light/virtual.c makes of light sources in prisms
+ * src/light/image.c makes of light sources in prisms
  *
  * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,
  * and so does its image, times the prism's coefficient. */

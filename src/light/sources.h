@@ -23,4 +23,18 @@ rad_source_target(const struct rad_sources *s, int32_t i)
     return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
 }
 
+/* Image i; NULL: it is a source. */
+static inline const struct rad_virtual *
+rad_source_virtual(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? NULL : &s->virtuals[i - s->n];
+}
+
+/* The source that i is, or is an image of. */
+static inline const struct rad_source *
+rad_source_root(const struct rad_sources *s, int32_t i)
+{
+    return &s->list[i < s->n ? i : s->virtuals[i - s->n].root];
+}
+
 #endif

@@ -12,6 +12,7 @@
 #ifndef RAD_LIGHT_VIRTUAL_H
 #define RAD_LIGHT_VIRTUAL_H
 
+#include "base/vec.h"
 #include "light/sample.h"
 #include "light/source.h"
 
@@ -48,6 +49,30 @@ struct rad_virtual {
     int32_t way;                 /* of a prism: which (shade/prism.h) */
     const struct rad_bend *bend; /* NULL: mirrors alone */
 };
+
+/* A direction at the source as it is at image v (NULL: the source itself). */
+static inline void
+rad_virtual_turn(const struct rad_virtual *v, const double from[3],
+                 double dir[3])
+{
+    if (!v) {
+        rad_copy(dir, from);
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        dir[k] = v->turn[0][k] * from[0] + v->turn[1][k] * from[1] +
+                 v->turn[2][k] * from[2];
+}
+
+/* A direction at the source as it is at its bent image, of any length. */
+static inline void
+rad_bend_direction(const struct rad_bend *b, const double from[3],
+                   double dir[3])
+{
+    for (int k = 0; k < 3; k++)
+        dir[k] = b->axis[0][k] * from[0] + b->axis[1][k] * from[1] +
+                 b->axis[2][k] * from[2];
+}
 
 /* Find the images of a job's sources, and with -dp above 0 test which of them
  * are hidden for good, and which are in full view from all of their mirror.
