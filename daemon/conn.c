@@ -155,9 +155,8 @@ conn_close(struct conn *c)
     uv_close((uv_handle_t *)&c->after, handle_closed);
 }
 
-/* The connection ends by itself. */
-static void
-end(struct conn *c, const char *why)
+void
+conn_break(struct conn *c, const char *why)
 {
     if (c->closing)
         return;
@@ -180,7 +179,7 @@ written(uv_write_t *req, int status)
     if (c->closing)
         return;
     if (status < 0) {
-        end(c, uv_strerror(status));
+        conn_break(c, uv_strerror(status));
         return;
     }
     if (c->finishing) {
@@ -249,24 +248,24 @@ uncork(struct conn *c)
 }
 
 static void
-uncork_or_end(struct conn *c)
+uncork_or_break(struct conn *c)
 {
     int rc = uncork(c);
 
     if (rc < 0)
-        end(c, uv_strerror(rc));
+        conn_break(c, uv_strerror(rc));
 }
 
 static void
 before_waiting(uv_prepare_t *h)
 {
-    uncork_or_end(h->data);
+    uncork_or_break(h->data);
 }
 
 static void
 after_waiting(uv_check_t *h)
 {
-    uncork_or_end(h->data);
+    uncork_or_break(h->data);
 }
 
 /* Room for a message: a cork that is begun now, or its own; NULL: there is
@@ -290,7 +289,9 @@ new_out(struct conn *c, size_t len)
     return o;
 }
 
-/* Queue bytes that the other side understands. */
+/* Queue bytes that the other side understands.  Where there is no memory for
+ * them the connection ends: who waits for what never comes waits for ever, but
+ * who has lost a connection calls again. */
 static bool
 queue(struct conn *c, const uint8_t *bytes, size_t len)
 {
@@ -302,17 +303,19 @@ queue(struct conn *c, const uint8_t *bytes, size_t len)
         o = NULL;
     }
     if (rc == 0) {
-        if (!o && !(o = new_out(c, len)))
-            return false;
-        memcpy(o->bytes + o->len, bytes, len);
-        o->len += len;
-        c->queued += len;
-        c->bytes_out += len;
-        if (o != c->cork)
-            rc = seal_out(c, o);
+        if (!o && !(o = new_out(c, len))) {
+            rc = UV_ENOMEM;
+        } else {
+            memcpy(o->bytes + o->len, bytes, len);
+            o->len += len;
+            c->queued += len;
+            c->bytes_out += len;
+            if (o != c->cork)
+                rc = seal_out(c, o);
+        }
     }
     if (rc < 0)
-        end(c, uv_strerror(rc));
+        conn_break(c, uv_strerror(rc));
     return rc == 0;
 }
 
@@ -322,9 +325,11 @@ queue_packed(struct conn *c, struct wire_out *w, int rc, uint16_t type)
 {
     bool ok = rc >= 0 && queue(c, w->buf, w->len);
 
-    if (rc < 0)
-        log_err("message not sent peer=%s type=%s: too long, none of protocol "
-                "version %u, or out of memory",
+    if (rc == RAD_ENOMEM)
+        conn_break(c, uv_strerror(UV_ENOMEM));
+    else if (rc < 0)
+        log_err("message not sent peer=%s type=%s: too long, or none of "
+                "protocol version %u",
                 c->peer, msg_name(type), c->reader.version);
     wire_out_release(w);
     return ok;
@@ -386,7 +391,7 @@ flush(struct conn *c, bool counted)
     c->queued += o->count;
     rc = write_out(c, o);
     if (rc < 0)
-        end(c, uv_strerror(rc));
+        conn_break(c, uv_strerror(rc));
 }
 
 bool
@@ -422,7 +427,7 @@ garbage(struct conn *c, const struct rad_error *err)
             log_warn("protocol errors not logged n=%u", dropped);
         log_warn("protocol error peer=%s: %s", c->peer, err->what);
     }
-    end(c, CONN_BROKE_PROTOCOL);
+    conn_break(c, CONN_BROKE_PROTOCOL);
 }
 
 /* Has it asked for more than it reads?  Workers and peers are not asked: what
@@ -479,7 +484,7 @@ unseal(struct conn *c)
     if (n < 0)
         garbage(c, &err);
     else if (tls_ended(c->tls))
-        end(c, "closed by peer");
+        conn_break(c, "closed by peer");
 }
 
 static void
@@ -490,7 +495,7 @@ on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
     struct rad_error err = { 0 };
 
     if (n < 0) {
-        end(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
+        conn_break(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
         return;
     }
     c->heard_ms = uv_now(stream->loop);
@@ -552,13 +557,13 @@ on_timer(uv_timer_t *timer)
         return;
     }
     if (c->finishing || (!c->live && now - c->opened_ms >= limit_ms(c))) {
-        end(c, "took too long");
+        conn_break(c, "took too long");
         return;
     }
     if (!c->live || !c->ping)
         return;
     if (!c->paused && now - c->heard_ms >= CONN_DEAD_MS) {
-        end(c, "silent for 15 s");
+        conn_break(c, "silent for 15 s");
         return;
     }
     ping.ping.progress = c->progress;
@@ -683,7 +688,7 @@ conn_finish(struct conn *c)
         return;
     c->finishing = true;
     if (c->tls) { /* the session's last word comes last */
-        uncork_or_end(c);
+        uncork_or_break(c);
         if (!c->closing) {
             tls_end(c->tls);
             flush(c, true);

@@ -96,8 +96,9 @@ void conn_live(struct conn *c, bool ping);
 /* The counter that goes out with PINGs. */
 void conn_set_progress(struct conn *c, uint64_t progress);
 
-/* Queue a message; its bytes are copied.  False if it cannot be packed, is none
- * in the other side's version, or memory is out, which is logged. */
+/* Queue a message; its bytes are copied.  False if it cannot be packed or is
+ * none in the other side's version, which is logged, and if memory is out: then
+ * the connection ends (conn_break). */
 bool conn_send(struct conn *c, const struct msg *m);
 /* The same for a message that is packed already: a whole frame of the current
  * version.  False, too, for RECORDS to a user that has not read 8 MiB yet,
@@ -111,6 +112,9 @@ const char *conn_peer(const struct conn *c);
 
 /* Stop and start reading: the back-pressure on what feeds a slow one. */
 void conn_pause(struct conn *c, bool pause);
+
+/* End it now, as if it had ended by itself: closed() is called. */
+void conn_break(struct conn *c, const char *why);
 
 /* End it now; closed() is not called.  NULL is accepted. */
 void conn_close(struct conn *c);

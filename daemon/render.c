@@ -334,8 +334,9 @@ on_closed(void *arg, struct conn *c, const char *why)
     (void)arg;
     (void)c;
     (void)why;
-    /* nobody is left to render for, and threads may be deep in a bar */
-    _exit(EX_OK);
+    /* radd is gone, and nobody is left to render for, or memory is out, and
+     * radd hands the units to somebody else; threads may be deep in a bar */
+    _exit(EX_OSERR);
 }
 
 static void

@@ -96,8 +96,8 @@ go_on(struct transfers *all, uint64_t id)
     if (!t->buf)
         t->buf = malloc(MSG_MAX_CHUNK);
     if (!t->buf) {
-        log_err("transfer stopped peer=%s: out of memory", conn_peer(t->conn));
         t->ended = true;
+        conn_break(t->conn, "out of memory"); /* who waits for it calls again */
         return;
     }
     t->reading = true;
@@ -151,7 +151,7 @@ transfers_start(struct transfers *t, uint64_t id, struct conn *c,
     struct transfer *x = calloc(1, sizeof *x), **at = &t->list;
 
     if (!x) {
-        log_err("transfer refused peer=%s: out of memory", conn_peer(c));
+        conn_break(c, "out of memory"); /* who waits for it calls again */
         return;
     }
     x->all = t;

@@ -161,7 +161,7 @@ msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
         void *p = realloc(m->list, n * entry);
 
         if (!p) {
-            in->bad = true;
+            in->bad = in->nomem = true;
             return NULL;
         }
         m->list = p;

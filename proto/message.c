@@ -89,9 +89,11 @@ msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m)
     if (!out->bad && out->len - start - MSG_HEADER > row->limit)
         out->bad = true;
     if (out->bad) {
+        int rc = out->nomem ? RAD_ENOMEM : RAD_EPROTO;
+
         out->len = start;
-        out->bad = false;
-        return RAD_EPROTO;
+        out->bad = out->nomem = false;
+        return rc;
     }
     wire_set_u32(out, start + 12, (uint32_t)(out->len - start - MSG_HEADER));
     return 0;
@@ -161,6 +163,8 @@ msg_unpack_as(unsigned version, struct msg *m, uint16_t type, uint32_t request,
     wire_in_init(&in, payload, n);
     in.version = version;
     row->unpack(&in, m);
+    if (in.nomem)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
     if (in.bad)
         return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes", row->name,
                         n);

@@ -566,8 +566,8 @@ struct msg {
 void msg_release(struct msg *m);
 
 /* Append m as one whole frame, header and payload, to out (whose max should
- * leave room for MSG_FRAME_MAX bytes).  0, or RAD_EPROTO when a field is out
- * of its bounds or memory is out; out is as before then. */
+ * leave room for MSG_FRAME_MAX bytes).  0, RAD_EPROTO when a field is out of
+ * its bounds, or RAD_ENOMEM; out is as before then. */
 int msg_pack(struct wire_out *out, const struct msg *m);
 
 /* The same for somebody who speaks that version: what it does not know is left

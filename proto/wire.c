@@ -72,7 +72,7 @@ wire_in_init(struct wire_in *in, const void *data, size_t n)
 {
     in->p = data;
     in->end = in->p + n;
-    in->bad = false;
+    in->bad = in->nomem = false;
 }
 
 const uint8_t *
@@ -235,7 +235,7 @@ out_room(struct wire_out *out, size_t n)
     if (cap != out->cap) {
         p = realloc(out->buf, cap);
         if (!p) {
-            out->bad = true;
+            out->bad = out->nomem = true;
             return NULL;
         }
         out->buf = p;

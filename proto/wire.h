@@ -16,6 +16,7 @@
 struct wire_in {
     const uint8_t *p, *end;
     bool bad;
+    bool nomem;       /* bad, for memory is out */
     unsigned version; /* whose layout it is; not looked at here */
 };
 
@@ -24,6 +25,7 @@ struct wire_out {
     uint8_t *buf;
     size_t len, cap, max;
     bool bad;         /* too long, a bad argument, or memory is out */
+    bool nomem;       /* bad, for the last of these */
     unsigned version; /* whose layout is written; not looked at here */
 };
 

@@ -13,6 +13,26 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#ifdef WITH_MALLOC /* a sanitizer has its own */
+/* Memory that is out when a test says so. */
+static bool no_malloc, no_realloc;
+
+extern void *__libc_malloc(size_t n);
+extern void *__libc_realloc(void *p, size_t n);
+
+void *
+malloc(size_t n)
+{
+    return no_malloc ? NULL : __libc_malloc(n);
+}
+
+void *
+realloc(void *p, size_t n)
+{
+    return no_realloc ? NULL : __libc_realloc(p, n);
+}
+#endif
+
 /* One connection of ours, and a bare socket at its other end. */
 struct ends {
     uv_loop_t loop;
@@ -257,6 +277,32 @@ START_TEST(messages_in_one_piece_all_arrive)
     close_ends(&e);
 }
 END_TEST
+
+#ifdef WITH_MALLOC
+/* Else the other side would wait for ever for what is not sent. */
+START_TEST(a_message_that_has_no_memory_ends_it)
+{
+    struct msg m = { .type = MSG_PONG };
+    struct wire_out frame;
+    struct ends e;
+    bool sent;
+
+    open_ends(&e, MSG_AT_PARENT);
+    conn_live(e.conn, false);
+    pack_ping(&frame, 1);
+    no_malloc = _i != 1;
+    no_realloc = _i == 1;
+    sent = _i == 2 ? conn_send_frame(e.conn, frame.buf, frame.len)
+                   : conn_send(e.conn, &m);
+    no_malloc = no_realloc = false;
+    ck_assert(!sent);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_ptr_nonnull(strstr(e.why, "memory"));
+    wire_out_release(&frame);
+    close_ends(&e);
+}
+END_TEST
+#endif
 
 START_TEST(owner_may_close_while_it_is_called)
 {
@@ -512,6 +558,9 @@ main(void)
     tcase_add_test(tc, an_old_peer_is_spoken_to_in_its_own_words);
     tcase_add_test(tc, what_an_old_peer_cannot_hear_is_not_said);
     tcase_add_test(tc, messages_in_one_piece_all_arrive);
+#ifdef WITH_MALLOC
+    tcase_add_loop_test(tc, a_message_that_has_no_memory_ends_it, 0, 3);
+#endif
     tcase_add_test(tc, owner_may_close_while_it_is_called);
     tcase_add_test(tc, end_of_stream_is_told_once);
     tcase_add_loop_test(tc, who_is_slow_to_introduce_itself_is_let_go, 0, 2);
