@@ -145,6 +145,20 @@ fail(const struct daemon *d, const struct rad_error *err)
     return rad_exit_status(err->code);
 }
 
+static void
+do_nothing(uv_work_t *work)
+{
+    (void)work;
+}
+
+/* libuv starts the threads of its pool at the first work, and aborts where
+ * there is no memory for them: so that is now, before anybody relies on us. */
+static void
+start_threads(struct daemon *d)
+{
+    uv_queue_work(&d->loop, &d->first_work, do_nothing, NULL);
+}
+
 int
 daemon_run(struct daemon *d, int argc, char *argv[])
 {
@@ -167,6 +181,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
     signal(SIGPIPE, SIG_IGN);
     service_catch_no_memory();
     uv_loop_init(&d->loop);
+    start_threads(d);
     d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {
         service_notify("READY=1");

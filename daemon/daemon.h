@@ -73,6 +73,7 @@ struct daemon {
     int argc;
     char **argv;
     uv_loop_t loop;
+    uv_work_t first_work; /* that starts the pool's threads */
     uv_timer_t ticker;
     uv_signal_t sigterm, sigint, sighup;
     struct service_lifetime lifetime;
