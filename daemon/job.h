@@ -98,6 +98,7 @@ struct job_worker {
     uint32_t in_flight;    /* units of this job that it works on */
     uint32_t held;         /* threads, as counted for the job's owner */
     uint32_t lines;        /* of these units */
+    uint32_t given;        /* units that it began apart (sched.c) */
     uint32_t parked;       /* units that wait for a base line */
     uint64_t since_ms;     /* the two are as they are since then */
     uint64_t work_ms;      /* time with something in flight */

@@ -361,6 +361,32 @@ tear_down(void)
 
 /* --- hand-out --- */
 
+/* Where records are shared, workers begin their first lines at different ends;
+ * later, at the top of a frame, and where nothing is shared, all go from left
+ * to right. */
+START_TEST(workers_begin_apart_while_records_are_few)
+{
+    int n = 0;
+
+    submit(MSG_PART_SCANBAR, _i ? MSG_JOB_SHARE : 0, "uniform", 3);
+    ready(W1);
+    ready(W2);
+    ck_assert_uint_eq(first_unit_of(W1)->end, MSG_END_LEFT);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct msg_unit u = f.said[i].m.unit;
+
+        if (f.said[i].conn != W2 || f.said[i].m.type != MSG_UNIT ||
+            u.flags & MSG_UNIT_TWIN)
+            continue;
+        ck_assert_uint_eq(u.end, _i && u.y > 0 && n < 8 ? MSG_END_RIGHT
+                                                        : MSG_END_LEFT);
+        n += u.y > 0;
+        finish(W2, &u);
+    }
+    ck_assert_int_gt(n, 12);
+}
+END_TEST
+
 START_TEST(lines_go_out_with_what_is_known_of_them)
 {
     struct msg_unit a, b, c;
@@ -1344,6 +1370,7 @@ main(void)
     TCase *tc = tcase_create("handoff");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_loop_test(tc, workers_begin_apart_while_records_are_few, 0, 2);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
     tcase_add_test(tc,
                    a_line_that_the_one_below_makes_is_kept_till_it_is_there);

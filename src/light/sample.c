@@ -288,24 +288,34 @@ second_order(struct rad_light_sample *s, const struct rad_light_view *view,
     s->omega = k * (per * per) * rad_normalize(s->dir);
 }
 
-/* The sample at point p of a patch whose flux is k * |r| / |r|^4 there. */
-static void
-at_point(struct rad_light_sample *s, const struct rad_light_view *view,
-         const double p[3], double k)
+/* Aim at point p; returns the inverse of its distance.  As rad_normalize(), by
+ * one quotient. */
+static double
+aim(struct rad_light_sample *s, const struct rad_light_view *view,
+    const double p[3])
 {
     double q, per;
 
     rad_sub(s->aim, p, view->p);
     q = rad_dot(s->aim, s->aim);
-    if (q > 0x1p-600 && q < 0x1p+600) { /* one quotient does */
-        s->dist = sqrt(q);
-        per = 1 / s->dist;
-        rad_scale(s->aim, per, s->aim);
-        s->omega = k * (per * per * per);
-    } else {
+    if (!(q > 0x1p-600 && q < 0x1p+600)) {
         s->dist = rad_normalize(s->aim);
-        s->omega = k / (s->dist * s->dist * s->dist);
+        return 1 / s->dist;
     }
+    s->dist = sqrt(q);
+    per = 1 / s->dist;
+    rad_scale(s->aim, per, s->aim);
+    return per;
+}
+
+/* The sample at point p of a patch whose flux is k * |r| / |r|^4 there. */
+static void
+at_point(struct rad_light_sample *s, const struct rad_light_view *view,
+         const double p[3], double k)
+{
+    double per = aim(s, view, p);
+
+    s->omega = k * (per * per * per);
     rad_copy(s->dir, s->aim);
 }
 
@@ -804,18 +814,16 @@ sphere_sample(struct walk *w)
     const struct rad_source *src = w->src;
     struct rad_light_sample s;
     double to[3], u[3], v[3];
-
-    rad_sub(to, src->centre, view->p);
-    double d = rad_normalize(to), sin_max = src->r1 / d, cosine = 1;
+    double sin_max = src->r1 * aim(&s, view, src->centre), cosine = 1;
 
     if (!(sin_max < 1))
         return; /* inside */
-    rad_copy(s.aim, to);
     if (view->jitter > 0) {
         double r = view->jitter * sin_max * sqrt(next_rand(w));
         double phi = 2 * M_PI * next_rand(w);
 
         cosine = sqrt(1 - r * r);
+        rad_copy(to, s.aim);
         rad_frame(u, v, to);
         rad_scale(s.aim, cosine, to);
         rad_madd(s.aim, s.aim, r * cos(phi), u);
@@ -823,7 +831,6 @@ sphere_sample(struct walk *w)
     }
     rad_copy(s.dir, s.aim);
     /* -ds and the reach of a glow measure to the centre */
-    s.dist = d;
     s.omega = M_PI * sin_max * sin_max / cosine;
     put(w, &s);
 }
