@@ -22,6 +22,9 @@
 /* Rows are sent when so many bytes of them are done, as in pool.c. */
 #define PIECE_BYTES (64u << 10)
 
+/* Columns that lie between traced pixels together, and those that do not. */
+#define SURE_COLUMNS 8
+
 #define TICK_US 10000 /* of strict_tick() */
 #define PS      1e-12 /* seconds that nobody waits for */
 
@@ -226,6 +229,25 @@ is_wanted(int x, int row)
     return (x + row) % 2 == 0;
 }
 
+/* Where too little is known of the densities above a bar, team.c traces ahead
+ * only columns between two traced pixels (TEAM_SURE): here half of them, in
+ * groups. */
+static bool
+is_unsure(const struct host *h)
+{
+    const struct strict_pass *p = h->pass;
+    int known = h->line - p->first + (p->top_density ? p->top_known : 0);
+
+    return h->in_bar && p->mode == TEAM_AHEAD && !p->true_top && p->first > 0 &&
+           known < TEAM_SURE;
+}
+
+static bool
+is_traced(bool unsure, int x, int row)
+{
+    return is_wanted(x, row) && !(unsure && x / SURE_COLUMNS % 5 >= 3);
+}
+
 /* Columns of a block, in the order of the pass. */
 static void
 block_of(const struct host *h, int *x0, int *x1)
@@ -274,6 +296,7 @@ missing(const struct host *h)
     const struct rad_facts *facts = facts_of(h);
     const struct map *m = map_of(h);
     int top = team_line_row(&m->q, h->line), x0, x1, r0, r1;
+    bool unsure = is_unsure(h);
     double sum = 0;
     struct rad_pixel p;
 
@@ -283,10 +306,9 @@ missing(const struct host *h)
         int n = 0, wanted = 0;
 
         for (int x = x0; x < x1; x++) {
-            if (!is_wanted(x, r))
-                continue;
-            wanted++;
-            n += !facts || !rad_facts_get(facts, x, r, &p);
+            wanted += is_wanted(x, r);
+            n += is_traced(unsure, x, r) &&
+                 (!facts || !rad_facts_get(facts, x, r, &p));
         }
         if (n > 0)
             sum += map_row(m, h->pass->frame, top + r, x1 - x0) * n / wanted;
@@ -316,7 +338,7 @@ fill_ends(struct host *h, struct rad_facts *facts, int x0, int x1)
 static void
 fill(struct host *h)
 {
-    bool truth = h->pass->mode == TEAM_TRUTH;
+    bool truth = h->pass->mode == TEAM_TRUTH, unsure = is_unsure(h);
     struct rad_facts *facts = facts_of(h);
     static const struct rad_pixel black;
     int x0, x1, r0, r1;
@@ -326,7 +348,7 @@ fill(struct host *h)
     rows_of(h, &r0, &r1);
     for (int r = r0; r < r1; r++)
         for (int x = x0; x < x1; x++) {
-            if (!is_wanted(x, r))
+            if (!is_traced(unsure, x, r))
                 continue;
             if (!facts) {
                 h->traced++;
