@@ -175,9 +175,6 @@ void unit_park(struct strict *s, struct strict_unit *u);
 
 /* Can it do nothing but wait for its top? */
 bool pass_waits(const struct strict *s, const struct strict_unit *u);
-/* A unit that is new: others may wait for its base line, so that is made before
- * the bars that are traced ahead. */
-void pass_unit_came(struct strict *s, const struct strict_unit *u);
 /* The tops that this edge was: stop what goes on without it; and so on for
  * bottoms that thereby are true. */
 void pass_top_came(struct strict *s, const struct edge *e);

@@ -85,28 +85,18 @@ comes_before(enum strict_rank rank, const struct strict_unit *u,
 }
 
 /* What others wait for is due: have a thread leave what is traced ahead, the
- * least urgent of it, if it is less so than `rank`. */
+ * least urgent of it. */
 static void
-make_way(struct strict *s, enum strict_rank rank)
+make_way(struct strict *s)
 {
     struct strict_pass *last = NULL;
 
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (u->pass && u->pass->rank > rank && !u->pass->true_top &&
-            !u->pass->stop &&
+        if (u->pass && !u->pass->true_top && !u->pass->stop &&
             (!last || comes_before(last->rank, last->of, u->pass->rank, u)))
             last = u->pass;
     if (last)
         last->stop = true;
-}
-
-void
-pass_unit_came(struct strict *s, const struct strict_unit *u)
-{
-    enum strict_rank rank;
-
-    if (next_rank(s, u, &rank))
-        make_way(s, rank);
 }
 
 /* Its bottom was guessed from these densities: then it is true, since a base
@@ -170,7 +160,7 @@ pass_top_came(struct strict *s, const struct edge *e)
     while (e)
         e = top_came(s, e, &idle);
     if (idle)
-        make_way(s, STRICT_TRUTH);
+        make_way(s);
 }
 
 static struct strict_unit *

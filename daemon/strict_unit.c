@@ -227,7 +227,6 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     link_first(s, u);
     link_last(s, u);
     facts_use_above(s, u);
-    pass_unit_came(s, u);
     return 0;
 }
 

@@ -1214,38 +1214,6 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
 }
 END_TEST
 
-/* A unit comes while the bars of another are traced ahead: its base lines are
- * made first, and nothing as urgent is left for them. */
-START_TEST(what_is_ahead_makes_way_for_base_lines)
-{
-    struct rad_quincunx q = { .width = 64, .height = 60 };
-    const struct msg_counts spent = { 0 };
-    struct msg_counts total;
-    struct strict_pass *p;
-    struct strict *s;
-
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
-    give_unit(s, &q, 0, 4, 8);
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert_int_eq(p->rank, STRICT_LINES);
-    give_unit(s, &q, 1, 10, 11);
-    ck_assert(!p->stop);
-    strict_ended(s, p, true, (const struct rad_pixel[64]){ 0 },
-                 (const uint8_t[64]){ 0 }, &spent, &total);
-    expect_pass(s, STRICT_LINES, false); /* of the second */
-    p = strict_next(s, STRICT_AHEAD);
-    ck_assert_int_eq(p->rank, STRICT_AHEAD);
-    ck_assert(!p->stop);
-    give_unit(s, &q, 2, 13, 14);
-    ck_assert(p->stop);
-    strict_ended(s, p, false, NULL, NULL, &spent, &total);
-    expect_pass(s, STRICT_LINES, false); /* of the third */
-    expect_pass(s, STRICT_AHEAD, false);
-    strict_free(s);
-}
-END_TEST
-
 /* Its top comes again before it does, while a pass of it is ending. */
 START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 {
@@ -1350,7 +1318,6 @@ main(void)
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
-    tcase_add_test(tc, what_is_ahead_makes_way_for_base_lines);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
