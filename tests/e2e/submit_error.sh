@@ -30,7 +30,7 @@ look() # OPTIONS
         awk '{ print $6 / sqrt(2) }')
 }
 
-look "-ab 1 -aa .3 -ar 32 -ad 64 -as 0"
+look "-ab 1 -aa .3 -ar 32 -ad 32 -as 0"
 coarse=$said
 awk -v a="$said" -v b="$real" 'BEGIN { exit !(a > b / 2 && a < 2 * b) }' ||
     fail "estimated $said, but pictures differ by $real"
