@@ -63,13 +63,29 @@ invent(uint64_t key)
     return s;
 }
 
+struct question {
+    struct rad_ambquery q;
+    double min_cos, weight;
+};
+
+static void
+ask(const struct rad_ambcache *c, const struct question *question,
+    rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
+{
+    struct rad_ambquery q = question->q;
+    struct rad_ambfit fit;
+
+    rad_ambfit_set(&fit, question->min_cos, question->weight);
+    q.fit = &fit;
+    rad_ambcache_visit(c, &q, fn, more, arg);
+}
+
 /* Asked near the edge of some record's zone, on its side or nearly. */
-static struct rad_ambquery
+static struct question
 ask_near(const struct sample *s, uint64_t key)
 {
-    struct rad_ambquery q = { .level = (int)(3 * draw(key, 1)),
-                              .weight = draw(key, 2),
-                              .min_cos = draw(key, 3) };
+    struct question ask = { .weight = draw(key, 2), .min_cos = draw(key, 3) };
+    struct rad_ambquery q = { .level = (int)(3 * draw(key, 1)) };
     double out = s->zone.reach * (.2 + draw(key, 4)), n[3], u[3], v[3];
 
     widen(n, s->rec.n);
@@ -84,13 +100,15 @@ ask_near(const struct sample *s, uint64_t key)
         q.n[k] = n[k] + draw(key, 8) * (draw(key, 9 + (uint32_t)k) - .5);
     }
     rad_normalize(q.n);
-    return q;
+    ask.q = q;
+    return ask;
 }
 
 /* Does the query meet the record? */
 static bool
-meets(const struct sample *s, const struct rad_ambquery *q)
+meets(const struct sample *s, const struct question *ask)
 {
+    const struct rad_ambquery *q = &ask->q;
     double d[3], n[3], h, reach = s->zone.reach, height = s->zone.height;
 
     rad_sub(d, q->p, s->rec.p);
@@ -99,23 +117,29 @@ meets(const struct sample *s, const struct rad_ambquery *q)
     return (rad_dot(d, d) - h * h) / (reach * reach) +
                    h * h / (height * height) <
                1 &&
-           h >= -s->zone.behind && rad_dot(n, q->n) >= q->min_cos &&
-           s->rec.level == q->level && (double)s->rec.weight >= q->weight;
+           h >= -s->zone.behind && rad_dot(n, q->n) >= ask->min_cos &&
+           s->rec.level == q->level && (double)s->rec.weight >= ask->weight;
 }
 
 /* May it come in vain?  In the cube about its zone, by what bytes are rounded
- * by: three steps of at most a 21st of its reach, and .03 of a cosine. */
+ * by: three steps of at most a 21st of its reach; and in the cube that holds
+ * the normals, by little more than three steps of those. */
 static bool
-nearly_meets(const struct sample *s, const struct rad_ambquery *q)
+nearly_meets(const struct sample *s, const struct question *ask)
 {
-    double n[3], reach = s->zone.reach * (1 + 3. / 21);
+    const struct rad_ambquery *q = &ask->q;
+    double reach = s->zone.reach * (1 + 3. / 21);
+    double chord = sqrt(2 - 2 * ask->min_cos) + 3.2 / 127;
 
-    widen(n, s->rec.n);
-    for (int k = 0; k < 3; k++)
-        if (fabs(q->p[k] - s->rec.p[k]) > reach)
+    for (int k = 0; k < 3; k++) {
+        double p = rad_least(rad_most(q->p[k], org[k]), org[k] + SIDE);
+
+        if (fabs(p - s->rec.p[k]) > reach ||
+            fabs(q->n[k] - (double)s->rec.n[k]) > chord)
             return false;
-    return rad_dot(n, q->n) >= q->min_cos - .03 && s->rec.level == q->level &&
-           (double)s->rec.weight >= q->weight - .011;
+    }
+    return s->rec.level == q->level &&
+           (double)s->rec.weight >= ask->weight - .011;
 }
 
 struct found {
@@ -125,13 +149,14 @@ struct found {
 };
 
 static void
-keep(void *arg, const struct rad_ambrec *rec)
+keep(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
 
-    if (f->n >= N_ELEM(f->rec))
+    if (n > N_ELEM(f->rec) - f->n)
         ck_abort_msg("too many");
-    f->rec[f->n++] = rec;
+    for (int i = 0; i < n; i++)
+        f->rec[f->n++] = &found[i]->rec;
 }
 
 static bool
@@ -172,11 +197,11 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
 
     for (int i = 0; i < QUERIES; i++) {
         uint64_t key = rad_key_branch(2, (uint64_t)i);
-        struct rad_ambquery q =
+        struct question q =
             ask_near(&sample[(int)(RECORDS * draw(key, 0))], key);
         struct found f = { .enough = INFINITY };
 
-        rad_ambcache_visit(c, &q, keep, want, &f);
+        ask(c, &q, keep, want, &f);
         found += f.n;
         memset(times, 0, sizeof times);
         for (int k = 0; k < f.n; k++)
@@ -209,12 +234,12 @@ START_TEST(small_zones_come_first_and_large_ones_if_wanted)
 
     for (int i = 0; i < QUERIES; i++) {
         uint64_t key = rad_key_branch(3, (uint64_t)i);
-        struct rad_ambquery q =
+        struct question q =
             ask_near(&sample[(int)(RECORDS * draw(key, 0))], key);
         struct found all = { .enough = INFINITY }, some = { .enough = .02 };
         double reach = 0;
 
-        rad_ambcache_visit(c, &q, keep, want, &all);
+        ask(c, &q, keep, want, &all);
         for (int k = 0; k < all.n; k++) {
             double r = sample[(int)all.rec[k]->E.g].zone.reach;
 
@@ -223,7 +248,7 @@ START_TEST(small_zones_come_first_and_large_ones_if_wanted)
                 ck_abort_msg("%d: %g after %g", i, r / SIDE, reach / SIDE);
             reach = rad_most(reach, r);
         }
-        rad_ambcache_visit(c, &q, keep, want, &some);
+        ask(c, &q, keep, want, &some);
         ck_assert_int_le(some.n, all.n);
         ck_assert(
             memcmp(all.rec, some.rec, (size_t)some.n * sizeof *some.rec) == 0);
@@ -278,11 +303,12 @@ __wrap_aligned_alloc(size_t align, size_t n)
 
 /* ck_assert() allocates. */
 static void
-tally(void *arg, const struct rad_ambrec *rec)
+tally(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
 
-    f->n += rec->level < 3;
+    for (int i = 0; i < n; i++)
+        f->n += found[i]->rec.level < 3;
 }
 
 static bool
@@ -301,14 +327,14 @@ START_TEST(insertions_allocate_in_bulk_and_look_ups_never)
     between = allocations;
     for (int i = 0; i < QUERIES; i++) {
         uint64_t key = rad_key_branch(4, (uint64_t)i);
-        struct rad_ambquery q = ask_near(&sample[i], key);
+        struct question q = ask_near(&sample[i], key);
 
-        rad_ambcache_visit(c, &q, tally, want_any, &f);
+        ask(c, &q, tally, want_any, &f);
     }
     after = allocations;
     ck_assert_int_gt(f.n, 0);
     ck_assert_uint_eq(after, between);
-    /* 256 at a time of records, of blocks of eight places, and of cells */
+    /* 256 at a time of records, of blocks of fourteen places, and of cells */
     ck_assert_uint_gt(between, before);
     ck_assert_uint_lt(between - before, RECORDS / 8);
     rad_ambcache_free(c);
@@ -382,16 +408,21 @@ struct member {
 };
 
 static void
-look_for(void *arg, const struct rad_ambrec *rec)
+look_for(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
 
-    /* E says which it is, p and n whether it is whole */
-    f->n += (double)rec->E.r == f->enough;
-    if (rec->p[0] < org[0] || rec->p[0] > org[0] + SIDE ||
-        rec->n[0] * rec->n[0] + rec->n[1] * rec->n[1] + rec->n[2] * rec->n[2] <
-            .99f)
-        ck_abort_msg("a record that is not whole");
+    for (int i = 0; i < n; i++) {
+        const struct rad_ambrec *rec = &found[i]->rec;
+
+        /* E says which it is, p and n whether it is whole */
+        f->n += (double)rec->E.r == f->enough;
+        if (rec->p[0] < org[0] || rec->p[0] > org[0] + SIDE ||
+            rec->n[0] * rec->n[0] + rec->n[1] * rec->n[1] +
+                    rec->n[2] * rec->n[2] <
+                .99f)
+            ck_abort_msg("a record that is not whole");
+    }
 }
 
 static bool
@@ -406,13 +437,13 @@ is_there(struct crowd *crowd, int thread, int i)
 {
     struct sample s =
         invent(rad_key_branch(7, (uint64_t)i * THREADS + (uint64_t)thread));
-    struct rad_ambquery q = { .level = s.rec.level, .min_cos = .5 };
+    struct question q = { .q.level = s.rec.level, .min_cos = .5 };
     /* `enough` is here what is looked for */
     struct found f = { .enough = (double)(float)(i * THREADS + thread) };
 
-    rad_copy(q.p, s.rec.p);
-    widen(q.n, s.rec.n);
-    rad_ambcache_visit(crowd->cache, &q, look_for, want_all, &f);
+    rad_copy(q.q.p, s.rec.p);
+    widen(q.q.n, s.rec.n);
+    ask(crowd->cache, &q, look_for, want_all, &f);
     return f.n == 1;
 }
 

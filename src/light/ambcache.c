@@ -14,8 +14,12 @@
  * 250, 510, 185 with 3 for an office's 28000 dense records, and 700, 620, 392,
  * 440, 590, 242 and 310, 520, 184 for 100000 sparse ones.
  *
- * Records of each number of bounces have an octree of their own, for only those
- * of one are wanted at a time; beyond ROOTS - 1 bounces they share one.
+ * Records of each number of bounces have octrees of their own, for only those
+ * of one are wanted at a time; beyond ROOTS - 1 bounces they share them.  There
+ * are six to a number, by the axis that a record's normal is nearest to: where
+ * floor and walls are near each other, a look-up on one walks past the records
+ * of all others.  One about a normal in between, or for a ray of little weight,
+ * which takes records with other normals, walks several.
  *
  * Growth.  Nothing is ever moved, changed or taken away until all is freed, so
  * a reader may hold on to whatever it has found.
@@ -57,13 +61,16 @@
 
 #define LINE         64 /* bytes that a processor fetches at once */
 #define CHUNK        256
-#define WIDTH        16  /* of a vector of bytes */
-#define LANES        14  /* so many make a block four lines of memory */
-#define STEPS        128 /* to the side of a cell */
+#define WIDTH        16 /* of a vector of bytes */
+#define LANES        14 /* so many make a block four lines of memory */
+#define STEPS_LOG    7  /* of the steps to the side of a cell */
+#define STEPS        (1 << STEPS_LOG)
 #define NORMAL_STEPS 127.
 #define SPAN         3
 #define ROOTS        8
-#define MAX_DEPTH    48 /* beyond it cells are smaller than rounding */
+#define FACES        6
+#define BITS         48 /* of a cell's number: beyond is rounding */
+#define MAX_DEPTH    (BITS - STEPS_LOG)
 
 /* --- pools --- */
 
@@ -173,8 +180,8 @@ pool_take(struct pool *pool)
 enum { EMPTY, LOCAL, RECEIVED };
 
 struct entry {
-    alignas(LINE) struct rad_ambrec rec; /* [fixed] once ready */
-    _Atomic unsigned char state;         /* EMPTY until ready */
+    alignas(LINE) struct rad_ambitem item; /* [fixed] once ready */
+    _Atomic unsigned char state;           /* EMPTY until ready */
 };
 
 /* Places of a list, newer blocks first.  What belongs to a place is [fixed]
@@ -182,12 +189,12 @@ struct entry {
 struct block {
     alignas(LINE) uint8_t at[3][WIDTH]; /* the record's point: place_byte() */
     uint8_t reach[WIDTH];               /* of its zone, in the same steps */
-    int8_t n[3][WIDTH];                 /* its normal: normal_byte() */
+    uint8_t n[3][WIDTH];                /* its normal: normal_byte() */
     uint8_t weight[WIDTH];              /* weight_steps(), rounded up */
     struct block *next;                 /* [fixed] once pushed */
     _Atomic uint32_t taken;             /* places given out; may pass LANES */
     _Atomic uint32_t ready;             /* a bit for each */
-    const struct rad_ambrec *rec[LANES];
+    const struct rad_ambitem *item[LANES];
 };
 
 struct cell {
@@ -197,15 +204,14 @@ struct cell {
 
 /* A query on its way through a cell, in bytes as in a block. */
 struct probe {
-    uint8_t at[3], weight;
-    int8_t n[3];
-    int16_t min_dot; /* of n with a normal's bytes */
+    uint8_t at[3], n[3], weight;
+    uint8_t turn; /* so far may a normal be off along each axis */
 };
 
 struct rad_ambcache {
     double org[3], side;                /* [fixed] */
     double scale;                       /* [fixed] 1 / side */
-    struct cell root[ROOTS];            /* by bounces */
+    struct cell root[ROOTS][FACES];     /* by bounces and face_of() */
     struct pool entries, blocks, cells; /* cells: eight an item */
     _Atomic size_t count;               /* relaxed: shown, never decided on */
 };
@@ -243,20 +249,68 @@ weight_steps(double weight)
 }
 
 /* A component of a unit vector, off by half a step. */
-static inline int8_t
+static inline uint8_t
 normal_byte(double x)
 {
-    return (int8_t)lrint(clamp(x, -1, 1) * NORMAL_STEPS);
+    return (uint8_t)(lrint(clamp(x, -1, 1) * NORMAL_STEPS) + 128);
 }
 
-/* No two normals with a cosine of that at least have bytes with a smaller
- * product: each vector is off by less than sqrt(3)/2 steps, and no longer than
- * NORMAL_STEPS + 1. */
-static inline int16_t
-least_dot(double cosine)
+/* The steps by which normals with a cosine of that at least differ along each
+ * axis at most: no more than the chord between them. */
+static uint8_t
+turn_byte(double cosine)
 {
-    return (int16_t)floor(NORMAL_STEPS * NORMAL_STEPS * cosine -
-                          2 * .87 * (NORMAL_STEPS + 1));
+    return (uint8_t)ceil(sqrt(2 - 2 * clamp(cosine, -1, 1)) * NORMAL_STEPS +
+                         1.1);
+}
+
+void
+rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
+{
+    fit->sine = min_cos > 0 ? sqrt(rad_most(1 - min_cos * min_cos, 0)) : 2;
+    fit->turn = turn_byte(min_cos);
+    fit->weight = (uint8_t)weight_steps(weight);
+}
+
+/* --- faces --- */
+
+/* The axis that n is nearest to, and its sign. */
+static int
+face_of(const float n[3])
+{
+    int k = fabsf(n[1]) > fabsf(n[0]) ? 1 : 0;
+
+    if (fabsf(n[2]) > fabsf(n[k]))
+        k = 2;
+    return 2 * k + (n[k] < 0);
+}
+
+/* The axes that normals within an angle of n can be nearest to, as bits.  Those
+ * of an axis are on its side of four planes, of which one is farther from n
+ * than any other: that far, as a sine, a normal must be off, and a little for
+ * what the lengths of normals are off.  Nor are they more than 55 degrees from
+ * it, so what is beyond 145 does not matter. */
+static inline unsigned
+faces_about(const double n[3], double sine)
+{
+    double slack = M_SQRT2 * sine + 1e-3, at[3], least, middle, most;
+    unsigned faces = 0;
+
+    for (int k = 0; k < 3; k++)
+        at[k] = fabs(n[k]);
+    least = rad_least(at[0], at[1]);
+    most = rad_most(at[0], at[1]);
+    middle = rad_most(least, rad_least(most, at[2]));
+    most = rad_most(most, at[2]);
+    for (int k = 0; k < 3; k++) {
+        double aside = at[k] == most ? middle : most;
+        unsigned below = n[k] < 0;
+
+        faces |= (unsigned)(aside - at[k] <= slack) << (2 * k + below);
+        faces |= (unsigned)((aside + at[k] <= slack && at[k] < .82) || sine > 1)
+                 << (2 * k + !below);
+    }
+    return faces;
 }
 
 /* --- scanning --- */
@@ -284,56 +338,35 @@ load16(const void *p)
     return _mm_load_si128(p);
 }
 
-/* Those whose reach the point is within along each axis. */
+/* How far bytes are apart, or `far` if that is more. */
 static inline __m128i
-near_places(const struct block *b, const __m128i at[3])
+apart(__m128i far, const uint8_t *bytes, uint8_t from)
 {
-    __m128i far = _mm_setzero_si128();
+    __m128i a = load16(bytes), b = _mm_set1_epi8((char)from);
 
-    for (int k = 0; k < 3; k++) {
-        __m128i x = load16(b->at[k]);
-
-        far = _mm_max_epu8(far, _mm_or_si128(_mm_subs_epu8(x, at[k]),
-                                             _mm_subs_epu8(at[k], x)));
-    }
-    return _mm_cmpeq_epi8(_mm_subs_epu8(far, load16(b->reach)),
-                          _mm_setzero_si128());
+    return _mm_max_epu8(far,
+                        _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a)));
 }
 
-/* Those that were made for as much weight, and look the same way. */
-static inline __m128i
-like_places(const struct block *b, const struct probe *q)
-{
-    __m128i zero = _mm_setzero_si128(), lo = zero, hi = zero;
-    __m128i weight = _mm_set1_epi8((char)q->weight);
-    __m128i least = _mm_set1_epi16((int16_t)(q->min_dot - 1));
-
-    for (int k = 0; k < 3; k++) {
-        __m128i n = load16(b->n[k]), by = _mm_set1_epi16(q->n[k]);
-        /* into the high half of each word, then down with its sign */
-        __m128i a = _mm_srai_epi16(_mm_unpacklo_epi8(zero, n), 8);
-        __m128i c = _mm_srai_epi16(_mm_unpackhi_epi8(zero, n), 8);
-
-        lo = _mm_add_epi16(lo, _mm_mullo_epi16(a, by));
-        hi = _mm_add_epi16(hi, _mm_mullo_epi16(c, by));
-    }
-    return _mm_and_si128(
-        _mm_packs_epi16(_mm_cmpgt_epi16(lo, least), _mm_cmpgt_epi16(hi, least)),
-        _mm_cmpeq_epi8(_mm_subs_epu8(weight, load16(b->weight)), zero));
-}
-
-/* The places that may serve, as bits. */
+/* The places that may serve, as bits: within whose reach the point is along
+ * each axis, that look the same way, and that were made for as much weight. */
 static inline unsigned
 passing(const struct block *b, const struct probe *q, unsigned ready)
 {
-    __m128i at[3];
+    const __m128i zero = _mm_setzero_si128();
+    __m128i far = zero, turn = zero, over;
 
-    for (int k = 0; k < 3; k++)
-        at[k] = _mm_set1_epi8((char)q->at[k]);
-    ready &= (unsigned)_mm_movemask_epi8(near_places(b, at));
-    if (ready)
-        ready &= (unsigned)_mm_movemask_epi8(like_places(b, q));
-    return ready;
+    far = apart(far, b->at[0], q->at[0]);
+    far = apart(far, b->at[1], q->at[1]);
+    far = apart(far, b->at[2], q->at[2]);
+    turn = apart(turn, b->n[0], q->n[0]);
+    turn = apart(turn, b->n[1], q->n[1]);
+    turn = apart(turn, b->n[2], q->n[2]);
+    over = _mm_or_si128(_mm_subs_epu8(far, load16(b->reach)),
+                        _mm_subs_epu8(turn, _mm_set1_epi8((char)q->turn)));
+    over = _mm_or_si128(
+        over, _mm_subs_epu8(_mm_set1_epi8((char)q->weight), load16(b->weight)));
+    return ready & (unsigned)_mm_movemask_epi8(_mm_cmpeq_epi8(over, zero));
 }
 
 #else
@@ -341,14 +374,11 @@ passing(const struct block *b, const struct probe *q, unsigned ready)
 static bool
 may_serve(const struct block *b, const struct probe *q, unsigned i)
 {
-    int dot = 0;
-
-    for (int k = 0; k < 3; k++) {
-        if (abs(b->at[k][i] - q->at[k]) > b->reach[i])
+    for (int k = 0; k < 3; k++)
+        if (abs(b->at[k][i] - q->at[k]) > b->reach[i] ||
+            abs(b->n[k][i] - q->n[k]) > q->turn)
             return false;
-        dot += b->n[k][i] * q->n[k];
-    }
-    return dot >= q->min_dot && b->weight[i] >= q->weight;
+    return b->weight[i] >= q->weight;
 }
 
 /* The places that may serve, as bits. */
@@ -376,27 +406,43 @@ prefetch(const struct block *b)
     __builtin_prefetch((const char *)b + 2 * LINE);
 }
 
-static inline void
-hand_on(const struct block *b, unsigned pass, rad_ambcache_fn *fn, void *arg)
-{
-    for (unsigned left = pass; left; left &= left - 1) {
-        const char *rec = (const char *)b->rec[__builtin_ctz(left)];
+/* What was found and is to be handed on. */
+enum { MOST_FOUND = 4 * LANES };
 
-        __builtin_prefetch(rec);
-        __builtin_prefetch(rec + LINE);
-    }
-    for (; pass; pass &= pass - 1)
-        fn(arg, b->rec[__builtin_ctz(pass)]);
+struct finds {
+    rad_ambcache_fn *fn;
+    void *arg;
+    int n;
+    const struct rad_ambitem *item[MOST_FOUND];
+};
+
+static inline void
+hand_on(struct finds *finds)
+{
+    if (finds->n > 0)
+        finds->fn(finds->arg, finds->item, finds->n);
+    finds->n = 0;
 }
 
-/* Walk a list and hand on what may serve. */
-static void
-scan(const struct block *b, const struct probe *q, rad_ambcache_fn *fn,
-     void *arg)
+/* Walk a list and find what may serve. */
+static inline void
+scan(const struct block *b, const struct probe *q, struct finds *finds)
 {
     for (; b; b = b->next) {
-        prefetch(b->next);
-        hand_on(b, passing(b, q, ready_places(b)), fn, arg);
+        unsigned pass;
+
+        if (b->next)
+            prefetch(b->next);
+        pass = passing(b, q, ready_places(b));
+        if (finds->n > MOST_FOUND - LANES)
+            hand_on(finds);
+        for (; pass; pass &= pass - 1) {
+            const struct rad_ambitem *item = b->item[__builtin_ctz(pass)];
+
+            __builtin_prefetch(item);
+            __builtin_prefetch((const char *)item + LINE);
+            finds->item[finds->n++] = item;
+        }
     }
 }
 
@@ -438,14 +484,13 @@ to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
         q[k] = (p[k] - c->org[k]) * c->scale;
 }
 
-/* Number of the smallest cell there could be, along an axis: bit
- * MAX_DEPTH - 1 - d says which child to take at depth d.  What is a little
- * outside the cube counts as on its face, which brings no two points farther
- * apart. */
+/* Number of the smallest cell there could be, along an axis: bit BITS - 1 - d
+ * says which child to take at depth d.  What is a little outside the cube
+ * counts as on its face, which brings no two points farther apart. */
 static uint64_t
 cell_number(double q)
 {
-    const uint64_t last = (UINT64_C(1) << MAX_DEPTH) - 1;
+    const uint64_t last = (UINT64_C(1) << BITS) - 1;
 
     if (!(q > 0))
         return 0;
@@ -462,7 +507,7 @@ cells_across(int depth)
 static int
 octant_at(const uint64_t number[3], int depth)
 {
-    int bit = MAX_DEPTH - 1 - depth;
+    int bit = BITS - 1 - depth;
 
     return (int)((number[0] >> bit & 1) | (number[1] >> bit & 1) << 1 |
                  (number[2] >> bit & 1) << 2);
@@ -491,9 +536,10 @@ kids_of(struct rad_ambcache *c, struct cell *cell)
 
 /* A record on its way into the octree. */
 struct load {
-    const struct rad_ambrec *rec;
+    const struct rad_ambitem *item;
     struct rad_ambzone zone; /* in sides of the cube */
-    double q[3];             /* its point, likewise */
+    double q[3];             /* its point, likewise, put on the cube's face
+                              * where it is outside */
     int depth;               /* of the cells to list it in */
 };
 
@@ -502,7 +548,7 @@ static void
 fill(struct block *b, unsigned i, const struct load *l, const double from[3],
      double scale)
 {
-    const struct rad_ambrec *rec = l->rec;
+    const struct rad_ambrec *rec = &l->item->rec;
 
     for (int k = 0; k < 3; k++) {
         b->at[k][i] = place_byte(l->q[k] * scale - from[k]);
@@ -510,7 +556,7 @@ fill(struct block *b, unsigned i, const struct load *l, const double from[3],
     }
     b->reach[i] = reach_byte(l->zone.reach * scale + 0x1p-16);
     b->weight[i] = (uint8_t)ceil(weight_steps((double)rec->weight));
-    b->rec[i] = rec;
+    b->item[i] = l->item;
 }
 
 /* List it in a cell whose corner is `from`, in sides of the cell. */
@@ -559,9 +605,8 @@ touches(const struct load *l, const uint64_t cell[3], double side)
     double d2 = 0;
 
     for (int k = 0; k < 3; k++) {
-        double q = rad_least(rad_most(l->q[k], 0), 1);
         double from = (double)cell[k] * side;
-        double d = rad_most(from - q, q - from - side);
+        double d = rad_most(from - l->q[k], l->q[k] - from - side);
 
         if (d > 0)
             d2 += d * d;
@@ -574,8 +619,9 @@ touches(const struct load *l, const uint64_t cell[3], double side)
 static bool
 list_in(struct rad_ambcache *c, const struct load *l, const uint64_t cell[3])
 {
-    struct cell *at = &c->root[root_of(l->rec->level)], *kids;
-    int depth = 0, shift = MAX_DEPTH - l->depth;
+    const struct rad_ambrec *rec = &l->item->rec;
+    struct cell *at = &c->root[root_of(rec->level)][face_of(rec->n)], *kids;
+    int depth = 0, shift = BITS - l->depth;
     uint64_t number[3];
     double from[3];
 
@@ -594,11 +640,11 @@ static void
 find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
 {
     for (int k = 0; k < 3; k++) {
-        double n = l->rec->n[k], rest = rad_most(1 - n * n, 0);
+        double n = l->item->rec.n[k], rest = rad_most(1 - n * n, 0);
         double reach = l->zone.reach, height = l->zone.height;
         double whole = sqrt(reach * reach * rest + height * height * n * n);
         double half = reach * sqrt(rest) + l->zone.behind;
-        int shift = MAX_DEPTH - l->depth;
+        int shift = BITS - l->depth;
 
         /* the normal is rounded by 2^-24, and the root of that may count */
         whole += 1e-3 * reach;
@@ -634,6 +680,19 @@ depth_for(double reach)
     return e > 0 ? 0 : e < -MAX_DEPTH ? MAX_DEPTH : -e;
 }
 
+void
+rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec)
+{
+    const float *n = rec->n, *u = rec->u;
+
+    item->rec = *rec;
+    item->across[0] = n[1] * u[2] - n[2] * u[1];
+    item->across[1] = n[2] * u[0] - n[0] * u[2];
+    item->across[2] = n[0] * u[1] - n[1] * u[0];
+    for (int k = 0; k < 2; k++)
+        item->per[k] = 1 / rec->radius[k];
+}
+
 bool
 rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                     const struct rad_ambzone *zone, bool local)
@@ -643,9 +702,11 @@ rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
 
     if (!e)
         return false;
-    e->rec = *rec;
-    l.rec = &e->rec;
+    rad_ambitem_set(&e->item, rec);
+    l.item = &e->item;
     to_cube(c, rec->p, l.q);
+    for (int k = 0; k < 3; k++)
+        l.q[k] = clamp(l.q[k], 0, 1);
     /* rounded up by what places in the cube are rounded by, both ends */
     l.zone.reach = zone->reach / c->side * (1 + 0x1p-20) + 0x1p-48;
     l.zone.height = zone->height / c->side * (1 + 0x1p-20) + 0x1p-48;
@@ -660,54 +721,139 @@ rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
 
 /* --- look-up --- */
 
-/* The point as the cell at that depth has it. */
-static void
-aim(struct probe *probe, const double q[3], const uint64_t number[3], int depth)
-{
-    double scale = cells_across(depth);
+/* The lists of the cells about a point, from the root to the smallest. */
+struct path {
+    int depth; /* of that */
+    const struct block *list[MAX_DEPTH + 1];
+};
 
+static inline void
+descend(const struct cell *cell, const uint64_t number[3], struct path *path)
+{
+    uint64_t x = number[0] << (64 - BITS), y = number[1] << (64 - BITS),
+             z = number[2] << (64 - BITS);
+
+    for (int depth = 0;; depth++) {
+        const struct block *list =
+            atomic_load_explicit(&cell->list, memory_order_acquire);
+        const struct cell *kids =
+            atomic_load_explicit(&cell->kids, memory_order_acquire);
+
+        path->list[depth] = list;
+        path->depth = depth;
+        if (list)
+            prefetch(list);
+        if (!kids || depth == MAX_DEPTH)
+            return;
+        cell = &kids[x >> 63 | y >> 63 << 1 | z >> 63 << 2];
+        x <<= 1;
+        y <<= 1;
+        z <<= 1;
+    }
+}
+
+/* The point as the cell at that depth has it: place_byte(), from the bits of
+ * its number that follow the cell's. */
+static inline void
+aim(struct probe *probe, const uint64_t number[3], int depth)
+{
     for (int k = 0; k < 3; k++)
-        probe->at[k] = place_byte(
-            q[k] * scale - (double)(int64_t)(number[k] >> (MAX_DEPTH - depth)));
+        probe->at[k] = (uint8_t)(STEPS / 2 + (number[k] >> (MAX_DEPTH - depth) &
+                                              (STEPS - 1)));
+}
+
+/* A look-up under way. */
+struct visit {
+    const struct rad_ambcache *c;
+    uint64_t number[3];
+    struct probe probe;
+    bool any; /* something was looked at */
+    rad_ambcache_more_fn *more;
+    struct finds finds;
+};
+
+/* Be ready for lists of that depth; false: enough was found before. */
+static inline bool
+go_on(struct visit *v, int depth)
+{
+    if (v->any &&
+        !v->more(v->finds.arg, v->c->side / (SPAN * cells_across(depth + 1))))
+        return false;
+    v->any = true;
+    aim(&v->probe, v->number, depth);
+    return true;
+}
+
+static inline void
+look_at(struct visit *v, const struct block *list)
+{
+    scan(list, &v->probe, &v->finds);
+    hand_on(&v->finds);
+}
+
+/* Back up along the path. */
+static inline void
+ascend(struct visit *v, const struct path *path)
+{
+    for (int depth = path->depth; depth >= 0; depth--) {
+        if (!path->list[depth])
+            continue;
+        if (!go_on(v, depth))
+            return;
+        look_at(v, path->list[depth]);
+    }
+}
+
+/* The same along several, in step. */
+static void
+ascend_all(struct visit *v, const struct path *path, int n)
+{
+    int depth = 0;
+
+    for (int i = 0; i < n; i++)
+        depth = path[i].depth > depth ? path[i].depth : depth;
+    for (; depth >= 0; depth--) {
+        bool here = false;
+
+        for (int i = 0; i < n; i++) {
+            if (depth > path[i].depth || !path[i].list[depth])
+                continue;
+            if (!here && !go_on(v, depth))
+                return;
+            here = true;
+            look_at(v, path[i].list[depth]);
+        }
+    }
 }
 
 void
 rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
                    rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
 {
-    const struct block *list[MAX_DEPTH + 1];
-    const struct cell *cell = &c->root[root_of(q->level)], *kids;
-    struct probe probe;
-    uint64_t number[3];
-    int depth = 0;
-    double at[3];
-    bool any = false;
+    const struct cell *root = c->root[root_of(q->level)];
+    unsigned faces = faces_about(q->n, q->fit->sine);
+    struct path path[FACES];
+    struct visit v;
+    int n = 0;
 
-    to_cube(c, q->p, at);
+    v.c = c;
+    v.any = false;
+    v.more = more;
+    v.finds.fn = fn;
+    v.finds.arg = arg;
+    v.finds.n = 0;
     for (int k = 0; k < 3; k++) {
-        number[k] = cell_number(at[k]);
-        probe.n[k] = normal_byte(q->n[k]);
+        v.number[k] = cell_number((q->p[k] - c->org[k]) * c->scale);
+        v.probe.n[k] = normal_byte(q->n[k]);
     }
-    for (;; depth++) {
-        list[depth] = atomic_load_explicit(&cell->list, memory_order_acquire);
-        if (list[depth])
-            prefetch(list[depth]);
-        kids = atomic_load_explicit(&cell->kids, memory_order_acquire);
-        if (!kids || depth == MAX_DEPTH)
-            break;
-        cell = &kids[octant_at(number, depth)];
-    }
-    probe.min_dot = least_dot(q->min_cos);
-    probe.weight = (uint8_t)weight_steps(q->weight);
-    for (; depth >= 0; depth--) {
-        if (!list[depth])
-            continue;
-        if (any && !more(arg, c->side / (SPAN * cells_across(depth + 1))))
-            return;
-        any = true;
-        aim(&probe, at, number, depth);
-        scan(list[depth], &probe, fn, arg);
-    }
+    v.probe.turn = q->fit->turn;
+    v.probe.weight = q->fit->weight;
+    for (; faces; faces &= faces - 1)
+        descend(&root[__builtin_ctz(faces)], v.number, &path[n++]);
+    if (n == 1)
+        ascend(&v, path);
+    else
+        ascend_all(&v, path, n);
 }
 
 size_t
@@ -733,7 +879,7 @@ rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
         if (state == EMPTY)
             break;
         if (state == LOCAL || !local_only)
-            out[n++] = e->rec;
+            out[n++] = e->item.rec;
         ++*cursor;
     }
     return n;

@@ -12,7 +12,8 @@
 
 struct rad_ambcache;
 
-/* For points in the cube at org with this side. */
+/* For points in the cube at org with this side; those outside count as on its
+ * face. */
 struct rad_ambcache *rad_ambcache_new(const double org[3], double side);
 void rad_ambcache_free(struct rad_ambcache *c);
 
@@ -23,28 +24,46 @@ struct rad_ambzone {
     double reach, height, behind;
 };
 
+/* A record as it is kept, with what every look-up wants of it. */
+struct rad_ambitem {
+    struct rad_ambrec rec;
+    float across[3]; /* n x u, the axis of radius[1] */
+    float per[2];    /* 1 / radius */
+};
+
+void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
+
 /* Add a copy of *rec, which must be sound: finite, its normal near enough to
  * unit length.  False: out of memory. */
 bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                          const struct rad_ambzone *zone, bool local);
 
-/* What is asked for: records whose zone includes p, whose normal is within
- * that of n, and that were made at `level` bounces for a weight of `weight` at
- * least. */
-struct rad_ambquery {
-    double p[3], n[3];
-    double min_cos; /* of the angle between the normals */
-    int level;
-    double weight; /* at most 4 */
+/* How records may differ from what is asked for: the same for many look-ups. */
+struct rad_ambfit {
+    double sine;          /* of the angle between the normals; above 1: any */
+    uint8_t turn, weight; /* see ambcache.c */
 };
 
-/* Call fn with every record that meets the query, and with some that nearly do
- * (in the cube about the zone, and up to a seventh of its reach beyond): it
- * must look for itself.  Small zones come before large ones: `more` is told
- * how far those reach that were looked at, and says whether larger ones are
- * wanted, too.  Which records come does not depend on the order in which they
- * were inserted, but the order in which they come does. */
-typedef void rad_ambcache_fn(void *arg, const struct rad_ambrec *rec);
+/* Normals with a cosine of min_cos at least, weights that are no less than
+ * `weight`, at most 4. */
+void rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight);
+
+/* What is asked for: records whose zone includes p, whose normal fits that of
+ * n, and that were made at `level` bounces for a weight that fits. */
+struct rad_ambquery {
+    double p[3], n[3];
+    int level;
+    const struct rad_ambfit *fit;
+};
+
+/* Call fn with every record that meets the query, some at a time, and with some
+ * that nearly do (in the cube about the zone, and up to a seventh of its reach
+ * beyond): it must look for itself.  Small zones come before large ones: `more`
+ * is told how far those reach that were looked at, and says whether larger ones
+ * are wanted, too.  Which records come does not depend on the order in which
+ * they were inserted, but the order in which they come does. */
+typedef void rad_ambcache_fn(void *arg, const struct rad_ambitem *const *found,
+                             int n);
 typedef bool rad_ambcache_more_fn(void *arg, double reach);
 void rad_ambcache_visit(const struct rad_ambcache *c,
                         const struct rad_ambquery *q, rad_ambcache_fn *fn,

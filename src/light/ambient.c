@@ -39,8 +39,8 @@
 #define MEAN_REFLECTANCE .5
 
 /* A factor beyond which an extrapolation is not believed. */
-#define LEAST_FACTOR   .05
-#define LARGEST_FACTOR 20.
+#define LEAST_FACTOR   .05f
+#define LARGEST_FACTOR 20.f
 
 /* Records that pixels show stand as far apart as their zones are wide, but each
  * is asked for so much farther out: of the mean of more of them, less is noise.
@@ -86,15 +86,40 @@
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
 
+/* What a search for a ray of some weight looks for. */
+struct terms {
+    float weight;
+    float max_angle; /* between the normals [rad], as their chord has it */
+    struct rad_ambfit fit;
+};
+
+#define USUAL_LEVELS 8
+
 struct rad_ambient {
     const struct rad_job *job;  /* [fixed] */
     struct rad_ambcache *cache; /* [fixed] */
     double org[3], side;        /* [fixed] the cube */
     double least, most;         /* [fixed] limits of radii */
-    _Atomic int64_t log_sum;    /* [atomic] relaxed: an average may lag */
+    /* [fixed] for rays that hemispheres alone have made lighter */
+    struct terms usual[USUAL_LEVELS];
+    _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
     _Atomic int64_t log_count;
     uint64_t drained; /* [loop] log position of rad_ambient_drain */
 };
+
+/* Ten degrees and -aa radians; more for rays that weigh little. */
+static void
+set_terms(const struct rad_ambient *amb, float weight, struct terms *t)
+{
+    double angle = M_PI / 18 + amb->job->params.ambacc;
+
+    if (weight < .6f)
+        angle = M_PI / 2 - (M_PI / 2 - angle) * pow((double)weight, .13);
+    t->weight = weight;
+    t->max_angle = (float)angle;
+    rad_ambfit_set(&t->fit, rad_most(1 - .5 * angle * angle, 0),
+                   .9 * (double)weight);
+}
 
 struct rad_ambient *
 rad_ambient_new(const struct rad_job *job, struct rad_error *err)
@@ -121,6 +146,8 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
         amb->most = rad_least(amb->most, 64 * amb->least);
     if (amb->most <= amb->least)
         amb->most = 64 * amb->least;
+    for (int i = 0; i < USUAL_LEVELS; i++)
+        set_terms(amb, (float)pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
     amb->cache = rad_ambcache_new(amb->org, amb->side);
     if (amb->cache)
         return amb;
@@ -241,71 +268,67 @@ rad_ambient_count(const struct rad_ambient *amb)
 
 /* --- interpolation --- */
 
-/* The frame of a record: axes u, n x u, n. */
-static void
-record_frame(const struct rad_ambrec *rec, double f[3][3])
+static inline float
+dotf(const float a[3], const float b[3])
 {
-    for (int k = 0; k < 3; k++) {
-        f[0][k] = rec->u[k];
-        f[2][k] = rec->n[k];
-    }
-    rad_cross(f[1], f[2], f[0]);
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The factor by which E of the record at the frame's origin changes at
- * displacement d with normal pn; false: too far to be believed. */
-static bool
-extrapolate(const struct rad_ambrec *rec, const double f[3][3],
-            const double d[3], const double pn[3], double *factor)
+/* The factor by which E of the record changes at displacement u, v in its plane
+ * with normal pn; false: too far to be believed.  The tilt n x pn has the
+ * components -pn.across and pn.u. */
+static inline bool
+extrapolate(const struct rad_ambitem *it, float u, float v, const float pn[3],
+            float *factor)
 {
-    double turn[3];
+    const struct rad_ambrec *rec = &it->rec;
+    float f =
+        1 + rec->gpos[0] * u + rec->gpos[1] * v +
+        (rec->gdir[1] * dotf(pn, rec->u) - rec->gdir[0] * dotf(pn, it->across));
 
-    rad_cross(turn, f[2], pn);
-    *factor = 1;
-    for (int k = 0; k < 2; k++)
-        *factor += rec->gpos[k] * rad_dot(d, f[k]) +
-                   rec->gdir[k] * rad_dot(turn, f[k]);
-    *factor = rad_least(*factor, LARGEST_FACTOR);
-    if (*factor > LEAST_FACTOR)
+    *factor = f < LARGEST_FACTOR ? f : LARGEST_FACTOR;
+    if (f > LEAST_FACTOR)
         return true;
     *factor = LEAST_FACTOR;
     return false;
 }
 
-/* May something stand between the record and a point that way from it?  u and v
- * are the components in its plane. */
-static bool
-is_fenced(const struct rad_ambrec *rec, double u, double v)
+/* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
+static unsigned
+part_of_turn(float u, float v)
 {
-    if (!rec->corral)
-        return false;
-    double angle = atan2(v, u);
-    unsigned bin =
-        (unsigned)((angle < 0 ? angle + 2 * M_PI : angle) * (16 / M_PI)) & 31;
+    /* tangents of one, two and three parts */
+    const float one = .198912367f, two = .414213562f, three = .668178638f;
+    float x = fabsf(u), y = fabsf(v), lo = x < y ? x : y, hi = x < y ? y : x;
+    unsigned part = (unsigned)(lo > one * hi) + (unsigned)(lo > two * hi) +
+                    (unsigned)(lo > three * hi);
 
-    return rec->corral >> bin & 1;
+    part = x < y ? 7 - part : part;
+    part = u < 0 ? 15 - part : part;
+    return v < 0 ? 31 - part : part;
 }
 
 /* Is something between the point and the air above the record?  The ray rises
  * at 20 degrees from the plane of the point, over what is small and does not
- * matter.  d is the displacement from the record to the point. */
+ * matter. */
 static bool
 is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
-              const double f[3][3], const double d[3],
-              struct rad_geom_counts *counts, uint64_t *rays)
+              const struct rad_ambrec *rec, struct rad_geom_counts *counts,
+              uint64_t *rays)
 {
+    double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
     double to[3], rise = tan(M_PI / 9);
     struct rad_span span = { .tmin = 0 };
     struct rad_hit hit = { .err = at->err };
 
-    rad_scale(to, -1, d);
-    double height = rad_dot(to, at->n), d2 = rad_dot(d, d);
+    rad_sub(to, rec->p, at->p);
+    double height = rad_dot(to, at->n), d2 = rad_dot(to, to);
     double along = sqrt(rad_most(d2 - height * height, 0));
-    double up = (rise * along - height) / rad_dot(f[2], at->n);
+    double up = (rise * along - height) / rad_dot(n, at->n);
 
     if (!(up > 0))
         return false; /* the record is high enough itself */
-    rad_madd(span.dir, to, up, f[2]);
+    rad_madd(span.dir, to, up, n);
     span.tmax = rad_normalize(span.dir);
     rad_copy(hit.p, at->p);
     rad_copy(hit.n, at->n);
@@ -317,74 +340,72 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
 struct search {
     const struct rad_ambient *amb;
     const struct rad_ambplace *at;
-    double max_angle;
-    double reach;  /* relative distance of those that are wanted */
-    double serves; /* weight of those that make a further one needless */
-    double weight; /* found so far */
-    double E[3];   /* weighted */
+    float n[3], pn[3]; /* of at */
+    float weight9;     /* the least of a record's */
+    float max_angle;
+    float aa, reach; /* relative distance of those that serve, are wanted */
+    float behind;    /* distance behind a record's surface where it serves */
+    double serves;   /* weight of those that make a further one needless */
+    double weight;   /* found so far */
+    double E[3];     /* weighted */
     /* how they differ: sums of weights squared, and of luminances squared */
     double weight2, lum2;
     struct rad_geom_counts *counts;
     uint64_t *rays;
 };
 
-/* Relative distance squared of the place from the record, in its zone's
- * units; beyond the square of -aa it is outside.  Behind the record's surface
- * nothing. */
-static double
-zone_distance2(const struct search *s, const struct rad_ambrec *rec,
-               const double f[3][3], const double d[3], double uv[2])
+static inline void
+add_record(struct search *s, const struct rad_ambitem *it)
 {
-    double aa = s->amb->job->params.ambacc, z = rad_dot(d, f[2]);
-    double h = z / rec->radius[0];
+    const struct rad_ambrec *rec = &it->rec;
+    float d[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
+    double w, angular, lum;
 
-    uv[0] = rad_dot(d, f[0]);
-    uv[1] = rad_dot(d, f[1]);
-    if (z < -s->amb->least * aa)
-        return INFINITY;
-    double x = uv[0] / rec->radius[0], y = uv[1] / rec->radius[1];
-
-    return h * h + x * x + y * y;
+    for (int k = 0; k < 3; k++)
+        d[k] = (float)(s->at->p[k] - rec->p[k]);
+    u = dotf(d, rec->u);
+    v = dotf(d, it->across);
+    z = dotf(d, rec->n);
+    x = u * it->per[0];
+    y = v * it->per[1];
+    h = z * it->per[0];
+    dist2 = x * x + y * y + h * h; /* in the zone's units */
+    for (int k = 0; k < 3; k++)
+        d[k] = rec->n[k] - s->n[k];
+    /* the chord, which is the angle for small ones */
+    turn2 = dotf(d, d);
+    if (!(dist2 < s->reach * s->reach) | (z < s->behind) | (turn2 >= 2) |
+        (rec->level != s->at->level) | (rec->weight < s->weight9))
+        return;
+    dist = sqrtf(dist2);
+    turn = sqrtf(turn2);
+    if (!(dist < s->reach) | (turn >= s->max_angle))
+        return;
+    if (!extrapolate(it, u, v, s->pn, &factor))
+        return;
+    if (rec->corral && rec->corral >> part_of_turn(u, v) & 1 &&
+        is_walled_off(s->amb, s->at, rec, s->counts, s->rays))
+        return;
+    angular = (double)(1 - turn / s->max_angle);
+    if (dist < s->aa)
+        s->serves += angular * (double)(1 - dist / s->aa);
+    w = angular * (double)(1 - dist / s->reach);
+    s->weight += w;
+    s->weight2 += w * w;
+    lum = (double)(factor * rad_rgb_lum(rec->E));
+    s->lum2 += w * lum * lum;
+    w *= (double)factor;
+    s->E[0] += w * (double)rec->E.r;
+    s->E[1] += w * (double)rec->E.g;
+    s->E[2] += w * (double)rec->E.b;
 }
 
+/* rad_ambcache_fn */
 static void
-add_record(void *arg, const struct rad_ambrec *rec)
+add_records(void *arg, const struct rad_ambitem *const *found, int n)
 {
-    struct search *s = arg;
-    const struct rad_ambplace *at = s->at;
-    double aa = s->amb->job->params.ambacc, reach = s->reach;
-    double f[3][3], d[3], uv[2], factor, cosine, turn, dist, w;
-
-    if (rec->level != at->level || rec->weight < .9 * at->weight)
-        return;
-    rad_sub(d, at->p, rec->p);
-    if (rad_dot(d, d) >= reach * reach * rec->radius[1] * rec->radius[1])
-        return;
-    record_frame(rec, f);
-    cosine = rad_dot(f[2], at->n);
-    /* the chord, which is the angle for small ones */
-    turn = sqrt(rad_most(2 - 2 * cosine, 0));
-    if (cosine <= 0 || turn >= s->max_angle)
-        return;
-    dist = sqrt(zone_distance2(s, rec, f, d, uv));
-    if (!(dist < reach))
-        return;
-    if (!extrapolate(rec, f, d, at->pn, &factor))
-        return;
-    if (is_fenced(rec, uv[0], uv[1]) &&
-        is_walled_off(s->amb, at, f, d, s->counts, s->rays))
-        return;
-    if (dist < aa)
-        s->serves += (1 - turn / s->max_angle) * (1 - dist / aa);
-    w = (1 - turn / s->max_angle) * (1 - dist / reach);
-    s->E[0] += w * factor * rec->E.r;
-    s->E[1] += w * factor * rec->E.g;
-    s->E[2] += w * factor * rec->E.b;
-    s->weight += w;
-    double lum = factor * rad_rgb_lum(rec->E);
-
-    s->weight2 += w * w;
-    s->lum2 += w * lum * lum;
+    for (int i = 0; i < n; i++)
+        add_record(arg, found[i]);
 }
 
 /* Where small zones have given enough, large ones are left out, unless they
@@ -403,18 +424,28 @@ static void
 search_all(struct search *s)
 {
     const struct rad_ambplace *at = s->at;
-    struct rad_ambquery q = { .level = at->level, .weight = .9 * at->weight };
+    const struct rad_ambient *amb = s->amb;
+    const struct terms *t = &amb->usual[at->level % USUAL_LEVELS];
+    struct terms others;
+    struct rad_ambquery q = { .level = at->level };
 
-    s->reach = reach_of(s->amb, at->level);
-    /* ten degrees and -aa radians; more for rays that weigh little */
-    s->max_angle = M_PI / 18 + s->amb->job->params.ambacc;
-    if (at->weight < .6)
-        s->max_angle =
-            M_PI / 2 - (M_PI / 2 - s->max_angle) * pow(at->weight, .13);
-    q.min_cos = rad_most(1 - .5 * s->max_angle * s->max_angle, 0);
+    if ((float)at->weight != t->weight) {
+        set_terms(amb, (float)at->weight, &others);
+        t = &others;
+    }
+    s->weight9 = (float)(.9 * at->weight);
+    s->max_angle = t->max_angle;
+    s->aa = (float)amb->job->params.ambacc;
+    s->reach = (float)reach_of(amb, at->level);
+    s->behind = -(float)(amb->least * amb->job->params.ambacc);
+    q.fit = &t->fit;
     rad_copy(q.p, at->p);
     rad_copy(q.n, at->n);
-    rad_ambcache_visit(s->amb->cache, &q, add_record, want_more, s);
+    for (int k = 0; k < 3; k++) {
+        s->n[k] = (float)at->n[k];
+        s->pn[k] = (float)at->pn[k];
+    }
+    rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
 }
 
 static struct rad_rgb
@@ -651,7 +682,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         *E = h.E;
     /* what a NaN has touched on the way, now black, is not kept */
     if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
-        double f[3][3], factor, here[3] = { 0, 0, 0 };
+        float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
+        struct rad_ambitem item;
+        float factor;
 
         rad_copy(rec.p, at->p);
         for (int k = 0; k < 3; k++)
@@ -660,9 +693,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         shape_record(amb, &h, &rec);
         if (insert(amb, &rec, true))
             ctx->counts.ambient_values++;
-        record_frame(&rec, f);
-        extrapolate(&rec, f, here, at->pn, &factor);
-        *E = rad_rgb_scale(*E, (float)factor);
+        rad_ambitem_set(&item, &rec);
+        extrapolate(&item, 0, 0, pn, &factor);
+        *E = rad_rgb_scale(*E, factor);
     }
     rad_arena_rewind(&ctx->scratch, mark);
     return ok;
@@ -692,7 +725,7 @@ sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             double f =
                 1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
 
-            *E = rad_rgb_scale(*E, (float)rad_most(f, LEAST_FACTOR));
+            *E = rad_rgb_scale(*E, (float)rad_most(f, (double)LEAST_FACTOR));
         }
     }
     rad_arena_rewind(&ctx->scratch, mark);
