@@ -31,10 +31,10 @@ struct guess {
 struct partition_queue {
     struct guess *guess; /* by unit */
     uint32_t *heap;
-    uint32_t n;     /* in heap */
-    double usual;   /* cost of a pixel lately; 0: not known */
-    uint32_t frame; /* of what went out last */
-    bool fresh;     /* a frame begins when those before it are done */
+    uint32_t n;    /* in heap */
+    double usual;  /* cost of a pixel lately; 0: not known */
+    uint32_t done; /* all units before this one are */
+    bool fresh;    /* a frame begins when those before it are done */
 };
 
 static double
@@ -163,6 +163,17 @@ drop_first(struct partition *p)
     sift_down(p, 0);
 }
 
+/* Are units of frames before the unit's not done?  Frame follows frame. */
+static bool
+must_wait(struct partition *p, uint32_t unit)
+{
+    struct partition_queue *q = p->queue;
+
+    while (q->done < unit && p->unit[q->done].state == PART_DONE)
+        q->done++;
+    return q->fresh && p->unit[q->done].area.frame < p->unit[unit].area.frame;
+}
+
 bool
 queue_next(struct partition *p, uint32_t *unit)
 {
@@ -173,10 +184,8 @@ queue_next(struct partition *p, uint32_t *unit)
     if (q->n == 0)
         return false;
     *unit = q->heap[0];
-    if (q->fresh && p->unit[*unit].area.frame != q->frame &&
-        p->undone > p->waiting)
-        return false; /* some of the frame before are out */
-    q->frame = p->unit[*unit].area.frame;
+    if (must_wait(p, *unit))
+        return false;
     drop_first(p);
     return true;
 }

@@ -751,6 +751,35 @@ START_TEST(a_partition_is_made_again_from_its_units)
 }
 END_TEST
 
+/* The same where frames go out one after the other: that of which there was
+ * something has begun, whatever of it is under way. */
+START_TEST(a_frame_that_has_begun_goes_on_after_a_restart)
+{
+    struct msg_frame f[2] = { { 1, 40, 40, "" }, { 2, 40, 40, "" } };
+    struct partition_spec spec = { .kind = MSG_PART_WINDOW,
+                                   .order = (enum msg_order)_i,
+                                   .windows = 4,
+                                   .fresh = true,
+                                   .nframes = 2,
+                                   .frames = f };
+    struct partition *p = partition_new(&spec, NULL);
+    struct partition_area a;
+    uint32_t unit;
+
+    ck_assert_ptr_nonnull(p);
+    for (uint32_t u = 0; u < 6; u++) {
+        partition_area(p, u, &a);
+        ck_assert(partition_restore(p, u, &a));
+        if (u < 4)
+            partition_done(p, u, 1);
+    }
+    ck_assert(next(p, &unit) && unit >= 6);
+    ck_assert(next(p, &unit) && unit >= 6);
+    ck_assert(!next(p, &unit));
+    partition_free(p);
+}
+END_TEST
+
 /* Of a picture of 60 by 60 with lines of row 0, rows 1 to 3, 4 to 6 ... */
 static const struct partition_area no_unit[] = {
     { 1, 0, 0, 60, 1 },  { 0, 1, 0, 60, 1 },          { 0, 0, 0, 59, 1 },
@@ -802,6 +831,8 @@ main(void)
     tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
                         N_ELEM(refused));
     tcase_add_loop_test(tc, a_partition_is_made_again_from_its_units, 0, 2);
+    tcase_add_loop_test(tc, a_frame_that_has_begun_goes_on_after_a_restart, 0,
+                        MSG_ORDER_COST + 1);
     tcase_add_loop_test(tc, what_is_no_unit_is_not_made_one, 0,
                         N_ELEM(no_unit));
     suite_add_tcase(s, tc);
