@@ -416,12 +416,18 @@ answer_ping(struct conn *c, const struct msg *ping)
     conn_send(c, &pong);
 }
 
+/* What came cannot be read. */
 static void
 garbage(struct conn *c, const struct rad_error *err)
 {
     struct log_limit *limit = c->handler->errors;
     unsigned dropped = 0;
 
+    if (err->code == RAD_ENOMEM) { /* for no fault of the other side's */
+        log_err("message not read peer=%s: out of memory", c->peer);
+        conn_break(c, uv_strerror(UV_ENOMEM));
+        return;
+    }
     if (!limit || log_allowed(limit, uv_now(c->timer.loop), &dropped)) {
         if (dropped > 0)
             log_warn("protocol errors not logged n=%u", dropped);

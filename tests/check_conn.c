@@ -302,6 +302,27 @@ START_TEST(a_message_that_has_no_memory_ends_it)
     close_ends(&e);
 }
 END_TEST
+
+/* Which is no fault of the other side's. */
+START_TEST(a_message_that_there_is_no_memory_to_read_ends_it)
+{
+    struct wire_out frame;
+    struct ends e;
+
+    open_ends(&e, MSG_AT_PARENT);
+    conn_live(e.conn, false);
+    pack_ping(&frame, 1);
+    ck_assert_int_eq(write(e.fd, frame.buf, frame.len), (ssize_t)frame.len);
+    no_realloc = true;
+    run(&e);
+    no_realloc = false;
+    ck_assert_int_eq(e.nmessages, 0);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_ptr_nonnull(strstr(e.why, "memory"));
+    wire_out_release(&frame);
+    close_ends(&e);
+}
+END_TEST
 #endif
 
 START_TEST(owner_may_close_while_it_is_called)
@@ -560,6 +581,7 @@ main(void)
     tcase_add_test(tc, messages_in_one_piece_all_arrive);
 #ifdef WITH_MALLOC
     tcase_add_loop_test(tc, a_message_that_has_no_memory_ends_it, 0, 3);
+    tcase_add_test(tc, a_message_that_there_is_no_memory_to_read_ends_it);
 #endif
     tcase_add_test(tc, owner_may_close_while_it_is_called);
     tcase_add_test(tc, end_of_stream_is_told_once);
