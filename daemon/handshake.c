@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How often a key that is not known yet is asked for. */
+#define ASK_MS 10
+
 struct handshake {
     uv_stream_t *stream; /* NULL: given away */
     uv_timer_t timer;
@@ -15,8 +18,9 @@ struct handshake {
     handshake_fn *fn;
     void *arg;
     unsigned limit_ms;
+    uint64_t begin_ms, waits_ms; /* since when it waits for a key, or 0 */
     size_t bytes_in;
-    bool over;
+    bool begun, over;
     char buf[2048];
 };
 
@@ -70,6 +74,8 @@ fail_uv(struct handshake *h, int code)
     fail(h, &err);
 }
 
+static void on_timer(uv_timer_t *timer);
+
 static void
 flown(uv_write_t *req, int status)
 {
@@ -103,6 +109,23 @@ send_out(struct handshake *h)
     return rc;
 }
 
+/* For the end of its time, or to ask for a key again before. */
+static void
+set_timer(struct handshake *h)
+{
+    uint64_t now = uv_now(h->timer.loop), left;
+
+    left = h->begin_ms + h->limit_ms;
+    left = left > now ? left - now : 0;
+    if (!tls_waiting(h->tls))
+        h->waits_ms = 0;
+    else if (h->waits_ms == 0)
+        h->waits_ms = now;
+    if (h->waits_ms != 0 && left > ASK_MS)
+        left = ASK_MS;
+    uv_timer_start(&h->timer, on_timer, left, 0);
+}
+
 static void
 go_on(struct handshake *h)
 {
@@ -120,6 +143,8 @@ go_on(struct handshake *h)
         h->over = true;
         h->fn(h->arg, stream, h->tls, NULL);
         release(h);
+    } else {
+        set_timer(h);
     }
 }
 
@@ -157,14 +182,21 @@ on_timer(uv_timer_t *timer)
     struct handshake *h = timer->data;
     struct rad_error err = { 0 };
 
-    if (uv_timer_get_repeat(timer) == 0) { /* the beginning */
-        uv_timer_start(timer, on_timer, h->limit_ms, h->limit_ms);
+    uint64_t now = uv_now(timer->loop);
+
+    if (!h->begun) {
+        h->begun = true;
+        h->begin_ms = now;
         uv_read_start(h->stream, on_alloc, on_read);
         go_on(h);
-        return;
+    } else if (now - h->begin_ms >= h->limit_ms) {
+        rad_fail(&err, UV_ETIMEDOUT, "took too long");
+        fail(h, &err);
+    } else {
+        if (h->waits_ms != 0 && now - h->waits_ms >= HANDSHAKE_LATER)
+            tls_decide(h->tls);
+        go_on(h);
     }
-    rad_fail(&err, UV_ETIMEDOUT, "took too long");
-    fail(h, &err);
 }
 
 struct handshake *

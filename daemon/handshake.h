@@ -13,6 +13,7 @@
 
 #define HANDSHAKE_MS    10000 /* that it usually is given */
 #define HANDSHAKE_BYTES 16384 /* most that a side may send */
+#define HANDSHAKE_LATER 1000  /* ms that a key may come later (tls.h) */
 
 struct handshake;
 

@@ -343,14 +343,17 @@ fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
     return same;
 }
 
-/* A peer comes with the key that the coordinator gave it and us. */
+/* A peer comes with the key that the coordinator gave it and us, perhaps to it
+ * before us. */
 static const char *
 find_peer(void *arg, const char *id, uint8_t *secret)
 {
     struct radd *r = arg;
     struct wanted w = { id, secret };
 
-    return worker_peer_token(r->worker, fits, &w) ? NULL : "unknown key";
+    if (worker_peer_token(r->worker, fits, &w))
+        return NULL;
+    return strncmp(id, "peer:", 5) == 0 ? TLS_LATER : "unknown key";
 }
 
 /* --- from the machine --- */

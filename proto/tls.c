@@ -47,6 +47,8 @@ struct tls {
     struct tls_ctx *ctx;
     bool server;
     bool hello;        /* of a server: it has seen a ClientHello */
+    bool waiting;      /* of a server: for the key that was named */
+    bool decide;       /* wait for it no longer */
     bool done, ended;  /* the handshake; the other side */
     const char *fault; /* of a server: what is wrong with the key's name */
     char id[TLS_ID];
@@ -116,14 +118,43 @@ use_key(SSL *ssl, const EVP_MD *md, const unsigned char **id, size_t *n,
     return *session != NULL;
 }
 
+/* The first name of a ClientHello's list of keys (RFC 8446, 4.2.11: the list's
+ * length, the name's, the name). */
+static bool
+first_name(SSL *ssl, const unsigned char **id, size_t *n)
+{
+    const unsigned char *p;
+    size_t len;
+
+    if (!SSL_client_hello_get0_ext(ssl, TLSEXT_TYPE_psk, &p, &len) || len < 4)
+        return false;
+    *n = (size_t)p[2] << 8 | p[3];
+    *id = p + 4;
+    return *n <= len - 4;
+}
+
+/* A handshake can be held here alone, before a key is looked for. */
 static int
 see_hello(SSL *ssl, int *alert, void *arg)
 {
     struct tls *t = SSL_get_app_data(ssl);
+    uint8_t secret[TLS_SECRET];
+    const unsigned char *id;
+    const char *why;
+    size_t n;
 
     (void)alert;
     (void)arg;
     t->hello = true;
+    t->waiting = false;
+    if (t->decide || !first_name(ssl, &id, &n) || !take_id(t, id, n))
+        return SSL_CLIENT_HELLO_SUCCESS;
+    why = t->ctx->find(t->ctx->arg, t->id, secret);
+    OPENSSL_cleanse(secret, sizeof secret);
+    t->waiting = why && strcmp(why, TLS_LATER) == 0;
+    if (t->waiting)
+        return SSL_CLIENT_HELLO_RETRY;
+    t->id[0] = '\0'; /* the key may never be asked for */
     return SSL_CLIENT_HELLO_SUCCESS;
 }
 
@@ -343,12 +374,25 @@ tls_handshake(struct tls *t, struct rad_error *err)
         return 1;
     }
     rc = SSL_get_error(t->ssl, rc);
-    if (rc == SSL_ERROR_WANT_READ || rc == SSL_ERROR_WANT_WRITE)
+    if (rc == SSL_ERROR_WANT_READ || rc == SSL_ERROR_WANT_WRITE ||
+        rc == SSL_ERROR_WANT_CLIENT_HELLO_CB)
         return 0;
     e = ERR_peek_error();
     rc = t->server ? server_failed(t, e, err) : client_failed(t, e, err);
     ERR_clear_error();
     return rc;
+}
+
+bool
+tls_waiting(const struct tls *t)
+{
+    return t->waiting;
+}
+
+void
+tls_decide(struct tls *t)
+{
+    t->decide = true;
 }
 
 /* --- bytes --- */

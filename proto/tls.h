@@ -28,6 +28,10 @@
 struct tls_ctx;
 struct tls;
 
+/* Why not of a key that may be told us soon: its client waits for it
+ * (tls_waiting), and can tell such a name from others by that. */
+#define TLS_LATER "key not known yet"
+
 /* The secret of the key that a client names: NULL and *secret, or why not
  * ("unknown key").  The client is then answered as if its secret were wrong,
  * so it cannot tell which names there are. */
@@ -57,6 +61,11 @@ int tls_put(struct tls *t, const void *p, size_t n, struct rad_error *err);
 /* Go on with the handshake: 1 when it is over, 0 when bytes must come, or why
  * it failed.  There may be bytes to send in any case. */
 int tls_handshake(struct tls *t, struct rad_error *err);
+
+/* A client's key is not known yet: tls_handshake() asks again each time, after
+ * tls_decide() for the last time. */
+bool tls_waiting(const struct tls *t);
+void tls_decide(struct tls *t);
 
 /* Up to n bytes of what the other side wrote: how many; 0 when more must come
  * or it has ended its side (tls_ended). */

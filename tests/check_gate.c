@@ -18,12 +18,16 @@
 #include <unistd.h>
 
 static const uint8_t secret[TLS_SECRET] = { 5 };
+static const char *comes = "worker:w:k1";
+static bool told_late;
 
 static const char *
 find(void *arg, const char *id, uint8_t *out)
 {
     (void)arg;
-    if (strcmp(id, "worker:w:k1") != 0)
+    if (strcmp(id, "peer:late") == 0 && !told_late)
+        return TLS_LATER;
+    if (strcmp(id, "worker:w:k1") != 0 && strcmp(id, "peer:late") != 0)
         return "unknown key";
     memcpy(out, secret, TLS_SECRET);
     return NULL;
@@ -75,11 +79,11 @@ on_visitor(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
     (void)arg;
     s.nin++;
     ck_assert_ptr_nonnull(tls);
-    ck_assert_str_eq(tls_id(tls), "worker:w:k1");
+    ck_assert_str_eq(tls_id(tls), comes);
     conn_close(s.in);
     s.in = conn_new(stream, tls, MSG_AT_PEER, peer, &handler, NULL);
     ck_assert_ptr_nonnull(s.in);
-    ck_assert_str_eq(conn_key(s.in), "worker:w:k1");
+    ck_assert_str_eq(conn_key(s.in), comes);
 }
 
 static void
@@ -105,6 +109,8 @@ open_scene_with(unsigned limit_ms)
                                   .limit_ms = limit_ms };
 
     memset(&s, 0, sizeof s);
+    comes = "worker:w:k1";
+    told_late = false;
     signal(SIGPIPE, SIG_IGN);
     log_set_level(LOG_LEVEL_ERR);
     ck_assert_int_eq(uv_loop_init(&s.loop), 0);
@@ -172,6 +178,20 @@ START_TEST(a_key_lets_in_and_another_does_not)
     dial(s.dialler, listener_text(s.listener), 1, NULL);
     ck_assert(turn_until(&s.nrefused, 2));
     ck_assert_int_eq(s.nin, 1);
+}
+END_TEST
+
+/* One that dials before we are told its key gets in once we are, and not
+ * before; one that we are never told of is refused. */
+START_TEST(a_key_that_comes_later_is_waited_for)
+{
+    comes = "peer:late";
+    dial_with("peer:late");
+    turn(100);
+    ck_assert(s.nin == 0 && s.nrefused == 0);
+    told_late = _i == 0;
+    ck_assert(turn_until(_i == 0 ? &s.nin : &s.nrefused, 1));
+    ck_assert_int_eq(s.nin + s.nrefused, 1);
 }
 END_TEST
 
@@ -364,6 +384,7 @@ main(void)
 
     tcase_add_checked_fixture(tc, open_scene, close_scene);
     tcase_add_test(tc, a_key_lets_in_and_another_does_not);
+    tcase_add_loop_test(tc, a_key_that_comes_later_is_waited_for, 0, 2);
     tcase_add_test(tc, messages_go_by_tls_as_they_are);
     tcase_add_test(tc, a_host_holds_eight_and_the_oldest_goes);
     tcase_add_test(tc, all_hosts_hold_sixty_four_and_the_oldest_goes);

@@ -111,6 +111,54 @@ START_TEST(who_has_the_key_gets_in)
 }
 END_TEST
 
+static const char *
+find_later(void *arg, const char *id, uint8_t secret[TLS_SECRET])
+{
+    int *asked = arg;
+
+    ck_assert_str_eq(id, "peer:7");
+    memcpy(secret, right, TLS_SECRET);
+    return (*asked)++ < 4 ? TLS_LATER : NULL;
+}
+
+/* A client whose key is told us later than it comes, and one whose key is not
+ * waited for any longer. */
+START_TEST(a_key_may_come_later)
+{
+    struct pair p;
+    int asked = 0;
+
+    open_pair(&p, "peer:7", right);
+    tls_free(p.s);
+    tls_ctx_free(p.sctx);
+    p.sctx = tls_server(find_later, &asked);
+    p.s = tls_accept(p.sctx);
+    ck_assert_ptr_nonnull(p.s);
+    ck_assert_int_eq(tls_handshake(p.c, NULL), 0);
+    carry(p.c, p.s);
+    ck_assert(!tls_waiting(p.s));
+    ck_assert_int_eq(tls_handshake(p.s, NULL), 0);
+    ck_assert(tls_waiting(p.s));
+    ck_assert_int_eq(tls_handshake(p.s, NULL), 0);
+    ck_assert(tls_waiting(p.s));
+    ck_assert_uint_eq(carry(p.s, p.c), 0);
+    if (_i == 1)
+        tls_decide(p.s);
+    shake(&p);
+    ck_assert(!tls_waiting(p.s));
+    if (_i == 0) {
+        ck_assert_msg(p.src == 1 && p.crc == 1, "%s", p.serr.what);
+        ck_assert_str_eq(tls_id(p.s), "peer:7");
+    } else {
+        ck_assert_int_eq(p.src, RAD_EPERM);
+        ck_assert_str_eq(p.serr.what, TLS_LATER " 'peer:7'");
+        ck_assert_int_eq(p.crc, RAD_EPERM);
+        ck_assert_str_eq(p.cerr.what, "does not take the key 'peer:7'");
+    }
+    close_pair(&p);
+}
+END_TEST
+
 static const struct {
     const char *id;
     const uint8_t *secret;
@@ -569,6 +617,7 @@ main(void)
     Suite *s = suite_create("tls");
     TCase *tc = tcase_create("tls");
 
+    tcase_add_loop_test(tc, a_key_may_come_later, 0, 2);
     tcase_add_test(tc, who_has_the_key_gets_in);
     tcase_add_loop_test(tc, who_has_it_not_learns_nothing, 0,
                         N_ELEM(strangers));

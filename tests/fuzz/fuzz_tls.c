@@ -16,6 +16,8 @@ find(void *arg, const char *id, uint8_t secret[TLS_SECRET])
 {
     (void)arg;
     memset(secret, 7, TLS_SECRET);
+    if (strncmp(id, "peer:", 5) == 0)
+        return TLS_LATER;
     return strcmp(id, "worker:w:k1") == 0 ? NULL : "unknown key";
 }
 
