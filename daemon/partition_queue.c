@@ -190,29 +190,63 @@ queue_next(struct partition *p, uint32_t *unit)
     return true;
 }
 
-/* Do the windows share an edge or a corner? */
-static bool
-are_beside(const struct partition_area *a, const struct partition_area *b)
-{
-    return a->frame == b->frame && a->x <= b->x + b->width &&
-           b->x <= a->x + a->width && a->y <= b->y + b->height &&
-           b->y <= a->y + a->height;
-}
-
 static void
-guess_beside(struct partition *p, uint32_t unit, const struct partition_area *a,
-             double cost)
+guess_beside(struct partition *p, uint32_t unit, double cost)
 {
-    struct partition_queue *q = p->queue;
-    struct guess *g = &q->guess[unit];
-    uint32_t place = g->place;
+    struct guess *g = &p->queue->guess[unit];
 
-    if (place == PARTITION_NONE || !are_beside(&p->unit[unit].area, a))
+    if (g->place == PARTITION_NONE)
         return;
     g->sum += (float)cost;
     g->n++;
-    sift_up(p, place);
+    sift_up(p, g->place);
     sift_down(p, g->place);
+}
+
+/* The first unit that lies at (x, y) of the frame or behind: units lie row by
+ * row, from left to right. */
+static uint32_t
+first_from(const struct partition *p, uint32_t frame, uint32_t y, uint32_t x)
+{
+    uint32_t low = 0, high = p->total;
+
+    while (low < high) {
+        uint32_t mid = low + (high - low) / 2;
+        const struct partition_area *a = &p->unit[mid].area;
+        bool before = a->frame != frame ? a->frame < frame
+                      : a->y != y       ? a->y < y
+                                        : a->x < x;
+
+        if (before)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+/* Does the unit begin left of a, in the row at y, and reach it? */
+static bool
+reaches(const struct partition *p, uint32_t unit,
+        const struct partition_area *a, uint32_t y)
+{
+    const struct partition_area *b = &p->unit[unit].area;
+
+    return b->frame == a->frame && b->y == y && b->x + b->width >= a->x;
+}
+
+/* Those of the row at y that share an edge or a corner with a. */
+static void
+guess_row(struct partition *p, const struct partition_area *a, uint32_t y,
+          double cost)
+{
+    uint32_t u = first_from(p, a->frame, y, a->x);
+    uint32_t end = first_from(p, a->frame, y, a->x + a->width + 1);
+
+    if (u > 0 && reaches(p, u - 1, a, y))
+        u--;
+    for (; u < end; u++)
+        guess_beside(p, u, cost);
 }
 
 void
@@ -220,25 +254,17 @@ queue_measured(struct partition *p, uint32_t unit, double cost)
 {
     struct partition_queue *q = p->queue;
     const struct partition_area a = p->unit[unit].area;
+    uint32_t row = first_from(p, a.frame, a.y, 0);
+    uint32_t below = first_from(p, a.frame, a.y + 1, 0);
 
     cost /= (double)a.width * a.height;
     q->usual += (cost - q->usual) / (q->usual > 0 ? RECENT : 1);
     if (!(q->usual > 0))
         return;
     cost /= q->usual;
-    /* units lie row by row: rows above and below begin and end near by */
-    for (uint32_t u = unit; u-- > 0;) {
-        const struct partition_area *b = &p->unit[u].area;
-
-        if (b->frame != a.frame || b->y + b->height < a.y)
-            break;
-        guess_beside(p, u, &a, cost);
-    }
-    for (uint32_t u = unit + 1; u < p->total; u++) {
-        const struct partition_area *b = &p->unit[u].area;
-
-        if (b->frame != a.frame || b->y > a.y + a.height)
-            break;
-        guess_beside(p, u, &a, cost);
-    }
+    if (row > 0 && p->unit[row - 1].area.frame == a.frame)
+        guess_row(p, &a, p->unit[row - 1].area.y, cost);
+    guess_row(p, &a, a.y, cost);
+    if (below < p->total && p->unit[below].area.frame == a.frame)
+        guess_row(p, &a, p->unit[below].area.y, cost);
 }

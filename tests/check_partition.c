@@ -646,6 +646,21 @@ START_TEST(windows_beside_dear_ones_go_out_first)
 }
 END_TEST
 
+/* A row may have tens of thousands of windows: each has two neighbours in it,
+ * which are found at once. */
+START_TEST(windows_in_one_long_row_are_no_more_work)
+{
+    enum { N = 65000 };
+    struct partition *p = make(N, 1, N, MSG_ORDER_COST);
+    uint32_t unit, n = 0;
+
+    for (; next(p, &unit); n++)
+        partition_done(p, unit, 1 + unit % 7);
+    ck_assert_uint_eq(n, N);
+    partition_free(p);
+}
+END_TEST
+
 /* Frames keep their order, and what was lost comes first. */
 START_TEST(guessed_windows_keep_to_their_frame)
 {
@@ -827,6 +842,7 @@ main(void)
     tcase_add_test(tc, a_unit_gives_whole_lines);
     tcase_add_test(tc, windows_go_out_by_cost);
     tcase_add_test(tc, windows_beside_dear_ones_go_out_first);
+    tcase_add_test(tc, windows_in_one_long_row_are_no_more_work);
     tcase_add_loop_test(tc, guessed_windows_keep_to_their_frame, 0, 2);
     tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
                         N_ELEM(refused));
