@@ -418,8 +418,9 @@ tests_check_conf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_conf_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_conn_SOURCES = tests/check_conn.c tests/unit.h
+tests_check_conn_CPPFLAGS = $(AM_CPPFLAGS)
 if !SANITIZED
-tests_check_conn_CPPFLAGS = $(AM_CPPFLAGS) -DWITH_MALLOC
+tests_check_conn_CPPFLAGS += -DWITH_MALLOC
 endif
 tests_check_conn_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_conn_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
