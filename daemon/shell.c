@@ -300,8 +300,11 @@ shell_run(struct shell *s)
         return;
     s->running = true;
     for (;;) {
-        for (size_t i = 0; i < list->n; i++)
-            carry_out(s, &list->v[i]);
+        for (size_t i = 0; i < list->n; i++) {
+            const struct action a = list->v[i]; /* others may come meanwhile */
+
+            carry_out(s, &a);
+        }
         actions_clear(list);
         if (!s->gone)
             break;

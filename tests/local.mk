@@ -52,13 +52,13 @@ UNIT_TESTS = \
 	tests/check_partition \
 	tests/check_place \
 	tests/check_pool \
-	tests/check_task \
 	tests/check_prism \
 	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_rays \
 	tests/check_sandbox \
 	tests/check_shade \
+	tests/check_shell \
 	tests/check_sim \
 	tests/check_source \
 	tests/check_store \
@@ -448,6 +448,10 @@ tests_check_idle_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_sandbox_SOURCES = tests/check_sandbox.c tests/unit.h
 tests_check_sandbox_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_sandbox_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_shell_SOURCES = tests/check_shell.c tests/unit.h
+tests_check_shell_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_shell_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_store_SOURCES = tests/check_store.c tests/unit.h
 tests_check_store_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
