@@ -459,6 +459,8 @@ take(struct conn *c, const uint8_t *p, size_t left)
             return;
         if (c->in.type == MSG_PING)
             answer_ping(c, &c->in);
+        if (c->closing) /* that broke it, and its owner knows */
+            return;
         c->handler->message(c->arg, c, &c->in);
         if (overfull(c) && !c->closing && !c->finishing) {
             c->choked = true;

@@ -303,6 +303,26 @@ START_TEST(a_message_that_has_no_memory_ends_it)
 }
 END_TEST
 
+/* Its owner hears of the end, and nothing after that. */
+START_TEST(a_ping_that_has_no_memory_for_its_answer_is_not_told)
+{
+    struct wire_out frame;
+    struct ends e;
+
+    open_ends(&e, MSG_AT_PEER);
+    conn_live(e.conn, false);
+    pack_ping(&frame, 1);
+    ck_assert_int_eq(write(e.fd, frame.buf, frame.len), (ssize_t)frame.len);
+    no_malloc = true;
+    run(&e);
+    no_malloc = false;
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_int_eq(e.nmessages, 0);
+    wire_out_release(&frame);
+    close_ends(&e);
+}
+END_TEST
+
 /* Which is no fault of the other side's. */
 START_TEST(a_message_that_there_is_no_memory_to_read_ends_it)
 {
@@ -581,6 +601,7 @@ main(void)
     tcase_add_test(tc, messages_in_one_piece_all_arrive);
 #ifdef WITH_MALLOC
     tcase_add_loop_test(tc, a_message_that_has_no_memory_ends_it, 0, 3);
+    tcase_add_test(tc, a_ping_that_has_no_memory_for_its_answer_is_not_told);
     tcase_add_test(tc, a_message_that_there_is_no_memory_to_read_ends_it);
 #endif
     tcase_add_test(tc, owner_may_close_while_it_is_called);
