@@ -229,6 +229,37 @@ START_TEST(irradiance_goes_through_a_mixture)
 }
 END_TEST
 
+static const struct {
+    const char *mixture;
+    double dist;
+} far[] = {
+    { "4 p clear 0", 5 }, /* a part that is all there is as one that is most */
+    { "4 p clear 1e-7", 5 },
+    { "4 clear p 1", 4 },
+    { "4 clear p .9999999", 4 },
+};
+
+/* Where all is black the second part says how far it is. */
+START_TEST(distance_of_black_is_that_of_the_second_part)
+{
+    char scene[512];
+    struct rad_ray r;
+    struct world w;
+
+    snprintf(scene, sizeof scene,
+             "void glass clear 0 0 3 1 1 1\nvoid plastic p 0 0 5 1 1 1 0 0\n"
+             "void mixfunc m %s . 0 0\nm" SQUARE
+             "p ring below 0 0 8 2 3 -1 0 0 1 0 1\n",
+             far[_i].mixture);
+    world_open(&w, scene, PLAIN);
+    world_ray(&w, &r, 2, 3, 4, 0, 0, -1);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert(rad_rgb_black(r.L));
+    ck_assert_double_eq_tol(r.dist, far[_i].dist, 1e-6);
+    world_close(&w);
+}
+END_TEST
+
 START_TEST(mixture_of_patterns_is_a_pattern)
 {
     struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
@@ -368,6 +399,8 @@ main(void)
     tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
     tcase_add_test(tc, irradiance_goes_through_a_mixture);
+    tcase_add_loop_test(tc, distance_of_black_is_that_of_the_second_part, 0,
+                        N_ELEM(far));
     tcase_add_test(tc, mixture_of_patterns_is_a_pattern);
     tcase_add_test(tc, failures_are_counted_by_object);
     tcase_add_loop_test(tc, bad_function_is_refused_by_name, 0, N_ELEM(bad));

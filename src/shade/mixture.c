@@ -63,15 +63,18 @@ mix_light(struct rad_ray *r, const struct rad_ray *back, double t)
 }
 
 /* Where one part is all there is, as where a function chooses between two
- * materials: what mixing it with r as it was comes to. */
+ * materials: what mixing it with r as it was comes to.  Of two black parts the
+ * second says how far it is, which may be what lies behind it. */
 static bool
-shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod, bool second)
 {
     double dist = r->dist, mirror_dist = r->mirror_dist;
     float fm;
 
     if (!rad_ray_shade(ctx, r, mod))
         return false;
+    if (second)
+        return true;
     fm = rad_rgb_lum(r->L_mirror);
     if (!(fm > 0))
         r->mirror_dist = mirror_dist;
@@ -92,7 +95,7 @@ rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
 
     t = rad_least(rad_most(t, 0), 1);
     if (t == 0 || t == 1)
-        return shade_whole(ctx, r, part[t == 0]);
+        return shade_whole(ctx, r, part[t == 0], t == 0);
     back = *r;
     fore_mat = shade_part(ctx, r, part[0], t);
     back_mat = shade_part(ctx, &back, part[1], 1 - t);
