@@ -229,10 +229,8 @@ argument(const struct machine *m, const struct frame *f, int32_t i)
     return i < call->n ? call[1 + i].a : -1;
 }
 
-/* An argument that is a number, a channel, a value or a parameter alone is read
- * where it is: there is nothing to be kept. */
-/* A number, a channel, a value or a parameter alone, at whose end there is
- * nothing to be kept; false: it is none of these. */
+/* Argument i of f, if it is a number, a channel, a value or a parameter alone,
+ * is read where it is, for there is nothing to be kept; false: it is more. */
 PART bool
 get_plain(struct machine *m, const struct frame *f, int32_t i)
 {
