@@ -7,7 +7,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 /* What $1, $2, ... and arg(1), ... are in the tests. */
 static double channel[RAD_CALC_NCHANNELS];
@@ -85,6 +87,36 @@ START_TEST(function_is_called_by_its_name)
     ck_assert_int_eq(fault, RAD_CALC_SOUND);
     rad_calc_env_free(env);
     rad_calc_free(c);
+}
+END_TEST
+
+/* What calls are about takes no memory for each of them. */
+START_TEST(argument_of_calls_in_calls_is_there_once)
+{
+    struct rad_calc *c = rad_calc_new(NULL);
+    int context = rad_calc_context(c, "test.cal", NULL);
+    char *text = malloc(1 << 20), *p = text;
+    struct rusage before, after;
+
+    ck_assert_ptr_nonnull(text);
+    p += sprintf(p, "f = ");
+    for (int i = 0; i < 190; i++)
+        p += sprintf(p, "noop(");
+    p += sprintf(p, "select(1");
+    for (int i = 0; i < 30000; i++)
+        p += sprintf(p, ",$%d", i % 9 + 1);
+    p += sprintf(p, ")");
+    for (int i = 0; i < 190; i++)
+        p += sprintf(p, ")");
+    p += sprintf(p, ";");
+    getrusage(RUSAGE_SELF, &before);
+    ck_assert_int_eq(
+        rad_calc_read(c, context, "test.cal", text, (size_t)(p - text), NULL),
+        0);
+    getrusage(RUSAGE_SELF, &after);
+    ck_assert_int_lt(after.ru_maxrss - before.ru_maxrss, 64 << 10); /* KiB */
+    rad_calc_free(c);
+    free(text);
 }
 END_TEST
 
@@ -546,6 +578,7 @@ main(void)
     TCase *tc = tcase_create("calc");
 
     tcase_set_timeout(tc, 600);
+    tcase_add_test(tc, argument_of_calls_in_calls_is_there_once);
     tcase_add_loop_test(tc, function_is_called_by_its_name, 0, N_ELEM(called));
     tcase_add_loop_test(tc, what_is_no_function_is_not_called, 0,
                         N_ELEM(uncalled));

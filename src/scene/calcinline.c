@@ -37,7 +37,9 @@ drops_no_fault(const struct node *n)
 }
 
 /* Copy a tree; parameters are replaced by the arguments from `arg` on, if it is
- * not NULL.  NULL: memory is out. */
+ * not NULL.  What an argument is made of stays where it is, for nothing changes
+ * nodes that have a parent; else calls in calls would copy it for each of them.
+ * NULL: memory is out. */
 static struct node *
 copy(struct rad_calc *c, const struct node *n, const struct node *arg,
      struct rad_arena *arena)
@@ -49,7 +51,9 @@ copy(struct rad_calc *c, const struct node *n, const struct node *arg,
     if (arg && n->type == N_PARAM) {
         for (int i = 0; i < n->ref; i++)
             arg = arg->next;
-        return copy(c, arg, NULL, arena);
+        *to = *arg;
+        to->next = NULL;
+        return to;
     }
     *to = *n;
     to->next = NULL;
