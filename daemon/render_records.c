@@ -154,6 +154,10 @@ render_records_again(struct render *r)
 {
     for (struct give *g = r->gives; g; g = g->next)
         g->cursor = r->loaded;
+    /* an empty cache again, in which much is wanted by several at once */
+    r->first_ms = 0;
+    if (r->share || r->records)
+        render_records_begin(r);
 }
 
 void
