@@ -660,7 +660,9 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
                 second_order(&s, view, m, k);
         } else if (p->kind == SECTOR && p->r0 > 0) {
             /* the middle is the hole's, and cannot be aimed at */
-            s.omega = k / pow(rad_dot(to, to), 1.5);
+            double d2 = rad_dot(to, to);
+
+            s.omega = k / (d2 * sqrt(d2));
             rad_copy(s.dir, to);
             rad_normalize(s.dir);
         }

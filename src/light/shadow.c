@@ -553,7 +553,9 @@ static void
 test_selected(struct direct *d, struct order *o)
 {
     const struct rad_params *par = &d->ctx->job->params;
-    int32_t ahead = (int32_t)rad_least(d->n, pow(d->n, par->shadcert) + .5), k;
+    int32_t k, ahead = d->n < RAD_FEW_SAMPLES
+                           ? d->ctx->job->sources->share[d->n]
+                           : rad_share_of(d->n, par->shadcert);
     double thresh = par->shadthresh / d->r->weight;
     float *rest; /* luminance of o[k] and all after it */
 

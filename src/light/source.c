@@ -109,6 +109,8 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
             s->nlit++;
         s->n++;
     }
+    for (int32_t n = 0; n < RAD_FEW_SAMPLES; n++)
+        s->share[n] = rad_share_of(n, job->params.shadcert);
     return s;
 }
 

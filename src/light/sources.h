@@ -6,6 +6,12 @@
 #include "light/source.h"
 #include "light/virtual.h"
 
+#include <math.h>
+
+/* Up to so many samples their share by -dc is in a table: a power for each
+ * point that is lit takes longer than many a shadow ray. */
+#define RAD_FEW_SAMPLES 64
+
 struct rad_sources {
     struct rad_source *list;
     int32_t n;
@@ -14,7 +20,15 @@ struct rad_sources {
     int32_t ndistant;
     struct rad_virtual *virtuals; /* source i >= n is virtuals[i - n] */
     int32_t nvirtuals;
+    int32_t share[RAD_FEW_SAMPLES]; /* rad_share_of() */
 };
+
+/* Of n samples those whose sum -dt is held against: n to the power of -dc. */
+static inline int32_t
+rad_share_of(int32_t n, double certainty)
+{
+    return (int32_t)rad_least(n, pow(n, certainty) + .5);
+}
 
 /* rad_source_object(), for each shadow ray. */
 static inline int32_t
