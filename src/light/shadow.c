@@ -35,10 +35,6 @@
 /* Shadow rays sent whatever -dt says, as in rpict. */
 #define MIN_TESTS 2
 
-/* Bound of the rounding in a few dozen operations on coordinates, relative to
- * the largest. */
-#define ROUNDING 0x1p-46
-
 struct potential {
     struct rad_span span; /* of the shadow ray, which ends short of the
                            * source */
@@ -128,12 +124,6 @@ start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
     return true;
 }
 
-static double
-largest(const double v[3])
-{
-    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
-}
-
 /* How shadow rays start in direction dir. */
 static const struct start *
 start_of(struct direct *d, const double dir[3])
@@ -150,7 +140,8 @@ start_of(struct direct *d, const double dir[3])
     rad_sub(to, s->org, lamp->centre);
     s->height = rad_dot(to, lamp->normal);
     s->round =
-        ROUNDING * (largest(s->org) + largest(lamp->centre) + largest(to));
+        RAD_LIGHT_ROUNDING *
+        (rad_largest(s->org) + rad_largest(lamp->centre) + rad_largest(to));
     return s;
 }
 

@@ -12,6 +12,10 @@
  * point that is lit takes longer than many a shadow ray. */
 #define RAD_FEW_SAMPLES 64
 
+/* Bound of the rounding in a few dozen operations on coordinates, relative to
+ * the largest. */
+#define RAD_LIGHT_ROUNDING 0x1p-46
+
 struct rad_sources {
     struct rad_source *list;
     int32_t n;
@@ -28,6 +32,12 @@ static inline int32_t
 rad_share_of(int32_t n, double certainty)
 {
     return (int32_t)rad_least(n, pow(n, certainty) + .5);
+}
+
+static inline double
+rad_largest(const double v[3])
+{
+    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
 /* rad_source_object(), for each shadow ray. */

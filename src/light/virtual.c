@@ -6,10 +6,6 @@
 #include "light/sources.h"
 #include "base/vec.h"
 
-/* Bound of the rounding in a few dozen operations on coordinates, relative to
- * the largest. */
-#define ROUNDING 0x1p-46
-
 bool
 rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
 {
@@ -24,12 +20,6 @@ ball_slack(double k, double behind, double d, double r)
     double most = k / (k + behind - r);
 
     return behind > r ? r * most + d * (most - k / (k + behind + r)) : INFINITY;
-}
-
-static double
-largest(const double v[3])
-{
-    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
 }
 
 bool
@@ -49,7 +39,8 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     }
     if (!(slack < INFINITY))
         return true;
-    slack += ROUNDING * (largest(at) + largest(v->middle) + v->extent);
+    slack += RAD_LIGHT_ROUNDING *
+             (rad_largest(at) + rad_largest(v->middle) + v->extent);
     for (int i = 0; i < 3; i++)
         if (at[i] < v->lo[i] - slack || at[i] > v->hi[i] + slack)
             return false;
