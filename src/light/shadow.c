@@ -524,7 +524,7 @@ test_rest(struct direct *d, const struct order *o, int32_t n, double all)
 {
     double at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
     struct rad_rgb sum = { 0, 0, 0 }, was;
-    struct potential *p = NULL;
+    struct potential *p = &d->list[o->i]; /* also where `all` is infinite */
 
     for (int32_t i = 0; i < n; i++) {
         struct potential *q = &d->list[o[i].i];
