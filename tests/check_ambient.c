@@ -243,6 +243,22 @@ irradiance_up(struct world *w, double x, double y, double z)
     return r.L;
 }
 
+/* Sum of the irradiance at the origin, upwards, over so many samplings. */
+static struct rad_rgb
+irradiance_sum(struct world *w, uint64_t key, uint64_t times)
+{
+    static const double p[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
+    struct rad_rgb sum = rad_grey(0);
+
+    for (uint64_t i = 0; i < times; i++) {
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w->ctx, &r, p, up, rad_key_branch(key, i));
+        sum = rad_rgb_add(sum, r.L);
+    }
+    return sum;
+}
+
 #define SKY     "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n"
 #define PLASTIC "void plastic white 0 0 5 .5 .5 .5 0 0\n"
 /* faces of the cube from -1 to 1 in all axes, seen from inside */
@@ -380,7 +396,6 @@ START_TEST(untested_lamps_leave_the_mean_alone)
         "void light weak 0 0 3 50 40 60\n"
         "strong sphere s 0 0 4 0 0 6 .1\n";
     struct rad_rgb sum[N_ELEM(options)];
-    const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
     enum { TIMES = 3000 };
 
     for (int i = 0; i < 19; i++)
@@ -389,14 +404,8 @@ START_TEST(untested_lamps_leave_the_mean_alone)
     for (int k = 0; k < N_ELEM(options); k++) {
         struct world w;
 
-        sum[k] = rad_grey(0);
         world_open(&w, scene, options[k]);
-        for (uint64_t i = 0; i < TIMES; i++) {
-            struct rad_ray r;
-
-            rad_ray_irradiance(&w.ctx, &r, p, n, rad_key_branch(9, i));
-            sum[k] = rad_rgb_add(sum[k], r.L);
-        }
+        sum[k] = irradiance_sum(&w, 9, TIMES);
         world_close(&w);
         ck_assert_msg(fabs(sum[k].r / sum[0].r - 1) < .02 &&
                           fabs(sum[k].b / sum[0].b - 1) < .02,
@@ -417,7 +426,6 @@ START_TEST(untested_lamps_are_drawn)
                 "void light strong 0 0 3 1000 1000 1000\n"
                 "void light weak 0 0 3 50 40 60\n"
                 "strong sphere s 0 0 4 2 0 6 .1\n";
-    const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
     struct rad_rgb sum[2];
     uint64_t shadow[2];
     enum { TIMES = 4000 };
@@ -429,14 +437,8 @@ START_TEST(untested_lamps_are_drawn)
     for (int k = 0; k < 2; k++) {
         struct world w;
 
-        sum[k] = rad_grey(0);
         world_open(&w, scene, options[k]);
-        for (uint64_t i = 0; i < TIMES; i++) {
-            struct rad_ray r;
-
-            rad_ray_irradiance(&w.ctx, &r, p, n, rad_key_branch(7, i));
-            sum[k] = rad_rgb_add(sum[k], r.L);
-        }
+        sum[k] = irradiance_sum(&w, 7, TIMES);
         shadow[k] = w.ctx.counts.shadow_rays;
         world_close(&w);
     }

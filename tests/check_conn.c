@@ -279,6 +279,24 @@ START_TEST(messages_in_one_piece_all_arrive)
 END_TEST
 
 #ifdef WITH_MALLOC
+/* Let the other end ping, and answer while memory is out. */
+static void
+ping_without_memory(struct ends *e, enum msg_session session, bool *out)
+{
+    struct wire_out frame;
+
+    open_ends(e, session);
+    conn_live(e->conn, false);
+    pack_ping(&frame, 1);
+    ck_assert_int_eq(write(e->fd, frame.buf, frame.len), (ssize_t)frame.len);
+    *out = true;
+    run(e);
+    *out = false;
+    ck_assert_int_eq(e->nclosed, 1);
+    ck_assert_int_eq(e->nmessages, 0);
+    wire_out_release(&frame);
+}
+
 /* Else the other side would wait for ever for what is not sent. */
 START_TEST(a_message_that_has_no_memory_ends_it)
 {
@@ -306,19 +324,9 @@ END_TEST
 /* Its owner hears of the end, and nothing after that. */
 START_TEST(a_ping_that_has_no_memory_for_its_answer_is_not_told)
 {
-    struct wire_out frame;
     struct ends e;
 
-    open_ends(&e, MSG_AT_PEER);
-    conn_live(e.conn, false);
-    pack_ping(&frame, 1);
-    ck_assert_int_eq(write(e.fd, frame.buf, frame.len), (ssize_t)frame.len);
-    no_malloc = true;
-    run(&e);
-    no_malloc = false;
-    ck_assert_int_eq(e.nclosed, 1);
-    ck_assert_int_eq(e.nmessages, 0);
-    wire_out_release(&frame);
+    ping_without_memory(&e, MSG_AT_PEER, &no_malloc);
     close_ends(&e);
 }
 END_TEST
@@ -326,20 +334,10 @@ END_TEST
 /* Which is no fault of the other side's. */
 START_TEST(a_message_that_there_is_no_memory_to_read_ends_it)
 {
-    struct wire_out frame;
     struct ends e;
 
-    open_ends(&e, MSG_AT_PARENT);
-    conn_live(e.conn, false);
-    pack_ping(&frame, 1);
-    ck_assert_int_eq(write(e.fd, frame.buf, frame.len), (ssize_t)frame.len);
-    no_realloc = true;
-    run(&e);
-    no_realloc = false;
-    ck_assert_int_eq(e.nmessages, 0);
-    ck_assert_int_eq(e.nclosed, 1);
+    ping_without_memory(&e, MSG_AT_PARENT, &no_realloc);
     ck_assert_ptr_nonnull(strstr(e.why, "memory"));
-    wire_out_release(&frame);
     close_ends(&e);
 }
 END_TEST
