@@ -125,19 +125,31 @@ coord_try_open(struct coord *c, struct job *job)
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
 }
 
+/* What the store was to do for a job was done, or it failed with that status,
+ * which ends it.  The job if it goes on; NULL. */
+static struct job *
+stored(struct coord *c, const uint8_t id[MSG_JOB], int status, const char *text)
+{
+    struct job *job = coord_find_job(c, id);
+
+    if (!job || job_over(job))
+        return NULL;
+    if (status == 0)
+        return job;
+    coord_job_ends(c, job, JOB_FAILED, status, text);
+    return NULL;
+}
+
 void
 coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  int status, const char *text)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job;
 
     c->now_ms = now_ms;
-    if (!job || job_over(job))
+    job = stored(c, id, status, text);
+    if (!job)
         return;
-    if (status != 0) {
-        coord_job_ends(c, job, JOB_FAILED, status, text);
-        return;
-    }
     job->opened = true;
     job->open_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
@@ -247,15 +259,12 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
                       const uint8_t id[MSG_JOB], uint32_t frame, int status,
                       const char *text)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job;
 
     c->now_ms = now_ms;
-    if (!job || job_over(job))
+    job = stored(c, id, status, text);
+    if (!job)
         return;
-    if (status != 0) {
-        coord_job_ends(c, job, JOB_FAILED, status, text);
-        return;
-    }
     job->frames[frame].writing = false;
     job->frames[frame].written = true;
     job_count_ready(job);
