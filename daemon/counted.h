@@ -1,22 +1,13 @@
-/* faults.h - what the renderer counts of functions without a value, as messages
- * tell it */
-#ifndef RADD_DAEMON_FAULTS_H
-#define RADD_DAEMON_FAULTS_H
+/* counted.h - what the renderer counts, as messages tell it */
+#ifndef RADD_DAEMON_COUNTED_H
+#define RADD_DAEMON_COUNTED_H
 
 #include "message.h"
 #include "shade/job.h"
 
-_Static_assert(RAD_MAX_FAULTS == MSG_FAULTS, "one for each");
-
-static inline void
-faults_add(struct msg_fault to[MSG_FAULTS],
-           const struct rad_fault from[RAD_MAX_FAULTS])
-{
-    struct msg_fault more[MSG_FAULTS];
-
-    for (int i = 0; i < MSG_FAULTS; i++)
-        more[i] = (struct msg_fault){ (uint32_t)from[i].object, from[i].count };
-    msg_faults_add(to, more);
-}
+/* Add c, which took cpu_s of processor time.  Of doubt only that of indirect
+ * light: the renderer knows no rows. */
+void counted_add(struct msg_counts *sum, const struct rad_counts *c,
+                 double cpu_s);
 
 #endif

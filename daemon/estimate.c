@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "estimate.h"
-#include "faults.h"
+#include "counted.h"
 
 #include "picture/estimate.h"
 
@@ -161,18 +161,12 @@ estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
 void
 estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
 {
-    struct msg_nan nan = { c->nan_pixels, 0, (uint32_t)c->nan_x,
-                           (uint32_t)c->nan_y };
+    struct msg_counts more = { 0 };
 
-    e->counts.rays += c->rays;
-    e->counts.estimate_rays += c->primary_rays;
-    e->counts.shadow_rays += c->shadow_rays;
-    e->counts.ambient_rays += c->ambient_rays;
-    e->counts.intersection_tests += c->geom.tests;
-    e->counts.ambient_values += c->ambient_values;
-    msg_nan_add(&e->counts.nan, &nan);
-    faults_add(e->counts.faults, c->faults);
-    e->counts.cpu_s += cpu_s;
+    counted_add(&more, c, cpu_s);
+    more.estimate_rays = more.primary_rays;
+    more.primary_rays = 0;
+    msg_counts_add(&e->counts, &more);
 }
 
 /* --- pixels as facts --- */

@@ -189,7 +189,7 @@ struct job {
     double cost_done, cost_total;
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
-    struct msg_counts surveyed; /* and its counts */
+    struct msg_counts surveyed; /* and its rays */
     uint64_t rays_seen; /* and of those under way; what is lost stays in */
     struct msg_nan nan; /* frame: its number */
     struct msg_fault faults[MSG_FAULTS];

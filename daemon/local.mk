@@ -23,6 +23,8 @@ libdaemon_a_SOURCES = \
 	daemon/coord.h \
 	daemon/coord_conn.c \
 	daemon/coord_job.c \
+	daemon/counted.c \
+	daemon/counted.h \
 	daemon/daemon.c \
 	daemon/daemon.h \
 	daemon/disk.c \
@@ -39,7 +41,6 @@ libdaemon_a_SOURCES = \
 	daemon/duplicate.c \
 	daemon/estimate.c \
 	daemon/estimate.h \
-	daemon/faults.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
 	daemon/gate.c \

@@ -6,8 +6,9 @@
 #include <stdio.h>
 #include <sysexits.h>
 
-bool
-loss_others_than(const struct coord *c, const struct coord_worker *w)
+/* Is there another worker than that one? */
+static bool
+others_than(const struct coord *c, const struct coord_worker *w)
 {
     for (const struct coord_worker *o = c->workers; o; o = o->next)
         if (o != w && sched_takes_units(o))
@@ -164,7 +165,7 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
         return true;
     /* as long as others can, or may, it is this worker and not the scene */
-    if (ready_worker(job) || (workers < 2 && loss_others_than(c, jw->worker))) {
+    if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
         jw->excluded = true;
         return true;
     }

@@ -14,7 +14,7 @@
 #include "pool.h"
 #include "picture/doubt.h"
 #include "picture/hdr.h"
-#include "faults.h"
+#include "counted.h"
 #include "team.h"
 #ifdef RADD_TEST_HOOKS
 #include "tests/hook.h"
@@ -146,29 +146,6 @@ put_row(void *to, const struct rad_pixel *from, int width, int channels)
             p[3] = from[x].z;
     }
     return (size_t)((char *)p - (char *)to);
-}
-
-/* Add what a member did for the unit. */
-static void
-add_counts(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
-{
-    struct msg_nan nan = { c->nan_pixels, 0, (uint32_t)c->nan_x,
-                           (uint32_t)c->nan_y };
-
-    sum->rays += c->rays;
-    sum->primary_rays += c->primary_rays;
-    sum->shadow_rays += c->shadow_rays;
-    sum->ambient_rays += c->ambient_rays;
-    sum->paint_rays += c->paint_rays;
-    sum->intersection_tests += c->geom.tests;
-    sum->ambient_values += c->ambient_values;
-    msg_nan_add(&sum->nan, &nan);
-    faults_add(sum->faults, c->faults);
-    sum->doubt.pixels += c->doubt.pixels;
-    sum->doubt.variance += c->doubt.variance;
-    sum->doubt.known += c->doubt.known;
-    sum->doubt.all += c->doubt.all;
-    sum->cpu_s += cpu_s;
 }
 
 /* The most that a row takes, and what putting it there takes to work in. */
@@ -469,7 +446,7 @@ work_on(struct renderer *by, struct active *u)
     wall = seconds(CLOCK_MONOTONIC) - wall;
     uv_mutex_lock(&p->mu);
     p->busy_s += wall;
-    add_counts(&u->counts, &by->ctx.counts, cpu);
+    counted_add(&u->counts, &by->ctx.counts, cpu);
     last = --u->members == 0;
     if (last)
         leave_locked(u);

@@ -38,8 +38,8 @@ sched_takes_units(const struct coord_worker *w)
     return w->conn != 0 && !w->drained && !w->leaving;
 }
 
-void
-sched_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
+static void
+send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
 {
     struct msg m = { .type = MSG_JOB_END, .job_end = { job } };
 
@@ -84,7 +84,7 @@ sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
         sched_late(job, *index, false);
         return job;
     }
-    sched_send_job_end(c, w->conn, id);
+    send_job_end(c, w->conn, id);
     return NULL;
 }
 
@@ -869,7 +869,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
         jw->excluded = true;
         if (job->partition)
             partition_set_absent(job->partition, index, true);
-        sched_send_job_end(c, w->conn, job->id);
+        send_job_end(c, w->conn, job->id);
         return;
     }
     if (!job->partition && !lay_out(c, job))
@@ -892,7 +892,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     struct job_worker *jw;
 
     if (index == JOB_NOBODY || job_over(job))
-        sched_send_job_end(c, w->conn, m->job);
+        send_job_end(c, w->conn, m->job);
     if (index == JOB_NOBODY)
         return;
     sched_late(job, index, false);
@@ -988,7 +988,7 @@ sched_job_over(struct coord *c, struct job *job)
             continue;
         job->workers[index].state = JW_GONE;
         if (w->conn != 0)
-            sched_send_job_end(c, w->conn, job->id);
+            send_job_end(c, w->conn, job->id);
     }
     survey_free(job->survey);
     job->survey = NULL;

@@ -189,7 +189,6 @@ void sched_forget_rows(struct job *job, uint32_t unit);
 void sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
                     uint32_t unit, uint32_t attempt, uint32_t row,
                     uint32_t rows);
-void sched_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job);
 /* REVOKE, TWIN or SPLIT. */
 void sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                         uint32_t unit, const struct job_go *go);
@@ -220,9 +219,8 @@ void loss_of(struct coord *c, struct job *job, uint32_t unit,
  * start reached it, is all that comes. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
 
-/* Is there another worker than that one? */
-bool loss_others_than(const struct coord *c, const struct coord_worker *w);
-/* And one that may do the job?  late: also if it is late. */
+/* Is there another worker than that one that may do the job?  late: also if it
+ * is late. */
 bool loss_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool late);
 

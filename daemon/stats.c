@@ -71,23 +71,9 @@ sum_counts(const struct job *job)
     struct msg_counts t = job->surveyed;
 
     t.speculative_rays += job->late_rays;
-    for (uint32_t i = 0; i < n; i++) {
-        const struct msg_counts *c = &job->units[i].counts;
-
-        if (!job->units[i].done)
-            continue;
-        t.rays += c->rays;
-        t.primary_rays += c->primary_rays;
-        t.speculative_rays += c->speculative_rays;
-        t.shadow_rays += c->shadow_rays;
-        t.ambient_rays += c->ambient_rays;
-        t.paint_rays += c->paint_rays;
-        t.estimate_rays += c->estimate_rays;
-        t.intersection_tests += c->intersection_tests;
-        t.ambient_values += c->ambient_values;
-        msg_nan_add(&t.nan, &c->nan);
-        msg_faults_add(t.faults, c->faults);
-    }
+    for (uint32_t i = 0; i < n; i++)
+        if (job->units[i].done)
+            msg_counts_add(&t, &job->units[i].counts);
     return t;
 }
 

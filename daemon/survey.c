@@ -207,18 +207,6 @@ scaled(const struct survey *s, const struct job *job, uint32_t part,
 }
 
 static void
-add_counts(struct msg_counts *a, const struct msg_counts *b)
-{
-    a->rays += b->rays;
-    a->shadow_rays += b->shadow_rays;
-    a->ambient_rays += b->ambient_rays;
-    a->paint_rays += b->paint_rays;
-    a->estimate_rays += b->estimate_rays;
-    a->intersection_tests += b->intersection_tests;
-    a->ambient_values += b->ambient_values;
-}
-
-static void
 finish(struct coord *c, struct job *job)
 {
     partition_set_costs(job->partition, job->survey->cost);
@@ -240,7 +228,8 @@ survey_estimated(struct coord *c, struct coord_worker *w,
         return;
     if (!job->survey || job->workers[index].surveying == 0 ||
         job->workers[index].surveying - 1 != m->id) {
-        add_counts(&job->surveyed, &m->counts); /* late: it was done, though */
+        msg_rays_add(&job->surveyed,
+                     &m->counts); /* late: it was done, though */
         return;
     }
     k = &job->survey->chunk[m->id];
@@ -249,7 +238,7 @@ survey_estimated(struct coord *c, struct coord_worker *w,
         return;
     }
     survey_lost(job, index);
-    add_counts(&job->surveyed, &m->counts);
+    msg_rays_add(&job->surveyed, &m->counts);
     if (k->done)
         return;
     for (uint32_t i = 0; i < k->n; i++)

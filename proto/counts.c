@@ -63,7 +63,7 @@ msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b)
 }
 
 void
-msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
+msg_rays_add(struct msg_counts *a, const struct msg_counts *b)
 {
     a->rays += b->rays;
     a->primary_rays += b->primary_rays;
@@ -74,6 +74,12 @@ msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
     a->estimate_rays += b->estimate_rays;
     a->intersection_tests += b->intersection_tests;
     a->ambient_values += b->ambient_values;
+}
+
+void
+msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
+{
+    msg_rays_add(a, b);
     msg_nan_add(&a->nan, &b->nan);
     msg_faults_add(a->faults, b->faults);
     a->cpu_s += b->cpu_s;

@@ -605,6 +605,9 @@ void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
 void msg_faults_add(struct msg_fault a[MSG_FAULTS],
                     const struct msg_fault b[MSG_FAULTS]);
 
+/* Add what b says of rays and of what came of them: not of pixels and time. */
+void msg_rays_add(struct msg_counts *a, const struct msg_counts *b);
+
 /* Add all of b. */
 void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);
 void msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b);

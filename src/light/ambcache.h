@@ -45,7 +45,7 @@ struct rad_ambfit {
 };
 
 /* Normals with a cosine of min_cos at least, weights that are no less than
- * `weight`, at most 4. */
+ * `weight`, which counts as 1.27 beyond that. */
 void rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight);
 
 /* What is asked for: records whose zone includes p, whose normal fits that of

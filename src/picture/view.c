@@ -335,8 +335,9 @@ rad_view_setup(struct rad_view *v, struct rad_error *err)
     return 0;
 }
 
-double
-rad_view_aspect(const struct rad_view *v)
+/* Height / width of the view plane. */
+static double
+plane_aspect(const struct rad_view *v)
 {
     return sqrt(v->vn2 / v->hn2);
 }
@@ -352,7 +353,7 @@ void
 rad_view_resolution(const struct rad_view *v, double *pixaspect, int *xres,
                     int *yres)
 {
-    double aspect = rad_view_aspect(v);
+    double aspect = plane_aspect(v);
 
     if (*pixaspect <= 0)
         *pixaspect = aspect * *xres / *yres;

@@ -55,12 +55,10 @@ int rad_view_line(struct rad_view *v, const char *line, size_t len,
  * (illegal angle, up parallel to direction, ...). */
 int rad_view_setup(struct rad_view *v, struct rad_error *err);
 
-/* Height / width of the view plane.  Needs setup, as all below. */
-double rad_view_aspect(const struct rad_view *v);
-
 /* Fit the picture into xres by yres for this view and pixel aspect ratio
  * (height / width), as rpict does: reduces *xres or *yres, or sets *pixaspect
- * where it was 0.  A result may be 0 pixels wide or high. */
+ * where it was 0.  A result may be 0 pixels wide or high.  Needs setup, as all
+ * below. */
 void rad_view_resolution(const struct rad_view *v, double *pixaspect, int *xres,
                          int *yres);
 

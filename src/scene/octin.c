@@ -49,8 +49,8 @@ rad_octin_fill(struct rad_octin *f)
     return n > 0;
 }
 
-void
-rad_octin_skip(struct rad_octin *f, uint64_t n)
+static void
+skip(struct rad_octin *f, uint64_t n)
 {
     while (n > 0) {
         size_t some;
@@ -194,9 +194,8 @@ rad_octin_skip_tree(struct rad_octin *f)
         case RAD_OCT_EMPTY:
             break;
         case RAD_OCT_FULL:
-            rad_octin_skip(
-                f, (uint64_t)rad_octin_index(f, RAD_OCTREE_MAX_SET, "a set") *
-                       (uint64_t)f->width);
+            skip(f, (uint64_t)rad_octin_index(f, RAD_OCTREE_MAX_SET, "a set") *
+                        (uint64_t)f->width);
             break;
         case RAD_OCT_TREE:
             if (depth == MAX_DEPTH)

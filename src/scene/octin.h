@@ -40,8 +40,6 @@ int rad_octin_bad(struct rad_octin *f, const char *fmt, ...)
 /* True if a byte is there. */
 bool rad_octin_fill(struct rad_octin *f);
 
-void rad_octin_skip(struct rad_octin *f, uint64_t n);
-
 /* A string into buf; the failure for one of `size` bytes or more. */
 int rad_octin_string(struct rad_octin *f, char *buf, size_t size);
 

@@ -80,8 +80,8 @@ static const struct rad_shader table[] = {
     { RAD_MIXTEXT, RAD_MAT_MIXTURE, rad_text_prepare, rad_text_mix },
 };
 
-const struct rad_shader *
-rad_shader_find(enum rad_otype type)
+static const struct rad_shader *
+find_shader(enum rad_otype type)
 {
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
         if (table[i].type == type)
@@ -192,7 +192,7 @@ compile_modifier(struct rad_job *job, int32_t index,
     mat->next = o->modifier;
     if (o->type == RAD_ALIAS)
         return compile_alias(job, index, err);
-    mat->shader = rad_shader_find(o->type);
+    mat->shader = find_shader(o->type);
     if (!mat->shader)
         return rad_scene_fail(job->scene, o, err, RAD_EUNSUPPORTED,
                               "not supported");

@@ -44,8 +44,6 @@ struct rad_shader {
                   struct rad_ray *r);
 };
 
-const struct rad_shader *rad_shader_find(enum rad_otype type);
-
 /* Does object index have between least and most real arguments?  What
  * rad_scene_check() has passed has. */
 int rad_material_reals(const struct rad_job *job, int32_t index, int least,

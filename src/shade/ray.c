@@ -161,8 +161,9 @@ rad_ray_clear(struct rad_ray *r)
     r->mirror_dist = INFINITY;
 }
 
-void
-rad_ray_leave(struct rad_ray *r)
+/* Set r->org: where a ray of direction r->dir leaves its parent's hit. */
+static void
+leave_parent(struct rad_ray *r)
 {
     if (r->parent)
         rad_geom_leave(&r->parent->hit, r->dir, r->org);
@@ -249,7 +250,7 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
 {
     struct rad_line own;
 
-    rad_ray_leave(r);
+    leave_parent(r);
     rad_ray_clear(r);
     ctx->counts.rays++;
     if (meet(ctx, r, &own)) {

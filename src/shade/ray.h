@@ -125,9 +125,6 @@ bool rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r,
  * after dir and key have been changed. */
 void rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r);
 
-/* Set r->org: where a ray of direction r->dir leaves its parent's hit. */
-void rad_ray_leave(struct rad_ray *r);
-
 /* r, which rad_ray_spawn() started off parent and which has its direction, goes
  * straight on if that is its parent's: then it may meet what is known to be
  * there. */
