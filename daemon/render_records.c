@@ -111,20 +111,25 @@ on_drain(uv_timer_t *timer)
 void
 render_take_ambient(struct render *r, const struct msg_ambient *a)
 {
+    struct rad_ambrec recs[RAD_AMBIENT_TOGETHER];
     struct wire_in in;
-    struct rad_ambrec rec;
+    size_t n = 0;
 
     if (!r->job || !r->job->ambient)
         return;
     wire_in_init(&in, a->data, a->len);
     for (uint32_t i = 0; i < a->count && !in.bad; i++) {
-        if (!ambshare_unpack(&in, &rec))
+        if (!ambshare_unpack(&in, &recs[n]))
             continue;
         if (r->received++ % METER_EACH == 0 &&
-            rad_ambient_covers(r->job->ambient, &rec))
+            rad_ambient_covers(r->job->ambient, &recs[n]))
             r->redundant += METER_EACH;
-        rad_ambient_insert(r->job->ambient, &rec);
+        if (++n < RAD_AMBIENT_TOGETHER)
+            continue;
+        rad_ambient_insert_all(r->job->ambient, recs, n);
+        n = 0;
     }
+    rad_ambient_insert_all(r->job->ambient, recs, n);
 }
 
 void

@@ -173,19 +173,29 @@ want(void *arg, double reach)
 enum { RECORDS = 2000, QUERIES = 1000 };
 static struct sample sample[RECORDS];
 
+/* One after the other, and then some at a time. */
 static struct rad_ambcache *
 filled(void)
 {
     struct rad_ambcache *c = rad_ambcache_new(org, SIDE);
+    static struct rad_ambrec rec[RECORDS];
+    static struct rad_ambzone zone[RECORDS];
     bool ok = c != NULL;
 
     for (int i = 0; ok && i < RECORDS; i++) {
         sample[i] = invent(rad_key_branch(1, (uint64_t)i));
         sample[i].rec.E.g = (float)i;
-        ok &=
-            rad_ambcache_insert(c, &sample[i].rec, &sample[i].zone, i % 2 == 0);
+        rec[i] = sample[i].rec;
+        zone[i] = sample[i].zone;
+        if (i < RECORDS / 4)
+            ok &= rad_ambcache_insert(c, &rec[i], &zone[i], i % 2 == 0);
+    }
+    for (int i = RECORDS / 4, n = 0; ok && i < RECORDS; i += n, n++) {
+        n = n < RECORDS - i ? n : RECORDS - i;
+        ok &= rad_ambcache_insert_all(c, rec + i, zone + i, (size_t)n, true);
     }
     ck_assert(ok);
+    ck_assert_uint_eq(rad_ambcache_count(c), RECORDS);
     return c;
 }
 

@@ -48,6 +48,7 @@
 #include "light/ambcache.h"
 #include "base/vec.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdalign.h>
 #include <stdatomic.h>
@@ -71,6 +72,7 @@
 #define FACES        6
 #define BITS         48 /* of a cell's number: beyond is rounding */
 #define MAX_DEPTH    (BITS - STEPS_LOG)
+#define READ_AHEAD   8 /* entries of the log */
 
 /* --- pools --- */
 
@@ -214,6 +216,7 @@ struct rad_ambcache {
     struct cell root[ROOTS][FACES];     /* by bounces and face_of() */
     struct pool entries, blocks, cells; /* cells: eight an item */
     _Atomic size_t count;               /* relaxed: shown, never decided on */
+    _Atomic(struct chunk *) read_last;  /* of entries; a hint for readers */
 };
 
 /* --- bytes --- */
@@ -460,8 +463,10 @@ rad_ambcache_new(const double org[3], double side)
     c->scale = 1 / side;
     if (pool_init(&c->entries, sizeof(struct entry)) &&
         pool_init(&c->blocks, sizeof(struct block)) &&
-        pool_init(&c->cells, 8 * sizeof(struct cell)))
+        pool_init(&c->cells, 8 * sizeof(struct cell))) {
+        atomic_init(&c->read_last, c->entries.oldest);
         return c;
+    }
     rad_ambcache_free(c);
     return NULL;
 }
@@ -543,6 +548,29 @@ struct load {
     int depth;               /* of the cells to list it in */
 };
 
+/* One of those cells, and how far down to it the walk has come. */
+struct place {
+    const struct load *load;
+    uint64_t cell[3]; /* its number, at its depth */
+    struct cell *at;
+    int depth; /* of `at` */
+};
+
+/* Records that go into the octree together.  What they touch is seldom in the
+ * processor's own memory, so all of them go down a level at a time, each having
+ * asked for what it needs next: an office's 25000 records from others, between
+ * which a thread rendered, took 800 nanoseconds each when one went after the
+ * other. */
+enum { TOGETHER = 16, MOST_PLACES = 8 * TOGETHER };
+
+struct bulk {
+    struct rad_ambcache *c;
+    int nloads, nplaces;
+    bool ok; /* no memory was missing */
+    struct load load[TOGETHER];
+    struct place place[MOST_PLACES];
+};
+
 /* Fill place i.  The reach has a margin for what both points are rounded by. */
 static void
 fill(struct block *b, unsigned i, const struct load *l, const double from[3],
@@ -614,24 +642,58 @@ touches(const struct load *l, const uint64_t cell[3], double side)
     return d2 <= l->zone.reach * l->zone.reach;
 }
 
-/* List it in the cell of that number at its depth, or, where there is no
- * memory for smaller ones, in one about it. */
+/* Take all a level down, or leave them where there is no memory for smaller
+ * cells; false: none can go farther. */
 static bool
-list_in(struct rad_ambcache *c, const struct load *l, const uint64_t cell[3])
+step_down(struct bulk *b)
 {
-    const struct rad_ambrec *rec = &l->item->rec;
-    struct cell *at = &c->root[root_of(rec->level)][face_of(rec->n)], *kids;
-    int depth = 0, shift = BITS - l->depth;
-    uint64_t number[3];
+    bool moved = false;
+
+    for (int i = 0; i < b->nplaces; i++) {
+        struct place *p = &b->place[i];
+        int shift = BITS - p->load->depth;
+        uint64_t number[3];
+        struct cell *kids;
+
+        if (p->depth == p->load->depth || !(kids = kids_of(b->c, p->at)))
+            continue;
+        for (int k = 0; k < 3; k++)
+            number[k] = p->cell[k] << shift;
+        p->at = &kids[octant_at(number, p->depth++)];
+        __builtin_prefetch(p->at);
+        moved = true;
+    }
+    return moved;
+}
+
+/* List it in the cell that was reached. */
+static bool
+list_at(struct rad_ambcache *c, const struct place *p)
+{
     double from[3];
 
     for (int k = 0; k < 3; k++)
-        number[k] = cell[k] << shift;
-    while (depth < l->depth && (kids = kids_of(c, at)) != NULL)
-        at = &kids[octant_at(number, depth++)];
-    for (int k = 0; k < 3; k++)
-        from[k] = (double)(cell[k] >> (l->depth - depth));
-    return push(c, at, l, from, ldexp(1, depth));
+        from[k] = (double)(p->cell[k] >> (p->load->depth - p->depth));
+    return push(c, p->at, p->load, from, ldexp(1, p->depth));
+}
+
+/* List what was gathered. */
+static void
+list_all(struct bulk *b)
+{
+    while (step_down(b))
+        ;
+    for (int i = 0; i < b->nplaces; i++) {
+        /* relaxed: what is there is not looked at */
+        const char *head = (const char *)atomic_load_explicit(
+            &b->place[i].at->list, memory_order_relaxed);
+
+        for (size_t at = 0; head && at < sizeof(struct block); at += LINE)
+            __builtin_prefetch(head + at, 1);
+    }
+    for (int i = 0; i < b->nplaces; i++)
+        b->ok &= list_at(b->c, &b->place[i]);
+    b->nloads = b->nplaces = 0;
 }
 
 /* The box about the zone, as numbers of cells at its depth: half an ellipsoid
@@ -654,20 +716,25 @@ find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
     }
 }
 
-static bool
-spread(struct rad_ambcache *c, const struct load *l)
+/* Gather the cells that the zone touches: they are wider than it is, so there
+ * are at most eight. */
+static void
+spread(struct bulk *b, const struct load *l)
 {
+    const struct rad_ambrec *rec = &l->item->rec;
+    struct cell *root = &b->c->root[root_of(rec->level)][face_of(rec->n)];
     double side = ldexp(1, -l->depth);
     uint64_t lo[3], hi[3], at[3];
-    bool ok = true;
 
     find_box(l, lo, hi);
     for (at[2] = lo[2]; at[2] <= hi[2]; at[2]++)
         for (at[1] = lo[1]; at[1] <= hi[1]; at[1]++)
             for (at[0] = lo[0]; at[0] <= hi[0]; at[0]++)
-                if (touches(l, at, side))
-                    ok &= list_in(c, l, at);
-    return ok;
+                if (touches(l, at, side)) {
+                    assert(b->nplaces < MOST_PLACES);
+                    b->place[b->nplaces++] =
+                        (struct place){ l, { at[0], at[1], at[2] }, root, 0 };
+                }
 }
 
 /* Depth of the smallest cells that are SPAN times as wide. */
@@ -693,30 +760,59 @@ rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec)
         item->per[k] = 1 / rec->radius[k];
 }
 
-bool
-rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
-                    const struct rad_ambzone *zone, bool local)
+/* Into the log, and among what is to be listed. */
+static bool
+take_in(struct bulk *b, const struct rad_ambrec *rec,
+        const struct rad_ambzone *zone, bool local)
 {
+    struct rad_ambcache *c = b->c;
     struct entry *e = pool_take(&c->entries);
-    struct load l;
+    struct load *l = &b->load[b->nloads];
 
     if (!e)
         return false;
     rad_ambitem_set(&e->item, rec);
-    l.item = &e->item;
-    to_cube(c, rec->p, l.q);
+    l->item = &e->item;
+    to_cube(c, rec->p, l->q);
     for (int k = 0; k < 3; k++)
-        l.q[k] = clamp(l.q[k], 0, 1);
+        l->q[k] = clamp(l->q[k], 0, 1);
     /* rounded up by what places in the cube are rounded by, both ends */
-    l.zone.reach = zone->reach / c->side * (1 + 0x1p-20) + 0x1p-48;
-    l.zone.height = zone->height / c->side * (1 + 0x1p-20) + 0x1p-48;
-    l.zone.behind = zone->behind / c->side * (1 + 0x1p-20) + 0x1p-48;
-    l.depth = depth_for(l.zone.reach);
+    l->zone.reach = zone->reach / c->side * (1 + 0x1p-20) + 0x1p-48;
+    l->zone.height = zone->height / c->side * (1 + 0x1p-20) + 0x1p-48;
+    l->zone.behind = zone->behind / c->side * (1 + 0x1p-20) + 0x1p-48;
+    l->depth = depth_for(l->zone.reach);
     /* release: pairs with the acquire in rad_ambcache_read */
     atomic_store_explicit(&e->state, local ? LOCAL : RECEIVED,
                           memory_order_release);
     atomic_fetch_add_explicit(&c->count, 1, memory_order_relaxed);
-    return spread(c, &l);
+    spread(b, l);
+    b->nloads++;
+    return true;
+}
+
+bool
+rad_ambcache_insert_all(struct rad_ambcache *c, const struct rad_ambrec *rec,
+                        const struct rad_ambzone *zone, size_t n, bool local)
+{
+    struct bulk b;
+
+    b.c = c;
+    b.nloads = b.nplaces = 0;
+    b.ok = true;
+    for (size_t i = 0; i < n; i++) {
+        b.ok &= take_in(&b, &rec[i], &zone[i], local);
+        if (b.nloads == TOGETHER)
+            list_all(&b);
+    }
+    list_all(&b);
+    return b.ok;
+}
+
+bool
+rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
+                    const struct rad_ambzone *zone, bool local)
+{
+    return rad_ambcache_insert_all(c, rec, zone, 1, local);
 }
 
 /* --- look-up --- */
@@ -857,11 +953,16 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
 }
 
 size_t
-rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
-                  bool local_only, struct rad_ambrec *out, size_t max)
+rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor, bool local_only,
+                  struct rad_ambrec *out, size_t max)
 {
-    struct chunk *k = c->entries.oldest;
+    /* acquire: pairs with the release below; who has not read as far as the
+     * one before has to begin at the beginning */
+    struct chunk *k = atomic_load_explicit(&c->read_last, memory_order_acquire);
     size_t n = 0;
+
+    if (k->first > *cursor)
+        k = c->entries.oldest;
 
     /* most who ask find nothing new; the count may lag, and they ask again */
     if (*cursor >= rad_ambcache_count(c))
@@ -873,6 +974,8 @@ rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
             break;
         const struct entry *e =
             item_at(&c->entries, k, (uint32_t)(*cursor - k->first));
+        /* past the chunk's end that asks for what is not wanted, no more */
+        __builtin_prefetch(&e[READ_AHEAD].state);
         unsigned char state =
             atomic_load_explicit(&e->state, memory_order_acquire);
 
@@ -882,6 +985,8 @@ rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
             out[n++] = e->item.rec;
         ++*cursor;
     }
+    if (k)
+        atomic_store_explicit(&c->read_last, k, memory_order_release);
     return n;
 }
 

@@ -37,6 +37,11 @@ void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
  * unit length.  False: out of memory. */
 bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                          const struct rad_ambzone *zone, bool local);
+/* The same for n of them, which is faster than one after the other. */
+bool rad_ambcache_insert_all(struct rad_ambcache *c,
+                             const struct rad_ambrec *rec,
+                             const struct rad_ambzone *zone, size_t n,
+                             bool local);
 
 /* How records may differ from what is asked for: the same for many look-ups. */
 struct rad_ambfit {
@@ -72,7 +77,7 @@ void rad_ambcache_visit(const struct rad_ambcache *c,
 /* Copy records from the log, from position *cursor on, at most max, and move
  * the cursor; with local_only, those alone that were inserted as local.  Stops
  * before a record that is still being written.  Position 0 is the start. */
-size_t rad_ambcache_read(const struct rad_ambcache *c, uint64_t *cursor,
+size_t rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor,
                          bool local_only, struct rad_ambrec *out, size_t max);
 
 /* Records inserted so far. */

@@ -219,25 +219,40 @@ reach_of(const struct rad_ambient *amb, int level)
                      : rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
 }
 
+static struct rad_ambzone
+zone_of(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    double reach = reach_of(amb, rec->level);
+
+    return (struct rad_ambzone){ .reach = rec->radius[1] * reach,
+                                 .height = rec->radius[0] * reach,
+                                 .behind =
+                                     amb->least * amb->job->params.ambacc };
+}
+
+/* For -aw, a record that was inserted. */
+static void
+count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    float lum = rad_rgb_lum(rec->E);
+
+    if (!(amb->job->params.ambvwt > 0 && lum > 0))
+        return;
+    atomic_fetch_add_explicit(&amb->log_sum,
+                              (int64_t)floor(log(lum / M_PI) / LOG_UNIT + .5),
+                              memory_order_relaxed);
+    atomic_fetch_add_explicit(&amb->log_count, 1, memory_order_relaxed);
+}
+
 static bool
 insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 {
-    double reach = reach_of(amb, rec->level);
-    struct rad_ambzone zone = { .reach = rec->radius[1] * reach,
-                                .height = rec->radius[0] * reach,
-                                .behind =
-                                    amb->least * amb->job->params.ambacc };
-    float lum = rad_rgb_lum(rec->E);
+    struct rad_ambzone zone = zone_of(amb, rec);
 
     if (!is_plausible(amb, rec) ||
         !rad_ambcache_insert(amb->cache, rec, &zone, local))
         return false;
-    if (amb->job->params.ambvwt > 0 && lum > 0) {
-        atomic_fetch_add_explicit(
-            &amb->log_sum, (int64_t)floor(log(lum / M_PI) / LOG_UNIT + .5),
-            memory_order_relaxed);
-        atomic_fetch_add_explicit(&amb->log_count, 1, memory_order_relaxed);
-    }
+    count_light(amb, rec);
     return true;
 }
 
@@ -245,6 +260,29 @@ bool
 rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     return insert(amb, rec, false);
+}
+
+void
+rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
+                       size_t n)
+{
+    struct rad_ambzone zone[RAD_AMBIENT_TOGETHER];
+
+    while (n > 0) {
+        size_t most = n < RAD_AMBIENT_TOGETHER ? n : RAD_AMBIENT_TOGETHER;
+        size_t good = 0;
+
+        for (size_t i = 0; i < most; i++)
+            if (is_plausible(amb, &rec[i])) {
+                zone[good] = zone_of(amb, &rec[i]);
+                rec[good++] = rec[i];
+            }
+        if (rad_ambcache_insert_all(amb->cache, rec, zone, good, false))
+            for (size_t i = 0; i < good; i++)
+                count_light(amb, &rec[i]);
+        rec += most;
+        n -= most;
+    }
 }
 
 size_t

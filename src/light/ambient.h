@@ -44,6 +44,12 @@ void rad_ambient_free(struct rad_ambient *amb);
  * correctness. */
 bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
 
+/* Insert n of them, RAD_AMBIENT_TOGETHER at a time, which takes half as long as
+ * one after the other; what is refused is left out.  rec[] is overwritten. */
+#define RAD_AMBIENT_TOGETHER 16
+void rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
+                            size_t n);
+
 /* Would the cache have served a new record's place already?  For the
  * redundancy meter: ask before inserting. */
 bool rad_ambient_covers(const struct rad_ambient *amb,
