@@ -6,154 +6,118 @@
 #include <assert.h>
 #include <stdlib.h>
 
+bool
+code_bad(const struct codec *c)
+{
+    return c->out ? c->out->bad : c->in->bad;
+}
+
 void
-msg_put_job(struct wire_out *o, const uint8_t *job)
+code_must(struct codec *c, bool cond)
+{
+    if (!cond)
+        *(c->out ? &c->out->bad : &c->in->bad) = true;
+}
+
+void
+code_read_must(struct codec *c, bool cond)
+{
+    if (c->in)
+        code_must(c, cond);
+}
+
+/* --- one field --- */
+
+#define FIELD(name, type)                                                      \
+    void code_##name(struct codec *c, type *v)                                 \
+    {                                                                          \
+        if (c->out)                                                            \
+            wire_put_##name(c->out, *v);                                       \
+        else                                                                   \
+            *v = wire_get_##name(c->in);                                       \
+    }
+
+FIELD(u8, uint8_t)
+FIELD(u16, uint16_t)
+FIELD(u32, uint32_t)
+FIELD(u64, uint64_t)
+FIELD(i32, int32_t)
+FIELD(f64, double)
+
+void
+code_below(struct codec *c, uint8_t *v, uint8_t n)
+{
+    code_u8(c, v);
+    code_must(c, *v < n);
+}
+
+void
+code_view(struct codec *c, const uint8_t **v, size_t n)
+{
+    if (c->out)
+        wire_put_bytes(c->out, *v, n);
+    else
+        *v = wire_get_view(c->in, n);
+}
+
+void
+code_str(struct codec *c, const char **v, size_t max)
+{
+    if (c->out)
+        wire_put_str(c->out, *v, max);
+    else
+        *v = wire_get_str(c->in, max);
+}
+
+void
+code_blob(struct codec *c, const uint8_t **v, size_t *n, size_t max)
+{
+    if (c->out)
+        wire_put_blob(c->out, *v, *n, max);
+    else
+        *v = wire_get_blob(c->in, max, n);
+}
+
+void
+code_job(struct codec *c, const uint8_t **job)
 {
     static const uint8_t none[MSG_JOB];
 
-    wire_put_bytes(o, job ? job : none, MSG_JOB);
+    if (!*job)
+        *job = none;
+    code_view(c, job, MSG_JOB);
 }
 
 void
-msg_put_hash(struct wire_out *o, const uint8_t *hash)
+code_hash(struct codec *c, const uint8_t **hash)
 {
     static const uint8_t none[MSG_HASH];
 
-    wire_put_bytes(o, hash ? hash : none, MSG_HASH);
+    if (!*hash)
+        *hash = none;
+    code_view(c, hash, MSG_HASH);
 }
+
+/* --- lists --- */
 
 void
-msg_put_must(struct wire_out *o, bool cond)
+code_count(struct codec *c, uint32_t *n, size_t least, uint32_t max)
 {
-    if (!cond)
-        o->bad = true;
-}
-
-void
-msg_must(struct wire_in *in, bool cond)
-{
-    if (!cond)
-        in->bad = true;
-}
-
-uint8_t
-msg_get_below(struct wire_in *in, uint8_t n)
-{
-    uint8_t v = wire_get_u8(in);
-
-    msg_must(in, v < n);
-    return v;
-}
-
-void
-msg_put_faults(struct wire_out *o, const struct msg_fault faults[MSG_FAULTS])
-{
-    for (int i = 0; i < MSG_FAULTS; i++) {
-        wire_put_u32(o, faults[i].object);
-        wire_put_u64(o, faults[i].count);
+    if (!c->out) {
+        *n = wire_get_count(c->in, least, max);
+        return;
     }
+    code_must(c, *n <= max);
+    if (c->out->bad)
+        *n = 0;
+    wire_put_u32(c->out, *n);
 }
 
-/* Rising, and none behind the end. */
-void
-msg_get_faults(struct wire_in *in, struct msg_fault faults[MSG_FAULTS])
-{
-    for (int i = 0; i < MSG_FAULTS; i++) {
-        struct msg_fault *f = &faults[i];
-
-        f->object = wire_get_u32(in);
-        f->count = wire_get_u64(in);
-        if (f->count == 0)
-            msg_must(in, f->object == 0);
-        else if (i > 0)
-            msg_must(in, f[-1].count > 0 && f[-1].object < f->object);
-    }
-}
-
-static void
-put_doubt(struct wire_out *o, const struct msg_doubt *d)
-{
-    wire_put_f64(o, d->pixels);
-    wire_put_f64(o, d->variance);
-    wire_put_f64(o, d->known);
-    wire_put_f64(o, d->all);
-    wire_put_f64(o, d->rough);
-    wire_put_f64(o, d->nrough);
-}
-
-void
-msg_put_counts(struct wire_out *o, const struct msg_counts *c)
-{
-    assert(o->version >= MSG_VERSION_MIN);
-    wire_put_u64(o, c->rays);
-    wire_put_u64(o, c->primary_rays);
-    wire_put_u64(o, c->speculative_rays);
-    wire_put_u64(o, c->shadow_rays);
-    wire_put_u64(o, c->ambient_rays);
-    wire_put_u64(o, c->paint_rays);
-    wire_put_u64(o, c->estimate_rays);
-    wire_put_u64(o, c->intersection_tests);
-    wire_put_u64(o, c->ambient_values);
-    wire_put_u64(o, c->nan.pixels);
-    wire_put_u32(o, c->nan.x);
-    wire_put_u32(o, c->nan.y);
-    msg_put_faults(o, c->faults);
-    wire_put_f64(o, c->cpu_s);
-    wire_put_f64(o, c->wall_s);
-    if (o->version >= 2)
-        put_doubt(o, &c->doubt);
-}
-
-/* A sum of squares: nothing that a sum of others would not survive. */
-static double
-get_sum(struct wire_in *in)
-{
-    double v = wire_get_f64(in);
-
-    if (!(v >= 0 && v < 1e100))
-        in->bad = true;
-    return v;
-}
-
-static void
-get_doubt(struct wire_in *in, struct msg_doubt *d)
-{
-    d->pixels = get_sum(in);
-    d->variance = get_sum(in);
-    d->known = get_sum(in);
-    d->all = get_sum(in);
-    d->rough = get_sum(in);
-    d->nrough = get_sum(in);
-}
-
-void
-msg_get_counts(struct wire_in *in, struct msg_counts *c)
-{
-    assert(in->version >= MSG_VERSION_MIN);
-    c->rays = wire_get_u64(in);
-    c->primary_rays = wire_get_u64(in);
-    c->speculative_rays = wire_get_u64(in);
-    c->shadow_rays = wire_get_u64(in);
-    c->ambient_rays = wire_get_u64(in);
-    c->paint_rays = wire_get_u64(in);
-    c->estimate_rays = wire_get_u64(in);
-    c->intersection_tests = wire_get_u64(in);
-    c->ambient_values = wire_get_u64(in);
-    c->nan.pixels = wire_get_u64(in);
-    c->nan.frame = 0;
-    c->nan.x = wire_get_u32(in);
-    c->nan.y = wire_get_u32(in);
-    msg_get_faults(in, c->faults);
-    c->cpu_s = wire_get_f64(in);
-    c->wall_s = wire_get_f64(in);
-    c->doubt = (struct msg_doubt){ 0 };
-    if (in->version >= 2)
-        get_doubt(in, &c->doubt);
-    msg_must(in, c->cpu_s >= 0 && c->wall_s >= 0);
-}
-
-void *
-msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
+/* Room for n entries in the message's own list; NULL when n is 0, or (and bad)
+ * when memory is out.  n was checked against the payload, so this is bounded
+ * by it. */
+static void *
+list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
 {
     if (n == 0)
         return NULL;
@@ -168,4 +132,107 @@ msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
         m->list_size = n * entry;
     }
     return m->list;
+}
+
+void *
+code_list(struct codec *c, const void *list, uint32_t *n, size_t least,
+          uint32_t max, size_t entry)
+{
+    void *room;
+
+    code_count(c, n, least, max);
+    if (c->out)
+        return (void *)list;
+    room = list_room(c->m, c->in, *n, entry);
+    if (!room)
+        *n = 0;
+    return room;
+}
+
+/* --- counts --- */
+
+/* Rising, and none behind the end. */
+static bool
+faults_fit(const struct msg_fault faults[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++) {
+        const struct msg_fault *f = &faults[i];
+
+        if (f->count == 0
+                ? f->object != 0
+                : i > 0 && (f[-1].count == 0 || f[-1].object >= f->object))
+            return false;
+    }
+    return true;
+}
+
+void
+code_faults(struct codec *c, struct msg_fault faults[MSG_FAULTS])
+{
+    for (int i = 0; i < MSG_FAULTS; i++) {
+        code_u32(c, &faults[i].object);
+        code_u64(c, &faults[i].count);
+    }
+    code_read_must(c, faults_fit(faults));
+}
+
+/* A sum of squares: nothing that a sum of others would not survive. */
+static void
+code_sum(struct codec *c, double *v)
+{
+    code_f64(c, v);
+    code_read_must(c, *v >= 0 && *v < 1e100);
+}
+
+static void
+code_doubt(struct codec *c, struct msg_doubt *d)
+{
+    code_sum(c, &d->pixels);
+    code_sum(c, &d->variance);
+    code_sum(c, &d->known);
+    code_sum(c, &d->all);
+    code_sum(c, &d->rough);
+    code_sum(c, &d->nrough);
+}
+
+void
+code_counts(struct codec *c, struct msg_counts *counts)
+{
+    assert(c->version >= MSG_VERSION_MIN);
+    code_u64(c, &counts->rays);
+    code_u64(c, &counts->primary_rays);
+    code_u64(c, &counts->speculative_rays);
+    code_u64(c, &counts->shadow_rays);
+    code_u64(c, &counts->ambient_rays);
+    code_u64(c, &counts->paint_rays);
+    code_u64(c, &counts->estimate_rays);
+    code_u64(c, &counts->intersection_tests);
+    code_u64(c, &counts->ambient_values);
+    code_u64(c, &counts->nan.pixels);
+    code_u32(c, &counts->nan.x);
+    code_u32(c, &counts->nan.y);
+    code_faults(c, counts->faults);
+    code_f64(c, &counts->cpu_s);
+    code_f64(c, &counts->wall_s);
+    code_read_must(c, counts->cpu_s >= 0 && counts->wall_s >= 0);
+    if (c->version >= 2)
+        code_doubt(c, &counts->doubt);
+}
+
+void
+msg_put_counts(struct wire_out *o, const struct msg_counts *counts)
+{
+    struct codec c = { .out = o, .version = o->version };
+    struct msg_counts copy = *counts;
+
+    code_counts(&c, &copy);
+}
+
+void
+msg_get_counts(struct wire_in *in, struct msg_counts *counts)
+{
+    struct codec c = { .in = in, .version = in->version };
+
+    *counts = (struct msg_counts){ 0 };
+    code_counts(&c, counts);
 }

@@ -1,41 +1,74 @@
 /* codec.h - what the codecs of message bodies share
  *
- * Private to message.c and the msg_*.c.  Writers and readers rely on the sticky
- * `bad` of wire.h: a range that is wrong sets it.  A field that version N
- * brought is written and read where the wire's version is N or later; when N is
- * the oldest that is spoken, the question goes. Thread: any. */
+ * Private to message.c, the msg_*.c and the journal.  A body has one function,
+ * which goes over its fields in their order on the wire: whether they are
+ * written or read is the codec's, so that a layout stands in one place.  What
+ * is written is a copy of the caller's body, which may be changed on the way,
+ * but for what it points to.
+ * Writers and readers rely on the sticky `bad` of wire.h: a range that is wrong
+ * sets it.  A field that version N brought is written and read where the wire's
+ * version is N or later; when N is the oldest that is spoken, the question
+ * goes.  Thread: any. */
 #ifndef CODEC_H
 #define CODEC_H
 
 #include "message.h"
 
-/* NULL goes out as zeros. */
-void msg_put_job(struct wire_out *o, const uint8_t *job);
-void msg_put_hash(struct wire_out *o, const uint8_t *hash);
+struct codec {
+    struct wire_out *out; /* what is written to; NULL: it is read */
+    struct wire_in *in;   /* what is read; NULL: it is written */
+    struct msg *m;        /* when read: the message itself, for its list */
+    unsigned version;
+};
+
+bool code_bad(const struct codec *c);
 
 /* Bad unless cond. */
-void msg_put_must(struct wire_out *o, bool cond);
-void msg_must(struct wire_in *in, bool cond);
+void code_must(struct codec *c, bool cond);
+
+/* The same when it is read: what we write ourselves is right. */
+void code_read_must(struct codec *c, bool cond);
+
+void code_u8(struct codec *c, uint8_t *v);
+void code_u16(struct codec *c, uint16_t *v);
+void code_u32(struct codec *c, uint32_t *v);
+void code_u64(struct codec *c, uint64_t *v);
+void code_i32(struct codec *c, int32_t *v);
+void code_f64(struct codec *c, double *v);
 
 /* A byte that must be below n. */
-uint8_t msg_get_below(struct wire_in *in, uint8_t n);
+void code_below(struct codec *c, uint8_t *v, uint8_t n);
 
-void msg_put_faults(struct wire_out *o,
-                    const struct msg_fault faults[MSG_FAULTS]);
-void msg_get_faults(struct wire_in *in, struct msg_fault faults[MSG_FAULTS]);
-void msg_put_counts(struct wire_out *o, const struct msg_counts *c);
-void msg_get_counts(struct wire_in *in, struct msg_counts *c);
+/* As wire_put_...() and wire_get_...() have them; what is read is lent. */
+void code_view(struct codec *c, const uint8_t **v, size_t n);
+void code_str(struct codec *c, const char **v, size_t max);
+void code_blob(struct codec *c, const uint8_t **v, size_t *n, size_t max);
 
-/* Room for n entries in the message's own list; NULL when n is 0, or (and bad)
- * when memory is out.  n was checked against the payload, so this is bounded
- * by it. */
-void *msg_list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry);
+/* NULL goes out as zeros. */
+void code_job(struct codec *c, const uint8_t **job);
+void code_hash(struct codec *c, const uint8_t **hash);
 
-/* Every body's pair.  m is the message itself, for its list. */
+/* The length of a list of at most max entries, of at least `least` bytes each
+ * on the wire.  Bad, and 0, if there cannot be so many. */
+void code_count(struct codec *c, uint32_t *n, size_t least, uint32_t max);
+
+/* The same, and where the entries are for the caller to go over: those of
+ * `list`, which are only looked at, when they are written; else room of `entry`
+ * bytes for each in the message's own list.  NULL when there are none, or (and
+ * bad) when memory is out. */
+void *code_list(struct codec *c, const void *list, uint32_t *n, size_t least,
+                uint32_t max, size_t entry);
+
+void code_faults(struct codec *c, struct msg_fault faults[MSG_FAULTS]);
+void code_counts(struct codec *c, struct msg_counts *counts);
+
+/* Counts by themselves, for who keeps them. */
+void msg_put_counts(struct wire_out *o, const struct msg_counts *counts);
+void msg_get_counts(struct wire_in *in, struct msg_counts *counts);
+
+/* Every body's. */
 #define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
-    void msg_pack_##body(struct wire_out *o, const struct msg_##body *b);      \
-    void msg_unpack_##body(struct wire_in *in, struct msg_##body *b,           \
-                           struct msg *m);
+    void msg_code_##body(struct codec *c, struct msg_##body *b);
 #include "message.def"
 
 #endif

@@ -1,7 +1,7 @@
 /* message.c - whole messages by the table that message.def makes
  *
- * Each body has a pair of short functions, declared in codec.h: those of a
- * group of messages are in a file of their own, msg_<group>.c. */
+ * Each body has a short function, declared in codec.h: those of a group of
+ * messages are in a file of their own, msg_<group>.c. */
 #include "config.h"
 
 #include "message.h"
@@ -33,11 +33,16 @@ struct row {
 #define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
     static void pack_##lower(struct wire_out *o, const struct msg *m)          \
     {                                                                          \
-        msg_pack_##body(o, &m->lower);                                         \
+        struct codec c = { .out = o, .version = o->version };                  \
+        struct msg_##body copy = m->lower;                                     \
+                                                                               \
+        msg_code_##body(&c, &copy);                                            \
     }                                                                          \
     static void unpack_##lower(struct wire_in *in, struct msg *m)              \
     {                                                                          \
-        msg_unpack_##body(in, &m->lower, m);                                   \
+        struct codec c = { .in = in, .m = m, .version = in->version };         \
+                                                                               \
+        msg_code_##body(&c, &m->lower);                                        \
     }
 #include "message.def"
 

@@ -6,80 +6,37 @@
 #include "codec.h"
 
 void
-msg_pack_fetch(struct wire_out *o, const struct msg_fetch *b)
+msg_code_fetch(struct codec *c, struct msg_fetch *b)
 {
-    msg_put_must(o, b->what < MSG_NWHAT);
-    msg_put_job(o, b->job);
-    wire_put_u32(o, b->frame);
-    wire_put_u8(o, b->what);
+    code_job(c, &b->job);
+    code_u32(c, &b->frame);
+    code_below(c, &b->what, MSG_NWHAT);
 }
 
 void
-msg_unpack_fetch(struct wire_in *in, struct msg_fetch *b, struct msg *m)
+msg_code_query(struct codec *c, struct msg_query *b)
 {
-    (void)m;
-    b->job = wire_get_view(in, MSG_JOB);
-    b->frame = wire_get_u32(in);
-    b->what = msg_get_below(in, MSG_NWHAT);
+    code_below(c, &b->what, MSG_NQUERY);
+    code_str(c, &b->text, MSG_MAX_NAME);
 }
 
 void
-msg_pack_query(struct wire_out *o, const struct msg_query *b)
+msg_code_answer(struct codec *c, struct msg_answer *b)
 {
-    msg_put_must(o, b->what < MSG_NQUERY);
-    wire_put_u8(o, b->what);
-    wire_put_str(o, b->text, MSG_MAX_NAME);
+    code_blob(c, &b->text, &b->len, MSG_MAX - 4);
 }
 
 void
-msg_unpack_query(struct wire_in *in, struct msg_query *b, struct msg *m)
+msg_code_key(struct codec *c, struct msg_key *b)
 {
-    (void)m;
-    b->what = msg_get_below(in, MSG_NQUERY);
-    b->text = wire_get_str(in, MSG_MAX_NAME);
+    code_below(c, &b->what, MSG_NKEY);
+    code_str(c, &b->name, MSG_MAX_KEY);
+    code_u64(c, &b->expires);
+    code_read_must(c, b->expires <= INT64_MAX);
 }
 
 void
-msg_pack_answer(struct wire_out *o, const struct msg_answer *b)
+msg_code_worker(struct codec *c, struct msg_worker *b)
 {
-    wire_put_blob(o, b->text, b->len, MSG_MAX - 4);
-}
-
-void
-msg_unpack_answer(struct wire_in *in, struct msg_answer *b, struct msg *m)
-{
-    (void)m;
-    b->text = wire_get_blob(in, MSG_MAX - 4, &b->len);
-}
-
-void
-msg_pack_key(struct wire_out *o, const struct msg_key *b)
-{
-    msg_put_must(o, b->what < MSG_NKEY);
-    wire_put_u8(o, b->what);
-    wire_put_str(o, b->name, MSG_MAX_KEY);
-    wire_put_u64(o, b->expires);
-}
-
-void
-msg_unpack_key(struct wire_in *in, struct msg_key *b, struct msg *m)
-{
-    (void)m;
-    b->what = msg_get_below(in, MSG_NKEY);
-    b->name = wire_get_str(in, MSG_MAX_KEY);
-    b->expires = wire_get_u64(in);
-    msg_must(in, b->expires <= INT64_MAX);
-}
-
-void
-msg_pack_worker(struct wire_out *o, const struct msg_worker *b)
-{
-    wire_put_str(o, b->name, MSG_MAX_NAME);
-}
-
-void
-msg_unpack_worker(struct wire_in *in, struct msg_worker *b, struct msg *m)
-{
-    (void)m;
-    b->name = wire_get_str(in, MSG_MAX_NAME);
+    code_str(c, &b->name, MSG_MAX_NAME);
 }

@@ -15,92 +15,47 @@ msg_common_version(unsigned min, unsigned max)
 }
 
 void
-msg_pack_hello(struct wire_out *o, const struct msg_hello *b)
+msg_code_hello(struct codec *c, struct msg_hello *b)
 {
-    wire_put_u16(o, b->min);
-    wire_put_u16(o, b->max);
-    wire_put_u8(o, b->role);
-    wire_put_str(o, b->name, MSG_MAX_NAME);
-    wire_put_str(o, b->program, MSG_MAX_NAME);
-    wire_put_str(o, b->address, MSG_MAX_ADDRESS);
-    wire_put_u16(o, b->threads);
-    wire_put_u64(o, b->fingerprint);
-}
-
-void
-msg_unpack_hello(struct wire_in *in, struct msg_hello *b, struct msg *m)
-{
-    (void)m;
-    b->min = wire_get_u16(in);
-    b->max = wire_get_u16(in);
-    b->role = wire_get_u8(in);
-    if (msg_common_version(b->min, b->max) == 0) {
+    code_u16(c, &b->min);
+    code_u16(c, &b->max);
+    code_u8(c, &b->role);
+    if (c->in && msg_common_version(b->min, b->max) == 0) {
         b->name = b->program = b->address = "";
-        wire_get_view(in, wire_left(in));
+        wire_get_view(c->in, wire_left(c->in));
         return;
     }
-    msg_must(in, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
-    b->name = wire_get_str(in, MSG_MAX_NAME);
-    b->program = wire_get_str(in, MSG_MAX_NAME);
-    b->address = wire_get_str(in, MSG_MAX_ADDRESS);
-    b->threads = wire_get_u16(in);
-    b->fingerprint = wire_get_u64(in);
+    code_read_must(c, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
+    code_str(c, &b->name, MSG_MAX_NAME);
+    code_str(c, &b->program, MSG_MAX_NAME);
+    code_str(c, &b->address, MSG_MAX_ADDRESS);
+    code_u16(c, &b->threads);
+    code_u64(c, &b->fingerprint);
 }
 
 void
-msg_pack_welcome(struct wire_out *o, const struct msg_welcome *b)
+msg_code_welcome(struct codec *c, struct msg_welcome *b)
 {
-    wire_put_u16(o, b->version);
-    wire_put_u64(o, b->epoch);
-    wire_put_str(o, b->program, MSG_MAX_NAME);
+    code_u16(c, &b->version);
+    code_u64(c, &b->epoch);
+    code_str(c, &b->program, MSG_MAX_NAME);
 }
 
 void
-msg_unpack_welcome(struct wire_in *in, struct msg_welcome *b, struct msg *m)
+msg_code_refuse(struct codec *c, struct msg_refuse *b)
 {
-    (void)m;
-    b->version = wire_get_u16(in);
-    b->epoch = wire_get_u64(in);
-    b->program = wire_get_str(in, MSG_MAX_NAME);
+    code_u16(c, &b->status);
+    code_str(c, &b->text, MSG_MAX_TEXT);
 }
 
 void
-msg_pack_refuse(struct wire_out *o, const struct msg_refuse *b)
+msg_code_ping(struct codec *c, struct msg_ping *b)
 {
-    wire_put_u16(o, b->status);
-    wire_put_str(o, b->text, MSG_MAX_TEXT);
+    code_u64(c, &b->progress);
 }
 
 void
-msg_unpack_refuse(struct wire_in *in, struct msg_refuse *b, struct msg *m)
+msg_code_bye(struct codec *c, struct msg_bye *b)
 {
-    (void)m;
-    b->status = wire_get_u16(in);
-    b->text = wire_get_str(in, MSG_MAX_TEXT);
-}
-
-void
-msg_pack_ping(struct wire_out *o, const struct msg_ping *b)
-{
-    wire_put_u64(o, b->progress);
-}
-
-void
-msg_unpack_ping(struct wire_in *in, struct msg_ping *b, struct msg *m)
-{
-    (void)m;
-    b->progress = wire_get_u64(in);
-}
-
-void
-msg_pack_bye(struct wire_out *o, const struct msg_bye *b)
-{
-    wire_put_str(o, b->text, MSG_MAX_TEXT);
-}
-
-void
-msg_unpack_bye(struct wire_in *in, struct msg_bye *b, struct msg *m)
-{
-    (void)m;
-    b->text = wire_get_str(in, MSG_MAX_TEXT);
+    code_str(c, &b->text, MSG_MAX_TEXT);
 }

@@ -6,21 +6,10 @@
 #include "codec.h"
 
 void
-msg_pack_hashes(struct wire_out *o, const struct msg_hashes *b)
+msg_code_hashes(struct codec *c, struct msg_hashes *b)
 {
-    msg_put_must(o, b->n <= MSG_MAX_FILES);
-    if (o->bad)
-        return;
-    wire_put_u32(o, b->n);
-    wire_put_bytes(o, b->hash, (size_t)b->n * MSG_HASH);
-}
-
-void
-msg_unpack_hashes(struct wire_in *in, struct msg_hashes *b, struct msg *m)
-{
-    (void)m;
-    b->n = wire_get_count(in, MSG_HASH, MSG_MAX_FILES);
-    b->hash = wire_get_view(in, (size_t)b->n * MSG_HASH);
+    code_count(c, &b->n, MSG_HASH, MSG_MAX_FILES);
+    code_view(c, &b->hash, (size_t)b->n * MSG_HASH);
 }
 
 static bool
@@ -31,35 +20,17 @@ chunk_fits(const struct msg_chunk *b)
 }
 
 void
-msg_pack_chunk(struct wire_out *o, const struct msg_chunk *b)
+msg_code_chunk(struct codec *c, struct msg_chunk *b)
 {
-    msg_put_must(o, chunk_fits(b));
-    msg_put_hash(o, b->hash);
-    wire_put_u64(o, b->offset);
-    wire_put_u64(o, b->total);
-    wire_put_blob(o, b->data, b->len, MSG_MAX_CHUNK);
+    code_hash(c, &b->hash);
+    code_u64(c, &b->offset);
+    code_u64(c, &b->total);
+    code_blob(c, &b->data, &b->len, MSG_MAX_CHUNK);
+    code_must(c, chunk_fits(b));
 }
 
 void
-msg_unpack_chunk(struct wire_in *in, struct msg_chunk *b, struct msg *m)
+msg_code_have(struct codec *c, struct msg_have *b)
 {
-    (void)m;
-    b->hash = wire_get_view(in, MSG_HASH);
-    b->offset = wire_get_u64(in);
-    b->total = wire_get_u64(in);
-    b->data = wire_get_blob(in, MSG_MAX_CHUNK, &b->len);
-    msg_must(in, chunk_fits(b));
-}
-
-void
-msg_pack_have(struct wire_out *o, const struct msg_have *b)
-{
-    msg_put_hash(o, b->hash);
-}
-
-void
-msg_unpack_have(struct wire_in *in, struct msg_have *b, struct msg *m)
-{
-    (void)m;
-    b->hash = wire_get_view(in, MSG_HASH);
+    code_hash(c, &b->hash);
 }
