@@ -278,15 +278,18 @@ START_TEST(lines_are_base_lines_with_the_bar_above)
 }
 END_TEST
 
-/* The first of three are spread, then each goes on with what follows, and at
- * last helps in the middle of what is left of the topmost. */
+/* The first of three are some lines apart, then each goes on with what follows;
+ * one that comes upon another's lines begins below all, and when there is
+ * nothing below helps in the middle of what is left of the topmost. */
 START_TEST(scanbar_hands_out_single_lines)
 {
     static const struct {
         uint32_t worker, first, last;
-    } want[] = { { 0, 0, 2 },   { 1, 7, 8 },   { 2, 14, 15 }, { 1, 8, 9 },
-                 { 0, 2, 3 },   { 2, 15, 16 }, { 2, 16, 17 }, { 2, 17, 18 },
-                 { 2, 18, 19 }, { 2, 19, 20 }, { 2, 20, 21 }, { 2, 5, 6 } };
+    } want[] = { { 0, 0, 2 },   { 1, 4, 5 },   { 2, 8, 9 },   { 1, 5, 6 },
+                 { 0, 2, 3 },   { 2, 9, 10 },  { 0, 3, 4 },   { 2, 10, 11 },
+                 { 0, 12, 13 }, { 2, 11, 12 }, { 2, 16, 17 }, { 1, 6, 7 },
+                 { 2, 17, 18 }, { 1, 7, 8 },   { 1, 20, 21 }, { 2, 18, 19 },
+                 { 2, 19, 20 }, { 2, 14, 15 } };
     struct partition *p = lines(MSG_PART_SCANBAR, 1);
     uint32_t first, last, unit;
 
