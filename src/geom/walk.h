@@ -56,32 +56,16 @@ WALK(lead)(struct rad_walk *w, uint32_t i, double t)
     w->cut = behind < w->tmax ? behind : w->tmax;
 }
 
-static inline WALK_TARGET void
-WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
+/* along: what is passed does not end the walk. */
+static inline WALK_TARGET __attribute__((always_inline)) void
+WALK(leaf_hits)(struct rad_walk *w, uint32_t first, uint32_t count, bool along)
 {
     for (uint32_t i = first; i < first + count; i++) {
         double t;
 
         if (!WALK(meets)(w, i, RAD_MEET_NEAREST, &t))
             continue;
-        if (t > w->best ||
-            (t == w->best && w->prims[i].obj > w->prims[w->prim].obj))
-            w->tie = true;
-        else
-            WALK(lead)(w, i, t);
-    }
-}
-
-/* What is passed does not end the walk. */
-static inline WALK_TARGET void
-WALK(leaf_along)(struct rad_walk *w, uint32_t first, uint32_t count)
-{
-    for (uint32_t i = first; i < first + count; i++) {
-        double t;
-
-        if (!WALK(meets)(w, i, RAD_MEET_NEAREST, &t))
-            continue;
-        if (rad_line_passes(&w->prims[i], &w->probe))
+        if (along && rad_line_passes(&w->prims[i], &w->probe))
             w->cut = rad_least(rad_line_note(w, i, t), w->cut);
         else if (t > w->best ||
                  (t == w->best && w->prims[i].obj > w->prims[w->prim].obj))
@@ -89,6 +73,18 @@ WALK(leaf_along)(struct rad_walk *w, uint32_t first, uint32_t count)
         else
             WALK(lead)(w, i, t);
     }
+}
+
+static inline WALK_TARGET void
+WALK(leaf_nearest)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    WALK(leaf_hits)(w, first, count, false);
+}
+
+static inline WALK_TARGET void
+WALK(leaf_along)(struct rad_walk *w, uint32_t first, uint32_t count)
+{
+    WALK(leaf_hits)(w, first, count, true);
 }
 
 static inline WALK_TARGET void
