@@ -79,6 +79,18 @@ rad_hilbert_point(struct hilbert h, double t, double p[2])
     p[1] += size / 2;
 }
 
+int
+rad_bsdf_which(const struct xml_node *n, const char *kid,
+               const char *const name[], int nnames)
+{
+    const char *text = rad_xml_text(n, kid);
+
+    for (int i = 0; i < nnames; i++)
+        if (strcasecmp(text, name[i]) == 0)
+            return i;
+    return -1;
+}
+
 /* The file calls front what we call back. */
 int
 rad_bsdf_side(const struct xml_node *block)
@@ -87,12 +99,8 @@ rad_bsdf_side(const struct xml_node *block)
                                               "Reflection Front",
                                               "Transmission Back",
                                               "Transmission Front" };
-    const char *text = rad_xml_text(block, "WavelengthDataDirection");
 
-    for (int i = 0; i < NSIDES; i++)
-        if (strcasecmp(text, name[i]) == 0)
-            return i;
-    return -1;
+    return rad_bsdf_which(block, "WavelengthDataDirection", name, NSIDES);
 }
 
 static bool

@@ -83,6 +83,10 @@ int rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
 int rad_bsdf_read_trees(struct rad_bsdf *b, struct rad_arena *arena,
                         const struct xml_node *layer, struct rad_error *err);
 
+/* Which of the names the text of that kid of n is, in any case; or -1. */
+int rad_bsdf_which(const struct xml_node *n, const char *kid,
+                   const char *const name[], int nnames);
+
 /* The side that a data block of a file describes, or -1. */
 int rad_bsdf_side(const struct xml_node *block);
 

@@ -469,18 +469,6 @@ finish(struct bsdf_part *p, struct rad_arena *arena, double diffuse[3],
     return 0;
 }
 
-static int
-find_channel(const struct xml_node *wavelength)
-{
-    static const char *const name[NCHANNELS] = { "Visible", "CIE-X", "CIE-Z" };
-    const char *text = rad_xml_text(wavelength, "Wavelength");
-
-    for (int i = 0; i < NCHANNELS; i++)
-        if (strcasecmp(text, name[i]) == 0)
-            return i;
-    return -1;
-}
-
 int
 rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
                        const struct xml_node *layer, struct rad_error *err)
@@ -488,6 +476,8 @@ rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
     const char *structure = rad_xml_text(rad_xml_kid(layer, "DataDefinition"),
                                          "IncidentDataStructure");
     bool rows = strcasecmp(structure, "Rows") == 0;
+    static const char *const channels[NCHANNELS] = { "Visible", "CIE-X",
+                                                     "CIE-Z" };
     const struct xml_node *w = rad_xml_kid(layer, "WavelengthData");
     struct bases bases = { .n = 0 };
     int rc;
@@ -501,7 +491,7 @@ rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
     rc = read_bases(&bases, arena, layer, err);
     for (; w && rc == 0; w = rad_xml_next(w)) {
         const struct xml_node *block = rad_xml_kid(w, "WavelengthDataBlock");
-        int channel = find_channel(w);
+        int channel = rad_bsdf_which(w, "Wavelength", channels, NCHANNELS);
 
         for (; block && channel >= 0 && rc == 0; block = rad_xml_next(block))
             rc = read_block(b, arena, &bases, block, channel, rows, err);

@@ -570,24 +570,14 @@ finish(struct bsdf_part *p, struct rad_arena *arena, double diffuse[3],
     return rc;
 }
 
-static int
-find_channel(const struct xml_node *wavelength)
-{
-    static const char *const name[NCHANNELS] = { "Visible", "CIE-u", "CIE-v" };
-    const char *text = rad_xml_text(wavelength, "Wavelength");
-
-    for (int i = 0; i < NCHANNELS; i++)
-        if (strcasecmp(text, name[i]) == 0)
-            return i;
-    return -1;
-}
-
 int
 rad_bsdf_read_trees(struct rad_bsdf *b, struct rad_arena *arena,
                     const struct xml_node *layer, struct rad_error *err)
 {
     const char *structure = rad_xml_text(rad_xml_kid(layer, "DataDefinition"),
                                          "IncidentDataStructure");
+    static const char *const channels[NCHANNELS] = { "Visible", "CIE-u",
+                                                     "CIE-v" };
     const struct xml_node *w = rad_xml_kid(layer, "WavelengthData");
     int rank = strcasecmp(structure, "TensorTree3") == 0   ? 3
                : strcasecmp(structure, "TensorTree4") == 0 ? 4
@@ -600,7 +590,7 @@ rad_bsdf_read_trees(struct rad_bsdf *b, struct rad_arena *arena,
                         structure);
     for (; w && rc == 0; w = rad_xml_next(w)) {
         const struct xml_node *block = rad_xml_kid(w, "WavelengthDataBlock");
-        int channel = find_channel(w);
+        int channel = rad_bsdf_which(w, "Wavelength", channels, NCHANNELS);
 
         for (; block && channel >= 0 && rc == 0; block = rad_xml_next(block))
             rc = read_block(b, arena, block, channel, rank, err);
