@@ -36,14 +36,12 @@ rad_aniso_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     int n = o->type == RAD_TRANS2 ? 8 : 6;
-    int code = rad_material_reals(job, index, n, n, err);
-    struct aniso *m;
+    int code;
+    struct aniso *m =
+        rad_material_begin(job, index, n, n, sizeof *m, &code, err);
 
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->type = o->type;
     m->color =
         rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);

@@ -33,14 +33,12 @@ rad_ashik_prepare(struct rad_job *job, int32_t index,
                   struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int code = rad_material_reals(job, index, 8, 8, err);
-    struct ashik *m;
+    int code;
+    struct ashik *m =
+        rad_material_begin(job, index, 8, 8, sizeof *m, &code, err);
 
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->color =
         rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
     m->spec_color =

@@ -154,14 +154,12 @@ rad_brdf_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     int least = o->type == RAD_BRTDFUNC ? 9 : is_trans(o->type) ? 6 : 4;
-    int code = rad_material_reals(job, index, least, INT32_MAX, err);
-    struct brdf *m;
+    int code;
+    struct brdf *m =
+        rad_material_begin(job, index, least, INT32_MAX, sizeof *m, &code, err);
 
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->type = o->type;
     *data = m;
     if (o->type == RAD_BRTDFUNC)
@@ -178,7 +176,8 @@ look_up(struct brdf_hit *hit, double arg[5])
     double at[RAD_MAX_DATA_DIMS];
 
     for (int i = 0; i < rad_data_dims(hit->m->data); i++)
-        if (!rad_expr_call(hit->ctx, &hit->m->expr, hit->m->place[i], arg + 1, &at[i]))
+        if (!rad_expr_call(hit->ctx, &hit->m->expr, hit->m->place[i], arg + 1,
+                           &at[i]))
             return false;
     arg[0] = rad_data_value(hit->m->data, at);
     return true;
@@ -207,7 +206,8 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
             v[k] = 0;
         else if (same < k)
             v[k] = v[same];
-        else if (!rad_expr_call(hit->ctx, &m->expr, m->function[k], args, &v[k]))
+        else if (!rad_expr_call(hit->ctx, &m->expr, m->function[k], args,
+                                &v[k]))
             return false;
     }
     *f = rad_rgb((float)v[0], (float)v[1], (float)v[2]);

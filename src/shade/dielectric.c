@@ -56,15 +56,13 @@ rad_dielectric_prepare(struct rad_job *job, int32_t index,
     const struct rad_object *o = &job->scene->objects[index];
     bool interface = o->type == RAD_INTERFACE;
     int n = interface ? 8 : 5;
-    int code = rad_material_reals(job, index, n, n, err);
-    struct dielectric *m;
+    int code;
+    struct dielectric *m =
+        rad_material_begin(job, index, n, n, sizeof *m, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     rad_copy(m->in, o->reals);
     m->in_ext = extinction_rgb(m->in, rad_grey(1));
     m->interface = interface;

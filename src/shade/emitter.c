@@ -38,15 +38,13 @@ rad_emitter_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     int n = o->type == RAD_GLOW ? 4 : o->type == RAD_SPOTLIGHT ? 7 : 3;
-    int code = rad_material_reals(job, index, n, n, err);
-    struct rad_emitter *e;
+    int code;
+    struct rad_emitter *e =
+        rad_material_begin(job, index, n, n, sizeof *e, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    e = rad_arena_calloc(&job->arena, 1, sizeof *e);
     if (!e)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     e->type = o->type;
     e->L = rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
     e->radius = o->type == RAD_GLOW ? o->reals[3] : INFINITY;

@@ -29,15 +29,13 @@ rad_glass_prepare(struct rad_job *job, int32_t index,
                   struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int code = rad_material_reals(job, index, 3, 4, err);
-    struct glass *m;
+    int code;
+    struct glass *m =
+        rad_material_begin(job, index, 3, 4, sizeof *m, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     for (int i = 0; i < 3; i++) {
         m->clear |= o->reals[i] > LEAST_TRANSMISSIVITY;
         m->log_tn[i] = log(fmax(o->reals[i], LEAST_TRANSMISSIVITY));

@@ -213,6 +213,21 @@ rad_material_reals(const struct rad_job *job, int32_t index, int least,
     return 0;
 }
 
+void *
+rad_material_begin(struct rad_job *job, int32_t index, int least, int most,
+                   size_t size, int *code, struct rad_error *err)
+{
+    void *room;
+
+    *code = rad_material_reals(job, index, least, most, err);
+    if (*code < 0)
+        return NULL;
+    room = rad_arena_calloc(&job->arena, 1, size);
+    if (!room)
+        *code = rad_fail(err, RAD_ENOMEM, "out of memory");
+    return room;
+}
+
 int
 rad_material_file_fail(const struct rad_job *job, const struct rad_object *o,
                        const char *name, const struct rad_error *why,

@@ -49,6 +49,12 @@ struct rad_shader {
 int rad_material_reals(const struct rad_job *job, int32_t index, int least,
                        int most, struct rad_error *err);
 
+/* The same, and zeroed room for what its shader makes of it: NULL, and why in
+ * *code. */
+void *rad_material_begin(struct rad_job *job, int32_t index, int least,
+                         int most, size_t size, int *code,
+                         struct rad_error *err);
+
 /* The bytes of a file that object o names, malloc'd; what fails names o. */
 int rad_material_file(const struct rad_job *job, const struct rad_object *o,
                       const struct rad_files *files, const char *name,

@@ -48,15 +48,13 @@ rad_mirror_prepare(struct rad_job *job, int32_t index,
                    struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int code = rad_material_reals(job, index, 3, 3, err);
-    struct mirror *m;
+    int code;
+    struct mirror *m =
+        rad_material_begin(job, index, 3, 3, sizeof *m, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->color =
         rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
     *data = m;

@@ -52,15 +52,13 @@ rad_mist_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     const double *a = o->reals;
-    int code = rad_material_reals(job, index, 0, 7, err);
-    struct rad_mist *m;
+    int code;
+    struct rad_mist *m =
+        rad_material_begin(job, index, 0, 7, sizeof *m, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->has_ext = o->nreals >= 3;
     m->has_albedo = o->nreals >= 6;
     m->has_g = o->nreals >= 7;

@@ -53,15 +53,13 @@ rad_normal_prepare(struct rad_job *job, int32_t index,
 {
     const struct rad_object *o = &job->scene->objects[index];
     int n = o->type == RAD_TRANS ? 7 : 5;
-    int code = rad_material_reals(job, index, n, n, err);
-    struct normal *m;
+    int code;
+    struct normal *m =
+        rad_material_begin(job, index, n, n, sizeof *m, &code, err);
 
     (void)files;
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     m->type = o->type;
     m->color =
         rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);

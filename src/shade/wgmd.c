@@ -108,14 +108,12 @@ rad_wgmd_prepare(struct rad_job *job, int32_t index,
                  struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    int code = rad_material_reals(job, index, 9, INT32_MAX, err);
-    struct wgmd *m;
+    int code;
+    struct wgmd *m =
+        rad_material_begin(job, index, 9, INT32_MAX, sizeof *m, &code, err);
 
-    if (code < 0)
-        return code;
-    m = rad_arena_calloc(&job->arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return code;
     *data = m;
     code = rad_expr_prepare(job, o, files, 12, 0xeee, &m->expr, err);
     m->front = color_at(o, 0);
