@@ -301,6 +301,7 @@ static const struct {
 } bad[] = {
     { "brightfunc p 2 Px*( . 0 0", "", "expected a value, got the end" },
     { "brightfunc p 2 nope . 0 0", "", "undefined variable 'nope'" },
+    { "brightfunc p 2 red(nope,1,1) . 0 0", "", "undefined variable 'nope'" },
     { "brightfunc p 2 a other.cal 0 0", "", "other.cal" },
     { "brightfunc p 2 a lib/own.cal 0 0", "a = ;", "lib/own.cal:1" },
     { "brightfunc p 2 a lib/own.cal 0 0", "b = 1;\na = c;", "lib/own.cal:2" },
@@ -317,6 +318,7 @@ static const struct {
       "missing real argument 2" },
     { "brightfunc p 2 c(1) lib/own.cal 0 0", "c(x,y)=x*y;",
       "too few arguments for c`lib_own()" },
+    { "brightfunc p 2 green(1) . 0 0", "", "too few arguments for green()" },
 };
 
 /* Arguments that functions may do without. */
@@ -326,6 +328,8 @@ static const struct {
     { "if(AC-1.5,A2,.5)", "" },      { "select(A1,.5,A2)", "" },
     { "a", "a=c(A2,1); c(x,y)=y;" }, { "a", "a=if(1-A1,1,arg(7)); c(x,y)=x;" },
     { "c(1)", "c(x,y)=if(x,x,y);" }, { "arg(AC)", "" },
+    { "red(A1)", "" },               { "red(A1,nope,A9)", "" },
+    { "clip_g(nope(1),1,1/0)", "" },
 };
 
 START_TEST(an_argument_that_may_be_left_out_is_not_missed)

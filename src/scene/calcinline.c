@@ -8,7 +8,9 @@
  * an argument that is used once may be anything, for it is evaluated where it
  * would have been; one that is used more often must be cheap, and have no fault
  * of its own: a variable tells of one only when it is first evaluated, as an
- * argument does. */
+ * argument does.  One that is not used at all is gone, as is whatever is wrong
+ * with it: red(1, nope, 1) is 1 in Radiance, too, which evaluates no argument
+ * before it is asked for. */
 #include "config.h"
 
 #include "scene/calcimpl.h"
