@@ -260,6 +260,29 @@ START_TEST(eye_in_a_mist_with_sources_sees_them)
 }
 END_TEST
 
+/* Its boundary is another surface as well, first or second in a mixture: of
+ * either part the medium of the scene takes what it takes once, and the mist
+ * that of its own. */
+START_TEST(mixture_is_left_from_inside_by_parts)
+{
+    char scene[512];
+    struct world w;
+
+    snprintf(scene, sizeof scene,
+             "void light l 0 0 3 1e-9 1e-9 1e-9\nl sphere b 0 0 4 2 0 4 .1\n"
+             "void glow bright 0 0 4 7 7 7 0\n"
+             "bright ring wall 0 0 8 0 0 -20 0 0 1 0 99\n"
+             "void mist fog 1 b 0 3 .1 .1 .1\n"
+             "void plastic paint 0 0 5 .5 .5 .5 0 0\n"
+             "void mixfunc both 4 %s . 0 0\nboth sphere s 0 0 4 0 0 4 8\n",
+             _i == 0 ? "fog paint .25" : "paint fog .75");
+    world_open(&w, scene, "-me .01 .01 .01 -av 1 1 1");
+    near(down(&w, 0, 8),
+         .25 * 7 * exp(-.01 * 28 - .1 * 12) + .75 * .5 * exp(-.01 * 12));
+    world_close(&w);
+}
+END_TEST
+
 /* Which lamp lights the mist, by its colour. */
 static const struct {
     const char *names, *options;
@@ -445,6 +468,7 @@ main(void)
     tcase_add_loop_test(tc, source_is_scattered_into_the_ray, 0,
                         N_ELEM(scattering));
     tcase_add_test(tc, eye_in_a_mist_with_sources_sees_them);
+    tcase_add_loop_test(tc, mixture_is_left_from_inside_by_parts, 0, 2);
     tcase_add_loop_test(tc, names_say_which_sources_light_it, 0, N_ELEM(named));
     tcase_add_loop_test(tc, samples_are_as_far_apart_as_asked, 0,
                         N_ELEM(spacing));

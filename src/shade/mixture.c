@@ -83,6 +83,19 @@ shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod, bool second)
     return true;
 }
 
+/* A mist that a ray leaves from inside has charged its part for the way there
+ * already (mist.c), and r will not be charged for both: do so for the other. */
+static void
+charge_alike(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *back)
+{
+    bool charged = rad_rgb_black(r->ext);
+
+    if (charged == rad_rgb_black(back->ext))
+        return;
+    rad_ray_absorb(ctx, charged ? back : r);
+    r->ext = rad_grey(0);
+}
+
 /* A ray is some 400 bytes, and r serves as its own first part. */
 bool
 rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
@@ -110,6 +123,7 @@ rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
     r->pattern = mix(r->pattern, back.pattern, t);
     if (!fore_mat && !back_mat)
         return false;
+    charge_alike(ctx, r, &back);
     mix_light(r, &back, t);
     return true;
 }
