@@ -81,14 +81,31 @@ void
 actions_send_bytes(struct action_list *l, uint64_t conn, const uint8_t *bytes,
                    size_t len)
 {
-    uint8_t *copy = rad_arena_dup(&l->mem, bytes, len);
-    struct action *a = copy ? actions_add(l, ACT_SEND, conn) : NULL;
+    uint8_t *copy = actions_keep(l, bytes, len);
 
-    if (!a) {
+    if (copy)
+        actions_send_kept(l, conn, copy, len);
+}
+
+uint8_t *
+actions_keep(struct action_list *l, const uint8_t *bytes, size_t len)
+{
+    uint8_t *copy = rad_arena_dup(&l->mem, bytes, len);
+
+    if (!copy)
         l->failed = true;
+    return copy;
+}
+
+void
+actions_send_kept(struct action_list *l, uint64_t conn, const uint8_t *kept,
+                  size_t len)
+{
+    struct action *a = actions_add(l, ACT_SEND, conn);
+
+    if (!a)
         return;
-    }
-    a->bytes = copy;
+    a->bytes = kept;
     a->len = len;
 }
 

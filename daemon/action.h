@@ -148,6 +148,11 @@ void actions_send(struct action_list *l, uint64_t conn, const struct msg *m);
 /* ACT_SEND of bytes that are a whole frame already (copied). */
 void actions_send_bytes(struct action_list *l, uint64_t conn,
                         const uint8_t *bytes, size_t len);
+/* The same for several connections without a copy for each: keep the bytes
+ * first.  NULL: memory is out, and l->failed is set. */
+uint8_t *actions_keep(struct action_list *l, const uint8_t *bytes, size_t len);
+void actions_send_kept(struct action_list *l, uint64_t conn,
+                       const uint8_t *kept, size_t len);
 
 void actions_session(struct action_list *l, uint64_t conn,
                      enum msg_session session, unsigned version);

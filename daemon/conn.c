@@ -27,6 +27,10 @@
  * so many bytes: a call of the system costs more than they do. */
 #define CORK_BYTES (8u << 10)
 
+/* Of what the socket took at once the owner hears with the next event of the
+ * connection's, unless it is more than this, which somebody may wait for. */
+#define OWED_BYTES (64u << 10)
+
 /* Messages on their way out; owns its bytes until they are written. */
 struct out {
     uv_write_t req;
@@ -44,8 +48,10 @@ struct conn {
     uv_timer_t timer;
     uv_prepare_t before; /* the loop waits; and after it did: while there is */
     uv_check_t after;
-    struct out *cork; /* with room for CORK_BYTES; NULL: nothing waits */
-    int handles;      /* still to be closed before c may go */
+    uint8_t *cork; /* room for CORK_BYTES; NULL: there was no need yet */
+    size_t corked; /* bytes there that wait */
+    size_t owed;   /* bytes that the owner is to be told were written */
+    int handles;   /* still to be closed before c may go */
     const struct conn_handler *handler;
     void *arg;
     struct frame_reader reader;
@@ -136,6 +142,7 @@ handle_closed(uv_handle_t *h)
     msg_release(&c->in);
     tls_free(c->tls);
     free(c->plain);
+    free(c->cork);
     free(c->stream);
     free(c);
 }
@@ -234,17 +241,71 @@ seal_out(struct conn *c, struct out *o)
     return write_out(c, sealed);
 }
 
+/* Room for what is corked as it goes over the wire. */
+struct wire_form {
+    uint8_t bytes[CORK_BYTES + (1u << 10)];
+};
+
+/* Seal what is corked: how many bytes come of it. */
+static long
+seal_cork(struct conn *c, struct wire_form *to)
+{
+    struct rad_error err = { 0 };
+    long n;
+
+    assert(tls_room(c->corked) <= sizeof to->bytes);
+    n = tls_seal_into(c->tls, c->cork, c->corked, to->bytes, &err);
+    if (n >= 0)
+        return n;
+    /* half of it may be in the session */
+    log_err("messages not sent peer=%s: %s", c->peer, err.what);
+    return UV_EPROTO;
+}
+
+/* Write what the socket takes now, which nearly always is all: that takes
+ * neither memory nor another turn of the loop.  The rest is queued, and so is
+ * all where there is an error, of which libuv tells then. */
+static int
+write_now(struct conn *c, const uint8_t *p, size_t n, size_t count)
+{
+    uv_buf_t buf = uv_buf_init((char *)p, (unsigned)n);
+    int rc = c->owed < OWED_BYTES ? uv_try_write(&c->stream->stream, &buf, 1)
+                                  : UV_EAGAIN;
+    size_t did = rc > 0 ? (size_t)rc : 0;
+    struct out *o = did < n ? malloc(sizeof *o + n - did) : NULL;
+
+    if (o) {
+        memcpy(o->bytes, p + did, n - did);
+        o->len = n - did;
+        o->count = count;
+        return write_out(c, o);
+    }
+    c->queued -= count;
+    if (did < n)
+        return UV_ENOMEM;
+    c->owed += count;
+    if (c->choked)
+        c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
+    return 0;
+}
+
 static int
 uncork(struct conn *c)
 {
-    struct out *o = c->cork;
+    size_t count = c->corked;
+    struct wire_form sealed;
+    long n;
 
-    if (!o)
+    if (count == 0)
         return 0;
-    c->cork = NULL;
+    n = c->tls ? seal_cork(c, &sealed) : (long)count;
+    c->corked = 0;
     uv_prepare_stop(&c->before);
-    uv_check_stop(&c->after);
-    return seal_out(c, o);
+    if (n < 0) {
+        c->queued -= count;
+        return (int)n;
+    }
+    return write_now(c, c->tls ? sealed.bytes : c->cork, (size_t)n, count);
 }
 
 static void
@@ -256,37 +317,86 @@ uncork_or_break(struct conn *c)
         conn_break(c, uv_strerror(rc));
 }
 
+/* The turn of the loop is over. */
+static void
+end_turn(struct conn *c)
+{
+    uncork_or_break(c);
+    if (c->finishing && c->queued == 0)
+        conn_close(c);
+}
+
 static void
 before_waiting(uv_prepare_t *h)
 {
-    uncork_or_break(h->data);
+    end_turn(h->data);
+}
+
+/* Tell the owner of what was written at once. */
+static void
+settle(struct conn *c)
+{
+    size_t n = c->owed;
+
+    c->owed = 0;
+    if (c->corked == 0)
+        uv_check_stop(&c->after);
+    if (n == 0 || c->finishing)
+        return;
+    if (c->handler->written)
+        c->handler->written(c->arg, c, n);
+    if (!c->closing && c->choked && c->queued < ANSWERS_LOW)
+        unchoke(c);
 }
 
 static void
 after_waiting(uv_check_t *h)
 {
-    uncork_or_break(h->data);
+    struct conn *c = h->data;
+
+    end_turn(c);
+    if (!c->closing)
+        settle(c);
 }
 
-/* Room for a message: a cork that is begun now, or its own; NULL: there is
- * none. */
-static struct out *
-new_out(struct conn *c, size_t len)
+/* Room for len bytes that wait for others of this turn; NULL: there is none. */
+static uint8_t *
+cork_room(struct conn *c, size_t len)
 {
-    bool large = len > CORK_BYTES;
-    struct out *o = malloc(sizeof *o + (large ? len : CORK_BYTES));
-
-    if (!o) {
-        log_err("message not sent peer=%s: out of memory", c->peer);
+    if (!c->cork && !(c->cork = malloc(CORK_BYTES)))
         return NULL;
-    }
-    o->len = 0;
-    if (!large) {
-        c->cork = o;
+    if (c->corked == 0) {
         uv_prepare_start(&c->before, before_waiting);
         uv_check_start(&c->after, after_waiting);
     }
-    return o;
+    c->corked += len;
+    return c->cork + c->corked - len;
+}
+
+/* One that goes by itself. */
+static int
+queue_alone(struct conn *c, const uint8_t *bytes, size_t len)
+{
+    struct out *o = malloc(sizeof *o + len);
+
+    if (!o)
+        return UV_ENOMEM;
+    memcpy(o->bytes, bytes, len);
+    o->len = len;
+    c->queued += len;
+    return seal_out(c, o);
+}
+
+static int
+queue_corked(struct conn *c, const uint8_t *bytes, size_t len)
+{
+    uint8_t *to = cork_room(c, len);
+
+    if (!to)
+        return UV_ENOMEM;
+    memcpy(to, bytes, len);
+    c->queued += len;
+    return 0;
 }
 
 /* Queue bytes that the other side understands.  Where there is no memory for
@@ -295,27 +405,17 @@ new_out(struct conn *c, size_t len)
 static bool
 queue(struct conn *c, const uint8_t *bytes, size_t len)
 {
-    struct out *o = c->cork;
-    int rc = 0;
+    int rc = len > CORK_BYTES - c->corked ? uncork(c) : 0;
 
-    if (o && len > CORK_BYTES - o->len) {
-        rc = uncork(c);
-        o = NULL;
-    }
-    if (rc == 0) {
-        if (!o && !(o = new_out(c, len))) {
-            rc = UV_ENOMEM;
-        } else {
-            memcpy(o->bytes + o->len, bytes, len);
-            o->len += len;
-            c->queued += len;
-            c->bytes_out += len;
-            if (o != c->cork)
-                rc = seal_out(c, o);
-        }
-    }
+    if (rc == 0)
+        rc = len > CORK_BYTES ? queue_alone(c, bytes, len)
+                              : queue_corked(c, bytes, len);
+    if (rc == UV_ENOMEM)
+        log_err("message not sent peer=%s: out of memory", c->peer);
     if (rc < 0)
         conn_break(c, uv_strerror(rc));
+    else
+        c->bytes_out += len;
     return rc == 0;
 }
 

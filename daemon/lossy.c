@@ -57,6 +57,15 @@ lossy_put(struct lossy *q, const uint8_t *bytes, size_t len)
     }
 }
 
+bool
+lossy_pass(struct lossy *q, size_t len)
+{
+    if (q->head || q->outstanding >= LOSSY_WINDOW)
+        return false;
+    q->outstanding += len;
+    return true;
+}
+
 struct lossy_frame *
 lossy_take(struct lossy *q)
 {

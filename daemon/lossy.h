@@ -7,6 +7,7 @@
 #ifndef DAEMON_LOSSY_H
 #define DAEMON_LOSSY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -31,6 +32,10 @@ void lossy_release(struct lossy *q);
 
 /* Queue a copy; a frame that there is no memory for counts as dropped. */
 void lossy_put(struct lossy *q, const uint8_t *bytes, size_t len);
+
+/* May a frame of that length go out now, past the queue?  Then it counts as
+ * outstanding. */
+bool lossy_pass(struct lossy *q, size_t len);
 
 /* The next frame that may go out now, or NULL; the caller frees it.  It counts
  * as outstanding. */

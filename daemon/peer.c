@@ -81,6 +81,24 @@ pump(struct worker *w, uint64_t conn, struct lossy *q)
     }
 }
 
+/* A frame of records for one connection, or for several: *kept is NULL for the
+ * first, and freed by nobody.  What can go now is copied once for all. */
+static void
+pass_on(struct worker *w, uint64_t conn, struct lossy *q, uint8_t **kept)
+{
+    const struct wire_out *frame = &w->actions.scratch;
+
+    if (!lossy_pass(q, frame->len)) {
+        lossy_put(q, frame->buf, frame->len);
+        pump(w, conn, q);
+        return;
+    }
+    if (!*kept)
+        *kept = actions_keep(&w->actions, frame->buf, frame->len);
+    if (*kept)
+        actions_send_kept(&w->actions, conn, *kept, frame->len);
+}
+
 /* --- linking --- */
 
 static void
@@ -293,16 +311,15 @@ receive(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct wire_out *out = &w->actions.scratch;
     struct msg pass = { .type = MSG_AMBIENT, .ambient = m->ambient };
+    uint8_t *kept = NULL;
 
     job->bytes_in += m->ambient.len;
     if (job->child == 0 || job->state != WJOB_READY)
         return;
     pass.ambient.to = 0;
     out->len = 0;
-    if (msg_pack(out, &pass) != 0)
-        return;
-    lossy_put(&job->to_child, out->buf, out->len);
-    pump(w, job->child, &job->to_child);
+    if (msg_pack(out, &pass) == 0)
+        pass_on(w, job->child, &job->to_child, &kept);
 }
 
 /* A base line from a peer, for the child; false: it can be none. */
@@ -365,17 +382,17 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
 {
     struct wire_out *out = &w->actions.scratch;
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
+    uint8_t *kept = NULL;
 
     pass.ambient.to = 0;
+    out->len = 0;
+    if (!job->peers || msg_pack(out, &pass) != 0)
+        return;
     for (struct wpeer *p = job->peers; p; p = p->next) {
         if (p->state != PEER_LINKED || (m->to != 0 && m->to != p->id))
             continue;
-        out->len = 0;
-        if (msg_pack(out, &pass) != 0)
-            return;
         job->bytes_out += out->len;
-        lossy_put(&p->queue, out->buf, out->len);
-        pump(w, p->conn, &p->queue);
+        pass_on(w, p->conn, &p->queue, &kept);
     }
 }
 

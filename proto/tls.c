@@ -461,29 +461,42 @@ append_out(struct tls *t, uint8_t *to, size_t *at, size_t room)
     return true;
 }
 
+long
+tls_seal_into(struct tls *t, const void *p, size_t len, uint8_t *to,
+              struct rad_error *err)
+{
+    size_t room = tls_room(len), at = 0;
+    const uint8_t *from = p;
+
+    for (size_t piece; len > 0; from += piece, len -= piece) {
+        piece = len < TLS_PIECE ? len : TLS_PIECE;
+        if (tls_write(t, from, piece, err) != 0)
+            return RAD_EPROTO;
+        if (!append_out(t, to, &at, room))
+            return rad_fail(err, RAD_EINTERNAL,
+                            "more comes of it than there is room");
+    }
+    return (long)at;
+}
+
 void *
 tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
          struct rad_error *err)
 {
-    size_t room = tls_room(len), at = 0;
-    const uint8_t *from = p;
-    uint8_t *block = malloc(head + room);
+    uint8_t *block = malloc(head + tls_room(len));
+    long rc;
 
     *n = 0;
     if (!block) {
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    for (size_t piece; len > 0; from += piece, len -= piece) {
-        piece = len < TLS_PIECE ? len : TLS_PIECE;
-        if (tls_write(t, from, piece, err) == 0 &&
-            append_out(t, block + head, &at, room))
-            continue;
-        rad_fail(err, RAD_EINTERNAL, "more comes of it than there is room");
+    rc = tls_seal_into(t, p, len, block + head, err);
+    if (rc < 0) {
         free(block);
         return NULL;
     }
-    *n = at;
+    *n = (size_t)rc;
     return block;
 }
 

@@ -78,6 +78,10 @@ int tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err);
  * bytes that are the caller's: *n bytes, to be freed.  NULL on failure. */
 void *tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
                struct rad_error *err);
+/* The same into `to`, which has room for tls_room(len) bytes: how many, or
+ * negative. */
+long tls_seal_into(struct tls *t, const void *p, size_t len, uint8_t *to,
+                   struct rad_error *err);
 /* Say that nothing more comes. */
 void tls_end(struct tls *t);
 

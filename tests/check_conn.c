@@ -500,6 +500,61 @@ START_TEST(what_waits_is_counted_and_goes_out)
 }
 END_TEST
 
+/* So many as the socket takes are written at once, the others when it has room,
+ * and all in their order. */
+START_TEST(short_messages_go_out_in_order_and_are_counted)
+{
+    enum { MANY = 40000, SIZE = MSG_HEADER + 8 };
+    static uint8_t got[MANY * SIZE];
+    struct msg m = { .type = MSG_PING };
+    struct ends e;
+    size_t n = 0;
+
+    open_ends(&e, MSG_AT_PEER);
+    for (uint32_t i = 0; i < MANY; i++) {
+        m.request = i;
+        ck_assert(conn_send(e.conn, &m));
+        if (i % 97 == 0)
+            run(&e);
+    }
+    ck_assert_uint_gt(conn_queued(e.conn), 0);
+    ck_assert_uint_lt(e.written, sizeof got);
+    while (n < sizeof got) {
+        ssize_t more = read(e.fd, got + n, sizeof got - n);
+
+        n += more > 0 ? (size_t)more : 0;
+        run(&e);
+    }
+    for (uint32_t i = 0; i < MANY; i++) {
+        const uint8_t *r = got + i * SIZE + 8;
+
+        ck_assert_uint_eq(r[1] << 16 | r[2] << 8 | r[3], i);
+    }
+    ck_assert_uint_eq(conn_queued(e.conn), 0);
+    ck_assert_uint_eq(e.written, sizeof got);
+    close_ends(&e);
+}
+END_TEST
+
+/* Though nothing else happens that could wake the loop. */
+START_TEST(what_is_left_at_the_end_goes_out_at_once)
+{
+    struct msg m = { .type = MSG_PING };
+    struct ends e;
+    uint8_t got[64];
+
+    open_ends(&e, MSG_AT_PEER);
+    ck_assert(conn_send(e.conn, &m));
+    conn_finish(e.conn);
+    e.conn = NULL;
+    uv_run(&e.loop, UV_RUN_NOWAIT);
+    ck_assert_int_eq(read(e.fd, got, sizeof got), MSG_HEADER + 8);
+    ck_assert_int_eq(read(e.fd, got, sizeof got), 0);
+    ck_assert_int_eq(uv_loop_alive(&e.loop), 0);
+    close_ends(&e);
+}
+END_TEST
+
 /* Read what waits. */
 static void
 drain(struct ends *e)
@@ -609,6 +664,8 @@ main(void)
     tcase_add_test(tc, message_that_may_not_come_here_ends_it);
     tcase_add_loop_test(tc, random_bytes_only_end_it, 0, 256);
     tcase_add_test(tc, what_waits_is_counted_and_goes_out);
+    tcase_add_test(tc, short_messages_go_out_in_order_and_are_counted);
+    tcase_add_test(tc, what_is_left_at_the_end_goes_out_at_once);
     tcase_add_loop_test(tc, a_user_that_does_not_read_gets_no_more_records, 0,
                         N_ELEM(users));
     tcase_add_test(tc, finish_sends_what_waits_and_says_nothing);
