@@ -424,6 +424,50 @@ START_TEST(flux_is_exact_with_no_more_samples_than_rpict_takes)
 }
 END_TEST
 
+/* Where -ds asks for few parts of a lamp that is near, or for one, they have
+ * all of its flux: but for what the expansion of small ones leaves out. */
+START_TEST(few_parts_of_a_near_parallelogram_have_its_flux)
+{
+    static const double near[][3] = {
+        { 0, 0, 1.9 }, { .7, -.4, 1.5 }, { -.9, .9, 1.99 }, { 3, 1, 1.9 }
+    };
+    struct rad_source src;
+
+    make_light(&src, RAD_POLYGON, _i ? oblong : square, 12);
+    for (int k = 0; k < N_ELEM(near); k++)
+        for (double ds = .3; ds < 1e6; ds *= 2) {
+            double want = lambert(_i ? oblong : square, 4, near[k], up);
+            double got = irradiance(&src, near[k], up, ds, NULL);
+
+            ck_assert_msg(fabs(got - want) <= 1e-2 * want,
+                          "%g, not %g, at %d by -ds %g", got, want, k, ds);
+        }
+}
+END_TEST
+
+/* Next to the edge the outline's chords would be off, on either side of it. */
+START_TEST(disk_next_to_its_edge_has_its_flux)
+{
+    double a[8] = { 0, 0, 2, 0, 0, -1, _i ? .5 : 0, 1 };
+    struct rad_light_view view = { .sizerat = 10, .up = up };
+    struct rad_source src;
+
+    make_light(&src, RAD_RING, a, 8);
+    for (double q = .99; q < 1.01; q += .002) {
+        struct meter m = { .n = { 0, 0, 1 } };
+        double want = disk_irradiance(1, q, .002);
+
+        if (_i)
+            want -= disk_irradiance(.5, q, .002);
+        view.p[0] = q;
+        view.p[2] = 1.998;
+        rad_light_samples(&src, &view, measure, &m);
+        ck_assert_msg(fabs(m.E - want) <= 1e-3 * want, "%g, not %g, at %g", m.E,
+                      want, q);
+    }
+}
+END_TEST
+
 /* The middle of a ring with a hole is no place to aim at. */
 START_TEST(undivided_ring_is_aimed_at)
 {
@@ -867,6 +911,9 @@ make_suite(void)
     tcase_add_loop_test(tc, thick_cylinder_is_exact, 0, N_ELEM(thick));
     tcase_add_loop_test(tc, jitter_is_even_about_the_middle, 0,
                         N_ELEM(jittered));
+    tcase_add_loop_test(tc, few_parts_of_a_near_parallelogram_have_its_flux, 0,
+                        2);
+    tcase_add_loop_test(tc, disk_next_to_its_edge_has_its_flux, 0, 2);
     tcase_add_loop_test(tc, flux_is_exact_with_no_more_samples_than_rpict_takes,
                         0, N_ELEM(lamp));
     tcase_add_test(tc, undivided_ring_is_aimed_at);

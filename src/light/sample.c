@@ -485,7 +485,8 @@ exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
 /* --- patches across the horizon --- */
 
 /* Places on a sector's arc that its outline goes through, where it is cut: the
- * chords hold its area, so their flux is off by 1e-4 at most. */
+ * chords hold its area, so their flux is off by 1e-4 at most, but next to the
+ * arc. */
 enum { CHORDS = 24, MOST_CORNERS = 2 * (CHORDS + 1) };
 
 /* What of a patch is above the horizon. */
@@ -580,11 +581,29 @@ arc_corners(const struct walk *w, const struct patch *p, double radius,
     return CHORDS + 1;
 }
 
+/* Is the point next to a part of the circle of that radius that is above? */
+static bool
+is_next_to_risen(const struct walk *w, double radius)
+{
+    double c[3], near[3], q;
+
+    rad_sub(c, w->src->centre, w->view->p);
+    rad_madd(near, c, -rad_dot(c, w->src->normal), w->src->normal);
+    q = rad_normalize(near);
+    if (!(q > 0))
+        return false; /* it is as far from all of it */
+    rad_madd(near, c, -radius, near);
+    return rad_dot(near, near) < radius * radius / 16 &&
+           rad_dot(near, w->view->up) > 0;
+}
+
+/* Of a sector next to which the point is, the whole by its arcs without what
+ * chords say is below; else what they say is above. */
 static void
 rise_sector(struct risen *sum, const struct walk *w, const struct patch *p)
 {
     const double *up = w->view->up;
-    double v[MOST_CORNERS][3], middle[3];
+    double v[MOST_CORNERS][3], middle[3], down[3], sign = 1;
     int n = arc_corners(w, p, p->r1, -1, v);
 
     for (int i = 0; i < 8; i++) {
@@ -593,11 +612,18 @@ rise_sector(struct risen *sum, const struct walk *w, const struct patch *p)
         rad_sub(middle, middle, w->view->p);
         offer_aim(sum, up, middle);
     }
+    if (sum->height > 0 &&
+        (is_next_to_risen(w, p->r1) || is_next_to_risen(w, p->r0))) {
+        sector_flux(sum->F, w->view->p, w->src, p);
+        rad_scale(down, -1, up);
+        up = down;
+        sign = -1;
+    }
     if (p->delta >= M_PI) { /* two circles, each from a place to the same */
-        add_above(sum, up, v, n - 1, 1);
+        add_above(sum, up, v, n - 1, sign);
         if (p->r0 > 0) {
             n = arc_corners(w, p, p->r0, 1, v);
-            add_above(sum, up, v, n - 1, -1);
+            add_above(sum, up, v, n - 1, -sign);
         }
         return;
     }
@@ -607,7 +633,7 @@ rise_sector(struct risen *sum, const struct walk *w, const struct patch *p)
         rad_sub(v[n], w->src->centre, w->view->p);
         n++;
     }
-    add_above(sum, up, v, n, 1);
+    add_above(sum, up, v, n, sign);
 }
 
 /* The sample of a patch that may lie across the horizon: it aims at a place
