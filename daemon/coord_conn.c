@@ -73,6 +73,23 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
     sched_run(c);
 }
 
+/* Say that we close it.  Who is no worker yet, or never will be, can have that
+ * as often as it likes. */
+static void
+log_break(struct coord *c, const struct coord_conn *conn, const char *why)
+{
+    unsigned dropped = 0;
+
+    if (!conn->worker && !log_allowed(&c->breaks, c->now_ms, &dropped))
+        return;
+    if (dropped > 0)
+        actions_log(&c->actions, ACT_WARN,
+                    "connections closed and not logged n=%u", dropped);
+    actions_log(&c->actions, ACT_WARN,
+                "connection closed peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+}
+
 void
 coord_break(struct coord *c, uint64_t id, const char *why)
 {
@@ -80,9 +97,7 @@ coord_break(struct coord *c, uint64_t id, const char *why)
 
     if (!conn)
         return;
-    actions_log(&c->actions, ACT_WARN,
-                "connection closed peer=%s name=%s why=%s", conn->address,
-                conn->worker ? conn->worker->name : "", why);
+    log_break(c, conn, why);
     actions_session(&c->actions, id, MSG_NSESSION, conn->version);
     actions_close(&c->actions, id);
     drop_conn(c, conn);

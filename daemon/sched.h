@@ -21,6 +21,7 @@
 
 #include "coord.h"
 #include "job.h"
+#include "log.h"
 
 /* A worker that is, or was, connected. */
 struct coord_worker {
@@ -93,6 +94,7 @@ struct coord {
     uint64_t lease_ms;    /* a unit that is out for less is not late */
     bool stirred;         /* somebody may get something since sched_run() */
     struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
+    struct log_limit breaks; /* of lines about those that are no worker's */
 };
 
 /* Give units, and jobs to load, to every worker that has room. */

@@ -40,6 +40,7 @@ struct fixture {
     char nan_log[80];
     int differ_logs; /* of duplicates */
     int hang_logs;
+    int break_logs, unlogged; /* of connections that it closed */
     unsigned version[CONNS];
     int peers[CONNS]; /* JOB_PEERS that came */
     uint16_t peer_version[CONNS];
@@ -114,6 +115,9 @@ carry_out(struct fixture *f)
         if (l->v[i].type == ACT_LOG) {
             f->differ_logs += !!strstr(l->v[i].text, "duplicate differs");
             f->hang_logs += !!strstr(l->v[i].text, "worker hangs");
+            f->break_logs += !!strstr(l->v[i].text, "connection closed");
+            sscanf(l->v[i].text, "connections closed and not logged n=%d",
+                   &f->unlogged);
         }
     ck_assert(!l->failed);
     actions_clear(l);
@@ -830,6 +834,26 @@ START_TEST(a_silent_connection_goes_when_a_user_has_too_many)
 }
 END_TEST
 
+/* One that calls for ever does not fill the log; of workers each is said. */
+START_TEST(refused_connections_are_logged_some_at_a_time)
+{
+    const unsigned user = 1u << MSG_ROLE_USER, first = 10;
+    unsigned i;
+
+    for (i = 0; i < 286; i++)
+        call(first + i, user, "eve", true);
+    ck_assert(f.closed[first + 256] && f.closed[first + 285]);
+    ck_assert_int_eq(f.break_logs, 10);
+    join(&f, 7, MSG_ROLE_WORKER, "w", "x");
+    join(&f, 6, MSG_ROLE_WORKER, "w", "x");
+    ck_assert_int_eq(f.break_logs, 11);
+    wait_s(&f, 11);
+    call(first + i, user, "eve", true);
+    ck_assert_int_eq(f.break_logs, 12);
+    ck_assert_int_eq(f.unlogged, 20);
+}
+END_TEST
+
 static const struct {
     uint16_t min, max, spoken;
 } versions[] = { { 1, 1, 1 }, { 1, 2, 2 }, { 1, 9, 2 }, { 2, 2, 2 } };
@@ -1166,6 +1190,7 @@ main(void)
                         N_ELEM(hellos));
     tcase_add_test(tc, a_worker_that_calls_again_replaces_itself);
     tcase_add_test(tc, one_user_has_not_all_connections);
+    tcase_add_test(tc, refused_connections_are_logged_some_at_a_time);
     tcase_add_test(tc, a_silent_connection_goes_when_a_user_has_too_many);
     tcase_add_loop_test(tc, old_and_new_ones_are_welcome, 0, N_ELEM(versions));
     tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
