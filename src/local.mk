@@ -60,6 +60,8 @@ librad_a_SOURCES = \
 	src/light/hemisphere.h \
 	src/light/image.c \
 	src/light/image.h \
+	src/light/patch.c \
+	src/light/patch.h \
 	src/light/polytree.c \
 	src/light/polytree.h \
 	src/light/pretest.c \

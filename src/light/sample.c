@@ -22,7 +22,7 @@
 
 #include "light/sample.h"
 #include "light/contour.h"
-#include "light/polytree.h"
+#include "light/patch.h"
 #include "light/quad.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -33,15 +33,6 @@
  * second order is good for 3e-5 (the third order of a triangle grows with the
  * power 3/2). */
 #define FAR_VARIANCE 2e-4
-
-struct patch {
-    enum { TRIANGLE, SECTOR, LINE, GROUP } kind;
-    int budget;                      /* patches that may come of it */
-    double p[3], u[3], v[3];         /* LINE: centre and half-axis u; TRIANGLE:
-                                      * corner and sides */
-    double r0, r1, phi, delta;       /* SECTOR: radii; middle and half angle */
-    const struct rad_polytree *node; /* GROUP */
-};
 
 struct walk {
     const struct rad_source *src;
@@ -72,24 +63,12 @@ line_moments(struct rad_moments *m, const double c[3], const double u[3],
     m->area = 4 * radius * sqrt(rad_dot(u, u));
 }
 
-static void
-ring_point(const struct rad_source *src, double r, double phi, double p[3])
-{
-    double x = r * cos(phi), y = r * sin(phi);
-
-    /* the axes' length is that of the square that stands for the ring */
-    double s = 1 / sqrt(rad_dot(src->axis[0], src->axis[0]));
-
-    for (int k = 0; k < 3; k++)
-        p[k] = src->centre[k] + s * (x * src->axis[0][k] + y * src->axis[1][k]);
-}
-
 /* Part of a ring between two radii and two angles.  Along the middle angle the
  * centroid is at rc, and <r^2> = (r0^2 + r1^2) / 2 splits between the two
  * directions by the mean of cos^2 and sin^2. */
 static void
 sector_moments(struct rad_moments *m, const struct rad_source *src,
-               const struct patch *p)
+               const struct rad_patch *p)
 {
     double sinc = p->delta < M_PI ? sin(p->delta) / p->delta : 0;
     double cos2 = (1 + cos(p->delta) * sinc) / 2; /* sin 2d / 4d */
@@ -97,7 +76,7 @@ sector_moments(struct rad_moments *m, const struct rad_source *src,
     double rc = 2. / 3 * sinc * (p->r1 + p->r0 * p->r0 / (p->r1 + p->r0));
     double along[3], across[3];
 
-    ring_point(src, 1, p->phi, along);
+    rad_ring_point(src, 1, p->phi, along);
     rad_sub(along, along, src->centre);
     rad_cross(across, src->normal, along);
     rad_madd(m->c, src->centre, rc, along);
@@ -110,20 +89,20 @@ sector_moments(struct rad_moments *m, const struct rad_source *src,
 }
 
 static void
-patch_moments(const struct rad_source *src, const struct patch *p,
+patch_moments(const struct rad_source *src, const struct rad_patch *p,
               struct rad_moments *m)
 {
     switch (p->kind) {
-    case TRIANGLE:
+    case RAD_PATCH_TRIANGLE:
         rad_triangle_moments(m, p->p, p->u, p->v);
         break;
-    case SECTOR:
+    case RAD_PATCH_SECTOR:
         sector_moments(m, src, p);
         break;
-    case LINE:
+    case RAD_PATCH_LINE:
         line_moments(m, p->p, p->u, src->r1);
         break;
-    case GROUP:
+    case RAD_PATCH_GROUP:
         *m = p->node->m;
         break;
     }
@@ -132,7 +111,7 @@ patch_moments(const struct rad_source *src, const struct patch *p,
 /* --- cutting --- */
 
 static void
-split_triangle(const struct patch *p, struct patch half[2])
+split_triangle(const struct rad_patch *p, struct rad_patch half[2])
 {
     double side[3] = { rad_dot(p->u, p->u), rad_dot(p->v, p->v),
                        rad_dist2(p->u, p->v) };
@@ -160,7 +139,7 @@ split_triangle(const struct patch *p, struct patch half[2])
 }
 
 static void
-split_line(const struct patch *p, struct patch half[2])
+split_line(const struct rad_patch *p, struct rad_patch half[2])
 {
     for (int h = 0; h < 2; h++) {
         rad_scale(half[h].u, .5, half[h].u);
@@ -171,8 +150,8 @@ split_line(const struct patch *p, struct patch half[2])
 /* Across the longer axis; what goes about a hole only ever by angle, which ends
  * that, whatever rounding has made of two axes that are equal. */
 static void
-split_sector(const struct patch *p, const struct rad_moments *m,
-             struct patch half[2])
+split_sector(const struct rad_patch *p, const struct rad_moments *m,
+             struct rad_patch half[2])
 {
     if ((p->r0 > 0 && p->delta > 1) ||
         rad_dot(m->b, m->b) >= rad_dot(m->a, m->a)) {
@@ -185,13 +164,13 @@ split_sector(const struct patch *p, const struct rad_moments *m,
 }
 
 static void
-from_node(struct patch *p, const struct rad_polytree *node)
+from_node(struct rad_patch *p, const struct rad_polytree *node)
 {
     if (node->kid[0]) {
-        p->kind = GROUP;
+        p->kind = RAD_PATCH_GROUP;
         p->node = node;
     } else {
-        p->kind = TRIANGLE;
+        p->kind = RAD_PATCH_TRIANGLE;
         rad_copy(p->p, node->p0);
         rad_copy(p->u, node->e1);
         rad_copy(p->v, node->e2);
@@ -199,21 +178,22 @@ from_node(struct patch *p, const struct rad_polytree *node)
 }
 
 static void
-split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
+split(const struct rad_patch *p, const struct rad_moments *m,
+      struct rad_patch half[2])
 {
     half[0] = half[1] = *p;
     half[0].budget = half[1].budget = p->budget / 2;
     switch (p->kind) {
-    case TRIANGLE:
+    case RAD_PATCH_TRIANGLE:
         split_triangle(p, half);
         break;
-    case SECTOR:
+    case RAD_PATCH_SECTOR:
         split_sector(p, m, half);
         break;
-    case LINE:
+    case RAD_PATCH_LINE:
         split_line(p, half);
         break;
-    case GROUP:
+    case RAD_PATCH_GROUP:
         from_node(&half[0], p->node->kid[0]);
         from_node(&half[1], p->node->kid[1]);
         break;
@@ -224,12 +204,12 @@ split(const struct patch *p, const struct rad_moments *m, struct patch half[2])
  * rpict, by the square of the same area, for its flux is exact however large it
  * is. */
 static bool
-small_enough(const struct patch *p, const struct rad_moments *m,
+small_enough(const struct rad_patch *p, const struct rad_moments *m,
              const struct rad_light_view *view)
 {
     double d2 = rad_dist2(view->p, m->c);
 
-    if (p->kind != LINE)
+    if (p->kind != RAD_PATCH_LINE)
         return m->area <= view->sizerat * view->sizerat * d2;
     return rad_side_small_enough(rad_dot(m->a, m->a), rad_dot(m->b, m->b),
                                  rad_dot(m->a, m->b),
@@ -339,8 +319,8 @@ triangle_point(double d[3], const double p0[3], const double e1[3],
  * What is bent about a hole shrinks in radius and angle, or it would leave the
  * ring; all of a ring in radius alone. */
 static void
-sector_point(const struct walk *w, const struct patch *p, double s, double u,
-             double d[3])
+sector_point(const struct walk *w, const struct rad_patch *p, double s,
+             double u, double d[3])
 {
     double jit = w->view->jitter, r0 = p->r0 * p->r0, r1 = p->r1 * p->r1;
     struct rad_moments m;
@@ -350,8 +330,8 @@ sector_point(const struct walk *w, const struct patch *p, double s, double u,
         if (p->delta < M_PI)
             u = .5 + (u - .5) * jit;
     }
-    ring_point(w->src, sqrt(r0 + s * (r1 - r0)),
-               p->phi + (2 * u - 1) * p->delta, d);
+    rad_ring_point(w->src, sqrt(r0 + s * (r1 - r0)),
+                   p->phi + (2 * u - 1) * p->delta, d);
     if (p->r0 > 0)
         return;
     if (p->delta == M_PI)
@@ -363,26 +343,26 @@ sector_point(const struct walk *w, const struct patch *p, double s, double u,
 
 /* A random point of the patch, drawn toward its middle by 1 - jitter. */
 static void
-jittered_point(struct walk *w, const struct patch *p, double d[3])
+jittered_point(struct walk *w, const struct rad_patch *p, double d[3])
 {
     const struct rad_polytree *t = p->node;
     double jit = w->view->jitter, s = next_rand(w), u = next_rand(w), c[3];
 
     switch (p->kind) {
-    case SECTOR:
+    case RAD_PATCH_SECTOR:
         sector_point(w, p, s, u, d);
         break;
-    case LINE:
+    case RAD_PATCH_LINE:
         rad_madd(d, p->p, (2 * s - 1) * jit, p->u);
         break;
-    case TRIANGLE:
+    case RAD_PATCH_TRIANGLE:
         triangle_point(d, p->p, p->u, p->v, s, u);
         for (int k = 0; k < 3; k++) {
             c[k] = p->p[k] + (p->u[k] + p->v[k]) / 3;
             d[k] = c[k] + jit * (d[k] - c[k]);
         }
         break;
-    case GROUP:
+    case RAD_PATCH_GROUP:
         /* a triangle by its area; s is rescaled at each step down */
         while (t->kid[0]) {
             double f = t->kid[0]->m.area / t->m.area;
@@ -399,81 +379,18 @@ jittered_point(struct walk *w, const struct patch *p, double d[3])
     }
 }
 
-/* --- the flux of a patch, by its outline --- */
-
-static void
-triangle_flux(double F[3], const double view[3], const double p0[3],
-              const double e1[3], const double e2[3])
-{
-    double q[3][3];
-
-    rad_sub(q[0], p0, view);
-    rad_madd(q[1], q[0], 1, e1);
-    rad_madd(q[2], q[0], 1, e2);
-    for (int i = 0; i < 3; i++)
-        rad_contour_edge(F, q[i], q[(i + 1) % 3]);
-}
-
-static void
-group_flux(double F[3], const double view[3], const struct rad_polytree *t)
-{
-    if (!t->kid[0]) {
-        triangle_flux(F, view, t->p0, t->e1, t->e2);
-    } else {
-        group_flux(F, view, t->kid[0]);
-        group_flux(F, view, t->kid[1]);
-    }
-}
-
-/* The two straight sides of a sector are at its ends. */
-static void
-sector_flux(double F[3], const double view[3], const struct rad_source *src,
-            const struct patch *p)
-{
-    double c[3], middle[3];
-
-    rad_sub(c, src->centre, view);
-    if (p->delta >= M_PI) {
-        rad_contour_circle(F, c, src->normal, p->r1, 1);
-        if (p->r0 > 0)
-            rad_contour_circle(F, c, src->normal, p->r0, -1);
-        return;
-    }
-    ring_point(src, 1, p->phi, middle);
-    rad_sub(middle, middle, src->centre);
-    rad_normalize(middle);
-    rad_contour_arc(F, c, src->normal, p->r1, middle, p->delta, 1);
-    if (p->r0 > 0)
-        rad_contour_arc(F, c, src->normal, p->r0, middle, p->delta, -1);
-    for (int side = -1; side <= 1; side += 2) {
-        double in[3], out[3];
-
-        ring_point(src, p->r0, p->phi + side * p->delta, in);
-        ring_point(src, p->r1, p->phi + side * p->delta, out);
-        rad_sub(in, in, view);
-        rad_sub(out, out, view);
-        rad_contour_edge(F, side < 0 ? in : out, side < 0 ? out : in);
-    }
-}
-
 /* Set dir and omega; false: they must come from the moments. */
 static bool
-exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
-      const struct rad_moments *m)
+exact(struct rad_light_sample *s, const struct walk *w,
+      const struct rad_patch *p, const struct rad_moments *m)
 {
-    const double *view = w->view->p;
     double F[3] = { 0, 0, 0 }, to[3];
 
-    rad_sub(to, m->c, view);
+    rad_sub(to, m->c, w->view->p);
     if (rad_dot(m->a, m->a) + rad_dot(m->b, m->b) <
         FAR_VARIANCE * rad_dot(to, to))
         return false;
-    if (p->kind == TRIANGLE)
-        triangle_flux(F, view, p->p, p->u, p->v);
-    else if (p->kind == GROUP)
-        group_flux(F, view, p->node);
-    else
-        sector_flux(F, view, w->src, p);
+    rad_patch_flux(F, w->src, w->view->p, p);
     /* corners may go round the other way */
     if (rad_dot(F, to) < 0)
         rad_scale(F, -1, F);
@@ -482,186 +399,9 @@ exact(struct rad_light_sample *s, const struct walk *w, const struct patch *p,
     return s->omega > 0;
 }
 
-/* --- patches across the horizon --- */
-
-/* Places on a sector's arc that its outline goes through, where it is cut: the
- * chords hold its area, so their flux is off by 1e-4 at most, but next to the
- * arc. */
-enum { CHORDS = 24, MOST_CORNERS = 2 * (CHORDS + 1) };
-
-/* What of a patch is above the horizon. */
-struct risen {
-    double F[3];
-    double aim[3], height; /* the highest place that may be aimed at */
-    double middle[3];      /* in its stead, if that is below */
-};
-
-/* Add `sign` times the flux of what of a polygon is above: its corners are seen
- * from the point, and of n at most MOST_CORNERS. */
 static void
-add_above(struct risen *sum, const double up[3], double v[][3], int n,
-          double sign)
-{
-    double kept[2 * MOST_CORNERS][3], F[3] = { 0, 0, 0 }, to[3] = { 0, 0, 0 };
-    int k = 0;
-
-    for (int i = 0; i < n; i++) {
-        const double *a = v[i], *b = v[(i + 1) % n];
-        double ha = rad_dot(a, up), hb = rad_dot(b, up);
-
-        if (ha > 0)
-            rad_copy(kept[k++], a);
-        if ((ha > 0) != (hb > 0)) {
-            rad_sub(kept[k], b, a);
-            rad_madd(kept[k], a, ha / (ha - hb), kept[k]);
-            k++;
-        }
-    }
-    for (int i = 0; i < k; i++) {
-        rad_contour_edge(F, kept[i], kept[(i + 1) % k]);
-        rad_madd(to, to, 1, kept[i]);
-    }
-    if (sign > 0 && k > 0)
-        rad_scale(sum->middle, 1. / k, to);
-    rad_madd(sum->F, sum->F, rad_dot(F, to) < 0 ? -sign : sign, F);
-}
-
-/* May the place p, seen from the point, be aimed at rather than others? */
-static void
-offer_aim(struct risen *sum, const double up[3], const double p[3])
-{
-    double h = rad_dot(p, up);
-
-    if (h > sum->height) {
-        sum->height = h;
-        rad_copy(sum->aim, p);
-    }
-}
-
-static void
-rise_triangle(struct risen *sum, const struct rad_light_view *view,
-              const double p0[3], const double e1[3], const double e2[3])
-{
-    double v[3][3], near[3];
-
-    rad_sub(v[0], p0, view->p);
-    rad_madd(v[1], v[0], 1, e1);
-    rad_madd(v[2], v[0], 1, e2);
-    for (int i = 0; i < 3; i++) { /* next to each corner, inside */
-        for (int k = 0; k < 3; k++)
-            near[k] = (v[0][k] + v[1][k] + v[2][k] + 7 * v[i][k]) / 10;
-        offer_aim(sum, view->up, near);
-    }
-    add_above(sum, view->up, v, 3, 1);
-}
-
-static void
-rise_group(struct risen *sum, const struct rad_light_view *view,
-           const struct rad_polytree *t)
-{
-    if (!t->kid[0]) {
-        rise_triangle(sum, view, t->p0, t->e1, t->e2);
-    } else {
-        rise_group(sum, view, t->kid[0]);
-        rise_group(sum, view, t->kid[1]);
-    }
-}
-
-/* The corners of an arc in v, from side to side; returns their number. */
-static int
-arc_corners(const struct walk *w, const struct patch *p, double radius,
-            double side, double v[][3])
-{
-    double step = 2 * p->delta / CHORDS, r = radius * sqrt(step / sin(step));
-
-    for (int i = 0; i <= CHORDS; i++) {
-        ring_point(w->src, r, p->phi + side * (p->delta - i * step), v[i]);
-        rad_sub(v[i], v[i], w->view->p);
-    }
-    return CHORDS + 1;
-}
-
-/* Is the point next to a part of the circle of that radius that is above? */
-static bool
-is_next_to_risen(const struct walk *w, double radius)
-{
-    double c[3], near[3], q;
-
-    rad_sub(c, w->src->centre, w->view->p);
-    rad_madd(near, c, -rad_dot(c, w->src->normal), w->src->normal);
-    q = rad_normalize(near);
-    if (!(q > 0))
-        return false; /* it is as far from all of it */
-    rad_madd(near, c, -radius, near);
-    return rad_dot(near, near) < radius * radius / 16 &&
-           rad_dot(near, w->view->up) > 0;
-}
-
-/* Of a sector next to which the point is, the whole by its arcs without what
- * chords say is below; else what they say is above. */
-static void
-rise_sector(struct risen *sum, const struct walk *w, const struct patch *p)
-{
-    const double *up = w->view->up;
-    double v[MOST_CORNERS][3], middle[3], down[3], sign = 1;
-    int n = arc_corners(w, p, p->r1, -1, v);
-
-    for (int i = 0; i < 8; i++) {
-        ring_point(w->src, sqrt((p->r0 * p->r0 + p->r1 * p->r1) / 2),
-                   p->phi + (i - 3.5) / 4 * p->delta, middle);
-        rad_sub(middle, middle, w->view->p);
-        offer_aim(sum, up, middle);
-    }
-    if (sum->height > 0 &&
-        (is_next_to_risen(w, p->r1) || is_next_to_risen(w, p->r0))) {
-        sector_flux(sum->F, w->view->p, w->src, p);
-        rad_scale(down, -1, up);
-        up = down;
-        sign = -1;
-    }
-    if (p->delta >= M_PI) { /* two circles, each from a place to the same */
-        add_above(sum, up, v, n - 1, sign);
-        if (p->r0 > 0) {
-            n = arc_corners(w, p, p->r0, 1, v);
-            add_above(sum, up, v, n - 1, -sign);
-        }
-        return;
-    }
-    if (p->r0 > 0) {
-        n += arc_corners(w, p, p->r0, 1, v + n);
-    } else {
-        rad_sub(v[n], w->src->centre, w->view->p);
-        n++;
-    }
-    add_above(sum, up, v, n, sign);
-}
-
-/* The sample of a patch that may lie across the horizon: it aims at a place
- * above, and has the flux of what is there.  Parallelograms have all of their
- * flux while their middle is above, as in rpict. */
-static void
-risen_sample(struct walk *w, const struct patch *p)
-{
-    struct risen sum = { .height = 0 };
-    struct rad_light_sample s;
-
-    if (p->kind == TRIANGLE)
-        rise_triangle(&sum, w->view, p->p, p->u, p->v);
-    else if (p->kind == GROUP)
-        rise_group(&sum, w->view, p->node);
-    else
-        rise_sector(&sum, w, p);
-    s.omega = rad_normalize(sum.F);
-    if (!(s.omega > 0))
-        return;
-    rad_copy(s.aim, sum.height > 0 ? sum.aim : sum.middle);
-    s.dist = rad_normalize(s.aim);
-    rad_copy(s.dir, sum.F);
-    put(w, &s);
-}
-
-static void
-flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
+flat_sample(struct walk *w, const struct rad_patch *p,
+            const struct rad_moments *m)
 {
     const struct rad_light_view *view = w->view;
     struct rad_light_sample s;
@@ -671,7 +411,8 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
     double k = -rad_dot(w->src->normal, to) * m->area;
 
     if (view->up && view->sizerat > 0 && !(view->jitter > 0)) {
-        risen_sample(w, p);
+        if (rad_patch_risen(&s, w->src, view, p))
+            put(w, &s);
         return;
     }
     if (view->jitter > 0) {
@@ -684,7 +425,7 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
         if (view->sizerat > 0) {
             if (!exact(&s, w, p, m))
                 second_order(&s, view, m, k);
-        } else if (p->kind == SECTOR && p->r0 > 0) {
+        } else if (p->kind == RAD_PATCH_SECTOR && p->r0 > 0) {
             /* the middle is the hole's, and cannot be aimed at */
             double d2 = rad_dot(to, to);
 
@@ -702,7 +443,7 @@ flat_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
  * enough to do without. */
 static bool
 line_flux(struct rad_light_sample *s, const struct walk *w,
-          const struct patch *p, const double axis[3], const double perp[3],
+          const struct rad_patch *p, const double axis[3], const double perp[3],
           double h)
 {
     const double *view = w->view->p;
@@ -736,7 +477,8 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
 
 /* A stretch of cylinder: a strip through its axis that faces the point. */
 static void
-line_sample(struct walk *w, const struct patch *p, const struct rad_moments *m)
+line_sample(struct walk *w, const struct rad_patch *p,
+            const struct rad_moments *m)
 {
     const struct rad_light_view *view = w->view;
     const struct rad_source *src = w->src;
@@ -786,10 +528,10 @@ visit_quad(struct walk *w)
 
 /* The other shapes. */
 static void
-visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
+visit(struct walk *w, const struct rad_patch *p, const struct rad_moments *m)
 {
     if (w->view->sizerat > 0 && p->budget > 1 && !small_enough(p, m, w->view)) {
-        struct patch half[2];
+        struct rad_patch half[2];
         struct rad_moments hm;
 
         split(p, m, half);
@@ -797,7 +539,7 @@ visit(struct walk *w, const struct patch *p, const struct rad_moments *m)
             patch_moments(w->src, &half[h], &hm);
             visit(w, &half[h], &hm);
         }
-    } else if (p->kind == LINE) {
+    } else if (p->kind == RAD_PATCH_LINE) {
         line_sample(w, p, m);
     } else {
         flat_sample(w, p, m);
@@ -888,19 +630,19 @@ distant_sample(struct walk *w)
 }
 
 static void
-root_patch(const struct rad_source *src, struct patch *p)
+root_patch(const struct rad_source *src, struct rad_patch *p)
 {
     memset(p, 0, sizeof *p);
     p->budget = RAD_LIGHT_PATCHES;
     if (src->tree) {
         from_node(p, src->tree);
     } else if (src->shape == RAD_RING) {
-        p->kind = SECTOR;
+        p->kind = RAD_PATCH_SECTOR;
         p->r0 = src->r0;
         p->r1 = src->r1;
         p->delta = M_PI;
     } else {
-        p->kind = LINE;
+        p->kind = RAD_PATCH_LINE;
         rad_copy(p->p, src->centre);
         rad_copy(p->u, src->axis[0]);
     }
@@ -963,7 +705,7 @@ rad_light_samples_within(const struct rad_source *src,
                          void *arg)
 {
     struct walk w = { src, view, fn, arg, 0 };
-    struct patch root;
+    struct rad_patch root;
 
     if (src->flags & RAD_LIGHT_DISTANT) {
         distant_sample(&w);
