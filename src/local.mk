@@ -111,6 +111,8 @@ librad_a_SOURCES = \
 	src/scene/bsdfimpl.h \
 	src/scene/bsdfmatrix.c \
 	src/scene/bsdftree.c \
+	src/scene/bsdftree.h \
+	src/scene/bsdftreeread.c \
 	src/scene/bsdfxml.c \
 	src/scene/bundle.c \
 	src/scene/bundle.h \
