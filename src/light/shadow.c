@@ -235,8 +235,7 @@ source_radiance(const struct direct *d, const struct potential *p,
     if (p->source < s->n && s->list[p->source].flags & RAD_LIGHT_PLAIN)
         src = &s->list[p->source];
     if (rad_rgb_black(d->r->ext)) {
-        const struct rad_virtual *v =
-            p->source < s->n ? NULL : &s->virtuals[p->source - s->n];
+        const struct rad_virtual *v = rad_source_virtual(s, p->source);
 
         if (src)
             return src->L;
@@ -327,6 +326,21 @@ see_beyond(const struct direct *d, struct potential *p)
     return p->source < d->ctx->job->sources->n || see_in_mirror(d, p);
 }
 
+/* Let a shadow ray, which meets what hit and line say, go through that and on
+ * to its source. */
+static void
+go_through(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit,
+           const struct rad_line *line)
+{
+    sr->hit = *hit;
+    sr->line = line;
+    sr->line_at = 1;
+    rad_ray_enter(sr);
+    rad_ray_continue(ctx, sr);
+    rad_ray_absorb(ctx, sr);
+    sr->line = NULL;
+}
+
 /* Follow the shadow ray of p through what is not opaque, first at hit; false:
  * no light arrives.  Sets p->val to what does. */
 static bool
@@ -357,12 +371,7 @@ see_through(const struct direct *d, struct potential *p,
     }
     if (!start_ray(d, p, &sr))
         return false;
-    sr.hit = *hit;
-    sr.line = line;
-    sr.line_at = 1;
-    rad_ray_enter(&sr);
-    rad_ray_continue(d->ctx, &sr);
-    rad_ray_absorb(d->ctx, &sr);
+    go_through(d->ctx, &sr, hit, line);
     p->val = rad_rgb_mul(sr.L, p->coef);
     return rad_rgb_lum(p->val) > 0;
 }
@@ -410,13 +419,7 @@ is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
     case RAD_SIGHT_VEILED:
         if (hit.obj == target)
             return true;
-        r->hit = hit;
-        r->line = &line;
-        r->line_at = 1;
-        rad_ray_enter(r);
-        rad_ray_continue(ctx, r);
-        rad_ray_absorb(ctx, r);
-        r->line = NULL;
+        go_through(ctx, r, &hit, &line);
         return false;
     default:
         return true;
@@ -675,13 +678,12 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
                 rad_brdf_fn *brdf, void *data)
 {
     const struct rad_sources *s = ctx->job->sources;
-    const struct rad_virtual *v =
-        source < s->n ? NULL : &s->virtuals[source - s->n];
+    const struct rad_virtual *v = rad_source_virtual(s, source);
     struct rad_light_view view = { .jitter = ctx->job->params.srcjitter };
     struct rad_arena_mark mark;
     struct direct d;
 
-    if (s->list[v ? v->root : source].flags & RAD_LIGHT_SKIP)
+    if (rad_source_root(s, source)->flags & RAD_LIGHT_SKIP)
         return;
     begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);

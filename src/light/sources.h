@@ -47,6 +47,13 @@ rad_source_target(const struct rad_sources *s, int32_t i)
     return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
 }
 
+/* Is i a distant source, and no image of one? */
+static inline bool
+rad_source_distant(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n && s->list[i].flags & RAD_LIGHT_DISTANT;
+}
+
 /* Image i; NULL: it is a source. */
 static inline const struct rad_virtual *
 rad_source_virtual(const struct rad_sources *s, int32_t i)

@@ -10,12 +10,6 @@
 
 #include "light/sources.h"
 
-static inline bool
-rad_source_distant(const struct rad_sources *s, int32_t source)
-{
-    return source < s->n && s->list[source].flags & RAD_LIGHT_DISTANT;
-}
-
 /* Aim a span from a hit at a source or image, and end it short of that, so that
  * what a lamp is mounted on, in the same plane, does not shade it.  *hit gets
  * where it is met, unless it is distant.  False: the source is missed. */
