@@ -57,22 +57,6 @@ blobs_path(const struct blobs *b, const char *hash, char path[BLOBS_PATH_MAX])
     snprintf(path, BLOBS_PATH_MAX, "%s/%.*s", b->dir, RAD_SHA_HEX, hash);
 }
 
-bool
-blobs_has(const struct blobs *b, const char *hash, uint64_t *size)
-{
-    char path[BLOBS_PATH_MAX];
-    struct stat st;
-
-    if (!rad_sha_valid(hash))
-        return false;
-    blobs_path(b, hash, path);
-    if (stat(path, &st) < 0 || !S_ISREG(st.st_mode))
-        return false;
-    if (size)
-        *size = (uint64_t)st.st_size;
-    return true;
-}
-
 /* The time at which it was read, which is nobody else's here: a folder that is
  * mounted without keeps what is set. */
 void
@@ -117,45 +101,6 @@ blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n, time_t before)
     }
     closedir(d);
     return removed;
-}
-
-static int
-read_exactly(int fd, void *buf, size_t n, off_t offset)
-{
-    char *p = buf;
-
-    while (n > 0) {
-        ssize_t got = pread(fd, p, n, offset);
-
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return -1;
-        p += got;
-        n -= (size_t)got;
-        offset += got;
-    }
-    return 0;
-}
-
-int
-blobs_read(const struct blobs *b, const char *hash, uint64_t offset, void *buf,
-           size_t n, struct rad_error *err)
-{
-    char path[BLOBS_PATH_MAX];
-    int fd, rc = 0;
-
-    if (!rad_sha_valid(hash))
-        return rad_fail(err, RAD_EPROTO, "bad file hash");
-    blobs_path(b, hash, path);
-    fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
-                        strerror(errno));
-    if (read_exactly(fd, buf, n, (off_t)offset) < 0)
-        rc = rad_fail(err, RAD_EIO, "cannot read '%s'", path);
-    close(fd);
-    return rc;
 }
 
 static void

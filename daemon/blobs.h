@@ -4,8 +4,7 @@
  * arriving.  A file gets its name only when all its bytes have come and have
  * that hash, so what is there is right.
  * All calls do I/O and may wait for the disk.
- * Thread: one at a time, but blobs_has() and blobs_path() may be called from
- * any. */
+ * Thread: one at a time, but blobs_path() may be called from any. */
 #ifndef RADD_DAEMON_BLOBS_H
 #define RADD_DAEMON_BLOBS_H
 
@@ -34,9 +33,6 @@ int blobs_open(struct blobs *b, const char *dir, bool durable,
 void blobs_path(const struct blobs *b, const char *hash,
                 char path[BLOBS_PATH_MAX]);
 
-/* Is it there?  *size (may be NULL) gets its length. */
-bool blobs_has(const struct blobs *b, const char *hash, uint64_t *size);
-
 /* Note that somebody wants it. */
 void blobs_touch(const struct blobs *b, const char *hash);
 
@@ -44,11 +40,6 @@ void blobs_touch(const struct blobs *b, const char *hash);
  * nobody has touched or made since `before`.  Returns how many. */
 unsigned blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n,
                      time_t before);
-
-/* Copy n bytes from `offset` on into buf; RAD_ENOINPUT when it is not there,
- * RAD_EIO when it is shorter. */
-int blobs_read(const struct blobs *b, const char *hash, uint64_t offset,
-               void *buf, size_t n, struct rad_error *err);
 
 /* A file that is arriving.  Zeroed, it is closed. */
 struct blob_part {
