@@ -131,15 +131,6 @@ struct fixture {
     double wall_s;
 };
 
-static unsigned char *
-no_files(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    (void)arg;
-    (void)len;
-    rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-    return NULL;
-}
-
 static void
 on_rows(void *arg, const struct pool_rows *r)
 {
@@ -162,7 +153,6 @@ on_estimated(void *arg, struct estimate *e, double wall_s)
 static void
 open_fixture(struct fixture *f, const char *options, bool depth, int threads)
 {
-    struct rad_files files = { no_files, NULL };
     struct rad_error err = { 0 };
     struct rad_params params;
     struct rad_view view;
@@ -174,7 +164,7 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
                      0);
     ck_assert_int_eq(jobtext_params(options, &params, &err), 0);
     params.seed = 3;
-    f->job = rad_job_new(f->scene, &params, &files, &err);
+    f->job = rad_job_new(f->scene, &params, NULL, &err);
     ck_assert_msg(f->job != NULL, "%s", err.what);
     ck_assert_int_eq(jobtext_view("-vth -vp 0 -6 2 -vd 0 1 -.2 -vh 180 -vv 180",
                                   &view, &err),

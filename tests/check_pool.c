@@ -37,15 +37,6 @@ struct fixture {
     bool in_order;
 };
 
-static unsigned char *
-no_files(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    (void)arg;
-    (void)len;
-    rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-    return NULL;
-}
-
 static void
 on_rows(void *arg, const struct pool_rows *r)
 {
@@ -77,7 +68,6 @@ on_rows(void *arg, const struct pool_rows *r)
 static void
 open_fixture(struct fixture *f, const char *options, bool depth, int threads)
 {
-    struct rad_files files = { no_files, NULL };
     struct rad_error err = { 0 };
     struct rad_params params;
     struct rad_view view;
@@ -89,7 +79,7 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
                                     "test", NULL, &err),
                      0);
     ck_assert_int_eq(jobtext_params(options, &params, &err), 0);
-    f->job = rad_job_new(f->scene, &params, &files, &err);
+    f->job = rad_job_new(f->scene, &params, NULL, &err);
     ck_assert_msg(f->job != NULL, "%s", err.what);
     ck_assert_int_eq(jobtext_view("-vp 0 -6 2 -vd 0 1 -.2", &view, &err), 0);
     ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),

@@ -42,7 +42,7 @@ struct rad_job {
 };
 
 /* The scene must have passed rad_scene_check() and must outlive the job; files
- * is used during the call only.  NULL and *err on failure. */
+ * (NULL: there are none) is used during the call only.  NULL and *err on failure. */
 struct rad_job *rad_job_new(const struct rad_scene *scene,
                             const struct rad_params *params,
                             const struct rad_files *files,
