@@ -10,6 +10,7 @@
 #include "coord.h"
 
 #include "request.h"
+#include "ring.h"
 #include "sched.h"
 
 #include <stdio.h>
@@ -191,6 +192,16 @@ on_estimated(struct coord *c, struct coord_conn *conn, const struct msg *m)
     survey_estimated(c, conn->worker, &m->estimated);
 }
 
+static void
+on_unlinked(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, conn->worker, m->unlinked.job, &index);
+
+    if (job)
+        ring_unlinked(job, index, m->unlinked.name);
+}
+
 /* The child says that the job cannot be rendered: it would be so anywhere. */
 static void
 on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
@@ -218,7 +229,7 @@ static const struct {
     { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
     { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
-    { MSG_RECORDS, on_records },
+    { MSG_RECORDS, on_records },     { MSG_UNLINKED, on_unlinked },
 };
 
 /* BYE is followed by the end of the connection. */

@@ -26,6 +26,8 @@ struct coord_env {
     action_look_fn *look; /* then coord_looked; or NULL */
     const char *program;  /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;       /* this life of the coordinator */
+    unsigned all_linked;  /* most workers of a job that are each linked with
+                           * all others; 0: 64 (ring.h) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
     bool coded; /* rows come coded where they can; not with keeps, which needs

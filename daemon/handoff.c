@@ -10,7 +10,7 @@
  * away, or has a twin. */
 #include "config.h"
 
-#include "sched.h"
+#include "ring.h"
 
 #include <string.h>
 
@@ -124,7 +124,7 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
 
 /* Tell the holders of one unit who waits for its bottom. */
 static void
-send_next_holder(struct coord *c, const struct job *job, uint32_t above,
+send_next_holder(struct coord *c, struct job *job, uint32_t above,
                  uint32_t frame, uint32_t line, const struct job_go *below)
 {
     const struct job_unit *u = &job->units[above];
@@ -132,14 +132,16 @@ send_next_holder(struct coord *c, const struct job *job, uint32_t above,
                      .next_holder = { job->id, frame, line,
                                       job->workers[below->worker].name } };
 
-    for (uint8_t i = 0; i < u->ngos; i++)
+    for (uint8_t i = 0; i < u->ngos; i++) {
+        ring_need(c, job, u->go[i].worker, below->worker);
         actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
+    }
 }
 
 /* The unit, which just got a holder or an end, and its neighbours hear of each
  * other. */
 static void
-introduce(struct coord *c, const struct job *job, uint32_t unit,
+introduce(struct coord *c, struct job *job, uint32_t unit,
           const struct job_go *go)
 {
     uint32_t first, last, other;
@@ -156,6 +158,7 @@ introduce(struct coord *c, const struct job *job, uint32_t unit,
         m.next_holder =
             (struct msg_next_holder){ job->id, frame, last - 1,
                                       job->workers[below->worker].name };
+        ring_need(c, job, go->worker, below->worker);
         actions_send(&c->actions, conn_of(job, go), &m);
     }
 }

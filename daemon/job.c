@@ -4,6 +4,7 @@
 #include "job.h"
 
 #include "jobtext.h"
+#include "ring.h"
 #include "survey.h"
 
 #include <stdio.h>
@@ -102,6 +103,7 @@ job_free(struct job *job)
     free(job->out);
     survey_free(job->survey);
     shared_free(job->shared);
+    ring_free(job->ring);
     free(job->index);
     free(job->suspects);
     free(job->frames);

@@ -14,6 +14,7 @@
 
 struct coord_owner;
 struct coord_worker;
+struct ring;
 struct survey;
 
 /* As in msg_progress. */
@@ -154,11 +155,12 @@ struct job {
     bool exact;    /* a pixel is a function: there is no ambient cache */
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
-    uint32_t served;          /* the last search for a unit that looked at it */
-    struct survey *survey;    /* NULL: costs are not estimated, or are by now */
-    struct shared *shared;    /* NULL: lines are not shared */
-    uint32_t ntwins;          /* holders of units beside the first */
-    uint64_t twin_rays;       /* for nothing: that such may trace, or did */
+    uint32_t served;       /* the last search for a unit that looked at it */
+    struct survey *survey; /* NULL: costs are not estimated, or are by now */
+    struct shared *shared; /* NULL: lines are not shared */
+    struct ring *ring;  /* NULL: each worker is linked with all, or none is */
+    uint32_t ntwins;    /* holders of units beside the first */
+    uint64_t twin_rays; /* for nothing: that such may trace, or did */
     uint64_t primary_rays;    /* of units that are done */
     uint64_t pixels_counted;  /* of these units */
     uint64_t base_line_bytes; /* that the coordinator sent */

@@ -78,6 +78,10 @@ libdaemon_a_SOURCES = \
 	daemon/recover.c \
 	daemon/recover.h \
 	daemon/relay.c \
+	daemon/ring.c \
+	daemon/ring.h \
+	daemon/spread.c \
+	daemon/spread.h \
 	daemon/render.c \
 	daemon/render.h \
 	daemon/render_impl.h \

@@ -1,7 +1,7 @@
 /* loss.c - workers and children that go, and what becomes of their units */
 #include "config.h"
 
-#include "sched.h"
+#include "ring.h"
 
 #include <stdio.h>
 #include <sysexits.h>
@@ -98,6 +98,7 @@ gone(struct coord *c, struct job *job, uint32_t index)
 {
     take_all_back(c, job, index);
     job->workers[index].state = JW_GONE;
+    ring_left(c, job, index);
     if (job->partition)
         partition_set_absent(job->partition, index, true);
     speed_measure(c, job);

@@ -3,6 +3,8 @@
 
 #include "peer.h"
 
+#include "spread.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +13,9 @@
 #define RETRY_MS     100   /* twice as long each time */
 #define MOST_TRIES   6
 #define MOST_CALLERS 64
+
+/* Records that may wait for a link which is to come. */
+#define EARLY_BYTES ((size_t)1 << 20)
 
 /* --- helpers --- */
 
@@ -131,6 +136,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
                 p->name);
     if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
         worker_send_child(w, job, &give);
+    pump(w, p->conn, &p->queue); /* what was early */
     relay_linked(w, job, p->name);
 }
 
@@ -184,8 +190,8 @@ match_callers(struct worker *w)
     }
 }
 
-static struct wpeer *
-find_named(const struct wjob *job, const char *name)
+struct wpeer *
+peer_named(const struct wjob *job, const char *name)
 {
     struct wpeer *p = job->peers;
 
@@ -200,7 +206,7 @@ peer_introduce(struct worker *w, struct wjob *job,
 {
     for (uint32_t i = 0; i < m->npeers; i++) {
         const struct msg_peer *in = &m->peers[i];
-        struct wpeer *p = find_named(job, in->name);
+        struct wpeer *p = peer_named(job, in->name);
 
         if (p) /* it is new again, or no longer welcome */
             free_peer(w, job, p);
@@ -305,15 +311,14 @@ line_bytes(const struct msg_base_line *m)
     return (size_t)m->n * m->channels * 4 + m->ndensity;
 }
 
-/* Records from a peer, for the child. */
-static void
-receive(struct worker *w, struct wjob *job, const struct msg *m)
+void
+peer_receive(struct worker *w, struct wjob *job, const struct msg_ambient *m)
 {
     struct wire_out *out = &w->actions.scratch;
-    struct msg pass = { .type = MSG_AMBIENT, .ambient = m->ambient };
+    struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    job->bytes_in += m->ambient.len;
+    job->bytes_in += m->len;
     if (job->child == 0 || job->state != WJOB_READY)
         return;
     pass.ambient.to = 0;
@@ -346,7 +351,11 @@ peer_message(struct worker *w, uint64_t conn, const struct msg *m)
     struct wcaller *k = p ? NULL : find_caller(w, conn);
 
     if (p && m->type == MSG_AMBIENT) {
-        receive(w, job, m);
+        peer_receive(w, job, &m->ambient);
+        if (job->spread)
+            spread_heard(w, job, p, &m->ambient);
+    } else if (p && m->type == MSG_SPREAD) {
+        spread_take(w, job, &m->spread);
     } else if (p && m->type == MSG_BASE_LINE) {
         if (!receive_line(w, job, m)) {
             actions_log(&w->actions, ACT_WARN,
@@ -384,6 +393,10 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
+    if (job->spread && m->to == 0) {
+        spread_own(w, job, m);
+        return;
+    }
     pass.ambient.to = 0;
     out->len = 0;
     if (!job->peers || msg_pack(out, &pass) != 0)
@@ -396,10 +409,25 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     }
 }
 
+void
+peer_records(struct worker *w, struct wjob *job, struct wpeer *p,
+             uint8_t **kept)
+{
+    const struct wire_out *frame = &w->actions.scratch;
+
+    if (p->state != PEER_LINKED && p->queue.queued >= EARLY_BYTES)
+        return;
+    job->bytes_out += frame->len;
+    if (p->state == PEER_LINKED)
+        pass_on(w, p->conn, &p->queue, kept);
+    else
+        lossy_put(&p->queue, frame->buf, frame->len);
+}
+
 struct wpeer *
 peer_linked(const struct wjob *job, const char *name)
 {
-    struct wpeer *p = find_named(job, name);
+    struct wpeer *p = peer_named(job, name);
 
     return p && p->state == PEER_LINKED ? p : NULL;
 }
@@ -433,10 +461,12 @@ peer_feed_child(struct worker *w, struct wjob *job)
 void
 peer_tick(struct worker *w)
 {
-    for (struct wjob *job = w->jobs; job; job = job->next)
+    for (struct wjob *job = w->jobs; job; job = job->next) {
         for (struct wpeer *p = job->peers; p; p = p->next)
             if (p->retry_ms != 0 && w->now_ms >= p->retry_ms)
                 dial(w, job, p);
+        spread_tick(w, job);
+    }
     for (struct wcaller *k = w->callers, *next; k; k = next) {
         next = k->next;
         if (w->now_ms - k->since_ms < CALLER_MS)
@@ -451,6 +481,7 @@ peer_release_job(struct worker *w, struct wjob *job)
 {
     while (job->peers)
         free_peer(w, job, job->peers);
+    spread_release(job);
 }
 
 void

@@ -30,6 +30,17 @@ void peer_spread(struct worker *w, struct wjob *job,
                  const struct msg_ambient *m);
 void peer_feed_child(struct worker *w, struct wjob *job);
 
+/* The same for records from elsewhere; they count as come in. */
+void peer_receive(struct worker *w, struct wjob *job,
+                  const struct msg_ambient *m);
+
+/* The peer of that name, linked or not yet; NULL: there is none.  And send it a
+ * frame of records that is in w's scratch, or keep that for a while until it is
+ * linked.  *kept is NULL for the first of several who are sent the same. */
+struct wpeer *peer_named(const struct wjob *job, const char *name);
+void peer_records(struct worker *w, struct wjob *job, struct wpeer *p,
+                  uint8_t **kept);
+
 /* The peer of that name, if there is a link to it; else NULL. */
 struct wpeer *peer_linked(const struct wjob *job, const char *name);
 /* Send it what may not be dropped. */

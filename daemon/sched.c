@@ -18,13 +18,13 @@
 
 #include "sched.h"
 
+#include "ring.h"
 #include "survey.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_PEERS    2000 /* in one JOB-PEERS */
 #define TICK_MS       100
 #define WORTH_MS      50  /* a unit of auto takes at least so long */
 #define APART         8   /* of scanbar's first units */
@@ -718,52 +718,63 @@ send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
     actions_send(&c->actions, to->conn, &m);
 }
 
+bool
+sched_link(struct coord *c, const struct job *job, const struct coord_worker *a,
+           const struct coord_worker *b, uint32_t give)
+{
+    bool dial = a->address[0] != '\0'; /* the second, where that is possible */
+    uint8_t token[MSG_TOKEN];
+
+    if (!dial && b->address[0] == '\0')
+        return false;
+    c->env.random(c->env.arg, token, sizeof token);
+    send_peer(c, a, job->id, b,
+              (struct msg_peer){ .address = dial ? "" : b->address,
+                                 .token = token,
+                                 .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
+    send_peer(c, b, job->id, a,
+              (struct msg_peer){ .address = dial ? a->address : "",
+                                 .token = token,
+                                 .flags = dial ? MSG_PEER_DIAL : 0 });
+    return true;
+}
+
 /* Link a worker that just became ready with those that are; the first of them
  * gives it what its cache holds. */
 static void
 introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
 {
-    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0, n = 0;
+    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
 
-    for (uint32_t i = 0; i < job->nworkers && n < MOST_PEERS; i++) {
+    for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *o = job->workers[i].worker;
-        uint8_t token[MSG_TOKEN];
-        bool dial;
 
-        if (o == w || o->conn == 0 || job->workers[i].state != JW_READY)
-            continue;
-        if (o->address[0] == '\0' && w->address[0] == '\0')
-            continue;
-        dial = o->address[0] != '\0'; /* the newcomer, where that is possible */
-        c->env.random(c->env.arg, token, sizeof token);
-        send_peer(
-            c, o, job->id, w,
-            (struct msg_peer){ .address = dial ? "" : w->address,
-                               .token = token,
-                               .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
-        send_peer(c, w, job->id, o,
-                  (struct msg_peer){ .address = dial ? o->address : "",
-                                     .token = token,
-                                     .flags = dial ? MSG_PEER_DIAL : 0 });
-        give = 0;
-        n++;
+        if (o != w && o->conn != 0 && job->workers[i].state == JW_READY &&
+            sched_link(c, job, o, w, give))
+            give = 0;
     }
+}
+
+void
+sched_unlink(struct coord *c, const struct job *job,
+             const struct coord_worker *to, const struct coord_worker *about)
+{
+    static const uint8_t none[MSG_TOKEN];
+
+    send_peer(c, to, job->id, about,
+              (struct msg_peer){
+                  .address = "", .token = none, .flags = MSG_PEER_DROP });
 }
 
 void
 sched_drop_peer(struct coord *c, const struct job *job,
                 const struct coord_worker *w)
 {
-    const uint8_t none[MSG_TOKEN] = { 0 };
-
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *o = job->workers[i].worker;
 
         if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
-            send_peer(c, o, job->id, w,
-                      (struct msg_peer){ .address = "",
-                                         .token = none,
-                                         .flags = MSG_PEER_DROP });
+            sched_unlink(c, job, o, w);
     }
 }
 
@@ -802,7 +813,11 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     if (jw->ready_ms == 0)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
-    if (job->spec.flags & MSG_JOB_SHARE || job->shared)
+    if (!(job->spec.flags & MSG_JOB_SHARE) && !job->shared)
+        return;
+    if (ring_wanted(c, job))
+        ring_join(c, job, (uint32_t)(jw - job->workers));
+    else
         introduce(c, job, w);
 }
 
@@ -960,6 +975,7 @@ sched_tick(struct coord *c)
         if (job_over(job) || !job->partition)
             continue;
         speed_measure(c, job);
+        ring_tick(c, job);
         if (!job->shared)
             continue;
         handoff_tick(c, job);
@@ -994,4 +1010,6 @@ sched_job_over(struct coord *c, struct job *job)
     job->survey = NULL;
     shared_free(job->shared);
     job->shared = NULL;
+    ring_free(job->ring);
+    job->ring = NULL;
 }

@@ -14,6 +14,7 @@
  *   balance.c  giving away and doubling what one has, for one that has nothing
  *   survey.c   estimates, before the first unit
  *   recover.c  jobs of an earlier life
+ *   ring.c     who is linked with whom where there are very many
  *   speed.c    how fast workers are, and how long a unit will take
  * Thread: one. */
 #ifndef DAEMON_SCHED_H
@@ -105,6 +106,16 @@ void sched_tick(struct coord *c);
 /* Tell the other workers of a job to have no more to do with this one. */
 void sched_drop_peer(struct coord *c, const struct job *job,
                      const struct coord_worker *w);
+
+/* Tell two workers of a job of each other; a may be asked to give b what its
+ * cache has (MSG_PEER_GIVE).  False: neither can be dialled. */
+bool sched_link(struct coord *c, const struct job *job,
+                const struct coord_worker *a, const struct coord_worker *b,
+                uint32_t give);
+/* Tell one to have no more to do with the other. */
+void sched_unlink(struct coord *c, const struct job *job,
+                  const struct coord_worker *to,
+                  const struct coord_worker *about);
 
 /* Messages of workers. */
 void sched_ready(struct coord *c, struct coord_worker *w,

@@ -5,6 +5,7 @@
 #include "config.h"
 
 #include "peer.h"
+#include "spread.h"
 
 #include <string.h>
 #include <sysexits.h>
@@ -103,6 +104,7 @@ on_job_start(struct worker *w, const struct msg *m)
         return;
     }
     job->started = true;
+    spread_release(job); /* places are given to who is ready */
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)
@@ -177,6 +179,15 @@ on_job_peers(struct worker *w, const struct msg *m)
         peer_introduce(w, job, &m->job_peers);
 }
 
+static void
+on_ring(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->ring.job);
+
+    if (job)
+        spread_set(w, job, &m->ring);
+}
+
 static const struct {
     enum msg_type type;
     void (*handle)(struct worker *w, const struct msg *m);
@@ -191,6 +202,7 @@ static const struct {
     { MSG_JOB_END, on_job_end },
     { MSG_REVOKE, on_revoke },
     { MSG_JOB_PEERS, on_job_peers },
+    { MSG_RING, on_ring },
 };
 
 void

@@ -1,6 +1,6 @@
 /* worker_impl.h - what the files of a worker's machine share
  *
- * Private to worker*.c, and to peer.c and relay.c (peer.h):
+ * Private to worker*.c, and to peer.c, relay.c (peer.h) and spread.c:
  *   worker.c        events, and the connection to the coordinator
  *   worker_job.c    jobs, their units, results and children
  *   worker_files.c  files that jobs need
@@ -76,7 +76,8 @@ struct wjob {
     size_t kept_bytes;
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
-    struct relay *relay; /* base lines that were made here; NULL: none yet */
+    struct relay *relay;   /* base lines that were made here; NULL: none yet */
+    struct spread *spread; /* who is sent which records; NULL: each peer, all */
 };
 
 /* A peer's connection that has not been matched with a job. */

@@ -21,9 +21,12 @@
 #define MSG_VERSION     2
 #define MSG_VERSION_MIN 1
 
-#define MSG_MAX         (1u << 20)      /* largest payload [bytes] */
-#define MSG_MAX_CHUNK   (1u << 18)      /* most file bytes in a CHUNK */
-#define MSG_MAX_AMBIENT (1u << 17)      /* most record bytes in an AMBIENT */
+#define MSG_MAX         (1u << 20) /* largest payload [bytes] */
+#define MSG_MAX_CHUNK   (1u << 18) /* most file bytes in a CHUNK */
+#define MSG_MAX_AMBIENT (1u << 17) /* most record bytes in an AMBIENT */
+#define MSG_MAX_SPREAD  (MSG_MAX_AMBIENT + (1u << 16)) /* a whole SPREAD */
+#define MSG_MAX_PARTS   4096
+#define MSG_MAX_PLACES  65536           /* on a ring */
 #define MSG_MAX_PIXELS  (MSG_MAX - 256) /* most pixel bytes in a RESULT */
 
 /* String limits [bytes, without the NUL]. */
@@ -518,6 +521,46 @@ struct msg_job_peers {
     const uint8_t *job;
     uint32_t npeers;
     const struct msg_peer *peers;
+};
+
+/* To whom a worker sends ambient records, where there are too many workers for
+ * all to be linked (daemon/ring.h): each has a place on a ring, or one on it
+ * speaks for it. */
+struct msg_ring_link {
+    uint32_t offset; /* so many places on; 0: one that has none */
+    uint32_t below;  /* what comes from fewer places back than that goes there,
+                      * at most offset; with offset 0 it is 0 */
+    const char *name;
+};
+
+/* All of them: those of before do not count any more. */
+struct msg_ring {
+    const uint8_t *job;
+    uint32_t generation;
+    uint32_t places; /* on the ring; 0: this worker has none */
+    uint32_t nlinks;
+    const struct msg_ring_link *links;
+};
+
+/* The link to a worker of the ring is gone, or never came about. */
+struct msg_unlinked {
+    const uint8_t *job;
+    const char *name;
+};
+
+/* Records that one worker made. */
+struct msg_part {
+    uint32_t distance; /* places from there to who is sent this, from 1 */
+    uint32_t count;    /* records */
+    const uint8_t *data;
+    size_t len;
+};
+
+/* Records on their way about the ring. */
+struct msg_spread {
+    uint32_t generation; /* of the ring that the distances are of */
+    uint32_t nparts;
+    const struct msg_part *parts;
 };
 
 struct msg_peer_hello {

@@ -57,6 +57,14 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         }                                                                      \
     }
 
+static const struct msg_ring_link ring_links[] = { { 1, 1, "ws2" },
+                                                   { 12, 4, "ws9" },
+                                                   { 0, 0, "ws1" } };
+static const struct msg_part parts[] = {
+    { 1, 2, (const uint8_t *)"records", 7 },
+    { 77, 1, (const uint8_t *)"more", 4 }
+};
+
 /* clang-format off */
 static const struct msg examples[] = {
     { .type = MSG_HELLO, .request = 1,
@@ -120,6 +128,9 @@ static const struct msg examples[] = {
     { .type = MSG_AMBIENT,
       .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_GIVE, .give = { 3 } },
+    { .type = MSG_RING, .ring = { ID, 1, 100, 3, ring_links } },
+    { .type = MSG_SPREAD, .spread = { 1, 2, parts } },
+    { .type = MSG_UNLINKED, .unlinked = { ID, "ws2" } },
     { .type = MSG_RECORDS,
       .records = { ID, 2, (const uint8_t *)"records", 7 } },
 };
@@ -552,7 +563,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED RECORDS " },
+      "BASE_LINE GAVE ESTIMATED RECORDS UNLINKED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
@@ -560,11 +571,11 @@ static const struct {
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
                      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-                     "ESTIMATE " },
+                     "ESTIMATE RING " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
-    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE " },
+    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE TWIN FACTS BASE_LINE "
                     "SPLIT ESTIMATE " },

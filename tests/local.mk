@@ -56,6 +56,7 @@ UNIT_TESTS = \
 	tests/check_quincunx \
 	tests/check_ray \
 	tests/check_rays \
+	tests/check_ring \
 	tests/check_sandbox \
 	tests/check_shade \
 	tests/check_shell \
@@ -351,6 +352,10 @@ TESTS += \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh
+
+tests_check_ring_SOURCES = tests/check_ring.c tests/unit.h
+tests_check_ring_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_ring_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
 tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)

@@ -193,6 +193,16 @@ run(uint64_t seed, bool verbose)
     sim_release(&s);
 }
 
+static unsigned
+at_type(enum msg_type type)
+{
+    unsigned n = 0;
+
+    for (int b = 0; b < SIM_NBLOW; b++)
+        n += sum.blows[type][b];
+    return n;
+}
+
 /* Did what should be tried happen at all? */
 static bool
 was_tried(void)
@@ -202,10 +212,12 @@ was_tried(void)
         MSG_PARKED, MSG_SPLIT,    MSG_GAVE,     MSG_BASE_LINE, MSG_NEXT_HOLDER,
         MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED
     };
-    bool tried = sum.coord_deaths && sum.deaths && sum.cuts && sum.peer_cuts &&
-                 sum.crashes && sum.drains && sum.stops && sum.repeats &&
-                 sum.parted && sum.late && sum.parked && sum.gave &&
-                 sum.twins && sum.estimates;
+    /* half of the clusters have rings */
+    bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&
+                 sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
+                 sum.drains && sum.stops && sum.repeats && sum.parted &&
+                 sum.late && sum.parked && sum.gave && sum.twins &&
+                 sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -231,12 +243,13 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "estimates\n",
+           "estimates; %u and %u accidents at RING and SPREAD\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
            sum.coord_deaths, sum.deaths, sum.cuts, sum.peer_cuts, sum.crashes,
            blows, sum.drains, sum.stops, sum.parted, sum.repeats, sum.late,
-           sum.parked, sum.gave, sum.twins, sum.estimates);
+           sum.parked, sum.gave, sum.twins, sum.estimates, at_type(MSG_RING),
+           at_type(MSG_SPREAD));
 }
 
 int

@@ -725,6 +725,19 @@ take_strict(struct net *net, int node, const struct msg *m)
     }
 }
 
+/* Of the same job, and never one's own; but where places on a ring change, and
+ * records are under way that an earlier life made. */
+static void
+take_ambient(struct net *net, const struct sim_child *k,
+             const struct msg_ambient *m)
+{
+    SIM_CHECK(net, m->len == 2 * (size_t)m->count);
+    for (uint32_t i = 0; i < m->count; i++) {
+        SIM_CHECK(net, m->data[2 * i] != k->worker || of(net)->all_linked);
+        SIM_CHECK(net, m->data[2 * i + 1] == k->job);
+    }
+}
+
 static void
 message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
@@ -757,10 +770,8 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     case MSG_GIVE:
         send_ambient(net, node, m->give.to);
         break;
-    case MSG_AMBIENT: /* of the same job, and never one's own */
-        SIM_CHECK(net, m->ambient.len == 2);
-        SIM_CHECK(net, m->ambient.data[0] != k->worker);
-        SIM_CHECK(net, m->ambient.data[1] == k->job);
+    case MSG_AMBIENT:
+        take_ambient(net, k, &m->ambient);
         break;
     case MSG_JOB_END:
         unload(k);

@@ -147,11 +147,12 @@ struct sim {
     struct sim_job job[SIM_JOBS];
     int njobs;
     struct sim_child child[SIM_CHILDREN];
-    bool keeps;         /* what is on the disk outlives the coordinator */
-    unsigned lives;     /* of the coordinator, this one too */
-    uint64_t disk_ms;   /* the coordinator's disk is busy until then */
-    bool calm;          /* no more accidents */
-    unsigned accidents; /* one in so many ticks; 0: none */
+    unsigned all_linked; /* as in coord_env */
+    bool keeps;          /* what is on the disk outlives the coordinator */
+    unsigned lives;      /* of the coordinator, this one too */
+    uint64_t disk_ms;    /* the coordinator's disk is busy until then */
+    bool calm;           /* no more accidents */
+    unsigned accidents;  /* one in so many ticks; 0: none */
     struct sim_fault fault[SIM_FAULTS];
     uint64_t admin; /* its connection */
     double work_ms; /* of all children's threads together */

@@ -317,6 +317,7 @@ sim_coord_born(struct sim *s)
                              .arg = s,
                              .program = "radcoord",
                              .epoch = ++s->lives,
+                             .all_linked = s->all_linked,
                              .keeps = s->keeps };
 
     s->coord = coord_new(&env);

@@ -11,10 +11,10 @@
 
 /* Messages of hand-off and balancing, and some others. */
 static const enum msg_type types[] = {
-    MSG_UNIT,     MSG_RESULT,   MSG_ACK,         MSG_REVOKE,    MSG_TWIN,
-    MSG_FACTS,    MSG_PARKED,   MSG_BASE_LINE,   MSG_SPLIT,     MSG_GAVE,
-    MSG_LOST,     MSG_READY,    MSG_NEXT_HOLDER, MSG_JOB_PEERS, MSG_PEER_HELLO,
-    MSG_ESTIMATE, MSG_ESTIMATED
+    MSG_UNIT,     MSG_RESULT,    MSG_ACK,         MSG_REVOKE,    MSG_TWIN,
+    MSG_FACTS,    MSG_PARKED,    MSG_BASE_LINE,   MSG_SPLIT,     MSG_GAVE,
+    MSG_LOST,     MSG_READY,     MSG_NEXT_HOLDER, MSG_JOB_PEERS, MSG_PEER_HELLO,
+    MSG_ESTIMATE, MSG_ESTIMATED, MSG_RING,        MSG_SPREAD
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
