@@ -11,6 +11,8 @@
 #ifndef RAD_LIGHT_CONTOUR_H
 #define RAD_LIGHT_CONTOUR_H
 
+#include "base/vec.h"
+
 /* Add the part of the straight edge from a to b to F. */
 void rad_contour_edge(double F[3], const double a[3], const double b[3]);
 
@@ -25,5 +27,15 @@ void rad_contour_arc(double F[3], const double c[3], const double normal[3],
  * its angles. */
 void rad_contour_circle(double F[3], const double c[3], const double normal[3],
                         double radius, double sign);
+
+/* An outline is whole, and its shape lies toward `to`: F, which has the other
+ * sign if the corners went round the other way, becomes a direction in dir.
+ * Returns its length; not positive: there is nothing. */
+static inline double
+rad_contour_whole(const double F[3], const double to[3], double dir[3])
+{
+    rad_scale(dir, rad_dot(F, to) < 0 ? -1 : 1, F);
+    return rad_normalize(dir);
+}
 
 #endif

@@ -274,15 +274,15 @@ two_samples(const struct rad_source *src, const struct rad_light_view *view,
 
 /* --- parts that are too near --- */
 
-/* The flux by the outline; false: there is none. */
-static bool
+/* The flux by the outline, if there is any. */
+static void
 outlined(struct rad_light_sample *smp, const struct rad_source *src,
          const double c[3], double s, double t)
 {
     static const int side[4][2] = {
         { 1, 1 }, { -1, 1 }, { -1, -1 }, { 1, -1 }
     };
-    double F[3] = { 0, 0, 0 }, q[4][3];
+    double F[3] = { 0, 0, 0 }, q[4][3], dir[3], omega;
 
     for (int i = 0; i < 4; i++) {
         rad_madd(q[i], c, side[i][0] * s, src->axis[0]);
@@ -290,16 +290,11 @@ outlined(struct rad_light_sample *smp, const struct rad_source *src,
     }
     for (int i = 0; i < 4; i++)
         rad_contour_edge(F, q[i], q[(i + 1) % 4]);
-    /* corners may go round the other way */
-    if (rad_dot(F, c) < 0)
-        rad_scale(F, -1, F);
-    double omega = rad_normalize(F);
-
+    omega = rad_contour_whole(F, c, dir);
     if (!(omega > 0))
-        return false;
+        return;
     smp->omega = omega;
-    rad_copy(smp->dir, F);
-    return true;
+    rad_copy(smp->dir, dir);
 }
 
 static void

@@ -391,11 +391,7 @@ exact(struct rad_light_sample *s, const struct walk *w,
         FAR_VARIANCE * rad_dot(to, to))
         return false;
     rad_patch_flux(F, w->src, w->view->p, p);
-    /* corners may go round the other way */
-    if (rad_dot(F, to) < 0)
-        rad_scale(F, -1, F);
-    s->omega = rad_normalize(F);
-    rad_copy(s->dir, F);
+    s->omega = rad_contour_whole(F, to, s->dir);
     return s->omega > 0;
 }
 
@@ -468,10 +464,7 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
     }
     rad_contour_edge(F, line[0][0], line[0][1]);
     rad_contour_edge(F, line[1][1], line[1][0]);
-    if (rad_dot(F, to) < 0)
-        rad_scale(F, -1, F);
-    s->omega = rad_normalize(F);
-    rad_copy(s->dir, F);
+    s->omega = rad_contour_whole(F, to, s->dir);
     return s->omega > 0;
 }
 
