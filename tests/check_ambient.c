@@ -243,22 +243,6 @@ irradiance_up(struct world *w, double x, double y, double z)
     return r.L;
 }
 
-/* Sum of the irradiance at the origin, upwards, over so many samplings. */
-static struct rad_rgb
-irradiance_sum(struct world *w, uint64_t key, uint64_t times)
-{
-    static const double p[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
-    struct rad_rgb sum = rad_grey(0);
-
-    for (uint64_t i = 0; i < times; i++) {
-        struct rad_ray r;
-
-        rad_ray_irradiance(&w->ctx, &r, p, up, rad_key_branch(key, i));
-        sum = rad_rgb_add(sum, r.L);
-    }
-    return sum;
-}
-
 #define SKY     "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n"
 #define PLASTIC "void plastic white 0 0 5 .5 .5 .5 0 0\n"
 /* faces of the cube from -1 to 1 in all axes, seen from inside */
@@ -374,79 +358,6 @@ START_TEST(super_samples_leave_the_mean_alone)
     if (_i == 1)
         ck_assert_uint_gt(w.ctx.counts.ambient_rays, 200 * TIMES);
     world_close(&w);
-}
-END_TEST
-
-/* One lamp that the wall sees and 19 weaker ones that it does not: what -dt
- * leaves untested must not brighten the light that comes from the wall.  The
- * point itself sees none. */
-START_TEST(untested_lamps_leave_the_mean_alone)
-{
-    static const char *const options[] = {
-        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0",
-        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt .05 -dc .75",
-        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 1 -dc 0",
-    };
-    char scene[2048] = PLASTIC
-        "white polygon wall 0 0 12 8 -9 0 8 -9 9 8 9 9 8 9 0\n"
-        "void plastic black 0 0 5 0 0 0 0 0\n"
-        "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
-        "black polygon plate 0 0 12 -.2 -.2 3 .2 -.2 3 .2 .2 3 -.2 .2 3\n"
-        "void light strong 0 0 3 1000 1000 1000\n"
-        "void light weak 0 0 3 50 40 60\n"
-        "strong sphere s 0 0 4 0 0 6 .1\n";
-    struct rad_rgb sum[N_ELEM(options)];
-    enum { TIMES = 3000 };
-
-    for (int i = 0; i < 19; i++)
-        snprintf(scene + strlen(scene), 64,
-                 "weak sphere w%d 0 0 4 0 %d 10 .1\n", i, i - 9);
-    for (int k = 0; k < N_ELEM(options); k++) {
-        struct world w;
-
-        world_open(&w, scene, options[k]);
-        sum[k] = irradiance_sum(&w, 9, TIMES);
-        world_close(&w);
-        ck_assert_msg(fabs(sum[k].r / sum[0].r - 1) < .02 &&
-                          fabs(sum[k].b / sum[0].b - 1) < .02,
-                      "%s: %g times as bright", options[k],
-                      (double)sum[k].r / sum[0].r);
-    }
-}
-END_TEST
-
-/* One strong lamp and 19 weak ones, of which every other is hidden: what -dt
- * leaves untested is right in the mean where the lamps shine, too. */
-START_TEST(untested_lamps_are_drawn)
-{
-    static const char *const options[] = { "-ab 0 -dt 0", "-ab 0 -dt 1 -dc 0" };
-    char scene[2048] =
-        PLASTIC "void plastic black 0 0 5 0 0 0 0 0\n"
-                "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
-                "void light strong 0 0 3 1000 1000 1000\n"
-                "void light weak 0 0 3 50 40 60\n"
-                "strong sphere s 0 0 4 2 0 6 .1\n";
-    struct rad_rgb sum[2];
-    uint64_t shadow[2];
-    enum { TIMES = 4000 };
-
-    for (int i = 0; i < 19; i++)
-        snprintf(scene + strlen(scene), 64,
-                 "weak sphere w%d 0 0 4 0 %d %g .1\n", i, i - 9,
-                 i % 2 ? 10 : 9.);
-    for (int k = 0; k < 2; k++) {
-        struct world w;
-
-        world_open(&w, scene, options[k]);
-        sum[k] = irradiance_sum(&w, 7, TIMES);
-        shadow[k] = w.ctx.counts.shadow_rays;
-        world_close(&w);
-    }
-    ck_assert_uint_eq(shadow[0], 20 * TIMES);
-    ck_assert_uint_eq(shadow[1], 3 * TIMES);
-    ck_assert_msg(fabs(sum[1].r / sum[0].r - 1) < .01 &&
-                      fabs(sum[1].b / sum[0].b - 1) < .01,
-                  "%g times as bright", (double)sum[1].r / sum[0].r);
 }
 END_TEST
 
@@ -1026,8 +937,6 @@ make_suite(void)
     tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
                         2 * N_ELEM(listed));
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 2);
-    tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
-    tcase_add_test(tc, untested_lamps_are_drawn);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
     tcase_set_timeout(tc, 600);

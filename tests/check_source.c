@@ -1,643 +1,23 @@
-/* check_source.c - tests of src/light: shapes, samples and shadows of light
- * sources */
+/* check_source.c - tests of src/light: what a point sees of light sources, in
+ * whole scenes */
 #include "config.h"
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/polytree.h"
-#include "light/sample.h"
 #include "lambert.h"
 #include "world.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* --- sources from bare arguments --- */
-
-static struct rad_arena arena;
-
-static void
-setup(void)
-{
-    rad_arena_init(&arena);
-}
-
-static void
-teardown(void)
-{
-    rad_arena_release(&arena);
-}
-
-static void
-make_light(struct rad_source *src, enum rad_otype type, const double *reals,
-           int nreals)
-{
-    struct rad_object o = { .type = type,
-                            .modifier = RAD_VOID,
-                            .file = -1,
-                            .name = "lamp",
-                            .nreals = nreals,
-                            .reals = reals };
-
-    memset(src, 0, sizeof *src);
-    ck_assert_int_eq(rad_light_shape(src, &o, &arena), 0);
-}
-
-/* Irradiance per radiance on the surface at view->p with normal n. */
-struct meter {
-    double n[3], E;
-    int samples;
-};
-
-static void
-measure(void *arg, const struct rad_light_sample *s)
-{
-    struct meter *m = arg;
-
-    m->E += fmax(0, rad_dot(s->dir, m->n)) * s->omega;
-    m->samples++;
-    if (fabs(rad_dot(s->aim, s->aim) - 1) > 1e-12 ||
-        fabs(rad_dot(s->dir, s->dir) - 1) > 1e-12)
-        ck_abort_msg("a direction is not of unit length");
-}
-
-static double
-irradiance(const struct rad_source *src, const double p[3], const double n[3],
-           double ds, int *samples)
-{
-    struct rad_light_view view = { .sizerat = ds };
-    struct meter m = { .E = 0 };
-
-    rad_copy(view.p, p);
-    rad_copy(m.n, n);
-    rad_light_samples(src, &view, measure, &m);
-    if (samples)
-        *samples = m.samples;
-    return m.E;
-}
-
-/* Mean of many jittered lookings. */
-static double
-irradiance_jittered(const struct rad_source *src, const double p[3],
-                    const double n[3], double ds, int times)
-{
-    struct rad_light_view view = { .sizerat = ds, .jitter = 1 };
-    struct meter m = { .E = 0 };
-
-    rad_copy(view.p, p);
-    rad_copy(m.n, n);
-    for (int i = 0; i < times; i++) {
-        view.key = rad_key_branch(1, (uint64_t)i);
-        rad_light_samples(src, &view, measure, &m);
-    }
-    return m.E / times;
-}
-
-static const double up[3] = { 0, 0, 1 };
-
-/* Lights of every polygon kind, all facing down from z = 2. */
-static const double square[] = { -1, -1, 2, -1, 1, 2, 1, 1, 2, 1, -1, 2 };
-static const double oblong[] = { -2, -.1, 2, -2, .1, 2, 2, .1, 2, 2, -.1, 2 };
-static const double triangle[] = { 0, 0, 2, 0, 1.5, 2, 2, 0, 2 };
-static const double sliver[] = { -2, 0, 2, 0, .2, 2, 2, 0, 2 };
-static const double trapezoid[] = { -1, 0, 2, -.3, 1, 2, .3, 1, 2, 1, 0, 2 };
-static const double arrow[] = {
-    0, 0, 2, -1, -1, 2, 0, 1.5, 2, 1, -1, 2, 0, 0, 2
-};
-/* a square with a square hole, joined by a seam */
-static const double frame[] = { -1, -1, 2,  -1, 1,   2,   1,   1,   2,   1,
-                                -1, 2,  -1, -1, 2,   -.5, -.5, 2,   .5,  -.5,
-                                2,  .5, .5, 2,  -.5, .5,  2,   -.5, -.5, 2 };
-
-static const struct {
-    const char *name;
-    const double *v;
-    int n;
-    double area;
-} polygon[] = {
-    { "square", square, 4, 4 },         { "oblong", oblong, 4, .8 },
-    { "triangle", triangle, 3, 1.5 },   { "sliver", sliver, 3, .4 },
-    { "trapezoid", trapezoid, 4, 1.3 }, { "arrow", arrow, 5, 1.5 },
-    { "frame", frame, 10, 3 },
-};
-
-static const double place[][3] = {
-    { 0, 0, 0 }, { .7, -.4, 0 }, { 3, 1, 0 }, { 0, 0, -8 }, { -1, 5, 1 },
-};
-
-START_TEST(divided_polygon_gives_the_closed_form)
-{
-    struct rad_source src;
-
-    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
-    ck_assert_double_eq_tol(src.size, polygon[_i].area, 1e-12);
-    ck_assert_double_eq_tol(src.root.area, polygon[_i].area, 1e-12);
-    for (int k = 0; k < N_ELEM(place); k++) {
-        double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
-        double got = irradiance(&src, place[k], up, .2, NULL);
-        double tol = src.tree ? 1e-5 : 1e-3; /* the outline's, or moments' */
-
-        ck_assert_msg(fabs(got - want) <= tol * want, "%s at %d: %g, not %g",
-                      polygon[_i].name, k, got, want);
-    }
-}
-END_TEST
-
-START_TEST(jittered_polygon_gives_the_closed_form_in_the_mean)
-{
-    struct rad_source src;
-
-    make_light(&src, RAD_POLYGON, polygon[_i].v, 3 * polygon[_i].n);
-    for (int k = 0; k < N_ELEM(place); k++) {
-        double want = lambert(polygon[_i].v, polygon[_i].n, place[k], up);
-        double got = irradiance_jittered(&src, place[k], up, .5, 20000);
-
-        ck_assert_msg(fabs(got - want) <= 1e-2 * want, "%s at %d: %g, not %g",
-                      polygon[_i].name, k, got, want);
-    }
-}
-END_TEST
-
-/* Undivided, a polygon counts as a small one at its middle, as in rpict. */
-START_TEST(undivided_polygon_is_one_sample_at_its_middle)
-{
-    struct rad_source src;
-    int samples;
-
-    make_light(&src, RAD_POLYGON, square, 12);
-    ck_assert_double_eq_tol(irradiance(&src, place[0], up, 0, &samples), 1,
-                            1e-12);
-    ck_assert_int_eq(samples, 1);
-    double x = 3, d2 = x * x + 1 + 4;
-
-    ck_assert_double_eq_tol(irradiance(&src, place[2], up, 0, &samples),
-                            4 * 4 / (d2 * d2), 1e-12);
-}
-END_TEST
-
-START_TEST(aims_are_on_the_light)
-{
-    struct rad_source src;
-    const struct rad_polytree *t;
-
-    for (int i = 0; i < N_ELEM(polygon); i++) {
-        make_light(&src, RAD_POLYGON, polygon[i].v, 3 * polygon[i].n);
-        t = src.tree;
-        if (!t)
-            continue;
-        ck_assert_msg(rad_polytree_has(t, src.root.aim, src.normal), "%s",
-                      polygon[i].name);
-        for (int k = 0; k < 2 && t->kid[k]; k++)
-            ck_assert(
-                rad_polytree_has(t->kid[k], t->kid[k]->m.aim, src.normal));
-    }
-}
-END_TEST
-
-/* A ring facing down at height 2 about the z axis, seen from (x, 0, 0) with
- * the normal up: E = pi/2 (1 - (d2 - r2) / sqrt((d2 + r2)^2 - 4 x2 r2)) per
- * disk, d2 = x2 + h2 (Naraghi 1988). */
-static double
-disk_irradiance(double r, double x, double h)
-{
-    double z = x * x + h * h + r * r;
-
-    return M_PI / 2 * (1 - (z - 2 * r * r) / sqrt(z * z - 4 * x * x * r * r));
-}
-
-static const struct {
-    double r0, r1, x, h;
-} ring[] = {
-    { 0, 1, 0, 2 },     { 0, 1, 1.5, 2 }, { 0, 1, 4, 1 },   { .5, 1, 0, 2 },
-    { .9, 1, .3, 1.5 }, { .5, 1, 2, 1 },  { 0, .01, 1, 5 }, { 0, 1, 0, 1 },
-};
-
-START_TEST(divided_ring_gives_the_closed_form)
-{
-    double h = ring[_i].h, p[3] = { ring[_i].x, 0, 2 - h };
-    double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
-    double want = disk_irradiance(ring[_i].r1, ring[_i].x, h) -
-                  disk_irradiance(ring[_i].r0, ring[_i].x, h);
-    struct rad_source src;
-
-    make_light(&src, RAD_RING, a, 8);
-    double got = irradiance(&src, p, up, .2, NULL);
-
-    ck_assert_msg(fabs(got - want) <= 1e-5 * want, "%g, not %g", got, want);
-    got = irradiance_jittered(&src, p, up, .5, 100000);
-    ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
-}
-END_TEST
-
-/* A sphere above the horizon gives pi r^2/d^2 cos, exactly (a disk seen from
- * outside is as good); with and without jitter, and at any -ds. */
-START_TEST(sphere_gives_the_closed_form)
-{
-    static const double a[] = { 1, 0, 3, 1.5 };
-    const double p[3] = { 0, 0, 0 };
-    double want = M_PI * 2.25 / 10 * 3 / sqrt(10);
-    struct rad_source src;
-
-    make_light(&src, RAD_SPHERE, a, 4);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, 0, NULL), want, 1e-12);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, NULL), want, 1e-12);
-    ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, 0, 100000), want,
-                            2e-3 * want);
-    ck_assert_double_eq(irradiance(&src, a, up, 0, NULL), 0);
-}
-END_TEST
-
-/* A thin cylinder along x at height h, centred above the point: the integral
- * of 2 r h^2 / d^4 over its length. */
-START_TEST(cylinder_gives_the_closed_form)
-{
-    double L = 3, r = 5e-4, h = 2;
-    double a[7] = { -L, 0, h, L, 0, h, r };
-    const double p[3] = { 0, 0, 0 };
-    double want = 2 * r * (L / (h * h + L * L) + atan(L / h) / h);
-    struct rad_source src;
-
-    make_light(&src, RAD_CYLINDER, a, 7);
-    double got = irradiance(&src, p, up, .2, NULL);
-
-    ck_assert_msg(fabs(got - want) <= 2e-3 * want, "%g, not %g", got, want);
-    got = irradiance_jittered(&src, p, up, .5, 20000);
-    ck_assert_msg(fabs(got - want) <= 3e-3 * want, "%g, not %g", got, want);
-}
-END_TEST
-
-/* A thick cylinder, from beside it and from beyond its end: what it sends to a
- * floor below, by the midpoint rule over its surface. */
-static const double thick[][3] = {
-    { 0, 0, 0 }, { .5, 1.5, .3 }, { 3, 0, .9 }, { 6, -2, -1 }, { 0, .2, 1.39 },
-};
-
-START_TEST(thick_cylinder_is_exact)
-{
-    double a[7] = { -1, 0, 2, 1, 0, 2, .6 }, E = 0;
-    const double *p = thick[_i];
-    struct rad_source src;
-    int n = 1000, samples;
-
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k < n; k++) {
-            double phi = 2 * M_PI * (i + .5) / n, x = -1 + 2 * (k + .5) / n;
-            double m[3] = { 0, cos(phi), sin(phi) };
-            double d[3] = { x - p[0], .6 * m[1] - p[1], 2 + .6 * m[2] - p[2] };
-            double d2 = rad_dot(d, d), facing = -rad_dot(d, m);
-
-            if (facing > 0)
-                E += d[2] * facing / (d2 * d2);
-        }
-    E *= 2. / n * 2 * M_PI * .6 / n;
-    make_light(&src, RAD_CYLINDER, a, 7);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, .2, &samples), E, 2e-4 * E);
-    ck_assert_int_le(samples, 64);
-}
-END_TEST
-
-/* Jittered aims, seen from straight below, are even about the middle of the
- * light whatever -dj, and reach about as far as -dj says. */
-static const struct {
-    enum rad_otype type;
-    double a[12];
-    int n;
-    double jitter, spread; /* mean squared distance from the middle */
-} jittered[] = {
-    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, 1, .005 },
-    /* as rpict's bent square: 2/3 .9^2 - 1/9 .9^4 */
-    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, .9, .00467 },
-    { RAD_RING, { 0, 0, 2, 0, 0, -1, 0, .1 }, 8, .5, .001597 },
-    { RAD_RING, { 0, 0, 2, 0, 0, -1, .05, .1 }, 8, .9, .00625 },
-    { RAD_POLYGON,
-      { -.1, -.1, 2, -.1, .1, 2, .1, .1, 2, .1, -.1, 2 },
-      12,
-      .9,
-      .81 * .02 / 3 },
-    { RAD_SPHERE, { 0, 0, 2, .1 }, 4, .9, .81 * .005 },
-};
-
-static void
-sum_place(void *arg, const struct rad_light_sample *s)
-{
-    double *sum = arg, x = 2 * s->aim[0] / s->aim[2];
-    double y = 2 * s->aim[1] / s->aim[2];
-
-    sum[0] += x;
-    sum[1] += y;
-    sum[2] += x * x + y * y;
-    sum[3]++;
-}
-
-START_TEST(jitter_is_even_about_the_middle)
-{
-    struct rad_light_view view = { .jitter = jittered[_i].jitter };
-    double sum[4] = { 0 };
-    struct rad_source src;
-
-    make_light(&src, jittered[_i].type, jittered[_i].a, jittered[_i].n);
-    for (int i = 0; i < 20000; i++) {
-        view.key = rad_key_branch(1, (uint64_t)i);
-        rad_light_samples(&src, &view, sum_place, sum);
-    }
-    ck_assert_double_le(fabs(sum[0] / sum[3]), .002);
-    ck_assert_double_le(fabs(sum[1] / sum[3]), .002);
-    ck_assert_double_eq_tol(sum[2] / sum[3], jittered[_i].spread,
-                            .02 * jittered[_i].spread);
-}
-END_TEST
-
-/* How many parts rpict makes of a flat source, seen from p: halves of a square
- * of the same area, or of a parallelogram, until each side is below -ds times
- * the distance of its part, or there are 64. */
-static int
-rpict_parts(const double p[3], int most, const double c[3], const double u[3],
-            const double v[3], double ds)
-{
-    double a[2][3], mid[3], d2 = rad_dist2(p, c) * ds * ds / 4;
-    double uu = rad_dot(u, u), vv = rad_dot(v, v);
-    int k = uu > vv ? 0 : 1, n = 0;
-
-    if (most < 2 || (d2 >= uu && d2 >= vv))
-        return 1;
-    rad_copy(a[0], u);
-    rad_copy(a[1], v);
-    rad_scale(a[k], .5, a[k]);
-    for (int side = -1; side <= 1; side += 2) {
-        rad_madd(mid, c, side, a[k]);
-        n += rpict_parts(p, most / 2, mid, a[0], a[1], ds);
-    }
-    return n;
-}
-
-static const double hexagon[] = { 2,  0,          2, 1,  -1.7320508, 2,
-                                  -1, -1.7320508, 2, -2, 0,          2,
-                                  -1, 1.7320508,  2, 1,  1.7320508,  2 };
-
-static const struct {
-    enum rad_otype type;
-    const double *a;
-    int n;
-} lamp[] = {
-    { RAD_POLYGON, triangle, 9 },
-    { RAD_POLYGON, sliver, 9 },
-    { RAD_POLYGON, hexagon, 18 },
-    { RAD_RING, (const double[]){ 0, 0, 2, 0, 0, -1, 0, 1 }, 8 },
-    { RAD_RING, (const double[]){ 0, 0, 2, 0, 0, -1, .5, 1 }, 8 },
-    { RAD_RING, (const double[]){ 0, 0, 2, 0, 0, -1, .9, 1 }, 8 },
-};
-
-/* From half the lamp's width to 20 times it, in all directions. */
-START_TEST(flux_is_exact_with_no_more_samples_than_rpict_takes)
-{
-    struct rad_source src;
-    double worst = 0;
-
-    make_light(&src, lamp[_i].type, lamp[_i].a, lamp[_i].n);
-    for (double far = .5; far < 20; far *= 2) {
-        long ours = 0, theirs = 0;
-
-        for (int i = 0; i < 500; i++) {
-            uint64_t key = rad_mix64((uint64_t)i + 1);
-            double c = sqrt(rad_rand(key, 0)), s = sqrt(1 - c * c);
-            double phi = 2 * M_PI * rad_rand(key, 1), want;
-            double d = far * (1 + rad_rand(key, 2));
-            double dir[3] = { s * cos(phi), s * sin(phi), -c }, p[3];
-            int samples;
-
-            rad_madd(p, src.centre, d, dir);
-            if (lamp[_i].type == RAD_POLYGON)
-                want = lambert(lamp[_i].a, lamp[_i].n / 3, p, up);
-            else
-                want = disk_irradiance(lamp[_i].a[7], d * s, d * c) -
-                       disk_irradiance(lamp[_i].a[6], d * s, d * c);
-            worst = fmax(
-                worst, fabs(irradiance(&src, p, up, .2, &samples) / want - 1));
-            ours += samples;
-            theirs +=
-                rpict_parts(p, 64, src.centre, src.axis[0], src.axis[1], .2);
-        }
-        ck_assert_msg(ours <= theirs, "%ld samples, not %ld, from %g", ours,
-                      theirs, far);
-    }
-    ck_assert_double_le(worst, 1e-4);
-}
-END_TEST
-
-/* Where -ds asks for few parts of a lamp that is near, or for one, they have
- * all of its flux: but for what the expansion of small ones leaves out. */
-START_TEST(few_parts_of_a_near_parallelogram_have_its_flux)
-{
-    static const double near[][3] = {
-        { 0, 0, 1.9 }, { .7, -.4, 1.5 }, { -.9, .9, 1.99 }, { 3, 1, 1.9 }
-    };
-    struct rad_source src;
-
-    make_light(&src, RAD_POLYGON, _i ? oblong : square, 12);
-    for (int k = 0; k < N_ELEM(near); k++)
-        for (double ds = .3; ds < 1e6; ds *= 2) {
-            double want = lambert(_i ? oblong : square, 4, near[k], up);
-            double got = irradiance(&src, near[k], up, ds, NULL);
-
-            ck_assert_msg(fabs(got - want) <= 1e-2 * want,
-                          "%g, not %g, at %d by -ds %g", got, want, k, ds);
-        }
-}
-END_TEST
-
-/* Next to the edge the outline's chords would be off, on either side of it. */
-START_TEST(disk_next_to_its_edge_has_its_flux)
-{
-    double a[8] = { 0, 0, 2, 0, 0, -1, _i ? .5 : 0, 1 };
-    struct rad_light_view view = { .sizerat = 10, .up = up };
-    struct rad_source src;
-
-    make_light(&src, RAD_RING, a, 8);
-    for (double q = .99; q < 1.01; q += .002) {
-        struct meter m = { .n = { 0, 0, 1 } };
-        double want = disk_irradiance(1, q, .002);
-
-        if (_i)
-            want -= disk_irradiance(.5, q, .002);
-        view.p[0] = q;
-        view.p[2] = 1.998;
-        rad_light_samples(&src, &view, measure, &m);
-        ck_assert_msg(fabs(m.E - want) <= 1e-3 * want, "%g, not %g, at %g", m.E,
-                      want, q);
-    }
-}
-END_TEST
-
-/* The middle of a ring with a hole is no place to aim at. */
-START_TEST(undivided_ring_is_aimed_at)
-{
-    double a[8] = { 0, 0, 2, 0, 0, -1, .5, 1 };
-    const double p[3] = { 0, 0, 0 };
-    struct rad_light_view view = { .p = { 0, 0, 0 } };
-    struct rad_source src;
-    double sum[4] = { 0 };
-    int samples;
-
-    make_light(&src, RAD_RING, a, 8);
-    ck_assert_double_eq_tol(irradiance(&src, p, up, 0, &samples),
-                            M_PI * .75 / 4, 1e-12);
-    ck_assert_int_eq(samples, 1);
-    rad_light_samples(&src, &view, sum_place, sum);
-    ck_assert(sum[2] > .25 && sum[2] < 1); /* its squared radius */
-}
-END_TEST
-
-static void
-aim_is_up(void *arg, const struct rad_light_sample *s)
-{
-    ck_assert_double_gt(s->aim[2], 0);
-    measure(arg, s);
-}
-
-/* Lamps that stand across the horizon: what is above it, by the midpoint rule
- * for a disk and a ring, and by Lambert's formula for what is above of a
- * triangle.  The aims are above it too. */
-START_TEST(what_is_below_the_horizon_gives_nothing)
-{
-    struct rad_light_view view = { .sizerat = .2, .up = up };
-    double r0 = _i == 1 ? .6 : 0;
-    int n = 1000;
-
-    for (double d = .5; d < 9; d *= 2)
-        for (double z = -.8; z < .9; z += .4) {
-            double a[8] = { d, 0, z, -1, 0, 0, r0, 1 }, E = 0;
-            double t[9] = { d, -1, z - 1, d, 0, z + 1, d, 1, z - 1 };
-            double s = (1 + z) / 2; /* half the width at the horizon */
-            double top[9] = { d, -s, 0, d, 0, z + 1, d, s, 0 };
-            struct meter m = { .n = { 0, 0, 1 } };
-            struct rad_source src;
-            const double p0[3] = { 0, 0, 0 };
-
-            for (int i = 0; _i < 2 && i < n; i++)
-                for (int k = 0; k < n; k++) {
-                    double r = sqrt(r0 * r0 + (1 - r0 * r0) * (i + .5) / n);
-                    double f = 2 * M_PI * (k + .5) / n;
-                    double p[3] = { d, r * cos(f), z + r * sin(f) };
-                    double d2 = rad_dot(p, p);
-
-                    if (p[2] > 0)
-                        E += p[2] * d / (d2 * d2);
-                }
-            E *= M_PI * (1 - r0 * r0) / n / n;
-            if (_i == 2)
-                E = lambert(top, 3, p0, up);
-            make_light(&src, _i == 2 ? RAD_POLYGON : RAD_RING, _i == 2 ? t : a,
-                       _i == 2 ? 9 : 8);
-            rad_light_samples(&src, &view, aim_is_up, &m);
-            ck_assert_double_eq_tol(m.E, fabs(E), 1e-3 * fabs(E));
-        }
-}
-END_TEST
-
-START_TEST(flat_light_has_a_dark_side)
-{
-    static const double behind[3] = { 0, 0, 3 }, in_plane[3] = { 3, 0, 2 };
-    const double down[3] = { 0, 0, -1 };
-    struct rad_source src;
-    int samples;
-
-    make_light(&src, RAD_POLYGON, square, 12);
-    irradiance(&src, behind, down, .2, &samples);
-    ck_assert_int_eq(samples, 0);
-    irradiance(&src, in_plane, down, 0, &samples);
-    ck_assert_int_eq(samples, 0);
-}
-END_TEST
-
-/* Lengths in any unit: the same numbers. */
-START_TEST(scale_changes_nothing)
-{
-    static const double scale[] = { 1e-6, 1, 1e9 };
-    double v[30], p[3], first = 0;
-    struct rad_source src;
-
-    for (int i = 0; i < N_ELEM(scale); i++) {
-        for (int k = 0; k < 30; k++)
-            v[k] = frame[k] * scale[i];
-        rad_scale(p, scale[i], place[2]);
-        make_light(&src, RAD_POLYGON, v, 30);
-        double E = irradiance(&src, p, up, .2, NULL);
-
-        if (i == 0)
-            first = E;
-        ck_assert_double_eq_tol(E, first, 1e-9 * first);
-    }
-}
-END_TEST
-
-START_TEST(spot_keeps_to_its_cone)
-{
-    /* 60 degrees about straight down, focus 2 behind */
-    static const double a[7] = { 1, 1, 1, 60, 0, 0, -2 };
-    const double in[3] = { 1, 0, 0 }, out[3] = { 1.3, 0, 0 };
-    struct rad_source src;
-
-    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .01 }, 8);
-    ck_assert(rad_spot_init(&src.spot, a));
-    double bare = irradiance(&src, in, up, 0, NULL), d = sqrt(5);
-
-    src.flags |= RAD_LIGHT_SPOT;
-    rad_light_set_apex(&src);
-    ck_assert_double_eq_tol(irradiance(&src, in, up, 0, NULL),
-                            bare * d * d / ((d + 2) * (d + 2)), 1e-12);
-    ck_assert_double_eq(irradiance(&src, out, up, 0, NULL), 0);
-    ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 0, 0, 0, 1 }));
-    ck_assert(!rad_spot_init(&src.spot, (double[]){ 1, 1, 1, 9, 0, 0, 0 }));
-}
-END_TEST
-
-START_TEST(what_a_cone_cannot_light_is_known_early)
-{
-    static const double a[7] = { 1, 1, 1, 60, .3, 0, -2 };
-    struct rad_source src;
-    int lit = 0;
-
-    make_light(&src, RAD_RING, (double[]){ 0, 0, 2, 0, 0, -1, 0, .5 }, 8);
-    ck_assert(rad_spot_init(&src.spot, a));
-    src.flags |= RAD_LIGHT_SPOT;
-    for (int i = 0; i < 3000; i++) {
-        double p[3] = { .002 * i - 3, .0007 * (i % 200), .0006 * i };
-
-        src.apex = INFINITY;
-        double E = irradiance(&src, p, up, .1, NULL);
-
-        rad_light_set_apex(&src);
-        ck_assert_double_eq(irradiance(&src, p, up, .1, NULL), E);
-        lit += E > 0;
-    }
-    ck_assert_int_gt(lit, 500);
-    ck_assert_int_lt(lit, 2500);
-}
-END_TEST
-
-START_TEST(no_area_and_cones_are_no_light)
-{
-    struct rad_object o = { .type = RAD_POLYGON,
-                            .modifier = RAD_VOID,
-                            .file = -1,
-                            .name = "lamp",
-                            .nreals = 9,
-                            .reals = (double[]){ 0, 0, 0, 1, 1, 1, 2, 2, 2 } };
-    struct rad_source src = { .obj = 0 };
-
-    ck_assert_int_eq(rad_light_shape(&src, &o, &arena), 1);
-    o.type = RAD_CONE;
-    ck_assert_int_eq(rad_light_shape(&src, &o, &arena), RAD_EDATA);
-}
-END_TEST
-
-/* --- what a point sees, in whole scenes --- */
+static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
 
 #define LAMP    "void light bright 0 0 3 1 1 1\n"
 #define PLASTIC "void plastic white 0 0 5 .5 .5 .5 0 0\n"
 /* 2 x 2 facing down at z = 2 */
 #define SQUARE_LAMP                                                            \
     LAMP "bright polygon lamp 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+static const double square[] = { -1, -1, 2, -1, 1, 2, 1, 1, 2, 1, -1, 2 };
 #define DIRECT "-ab 0 -av 0 0 0 -dj 0 -dt 0 "
 
 static double
@@ -669,7 +49,7 @@ START_TEST(lamp_lights_and_counts_its_rays)
 
     world_open(&w, SQUARE_LAMP, DIRECT "-ds .2");
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0),
-                            lambert(square, 4, place[0], up), 1e-3);
+                            lambert(square, 4, origin, up), 1e-3);
     ck_assert_uint_gt(w.ctx.counts.shadow_rays, 16);
     ck_assert_uint_ge(w.ctx.counts.rays, w.ctx.counts.shadow_rays);
     world_close(&w);
@@ -751,7 +131,7 @@ START_TEST(half_a_lamp_gives_a_penumbra)
 {
     static const char text[] = SQUARE_LAMP PLASTIC
         "white polygon plate 0 0 12 0 -9 1 9 -9 1 9 9 1 0 9 1\n";
-    double all = lambert(square, 4, place[0], up);
+    double all = lambert(square, 4, origin, up);
 
     ck_assert_double_eq_tol(irradiance_of(text, DIRECT "-ds .1", 0, 0, 0),
                             all / 2, .02 * all);
@@ -839,6 +219,94 @@ START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
 }
 END_TEST
 
+/* Sum of the irradiance at the origin, upwards, over so many samplings. */
+static struct rad_rgb
+irradiance_sum(struct world *w, uint64_t key, uint64_t times)
+{
+    struct rad_rgb sum = rad_grey(0);
+
+    for (uint64_t i = 0; i < times; i++) {
+        struct rad_ray r;
+
+        rad_ray_irradiance(&w->ctx, &r, origin, up, rad_key_branch(key, i));
+        sum = rad_rgb_add(sum, r.L);
+    }
+    return sum;
+}
+
+/* One lamp that the wall sees and 19 weaker ones that it does not: what -dt
+ * leaves untested must not brighten the light that comes from the wall.  The
+ * point itself sees none. */
+START_TEST(untested_lamps_leave_the_mean_alone)
+{
+    static const char *const options[] = {
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0",
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt .05 -dc .75",
+        "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 1 -dc 0",
+    };
+    char scene[2048] = PLASTIC
+        "white polygon wall 0 0 12 8 -9 0 8 -9 9 8 9 9 8 9 0\n"
+        "void plastic black 0 0 5 0 0 0 0 0\n"
+        "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
+        "black polygon plate 0 0 12 -.2 -.2 3 .2 -.2 3 .2 .2 3 -.2 .2 3\n"
+        "void light strong 0 0 3 1000 1000 1000\n"
+        "void light weak 0 0 3 50 40 60\n"
+        "strong sphere s 0 0 4 0 0 6 .1\n";
+    struct rad_rgb sum[N_ELEM(options)];
+    enum { TIMES = 3000 };
+
+    for (int i = 0; i < 19; i++)
+        snprintf(scene + strlen(scene), 64,
+                 "weak sphere w%d 0 0 4 0 %d 10 .1\n", i, i - 9);
+    for (int k = 0; k < N_ELEM(options); k++) {
+        struct world w;
+
+        world_open(&w, scene, options[k]);
+        sum[k] = irradiance_sum(&w, 9, TIMES);
+        world_close(&w);
+        ck_assert_msg(fabs(sum[k].r / sum[0].r - 1) < .02 &&
+                          fabs(sum[k].b / sum[0].b - 1) < .02,
+                      "%s: %g times as bright", options[k],
+                      (double)sum[k].r / sum[0].r);
+    }
+}
+END_TEST
+
+/* One strong lamp and 19 weak ones, of which every other is hidden: what -dt
+ * leaves untested is right in the mean where the lamps shine, too. */
+START_TEST(untested_lamps_are_drawn)
+{
+    static const char *const options[] = { "-ab 0 -dt 0", "-ab 0 -dt 1 -dc 0" };
+    char scene[2048] =
+        PLASTIC "void plastic black 0 0 5 0 0 0 0 0\n"
+                "black polygon lid 0 0 12 -9 -9 9.5 9 -9 9.5 9 9 9.5 -9 9 9.5\n"
+                "void light strong 0 0 3 1000 1000 1000\n"
+                "void light weak 0 0 3 50 40 60\n"
+                "strong sphere s 0 0 4 2 0 6 .1\n";
+    struct rad_rgb sum[2];
+    uint64_t shadow[2];
+    enum { TIMES = 4000 };
+
+    for (int i = 0; i < 19; i++)
+        snprintf(scene + strlen(scene), 64,
+                 "weak sphere w%d 0 0 4 0 %d %g .1\n", i, i - 9,
+                 i % 2 ? 10 : 9.);
+    for (int k = 0; k < 2; k++) {
+        struct world w;
+
+        world_open(&w, scene, options[k]);
+        sum[k] = irradiance_sum(&w, 7, TIMES);
+        shadow[k] = w.ctx.counts.shadow_rays;
+        world_close(&w);
+    }
+    ck_assert_uint_eq(shadow[0], 20 * TIMES);
+    ck_assert_uint_eq(shadow[1], 3 * TIMES);
+    ck_assert_msg(fabs(sum[1].r / sum[0].r - 1) < .01 &&
+                      fabs(sum[1].b / sum[0].b - 1) < .01,
+                  "%g times as bright", (double)sum[1].r / sum[0].r);
+}
+END_TEST
+
 /* What blocked the last ray may make a test shorter, never different. */
 START_TEST(memory_of_the_last_blocker_changes_nothing)
 {
@@ -890,41 +358,12 @@ START_TEST(cone_cannot_be_a_light)
 }
 END_TEST
 
-static Suite *
-make_suite(void)
+int
+main(void)
 {
     Suite *s = suite_create("source");
-    TCase *tc = tcase_create("samples");
+    TCase *tc = tcase_create("shadows");
 
-    tcase_set_timeout(tc, 600);
-    tcase_add_checked_fixture(tc, setup, teardown);
-    tcase_add_loop_test(tc, divided_polygon_gives_the_closed_form, 0,
-                        N_ELEM(polygon));
-    tcase_add_loop_test(tc, jittered_polygon_gives_the_closed_form_in_the_mean,
-                        0, N_ELEM(polygon));
-    tcase_add_test(tc, undivided_polygon_is_one_sample_at_its_middle);
-    tcase_add_test(tc, aims_are_on_the_light);
-    tcase_add_loop_test(tc, divided_ring_gives_the_closed_form, 0,
-                        N_ELEM(ring));
-    tcase_add_test(tc, sphere_gives_the_closed_form);
-    tcase_add_test(tc, cylinder_gives_the_closed_form);
-    tcase_add_loop_test(tc, thick_cylinder_is_exact, 0, N_ELEM(thick));
-    tcase_add_loop_test(tc, jitter_is_even_about_the_middle, 0,
-                        N_ELEM(jittered));
-    tcase_add_loop_test(tc, few_parts_of_a_near_parallelogram_have_its_flux, 0,
-                        2);
-    tcase_add_loop_test(tc, disk_next_to_its_edge_has_its_flux, 0, 2);
-    tcase_add_loop_test(tc, flux_is_exact_with_no_more_samples_than_rpict_takes,
-                        0, N_ELEM(lamp));
-    tcase_add_test(tc, undivided_ring_is_aimed_at);
-    tcase_add_loop_test(tc, what_is_below_the_horizon_gives_nothing, 0, 3);
-    tcase_add_test(tc, flat_light_has_a_dark_side);
-    tcase_add_test(tc, scale_changes_nothing);
-    tcase_add_test(tc, spot_keeps_to_its_cone);
-    tcase_add_test(tc, what_a_cone_cannot_light_is_known_early);
-    tcase_add_test(tc, no_area_and_cones_are_no_light);
-    suite_add_tcase(s, tc);
-    tc = tcase_create("shadows");
     tcase_add_test(tc, lamp_lights_and_counts_its_rays);
     tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
@@ -933,15 +372,11 @@ make_suite(void)
     tcase_add_test(tc, glow_reaches_as_far_as_it_says);
     tcase_add_test(tc, spotlight_falls_off_from_its_focus);
     tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);
+    tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
+    tcase_add_test(tc, untested_lamps_are_drawn);
     tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
     tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
     tcase_add_test(tc, cone_cannot_be_a_light);
     suite_add_tcase(s, tc);
-    return s;
-}
-
-int
-main(void)
-{
-    return unit_run(make_suite());
+    return unit_run(s);
 }

@@ -57,6 +57,7 @@ UNIT_TESTS = \
 	tests/check_ray \
 	tests/check_rays \
 	tests/check_ring \
+	tests/check_sample \
 	tests/check_sandbox \
 	tests/check_shade \
 	tests/check_shell \
@@ -225,6 +226,10 @@ tests_check_mirror_SOURCES = tests/check_mirror.c tests/unit.h \
 	tests/world.h
 tests_check_mirror_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_mirror_LDADD = $(UNIT_LIBS)
+
+tests_check_sample_SOURCES = tests/check_sample.c tests/lambert.h tests/unit.h
+tests_check_sample_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_sample_LDADD = $(UNIT_LIBS)
 
 tests_check_source_SOURCES = tests/check_source.c tests/lambert.h tests/unit.h \
 	tests/world.h
