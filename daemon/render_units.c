@@ -91,9 +91,8 @@ render_take_unit(struct render *r, const struct msg_unit *u)
     if (rc == 0)
         rc = u->mode == MSG_MODE_STRICT ? push_strict(r, u, &err)
                                         : push_window(r, u, &err);
-    if (rc < 0) {
+    if (rc < 0)
         render_fail(r, &err);
-    }
 }
 
 /* Facts and base lines come before the unit that needs them: those of a later
@@ -180,7 +179,6 @@ render_take_estimate(struct render *r, const struct msg_estimate *m)
         estimate_free(e);
         rad_fail(&err, RAD_ENOMEM, "out of memory");
     }
-    if (err.code) {
+    if (err.code)
         render_fail(r, &err);
-    }
 }
