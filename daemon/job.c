@@ -487,9 +487,17 @@ job_tally(const struct job_worker *w)
     t.busy_s += w->tally.busy_s;
     t.wait_base_line_s += w->tally.wait_base_line_s;
     msg_counts_add(&t.dropped, &w->tally.dropped);
+    msg_counts_add(&t.seeded, &w->tally.seeded);
     if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
         t.peak_rss_bytes = w->tally.peak_rss_bytes;
     return t;
+}
+
+/* Those that are in no unit. */
+static uint64_t
+rays_aside(const struct msg_tally *t)
+{
+    return t->dropped.rays + t->seeded.rays;
 }
 
 void
@@ -498,8 +506,8 @@ job_see_rays(struct job *job)
     uint64_t n = job->rays;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
-        n += job->workers[i].tally.dropped.rays;
-        n += job->workers[i].past.dropped.rays;
+        n += rays_aside(&job->workers[i].tally);
+        n += rays_aside(&job->workers[i].past);
         if (job->workers[i].state == JW_READY)
             n += job->workers[i].tally.rays_under_way;
     }

@@ -96,14 +96,15 @@ struct job_worker {
     struct coord_worker *worker; /* of that name */
     enum job_worker_state state;
     uint32_t threads;
-    uint32_t in_flight;    /* units of this job that it works on */
-    uint32_t held;         /* threads, as counted for the job's owner */
-    uint32_t lines;        /* of these units */
-    uint32_t given;        /* units that it began apart (sched.c) */
-    uint32_t parked;       /* units that wait for a base line */
-    uint64_t since_ms;     /* the two are as they are since then */
-    uint64_t work_ms;      /* time with something in flight */
-    double speed;          /* of all its threads, relative to the others' */
+    uint32_t in_flight; /* units of this job that it works on */
+    uint32_t held;      /* threads, as counted for the job's owner */
+    uint32_t lines;     /* of these units */
+    uint32_t given;     /* units that it began apart (sched.c) */
+    uint32_t parked;    /* units that wait for a base line */
+    uint64_t since_ms;  /* the two are as they are since then */
+    uint64_t work_ms;   /* time with something in flight */
+    double speed;       /* of all its threads, relative to the others' */
+    uint32_t seed_first, seed_last; /* its part, until it gets it */
     uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
     uint32_t load_crashes; /* children that died before READY */
     uint32_t setbacks;     /* children lost for reasons of its own, since it
@@ -201,6 +202,7 @@ struct job {
     uint64_t offer_ms;  /* its radsubmit began to send */
     uint64_t submit_ms; /* SUBMIT came */
     uint64_t open_ms;   /* accepted */
+    uint64_t seed_ms;   /* parts were given out (seeding.h) */
     uint64_t first_ms;  /* first unit went out; 0: none yet */
     uint64_t last_ms;   /* last row was kept */
     uint64_t end_ms;

@@ -134,6 +134,8 @@ libdaemon_a_SOURCES = \
 	daemon/strict_out.c \
 	daemon/strict_pass.c \
 	daemon/strict_unit.c \
+	daemon/seeding.c \
+	daemon/seeding.h \
 	daemon/survey.c \
 	daemon/survey.h \
 	daemon/task.c \

@@ -97,6 +97,11 @@ struct pool {
     struct queued **todo_end;                 /* [mu] */
     struct active *active;                    /* [mu] */
     struct estimating *estimates, *estimated; /* [mu] under way; done */
+    struct rad_seed *seed;                    /* [mu] NULL: none is under way */
+    struct rad_seed *seeded_one;              /* [mu] that is done */
+    pool_seed_fn *seed_fn;                    /* [mu] who is to hear of it */
+    int seeding;                              /* [mu] threads at it */
+    struct msg_counts seeded;                 /* [mu] what they counted */
     struct pool_rows *done;                   /* [mu] */
     struct pool_rows **done_end;              /* [mu] */
     size_t unsent;         /* [mu] bytes of pixels under way */
@@ -457,6 +462,7 @@ work_on(struct renderer *by, struct active *u)
 
 /* What a thread finds to do: one of them. */
 struct work {
+    struct rad_seed *seed;
     struct estimating *estimate;
     struct active *help;
     struct queued *window;
@@ -622,6 +628,74 @@ free_estimates(struct estimating *e)
     }
 }
 
+/* --- seeding --- */
+
+/* The last member has left what can be done now: on to the next, or that was
+ * it.  Meanwhile nobody finds anything to begin. */
+static void
+go_on_seeding(struct pool *p, struct rad_seed *s)
+{
+    bool more = !atomic_load(&p->stopping) && rad_seed_next(s);
+
+    uv_mutex_lock(&p->mu);
+    if (!more) {
+        p->seeded_one = s;
+        p->seed = NULL;
+        uv_async_send(&p->async);
+    }
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+}
+
+static void
+work_on_seed(struct renderer *by, struct rad_seed *s)
+{
+    struct pool *p = by->pool;
+    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
+    double wall = seconds(CLOCK_MONOTONIC);
+    bool last;
+
+    by->ctx.counts = (struct rad_counts){ 0 };
+    rad_seed_work(s, &by->ctx, &p->stopping);
+    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
+    wall = seconds(CLOCK_MONOTONIC) - wall;
+    uv_mutex_lock(&p->mu);
+    p->busy_s += wall;
+    counted_add(&p->seeded, &by->ctx.counts, cpu);
+    last = --p->seeding == 0 && !rad_seed_open(s);
+    uv_mutex_unlock(&p->mu);
+    if (last)
+        go_on_seeding(p, s);
+}
+
+/* Tell of what is done. */
+static void
+end_seed(struct pool *p)
+{
+    struct rad_seed *s;
+    pool_seed_fn *fn;
+
+    uv_mutex_lock(&p->mu);
+    s = p->seeded_one;
+    fn = p->seed_fn;
+    p->seeded_one = NULL;
+    uv_mutex_unlock(&p->mu);
+    if (!s)
+        return;
+    rad_seed_free(s);
+    fn(p->arg);
+}
+
+void
+pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn)
+{
+    uv_mutex_lock(&p->mu);
+    p->seed = s;
+    p->seed_fn = fn;
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+}
+
 /* --- threads --- */
 
 /* A unit that has lines left to begin, in a pass as urgent as `least`. */
@@ -661,6 +735,14 @@ static bool
 find_locked(struct pool *p, struct work *w)
 {
     *w = (struct work){ 0 };
+    if (p->seed) {
+        /* what others are at is wanted for what comes next */
+        if (!rad_seed_open(p->seed))
+            return false;
+        w->seed = p->seed;
+        p->seeding++;
+        return true;
+    }
     if ((w->estimate = find_estimate_locked(p)))
         w->estimate->members++;
     else if (!find_strict_locked(p, STRICT_TRUTH, w) &&
@@ -699,6 +781,10 @@ run_thread(void *arg)
     struct work w;
 
     while (find_work(by->pool, &w)) {
+        if (w.seed) {
+            work_on_seed(by, w.seed);
+            continue;
+        }
         if (w.estimate) {
             work_on_estimate(by, w.estimate);
             continue;
@@ -721,6 +807,7 @@ on_async(uv_async_t *async)
     p->done = NULL;
     p->done_end = &p->done;
     uv_mutex_unlock(&p->mu);
+    end_seed(p);
     if (p->strict)
         p->news(p->arg);
     for (; r; r = next) {
@@ -832,6 +919,7 @@ pool_tally(struct pool *p)
     settle_waits_locked(p);
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
+    t.seeded = p->seeded;
     if (p->strict) {
         t.rays_under_way = strict_rays(p->strict);
         strict_dropped(p->strict, &t.dropped);
@@ -915,6 +1003,8 @@ pool_free(struct pool *p)
     }
     free_estimates(p->estimates);
     free_estimates(p->estimated);
+    rad_seed_free(p->seed);
+    rad_seed_free(p->seeded_one);
     uv_close((uv_handle_t *)&p->async, async_closed);
 }
 

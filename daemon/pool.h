@@ -13,6 +13,7 @@
 #define RADD_DAEMON_POOL_H
 
 #include "estimate.h"
+#include "picture/seed.h"
 #include "strict.h"
 
 #include <uv.h>
@@ -77,6 +78,12 @@ void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
 bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 
+/* Have the threads seed the cache, before they begin anything else; it is the
+ * pool's until fn, which hears that it is done, with the pool's arg.  One at a
+ * time. */
+typedef void pool_seed_fn(void *arg);
+void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
+
 /* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
  * threads do. */
 #define POOL_UNSENT (8u << 20)
@@ -90,6 +97,7 @@ struct pool_tally {
                                 * work while strict units waited for their top */
     uint64_t rays_under_way;   /* of units that are not done */
     struct msg_counts dropped; /* as strict_dropped() says */
+    struct msg_counts seeded;  /* of pool_seed() */
 };
 struct pool_tally pool_tally(struct pool *p);
 

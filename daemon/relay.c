@@ -322,6 +322,12 @@ on_estimate(struct worker *w, const struct msg *m)
 }
 
 static void
+on_seed(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->seed.job, 0);
+}
+
+static void
 on_next_holder(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->next_holder.job);
@@ -340,6 +346,7 @@ static const struct {
     { MSG_BASE_LINE, on_base_line },
     { MSG_NEXT_HOLDER, on_next_holder },
     { MSG_ESTIMATE, on_estimate },
+    { MSG_SEED, on_seed },
 };
 
 void

@@ -100,7 +100,7 @@ send_tally(struct render *r)
 
     if (r->pool)
         did = pool_tally(r->pool);
-    r->told_rays = did.rays_under_way;
+    r->told_rays = did.rays_under_way + did.seeded.rays;
     r->told_dropped = did.dropped.rays;
     r->told_ms = uv_now(&r->loop);
 
@@ -114,6 +114,10 @@ send_tally(struct render *r)
     m.tally.wait_base_line_s = did.wait_base_line_s;
     m.tally.rays_under_way = did.rays_under_way;
     m.tally.dropped = did.dropped;
+    m.tally.seeded = did.seeded;
+    m.tally.seeded.primary_rays = 0;
+    memset(&m.tally.seeded.nan, 0, sizeof m.tally.seeded.nan);
+    memset(m.tally.seeded.faults, 0, sizeof m.tally.seeded.faults);
     conn_send(r->link, &m);
 }
 
@@ -140,8 +144,9 @@ static void
 on_teller(uv_timer_t *timer)
 {
     struct render *r = timer->data;
+    struct pool_tally did = pool_tally(r->pool);
 
-    if (r->link && (pool_tally(r->pool).rays_under_way != r->told_rays ||
+    if (r->link && (did.rays_under_way + did.seeded.rays != r->told_rays ||
                     uv_now(&r->loop) - r->told_ms >= SIGN_OF_LIFE_MS))
         send_tally(r);
     watch(r);
@@ -300,6 +305,9 @@ on_message(void *arg, struct conn *c, const struct msg *m)
         break;
     case MSG_UNIT:
         render_take_unit(r, &m->unit);
+        break;
+    case MSG_SEED:
+        render_take_seed(r, &m->seed);
         break;
     case MSG_ESTIMATE:
         render_take_estimate(r, &m->estimate);

@@ -44,13 +44,16 @@ struct render {
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct give *gives;
-    uint64_t loaded;   /* where records begin that others may lack */
-    uint64_t first_ms; /* records were drained; 0: not yet */
-    bool twin;         /* others were at a unit that is here, too */
+    uint64_t loaded;      /* where records begin that others may lack */
+    double doubled;       /* share of late that was redundant */
+    uint64_t first_ms;    /* records were drained; 0: not yet */
+    struct msg_seed seed; /* last is 0: none came; job is not kept */
+    bool seeding;
+    bool twin; /* others were at a unit that is here, too */
     uint64_t sent, received, redundant; /* ambient records */
-    uint64_t told_rays;                 /* under way, in the last TALLY */
-    uint64_t told_dropped;              /* likewise */
-    uint64_t told_ms;                   /* when that was */
+    uint64_t told_rays;    /* under way, and of seeding, in the last TALLY */
+    uint64_t told_dropped; /* likewise */
+    uint64_t told_ms;      /* when that was */
     int status;
 };
 
@@ -88,6 +91,9 @@ void render_records_again(struct render *r);
 void render_records_release(struct render *r);
 /* Send what the threads have made since the last call. */
 void render_drain(struct render *r);
+/* The part of a frame's, or all frames', deep records that is made here. */
+void render_take_seed(struct render *r, const struct msg_seed *m);
+void render_begin_seed(struct render *r, uint32_t frame);
 void render_take_ambient(struct render *r, const struct msg_ambient *a);
 void render_take_give(struct render *r, const struct msg_give *m);
 

@@ -19,6 +19,7 @@
 #include "sched.h"
 
 #include "ring.h"
+#include "seeding.h"
 #include "survey.h"
 
 #include <stdio.h>
@@ -887,13 +888,18 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
         send_job_end(c, w->conn, job->id);
         return;
     }
-    if (!job->partition && !lay_out(c, job))
-        return;
+    if (!job->partition) {
+        if (!lay_out(c, job))
+            return;
+        speed_measure(c, job);
+        seeding_begin(c, job);
+    }
     if (job->restored)
         sched_begin(c, job);
     job->restored = false;
     loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
+    seeding_ready(c, job, index);
     speed_measure(c, job);
 }
 

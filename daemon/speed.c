@@ -56,7 +56,8 @@ static double
 measured(const struct job_worker *jw)
 {
     double rays = (double)jw->rays + (double)jw->tally.dropped.rays +
-                  (double)jw->past.dropped.rays;
+                  (double)jw->past.dropped.rays +
+                  (double)jw->tally.seeded.rays + (double)jw->past.seeded.rays;
 
     if (jw->state == JW_READY)
         rays += (double)jw->tally.rays_under_way;

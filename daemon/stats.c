@@ -84,6 +84,7 @@ totals(const struct job *job)
     uint64_t sent = 0, received = 0, redundant = 0;
     uint64_t line_bytes = job->base_line_bytes, line_pixels = 0;
     uint64_t dropped = 0;
+    struct msg_counts seeded = { 0 };
     uint32_t took_part = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
@@ -91,6 +92,8 @@ totals(const struct job *job)
 
         msg_counts_add(&t, &w.dropped);
         dropped += w.dropped.rays;
+        msg_counts_add(&t, &w.seeded);
+        msg_counts_add(&seeded, &w.seeded);
         sent += w.ambient_sent;
         received += w.ambient_received;
         redundant += w.ambient_redundant;
@@ -99,12 +102,15 @@ totals(const struct job *job)
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I}",
-        "rays", integer(t.rays), "dropped_rays", integer(dropped),
-        "primary_rays", integer(t.primary_rays), "speculative_rays",
-        integer(t.speculative_rays), "shadow_rays", integer(t.shadow_rays),
-        "ambient_rays", integer(t.ambient_rays), "intersection_tests",
-        integer(t.intersection_tests), "ambient_values",
+        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,"
+        "s:I,"
+        "s:I,s:I}",
+        "rays", integer(t.rays), "dropped_rays", integer(dropped), "seed_rays",
+        integer(seeded.rays), "seed_values", integer(seeded.ambient_values),
+        "seed_s", seeded.cpu_s, "primary_rays", integer(t.primary_rays),
+        "speculative_rays", integer(t.speculative_rays), "shadow_rays",
+        integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
+        "intersection_tests", integer(t.intersection_tests), "ambient_values",
         integer(t.ambient_values), "ambient_sent", integer(sent),
         "ambient_received", integer(received), "ambient_redundant",
         took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",

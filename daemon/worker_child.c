@@ -53,7 +53,8 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg tally = { .type = MSG_TALLY, .tally = m->tally };
 
-    if (m->tally.rays_under_way != job->tally.rays_under_way)
+    if (m->tally.rays_under_way != job->tally.rays_under_way ||
+        m->tally.seeded.rays != job->tally.seeded.rays)
         w->progress++;
     tally.tally.job = job->id;
     tally.tally.bytes_in = job->bytes_in;

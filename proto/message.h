@@ -386,6 +386,7 @@ struct msg_tally {
      * were not first.  No primary rays, nan or faults; speculative are facts
      * that nobody was told of. */
     struct msg_counts dropped;
+    struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
 };
 
 /* --- sharing a picture ---
@@ -474,6 +475,15 @@ struct msg_gave {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t height; /* rows from now on; as before: nothing was given */
+};
+
+/* Before the first unit: make the deep ambient records of a part of space, the
+ * others making theirs.  Parts are intervals of the order that all of them put
+ * what rays meet in (src/picture/seed.h). */
+#define MSG_SEED_ALL 65536u
+struct msg_seed {
+    const uint8_t *job;
+    uint32_t first, last; /* from the first up to below the last, of all */
 };
 
 struct msg_area {

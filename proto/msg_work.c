@@ -99,5 +99,7 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_f64(c, &b->wait_base_line_s);
     code_u64(c, &b->rays_under_way);
     code_counts(c, &b->dropped);
+    if (c->version >= 2)
+        code_counts(c, &b->seeded);
     code_read_must(c, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }

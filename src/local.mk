@@ -15,6 +15,8 @@ librad_a_SOURCES = \
 	src/base/files.h \
 	src/base/hex.c \
 	src/base/hex.h \
+	src/base/parts.c \
+	src/base/parts.h \
 	src/base/rng.h \
 	src/base/sha.c \
 	src/base/sha.h \
@@ -104,6 +106,8 @@ librad_a_SOURCES = \
 	src/picture/png.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
+	src/picture/seed.c \
+	src/picture/seed.h \
 	src/picture/view.c \
 	src/picture/view.h \
 	src/scene/bsdf.c \

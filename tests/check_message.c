@@ -111,7 +111,7 @@ static const struct msg examples[] = {
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
-                                   COUNTS } },
+                                   COUNTS, COUNTS } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
       .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, facts } },
@@ -123,6 +123,7 @@ static const struct msg examples[] = {
     { .type = MSG_GAVE, .gave = { ID, 1, 2, 3 } },
     { .type = MSG_ESTIMATE, .estimate = { ID, 1, 2, 2, areas } },
     { .type = MSG_ESTIMATED, .estimated = { ID, 1, 2, line_costs, COUNTS } },
+    { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
     { .type = MSG_AMBIENT,
@@ -571,14 +572,14 @@ static const struct {
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
                      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-                     "ESTIMATE RING " },
+                     "ESTIMATE SEED RING " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE TWIN FACTS BASE_LINE "
-                    "SPLIT ESTIMATE " },
+                    "SPLIT ESTIMATE SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
                      "GAVE ESTIMATED " },

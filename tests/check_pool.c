@@ -3,6 +3,7 @@
 
 #include "fingerprint.h"
 #include "jobtext.h"
+#include "light/ambient.h"
 #include "pool.h"
 #include "scene/parse.h"
 #include "team.h"
@@ -35,6 +36,8 @@ struct fixture {
     int nlast, nrows[MOST];
     uint64_t primary;
     bool in_order;
+    int seeded, first_rows;
+    size_t values;
 };
 
 static void
@@ -558,6 +561,55 @@ START_TEST(shared_cache_fills_while_threads_read_it)
 }
 END_TEST
 
+static void
+on_seeded(void *arg)
+{
+    struct fixture *f = arg;
+
+    ck_assert_int_eq(f->seeded++, 0);
+    f->first_rows = f->nrows[0]; /* of the first unit, by then */
+    f->values = rad_ambient_count(f->job->ambient);
+}
+
+static const int seeders[] = { 1, 4 };
+
+START_TEST(the_cache_is_seeded_before_units_begin)
+{
+    static struct fixture f;
+    struct pool_tally t;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 2 -ad 32 -as 0 -ps 4", false,
+                 seeders[_i]);
+    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
+    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
+        struct pool_unit u = unit(i);
+
+        ck_assert(pool_push(f.pool, &u));
+    }
+    while (f.nlast < PER_ROW * PER_ROW)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    ck_assert_int_eq(f.seeded, 1);
+    ck_assert_int_eq(f.first_rows, 0);
+    ck_assert_uint_gt(f.values, 0);
+    t = pool_tally(f.pool);
+    ck_assert_uint_gt(t.seeded.rays, 0);
+    ck_assert_uint_gt(t.seeded.ambient_values, 0);
+    ck_assert_uint_eq(t.seeded.primary_rays, 0);
+    ck_assert_double_ge(t.seeded.cpu_s, 0);
+    close_fixture(&f);
+}
+END_TEST
+
+START_TEST(a_pool_ends_with_seeding_under_way)
+{
+    static struct fixture f;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 4 -ad 4096 -aa .05 -as 0", false, 2);
+    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
+    close_fixture(&f);
+}
+END_TEST
+
 START_TEST(revoked_units_are_not_done)
 {
     static struct fixture f;
@@ -647,6 +699,9 @@ main(void)
     tcase_add_loop_test(tc, strict_units_give_the_picture_and_rays_of_one, 0,
                         N_ELEM(clusters));
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
+    tcase_add_loop_test(tc, the_cache_is_seeded_before_units_begin, 0,
+                        N_ELEM(seeders));
+    tcase_add_test(tc, a_pool_ends_with_seeding_under_way);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);
     tcase_add_test(tc, fingerprint_is_the_same_each_time);

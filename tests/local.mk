@@ -59,6 +59,7 @@ UNIT_TESTS = \
 	tests/check_ring \
 	tests/check_sample \
 	tests/check_sandbox \
+	tests/check_seed \
 	tests/check_shade \
 	tests/check_shell \
 	tests/check_sim \
@@ -438,6 +439,10 @@ tests_check_conn_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_estimate_SOURCES = tests/check_estimate.c tests/unit.h
 tests_check_estimate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_estimate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_seed_SOURCES = tests/check_seed.c tests/unit.h tests/world.h
+tests_check_seed_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_seed_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

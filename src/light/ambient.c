@@ -784,6 +784,21 @@ bounces(const struct rad_ray *r)
     return n;
 }
 
+bool
+rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    struct rad_ambplace at = { .err = r->hit.err,
+                               .level = bounces(r),
+                               .weight = (double)r->weight };
+    struct rad_rgb E;
+
+    rad_copy(at.p, r->hit.p);
+    rad_scale(at.n, r->cos_o < 0 ? -1 : 1, r->n);
+    rad_copy(at.pn, at.n);
+    return rad_ambient_find(ctx->job->ambient, &at, &E, &ctx->counts.geom,
+                            &ctx->counts.rays) > 0;
+}
+
 /* -av, or its mean with the records so far (-aw), times what a surface leaves
  * of it. */
 static struct rad_rgb

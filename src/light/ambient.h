@@ -65,14 +65,18 @@ struct rad_ambplace {
     double weight; /* of the ray, in (0, 1] */
 };
 
-/* Interpolate E at a place; *E is untouched on a miss.  A record made at another
- * level, whose E has more or fewer bounces, or for a clearly lighter ray, does
- * not serve.
- * Returns the summed record weight, 0 on a miss; cannot fail.  Takes no lock.
- *   counts  of the tests for light leaks; their number is added to *rays */
+/* Interpolate E at a place; *E is untouched on a miss.  A record made at
+ * another level, whose E has more or fewer bounces, or for a clearly lighter
+ * ray, does not serve. Returns the summed record weight, 0 on a miss; cannot
+ * fail.  Takes no lock. counts  of the tests for light leaks; their number is
+ * added to *rays */
 double rad_ambient_find(const struct rad_ambient *amb,
                         const struct rad_ambplace *at, struct rad_rgb *E,
                         struct rad_geom_counts *counts, uint64_t *rays);
+
+/* Would the cache serve r's hit, on the side that was hit and as its geometry
+ * is: need no record be made where it is shaded?  For a ray that is entered. */
+bool rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r);
 
 /* Records that were made here since the last call, oldest first, at most max;
  * the loop thread sends them to the other workers.  One thread at a time. */

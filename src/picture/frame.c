@@ -143,6 +143,26 @@ aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
     return true;
 }
 
+static void
+follow(const struct rad_aim *a, struct rad_ray *r)
+{
+    r->key = a->key;
+    r->tmax = a->tmax;
+    rad_copy(r->org, a->org);
+    rad_copy(r->dir, a->dir);
+}
+
+bool
+rad_frame_ray(const struct rad_frame *f, int x, int y, struct rad_ray *r)
+{
+    struct rad_aim a;
+    bool seen = aim(f, x, y, &a);
+
+    if (seen)
+        follow(&a, r);
+    return seen;
+}
+
 /* Set up r as the primary ray of a pixel, and where pixels come in even steps
  * along a row the next one's: its square root and divisions, one waiting for
  * the other, take place while r is on its way.  False: the view has none. */
@@ -158,12 +178,8 @@ take_aim(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     if (!found)
         a->seen = aim(f, x, y, a);
     seen = a->seen;
-    if (seen) {
-        r->key = a->key;
-        r->tmax = a->tmax;
-        rad_copy(r->org, a->org);
-        rad_copy(r->dir, a->dir);
-    }
+    if (seen)
+        follow(a, r);
     a->frame = 0;
     if (step > 0 && step == a->step && step < f->width - x) {
         a->frame = f->stamp;

@@ -57,6 +57,10 @@ void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
 int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
                    struct rad_error *err);
 
+/* Set r up as the primary ray of a pixel, for who does not want the pixel's
+ * value; false: the view has none there.  rad_ray_spawn() is the caller's. */
+bool rad_frame_ray(const struct rad_frame *f, int x, int y, struct rad_ray *r);
+
 /* Trace one pixel and count it as a primary ray; what the view does not show
  * is black and no ray: false.  A pixel that a value touched that is not finite
  * or negative is counted in nan_pixels; nan_x and nan_y keep the first. */

@@ -1,0 +1,144 @@
+/* parts.c - see parts.h
+ *
+ * The tree is complete, its nodes in one array: those of node i are 2 i + 1 and
+ * 2 i + 2, and its leaves are not kept, for a leaf's number says its place. */
+#include "config.h"
+
+#include "base/parts.h"
+
+#include <stdlib.h>
+
+/* A leaf holds so many points at least: what is between borders of parts by
+ * fewer is chance. */
+#define LEAF      4
+#define MAX_DEPTH 10
+
+struct node {
+    int axis;
+    double at; /* points below go to the first half, all others to the second */
+};
+
+struct rad_parts {
+    int depth; /* of the leaves */
+    struct node node[];
+};
+
+static void
+swap(double a[3], double b[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double t = a[k];
+
+        a[k] = b[k];
+        b[k] = t;
+    }
+}
+
+/* Move what is at most as p[lo + (hi - lo) / 2] along the axis before all that
+ * is at least that (Hoare 1961); returns the last of the first, below hi. */
+static size_t
+part_at_middle(double (*p)[3], size_t lo, size_t hi, int axis)
+{
+    double pivot = p[lo + (hi - lo) / 2][axis];
+    size_t i = lo, j = hi;
+
+    for (;;) {
+        while (p[i][axis] < pivot)
+            i++;
+        while (p[j][axis] > pivot)
+            j--;
+        if (i >= j)
+            return j;
+        swap(p[i++], p[j--]);
+    }
+}
+
+/* Put the n points so that none before number `at` is above it along the axis,
+ * and none behind it below. */
+static void
+select_nth(double (*p)[3], size_t n, size_t at, int axis)
+{
+    size_t lo = 0, hi = n - 1;
+
+    while (lo < hi) {
+        size_t j = part_at_middle(p, lo, hi, axis);
+
+        if (at <= j)
+            hi = j;
+        else
+            lo = j + 1;
+    }
+}
+
+static int
+longest_side(double (*p)[3], size_t n)
+{
+    double most = -1;
+    int axis = 0;
+
+    for (int k = 0; k < 3; k++) {
+        double lo = p[0][k], hi = p[0][k];
+
+        for (size_t i = 1; i < n; i++) {
+            lo = p[i][k] < lo ? p[i][k] : lo;
+            hi = p[i][k] > hi ? p[i][k] : hi;
+        }
+        if (hi - lo > most) {
+            most = hi - lo;
+            axis = k;
+        }
+    }
+    return axis;
+}
+
+/* Cut n points, one at least, at node i. */
+static void
+cut(struct rad_parts *parts, size_t i, int depth, double (*p)[3], size_t n)
+{
+    struct node *node = &parts->node[i];
+    size_t half = n / 2;
+
+    if (depth == parts->depth)
+        return;
+    node->axis = longest_side(p, n);
+    select_nth(p, n, half, node->axis);
+    node->at = p[half][node->axis];
+    cut(parts, 2 * i + 1, depth + 1, p, half);
+    cut(parts, 2 * i + 2, depth + 1, p + half, n - half);
+}
+
+struct rad_parts *
+rad_parts_new(double (*p)[3], size_t n)
+{
+    struct rad_parts *parts;
+    int depth = 0;
+
+    while (depth < MAX_DEPTH && n >> (depth + 1) >= LEAF)
+        depth++;
+    parts = malloc(sizeof *parts +
+                   (((size_t)1 << depth) - 1) * sizeof parts->node[0]);
+    if (!parts)
+        return NULL;
+    parts->depth = depth;
+    cut(parts, 0, 0, p, n);
+    return parts;
+}
+
+void
+rad_parts_free(struct rad_parts *parts)
+{
+    free(parts);
+}
+
+double
+rad_parts_place(const struct rad_parts *parts, const double p[3])
+{
+    size_t leaves = (size_t)1 << parts->depth, i = 0;
+
+    while (i < leaves - 1) {
+        const struct node *node = &parts->node[i];
+
+        i = 2 * i + 1 + !(p[node->axis] < node->at);
+    }
+    return ((double)(i - (leaves - 1)) + .5) / (double)leaves;
+}

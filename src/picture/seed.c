@@ -1,0 +1,440 @@
+/* seed.c - see seed.h
+ *
+ * Paths tell where rays of hemispheres go.  They are few, for all who share the
+ * work walk all of them; what they meet, in the order of the tree (parts.h), is
+ * a map, cut into cells of a few points.  Then each goes from cell to cell of
+ * its own part and asks for records: from where some path is, a ray goes to a
+ * place between two points of the cell.  Places that are often hit so come up
+ * sooner.
+ * Many more records are in small zones in corners and between things.  Those
+ * are seldom asked for by two at once, and to look for them takes longer than
+ * to make them; so a cell is left where many that were asked for running were
+ * there.
+ * One part takes up to twice as long as the mean, and nobody waits for it: so
+ * each goes over its cells twice, and what is wanted most comes first.  That
+ * others help with it instead was tried: they made twice what they saved.  */
+#include "config.h"
+
+#include "picture/seed.h"
+#include "base/parts.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/ambient.h"
+#include "shade/material.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+/* Paths: one for so many pixels, within these bounds. */
+#define PIXELS_A_PATH 64
+#define LEAST_PATHS   512
+#define MOST_PATHS    4096
+
+/* Records of more bounces are made on the way, as ever. */
+#define MOST_LEVELS 4
+
+/* Views that paths begin in: of a long animation, some. */
+#define MOST_VIEWS 16
+
+/* Panes that a view is seen through. */
+#define MOST_PANES 8
+
+/* Paths that a thread takes at a time. */
+#define CHUNK 64
+
+/* Points of a cell: they follow each other in the tree's order. */
+#define CELL 8
+
+/* Places that are asked for from the end of a path. */
+#define FROM_A_PATH 4
+
+/* Rounds over the cells.  A cell is left when so many were there running; and
+ * after so many in all, for what is always missing. */
+#define ROUNDS    2
+#define MOST_ASKS 1024
+static const int enough[ROUNDS] = { 8, 32 };
+
+/* Apart from the keys of pixels, which have a frame in this place. */
+#define BRANCH UINT64_C(0x6465657073656564)
+
+/* And those of cells apart from those of paths. */
+#define BRANCH_CELL UINT64_C(0x63656c6c)
+
+/* Of the rays that end in deep records; no hemisphere has so many. */
+#define BRANCH_SEED (RAD_BRANCH_RAMBIENT | 0xfffffe)
+
+/* Dimensions of the numbers drawn at a path's key, and at an asked place's. */
+enum { DIM_BOUNCE = 0, DIM_POINT = 0, DIM_NEXT, DIM_BETWEEN, DIM_PATH };
+
+/* Reflectance that is assumed of what a path meets, as where records are made
+ * for any. */
+#define MEAN_REFLECTANCE .5f
+
+struct rad_seed {
+    const struct rad_frame *frames; /* [fixed] */
+    uint32_t nframes, nviews;       /* [fixed] */
+    uint64_t key;                   /* [fixed] */
+    double first, last;             /* [fixed] */
+    uint32_t npaths;                /* [fixed] */
+    int levels;                     /* [fixed] bounces of a path */
+    /* What paths met after each bounce, by path; x is NAN where nothing.
+     * Written while they are walked, each by who took the path; then npoints,
+     * in the order of the tree. */
+    double (*met)[3];
+    size_t npoints;
+    struct rad_parts *parts; /* NULL: paths are walked */
+    /* Changed with none at work: */
+    int level; /* what is asked for */
+    int round;
+    uint32_t cell0, ncells; /* of our part */
+    /* How many paths or cells there are, in the high half, and since then
+     * taken, in the low one; stored with release after all that, and read with
+     * acquire. */
+    _Atomic uint64_t pieces;
+};
+
+bool
+rad_seed_wanted(const struct rad_job *job)
+{
+    return job->ambient && job->params.ambounce > 1 && job->params.ambdiv > 0;
+}
+
+/* --- paths --- */
+
+/* Would light go on through what was hit? */
+static bool
+is_pane(const struct rad_job *job, const struct rad_hit *hit)
+{
+    int32_t mod = job->scene->objects[hit->obj].modifier;
+    int32_t mat = rad_material_of(job->scene, mod);
+
+    return mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
+}
+
+static bool
+meet(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
+
+    if (r->parent)
+        rad_geom_leave(&r->parent->hit, r->dir, r->org);
+    rad_ray_clear(r);
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    ctx->counts.rays++;
+    if (!rad_geom_nearest(ctx->job->geom, &span, &r->hit, &ctx->counts.geom))
+        return false;
+    rad_ray_enter(r);
+    return true;
+}
+
+static double
+fraction(double x)
+{
+    return x - floor(x);
+}
+
+/* What is seen at the start of path i.  Pixels are those of a sequence each of
+ * whose beginnings is spread evenly over the picture (Roberts 2018: by the root
+ * of x^3 = x + 1). */
+static bool
+begin(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i, uint64_t key,
+      struct rad_ray *r)
+{
+    uint64_t view = i % s->nviews, n = i / s->nviews;
+    const struct rad_frame *f = &s->frames[view * s->nframes / s->nviews];
+    double x = fraction(rad_rand(s->key, 0) + (double)n * .7548776662466927);
+    double y = fraction(rad_rand(s->key, 1) + (double)n * .5698402909980532);
+
+    if (!rad_frame_ray(f, (int)(x * f->width), (int)(y * f->height), r) ||
+        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return false;
+    r->key = key;
+    for (int panes = 0; meet(ctx, r); panes++) {
+        if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
+            return true;
+        r->tmax -= r->hit.t;
+        rad_geom_leave(&r->hit, r->dir, r->org);
+    }
+    return false;
+}
+
+/* Start r off the hit of `parent`, as a ray of its hemisphere. */
+static bool
+leave(struct rad_ctx *ctx, const struct rad_ray *parent, struct rad_ray *r)
+{
+    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
+
+    ctx->counts.ambient_rays++;
+    return rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef, BRANCH_SEED);
+}
+
+/* Bounce number k of the path with that key. */
+static bool
+bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key, int k,
+       struct rad_ray *r)
+{
+    double u = rad_rand(key, DIM_BOUNCE + 2 * (uint32_t)k);
+    double phi = 2 * M_PI * rad_rand(key, DIM_BOUNCE + 2 * (uint32_t)k + 1);
+    double a[3], b[3], w[3];
+
+    if (!leave(ctx, parent, r))
+        return false;
+    rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
+    rad_frame(a, b, w);
+    rad_scale(r->dir, sqrt(1 - u), w);
+    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
+    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
+    return meet(ctx, r);
+}
+
+/* Walk path i up to the given bounce; r gets its rays.  Returns the number of
+ * the last that met something; negative: none did. */
+static int
+walk(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i, int upto,
+     struct rad_ray *r)
+{
+    uint64_t key = rad_key_branch(s->key, i);
+    int k = 0;
+
+    if (!begin(s, ctx, i, key, &r[0]))
+        return -1;
+    while (k < upto && bounce(ctx, &r[k], key, k, &r[k + 1]))
+        k++;
+    return k;
+}
+
+/* Note what path i meets. */
+static void
+look(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i)
+{
+    double(*met)[3] = s->met + (size_t)i * (size_t)s->levels;
+    struct rad_ray r[MOST_LEVELS + 1];
+    int n = walk(s, ctx, i, s->levels, r);
+
+    for (int k = 0; k < s->levels; k++)
+        if (k < n)
+            rad_copy(met[k], r[k + 1].hit.p);
+        else
+            met[k][0] = NAN;
+}
+
+/* --- records --- */
+
+/* A point near what was met in the cell. */
+static void
+draw_target(const struct rad_seed *s, uint32_t cell, uint64_t key, double p[3])
+{
+    size_t first = (size_t)cell * CELL, left = s->npoints - first;
+    double n = left < CELL ? (double)left : CELL;
+    const double *a = s->met[first + (size_t)(n * rad_rand(key, DIM_POINT))];
+    const double *b = s->met[first + (size_t)(n * rad_rand(key, DIM_NEXT))];
+    double t = 2 * rad_rand(key, DIM_BETWEEN) - .5;
+
+    for (int k = 0; k < 3; k++)
+        p[k] = a[k] + t * (b[k] - a[k]);
+}
+
+static bool
+is_ours(const struct rad_seed *s, const double p[3])
+{
+    double place = rad_parts_place(s->parts, p);
+
+    return place >= s->first && place < s->last;
+}
+
+/* Send a ray to p from where r, the last of a path, ends. */
+static bool
+send(struct rad_ctx *ctx, const struct rad_ray *r, const double p[3],
+     struct rad_ray *to)
+{
+    if (!leave(ctx, r, to))
+        return false;
+    rad_sub(to->dir, p, r->hit.p);
+    return rad_normalize(to->dir) > 0 && rad_dot(to->dir, r->n) * r->cos_o > 0;
+}
+
+/* Ask for a record in the cell, from where r, the last of a path, ends, and
+ * make it if there is none. */
+static void
+ask(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t cell,
+    const struct rad_ray *r, uint64_t key)
+{
+    struct rad_ray to;
+    double p[3];
+
+    draw_target(s, cell, key, p);
+    if (!send(ctx, r, p, &to) || !meet(ctx, &to) || !is_ours(s, to.hit.p) ||
+        rad_ambient_serves(ctx, &to))
+        return;
+    if (send(ctx, r, p, &to)) {
+        to.key = key;
+        rad_ray_trace(ctx, &to);
+    }
+}
+
+static void
+fill(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t cell,
+     const _Atomic bool *stop)
+{
+    uint64_t which = (uint64_t)(s->level * ROUNDS + s->round) << 32 | cell;
+    uint64_t key = rad_key_branch(s->key ^ BRANCH_CELL, which);
+    struct rad_ray r[MOST_LEVELS];
+    int run = 0, level = -1;
+
+    for (uint32_t i = 0; i < MOST_ASKS && run < enough[s->round]; i++) {
+        uint64_t made = ctx->counts.ambient_values;
+        uint64_t own = rad_key_branch(key, i);
+
+        if (atomic_load_explicit(stop, memory_order_relaxed))
+            return;
+        if (i % FROM_A_PATH == 0)
+            level =
+                walk(s, ctx, (uint32_t)(rad_rand(own, DIM_PATH) * s->npaths),
+                     s->level - 1, r);
+        if (level == s->level - 1)
+            ask(s, ctx, cell, &r[level], own);
+        run = ctx->counts.ambient_values > made ? 0 : run + 1;
+    }
+}
+
+/* --- from one to the next --- */
+
+bool
+rad_seed_open(const struct rad_seed *s)
+{
+    uint64_t pieces = atomic_load_explicit(&s->pieces, memory_order_acquire);
+
+    return (uint32_t)pieces < pieces >> 32;
+}
+
+static void
+begin_pieces(struct rad_seed *s, uint32_t n)
+{
+    atomic_store_explicit(&s->pieces, (uint64_t)n << 32, memory_order_release);
+}
+
+/* Take n; false: there is none.  Past their end they may count some more, by
+ * those who come at the same time. */
+static bool
+take(struct rad_seed *s, uint32_t n, uint32_t *first)
+{
+    uint64_t pieces;
+
+    if (!rad_seed_open(s))
+        return false;
+    pieces = atomic_fetch_add_explicit(&s->pieces, n, memory_order_acq_rel);
+    *first = (uint32_t)pieces;
+    return *first < pieces >> 32;
+}
+
+void
+rad_seed_work(struct rad_seed *s, struct rad_ctx *ctx, const _Atomic bool *stop)
+{
+    uint32_t first;
+
+    if (!s->parts && take(s, CHUNK, &first)) {
+        for (uint32_t i = first; i < first + CHUNK && i < s->npaths; i++) {
+            if (atomic_load_explicit(stop, memory_order_relaxed))
+                return;
+            look(s, ctx, i);
+        }
+    } else if (s->parts && take(s, 1, &first)) {
+        fill(s, ctx, s->cell0 + first, stop);
+    }
+}
+
+/* The parts, from what was met. */
+static bool
+make_parts(struct rad_seed *s)
+{
+    size_t all = (size_t)s->npaths * (size_t)s->levels;
+
+    for (size_t i = 0; i < all; i++)
+        if (!isnan(s->met[i][0]))
+            rad_copy(s->met[s->npoints++], s->met[i]);
+    if (s->npoints > 0)
+        s->parts = rad_parts_new(s->met, s->npoints);
+    return s->parts != NULL;
+}
+
+/* Our cells: those that begin in our part. */
+static void
+set_cells(struct rad_seed *s)
+{
+    double all = (double)((s->npoints + CELL - 1) / CELL);
+
+    s->cell0 = (uint32_t)ceil(s->first * all);
+    s->ncells = (uint32_t)ceil(s->last * all) - s->cell0;
+}
+
+bool
+rad_seed_next(struct rad_seed *s)
+{
+    if (!s->parts) {
+        if (!make_parts(s))
+            return false;
+        set_cells(s);
+        if (s->ncells == 0)
+            return false;
+        s->level = s->levels;
+    } else if (++s->round == ROUNDS) {
+        s->round = 0;
+        if (--s->level == 0)
+            return false;
+    }
+    begin_pieces(s, s->ncells);
+    return true;
+}
+
+static uint32_t
+count_paths(const struct rad_frame *frames, uint32_t nframes)
+{
+    uint64_t n = 0;
+
+    for (uint32_t i = 0; i < nframes; i++)
+        n += (uint64_t)frames[i].width * (uint64_t)frames[i].height;
+    n /= PIXELS_A_PATH;
+    return n < LEAST_PATHS  ? LEAST_PATHS
+           : n > MOST_PATHS ? MOST_PATHS
+                            : (uint32_t)n;
+}
+
+struct rad_seed *
+rad_seed_new(const struct rad_frame *frames, uint32_t nframes, double first,
+             double last, struct rad_error *err)
+{
+    const struct rad_params *p = &frames[0].job->params;
+    struct rad_seed *s = calloc(1, sizeof *s);
+
+    if (!s)
+        goto nomem;
+    s->frames = frames;
+    s->nframes = nframes;
+    s->nviews = nframes < MOST_VIEWS ? nframes : MOST_VIEWS;
+    s->key = rad_mix64(p->seed) ^ BRANCH;
+    s->first = first;
+    s->last = last;
+    s->npaths = count_paths(frames, nframes);
+    s->levels = p->ambounce - 1 < MOST_LEVELS ? p->ambounce - 1 : MOST_LEVELS;
+    s->met = calloc((size_t)s->npaths * (size_t)s->levels, sizeof *s->met);
+    if (s->met) {
+        begin_pieces(s, s->npaths);
+        return s;
+    }
+nomem:
+    rad_seed_free(s);
+    rad_fail(err, RAD_ENOMEM, "out of memory");
+    return NULL;
+}
+
+void
+rad_seed_free(struct rad_seed *s)
+{
+    if (!s)
+        return;
+    rad_parts_free(s->parts);
+    free(s->met);
+    free(s);
+}
