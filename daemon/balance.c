@@ -1,29 +1,31 @@
-/* balance.c - giving away and doubling what one has, for one that has nothing
+/* balance.c - giving away what one has, to one that has nothing
  *
  * A worker that is idle, while nothing is free or waits: whoever has the most
  * work left is asked to give half of the lines that it has not begun (SPLIT,
- * GAVE); these are a new unit, which waits.  Where nothing can be given, auto
- * hands the unit with the most time left to the idle one as well: a twin.  A
- * unit that is very late gets a twin in every partition, before what waits in
- * other jobs. */
+ * GAVE); these are a new unit, which waits.  Where no lines can be given,
+ * whoever has the most time left at its last line lends columns of it (LEND,
+ * LOAN): the idle one traces them and nothing else, and can lend on.  It does
+ * so for the lender's rows, which wait for that alone; so nothing is traced
+ * twice.  When it is through, is lost or late, the lender has them again
+ * (BACK). A unit that is very late gets a twin, another worker that does all of
+ * it, before what waits in other jobs. */
 #include "config.h"
 
 #include "sched.h"
 
+#include <math.h>
+
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_SPLIT_MS 40
-#define LEAST_TWIN_MS  20
+#define LEAST_LOAN_MS  10
 
-/* Workers that there was no twin for, then it is enough. */
-#define MOST_TRIES 4
+/* A LEND is answered by then, if it can be at once. */
+#define LEND_MS 5
 
-/* Twins at a time: all that they trace goes through here. */
-#define MOST_TWINS 64
-
-/* Until each has heard of the other a unit's holders trace the same, at worst
- * all of it: all that may yet be traced twice so, and what was, is this part of
- * the rays that count at most. */
-#define RAYS_FOR_TWIN 100
+/* Columns that are lent are late after so many times what they should take, and
+ * so long. */
+#define LATE_LOANS   3
+#define LATE_LOAN_MS 400
 
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
@@ -44,10 +46,12 @@ splits(const struct job *job)
            (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
 }
 
+/* May columns of a line be lent? */
 static bool
-twins(const struct job *job)
+lends(const struct job *job)
 {
-    return partition_kind(job->partition) == MSG_PART_AUTO;
+    return partition_kind(job->partition) != MSG_PART_STATIC ||
+           !(job->spec.flags & MSG_JOB_NO_BALANCE);
 }
 
 /* Has it nothing to do, for this job or another? */
@@ -165,6 +169,298 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     sched_keep_unit(c, job, given);
 }
 
+/* --- columns --- */
+
+/* Does the worker know of them? */
+static bool
+knows_loans(const struct job *job, uint32_t index)
+{
+    return job->workers[index].worker->version >= 2;
+}
+
+static double
+thread_speed(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->speed / (jw->threads ? jw->threads : 1);
+}
+
+/* How long a thread of the worker takes for a line of the unit [ms]; 0: not
+ * known. */
+static double
+line_time(const struct job *job, uint32_t unit, uint32_t index)
+{
+    double speed = job->pace * thread_speed(job, index);
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    if (!(speed > 0))
+        return 0;
+    return partition_cost(job->partition, unit) / (last - first) / speed;
+}
+
+/* How long a go will be at what it could lend some of [ms].  What takes longer
+ * than it should may well take as long again. */
+static double
+lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
+            const struct job_go *go)
+{
+    double ms;
+
+    if (go->line_left < 0 || go->line_ms == 0)
+        return speed_left_ms(c, job, unit, go);
+    ms = go->line_left * line_time(job, unit, go->worker);
+    return fabs(ms - (double)(c->now_ms - go->line_ms));
+}
+
+/* Can it give no lines? */
+static bool
+may_lend(const struct coord *c, const struct job *job, uint32_t unit,
+         const struct job_go *go)
+{
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return job_go_works(go) && !go->split && !go->lends && !go->lent_all &&
+           c->now_ms >= go->lend_ms &&
+           (job->units[unit].whole || last - first == 1 || !splits(job)) &&
+           knows_loans(job, go->worker);
+}
+
+/* Whoever may lend and has the most time left; NULL: nobody. */
+static struct job_go *
+longest(const struct coord *c, const struct job *job, uint32_t *unit)
+{
+    struct job_go *best = NULL;
+    double most = LEAST_LOAN_MS;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
+        if (u->crashes > 0 || u->ngos >= JOB_MAX_GOES - 1)
+            continue;
+        for (uint8_t k = 0; k < u->ngos; k++) {
+            double ms;
+
+            if (!may_lend(c, job, job->out[i], &u->go[k]))
+                continue;
+            ms = lendable_ms(c, job, job->out[i], &u->go[k]);
+            if (ms >= most) {
+                most = ms;
+                best = &u->go[k];
+                *unit = job->out[i];
+            }
+        }
+    }
+    return best;
+}
+
+/* LENDs that will be answered yet.  One that cannot lend at once does later. */
+static uint32_t
+count_lending(const struct coord *c, const struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        const struct job_unit *u = &job->units[job->out[i]];
+
+        for (uint8_t k = 0; k < u->ngos; k++)
+            n += u->go[k].lends && c->now_ms - u->go[k].lend_ms < LEND_MS;
+    }
+    return n;
+}
+
+/* An idle worker that may get columns of the unit; JOB_NOBODY: none. */
+static uint32_t
+idle_for(const struct job *job, uint32_t unit)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_idle(job, i) && knows_loans(job, i) &&
+            (unit == PARTITION_NONE || !job_go_of(job, unit, i)))
+            return i;
+    return JOB_NOBODY;
+}
+
+/* Ask for columns until as many are on their way as workers are idle. */
+static void
+ask_columns(struct coord *c, struct job *job, uint32_t idle)
+{
+    uint32_t asked = count_lending(c, job), unit = 0;
+    uint32_t index = idle_for(job, PARTITION_NONE);
+    struct job_go *go;
+
+    if (index == JOB_NOBODY)
+        return;
+    while (asked < idle && (go = longest(c, job, &unit))) {
+        double mine = thread_speed(job, index);
+        double part = mine / (mine + thread_speed(job, go->worker));
+        struct msg m = { .type = MSG_LEND,
+                         .lend = { job->id, unit, go->attempt,
+                                   (uint16_t)(65535 * part) } };
+
+        go->lends = true;
+        go->lend_ms = c->now_ms;
+        asked++;
+        sched_log_unit(c, job, unit, go, "unit lend");
+        actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
+    }
+}
+
+/* Columns are with whoever lent them again. */
+static void
+send_back(struct coord *c, const struct job *job, uint32_t unit,
+          const struct job_go *to, uint32_t x, uint32_t n)
+{
+    struct msg m = { .type = MSG_BACK };
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    m.back = (struct msg_back){ job->id, unit, to->attempt, last - 1, x, n };
+    if (job->workers[to->worker].worker->conn != 0)
+        actions_send(&c->actions, job->workers[to->worker].worker->conn, &m);
+}
+
+static struct job_go *
+go_of_attempt(const struct job *job, uint32_t unit, uint32_t attempt)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == attempt)
+            return &u->go[i];
+    return NULL;
+}
+
+void
+balance_end_loan(struct coord *c, struct job *job, uint32_t unit,
+                 const struct job_go *loan)
+{
+    struct job_go *to = go_of_attempt(job, unit, loan->lender);
+
+    if (!to)
+        return;
+    to->loans--;
+    if (to->delivered)
+        return;
+    send_back(c, job, unit, to, loan->x, loan->n);
+    if (to->blocked && to->parked)
+        sched_unpark(c, job, unit, to);
+    to->blocked = false;
+}
+
+void
+balance_late_loans(struct coord *c, struct job *job)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
+
+        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
+            struct job_go *go = &job->units[unit].go[k];
+            double due = go->line_left * line_time(job, unit, go->worker);
+
+            if (!go->lender || (double)(c->now_ms - go->out_ms) <
+                                   LATE_LOAN_MS + LATE_LOANS * due)
+                continue;
+            sched_log_unit(c, job, unit, go, "loan late");
+            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+            sched_release(c, job, unit, go);
+        }
+    }
+}
+
+/* Does it lie in the unit's last line, and in what the lender has? */
+static bool
+loan_fits(const struct job *job, const struct job_go *go,
+          const struct msg_loan *m)
+{
+    struct partition_area a;
+    uint32_t first, last;
+
+    partition_area(job->partition, m->unit, &a);
+    partition_unit_lines(job->partition, m->unit, &first, &last);
+    return m->frame == a.frame && m->line == last - 1 &&
+           m->channels == (job->spec.flags & MSG_JOB_DEPTH ? 4 : 3) &&
+           m->x <= a.width && m->n <= a.width - m->x &&
+           (!go->lender || (m->x >= go->x && m->x + m->n <= go->x + go->n));
+}
+
+/* What was lent to one goes on to another in pieces from the right, so that
+ * each has its columns together. */
+static bool
+is_whole_end(const struct job_go *go, const struct msg_loan *m)
+{
+    return !go->lender || (m->n < go->n && m->x + m->n == go->x + go->n);
+}
+
+/* How much of the line each of the two has now. */
+static void
+note_left(const struct coord *c, struct job_go *go, unsigned part)
+{
+    go->line_left = part / 65535.;
+    go->line_ms = c->now_ms;
+}
+
+/* Columns of go's for an idle worker. */
+static void
+lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
+        const struct msg_loan *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+    struct job_go *to = sched_hold(c, job, index, m->unit, u->attempt + 1);
+    struct job_go *go = go_of_attempt(job, m->unit, attempt);
+    struct msg pass = { .type = MSG_LOAN, .loan = *m };
+    uint32_t root = go->lender ? go->lender : attempt;
+
+    if (!to) {
+        c->actions.failed = true;
+        return;
+    }
+    u->attempt++;
+    to->twin = to->dropped = true; /* it has no rows, and never leads */
+    to->lender = root;
+    sched_shrunk(job, m->unit, to);
+    to->x = m->x;
+    to->n = m->n;
+    note_left(c, to, m->given);
+    if (go->lender)
+        go->n -= m->n;
+    go = go_of_attempt(job, m->unit, root);
+    if (go)
+        go->loans++;
+    sched_log_unit(c, job, m->unit, to, "loan out");
+    pass.loan.job = job->id;
+    pass.loan.attempt = to->attempt;
+    actions_send(&c->actions, job->workers[index].worker->conn, &pass);
+}
+
+void
+balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
+{
+    struct job_go *go;
+    uint32_t index, to;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job || !job->shared || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || go->delivered)
+        return;
+    if (!loan_fits(job, go, m)) {
+        coord_break(c, w->conn, "a LOAN that fits no line");
+        return;
+    }
+    go->lends = false;
+    go->lent = true;
+    note_left(c, go, m->left);
+    to = job->units[m->unit].ngos < JOB_MAX_GOES ? idle_for(job, m->unit)
+                                                 : JOB_NOBODY;
+    if (to != JOB_NOBODY && is_whole_end(go, m))
+        lend_to(c, job, to, go->attempt, m);
+    else
+        send_back(c, job, m->unit, go, m->x, m->n);
+}
+
 /* --- twins --- */
 
 /* Does the holder take too long?  One that waits for the base line above does
@@ -193,115 +489,10 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].helps && !u->go[i].spent &&
+        if (!u->go[i].lender && !u->go[i].spent &&
             (u->go[i].delivered || !is_slow(c, job, unit, &u->go[i], lease_ms)))
             return false;
     return true;
-}
-
-/* Time that the quickest of its holders needs yet; -1: one of them only waits,
- * or is about to give. */
-static double
-least_left(const struct coord *c, const struct job *job, uint32_t unit)
-{
-    const struct job_unit *u = &job->units[unit];
-    double least = -1;
-
-    for (uint8_t i = 0; i < u->ngos; i++) {
-        double ms;
-
-        if (u->go[i].helps)
-            continue;
-        if (!job_go_works(&u->go[i]) || u->go[i].split)
-            return -1;
-        ms = speed_left_ms(c, job, unit, &u->go[i]);
-        if (least < 0 || ms < least)
-            least = ms;
-    }
-    return least;
-}
-
-/* A twin begins at the unit's first bar, where the holder of several has long
- * been: it would do again what is done. */
-static bool
-has_one_bar(const struct job *job, uint32_t unit)
-{
-    uint32_t first, last;
-
-    partition_unit_lines(job->partition, unit, &first, &last);
-    return last - (first > 0 ? first : 1) <= 1; /* line 0 has none */
-}
-
-/* Rays of what a twin gets of a unit, if it is like the rest of the picture: as
- * many are for nothing at worst, if no message comes through in time. */
-static uint64_t
-twin_rays(const struct job *job, uint32_t unit, bool helps)
-{
-    struct job_go go = { .helps = helps };
-    uint32_t first, last, row, rows;
-    struct partition_area a;
-    uint64_t pixels;
-
-    partition_area(job->partition, unit, &a);
-    sched_lines_of(job, unit, &go, &first, &last);
-    row = partition_line_rows(job->partition, a.frame, first, &rows);
-    pixels = (uint64_t)(a.y + a.height - row) * a.width;
-    if (job->primary_rays >= job->pixels_counted)
-        return pixels;
-    return (uint64_t)((double)pixels * (double)job->primary_rays /
-                      (double)job->pixels_counted);
-}
-
-static bool
-can_afford(const struct job *job, uint64_t rays)
-{
-    return (job->twin_rays + job->late_rays + rays) * RAYS_FOR_TWIN <=
-           job->primary_rays;
-}
-
-/* The unit that a worker should have as well, or help with at its end; false:
- * none.  There is always room for one that takes over what is late. */
-static bool
-choose_twin(const struct coord *c, const struct job *job, uint32_t index,
-            uint64_t lease_ms, uint32_t *unit, bool *helps)
-{
-    double most = twins(job) ? LEAST_TWIN_MS : 0;
-    bool found = false;
-
-    for (uint32_t i = 0; i < job->nout; i++) {
-        const struct job_unit *u = &job->units[job->out[i]];
-        bool late, few = has_one_bar(job, job->out[i]);
-        double ms;
-
-        if (u->ngos == JOB_MAX_HOLDERS || u->crashes > 0 ||
-            job_go_of(job, job->out[i], index))
-            continue;
-        late = is_late(c, job, job->out[i], lease_ms);
-        if (late)
-            ms =
-                1e12 + (double)(c->now_ms - u->go[0].out_ms); /* first of all */
-        else if (!twins(job) || u->ngos == JOB_MAX_HOLDERS - 1 ||
-                 (!u->whole && !few) ||
-                 !can_afford(job, twin_rays(job, job->out[i], !few)))
-            continue;
-        else
-            ms = least_left(c, job, job->out[i]);
-        if (ms >= most) {
-            most = ms;
-            found = true;
-            *unit = job->out[i];
-            *helps = !late && !few;
-        }
-    }
-    return found;
-}
-
-static uint64_t
-lease_of(const struct coord *c, const struct job *job)
-{
-    uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
-
-    return ms > c->lease_ms ? ms : c->lease_ms;
 }
 
 /* May it have a twin because it is late? */
@@ -313,6 +504,14 @@ wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
 
     return u->ngos < JOB_MAX_HOLDERS && u->crashes == 0 &&
            is_late(c, job, unit, lease_ms);
+}
+
+static uint64_t
+lease_of(const struct coord *c, const struct job *job)
+{
+    uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
+
+    return ms > c->lease_ms ? ms : c->lease_ms;
 }
 
 /* Whose rows did not count does nothing for it any more, and may try again. */
@@ -371,7 +570,7 @@ leave_out(struct job *job, uint32_t unit)
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].helps)
+        if (!u->go[i].lender)
             sched_late(job, u->go[i].worker, true);
 }
 
@@ -398,33 +597,8 @@ balance_late(struct coord *c, struct job *job, uint32_t index)
                 job->workers[job->units[unit].go[0].worker].name,
                 (unsigned long long)longest / 1000);
     leave_out(job, unit);
-    sched_hand_out(c, job, index, unit, false);
+    sched_hand_out(c, job, index, unit);
     return true;
-}
-
-static void
-double_units(struct coord *c, struct job *job, uint32_t n)
-{
-    uint64_t lease = lease_of(c, job);
-    uint32_t unit, failed = 0;
-    bool helps;
-
-    for (uint32_t i = 0; i < job->nworkers && n > 0; i++) {
-        if (!is_idle(job, i))
-            continue;
-        n--;
-        if (job->ntwins >= MOST_TWINS || failed == MOST_TRIES)
-            return;
-        if (choose_twin(c, job, i, lease, &unit, &helps)) {
-            uint64_t rays = twin_rays(job, unit, helps);
-
-            job->twin_rays += rays;
-            job->units[unit].twin_rays += rays;
-            sched_hand_out(c, job, i, unit, helps);
-        } else {
-            failed++; /* it may have been a holder */
-        }
-    }
 }
 
 void
@@ -441,7 +615,7 @@ balance_run(struct coord *c)
             idle += is_idle(job, i);
         if (idle > 0 && splits(job))
             idle = ask(c, job, idle);
-        if (idle > 0)
-            double_units(c, job, idle);
+        if (idle > 0 && lends(job))
+            ask_columns(c, job, idle);
     }
 }

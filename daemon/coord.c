@@ -187,6 +187,12 @@ on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 static void
+on_loan(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    balance_loan(c, conn->worker, &m->loan);
+}
+
+static void
 on_estimated(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     survey_estimated(c, conn->worker, &m->estimated);
@@ -230,6 +236,7 @@ static const struct {
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
     { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
     { MSG_RECORDS, on_records },     { MSG_UNLINKED, on_unlinked },
+    { MSG_LOAN, on_loan },
 };
 
 /* BYE is followed by the end of the connection. */

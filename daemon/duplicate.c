@@ -51,15 +51,12 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
                 const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
     size_t at = 0, n;
 
-    /* one that helped counts its rows from where it began; in an earlier life
-     * of the coordinator, that kept nothing of it, the number may have been
-     * another unit's */
+    /* in an earlier life of the coordinator, that kept nothing of it, the
+     * number may have been another unit's */
     if (!u->hash || m->attempt < job_first_attempt(job) ||
-        u->hashed != job->workers[index].fingerprint || m->attempt == u->lead ||
-        (go ? go->helps : u->helped))
+        u->hashed != job->workers[index].fingerprint || m->attempt == u->lead)
         return;
     for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++, at += n) {
         uint64_t kept = u->hash[m->row + i];

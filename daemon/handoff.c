@@ -54,7 +54,7 @@ uint8_t
 handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
 {
     uint32_t first, last;
-    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
     uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
 
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
@@ -133,6 +133,8 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
                                       job->workers[below->worker].name } };
 
     for (uint8_t i = 0; i < u->ngos; i++) {
+        if (u->go[i].lender)
+            continue;
         ring_need(c, job, u->go[i].worker, below->worker);
         actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
     }
@@ -176,7 +178,7 @@ void
 handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     uint32_t first, last;
-    uint32_t frame = sched_lines_of(job, unit, go, &first, &last);
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
     if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0)
         send_facts(c, job, frame, first - 1, go);
@@ -184,8 +186,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         send_facts(c, job, frame, i, go);
     if (first > 0)
         send_base(c, job, frame, first - 1, go);
-    if (!go->helps)
-        introduce(c, job, unit, go);
+    introduce(c, job, unit, go);
 }
 
 /* --- in --- */
@@ -205,19 +206,19 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
     partition_unit_lines(job->partition, below, &first, &last);
     u = &job->units[below];
     for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
-        if (u->go[i].worker != from && !u->go[i].top_sent)
+        if (u->go[i].worker != from && !u->go[i].top_sent && !u->go[i].lender)
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
-/* One that helps has but some of the unit's lines. */
+/* Does it want facts of the line?  Not who has but columns of it. */
 static bool
 needs(const struct job *job, uint32_t unit, const struct job_go *go,
       uint32_t line)
 {
     uint32_t first, last;
 
-    sched_lines_of(job, unit, go, &first, &last);
-    return line + 1 >= first && line < last;
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return !go->lender && line + 1 >= first && line < last;
 }
 
 /* To whoever else has the line now. */
@@ -328,8 +329,7 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++) {
         struct job_go *go = &u->go[i];
 
-        if (go->parked_ms != 0 && !go->helps && !go->delivered &&
-            !go->top_sent &&
+        if (go->parked_ms != 0 && !go->delivered && !go->top_sent &&
             (c->now_ms - whole_ms >= LINK_MS ||
              !can_link(job, &job->units[above], go)))
             send_base(c, job, frame, first - 1, go);
@@ -345,7 +345,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
 
     offer_top(c, job, unit);
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].parked && !u->go[i].helps)
+        if (u->go[i].parked && !u->go[i].blocked)
             sched_unpark(c, job, unit, &u->go[i]);
 }
 
@@ -381,15 +381,13 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
         top_is_here(c, job, below);
 }
 
-/* One that only helps has nothing to come. */
 static bool
-has_work_to_come(const struct job *job, uint32_t unit, const struct job_go *go)
+has_work_to_come(const struct job *job, uint32_t unit)
 {
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
-    return !go->helps &&
-           (first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0);
+    return first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0;
 }
 
 void
@@ -403,15 +401,23 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     if (!job || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->parked_ms != 0 || go->delivered)
+    if (!go || go->parked || go->delivered || (go->parked_ms != 0 && !go->lent))
         return;
     sched_log_unit(c, job, m->unit, go, "unit parked");
+    go->lends = false; /* it has nothing to lend */
+    if (go->lender) {
+        sched_release(c, job, m->unit, go);
+        return;
+    }
     handoff_top_made(c, job, m->unit, go);
-    if (!go->helps && !go->counted) {
+    if (!go->counted) {
         speed_finished(job, m->unit);
         go->counted = true;
     }
-    if (has_work_to_come(job, m->unit, go)) /* which is on its way to it */
+    go->blocked = go->loans > 0;
+    go->lent_all |= go->blocked;
+    if (!go->blocked &&
+        has_work_to_come(job, m->unit)) /* which is on its way to it */
         go->parked_ms = c->now_ms;
     else
         sched_park(c, job, go);

@@ -271,10 +271,6 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     jw->rays += u->counts.rays;
     jw->cpu_s += u->counts.cpu_s;
     job->rays += u->counts.rays;
-    job->primary_rays += u->counts.primary_rays;
-    job->pixels_counted += (uint64_t)a.width * a.height;
-    if (u->twin_rays > u->counts.speculative_rays)
-        job->twin_rays -= u->twin_rays - u->counts.speculative_rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);
@@ -315,10 +311,10 @@ job_go_add(struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    if (u->ngos == JOB_MAX_HOLDERS)
+    if (u->ngos == JOB_MAX_GOES)
         return NULL;
     if (!u->go) {
-        u->go = malloc(JOB_MAX_HOLDERS * sizeof *u->go);
+        u->go = malloc(JOB_MAX_GOES * sizeof *u->go);
         if (!u->go)
             return NULL;
         if (!list_out(job, unit)) {
@@ -328,8 +324,6 @@ job_go_add(struct job *job, uint32_t unit)
         }
     }
     memset(&u->go[u->ngos], 0, sizeof *u->go);
-    if (u->ngos > 0)
-        job->ntwins++;
     return &u->go[u->ngos++];
 }
 
@@ -345,10 +339,8 @@ job_go_remove(struct job *job, uint32_t unit, struct job_go *go)
     struct job_unit *u = &job->units[unit];
 
     *go = u->go[--u->ngos];
-    if (u->ngos > 0) {
-        job->ntwins--;
+    if (u->ngos > 0)
         return;
-    }
     free(u->go);
     u->go = NULL;
     job->out[u->slot] = job->out[--job->nout];

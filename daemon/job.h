@@ -39,7 +39,8 @@ enum job_state {
 
 #define JOB_DURATIONS 63 /* that are remembered */
 
-#define JOB_MAX_HOLDERS 5 /* twins at one unit */
+#define JOB_MAX_HOLDERS 5  /* twins at one unit */
+#define JOB_MAX_GOES    13 /* these, and those that have columns of it */
 
 /* One worker's go at a unit. */
 struct job_go {
@@ -51,13 +52,25 @@ struct job_go {
     bool counted;    /* its work is among what was finished */
     bool dropped;    /* rows of it came and were dropped */
     bool spent;      /* it came to its end, and its rows did not count */
-    bool helps;      /* it has the unit's last lines alone, for their facts */
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
     bool top_sent;   /* the base line above, whole, by us */
     bool makes_top;  /* it traces the base line above, which is kept for it */
     uint64_t out_ms; /* handed out */
     uint64_t parked_ms, split_ms;
+    /* columns of the unit's last line */
+    uint32_t lender; /* attempt that lends it [x, x + n), which is all that it
+                      * has; 0: it has the unit */
+    uint32_t x, n;
+    uint32_t loans;   /* that it lends and are not back */
+    bool lent;        /* it lent some once, so may be PARKED again */
+    bool blocked;     /* parked for want of what it lends */
+    bool lent_all;    /* it had nothing else left then */
+    bool lends;       /* it was asked to lend, and has not answered */
+    uint64_t lend_ms; /* when; or not to be asked again before */
+    double line_left; /* part of the last line that it has not done; below 0:
+                       * not known */
+    uint64_t line_ms; /* when that was so */
 };
 
 struct job_unit {
@@ -69,15 +82,13 @@ struct job_unit {
     uint32_t stored_rows; /* of those, kept */
     uint64_t row_ms;      /* when the last of them came */
     uint32_t slot;        /* in the job's list of units that are out */
-    struct job_go *go;    /* JOB_MAX_HOLDERS of them; NULL: not out */
-    uint64_t twin_rays;   /* that holders beside the first may trace twice */
+    struct job_go *go;    /* JOB_MAX_GOES of them; NULL: not out */
     uint8_t ngos;
     uint8_t crashes;
     uint8_t faults;   /* attempts that left no base line */
     uint32_t crasher; /* worker of the first crash */
     bool whole;       /* has nothing to give away */
     bool done;
-    bool helped;    /* somebody had but its end, for the facts */
     uint64_t *hash; /* of its rows that count; NULL: not known */
     uint32_t nhash;
     uint64_t hashed; /* fingerprint of whoever made them */
@@ -159,11 +170,7 @@ struct job {
     uint32_t served;       /* the last search for a unit that looked at it */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
-    struct ring *ring;  /* NULL: each worker is linked with all, or none is */
-    uint32_t ntwins;    /* holders of units beside the first */
-    uint64_t twin_rays; /* for nothing: that such may trace, or did */
-    uint64_t primary_rays;    /* of units that are done */
-    uint64_t pixels_counted;  /* of these units */
+    struct ring *ring; /* NULL: each worker is linked with all, or none is */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's

@@ -131,6 +131,7 @@ libdaemon_a_SOURCES = \
 	daemon/strict_edge.c \
 	daemon/strict_facts.c \
 	daemon/strict_impl.h \
+	daemon/strict_loan.c \
 	daemon/strict_out.c \
 	daemon/strict_pass.c \
 	daemon/strict_unit.c \

@@ -283,6 +283,8 @@ end_active(struct active *u)
         u->piece->last = true;
         u->piece->counts = u->counts;
         send_piece(u);
+    } else if (u->piece) {
+        send_piece(u); /* whoever goes on makes them no more */
     }
     free_active(u);
 }
@@ -317,6 +319,9 @@ new_team(struct active *u)
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;
+    spec.out = pass->out;
+    spec.lent = pass->lent;
+    spec.loan = pass->loan;
     if (pass->true_top)
         spec.bottom = on_bottom;
     if (spec.nthreads > spec.last - spec.first)
@@ -405,8 +410,13 @@ end_pass_locked(struct active *u)
     struct pool *p = u->pool;
     struct msg_counts spent = u->counts;
     struct team_bottom b;
+    int finished;
 
     spent.primary_rays = u->mode == TEAM_TRUTH ? team_primary(u->team) : 0;
+    if (team_blocked(u->team, &finished)) {
+        spent.primary_rays = 0; /* those that follow count them */
+        strict_blocked(p->strict, u->pass, finished);
+    }
     team_bottom(u->team, &b);
     u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,
                             b.density, &spent, &u->counts);

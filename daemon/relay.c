@@ -301,6 +301,49 @@ to_child(struct worker *w, const struct msg *m, const uint8_t *id, size_t len)
 }
 
 static void
+on_lend(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->lend.job);
+
+    if (job && worker_find_unit(job, m->lend.unit, m->lend.attempt))
+        worker_send_child(w, job, m);
+}
+
+/* Columns that another worker lends are a unit like others, until PARKED. */
+static void
+on_loan(struct worker *w, const struct msg *m)
+{
+    const struct msg_loan *l = &m->loan;
+    struct wjob *job = worker_find_job(w, l->job);
+
+    w->progress++;
+    if (!job || job->state != WJOB_READY || l->frame >= job->nframes ||
+        l->channels != job->channels ||
+        worker_find_unit(job, l->unit, l->attempt))
+        return;
+    if (!wjob_add_unit(job, l->unit, l->attempt)) {
+        w->actions.failed = true;
+        return;
+    }
+    worker_find_unit(job, l->unit, l->attempt)->loan = true;
+    job->bytes_in += (size_t)l->n * l->channels * 8;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_back(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->back.job);
+    struct wunit *u =
+        job ? worker_find_unit(job, m->back.unit, m->back.attempt) : NULL;
+
+    if (!u)
+        return;
+    u->parked = false;
+    worker_send_child(w, job, m);
+}
+
+static void
 on_facts(struct worker *w, const struct msg *m)
 {
     to_child(w, m, m->facts.job,
@@ -340,11 +383,10 @@ static const struct {
     enum msg_type type;
     void (*handle)(struct worker *w, const struct msg *m);
 } downwards[] = {
-    { MSG_TWIN, on_attempt },
-    { MSG_SPLIT, on_attempt },
-    { MSG_FACTS, on_facts },
-    { MSG_BASE_LINE, on_base_line },
-    { MSG_NEXT_HOLDER, on_next_holder },
+    { MSG_TWIN, on_attempt },        { MSG_SPLIT, on_attempt },
+    { MSG_LEND, on_lend },           { MSG_LOAN, on_loan },
+    { MSG_BACK, on_back },           { MSG_FACTS, on_facts },
+    { MSG_BASE_LINE, on_base_line }, { MSG_NEXT_HOLDER, on_next_holder },
     { MSG_ESTIMATE, on_estimate },
     { MSG_SEED, on_seed },
 };
@@ -397,6 +439,8 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     if (!u)
         return; /* revoked meanwhile */
     u->parked = true;
+    if (u->loan)
+        wjob_drop_unit(job, u->unit, u->attempt);
     pass.parked.job = job->id;
     pass_up(w, job, &pass);
 }
@@ -409,6 +453,17 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     if (!worker_find_unit(job, m->gave.unit, m->gave.attempt))
         return;
     pass.gave.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+static void
+child_loan(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_LOAN, .loan = m->loan };
+
+    if (!worker_find_unit(job, m->loan.unit, m->loan.attempt))
+        return;
+    pass.loan.job = job->id;
     pass_up(w, job, &pass);
 }
 
@@ -438,7 +493,7 @@ static const struct {
 } upwards[] = {
     { MSG_FACTS, child_facts },         { MSG_PARKED, child_parked },
     { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
-    { MSG_ESTIMATED, child_estimated },
+    { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
 };
 
 void

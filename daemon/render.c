@@ -200,8 +200,12 @@ render_on_news(void *arg)
     const struct msg *m;
 
     while (r->link && r->strict &&
-           (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD)))
+           (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD))) {
+        /* it may be of columns that are all that the job waits for */
+        if (m->type == MSG_PARKED && r->records)
+            render_drain(r);
         conn_send(r->link, m);
+    }
     if (r->link && r->strict &&
         pool_tally(r->pool).dropped.rays != r->told_dropped)
         send_tally(r);
@@ -316,6 +320,9 @@ on_message(void *arg, struct conn *c, const struct msg *m)
         pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);
         break;
     case MSG_SPLIT:
+    case MSG_LEND:
+    case MSG_LOAN:
+    case MSG_BACK:
     case MSG_TWIN:
     case MSG_FACTS:
     case MSG_BASE_LINE:

@@ -138,7 +138,7 @@ load_strict(struct render *r, const struct msg_spec *spec,
             rad_frame_sampler(f, &all, &q[i]);
             painted |= f->paint.n > 0;
         }
-        r->strict = strict_new(q, r->nframes, painted, r->nthreads, r->id);
+        r->strict = strict_new(q, r->nframes, painted, r->id);
         free(q);
     }
     return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");

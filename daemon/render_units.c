@@ -108,6 +108,8 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
         frame = m->facts.frame;
     else if (m->type == MSG_BASE_LINE)
         frame = m->base_line.frame;
+    else if (m->type == MSG_LOAN)
+        frame = m->loan.frame;
     else
         return 0;
     if (frame >= r->nframes || (r->frame != r->nframes && frame < r->frame))
@@ -133,6 +135,16 @@ render_take_strict(struct render *r, const struct msg *m)
     case MSG_SPLIT:
         strict_split(s, m->split.unit, m->split.attempt);
         break;
+    case MSG_LEND:
+        strict_lend(s, &m->lend);
+        break;
+    case MSG_LOAN:
+        r->twin = true;
+        strict_loan(s, &m->loan, &err);
+        break;
+    case MSG_BACK:
+        strict_back(s, &m->back);
+        break;
     case MSG_TWIN:
         r->twin = true;
         strict_twin(s, m->twin.unit, m->twin.attempt);
@@ -144,6 +156,10 @@ render_take_strict(struct render *r, const struct msg *m)
         strict_base_line(s, &m->base_line);
     }
     pool_strict_done(r->pool);
+    if (err.code < 0)
+        render_fail(r, &err);
+    else if (m->type == MSG_LOAN)
+        render_tick(r);
 }
 
 /* --- estimates --- */

@@ -47,7 +47,7 @@ revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit);
-    if (sched_hold(c, job, index, unit, job->units[unit].lead, false))
+    if (sched_hold(c, job, index, unit, job->units[unit].lead))
         return true;
     c->actions.failed = true;
     return false;

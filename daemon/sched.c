@@ -109,29 +109,22 @@ sched_late(struct job *job, uint32_t index, bool late)
 
 /* --- holding --- */
 
-uint32_t
-sched_lines_of(const struct job *job, uint32_t unit, const struct job_go *go,
-               uint32_t *first, uint32_t *last)
+/* Lines that a holder is at. */
+static uint32_t
+lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 {
-    struct partition_area a;
-    uint32_t lines;
+    uint32_t first, last;
 
-    partition_area(job->partition, unit, &a);
-    partition_unit_lines(job->partition, unit, first, last);
-    lines = job->workers[job->units[unit].go[0].worker].threads;
-    if (go->helps && *last - *first > lines)
-        *first = *last - lines; /* those that its threads are at */
-    return a.frame;
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return go->lender ? 1 : last - first;
 }
 
 static void
 more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
-    uint32_t first, last;
 
-    sched_lines_of(job, unit, go, &first, &last);
-    go->lines = last - first;
+    go->lines = lines_of(job, unit, go);
     jw->lines += go->lines;
     if (jw->in_flight++ == 0)
         job->payer->threads += jw->held = jw->threads;
@@ -153,19 +146,17 @@ void
 sched_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
-    uint32_t first, last;
 
     if (!job_go_works(go))
         return;
-    sched_lines_of(job, unit, go, &first, &last);
     jw->lines -= go->lines;
-    go->lines = last - first;
+    go->lines = lines_of(job, unit, go);
     jw->lines += go->lines;
 }
 
 struct job_go *
 sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-           uint32_t attempt, bool helps)
+           uint32_t attempt)
 {
     struct job_worker *jw = &job->workers[index];
     struct job_go *go = job_go_add(job, unit);
@@ -176,8 +167,7 @@ sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    go->helps = go->dropped = helps;
-    job->units[unit].helped |= helps;
+    go->line_left = -1;
     more_in_flight(job, unit, go);
     return go;
 }
@@ -189,6 +179,8 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
     struct job_worker *jw = &job->workers[go->worker];
 
     speed_touch(c, jw);
+    if (go->lender)
+        balance_end_loan(c, job, unit, go);
     if (go->delivered) {
         jw->worker->delivered--;
     } else if (go->parked) {
@@ -373,22 +365,6 @@ choose_end(const struct job *job, uint32_t index, uint32_t unit)
     return 0;
 }
 
-/* The area that the holder gets. */
-static void
-area_of(const struct job *job, uint32_t unit, const struct job_go *go,
-        struct partition_area *a)
-{
-    uint32_t first, last, rows, y;
-
-    partition_area(job->partition, unit, a);
-    if (!go->helps)
-        return;
-    sched_lines_of(job, unit, go, &first, &last);
-    y = partition_line_rows(job->partition, a->frame, first, &rows);
-    a->height -= y - a->y;
-    a->y = y;
-}
-
 static void
 send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -396,7 +372,7 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     struct partition_area a;
     struct msg m = { .type = MSG_UNIT };
 
-    area_of(job, unit, go, &a);
+    partition_area(job->partition, unit, &a);
     m.unit = (struct msg_unit){ .job = job->id,
                                 .unit = unit,
                                 .attempt = go->attempt,
@@ -475,11 +451,10 @@ sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
 }
 
 void
-sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-               bool helps)
+sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1, helps);
+    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1);
 
     if (!go) {
         c->actions.failed = true;
@@ -494,7 +469,7 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
         sched_forget_rows(job, unit);
         u->lead = u->attempt;
         u->worker = index;
-    } else if (u->next_row == 0 && !helps) {
+    } else if (u->next_row == 0) {
         u->lead = 0; /* whoever is first */
     }
     if (u->ngos == 1)
@@ -584,7 +559,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
                !next_unit(c, job, w, index, &unit)) {
         return false;
     }
-    sched_hand_out(c, job, index, unit, false);
+    sched_hand_out(c, job, index, unit);
     return true;
 }
 
@@ -594,9 +569,8 @@ can_balance(const struct job *job)
 {
     return job->partition && partition_is_strict(job->partition) &&
            job->nout > 0 &&
-           (partition_kind(job->partition) == MSG_PART_AUTO ||
-            (partition_kind(job->partition) == MSG_PART_STATIC &&
-             !(job->spec.flags & MSG_JOB_NO_BALANCE)));
+           (partition_kind(job->partition) != MSG_PART_STATIC ||
+            !(job->spec.flags & MSG_JOB_NO_BALANCE));
 }
 
 /* Nothing of this job for any worker now. */
@@ -985,6 +959,7 @@ sched_tick(struct coord *c)
         if (!job->shared)
             continue;
         handoff_tick(c, job);
+        balance_late_loans(c, job);
         drain_parked(c, job);
     }
     sched_run(c);

@@ -132,6 +132,8 @@ void handoff_base_line(struct coord *c, struct coord_worker *w,
                        const struct msg_base_line *m);
 void handoff_parked(struct coord *c, struct coord_worker *w,
                     const struct msg_attempt *m);
+void balance_loan(struct coord *c, struct coord_worker *w,
+                  const struct msg_loan *m);
 void balance_gave(struct coord *c, struct coord_worker *w,
                   const struct msg_gave *m);
 void survey_estimated(struct coord *c, struct coord_worker *w,
@@ -171,20 +173,14 @@ bool sched_takes_units(const struct coord_worker *w);
 void sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
                     const struct job_go *go, const char *what);
 
-/* Give a worker a unit, as a twin where others have it.  helps: only to trace
- * the unit's last lines for who has it. */
+/* Give a worker a unit, as a twin where others have it. */
 void sched_hand_out(struct coord *c, struct job *job, uint32_t index,
-                    uint32_t unit, bool helps);
-
-/* Lines [*first, *last) of a unit that this holder has; the unit's frame. */
-uint32_t sched_lines_of(const struct job *job, uint32_t unit,
-                        const struct job_go *go, uint32_t *first,
-                        uint32_t *last);
+                    uint32_t unit);
 
 /* One more holder of a unit, counted; NULL: there is no room for it. */
 struct job_go *sched_hold(struct coord *c, struct job *job, uint32_t index,
-                          uint32_t unit, uint32_t attempt, bool helps);
-/* Its unit has fewer lines. */
+                          uint32_t unit, uint32_t attempt);
+/* It has fewer lines of it, or but columns. */
 void sched_shrunk(struct job *job, uint32_t unit, struct job_go *go);
 /* It is none any more. */
 void sched_release(struct coord *c, struct job *job, uint32_t unit,
@@ -276,6 +272,13 @@ void balance_run(struct coord *c);
 void balance_look(struct coord *c);
 /* A late unit for a worker, as a twin; false: there is none. */
 bool balance_late(struct coord *c, struct job *job, uint32_t index);
+
+/* A worker has done all that it was lent, or will not: its lender has it back.
+ */
+void balance_end_loan(struct coord *c, struct job *job, uint32_t unit,
+                      const struct job_go *loan);
+/* Take back what is lent for too long. */
+void balance_late_loans(struct coord *c, struct job *job);
 
 /* --- survey.c --- */
 

@@ -32,7 +32,7 @@ strict_free(struct strict *s)
 
 struct strict *
 strict_new(const struct rad_quincunx *frames, uint32_t nframes, bool painted,
-           int threads, const uint8_t job[MSG_JOB])
+           const uint8_t job[MSG_JOB])
 {
     struct strict *s = calloc(1, sizeof *s);
 
@@ -42,7 +42,6 @@ strict_new(const struct rad_quincunx *frames, uint32_t nframes, bool painted,
     s->early_end = &s->early;
     memcpy(s->job, job, MSG_JOB);
     s->painted = painted;
-    s->threads = threads;
     s->frames = calloc(nframes + 1, sizeof *s->frames);
     if (!s->frames) {
         strict_free(s);

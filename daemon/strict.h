@@ -11,10 +11,14 @@
  * others wait for; but for what was guessed from just these densities, which is
  * true then.  TRUTH alone does where the top is true from the start and
  * there is but one line, or nothing below.
- * This machine holds units, tops and facts, chooses the passes, takes messages
- * and makes those that go out.  It has no thread, socket or clock: the caller
- * gives the time, runs a team for each pass and says how far it is.
- * Thread: all calls under one lock, but for what teams do with facts. */
+ * Columns of a unit's last line may be lent to another worker while they are
+ * not begun (LEND, LOAN).  The unit's passes leave them out, and TRUTH, which
+ * cannot, ends before them and waits (BACK).  What is lent here is a unit of
+ * its own, with a pass that leaves nothing but facts. This machine holds units,
+ * tops and facts, chooses the passes, takes messages and makes those that go
+ * out.  It has no thread, socket or clock: the caller gives the time, runs a
+ * team for each pass and says how far it is. Thread: all calls under one lock,
+ * but for what teams do with facts. */
 #ifndef RADD_DAEMON_STRICT_H
 #define RADD_DAEMON_STRICT_H
 
@@ -25,11 +29,10 @@ struct strict;
 
 /* The frames' samplers, each for the whole frame, are copied; their trace is
  * not used.  painted: a base line in the picture may differ from what was
- * sampled.  A unit has so many threads at most.  job is the id for messages.
+ * sampled.  job is the id for messages.
  * NULL: memory is out. */
 struct strict *strict_new(const struct rad_quincunx *frames, uint32_t nframes,
-                          bool painted, int threads,
-                          const uint8_t job[MSG_JOB]);
+                          bool painted, const uint8_t job[MSG_JOB]);
 
 /* No pass may be under way. */
 void strict_free(struct strict *s);
@@ -38,14 +41,19 @@ void strict_free(struct strict *s);
 int strict_error(const struct strict *s);
 
 /* --- what comes in ---
- * UNIT: RAD_EPROTO if its rows are no lines of a frame.  REVOKE, SPLIT and TWIN
- * are ignored where they are about nothing that is here; facts and base lines
- * may come before the unit that needs them, and should: it is begun at once. */
+ * UNIT: RAD_EPROTO if its rows are no lines of a frame; LOAN: if its columns
+ * are not such as a frame has.  REVOKE, SPLIT, TWIN, LEND and BACK are ignored
+ * where they are about nothing that is here; facts and base lines may come
+ * before the unit that needs them, and should: it is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,
                 struct rad_error *err);
 void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_split(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_twin(struct strict *s, uint32_t unit, uint32_t attempt);
+void strict_lend(struct strict *s, const struct msg_lend *m);
+int strict_loan(struct strict *s, const struct msg_loan *m,
+                struct rad_error *err);
+void strict_back(struct strict *s, const struct msg_back *m);
 void strict_facts(struct strict *s, const struct msg_facts *m);
 void strict_base_line(struct strict *s, const struct msg_base_line *m);
 
@@ -58,6 +66,7 @@ void strict_tick(struct strict *s, uint64_t now_ms);
 enum strict_rank {
     STRICT_TRUE_LINES, /* LINES, the top being true: others may wait for it */
     STRICT_TRUTH,
+    STRICT_LOAN, /* what another worker lends, and waits for */
     STRICT_LINES,
     STRICT_AHEAD
 };
@@ -79,6 +88,12 @@ struct strict_pass {
     bool split; /* call team_shrink() with least, and tell
                  * strict_shrunk() */
     int least;
+    int out; /* lines before it were handed on, by a pass that was blocked */
+    const struct team_loan *loan; /* with TEAM_LOAN */
+    struct team_blocks lent;      /* of the last line, from the start */
+    double lend;   /* above 0: call team_lend() with it, now and then, until it
+                    * lends; tell strict_lent() */
+    uint64_t back; /* not 0: call team_back() with it, and set it to 0 */
     /* the machine's */
     struct strict_unit *of;
     int sent_columns;
@@ -89,12 +104,21 @@ struct strict_pass {
  * NULL: there is none.  It is the caller's until strict_ended(). */
 struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
 
-/* Do with the team of a pass what is wanted of it (stop, split), and see how
- * far it is: strict_shrunk() and strict_bottom(). */
+/* Do with the team of a pass what is wanted of it (stop, split, lend, back),
+ * and see how far it is: strict_shrunk(), strict_lent() and strict_bottom(). */
 void strict_look(struct strict *s, struct strict_pass *p, struct team *t);
 
 /* The team gave its lines from `last` on, none of them begun, or nothing. */
 void strict_shrunk(struct strict *s, struct strict_pass *p, int last);
+
+/* The team lends these columns.  As long as it can lend nothing LEND stays to
+ * be done. */
+void strict_lent(struct strict *s, struct strict_pass *p,
+                 const struct team_loan *loan);
+
+/* A team has left TRUTH because columns are lent, with lines before `finished`
+ * handed on (team_blocked()); to be said before strict_ended(). */
+void strict_blocked(struct strict *s, struct strict_pass *p, int finished);
 
 /* So many columns and densities of the bottom line of a pass under a true top
  * are final, as in the picture. */

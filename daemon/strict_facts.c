@@ -248,8 +248,9 @@ facts_suffice(struct strict *s, uint32_t frame, int line)
 void
 facts_use_above(struct strict *s, struct strict_unit *u)
 {
-    if (u->first == 0 || u->make_top || u->knows_top || unit_has_top(s, u) ||
-        unit_above(s, u) || !facts_suffice(s, u->frame, u->first - 1))
+    if (u->first == 0 || u->loan || u->make_top || u->knows_top ||
+        unit_has_top(s, u) || unit_above(s, u) ||
+        !facts_suffice(s, u->frame, u->first - 1))
         return;
     u->knows_top = true;
     u->ahead_done = u->ahead_done && u->ahead_guessed;

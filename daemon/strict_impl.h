@@ -4,6 +4,7 @@
  *   strict.c        set-up and end
  *   strict_unit.c   units, and what is told of them
  *   strict_pass.c   what is done for a unit next
+ *   strict_loan.c   columns that are lent, and that others lend
  *   strict_facts.c  facts by line
  *   strict_edge.c   tops and bottoms by line
  *   strict_out.c    messages that go out
@@ -45,12 +46,19 @@ struct strict_unit {
     bool gone;      /* to be freed when its pass has ended */
     bool over;      /* all its rows are made */
     bool split;     /* GAVE is due when its pass has ended */
-    bool at_end;    /* it had nothing to give: others are at its last lines */
     bool lines_done, ahead_done;
-    bool bottom_done;   /* the bottom is out, true */
-    bool ahead_guessed; /* AHEAD had colours above the first bar */
-    bool parked;        /* said, or about to be */
-    bool kept;          /* facts went out in case it is lost, or are about to */
+    bool bottom_done;        /* the bottom is out, true */
+    bool ahead_guessed;      /* AHEAD had colours above the first bar */
+    bool parked;             /* said, or about to be */
+    struct team_blocks lent; /* of line last - 1, to other workers */
+    double lend;             /* a part of it is asked for; 0: none is */
+    bool blocked;            /* TRUTH has done all but these */
+    int out;                 /* lines before it were handed on by then */
+    int sent_columns;        /* of the bottom, true */
+    size_t sent_densities;
+    struct loan *loan; /* what another worker lends, which is all that there is
+                        * of this unit; NULL: it is one */
+    bool kept;         /* facts went out in case it is lost, or are about to */
     bool waiting;
     uint64_t since_ms; /* waiting: from when */
     struct strict_pass *pass;
@@ -63,11 +71,18 @@ struct strict_unit {
     int guess_known;      /* lines that it is made of, at most TEAM_SURE */
 };
 
+/* Columns that another worker lends, and what its pixels point to. */
+struct loan {
+    struct team_loan is;
+    struct rad_pixel *pixels;
+    uint8_t *bytes;
+};
+
 /* Something to send. */
 struct item {
     struct item *next;
-    enum { ITEM_FACTS, ITEM_PARKED, ITEM_GAVE, ITEM_PIECE } kind;
-    uint32_t unit, attempt; /* of PARKED and GAVE, and of lazy FACTS */
+    enum { ITEM_FACTS, ITEM_PARKED, ITEM_GAVE, ITEM_PIECE, ITEM_LOAN } kind;
+    uint32_t unit, attempt; /* of PARKED, GAVE and LOAN, and of lazy FACTS */
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
@@ -75,6 +90,7 @@ struct item {
     uint32_t x, n;            /* of PIECE */
     uint32_t first, ndensity; /* of PIECE */
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
+    struct msg_loan loan;     /* of LOAN; bytes: what it points to */
 };
 
 /* A line whose facts came before a unit that has it, as they do with a unit
@@ -103,7 +119,6 @@ struct strict {
     struct frame *frames;
     uint32_t nframes;
     bool painted;
-    int threads;
     struct strict_unit *units;
     struct strict_unit *by_first[STRICT_SLOTS], *by_last[STRICT_SLOTS];
     struct edge *edges; /* the oldest first */
@@ -171,6 +186,18 @@ void unit_say_top(struct strict *s, const struct strict_unit *u);
 /* If it can only wait, say so at once: its thread has room for another. */
 void unit_park(struct strict *s, struct strict_unit *u);
 
+/* Of that number, and not gone; NULL: none. */
+struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
+                              uint32_t attempt);
+
+/* --- strict_loan.c --- */
+
+/* Are columns of it lent? */
+bool loan_is_out(const struct strict_unit *u);
+/* Have all of them back: they are not heard of. */
+void loan_forget(struct strict_unit *u);
+void loan_free(struct loan *l);
+
 /* --- strict_pass.c --- */
 
 /* Can it do nothing but wait for its top? */
@@ -178,6 +205,8 @@ bool pass_waits(const struct strict *s, const struct strict_unit *u);
 /* The tops that this edge was: stop what goes on without it; and so on for
  * bottoms that thereby are true. */
 void pass_top_came(struct strict *s, const struct edge *e);
+/* What others wait for is due: have a thread leave what is less urgent. */
+void pass_make_way(struct strict *s);
 
 /* --- strict_facts.c --- */
 
@@ -223,6 +252,8 @@ void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
 bool out_has_facts(const struct strict *s, uint32_t frame, int line);
 void out_gave(struct strict *s, const struct strict_unit *u);
 void out_parked(struct strict *s, const struct strict_unit *u);
+void out_loan(struct strict *s, const struct strict_unit *u,
+              const struct team_loan *loan);
 /* What is new of the bottom of a pass. */
 void out_piece(struct strict *s, const struct strict_pass *p, int columns,
                size_t densities, const struct rad_pixel *pixels,

@@ -145,6 +145,18 @@ out_gave(struct strict *s, const struct strict_unit *u)
     push(s, &s->urgent, &it);
 }
 
+static uint8_t *
+put_pixels(uint8_t *to, const struct rad_pixel *from, uint32_t n, int channels)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float v[4] = { from[i].L.r, from[i].L.g, from[i].L.b, from[i].z };
+
+        wire_floats_put(to, v, (size_t)channels);
+        to += (size_t)channels * sizeof(float);
+    }
+    return to;
+}
+
 /* Fill the bytes of a piece; false: memory is out. */
 static bool
 fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
@@ -160,14 +172,60 @@ fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
     }
     memcpy(to, density + it->first, it->ndensity);
     to += it->ndensity;
-    for (uint32_t x = it->x; x < it->x + it->n; x++) {
-        const float v[4] = { pixels[x].L.r, pixels[x].L.g, pixels[x].L.b,
-                             pixels[x].z };
-
-        wire_floats_put(to, v, (size_t)channels);
-        to += (size_t)channels * sizeof(float);
-    }
+    put_pixels(to, pixels + it->x, it->n, channels);
     return true;
+}
+
+/* What a LOAN points to; false: memory is out. */
+static bool
+fill_loan(struct strict *s, struct item *it, const struct team_loan *loan)
+{
+    struct msg_loan *m = &it->loan;
+    size_t floats = (size_t)m->n * m->channels * sizeof(float);
+    size_t bits = (m->n + 7) / 8;
+    uint8_t *to = malloc(m->ndensity + bits + 2 * floats + 1);
+
+    it->bytes = to;
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return false;
+    }
+    m->density = to;
+    if (m->ndensity > 0)
+        memcpy(to, loan->density, m->ndensity);
+    m->wanted = to += m->ndensity;
+    memcpy(to, loan->wanted, bits);
+    m->top = to += bits;
+    to = put_pixels(to, loan->top, m->n, m->channels);
+    m->bottom = to;
+    if (loan->bottom)
+        put_pixels(to, loan->bottom, m->n, m->channels);
+    return true;
+}
+
+void
+out_loan(struct strict *s, const struct strict_unit *u,
+         const struct team_loan *loan)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct item it = { .kind = ITEM_LOAN };
+
+    it.loan =
+        (struct msg_loan){ .job = s->job,
+                           .unit = u->unit,
+                           .attempt = u->attempt,
+                           .frame = u->frame,
+                           .line = (uint32_t)loan->line,
+                           .x = (uint32_t)loan->x,
+                           .n = (uint32_t)loan->n,
+                           .given = (uint16_t)(65535 * loan->given),
+                           .left = (uint16_t)(65535 * loan->left),
+                           .flags = loan->base ? MSG_LOAN_LINE : 0,
+                           .channels = (uint8_t)channels_of(f),
+                           .ndensity =
+                               loan->density ? (uint32_t)f->ndensity : 0 };
+    if (fill_loan(s, &it, loan) && !push(s, &s->urgent, &it))
+        free(it.bytes);
 }
 
 void
@@ -299,6 +357,10 @@ say(struct strict *s, struct item *it)
     case ITEM_PARKED:
         s->msg.type = MSG_PARKED;
         s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_LOAN:
+        s->msg.type = MSG_LOAN;
+        s->msg.loan = it->loan;
         break;
     case ITEM_GAVE:
         s->msg.type = MSG_GAVE;

@@ -43,9 +43,11 @@ static bool
 next_rank(const struct strict *s, const struct strict_unit *u,
           enum strict_rank *rank)
 {
-    if (u->pass || u->gone)
+    if (u->pass || u->gone || u->blocked)
         return false;
-    if (unit_has_top(s, u))
+    if (u->loan)
+        *rank = STRICT_LOAN;
+    else if (unit_has_top(s, u))
         *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
     else if (!u->lines_done)
         *rank = STRICT_LINES;
@@ -68,7 +70,7 @@ bool
 strict_waits(const struct strict *s)
 {
     for (const struct strict_unit *u = s->units; u; u = u->next)
-        if (pass_waits(s, u))
+        if (!u->blocked && pass_waits(s, u))
             return true;
     return false;
 }
@@ -86,8 +88,8 @@ comes_before(enum strict_rank rank, const struct strict_unit *u,
 
 /* What others wait for is due: have a thread leave what is traced ahead, the
  * least urgent of it. */
-static void
-make_way(struct strict *s)
+void
+pass_make_way(struct strict *s)
 {
     struct strict_pass *last = NULL;
 
@@ -160,7 +162,7 @@ pass_top_came(struct strict *s, const struct edge *e)
     while (e)
         e = top_came(s, e, &idle);
     if (idle)
-        make_way(s);
+        pass_make_way(s);
 }
 
 static struct strict_unit *
@@ -207,6 +209,8 @@ set_top(struct strict *s, struct strict_pass *p)
     const struct strict_unit *u = p->of, *a = unit_above(s, u);
     const struct edge *e = edge_find(s, u->frame, p->first - 1);
 
+    if (u->loan)
+        return true;
     p->top_known = p->first > 0 ? 0 : TEAM_SURE;
     if (p->first < u->first && !u->make_top)
         return true; /* with densities it might want more */
@@ -237,6 +241,7 @@ static enum team_mode
 mode_of(enum strict_rank rank)
 {
     return rank == STRICT_TRUTH   ? TEAM_TRUTH
+           : rank == STRICT_LOAN  ? TEAM_LOAN
            : rank == STRICT_AHEAD ? TEAM_AHEAD
                                   : TEAM_LINES;
 }
@@ -273,6 +278,12 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->last = u->last;
     p->least = u->first + 1;
     p->end = u->end;
+    p->out = u->out;
+    p->sent_columns = u->sent_columns;
+    p->sent_densities = u->sent_densities;
+    p->lend = u->lend;
+    p->lent = u->lent;
+    p->loan = u->loan ? &u->loan->is : NULL;
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
         !set_top(s, p)) {
         pass_free(p);
@@ -320,8 +331,8 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
         edge_pixel(e, x, &pixels[x]);
     for (size_t d = p->sent_densities; d < densities; d++)
         edge_density(e, f, d, density[d]);
-    p->sent_columns = columns;
-    p->sent_densities = densities;
+    p->sent_columns = p->of->sent_columns = columns;
+    p->sent_densities = p->of->sent_densities = densities;
     if (!all)
         return;
     p->of->bottom_done = true;
@@ -378,6 +389,16 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         keep_guess(s, p, pixels, density);
 }
 
+/* All that was lent is traced: its lender gets it. */
+static void
+end_loan(struct strict *s, const struct strict_unit *u)
+{
+    if (u->gone)
+        return;
+    out_facts(s, &s->urgent, u, u->first);
+    out_parked(s, u);
+}
+
 /* TRUTH is made: what the unit cost. */
 static void
 end_truth(struct strict *s, struct strict_pass *p,
@@ -410,6 +431,18 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
         edge_drop(s, frame, top);
 }
 
+/* Lend what is asked for, if that can be. */
+static void
+look_lend(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    size_t width = (size_t)frame_of(s, p->frame)->q.width;
+    struct team_loan loan = { .wanted = malloc((width + 7) / 8) };
+
+    if (loan.wanted && team_lend(t, p->lend, &loan))
+        strict_lent(s, p, &loan);
+    free(loan.wanted);
+}
+
 void
 strict_look(struct strict *s, struct strict_pass *p, struct team *t)
 {
@@ -419,6 +452,11 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         team_stop(t);
     if (p->split)
         strict_shrunk(s, p, team_shrink(t, p->least));
+    if (p->back)
+        team_back(t, p->back);
+    p->back = 0;
+    if (p->lend > 0)
+        look_lend(s, p, t);
     if (!p->true_top)
         return;
     team_bottom(t, &b);
@@ -433,17 +471,22 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
 {
     struct strict_unit *u = p->of;
     bool over = done && !u->gone && p->mode == TEAM_TRUTH;
+    bool paid = done && p->mode == TEAM_LOAN;
 
     msg_counts_add(&u->spent, spent);
     if (over)
         end_truth(s, p, pixels, density, total);
+    else if (paid)
+        end_loan(s, u);
     else if (done && !p->stop)
         end_ahead(s, u, p, pixels, density);
     u->pass = NULL;
     pass_free(p);
     if (!u->gone)
         unit_say_top(s, u);
-    if (over || u->gone)
+    if (paid)
+        unit_drop(s, u);
+    else if (over || u->gone)
         end_unit(s, u, over);
     else if (u->split)
         unit_split_idle(s, u);

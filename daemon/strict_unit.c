@@ -10,6 +10,10 @@
  * cost no traffic. */
 #define PARK_MS 200
 
+/* Columns that are lent are traced here if nothing is heard of them for so long
+ * when there is nothing else to do.  The coordinator sees to it earlier. */
+#define LOAN_MS 3000
+
 /* The line whose first row it is, or nlines for the height; -1: none. */
 static int
 line_from_row(const struct frame *f, uint32_t row)
@@ -21,7 +25,7 @@ line_from_row(const struct frame *f, uint32_t row)
     return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
 }
 
-static struct strict_unit *
+struct strict_unit *
 unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = s->units;
@@ -100,6 +104,7 @@ void
 unit_free(struct strict_unit *u)
 {
     free_guess(u);
+    loan_free(u->loan);
     free(u);
 }
 
@@ -116,8 +121,10 @@ unit_drop(struct strict *s, struct strict_unit *u)
         msg_counts_add(&s->dropped, &u->spent);
         s->dropped.speculative_rays += facts_untold(s, u);
     }
-    unlink_first(s, u);
-    unlink_last(s, u);
+    if (!u->loan) {
+        unlink_first(s, u);
+        unlink_last(s, u);
+    }
     out_forget(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
@@ -251,7 +258,6 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
 {
     int end = u->last;
 
-    u->at_end = last == end;
     if (last < end) {
         /* and the base line above, which whoever gets them would make */
         for (int i = last - 1; i < end; i++)
@@ -260,6 +266,9 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
         u->last = last;
         link_last(s, u);
         u->bottom_done = false;
+        u->lent.ever = 0;
+        u->sent_columns = 0;
+        u->sent_densities = 0;
         /* it was that of another line */
         free_guess(u);
         for (int i = last; i < end; i++)
@@ -285,9 +294,11 @@ strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = unit_find(s, unit, attempt);
 
-    if (!u)
+    if (!u || u->loan)
         return;
-    if (!u->pass) {
+    if (loan_is_out(u)) { /* of its last line, which is begun */
+        give_lines(s, u, u->last);
+    } else if (!u->pass) {
         unit_split_idle(s, u);
     } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
         u->split = true;
@@ -309,6 +320,8 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     u->split = false;
     p->last = last;
     give_lines(s, u, last);
+    p->sent_columns = u->sent_columns; /* it may have another bottom now */
+    p->sent_densities = u->sent_densities;
 }
 
 /* What it made of the base line above, once that is all that a guess wants:
@@ -324,9 +337,7 @@ unit_say_top(struct strict *s, const struct strict_unit *u)
 static void
 push_twin_facts(struct strict *s, const struct strict_unit *u)
 {
-    int from = u->at_end ? u->last - s->threads - 1 : u->first;
-
-    for (int i = from < u->first ? u->first : from; i < u->last; i++)
+    for (int i = u->first; i < u->last; i++)
         out_facts(s, &s->urgent, u, i);
 }
 
@@ -358,6 +369,7 @@ unit_park(struct strict *s, struct strict_unit *u)
     if (u->gone || u->parked || !pass_waits(s, u) || is_near(s, u))
         return;
     u->parked = true;
+    u->lend = 0; /* nothing is left to lend */
     out_parked(s, u);
 }
 
@@ -385,5 +397,7 @@ strict_tick(struct strict *s, uint64_t now_ms)
         if (waiting && u->parked && !u->kept &&
             now_ms - u->since_ms >= PARK_MS && !is_near(s, u))
             park_facts(s, u);
+        if (u->blocked && waiting && now_ms - u->since_ms >= LOAN_MS)
+            loan_forget(u);
     }
 }

@@ -39,8 +39,20 @@
 /* Columns of a bar between two looks at whether the team is stopped. */
 #define BAR_COLUMNS 4
 
+/* Blocks of a line at most: bits of a number. */
+#define MOST_BLOCKS 64
+
+/* A base line's row costs so much more than a bar's. */
+#define BASE_WEIGHT 1.5
+
+/* Columns that are lent at a time: what is said of them fits a message. */
+#define MOST_LENT 24000
+
 /* The bottom is painted, and told of, in pieces of so many columns at least. */
 #define BOTTOM_COLUMNS 64
+
+/* The two things that blocks of a line are of. */
+enum part { PART_BASE, PART_BAR, NPART };
 
 struct line {
     uint8_t *density;          /* for the line below; written by its member */
@@ -56,7 +68,11 @@ struct line {
     _Atomic size_t wanted;
     uv_cond_t moved;   /* with ready, as far as wanted, and stopped */
     _Atomic int shown; /* columns that are in their row, painted */
-    bool done;         /* [mu] and the bar above it */
+    /* Blocks that its member began, or that are lent: whoever sets a bit has
+     * the block.  Nothing else is told by it: sequentially consistent for want
+     * of a reason. */
+    _Atomic uint64_t taken[NPART];
+    bool done; /* [mu] and the bar above it */
 };
 
 struct team {
@@ -77,7 +93,9 @@ struct team {
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
     _Atomic uint64_t traced, primary; /* relaxed: read when all have left */
-    _Atomic bool stopped; /* relaxed where it only ends work earlier */
+    _Atomic bool stopped;    /* relaxed where it only ends work earlier */
+    struct team_blocks lent; /* [mu] of line spec.last - 1 */
+    bool blocked; /* [mu] a member has left because of what is lent */
 };
 
 /* One member at work on one line. */
@@ -88,12 +106,13 @@ struct member {
     int i;
     _Atomic(struct rad_facts *) *facts; /* of line i; NULL: never any */
     int row0;                           /* the first of line i */
-    bool truth;    /* what is asked for now is wanted indeed */
-    bool early;    /* or will be, and counts then */
-    int row;       /* of line i's base line, in the picture */
-    int ahead;     /* the first of its gaps that were traced while it waited */
-    bool unsure;   /* of the colours that the bar is filled between */
-    uint64_t told; /* of count(ctx) */
+    bool truth;  /* what is asked for now is wanted indeed */
+    bool early;  /* or will be, and counts then */
+    int row;     /* of line i's base line, in the picture */
+    int ahead;   /* the first of its gaps that were traced while it waited */
+    bool unsure; /* of the colours that the bar is filled between */
+    uint64_t mine[NPART]; /* blocks of line i that it began */
+    uint64_t told;        /* of count(ctx) */
     uint64_t traced, primary;
     uint64_t looked; /* traced when the rays were last counted */
 };
@@ -383,12 +402,20 @@ was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
  * too: it has the same colours there, and no less density.  Where the sampler
  * found nothing in a gap it may have been for lack of densities. */
 static bool
-is_certain(const struct member *m, struct rad_pixel *const rows[], int x)
+is_certain(const struct team *t, int i, struct rad_pixel *const rows[], int x)
 {
-    int n = team_line_rows(&m->q, m->i);
+    int n = team_line_rows(&t->spec.sampler, i);
 
-    return was_traced(m->team, m->i, x, &rows[n][x]) &&
-           was_traced(m->team, m->i - 1, x, &rows[0][x]);
+    return was_traced(t, i, x, &rows[n][x]) &&
+           was_traced(t, i - 1, x, &rows[0][x]);
+}
+
+static bool
+is_wanted(const struct team_loan *loan, int x)
+{
+    int i = x - loan->x;
+
+    return loan->wanted[i / 8] >> i % 8 & 1;
 }
 
 /* Fill columns up to `end` of the bar below base line i - 1, some. */
@@ -396,12 +423,14 @@ static void
 fill_some(struct member *m, struct rad_pixel *const rows[],
           struct rad_quincunx_fill *s, int end)
 {
-    if (!m->unsure) {
+    const struct team_loan *loan = m->team->spec.loan;
+
+    if (!m->unsure && !loan) {
         rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, end);
         return;
     }
     for (int x = s->x; x < end; x++)
-        if (is_certain(m, rows, x)) {
+        if (loan ? is_wanted(loan, x) : is_certain(m->team, m->i, rows, x)) {
             if (s->x < x)
                 *s = (struct rad_quincunx_fill){ x, 0 };
             rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, x + 1);
@@ -426,9 +455,23 @@ fill_columns(struct member *m, struct rad_pixel *const rows[],
     return true;
 }
 
+/* Is the block the member's to trace?  Not if it is lent. */
+static bool
+claim(struct member *m, enum part part, int b)
+{
+    uint64_t bit = UINT64_C(1) << b;
+
+    if (!(m->mine[part] & bit) &&
+        atomic_fetch_or(&line_at(m->team, m->i)->taken[part], bit) & bit)
+        return false;
+    m->mine[part] |= bit;
+    return true;
+}
+
 /* A line that is traced ahead in blocks of gaps or of columns. */
 struct sweep {
     struct member *m;
+    enum part part;
     int row, rows; /* of the line, that the blocks have */
     int nblocks;   /* at most 64 */
     int columns;   /* of a block, but for the last */
@@ -438,17 +481,19 @@ struct sweep {
 
 /* Begin where the spec says. */
 static void
-start_sweep(struct sweep *s, struct member *m, int row, int rows, int columns)
+start_sweep(struct sweep *s, struct member *m, enum part part)
 {
+    int n = team_line_rows(&m->q, m->i), columns = team_block_columns(&m->q);
     enum team_end end = m->team->spec.end;
     bool middle = end >= TEAM_MIDDLE_RIGHTWARDS;
 
     s->m = m;
-    s->row = row;
-    s->rows = rows;
+    s->part = part;
+    s->row = part == PART_BASE ? n - 1 : 0;
+    s->rows = part == PART_BASE ? 1 : n - 1;
     s->columns = columns;
     s->nblocks = (m->q.width + columns - 1) / columns;
-    s->done = 0;
+    s->done = m->mine[part];
     s->step = end == TEAM_FROM_RIGHT || end == TEAM_MIDDLE_LEFTWARDS ? -1 : 1;
     s->at = s->step > 0 ? 0 : s->nblocks - 1;
     if (middle)
@@ -487,25 +532,19 @@ widest_gap(struct sweep *s)
 static int
 next_block(struct sweep *s)
 {
-    int b = s->at;
+    while (!is_stopped(s->m->team)) {
+        int b = s->at;
 
-    if (is_stopped(s->m->team))
-        return -1;
-    if (b < 0 || b >= s->nblocks || is_taken(s, b))
-        b = widest_gap(s);
-    if (b >= 0)
+        if (b < 0 || b >= s->nblocks || is_taken(s, b))
+            b = widest_gap(s);
+        if (b < 0)
+            break;
         s->done |= UINT64_C(1) << b;
-    s->at = b + s->step;
-    return b;
-}
-
-/* At most 64 blocks, none too small to be worth the look at it. */
-static int
-block_columns(const struct rad_quincunx *q)
-{
-    int columns = (q->width + 63) / 64;
-
-    return columns > q->xstep ? columns : q->xstep;
+        s->at = b + s->step;
+        if (claim(s->m, s->part, b))
+            return b;
+    }
+    return -1;
 }
 
 /* Trace base line i ahead; false: stopped. */
@@ -521,7 +560,7 @@ sweep_line(struct member *m)
     if (!wait_above(m, t->ndensity))
         return false;
     m->truth = false;
-    start_sweep(&s, m, team_line_rows(q, m->i) - 1, 1, block_columns(q));
+    start_sweep(&s, m, PART_BASE);
     while ((b = next_block(&s)) >= 0) {
         int end = (b + 1) * s.columns;
 
@@ -540,17 +579,19 @@ sweep_line(struct member *m)
     return !is_stopped(t);
 }
 
-/* Trace the bar ahead whose rows those are; false: stopped. */
+/* Trace those blocks ahead of the bar whose rows those are; false: stopped. */
 static bool
-sweep_bar(struct member *m, struct rad_pixel *const rows[])
+sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
 {
     bool truth = m->truth;
     struct sweep s;
     int b;
 
+    if (team_line_rows(&m->q, m->i) == 1)
+        return true;
     m->truth = false;
-    start_sweep(&s, m, 0, team_line_rows(&m->q, m->i) - 1,
-                block_columns(&m->q));
+    start_sweep(&s, m, PART_BAR);
+    s.done |= ~blocks;
     while ((b = next_block(&s)) >= 0) {
         struct rad_quincunx_fill fill = { b * s.columns, 0 };
         int end = fill.x + s.columns;
@@ -559,6 +600,14 @@ sweep_bar(struct member *m, struct rad_pixel *const rows[])
     }
     m->truth = truth;
     return !is_stopped(m->team);
+}
+
+/* Has line i's bar to be filled in this pass? */
+static bool
+has_bar(const struct team *t, int i)
+{
+    return i > 0 && t->spec.mode != TEAM_LINES &&
+           (i > t->spec.first || t->spec.top || t->spec.loan);
 }
 
 /* Is the member's line to be traced ahead in an order of its own? */
@@ -591,7 +640,62 @@ trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
     m->early = false;
 }
 
-/* Sample base line i; false: stopped. */
+/* The rows of line i, and of the base line above, as the bar wants them. */
+static void
+bar_rows(const struct member *m, struct rad_pixel *rows[])
+{
+    int top = rad_quincunx_base_row(&m->q, m->i - 1);
+    int n = team_line_rows(&m->q, m->i);
+
+    for (int k = 0; k < n; k++)
+        rows[k] = row_at(m->team, top + k);
+    rows[n] = line_at(m->team, m->i)->sampled;
+}
+
+/* Nothing is left of a line but what is lent. */
+static bool
+leave_blocked(struct member *m)
+{
+    struct team *t = m->team;
+
+    uv_mutex_lock(&t->mu);
+    t->blocked = true;
+    uv_mutex_unlock(&t->mu);
+    return false;
+}
+
+/* A part of the base line is lent: trace what is not, and the bar above it.  A
+ * block's first columns belong to a gap that begins in the one before. */
+static bool
+leave_line(struct member *m)
+{
+    struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
+    uint64_t mine;
+
+    if (!sweep_line(m))
+        return false;
+    mine = m->mine[PART_BASE];
+    if (has_bar(m->team, m->i)) {
+        bar_rows(m, rows);
+        if (!sweep_bar(m, rows, mine & (mine << 1 | 1)))
+            return false;
+    }
+    return leave_blocked(m);
+}
+
+/* Is that gap of the base line the member's to trace? */
+static bool
+claim_gap(struct member *m, size_t gap)
+{
+    int x;
+
+    if ((int)gap >= rad_quincunx_ngaps(&m->q, m->i))
+        return true;
+    x = rad_quincunx_gap_begin(&m->q, m->i, (int)gap);
+    return claim(m, PART_BASE, x / team_block_columns(&m->q));
+}
+
+/* Sample base line i; false: stopped, or blocked. */
 static bool
 sample_line(struct member *m)
 {
@@ -601,6 +705,8 @@ sample_line(struct member *m)
 
     if (wants_sweep(m) && !sweep_line(m))
         return false;
+    if (!claim(m, PART_BASE, 0))
+        return leave_line(m);
     rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
                             l->sampled);
     do {
@@ -613,6 +719,8 @@ sample_line(struct member *m)
         trace_early(m, &s, need);
         if (is_stopped(t) || !wait_above(m, need))
             return false;
+        if (!claim_gap(m, s.gap))
+            return leave_line(m);
     } while (rad_quincunx_line_step(&s));
     show(m, m->q.width);
     publish(t, l, t->ndensity + 1);
@@ -621,25 +729,46 @@ sample_line(struct member *m)
     return true;
 }
 
-/* Fill the bar above base line i; false: stopped. */
+/* Fill the bar in order, but for blocks that are lent: ahead of the truth these
+ * are left out.  False: stopped, or blocked. */
+static bool
+fill_blocks(struct member *m, struct rad_pixel *const rows[])
+{
+    int columns = team_block_columns(&m->q), width = m->q.width;
+    struct rad_quincunx_fill s = { 0, 0 };
+
+    while (s.x < width) {
+        int b = s.x / columns, end = (b + 1) * columns;
+
+        end = end < width ? end : width;
+        if (claim(m, PART_BAR, b)) {
+            if (!fill_columns(m, rows, &s, end))
+                return false;
+        } else if (m->truth) {
+            return sweep_bar(m, rows, UINT64_MAX) && leave_blocked(m);
+        } else {
+            s = (struct rad_quincunx_fill){ end, 0 };
+        }
+    }
+    return true;
+}
+
+/* Fill the bar above base line i; false: stopped, or blocked. */
 static bool
 fill_bar(struct member *m)
 {
     struct team *t = m->team;
     const struct team_spec *spec = &t->spec;
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
-    struct rad_quincunx_fill s = { 0, 0 };
     int top = rad_quincunx_base_row(&m->q, m->i - 1);
-    int n = rad_quincunx_base_row(&m->q, m->i) - top;
+    int n = team_line_rows(&m->q, m->i);
 
     if (!wait_above(m, t->ndensity + 1))
         return false;
-    for (int k = 0; k < n; k++)
-        rows[k] = row_at(t, top + k);
-    rows[n] = line_at(t, m->i)->sampled;
-    if (wants_sweep(m) && n > 1 && !sweep_bar(m, rows))
+    bar_rows(m, rows);
+    if (wants_sweep(m) && !sweep_bar(m, rows, UINT64_MAX))
         return false;
-    if (!fill_columns(m, rows, &s, m->q.width))
+    if (!fill_blocks(m, rows))
         return false;
     for (int k = 1; k < n && m->truth && spec->paint; k++)
         spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width,
@@ -647,12 +776,34 @@ fill_bar(struct member *m)
     return true;
 }
 
-/* Has line i's bar to be filled in this pass? */
-static bool
-has_bar(const struct team *t, int i)
+/* Blocks of the bar that lie below those of the base line that were traced
+ * here: a block's first columns belong to a gap that begins in the one before.
+ */
+static uint64_t
+bars_of(const struct member *m, const struct team_loan *loan)
 {
-    return i > 0 && t->spec.mode != TEAM_LINES &&
-           (i > t->spec.first || t->spec.top);
+    uint64_t mine = m->mine[PART_BASE];
+    int first = loan->x / team_block_columns(&m->q);
+
+    return mine & (mine << 1 | UINT64_C(1) << first);
+}
+
+/* Columns that another team lends. */
+static bool
+do_loan(struct member *m)
+{
+    const struct team_loan *loan = m->team->spec.loan;
+    struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
+    struct line *l = line_at(m->team, m->i);
+
+    if (!loan->base)
+        memcpy(l->sampled + loan->x, loan->bottom,
+               (size_t)loan->n * sizeof *l->sampled);
+    else if (!sweep_line(m))
+        return false;
+    publish(m->team, l, m->team->ndensity + 1);
+    bar_rows(m, rows);
+    return sweep_bar(m, rows, loan->base ? bars_of(m, loan) : UINT64_MAX);
 }
 
 /* Lines whose densities go into those above line i, as far as the guess knows
@@ -686,6 +837,9 @@ do_line(struct member *m)
         memset(line_at(t, m->i)->known, 0, (size_t)m->q.width * sizeof(bool));
     m->unsure = is_unsure(m);
     m->facts = t->spec.facts ? &t->spec.facts[m->i] : NULL;
+    m->mine[PART_BASE] = m->mine[PART_BAR] = 0;
+    if (t->spec.loan)
+        return do_loan(m);
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }
 
@@ -696,7 +850,7 @@ hand_on(struct team *t, int i)
     int row = team_line_row(&t->spec.sampler, i);
     int end = row + team_line_rows(&t->spec.sampler, i);
 
-    if (t->spec.mode != TEAM_TRUTH)
+    if (t->spec.mode != TEAM_TRUTH || i < t->spec.out)
         return;
     for (; row < end; row++)
         t->spec.rows(t->spec.arg, row, row_at(t, row));
@@ -730,6 +884,24 @@ is_open_locked(const struct team *t)
            !is_stopped(t);
 }
 
+/* What of the line is not the member's to trace. */
+static void
+begin_blocks_locked(struct team *t, int i)
+{
+    const struct team_spec *spec = &t->spec;
+    struct team_blocks away = { 0 };
+
+    if (i == spec->last - 1)
+        away = t->lent;
+    if (spec->loan) {
+        away.bar |=
+            ~team_blocks_of(&spec->sampler, spec->loan->x, spec->loan->n);
+        away.base |= spec->loan->base ? away.bar : UINT64_MAX;
+    }
+    atomic_store(&line_at(t, i)->taken[PART_BASE], away.base);
+    atomic_store(&line_at(t, i)->taken[PART_BAR], away.bar);
+}
+
 /* The next line to begin, once its buffers are free; -1: there is none. */
 static int
 begin_line(struct team *t)
@@ -744,6 +916,7 @@ begin_line(struct team *t)
         line_at(t, i)->done = false;
         atomic_store(&line_at(t, i)->ready, 0);
         atomic_store_explicit(&line_at(t, i)->shown, 0, memory_order_relaxed);
+        begin_blocks_locked(t, i);
     }
     uv_mutex_unlock(&t->mu);
     return i;
@@ -818,6 +991,297 @@ team_shrink(struct team *t, int least)
     }
     uv_mutex_unlock(&t->mu);
     return last;
+}
+
+int
+team_block_columns(const struct rad_quincunx *q)
+{
+    int columns = (q->width + MOST_BLOCKS - 1) / MOST_BLOCKS;
+
+    return columns > q->xstep ? columns : q->xstep;
+}
+
+uint64_t
+team_blocks_of(const struct rad_quincunx *q, int x, int n)
+{
+    int columns = team_block_columns(q), end = x + n;
+    int first = x / columns, last = (end + columns - 1) / columns;
+
+    if (n <= 0 || x % columns != 0 || end > q->width ||
+        (end % columns != 0 && end != q->width))
+        return 0;
+    return (UINT64_MAX >> (MOST_BLOCKS - last)) & ~((UINT64_C(1) << first) - 1);
+}
+
+static int
+count_blocks(uint64_t v)
+{
+    int n = 0;
+
+    for (; v; v &= v - 1)
+        n++;
+    return n;
+}
+
+/* The longest run of blocks. */
+static uint64_t
+longest_run(uint64_t blocks)
+{
+    int end = 0, longest = 0, run = 0;
+
+    for (int b = 0; b < MOST_BLOCKS; b++) {
+        run = blocks >> b & 1 ? run + 1 : 0;
+        if (run > longest) {
+            longest = run;
+            end = b + 1;
+        }
+    }
+    if (longest == 0)
+        return 0;
+    return (UINT64_MAX >> (MOST_BLOCKS - end)) &
+           ~((UINT64_C(1) << (end - longest)) - 1);
+}
+
+/* Is line i's base line done?  Else it may be lent if it is known what there is
+ * to trace, and the member asks before each gap. */
+static bool
+base_is_done(struct team *t, int i)
+{
+    return atomic_load(&line_at(t, i)->ready) == t->ndensity + 1;
+}
+
+static bool
+base_can_be_lent(const struct team *t, int i)
+{
+    if (t->spec.mode == TEAM_AHEAD)
+        return false;
+    return i == t->spec.first || t->spec.nthreads == 1;
+}
+
+/* Is anything known of columns [x, x + n) of rows [row, row + rows) of line i?
+ * It would be traced again. */
+static bool
+knows(const struct team *t, int i, int x, int n, int row, int rows)
+{
+    const struct rad_facts *f =
+        atomic_load_explicit(&t->spec.facts[i], memory_order_acquire);
+    struct rad_pixel p;
+
+    for (int r = row; r < row + rows; r++)
+        for (int k = x; k < x + n; k++)
+            if (rad_facts_get(f, k, r, &p))
+                return true;
+    return false;
+}
+
+/* What is looked at to lend of a line. */
+struct lending {
+    struct team *t;
+    int i, bars; /* the line, and its bar's rows */
+    bool base;   /* its base line is to be traced, too */
+    bool unsure;
+    struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
+};
+
+/* Would whoever has column x of the bar trace something there? */
+static bool
+wants_column(const struct lending *l, int x)
+{
+    const struct team_loan *loan = l->t->spec.loan;
+
+    if (loan ? !is_wanted(loan, x)
+             : l->unsure && !is_certain(l->t, l->i, l->rows, x))
+        return false;
+    return !knows(l->t, l->i, x, 1, 0, l->bars);
+}
+
+/* What block b costs yet, of a line's 1; 0: it is not worth it. */
+static double
+block_cost(const struct lending *l, int b)
+{
+    const struct rad_quincunx *q = &l->t->spec.sampler;
+    int columns = team_block_columns(q), x = b * columns, n = 0;
+    int end = x + columns < q->width ? x + columns : q->width;
+    double all = (BASE_WEIGHT + l->bars) * q->width;
+
+    if (l->base && knows(l->t, l->i, x, end - x, l->bars, 1))
+        return 0;
+    for (int k = x; k < end; k++)
+        n += wants_column(l, k);
+    if (n == 0)
+        return 0;
+    return (n * l->bars + (l->base ? BASE_WEIGHT * (end - x) : 0)) / all;
+}
+
+/* Take blocks that nobody has; those are given back that do not follow each
+ * other, for a member may have been quicker. */
+static uint64_t
+take_blocks(struct line *l, enum part part, uint64_t blocks)
+{
+    uint64_t got = blocks & ~atomic_fetch_or(&l->taken[part], blocks);
+    uint64_t run = longest_run(got);
+
+    atomic_fetch_and(&l->taken[part], ~(got & ~run));
+    return run;
+}
+
+/* Of those blocks, which follow each other, the right ones that cost so much,
+ * n at most; none, if one is more than twice that. */
+static uint64_t
+right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
+{
+    uint64_t got = 0;
+    double sum = 0;
+
+    for (int b = MOST_BLOCKS - 1; b >= 0 && count_blocks(got) < n; b--) {
+        if (!(run >> b & 1))
+            continue;
+        sum += cost[b];
+        if (sum - cost[b] / 2 > most)
+            break;
+        got |= UINT64_C(1) << b;
+    }
+    return got;
+}
+
+/* Blocks for another team: some, if they are a part of what is left. */
+static uint64_t
+lend_blocks(const struct lending *by, double part, struct team_loan *loan)
+{
+    struct team *t = by->t;
+    struct line *l = line_at(t, by->i);
+    const struct rad_quincunx *q = &t->spec.sampler;
+    uint64_t free = team_blocks_of(q, 0, q->width), got;
+    double cost[MOST_BLOCKS], left = 0;
+
+    free &= ~atomic_load(&l->taken[PART_BAR]) & ~t->lent.ever;
+    if (by->base)
+        free &= ~atomic_load(&l->taken[PART_BASE]);
+    for (int b = 0; b < MOST_BLOCKS; b++) {
+        cost[b] = free >> b & 1 ? block_cost(by, b) : 0;
+        left += cost[b];
+        if (cost[b] == 0)
+            free &= ~(UINT64_C(1) << b);
+    }
+    got = right_part(longest_run(free), cost, part * left,
+                     MOST_LENT / team_block_columns(q));
+    if (by->base)
+        got = take_blocks(l, PART_BASE, got);
+    got = take_blocks(l, PART_BAR, got);
+    loan->given = 0;
+    for (int b = 0; b < MOST_BLOCKS; b++)
+        loan->given += got >> b & 1 ? cost[b] : 0;
+    loan->left = left - loan->given;
+    t->lent.ever |= got;
+    return got;
+}
+
+/* Columns of the bar that its lender would fill there. */
+static void
+want_columns(const struct lending *by, struct team_loan *loan)
+{
+    const struct rad_quincunx *q = &by->t->spec.sampler;
+    int from = 0;
+
+    for (int g = 0; loan->base && loan->x > 0; g++) {
+        from = rad_quincunx_gap_begin(q, loan->line, g) - loan->x;
+        if (from >= 0)
+            break;
+    }
+    memset(loan->wanted, 0, (size_t)(loan->n + 7) / 8);
+    for (int i = from; i < loan->n; i++)
+        if (wants_column(by, loan->x + i))
+            loan->wanted[i / 8] |= (uint8_t)(1u << i % 8);
+}
+
+/* The line that may be lent of: -1: none. */
+static int
+line_to_lend(const struct team *t)
+{
+    int i = atomic_load_explicit(&t->last, memory_order_relaxed) - 1;
+
+    if (t->spec.mode == TEAM_LINES || t->begun != i + 1 || i < 1 ||
+        t->finished > i || line_at(t, i)->done || !t->spec.facts ||
+        !atomic_load_explicit(&t->spec.facts[i], memory_order_acquire))
+        return -1;
+    return i;
+}
+
+/* False: nothing can be lent now. */
+static bool
+start_lending(struct lending *by, struct team *t)
+{
+    struct member m = { .team = t, .q = t->spec.sampler };
+
+    *by = (struct lending){ .t = t, .i = line_to_lend(t) };
+    m.i = by->i;
+    if (by->i < 0 || !has_bar(t, by->i) || is_stopped(t) || t->blocked)
+        return false;
+    by->bars = team_line_rows(&m.q, by->i) - 1;
+    by->base = !base_is_done(t, by->i);
+    by->unsure = is_unsure(&m);
+    bar_rows(&m, by->rows);
+    return by->bars > 0 && (!by->base || base_can_be_lent(t, by->i));
+}
+
+/* Say what is lent. */
+static void
+describe_loan(const struct lending *by, uint64_t blocks, struct team_loan *loan)
+{
+    struct team *t = by->t;
+    const struct rad_quincunx *q = &t->spec.sampler;
+    int columns = team_block_columns(q), first = 0;
+    struct member m = { .team = t, .i = by->i };
+
+    while (!(blocks >> first & 1))
+        first++;
+    loan->line = by->i;
+    loan->base = by->base;
+    loan->x = first * columns;
+    loan->n = count_blocks(blocks) * columns;
+    if (loan->n > q->width - loan->x)
+        loan->n = q->width - loan->x;
+    loan->top = by->rows[0] + loan->x;
+    loan->density = by->base ? density_above(&m) : NULL;
+    loan->bottom = by->base ? NULL : by->rows[by->bars + 1] + loan->x;
+    want_columns(by, loan);
+}
+
+bool
+team_lend(struct team *t, double part, struct team_loan *loan)
+{
+    struct lending by;
+    uint64_t blocks = 0;
+
+    uv_mutex_lock(&t->mu);
+    if (start_lending(&by, t))
+        blocks = lend_blocks(&by, part, loan);
+    uv_mutex_unlock(&t->mu);
+    if (blocks)
+        describe_loan(&by, blocks, loan);
+    return blocks != 0;
+}
+
+void
+team_back(struct team *t, uint64_t blocks)
+{
+    int i;
+
+    uv_mutex_lock(&t->mu);
+    i = atomic_load_explicit(&t->last, memory_order_relaxed) - 1;
+    t->lent.base &= ~blocks;
+    t->lent.bar &= ~blocks;
+    if (t->begun > i)
+        for (int k = 0; k < NPART; k++)
+            atomic_fetch_and(&line_at(t, i)->taken[k], ~blocks);
+    uv_mutex_unlock(&t->mu);
+}
+
+bool
+team_blocked(const struct team *t, int *finished)
+{
+    *finished = t->finished;
+    return t->blocked;
 }
 
 void
@@ -906,11 +1370,26 @@ make_buffers(struct team *t)
 }
 
 static void
+put_loan(struct team *t, const struct team_loan *loan)
+{
+    int above = rad_quincunx_base_row(&t->spec.sampler, loan->line - 1);
+
+    if (loan->density)
+        memcpy(t->density, loan->density, t->ndensity);
+    memcpy(row_at(t, above) + loan->x, loan->top,
+           (size_t)loan->n * sizeof *loan->top);
+}
+
+static void
 put_top(struct team *t)
 {
     const struct team_spec *spec = &t->spec;
     int above = spec->first - 1;
 
+    if (spec->loan) {
+        put_loan(t, spec->loan);
+        return;
+    }
     if (spec->first == 0) {
         rad_quincunx_start(&spec->sampler, t->density);
         return;
@@ -933,12 +1412,14 @@ team_new(const struct team_spec *spec)
            spec->last <= rad_quincunx_nbases(&spec->sampler));
     assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
                                     : spec->facts != NULL);
+    assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);
     uv_cond_init(&t->moved);
     t->spec = *spec;
     t->last = spec->last;
+    t->lent = spec->lent;
     t->begun = t->finished = spec->first;
     t->ndensity = rad_quincunx_ndensity(&spec->sampler);
     /* each member's line, one above the first and one to begin meanwhile */

@@ -26,15 +26,20 @@
  * colours as they were sampled.  To make a base line for the unit above as well
  * (MSG_UNIT_TOP), begin LINES and AHEAD one line earlier, with no top: the
  * first line's bar is left out, all others have colours above.
- * A unit below that waits gets the bottom soonest by a pass of LINES first, the
- * top being true: with true_top the bottom is, too, and painted.  TRUTH then
- * goes over the facts.
+ * Columns of the last line may be lent to another team while they are not begun
+ * (team_lend()): a line is traced in blocks of columns, and each block is
+ * either claimed by the member or lent.  AHEAD leaves out what is lent.  TRUTH
+ * does all else, then the member leaves (team_blocked()), since rows go out
+ * whole; once the columns are back another team goes over the facts. TEAM_LOAN
+ * the other end: those columns of one line, into facts. A unit below that waits
+ * gets the bottom soonest by a pass of LINES first, the top being true: with
+ * true_top the bottom is, too, and painted.  TRUTH then goes over the facts.
  *
  * Knows no scene: pixels come from a callback, a pure function of its place.
  * Thread: team_work() from any number of threads at once; team_stop(),
- * team_open(), team_shrink(), team_bottom(), team_rays() and team_waited() from
- * any; the others while nobody works.  Rows are handed on by one member at a
- * time. */
+ * team_open(), team_shrink(), team_lend(), team_back(), team_bottom(),
+ * team_rays() and team_waited() from any; the others while nobody works.  Rows
+ * are handed on by one member at a time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
 
@@ -44,7 +49,7 @@
 struct team;
 struct rad_ctx; /* a member's own; the callbacks' affair */
 
-enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD };
+enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD, TEAM_LOAN };
 
 /* So many base lines below one of which nothing is known the densities are as
  * good as true. */
@@ -80,6 +85,26 @@ typedef void team_bottom_fn(void *arg);
 /* All rays of a context so far. */
 typedef uint64_t team_count_fn(void *arg, const struct rad_ctx *ctx);
 
+/* Blocks of columns of a line, a bit each, from the left. */
+struct team_blocks {
+    uint64_t base, bar; /* of its base line, of its bar: lent */
+    uint64_t ever;      /* not to be lent any more */
+};
+
+/* Columns that are lent, all of whole blocks, and what decides which of their
+ * pixels count. */
+struct team_loan {
+    int line, x, n;
+    bool base;          /* the base line is to be traced as well */
+    double given, left; /* parts of the line's cost: this, and what the lender
+                         * has not begun of its own */
+    const struct rad_pixel *top;    /* n pixels of the base line above */
+    const uint8_t *density;         /* with base: after the line above, all */
+    const struct rad_pixel *bottom; /* without: n pixels, as sampled */
+    uint8_t *wanted; /* bit i % 8 of byte i / 8: fill column x + i of the bar;
+                      * (width + 7) / 8 bytes, of whoever asks */
+};
+
 struct team_spec {
     struct rad_quincunx sampler; /* of the window or frame; trace and arg are
                                   * not looked at */
@@ -101,6 +126,12 @@ struct team_spec {
      * be stored (release) meanwhile.  LINES and AHEAD want them for all of
      * their lines from the start. */
     _Atomic(struct rad_facts *) *facts;
+    /* Of line last - 1, which has columns that are lent. */
+    struct team_blocks lent;
+    int out; /* with TRUTH: lines before this one were handed on before */
+    /* With LOAN: first is its line, last the next; top, top_density and the
+     * rest about tops are not looked at.  Must stay until team_free(). */
+    const struct team_loan *loan;
     team_trace_fn *trace;
     team_paint_fn *paint;   /* NULL: none */
     team_rows_fn *rows;     /* called with TEAM_TRUTH alone */
@@ -130,6 +161,24 @@ void team_stop(struct team *t);
 /* Give away half (rounded up) of the lines that are not begun, the lower
  * ones, but none below `least`.  Returns `last` as it is from now on. */
 int team_shrink(struct team *t, int least);
+
+/* Columns to a block, but the last. */
+int team_block_columns(const struct rad_quincunx *q);
+
+/* The blocks that columns [x, x + n) are in; none: they are no whole blocks. */
+uint64_t team_blocks_of(const struct rad_quincunx *q, int x, int n);
+
+/* Lend part (0 to 1) of what is not begun of the last line, or less; not with
+ * LINES.  Others must not trace it until they have it back.  What loan points
+ * to stays until team_free(); wanted is the caller's.  False: nothing. */
+bool team_lend(struct team *t, double part, struct team_loan *loan);
+
+/* Blocks of the last line that were lent are the team's again. */
+void team_back(struct team *t, uint64_t blocks);
+
+/* TRUTH: has a member left because columns are lent?  Rows of lines before
+ * *finished were handed on. */
+bool team_blocked(const struct team *t, int *finished);
 
 /* The unit's bottom so far: columns [0, columns) and densities [0, ndensity)
  * are final.  It is complete when columns is the width.  None while the last

@@ -14,7 +14,8 @@
 
 struct wunit {
     uint32_t unit, attempt;
-    bool parked; /* the child only waits for the base line above */
+    bool parked; /* the child only waits for others */
+    bool loan;   /* columns that another worker lends; over when PARKED */
 };
 
 /* A RESULT that is not acknowledged. */

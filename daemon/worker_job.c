@@ -65,7 +65,8 @@ wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
         job->units = v;
         job->cap_units = cap;
     }
-    job->units[job->nunits++] = (struct wunit){ unit, attempt, false };
+    job->units[job->nunits++] =
+        (struct wunit){ .unit = unit, .attempt = attempt };
     return true;
 }
 

@@ -486,6 +486,47 @@ struct msg_seed {
     uint32_t first, last; /* from the first up to below the last, of all */
 };
 
+/* Lend columns of the unit's last line to another worker. */
+struct msg_lend {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint16_t part; /* of what is left of it, in 65536ths */
+};
+
+#define MSG_LOAN_LINE  (1u << 0) /* of the base line, too, not the bar alone */
+#define MSG_LOAN_FLAGS 1u        /* all of them */
+
+/* Columns of a line that whoever lends them does not trace until BACK; and what
+ * it takes to know which of their pixels count.  Up: what comes of LEND, with
+ * the lender's unit and attempt.  Down: with those of the one that gets them,
+ * who sends FACTS, and PARKED when that is all. */
+struct msg_loan {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t frame, line;
+    uint32_t x, n;        /* columns, at least 1 */
+    uint16_t given, left; /* of the line's cost, in 65535ths: that, and what is
+                           * the lender's own */
+    uint8_t flags;        /* MSG_LOAN_... */
+    uint8_t channels;     /* 3 or 4 */
+    uint32_t ndensity;    /* with MSG_LOAN_LINE: of the line above, all */
+    const uint8_t *density;
+    const uint8_t *wanted; /* (n + 7) / 8 bytes: column x + i of the bar is to
+                            * be filled if bit i % 8 of byte i / 8 is set */
+    const uint8_t *top;    /* base line above, as in the picture: n * channels
+                            * floats */
+    const uint8_t *bottom; /* without MSG_LOAN_LINE: the base line as it was
+                            * sampled; as long */
+};
+
+/* Columns that were lent are the lender's again: what there is of them came as
+ * FACTS. */
+struct msg_back {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t line, x, n;
+};
+
 struct msg_area {
     uint32_t frame; /* index into the job's frames */
     uint32_t x, y, width, height;

@@ -151,6 +151,66 @@ msg_code_seed(struct codec *c, struct msg_seed *b)
     code_must(c, b->first < b->last && b->last <= MSG_SEED_ALL);
 }
 
+/* --- columns --- */
+
+void
+msg_code_lend(struct codec *c, struct msg_lend *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->unit);
+    code_u32(c, &b->attempt);
+    code_u16(c, &b->part);
+}
+
+static bool
+loan_fits(const struct msg_loan *b)
+{
+    return b->n >= 1 && b->n <= MSG_MAX_SIDE && b->x <= MSG_MAX_SIDE - b->n &&
+           (b->flags & ~MSG_LOAN_FLAGS) == 0 &&
+           (b->channels == 3 || b->channels == 4) &&
+           b->ndensity <= (b->flags & MSG_LOAN_LINE ? MSG_MAX_SIDE : 0);
+}
+
+void
+msg_code_loan(struct codec *c, struct msg_loan *b)
+{
+    size_t pixels;
+
+    code_job(c, &b->job);
+    code_u32(c, &b->unit);
+    code_u32(c, &b->attempt);
+    code_u32(c, &b->frame);
+    code_u32(c, &b->line);
+    code_u32(c, &b->x);
+    code_u32(c, &b->n);
+    code_u16(c, &b->given);
+    code_u16(c, &b->left);
+    code_u8(c, &b->flags);
+    code_u8(c, &b->channels);
+    code_u32(c, &b->ndensity);
+    code_must(c, loan_fits(b));
+    if (code_bad(c))
+        return;
+    pixels = (size_t)b->n * b->channels * 4;
+    code_view(c, &b->density, b->ndensity);
+    code_view(c, &b->wanted, (b->n + 7) / 8);
+    code_view(c, &b->top, pixels);
+    if (!(b->flags & MSG_LOAN_LINE))
+        code_view(c, &b->bottom, pixels);
+}
+
+void
+msg_code_back(struct codec *c, struct msg_back *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->unit);
+    code_u32(c, &b->attempt);
+    code_u32(c, &b->line);
+    code_u32(c, &b->x);
+    code_u32(c, &b->n);
+    code_must(c, b->n <= MSG_MAX_SIDE && b->x <= MSG_MAX_SIDE - b->n);
+}
+
 /* --- estimates --- */
 
 #define AREA_BYTES 20

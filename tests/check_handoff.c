@@ -40,7 +40,7 @@ struct said {
     char name[MSG_MAX_NAME + 1];
 };
 
-#define PLENTY (1 << 20) /* rays, to afford twins */
+static const char *const NAMES[] = { "ws1", "ws2", "ws3" };
 
 static struct {
     struct coord *c;
@@ -48,8 +48,8 @@ static struct {
     struct said said[400];
     int nsaid;
     bool closed[CONNS], done, failed;
-    bool slow_disk;   /* nothing is kept */
-    uint64_t primary; /* of each RESULT */
+    bool slow_disk;  /* nothing is kept */
+    uint8_t version; /* of the protocol, that workers speak; 0: 1 */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -168,8 +168,9 @@ join(uint64_t conn, unsigned role, const char *name, const char *address)
 {
     struct coord_peer peer = { "test", "ana", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
-                     .hello = { 1, 1, (uint8_t)role, name, "t", address, 1,
-                                0 } };
+
+                     .hello = { 1, f.version ? f.version : 1, (uint8_t)role,
+                                name, "t", address, 1, 0 } };
 
     f.closed[conn] = false;
     coord_opened(f.c, f.now_ms, conn, &peer);
@@ -281,7 +282,7 @@ result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
                                  WIDTH,
                                  3,
                                  end,
-                                 { .rays = 10, .primary_rays = f.primary },
+                                 { .rays = 10 },
                                  pixels } };
 
     say(conn, &m);
@@ -397,7 +398,7 @@ START_TEST(lines_go_out_with_what_is_known_of_them)
     ck_assert(a.mode == MSG_MODE_STRICT && a.y == 0 && a.height == 1 + BAR);
     ck_assert(a.width == WIDTH && a.flags == 0 && a.end == MSG_END_LEFT);
     ck_assert_uint_eq(b.height, BAR);
-    ck_assert_uint_gt(b.y, a.y + a.height); /* not what follows */
+    ck_assert_uint_gt(b.y, a.y + a.height);   /* not what follows */
     ck_assert_uint_eq(b.flags, MSG_UNIT_TOP); /* nobody has what is above */
     ck_assert_int_eq(count(W1, MSG_JOB_PEERS), 1); /* lines need links */
     a = *unit_of(W2); /* the one that follows is at hand */
@@ -947,44 +948,247 @@ START_TEST(a_gave_that_fits_no_lines_ends_the_connection)
 }
 END_TEST
 
+/* --- columns --- */
+
+static void
+lend(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
+{
+    struct msg m = { .type = MSG_LOAN,
+                     .loan = { id, u->unit, u->attempt, 0,
+                               line_above(u->y + u->height), x, n, 20000, 20000,
+                               0, 3, 0, density, bitmap, pixels, pixels } };
+
+    say(conn, &m);
+}
+
+/* ws1 is at a line, all else being done, and ws2, and ws3 if it is there, have
+ * nothing. */
+static void
+one_line_left(enum msg_partition kind, int workers, struct msg_unit *a)
+{
+    f.version = 2;
+    for (int i = 0; i < workers; i++) {
+        coord_closed(f.c, f.now_ms, (uint64_t)(W1 + i), "again");
+        join((uint64_t)(W1 + i), MSG_ROLE_WORKER, NAMES[i], "");
+    }
+    start(kind, 0, workers);
+    *a = *first_unit_of(W1);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct said s = f.said[i];
+
+        if (s.conn == W1 && s.m.type == MSG_SPLIT)
+            gave(W1, a, a->height);
+        if (s.conn < W1 || s.conn > W3 || s.m.type != MSG_UNIT ||
+            s.m.unit.unit == a->unit)
+            continue;
+        wait_ms(100);
+        finish(s.conn, &s.m.unit);
+    }
+    ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
+}
+
+/* What ws2 got of it. */
+static struct msg_unit
+loan_of(uint64_t conn)
+{
+    const struct said *s = last(conn, MSG_LOAN);
+
+    ck_assert_ptr_nonnull(s);
+    return (struct msg_unit){ .unit = s->m.loan.unit,
+                              .attempt = s->m.loan.attempt };
+}
+
+static void
+expect_back(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
+{
+    const struct said *s = last(conn, MSG_BACK);
+
+    ck_assert_ptr_nonnull(s);
+    ck_assert_uint_eq(s->m.back.attempt, u->attempt);
+    ck_assert_uint_eq(s->m.back.line, line_above(u->y + u->height));
+    ck_assert(s->m.back.x == x && s->m.back.n == n);
+}
+
+static const enum msg_partition with_loans[] = { MSG_PART_AUTO,
+                                                 MSG_PART_SCANBAR,
+                                                 MSG_PART_STATIC };
+
+START_TEST(an_idle_worker_is_lent_columns)
+{
+    struct msg_unit a, b;
+
+    one_line_left(with_loans[_i], 2, &a);
+    ck_assert_int_eq(count(W1, MSG_LEND), 1);
+    ck_assert_uint_eq(last(W1, MSG_LEND)->m.lend.unit, a.unit);
+    ck_assert_uint_gt(last(W1, MSG_LEND)->m.lend.part, 16384);
+    clear();
+    lend(W1, &a, 9, 7);
+    b = loan_of(W2);
+    ck_assert(b.unit == a.unit && b.attempt > a.attempt);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 0);
+    facts(W2, line_above(a.y + a.height));
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    facts(W1, line_above(a.y + a.height)); /* no use to it */
+    ck_assert_int_eq(count(W2, MSG_FACTS), 0);
+    ck_assert_int_eq(count(W1, MSG_BACK), 0);
+    attempt(W1, MSG_PARKED, &a); /* nothing else left, and so on */
+    attempt(W2, MSG_PARKED, &b);
+    expect_back(W1, &a, 9, 7);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
+    finish(W1, &a);
+    ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
+}
+END_TEST
+
+START_TEST(nobody_is_asked_for_columns_who_does_not_know_of_them)
+{
+    struct msg_unit a;
+
+    f.version = 1;
+    start(MSG_PART_SCANBAR, 0, 2);
+    a = *first_unit_of(W1);
+    for (int i = 0; i < f.nsaid; i++) {
+        const struct said s = f.said[i];
+
+        if ((s.conn != W1 && s.conn != W2) || s.m.type != MSG_UNIT ||
+            s.m.unit.unit == a.unit)
+            continue;
+        wait_ms(100);
+        finish(s.conn, &s.m.unit);
+    }
+    wait_ms(1000);
+    ck_assert_int_eq(count(W1, MSG_LEND), 0);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(what_nobody_takes_goes_back_at_once)
+{
+    struct msg_unit a;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    clear();
+    lend(W1, &a, 9, 7);
+    expect_back(W1, &a, 9, 7);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(columns_of_one_that_is_lost_go_back)
+{
+    struct msg_unit a;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    clear();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    expect_back(W1, &a, 9, 7);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(columns_of_one_that_is_late_go_back)
+{
+    struct msg_unit a, b;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    b = loan_of(W2);
+    clear();
+    wait_ms(5000);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    expect_back(W1, &a, 9, 7);
+    clear();
+    attempt(W2, MSG_PARKED, &b); /* not heard any more */
+    ck_assert_int_eq(count(W1, MSG_BACK), 0);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(columns_can_be_lent_on)
+{
+    struct msg_unit a, b, c;
+
+    one_line_left(MSG_PART_SCANBAR, 3, &a);
+    lend(W1, &a, 6, 10);
+    b = loan_of(W2);
+    b.y = a.y;
+    b.height = a.height;
+    wait_ms(150);
+    ck_assert_int_eq(count(W2, MSG_LEND), 1);
+    lend(W2, &b, 12, 4);
+    c = loan_of(W3);
+    clear();
+    attempt(W2, MSG_PARKED, &b);
+    expect_back(W1, &a, 6, 6); /* the rest is ws3's */
+    attempt(W3, MSG_PARKED, &c);
+    expect_back(W1, &a, 12, 4);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(when_the_lender_goes_its_columns_are_dropped)
+{
+    struct msg tally = { .type = MSG_TALLY,
+                         .tally = { .job = id, .dropped = { .rays = 7 } } };
+    struct msg_unit a, b;
+    double rays;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    facts(W2, line_above(a.y + a.height));
+    clear();
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    b = *unit_of(W2);
+    ck_assert(b.unit == a.unit && b.y == a.y && b.height == a.height);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1); /* they are kept */
+    finish(W2, &b);
+    ck_assert(f.done);
+    rays = stat_of("totals", "rays");
+    say(W2, &tally); /* what it cost, though all is over */
+    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 7);
+    ck_assert_double_eq(stat_of("totals", "rays"), rays + 7);
+}
+END_TEST
+
+START_TEST(a_loan_that_fits_no_line_ends_the_connection)
+{
+    struct msg_unit a, b;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    b = a;
+    b.attempt += 7;
+    lend(W1, &b, 0, 5); /* of an attempt that is not known */
+    ck_assert_int_eq(count(W2, MSG_LOAN), 0);
+    ck_assert(!f.closed[W1]);
+    lend(W1, &a, 9, 8);
+    ck_assert(f.closed[W1]);
+}
+END_TEST
+
 /* --- twins --- */
 
-/* Two at one unit of one bar, all else being done: ws1 got it first, ws2 as
- * well when it had nothing else. */
+/* Two at one unit, all else being done: ws1 got it first, ws2 as well when it
+ * was late. */
 static void
 twins(struct msg_unit *a, struct msg_unit *b)
 {
-    struct msg_unit own[LINES];
-    int n = 0;
-
-    f.primary = PLENTY;
-    start(MSG_PART_AUTO, 0, 2);
-    for (int i = 0; i < f.nsaid; i++) {
-        const struct msg *m = &f.said[i].m;
-
-        if (f.said[i].conn == W1 && m->type == MSG_UNIT)
-            own[n++] = m->unit;
-        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
-            for (int k = 0; k < n; k++)
-                if (own[k].unit == m->split.unit) {
-                    /* all but its first bar */
-                    own[k].height = own[k].y > 0 ? BAR : 1 + BAR;
-                    gave(W1, &own[k], own[k].height);
-                }
-        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
-            continue;
-        *b = m->unit;
-        if (b->flags & MSG_UNIT_TWIN)
-            break;
-        wait_ms(100);
-        finish(W2, b);
-    }
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    *b = *unit_of(W2);
+    finish(W2, b);
+    *a = *unit_of(W1);
+    wait_ms(61000);
+    *b = *unit_of(W2);
     ck_assert(b->flags & MSG_UNIT_TWIN);
-    for (int k = 0; k < n; k++)
-        if (own[k].unit == b->unit)
-            *a = own[k];
-        else
-            finish(W1, &own[k]);
     ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
 }
 
@@ -1011,105 +1215,6 @@ START_TEST(the_first_of_twins_whose_rows_come_leads)
     clear();
     result(W2, &b, 1, b.height - 1, true);
     ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
-    ck_assert(f.done);
-}
-END_TEST
-
-/* All that a twin traces may be for nothing: 1 % of the rays at most.  Here a
- * line is 1 % and more of the picture. */
-START_TEST(there_is_no_twin_before_so_many_rays_count)
-{
-    f.primary = 100;
-    start(MSG_PART_AUTO, 0, 2);
-    for (int i = 0; i < f.nsaid; i++) {
-        const struct msg *m = &f.said[i].m;
-        const struct msg_unit u = m->unit;
-
-        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
-            gave(W1, first_unit_of(W1), first_unit_of(W1)->height);
-        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
-            continue;
-        ck_assert(!(u.flags & MSG_UNIT_TWIN));
-        wait_ms(100);
-        finish(W2, &u);
-    }
-    ck_assert_uint_gt(coord_find_job(f.c, id)->primary_rays, 0);
-}
-END_TEST
-
-/* ws1 is at the last line of a run, all else being done: ws2 helps. */
-static void
-helper(struct msg_unit *a, struct msg_unit *b)
-{
-    f.primary = PLENTY;
-    start(MSG_PART_AUTO, 0, 2);
-    *a = *first_unit_of(W1);
-    ck_assert_uint_gt(a->height, 1 + 2 * BAR);
-    for (int i = 0; i < f.nsaid; i++) {
-        const struct msg *m = &f.said[i].m;
-
-        if (f.said[i].conn == W1 && m->type == MSG_SPLIT)
-            gave(W1, a, a->height);
-        if (f.said[i].conn != W2 || m->type != MSG_UNIT)
-            continue;
-        *b = m->unit;
-        if (b->unit == a->unit)
-            return;
-        wait_ms(100);
-        finish(W2, b);
-    }
-    ck_abort_msg("nobody helps");
-}
-
-START_TEST(an_idle_worker_helps_with_the_last_line_of_a_run)
-{
-    struct msg tally = { .type = MSG_TALLY,
-                         .tally = { .job = id, .dropped = { .rays = 7 } } };
-    struct msg_unit a, b;
-    uint32_t line;
-    double rays;
-
-    helper(&a, &b);
-    line = line_above(a.y + a.height);
-    ck_assert_uint_eq(b.attempt, a.attempt + 1);
-    ck_assert(b.height == BAR && b.y + b.height == a.y + a.height);
-    ck_assert_uint_eq(b.flags, MSG_UNIT_TWIN);
-    ck_assert(b.end == MSG_END_RIGHT && count(W1, MSG_TWIN) == 1);
-    clear();
-    facts(W2, line);
-    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
-    facts(W1, line);
-    facts(W1, line - 1); /* its base line */
-    facts(W1, line - 2);
-    ck_assert_int_eq(count(W2, MSG_FACTS), 2);
-    result(W2, &b, 0, b.height, true); /* are not the unit's */
-    ck_assert_int_eq(count(W2, MSG_ACK), 1);
-    ck_assert(!f.closed[W2] && !f.done);
-    finish(W1, &a);
-    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
-    ck_assert(f.done);
-    rays = stat_of("totals", "rays");
-    say(W2, &tally); /* what it cost, though all is over */
-    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 7);
-    ck_assert_double_eq(stat_of("totals", "rays"), rays + 7);
-}
-END_TEST
-
-START_TEST(one_that_helped_gets_the_whole_run_when_its_worker_goes)
-{
-    struct msg_unit a, b;
-
-    helper(&a, &b);
-    facts(W2, line_above(a.y + a.height));
-    attempt(W2, MSG_PARKED, &b);
-    clear();
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
-    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
-    b = *unit_of(W2);
-    ck_assert(b.unit == a.unit && b.y == a.y && b.height == a.height);
-    ck_assert_int_eq(count(W2, MSG_FACTS), 1); /* they are kept */
-    finish(W2, &b);
     ck_assert(f.done);
 }
 END_TEST
@@ -1401,9 +1506,15 @@ main(void)
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
     tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
-    tcase_add_test(tc, there_is_no_twin_before_so_many_rays_count);
-    tcase_add_test(tc, an_idle_worker_helps_with_the_last_line_of_a_run);
-    tcase_add_test(tc, one_that_helped_gets_the_whole_run_when_its_worker_goes);
+    tcase_add_loop_test(tc, an_idle_worker_is_lent_columns, 0,
+                        N_ELEM(with_loans));
+    tcase_add_test(tc, nobody_is_asked_for_columns_who_does_not_know_of_them);
+    tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
+    tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
+    tcase_add_test(tc, columns_of_one_that_is_late_go_back);
+    tcase_add_test(tc, columns_can_be_lent_on);
+    tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);
+    tcase_add_test(tc, a_loan_that_fits_no_line_ends_the_connection);
     tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
     tcase_add_test(
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);

@@ -34,6 +34,7 @@ static const uint8_t costs[2 * 4] = { 0x3f, 0x80, [4] = 0x40 };
 static const uint8_t bitmap[2 * 2] = { 0x81, 0x01, 0x00, 0x02 };
 static const uint8_t facts[4 * 3 * 4] = { 0x3f, 0x80 };
 static const uint8_t density[3] = { 4, 0, 2 };
+static const uint8_t lent[1] = { 2 };
 static const struct msg_area areas[] = { { 1, 2, 3, 4, 5 },
                                          { 6, 7, 8, 9, 10 } };
 static const struct msg_cost line_costs[] = { { 1, 2 }, { 3, 4 } };
@@ -123,6 +124,11 @@ static const struct msg examples[] = {
     { .type = MSG_GAVE, .gave = { ID, 1, 2, 3 } },
     { .type = MSG_ESTIMATE, .estimate = { ID, 1, 2, 2, areas } },
     { .type = MSG_ESTIMATED, .estimated = { ID, 1, 2, line_costs, COUNTS } },
+    { .type = MSG_LEND, .lend = { ID, 1, 2, 32768 } },
+    { .type = MSG_LOAN,
+      .loan = { ID, 1, 2, 3, 4, 5, 2, 6, 7, MSG_LOAN_LINE, 3, 3, density,
+                lent, pixels } },
+    { .type = MSG_BACK, .back = { ID, 1, 2, 3, 4, 5 } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -564,7 +570,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED RECORDS UNLINKED " },
+      "BASE_LINE GAVE ESTIMATED LOAN RECORDS UNLINKED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
@@ -572,17 +578,17 @@ static const struct {
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
                      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-                     "ESTIMATE SEED RING " },
+                     "ESTIMATE LEND LOAN BACK SEED RING " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE TWIN FACTS BASE_LINE "
-                    "SPLIT ESTIMATE SEED " },
+                    "SPLIT ESTIMATE LEND LOAN BACK SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED " },
+                     "GAVE ESTIMATED LOAN " },
     { MSG_NSESSION, " " },
 };
 
@@ -710,6 +716,13 @@ static const struct msg impossible[] = {
     { .type = MSG_BASE_LINE,
       .base_line = { ID, 0, 0, 65535, 1, 0, 0, 3, density, pixels } },
     { .type = MSG_GAVE, .gave = { ID, 0, 0, 0 } },
+    { .type = MSG_LOAN, /* of no columns */
+      .loan = { ID, 0, 0, 0, 1, 0, 0, 0, 0, 0, 3, 0, NULL, lent, pixels,
+                pixels } },
+    { .type = MSG_LOAN, /* densities that it has no use for */
+      .loan = { ID, 0, 0, 0, 1, 0, 1, 0, 0, 0, 3, 3, density, lent, pixels,
+                pixels } },
+    { .type = MSG_BACK, .back = { ID, 0, 0, 1, 65535, 1 } },
 };
 
 START_TEST(what_cannot_be_read_is_not_written)

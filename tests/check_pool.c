@@ -435,7 +435,7 @@ open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
         struct child *k = &c->child[i];
 
         k->of = c;
-        k->strict = strict_new(&c->q, 1, true, nthreads, id);
+        k->strict = strict_new(&c->q, 1, true, id);
         k->pool = pool_new(&f->loop, f->job, &f->frame, k->strict, nthreads,
                            false, on_part_rows, on_children_news, k, NULL);
         ck_assert(k->strict && k->pool);

@@ -844,7 +844,7 @@ revive(struct world *w)
         if (d->up || d->runs || !chance(w, 20))
             continue;
         strict_free(d->s);
-        d->s = strict_new(&w->q, 1, w->paint, 1, job_id);
+        d->s = strict_new(&w->q, 1, w->paint, job_id);
         d->last_line = -1;
         d->up = true;
     }
@@ -940,7 +940,7 @@ set_up(struct world *w, uint64_t seed)
                            .id = i,
                            .up = true,
                            .last_line = -1,
-                           .s = strict_new(&w->q, 1, w->paint, 1, job_id) };
+                           .s = strict_new(&w->q, 1, w->paint, job_id) };
     w->q.trace = trace_alone;
     w->q.arg = w;
     render_alone(w);
@@ -1113,7 +1113,7 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
+    s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
@@ -1160,7 +1160,7 @@ START_TEST(a_guess_from_true_densities_is_true)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, guesses[_i].painted, 1, job_id);
+    s = strict_new(&q, 1, guesses[_i].painted, job_id);
     give_unit(s, &q, 0, 4, 8);
     give_unit(s, &q, 1, 8, 11);
     for (int i = 0; i < 2; i++)
@@ -1196,7 +1196,7 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
+    s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
     expect_pass(s, STRICT_AHEAD, false);
@@ -1224,7 +1224,7 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
+    s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     p = strict_next(s, STRICT_AHEAD);
     strict_revoke(s, 0, 1);
@@ -1252,7 +1252,7 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
+    s = strict_new(&q, 1, false, job_id);
     give_top(s, &q); /* base line 3 */
     u.y = (uint32_t)team_line_row(&q, 5);
     u.height = (uint32_t)team_line_rows(&q, 5);
@@ -1281,7 +1281,7 @@ START_TEST(thousands_of_units_may_wait)
     struct strict *s;
 
     rad_quincunx_steps(1, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, 1, job_id);
+    s = strict_new(&q, 1, false, job_id);
     for (uint32_t i = 1; i <= N; i++) {
         struct msg_unit u = { .job = job_id,
                               .unit = i,

@@ -976,6 +976,8 @@ START_TEST(what_workers_share_passes_through)
     const struct msg down[] = {
         { .type = MSG_SPLIT, .split = { job_id, 3, 1 } },
         { .type = MSG_TWIN, .twin = { job_id, 3, 1 } },
+        { .type = MSG_LEND, .lend = { job_id, 3, 1, 9 } },
+        { .type = MSG_BACK, .back = { job_id, 3, 1, 1, 0, 6 } },
         { .type = MSG_FACTS,
           .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
         { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
@@ -984,6 +986,9 @@ START_TEST(what_workers_share_passes_through)
     const struct msg up[] = {
         { .type = MSG_PARKED, .parked = { job_id, 3, 1 } },
         { .type = MSG_GAVE, .gave = { job_id, 3, 1, 2 } },
+        { .type = MSG_LOAN,
+          .loan = { job_id, 3, 1, 0, 1, 0, 6, 1, 2, 0, 3, 0, density, bitmap,
+                    line_bytes, line_bytes } },
         { .type = MSG_FACTS,
           .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
         { .type = MSG_ESTIMATED,
@@ -992,10 +997,12 @@ START_TEST(what_workers_share_passes_through)
 
     start_job();
     child_ready();
-    for (int i = 0; i < 2; i++) { /* nothing about unit 3 */
+    for (int i = 0; i < 4; i++) { /* nothing about unit 3 */
         hear(f.coord, &down[i]);
-        hear(f.child, &up[i]);
         ck_assert_int_eq(said(f.child, down[i].type), 0);
+    }
+    for (int i = 0; i < 3; i++) {
+        hear(f.child, &up[i]);
         ck_assert_int_eq(said(f.coord, up[i].type), 0);
     }
     unit(3);
@@ -1007,6 +1014,34 @@ START_TEST(what_workers_share_passes_through)
         hear(f.child, &up[i]);
         ck_assert_int_eq(said(f.coord, up[i].type), 1);
     }
+}
+END_TEST
+
+/* Columns that another lends are with the child until it says PARKED, once. */
+START_TEST(what_is_lent_is_a_unit_until_it_is_done)
+{
+    static const uint8_t bitmap[1] = { 1 };
+    struct msg loan = { .type = MSG_LOAN,
+                        .loan = { job_id, 3, 2, 0, 1, 0, 6, 1, 2, 0, 3, 0,
+                                  density, bitmap, line_bytes, line_bytes } };
+    const struct msg parked = { .type = MSG_PARKED,
+                                .parked = { job_id, 3, 2 } };
+
+    start_job();
+    child_ready();
+    loan.loan.channels = 4; /* not this job's */
+    hear(f.coord, &loan);
+    ck_assert_int_eq(said(f.child, MSG_LOAN), 0);
+    loan.loan.channels = 3;
+    hear(f.coord, &loan);
+    hear(f.coord, &loan); /* it has it */
+    ck_assert_int_eq(said(f.child, MSG_LOAN), 1);
+    hear(f.child, &parked);
+    hear(f.child, &parked);
+    ck_assert_int_eq(said(f.coord, MSG_PARKED), 1);
+    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    carry_out();
+    ck_assert_uint_eq(f.last.lost.nunits, 0);
 }
 END_TEST
 
@@ -1075,6 +1110,7 @@ main(void)
     tcase_add_test(
         tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
     tcase_add_test(tc, what_workers_share_passes_through);
+    tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
     return unit_run(s);

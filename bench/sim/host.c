@@ -3,9 +3,9 @@
  * The child has one team, as fast as the host.  Units of windows are done one
  * after the other.  Strict units are strict.c's: the team goes over the lines
  * of a pass as team.c does, base line, then bar, in blocks of columns, and puts
- * what it traced into the facts; every second pixel is one that the sampler
- * wants.  What is known already takes no time.  So a guess never misleads: the
- * few rays that wrong guesses cost are left out. */
+ * what it traced into the facts; what it lends it leaves out.  Every second
+ * pixel is one that the sampler wants.  What is known already takes no time. So
+ * a guess never misleads: the few rays that wrong guesses cost are left out. */
 #include "config.h"
 
 #include "cluster.h"
@@ -15,9 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Blocks of columns, each an event: what a pass is stopped after. */
-#define BLOCKS 16
 
 /* Rows are sent when so many bytes of them are done, as in pool.c. */
 #define PIECE_BYTES (64u << 10)
@@ -67,7 +64,9 @@ struct host {
     struct strict_pass *pass;
     int line, block, last; /* of the pass: where it is, and its end */
     bool in_bar;
-    int sent_row; /* of a TRUTH pass: those above are out */
+    struct team_blocks lent; /* of the pass's last line */
+    bool skipped;            /* the pass left some of that out */
+    int sent_row;            /* of a TRUTH pass: those above are out */
     double pass_s;
     bool lines; /* it has had strict units */
     struct window *windows;
@@ -242,33 +241,71 @@ is_unsure(const struct host *h)
            known < TEAM_SURE;
 }
 
+/* Whether a guess traces column x, of which the truth wants some rows. */
 static bool
-is_traced(bool unsure, int x, int row)
+is_sure(const struct host *h, bool unsure, int x)
 {
-    return is_wanted(x, row) && !(unsure && x / SURE_COLUMNS % 5 >= 3);
+    const struct team_loan *loan = h->pass->loan;
+    int i = loan ? x - loan->x : 0;
+
+    if (loan && h->in_bar)
+        return loan->wanted[i / 8] >> i % 8 & 1;
+    return !unsure || x / SURE_COLUMNS % 5 < 3;
 }
 
-/* Columns of a block, in the order of the pass. */
-static void
-block_of(const struct host *h, int *x0, int *x1)
+static bool
+is_traced(const struct host *h, bool unsure, int x, int row)
 {
-    int k = h->block, width = map_of(h)->q.width;
+    return is_wanted(x, row) && is_sure(h, unsure, x);
+}
+
+/* Blocks of columns, as team.c has them, each an event. */
+static int
+blocks(const struct host *h)
+{
+    const struct rad_quincunx *q = &map_of(h)->q;
+    int columns = team_block_columns(q);
+
+    return (q->width + columns - 1) / columns;
+}
+
+/* The block that is number k in the order of the pass. */
+static int
+nth_block(const struct host *h, int k)
+{
+    int n = blocks(h);
 
     switch (h->pass->end) {
     case TEAM_FROM_LEFT:
         break;
     case TEAM_FROM_RIGHT:
-        k = BLOCKS - 1 - k;
-        break;
+        return n - 1 - k;
     case TEAM_MIDDLE_RIGHTWARDS:
-        k = (k + BLOCKS / 2) % BLOCKS;
-        break;
+        return (k + n / 2) % n;
     case TEAM_MIDDLE_LEFTWARDS:
-        k = (BLOCKS + BLOCKS / 2 - 1 - k) % BLOCKS;
-        break;
+        return (n + n / 2 - 1 - k) % n;
     }
-    *x0 = width * k / BLOCKS;
-    *x1 = width * (k + 1) / BLOCKS;
+    return k;
+}
+
+/* Columns of the block that the pass is at. */
+static void
+block_of(const struct host *h, int *x0, int *x1)
+{
+    const struct rad_quincunx *q = &map_of(h)->q;
+    int columns = team_block_columns(q);
+
+    *x0 = columns * nth_block(h, h->block);
+    *x1 = *x0 + columns < q->width ? *x0 + columns : q->width;
+}
+
+/* Is it another's? */
+static bool
+is_lent(const struct host *h)
+{
+    uint64_t lent = h->in_bar ? h->lent.bar : h->lent.base;
+
+    return h->line == h->last - 1 && lent >> nth_block(h, h->block) & 1;
 }
 
 /* Rows of the line that the pass is at, as its facts number them. */
@@ -307,7 +344,7 @@ missing(const struct host *h)
 
         for (int x = x0; x < x1; x++) {
             wanted += is_wanted(x, r);
-            n += is_traced(unsure, x, r) &&
+            n += is_traced(h, unsure, x, r) &&
                  (!facts || !rad_facts_get(facts, x, r, &p));
         }
         if (n > 0)
@@ -348,7 +385,7 @@ fill(struct host *h)
     rows_of(h, &r0, &r1);
     for (int r = r0; r < r1; r++)
         for (int x = x0; x < x1; x++) {
-            if (!is_traced(unsure, x, r))
+            if (!is_traced(h, unsure, x, r))
                 continue;
             if (!facts) {
                 h->traced++;
@@ -456,7 +493,8 @@ rows_done(struct host *h, int row)
 {
     uint32_t width = (uint32_t)map_of(h)->q.width;
 
-    if ((uint32_t)(row - h->sent_row) > PIECE_BYTES / (width * 12))
+    if (row > h->sent_row &&
+        (uint32_t)(row - h->sent_row) > PIECE_BYTES / (width * 12))
         send_strict_rows(h, h->pass, row, NULL);
 }
 
@@ -468,9 +506,17 @@ end_pass(struct host *h, bool done)
     uint64_t pixels = (uint64_t)map_of(h)->q.width *
                       (uint64_t)(row_of(h, h->last) - row_of(h, p->first)) / 2;
     struct msg_counts total;
+    bool blocked = done && h->skipped && p->mode == TEAM_TRUTH;
     struct msg_counts spent =
-        counts_of(h, h->pass_s, h->pass_s, p->mode == TEAM_TRUTH ? pixels : 0);
+        counts_of(h, h->pass_s, h->pass_s,
+                  p->mode == TEAM_TRUTH && !blocked ? pixels : 0);
 
+    if (blocked) {
+        done = false;
+        strict_blocked(h->strict, p, h->last - 1);
+        if (row_of(h, h->last - 1) > h->sent_row)
+            send_strict_rows(h, p, row_of(h, h->last - 1), NULL);
+    }
     h->pass = NULL;
     if (!strict_ended(h->strict, p, done, h->pixels, h->density, &spent,
                       &total))
@@ -492,6 +538,142 @@ shrink(struct host *h)
     strict_shrunk(h->strict, h->pass, h->last);
 }
 
+/* The bits of those that follow in the order of the pass. */
+static uint64_t
+not_begun(const struct host *h, int from)
+{
+    uint64_t bits = 0;
+
+    for (int k = from; k < blocks(h); k++)
+        bits |= UINT64_C(1) << nth_block(h, k);
+    return bits;
+}
+
+static int
+count_bits(uint64_t v)
+{
+    int n = 0;
+
+    for (; v; v &= v - 1)
+        n++;
+    return n;
+}
+
+static bool
+has_bar(const struct host *h)
+{
+    const struct strict_pass *p = h->pass;
+
+    return p->mode != TEAM_LINES && h->line != 0 &&
+           (p->mode != TEAM_AHEAD || h->line != p->first || p->top);
+}
+
+/* Is anything known of that column of the bar? */
+static bool
+knows(const struct host *h, int x)
+{
+    int rows = team_line_rows(&map_of(h)->q, h->line) - 1;
+    struct rad_pixel p;
+
+    for (int r = 0; r < rows; r++)
+        if (rad_facts_get(facts_of(h), x, r, &p))
+            return true;
+    return false;
+}
+
+/* Of the blocks' bars: those of which something is not known yet.  Of base
+ * lines those of which nothing is. */
+static uint64_t
+not_known(const struct host *h, uint64_t blocks)
+{
+    const struct rad_quincunx *q = &map_of(h)->q;
+    int columns = team_block_columns(q), last = team_line_rows(q, h->line) - 1;
+    struct rad_pixel p;
+
+    for (int x = 0; x < q->width; x++) {
+        uint64_t bit = UINT64_C(1) << x / columns;
+
+        if (!h->in_bar && is_wanted(x, last) &&
+            rad_facts_get(facts_of(h), x, last, &p))
+            blocks &= ~bit;
+    }
+    for (int b = 0; b * columns < q->width; b++) {
+        bool lacks = false;
+
+        for (int x = b * columns; x < (b + 1) * columns && x < q->width; x++)
+            lacks |= is_sure(h, is_unsure(h), x) && !knows(h, x);
+        if (!lacks)
+            blocks &= ~(UINT64_C(1) << b);
+    }
+    return blocks;
+}
+
+/* Lend part of the last line, as team_lend() does: the right end of it. */
+static void
+lend(struct host *h)
+{
+    struct strict_pass *p = h->pass;
+    const struct rad_quincunx *q = &map_of(h)->q;
+    int columns = team_block_columns(q), n = 0, end = blocks(h);
+    int rows = team_line_rows(q, h->line) - 1, bars;
+    double base = 1.5 / (1.5 + rows), bar = rows / (1.5 + rows), left;
+    uint64_t lines = h->in_bar ? 0 : not_begun(h, h->block + 1);
+    uint64_t free = h->in_bar ? not_begun(h, h->block + 1) : UINT64_MAX;
+    uint8_t wanted[8192];
+    struct team_loan loan = { .line = h->line, .wanted = wanted };
+
+    if (h->line != h->last - 1 || !has_bar(h) || !facts_of(h) ||
+        (!h->in_bar && p->mode == TEAM_AHEAD))
+        return;
+    free &= team_blocks_of(q, 0, q->width) & ~h->lent.bar & ~h->lent.ever;
+    lines &= ~h->lent.base & ~h->lent.ever;
+    free = not_known(h, free);
+    bars = count_bits(free);
+    left = base * count_bits(lines) + bar * bars;
+    if (!h->in_bar)
+        free &= lines;
+    loan.base = !h->in_bar;
+    loan.given = loan.base ? base + bar : bar;
+    while (end > 0 && !(free >> (end - 1) & 1))
+        end--;
+    while (n < end && free >> (end - 1 - n) & 1 &&
+           (n + 1) * loan.given <= p->lend * left + .5 * loan.given)
+        n++;
+    if (n == 0)
+        return;
+    loan.x = (end - n) * columns;
+    loan.n = (end * columns < q->width ? end * columns : q->width) - loan.x;
+    loan.given *= (double)n / blocks(h);
+    loan.left = left / blocks(h) - loan.given;
+    loan.top = h->pixels;
+    loan.density = loan.base ? h->density : NULL;
+    loan.bottom = loan.base ? NULL : h->pixels;
+    memset(wanted, 0, sizeof wanted);
+    for (int i = 0; i < loan.n; i++)
+        if (is_sure(h, is_unsure(h), loan.x + i) && !knows(h, loan.x + i))
+            wanted[i / 8] |= (uint8_t)(1u << i % 8);
+    h->lent.bar |= team_blocks_of(q, loan.x, loan.n);
+    if (loan.base)
+        h->lent.base |= team_blocks_of(q, loan.x, loan.n);
+    h->lent.ever |= team_blocks_of(q, loan.x, loan.n);
+    strict_lent(h->strict, p, &loan);
+}
+
+/* What the machine wants of the pass that is under way. */
+static void
+look(struct host *h)
+{
+    struct strict_pass *p = h->pass;
+
+    if (!p)
+        return;
+    h->lent.base &= ~p->back;
+    h->lent.bar &= ~p->back;
+    p->back = 0;
+    if (p->lend > 0)
+        lend(h);
+}
+
 /* A line's base line, from its first column to this block's end, is true. */
 static void
 tell_bottom(struct host *h)
@@ -500,8 +682,8 @@ tell_bottom(struct host *h)
     size_t n = rad_quincunx_ndensity(&m->q);
     int x0, x1;
 
-    if (!h->pass->true_top || h->in_bar || h->line != h->last - 1 ||
-        h->pass->end != TEAM_FROM_LEFT)
+    if (!h->pass->true_top || h->in_bar || h->skipped ||
+        h->line != h->last - 1 || h->pass->end != TEAM_FROM_LEFT)
         return;
     block_of(h, &x0, &x1);
     strict_bottom(h->strict, h->pass, x1, n * (size_t)x1 / (size_t)m->q.width,
@@ -513,13 +695,11 @@ static bool
 step(struct host *h)
 {
     const struct strict_pass *p = h->pass;
-    bool no_bar = p->mode == TEAM_LINES || h->line == 0 ||
-                  (p->mode == TEAM_AHEAD && h->line == p->first && !p->top);
 
-    if (++h->block < BLOCKS)
+    if (++h->block < blocks(h))
         return true;
     h->block = 0;
-    if (!h->in_bar && !no_bar) {
+    if (!h->in_bar && has_bar(h)) {
         h->in_bar = true;
         return true;
     }
@@ -560,11 +740,16 @@ trace(struct host *h)
         }
         if (h->pass->split)
             shrink(h);
-        seconds = seconds_for(h, missing(h));
-        if (seconds > PS)
-            break;
-        fill(h);
-        tell_bottom(h);
+        look(h);
+        if (is_lent(h)) {
+            h->skipped |= !h->pass->loan;
+        } else {
+            seconds = seconds_for(h, missing(h));
+            if (seconds > PS)
+                break;
+            fill(h);
+            tell_bottom(h);
+        }
         if (!step(h)) {
             end_pass(h, true);
             return false;
@@ -586,8 +771,15 @@ begin_pass(struct host *h)
     h->line = h->pass->first;
     h->last = h->pass->last;
     h->block = 0;
-    h->in_bar = false;
-    h->sent_row = row_of(h, h->line);
+    h->in_bar = h->pass->loan && !h->pass->loan->base;
+    h->lent = h->pass->lent;
+    h->skipped = false;
+    if (h->pass->loan)
+        h->lent.bar |=
+            ~team_blocks_of(&map_of(h)->q, h->pass->loan->x, h->pass->loan->n);
+    if (h->pass->loan)
+        h->lent.base |= h->lent.bar;
+    h->sent_row = row_of(h, h->pass->out > h->line ? h->pass->out : h->line);
     h->pass_s = 0;
     return true;
 }
@@ -756,7 +948,8 @@ state_of(const struct host *h)
     if (!h->ready)
         return HOST_LOADS;
     if (h->working)
-        return h->pass && !h->pass->true_top ? HOST_AHEAD : HOST_TRUTH;
+        return h->pass && !h->pass->true_top && !h->pass->loan ? HOST_AHEAD
+                                                               : HOST_TRUTH;
     return strict_waits(h->strict) ? HOST_WAITS : HOST_EMPTY;
 }
 
@@ -873,7 +1066,7 @@ start_job(struct host *h)
 {
     const struct map *m = map_of(h);
 
-    h->strict = strict_new(h->frames, m->nframes, false, 1, h->cluster->job);
+    h->strict = strict_new(h->frames, m->nframes, false, h->cluster->job);
     if (!h->strict)
         abort();
     later(h, h->cluster->spec->load_us / h->speed, ready);
@@ -902,6 +1095,19 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
         if (h->pass && h->pass->split)
             shrink(h);
         break;
+    case MSG_LEND:
+        strict_lend(h->strict, &m->lend);
+        look(h);
+        break;
+    case MSG_LOAN:
+        if (strict_loan(h->strict, &m->loan, NULL) < 0)
+            abort();
+        h->lines = true;
+        break;
+    case MSG_BACK:
+        strict_back(h->strict, &m->back);
+        look(h);
+        break;
     case MSG_FACTS:
         strict_facts(h->strict, &m->facts);
         break;
@@ -926,7 +1132,7 @@ host_dial(struct cluster *c, struct host *h)
     struct msg m = { .type = MSG_HELLO };
 
     h->conn = cluster_open(c, h->number);
-    m.hello = (struct msg_hello){ 1,       1,     MSG_ROLE_WORKER,
+    m.hello = (struct msg_hello){ 1,       2,     MSG_ROLE_WORKER,
                                   h->name, "sim", "tcp 127.0.0.1:1",
                                   1,       42 };
     say(h, &m);

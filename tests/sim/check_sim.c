@@ -21,7 +21,7 @@ static struct {
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned parted, late;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, twins, estimates, pictures;
+    unsigned parked, gave, twins, loans, blocked, estimates, pictures;
     uint64_t primary, speculative;
 } sum;
 
@@ -189,6 +189,8 @@ run(uint64_t seed, bool verbose)
     sum.parked += s.parked;
     sum.gave += s.gave;
     sum.twins += s.twins;
+    sum.loans += s.loans;
+    sum.blocked += s.blocked;
     sum.estimates += s.estimates;
     sim_release(&s);
 }
@@ -208,16 +210,17 @@ static bool
 was_tried(void)
 {
     static const enum msg_type types[] = {
-        MSG_UNIT,   MSG_RESULT,   MSG_ACK,      MSG_TWIN,      MSG_FACTS,
-        MSG_PARKED, MSG_SPLIT,    MSG_GAVE,     MSG_BASE_LINE, MSG_NEXT_HOLDER,
-        MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED
+        MSG_UNIT,      MSG_RESULT,      MSG_ACK,    MSG_TWIN,
+        MSG_FACTS,     MSG_PARKED,      MSG_SPLIT,  MSG_GAVE,
+        MSG_BASE_LINE, MSG_NEXT_HOLDER, MSG_REVOKE, MSG_ESTIMATE,
+        MSG_ESTIMATED, MSG_LEND,        MSG_LOAN,   MSG_BACK
     };
     /* half of the clusters have rings */
     bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&
                  sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
-                 sum.late && sum.parked && sum.gave && sum.twins &&
-                 sum.estimates;
+                 sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
+                 sum.blocked && sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -243,13 +246,14 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "estimates; %u and %u accidents at RING and SPREAD\n",
+           "loans, %u waits for them, %u estimates; %u and %u accidents at "
+           "RING and SPREAD\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
            sum.coord_deaths, sum.deaths, sum.cuts, sum.peer_cuts, sum.crashes,
            blows, sum.drains, sum.stops, sum.parted, sum.repeats, sum.late,
-           sum.parked, sum.gave, sum.twins, sum.estimates, at_type(MSG_RING),
-           at_type(MSG_SPREAD));
+           sum.parked, sum.gave, sum.twins, sum.loans, sum.blocked,
+           sum.estimates, at_type(MSG_RING), at_type(MSG_SPREAD));
 }
 
 int

@@ -167,6 +167,7 @@ speak(struct net *net, int node)
     while (k->strict && (m = strict_message(k->strict, !net_chance(net, 4)))) {
         of(net)->parked += m->type == MSG_PARKED;
         of(net)->gave += m->type == MSG_GAVE;
+        of(net)->loans += m->type == MSG_LOAN;
         net_send_msg(net, node, k->conn, m);
     }
 }
@@ -303,6 +304,9 @@ new_team(struct sim_task *t)
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;
+    spec.out = pass->out;
+    spec.lent = pass->lent;
+    spec.loan = pass->loan;
     return team_new(&spec);
 }
 
@@ -323,13 +327,18 @@ start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
     t->mode = pass ? pass->mode : TEAM_TRUTH;
     t->row0 = pass ? (int)unit->y : 0;
     t->start_ms = net->now_ms;
+    if (pass && pass->out > pass->first) { /* those went with another pass */
+        struct rad_quincunx q = sim_sampler(job, unit->frame);
+
+        t->nrows = t->nsent =
+            (uint32_t)(team_line_row(&q, pass->out) - t->row0);
+    }
     t->rows =
         calloc((size_t)unit->width * unit->height * 4 + 1, sizeof *t->rows);
     t->team = new_team(t);
     t->fibre = fibre_new(run_task, t);
     SIM_CHECK(net, t->rows && t->team && t->fibre);
     child_of(net, node)->task[slot] = t;
-    (void)job;
     later(net, node, 0, slice)->b = slot;
 }
 
@@ -427,21 +436,28 @@ end_task(struct net *net, int node, int slot)
                                 .cpu_s = 1e-6 * t->cost_us },
                       total = { 0 };
     struct team_bottom b;
-    bool whole = team_done(t->team);
+    bool whole = team_done(t->team), blocked;
+    int finished;
 
-    if (t->mode == TEAM_TRUTH)
+    blocked = team_blocked(t->team, &finished);
+    if (t->mode == TEAM_TRUTH && !blocked)
         spent.primary_rays = team_primary(t->team);
     spent.wall_s = 1e-3 * (double)(net->now_ms - t->start_ms);
     k->busy_s += 1e-6 * t->cost_us;
     k->task[slot] = NULL;
     if (t->pass) {
         team_bottom(t->team, &b);
+        if (blocked)
+            strict_blocked(k->strict, t->pass, finished);
+        of(net)->blocked += blocked;
         whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
                              &spent, &total);
     } else {
         total = spent;
     }
     look(net, node);
+    if (blocked && t->nrows > t->nsent)
+        send_rows(t, NULL);
     if (whole) {
         send_rows(t, &total);
         if (net_chance(net, 4))
@@ -617,8 +633,7 @@ load(struct net *net, int node)
     k->frame = job->spec.nframes;
     if (job->spec.partition == MSG_PART_WINDOW)
         return;
-    k->strict = strict_new(q, job->spec.nframes, job->paint,
-                           (int)of(net)->worker[k->worker].threads, job->id);
+    k->strict = strict_new(q, job->spec.nframes, job->paint, job->id);
     SIM_CHECK(net, k->strict != NULL);
 }
 
@@ -664,6 +679,16 @@ begin_lines(struct net *net, int node, uint32_t frame)
 }
 
 static void
+start_ticking(struct net *net, int node)
+{
+    struct sim_child *k = child_of(net, node);
+
+    if (!k->ticking)
+        later(net, node, 1 + net_random(net, TICK_MS), tick);
+    k->ticking = true;
+}
+
+static void
 take_unit(struct net *net, int node, const struct msg_unit *u)
 {
     struct sim_child *k = child_of(net, node);
@@ -673,9 +698,7 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
         SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
-        if (!k->ticking)
-            later(net, node, 1 + net_random(net, TICK_MS), tick);
-        k->ticking = true;
+        start_ticking(net, node);
         return;
     }
     SIM_CHECK(net, k->nwindows < sizeof k->windows / sizeof k->windows[0]);
@@ -714,6 +737,17 @@ take_strict(struct net *net, int node, const struct msg *m)
     case MSG_TWIN:
         of(net)->twins++;
         strict_twin(k->strict, m->twin.unit, m->twin.attempt);
+        break;
+    case MSG_LEND:
+        strict_lend(k->strict, &m->lend);
+        break;
+    case MSG_LOAN:
+        begin_lines(net, node, m->loan.frame);
+        SIM_CHECK(net, strict_loan(k->strict, &m->loan, NULL) == 0);
+        start_ticking(net, node);
+        break;
+    case MSG_BACK:
+        strict_back(k->strict, &m->back);
         break;
     case MSG_FACTS:
         begin_lines(net, node, m->facts.frame);
@@ -760,6 +794,9 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         break;
     case MSG_SPLIT:
     case MSG_TWIN:
+    case MSG_LEND:
+    case MSG_LOAN:
+    case MSG_BACK:
     case MSG_FACTS:
     case MSG_BASE_LINE:
         take_strict(net, node, m);

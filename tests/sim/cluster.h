@@ -162,7 +162,7 @@ struct sim {
     unsigned parted;
     unsigned late; /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, twins, estimates;
+    unsigned parked, gave, twins, loans, blocked, estimates;
 };
 
 /* Set a cluster up as the seed says, let it live until every job is over and

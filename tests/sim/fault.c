@@ -9,12 +9,15 @@
 
 #include "cluster.h"
 
-/* Messages of hand-off and balancing, and some others. */
+/* Messages of hand-off and balancing, and some others; those more often that
+ * are rare. */
 static const enum msg_type types[] = {
-    MSG_UNIT,     MSG_RESULT,    MSG_ACK,         MSG_REVOKE,    MSG_TWIN,
-    MSG_FACTS,    MSG_PARKED,    MSG_BASE_LINE,   MSG_SPLIT,     MSG_GAVE,
-    MSG_LOST,     MSG_READY,     MSG_NEXT_HOLDER, MSG_JOB_PEERS, MSG_PEER_HELLO,
-    MSG_ESTIMATE, MSG_ESTIMATED, MSG_RING,        MSG_SPREAD
+    MSG_UNIT,     MSG_RESULT,    MSG_ACK,       MSG_REVOKE,     MSG_FACTS,
+    MSG_PARKED,   MSG_BASE_LINE, MSG_LOST,      MSG_READY,      MSG_NEXT_HOLDER,
+    MSG_ESTIMATE, MSG_ESTIMATED, MSG_JOB_PEERS, MSG_PEER_HELLO, MSG_RING,
+    MSG_SPREAD,   MSG_TWIN,      MSG_TWIN,      MSG_TWIN,       MSG_TWIN,
+    MSG_SPLIT,    MSG_SPLIT,     MSG_GAVE,      MSG_GAVE,       MSG_LEND,
+    MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
@@ -26,11 +29,14 @@ of(struct net *net)
 }
 
 /* Which message of a type: in few clusters there are more than a
- * twin or two, or lines are given away more often. */
+ * twin or two, or lines are given away, or columns lent, or units revoked, more
+ * often. */
 static uint32_t
 which(struct net *net, enum msg_type type)
 {
-    if (type == MSG_TWIN || type == MSG_GAVE)
+    if (type == MSG_TWIN || type == MSG_SPLIT || type == MSG_GAVE ||
+        type == MSG_LEND || type == MSG_LOAN || type == MSG_BACK ||
+        type == MSG_REVOKE)
         return 1 + net_random(net, 2);
     return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
 }
