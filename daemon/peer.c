@@ -393,7 +393,7 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    if (job->spread && m->to == 0) {
+    if (m->to == 0 && !spread_goes_direct(w, job)) {
         spread_own(w, job, m);
         return;
     }

@@ -14,6 +14,7 @@
 
 #define REBUILD_MS 2000 /* places change no sooner after they did */
 #define LINE_LINKS 16   /* of a worker, beside those of the ring */
+#define FEWEST     4    /* have fewer links on a ring than all have with all */
 
 enum pair_kind {
     PAIR_RING,
@@ -29,6 +30,7 @@ struct pair {
 };
 
 struct ring {
+    bool direct;  /* a ring of few, and all are linked with all */
     bool changed; /* since places were given */
     bool stale;   /* there are links of before */
     uint64_t built_ms;
@@ -109,7 +111,7 @@ ring_wanted(const struct coord *c, const struct job *job)
         n += job->workers[i].state != JW_GONE && w->conn != 0 &&
              knows_rings(w) && w->address[0] != '\0';
     }
-    return job->ring || n > most;
+    return (job->ring && !job->ring->direct) || n > most;
 }
 
 /* --- pairs --- */
@@ -242,6 +244,7 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
     m.ring.job = job->id;
     m.ring.generation = r->generation;
     m.ring.places = r->place[index] != JOB_NOBODY ? r->nmembers : 0;
+    m.ring.direct = r->direct;
     m.ring.nlinks = list_links(job, index, v);
     m.ring.links = v;
     actions_send(&c->actions, w->conn, &m);
@@ -465,6 +468,10 @@ begin(struct coord *c, struct job *job, uint32_t newcomer)
 void
 ring_join(struct coord *c, struct job *job, uint32_t index)
 {
+    if (job->ring && job->ring->direct) {
+        ring_free(job->ring);
+        job->ring = NULL;
+    }
     if ((!job->ring && !begin(c, job, index)) ||
         !grow(job->ring, job->nworkers)) {
         c->actions.failed = true;
@@ -483,6 +490,10 @@ ring_left(struct coord *c, struct job *job, uint32_t index)
 {
     struct ring *r = job->ring;
 
+    if (r && r->direct) {
+        ring_of_few(c, job);
+        return;
+    }
     if (!r || index >= r->cap)
         return;
     for (size_t i = r->npairs; i-- > 0;)
@@ -518,13 +529,57 @@ drop_stale(struct coord *c, struct job *job)
     r->stale = false;
 }
 
+/* All have a place, or none. */
+static bool
+give_all_or_none(struct job *job)
+{
+    struct ring *r = job->ring;
+    uint32_t here = 0;
+
+    if (!grow(r, job->nworkers) || !give_places(job, JOB_NOBODY))
+        return false;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        here += is_here(job, i);
+    if (here == r->nmembers && here >= FEWEST)
+        return true;
+    r->nmembers = 0;
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        r->place[i] = JOB_NOBODY;
+        be_guest(r, i, JOB_NOBODY);
+    }
+    return true;
+}
+
+void
+ring_of_few(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += is_here(job, i);
+    if (!shares_records(job) || (!r && n < FEWEST))
+        return;
+    if (!r)
+        r = job->ring = calloc(1, sizeof *r);
+    if (!r || !give_all_or_none(job)) {
+        c->actions.failed = true;
+        return;
+    }
+    r->direct = true;
+    c->env.random(c->env.arg, &r->generation, sizeof r->generation);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_here(job, i))
+            send_ring(c, job, i);
+}
+
 void
 ring_tick(struct coord *c, struct job *job)
 {
     struct ring *r = job->ring;
     uint32_t waiting = 0;
 
-    if (!r || !shares_records(job))
+    if (!r || r->direct || !shares_records(job))
         return;
     if (r->stale && c->now_ms - r->built_ms >= REBUILD_MS)
         drop_stale(c, job);
@@ -567,7 +622,7 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
     struct pair *p;
 
     /* one that knows no rings would send all its records there */
-    if (!r || a == b || !is_here(job, a) || !is_here(job, b) ||
+    if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b) ||
         !knows_rings(job->workers[a].worker) ||
         !knows_rings(job->workers[b].worker))
         return;
@@ -582,13 +637,22 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 }
 
 void
-ring_unlinked(struct job *job, uint32_t index, const char *name)
+ring_unlinked(struct coord *c, struct job *job, uint32_t index,
+              const char *name)
 {
     struct ring *r = job->ring;
     uint32_t other = job_worker_find(job, name);
-    struct pair *p =
-        r && other != JOB_NOBODY ? find_pair(r, index, other) : NULL;
+    struct pair *p;
 
+    if (!r || other == JOB_NOBODY || other == index)
+        return;
+    if (r->direct) {
+        if (is_here(job, index) && is_here(job, other))
+            sched_link(c, job, job->workers[index].worker,
+                       job->workers[other].worker, 0);
+        return;
+    }
+    p = find_pair(r, index, other);
     if (!p || p->kind == PAIR_LINES || p->kind == PAIR_STALE)
         return;
     remove_pair(r, (size_t)(p - r->pair));

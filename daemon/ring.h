@@ -20,18 +20,23 @@
 
 #include "sched.h"
 
-/* Has the job, or does it need, a ring? */
+/* Are there too many to be linked with all, or were there? */
 bool ring_wanted(const struct coord *c, const struct job *job);
 
-/* A worker became ready, or is none any more. */
+/* Then a worker became ready; or one is none any more, of however many. */
 void ring_join(struct coord *c, struct job *job, uint32_t index);
 void ring_left(struct coord *c, struct job *job, uint32_t index);
+
+/* There are few, who are linked with all; one of them is ready, or is no more:
+ * for what is not urgent they get places too, if all can have one. */
+void ring_of_few(struct coord *c, struct job *job);
 
 /* Two are to be linked for base lines, if this is a job with a ring. */
 void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
 /* A worker says that it has no link to that one. */
-void ring_unlinked(struct job *job, uint32_t index, const char *name);
+void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
+                   const char *name);
 
 /* Give places, if there is a reason. */
 void ring_tick(struct coord *c, struct job *job);

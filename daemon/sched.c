@@ -790,10 +790,12 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     jw->took_part = true;
     if (!(job->spec.flags & MSG_JOB_SHARE) && !job->shared)
         return;
-    if (ring_wanted(c, job))
+    if (ring_wanted(c, job)) {
         ring_join(c, job, (uint32_t)(jw - job->workers));
-    else
-        introduce(c, job, w);
+        return;
+    }
+    introduce(c, job, w);
+    ring_of_few(c, job);
 }
 
 /* Static: who is here or on its way takes part, by its speed; drained workers

@@ -2,7 +2,7 @@
  *
  * What goes on waits at its link until this worker's own child has something,
  * which in the beginning of a job, when records are wanted soon, is every few
- * milliseconds; or until the next tick, or until there is much of it.  So there
+ * milliseconds; or for WAIT_MS, or until there is much of it.  So there
  * are no more messages for what is passed on than there are for its own. */
 #include "config.h"
 
@@ -16,10 +16,19 @@
 
 #define FULL_BYTES ((size_t)32 << 10) /* of a link: it goes out now */
 
+/* So long it waits for more, if the child has nothing: as long as a child that
+ * is not in a hurry waits for its own. */
+#define WAIT_MS 200
+
+/* A child that has something so soon again is in a hurry: in the beginning all
+ * look at the same things, and what is on the way is made twice. */
+#define HURRY_MS 4
+
 struct slink {
     char name[MSG_MAX_NAME + 1];
     uint32_t offset, below; /* as in msg_ring_link */
     bool told;              /* the coordinator, that it is gone */
+    uint64_t since_ms;      /* what waits does so since then */
     struct msg_part *part;  /* that wait; their data are not set */
     uint32_t nparts, cap;
     struct wire_out bytes; /* of all of them */
@@ -27,6 +36,7 @@ struct slink {
 
 /* The links of one RING. */
 struct circle {
+    bool direct; /* as in msg_ring */
     uint32_t generation, places;
     uint32_t nlinks;
     struct slink *link;
@@ -37,6 +47,7 @@ struct spread {
     struct circle before;     /* for what was under way when places changed */
     struct wire_out gathered; /* records for the child */
     uint32_t ngathered;
+    uint64_t own_ms; /* when the child last had something */
 };
 
 /* --- to links --- */
@@ -75,14 +86,16 @@ flush(struct worker *w, struct wjob *job, const struct circle *c,
     l->bytes.len = 0;
 }
 
+/* What has waited for so long. */
 static void
-flush_all(struct worker *w, struct wjob *job)
+flush_all(struct worker *w, struct wjob *job, uint64_t ms)
 {
     const struct circle *c[] = { &job->spread->before, &job->spread->now };
 
     for (int k = 0; k < 2; k++)
         for (uint32_t i = 0; i < c[k]->nlinks; i++)
-            flush(w, job, c[k], &c[k]->link[i]);
+            if (w->now_ms - c[k]->link[i].since_ms >= ms)
+                flush(w, job, c[k], &c[k]->link[i]);
 }
 
 /* One more part, or more of the last; false: memory is out. */
@@ -117,6 +130,8 @@ static void
 append(struct worker *w, struct wjob *job, const struct circle *c,
        struct slink *l, uint32_t distance, const struct msg_part *p)
 {
+    if (l->nparts == 0)
+        l->since_ms = w->now_ms;
     if (l->nparts == MSG_MAX_PARTS || p->len > MSG_MAX_AMBIENT - l->bytes.len)
         flush(w, job, c, l);
     if (!add_part(l, distance, p)) { /* what waits there is lost */
@@ -167,6 +182,19 @@ tell_others(struct worker *w, struct wjob *job, const struct msg_ambient *m,
 
 /* --- from the child and from peers --- */
 
+bool
+spread_goes_direct(struct worker *w, struct wjob *job)
+{
+    struct spread *s = job->spread;
+    bool hurry;
+
+    if (!s)
+        return true;
+    hurry = w->now_ms - s->own_ms < HURRY_MS;
+    s->own_ms = w->now_ms;
+    return s->now.direct && (hurry || s->now.places == 0);
+}
+
 void
 spread_own(struct worker *w, struct wjob *job, const struct msg_ambient *m)
 {
@@ -174,7 +202,7 @@ spread_own(struct worker *w, struct wjob *job, const struct msg_ambient *m)
 
     tell_others(w, job, m, "");
     pass(w, job, &job->spread->now, &part, 0);
-    flush_all(w, job);
+    flush_all(w, job, 0);
 }
 
 static bool
@@ -259,7 +287,7 @@ void
 spread_tick(struct worker *w, struct wjob *job)
 {
     if (job->spread)
-        flush_all(w, job);
+        flush_all(w, job, WAIT_MS);
 }
 
 /* --- links --- */
@@ -282,6 +310,7 @@ set_links(struct circle *c, const struct msg_ring *m)
     c->link = calloc(m->nlinks + 1, sizeof *c->link);
     if (!c->link)
         return false;
+    c->direct = m->direct;
     c->generation = m->generation;
     c->places = m->places;
     c->nlinks = m->nlinks;
@@ -310,7 +339,7 @@ spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m)
         w->actions.failed = true;
         return;
     }
-    flush_all(w, job);
+    flush_all(w, job, 0);
     if (m->generation == s->now.generation) {
         drop_links(&s->now); /* but for guests they are the same */
     } else {

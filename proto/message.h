@@ -589,6 +589,8 @@ struct msg_ring {
     const uint8_t *job;
     uint32_t generation;
     uint32_t places; /* on the ring; 0: this worker has none */
+    uint8_t direct;  /* 1: all are linked with all besides, and what is urgent
+                      * goes to each, as does all without places */
     uint32_t nlinks;
     const struct msg_ring_link *links;
 };

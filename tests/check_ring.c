@@ -558,10 +558,10 @@ submit(void)
     coord_acts();
 }
 
-/* n workers that come within three seconds, one of them of version 1, and one
- * that cannot be dialled. */
+/* n workers that come within three seconds; mixed: one of them of version 1,
+ * and one that cannot be dialled. */
 static void
-set_up(int n)
+set_up(int n, bool mixed)
 {
     struct coord_env env = { .has_file = has_file,
                              .random = random_bytes,
@@ -573,8 +573,8 @@ set_up(int n)
     s.coord = coord_new(&env);
     submit();
     for (int i = 1; i <= n; i++) {
-        s.node[i].speaks = i == 5 ? 1 : MSG_VERSION;
-        s.node[i].silent = i == 6;
+        s.node[i].speaks = i == 5 && mixed ? 1 : MSG_VERSION;
+        s.node[i].silent = i == 6 && mixed;
         later(1 + random_below(3000), COMES, i, 0, NULL, 0);
     }
     run_ms(9000);
@@ -624,7 +624,7 @@ START_TEST(each_record_comes_to_each_worker_once)
     int n = sizes[_i], most = 0;
     unsigned sent = 0;
 
-    set_up(n);
+    set_up(n, true);
     make_records(3);
     run_ms(2000 + 1500);
     ck_assert_int_eq(s.nrecords, 3 * n);
@@ -640,6 +640,47 @@ START_TEST(each_record_comes_to_each_worker_once)
         ck_assert_int_le(most, 2 * 3 * 5 + 12);
     if (n >= 100) /* else each sends three to all */
         ck_assert_uint_lt(sent, (unsigned)(3 * n * (n - 1)) / 2);
+    tear_down();
+}
+END_TEST
+
+static const int few[] = { 3, 4, 8, 40, 64 };
+
+/* They are linked with all; what is not urgent goes round the ring, and what is
+ * goes to each at once. */
+START_TEST(few_workers_send_less_often_when_there_is_time)
+{
+    int n = few[_i], from;
+    unsigned sent = 0;
+
+    set_up(n, false);
+    for (int i = 1; i <= n; i++)
+        s.node[i].sent = 0; /* to newcomers, that is */
+    make_records(3);
+    run_ms(2000 + 1500);
+    check_all_came_once(0);
+    for (int i = 1; i <= n; i++)
+        sent += s.node[i].sent;
+    ck_assert_uint_le(sent, (unsigned)(3 * n * (n - 1)));
+    if (n >= 40)
+        ck_assert_uint_lt(sent, (unsigned)(2 * n * (n - 1)));
+    for (int i = 1; i <= n; i++)
+        for (unsigned k = 0; k < 5; k++)
+            later(s.now_ms + 1 + k, MAKES, i, 0, NULL, 0);
+    run_ms(1500);
+    check_all_came_once(0);
+    dies(1 + n / 2);
+    run_ms(100);
+    from = s.nrecords;
+    make_records(1);
+    run_ms(2000 + 1500);
+    check_all_came_once(from);
+    comes(1 + n / 2);
+    run_ms(1000);
+    from = s.nrecords;
+    make_records(1);
+    run_ms(2000 + 1500);
+    check_all_came_once(from);
     tear_down();
 }
 END_TEST
@@ -666,7 +707,7 @@ START_TEST(nearly_all_comes_while_workers_come_and_go)
     int n = 150, from;
     unsigned held = 0, due = 0;
 
-    set_up(n);
+    set_up(n, true);
     for (int i = 0; i < 15; i++) {
         int a = 1 + (int)random_below((unsigned)n);
 
@@ -708,7 +749,7 @@ START_TEST(a_link_that_breaks_is_made_again)
 {
     int from;
 
-    set_up(100);
+    set_up(100, true);
     for (int i = 0; i < 20; i++) {
         struct node *w = &s.node[10 + i];
         struct end e = w->end[1 + random_below((unsigned)w->nends - 1)];
@@ -765,6 +806,8 @@ main(void)
                         10);
     tcase_add_loop_test(tc, each_record_comes_to_each_worker_once, 0,
                         N_ELEM(sizes));
+    tcase_add_loop_test(tc, few_workers_send_less_often_when_there_is_time, 0,
+                        N_ELEM(few));
     tcase_add_test(tc, nearly_all_comes_while_workers_come_and_go);
     tcase_add_test(tc, a_link_that_breaks_is_made_again);
     suite_add_tcase(suite, tc);
