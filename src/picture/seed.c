@@ -10,9 +10,10 @@
  * are seldom asked for by two at once, and to look for them takes longer than
  * to make them; so a cell is left where many that were asked for running were
  * there.
- * One part takes up to twice as long as the mean, and nobody waits for it: so
- * each goes over its cells twice, and what is wanted most comes first.  That
- * others help with it instead was tried: they made twice what they saved.  */
+ * One part takes longer than another, and nobody waits for it: so each goes
+ * over its cells twice, and what is wanted most comes first; and a part is in
+ * pieces.  That others help with it instead was tried: they made twice what they
+ * saved. */
 #include "config.h"
 
 #include "picture/seed.h"
@@ -45,6 +46,10 @@
 
 /* Points of a cell: they follow each other in the tree's order. */
 #define CELL 8
+
+/* Pieces of a part, from all over the room: less depends on how much there is
+ * to do in one corner of it. */
+#define PIECES 2
 
 /* Places that are asked for from the end of a path. */
 #define FROM_A_PATH 4
@@ -87,7 +92,7 @@ struct rad_seed {
     /* Changed with none at work: */
     int level; /* what is asked for */
     int round;
-    uint32_t cell0, ncells; /* of our part */
+    uint32_t *cells, ncells; /* [ncells] of our part */
     /* How many paths or cells there are, in the high half, and since then
      * taken, in the low one; stored with release after all that, and read with
      * acquire. */
@@ -236,12 +241,19 @@ draw_target(const struct rad_seed *s, uint32_t cell, uint64_t key, double p[3])
         p[k] = a[k] + t * (b[k] - a[k]);
 }
 
+/* Is that place in the order of the tree? */
+static bool
+is_in_part(const struct rad_seed *s, double place)
+{
+    double at = fraction(place * PIECES);
+
+    return at >= s->first && at < s->last;
+}
+
 static bool
 is_ours(const struct rad_seed *s, const double p[3])
 {
-    double place = rad_parts_place(s->parts, p);
-
-    return place >= s->first && place < s->last;
+    return is_in_part(s, rad_parts_place(s->parts, p));
 }
 
 /* Send a ray to p from where r, the last of a path, ends. */
@@ -341,7 +353,7 @@ rad_seed_work(struct rad_seed *s, struct rad_ctx *ctx, const _Atomic bool *stop)
             look(s, ctx, i);
         }
     } else if (s->parts && take(s, 1, &first)) {
-        fill(s, ctx, s->cell0 + first, stop);
+        fill(s, ctx, s->cells[first], stop);
     }
 }
 
@@ -359,24 +371,24 @@ make_parts(struct rad_seed *s)
     return s->parts != NULL;
 }
 
-/* Our cells: those that begin in our part. */
-static void
-set_cells(struct rad_seed *s)
+/* Our cells: those whose middle is in our part. */
+static bool
+list_cells(struct rad_seed *s)
 {
-    double all = (double)((s->npoints + CELL - 1) / CELL);
+    uint32_t all = (uint32_t)((s->npoints + CELL - 1) / CELL);
 
-    s->cell0 = (uint32_t)ceil(s->first * all);
-    s->ncells = (uint32_t)ceil(s->last * all) - s->cell0;
+    s->cells = malloc(all * sizeof *s->cells);
+    for (uint32_t i = 0; s->cells && i < all; i++)
+        if (is_in_part(s, (i + .5) / all))
+            s->cells[s->ncells++] = i;
+    return s->ncells > 0;
 }
 
 bool
 rad_seed_next(struct rad_seed *s)
 {
     if (!s->parts) {
-        if (!make_parts(s))
-            return false;
-        set_cells(s);
-        if (s->ncells == 0)
+        if (!make_parts(s) || !list_cells(s))
             return false;
         s->level = s->levels;
     } else if (++s->round == ROUNDS) {
@@ -435,6 +447,7 @@ rad_seed_free(struct rad_seed *s)
     if (!s)
         return;
     rad_parts_free(s->parts);
+    free(s->cells);
     free(s->met);
     free(s);
 }
