@@ -10,6 +10,7 @@
 #include "world.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 
 /* --- parts --- */
@@ -337,6 +338,26 @@ START_TEST(it_stops_when_it_is_told_to)
 }
 END_TEST
 
+/* A pattern that never ends is found by the pixel that its thread is at. */
+START_TEST(who_watches_sees_where_it_is)
+{
+    _Atomic bool stop = false;
+    struct rad_seed *s;
+    struct room m;
+    uint64_t at;
+
+    open_room(&m, "-ab 2");
+    s = rad_seed_new(&m.frame, 1, 0, 1, NULL);
+    rad_seed_work(s, &m.w.ctx, &stop);
+    at = atomic_load(&m.w.ctx.at);
+    ck_assert_uint_ne(at, 0);
+    ck_assert_int_lt(RAD_AT_X(at), 48);
+    ck_assert_int_lt(RAD_AT_Y(at), 48);
+    rad_seed_free(s);
+    close_room(&m);
+}
+END_TEST
+
 /* Nothing is seen, so nothing can be done. */
 START_TEST(without_anything_in_view_it_is_over)
 {
@@ -381,6 +402,7 @@ main(void)
     tcase_add_test(tc, the_same_part_is_the_same_records);
     tcase_add_test(tc, a_part_of_nothing_is_over);
     tcase_add_test(tc, it_stops_when_it_is_told_to);
+    tcase_add_test(tc, who_watches_sees_where_it_is);
     tcase_add_test(tc, without_anything_in_view_it_is_over);
     suite_add_tcase(s, tc);
     return unit_run(s);

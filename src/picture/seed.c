@@ -149,10 +149,13 @@ begin(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i, uint64_t key,
 {
     uint64_t view = i % s->nviews, n = i / s->nviews;
     const struct rad_frame *f = &s->frames[view * s->nframes / s->nviews];
-    double x = fraction(rad_rand(s->key, 0) + (double)n * .7548776662466927);
-    double y = fraction(rad_rand(s->key, 1) + (double)n * .5698402909980532);
+    double u = fraction(rad_rand(s->key, 0) + (double)n * .7548776662466927);
+    double v = fraction(rad_rand(s->key, 1) + (double)n * .5698402909980532);
+    int x = (int)(u * f->width), y = (int)(v * f->height);
 
-    if (!rad_frame_ray(f, (int)(x * f->width), (int)(y * f->height), r) ||
+    /* a pattern may never end here as it may for a pixel */
+    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
+    if (!rad_frame_ray(f, x, y, r) ||
         !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
         return false;
     r->key = key;
