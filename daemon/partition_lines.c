@@ -11,13 +11,12 @@
  * - auto: as many lines as are the worker's share of all that is left; so units
  *   shrink towards the end, and whole frames go out as long as that share is as
  *   much.  Where there are many lines each worker has one region of the frame,
- * so that they are not at the same place at the same time; units are half of
- * what follows at most. Else they go from the top down: the units above are a
- * little further than those below, base lines arrive before they are needed,
- * and rows are done from the top down.  These do not shrink at first: whoever
- * has a unit makes its base lines before its bars, so the sooner all lines are
- * out, the sooner the truth is everywhere; what was too much is given away
- * later.
+ *   whole, so that they are not at the same place at the same time.
+ *   Else they go from the top down: the units above are a little further than
+ *   those below, base lines arrive before they are needed, and rows are done
+ *   from the top down.  These do not shrink at first.  Either way whoever has a
+ *   unit makes its base lines before its bars, so the sooner all lines are out,
+ *   the sooner the truth is everywhere; what was too much is given away later.
  *
  * Frames go out in order: one begins when the one before it has no free line
  * left, or, where nothing may be kept between frames, when that is done. */
@@ -41,10 +40,10 @@
 /* Scanbar: a worker has about so many regions of a frame, one after the other,
  * none of fewer lines than LEAST_REGION.  The truth comes down through all
  * workers' regions after each round; what of that comes after the last one
- * costs 5 % of the time where there is but one, 2 % with six (eight workers,
- * 427 lines).  With twelve they are so close that they make the same ambient
- * records. */
-#define ROUNDS       6
+ * costs 5 % of the time where there is but one, 2 % with three (eight workers,
+ * 427 lines).  The more there are the closer workers are to each other, and
+ * make the same ambient records: 3.5 % redundant with three, 5 % with six. */
+#define ROUNDS       3
 #define LEAST_REGION 4
 
 /* Auto, without regions: a unit that is large for its time is no more than so
@@ -257,14 +256,14 @@ choose(struct partition *p)
                  "one worker: whole frames, which its threads render together");
     else if (s->frame[s->nframes - 1].n >= REGION * s->most)
         snprintf(p->choice, sizeof p->choice,
-                 "%u workers: runs of base lines, each one's part of what is "
-                 "left, in a region of its own; the rest by halves and twins",
+                 "%u workers: a region of the picture for each; what is left "
+                 "by halves, at last of a bar",
                  s->most);
     else
         snprintf(p->choice, sizeof p->choice,
                  "%u workers: runs of base lines from the top down, each one's "
                  "part of what is left, so that base lines come early; the "
-                 "rest by halves and twins",
+                 "rest by halves, at last of a bar",
                  s->most);
 }
 
@@ -479,9 +478,11 @@ unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
     double left = s->fresh ? f->left : s->left, most = left * who->share;
 
     if (s->kind == MSG_PART_AUTO) {
-        if (has_regions(s, f, who))
-            most = fmin(most, cost_of(s, f, first, end) / 2);
-        else if (who->workers > 1)
+        if (has_regions(s, f, who)) {
+            if (first < f->next && f->next < end)
+                end = f->next;
+            most = cost_of(s, f, first, end);
+        } else if (who->workers > 1)
             most = fmax(most, least_share(f, left, who->share));
         if (most < who->least)
             most = who->least;
