@@ -7,7 +7,7 @@
 #  9 base_line_bytes 10 base_line_pixels (- where the file has none)
 # 11 units           12, 13 correlation of the units' estimates with their
 # cpu_s and with their rays (- where estimates do not differ)
-# 14 render_s        15 processor time of all units [s]
+# 14 render_s        15 processor time of all units, and of seeding [s]
 # The file is as jansson writes it with an indent of 1: a key a line.
 function number(line)
 {
@@ -39,6 +39,7 @@ section == "time" && /"wall_s"/ { wall = number($0) }
 section == "time" && /"estimate_s"/ { estimate = number($0) }
 section == "time" && /"render_s"/ { render = number($0) }
 section == "totals" && /"rays"/ { rays = number($0) }
+section == "totals" && /"seed_s"/ { seeding = number($0) }
 section == "totals" && /"primary_rays"/ { primary = number($0) }
 section == "totals" && /"speculative_rays"/ { speculative = number($0) }
 section == "totals" && /"ambient_values"/ { values = number($0) }
@@ -59,5 +60,5 @@ END {
     printf "%s %.6g %.6g %.0f %.0f %.0f %.0f %.6g %.6g %s %s %d %s %s %.6g %.6g\n",
         head, wall, estimate, rays, primary, speculative, values, redundant,
         wait, line_bytes, line_pixels, units, correlation(sc, scc, sec),
-        correlation(sr, srr, ser), render, sc
+        correlation(sr, srr, ser), render, sc + seeding
 }
