@@ -91,15 +91,37 @@ render_fail(struct render *r, const struct rad_error *err)
     end(r, rad_exit_status(err->code));
 }
 
+/* What the child did so far. */
+static struct pool_tally
+tally_of(const struct render *r)
+{
+    struct pool_tally all = r->past, now;
+
+    if (!r->pool)
+        return all;
+    now = pool_tally(r->pool);
+    all.busy_s += now.busy_s;
+    all.wait_base_line_s += now.wait_base_line_s;
+    all.rays_under_way = now.rays_under_way;
+    msg_counts_add(&all.dropped, &now.dropped);
+    msg_counts_add(&all.seeded, &now.seeded);
+    return all;
+}
+
+void
+render_keep_tally(struct render *r)
+{
+    r->past = tally_of(r);
+    r->past.rays_under_way = 0;
+}
+
 static void
 send_tally(struct render *r)
 {
     struct msg m = { .type = MSG_TALLY };
-    struct pool_tally did = { 0 };
+    struct pool_tally did = tally_of(r);
     struct rusage use;
 
-    if (r->pool)
-        did = pool_tally(r->pool);
     r->told_rays = did.rays_under_way + did.seeded.rays;
     r->told_dropped = did.dropped.rays;
     r->told_ms = uv_now(&r->loop);
@@ -144,7 +166,7 @@ static void
 on_teller(uv_timer_t *timer)
 {
     struct render *r = timer->data;
-    struct pool_tally did = pool_tally(r->pool);
+    struct pool_tally did = tally_of(r);
 
     if (r->link && (did.rays_under_way + did.seeded.rays != r->told_rays ||
                     uv_now(&r->loop) - r->told_ms >= SIGN_OF_LIFE_MS))
@@ -206,8 +228,7 @@ render_on_news(void *arg)
             render_drain(r);
         conn_send(r->link, m);
     }
-    if (r->link && r->strict &&
-        pool_tally(r->pool).dropped.rays != r->told_dropped)
+    if (r->link && r->strict && tally_of(r).dropped.rays != r->told_dropped)
         send_tally(r);
 }
 

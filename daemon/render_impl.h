@@ -51,6 +51,7 @@ struct render {
     bool seeding;
     bool twin; /* others were at a unit that is here, too */
     uint64_t sent, received, redundant; /* ambient records */
+    struct pool_tally past;             /* of pools that are freed */
     uint64_t told_rays;    /* under way, and of seeding, in the last TALLY */
     uint64_t told_dropped; /* likewise */
     uint64_t told_ms;      /* when that was */
@@ -64,6 +65,9 @@ void render_fail(struct render *r, const struct rad_error *err);
 /* The pool's: rows are there; strict units have something to say. */
 void render_on_rows(void *arg, const struct pool_rows *p);
 void render_on_news(void *arg);
+/* The pool is about to be freed, and another will follow: what was done so far
+ * counts. */
+void render_keep_tally(struct render *r);
 /* There are strict units: look at them every few ms from now on. */
 void render_tick(struct render *r);
 

@@ -41,6 +41,7 @@ begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
 
     if (r->frame != r->nframes && r->frame != frame &&
         spec->flags & MSG_JOB_FRESH_FRAMES) {
+        render_keep_tally(r);
         render_unload(r);
         rc = render_load(r, spec, err);
         if (rc < 0)

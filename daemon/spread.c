@@ -59,6 +59,8 @@ peer_of(struct worker *w, struct wjob *job, struct slink *l)
     struct wpeer *p = peer_named(job, l->name);
     struct msg m = { .type = MSG_UNLINKED, .unlinked = { job->id, l->name } };
 
+    if (p)
+        l->told = false; /* it may go again, and no RING come meanwhile */
     if (!p && !l->told && job->started) {
         l->told = true;
         worker_send_coord(w, &m);

@@ -30,10 +30,11 @@
  * (team_lend()): a line is traced in blocks of columns, and each block is
  * either claimed by the member or lent.  AHEAD leaves out what is lent.  TRUTH
  * does all else, then the member leaves (team_blocked()), since rows go out
- * whole; once the columns are back another team goes over the facts. TEAM_LOAN
- * the other end: those columns of one line, into facts. A unit below that waits
- * gets the bottom soonest by a pass of LINES first, the top being true: with
- * true_top the bottom is, too, and painted.  TRUTH then goes over the facts.
+ * whole; once the columns are back another team goes over the facts.  LOAN is
+ * the other end: those columns of one line, into facts.
+ * A unit below that waits gets the bottom soonest by a pass of LINES first, the
+ * top being true: with true_top the bottom is, too, and painted.  TRUTH then
+ * goes over the facts.
  *
  * Knows no scene: pixels come from a callback, a pure function of its place.
  * Thread: team_work() from any number of threads at once; team_stop(),

@@ -67,9 +67,9 @@ struct rad_ambplace {
 
 /* Interpolate E at a place; *E is untouched on a miss.  A record made at
  * another level, whose E has more or fewer bounces, or for a clearly lighter
- * ray, does not serve. Returns the summed record weight, 0 on a miss; cannot
- * fail.  Takes no lock. counts  of the tests for light leaks; their number is
- * added to *rays */
+ * ray, does not serve.
+ * Returns the summed record weight, 0 on a miss; cannot fail.  Takes no lock.
+ *   counts  of the tests for light leaks; their number is added to *rays */
 double rad_ambient_find(const struct rad_ambient *amb,
                         const struct rad_ambplace *at, struct rad_rgb *E,
                         struct rad_geom_counts *counts, uint64_t *rays);

@@ -1,6 +1,7 @@
 #!/bin/sh
 # submit_walk.sh - a walk of six views with indirect light: the cache stays, and
-# makes the rays a third of those of fresh frames
+# makes the rays a third of those of fresh frames; these count what they share
+# once
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
@@ -24,4 +25,19 @@ fresh=$(walk --fresh-frames)
 for k in 1 6; do
     [ -s "walk--threads=1$k.hdr" ] || fail "no frame $k"
 done
+
+# of STAT: of the job's totals
+of()
+{
+    sed -n '/"totals"/,/}/s/.*"'"$1"'": *\([0-9]*\).*/\1/p' pair.json
+}
+
+# each record goes to the one other worker, and all that there were when it came
+# once more
+"$radsubmit" --local --workers=2 --threads=1 --fresh-frames --stats=pair.json \
+    -S 1 --views=views -x 80 -y 60 -ab 2 -aa .3 -ar 16 -ad 64 -as 16 \
+    -o "pair%d.hdr" "$scenes/room.rad" 2>err || fail "two workers: $(cat err)"
+[ "$(of seed_rays)" -gt 0 ] || fail "nothing was seeded"
+[ "$(of ambient_sent)" -le "$((2 * $(of ambient_values)))" ] ||
+    fail "$(of ambient_values) records, and $(of ambient_sent) sent"
 finish
