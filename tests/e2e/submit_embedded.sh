@@ -135,6 +135,29 @@ for workers in 1 2; do
     grep -q '"nan_pixels": 6,' hot.json || fail "not in the statistics"
 done
 
+# nor are they lost where columns of a bar are lent to who has nothing else; what
+# is traced ahead for nothing may count as well
+cat >slow.cal <<'END'
+f(x) : if(x-.5, f(x-1)+f(x-1), 1);
+slow = if(-Py, f(15), 1);
+END
+cat >slow.rad <<'END'
+void brightfunc pat 2 slow slow.cal 0 0
+pat glow hot 0 0 4 1e39 1 1 0
+hot sphere ball 0 0 4 0 0 0 3
+END
+least=0
+for share in "--workers=1" "--workers=8 --partition=scanbar" "--workers=6"; do
+    # shellcheck disable=SC2086 # words
+    "$radsubmit" --local $share --threads=1 -vp 0 -9 0 -vd 0 1 0 -vu 0 0 1 \
+        -vh 40 -vv 30 -x 96 -y 60 -ps 4 -pt .05 -pj 0 --stats=hot.json \
+        -o hot.hdr slow.rad 2>stderr || fail "$(cat stderr)"
+    n=$(sed -n 's/.*"nan_pixels": \([0-9]*\).*/\1/p' hot.json)
+    [ "$least" -gt 0 ] || least=$n
+    [ "$n" -gt 0 ] && [ "$n" -ge "$least" ] ||
+        fail "$share: $n black pixels, of $least"
+done
+
 # an animation: two views, two pictures, the first that of the still where
 # nothing is random
 render still.hdr --threads=1 -pj 0 -ss 0
