@@ -173,7 +173,8 @@ render_begin_seed(struct render *r, uint32_t frame)
     struct rad_seed *s;
 
     /* with a file of records most is there */
-    if (r->seed.last == 0 || r->loaded > 0 || !rad_seed_wanted(r->job))
+    if (r->seed.last == 0 || r->loaded > 0 ||
+        !rad_seed_wanted(&r->frames[first], n))
         return;
     s = rad_seed_new(&r->frames[first], n, (double)r->seed.first / MSG_SEED_ALL,
                      (double)r->seed.last / MSG_SEED_ALL, NULL);

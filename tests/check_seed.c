@@ -187,7 +187,11 @@ START_TEST(there_are_deep_records_from_two_bounces_on)
     struct room m;
 
     open_room(&m, kinds[_i].options);
-    ck_assert_int_eq(rad_seed_wanted(m.w.job), kinds[_i].wanted);
+    m.frame.width = 256;
+    m.frame.height = 128;
+    ck_assert_int_eq(rad_seed_wanted(&m.frame, 1), kinds[_i].wanted);
+    m.frame.height--; /* of a small picture only some of them are needed */
+    ck_assert(!rad_seed_wanted(&m.frame, 1));
     close_room(&m);
 }
 END_TEST

@@ -27,7 +27,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Paths: one for so many pixels, within these bounds. */
+/* Paths: one for so many pixels, within these bounds.  Fewer pixels need but
+ * some of the records: all of an office's were 8 % more rays for 64 x 64, and
+ * as many again as the picture's for 24 x 24. */
 #define PIXELS_A_PATH 64
 #define LEAST_PATHS   512
 #define MOST_PATHS    4096
@@ -98,12 +100,6 @@ struct rad_seed {
      * acquire. */
     _Atomic uint64_t pieces;
 };
-
-bool
-rad_seed_wanted(const struct rad_job *job)
-{
-    return job->ambient && job->params.ambounce > 1 && job->params.ambdiv > 0;
-}
 
 /* --- paths --- */
 
@@ -403,14 +399,30 @@ rad_seed_next(struct rad_seed *s)
     return true;
 }
 
-static uint32_t
-count_paths(const struct rad_frame *frames, uint32_t nframes)
+static uint64_t
+count_pixels(const struct rad_frame *frames, uint32_t nframes)
 {
     uint64_t n = 0;
 
     for (uint32_t i = 0; i < nframes; i++)
         n += (uint64_t)frames[i].width * (uint64_t)frames[i].height;
-    n /= PIXELS_A_PATH;
+    return n;
+}
+
+bool
+rad_seed_wanted(const struct rad_frame *frames, uint32_t nframes)
+{
+    const struct rad_job *job = frames[0].job;
+
+    return job->ambient && job->params.ambounce > 1 && job->params.ambdiv > 0 &&
+           count_pixels(frames, nframes) >= PIXELS_A_PATH * LEAST_PATHS;
+}
+
+static uint32_t
+count_paths(const struct rad_frame *frames, uint32_t nframes)
+{
+    uint64_t n = count_pixels(frames, nframes) / PIXELS_A_PATH;
+
     return n < LEAST_PATHS  ? LEAST_PATHS
            : n > MOST_PATHS ? MOST_PATHS
                             : (uint32_t)n;

@@ -18,8 +18,9 @@
 
 struct rad_seed;
 
-/* Have jobs with these parameters deep records at all? */
-bool rad_seed_wanted(const struct rad_job *job);
+/* Have these frames of one job deep records, and so many pixels that it is worth
+ * it?  One at least. */
+bool rad_seed_wanted(const struct rad_frame *frames, uint32_t nframes);
 
 /* For frames that outlive it, one at least, all of one job that wants it.  The
  * part is from `first` up to below `last`, of 1 for all.  NULL: RAD_ENOMEM. */
