@@ -20,7 +20,7 @@ static const char part_suffix[] = ".part";
 static void
 drop_parts(const struct blobs *b)
 {
-    DIR *d = opendir(b->dir);
+    DIR *d = disk_open_dir(b->dir);
     struct dirent *e;
 
     if (!d)
@@ -84,7 +84,7 @@ is_kept(const char *name, const uint8_t *keep, size_t n)
 unsigned
 blobs_sweep(const struct blobs *b, const uint8_t *keep, size_t n, time_t before)
 {
-    DIR *d = opendir(b->dir);
+    DIR *d = disk_open_dir(b->dir);
     unsigned removed = 0;
     struct dirent *e;
     struct stat st;

@@ -110,6 +110,20 @@ disk_sync_dir_of(const char *path, struct rad_error *err)
     return disk_sync_dir(dir, err);
 }
 
+DIR *
+disk_open_dir(const char *path)
+{
+    int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC), number;
+    DIR *d = fd >= 0 ? fdopendir(fd) : NULL;
+
+    if (!d && fd >= 0) {
+        number = errno;
+        close(fd);
+        errno = number;
+    }
+    return d;
+}
+
 int
 disk_make_dir(const char *path, struct rad_error *err)
 {

@@ -193,7 +193,7 @@ make_rows(struct folder *f, struct folder_job *j, struct rad_error *err)
 static void
 remove_dir(const char *path)
 {
-    DIR *d = opendir(path);
+    DIR *d = disk_open_dir(path);
     struct dirent *e;
 
     if (!d)
@@ -353,7 +353,7 @@ folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
 
     drop_job(f, id);
     job_path(f, id, path);
-    d = opendir(path);
+    d = disk_open_dir(path);
     if (!d)
         return;
     while ((e = readdir(d)) != NULL)
@@ -394,7 +394,7 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
     DIR *d;
 
     job_path(f, id, path);
-    d = opendir(path);
+    d = disk_open_dir(path);
     if (!d)
         return 0;
     while ((e = readdir(d)) != NULL)
@@ -595,7 +595,7 @@ folder_each(const struct folder *f,
     DIR *d;
 
     snprintf(path, sizeof path, "%s/jobs", f->dir);
-    d = opendir(path);
+    d = disk_open_dir(path);
     if (!d)
         return errno == ENOENT ? 0 : disk_fail(err, errno, "open", path);
     while (rc == 0 && (e = readdir(d)) != NULL)
@@ -610,7 +610,7 @@ sweep(const char *jobs)
 {
     char path[DISK_PATH_MAX];
     struct dirent *e;
-    DIR *d = opendir(jobs);
+    DIR *d = disk_open_dir(jobs);
 
     if (!d)
         return;
