@@ -57,7 +57,7 @@ struct conn {
     struct frame_reader reader;
     struct msg in;
     size_t queued; /* bytes with libuv, and corked ones */
-    uint64_t progress, bytes_in, bytes_out;
+    uint64_t progress;
     uint64_t opened_ms, heard_ms;
     bool live, ping;     /* conn_live() */
     bool paused;         /* conn_pause() */
@@ -414,8 +414,6 @@ queue(struct conn *c, const uint8_t *bytes, size_t len)
         log_err("message not sent peer=%s: out of memory", c->peer);
     if (rc < 0)
         conn_break(c, uv_strerror(rc));
-    else
-        c->bytes_out += len;
     return rc == 0;
 }
 
@@ -581,10 +579,8 @@ unseal(struct conn *c)
 
     while (n > 0 && !c->closing && !c->finishing && !c->choked) {
         n = tls_read(c->tls, c->plain, PLAIN_BYTES, &err);
-        if (n > 0) {
-            c->bytes_in += (size_t)n;
+        if (n > 0)
             take(c, c->plain, (size_t)n);
-        }
     }
     if (c->closing || c->finishing)
         return;
@@ -608,7 +604,6 @@ on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
     }
     c->heard_ms = uv_now(stream->loop);
     if (!c->tls) {
-        c->bytes_in += left;
         take(c, (const uint8_t *)buf->base, left);
     } else if (tls_put(c->tls, buf->base, left, &err) < 0) {
         garbage(c, &err);
@@ -755,18 +750,6 @@ size_t
 conn_queued(const struct conn *c)
 {
     return c->queued;
-}
-
-uint64_t
-conn_bytes_in(const struct conn *c)
-{
-    return c->bytes_in;
-}
-
-uint64_t
-conn_bytes_out(const struct conn *c)
-{
-    return c->bytes_out;
 }
 
 const char *

@@ -106,8 +106,6 @@ bool conn_send(struct conn *c, const struct msg *m);
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
 size_t conn_queued(const struct conn *c);
-uint64_t conn_bytes_in(const struct conn *c);
-uint64_t conn_bytes_out(const struct conn *c);
 const char *conn_peer(const struct conn *c);
 
 /* Stop and start reading: the back-pressure on what feeds a slow one. */

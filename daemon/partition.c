@@ -119,13 +119,7 @@ partition_total(const struct partition *p)
 uint32_t
 partition_waiting(const struct partition *p)
 {
-    return p->waiting + (p->lines ? lines_free_count(p, false) : 0);
-}
-
-uint32_t
-partition_left(const struct partition *p)
-{
-    return p->undone + (p->lines ? lines_free_count(p, true) : 0);
+    return p->waiting + (p->lines ? lines_free_count(p) : 0);
 }
 
 /* --- costs --- */

@@ -70,9 +70,6 @@ uint32_t partition_total(const struct partition *p); /* units so far */
 /* What may go out now: units, and lines that are in none. */
 uint32_t partition_waiting(const struct partition *p);
 
-/* Units that are not done, and lines that are in none. */
-uint32_t partition_left(const struct partition *p);
-
 /* --- costs ---
  * Parts are what costs are known of: windows, or lines of all frames, frame
  * after frame. */
@@ -128,10 +125,6 @@ double partition_cost_total(const struct partition *p);
 /* --- lines of a strict partition --- */
 
 uint32_t partition_lines(const struct partition *p, uint32_t frame);
-
-/* Rows of one line: the first of them, and how many. */
-uint32_t partition_line_rows(const struct partition *p, uint32_t frame,
-                             uint32_t line, uint32_t *rows);
 
 /* The unit that has it; PARTITION_NONE: none yet. */
 uint32_t partition_line_unit(const struct partition *p, uint32_t frame,

@@ -69,8 +69,8 @@ void lines_set_costs(struct partition *p, const double *cost);
 void lines_part(const struct partition *p, uint32_t part,
                 struct partition_area *area);
 uint32_t lines_parts(const struct partition *p);
-/* Lines that are in no unit, of the frames that may begin, or of all. */
-uint32_t lines_free_count(const struct partition *p, bool all);
+/* Lines that are in no unit, of the frames that may begin. */
+uint32_t lines_free_count(const struct partition *p);
 /* Cut a new unit for a worker. */
 bool lines_next(struct partition *p, const struct partition_who *who,
                 uint32_t *unit);

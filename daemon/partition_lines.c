@@ -354,12 +354,10 @@ lines_part(const struct partition *p, uint32_t part,
 }
 
 uint32_t
-lines_free_count(const struct partition *p, bool all)
+lines_free_count(const struct partition *p)
 {
     const struct partition_lines *s = p->lines;
 
-    if (all)
-        return s->nfree;
     if (!s->fresh)
         return s->nfree - s->nkept;
     return may_begin(s, s->lo) ? s->frame[s->lo].nfree - s->frame[s->lo].nkept
@@ -814,17 +812,6 @@ uint32_t
 partition_lines(const struct partition *p, uint32_t frame)
 {
     return p->lines && frame < p->lines->nframes ? p->lines->frame[frame].n : 0;
-}
-
-uint32_t
-partition_line_rows(const struct partition *p, uint32_t frame, uint32_t line,
-                    uint32_t *rows)
-{
-    const struct frame *f = &p->lines->frame[frame];
-    uint32_t y = top_row(p->lines, f, line);
-
-    *rows = base_row(p->lines, f, line) + 1 - y;
-    return y;
 }
 
 uint32_t

@@ -458,21 +458,43 @@ leave_locked(struct active *u)
         u->whole = team_done(u->team);
 }
 
+/* What a thread's clocks said when it began with something. */
+struct stint {
+    double cpu, wall;
+};
+
+static struct stint
+begin_stint(struct renderer *by)
+{
+    by->ctx.counts = (struct rad_counts){ 0 };
+    return (struct stint){ seconds(CLOCK_THREAD_CPUTIME_ID),
+                           seconds(CLOCK_MONOTONIC) };
+}
+
+/* Locks the pool, too, for what was counted meanwhile; returns the processor
+ * time that it took [s]. */
+static double
+end_stint_and_lock(struct renderer *by, const struct stint *s)
+{
+    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - s->cpu;
+    double wall = seconds(CLOCK_MONOTONIC) - s->wall;
+
+    uv_mutex_lock(&by->pool->mu);
+    by->pool->busy_s += wall;
+    return cpu;
+}
+
 /* Be a member of the unit's team until there is nothing left to begin. */
 static void
 work_on(struct renderer *by, struct active *u)
 {
     struct pool *p = by->pool;
-    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
-    double wall = seconds(CLOCK_MONOTONIC);
+    struct stint stint = begin_stint(by);
+    double cpu;
     bool last;
 
-    by->ctx.counts = (struct rad_counts){ 0 };
     team_work(u->team, &by->ctx);
-    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
-    wall = seconds(CLOCK_MONOTONIC) - wall;
-    uv_mutex_lock(&p->mu);
-    p->busy_s += wall;
+    cpu = end_stint_and_lock(by, &stint);
     counted_add(&u->counts, &by->ctx.counts, cpu);
     last = --u->members == 0;
     if (last)
@@ -585,15 +607,11 @@ static void
 work_on_estimate(struct renderer *by, struct estimating *e)
 {
     struct pool *p = by->pool;
-    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
-    double wall = seconds(CLOCK_MONOTONIC);
+    struct stint stint = begin_stint(by);
+    double cpu;
 
-    by->ctx.counts = (struct rad_counts){ 0 };
     estimate_work(e->estimate, &by->ctx, &p->stopping);
-    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
-    wall = seconds(CLOCK_MONOTONIC) - wall;
-    uv_mutex_lock(&p->mu);
-    p->busy_s += wall;
+    cpu = end_stint_and_lock(by, &stint);
     estimate_count(e->estimate, &by->ctx.counts, cpu);
     if (--e->members == 0 && !estimate_open(e->estimate))
         end_estimate_locked(p, e);
@@ -673,16 +691,12 @@ static void
 work_on_seed(struct renderer *by, struct rad_seed *s)
 {
     struct pool *p = by->pool;
-    double cpu = seconds(CLOCK_THREAD_CPUTIME_ID);
-    double wall = seconds(CLOCK_MONOTONIC);
+    struct stint stint = begin_stint(by);
+    double cpu;
     bool last;
 
-    by->ctx.counts = (struct rad_counts){ 0 };
     rad_seed_work(s, &by->ctx, &p->stopping);
-    cpu = seconds(CLOCK_THREAD_CPUTIME_ID) - cpu;
-    wall = seconds(CLOCK_MONOTONIC) - wall;
-    uv_mutex_lock(&p->mu);
-    p->busy_s += wall;
+    cpu = end_stint_and_lock(by, &stint);
     counted_add(&p->seeded, &by->ctx.counts, cpu);
     last = --p->seeding == 0 && !rad_seed_open(s);
     uv_mutex_unlock(&p->mu);

@@ -92,9 +92,9 @@ struct team {
     bool handing_on;       /* [mu] a member hands rows on */
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
-    _Atomic uint64_t traced, primary; /* relaxed: read when all have left */
-    _Atomic bool stopped;    /* relaxed where it only ends work earlier */
-    struct team_blocks lent; /* [mu] of line spec.last - 1 */
+    _Atomic uint64_t primary; /* relaxed: read when all have left */
+    _Atomic bool stopped;     /* relaxed where it only ends work earlier */
+    struct team_blocks lent;  /* [mu] of line spec.last - 1 */
     bool blocked; /* [mu] a member has left because of what is lent */
 };
 
@@ -946,7 +946,6 @@ team_work(struct team *t, struct rad_ctx *ctx)
     m.q.arg = &m;
     do_lines(&m);
     tell_rays(&m);
-    atomic_fetch_add_explicit(&t->traced, m.traced, memory_order_relaxed);
     atomic_fetch_add_explicit(&t->primary, m.primary, memory_order_relaxed);
 }
 
@@ -1327,12 +1326,6 @@ bool
 team_done(const struct team *t)
 {
     return t->finished == atomic_load(&t->last);
-}
-
-uint64_t
-team_traced(const struct team *t)
-{
-    return atomic_load_explicit(&t->traced, memory_order_relaxed);
 }
 
 uint64_t

@@ -201,10 +201,9 @@ double team_waited(struct team *t);
 /* All lines are done, and their rows were handed on. */
 bool team_done(const struct team *t);
 
-/* Pixels that the members traced, and, with TEAM_TRUTH, that they wanted,
- * traced by whomever: the primary rays of the unit (a context's own count has
- * those of all passes).  Both without what the view does not show. */
-uint64_t team_traced(const struct team *t);
+/* Pixels that the members wanted with TEAM_TRUTH, traced by whomever: the
+ * primary rays of the unit (a context's own count has those of all passes).
+ * Without what the view does not show. */
 uint64_t team_primary(const struct team *t);
 
 #endif

@@ -366,12 +366,6 @@ worker_coord(const struct worker *w)
     return w->coord;
 }
 
-bool
-worker_connected(const struct worker *w)
-{
-    return w->welcome;
-}
-
 uint64_t
 worker_progress(const struct worker *w)
 {

@@ -103,7 +103,6 @@ void worker_tick(struct worker *w, uint64_t now_ms);
 
 /* --- what the shell may look at --- */
 
-bool worker_connected(const struct worker *w); /* WELCOME was received */
 uint64_t worker_coord(const struct worker *w); /* its connection; 0: none */
 /* Is there a peer that may dial us for which fits(arg, job, token) says so? */
 typedef bool worker_token_fn(void *arg, const uint8_t job[MSG_JOB],

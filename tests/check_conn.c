@@ -183,8 +183,6 @@ START_TEST(ping_is_answered_however_it_is_cut)
     ck_assert_int_eq(read(e.fd, back, sizeof back), MSG_HEADER + 8);
     ck_assert_uint_eq(back[5], MSG_PONG);
     ck_assert_uint_eq(back[11], 7);
-    ck_assert_uint_eq(conn_bytes_in(e.conn), w.len);
-    ck_assert_uint_eq(conn_bytes_out(e.conn), MSG_HEADER + 8);
     ck_assert_uint_eq(e.written, MSG_HEADER + 8);
     wire_out_release(&w);
     close_ends(&e);
@@ -256,7 +254,8 @@ START_TEST(what_an_old_peer_cannot_hear_is_not_said)
     ck_assert(!conn_send_frame(e.conn, w.buf, w.len));
     run(&e);
     ck_assert_int_eq(e.nclosed, 0);
-    ck_assert_uint_eq(conn_bytes_out(e.conn), 0);
+    ck_assert_uint_eq(conn_queued(e.conn), 0);
+    ck_assert_uint_eq(e.written, 0);
     wire_out_release(&w);
     close_ends(&e);
 }
@@ -473,6 +472,7 @@ START_TEST(what_waits_is_counted_and_goes_out)
 {
     static uint8_t payload[100000];
     struct msg m = { .type = MSG_AMBIENT };
+    struct wire_out w;
     struct ends e;
     uint8_t sink[65536];
     size_t got = 0, sent;
@@ -481,9 +481,12 @@ START_TEST(what_waits_is_counted_and_goes_out)
     m.ambient.count = 1;
     m.ambient.data = payload;
     m.ambient.len = sizeof payload;
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(&w, &m), 0);
+    sent = 50 * w.len;
+    wire_out_release(&w);
     for (int i = 0; i < 50; i++)
         ck_assert(conn_send(e.conn, &m));
-    sent = conn_bytes_out(e.conn);
     ck_assert_uint_gt(conn_queued(e.conn), 0); /* the socket's room is less */
     while (got < sent) {
         ssize_t n = read(e.fd, sink, sizeof sink);

@@ -131,7 +131,6 @@ START_TEST(lost_units_go_out_before_the_others)
     ck_assert_uint_eq(partition_waiting(p), 8);
     ck_assert(next(p, &unit) && unit == 1);
     partition_done(p, 1, 0);
-    ck_assert_uint_eq(partition_left(p), 9);
     ck_assert(next(p, &unit) && unit == 3);
     partition_free(p);
 }
@@ -260,16 +259,16 @@ START_TEST(lines_are_base_lines_with_the_bar_above)
 {
     struct partition *p = lines(MSG_PART_SCANBAR, 2);
     struct partition_area a;
-    uint32_t rows;
 
     ck_assert_uint_eq(partition_lines(p, 0), LINES);
     ck_assert_uint_eq(partition_lines(p, 7), 0);
-    ck_assert_uint_eq(partition_line_rows(p, 0, 0, &rows), 0);
-    ck_assert_uint_eq(rows, 1);
-    ck_assert_uint_eq(partition_line_rows(p, 0, 1, &rows), 1);
-    ck_assert_uint_eq(rows, 3);
-    ck_assert_uint_eq(partition_line_rows(p, 0, LINES - 1, &rows), 58);
     ck_assert_uint_eq(partition_parts(p), 2 * LINES);
+    partition_part(p, 0, &a);
+    ck_assert(a.y == 0 && a.height == 1);
+    partition_part(p, 1, &a);
+    ck_assert(a.y == 1 && a.height == 3);
+    partition_part(p, LINES - 1, &a);
+    ck_assert_uint_eq(a.y, 58);
     partition_part(p, LINES + 1, &a);
     ck_assert(a.frame == 1 && a.y == 1 && a.height == 3 && a.width == 40);
     ck_assert_double_eq(partition_cost_total(p), 2 * 40 * 61);
@@ -329,12 +328,11 @@ START_TEST(a_line_that_is_kept_back_goes_out_when_it_is_not)
 {
     struct partition *p = lines(MSG_PART_SCANBAR, 2);
     uint32_t first, last, unit, n = partition_waiting(p);
-    uint32_t left = partition_left(p), per_frame = partition_lines(p, 0);
+    uint32_t per_frame = partition_lines(p, 0);
 
     partition_keep_line(p, 0, 5, true);
     partition_keep_line(p, 0, 5, true);
     ck_assert_uint_eq(partition_waiting(p), n - 1);
-    ck_assert_uint_eq(partition_left(p), left);
     for (uint32_t i = 0; i < per_frame - 2; i++) { /* 0 goes with 1 */
         ck_assert(cut(p, 0, 1, &first, &last, &unit));
         ck_assert(first > 5 || last <= 5);
@@ -501,7 +499,6 @@ START_TEST(fresh_frames_go_out_one_after_another)
         n++;
     ck_assert_uint_eq(n, LINES - 1);
     ck_assert_uint_eq(partition_waiting(p), 0);
-    ck_assert_uint_eq(partition_left(p), n + LINES);
     for (uint32_t u = 0; u < n; u++)
         partition_done(p, u, 0);
     ck_assert_uint_eq(partition_waiting(p), LINES);

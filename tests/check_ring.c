@@ -617,6 +617,17 @@ check_all_came_once(int from)
                              s.got[i][r], i);
 }
 
+/* Each makes that many more, and all come. */
+static void
+check_records_come(int each)
+{
+    int from = s.nrecords;
+
+    make_records(each);
+    run_ms(2000 + 1500);
+    check_all_came_once(from);
+}
+
 static const int sizes[] = { 60, 67, 100, 257, MOST };
 
 START_TEST(each_record_comes_to_each_worker_once)
@@ -650,7 +661,7 @@ static const int few[] = { 3, 4, 8, 40, 64 };
  * goes to each at once. */
 START_TEST(few_workers_send_less_often_when_there_is_time)
 {
-    int n = few[_i], from;
+    int n = few[_i];
     unsigned sent = 0;
 
     set_up(n, false);
@@ -671,16 +682,10 @@ START_TEST(few_workers_send_less_often_when_there_is_time)
     check_all_came_once(0);
     dies(1 + n / 2);
     run_ms(100);
-    from = s.nrecords;
-    make_records(1);
-    run_ms(2000 + 1500);
-    check_all_came_once(from);
+    check_records_come(1);
     comes(1 + n / 2);
     run_ms(1000);
-    from = s.nrecords;
-    make_records(1);
-    run_ms(2000 + 1500);
-    check_all_came_once(from);
+    check_records_come(1);
     tear_down();
 }
 END_TEST
@@ -704,7 +709,7 @@ count_held(uint64_t until_ms, unsigned *held, unsigned *due)
 /* Workers go and come all the time. */
 START_TEST(nearly_all_comes_while_workers_come_and_go)
 {
-    int n = 150, from;
+    int n = 150;
     unsigned held = 0, due = 0;
 
     set_up(n, true);
@@ -736,10 +741,7 @@ START_TEST(nearly_all_comes_while_workers_come_and_go)
             has += s.got[i][r] > 0 || s.maker[r] == i;
         ck_assert_int_gt(has, s.nrecords * 9 / 10);
     }
-    from = s.nrecords;
-    make_records(2);
-    run_ms(2000 + 1500);
-    check_all_came_once(from);
+    check_records_come(2);
     tear_down();
 }
 END_TEST
@@ -765,17 +767,14 @@ static const int broken[] = { 8, 100 };
 
 START_TEST(a_link_that_breaks_is_made_again)
 {
-    int n = broken[_i], from;
+    int n = broken[_i];
 
     set_up(n, n > 64);
     for (int times = 0; times < 4; times++) {
         break_links(n);
         make_records(1); /* by which they find that */
         run_ms(6000);
-        from = s.nrecords;
-        make_records(2);
-        run_ms(3500);
-        check_all_came_once(from);
+        check_records_come(2);
     }
     tear_down();
 }

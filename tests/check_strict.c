@@ -714,7 +714,7 @@ end_pass(struct run *r)
     struct node *d = r->node;
     struct team_bottom b = { 0 };
     uint32_t unit = r->pass->unit, attempt = r->pass->attempt;
-    struct msg_counts spent = { .rays = team_traced(r->team) }, total;
+    struct msg_counts spent = { .rays = team_rays(r->team) }, total;
     bool over;
 
     if (r->pass->mode == TEAM_TRUTH)

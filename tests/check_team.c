@@ -161,23 +161,29 @@ be_member(void *team)
     return NULL;
 }
 
+static struct team_spec
+spec_of(struct world *w, const struct pass *p)
+{
+    return (struct team_spec){ .sampler = w->q,
+                               .mode = p->mode,
+                               .end = p->end,
+                               .first = p->first,
+                               .last = p->last,
+                               .top = p->top,
+                               .top_density = p->density,
+                               .true_top = p->true_top,
+                               .facts = w->facts,
+                               .trace = trace,
+                               .paint = paint,
+                               .rows = hand_on,
+                               .arg = w,
+                               .nthreads = p->nthreads };
+}
+
 static struct team *
 run_pass(struct world *w, const struct pass *p)
 {
-    struct team_spec spec = { .sampler = w->q,
-                              .mode = p->mode,
-                              .end = p->end,
-                              .first = p->first,
-                              .last = p->last,
-                              .top = p->top,
-                              .top_density = p->density,
-                              .true_top = p->true_top,
-                              .facts = w->facts,
-                              .trace = trace,
-                              .paint = paint,
-                              .rows = hand_on,
-                              .arg = w,
-                              .nthreads = p->nthreads };
+    struct team_spec spec = spec_of(w, p);
     pthread_t thread[8];
     struct team *t = team_new(&spec);
 
@@ -191,7 +197,7 @@ run_pass(struct world *w, const struct pass *p)
     team_work(t, NULL);
     for (int i = 1; i < p->nthreads; i++)
         ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
-    w->traced += team_traced(t);
+    w->traced += team_rays(t);
     if (p->stop_after > 0) /* a gap, or some columns, each */
         ck_assert_int_ge(w->stop_after, -64 * p->nthreads);
     return t;
@@ -675,27 +681,21 @@ be_worker(void *arg)
 {
     struct twin_worker *t = arg;
     struct shift *s = t->shift;
-    struct team_spec spec = { .sampler = t->w->q,
-                              .mode = t->pass.mode,
-                              .end = t->pass.end,
-                              .first = t->pass.first,
-                              .last = t->pass.last,
-                              .top = t->pass.top,
-                              .top_density = t->pass.density,
-                              .facts = t->w->facts,
-                              .trace = trace_in_turn,
-                              .paint = paint_in_turn,
-                              .rows = hand_on_in_turn,
-                              .arg = t,
-                              .nthreads = 1 };
-    struct team *team = team_new(&spec);
+    struct team_spec spec = spec_of(t->w, &t->pass);
+    struct team *team;
 
+    spec.trace = trace_in_turn;
+    spec.paint = paint_in_turn;
+    spec.rows = hand_on_in_turn;
+    spec.arg = t;
+    spec.nthreads = 1;
+    team = team_new(&spec);
     pthread_mutex_lock(&s->mu);
     wait_turn(s, t);
     pthread_mutex_unlock(&s->mu);
     team_work(team, NULL);
     t->w->primary = team_primary(team);
-    t->w->traced = team_traced(team);
+    t->w->traced = team_rays(team);
     team_free(team);
     pthread_mutex_lock(&s->mu);
     t->ended_at = t->turns + 1;
@@ -840,7 +840,7 @@ START_TEST(who_waits_traces_what_is_wanted_anyway)
         ck_assert(team_done(t));
         w->primary = team_primary(t);
         assert_same(w);
-        ck_assert_uint_eq(team_traced(t), w->want_primary);
+        ck_assert_uint_eq(team_rays(t), w->want_primary);
         ck_assert_uint_eq(unused(w), 0);
         team_free(t);
         world_free(w);
@@ -920,27 +920,20 @@ static struct team *
 run_lender(struct lender *l, const struct pass *p, int out,
            const struct team_loan *loan, _Atomic(struct rad_facts *) *facts)
 {
-    struct team_spec spec = { .sampler = l->w->q,
-                              .mode = p->mode,
-                              .end = p->end,
-                              .first = p->first,
-                              .last = p->last,
-                              .top = p->top,
-                              .top_density = p->density,
-                              .true_top = p->true_top,
-                              .facts = facts,
-                              .out = out,
-                              .loan = loan,
-                              .trace = trace_and_lend,
-                              .paint = paint_lender,
-                              .rows = hand_on_lender,
-                              .arg = l,
-                              .nthreads = 1 };
+    struct team_spec spec = spec_of(l->w, p);
 
+    spec.facts = facts;
+    spec.out = out;
+    spec.loan = loan;
+    spec.trace = trace_and_lend;
+    spec.paint = paint_lender;
+    spec.rows = hand_on_lender;
+    spec.arg = l;
+    spec.nthreads = 1;
     l->team = team_new(&spec);
     ck_assert_ptr_nonnull(l->team);
     team_work(l->team, NULL);
-    l->w->traced += team_traced(l->team);
+    l->w->traced += team_rays(l->team);
     return l->team;
 }
 

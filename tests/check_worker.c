@@ -729,7 +729,6 @@ START_TEST(it_speaks_as_it_is_welcomed)
     ck_assert_uint_eq(f.last.hello.max, MSG_VERSION);
     ck_assert_uint_eq(f.version, MSG_VERSION); /* HELLO is the same in all */
     hear(f.coord, &m);
-    ck_assert(worker_connected(f.w));
     ck_assert_int_eq(f.session, MSG_AT_WORKER);
     ck_assert_uint_eq(f.version, version);
 }
@@ -765,7 +764,6 @@ START_TEST(it_ends_when_welcomed_in_another_version)
     hear(f.coord, &m);
     ck_assert(f.stopped);
     ck_assert_int_eq(f.status, 76);
-    ck_assert(!worker_connected(f.w));
 }
 END_TEST
 

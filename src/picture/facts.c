@@ -64,12 +64,6 @@ rad_facts_free(struct rad_facts *f)
 }
 
 int
-rad_facts_width(const struct rad_facts *f)
-{
-    return f->width;
-}
-
-int
 rad_facts_rows(const struct rad_facts *f)
 {
     return f->rows;

@@ -32,7 +32,6 @@ enum {
 struct rad_facts *rad_facts_new(int width, int rows);
 void rad_facts_free(struct rad_facts *f);
 
-int rad_facts_width(const struct rad_facts *f);
 int rad_facts_rows(const struct rad_facts *f);
 
 /* Is the pixel known?  *out is untouched if not. */
@@ -55,7 +54,8 @@ bool rad_facts_met(const struct rad_facts *f, int row, int n, int x, int width);
 size_t rad_facts_unused(const struct rad_facts *f);
 
 /* Facts made here that came from elsewhere as well, so were traced twice, but
- * for those that export gave: they may only have come back.  By the exporter. */
+ * for those that export gave: they may only have come back.  By the exporter.
+ */
 size_t rad_facts_doubled(const struct rad_facts *f);
 
 /* Facts that export has not given yet, of both kinds: an upper bound. */

@@ -15,10 +15,12 @@
 /* --- finding the way -------------------------------------------------------
  */
 
-/* The bits of a coordinate are the way down. */
-double
-rad_tree_look_up(const struct bsdf_node *n, int rank, const double place[4],
-                 double corner[4], int *level)
+/* The value at a place, and the cell that it lies in: its lowest corner, and
+ * the log of 1 over its width; NULL: not asked for.  The bits of a coordinate
+ * are the way down. */
+static double
+look_up(const struct bsdf_node *n, int rank, const double place[4],
+        double corner[4], int *level)
 {
     int left = RAD_MAX_BSDF_LEVELS;
     uint32_t way[4];
@@ -72,8 +74,8 @@ rad_tree_channels(const struct bsdf_tree *t, double y, const double place[4],
 {
     double xyz[3];
 
-    to_xyz(y, rad_tree_look_up(t->root[U], t->rank, place, NULL, NULL),
-           rad_tree_look_up(t->root[V], t->rank, place, NULL, NULL), xyz);
+    to_xyz(y, look_up(t->root[U], t->rank, place, NULL, NULL),
+           look_up(t->root[V], t->rank, place, NULL, NULL), xyz);
     rad_bsdf_sharpen(c, xyz);
 }
 
@@ -240,7 +242,7 @@ rad_tree_value(const struct rad_bsdf_way *w, const double in[3],
         memcpy(place, w->sq, sizeof w->sq);
         to_square(out[0], out[1], place + 2);
     }
-    y = rad_tree_look_up(t->root[Y], t->rank, place, corner, &level);
+    y = look_up(t->root[Y], t->rank, place, corner, &level);
     *cell = M_PI / (double)((int64_t)1 << 2 * level);
     if (!t->root[U]) {
         if (!(rad_tree_above_rest(t, y) > 0))

@@ -96,11 +96,6 @@ rad_tree_leaf_value(const struct bsdf_cursor *c, int rank)
     return (double)c->n->u.value[i];
 }
 
-/* The value at a place, and the cell that it lies in: its lowest corner, and
- * the log of 1 over its width; NULL: not asked for. */
-double rad_tree_look_up(const struct bsdf_node *n, int rank,
-                        const double place[4], double corner[4], int *level);
-
 /* The sharp channels of luminance y at a place. */
 void rad_tree_channels(const struct bsdf_tree *t, double y,
                        const double place[4], double c[3]);

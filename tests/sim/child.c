@@ -432,7 +432,7 @@ end_task(struct net *net, int node, int slot)
 {
     struct sim_child *k = child_of(net, node);
     struct sim_task *t = k->task[slot];
-    struct msg_counts spent = { .rays = team_traced(t->team),
+    struct msg_counts spent = { .rays = team_rays(t->team),
                                 .cpu_s = 1e-6 * t->cost_us },
                       total = { 0 };
     struct team_bottom b;
