@@ -143,6 +143,10 @@ libdaemon_a_SOURCES = \
 	daemon/task.h \
 	daemon/team.c \
 	daemon/team.h \
+	daemon/team_impl.h \
+	daemon/team_lend.c \
+	daemon/team_member.c \
+	daemon/team_sweep.c \
 	daemon/transfer.c \
 	daemon/transfer.h \
 	daemon/wordlist.c \
