@@ -14,6 +14,7 @@
 #include "sched.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_SPLIT_MS 40
@@ -459,6 +460,42 @@ balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
         lend_to(c, job, to, go->attempt, m);
     else
         send_back(c, job, m->unit, go, m->x, m->n);
+}
+
+/* What it cost is the unit's.  One that was taken back just before is in no
+ * unit; its black pixels are others' to tell of. */
+void
+balance_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
+{
+    struct job *job = coord_find_job(c, m->job);
+    uint32_t index = job ? sched_index(job, w) : JOB_NOBODY;
+    struct msg_counts counts = m->counts;
+    struct job_worker *jw;
+    struct job_go *go;
+
+    if (index == JOB_NOBODY)
+        return;
+    jw = &job->workers[index];
+    go = !job_over(job) && m->unit < job->nunits
+             ? job_go_find(job, m->unit, index, m->attempt)
+             : NULL;
+    counts.primary_rays = 0; /* of whoever uses them */
+    counts.wall_s = 0;       /* while the unit's own went on */
+    if (!go || !go->lender) {
+        counts.nan = (struct msg_nan){ 0 };
+        memset(counts.faults, 0, sizeof counts.faults);
+        msg_counts_add(&jw->past.dropped, &counts);
+        job_see_rays(job);
+        return;
+    }
+    sched_log_unit(c, job, m->unit, go, "loan paid");
+    sched_late(job, index, false);
+    msg_counts_add(&job->units[m->unit].lent, &counts);
+    jw->rays += counts.rays;
+    jw->cpu_s += counts.cpu_s;
+    job->rays += counts.rays;
+    job_see_rays(job);
+    sched_release(c, job, m->unit, go);
 }
 
 /* --- twins --- */

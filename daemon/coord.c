@@ -181,6 +181,12 @@ on_parked(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 static void
+on_paid(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    balance_paid(c, conn->worker, &m->paid);
+}
+
+static void
 on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     balance_gave(c, conn->worker, &m->gave);
@@ -236,7 +242,7 @@ static const struct {
     { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
     { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
     { MSG_RECORDS, on_records },     { MSG_UNLINKED, on_unlinked },
-    { MSG_LOAN, on_loan },
+    { MSG_LOAN, on_loan },           { MSG_PAID, on_paid },
 };
 
 /* BYE is followed by the end of the connection. */

@@ -401,14 +401,11 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     if (!job || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->parked || go->delivered || (go->parked_ms != 0 && !go->lent))
+    if (!go || go->lender || go->parked || go->delivered ||
+        (go->parked_ms != 0 && !go->lent))
         return;
     sched_log_unit(c, job, m->unit, go, "unit parked");
     go->lends = false; /* it has nothing to lend */
-    if (go->lender) {
-        sched_release(c, job, m->unit, go);
-        return;
-    }
     handoff_top_made(c, job, m->unit, go);
     if (!go->counted) {
         speed_finished(job, m->unit);

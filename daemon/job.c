@@ -268,9 +268,9 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
         job->last_ms = end_ms;
     jw->units++;
     jw->setbacks = 0;
-    jw->rays += u->counts.rays;
-    jw->cpu_s += u->counts.cpu_s;
-    job->rays += u->counts.rays;
+    jw->rays += u->counts.rays - u->lent.rays;
+    jw->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
+    job->rays += u->counts.rays - u->lent.rays;
     u->counts.nan.frame = job->spec.frames[a.frame].number;
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);

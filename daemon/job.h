@@ -93,7 +93,8 @@ struct job_unit {
     uint32_t nhash;
     uint64_t hashed; /* fingerprint of whoever made them */
     uint64_t end_ms;
-    struct msg_counts counts; /* of the attempt that was accepted */
+    struct msg_counts counts; /* of the attempt that was accepted, and lent */
+    struct msg_counts lent;   /* of others, for columns that it lent */
 };
 
 enum job_worker_state {

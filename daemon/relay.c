@@ -309,7 +309,7 @@ on_lend(struct worker *w, const struct msg *m)
         worker_send_child(w, job, m);
 }
 
-/* Columns that another worker lends are a unit like others, until PARKED. */
+/* Columns that another worker lends are a unit like others, until PAID. */
 static void
 on_loan(struct worker *w, const struct msg *m)
 {
@@ -387,8 +387,7 @@ static const struct {
     { MSG_LEND, on_lend },           { MSG_LOAN, on_loan },
     { MSG_BACK, on_back },           { MSG_FACTS, on_facts },
     { MSG_BASE_LINE, on_base_line }, { MSG_NEXT_HOLDER, on_next_holder },
-    { MSG_ESTIMATE, on_estimate },
-    { MSG_SEED, on_seed },
+    { MSG_ESTIMATE, on_estimate },   { MSG_SEED, on_seed },
 };
 
 void
@@ -439,9 +438,20 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     if (!u)
         return; /* revoked meanwhile */
     u->parked = true;
-    if (u->loan)
-        wjob_drop_unit(job, u->unit, u->attempt);
     pass.parked.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+/* Even if it was revoked meanwhile: what it cost is told nowhere else. */
+static void
+child_paid(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_PAID, .paid = m->paid };
+    struct wunit *u = worker_find_unit(job, m->paid.unit, m->paid.attempt);
+
+    if (u && u->loan)
+        wjob_drop_unit(job, u->unit, u->attempt);
+    pass.paid.job = job->id;
     pass_up(w, job, &pass);
 }
 
@@ -494,6 +504,7 @@ static const struct {
     { MSG_FACTS, child_facts },         { MSG_PARKED, child_parked },
     { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
     { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
+    { MSG_PAID, child_paid },
 };
 
 void

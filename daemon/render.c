@@ -224,7 +224,7 @@ render_on_news(void *arg)
     while (r->link && r->strict &&
            (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD))) {
         /* it may be of columns that are all that the job waits for */
-        if (m->type == MSG_PARKED && r->records)
+        if (m->type == MSG_PAID && r->records)
             render_drain(r);
         conn_send(r->link, m);
     }

@@ -91,11 +91,15 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
                                .last = m->last,
                                .pixels = m->pixels,
                                .len = m->len,
-                               .counts = &m->counts,
                                .now_ms = c->now_ms };
     memcpy(r->job, job->id, MSG_JOB);
-    if (m->last)
-        add_bottom(job, m, r);
+    if (!m->last)
+        return;
+    r->counts = rad_arena_dup(&c->actions.mem, &job->units[m->unit].counts,
+                              sizeof *r->counts);
+    if (!r->counts)
+        c->actions.failed = true;
+    add_bottom(job, m, r);
 }
 
 /* Rows for nobody: let the worker forget them. */
@@ -275,6 +279,7 @@ sched_result(struct coord *c, struct coord_worker *w,
     u->row_ms = c->now_ms;
     if (m->last) {
         u->counts = m->counts;
+        msg_counts_add(&u->counts, &u->lent);
         delivered(c, job, m->unit, go);
     }
     put_rows(c, job, w->conn, m, &a);

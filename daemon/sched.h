@@ -134,6 +134,8 @@ void handoff_parked(struct coord *c, struct coord_worker *w,
                     const struct msg_attempt *m);
 void balance_loan(struct coord *c, struct coord_worker *w,
                   const struct msg_loan *m);
+void balance_paid(struct coord *c, struct coord_worker *w,
+                  const struct msg_paid *m);
 void balance_gave(struct coord *c, struct coord_worker *w,
                   const struct msg_gave *m);
 void survey_estimated(struct coord *c, struct coord_worker *w,

@@ -44,7 +44,7 @@ struct strict_unit {
                      * which are all that a guess wants */
     bool twin;      /* facts go out as they are made */
     bool gone;      /* to be freed when its pass has ended */
-    bool over;      /* all its rows are made */
+    bool over;      /* what it cost is told: all its rows are made, or PAID */
     bool split;     /* GAVE is due when its pass has ended */
     bool lines_done, ahead_done;
     bool bottom_done;        /* the bottom is out, true */
@@ -81,8 +81,15 @@ struct loan {
 /* Something to send. */
 struct item {
     struct item *next;
-    enum { ITEM_FACTS, ITEM_PARKED, ITEM_GAVE, ITEM_PIECE, ITEM_LOAN } kind;
-    uint32_t unit, attempt; /* of PARKED, GAVE and LOAN, and of lazy FACTS */
+    enum {
+        ITEM_FACTS,
+        ITEM_PARKED,
+        ITEM_GAVE,
+        ITEM_PIECE,
+        ITEM_LOAN,
+        ITEM_PAID
+    } kind;
+    uint32_t unit, attempt; /* of PARKED, GAVE and PAID, and of lazy FACTS */
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
@@ -91,6 +98,7 @@ struct item {
     uint32_t first, ndensity; /* of PIECE */
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
     struct msg_loan loan;     /* of LOAN; bytes: what it points to */
+    struct msg_counts counts; /* of PAID */
 };
 
 /* A line whose facts came before a unit that has it, as they do with a unit
@@ -252,6 +260,7 @@ void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
 bool out_has_facts(const struct strict *s, uint32_t frame, int line);
 void out_gave(struct strict *s, const struct strict_unit *u);
 void out_parked(struct strict *s, const struct strict_unit *u);
+void out_paid(struct strict *s, const struct strict_unit *u);
 void out_loan(struct strict *s, const struct strict_unit *u,
               const struct team_loan *loan);
 /* What is new of the bottom of a pass. */

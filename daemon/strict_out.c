@@ -133,6 +133,17 @@ out_parked(struct strict *s, const struct strict_unit *u)
 }
 
 void
+out_paid(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_PAID,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .counts = u->spent };
+
+    push(s, &s->urgent, &it);
+}
+
+void
 out_gave(struct strict *s, const struct strict_unit *u)
 {
     const struct frame *f = frame_of(s, u->frame);
@@ -357,6 +368,11 @@ say(struct strict *s, struct item *it)
     case ITEM_PARKED:
         s->msg.type = MSG_PARKED;
         s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_PAID:
+        s->msg.type = MSG_PAID;
+        s->msg.paid =
+            (struct msg_paid){ s->job, it->unit, it->attempt, it->counts };
         break;
     case ITEM_LOAN:
         s->msg.type = MSG_LOAN;

@@ -391,12 +391,13 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
 
 /* All that was lent is traced: its lender gets it. */
 static void
-end_loan(struct strict *s, const struct strict_unit *u)
+end_loan(struct strict *s, struct strict_unit *u)
 {
     if (u->gone)
         return;
     out_facts(s, &s->urgent, u, u->first);
-    out_parked(s, u);
+    out_paid(s, u);
+    u->over = true;
 }
 
 /* TRUTH is made: what the unit cost. */

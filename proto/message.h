@@ -382,9 +382,9 @@ struct msg_tally {
     double busy_s;           /* on units, waits and all */
     double wait_base_line_s; /* of that, for the line above */
     uint64_t rays_under_way; /* of units that are not done */
-    /* of strict units that were taken back, which are in no RESULT: twins that
-     * were not first.  No primary rays, nan or faults; speculative are facts
-     * that nobody was told of. */
+    /* of strict units and loans that were taken back, which are in no RESULT
+     * and no PAID: twins that were not first.  No primary rays, nan or faults;
+     * speculative are facts that nobody was told of. */
     struct msg_counts dropped;
     struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
 };
@@ -499,7 +499,7 @@ struct msg_lend {
 /* Columns of a line that whoever lends them does not trace until BACK; and what
  * it takes to know which of their pixels count.  Up: what comes of LEND, with
  * the lender's unit and attempt.  Down: with those of the one that gets them,
- * who sends FACTS, and PARKED when that is all. */
+ * who sends FACTS, and PAID when that is all. */
 struct msg_loan {
     const uint8_t *job;
     uint32_t unit, attempt;
@@ -525,6 +525,13 @@ struct msg_back {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t line, x, n;
+};
+
+/* All that was lent is traced, and forgotten: what that cost is the unit's. */
+struct msg_paid {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    struct msg_counts counts; /* no primary rays: those are the lender's */
 };
 
 struct msg_area {

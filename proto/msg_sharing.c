@@ -211,6 +211,15 @@ msg_code_back(struct codec *c, struct msg_back *b)
     code_must(c, b->n <= MSG_MAX_SIDE && b->x <= MSG_MAX_SIDE - b->n);
 }
 
+void
+msg_code_paid(struct codec *c, struct msg_paid *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->unit);
+    code_u32(c, &b->attempt);
+    code_counts(c, &b->counts);
+}
+
 /* --- estimates --- */
 
 #define AREA_BYTES 20

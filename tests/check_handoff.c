@@ -48,8 +48,9 @@ static struct {
     struct said said[400];
     int nsaid;
     bool closed[CONNS], done, failed;
-    bool slow_disk;  /* nothing is kept */
-    uint8_t version; /* of the protocol, that workers speak; 0: 1 */
+    bool slow_disk;     /* nothing is kept */
+    uint64_t kept_rays; /* of the last unit whose rows were all kept */
+    uint8_t version;    /* of the protocol, that workers speak; 0: 1 */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -108,7 +109,9 @@ carry_out(void)
             f.closed[a.conn] = true;
         else if (a.type == ACT_JOB_OPEN)
             coord_job_opened(f.c, f.now_ms, a.job, 0, NULL);
-        else if (a.type == ACT_PUT_ROWS && !f.slow_disk)
+        else if (a.type == ACT_PUT_ROWS && a.rows.last)
+            f.kept_rays = a.rows.counts->rays;
+        if (a.type == ACT_PUT_ROWS && !f.slow_disk)
             coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
         else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f.c, f.now_ms, a.job, a.frame, 0, NULL);
@@ -223,6 +226,22 @@ attempt(uint64_t conn, uint16_t type, const struct msg_unit *u)
     say(conn, &m);
 }
 
+/* All of a loan is traced, with so many rays. */
+static void
+paid(uint64_t conn, const struct msg_unit *u, uint64_t rays)
+{
+    struct msg m = { .type = MSG_PAID,
+                     .paid = { id,
+                               u->unit,
+                               u->attempt,
+                               { .rays = rays,
+                                 .cpu_s = .5,
+                                 .wall_s = 1000,
+                                 .nan = { 2, 0, 9, 1 } } } };
+
+    say(conn, &m);
+}
+
 static void
 gave(uint64_t conn, const struct msg_unit *u, uint32_t height)
 {
@@ -331,6 +350,24 @@ stat_of(const char *group, const char *key)
     double v =
         json_number_value(json_object_get(json_object_get(root, group), key));
 
+    json_decref(root);
+    free(text);
+    return v;
+}
+
+static double
+worker_stat(const char *name, const char *key)
+{
+    char *text = stats_json(coord_find_job(f.c, id), f.now_ms);
+    json_t *root = json_loads(text, 0, NULL), *o;
+    double v = 0;
+    size_t i;
+
+    json_array_foreach(json_object_get(root, "workers"), i, o)
+    {
+        if (strcmp(json_string_value(json_object_get(o, "name")), name) == 0)
+            v = json_number_value(json_object_get(o, key));
+    }
     json_decref(root);
     free(text);
     return v;
@@ -1041,11 +1078,59 @@ START_TEST(an_idle_worker_is_lent_columns)
     ck_assert_int_eq(count(W2, MSG_FACTS), 0);
     ck_assert_int_eq(count(W1, MSG_BACK), 0);
     attempt(W1, MSG_PARKED, &a); /* nothing else left, and so on */
-    attempt(W2, MSG_PARKED, &b);
+    paid(W2, &b, 5);
     expect_back(W1, &a, 9, 7);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
     finish(W1, &a);
     ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
+}
+END_TEST
+
+/* It is a part of the unit, and what it costs is known from a former run. */
+START_TEST(what_was_lent_is_counted_to_its_unit)
+{
+    struct msg_unit a, b;
+    double rays, w1, w2;
+    const struct job_unit *u;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    b = loan_of(W2);
+    w1 = worker_stat("ws1", "rays");
+    w2 = worker_stat("ws2", "rays");
+    rays = stat_of("totals", "rays");
+    paid(W2, &b, 50);
+    ck_assert_double_eq(worker_stat("ws2", "rays"), w2 + 50);
+    finish(W1, &a); /* with 10 */
+    ck_assert(f.done);
+    u = &coord_find_job(f.c, id)->units[a.unit];
+    ck_assert_uint_eq(u->counts.rays, 60);
+    ck_assert_uint_eq(u->counts.nan.pixels, 2);
+    ck_assert_double_lt(u->counts.wall_s, 1000);
+    ck_assert_uint_eq(f.kept_rays, 60); /* on the disk, too */
+    ck_assert_double_eq(worker_stat("ws1", "rays"), w1 + 10);
+    ck_assert_double_eq(stat_of("totals", "rays"), rays + 60);
+    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 0);
+    ck_assert_double_eq(stat_of("totals", "nan_pixels"), 2);
+}
+END_TEST
+
+START_TEST(what_was_taken_back_is_in_no_unit)
+{
+    struct msg_unit a, b;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    b = loan_of(W2);
+    wait_ms(5000);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    paid(W2, &b, 50); /* which it had not heard */
+    finish(W1, &a);
+    ck_assert(f.done);
+    ck_assert_uint_eq(coord_find_job(f.c, id)->units[a.unit].counts.rays, 10);
+    paid(W2, &b, 7);
+    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 57);
+    ck_assert_double_eq(stat_of("totals", "nan_pixels"), 0);
 }
 END_TEST
 
@@ -1109,7 +1194,7 @@ START_TEST(columns_of_one_that_is_late_go_back)
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
     expect_back(W1, &a, 9, 7);
     clear();
-    attempt(W2, MSG_PARKED, &b); /* not heard any more */
+    paid(W2, &b, 5); /* not heard any more */
     ck_assert_int_eq(count(W1, MSG_BACK), 0);
     finish(W1, &a);
     ck_assert(f.done);
@@ -1130,9 +1215,9 @@ START_TEST(columns_can_be_lent_on)
     lend(W2, &b, 12, 4);
     c = loan_of(W3);
     clear();
-    attempt(W2, MSG_PARKED, &b);
+    paid(W2, &b, 5);
     expect_back(W1, &a, 6, 6); /* the rest is ws3's */
-    attempt(W3, MSG_PARKED, &c);
+    paid(W3, &c, 5);
     expect_back(W1, &a, 12, 4);
     finish(W1, &a);
     ck_assert(f.done);
@@ -1515,6 +1600,8 @@ main(void)
                         N_ELEM(with_loans));
     tcase_add_test(tc, nobody_is_asked_for_columns_who_does_not_know_of_them);
     tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
+    tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
+    tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
     tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
     tcase_add_test(tc, columns_of_one_that_is_late_go_back);
     tcase_add_test(tc, columns_can_be_lent_on);

@@ -129,6 +129,7 @@ static const struct msg examples[] = {
       .loan = { ID, 1, 2, 3, 4, 5, 2, 6, 7, MSG_LOAN_LINE, 3, 3, density,
                 lent, pixels } },
     { .type = MSG_BACK, .back = { ID, 1, 2, 3, 4, 5 } },
+    { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -570,7 +571,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED LOAN RECORDS UNLINKED " },
+      "BASE_LINE GAVE ESTIMATED LOAN PAID RECORDS UNLINKED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
@@ -588,7 +589,7 @@ static const struct {
                     "SPLIT ESTIMATE LEND LOAN BACK SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED LOAN " },
+                     "GAVE ESTIMATED LOAN PAID " },
     { MSG_NSESSION, " " },
 };
 

@@ -1015,15 +1015,16 @@ START_TEST(what_workers_share_passes_through)
 }
 END_TEST
 
-/* Columns that another lends are with the child until it says PARKED, once. */
+/* Columns that another lends are with the child until it says PAID; again after
+ * that, it may not have heard yet that they were taken back. */
 START_TEST(what_is_lent_is_a_unit_until_it_is_done)
 {
     static const uint8_t bitmap[1] = { 1 };
     struct msg loan = { .type = MSG_LOAN,
                         .loan = { job_id, 3, 2, 0, 1, 0, 6, 1, 2, 0, 3, 0,
                                   density, bitmap, line_bytes, line_bytes } };
-    const struct msg parked = { .type = MSG_PARKED,
-                                .parked = { job_id, 3, 2 } };
+    const struct msg paid = { .type = MSG_PAID,
+                              .paid = { job_id, 3, 2, { .rays = 9 } } };
 
     start_job();
     child_ready();
@@ -1034,9 +1035,11 @@ START_TEST(what_is_lent_is_a_unit_until_it_is_done)
     hear(f.coord, &loan);
     hear(f.coord, &loan); /* it has it */
     ck_assert_int_eq(said(f.child, MSG_LOAN), 1);
-    hear(f.child, &parked);
-    hear(f.child, &parked);
-    ck_assert_int_eq(said(f.coord, MSG_PARKED), 1);
+    hear(f.child, &paid);
+    ck_assert_int_eq(said(f.coord, MSG_PAID), 1);
+    ck_assert_uint_eq(f.last.paid.counts.rays, 9);
+    hear(f.child, &paid);
+    ck_assert_int_eq(said(f.coord, MSG_PAID), 2);
     worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 0);

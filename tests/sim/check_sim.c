@@ -91,7 +91,7 @@ is_quiet(const struct sim *s)
  * twice.) */
 static void
 check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
-            uint64_t spec, const json_t *units)
+            uint64_t spec, const json_t *units, const json_t *totals)
 {
     const json_t *unit;
     json_int_t pixels = 0;
@@ -101,6 +101,10 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     if (s->net.repeated > 0 || job->spec.partition == MSG_PART_WINDOW)
         return;
     SIM_CHECK(&s->net, primary + spec <= job->traced);
+    /* nothing is in two units, or in one and dropped; estimates count pixels
+     * that they draw again */
+    SIM_CHECK(&s->net, number(totals, "estimate_rays") > 0 ||
+                           (uint64_t)number(totals, "rays") <= job->traced);
     json_array_foreach(units, i, unit)
     {
         pixels += number(unit, "attempts") * number(unit, "width");
@@ -140,7 +144,7 @@ check_done(struct sim *s, struct sim_job *job)
     SIM_CHECK(&s->net, number(totals, "primary_rays") == primary);
     SIM_CHECK(&s->net, (uint64_t)primary == want);
     check_waste(s, job, want, (uint64_t)number(totals, "speculative_rays"),
-                units);
+                units, totals);
     json_decref(root);
 }
 
@@ -210,10 +214,10 @@ static bool
 was_tried(void)
 {
     static const enum msg_type types[] = {
-        MSG_UNIT,      MSG_RESULT,      MSG_ACK,    MSG_TWIN,
-        MSG_FACTS,     MSG_PARKED,      MSG_SPLIT,  MSG_GAVE,
-        MSG_BASE_LINE, MSG_NEXT_HOLDER, MSG_REVOKE, MSG_ESTIMATE,
-        MSG_ESTIMATED, MSG_LEND,        MSG_LOAN,   MSG_BACK
+        MSG_UNIT,   MSG_RESULT,   MSG_ACK,       MSG_TWIN,      MSG_FACTS,
+        MSG_PARKED, MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER,
+        MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,
+        MSG_BACK,   MSG_PAID
     };
     /* half of the clusters have rings */
     bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&

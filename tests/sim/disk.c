@@ -206,7 +206,8 @@ keep_rows(struct sim *s, int i, const struct action_rows *r)
     struct entry *e = later(s, i, r->nbottom + pixels, put_rows);
 
     e->rows = *r;
-    e->counts = *r->counts;
+    if (r->last)
+        e->counts = *r->counts;
     e->nbottom = r->nbottom;
     if (r->nbottom)
         memcpy(e->bytes, r->bottom, r->nbottom);

@@ -17,7 +17,8 @@ static const enum msg_type types[] = {
     MSG_ESTIMATE, MSG_ESTIMATED, MSG_JOB_PEERS, MSG_PEER_HELLO, MSG_RING,
     MSG_SPREAD,   MSG_TWIN,      MSG_TWIN,      MSG_TWIN,       MSG_TWIN,
     MSG_SPLIT,    MSG_SPLIT,     MSG_GAVE,      MSG_GAVE,       MSG_LEND,
-    MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK
+    MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK,
+    MSG_PAID,     MSG_PAID
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
@@ -36,7 +37,7 @@ which(struct net *net, enum msg_type type)
 {
     if (type == MSG_TWIN || type == MSG_SPLIT || type == MSG_GAVE ||
         type == MSG_LEND || type == MSG_LOAN || type == MSG_BACK ||
-        type == MSG_REVOKE)
+        type == MSG_PAID || type == MSG_REVOKE)
         return 1 + net_random(net, 2);
     return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
 }
