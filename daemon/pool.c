@@ -555,8 +555,10 @@ begin(struct pool *p, struct work *w)
     p->active = u;
     if (atomic_load(&p->stopping))
         team_stop(u->team);
-    if (u->pass)
-        look_locked(p); /* it may be stopped, or split, by now */
+    if (u->pass) {
+        look_locked(p);           /* it may be stopped, or split, by now */
+        uv_async_send(&p->async); /* others may wait for what it makes */
+    }
     if (!p->todo)
         uv_cond_broadcast(&p->work); /* those who wait can help */
     uv_mutex_unlock(&p->mu);
@@ -750,8 +752,11 @@ take_queued_locked(struct pool *p)
 static bool
 find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
 {
-    if (p->strict && !(w->pass = strict_next(p->strict, least)))
+    if (p->strict && !(w->pass = strict_next(p->strict, least))) {
         w->help = find_open_locked(p, least);
+        if (strict_error(p->strict) < 0)
+            uv_async_send(&p->async);
+    }
     return w->pass || w->help;
 }
 
@@ -872,14 +877,19 @@ pool_strict_done(struct pool *p)
     uv_mutex_unlock(&p->mu);
 }
 
-void
+uint64_t
 pool_tick(struct pool *p, uint64_t now_ms)
 {
+    uint64_t due;
+
     uv_mutex_lock(&p->mu);
-    strict_tick(p->strict, now_ms);
     look_locked(p);
+    due = strict_tick(p->strict, now_ms);
     settle_waits_locked(p);
+    if (p->idle > 0 && strict_has_work(p->strict))
+        uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
+    return due;
 }
 
 const struct msg *

@@ -43,8 +43,9 @@ struct pool;
 /* rows is borrowed for the call. */
 typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
 
-/* There may be messages of strict units; also told before rows are handed on,
- * which what they have to say of the unit must not follow. */
+/* Something changed with strict units: pool_tick() is due, and there may be
+ * messages; also told before rows are handed on, which what they have to say of
+ * the unit must not follow. */
 typedef void pool_news_fn(void *arg);
 
 /* Start nthreads threads.  job, frames and strict (NULL: there will be no
@@ -65,7 +66,7 @@ struct strict *pool_strict(struct pool *p);
 void pool_strict_done(struct pool *p);
 
 /* strict_tick(), of a pool that has that machine, and strict_message(). */
-void pool_tick(struct pool *p, uint64_t now_ms);
+uint64_t pool_tick(struct pool *p, uint64_t now_ms);
 const struct msg *pool_message(struct pool *p, bool room);
 
 /* Forget a unit: it is dropped, or stops within a few pixels; rows of it may

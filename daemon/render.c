@@ -25,9 +25,6 @@
 #define TALLY_MS 500
 /* and at least, so that radd knows that the loop runs */
 #define SIGN_OF_LIFE_MS 10000
-/* how often strict units are looked at: others wait for their base lines, and
- * twins for their facts, for at most 20 ms */
-#define TICK_MS 10
 
 /* --- what is said --- */
 
@@ -215,10 +212,10 @@ render_on_rows(void *arg, const struct pool_rows *p)
 }
 
 /* What strict units have to say. */
-void
-render_on_news(void *arg)
+static void
+send_news(struct render *r)
 {
-    struct render *r = arg;
+    struct rad_error err = { 0 };
     const struct msg *m;
 
     while (r->link && r->strict &&
@@ -228,30 +225,37 @@ render_on_news(void *arg)
             render_drain(r);
         conn_send(r->link, m);
     }
-    if (r->link && r->strict && tally_of(r).dropped.rays != r->told_dropped)
+    if (!r->link || !r->strict)
+        return;
+    if (tally_of(r).dropped.rays != r->told_dropped)
         send_tally(r);
+    if (strict_error(r->strict) < 0) {
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        render_fail(r, &err);
+    }
 }
 
 static void
 on_ticker(uv_timer_t *timer)
 {
-    struct render *r = timer->data;
-    struct rad_error err = { 0 };
-
-    if (strict_error(r->strict) < 0) {
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
-        render_fail(r, &err);
-        return;
-    }
-    pool_tick(r->pool, uv_now(&r->loop));
-    render_on_news(r);
+    render_on_news(timer->data);
 }
 
+/* Something changed with strict units, or time has passed for them. */
 void
-render_tick(struct render *r)
+render_on_news(void *arg)
 {
-    if (!uv_is_active((uv_handle_t *)&r->ticker))
-        uv_timer_start(&r->ticker, on_ticker, TICK_MS, TICK_MS);
+    struct render *r = arg;
+    uint64_t now = uv_now(&r->loop), due;
+
+    if (!r->link || !r->strict)
+        return;
+    due = pool_tick(r->pool, now);
+    if (due == STRICT_NEVER)
+        uv_timer_stop(&r->ticker);
+    else
+        uv_timer_start(&r->ticker, on_ticker, due > now ? due - now : 0, 0);
+    send_news(r);
 }
 
 /* --- the start of a job --- */
@@ -384,7 +388,7 @@ on_written(void *arg, struct conn *c, size_t n)
     if (!r->pool)
         return;
     pool_sent(r->pool, n);
-    render_on_news(r); /* there may be room for more */
+    send_news(r); /* there may be room for more */
 }
 
 static const struct conn_handler handler = { .message = on_message,

@@ -62,14 +62,12 @@ struct render {
 
 /* The job cannot go on here: say why, and leave. */
 void render_fail(struct render *r, const struct rad_error *err);
-/* The pool's: rows are there; strict units have something to say. */
+/* The pool's: rows are there; something changed with strict units. */
 void render_on_rows(void *arg, const struct pool_rows *p);
 void render_on_news(void *arg);
 /* The pool is about to be freed, and another will follow: what was done so far
  * counts. */
 void render_keep_tally(struct render *r);
-/* There are strict units: look at them every few ms from now on. */
-void render_tick(struct render *r);
 
 /* --- render_load.c --- */
 

@@ -77,7 +77,6 @@ push_strict(struct render *r, const struct msg_unit *u, struct rad_error *err)
                         u->unit);
     rc = strict_unit(pool_strict(r->pool), u, err);
     pool_strict_done(r->pool);
-    render_tick(r);
     return rc;
 }
 
@@ -159,8 +158,6 @@ render_take_strict(struct render *r, const struct msg *m)
     pool_strict_done(r->pool);
     if (err.code < 0)
         render_fail(r, &err);
-    else if (m->type == MSG_LOAN)
-        render_tick(r);
 }
 
 /* --- estimates --- */

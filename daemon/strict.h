@@ -57,8 +57,15 @@ void strict_back(struct strict *s, const struct msg_back *m);
 void strict_facts(struct strict *s, const struct msg_facts *m);
 void strict_base_line(struct strict *s, const struct msg_base_line *m);
 
-/* Time passes; call it every 10 ms or so while there are units. */
-void strict_tick(struct strict *s, uint64_t now_ms);
+/* Time passes: call it after any other call here, be it to say something or
+ * that a pass has ended, and again, with strict_look() for all passes, at the
+ * time that it gives, if nothing happens before.  STRICT_NEVER: there is
+ * nothing that only time will bring. */
+#define STRICT_NEVER UINT64_MAX
+uint64_t strict_tick(struct strict *s, uint64_t now_ms);
+
+/* Is there something for strict_next() to begin? */
+bool strict_has_work(const struct strict *s);
 
 /* --- passes --- */
 

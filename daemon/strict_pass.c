@@ -179,6 +179,14 @@ choose(const struct strict *s, enum strict_rank *rank)
     return best;
 }
 
+bool
+strict_has_work(const struct strict *s)
+{
+    enum strict_rank rank;
+
+    return !s->error && choose(s, &rank);
+}
+
 /* Copy what there is of a top: pixels may be NULL. */
 static bool
 copy_top(const struct strict *s, struct strict_pass *p,

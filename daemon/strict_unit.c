@@ -10,6 +10,10 @@
  * cost no traffic. */
 #define PARK_MS 200
 
+/* While a pass is under way others may wait for its facts, or for a piece of
+ * its bottom, or for columns that it can lend: so often it is looked at. */
+#define LOOK_MS 10
+
 /* Columns that are lent are traced here if nothing is heard of them for so long
  * when there is nothing else to do.  The coordinator sees to it earlier. */
 #define LOAN_MS 3000
@@ -382,22 +386,68 @@ park_facts(struct strict *s, struct strict_unit *u)
         out_facts(s, &s->lazy, u, i);
 }
 
-void
+/* Do the unit's facts go out when it has waited for long? */
+static bool
+will_keep(const struct strict *s, const struct strict_unit *u)
+{
+    return u->waiting && u->parked && !u->kept && !is_near(s, u);
+}
+
+/* Does somebody wait for what its pass has by now? */
+static bool
+is_awaited(const struct strict *s, const struct strict_unit *u)
+{
+    bool bottom = u->pass->true_top && !u->bottom_done &&
+                  u->last < frame_of(s, u->frame)->nlines;
+
+    return !u->gone && (bottom || u->twin || u->pass->lend > 0);
+}
+
+/* When to look at a unit again; the time that it waits is known. */
+static uint64_t
+due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
+{
+    uint64_t due = STRICT_NEVER;
+
+    if (u->pass)
+        return is_awaited(s, u) ? now_ms + LOOK_MS : due;
+    if (will_keep(s, u))
+        due = u->since_ms + PARK_MS;
+    if (u->blocked && u->waiting && due > u->since_ms + LOAN_MS)
+        due = u->since_ms + LOAN_MS;
+    return due;
+}
+
+static void
+tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
+{
+    bool waiting = pass_waits(s, u);
+
+    if (u->twin && !u->gone)
+        push_twin_facts(s, u);
+    if (waiting && !u->waiting)
+        u->since_ms = now_ms;
+    u->waiting = waiting;
+    unit_park(s, u);
+    if (will_keep(s, u) && now_ms - u->since_ms >= PARK_MS)
+        park_facts(s, u);
+    if (u->blocked && waiting && now_ms - u->since_ms >= LOAN_MS) {
+        loan_forget(u);
+        u->waiting = false;
+    }
+}
+
+uint64_t
 strict_tick(struct strict *s, uint64_t now_ms)
 {
-    for (struct strict_unit *u = s->units; u; u = u->next) {
-        bool waiting = pass_waits(s, u);
+    uint64_t due = STRICT_NEVER;
 
-        if (u->twin && !u->gone)
-            push_twin_facts(s, u);
-        if (waiting && !u->waiting)
-            u->since_ms = now_ms;
-        u->waiting = waiting;
-        unit_park(s, u);
-        if (waiting && u->parked && !u->kept &&
-            now_ms - u->since_ms >= PARK_MS && !is_near(s, u))
-            park_facts(s, u);
-        if (u->blocked && waiting && now_ms - u->since_ms >= LOAN_MS)
-            loan_forget(u);
+    for (struct strict_unit *u = s->units; u; u = u->next) {
+        uint64_t at;
+
+        tick_unit(s, u, now_ms);
+        at = due_ms(s, u, now_ms);
+        due = at < due ? at : due;
     }
+    return due;
 }

@@ -277,6 +277,7 @@ struct child {
     struct cluster *of;
     struct strict *strict;
     struct pool *pool;
+    uint64_t due; /* when its machine is to be told the time [ms] */
 };
 
 struct part {
@@ -349,6 +350,7 @@ on_children_news(void *arg)
     struct cluster *c = from->of;
     const struct msg *m;
 
+    from->due = pool_tick(from->pool, c->ms);
     while ((m = pool_message(from->pool, true))) {
         c->parked += m->type == MSG_PARKED;
         if (m->type == MSG_GAVE)
@@ -414,10 +416,9 @@ on_cluster_timer(uv_timer_t *timer)
     struct cluster *c = timer->data;
 
     c->ms += 60; /* a hurry: parked soon */
-    for (int i = 0; i < c->nchildren; i++) {
-        pool_tick(c->child[i].pool, c->ms);
-        on_children_news(&c->child[i]);
-    }
+    for (int i = 0; i < c->nchildren; i++)
+        if (c->ms >= c->child[i].due)
+            on_children_news(&c->child[i]);
 }
 
 static void
@@ -435,6 +436,7 @@ open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
         struct child *k = &c->child[i];
 
         k->of = c;
+        k->due = STRICT_NEVER;
         k->strict = strict_new(&c->q, 1, true, id);
         k->pool = pool_new(&f->loop, f->job, &f->frame, k->strict, nthreads,
                            false, on_part_rows, on_children_news, k, NULL);

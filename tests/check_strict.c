@@ -77,6 +77,7 @@ struct node {
     int life, last_line;
     struct strict *s;
     struct run *runs; /* passes under way, the innermost first */
+    uint64_t due;     /* when to look again if nothing happens */
 };
 
 /* A pass at work. */
@@ -556,6 +557,7 @@ look(struct node *d)
     for (struct run *r = d->runs; r; r = r->outer)
         if (r->life == d->life)
             strict_look(d->s, r->pass, r->team);
+    d->due = strict_tick(d->s, d->w->now);
     speak(d);
 }
 
@@ -757,6 +759,7 @@ run_pass(struct node *d)
     r.rows = calloc((size_t)w->q.width * (size_t)w->q.height, sizeof *r.rows);
     ck_assert(r.team && r.rows);
     d->runs = &r;
+    d->due = 0; /* its loop is told of a pass */
     w->depth++;
     team_work(r.team, NULL);
     w->depth--;
@@ -846,6 +849,7 @@ revive(struct world *w)
         strict_free(d->s);
         d->s = strict_new(&w->q, 1, w->paint, job_id);
         d->last_line = -1;
+        d->due = 0;
         d->up = true;
     }
 }
@@ -873,10 +877,8 @@ step(struct world *w)
         break;
     default:
         w->now += (uint64_t)any(w, 20);
-        if (w->node[node].up) {
-            strict_tick(w->node[node].s, w->now);
+        if (w->node[node].up && w->now >= w->node[node].due)
             look(&w->node[node]);
-        }
     }
 }
 
@@ -1214,6 +1216,53 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
 }
 END_TEST
 
+/* Nobody looks again without a reason; for one that waits there is none but
+ * that it may wait for long, for a pass what others want of it. */
+START_TEST(it_says_when_to_look_again)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_lend lend = { job_id, 0, 1, 32767 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    give_unit(s, &q, 0, 4, 8);
+    ck_assert(strict_has_work(s));
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    expect_pass(s, STRICT_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert(!strict_has_work(s));
+    ck_assert_uint_eq(strict_tick(s, 2000), 2200); /* its facts are kept */
+    ck_assert_uint_eq(strict_tick(s, 2199), 2200);
+    ck_assert_uint_eq(strict_tick(s, 2200), STRICT_NEVER);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010); /* pieces of its bottom */
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_lend(s, &lend);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010);
+    p->lend = 0;
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_twin(s, 0, 1);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_free(s);
+}
+END_TEST
+
 /* Its top comes again before it does, while a pass of it is ending. */
 START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 {
@@ -1318,6 +1367,7 @@ main(void)
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
+    tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);

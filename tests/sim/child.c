@@ -19,7 +19,7 @@
 #include <string.h>
 
 #define SLICE_PIXELS 40 /* at most, between two looks at the world */
-#define TICK_MS      30 /* at most, between two looks at the time */
+#define LATE_MS      20 /* at most, after the machine wanted the time */
 
 struct sim_task {
     struct net *net;
@@ -396,6 +396,32 @@ look_at_passes(struct sim_child *k)
     }
 }
 
+static void look(struct net *net, int node);
+
+static void
+tick(struct net *net, struct net_event *e)
+{
+    if (!alive(net, e))
+        return;
+    child_of(net, e->a)->tick_ms = 0;
+    look(net, e->a);
+}
+
+/* Tell the machine the time; it says when it is to be told again. */
+static void
+tell_time(struct net *net, int node)
+{
+    struct sim_child *k = child_of(net, node);
+    uint64_t due =
+        k->strict ? strict_tick(k->strict, net->now_ms) : STRICT_NEVER;
+
+    if (due == STRICT_NEVER || (k->tick_ms != 0 && k->tick_ms <= due))
+        return;
+    k->tick_ms = due;
+    later(net, node,
+          (unsigned)(due - net->now_ms) + net_random(net, LATE_MS) + 1, tick);
+}
+
 /* Something has changed. */
 static void
 look(struct net *net, int node)
@@ -408,22 +434,12 @@ look(struct net *net, int node)
         look_at_passes(k);
         SIM_CHECK(net, strict_error(k->strict) == 0);
     }
+    tell_time(net, node);
     speak(net, node);
     for (unsigned i = 0; i < threads; i++)
         if (!k->task[i] && !begin(net, node, (int)i))
             break;
-}
-
-static void
-tick(struct net *net, struct net_event *e)
-{
-    struct sim_child *k = child_of(net, e->a);
-
-    if (!alive(net, e) || !k->strict)
-        return;
-    strict_tick(k->strict, net->now_ms);
-    look(net, e->a);
-    later(net, e->a, 1 + net_random(net, TICK_MS), tick);
+    tell_time(net, node); /* of passes that others wait for */
 }
 
 /* The member has left. */
@@ -679,16 +695,6 @@ begin_lines(struct net *net, int node, uint32_t frame)
 }
 
 static void
-start_ticking(struct net *net, int node)
-{
-    struct sim_child *k = child_of(net, node);
-
-    if (!k->ticking)
-        later(net, node, 1 + net_random(net, TICK_MS), tick);
-    k->ticking = true;
-}
-
-static void
 take_unit(struct net *net, int node, const struct msg_unit *u)
 {
     struct sim_child *k = child_of(net, node);
@@ -698,7 +704,6 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
         SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
-        start_ticking(net, node);
         return;
     }
     SIM_CHECK(net, k->nwindows < sizeof k->windows / sizeof k->windows[0]);
@@ -744,7 +749,6 @@ take_strict(struct net *net, int node, const struct msg *m)
     case MSG_LOAN:
         begin_lines(net, node, m->loan.frame);
         SIM_CHECK(net, strict_loan(k->strict, &m->loan, NULL) == 0);
-        start_ticking(net, node);
         break;
     case MSG_BACK:
         strict_back(k->strict, &m->back);

@@ -104,7 +104,7 @@ struct sim_child {
     struct sim_task *task[SIM_THREADS]; /* NULL: the thread is idle */
     struct msg_unit windows[512];       /* that wait */
     unsigned nwindows;
-    bool ticking;
+    uint64_t tick_ms; /* the machine is to be told the time; 0: is not */
     double busy_s;
     unsigned nambient;
 };
