@@ -14,13 +14,21 @@
 /* Bytes of facts that no unit here asks for. */
 #define SPARE_FACTS (64u << 20)
 
+/* By another unit than that, or to be sent? */
+static bool
+is_needed_but_for(const struct strict *s, uint32_t frame, int line,
+                  const struct strict_unit *by)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (u != by && covers(u, frame, line))
+            return true;
+    return out_has_facts(s, frame, line);
+}
+
 static bool
 facts_needed(const struct strict *s, uint32_t frame, int line)
 {
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        if (covers(u, frame, line))
-            return true;
-    return out_has_facts(s, frame, line);
+    return is_needed_but_for(s, frame, line, NULL);
 }
 
 struct rad_facts *
@@ -155,26 +163,31 @@ facts_drop_table(struct strict *s, uint32_t frame)
     f->facts = NULL;
 }
 
-/* Facts of a unit that go with it, and nobody was told of. */
+/* Those of a line that go with the unit, and nobody was told of. */
+static uint64_t
+untold(const struct strict *s, const struct strict_unit *u, int line)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, line);
+
+    if (!facts || is_needed_but_for(s, u->frame, line, u))
+        return 0;
+    return rad_facts_fresh(facts) + rad_facts_late(facts);
+}
+
 uint64_t
 facts_untold(const struct strict *s, const struct strict_unit *u)
 {
     uint64_t n = 0;
 
-    for (int i = u->first; i < u->last; i++) {
-        const struct rad_facts *facts = facts_at(s, u->frame, i);
-
-        if (facts && !facts_needed(s, u->frame, i))
-            n += rad_facts_fresh(facts);
-    }
+    for (int i = u->make_top ? u->first - 1 : u->first; i < u->last; i++)
+        n += untold(s, u, i);
     return n;
 }
 
-/* Facts of its lines that are there for nothing. */
 uint64_t
 facts_unused(const struct strict *s, const struct strict_unit *u)
 {
-    uint64_t n = 0;
+    uint64_t n = u->make_top ? untold(s, u, u->first - 1) : 0;
 
     for (int i = u->first; i < u->last; i++) {
         const struct rad_facts *facts = facts_at(s, u->frame, i);

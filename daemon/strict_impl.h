@@ -232,7 +232,7 @@ void facts_drop(struct strict *s, uint32_t frame, int line);
 /* With many frames, do not keep what those that are done had. */
 void facts_drop_table(struct strict *s, uint32_t frame);
 /* Facts of a unit that go with it, and nobody was told of; and those of its
- * lines that are there for nothing. */
+ * lines that are there for nothing, with the top that it made in vain. */
 uint64_t facts_untold(const struct strict *s, const struct strict_unit *u);
 uint64_t facts_unused(const struct strict *s, const struct strict_unit *u);
 void facts_release(struct strict *s);

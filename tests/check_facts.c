@@ -75,6 +75,26 @@ START_TEST(what_nobody_used_is_counted)
 }
 END_TEST
 
+/* Others were first while it was traced here. */
+START_TEST(what_was_known_when_it_was_traced_is_counted)
+{
+    struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
+
+    put(f, 0, RAD_FACT_FOREIGN);
+    put(f, 1, 0);
+    ck_assert_uint_eq(rad_facts_late(f), 0);
+    ck_assert(!put(f, 0, RAD_FACT_USED));
+    ck_assert(!put(f, 1, 0));
+    ck_assert(!put(f, 1, RAD_FACT_FOREIGN)); /* came twice */
+    ck_assert(!put(f, 1, RAD_FACT_ESTIMATE));
+    ck_assert_uint_eq(rad_facts_late(f), 2);
+    ck_assert_uint_eq(rad_facts_doubled(f), 2);
+    rad_facts_settle(f);
+    ck_assert_uint_eq(rad_facts_doubled(f), 0);
+    rad_facts_free(f);
+}
+END_TEST
+
 START_TEST(other_workers_facts_are_met_where_they_are)
 {
     struct rad_facts *f = rad_facts_new(WIDTH, ROWS);
@@ -324,6 +344,7 @@ main(void)
 
     tcase_add_test(tc, the_first_fact_of_a_pixel_is_kept);
     tcase_add_test(tc, what_nobody_used_is_counted);
+    tcase_add_test(tc, what_was_known_when_it_was_traced_is_counted);
     tcase_add_test(tc, other_workers_facts_are_met_where_they_are);
     tcase_add_test(tc, facts_made_here_are_given_once);
     tcase_add_test(tc, settled_facts_are_not_given);

@@ -28,6 +28,7 @@ struct rad_facts {
     _Atomic(uint8_t) *state;   /* [atomic] */
     struct rad_pixel *pixels;  /* each written while its state is BUSY */
     _Atomic(size_t) made_here; /* [atomic] relaxed: only tells of news */
+    _Atomic(size_t) made_late; /* [atomic] relaxed: when they were known */
     uint8_t *given;            /* [exporter] bitmap */
     size_t ngiven;             /* [exporter] */
 };
@@ -107,12 +108,17 @@ bool
 rad_facts_put(struct rad_facts *f, int x, int row, const struct rad_pixel *p,
               unsigned origin)
 {
+    const unsigned elsewhere = RAD_FACT_FOREIGN | RAD_FACT_ESTIMATE;
     size_t i = at(f, x, row);
     uint8_t s = EMPTY;
 
-    if (!atomic_compare_exchange_strong_explicit(
-            &f->state[i], &s, BUSY, memory_order_relaxed, memory_order_relaxed))
+    if (!atomic_compare_exchange_strong_explicit(&f->state[i], &s, BUSY,
+                                                 memory_order_relaxed,
+                                                 memory_order_relaxed)) {
+        if (!(origin & elsewhere))
+            atomic_fetch_add_explicit(&f->made_late, 1, memory_order_relaxed);
         return false;
+    }
     f->pixels[i] = *p;
     atomic_store_explicit(&f->state[i], (uint8_t)(KNOWN | origin),
                           memory_order_release);
@@ -175,9 +181,15 @@ is_new(const struct rad_facts *f, int x, int row, unsigned origin)
 }
 
 size_t
+rad_facts_late(const struct rad_facts *f)
+{
+    return atomic_load_explicit(&f->made_late, memory_order_relaxed);
+}
+
+size_t
 rad_facts_doubled(const struct rad_facts *f)
 {
-    size_t n = 0;
+    size_t n = rad_facts_late(f);
 
     for (int row = 0; row < f->rows; row++)
         for (int x = 0; x < f->width; x++)
@@ -222,6 +234,7 @@ rad_facts_settle(struct rad_facts *f)
 {
     size_t stride = rad_facts_stride(f->width);
 
+    atomic_store_explicit(&f->made_late, 0, memory_order_relaxed);
     for (int row = 0; row < f->rows; row++)
         for (int x = 0; x < f->width; x++)
             if (is_new(f, x, row, 0) || is_new(f, x, row, RAD_FACT_ESTIMATE)) {

@@ -53,9 +53,13 @@ bool rad_facts_met(const struct rad_facts *f, int row, int n, int x, int width);
  * nothing, once the line is done. */
 size_t rad_facts_unused(const struct rad_facts *f);
 
-/* Facts made here that came from elsewhere as well, so were traced twice, but
- * for those that export gave: they may only have come back.  By the exporter.
- */
+/* Times that a pixel was known when somebody here had traced it (not for an
+ * estimate), until rad_facts_settle(). */
+size_t rad_facts_late(const struct rad_facts *f);
+
+/* These, and facts made here that came from elsewhere as well, so were traced
+ * twice, but for those that export gave: they may only have come back.  By the
+ * exporter. */
 size_t rad_facts_doubled(const struct rad_facts *f);
 
 /* Facts that export has not given yet, of both kinds: an upper bound. */
@@ -73,7 +77,8 @@ size_t rad_facts_stride(int width);
 size_t rad_facts_export(struct rad_facts *f, int row, int n, int channels,
                         unsigned origin, uint8_t *bitmap, float *pixels);
 
-/* Give nothing of what is there: nobody has a use for it any more.  Thread: as
+/* Give nothing of what is there, and count none of it again: nobody has a use
+ * for it any more.  Thread: as
  * export. */
 void rad_facts_settle(struct rad_facts *f);
 
