@@ -8,6 +8,8 @@ libdaemon_a_SOURCES = \
 	daemon/action.h \
 	daemon/address.c \
 	daemon/address.h \
+	daemon/ambseen.c \
+	daemon/ambseen.h \
 	daemon/ambshare.c \
 	daemon/ambshare.h \
 	daemon/balance.c \

@@ -8,6 +8,7 @@
 #ifndef RADD_DAEMON_RENDER_IMPL_H
 #define RADD_DAEMON_RENDER_IMPL_H
 
+#include "ambseen.h"
 #include "ambshare.h"
 #include "conn.h"
 #include "pool.h"
@@ -44,6 +45,7 @@ struct render {
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct give *gives;
+    struct ambseen seen;  /* records that the cache has */
     uint64_t loaded;      /* where records begin that others may lack */
     double doubled;       /* share of late that was redundant */
     uint64_t first_ms;    /* records were drained; 0: not yet */

@@ -47,8 +47,13 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
     struct wire_out w;
 
     wire_out_init(&w, MSG_MAX_AMBIENT);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
+        size_t at = w.len;
+
         ambshare_pack(&w, &recs[i]);
+        if (r->share && to == 0 && !w.bad) /* one may be given it back */
+            ambseen_add(&r->seen, w.buf + at);
+    }
     m.ambient.to = to;
     m.ambient.count = (uint32_t)n;
     m.ambient.data = w.buf;
@@ -140,7 +145,9 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
         return;
     wire_in_init(&in, a->data, a->len);
     for (uint32_t i = 0; i < a->count && !in.bad; i++) {
-        if (!ambshare_unpack(&in, &recs[n]))
+        const uint8_t *bytes = a->data + (size_t)i * AMBSHARE_BYTES;
+
+        if (!ambshare_unpack(&in, &recs[n]) || !ambseen_add(&r->seen, bytes))
             continue;
         if (r->received++ % METER_EACH == 0)
             meter(r, &recs[n]);
@@ -221,6 +228,7 @@ render_records_again(struct render *r)
 {
     for (struct give *g = r->gives; g; g = g->next)
         g->cursor = r->loaded;
+    ambseen_release(&r->seen);
     /* an empty cache again, in which much is wanted by several at once */
     r->first_ms = 0;
     r->doubled = 0;
@@ -231,6 +239,7 @@ render_records_again(struct render *r)
 void
 render_records_release(struct render *r)
 {
+    ambseen_release(&r->seen);
     while (r->gives) {
         struct give *g = r->gives;
 
