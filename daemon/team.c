@@ -192,6 +192,15 @@ team_primary(const struct team *t)
     return atomic_load_explicit(&t->primary, memory_order_relaxed);
 }
 
+/* They are written before they are read, and to clear them takes as long as a
+ * pass over facts; but what borrows columns looks beyond them, too. */
+static struct rad_pixel *
+make_pixels(const struct team *t, size_t n)
+{
+    return t->spec.loan ? calloc(n, sizeof *t->pixels)
+                        : malloc(n * sizeof *t->pixels);
+}
+
 /* Every buffer; the lines' densities and pixels lie one after the other. */
 static bool
 make_buffers(struct team *t)
@@ -201,8 +210,7 @@ make_buffers(struct team *t)
 
     t->lines = calloc(n, sizeof *t->lines);
     t->density = calloc(n + 1, t->ndensity + 1);
-    t->pixels =
-        calloc((early + n + (size_t)t->nslots) * width, sizeof *t->pixels);
+    t->pixels = make_pixels(t, (early + n + (size_t)t->nslots) * width);
     if (early > 0)
         t->known = calloc(early * width, sizeof *t->known);
     if (!t->lines || !t->density || !t->pixels || (early > 0 && !t->known))
