@@ -130,10 +130,12 @@ START_TEST(a_coded_row_tells_where_it_ends)
     int width = row_widths[_i];
     struct rad_rgb *L = calloc((size_t)width, sizeof *L);
     uint8_t *row = malloc(RAD_HDR_ROW_BYTES(width));
+    uint8_t *again = malloc(RAD_HDR_ROW_BYTES(width));
+    uint8_t *rgbe = malloc(4 * (size_t)width + 4), one[4];
     bool flat = width < 8 || width > 32767;
     size_t n;
 
-    ck_assert(L && row);
+    ck_assert(L && row && again && rgbe);
     for (int x = 0; x < width; x++)
         L[x] = rad_grey((float)(x % 97 < 40 ? 1 : x));
     n = rad_hdr_encode_row(L, width, row);
@@ -143,12 +145,25 @@ START_TEST(a_coded_row_tells_where_it_ends)
     ck_assert_uint_eq(rad_hdr_row_bytes(row, n - 1, width), 0);
     ck_assert_uint_eq(rad_hdr_row_bytes(row, 0, width), 0);
     ck_assert(flat || rad_hdr_row_bytes(row, n, width + 1) == 0);
+    /* and decodes to the pixels that it was made of, and these to it */
+    ck_assert_uint_eq(rad_hdr_decode_row(row, n + 7, width, rgbe), n);
+    for (int x = 0; x < width; x++) {
+        rad_rgbe(L[x], one);
+        ck_assert_mem_eq(rgbe + 4 * x, one, 4);
+    }
+    ck_assert_uint_eq(rad_hdr_encode_rgbe(rgbe, width, again), n);
+    ck_assert_mem_eq(row, again, n);
+    ck_assert_uint_eq(rad_hdr_decode_row(row, n - 1, width, rgbe), 0);
+    ck_assert(flat || rad_hdr_decode_row(row, n, width + 1, rgbe) == 0);
     row[4] = 0; /* a count of none */
     ck_assert(flat || rad_hdr_row_bytes(row, n, width) == 0);
+    ck_assert(flat || rad_hdr_decode_row(row, n, width, rgbe) == 0);
     row[4] = 255; /* more than what is left at the end of a component */
     ck_assert(flat || width > 127 || rad_hdr_row_bytes(row, n, width) == 0);
     free(L);
     free(row);
+    free(again);
+    free(rgbe);
 }
 END_TEST
 

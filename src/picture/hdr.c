@@ -384,27 +384,43 @@ is_flat(int width)
     return width < SHORTEST_CODED || width > LONGEST_CODED;
 }
 
-static inline size_t
-encode_row(const float *row, int step, int width, uint8_t *out)
+/* Bytes by component are in the upper half of a row's room, their coding in the
+ * lower. */
+static inline struct planes
+planes_of(uint8_t *out, int width)
 {
-    /* bytes by component in the upper half, their coding in the lower */
-    uint8_t *upper = out + RAD_HDR_ROW_BYTES(width) / 2, *at = out;
-    struct planes planes = { { upper, upper + width, upper + 2 * width,
-                               upper + 3 * width } };
+    uint8_t *upper = out + RAD_HDR_ROW_BYTES(width) / 2;
 
-    if (is_flat(width)) {
-        for (int x = 0; x < width; x++, at += 4)
-            rad_rgbe(colour_at(row, step, x), at);
-        return (size_t)(at - out);
-    }
-    code_row(row, step, width, &planes);
+    return (struct planes){ { upper, upper + width, upper + 2 * width,
+                              upper + 3 * width } };
+}
+
+static inline size_t
+encode_planes(const struct planes *planes, int width, uint8_t *out)
+{
+    uint8_t *at = out;
+
     *at++ = 2;
     *at++ = 2;
     *at++ = (uint8_t)(width >> 8);
     *at++ = (uint8_t)(width & 255);
     for (int i = 0; i < 4; i++)
-        at = encode_component(planes.c[i], width, at);
+        at = encode_component(planes->c[i], width, at);
     return (size_t)(at - out);
+}
+
+static inline size_t
+encode_row(const float *row, int step, int width, uint8_t *out)
+{
+    struct planes planes = planes_of(out, width);
+
+    if (is_flat(width)) {
+        for (int x = 0; x < width; x++)
+            rad_rgbe(colour_at(row, step, x), out + 4 * (ptrdiff_t)x);
+        return 4 * (size_t)width;
+    }
+    code_row(row, step, width, &planes);
+    return encode_planes(&planes, width, out);
 }
 
 size_t
@@ -456,6 +472,21 @@ rad_hdr_row_bytes(const uint8_t *code, size_t len, int width)
         at += n;
     }
     return at;
+}
+
+size_t
+rad_hdr_encode_rgbe(const uint8_t *rgbe, int width, uint8_t *out)
+{
+    struct planes planes = planes_of(out, width);
+
+    if (is_flat(width)) {
+        memcpy(out, rgbe, 4 * (size_t)width);
+        return 4 * (size_t)width;
+    }
+    for (int x = 0; x < width; x++)
+        for (int k = 0; k < 4; k++)
+            planes.c[k][x] = rgbe[4 * (ptrdiff_t)x + k];
+    return encode_planes(&planes, width, out);
 }
 
 void
@@ -693,6 +724,22 @@ decode_row(struct reader *in, uint8_t *rgbe)
         if ((rc = decode_component(in, rgbe + c, n)) < 0)
             return rc;
     return 0;
+}
+
+size_t
+rad_hdr_decode_row(const uint8_t *code, size_t len, int width, uint8_t *rgbe)
+{
+    struct reader in = { .at = code, .end = code + len, .nlength = width };
+
+    if (is_flat(width)) {
+        if (len < 4 * (size_t)width)
+            return 0;
+        memcpy(rgbe, code, 4 * (size_t)width);
+        return 4 * (size_t)width;
+    }
+    if (len < 4 || code[0] != 2 || code[1] != 2 || code[2] > 127)
+        return 0;
+    return decode_row(&in, rgbe) < 0 ? 0 : (size_t)(in.at - code);
 }
 
 /* Decode all rows into *rgbe, which grows with them. */

@@ -56,6 +56,13 @@ size_t rad_hdr_encode_pixels(const struct rad_pixel *row, int width,
 #define RAD_HDR_CODED_BYTES(width) (RAD_HDR_ROW_BYTES(width) / 2)
 size_t rad_hdr_row_bytes(const uint8_t *code, size_t len, int width);
 
+/* Four bytes a pixel of such a row, and back: the bytes are those of the one
+ * that was decoded.  rad_hdr_decode_row() returns as rad_hdr_row_bytes(); rgbe,
+ * of 4 * width bytes, may be written to where it is 0. */
+size_t rad_hdr_decode_row(const uint8_t *code, size_t len, int width,
+                          uint8_t *rgbe);
+size_t rad_hdr_encode_rgbe(const uint8_t *rgbe, int width, uint8_t *out);
+
 /* A whole picture in memory. */
 struct rad_picture {
     int width, height;
