@@ -79,6 +79,8 @@ struct action_rows {
     const struct msg_counts *counts; /* with last */
     const uint8_t *bottom;           /* likewise; see struct saved_unit */
     uint32_t nbottom;
+    const uint8_t *line; /* with bottom of coded ones: the last row's colours,
+                          * width * 3 floats as on the wire; NULL: none */
     uint64_t now_ms;
 };
 

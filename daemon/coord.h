@@ -30,8 +30,6 @@ struct coord_env {
                            * all others; 0: 64 (ring.h) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
-    bool coded; /* rows come coded where they can; not with keeps, which needs
-                 * base lines as floats */
 };
 
 /* Who is at the other end, as far as the shell knows. */

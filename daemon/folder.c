@@ -29,7 +29,7 @@ struct folder_job {
     uint8_t id[MSG_JOB];
     char *params;
     bool depth;
-    int channels; /* of its rows */
+    enum rows_kind kind;
     uint32_t nframes;
     struct frame_rows *frames;
 };
@@ -130,15 +130,27 @@ copy_frames(struct folder_job *j, const struct msg_spec *spec)
     return true;
 }
 
+/* Coded rows as they come are for who has but one life; those of windows are
+ * parts of the picture's. */
+static enum rows_kind
+kind_of(const struct folder *f, const struct msg_spec *spec)
+{
+    if (!(spec->flags & MSG_JOB_CODED))
+        return spec->flags & MSG_JOB_DEPTH ? ROWS_DISTANCES : ROWS_COLOURS;
+    return f->durable || spec->partition == MSG_PART_WINDOW ? ROWS_RGBE
+                                                            : ROWS_CODED;
+}
+
 static struct folder_job *
-new_job(const struct msg_spec *spec, struct rad_error *err)
+new_job(const struct folder *f, const struct msg_spec *spec,
+        struct rad_error *err)
 {
     struct folder_job *j = calloc(1, sizeof *j);
 
     if (j) {
         memcpy(j->id, spec->job, MSG_JOB);
         j->depth = spec->flags & MSG_JOB_DEPTH;
-        j->channels = spec->flags & MSG_JOB_CODED ? 1 : j->depth ? 4 : 3;
+        j->kind = kind_of(f, spec);
         j->params = strdup(spec->params);
         j->frames = calloc(spec->nframes, sizeof *j->frames);
         j->nframes = j->frames ? spec->nframes : 0;
@@ -183,8 +195,8 @@ make_rows(struct folder *f, struct folder_job *j, struct rad_error *err)
         struct frame_rows *r = &j->frames[i];
 
         frame_path(f, j->id, i, ".rows", path);
-        rc = rows_create(&r->rows, path, r->rows.width, r->rows.height,
-                         j->channels, f->durable, err);
+        rc = rows_create(&r->rows, path, r->rows.width, r->rows.height, j->kind,
+                         f->durable, err);
         r->open = rc == 0;
     }
     return rc;
@@ -217,9 +229,10 @@ check_size(const struct folder *f, const struct folder_job *j,
         return 0; /* whoever needs the room notices */
     for (uint32_t i = 0; i < j->nframes; i++) {
         const struct rows *r = &j->frames[i].rows;
+        uint64_t floats = j->kind == ROWS_RGBE ? 1 : (uint64_t)j->kind;
 
-        need += (uint64_t)r->width * (uint64_t)r->height *
-                (uint64_t)j->channels * sizeof(float);
+        need +=
+            (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
     }
     all = (uint64_t)fs.f_blocks * fs.f_frsize;
     if (all == 0 || need <= all) /* 0: it does not say */
@@ -234,7 +247,7 @@ int
 folder_make(struct folder *f, const struct msg_spec *spec,
             struct rad_error *err)
 {
-    struct folder_job *j = new_job(spec, err);
+    struct folder_job *j = new_job(f, spec, err);
     char path[DISK_PATH_MAX];
     int rc;
 
@@ -300,8 +313,7 @@ take_rows(const struct folder *f, struct folder_job *j, uint32_t i,
     int rc;
 
     frame_path(f, j->id, i, ".rows", path);
-    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height, j->channels,
-                   err);
+    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height, j->kind, err);
     r->open = rc == 0;
     return rc;
 }
@@ -310,7 +322,7 @@ int
 folder_take_up(struct folder *f, const struct saved_job *s, bool over,
                struct rad_error *err)
 {
-    struct folder_job *j = new_job(&s->spec, err);
+    struct folder_job *j = new_job(f, &s->spec, err);
     int rc = 0;
 
     if (!j)
@@ -406,23 +418,41 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
 
 /* --- rows --- */
 
+static int
+put_coded(struct rows *r, const struct action_rows *k, const void *pixels,
+          size_t n, const float *line, uint64_t *sum, struct rad_error *err)
+{
+    uint32_t last = k->y + k->rows - 1;
+    int rc = rows_write_coded(r, (int)k->x, (int)k->y, (int)k->width,
+                              (int)k->rows, pixels, n, sum, err);
+
+    if (rc == 0 && line)
+        rc = rows_write_line(r, (int)last, line, err);
+    if (rc == 0 && line && sum)
+        *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), last, 1);
+    return rc;
+}
+
 int
 folder_put_rows(struct folder *f, const struct action_rows *k,
-                const void *pixels, size_t n, struct rad_error *err)
+                const void *pixels, size_t n, const float *line, uint64_t *sum,
+                struct rad_error *err)
 {
     struct frame_rows *r;
     struct folder_job *j;
     int rc = find_frame(f, k->job, k->frame, &j, &r, err);
 
-    if (rc == 0 && k->channels != r->rows.channels)
-        rc = rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
-                      k->channels, r->rows.channels);
-    if (rc == 0 && k->channels == 1)
-        rc =
-            rows_write_coded(&r->rows, (int)k->y, (int)k->rows, pixels, n, err);
-    else if (rc == 0)
-        rc = rows_write(&r->rows, (int)k->x, (int)k->y, (int)k->width,
-                        (int)k->rows, pixels, err);
+    if (rc < 0)
+        return rc;
+    if (k->channels == 1)
+        return put_coded(&r->rows, k, pixels, n, line, sum, err);
+    if (k->channels != (int)r->rows.kind)
+        return rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
+                        k->channels, (int)r->rows.kind);
+    rc = rows_write(&r->rows, (int)k->x, (int)k->y, (int)k->width, (int)k->rows,
+                    pixels, err);
+    if (rc == 0 && sum)
+        *sum = rowsum(pixels, n / k->rows, k->y, k->rows);
     return rc;
 }
 
@@ -433,46 +463,67 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     struct frame_rows *r;
     struct folder_job *j;
     int rc = find_frame(f, id, frame, &j, &r, err);
+    bool line;
     float *row;
     size_t n;
 
     if (rc < 0)
         return rc;
-    n = (size_t)r->rows.width * (size_t)r->rows.channels;
-    row = malloc(n * sizeof *row);
+    line = r->rows.kind == ROWS_RGBE;
+    n = line ? ROWS_LINE_BYTES(r->rows.width)
+             : rows_bytes(&r->rows, r->rows.width);
+    row = malloc(n);
     if (!row)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = rows_read(&r->rows, (int)y, row, err);
+    rc = line ? rows_read_line(&r->rows, (int)y, row, err)
+              : rows_read(&r->rows, (int)y, row, err);
     if (rc == 0)
-        wire_floats_put(pixels, row, n);
+        wire_floats_put(pixels, row, n / sizeof *row);
     free(row);
+    return rc;
+}
+
+/* Add the sum of a line. */
+static int
+sum_line(struct rows *r, uint32_t y, uint64_t *sum, struct rad_error *err)
+{
+    float *line = malloc(ROWS_LINE_BYTES(r->width));
+    int rc = line ? rows_read_line(r, (int)y, line, err)
+                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+
+    if (rc == 0)
+        *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), y, 1);
+    free(line);
     return rc;
 }
 
 int
 folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
-           const struct partition_area *a, uint32_t rows, uint64_t *sum,
-           struct rad_error *err)
+           const struct partition_area *a, uint32_t rows, bool line,
+           uint64_t *sum, struct rad_error *err)
 {
     struct frame_rows *r;
     struct folder_job *j;
     int rc = find_frame(f, id, a->frame, &j, &r, err);
-    float *row;
+    void *row;
     size_t n;
 
     *sum = 0;
     if (rc < 0)
         return rc;
-    n = (size_t)a->width * (size_t)r->rows.channels * sizeof *row;
+    n = rows_bytes(&r->rows, (int)a->width);
     row = malloc(n);
     if (!row)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (uint32_t i = 0; i < rows && rc == 0; i++) {
         rc = rows_read_part(&r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
                             row, err);
-        *sum ^= rowsum(row, n, a->y + i, 1);
+        if (rc == 0)
+            *sum ^= rowsum(row, n, a->y + i, 1);
     }
     free(row);
+    if (rc == 0 && line && rows > 0 && r->rows.kind == ROWS_RGBE)
+        rc = sum_line(&r->rows, a->y + rows - 1, sum, err);
     return rc;
 }
 

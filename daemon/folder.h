@@ -43,18 +43,22 @@ void folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
 /* Bytes that its files take. */
 uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 
-/* pixels is n bytes, of floats or coded.  RAD_EPROTO when they do not lie in
- * the picture. */
+/* pixels is n bytes, of floats or coded; line, which may be NULL, what goes
+ * with coded ones: floats of the last row.  Where sum is not NULL it gets their
+ * rowsum(), as they are in the file.  RAD_EPROTO when they do not lie in the
+ * picture. */
 int folder_put_rows(struct folder *f, const struct action_rows *key,
-                    const void *pixels, size_t n, struct rad_error *err);
-/* Row y, as it travels. */
+                    const void *pixels, size_t n, const float *line,
+                    uint64_t *sum, struct rad_error *err);
+/* Row y, as in a BASE_LINE; of coded ones it must have been put as a line. */
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,
                     struct rad_error *err);
-/* rowsum() of the first rows of an area, as they are in the file. */
+/* rowsum() of the first rows of an area, as they are in the file; line: that of
+ * the last of them was put, too. */
 int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
-               const struct partition_area *a, uint32_t rows, uint64_t *sum,
-               struct rad_error *err);
+               const struct partition_area *a, uint32_t rows, bool line,
+               uint64_t *sum, struct rad_error *err);
 /* What was written to rows lasts. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

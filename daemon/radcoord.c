@@ -687,8 +687,7 @@ open_store(struct radcoord *r, struct rad_error *err)
                              .arg = r,
                              .look = look,
                              .program = "radcoord " PACKAGE_VERSION,
-                             .keeps = !r->set.common.embedded,
-                             .coded = r->set.common.embedded };
+                             .keeps = !r->set.common.embedded };
     uint64_t epoch;
 
     r->store = store_open(&r->daemon.loop, r->set.state,

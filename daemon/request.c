@@ -176,15 +176,12 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
         conn->watch = job;
 }
 
-/* Rows come as they lie in the picture where nothing else is made of them: no
- * distances, no base lines for another life; and where they are whole, which
- * those of windows are not. */
+/* Rows come as they lie in the picture, unless distances come with them. */
 static void
-choose_coding(const struct coord *c, struct job *job)
+choose_coding(struct job *job)
 {
     job->spec.flags &= ~MSG_JOB_CODED;
-    if (c->env.coded && !(job->spec.flags & MSG_JOB_DEPTH) &&
-        job->spec.partition != MSG_PART_WINDOW)
+    if (!(job->spec.flags & MSG_JOB_DEPTH))
         job->spec.flags |= MSG_JOB_CODED;
 }
 
@@ -209,7 +206,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         c->actions.failed = true;
         return;
     }
-    choose_coding(c, job);
+    choose_coding(job);
     job->submit_ms = c->now_ms;
     job->offer_ms = conn->offer_ms ? conn->offer_ms : c->now_ms;
     job->sent_bytes = conn->sent_bytes;

@@ -6,6 +6,7 @@
 #include "picture/hdr.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -40,6 +41,34 @@ result_fits(const struct job *job, const struct msg_result *m,
            (m->channels > 1 || is_coded_right(m));
 }
 
+/* Version 1 has no coded rows: code them here.  What comes of it lasts as long
+ * as actions; NULL: memory is out. */
+static const struct msg_result *
+code_rows(struct coord *c, const struct msg_result *m)
+{
+    size_t most = RAD_HDR_CODED_BYTES(m->width), pixel = 3 * sizeof(float);
+    struct rad_rgb *row = malloc((size_t)m->width * sizeof *row);
+    /* what the last row takes to work in lies behind it */
+    uint8_t *code = rad_arena_alloc(&c->actions.mem, (m->rows + 1) * most);
+    struct msg_result *to = rad_arena_alloc(&c->actions.mem, sizeof *to);
+
+    if (row && code && to) {
+        *to = *m;
+        to->channels = 1;
+        to->pixels = code;
+        to->len = 0;
+    }
+    for (uint32_t i = 0; row && code && to && i < m->rows; i++) {
+        const uint8_t *from = m->pixels + (size_t)i * m->width * pixel;
+
+        wire_floats_get(&row->r, from, 3 * (size_t)m->width);
+        to->len += rad_hdr_encode_row(row, (int)m->width, code + to->len);
+    }
+    free(row);
+    c->actions.failed |= !row || !code || !to;
+    return row && code ? to : NULL;
+}
+
 /* The worker that lost the unit turns out to have rows of it, and nobody else
  * began it.  False: memory is out. */
 static bool
@@ -65,6 +94,8 @@ add_bottom(const struct job *job, const struct msg_result *m,
     partition_unit_lines(job->partition, m->unit, &first, &last);
     r->bottom = shared_densities(job->shared, r->frame, last - 1);
     r->nbottom = r->bottom ? shared_ndensity(job->shared, r->frame) : 0;
+    if (m->channels == 1)
+        r->line = shared_pixels(job->shared, r->frame, last - 1);
 }
 
 static void
@@ -219,18 +250,15 @@ note_end(struct job *job, uint32_t index, const struct msg_result *m)
         go->spent = true;
 }
 
-void
-sched_result(struct coord *c, struct coord_worker *w,
-             const struct msg_result *m)
+/* Rows as they are kept. */
+static void
+take_result(struct coord *c, struct coord_worker *w, struct job *job,
+            uint32_t index, const struct msg_result *m)
 {
     struct partition_area a;
     struct job_unit *u;
     struct job_go *go;
-    uint32_t index;
-    struct job *job = sched_job_of(c, w, m->job, &index);
 
-    if (!job)
-        return;
     if (!job->partition) { /* of an earlier life, that kept nothing of it */
         ack(c, w, job, m);
         return;
@@ -283,6 +311,21 @@ sched_result(struct coord *c, struct coord_worker *w,
         delivered(c, job, m->unit, go);
     }
     put_rows(c, job, w->conn, m, &a);
+}
+
+void
+sched_result(struct coord *c, struct coord_worker *w,
+             const struct msg_result *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (m->channels == 3 && job_channels(job) == 1)
+        m = code_rows(c, m);
+    if (m)
+        take_result(c, w, job, index, m);
 }
 
 /* --- rows that are kept --- */

@@ -34,7 +34,8 @@ rowcheck_job(struct folder *f, const struct saved_job *saved,
         *u = saved->units[i];
         if (u->stored == 0 || saved->written[u->area.frame])
             continue;
-        rc = folder_sum(f, saved->spec.job, &u->area, u->stored, &sum, err);
+        rc = folder_sum(f, saved->spec.job, &u->area, u->stored, u->nbottom > 0,
+                        &sum, err);
         if (rc < 0 || sum == u->sum)
             continue;
         make_new(u);

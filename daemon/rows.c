@@ -4,6 +4,7 @@
 #include "rows.h"
 
 #include "disk.h"
+#include "rowsum.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -18,16 +19,18 @@
 /* Coded bytes that are copied at a time, but for long rows. */
 #define COPY_BYTES (64u << 10)
 
-static size_t
-row_bytes(const struct rows *r, int width)
+size_t
+rows_bytes(const struct rows *r, int w)
 {
-    return (size_t)width * (size_t)r->channels * sizeof(float);
+    if (r->kind == ROWS_RGBE)
+        return 4 * (size_t)w;
+    return (size_t)w * (size_t)r->kind * sizeof(float);
 }
 
 /* The file's name and what lies in it. */
 static int
-describe(struct rows *r, const char *path, int width, int height, int channels,
-         struct rad_error *err)
+describe(struct rows *r, const char *path, int width, int height,
+         enum rows_kind kind, struct rad_error *err)
 {
     memset(r, 0, sizeof *r);
     r->fd = -1;
@@ -36,36 +39,47 @@ describe(struct rows *r, const char *path, int width, int height, int channels,
     memcpy(r->path, path, strlen(path) + 1);
     r->width = width;
     r->height = height;
-    r->channels = channels;
+    r->kind = kind;
     return 0;
 }
 
-/* Coded rows take what they take. */
+/* Of the pixels.  Coded rows take what they take. */
+static off_t
+pixels_size(const struct rows *r)
+{
+    if (r->kind == ROWS_CODED)
+        return 0;
+    return (off_t)rows_bytes(r, r->width) * r->height;
+}
+
+static off_t
+line_at(const struct rows *r, int y)
+{
+    return pixels_size(r) + (off_t)ROWS_LINE_BYTES(r->width) * y;
+}
+
 static off_t
 whole_size(const struct rows *r)
 {
-    if (r->channels == 1)
-        return 0;
-    return (off_t)row_bytes(r, r->width) * r->height;
+    return r->kind == ROWS_RGBE ? line_at(r, r->height) : pixels_size(r);
 }
 
 int
 rows_create(struct rows *r, const char *path, int width, int height,
-            int channels, bool durable, struct rad_error *err)
+            enum rows_kind kind, bool durable, struct rad_error *err)
 {
-    int rc = describe(r, path, width, height, channels, err), number;
+    int rc = describe(r, path, width, height, kind, err), number;
 
     if (rc < 0)
         return rc;
-    if (durable && channels == 1)
+    if (durable && kind == ROWS_CODED)
         return rad_fail(err, RAD_EINTERNAL, "coded rows do not last");
     r->fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
     if (r->fd < 0)
         return disk_fail(err, errno, "create", path);
-    if (durable)
-        number = posix_fallocate(r->fd, 0, whole_size(r));
-    else
-        number = ftruncate(r->fd, whole_size(r)) < 0 ? errno : 0;
+    number = durable ? posix_fallocate(r->fd, 0, pixels_size(r)) : 0;
+    if (number == 0 && ftruncate(r->fd, whole_size(r)) < 0)
+        number = errno;
     if (number != 0)
         rc = disk_fail(err, number, "make room for", path);
     else if (durable)
@@ -77,10 +91,10 @@ rows_create(struct rows *r, const char *path, int width, int height,
 }
 
 int
-rows_open(struct rows *r, const char *path, int width, int height, int channels,
-          struct rad_error *err)
+rows_open(struct rows *r, const char *path, int width, int height,
+          enum rows_kind kind, struct rad_error *err)
 {
-    int rc = describe(r, path, width, height, channels, err);
+    int rc = describe(r, path, width, height, kind, err);
     struct stat st;
 
     if (rc < 0)
@@ -102,28 +116,36 @@ use(struct rows *r, struct rad_error *err)
     return r->fd < 0 ? disk_fail(err, errno, "open", r->path) : 0;
 }
 
+static int
+check_place(const struct rows *r, int x, int y, int w, int h,
+            struct rad_error *err)
+{
+    if (x >= 0 && y >= 0 && w >= 1 && h >= 1 && w <= r->width - x &&
+        h <= r->height - y)
+        return 0;
+    return rad_fail(err, RAD_EPROTO,
+                    "pixels %d,%d %dx%d do not lie in a picture of %dx%d", x, y,
+                    w, h, r->width, r->height);
+}
+
 int
-rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
+rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
            struct rad_error *err)
 {
-    int step = h, rc;
+    int step = h, rc = check_place(r, x, y, w, h, err);
 
-    if (x < 0 || y < 0 || w < 1 || h < 1 || w > r->width - x ||
-        h > r->height - y)
-        return rad_fail(err, RAD_EPROTO,
-                        "pixels %d,%d %dx%d do not lie in a picture of %dx%d",
-                        x, y, w, h, r->width, r->height);
-    rc = use(r, err);
+    if (rc == 0)
+        rc = use(r, err);
     r->dirty |= rc == 0;
     if (w < r->width) /* not contiguous in the file */
         step = 1;
     for (int k = 0; k < h && rc == 0; k += step) {
         off_t at =
-            (off_t)row_bytes(r, r->width) * (y + k) + (off_t)row_bytes(r, x);
+            (off_t)rows_bytes(r, r->width) * (y + k) + (off_t)rows_bytes(r, x);
 
         rc = disk_write_at(r->fd,
-                           (const char *)pixels + row_bytes(r, w) * (size_t)k,
-                           row_bytes(r, w) * (size_t)step, at, r->path, err);
+                           (const char *)pixels + rows_bytes(r, w) * (size_t)k,
+                           rows_bytes(r, w) * (size_t)step, at, r->path, err);
     }
     return rc;
 }
@@ -153,17 +175,12 @@ place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
     return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
 }
 
-int
-rows_write_coded(struct rows *r, int y, int h, const void *code, size_t n,
-                 struct rad_error *err)
+static int
+append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+             struct rad_error *err)
 {
-    int rc;
+    int rc = use(r, err);
 
-    if (y < 0 || h < 1 || h > r->height - y)
-        return rad_fail(err, RAD_EPROTO,
-                        "rows %d to %d do not lie in a picture of %dx%d", y,
-                        y + h - 1, r->width, r->height);
-    rc = use(r, err);
     if (rc == 0)
         rc = place_rows(r, y, h, code, n, err);
     if (rc == 0)
@@ -171,6 +188,84 @@ rows_write_coded(struct rows *r, int y, int h, const void *code, size_t n,
     if (rc == 0)
         r->end += n;
     return rc;
+}
+
+/* Decode h rows of w pixels to rgbe. */
+static int
+decode_rows(int w, int h, const uint8_t *code, size_t n, uint8_t *rgbe,
+            struct rad_error *err)
+{
+    size_t at = 0;
+
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_decode_row(code + at, n - at, w,
+                                        rgbe + 4 * (size_t)w * (size_t)k);
+
+        if (row == 0)
+            break;
+        at += row;
+        if (k + 1 == h && at == n)
+            return 0;
+    }
+    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+}
+
+int
+rows_write_coded(struct rows *r, int x, int y, int w, int h,
+                 const uint8_t *code, size_t n, uint64_t *sum,
+                 struct rad_error *err)
+{
+    int rc = check_place(r, x, y, w, h, err);
+    uint8_t *rgbe;
+
+    if (rc < 0)
+        return rc;
+    if (r->kind == ROWS_CODED && w == r->width)
+        return append_coded(r, y, h, code, n, err);
+    if (r->kind != ROWS_RGBE)
+        return rad_fail(err, RAD_EPROTO, "no coded rows are wanted");
+    rgbe = malloc(rows_bytes(r, w) * (size_t)h);
+    if (!rgbe)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = decode_rows(w, h, code, n, rgbe, err);
+    if (rc == 0)
+        rc = rows_write(r, x, y, w, h, rgbe, err);
+    if (rc == 0 && sum)
+        *sum = rowsum(rgbe, rows_bytes(r, w), (uint32_t)y, (uint32_t)h);
+    free(rgbe);
+    return rc;
+}
+
+/* Is there such a line? */
+static int
+use_line(struct rows *r, int y, struct rad_error *err)
+{
+    if (r->kind != ROWS_RGBE || y < 0 || y >= r->height)
+        return rad_fail(err, RAD_EDATA, "there is no line of row %d", y);
+    return use(r, err);
+}
+
+int
+rows_write_line(struct rows *r, int y, const float *line, struct rad_error *err)
+{
+    int rc = use_line(r, y, err);
+
+    if (rc < 0)
+        return rc;
+    r->dirty = true;
+    return disk_write_at(r->fd, line, ROWS_LINE_BYTES(r->width), line_at(r, y),
+                         r->path, err);
+}
+
+int
+rows_read_line(struct rows *r, int y, float *line, struct rad_error *err)
+{
+    int rc = use_line(r, y, err);
+
+    if (rc < 0)
+        return rc;
+    return disk_read_at(r->fd, line, ROWS_LINE_BYTES(r->width), line_at(r, y),
+                        r->path, err);
 }
 
 int
@@ -183,7 +278,7 @@ rows_sync(struct rows *r, struct rad_error *err)
 }
 
 int
-rows_read_part(struct rows *r, int x, int y, int w, float *pixels,
+rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
                struct rad_error *err)
 {
     if (x < 0 || y < 0 || w < 1 || w > r->width - x || y >= r->height)
@@ -192,14 +287,14 @@ rows_read_part(struct rows *r, int x, int y, int w, float *pixels,
                         y, w, r->width, r->height);
     if (use(r, err) < 0)
         return RAD_EIO;
-    return disk_read_at(r->fd, pixels, row_bytes(r, w),
-                        (off_t)row_bytes(r, r->width) * y +
-                            (off_t)row_bytes(r, x),
+    return disk_read_at(r->fd, pixels, rows_bytes(r, w),
+                        (off_t)rows_bytes(r, r->width) * y +
+                            (off_t)rows_bytes(r, x),
                         r->path, err);
 }
 
 int
-rows_read(struct rows *r, int y, float *pixels, struct rad_error *err)
+rows_read(struct rows *r, int y, void *pixels, struct rad_error *err)
 {
     return rows_read_part(r, 0, y, r->width, pixels, err);
 }
@@ -229,21 +324,34 @@ rows_remove(struct rows *r)
     r->dirty = false;
 }
 
+/* What encoding a picture takes to work in. */
+struct encoder {
+    void *pixels; /* a row as in the file */
+    struct rad_rgb *line;
+    uint8_t *code;
+};
+
+static size_t
+encode_row(const struct rows *r, const struct encoder *e)
+{
+    const float *p = e->pixels;
+
+    if (r->kind == ROWS_RGBE)
+        return rad_hdr_encode_rgbe(e->pixels, r->width, e->code);
+    for (int x = 0; x < r->width; x++, p += r->kind)
+        e->line[x] = rad_rgb(p[0], p[1], p[2]);
+    return rad_hdr_encode_row(e->line, r->width, e->code);
+}
+
 static int
-encode_rows(struct rows *r, const struct rad_sink *sink, float *pixels,
-            struct rad_rgb *line, uint8_t *code, struct rad_error *err)
+encode_rows(struct rows *r, const struct rad_sink *sink,
+            const struct encoder *e, struct rad_error *err)
 {
     for (int y = 0; y < r->height; y++) {
-        int rc = rows_read(r, y, pixels, err);
+        int rc = rows_read(r, y, e->pixels, err);
 
-        for (int x = 0; x < r->width; x++) {
-            const float *p = pixels + (size_t)x * (size_t)r->channels;
-
-            line[x] = rad_rgb(p[0], p[1], p[2]);
-        }
         if (rc == 0)
-            rc = sink->write(sink->arg, code,
-                             rad_hdr_encode_row(line, r->width, code), err);
+            rc = sink->write(sink->arg, e->code, encode_row(r, e), err);
         if (rc < 0)
             return rc;
     }
@@ -303,26 +411,26 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
 {
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
-    float *pixels = malloc(row_bytes(r, r->width));
-    struct rad_rgb *line = calloc((size_t)r->width, sizeof *line);
-    uint8_t *code = malloc(RAD_HDR_ROW_BYTES(r->width));
+    struct encoder e = { .pixels = malloc(rows_bytes(r, r->width)),
+                         .line = calloc((size_t)r->width, sizeof *e.line),
+                         .code = malloc(RAD_HDR_ROW_BYTES(r->width)) };
     int rc;
 
-    if (!pixels || !line || !code)
+    if (!e.pixels || !e.line || !e.code)
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     else
         rc = disk_file_open(&w, path, err);
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
-        if (rc == 0 && r->channels == 1)
-            rc = copy_coded(r, &sink, line, err);
+        if (rc == 0 && r->kind == ROWS_CODED)
+            rc = copy_coded(r, &sink, e.line, err);
         else if (rc == 0)
-            rc = encode_rows(r, &sink, pixels, line, code, err);
+            rc = encode_rows(r, &sink, &e, err);
         rc = disk_file_close(&w, rc, durable, err);
     }
-    free(pixels);
-    free(line);
-    free(code);
+    free(e.pixels);
+    free(e.line);
+    free(e.code);
     return rc;
 }
 
@@ -334,9 +442,9 @@ rows_depth(struct rows *r, const char *path, bool durable,
     float *pixels;
     int rc;
 
-    if (r->channels != 4)
+    if (r->kind != ROWS_DISTANCES)
         return rad_fail(err, RAD_EDATA, "the job has no depth");
-    pixels = malloc(row_bytes(r, r->width));
+    pixels = malloc(rows_bytes(r, r->width));
     if (!pixels)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rc = disk_file_open(&w, path, err);

@@ -1,10 +1,14 @@
 /* rows.h - the pixels of one frame on disk, and the picture made of them
  *
- * A preallocated file of width * height pixels, the top row first, each
- * `channels` floats (red, green, blue radiance, and the distance with -z) in
- * the machine's own byte order: it is read by nobody else.  What has not
- * come is zero.
- * Or, with channels 1, rows that are coded as the picture's, one behind the
+ * A preallocated file of width * height pixels, the top row first: four bytes
+ * of RGBE each (picture/hdr.h), as they will be in the picture; or, where
+ * distances are wanted, four floats (red, green, blue radiance, distance) in
+ * the machine's own byte order: it is read by nobody else.  What has not come
+ * is zero.
+ * What RGBE cannot give back a coordinator needs of a few rows, the base lines
+ * that units end with: all three floats of each pixel of these lie behind the
+ * pixels, at the same place in order.  What was not put there takes no room.
+ * Or, in ROWS_CODED, rows that are coded as the picture's, one behind the
  * other as they come; where each lies is remembered here, so such a file is
  * good for this process only.
  * All calls do I/O and may wait for the disk.
@@ -21,6 +25,14 @@
 
 #define ROWS_PATH_MAX 1280
 
+/* What lies in the file; the floats' are their number. */
+enum rows_kind {
+    ROWS_CODED = 1,
+    ROWS_RGBE = 2,
+    ROWS_COLOURS = 3, /* of jobs that an earlier version began */
+    ROWS_DISTANCES = 4
+};
+
 /* Where a coded row lies in the file; n is 0: it has not come. */
 struct rows_place {
     uint64_t at;
@@ -30,43 +42,56 @@ struct rows_place {
 struct rows {
     char path[ROWS_PATH_MAX];
     int fd; /* -1 while nothing has used it: it is opened when needed */
-    int width, height, channels; /* channels is 3 or 4; 1: coded */
-    bool dirty;                  /* written to since the last rows_sync() */
-    struct rows_place *place;    /* of coded ones: height; NULL: none came */
-    uint64_t end;                /* of what they take */
+    int width, height;
+    enum rows_kind kind;
+    bool dirty;               /* written to since the last rows_sync() */
+    struct rows_place *place; /* of ROWS_CODED: height; NULL: none came */
+    uint64_t end;             /* of what they take */
 };
 
 /* Make the file; durable: it has all its space on the disk, so that a full one
- * shows here, and lasts (its name does when its folder is synced).  Coded rows
- * have no durable file (RAD_EINTERNAL).  RAD_EFULL, RAD_EIO. */
+ * shows here, and lasts (its name does when its folder is synced).  ROWS_CODED
+ * has no durable file (RAD_EINTERNAL).  RAD_EFULL, RAD_EIO. */
 int rows_create(struct rows *r, const char *path, int width, int height,
-                int channels, bool durable, struct rad_error *err);
+                enum rows_kind kind, bool durable, struct rad_error *err);
 
 /* The same file as it was left; RAD_EDATA when it is missing, or not as long.
  */
 int rows_open(struct rows *r, const char *path, int width, int height,
-              int channels, struct rad_error *err);
+              enum rows_kind kind, struct rad_error *err);
 
-/* Put h rows of w pixels at column x, row y; pixels is w * h * channels
- * floats.  RAD_EPROTO if they do not lie in the picture. */
-int rows_write(struct rows *r, int x, int y, int w, int h, const float *pixels,
+/* Put h rows of w pixels at column x, row y; pixels are as in the file, which
+ * holds floats or RGBE.  RAD_EPROTO if they do not lie in the picture. */
+int rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
                struct rad_error *err);
 
-/* Put h whole rows at row y, coded one behind the other in n bytes.  RAD_EPROTO
- * if they do not lie in the picture, or are not so many. */
-int rows_write_coded(struct rows *r, int y, int h, const void *code, size_t n,
+/* The same of n bytes in which the rows are coded one behind the other
+ * (rad_hdr_encode_row()); in ROWS_CODED they must be whole rows.  Where sum is
+ * not NULL it gets their rowsum(), as they are in the file, of ROWS_RGBE.
+ * RAD_EPROTO also for what is not so many rows, or none. */
+int rows_write_coded(struct rows *r, int x, int y, int w, int h,
+                     const uint8_t *code, size_t n, uint64_t *sum,
                      struct rad_error *err);
+
+/* Put, get the three floats of each pixel of row y; of ROWS_RGBE alone. */
+#define ROWS_LINE_BYTES(width) ((size_t)(width)*3 * sizeof(float))
+int rows_write_line(struct rows *r, int y, const float *line,
+                    struct rad_error *err);
+int rows_read_line(struct rows *r, int y, float *line, struct rad_error *err);
 
 /* Wait until what was written is on the disk. */
 int rows_sync(struct rows *r, struct rad_error *err);
 
-/* Read w pixels of row y from column x on; not of coded ones.  RAD_EDATA if
- * they do not lie in the picture. */
-int rows_read_part(struct rows *r, int x, int y, int w, float *pixels,
+/* Bytes of w pixels in the file; not of ROWS_CODED. */
+size_t rows_bytes(const struct rows *r, int w);
+
+/* Read w pixels of row y from column x on, as they are in the file; not of
+ * ROWS_CODED.  RAD_EDATA if they do not lie in the picture. */
+int rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
                    struct rad_error *err);
 
-/* Read whole row y into width * channels floats; not of coded ones. */
-int rows_read(struct rows *r, int y, float *pixels, struct rad_error *err);
+/* Read whole row y. */
+int rows_read(struct rows *r, int y, void *pixels, struct rad_error *err);
 
 /* Close the file for now. */
 void rows_rest(struct rows *r);
@@ -82,7 +107,8 @@ void rows_remove(struct rows *r);
 int rows_picture(struct rows *r, const struct rad_hdr_info *info,
                  const char *path, bool durable, struct rad_error *err);
 
-/* The same of the distances: width * height floats; needs 4 channels. */
+/* The same of the distances: width * height floats; needs
+ * ROWS_DISTANCES. */
 int rows_depth(struct rows *r, const char *path, bool durable,
                struct rad_error *err);
 

@@ -300,6 +300,14 @@ shared_densities(const struct shared *s, uint32_t frame, uint32_t line)
     return l && l->whole_ms != 0 ? l->bytes : NULL;
 }
 
+const uint8_t *
+shared_pixels(const struct shared *s, uint32_t frame, uint32_t line)
+{
+    const uint8_t *densities = shared_densities(s, frame, line);
+
+    return densities ? densities + s->frame[frame].ndensity : NULL;
+}
+
 uint64_t
 shared_whole_ms(const struct shared *s, uint32_t frame, uint32_t line)
 {

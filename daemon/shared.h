@@ -54,10 +54,12 @@ bool shared_get_base(const struct shared *s, uint32_t frame, uint32_t line,
                      uint32_t x, uint32_t first, struct msg_base_line *m);
 
 /* How many densities a base line of the frame leaves; and those of one that is
- * whole (NULL: it is not). */
+ * whole (NULL: it is not), or its pixels. */
 uint32_t shared_ndensity(const struct shared *s, uint32_t frame);
 const uint8_t *shared_densities(const struct shared *s, uint32_t frame,
                                 uint32_t line);
+const uint8_t *shared_pixels(const struct shared *s, uint32_t frame,
+                             uint32_t line);
 
 /* Since when it is whole; 0: it is not. */
 uint64_t shared_whole_ms(const struct shared *s, uint32_t frame, uint32_t line);

@@ -219,7 +219,9 @@ statecheck_run(const char *dir, struct statecheck *out,
                void (*tell)(void *arg, bool problem, const char *text),
                void *arg, struct rad_error *err)
 {
-    struct look l = { .out = out, .tell = tell, .arg = arg, .dir = dir };
+    struct look l = {
+        .out = out, .tell = tell, .arg = arg, .dir = dir, .folder.durable = true
+    };
     int lock = take(dir, err), rc;
 
     *out = (struct statecheck){ 0 };

@@ -7,8 +7,6 @@
 
 #include "store_impl.h"
 
-#include "rowsum.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,19 +55,19 @@ struct rows_task {
     struct msg_counts counts;
     void *pixels; /* floats, or coded bytes */
     uint8_t *bottom;
+    float *line; /* NULL: none is to be kept */
     size_t bytes;
 };
 
 static int
-note_rows(struct rows_task *r)
+note_rows(struct rows_task *r, uint64_t sum)
 {
     const struct action_rows *k = &r->key;
     struct saved_unit u = { .unit = k->unit,
                             .attempt = k->attempt,
                             .stored = k->row + k->rows,
                             .now = k->rows,
-                            .sum = rowsum(r->pixels, r->bytes / k->rows, k->y,
-                                          k->rows),
+                            .sum = sum,
                             .done = k->last,
                             .end_ms = k->now_ms,
                             .counts = r->counts,
@@ -83,10 +81,12 @@ static int
 rows_run(struct task *t)
 {
     struct rows_task *r = (struct rows_task *)t;
+    bool noted = r->store->journal;
+    uint64_t sum = 0;
     int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, r->bytes,
-                             &t->err);
+                             r->line, noted ? &sum : NULL, &t->err);
 
-    return rc == 0 && r->store->journal ? note_rows(r) : rc;
+    return rc == 0 && noted ? note_rows(r, sum) : rc;
 }
 
 static void
@@ -94,6 +94,7 @@ free_rows(struct rows_task *r)
 {
     free(r->pixels);
     free(r->bottom);
+    free(r->line);
     free(r);
 }
 
@@ -109,6 +110,20 @@ rows_done(struct task *t)
     free_rows(r);
 }
 
+/* Only another life needs it. */
+static bool
+copy_line(struct rows_task *r, const uint8_t *line)
+{
+    size_t n = 3 * (size_t)r->key.width;
+
+    if (!line || !r->store->journal)
+        return true;
+    r->line = malloc(n * sizeof *r->line);
+    if (r->line)
+        wire_floats_get(r->line, line, n);
+    return r->line;
+}
+
 /* Own what the action lends; false: memory is out. */
 static bool
 copy_rows(struct rows_task *r, const struct action_rows *rows)
@@ -119,12 +134,13 @@ copy_rows(struct rows_task *r, const struct action_rows *rows)
     r->key.pixels = NULL;
     r->key.counts = NULL;
     r->key.bottom = NULL;
+    r->key.line = NULL;
     if (rows->counts)
         r->counts = *rows->counts;
     r->bytes = rows->channels == 1 ? rows->len : n * sizeof(float);
     r->pixels = malloc(r->bytes + 1);
     r->bottom = malloc(rows->nbottom + 1);
-    if (!r->pixels || !r->bottom)
+    if (!r->pixels || !r->bottom || !copy_line(r, rows->line))
         return false;
     if (rows->channels == 1)
         memcpy(r->pixels, rows->pixels, r->bytes);

@@ -97,6 +97,12 @@ on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
+    /* rows that are coded, for a coordinator that takes none any more: an
+     * earlier version is in its place */
+    if (job && job->flags & ~m->job_start.flags & MSG_JOB_CODED) {
+        wjob_end(w, job);
+        job = NULL;
+    }
     if (!job)
         job = wjob_new(w, m);
     if (!job) {

@@ -44,12 +44,11 @@ job_flags(unsigned version)
 }
 
 /* Flags of ours in the words of the version that is written: those it does not
- * know are left out.  Who cannot code rows cannot work on that job. */
+ * know are left out. */
 static void
 flags_as(struct codec *c, uint32_t *flags)
 {
     code_must(c, (*flags & ~MSG_JOB_FLAGS) == 0);
-    code_must(c, c->version >= 2 || !(*flags & MSG_JOB_CODED));
     *flags &= job_flags(c->version);
 }
 

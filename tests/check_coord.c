@@ -10,6 +10,8 @@
 #include "stats.h"
 #include "unit.h"
 
+#include "picture/hdr.h"
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,6 +38,8 @@ struct fixture {
     unsigned units[CONNS];        /* UNITs by connection */
     uint8_t unit_job;             /* first byte of the job of the last UNIT */
     struct msg_progress progress; /* the last */
+    struct action_rows rows;      /* the last, and what they are */
+    uint8_t code[2000];
     int nan_logs;
     char nan_log[80];
     int differ_logs; /* of duplicates */
@@ -109,9 +113,12 @@ carry_out(struct fixture *f)
             f->closed[a.conn] = true;
         else if (a.type == ACT_JOB_OPEN)
             coord_job_opened(f->c, f->now_ms, a.job, 0, NULL);
-        else if (a.type == ACT_PUT_ROWS)
+        else if (a.type == ACT_PUT_ROWS) {
+            f->rows = a.rows;
+            if (a.rows.len <= sizeof f->code)
+                memcpy(f->code, a.rows.pixels, a.rows.len);
             coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
-        else if (a.type == ACT_WRITE_PICTURE)
+        } else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f->c, f->now_ms, a.job, a.frame, 0, NULL);
         else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
             snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
@@ -229,10 +236,9 @@ about(struct fixture *f, uint64_t conn, uint16_t type, const uint8_t *job)
 static struct fixture f;
 
 static void
-set_up_coord(bool coded)
+set_up(void)
 {
-    struct coord_env env = { .coded = coded,
-                             .has_file = has_file,
+    struct coord_env env = { .has_file = has_file,
                              .random = no_random,
                              .arg = &f,
                              .program = "radcoord",
@@ -248,12 +254,6 @@ set_up_coord(bool coded)
     join(&f, ANA, MSG_ROLE_USER, "", "ana");
     join(&f, BOB, MSG_ROLE_USER, "", "bob");
     join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
-}
-
-static void
-set_up(void)
-{
-    set_up_coord(false);
 }
 
 static void
@@ -287,26 +287,22 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
 END_TEST
 
 static const struct {
-    bool coordinator; /* takes coded rows */
     uint8_t partition;
     uint32_t flags, started; /* of the SUBMIT and of the JOB_START */
 } codings[] = {
-    { true, MSG_PART_AUTO, 0, MSG_JOB_CODED },
-    { true, MSG_PART_STATIC, MSG_JOB_SHARE, MSG_JOB_SHARE | MSG_JOB_CODED },
-    { true, MSG_PART_WINDOW, MSG_JOB_CODED, 0 },
-    { true, MSG_PART_AUTO, MSG_JOB_DEPTH | MSG_JOB_CODED, MSG_JOB_DEPTH },
-    { false, MSG_PART_AUTO, MSG_JOB_CODED, 0 },
+    { MSG_PART_AUTO, 0, MSG_JOB_CODED },
+    { MSG_PART_STATIC, MSG_JOB_SHARE, MSG_JOB_SHARE | MSG_JOB_CODED },
+    { MSG_PART_WINDOW, MSG_JOB_CODED, MSG_JOB_CODED },
+    { MSG_PART_AUTO, MSG_JOB_DEPTH | MSG_JOB_CODED, MSG_JOB_DEPTH },
 };
 
-START_TEST(rows_come_coded_where_pictures_are_all_they_make)
+START_TEST(rows_come_coded_unless_distances_do)
 {
     struct msg m = usual_submit(job_a);
 
     m.submit.estimate = "uniform";
     m.submit.flags = codings[_i].flags;
     m.submit.partition = codings[_i].partition;
-    tear_down();
-    set_up_coord(codings[_i].coordinator);
     say(&f, ANA, &m);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
     ck_assert_uint_eq(f.last[WORKER].job_start.flags, codings[_i].started);
@@ -326,7 +322,9 @@ static const struct {
     { "\2\2\0\10\210\1\210\2\210\3\210\4\0", 13, 1, 1, false },
     { "\2\2\0\10\210\1\210\2\210\3\210", 11, 1, 1, false },
     { "\2\2\0\7\207\1\207\2\207\3\207\4", 12, 1, 1, false },
-    { NULL, 0, 1, 3, false },
+    /* floats are coded here; they have no distance */
+    { NULL, 0, 1, 3, true },
+    { NULL, 0, 1, 4, false },
 };
 
 START_TEST(coded_rows_that_are_none_end_the_connection)
@@ -339,8 +337,6 @@ START_TEST(coded_rows_that_are_none_end_the_connection)
     m.submit.params = "-ps 1";
     m.submit.estimate = "uniform";
     m.submit.partition = MSG_PART_AUTO;
-    tear_down();
-    set_up_coord(true);
     say(&f, ANA, &m);
     ready(&f, WORKER, job_a);
     ck_assert_uint_gt(f.units[WORKER], 0);
@@ -350,6 +346,30 @@ START_TEST(coded_rows_that_are_none_end_the_connection)
     say(&f, WORKER, &r);
     ck_assert(f.closed[WORKER] == !coded_rows[_i].taken);
     ck_assert(!coded_rows[_i].taken || f.last[WORKER].type == MSG_ACK);
+}
+END_TEST
+
+/* So the store has one kind of rows, whoever made them. */
+START_TEST(rows_of_version_1_are_coded_here)
+{
+    float row[4 * 4 * 3];
+    uint8_t bytes[sizeof row], want[4 * 4 * 4];
+    struct msg m = { .type = MSG_RESULT,
+                     .result = {
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+
+    for (int i = 0; i < N_ELEM(row); i++)
+        row[i] = 1 / (float)(i + 3);
+    wire_floats_put(bytes, row, N_ELEM(row));
+    for (int i = 0; i < 16; i++) /* so short a row is flat */
+        rad_rgbe(rad_rgb(row[3 * i], row[3 * i + 1], row[3 * i + 2]),
+                 want + 4 * (ptrdiff_t)i);
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    ck_assert_uint_eq(f.rows.channels, 1);
+    ck_assert_uint_eq(f.rows.len, sizeof want);
+    ck_assert_mem_eq(f.code, want, sizeof want);
 }
 END_TEST
 
@@ -693,7 +713,7 @@ START_TEST(a_duplicate_that_differs_is_an_error)
 {
     uint8_t other[sizeof pixels] = { 0 };
 
-    other[100] = 1;
+    other[96] = 0x3f; /* 1, nearly */
     late_twin(other);
     ck_assert_int_eq(f.differ_logs, 1);
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
@@ -1279,8 +1299,9 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
-    tcase_add_loop_test(tc, rows_come_coded_where_pictures_are_all_they_make, 0,
+    tcase_add_loop_test(tc, rows_come_coded_unless_distances_do, 0,
                         N_ELEM(codings));
+    tcase_add_test(tc, rows_of_version_1_are_coded_here);
     tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
                         N_ELEM(coded_rows));
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);

@@ -193,18 +193,18 @@ put(struct rows *r, int x, int y, int w, int h)
 
     for (int j = 0; j < h; j++)
         for (int i = 0; i < w; i++)
-            for (int c = 0; c < r->channels; c++)
-                px[(j * w + i) * r->channels + c] = value(x + i, y + j, c);
+            for (int c = 0; c < (int)r->kind; c++)
+                px[(j * w + i) * (int)r->kind + c] = value(x + i, y + j, c);
     ck_assert_int_eq(rows_write(r, x, y, w, h, px, NULL), 0);
 }
 
 static void
-make_rows(struct rows *r, int channels)
+make_rows(struct rows *r, enum rows_kind kind)
 {
     char path[160];
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(r, path, W, H, channels, true, NULL), 0);
+    ck_assert_int_eq(rows_create(r, path, W, H, kind, true, NULL), 0);
 }
 
 START_TEST(windows_make_a_whole)
@@ -212,7 +212,7 @@ START_TEST(windows_make_a_whole)
     struct rows r;
     float line[W * 4];
 
-    make_rows(&r, _i);
+    make_rows(&r, (enum rows_kind)_i);
     put(&r, 0, 0, 4, 3);
     put(&r, 4, 0, 6, 3);
     rows_rest(&r);
@@ -243,7 +243,7 @@ START_TEST(pixels_outside_are_refused)
     struct rows r;
     float px[W * H * 4] = { 0 };
 
-    make_rows(&r, 3);
+    make_rows(&r, ROWS_COLOURS);
     ck_assert_int_eq(rows_write(&r, o[0], o[1], o[2], o[3], px, NULL),
                      RAD_EPROTO);
     rows_remove(&r);
@@ -275,7 +275,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     float z;
     size_t n;
 
-    make_rows(&r, 4);
+    make_rows(&r, ROWS_DISTANCES);
     put(&r, 0, 0, W, H);
     snprintf(path, sizeof path, "%s/f.hdr", dir);
     ck_assert_int_eq(rows_picture(&r, &info, path, true, NULL), 0);
@@ -300,6 +300,42 @@ START_TEST(picture_and_depth_hold_the_rows)
 }
 END_TEST
 
+/* Rows of w pixels as they travel; returns the bytes. */
+static size_t
+code_rows(int x, int y, int w, int h, uint8_t *code)
+{
+    struct rad_rgb line[W];
+    size_t n = 0;
+
+    for (int j = y; j < y + h; j++) {
+        for (int i = 0; i < w; i++)
+            line[i] = rad_rgb(value(x + i, j, 0), value(x + i, j, 1),
+                              value(x + i, j, 2));
+        n += rad_hdr_encode_row(line, w, code + n);
+    }
+    return n;
+}
+
+static int
+put_coded(struct rows *r, int x, int y, int w, int h)
+{
+    uint8_t code[H * RAD_HDR_ROW_BYTES(W)];
+    size_t n = code_rows(x, y, w, h, code);
+
+    return rows_write_coded(r, x, y, w, h, code, n, NULL, NULL);
+}
+
+static const struct {
+    enum rows_kind kind;
+    bool durable;
+    int split; /* the first column of a second window; W: there is none */
+} codings[] = {
+    { ROWS_CODED, false, W },
+    { ROWS_RGBE, true, W },
+    { ROWS_RGBE, false, 3 },
+    { ROWS_COLOURS, true, W },
+};
+
 /* Coded rows in any order, some in one piece, one of them twice. */
 START_TEST(coded_rows_make_the_picture_of_the_others)
 {
@@ -309,33 +345,36 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
                                  .width = W,
                                  .height = H };
     static const int order[][2] = { { 3, 2 }, { 0, 2 }, { 3, 2 } };
-    unsigned char *data[2], code[3 * RAD_HDR_ROW_BYTES(W)];
-    struct rad_rgb line[W];
+    enum rows_kind kind = codings[_i].kind;
+    unsigned char *data[2];
+    int split = codings[_i].split;
     char path[160];
     struct rows r;
     size_t n[2];
 
     for (int coded = 0; coded < 2; coded++) {
         snprintf(path, sizeof path, "%s/f.rows", dir);
-        ck_assert_int_eq(
-            rows_create(&r, path, W, H, coded ? 1 : 3, false, NULL), 0);
+        ck_assert_int_eq(rows_create(&r, path, W, H,
+                                     coded ? kind : ROWS_COLOURS,
+                                     codings[_i].durable, NULL),
+                         0);
         for (int i = 0; i < N_ELEM(order); i++) {
-            size_t len = 0;
+            int y = order[i][0], h = order[i][1], rc;
 
-            if (!coded)
-                put(&r, 0, order[i][0], W, order[i][1]);
-            for (int y = order[i][0]; y < order[i][0] + order[i][1]; y++) {
-                for (int x = 0; x < W; x++)
-                    line[x] =
-                        rad_rgb(value(x, y, 0), value(x, y, 1), value(x, y, 2));
-                len += rad_hdr_encode_row(line, W, code + len);
-            }
-            if (!coded)
+            if (!coded) {
+                put(&r, 0, y, W, h);
                 continue;
-            ck_assert_int_eq(
-                rows_write_coded(&r, order[i][0], order[i][1], code, len, NULL),
-                0);
+            }
+            rc = put_coded(&r, 0, y, split, h);
+            ck_assert_int_eq(rc, kind == ROWS_COLOURS ? RAD_EPROTO : 0);
+            if (split < W)
+                ck_assert_int_eq(put_coded(&r, split, y, W - split, h), 0);
             rows_rest(&r);
+        }
+        if (coded && kind == ROWS_COLOURS) {
+            rows_remove(&r);
+            free(data[0]);
+            return;
         }
         snprintf(path, sizeof path, "%s/f.hdr", dir);
         ck_assert_int_eq(rows_picture(&r, &info, path, false, NULL), 0);
@@ -352,20 +391,57 @@ END_TEST
 START_TEST(coded_rows_that_are_none_are_refused)
 {
     uint8_t code[2 * RAD_HDR_ROW_BYTES(W)];
-    struct rad_rgb line[W] = { { 1, 1, 1 } };
-    size_t n = rad_hdr_encode_row(line, W, code);
+    size_t n = code_rows(0, 0, W, 1, code);
     char path[160];
     struct rows r;
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(&r, path, W, H, 1, true, NULL), RAD_EINTERNAL);
-    ck_assert_int_eq(rows_create(&r, path, W, H, 1, false, NULL), 0);
-    ck_assert_int_eq(rows_write_coded(&r, H, 1, code, n, NULL), RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, -1, 1, code, n, NULL), RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 2, code, n, NULL), RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n + 1, NULL), RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n - 1, NULL), RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 1, code, n, NULL), 0);
+    ck_assert_int_eq(rows_create(&r, path, W, H, ROWS_CODED, true, NULL),
+                     RAD_EINTERNAL);
+    ck_assert_int_eq(
+        rows_create(&r, path, W, H, (enum rows_kind)_i, false, NULL), 0);
+    ck_assert_int_eq(rows_write_coded(&r, 0, H, W, 1, code, n, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, -1, W, 1, code, n, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 1, 0, W, 1, code, n, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 2, code, n, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n + 1, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n - 1, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W - 1, 1, code, n, NULL, NULL),
+                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n, NULL, NULL), 0);
+    rows_remove(&r);
+}
+END_TEST
+
+/* To the bit, in another life too, and beside the coded rows. */
+START_TEST(a_line_keeps_its_floats)
+{
+    float line[3 * W], back[3 * W];
+    struct rows r, again;
+
+    for (int i = 0; i < 3 * W; i++)
+        line[i] = 1 / (float)(i + 3);
+    make_rows(&r, ROWS_RGBE);
+    ck_assert_int_eq(rows_write_line(&r, H - 1, line, NULL), 0);
+    ck_assert_int_eq(put_coded(&r, 0, 0, W, H), 0);
+    ck_assert_int_eq(rows_sync(&r, NULL), 0);
+    ck_assert_int_eq(rows_open(&again, r.path, W, H, ROWS_RGBE, NULL), 0);
+    ck_assert_int_eq(rows_read_line(&again, H - 1, back, NULL), 0);
+    ck_assert_mem_eq(line, back, sizeof line);
+    ck_assert_int_eq(rows_read_line(&again, H - 2, back, NULL), 0);
+    ck_assert_float_eq(back[0], 0); /* has not come */
+    ck_assert_int_eq(rows_write_line(&again, H, line, NULL), RAD_EDATA);
+    ck_assert_int_eq(rows_read_line(&again, -1, back, NULL), RAD_EDATA);
+    rows_release(&again);
+    rows_remove(&r);
+    make_rows(&r, ROWS_COLOURS);
+    ck_assert_int_eq(rows_write_line(&r, 0, line, NULL), RAD_EDATA);
     rows_remove(&r);
 }
 END_TEST
@@ -1055,12 +1131,22 @@ START_TEST(a_damaged_folder_is_refused)
 }
 END_TEST
 
-/* Rows of unit 0 come in two pieces, those of unit 1 in one. */
+static uint8_t
+line_byte(int i)
+{
+    return (uint8_t)(7 * i % 64);
+}
+
+/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
+ * a base line. */
 static void
-put_pieces(struct store *s)
+put_pieces(struct store *s, bool coded)
 {
     static const uint32_t first[] = { 0, 1, 3 }, n[] = { 1, 2, 3 };
-    static uint8_t bytes[W * H * 12];
+    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
+
+    for (int i = 0; i < N_ELEM(bytes); i++)
+        bytes[i] = line_byte(i);
 
     for (uint32_t unit = 0; unit < 2; unit++)
         store_keep_unit(s, kept_job,
@@ -1073,9 +1159,20 @@ put_pieces(struct store *s)
                                  .rows = n[i],
                                  .y = first[i],
                                  .width = W,
-                                 .channels = 3,
-                                 .pixels = bytes };
+                                 .channels = coded ? 1 : 3,
+                                 .pixels = bytes,
+                                 .last = i > 0,
+                                 .counts = &(struct msg_counts){ 0 } };
 
+        if (coded) {
+            a.pixels = code;
+            a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
+        }
+        if (a.last) {
+            a.bottom = bytes;
+            a.nbottom = 1;
+            a.line = coded ? bytes : NULL;
+        }
         memcpy(a.job, kept_job, MSG_JOB);
         store_put_rows(s, &a);
     }
@@ -1093,13 +1190,37 @@ note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
     return 0;
 }
 
-/* A bit in any row: that unit's rows are none, also in lives to come. */
+/* What is spoilt: a byte in each row, at a row's column, of floats, of RGBE,
+ * and of the lines that are kept behind that. */
+static const struct {
+    bool coded;
+    long at;
+    int unit; /* whose rows are none then; -1: nobody's */
+} spoilt[] = {
+    { false, 0, 0 },
+    { false, W * 12 + 1, 0 },
+    { false, 2 * W * 12 + 2, 0 },
+    { false, 3 * W * 12 + 3, 1 },
+    { false, 5 * W * 12 + 5, 1 },
+    { true, 0, 0 },
+    { true, W * 4 + 1, 0 },
+    { true, 3 * W * 4 - 1, 0 },
+    { true, 3 * W * 4, 1 },
+    { true, 6 * W * 4 - 1, 1 },
+    { true, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
+    { true, H *W * 4 + 2 * W * 12, 0 },
+    { true, H *W * 4 + 6 * W * 12 - 1, 1 },
+    { true, -1, -1 },
+};
+
+/* Also in lives to come. */
 START_TEST(rows_that_a_disk_has_spoilt_are_none)
 {
-    const long at = (long)(_i * W * 12 + _i); /* all black: a row is a row */
+    bool coded = spoilt[_i].coded;
     uint32_t stored[2];
     struct saved_job p = { .spec = { .manifest = kept_manifest,
                                      .params = "-ab 0",
+                                     .flags = coded ? MSG_JOB_CODED : 0,
                                      .frames = &kept_frame,
                                      .nframes = 1 },
                            .owner = "ana" };
@@ -1113,16 +1234,16 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
     store_open_job(s, kept_job, &p);
-    put_pieces(s);
+    put_pieces(s, coded);
     close_kept(&loop, s);
     ck_assert_int_eq(h.rows, 3);
-    if (_i < H) {
+    if (spoilt[_i].at >= 0) {
         snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
                  "09080700000000000000000000000000");
         f = fopen(path, "r+");
         ck_assert_ptr_nonnull(f);
-        ck_assert_int_eq(fseek(f, at, SEEK_SET), 0);
-        ck_assert_int_eq(fputc(1, f), 1);
+        ck_assert_int_eq(fseek(f, spoilt[_i].at, SEEK_SET), 0);
+        ck_assert_int_eq(fputc(0x55, f), 0x55);
         ck_assert_int_eq(fclose(f), 0);
     }
     for (int life = 0; life < 2; life++) {
@@ -1130,9 +1251,43 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
         ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
                          0);
         close_kept(&loop, s);
-        ck_assert_uint_eq(stored[0], _i < 3 ? 0 : 3);
-        ck_assert_uint_eq(stored[1], _i >= 3 && _i < 6 ? 0 : 3);
+        ck_assert_uint_eq(stored[0], spoilt[_i].unit == 0 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], spoilt[_i].unit == 1 ? 0 : 3);
     }
+}
+END_TEST
+
+/* Its floats, of rows that are RGBE. */
+START_TEST(a_units_base_line_outlives_the_store)
+{
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .flags = MSG_JOB_CODED,
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    uint8_t line[W * 12];
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    store_open_job(s, kept_job, &p);
+    put_pieces(s, true);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    for (uint32_t y = 2; y < H; y += 3) {
+        ck_assert(store_read_row(s, kept_job, 0, y, line));
+        for (int i = 0; i < N_ELEM(line); i++)
+            ck_assert_uint_eq(line[i], line_byte(i));
+    }
+    ck_assert(store_read_row(s, kept_job, 0, 1, line));
+    ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
+    close_kept(&loop, s);
 }
 END_TEST
 
@@ -1177,8 +1332,11 @@ main(void)
     tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
-    tcase_add_test(tc, coded_rows_make_the_picture_of_the_others);
-    tcase_add_test(tc, coded_rows_that_are_none_are_refused);
+    tcase_add_loop_test(tc, coded_rows_make_the_picture_of_the_others, 0,
+                        N_ELEM(codings));
+    tcase_add_loop_test(tc, coded_rows_that_are_none_are_refused, ROWS_CODED,
+                        ROWS_RGBE + 1);
+    tcase_add_test(tc, a_line_keeps_its_floats);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
@@ -1189,7 +1347,9 @@ main(void)
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
-    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0, H + 1);
+    tcase_add_test(tc, a_units_base_line_outlives_the_store);
+    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
+                        N_ELEM(spoilt));
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);

@@ -788,6 +788,37 @@ START_TEST(results_come_again_in_another_life_of_the_coordinator)
 }
 END_TEST
 
+static const struct {
+    uint32_t before, after; /* flags of the job */
+    int results, spawns;
+} ways_back[] = {
+    { MSG_JOB_CODED, MSG_JOB_CODED, 2, 1 },
+    { 0, MSG_JOB_CODED, 2, 1 }, /* floats are taken by everybody */
+    { MSG_JOB_CODED, 0, 0, 2 },
+};
+
+/* Coded rows are none for an older coordinator that comes in its place. */
+START_TEST(a_job_begins_anew_where_its_rows_are_not_known)
+{
+    job_flags = ways_back[_i].before;
+    start_job();
+    child_ready();
+    unit(3);
+    rows(3, 0);
+    rows(3, 2);
+    cut();
+    tick(500);
+    connect();
+    clear();
+    job_flags = ways_back[_i].after;
+    start_job();
+    job_flags = MSG_JOB_SHARE;
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), ways_back[_i].results);
+    ck_assert_uint_eq(f.spawns, (unsigned)ways_back[_i].spawns);
+    ck_assert_uint_eq(f.kills, (unsigned)ways_back[_i].spawns - 1);
+}
+END_TEST
+
 START_TEST(it_leaves_when_the_coordinator_lets_it_go)
 {
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
@@ -1102,6 +1133,8 @@ main(void)
     tcase_add_loop_test(tc, it_ends_when_welcomed_in_another_version, 0,
                         N_ELEM(strange));
     tcase_add_test(tc, results_come_again_in_another_life_of_the_coordinator);
+    tcase_add_loop_test(tc, a_job_begins_anew_where_its_rows_are_not_known, 0,
+                        N_ELEM(ways_back));
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
     tcase_add_test(tc, a_base_line_goes_to_whom_waits_and_to_the_coordinator);

@@ -6,13 +6,13 @@
 . "$top_srcdir/tests/e2e/faults.sh"
 set -u
 
-# 40 MB of rows, soon made
+# 53 MB of rows, soon made: floats, since there are distances
 cat >plain.rad <<'EOF'
 void glow sky 0 0 4 1 1 1 0
 sky source all 0 0 4 0 0 1 360
 EOF
 view="-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 60 -vv 60 -x 1900 -y 1750 -ps 1 -ab 0
---partition=window --windows=3"
+--partition=window --windows=3 -z far.z"
 
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --local --threads=1 $view -o alone.hdr plain.rad 2>stderr ||

@@ -29,7 +29,7 @@ if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m none state; then
     make_some_room()
     {
         rm state/crumbs
-        truncate -s -512K state/ballast
+        truncate -s -256K state/ballast
     }
     make_room()
     {
@@ -128,7 +128,7 @@ if [ $FULL_TMPFS = yes ]; then
     rm state/crumbs
     truncate -s -4M state/ballast
     # shellcheck disable=SC2086
-    "$radsubmit" --coordinator="$sock" --name=more $view -x 1000 -y 750 \
+    "$radsubmit" --coordinator="$sock" --name=more $view -x 2000 -y 1500 \
         -o more.hdr "$room" 2>more.err &
     more=$!
     until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"

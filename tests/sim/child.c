@@ -13,6 +13,7 @@
 
 #include "base/rng.h"
 #include "picture/facts.h"
+#include "picture/hdr.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -172,6 +173,21 @@ speak(struct net *net, int node)
     }
 }
 
+/* Rows of colours as they are coded; returns the bytes. */
+static size_t
+code_rows(const float *from, uint32_t rows, uint32_t width, uint8_t *to)
+{
+    struct rad_rgb row[SIM_WIDTH];
+    size_t n = 0;
+
+    for (; rows > 0; rows--, from += (size_t)width * 3) {
+        for (uint32_t x = 0; x < width; x++)
+            row[x] = rad_rgb(from[3 * x], from[3 * x + 1], from[3 * x + 2]);
+        n += rad_hdr_encode_row(row, (int)width, to + n);
+    }
+    return n;
+}
+
 /* Rows of the unit that are there and not sent. */
 static void
 send_rows(struct sim_task *t, const struct msg_counts *last)
@@ -180,20 +196,28 @@ send_rows(struct sim_task *t, const struct msg_counts *last)
     const struct sim_job *job = job_of(t->net, t->node);
     size_t stride = (size_t)t->unit.width * (size_t)channels_of(job);
     uint32_t rows = t->nrows - t->nsent;
-    uint8_t *bytes = malloc(rows * stride * 4 + 1);
+    uint8_t *bytes = malloc((rows + 1) * RAD_HDR_ROW_BYTES(stride));
+    const float *from = t->rows + t->nsent * stride;
     struct msg m = { .type = MSG_RESULT };
+    size_t len = 0;
 
     SIM_CHECK(t->net, bytes != NULL);
-    wire_floats_put(bytes, t->rows + t->nsent * stride, rows * stride);
-    m.result = (struct msg_result){ .job = job->id,
-                                    .unit = t->unit.unit,
-                                    .attempt = t->unit.attempt,
-                                    .row = t->nsent,
-                                    .rows = rows,
-                                    .width = t->unit.width,
-                                    .channels = (uint8_t)channels_of(job),
-                                    .last = last != NULL,
-                                    .pixels = bytes };
+    if (k->coded)
+        len = code_rows(from, rows, t->unit.width, bytes);
+    else
+        wire_floats_put(bytes, from, rows * stride);
+    m.result =
+        (struct msg_result){ .job = job->id,
+                             .unit = t->unit.unit,
+                             .attempt = t->unit.attempt,
+                             .row = t->nsent,
+                             .rows = rows,
+                             .width = t->unit.width,
+                             .channels =
+                                 k->coded ? 1 : (uint8_t)channels_of(job),
+                             .last = last != NULL,
+                             .pixels = bytes,
+                             .len = len };
     if (last)
         m.result.counts = *last;
     net_send_msg(t->net, t->node, k->conn, &m);
@@ -786,6 +810,9 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         SIM_CHECK(net, !k->started);
         k->started = true;
         k->job = sim_find_job(of(net), m->job_start.job);
+        /* some are of version 1, which knows nothing of that */
+        k->coded = m->job_start.flags & MSG_JOB_CODED &&
+                   (net->seed + (uint64_t)k->worker) % 4 != 0;
         load(net, node);
         net_session(net, node, conn, MSG_AT_CHILD, MSG_VERSION);
         later(net, node, net_random(net, 300), ready);

@@ -595,6 +595,7 @@ sim_release(struct sim *s)
         for (int f = 0; f < SIM_FRAMES; f++) {
             free(s->job[i].picture[f]);
             free(s->job[i].want[f]);
+            free(s->job[i].line[f]);
         }
         free(s->job[i].stats);
         sim_disk_release(&s->job[i]);

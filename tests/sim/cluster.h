@@ -74,6 +74,7 @@ struct sim_job {
     char params[40];
     uint8_t costs[4 * SIM_FRAMES * SIM_HEIGHT];
     struct rad_pixel *picture[SIM_FRAMES]; /* as it comes */
+    uint8_t *line[SIM_FRAMES];             /* base lines of coded rows */
     struct rad_pixel *want[SIM_FRAMES];    /* as one alone makes it */
     bool written[SIM_FRAMES];
     bool poisoned;    /* a pixel of frame 0 that kills children */
@@ -99,6 +100,7 @@ struct sim_child {
     uint64_t conn;
     int job;
     bool started;
+    bool coded;     /* rows leave so */
     uint32_t frame; /* of the last unit */
     struct strict *strict;
     struct sim_task *task[SIM_THREADS]; /* NULL: the thread is idle */

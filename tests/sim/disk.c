@@ -6,6 +6,7 @@
 
 #include "cluster.h"
 
+#include "picture/hdr.h"
 #include "recover.h"
 #include "sched.h"
 
@@ -28,11 +29,12 @@ struct entry {
     uint64_t conn;
     uint32_t request, frame;
     uint32_t nbottom;
+    size_t nline;
     int state;
     struct saved_job job;
     char text[MSG_MAX_TEXT + 1];
     size_t len;
-    uint8_t bytes[]; /* bottom and pixels, or statistics */
+    uint8_t bytes[]; /* bottom, line and pixels, or statistics */
 };
 
 typedef void entry_fn(struct sim *s, struct sim_job *job,
@@ -137,7 +139,7 @@ put_unit(struct sim *s, struct sim_job *job, const struct entry *e)
 }
 
 static void
-put_pixels(struct sim_job *job, const struct action_rows *r,
+put_floats(struct sim_job *job, const struct action_rows *r,
            const uint8_t *from)
 {
     uint32_t width = job->frame[r->frame].width;
@@ -153,11 +155,38 @@ put_pixels(struct sim_job *job, const struct action_rows *r,
 }
 
 static void
+put_coded(struct sim *s, struct sim_job *job, const struct action_rows *r,
+          const uint8_t *from)
+{
+    uint32_t width = job->frame[r->frame].width;
+    uint8_t rgbe[4 * SIM_WIDTH];
+    size_t at = 0;
+
+    for (uint32_t k = 0; k < r->rows; k++) {
+        size_t n =
+            rad_hdr_decode_row(from + at, r->len - at, (int)r->width, rgbe);
+
+        SIM_CHECK(&s->net, n > 0);
+        at += n;
+        for (uint32_t i = 0; i < r->width; i++)
+            job->picture[r->frame][(r->y + k) * width + r->x + i].L =
+                rad_rgbe_radiance(rgbe + 4 * (size_t)i);
+    }
+    SIM_CHECK(&s->net, at == r->len);
+}
+
+static void
 put_rows(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     const struct action_rows *r = &e->rows;
 
-    put_pixels(job, r, e->bytes + e->nbottom);
+    if (r->channels == 1)
+        put_coded(s, job, r, e->bytes + e->nbottom + e->nline);
+    else
+        put_floats(job, r, e->bytes + e->nbottom + e->nline);
+    if (e->nline)
+        memcpy(job->line[r->frame] + (r->y + r->rows - 1) * e->nline,
+               e->bytes + e->nbottom, e->nline);
     if (s->keeps) {
         struct sim_unit *u = unit_of(s, job, r->unit);
 
@@ -202,8 +231,11 @@ keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
 static void
 keep_rows(struct sim *s, int i, const struct action_rows *r)
 {
-    size_t pixels = (size_t)r->rows * r->width * r->channels * 4;
-    struct entry *e = later(s, i, r->nbottom + pixels, put_rows);
+    size_t pixels = r->channels == 1
+                        ? r->len
+                        : (size_t)r->rows * r->width * r->channels * 4;
+    size_t line = r->line ? (size_t)r->width * 12 : 0;
+    struct entry *e = later(s, i, r->nbottom + line + pixels, put_rows);
 
     e->rows = *r;
     if (r->last)
@@ -211,7 +243,10 @@ keep_rows(struct sim *s, int i, const struct action_rows *r)
     e->nbottom = r->nbottom;
     if (r->nbottom)
         memcpy(e->bytes, r->bottom, r->nbottom);
-    memcpy(e->bytes + r->nbottom, r->pixels, pixels);
+    e->nline = line;
+    if (line)
+        memcpy(e->bytes + r->nbottom, r->line, line);
+    memcpy(e->bytes + r->nbottom + line, r->pixels, pixels);
 }
 
 static void
@@ -265,6 +300,10 @@ read_row(void *arg, const uint8_t *id, uint32_t frame, uint32_t y,
     uint32_t width = job->frame[frame].width;
     size_t n = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 
+    if (n == 3) {
+        memcpy(pixels, job->line[frame] + (size_t)y * width * 12, width * 12);
+        return true;
+    }
     for (uint32_t x = 0; x < width; x++) {
         const struct rad_pixel *p = &job->picture[frame][y * width + x];
         float v[4] = { p->L.r, p->L.g, p->L.b, p->z };
@@ -280,12 +319,14 @@ recover(struct sim *s, struct sim_job *job)
     static struct saved_unit units[SIM_UNITS];
     struct rad_error err = { 0 };
     struct sim_kept *k = &job->kept;
+    uint32_t flags = k->job.spec.flags; /* with the coordinator's own */
 
     /* none that was acknowledged is lost */
     SIM_CHECK(&s->net, k->opened || !job->accepted);
     if (!k->opened)
         return;
     k->job.spec = job->spec;
+    k->job.spec.flags = flags;
     k->job.owner = "ana";
     k->job.lives = k->lives++;
     k->job.text = k->text;

@@ -238,7 +238,9 @@ sim_make_pictures(struct net *net, struct sim_job *job)
         make_look(job, f);
         job->picture[f] = calloc(n, sizeof(struct rad_pixel));
         job->want[f] = calloc(n, sizeof(struct rad_pixel));
-        SIM_CHECK(net, job->picture[f] && job->want[f]);
+        job->line[f] = malloc(n * 12);
+        SIM_CHECK(net, job->picture[f] && job->want[f] && job->line[f]);
+        memset(job->line[f], 0xff, n * 12); /* no numbers */
     }
     if (net_chance(net, 4))
         make_costs(net, job);
