@@ -24,9 +24,11 @@
 #define LEND_MS 5
 
 /* Columns that are lent are late after so many times what they should take, and
+ * so long, if somebody waits for them; where nothing is known of that, after
  * so long. */
-#define LATE_LOANS   3
-#define LATE_LOAN_MS 400
+#define LATE_LOANS      3
+#define LATE_LOAN_MS    400
+#define UNKNOWN_LOAN_MS 3000
 
 /* A SPLIT that was not answered: nothing is given. */
 #define SPLIT_LOST_MS 2000
@@ -310,16 +312,13 @@ ask_columns(struct coord *c, struct job *job, uint32_t idle)
 
 /* Columns are with whoever lent them again. */
 static void
-send_back(struct coord *c, const struct job *job, uint32_t unit,
-          const struct job_go *to, uint32_t x, uint32_t n)
+send_back(struct coord *c, const struct coord_worker *to,
+          const struct msg_back *back)
 {
-    struct msg m = { .type = MSG_BACK };
-    uint32_t first, last;
+    struct msg m = { .type = MSG_BACK, .back = *back };
 
-    partition_unit_lines(job->partition, unit, &first, &last);
-    m.back = (struct msg_back){ job->id, unit, to->attempt, last - 1, x, n };
-    if (job->workers[to->worker].worker->conn != 0)
-        actions_send(&c->actions, job->workers[to->worker].worker->conn, &m);
+    if (to->conn != 0)
+        actions_send(&c->actions, to->conn, &m);
 }
 
 static struct job_go *
@@ -338,16 +337,51 @@ balance_end_loan(struct coord *c, struct job *job, uint32_t unit,
                  const struct job_go *loan)
 {
     struct job_go *to = go_of_attempt(job, unit, loan->lender);
+    uint32_t first, last;
 
     if (!to)
         return;
     to->loans--;
     if (to->delivered)
         return;
-    send_back(c, job, unit, to, loan->x, loan->n);
+    partition_unit_lines(job->partition, unit, &first, &last);
+    send_back(c, job->workers[to->worker].worker,
+              &(struct msg_back){ job->id, unit, to->attempt, last - 1, loan->x,
+                                  loan->n });
     if (to->blocked && to->parked)
         sched_unpark(c, job, unit, to);
     to->blocked = false;
+}
+
+/* What the loan should take [ms]: by what the unit costs, or longer if the
+ * lender took longer for what it kept of the line.  0: not known. */
+static double
+loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
+          const struct job_go *loan)
+{
+    double line = line_time(job, unit, loan->worker), took = 0;
+
+    if (lender->line_left > 0)
+        took = (double)(lender->blocked_ms - lender->line_ms) /
+               lender->line_left * thread_speed(job, lender->worker) /
+               thread_speed(job, loan->worker);
+    return loan->line_left * (took > line ? took : line);
+}
+
+/* Until its lender waits a loan is not late, unless there is no hope for it. */
+static bool
+is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
+             const struct job_go *loan)
+{
+    const struct job_go *lender = go_of_attempt(job, unit, loan->lender);
+    double ms = (double)(c->now_ms - loan->out_ms), due;
+
+    if (!lender || job->workers[loan->worker].worker->hangs)
+        return true;
+    if (!lender->blocked || !lender->parked)
+        return false;
+    due = loan_time(job, unit, lender, loan);
+    return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
 }
 
 void
@@ -358,10 +392,8 @@ balance_late_loans(struct coord *c, struct job *job)
 
         for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
             struct job_go *go = &job->units[unit].go[k];
-            double due = go->line_left * line_time(job, unit, go->worker);
 
-            if (!go->lender || (double)(c->now_ms - go->out_ms) <
-                                   LATE_LOAN_MS + LATE_LOANS * due)
+            if (!go->lender || !is_late_loan(c, job, unit, go))
                 continue;
             sched_log_unit(c, job, unit, go, "loan late");
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
@@ -438,6 +470,8 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
 void
 balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
 {
+    const struct msg_back back = { m->job,  m->unit, m->attempt,
+                                   m->line, m->x,    m->n };
     struct job_go *go;
     uint32_t index, to;
     struct job *job = sched_job_of(c, w, m->job, &index);
@@ -445,8 +479,10 @@ balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->delivered)
+    if (!go || go->delivered) { /* it shall not wait for ever */
+        send_back(c, w, &back);
         return;
+    }
     if (!loan_fits(job, go, m)) {
         coord_break(c, w->conn, "a LOAN that fits no line");
         return;
@@ -459,7 +495,7 @@ balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
     if (to != JOB_NOBODY && is_whole_end(go, m))
         lend_to(c, job, to, go->attempt, m);
     else
-        send_back(c, job, m->unit, go, m->x, m->n);
+        send_back(c, w, &back);
 }
 
 /* What it cost is the unit's.  One that was taken back just before is in no

@@ -412,6 +412,8 @@ handoff_parked(struct coord *c, struct coord_worker *w,
         go->counted = true;
     }
     go->blocked = go->loans > 0;
+    if (go->blocked && !go->lent_all)
+        go->blocked_ms = c->now_ms;
     go->lent_all |= go->blocked;
     if (!go->blocked &&
         has_work_to_come(job, m->unit)) /* which is on its way to it */

@@ -62,15 +62,16 @@ struct job_go {
     uint32_t lender; /* attempt that lends it [x, x + n), which is all that it
                       * has; 0: it has the unit */
     uint32_t x, n;
-    uint32_t loans;   /* that it lends and are not back */
-    bool lent;        /* it lent some once, so may be PARKED again */
-    bool blocked;     /* parked for want of what it lends */
-    bool lent_all;    /* it had nothing else left then */
-    bool lends;       /* it was asked to lend, and has not answered */
-    uint64_t lend_ms; /* when; or not to be asked again before */
-    double line_left; /* part of the last line that it has not done; below 0:
-                       * not known */
-    uint64_t line_ms; /* when that was so */
+    uint32_t loans;      /* that it lends and are not back */
+    bool lent;           /* it lent some once, so may be PARKED again */
+    bool blocked;        /* parked for want of what it lends */
+    bool lent_all;       /* it had nothing else left then */
+    uint64_t blocked_ms; /* when that was */
+    bool lends;          /* it was asked to lend, and has not answered */
+    uint64_t lend_ms;    /* when; or not to be asked again before */
+    double line_left;    /* part of the last line that it has not done; below 0:
+                          * not known */
+    uint64_t line_ms;    /* when that was so */
 };
 
 struct job_unit {

@@ -61,6 +61,8 @@ void peer_release_callers(struct worker *w);
 void relay_down(struct worker *w, const struct msg *m);
 void relay_up(struct worker *w, struct wjob *job, const struct msg *m);
 /* A link to a peer is there. */
+/* The coordinator is gone, and so is all that it had lent on. */
+void relay_cut(struct worker *w);
 void relay_linked(struct worker *w, struct wjob *job, const char *name);
 /* Tell the coordinator all of them again: some may have been lost on the way.
  */

@@ -466,15 +466,45 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
+/* The child has all again that it lent of the unit. */
+static void
+give_back(struct worker *w, struct wjob *job, struct wunit *u)
+{
+    const struct msg m = { .type = MSG_BACK,
+                           .back = { .job = job->id,
+                                     .unit = u->unit,
+                                     .attempt = u->attempt,
+                                     .line = u->line } };
+
+    u->lends = false;
+    u->parked = false;
+    worker_send_child(w, job, &m);
+}
+
+void
+relay_cut(struct worker *w)
+{
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        for (uint32_t i = 0; i < job->nunits; i++)
+            if (job->units[i].lends)
+                give_back(w, job, &job->units[i]);
+}
+
 static void
 child_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_LOAN, .loan = m->loan };
+    struct wunit *u = worker_find_unit(job, m->loan.unit, m->loan.attempt);
 
-    if (!worker_find_unit(job, m->loan.unit, m->loan.attempt))
+    if (!u)
         return;
+    u->lends = true;
+    u->line = m->loan.line;
     pass.loan.job = job->id;
-    pass_up(w, job, &pass);
+    if (w->welcome)
+        pass_up(w, job, &pass);
+    else
+        give_back(w, job, u); /* there is nobody to lend to */
 }
 
 static void

@@ -202,8 +202,6 @@ struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
 
 /* Are columns of it lent? */
 bool loan_is_out(const struct strict_unit *u);
-/* Have all of them back: they are not heard of. */
-void loan_forget(struct strict_unit *u);
 void loan_free(struct loan *l);
 
 /* --- strict_pass.c --- */

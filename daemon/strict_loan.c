@@ -16,13 +16,6 @@ loan_is_out(const struct strict_unit *u)
 }
 
 void
-loan_forget(struct strict_unit *u)
-{
-    u->lent.base = u->lent.bar = 0;
-    u->blocked = false;
-}
-
-void
 loan_free(struct loan *l)
 {
     if (!l)
@@ -85,7 +78,9 @@ strict_back(struct strict *s, const struct msg_back *m)
         return;
     if (m->x > (uint32_t)frame_of(s, u->frame)->q.width)
         return;
-    blocks = team_blocks_of(&frame_of(s, u->frame)->q, (int)m->x, (int)m->n);
+    blocks = m->n == 0 ? UINT64_MAX
+                       : team_blocks_of(&frame_of(s, u->frame)->q, (int)m->x,
+                                        (int)m->n);
     blocks &= u->lent.base | u->lent.bar;
     u->lent.base &= ~blocks;
     u->lent.bar &= ~blocks;

@@ -14,10 +14,6 @@
  * its bottom, or for columns that it can lend: so often it is looked at. */
 #define LOOK_MS 10
 
-/* Columns that are lent are traced here if nothing is heard of them for so long
- * when there is nothing else to do.  The coordinator sees to it earlier. */
-#define LOAN_MS 3000
-
 /* The line whose first row it is, or nlines for the height; -1: none. */
 static int
 line_from_row(const struct frame *f, uint32_t row)
@@ -370,7 +366,8 @@ is_near(const struct strict *s, const struct strict_unit *u)
 void
 unit_park(struct strict *s, struct strict_unit *u)
 {
-    if (u->gone || u->parked || !pass_waits(s, u) || is_near(s, u))
+    if (u->gone || u->parked || !pass_waits(s, u) ||
+        (!u->blocked && is_near(s, u)))
         return;
     u->parked = true;
     u->lend = 0; /* nothing is left to lend */
@@ -413,8 +410,6 @@ due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
         return is_awaited(s, u) ? now_ms + LOOK_MS : due;
     if (will_keep(s, u))
         due = u->since_ms + PARK_MS;
-    if (u->blocked && u->waiting && due > u->since_ms + LOAN_MS)
-        due = u->since_ms + LOAN_MS;
     return due;
 }
 
@@ -431,10 +426,6 @@ tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
     unit_park(s, u);
     if (will_keep(s, u) && now_ms - u->since_ms >= PARK_MS)
         park_facts(s, u);
-    if (u->blocked && waiting && now_ms - u->since_ms >= LOAN_MS) {
-        loan_forget(u);
-        u->waiting = false;
-    }
 }
 
 uint64_t

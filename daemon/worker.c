@@ -137,6 +137,7 @@ lost_coord(struct worker *w, const char *why)
     w->nasked = 0;
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
+    relay_cut(w);
     while (w->away && w->jobs) /* the machine is somebody else's now */
         wjob_end(w, w->jobs);
     if (w->draining)

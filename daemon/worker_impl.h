@@ -15,7 +15,9 @@
 struct wunit {
     uint32_t unit, attempt;
     bool parked; /* the child only waits for others */
-    bool loan;   /* columns that another worker lends; over when PARKED */
+    bool loan;   /* columns that another worker lends; over when PAID */
+    bool lends;  /* columns of that line, or did */
+    uint32_t line;
 };
 
 /* A RESULT that is not acknowledged. */

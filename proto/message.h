@@ -524,7 +524,7 @@ struct msg_loan {
 struct msg_back {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint32_t line, x, n;
+    uint32_t line, x, n; /* n 0: all that it lends */
 };
 
 /* All that was lent is traced, and forgotten: what that cost is the unit's. */

@@ -1122,6 +1122,7 @@ START_TEST(what_was_taken_back_is_in_no_unit)
     one_line_left(MSG_PART_SCANBAR, 2, &a);
     lend(W1, &a, 9, 7);
     b = loan_of(W2);
+    attempt(W1, MSG_PARKED, &a);
     wait_ms(5000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
     paid(W2, &b, 50); /* which it had not heard */
@@ -1182,6 +1183,21 @@ START_TEST(columns_of_one_that_is_lost_go_back)
 }
 END_TEST
 
+START_TEST(columns_that_nobody_waits_for_are_not_late)
+{
+    struct msg_unit a, b;
+
+    one_line_left(MSG_PART_SCANBAR, 2, &a);
+    lend(W1, &a, 9, 7);
+    b = loan_of(W2);
+    wait_ms(30000);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
+    paid(W2, &b, 5);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
 START_TEST(columns_of_one_that_is_late_go_back)
 {
     struct msg_unit a, b;
@@ -1190,7 +1206,11 @@ START_TEST(columns_of_one_that_is_late_go_back)
     lend(W1, &a, 9, 7);
     b = loan_of(W2);
     clear();
-    wait_ms(5000);
+    wait_ms(1000);
+    attempt(W1, MSG_PARKED, &a); /* so long for as much */
+    wait_ms(200);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
+    wait_ms(3000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
     expect_back(W1, &a, 9, 7);
     clear();
@@ -1259,6 +1279,7 @@ START_TEST(a_loan_that_fits_no_line_ends_the_connection)
     b.attempt += 7;
     lend(W1, &b, 0, 5); /* of an attempt that is not known */
     ck_assert_int_eq(count(W2, MSG_LOAN), 0);
+    expect_back(W1, &b, 0, 5);
     ck_assert(!f.closed[W1]);
     lend(W1, &a, 9, 8);
     ck_assert(f.closed[W1]);
@@ -1603,6 +1624,7 @@ main(void)
     tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
     tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
     tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
+    tcase_add_test(tc, columns_that_nobody_waits_for_are_not_late);
     tcase_add_test(tc, columns_of_one_that_is_late_go_back);
     tcase_add_test(tc, columns_can_be_lent_on);
     tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);

@@ -1077,6 +1077,31 @@ START_TEST(what_is_lent_is_a_unit_until_it_is_done)
 }
 END_TEST
 
+/* Its child would wait for ever. */
+START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
+{
+    static const uint8_t bitmap[1] = { 1 };
+    const struct msg loan = { .type = MSG_LOAN,
+                              .loan = { job_id, 3, 1, 0, 5, 0, 6, 1, 2, 0, 3, 0,
+                                        density, bitmap, line_bytes,
+                                        line_bytes } };
+
+    start_job();
+    child_ready();
+    unit(2);
+    unit(3);
+    hear(f.child, &loan);
+    ck_assert_int_eq(said(f.coord, MSG_LOAN), 1);
+    ck_assert_int_eq(said(f.child, MSG_BACK), 0);
+    cut();
+    ck_assert_int_eq(said(f.child, MSG_BACK), 1);
+    ck_assert(f.last.back.unit == 3 && f.last.back.attempt == 1);
+    ck_assert(f.last.back.line == 5 && f.last.back.n == 0);
+    hear(f.child, &loan); /* asked for before */
+    ck_assert_int_eq(said(f.child, MSG_BACK), 2);
+}
+END_TEST
+
 START_TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
@@ -1145,6 +1170,7 @@ main(void)
         tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
     tcase_add_test(tc, what_workers_share_passes_through);
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
+    tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
     return unit_run(s);
