@@ -12,6 +12,7 @@ struct partition_unit {
     struct partition_area area;
     enum partition_state state;
     uint32_t first, last; /* lines, where they are shared */
+    bool bars;            /* see partition_unit_bars() */
     double cost;
 };
 

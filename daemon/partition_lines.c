@@ -10,13 +10,17 @@
  * - static: the worker's own run of the frame.
  * - auto: as many lines as are the worker's share of all that is left; so units
  *   shrink towards the end, and whole frames go out as long as that share is as
- *   much.  Where there are many lines each worker has one region of the frame,
- *   whole, so that they are not at the same place at the same time.
- *   Else they go from the top down: the units above are a little further than
- *   those below, base lines arrive before they are needed, and rows are done
- *   from the top down.  These do not shrink at first.  Either way whoever has a
- *   unit makes its base lines before its bars, so the sooner all lines are out,
- *   the sooner the truth is everywhere; what was too much is given away later.
+ *   much.  Where there are many lines each worker has some regions of the
+ * frame, one after the other, so that they are not at the same place at the
+ * same time.  As long as there are more to come the bars of one are made along
+ * with its base lines: the pixels of both are looked up among the same ambient
+ *   records then, are more alike, and fewer are traced (by 2 to 4 %; office at
+ *   night).
+ *   In the last one, and where there are fewer lines, base lines come before
+ *   bars, so that the truth is everywhere soon; what was too much is given away
+ *   later.  Fewer lines go from the top down: the units above are a little
+ *   further than those below, base lines arrive before they are needed, and
+ *   rows are done from the top down.  These do not shrink at first.
  *
  * Frames go out in order: one begins when the one before it has no free line
  * left, or, where nothing may be kept between frames, when that is done. */
@@ -31,14 +35,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Auto: so many lines of a frame for each worker are a region of its own. Close
+/* Auto: so many lines of a frame for each worker are regions of its own. Close
  * to each other they make the same ambient records: by 2 % more rays, office at
  * night, 40 lines each; but with few lines each bar's wait for the one above it
  * counts for more. */
 #define REGION 24
 
-/* Scanbar: a worker has about so many regions of a frame, one after the other,
- * none of fewer lines than LEAST_REGION.  The truth comes down through all
+/* A worker has about so many regions of a frame, one after the other, none of
+ * fewer lines than LEAST_REGION.  The truth comes down through all
  * workers' regions after each round; what of that comes after the last one
  * costs 5 % of the time where there is but one, 2 % with three (eight workers,
  * 427 lines).  The more there are the closer workers are to each other, and
@@ -256,9 +260,9 @@ choose(struct partition *p)
                  "one worker: whole frames, which its threads render together");
     else if (s->frame[s->nframes - 1].n >= REGION * s->most)
         snprintf(p->choice, sizeof p->choice,
-                 "%u workers: a region of the picture for each; what is left "
+                 "%u workers: %d regions of the picture for each; what is left "
                  "by halves, at last of a bar",
-                 s->most);
+                 s->most, ROUNDS);
     else
         snprintf(p->choice, sizeof p->choice,
                  "%u workers: runs of base lines from the top down, each one's "
@@ -523,8 +527,7 @@ begin_region(const struct partition_lines *s, struct frame *f, double share,
 {
     double lines = share * f->n;
 
-    if (s->kind == MSG_PART_SCANBAR)
-        lines /= ROUNDS;
+    lines /= ROUNDS;
     while (f->next < f->n) {
         *line = f->next;
         f->next += (uint32_t)(fmin(fmax(lines, LEAST_REGION), f->n) + .5);
@@ -556,6 +559,18 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     return first + (last - first) / 2;
 }
 
+/* Does another region come for each worker after this one?  Then the truth can
+ * come down meanwhile. */
+static bool
+has_time(const struct partition_lines *s, const struct frame *f,
+         const struct partition_who *who)
+{
+    double lines = (double)f->n / ROUNDS;
+
+    return s->kind == MSG_PART_AUTO && has_regions(s, f, who) &&
+           f->n - f->next + who->share * lines / 2 >= lines;
+}
+
 static bool
 next_cut(struct partition *p, struct asker *w, const struct partition_who *who,
          uint32_t *unit)
@@ -563,6 +578,7 @@ next_cut(struct partition *p, struct asker *w, const struct partition_who *who,
     struct partition_lines *s = p->lines;
     uint32_t frame = s->lo, first;
     struct frame *f;
+    bool bars;
 
     while (may_begin(s, frame) &&
            s->frame[frame].nfree == s->frame[frame].nkept)
@@ -571,7 +587,11 @@ next_cut(struct partition *p, struct asker *w, const struct partition_who *who,
         return false;
     f = &s->frame[frame];
     first = unit_start(p, f, w, who);
-    return cut(p, frame, first, unit_end(s, f, first, who), w, unit);
+    bars = has_time(s, f, who);
+    if (!cut(p, frame, first, unit_end(s, f, first, who), w, unit))
+        return false;
+    p->unit[*unit].bars = bars;
+    return true;
 }
 
 /* --- static --- */
@@ -818,6 +838,12 @@ uint32_t
 partition_line_unit(const struct partition *p, uint32_t frame, uint32_t line)
 {
     return p->lines->unit[p->lines->frame[frame].first + line];
+}
+
+bool
+partition_unit_bars(const struct partition *p, uint32_t unit)
+{
+    return p->unit[unit].bars;
 }
 
 void

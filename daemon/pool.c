@@ -316,6 +316,9 @@ new_team(struct active *u)
     spec.last = pass->last;
     spec.true_top = pass->true_top;
     spec.top_known = pass->top_known;
+    spec.filled = pass->filled;
+    spec.record = pass->record;
+    spec.earlier = pass->earlier;
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;
@@ -324,6 +327,8 @@ new_team(struct active *u)
     spec.loan = pass->loan;
     if (pass->true_top)
         spec.bottom = on_bottom;
+    if (pass->earlier)
+        spec.nthreads = 1;
     if (spec.nthreads > spec.last - spec.first)
         spec.nthreads = spec.last - spec.first;
     return team_new(&spec);
@@ -418,6 +423,7 @@ end_pass_locked(struct active *u)
         strict_blocked(p->strict, u->pass, finished);
     }
     team_bottom(u->team, &b);
+    u->pass->finished = finished;
     u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,
                             b.density, &spent, &u->counts);
     u->pass = NULL;

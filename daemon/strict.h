@@ -6,10 +6,11 @@
  * traced ahead, on a guess, and kept as facts; then TRUTH makes the rows over
  * the facts and leaves the top of the unit below.  So a unit has passes, each
  * the work of one team: first LINES, then AHEAD, after which it is parked, and
- * TRUTH as soon as may be.  Where the unit has several lines and its top is
- * true before all bars are traced, LINES is made (again) for the bottom that
- * others wait for; but for what was guessed from just these densities, which is
- * true then.  TRUTH alone does where the top is true from the start and
+ * TRUTH as soon as may be.  Of a unit that has time (MSG_UNIT_BARS) LINES makes
+ * the bars, too.  Where the unit has several lines and its top is true before
+ * all bars are traced, LINES is made (again) for the bottom that others wait
+ * for; but for what was guessed from just these densities, which is true then,
+ * and without the lines that come out as they were guessed.  TRUTH alone does where the top is true from the start and
  * there is but one line, or nothing below.
  * Columns of a unit's last line may be lent to another worker while they are
  * not begun (LEND, LOAN).  The unit's passes leave them out, and TRUTH, which
@@ -90,11 +91,16 @@ struct strict_pass {
     struct rad_pixel *top;              /* NULL: not known */
     uint8_t *top_density;               /* NULL: not known, or none at all */
     int top_known;                      /* see team.h */
+    int filled;                         /* with LINES: see team.h */
+    uint8_t *record;                    /* see team.h; or NULL */
+    const uint8_t *earlier;             /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* end it: nobody wants it any more */
     bool split; /* call team_shrink() with least, and tell
                  * strict_shrunk() */
     int least;
+    int finished; /* lines before it are done; to be said before
+                   * strict_ended() */
     int out; /* lines before it were handed on, by a pass that was blocked */
     const struct team_loan *loan; /* with TEAM_LOAN */
     struct team_blocks lent;      /* of the last line, from the start */

@@ -46,6 +46,8 @@ struct strict_unit {
     bool gone;      /* to be freed when its pass has ended */
     bool over;      /* what it cost is told: all its rows are made, or PAID */
     bool split;     /* GAVE is due when its pass has ended */
+    bool bars;      /* bars are made along with the lines */
+    int filled;     /* lines before it have their bars, as facts, from LINES */
     bool lines_done, ahead_done;
     bool bottom_done;        /* the bottom is out, true */
     bool ahead_guessed;      /* AHEAD had colours above the first bar */
@@ -66,6 +68,10 @@ struct strict_unit {
     /* its bottom after LINES or AHEAD; NULL: none yet */
     struct rad_pixel *guess;
     uint8_t *guess_density;
+    /* densities after lines [chain_first, chain_last), each made from those of
+     * the line above, all over facts that are here */
+    uint8_t *chain;
+    int chain_first, chain_last;
     uint8_t *guess_above; /* the densities that it follows from; NULL: it was
                            * made of nothing */
     int guess_known;      /* lines that it is made of, at most TEAM_SURE */

@@ -242,6 +242,7 @@ pass_free(struct strict_pass *p)
         return;
     free(p->top);
     free(p->top_density);
+    free(p->record);
     free(p);
 }
 
@@ -266,6 +267,33 @@ may_get_help(const struct strict *s, const struct strict_unit *u)
     return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
 }
 
+/* The line before which LINES makes bars, too: none, or all.  Nobody waits for
+ * the last line of a frame. */
+static int
+filled_until(const struct strict *s, const struct strict_unit *u)
+{
+    bool bars = u->bars || u->last == frame_of(s, u->frame)->nlines;
+
+    return bars && !u->lines_done && !u->make_top ? u->last : u->first;
+}
+
+/* What the pass records of its lines, or has to hold them against.  Without
+ * memory it goes without. */
+static void
+set_chain(const struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of;
+    size_t n = frame_of(s, u->frame)->ndensity;
+
+    if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
+        return;
+    if (p->rank == STRICT_TRUE_LINES && u->chain_first <= p->first &&
+        u->chain_last >= p->last - 1)
+        p->earlier = u->chain + (size_t)(p->first - u->chain_first) * n;
+    else
+        p->record = malloc((size_t)(p->last - p->first) * n);
+}
+
 static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
@@ -284,6 +312,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->true_top = rank <= STRICT_TRUTH;
     p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
     p->last = u->last;
+    p->filled = filled_until(s, u);
     p->least = u->first + 1;
     p->end = u->end;
     p->out = u->out;
@@ -298,6 +327,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
         return NULL;
     }
     p->facts = frame_of(s, u->frame)->facts;
+    set_chain(s, p);
     return p;
 }
 
@@ -473,6 +503,29 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
 }
 
+/* How many lines a pass of LINES has left with their bars. */
+static void
+keep_filled(struct strict_unit *u, const struct strict_pass *p)
+{
+    int end = p->finished < p->filled ? p->finished : p->filled;
+
+    if (p->mode == TEAM_LINES && end > u->filled)
+        u->filled = end;
+}
+
+/* The densities that a pass has left, if there are none of more lines. */
+static void
+keep_chain(struct strict_unit *u, struct strict_pass *p)
+{
+    if (!p->record || p->finished <= p->first || p->finished < u->chain_last)
+        return;
+    free(u->chain);
+    u->chain = p->record;
+    u->chain_first = p->first;
+    u->chain_last = p->finished;
+    p->record = NULL;
+}
+
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct rad_pixel *pixels, const uint8_t *density,
@@ -483,6 +536,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     bool paid = done && p->mode == TEAM_LOAN;
 
     msg_counts_add(&u->spent, spent);
+    keep_filled(u, p);
+    keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);
     else if (paid)

@@ -104,6 +104,7 @@ void
 unit_free(struct strict_unit *u)
 {
     free_guess(u);
+    free(u->chain);
     loan_free(u->loan);
     free(u);
 }
@@ -228,6 +229,7 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     u->end = (enum team_end)m->end;
     u->make_top = m->flags & MSG_UNIT_TOP && u->first > 0;
     u->twin = m->flags & MSG_UNIT_TWIN;
+    u->bars = m->flags & MSG_UNIT_BARS;
     while (*at)
         at = &(*at)->next;
     *at = u;
@@ -277,18 +279,20 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
     out_gave(s, u);
 }
 
-/* Give half of a unit that no team is at. */
+/* Give half of the bars that are left of a unit that no team is at. */
 void
 unit_split_idle(struct strict *s, struct strict_unit *u)
 {
-    bool begun = u->lines_done && u->ahead_done;
+    int from = u->filled > u->first ? u->filled : u->first;
 
+    if (u->lines_done && u->ahead_done)
+        from = u->last;
     u->split = false;
-    give_lines(s, u, begun ? u->last : u->last - (u->last - u->first) / 2);
+    give_lines(s, u, u->last - (u->last - from) / 2);
 }
 
-/* Bars count, so a LINES pass has begun nothing; but its lines are everywhere:
- * it ends first, and is made again, through its facts. */
+/* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
+ * is made again, through its facts. */
 void
 strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {

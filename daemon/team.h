@@ -15,7 +15,8 @@
  * several, each by a new team over the same facts (facts.h):
  *   TEAM_TRUTH  the top is true.  What is a fact is used, the rest is traced;
  *               rows are painted and handed on; the bottom is true.
- *   TEAM_LINES  the top is a guess.  Base lines alone are traced, into facts.
+ *   TEAM_LINES  the top is a guess.  Base lines are traced, into facts, and of
+ *               the first lines the bars as well, as with AHEAD.
  *   TEAM_AHEAD  the top is a guess.  Base lines and bars, into facts.  Left
  *               out are a bar without colours above it (of the first line, if
  *               top is NULL), and, where little is known of the densities
@@ -127,6 +128,15 @@ struct team_spec {
      * be stored (release) meanwhile.  LINES and AHEAD want them for all of
      * their lines from the start. */
     _Atomic(struct rad_facts *) *facts;
+    int filled; /* with LINES: lines before this one with their bars */
+    /* With LINES or AHEAD: room for the densities after each line from first
+     * on, or NULL. */
+    uint8_t *record;
+    /* With LINES, true_top and one member: what an earlier pass recorded of all
+     * lines from first to last - 2, over facts that are here; or NULL.  After a
+     * line whose densities come out the same so would all that follow: the pass
+     * goes on with the last line. */
+    const uint8_t *earlier;
     /* Of line last - 1, which has columns that are lent. */
     struct team_blocks lent;
     int out; /* with TRUTH: lines before this one were handed on before */
@@ -153,7 +163,7 @@ int team_line_rows(const struct rad_quincunx *q, int i);
 /* Work until there is no line left to begin, or the team is stopped. */
 void team_work(struct team *t, struct rad_ctx *ctx);
 
-/* Is there a line left to begin? */
+/* Is there a line left for another member to begin? */
 bool team_open(struct team *t);
 
 /* End early: each member leaves within a few pixels. */

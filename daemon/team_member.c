@@ -519,8 +519,9 @@ member_is_unsure(const struct member *m)
 {
     const struct team *t = m->team;
 
-    return t->spec.mode == TEAM_AHEAD && !t->spec.true_top && t->ndensity > 0 &&
-           t->spec.first > 0 && known_above(t, m->i) < TEAM_SURE;
+    return (t->spec.mode == TEAM_AHEAD || t->spec.mode == TEAM_LINES) &&
+           !t->spec.true_top && t->ndensity > 0 && t->spec.first > 0 &&
+           known_above(t, m->i) < TEAM_SURE;
 }
 
 static bool

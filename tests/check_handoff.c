@@ -31,6 +31,9 @@ static const struct msg_frame frames[] = { { 0, WIDTH, HEIGHT, "" },
                                            { 1, WIDTH, HEIGHT, "" },
                                            { 2, WIDTH, HEIGHT, "" } };
 static const uint8_t id[MSG_JOB] = { 0xaa }, hash[MSG_HASH] = { 1 };
+/* Lines enough for two workers to have regions. */
+static const struct msg_frame tall = { 0, WIDTH, 150, "" };
+
 static const uint8_t pixels[HEIGHT * WIDTH * 12], density[WIDTH];
 static const uint8_t bitmap[BAR * 2] = { 0x81 }; /* two pixels */
 
@@ -50,7 +53,8 @@ static struct {
     bool closed[CONNS], done, failed;
     bool slow_disk;     /* nothing is kept */
     uint64_t kept_rays; /* of the last unit whose rows were all kept */
-    uint8_t version;    /* of the protocol, that workers speak; 0: 1 */
+    bool tall;
+    uint8_t version; /* of the protocol, that workers speak; 0: 1 */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -196,7 +200,7 @@ submit(enum msg_partition kind, uint32_t flags, const char *estimate,
                                  .partition = (uint8_t)kind,
                                  .files = { 1, hash },
                                  .nframes = nframes,
-                                 .frames = frames } };
+                                 .frames = f.tall ? &tall : frames } };
 
     say(ANA, &m);
 }
@@ -998,16 +1002,37 @@ lend(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
     say(conn, &m);
 }
 
+static void
+speak_version(uint8_t version, int workers)
+{
+    f.version = version;
+    for (int i = 0; i < workers; i++) {
+        coord_closed(f.c, f.now_ms, (uint64_t)(W1 + i), "again");
+        join((uint64_t)(W1 + i), MSG_ROLE_WORKER, NAMES[i], "");
+    }
+}
+
+/* Of the first regions bars come along, as a worker of version 1 would not
+ * understand. */
+START_TEST(who_has_time_makes_bars_along_with_lines)
+{
+    uint8_t version = (uint8_t)_i;
+
+    f.tall = true;
+    speak_version(version, 2);
+    start(MSG_PART_AUTO, 0, 2);
+    for (uint64_t w = W1; w <= W2; w++)
+        ck_assert_uint_eq(first_unit_of(w)->flags,
+                          version < 2 ? 0 : MSG_UNIT_BARS);
+}
+END_TEST
+
 /* ws1 is at a line, all else being done, and ws2, and ws3 if it is there, have
  * nothing. */
 static void
 one_line_left(enum msg_partition kind, int workers, struct msg_unit *a)
 {
-    f.version = 2;
-    for (int i = 0; i < workers; i++) {
-        coord_closed(f.c, f.now_ms, (uint64_t)(W1 + i), "again");
-        join((uint64_t)(W1 + i), MSG_ROLE_WORKER, NAMES[i], "");
-    }
+    speak_version(2, workers);
     start(kind, 0, workers);
     *a = *first_unit_of(W1);
     for (int i = 0; i < f.nsaid; i++) {
@@ -1588,6 +1613,7 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, workers_begin_apart_while_records_are_few, 0, 2);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
+    tcase_add_loop_test(tc, who_has_time_makes_bars_along_with_lines, 1, 3);
     tcase_add_test(tc,
                    a_line_that_the_one_below_makes_is_kept_till_it_is_there);
     tcase_add_test(tc, a_kept_line_is_free_when_its_maker_has_no_more_to_do);

@@ -404,8 +404,9 @@ START_TEST(auto_has_all_lines_out_early)
 }
 END_TEST
 
-/* Where there are many lines for each worker it has a region, which its later
- * units lie in, too; where there are few, units follow each other. */
+/* Where there are many lines for each worker it has regions, one after the
+ * other, and takes its time but for the last; where there are few, units follow
+ * each other. */
 START_TEST(auto_gives_regions_where_there_are_many_lines)
 {
     static struct msg_frame tall = { 0, 40, 289, "" }; /* 97 lines */
@@ -416,12 +417,13 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
     spec.frames = &tall;
     p = partition_new(&spec, NULL);
     ck_assert(cut(p, 0, 4, &first, &last, &unit));
-    ck_assert(first == 0 && last >= 24 && last <= 25);
-    for (uint32_t i = 1; i < 4; i++) { /* each a region, whole */
+    ck_assert(first == 0 && last == 8 && partition_unit_bars(p, unit));
+    for (uint32_t i = 1; i < 12; i++) {
         before = last;
-        ck_assert(cut(p, i, 4, &first, &last, &unit));
+        ck_assert(cut(p, i % 4, 4, &first, &last, &unit));
         ck_assert_uint_eq(first, before);
-        ck_assert(last - first >= 24 && last - first <= 25);
+        ck_assert_uint_eq(last - first, 8);
+        ck_assert(partition_unit_bars(p, unit) == (i < 8));
     }
     while (cut(p, 1, 4, &first, &last, &unit)) /* what rounding left */
         ck_assert_uint_ge(first, 96);
@@ -432,6 +434,7 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
     before = last;
     ck_assert(cut(p, 1, 5, &first, &last, &unit));
     ck_assert_uint_eq(first, before);
+    ck_assert(!partition_unit_bars(p, unit));
     partition_free(p);
 }
 END_TEST

@@ -375,7 +375,8 @@ hand_out(struct world *w, struct unit *u, int node)
                                 .height = (uint32_t)(end - y),
                                 .mode = MSG_MODE_STRICT,
                                 .end = (uint8_t)(twin ? h - u->by : 0) };
-    m.unit.flags = (top ? MSG_UNIT_TOP : 0) | (twin ? MSG_UNIT_TWIN : 0);
+    m.unit.flags = (top ? MSG_UNIT_TOP : 0) | (twin ? MSG_UNIT_TWIN : 0) |
+                   (chance(w, 50) ? MSG_UNIT_BARS : 0);
     w->node[node].last_line = u->last;
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         for (int k = 0; k < w->line[i].nfacts; k++)
@@ -722,6 +723,7 @@ end_pass(struct run *r)
     if (r->pass->mode == TEAM_TRUTH)
         spent.primary_rays = team_primary(r->team);
     team_bottom(r->team, &b);
+    team_blocked(r->team, &r->pass->finished);
     over = strict_ended(d->s, r->pass, team_done(r->team), b.pixels, b.density,
                         &spent, &total);
     speak(d);
@@ -750,6 +752,9 @@ run_pass(struct node *d)
     spec.last = r.pass->last;
     spec.true_top = r.pass->true_top;
     spec.top_known = r.pass->top_known;
+    spec.filled = r.pass->filled;
+    spec.record = r.pass->record;
+    spec.earlier = r.pass->earlier;
     spec.top = r.pass->top;
     spec.top_density = r.pass->top_density;
     spec.facts = r.pass->facts;
@@ -1127,6 +1132,43 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 }
 END_TEST
 
+/* A unit that has time: its bars come along, are no longer given away once they
+ * are made, and what is known of its densities is held against the truth. */
+START_TEST(bars_that_come_along_stay)
+{
+    struct rad_quincunx q = { .width = 64, .height = 90 };
+    const struct msg_counts spent = { 0 };
+    struct msg_unit u = { .job = job_id,
+                          .width = 64,
+                          .mode = MSG_MODE_STRICT,
+                          .flags = MSG_UNIT_BARS };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    u.y = (uint32_t)team_line_row(&q, 4);
+    u.height = (uint32_t)team_line_row(&q, 24) - u.y;
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24 && !p->earlier);
+    strict_split(s, 0, 0);
+    ck_assert(p->stop);
+    p->finished = 12;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* of 12 lines that are left 6 are */
+    ck_assert(p->last == 18 && p->filled == 18);
+    p->finished = 18;
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4 && p->earlier);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* Line number of the next base line that is told of; -1: there is none. */
 static int
 next_base_line(struct strict *s)
@@ -1363,6 +1405,7 @@ main(void)
     TCase *tc = tcase_create("strict");
 
     tcase_add_test(tc, thousands_of_units_may_wait);
+    tcase_add_test(tc, bars_that_come_along_stay);
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));

@@ -152,6 +152,9 @@ struct pass {
     bool true_top;
     int stop_after; /* pixels; 0: not */
     int least;      /* shrink to that at least; 0: not */
+    int filled;
+    uint8_t *record;
+    const uint8_t *earlier;
 };
 
 static void *
@@ -172,6 +175,9 @@ spec_of(struct world *w, const struct pass *p)
                                .top = p->top,
                                .top_density = p->density,
                                .true_top = p->true_top,
+                               .filled = p->filled,
+                               .record = p->record,
+                               .earlier = p->earlier,
                                .facts = w->facts,
                                .trace = trace,
                                .paint = paint,
@@ -343,11 +349,31 @@ guess(struct world *w, uint64_t *state, int first, int last)
     pthread_t thread;
 
     guess_top(w, state, &p);
+    p.filled = p.first + draw(state, 1 + last - p.first);
     for (int i = p.first; i < last; i++)
         w->facts[i] = w->all[i];
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     team_free(run_pass(w, &p));
     ck_assert_int_eq(pthread_join(thread, NULL), 0);
+}
+
+/* Go over all lines of a pass on a guess first, and have the pass hold its
+ * lines against it. */
+static void
+guess_all(struct world *w, uint64_t *state, struct pass *p)
+{
+    struct pass ahead = { .mode = draw(state, 2) ? TEAM_LINES : TEAM_AHEAD,
+                          .first = p->first,
+                          .last = p->last,
+                          .filled = p->filled,
+                          .nthreads = p->nthreads };
+
+    p->record = malloc((size_t)(p->last - p->first) * w->ndensity + 1);
+    ck_assert_ptr_nonnull(p->record);
+    ahead.record = p->record;
+    team_free(run_pass(w, &ahead));
+    p->earlier = p->record;
+    p->nthreads = 1;
 }
 
 /* The truth of some lines from first on, perhaps of the bottom first, perhaps
@@ -361,6 +387,7 @@ get_true(struct world *w, uint64_t *state, int first, int last)
 
     p.nthreads = 1 + draw(state, 3);
     p.end = (enum team_end)draw(state, 4);
+    p.filled = first + draw(state, 1 + last - first);
 
     ck_assert_int_eq(pthread_create(&thread, NULL, be_twin, &twin), 0);
     if (draw(state, 2)) {
@@ -368,6 +395,8 @@ get_true(struct world *w, uint64_t *state, int first, int last)
 
         for (int i = first; i < last; i++)
             w->facts[i] = w->all[i];
+        if (draw(state, 2))
+            guess_all(w, state, &p);
         p.least = draw(state, 2) ? 0 : first + 1;
         t = run_pass(w, &p);
         ck_assert(team_done(t));
@@ -375,6 +404,9 @@ get_true(struct world *w, uint64_t *state, int first, int last)
         assert_bottom(w, t, p.last);
         team_free(t);
     }
+    free(p.record);
+    p.record = NULL;
+    p.earlier = NULL;
     p.mode = TEAM_TRUTH;
     p.least = draw(state, 2) ? 0 : first + 1;
     last = tell_truth(w, &p);
@@ -498,6 +530,92 @@ START_TEST(little_is_traced_for_nothing)
     }
     printf("\n");
     fflush(stdout);
+}
+END_TEST
+
+/* Bars that come along with the lines are facts after LINES. */
+START_TEST(lines_are_filled_as_far_as_asked_for)
+{
+    struct analytic a = { (enum analytic_kind)0, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct pass p = { .mode = TEAM_LINES,
+                      .last = w->nlines,
+                      .filled = w->nlines / 2,
+                      .nthreads = 1,
+                      .true_top = true };
+
+    render_alone(w);
+    team_free(run_pass(w, &p));
+    for (int i = 1; i < w->nlines; i++) {
+        int rows = team_line_rows(&w->q, i) - 1;
+        bool some = false;
+
+        for (int x = 0; x < w->q.width; x++)
+            for (int k = 0; k < rows; k++) {
+                struct rad_pixel pixel;
+
+                some |= rad_facts_get(w->facts[i], x, k, &pixel);
+            }
+        ck_assert(some == (i < p.filled));
+    }
+    p = true_pass(w, TEAM_TRUTH, 0, w->nlines);
+    tell_truth(w, &p);
+    assert_same(w);
+    world_free(w);
+}
+END_TEST
+
+/* May a member join a team for that pass? */
+static bool
+is_open(struct world *w, const struct pass *p)
+{
+    struct team_spec spec = spec_of(w, p);
+    struct team *t = team_new(&spec);
+    bool open;
+
+    ck_assert_ptr_nonnull(t);
+    open = team_open(t);
+    team_free(t);
+    return open;
+}
+
+/* A true pass over facts that comes to what an earlier one found leaves out the
+ * lines between: else it would trace the one whose facts are gone. */
+START_TEST(lines_that_come_out_as_before_are_left_out)
+{
+    struct analytic a = { (enum analytic_kind)0, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    int first = 4, last = w->nlines, middle = last - 3;
+    uint8_t *record = malloc((size_t)last * w->ndensity);
+    struct pass p = { .mode = TEAM_LINES,
+                      .first = first,
+                      .last = last,
+                      .nthreads = 1,
+                      .record = record };
+    struct rad_facts *none =
+        rad_facts_new(w->q.width, team_line_rows(&w->q, middle));
+    struct team *t;
+
+    render_alone(w);
+    team_free(run_pass(w, &p));
+    w->facts[middle] = none;
+    p = true_pass(w, TEAM_LINES, first, last);
+    ck_assert(is_open(w, &p));
+    p.earlier = record;
+    ck_assert(!is_open(w, &p)); /* lines are left out by one member */
+    t = run_pass(w, &p);
+    ck_assert(team_done(t));
+    assert_bottom(w, t, last);
+    /* some of the first lines may be missing */
+    ck_assert_uint_lt(team_rays(t), (uint64_t)(w->q.width / w->q.xstep));
+    team_free(t);
+    p.earlier = NULL;
+    t = run_pass(w, &p);
+    ck_assert_uint_ge(team_rays(t), (uint64_t)(w->q.width / w->q.xstep));
+    team_free(t);
+    rad_facts_free(none);
+    free(record);
+    world_free(w);
 }
 END_TEST
 
@@ -1051,6 +1169,8 @@ main(void)
     tcase_add_loop_test(tc, columns_that_are_lent_are_traced_once, 0, SEEDS);
     tcase_add_loop_test(tc, little_is_traced_for_nothing, 0,
                         3 * ANALYTIC_KINDS);
+    tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
+    tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
     tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);

@@ -267,8 +267,8 @@ is_unsure(const struct host *h)
     const struct strict_pass *p = h->pass;
     int known = h->line - p->first + (p->top_density ? p->top_known : 0);
 
-    return h->in_bar && p->mode == TEAM_AHEAD && !p->true_top && p->first > 0 &&
-           known < TEAM_SURE;
+    return h->in_bar && (p->mode == TEAM_AHEAD || p->mode == TEAM_LINES) &&
+           !p->true_top && p->first > 0 && known < TEAM_SURE;
 }
 
 /* Whether a guess traces column x, of which the truth wants some rows. */
@@ -548,6 +548,7 @@ end_pass(struct host *h, bool done)
             send_strict_rows(h, p, row_of(h, h->last - 1), NULL);
     }
     h->pass = NULL;
+    p->finished = h->line;
     if (!strict_ended(h->strict, p, done, h->pixels, h->density, &spent,
                       &total))
         return;
@@ -594,8 +595,8 @@ has_bar(const struct host *h)
 {
     const struct strict_pass *p = h->pass;
 
-    return p->mode != TEAM_LINES && h->line != 0 &&
-           (p->mode != TEAM_AHEAD || h->line != p->first || p->top);
+    return (p->mode != TEAM_LINES || h->line < p->filled) && h->line != 0 &&
+           (p->mode == TEAM_TRUTH || p->loan || h->line != p->first || p->top);
 }
 
 /* Is anything known of that column of the bar? */

@@ -23,7 +23,7 @@ static struct {
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned parted, late;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, twins, loans, blocked, estimates, pictures;
+    unsigned parked, gave, twins, loans, blocked, estimates, bars, pictures;
     uint64_t primary, speculative, unsaid;
 } sum;
 
@@ -217,6 +217,7 @@ run(uint64_t seed, bool verbose)
     sum.twins += s.twins;
     sum.loans += s.loans;
     sum.blocked += s.blocked;
+    sum.bars += s.bars;
     sum.estimates += s.estimates;
     sim_release(&s);
 }
@@ -246,7 +247,7 @@ was_tried(void)
                  sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
-                 sum.blocked && sum.estimates;
+                 sum.blocked && sum.bars && sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -272,14 +273,15 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "loans, %u waits for them, %u estimates; %u and %u accidents at "
+           "loans, %u waits for them, %u by bars, %u estimates; %u and %u "
+           "accidents at "
            "RING and SPREAD\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
            (unsigned long long)sum.unsaid, sum.coord_deaths, sum.deaths,
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
-           sum.loans, sum.blocked, sum.estimates, at_type(MSG_RING),
+           sum.loans, sum.blocked, sum.bars, sum.estimates, at_type(MSG_RING),
            at_type(MSG_SPREAD));
 }
 

@@ -325,6 +325,9 @@ new_team(struct sim_task *t)
     spec.last = pass->last;
     spec.true_top = pass->true_top;
     spec.top_known = pass->top_known;
+    spec.filled = pass->filled;
+    spec.record = pass->record;
+    spec.earlier = pass->earlier;
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;
@@ -490,6 +493,7 @@ end_task(struct net *net, int node, int slot)
         if (blocked)
             strict_blocked(k->strict, t->pass, finished);
         of(net)->blocked += blocked;
+        t->pass->finished = finished;
         whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
                              &spent, &total);
     } else {
@@ -727,6 +731,7 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     begin_frame(net, node, u->frame);
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
+        of(net)->bars += (u->flags & MSG_UNIT_BARS) != 0;
         SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
         return;
     }

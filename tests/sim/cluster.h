@@ -21,7 +21,7 @@ enum {
     SIM_CHILDREN = 96,
     SIM_THREADS = 4,
     SIM_WIDTH = 100, /* of a picture, and more */
-    SIM_HEIGHT = 100,
+    SIM_HEIGHT = 200,
     SIM_EDGES = 4,
     SIM_TYPES = 128,  /* of messages */
     SIM_UNITS = 4096, /* of a job */
@@ -165,6 +165,7 @@ struct sim {
     unsigned late; /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates;
+    unsigned bars; /* units whose bars come along with their base lines */
 };
 
 /* Set a cluster up as the seed says, let it live until every job is over and
