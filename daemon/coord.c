@@ -211,7 +211,7 @@ on_unlinked(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct job *job = sched_job_of(c, conn->worker, m->unlinked.job, &index);
 
     if (job)
-        ring_unlinked(c, job, index, m->unlinked.name);
+        ring_unlinked(c, job, index, &m->unlinked);
 }
 
 /* The child says that the job cannot be rendered: it would be so anywhere. */

@@ -14,6 +14,9 @@
 #define MOST_TRIES   6
 #define MOST_CALLERS 64
 
+/* Who is to call has done so by then, or cannot. */
+#define EXPECT_MS 10000
+
 /* Records that may wait for a link which is to come. */
 #define EARLY_BYTES ((size_t)1 << 20)
 
@@ -138,6 +141,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
         worker_send_child(w, job, &give);
     pump(w, p->conn, &p->queue); /* what was early */
     relay_linked(w, job, p->name);
+    spread_linked(job, p->name, true);
 }
 
 /* Both tokens compare in the same time, whatever they are. */
@@ -224,8 +228,10 @@ peer_introduce(struct worker *w, struct wjob *job,
         snprintf(p->address, sizeof p->address, "%s", in->address);
         memcpy(p->token, in->token, MSG_TOKEN);
         lossy_init(&p->queue);
+        p->since_ms = w->now_ms;
         p->next = job->peers;
         job->peers = p;
+        spread_linked(job, p->name, false);
         if (p->flags & MSG_PEER_DIAL)
             dial(w, job, p);
     }
@@ -430,6 +436,17 @@ peer_linked(const struct wjob *job, const char *name)
     struct wpeer *p = peer_named(job, name);
 
     return p && p->state == PEER_LINKED ? p : NULL;
+}
+
+struct wpeer *
+peer_awaited(const struct worker *w, const struct wjob *job, const char *name)
+{
+    struct wpeer *p = peer_named(job, name);
+
+    return p && p->state == PEER_EXPECTED &&
+                   w->now_ms - p->since_ms >= EXPECT_MS
+               ? NULL
+               : p;
 }
 
 void

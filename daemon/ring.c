@@ -16,6 +16,10 @@
 #define LINE_LINKS 16   /* of a worker, beside those of the ring */
 #define FEWEST     4    /* have fewer links on a ring than all have with all */
 
+#define HOPELESS 2     /* links in a row that never came about */
+#define LATER_MS 30000 /* then it is tried once more */
+#define SAME_MS  1000  /* the other end says that the link of before is gone */
+
 enum pair_kind {
     PAIR_RING,
     PAIR_GUEST,
@@ -29,6 +33,14 @@ struct pair {
     uint32_t sequence; /* of those for lines */
 };
 
+/* Two whose link broke, or never came about. */
+struct broken {
+    uint32_t a, b;      /* workers of the job, a < b */
+    unsigned times;     /* in a row that it never did */
+    uint64_t linked_ms; /* when it was made last; 0: before */
+    uint64_t again_ms;  /* when it is to be; 0: it is, or nobody asks for it */
+};
+
 struct ring {
     bool direct;  /* a ring of few, and all are linked with all */
     bool changed; /* since places were given */
@@ -39,7 +51,10 @@ struct ring {
     uint32_t nmembers;
     uint32_t cap;                     /* of what is by worker: */
     uint32_t *place, *host, *nguests; /* JOB_NOBODY: none */
-    struct pair *pair;                /* in the order of a and b */
+    bool *out;                        /* may have no place, for lack of links */
+    struct broken *broken;
+    size_t nbroken;
+    struct pair *pair; /* in the order of a and b */
     size_t npairs, cap_pairs;
     uint32_t sequence;
 };
@@ -68,6 +83,8 @@ ring_free(struct ring *r)
     free(r->place);
     free(r->host);
     free(r->nguests);
+    free(r->out);
+    free(r->broken);
     free(r->pair);
     free(r);
 }
@@ -177,6 +194,100 @@ drop(struct coord *c, const struct job *job, const struct pair *p)
                          job->workers[end[!i]].worker);
 }
 
+/* --- pairs that have no link --- */
+
+static struct broken *
+find_broken(const struct ring *r, uint32_t a, uint32_t b)
+{
+    for (size_t i = 0; i < r->nbroken; i++)
+        if (r->broken[i].a == (a < b ? a : b) &&
+            r->broken[i].b == (a < b ? b : a))
+            return &r->broken[i];
+    return NULL;
+}
+
+/* The link of two is gone, or never was there; NULL: memory is out. */
+static struct broken *
+note_broken(struct ring *r, uint32_t a, uint32_t b, bool was)
+{
+    struct broken *p = find_broken(r, a, b);
+
+    if (!p) {
+        p = realloc(r->broken, (r->nbroken + 1) * sizeof *p);
+        if (!p)
+            return NULL;
+        r->broken = p;
+        p += r->nbroken++;
+        *p = (struct broken){ .a = a < b ? a : b, .b = a < b ? b : a };
+    }
+    p->times = was ? 0 : p->times + 1;
+    return p;
+}
+
+/* A worker that is new, or comes again, may be another machine. */
+static void
+forget_broken(struct ring *r, uint32_t index)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < r->nbroken; i++)
+        if (r->broken[i].a != index && r->broken[i].b != index)
+            r->broken[n++] = r->broken[i];
+    r->nbroken = n;
+}
+
+static bool
+is_hopeless(const struct ring *r, uint32_t a, uint32_t b)
+{
+    const struct broken *p = find_broken(r, a, b);
+
+    return p && p->times >= HOPELESS;
+}
+
+static size_t
+count_hopeless(const struct ring *r, uint32_t index)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < r->nbroken; i++)
+        n += r->broken[i].times >= HOPELESS &&
+             (r->broken[i].a == index || r->broken[i].b == index);
+    return n;
+}
+
+/* On a ring any two may come to need a link; so of two that can have none one
+ * has no place: the one that lacks more links. */
+static void
+find_out(struct ring *r)
+{
+    memset(r->out, 0, r->cap * sizeof *r->out);
+    for (size_t i = 0; i < r->nbroken; i++) {
+        const struct broken *p = &r->broken[i];
+
+        if (p->times < HOPELESS || r->out[p->a] || r->out[p->b])
+            continue;
+        if (count_hopeless(r, p->a) > count_hopeless(r, p->b))
+            r->out[p->a] = true;
+        else
+            r->out[p->b] = true;
+    }
+}
+
+/* sched_link(), of which is known when. */
+static bool
+link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
+         uint32_t give)
+{
+    struct broken *p = find_broken(job->ring, a, b);
+
+    if (p) {
+        p->linked_ms = c->now_ms;
+        p->again_ms = 0;
+    }
+    return sched_link(c, job, job->workers[a].worker, job->workers[b].worker,
+                      give);
+}
+
 /* Make known a pair that is not; the first gives the second what it has. */
 static bool
 introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
@@ -190,8 +301,7 @@ introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
         c->actions.failed = true;
         return false;
     }
-    if (!sched_link(c, job, job->workers[a].worker, job->workers[b].worker,
-                    give))
+    if (!link_two(c, job, a, b, give))
         return false;
     while (i > 0 && by_workers(&r->pair[i - 1], &p) > 0)
         i--;
@@ -253,19 +363,27 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
 
 /* --- guests --- */
 
-/* One on the ring who speaks for few. */
+/* One on the ring who speaks for few, and with whom there was no trouble if
+ * there is one. */
 static uint32_t
 best_host(const struct job *job, uint32_t guest)
 {
     const struct ring *r = job->ring;
     uint32_t best = JOB_NOBODY;
+    unsigned least = HOPELESS;
 
     for (uint32_t i = 0; i < r->nmembers; i++) {
         uint32_t m = r->member[i];
+        const struct broken *b =
+            m != JOB_NOBODY ? find_broken(r, guest, m) : NULL;
+        unsigned times = b ? b->times : 0;
 
-        if (m != JOB_NOBODY && m != guest &&
-            (best == JOB_NOBODY || r->nguests[m] < r->nguests[best]))
+        if (m == JOB_NOBODY || m == guest || times > least || times >= HOPELESS)
+            continue;
+        if (best == JOB_NOBODY || times < least ||
+            r->nguests[m] < r->nguests[best])
             best = m;
+        least = times;
     }
     return best;
 }
@@ -288,7 +406,7 @@ take_in(struct coord *c, struct job *job, uint32_t guest, uint32_t give)
     uint32_t host = best_host(job, guest);
     struct pair *old;
 
-    r->changed = true;
+    r->changed |= may_have_place(job, guest) && !r->out[guest];
     if (host == JOB_NOBODY)
         return;
     old = find_pair(r, host, guest);
@@ -316,7 +434,15 @@ grow(struct ring *r, uint32_t n)
             return false;
         *of[i] = v;
     }
+    if (n > r->cap) {
+        bool *out = realloc(r->out, n * sizeof *out);
+
+        if (!out)
+            return false;
+        r->out = out;
+    }
     for (; r->cap < n; r->cap++) {
+        r->out[r->cap] = false;
         r->place[r->cap] = r->host[r->cap] = JOB_NOBODY;
         r->nguests[r->cap] = 0;
     }
@@ -335,9 +461,10 @@ give_places(struct job *job, uint32_t except)
         return false;
     r->member = member;
     r->nmembers = 0;
+    find_out(r);
     for (uint32_t i = 0; i < job->nworkers; i++) {
         r->place[i] = JOB_NOBODY;
-        if (i == except || !may_have_place(job, i))
+        if (i == except || r->out[i] || !may_have_place(job, i))
             continue;
         be_guest(r, i, JOB_NOBODY);
         r->place[i] = r->nmembers;
@@ -345,7 +472,8 @@ give_places(struct job *job, uint32_t except)
     }
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (r->place[i] == JOB_NOBODY && i != except && is_here(job, i) &&
-            (r->host[i] == JOB_NOBODY || r->place[r->host[i]] == JOB_NOBODY))
+            (r->host[i] == JOB_NOBODY || r->place[r->host[i]] == JOB_NOBODY ||
+             is_hopeless(r, i, r->host[i])))
             be_guest(r, i, best_host(job, i));
     return true;
 }
@@ -405,8 +533,7 @@ relink(struct coord *c, struct job *job)
             spare(c, job, to, &n, &r->pair[i++]);
         if (i < r->npairs && by_workers(&r->pair[i], &wanted[k]) == 0)
             i++;
-        else if (!sched_link(c, job, job->workers[wanted[k].a].worker,
-                             job->workers[wanted[k].b].worker, 0))
+        else if (!link_two(c, job, wanted[k].a, wanted[k].b, 0))
             continue;
         to[n++] = wanted[k];
     }
@@ -491,6 +618,7 @@ ring_left(struct coord *c, struct job *job, uint32_t index)
     struct ring *r = job->ring;
 
     if (r && r->direct) {
+        forget_broken(r, index);
         ring_of_few(c, job);
         return;
     }
@@ -505,6 +633,7 @@ ring_left(struct coord *c, struct job *job, uint32_t index)
         r->member[r->place[index]] = JOB_NOBODY;
     r->place[index] = JOB_NOBODY;
     be_guest(r, index, JOB_NOBODY);
+    forget_broken(r, index);
     for (uint32_t i = 0; i < r->cap; i++)
         if (r->host[i] == index) {
             be_guest(r, i, JOB_NOBODY);
@@ -573,14 +702,33 @@ ring_of_few(struct coord *c, struct job *job)
             send_ring(c, job, i);
 }
 
+/* Of few, try those that had no link again. */
+static void
+link_again(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+
+    for (size_t i = 0; i < r->nbroken; i++) {
+        const struct broken *p = &r->broken[i];
+
+        if (p->again_ms != 0 && c->now_ms >= p->again_ms &&
+            is_here(job, p->a) && is_here(job, p->b))
+            link_two(c, job, p->a, p->b, 0);
+    }
+}
+
 void
 ring_tick(struct coord *c, struct job *job)
 {
     struct ring *r = job->ring;
     uint32_t waiting = 0;
 
-    if (!r || r->direct || !shares_records(job))
+    if (!r || !shares_records(job))
         return;
+    if (r->direct) {
+        link_again(c, job);
+        return;
+    }
     if (r->stale && c->now_ms - r->built_ms >= REBUILD_MS)
         drop_stale(c, job);
     if (!r->changed)
@@ -636,25 +784,63 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
     introduce(c, job, a, b, PAIR_LINES, 0);
 }
 
-void
-ring_unlinked(struct coord *c, struct job *job, uint32_t index,
-              const char *name)
+/* Few are linked with all: at once the first time, for what was lost may come
+ * back; later, if that was for nothing.  Then what is not urgent does not go
+ * round, either, since it would end there. */
+static void
+unlinked_of_few(struct coord *c, struct job *job, uint32_t a, uint32_t b,
+                bool was)
 {
     struct ring *r = job->ring;
-    uint32_t other = job_worker_find(job, name);
+    struct broken *p = find_broken(r, a, b);
+
+    if (p && (p->again_ms != 0 ||
+              (p->linked_ms != 0 && c->now_ms - p->linked_ms < SAME_MS)))
+        return;
+    p = note_broken(r, a, b, was);
+    if (!p) {
+        c->actions.failed = true;
+        return;
+    }
+    if (p->times < HOPELESS) {
+        link_two(c, job, a, b, 0);
+        return;
+    }
+    p->again_ms = c->now_ms + LATER_MS;
+    if (r->nmembers > 0)
+        ring_of_few(c, job);
+}
+
+void
+ring_unlinked(struct coord *c, struct job *job, uint32_t index,
+              const struct msg_unlinked *m)
+{
+    struct ring *r = job->ring;
+    uint32_t other = job_worker_find(job, m->name), guest;
     struct pair *p;
 
-    if (!r || other == JOB_NOBODY || other == index)
+    if (!r || other == JOB_NOBODY || other == index || index >= r->cap ||
+        other >= r->cap || !is_here(job, index) || !is_here(job, other))
         return;
     if (r->direct) {
-        if (is_here(job, index) && is_here(job, other))
-            sched_link(c, job, job->workers[index].worker,
-                       job->workers[other].worker, 0);
+        unlinked_of_few(c, job, index, other, m->was);
         return;
     }
     p = find_pair(r, index, other);
     if (!p || p->kind == PAIR_LINES || p->kind == PAIR_STALE)
         return;
+    guest = p->kind != PAIR_GUEST     ? JOB_NOBODY
+            : r->host[index] == other ? index
+                                      : other;
     remove_pair(r, (size_t)(p - r->pair));
-    r->changed = true;
+    if (!note_broken(r, index, other, m->was)) {
+        c->actions.failed = true;
+        return;
+    }
+    if (guest == JOB_NOBODY) {
+        r->changed = true;
+        return;
+    }
+    be_guest(r, guest, JOB_NOBODY);
+    take_in(c, job, guest, 0);
 }

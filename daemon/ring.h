@@ -34,9 +34,11 @@ void ring_of_few(struct coord *c, struct job *job);
 /* Two are to be linked for base lines, if this is a job with a ring. */
 void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
-/* A worker says that it has no link to that one. */
+/* A worker says that it has no link to another.  Two that have none twice, one
+ * after the other, are hopeless, until one of them begins anew: nothing relies
+ * on their link any more. */
 void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
-                   const char *name);
+                   const struct msg_unlinked *m);
 
 /* Give places, if there is a reason. */
 void ring_tick(struct coord *c, struct job *job);

@@ -27,6 +27,7 @@
 struct slink {
     char name[MSG_MAX_NAME + 1];
     uint32_t offset, below; /* as in msg_ring_link */
+    bool was;               /* linked, since it was made known */
     bool told;              /* the coordinator, that it is gone */
     uint64_t since_ms;      /* what waits does so since then */
     struct msg_part *part;  /* that wait; their data are not set */
@@ -52,15 +53,15 @@ struct spread {
 
 /* --- to links --- */
 
-/* The peer of a link; NULL: it is gone, of which the coordinator hears. */
+/* The peer of a link; NULL: it is gone, or does not call, of which the
+ * coordinator hears. */
 static struct wpeer *
 peer_of(struct worker *w, struct wjob *job, struct slink *l)
 {
-    struct wpeer *p = peer_named(job, l->name);
-    struct msg m = { .type = MSG_UNLINKED, .unlinked = { job->id, l->name } };
+    struct wpeer *p = peer_awaited(w, job, l->name);
+    struct msg m = { .type = MSG_UNLINKED,
+                     .unlinked = { job->id, l->name, l->was } };
 
-    if (p)
-        l->told = false; /* it may go again, and no RING come meanwhile */
     if (!p && !l->told && job->started) {
         l->told = true;
         worker_send_coord(w, &m);
@@ -294,6 +295,22 @@ spread_tick(struct worker *w, struct wjob *job)
 
 /* --- links --- */
 
+void
+spread_linked(struct wjob *job, const char *name, bool linked)
+{
+    struct spread *s = job->spread;
+
+    for (int k = 0; s && k < 2; k++) {
+        struct circle *c = k ? &s->before : &s->now;
+
+        for (uint32_t i = 0; i < c->nlinks; i++)
+            if (strcmp(c->link[i].name, name) == 0) {
+                c->link[i].was = linked;
+                c->link[i].told = false;
+            }
+    }
+}
+
 static void
 drop_links(struct circle *c)
 {
@@ -305,9 +322,19 @@ drop_links(struct circle *c)
     *c = (struct circle){ 0 };
 }
 
+static bool
+was_linked(const struct circle *c, const char *name)
+{
+    for (uint32_t i = 0; i < c->nlinks; i++)
+        if (strcmp(c->link[i].name, name) == 0)
+            return c->link[i].was;
+    return false;
+}
+
 /* False: memory is out. */
 static bool
-set_links(struct circle *c, const struct msg_ring *m)
+set_links(const struct wjob *job, const struct circle *old, struct circle *c,
+          const struct msg_ring *m)
 {
     c->link = calloc(m->nlinks + 1, sizeof *c->link);
     if (!c->link)
@@ -322,6 +349,7 @@ set_links(struct circle *c, const struct msg_ring *m)
         snprintf(l->name, sizeof l->name, "%s", m->links[i].name);
         l->offset = m->links[i].offset;
         l->below = m->links[i].below;
+        l->was = peer_linked(job, l->name) || was_linked(old, l->name);
         wire_out_init(&l->bytes, MSG_MAX_AMBIENT);
     }
     return true;
@@ -331,6 +359,7 @@ void
 spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m)
 {
     struct spread *s = job->spread;
+    struct circle old;
 
     if (!s) {
         s = job->spread = calloc(1, sizeof *s);
@@ -342,15 +371,17 @@ spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m)
         return;
     }
     flush_all(w, job, 0);
-    if (m->generation == s->now.generation) {
-        drop_links(&s->now); /* but for guests they are the same */
+    old = s->now;
+    s->now = (struct circle){ 0 };
+    if (!set_links(job, &old, &s->now, m))
+        w->actions.failed = true;
+    if (m->generation ==
+        old.generation) { /* but for guests they are the same */
+        drop_links(&old);
     } else {
         drop_links(&s->before);
-        s->before = s->now;
-        s->now = (struct circle){ 0 };
+        s->before = old;
     }
-    if (!set_links(&s->now, m))
-        w->actions.failed = true;
 }
 
 void

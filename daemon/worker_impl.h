@@ -42,6 +42,7 @@ struct wpeer {
     uint64_t conn;
     uint64_t retry_ms; /* dial again then; 0: no */
     unsigned tries;
+    uint64_t since_ms; /* when it was made known */
     struct lossy queue;
 };
 

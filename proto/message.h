@@ -609,6 +609,7 @@ struct msg_ring {
 struct msg_unlinked {
     const uint8_t *job;
     const char *name;
+    uint8_t was; /* 1: it was there; 0: it never came about */
 };
 
 /* Records that one worker made. */

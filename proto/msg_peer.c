@@ -126,6 +126,7 @@ msg_code_unlinked(struct codec *c, struct msg_unlinked *b)
 {
     code_job(c, &b->job);
     code_str(c, &b->name, MSG_MAX_NAME);
+    code_below(c, &b->was, 2);
 }
 
 static void

@@ -44,7 +44,8 @@ struct node {
     struct end end[LINKS];
     int nends;
     unsigned random;
-    unsigned sent; /* messages of records to peers */
+    unsigned sent;         /* messages of records to peers */
+    unsigned rings, peers; /* RINGs, and JOB_PEERS, that came */
 };
 
 struct event {
@@ -67,6 +68,7 @@ static struct sim {
     uint64_t made_ms[RECORDS];
     int nrecords;
     uint8_t got[MOST + 1][RECORDS];
+    int apart[2];      /* two that cannot be linked; 0: none */
     uint64_t delay_ms; /* sum over all that came */
     unsigned ncame;
 } s;
@@ -356,6 +358,13 @@ join_coord(int node, uint64_t conn)
     coord_acts();
 }
 
+static bool
+are_apart(int a, int b)
+{
+    return (a == s.apart[0] && b == s.apart[1]) ||
+           (a == s.apart[1] && b == s.apart[0]);
+}
+
 static void
 dialled(int node, const struct event *e)
 {
@@ -365,7 +374,7 @@ dialled(int node, const struct event *e)
 
     if (!w->machine)
         return;
-    if (other > 0 && !s.node[other].machine) {
+    if (other > 0 && (!s.node[other].machine || are_apart(node, other))) {
         worker_closed(w->machine, s.now_ms, e->conn, "refused");
         worker_acts(node);
         return;
@@ -420,6 +429,8 @@ at_worker(const struct event *e)
                                        0, e->bytes + MSG_HEADER,
                                        e->len - MSG_HEADER, NULL),
                          0);
+        w->rings += s.msg.type == MSG_RING;
+        w->peers += s.msg.type == MSG_JOB_PEERS;
         worker_message(w->machine, s.now_ms, e->conn, &s.msg);
     }
     worker_acts(e->node);
@@ -780,6 +791,89 @@ START_TEST(a_link_that_breaks_is_made_again)
 }
 END_TEST
 
+/* Two that are to be linked on the ring, of which neither is special. */
+static void
+keep_two_apart(int n)
+{
+    const struct node *w = &s.node[n];
+    int other = 0;
+
+    for (int i = 0; i < w->nends && !other; i++)
+        if (w->end[i].other > 6)
+            other = w->end[i].other;
+    ck_assert_int_ne(other, 0);
+    s.apart[0] = n;
+    s.apart[1] = other;
+}
+
+/* The firewall between them is there before their link, or comes later. */
+START_TEST(two_that_cannot_be_linked_do_not_trouble_the_others)
+{
+    int n = 100;
+    unsigned rings;
+
+    set_up(n, true);
+    keep_two_apart(n - 1);
+    for (int i = 0; i < 2; i++) {
+        struct node *w = &s.node[s.apart[i]];
+
+        for (int k = 0; k < w->nends; k++)
+            if (w->end[k].other == s.apart[!i])
+                later(s.now_ms + 1, ARRIVE, s.apart[i], w->end[k].conn, NULL,
+                      0);
+    }
+    for (int i = 0; i < 16; i++) {
+        make_records(1); /* by which they find that */
+        run_ms(2500);
+    }
+    rings = s.node[1].rings;
+    for (int i = 0; i < 6; i++)
+        check_records_come(1);
+    ck_assert_uint_eq(s.node[1].rings, rings);
+    /* one that begins anew is given a place again */
+    s.apart[0] = s.apart[1] = 0;
+    dies(n - 1);
+    run_ms(100);
+    comes(n - 1);
+    run_ms(6000);
+    check_records_come(1);
+    ck_assert_int_gt(s.node[n - 1].nends, 6);
+    tear_down();
+}
+END_TEST
+
+START_TEST(two_of_few_that_cannot_be_linked_are_let_be)
+{
+    int n = 8, a = 3, b = 7, from;
+    unsigned peers;
+
+    set_up(n, false);
+    s.apart[0] = a;
+    s.apart[1] = b;
+    for (int i = 0; i < s.node[a].nends; i++)
+        if (s.node[a].end[i].other == b)
+            later(s.now_ms + 1, ARRIVE, a, s.node[a].end[i].conn, NULL, 0);
+    for (int i = 0; i < s.node[b].nends; i++)
+        if (s.node[b].end[i].other == a)
+            later(s.now_ms + 1, ARRIVE, b, s.node[b].end[i].conn, NULL, 0);
+    peers = s.node[a].peers;
+    for (int i = 0; i < 16; i++) {
+        make_records(1);
+        run_ms(2500);
+    }
+    ck_assert_uint_le(s.node[a].peers - peers, 3);
+    /* what goes by the others does not end at the two */
+    from = s.nrecords;
+    make_records(2);
+    run_ms(3500);
+    for (int r = from; r < s.nrecords; r++)
+        for (int i = 1; i <= n; i++)
+            ck_assert_int_eq(s.got[i][r],
+                             i != s.maker[r] && !are_apart(i, s.maker[r]));
+    tear_down();
+}
+END_TEST
+
 START_TEST(there_is_one_way_from_each_place_to_each_other)
 {
     static const uint32_t places[] = { 1, 2, 3, 4, 5, 16, 17, 64, 65, 1000 };
@@ -821,6 +915,8 @@ main(void)
     tcase_add_test(tc, nearly_all_comes_while_workers_come_and_go);
     tcase_add_loop_test(tc, a_link_that_breaks_is_made_again, 0,
                         N_ELEM(broken));
+    tcase_add_test(tc, two_that_cannot_be_linked_do_not_trouble_the_others);
+    tcase_add_test(tc, two_of_few_that_cannot_be_linked_are_let_be);
     suite_add_tcase(suite, tc);
     return unit_run(suite);
 }
