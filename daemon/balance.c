@@ -413,8 +413,7 @@ loan_fits(const struct job *job, const struct job_go *go,
     partition_area(job->partition, m->unit, &a);
     partition_unit_lines(job->partition, m->unit, &first, &last);
     return m->frame == a.frame && m->line == last - 1 &&
-           m->channels == (job->spec.flags & MSG_JOB_DEPTH ? 4 : 3) &&
-           m->x <= a.width && m->n <= a.width - m->x &&
+           shared_loan_fits(job->shared, m) &&
            (!go->lender || (m->x >= go->x && m->x + m->n <= go->x + go->n));
 }
 

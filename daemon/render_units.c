@@ -7,6 +7,7 @@
 #include "render_impl.h"
 
 #include "estimate.h"
+#include "log.h"
 
 static int
 check_unit(const struct render *r, const struct msg_unit *u,
@@ -117,6 +118,16 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
     return begin_frame(r, frame, err);
 }
 
+/* Another worker made it: one that is wrong is not the job's fault. */
+static void
+take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
+{
+    if (strict_loan(s, m, err) != RAD_EPROTO)
+        return;
+    log_warn("loan refused: %s", err->what);
+    *err = (struct rad_error){ 0 };
+}
+
 /* What the machine of the strict units is to know. */
 void
 render_take_strict(struct render *r, const struct msg *m)
@@ -140,7 +151,7 @@ render_take_strict(struct render *r, const struct msg *m)
         break;
     case MSG_LOAN:
         r->twin = true;
-        strict_loan(s, &m->loan, &err);
+        take_loan(s, &m->loan, &err);
         break;
     case MSG_BACK:
         strict_back(s, &m->back);

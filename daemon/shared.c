@@ -4,6 +4,7 @@
 #include "config.h"
 
 #include "shared.h"
+#include "team.h"
 
 #include "picture/quincunx.h"
 
@@ -127,6 +128,18 @@ shared_facts_fit(const struct shared *s, const struct msg_facts *m)
     q = &s->frame[m->frame].q;
     return m->width == (uint32_t)q->width &&
            m->row + m->rows <= rows_of(q, m->line);
+}
+
+bool
+shared_loan_fits(const struct shared *s, const struct msg_loan *m)
+{
+    const struct frame *f;
+
+    if (!fits(s, m->frame, m->line, m->channels) || m->line < 1)
+        return false;
+    f = &s->frame[m->frame];
+    return m->ndensity == (m->flags & MSG_LOAN_LINE ? f->ndensity : 0) &&
+           team_blocks_of(&f->q, (int)m->x, (int)m->n) != 0;
 }
 
 bool

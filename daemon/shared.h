@@ -25,6 +25,10 @@ void shared_free(struct shared *s);
 /* Do they fit a line of a frame? */
 bool shared_facts_fit(const struct shared *s, const struct msg_facts *m);
 
+/* Are a LOAN's columns whole blocks of a line that has a bar, with what it
+ * takes to trace them? */
+bool shared_loan_fits(const struct shared *s, const struct msg_loan *m);
+
 /* Keep a copy, if there is room.  Returns how many of them came before, since
  * the line was dropped last: these were traced twice.  (Not of estimates.) */
 uint32_t shared_put_facts(struct shared *s, const struct msg_facts *m);

@@ -43,7 +43,8 @@ int strict_error(const struct strict *s);
 
 /* --- what comes in ---
  * UNIT: RAD_EPROTO if its rows are no lines of a frame; LOAN: if its columns
- * are not such as a frame has.  REVOKE, SPLIT, TWIN, LEND and BACK are ignored
+ * are not such as a frame has; then they are paid for untraced, and all else
+ * goes on.  REVOKE, SPLIT, TWIN, LEND and BACK are ignored
  * where they are about nothing that is here; facts and base lines may come
  * before the unit that needs them, and should: it is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,

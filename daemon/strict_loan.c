@@ -162,9 +162,12 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
 
     if (unit_find(s, m->unit, m->attempt))
         return 0;
-    if (!loan_fits(s, m))
-        return rad_fail(err, RAD_EPROTO, "a loan for unit %u fits no line",
+    if (!loan_fits(s, m)) {
+        out_paid(
+            s, &(struct strict_unit){ .unit = m->unit, .attempt = m->attempt });
+        return rad_fail(err, RAD_EPROTO, "a loan of unit %u fits no line",
                         m->unit);
+    }
     u = calloc(1, sizeof *u);
     if (u)
         u->loan = copy_loan(m);

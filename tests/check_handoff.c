@@ -1075,7 +1075,7 @@ expect_back(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
 static void
 expect_own_again(const struct msg_unit *u)
 {
-    expect_back(W1, u, 9, 7);
+    expect_back(W1, u, 6, 10);
     finish(W1, u);
     ck_assert(f.done);
 }
@@ -1093,7 +1093,7 @@ START_TEST(an_idle_worker_is_lent_columns)
     ck_assert_uint_eq(last(W1, MSG_LEND)->m.lend.unit, a.unit);
     ck_assert_uint_gt(last(W1, MSG_LEND)->m.lend.part, 16384);
     clear();
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     b = loan_of(W2);
     ck_assert(b.unit == a.unit && b.attempt > a.attempt);
     ck_assert_int_eq(count(W2, MSG_UNIT), 0);
@@ -1104,7 +1104,7 @@ START_TEST(an_idle_worker_is_lent_columns)
     ck_assert_int_eq(count(W1, MSG_BACK), 0);
     attempt(W1, MSG_PARKED, &a); /* nothing else left, and so on */
     paid(W2, &b, 5);
-    expect_back(W1, &a, 9, 7);
+    expect_back(W1, &a, 6, 10);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
     finish(W1, &a);
     ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
@@ -1119,7 +1119,7 @@ START_TEST(what_was_lent_is_counted_to_its_unit)
     const struct job_unit *u;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     b = loan_of(W2);
     w1 = worker_stat("ws1", "rays");
     w2 = worker_stat("ws2", "rays");
@@ -1145,7 +1145,7 @@ START_TEST(what_was_taken_back_is_in_no_unit)
     struct msg_unit a, b;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     b = loan_of(W2);
     attempt(W1, MSG_PARKED, &a);
     wait_ms(5000);
@@ -1190,7 +1190,7 @@ START_TEST(what_nobody_takes_goes_back_at_once)
     one_line_left(MSG_PART_SCANBAR, 2, &a);
     coord_closed(f.c, f.now_ms, W2, "cut");
     clear();
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     expect_own_again(&a);
 }
 END_TEST
@@ -1200,7 +1200,7 @@ START_TEST(columns_of_one_that_is_lost_go_back)
     struct msg_unit a;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     clear();
     coord_closed(f.c, f.now_ms, W2, "cut");
     carry_out();
@@ -1213,7 +1213,7 @@ START_TEST(columns_that_nobody_waits_for_are_not_late)
     struct msg_unit a, b;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     b = loan_of(W2);
     wait_ms(30000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
@@ -1228,7 +1228,7 @@ START_TEST(columns_of_one_that_is_late_go_back)
     struct msg_unit a, b;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     b = loan_of(W2);
     clear();
     wait_ms(1000);
@@ -1237,7 +1237,7 @@ START_TEST(columns_of_one_that_is_late_go_back)
     ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
     wait_ms(3000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
-    expect_back(W1, &a, 9, 7);
+    expect_back(W1, &a, 6, 10);
     clear();
     paid(W2, &b, 5); /* not heard any more */
     ck_assert_int_eq(count(W1, MSG_BACK), 0);
@@ -1277,7 +1277,7 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
     double rays;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 9, 7);
+    lend(W1, &a, 6, 10);
     facts(W2, line_above(a.y + a.height));
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut");
@@ -1295,19 +1295,48 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
 }
 END_TEST
 
+/* What is wrong with it: columns, flags, densities. */
+static const struct {
+    uint32_t x, n;
+    uint8_t flags, channels;
+    uint32_t ndensity;
+} wrong[] = { { 12, 5, 0, 3, 0 },
+              { 9, 7, 0, 3, 0 },
+              { 6, 9, 0, 3, 0 },
+              { 6, 10, 0, 4, 0 },
+              { 6, 10, MSG_LOAN_LINE, 3, 1 } };
+
 START_TEST(a_loan_that_fits_no_line_ends_the_connection)
 {
+    struct msg m = { .type = MSG_LOAN,
+                     .loan = { .job = id,
+                               .x = wrong[_i].x,
+                               .n = wrong[_i].n,
+                               .flags = wrong[_i].flags,
+                               .channels = wrong[_i].channels,
+                               .ndensity = wrong[_i].ndensity,
+                               .density = density,
+                               .wanted = bitmap,
+                               .top = pixels,
+                               .bottom = pixels } };
     struct msg_unit a, b;
 
     one_line_left(MSG_PART_SCANBAR, 2, &a);
+    m.loan.unit = a.unit;
+    m.loan.attempt = a.attempt;
+    m.loan.line = line_above(a.y + a.height);
     b = a;
     b.attempt += 7;
-    lend(W1, &b, 0, 5); /* of an attempt that is not known */
+    lend(W1, &b, 0, 6); /* of an attempt that is not known */
     ck_assert_int_eq(count(W2, MSG_LOAN), 0);
-    expect_back(W1, &b, 0, 5);
+    expect_back(W1, &b, 0, 6);
     ck_assert(!f.closed[W1]);
-    lend(W1, &a, 9, 8);
+    say(W1, &m);
     ck_assert(f.closed[W1]);
+    ck_assert_int_eq(count(W2, MSG_LOAN), 0);
+    carry_out();
+    finish(W2, unit_of(W2)); /* the job goes on */
+    ck_assert(f.done && !f.failed);
 }
 END_TEST
 
@@ -1654,7 +1683,8 @@ main(void)
     tcase_add_test(tc, columns_of_one_that_is_late_go_back);
     tcase_add_test(tc, columns_can_be_lent_on);
     tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);
-    tcase_add_test(tc, a_loan_that_fits_no_line_ends_the_connection);
+    tcase_add_loop_test(tc, a_loan_that_fits_no_line_ends_the_connection, 0,
+                        N_ELEM(wrong));
     tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
     tcase_add_test(
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);

@@ -1112,6 +1112,41 @@ give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
     ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
 }
 
+/* Whoever made it is wrong, not the job; its columns go back. */
+START_TEST(a_loan_that_fits_no_line_is_not_taken)
+{
+    static const uint8_t bytes[64 * 12];
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct msg_loan loan = { .job = job_id,
+                             .unit = 3,
+                             .attempt = 9,
+                             .line = 4,
+                             .x = 6,
+                             .n = 5, /* no whole block */
+                             .channels = 3,
+                             .wanted = bytes,
+                             .top = bytes,
+                             .bottom = bytes };
+    struct rad_error err = { 0 };
+    const struct msg *m;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_int_eq(strict_loan(s, &loan, &err), RAD_EPROTO);
+    ck_assert_ptr_nonnull(strstr(err.what, "unit 3"));
+    m = strict_message(s, true);
+    ck_assert(m && m->type == MSG_PAID);
+    ck_assert(m->paid.unit == 3 && m->paid.attempt == 9);
+    ck_assert_uint_eq(m->paid.counts.rays, 0);
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+    loan.n = 6;
+    ck_assert_int_eq(strict_loan(s, &loan, &err), 0);
+    expect_pass(s, STRICT_LOAN, false);
+    strict_free(s);
+}
+END_TEST
+
 /* Of a unit whose top came late: AHEAD left its first bar out, for lack of
  * colours above, and nobody below should wait for that. */
 START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
@@ -1413,6 +1448,7 @@ main(void)
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
+    tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
