@@ -34,9 +34,10 @@ carry_out(struct session *s)
         if (a.type == ACT_SEND || a.type == ACT_SESSION || a.type == ACT_CLOSE)
             if (a.conn < 1 || a.conn > CONNS || !s->open[a.conn - 1])
                 abort();
-        if (a.type == ACT_SESSION)
+        if (a.type == ACT_SESSION) {
             s->reader[a.conn - 1].session = a.session;
-        else if (a.type == ACT_CLOSE)
+            s->reader[a.conn - 1].version = a.version;
+        } else if (a.type == ACT_CLOSE)
             s->open[a.conn - 1] = false;
         else if (a.type == ACT_JOB_OPEN)
             coord_job_opened(s->coord, s->now_ms, a.job, 0, NULL);
