@@ -108,6 +108,8 @@ struct strict_pass {
     double lend;   /* above 0: call team_lend() with it, now and then, until it
                     * lends; tell strict_lent() */
     uint64_t back; /* not 0: call team_back() with it, and set it to 0 */
+    bool keeps;    /* all that it traces are facts, so that, having lent, it can
+                    * be made again from the top: else it does not lend */
     /* the machine's */
     struct strict_unit *of;
     int sent_columns;

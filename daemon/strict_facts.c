@@ -83,6 +83,15 @@ facts_make_all(struct strict *s, const struct strict_unit *u)
     return true;
 }
 
+bool
+facts_have_all(const struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first; i < u->last; i++)
+        if (!facts_at(s, u->frame, i))
+            return false;
+    return true;
+}
+
 static void
 early_unlink(struct strict *s, struct early **at)
 {

@@ -228,6 +228,8 @@ struct rad_facts *facts_at(const struct strict *s, uint32_t frame, int line);
  * memory is out, here and below. */
 bool facts_make_table(struct strict *s, uint32_t frame);
 bool facts_make_all(struct strict *s, const struct strict_unit *u);
+/* Are there some of each of its lines? */
+bool facts_have_all(const struct strict *s, const struct strict_unit *u);
 /* The unit's first bar can be traced ahead if there are such of the base line
  * above. */
 void facts_use_above(struct strict *s, struct strict_unit *u);

@@ -35,7 +35,7 @@ strict_lend(struct strict *s, const struct msg_lend *m)
     if (!u)
         return;
     u->lend = (m->part + 1) / 65536.;
-    if (u->pass)
+    if (u->pass && u->pass->keeps)
         u->pass->lend = u->lend;
 }
 

@@ -318,7 +318,6 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->out = u->out;
     p->sent_columns = u->sent_columns;
     p->sent_densities = u->sent_densities;
-    p->lend = u->lend;
     p->lent = u->lent;
     p->loan = u->loan ? &u->loan->is : NULL;
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
@@ -328,6 +327,8 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     }
     p->facts = frame_of(s, u->frame)->facts;
     set_chain(s, p);
+    p->keeps = facts_have_all(s, u);
+    p->lend = p->keeps ? u->lend : 0;
     return p;
 }
 

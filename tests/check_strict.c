@@ -1147,6 +1147,38 @@ START_TEST(a_loan_that_fits_no_line_is_not_taken)
 }
 END_TEST
 
+/* Having lent it would go over all of its lines again, through their facts. */
+START_TEST(what_keeps_no_facts_does_not_lend)
+{
+    const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
+    const struct msg_counts none = { 0 };
+    struct rad_quincunx q = { .width = 64, .height = 61 };
+    int nlines;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    nlines = rad_quincunx_nbases(&q);
+    for (int last = nlines - 1; last <= nlines; last++) {
+        struct strict *s = strict_new(&q, 1, false, job_id);
+        struct strict_pass *p;
+        struct msg_counts total;
+
+        give_unit(s, &q, 0, 0, last);
+        if (last < nlines)
+            expect_pass(s, STRICT_TRUE_LINES, false);
+        p = strict_next(s, STRICT_TRUTH);
+        ck_assert(p && p->rank == STRICT_TRUTH);
+        strict_twin(s, 0, 1); /* too late for a whole frame */
+        strict_lend(s, &lend);
+        ck_assert_int_eq(p->lend > 0, last < nlines);
+        strict_ended(s, p, false, NULL, NULL, &none, &total);
+        p = strict_next(s, STRICT_TRUTH); /* it is made again, and kept */
+        ck_assert(p && p->lend > 0);
+        strict_ended(s, p, false, NULL, NULL, &none, &total);
+        strict_free(s);
+    }
+}
+END_TEST
+
 /* Of a unit whose top came late: AHEAD left its first bar out, for lack of
  * colours above, and nobody below should wait for that. */
 START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
@@ -1449,6 +1481,7 @@ main(void)
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
+    tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
