@@ -394,7 +394,7 @@ sim_table()
 # and seconds.
 simulate()
 {
-    [ -x "$build/bench/sim/sim" ] && [ -e "$optimum" ] || return 0
+    [ -x "$build/bench/sim/sim" ] && [ -e "$bars" ] || return 0
     # the time of one worker, apart from that of rendering, and how much more
     # rays there are with each doubling of workers
     set -- "$(awk -v most="$most" '
@@ -417,12 +417,12 @@ simulate()
         }' "$tmp/runs")"
     # shellcheck disable=SC2086 # options are words
     "$build/bench/sim/sim" $1 --details --ways=static,scanbar,auto \
-        --hosts="$(echo "$workers" | tr ' ' ,)" "$optimum" |
+        --hosts="$(echo "$workers" | tr ' ' ,)" "$bars" |
         awk '$4 == "s" { print "ways", $1, $2, $3 }'
     for w in $windows; do
         # shellcheck disable=SC2086
         "$build/bench/sim/sim" $1 --details --ways=window --windows="$w" \
-            --hosts="$(echo "$workers" | tr ' ' ,)" "$optimum" |
+            --hosts="$(echo "$workers" | tr ' ' ,)" "$bars" |
             awk -v w="$w" '$4 == "s" { print "windows", w, $2, $3 }'
     done
 }
@@ -473,17 +473,23 @@ measure() # the scene and view that are set
 {
     : >"$tmp/runs"
     : >"$tmp/refused"
-    optimum=$tmp/optimum.json
-    rm -f "$optimum"
+    optimum=$tmp/optimum.json bars=$tmp/bars.json
+    rm -f "$optimum" "$bars"
     round=1
     while [ "$round" -le "$rounds" ]; do
         run base auto 1
         for t in $(echo "$tables" | tr , ' '); do
             case $t in
-            static | sim) # costs of bars, by a run on all workstations
+            static) # costs by a run on all workstations that begin regions
+                # from their top as those of static do
                 [ -e "$optimum" ] || {
-                    run former scanbar "$most" --partition=scanbar
+                    run former auto "$most" --partition=auto
                     keep_stats "$optimum"
+                } ;;
+            sim) # of each bar
+                [ -e "$bars" ] || {
+                    run former scanbar "$most" --partition=scanbar
+                    keep_stats "$bars"
                 } ;;
             animation)
                 if [ -n "$views" ]; then
@@ -559,5 +565,5 @@ while [ $# -gt 0 ]; do
     report | tee "$tmp/report"
     cat "$tmp/head" "$tmp/report" >"$results/hosts-${name%.*}.txt"
     cp "$tmp/runs" "$results/hosts-${name%.*}.runs"
-    [ ! -e "$optimum" ] || cp "$optimum" "$results/hosts-${name%.*}.json"
+    [ ! -e "$bars" ] || cp "$bars" "$results/hosts-${name%.*}.json"
 done
