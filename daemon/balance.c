@@ -497,8 +497,8 @@ balance_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
         send_back(c, w, &back);
 }
 
-/* What it cost is the unit's.  One that was taken back just before is in no
- * unit; its black pixels are others' to tell of. */
+/* What it cost is the unit's, but for black pixels: whoever lends makes those.
+ * One that was taken back just before is in no unit. */
 void
 balance_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
 {
@@ -516,8 +516,8 @@ balance_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
              : NULL;
     counts.primary_rays = 0; /* of whoever uses them */
     counts.wall_s = 0;       /* while the unit's own went on */
+    counts.nan = (struct msg_nan){ 0 };
     if (!go || !go->lender) {
-        counts.nan = (struct msg_nan){ 0 };
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
         job_see_rays(job);

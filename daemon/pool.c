@@ -200,6 +200,16 @@ trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     return seen;
 }
 
+/* What is no number stays the lender's to trace: a fact is black and does not
+ * say so, and it may be used though the loan was taken back meanwhile. */
+static bool
+trace_lent(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    uint64_t unsound = ctx->counts.unsound_rays;
+
+    return trace(arg, ctx, x, y, out) && ctx->counts.unsound_rays == unsound;
+}
+
 static void
 paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
       struct rad_pixel *row)
@@ -325,6 +335,8 @@ new_team(struct active *u)
     spec.out = pass->out;
     spec.lent = pass->lent;
     spec.loan = pass->loan;
+    if (pass->loan)
+        spec.trace = trace_lent;
     if (pass->true_top)
         spec.bottom = on_bottom;
     if (pass->earlier)

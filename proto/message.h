@@ -534,7 +534,7 @@ struct msg_back {
 struct msg_paid {
     const uint8_t *job;
     uint32_t unit, attempt;
-    struct msg_counts counts; /* no primary rays: those are the lender's */
+    struct msg_counts counts; /* no primary rays, no nan: the lender has them */
 };
 
 struct msg_area {
