@@ -46,6 +46,11 @@ struct row {
     }
 #include "message.def"
 
+enum {
+#define MSG(NAME, lower, body, number, since, bytes, limit, at) ROW_##NAME,
+#include "message.def"
+};
+
 static const struct row rows[] = {
 #define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
     { number, #NAME, since, bytes, limit, at, pack_##lower, unpack_##lower },
@@ -54,13 +59,20 @@ static const struct row rows[] = {
 
 #define NROWS (sizeof rows / sizeof rows[0])
 
+/* The row of each number, from 1; 0: there is none.  A message is looked up
+ * half a dozen times on its way. */
+static const uint8_t row_at[] = {
+#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
+    [number] = ROW_##NAME + 1,
+#include "message.def"
+};
+
 static const struct row *
 find_row(uint16_t type)
 {
-    for (size_t i = 0; i < NROWS; i++)
-        if (rows[i].type == type)
-            return &rows[i];
-    return NULL;
+    if (type >= sizeof row_at || row_at[type] == 0)
+        return NULL;
+    return &rows[row_at[type] - 1];
 }
 
 void
