@@ -921,6 +921,17 @@ pool_message(struct pool *p, bool room)
     return m;
 }
 
+int
+pool_error(struct pool *p)
+{
+    int rc;
+
+    uv_mutex_lock(&p->mu);
+    rc = p->strict ? strict_error(p->strict) : 0;
+    uv_mutex_unlock(&p->mu);
+    return rc;
+}
+
 static bool
 same_unit(const struct pool_unit *u, uint32_t unit, uint32_t attempt)
 {

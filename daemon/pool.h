@@ -69,6 +69,9 @@ void pool_strict_done(struct pool *p);
 uint64_t pool_tick(struct pool *p, uint64_t now_ms);
 const struct msg *pool_message(struct pool *p, bool room);
 
+/* strict_error(); 0 without that machine. */
+int pool_error(struct pool *p);
+
 /* Forget a unit: it is dropped, or stops within a few pixels; rows of it may
  * still come. */
 void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);

@@ -229,7 +229,7 @@ send_news(struct render *r)
         return;
     if (tally_of(r).dropped.rays != r->told_dropped)
         send_tally(r);
-    if (strict_error(r->strict) < 0) {
+    if (pool_error(r->pool) < 0) {
         rad_fail(&err, RAD_ENOMEM, "out of memory");
         render_fail(r, &err);
     }
