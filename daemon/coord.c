@@ -183,7 +183,7 @@ on_parked(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_paid(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    balance_paid(c, conn->worker, &m->paid);
+    lending_paid(c, conn->worker, &m->paid);
 }
 
 static void
@@ -195,7 +195,7 @@ on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_loan(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    balance_loan(c, conn->worker, &m->loan);
+    lending_loan(c, conn->worker, &m->loan);
 }
 
 static void

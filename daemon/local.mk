@@ -50,6 +50,7 @@ libdaemon_a_SOURCES = \
 	daemon/handoff.c \
 	daemon/handshake.c \
 	daemon/handshake.h \
+	daemon/hold.c \
 	daemon/hours.c \
 	daemon/hours.h \
 	daemon/idle.c \
@@ -60,6 +61,7 @@ libdaemon_a_SOURCES = \
 	daemon/jobtext.h \
 	daemon/keyring.c \
 	daemon/keyring.h \
+	daemon/lending.c \
 	daemon/listen.c \
 	daemon/listen.h \
 	daemon/log.c \

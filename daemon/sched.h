@@ -12,6 +12,8 @@
  *   handoff.c  facts and base lines on their way between workers
  *   duplicate.c  rows that come twice
  *   balance.c  giving away and doubling what one has, for one that has nothing
+ *   lending.c  columns of a line, likewise
+ *   hold.c     who has what
  *   survey.c   estimates, before the first unit
  *   recover.c  jobs of an earlier life
  *   ring.c     who is linked with whom where there are very many
@@ -132,9 +134,9 @@ void handoff_base_line(struct coord *c, struct coord_worker *w,
                        const struct msg_base_line *m);
 void handoff_parked(struct coord *c, struct coord_worker *w,
                     const struct msg_attempt *m);
-void balance_loan(struct coord *c, struct coord_worker *w,
+void lending_loan(struct coord *c, struct coord_worker *w,
                   const struct msg_loan *m);
-void balance_paid(struct coord *c, struct coord_worker *w,
+void lending_paid(struct coord *c, struct coord_worker *w,
                   const struct msg_paid *m);
 void balance_gave(struct coord *c, struct coord_worker *w,
                   const struct msg_gave *m);
@@ -179,6 +181,25 @@ void sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
 void sched_hand_out(struct coord *c, struct job *job, uint32_t index,
                     uint32_t unit);
 
+void sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
+                    uint32_t unit, uint32_t attempt, uint32_t row,
+                    uint32_t rows);
+/* REVOKE, TWIN or SPLIT. */
+void sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
+                        uint32_t unit, const struct job_go *go);
+
+/* All costs are known: units may go out. */
+void sched_begin(struct coord *c, struct job *job);
+
+/* Ask the store to remember the unit as it is now. */
+void sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
+
+/* The index of a worker in the job, which it may be new to; JOB_NOBODY when
+ * memory is out. */
+uint32_t sched_add_worker(struct job *job, struct coord_worker *w);
+
+/* --- hold.c --- */
+
 /* One more holder of a unit, counted; NULL: there is no room for it. */
 struct job_go *sched_hold(struct coord *c, struct job *job, uint32_t index,
                           uint32_t unit, uint32_t attempt);
@@ -196,23 +217,6 @@ void sched_deliver(struct coord *c, struct job *job, struct job_go *go);
 
 /* The rows that came of a unit do not count any more. */
 void sched_forget_rows(struct job *job, uint32_t unit);
-
-void sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
-                    uint32_t unit, uint32_t attempt, uint32_t row,
-                    uint32_t rows);
-/* REVOKE, TWIN or SPLIT. */
-void sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                        uint32_t unit, const struct job_go *go);
-
-/* All costs are known: units may go out. */
-void sched_begin(struct coord *c, struct job *job);
-
-/* Ask the store to remember the unit as it is now. */
-void sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
-
-/* The index of a worker in the job, which it may be new to; JOB_NOBODY when
- * memory is out. */
-uint32_t sched_add_worker(struct job *job, struct coord_worker *w);
 
 /* --- result.c --- */
 
@@ -275,12 +279,21 @@ void balance_look(struct coord *c);
 /* A late unit for a worker, as a twin; false: there is none. */
 bool balance_late(struct coord *c, struct job *job, uint32_t index);
 
+/* May its units give lines away? */
+bool balance_splits(const struct job *job);
+/* Has the worker nothing to do, for this job or another? */
+bool balance_is_idle(const struct job *job, uint32_t index);
+
+/* --- lending.c --- */
+
+/* Ask for columns until as many are on their way as workers are idle. */
+void lending_ask(struct coord *c, struct job *job, uint32_t idle);
 /* A worker has done all that it was lent, or will not: its lender has it back.
  */
-void balance_end_loan(struct coord *c, struct job *job, uint32_t unit,
-                      const struct job_go *loan);
+void lending_ended(struct coord *c, struct job *job, uint32_t unit,
+                   const struct job_go *loan);
 /* Take back what is lent for too long. */
-void balance_late_loans(struct coord *c, struct job *job);
+void lending_tick(struct coord *c, struct job *job);
 
 /* --- survey.c --- */
 
