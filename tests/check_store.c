@@ -1138,9 +1138,9 @@ line_byte(int i)
 }
 
 /* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
- * a base line. */
+ * a base line, with so many densities. */
 static void
-put_pieces(struct store *s, bool coded)
+put_pieces(struct store *s, bool coded, uint32_t densities)
 {
     static const uint32_t first[] = { 0, 1, 3 }, n[] = { 1, 2, 3 };
     uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
@@ -1170,7 +1170,7 @@ put_pieces(struct store *s, bool coded)
         }
         if (a.last) {
             a.bottom = bytes;
-            a.nbottom = 1;
+            a.nbottom = densities;
             a.line = coded ? bytes : NULL;
         }
         memcpy(a.job, kept_job, MSG_JOB);
@@ -1194,23 +1194,27 @@ note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
  * and of the lines that are kept behind that. */
 static const struct {
     bool coded;
+    uint32_t densities;
     long at;
     int unit; /* whose rows are none then; -1: nobody's */
 } spoilt[] = {
-    { false, 0, 0 },
-    { false, W * 12 + 1, 0 },
-    { false, 2 * W * 12 + 2, 0 },
-    { false, 3 * W * 12 + 3, 1 },
-    { false, 5 * W * 12 + 5, 1 },
-    { true, 0, 0 },
-    { true, W * 4 + 1, 0 },
-    { true, 3 * W * 4 - 1, 0 },
-    { true, 3 * W * 4, 1 },
-    { true, 6 * W * 4 - 1, 1 },
-    { true, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
-    { true, H *W * 4 + 2 * W * 12, 0 },
-    { true, H *W * 4 + 6 * W * 12 - 1, 1 },
-    { true, -1, -1 },
+    { false, 1, 0, 0 },
+    { false, 1, W * 12 + 1, 0 },
+    { false, 1, 2 * W * 12 + 2, 0 },
+    { false, 1, 3 * W * 12 + 3, 1 },
+    { false, 1, 5 * W * 12 + 5, 1 },
+    { true, 1, 0, 0 },
+    { true, 1, W * 4 + 1, 0 },
+    { true, 1, 3 * W * 4 - 1, 0 },
+    { true, 1, 3 * W * 4, 1 },
+    { true, 1, 6 * W * 4 - 1, 1 },
+    { true, 1, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
+    { true, 1, H *W * 4 + 2 * W * 12, 0 },
+    { true, 1, H *W * 4 + 6 * W * 12 - 1, 1 },
+    { true, 1, -1, -1 },
+    { true, 0, H *W * 4 + 2 * W * 12, 0 }, /* -ps 1 has none */
+    { true, 0, 0, 0 },
+    { true, 0, -1, -1 },
 };
 
 /* Also in lives to come. */
@@ -1234,7 +1238,7 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
     store_open_job(s, kept_job, &p);
-    put_pieces(s, coded);
+    put_pieces(s, coded, spoilt[_i].densities);
     close_kept(&loop, s);
     ck_assert_int_eq(h.rows, 3);
     if (spoilt[_i].at >= 0) {
@@ -1276,7 +1280,7 @@ START_TEST(a_units_base_line_outlives_the_store)
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
     store_open_job(s, kept_job, &p);
-    put_pieces(s, true);
+    put_pieces(s, true, 1);
     close_kept(&loop, s);
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
