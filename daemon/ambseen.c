@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define FEWEST 1024
+#define MORE   4 /* times as large: to be filled anew costs more than room */
 
 /* The finalizer of SplitMix64 (Steele, Lea & Flood 2014). */
 static uint64_t
@@ -24,20 +25,20 @@ mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* Never 0. */
+/* Of where it lies, what light comes there, and what it is good for: no two
+ * that differ agree in all of that.  Never 0. */
 static uint64_t
 number_of(const uint8_t *record)
 {
-    uint64_t h = 0, word = 0;
-    size_t n = AMBSHARE_BYTES;
+    static const uint8_t from[] = { 0, 8, 16, 56, AMBSHARE_BYTES - 8 };
+    uint64_t h = 0, word;
 
-    for (; n >= sizeof word; n -= sizeof word, record += sizeof word) {
-        memcpy(&word, record, sizeof word);
-        h = mix(h + word + UINT64_C(0x9e3779b97f4a7c15));
+    for (size_t i = 0; i < sizeof from; i++) {
+        memcpy(&word, record + from[i], sizeof word);
+        h = (h ^ word) * UINT64_C(0x9e3779b97f4a7c15);
+        h ^= h >> 32;
     }
-    word = 0;
-    memcpy(&word, record, n);
-    h = mix(h + word + UINT64_C(0x9e3779b97f4a7c15));
+    h = mix(h);
     return h ? h : 1;
 }
 
@@ -55,7 +56,7 @@ find(const struct ambseen *s, uint64_t number)
 static bool
 grow(struct ambseen *s)
 {
-    struct ambseen more = { .nslots = s->nslots ? 2 * s->nslots : FEWEST,
+    struct ambseen more = { .nslots = s->nslots ? MORE * s->nslots : FEWEST,
                             .n = s->n };
 
     more.slot = calloc(more.nslots, sizeof *more.slot);

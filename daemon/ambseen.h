@@ -19,7 +19,7 @@
 /* All zero is empty. */
 struct ambseen {
     uint64_t *slot; /* 0: free */
-    size_t nslots;  /* a power of two */
+    size_t nslots;  /* a power of two; at most half of them are taken */
     size_t n;
 };
 
