@@ -565,10 +565,10 @@ static bool
 has_time(const struct partition_lines *s, const struct frame *f,
          const struct partition_who *who)
 {
-    double lines = (double)f->n / ROUNDS;
+    double lines = (double)f->n / ROUNDS, left = (double)f->n - f->next;
 
     return s->kind == MSG_PART_AUTO && has_regions(s, f, who) &&
-           f->n - f->next + who->share * lines / 2 >= lines;
+           left + who->share * lines / 2 >= lines;
 }
 
 static bool

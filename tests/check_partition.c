@@ -425,8 +425,10 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
         ck_assert_uint_eq(last - first, 8);
         ck_assert(partition_unit_bars(p, unit) == (i < 8));
     }
-    while (cut(p, 1, 4, &first, &last, &unit)) /* what rounding left */
+    while (cut(p, 1, 4, &first, &last, &unit)) { /* what rounding left */
         ck_assert_uint_ge(first, 96);
+        ck_assert(!partition_unit_bars(p, unit));
+    }
     partition_free(p);
 
     p = partition_new(&spec, NULL);
