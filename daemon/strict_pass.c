@@ -287,11 +287,13 @@ set_chain(const struct strict *s, struct strict_pass *p)
 
     if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
         return;
-    if (p->rank == STRICT_TRUE_LINES && u->chain_first <= p->first &&
-        u->chain_last >= p->last - 1)
-        p->earlier = u->chain + (size_t)(p->first - u->chain_first) * n;
-    else
+    if (p->rank != STRICT_TRUE_LINES || u->chain_first > p->first ||
+        u->chain_last < p->last - 1) {
         p->record = malloc((size_t)(p->last - p->first) * n);
+        return;
+    }
+    p->earlier = u->chain + (size_t)(p->first - u->chain_first) * n;
+    p->filled = p->first; /* bars are there, or want lines that are left out */
 }
 
 static struct strict_pass *

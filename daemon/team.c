@@ -308,7 +308,8 @@ team_new(const struct team_spec *spec)
     assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
                                     : spec->facts != NULL);
     assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
-    assert(!spec->earlier || (spec->mode == TEAM_LINES && spec->nthreads == 1));
+    assert(!spec->earlier || (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
+                              spec->filled <= spec->first));
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);

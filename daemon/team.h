@@ -132,10 +132,10 @@ struct team_spec {
     /* With LINES or AHEAD: room for the densities after each line from first
      * on, or NULL. */
     uint8_t *record;
-    /* With LINES, true_top and one member: what an earlier pass recorded of all
-     * lines from first to last - 2, over facts that are here; or NULL.  After a
-     * line whose densities come out the same so would all that follow: the pass
-     * goes on with the last line. */
+    /* With LINES, true_top, one member and no bars: what an earlier pass
+     * recorded of all lines from first to last - 2, over facts that are here;
+     * or NULL.  After a line whose densities come out the same so would all
+     * that follow: the pass goes on with the last line. */
     const uint8_t *earlier;
     /* Of line last - 1, which has columns that are lent. */
     struct team_blocks lent;

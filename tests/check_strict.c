@@ -1236,6 +1236,40 @@ START_TEST(bars_that_come_along_stay)
 }
 END_TEST
 
+/* The top of a unit that has time comes while its last line is made: the pass
+ * that leaves out lines that come out as they were has not the colours that a
+ * bar below them is filled from. */
+START_TEST(what_leaves_lines_out_fills_no_bars)
+{
+    struct rad_quincunx q = { .width = 64, .height = 90 };
+    const struct msg_counts spent = { 0 };
+    struct msg_unit u = { .job = job_id,
+                          .width = 64,
+                          .mode = MSG_MODE_STRICT,
+                          .flags = MSG_UNIT_BARS };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    u.y = (uint32_t)team_line_row(&q, 4);
+    u.height = (uint32_t)team_line_row(&q, 24) - u.y;
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24);
+    give_top(s, &q);
+    ck_assert(p->stop);
+    p->finished = 23;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->earlier);
+    ck_assert_int_eq(p->filled, p->first);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* Line number of the next base line that is told of; -1: there is none. */
 static int
 next_base_line(struct strict *s)
@@ -1473,6 +1507,7 @@ main(void)
 
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, bars_that_come_along_stay);
+    tcase_add_test(tc, what_leaves_lines_out_fills_no_bars);
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));

@@ -373,6 +373,7 @@ guess_all(struct world *w, uint64_t *state, struct pass *p)
     ahead.record = p->record;
     team_free(run_pass(w, &ahead));
     p->earlier = p->record;
+    p->filled = p->first;
     p->nthreads = 1;
 }
 
