@@ -221,7 +221,9 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
 {
     double line = line_time(job, unit, loan->worker), took = 0;
 
-    if (lender->line_left > 0)
+    /* it may lend again after a wait for its top, when LEND and PARKED crossed
+     */
+    if (lender->line_left > 0 && lender->blocked_ms > lender->line_ms)
         took = (double)(lender->blocked_ms - lender->line_ms) /
                lender->line_left * thread_speed(job, lender->worker) /
                thread_speed(job, loan->worker);

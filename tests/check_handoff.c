@@ -1224,6 +1224,29 @@ START_TEST(columns_that_nobody_waits_for_are_not_late)
 }
 END_TEST
 
+/* LEND and PARKED crossed: it lends once more when its top is there. */
+START_TEST(columns_that_are_lent_after_a_wait_are_late_too)
+{
+    struct msg_unit a, b;
+
+    one_line_left(MSG_PART_SCANBAR, 3, &a);
+    lend(W1, &a, 6, 10);
+    b = loan_of(W2);
+    wait_ms(1000);
+    attempt(W1, MSG_PARKED, &a);
+    wait_ms(100);
+    lend(W1, &a, 0, 6);
+    ck_assert_int_eq(count(W3, MSG_LOAN), 1);
+    paid(W2, &b, 5);
+    attempt(W1, MSG_PARKED, &a);
+    wait_ms(6000);
+    ck_assert_int_eq(count(W3, MSG_REVOKE), 1);
+    expect_back(W1, &a, 0, 6);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
 START_TEST(columns_of_one_that_is_late_go_back)
 {
     struct msg_unit a, b;
@@ -1681,6 +1704,7 @@ main(void)
     tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
     tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
     tcase_add_test(tc, columns_that_nobody_waits_for_are_not_late);
+    tcase_add_test(tc, columns_that_are_lent_after_a_wait_are_late_too);
     tcase_add_test(tc, columns_of_one_that_is_late_go_back);
     tcase_add_test(tc, columns_can_be_lent_on);
     tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);
