@@ -54,15 +54,17 @@ trace_truth(struct member *m, struct rad_facts *f, int x, int y,
         rad_facts_use(f, column, row, out);
 }
 
-/* A pixel that may be wanted one day. */
+/* A pixel that may be wanted one day.  Where another worker was first just now
+ * that one counts, as it will for the truth. */
 static void
 trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
             struct rad_pixel *out)
 {
     int column = x - m->q.x0, row = y - m->q.y0 - m->row0;
 
-    if (!rad_facts_get(f, column, row, out) && trace_new(m, x, y, out))
-        rad_facts_put(f, column, row, out, 0);
+    if (!rad_facts_get(f, column, row, out) && trace_new(m, x, y, out) &&
+        !rad_facts_put(f, column, row, out, 0))
+        rad_facts_get(f, column, row, out);
 }
 
 /* A pixel that was traced while the member waited; false: it was not. */

@@ -566,6 +566,57 @@ START_TEST(lines_are_filled_as_far_as_asked_for)
 }
 END_TEST
 
+/* Another worker's value of a pixel, with indirect light a different one,
+ * was there first. */
+static bool
+trace_late(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    struct world *w = arg;
+    int i = (y + w->q.ystep - 1) / w->q.ystep;
+    struct rad_pixel other;
+
+    if (i >= w->nlines)
+        i = w->nlines - 1;
+    if (!trace(arg, ctx, x, y, out))
+        return false;
+    other = *out;
+    other.L.r *= 1 + (float)(x % 3);
+    rad_facts_put(w->facts[i], x, y - team_line_row(&w->q, i), &other,
+                  RAD_FACT_FOREIGN);
+    return true;
+}
+
+/* What is known of a line follows from the facts that the truth will find. */
+START_TEST(a_guess_goes_by_the_facts_that_stay)
+{
+    struct analytic a = { (enum analytic_kind)3, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct pass p = { .mode = TEAM_LINES, .last = w->nlines, .nthreads = 1 };
+    struct team_spec spec = spec_of(w, &p);
+    uint8_t *ahead = calloc((size_t)w->nlines, w->ndensity);
+    uint8_t *again = calloc((size_t)w->nlines, w->ndensity);
+    struct team *t;
+
+    spec.record = ahead;
+    spec.trace = trace_late;
+    t = team_new(&spec);
+    w->team = t;
+    team_work(t, NULL);
+    ck_assert_uint_gt(team_rays(t), 0);
+    team_free(t);
+    spec.record = again;
+    spec.trace = trace;
+    t = team_new(&spec);
+    team_work(t, NULL);
+    ck_assert_uint_eq(team_rays(t), 0);
+    ck_assert_mem_eq(ahead, again, (size_t)w->nlines * w->ndensity);
+    team_free(t);
+    free(ahead);
+    free(again);
+    world_free(w);
+}
+END_TEST
+
 /* May a member join a team for that pass? */
 static bool
 is_open(struct world *w, const struct pass *p)
@@ -1172,6 +1223,7 @@ main(void)
                         3 * ANALYTIC_KINDS);
     tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
     tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
+    tcase_add_test(tc, a_guess_goes_by_the_facts_that_stay);
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
     tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);
