@@ -16,14 +16,12 @@
  * long as more than such a share of it is redundant.
  * Eight workers with a fifth of a processor each, at 1920 x 1280 pixels of an
  * office, sent 280 messages each and made 4 to 9 % twice when they waited for a
- * fiftieth and did not seed the cache (src/picture/seed.h).  Where they waited
- * for a twentieth, and half the share was too much, it was 2.5 to 4 %; now it
- * is 3 to 5 %, for no more rays in static and auto and .3 to .8 % more in
- * scanbar, and one per cent more of their processors is left for rays. */
+ * fiftieth and did not seed the cache (src/picture/seed.h); now it is 2.5 to
+ * 4 %, and 1 to 2.5 % more of their processors is left for rays. */
 #define DRAIN_MS   2
-#define DRAIN_PART 14
+#define DRAIN_PART 20
 #define CALM_MS    200
-#define FEW        .02
+#define FEW        .01
 /* Workers that are at the same unit do not wait for longer. */
 #define TWIN_MS 20
 /* While the cache is seeded others want the records of their own parts. */
