@@ -205,6 +205,7 @@ partition_lost(struct partition *p, uint32_t unit)
     if (p->unit[unit].state != PART_OUT || !partition_back(p, unit))
         return;
     p->unit[unit].state = PART_WAITING;
+    p->unit[unit].bars = false; /* others are further, and wait for it */
     p->waiting++;
 }
 

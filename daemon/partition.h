@@ -135,7 +135,8 @@ void partition_keep_line(struct partition *p, uint32_t frame, uint32_t line,
                          bool keep);
 
 /* Are its bars to be made along with its base lines, as one thread alone would?
- * Else the base lines come first, since the truth goes down by them. */
+ * Else, and once it was lost, the base lines come first, since the truth goes
+ * down by them. */
 bool partition_unit_bars(const struct partition *p, uint32_t unit);
 
 /* Lines [*first, *last) of a unit. */

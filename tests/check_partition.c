@@ -418,6 +418,9 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
     p = partition_new(&spec, NULL);
     ck_assert(cut(p, 0, 4, &first, &last, &unit));
     ck_assert(first == 0 && last == 8 && partition_unit_bars(p, unit));
+    partition_lost(p, unit);
+    ck_assert(cut(p, 1, 4, &first, &last, &unit)); /* which others wait for */
+    ck_assert(first == 0 && last == 8 && !partition_unit_bars(p, unit));
     for (uint32_t i = 1; i < 12; i++) {
         before = last;
         ck_assert(cut(p, i % 4, 4, &first, &last, &unit));
