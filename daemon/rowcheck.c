@@ -17,47 +17,98 @@ make_new(struct saved_unit *u)
     u->nbottom = 0;
 }
 
-/* Where each pixel is traced a base line that was kept leaves no densities:
- * then the sum alone says whether there is one. */
+struct check {
+    struct folder *f;
+    const struct saved_job *saved;
+    struct saved_unit *units;
+    rowcheck_fn *damaged;
+    void *arg;
+    struct rad_error *err;
+};
+
+/* Are the rows what they were, and is the base line that they end with there,
+ * too?  Where each pixel is traced one that was kept leaves no densities: then
+ * the sum alone says whether it was. */
 static int
-look(struct folder *f, const struct saved_job *saved,
-     const struct saved_unit *u, bool *sound, struct rad_error *err)
+look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
 {
-    *sound = false;
-    for (int line = u->nbottom > 0; line < 2 && !*sound; line++) {
+    *sound = *line = false;
+    for (int with = u->nbottom > 0; with < 2 && !*sound; with++) {
         uint64_t sum;
-        int rc = folder_sum(f, saved->spec.job, &u->area, u->stored, line, &sum,
-                            err);
+        int rc = folder_sum(c->f, c->saved->spec.job, &u->area, u->stored, with,
+                            &sum, c->err);
 
         if (rc < 0)
             return rc;
         *sound = sum == u->sum;
+        *line = *sound && with;
     }
     return 0;
 }
 
+static int
+strike(const struct check *c, struct saved_unit *u)
+{
+    make_new(u);
+    return c->damaged(c->arg, c->saved, u, c->err);
+}
+
+/* The unit that ends where u begins, if it is done. */
+static struct saved_unit *
+done_above(const struct check *c, const struct saved_unit *u)
+{
+    const struct partition_area *a = &u->area;
+
+    for (uint32_t i = 0; i < c->saved->nunits; i++) {
+        const struct partition_area *b = &c->units[i].area;
+
+        if (c->units[i].done && b->frame == a->frame && b->x == a->x &&
+            b->width == a->width && b->y + b->height == a->y)
+            return &c->units[i];
+    }
+    return NULL;
+}
+
+/* What is made again begins at a base line.  Of a unit that came to its end
+ * after the one below none was kept: then it is made again as well. */
+static int
+strike_above(const struct check *c, const struct saved_unit *u)
+{
+    struct saved_unit *above;
+    bool sound, line;
+    int rc = 0;
+
+    while (rc == 0 && (above = done_above(c, u)) != NULL) {
+        rc = look(c, above, &sound, &line);
+        if (rc < 0 || line)
+            break;
+        rc = strike(c, above);
+        u = above;
+    }
+    return rc;
+}
+
 int
 rowcheck_job(struct folder *f, const struct saved_job *saved,
-             struct saved_unit *units,
-             int (*damaged)(void *arg, const struct saved_job *saved,
-                            const struct saved_unit *unit,
-                            struct rad_error *err),
-             void *arg, struct rad_error *err)
+             struct saved_unit *units, rowcheck_fn *damaged, void *arg,
+             struct rad_error *err)
 {
+    const struct check c = { f, saved, units, damaged, arg, err };
+    bool sound, line;
     int rc = 0;
 
     for (uint32_t i = 0; i < saved->nunits && rc == 0; i++) {
-        struct saved_unit *u = &units[i];
-        bool sound;
-
-        *u = saved->units[i];
-        if (u->stored == 0 || saved->written[u->area.frame])
+        units[i] = saved->units[i];
+        if (units[i].stored == 0 || saved->written[units[i].area.frame])
             continue;
-        rc = look(f, saved, u, &sound, err);
-        if (rc < 0 || sound)
-            continue;
-        make_new(u);
-        rc = damaged(arg, saved, u, err);
+        rc = look(&c, &units[i], &sound, &line);
+        if (rc == 0 && !sound)
+            rc = strike(&c, &units[i]);
     }
+    if (saved->spec.partition == MSG_PART_WINDOW) /* has no base lines */
+        return rc;
+    for (uint32_t i = 0; i < saved->nunits && rc == 0; i++)
+        if (saved->units[i].done && !units[i].done)
+            rc = strike_above(&c, &units[i]);
     return rc;
 }

@@ -11,15 +11,16 @@
 
 #include "folder.h"
 
+typedef int rowcheck_fn(void *arg, const struct saved_job *saved,
+                        const struct saved_unit *unit, struct rad_error *err);
+
 /* Look at the rows of all units of a job whose files were taken up.  units, of
  * saved->nunits, gets what is to be made of them: those whose rows are other
- * than they were have none, and nobody's.  damaged is called for each.
+ * than they were have none, and nobody's, and so have those above that no base
+ * line was kept of, for such a unit begins there.  damaged is called for each.
  * RAD_EIO, RAD_ENOMEM. */
 int rowcheck_job(struct folder *f, const struct saved_job *saved,
-                 struct saved_unit *units,
-                 int (*damaged)(void *arg, const struct saved_job *saved,
-                                const struct saved_unit *unit,
-                                struct rad_error *err),
-                 void *arg, struct rad_error *err);
+                 struct saved_unit *units, rowcheck_fn *damaged, void *arg,
+                 struct rad_error *err);
 
 #endif
