@@ -108,6 +108,16 @@ ask(struct coord *c, struct job *job, uint32_t idle)
     return asked < idle ? idle - asked : 0;
 }
 
+/* Has another worker the unit, too? */
+static bool
+has_twin(const struct job_unit *u, const struct job_go *go)
+{
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (&u->go[i] != go && !u->go[i].lender)
+            return true;
+    return false;
+}
+
 void
 balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 {
@@ -130,6 +140,11 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
                 m->unit, m->attempt, m->height, a.height);
     if (m->height == a.height) {
         u->whole = true;
+        return;
+    }
+    if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
+        sched_send_attempt(c, job, MSG_REVOKE, m->unit, go);
+        loss_of(c, job, m->unit, go);
         return;
     }
     given = m->height >= u->next_row

@@ -961,6 +961,28 @@ START_TEST(one_that_has_nothing_to_give_is_not_asked_again)
 }
 END_TEST
 
+/* It stood still when it was asked, and a twin has begun meanwhile, with all of
+ * the unit. */
+START_TEST(lines_that_come_after_a_twin_are_not_given)
+{
+    struct msg_unit a, b, twin;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    wait_ms(100);
+    finish(W1, &a);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
+    wait_ms(61000);
+    twin = *unit_of(W1);
+    ck_assert(twin.unit == b.unit && twin.height == b.height);
+    gave(W2, &b, BAR);
+    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    finish(W1, &twin);
+    ck_assert(f.done && !f.closed[W1] && !f.closed[W2]);
+}
+END_TEST
+
 START_TEST(without_balance_nobody_is_asked)
 {
     struct msg_unit a;
@@ -1693,6 +1715,7 @@ main(void)
     tcase_add_test(tc, rows_that_cross_a_revoke_bring_nothing_back);
     tcase_add_test(tc, an_idle_worker_gets_half_of_what_another_has_left);
     tcase_add_test(tc, one_that_has_nothing_to_give_is_not_asked_again);
+    tcase_add_test(tc, lines_that_come_after_a_twin_are_not_given);
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
     tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
