@@ -194,6 +194,16 @@ facts_untold(const struct strict *s, const struct strict_unit *u)
 }
 
 uint64_t
+facts_late(const struct strict *s, const struct strict_unit *u)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, u->first);
+
+    if (!facts || is_needed_but_for(s, u->frame, u->first, u))
+        return 0;
+    return rad_facts_late(facts);
+}
+
+uint64_t
 facts_unused(const struct strict *s, const struct strict_unit *u)
 {
     uint64_t n = u->make_top ? untold(s, u, u->first - 1) : 0;

@@ -241,6 +241,9 @@ void facts_drop_table(struct strict *s, uint32_t frame);
  * lines that are there for nothing, with the top that it made in vain. */
 uint64_t facts_untold(const struct strict *s, const struct strict_unit *u);
 uint64_t facts_unused(const struct strict *s, const struct strict_unit *u);
+/* What another worker had traced first of a loan's line; counted here if no
+ * unit of that line is. */
+uint64_t facts_late(const struct strict *s, const struct strict_unit *u);
 void facts_release(struct strict *s);
 
 /* --- strict_edge.c --- */

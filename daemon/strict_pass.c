@@ -436,6 +436,7 @@ end_loan(struct strict *s, struct strict_unit *u)
 {
     if (u->gone)
         return;
+    u->spent.speculative_rays += facts_late(s, u);
     out_facts(s, &s->urgent, u, u->first);
     out_paid(s, u);
     u->over = true;

@@ -1147,6 +1147,49 @@ START_TEST(a_loan_that_fits_no_line_is_not_taken)
 }
 END_TEST
 
+/* A pixel of a loan that its lender needed as well, and told of just then. */
+START_TEST(what_a_loan_traced_for_nothing_is_told)
+{
+    static const uint8_t bytes[64 * 12];
+    static const struct rad_pixel pixel;
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_loan loan = { .job = job_id,
+                                   .unit = 3,
+                                   .attempt = 9,
+                                   .line = 4,
+                                   .x = 6,
+                                   .n = 6,
+                                   .channels = 3,
+                                   .density = bytes,
+                                   .wanted = bytes,
+                                   .top = bytes,
+                                   .bottom = bytes };
+    const struct msg_counts spent = { .rays = 2 };
+    struct msg_counts total;
+    struct rad_facts *facts;
+    struct strict_pass *p;
+    const struct msg *m;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->rank == STRICT_LOAN);
+    facts = p->facts[4];
+    ck_assert(rad_facts_put(facts, 6, 0, &pixel, RAD_FACT_FOREIGN));
+    ck_assert(!rad_facts_put(facts, 6, 0, &pixel, 0));
+    ck_assert(rad_facts_put(facts, 7, 0, &pixel, 0));
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    while ((m = strict_message(s, true)) && m->type != MSG_PAID)
+        ck_assert_int_eq(m->type, MSG_FACTS);
+    ck_assert_ptr_nonnull(m);
+    ck_assert_uint_eq(m->paid.counts.rays, 2);
+    ck_assert_uint_eq(m->paid.counts.speculative_rays, 1);
+    strict_free(s);
+}
+END_TEST
+
 /* Having lent it would go over all of its lines again, through their facts. */
 START_TEST(what_keeps_no_facts_does_not_lend)
 {
@@ -1516,6 +1559,7 @@ main(void)
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
+    tcase_add_test(tc, what_a_loan_traced_for_nothing_is_told);
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
