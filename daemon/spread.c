@@ -24,11 +24,15 @@
  * look at the same things, and what is on the way is made twice. */
 #define HURRY_MS 4
 
+/* The coordinator hears of a link that is gone again after so long, should it
+ * have been busy with the one before. */
+#define TELL_MS 5000
+
 struct slink {
     char name[MSG_MAX_NAME + 1];
     uint32_t offset, below; /* as in msg_ring_link */
     bool was;               /* linked, since it was made known */
-    bool told;              /* the coordinator, that it is gone */
+    uint64_t told_ms;       /* the coordinator, that it is gone; 0: not */
     uint64_t since_ms;      /* what waits does so since then */
     struct msg_part *part;  /* that wait; their data are not set */
     uint32_t nparts, cap;
@@ -62,8 +66,9 @@ peer_of(struct worker *w, struct wjob *job, struct slink *l)
     struct msg m = { .type = MSG_UNLINKED,
                      .unlinked = { job->id, l->name, l->was } };
 
-    if (!p && !l->told && job->started) {
-        l->told = true;
+    if (!p && job->started &&
+        (l->told_ms == 0 || w->now_ms - l->told_ms >= TELL_MS)) {
+        l->told_ms = w->now_ms;
         worker_send_coord(w, &m);
     }
     return p;
@@ -306,7 +311,7 @@ spread_linked(struct wjob *job, const char *name, bool linked)
         for (uint32_t i = 0; i < c->nlinks; i++)
             if (strcmp(c->link[i].name, name) == 0) {
                 c->link[i].was = linked;
-                c->link[i].told = false;
+                c->link[i].told_ms = 0;
             }
     }
 }

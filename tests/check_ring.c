@@ -874,6 +874,36 @@ START_TEST(two_of_few_that_cannot_be_linked_are_let_be)
 }
 END_TEST
 
+/* The link of two, if there is one, goes. */
+static void
+cut(int a, int b)
+{
+    for (int i = 0; i < 2; i++, a ^= b, b ^= a, a ^= b)
+        for (int k = 0; k < s.node[a].nends; k++)
+            if (s.node[a].end[k].other == b)
+                later(s.now_ms + 1, ARRIVE, a, s.node[a].end[k].conn, NULL, 0);
+}
+
+/* The coordinator takes what it hears just after it linked two for news of the
+ * link before that; so who has no link says so again. */
+START_TEST(a_link_that_breaks_as_soon_as_it_is_there_is_made_again)
+{
+    set_up(8, false);
+    for (int i = 0; i < 60; i++) {
+        cut(3, 7);
+        later(s.now_ms + 2, MAKES, 3, 0, NULL, 0);
+        later(s.now_ms + 2, MAKES, 7, 0, NULL, 0);
+        run_ms(50);
+    }
+    for (int i = 0; i < 20; i++) { /* two may have been hopeless */
+        make_records(1);
+        run_ms(2500);
+    }
+    check_records_come(1);
+    tear_down();
+}
+END_TEST
+
 START_TEST(there_is_one_way_from_each_place_to_each_other)
 {
     static const uint32_t places[] = { 1, 2, 3, 4, 5, 16, 17, 64, 65, 1000 };
@@ -915,6 +945,7 @@ main(void)
     tcase_add_test(tc, nearly_all_comes_while_workers_come_and_go);
     tcase_add_loop_test(tc, a_link_that_breaks_is_made_again, 0,
                         N_ELEM(broken));
+    tcase_add_test(tc, a_link_that_breaks_as_soon_as_it_is_there_is_made_again);
     tcase_add_test(tc, two_that_cannot_be_linked_do_not_trouble_the_others);
     tcase_add_test(tc, two_of_few_that_cannot_be_linked_are_let_be);
     suite_add_tcase(suite, tc);
