@@ -11,11 +11,11 @@
  * - auto: as many lines as are the worker's share of all that is left; so units
  *   shrink towards the end, and whole frames go out as long as that share is as
  *   much.  Where there are many lines each worker has some regions of the
- * frame, one after the other, so that they are not at the same place at the
- * same time.  As long as there are more to come the bars of one are made along
- * with its base lines: the pixels of both are looked up among the same ambient
- *   records then, are more alike, and fewer are traced (by 2 to 4 %; office at
- *   night).
+ *   frame, one after the other, so that they are not at the same place at the
+ *   same time.  As long as there are more to come the bars of one are made
+ *   along with its base lines: the pixels of both are looked up among the same
+ *   ambient records then, are more alike, and fewer are traced (by 2 to 4 %;
+ *   office at night).
  *   In the last one, and where there are fewer lines, base lines come before
  *   bars, so that the truth is everywhere soon; what was too much is given away
  *   later.  Fewer lines go from the top down: the units above are a little

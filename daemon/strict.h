@@ -10,8 +10,9 @@
  * the bars, too.  Where the unit has several lines and its top is true before
  * all bars are traced, LINES is made (again) for the bottom that others wait
  * for; but for what was guessed from just these densities, which is true then,
- * and without the lines that come out as they were guessed.  TRUTH alone does where the top is true from the start and
- * there is but one line, or nothing below.
+ * and without the lines that come out as they were guessed.  TRUTH alone does
+ * where the top is true from the start and there is but one line, or nothing
+ * below.
  * Columns of a unit's last line may be lent to another worker while they are
  * not begun (LEND, LOAN).  The unit's passes leave them out, and TRUTH, which
  * cannot, ends before them and waits (BACK).  What is lent here is a unit of
