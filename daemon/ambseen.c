@@ -25,8 +25,9 @@ mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* Of where it lies, what light comes there, and what it is good for: no two
- * that differ agree in all of that.  Never 0. */
+/* Of where it lies, what light comes there, and what it is good for.  Two that
+ * agree in all of that but face other ways, as on both sides of a sheet in even
+ * light, would count as one: it costs the time to make the other.  Never 0. */
 static uint64_t
 number_of(const uint8_t *record)
 {
