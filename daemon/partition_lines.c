@@ -525,9 +525,8 @@ static bool
 begin_region(const struct partition_lines *s, struct frame *f, double share,
              uint32_t *line)
 {
-    double lines = share * f->n;
+    double lines = share * f->n / ROUNDS;
 
-    lines /= ROUNDS;
     while (f->next < f->n) {
         *line = f->next;
         f->next += (uint32_t)(fmin(fmax(lines, LEAST_REGION), f->n) + .5);

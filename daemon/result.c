@@ -52,21 +52,23 @@ code_rows(struct coord *c, const struct msg_result *m)
     uint8_t *code = rad_arena_alloc(&c->actions.mem, (m->rows + 1) * most);
     struct msg_result *to = rad_arena_alloc(&c->actions.mem, sizeof *to);
 
-    if (row && code && to) {
-        *to = *m;
-        to->channels = 1;
-        to->pixels = code;
-        to->len = 0;
+    if (!row || !code || !to) {
+        free(row);
+        c->actions.failed = true;
+        return NULL;
     }
-    for (uint32_t i = 0; row && code && to && i < m->rows; i++) {
+    *to = *m;
+    to->channels = 1;
+    to->pixels = code;
+    to->len = 0;
+    for (uint32_t i = 0; i < m->rows; i++) {
         const uint8_t *from = m->pixels + (size_t)i * m->width * pixel;
 
         wire_floats_get(&row->r, from, 3 * (size_t)m->width);
         to->len += rad_hdr_encode_row(row, (int)m->width, code + to->len);
     }
     free(row);
-    c->actions.failed |= !row || !code || !to;
-    return row && code ? to : NULL;
+    return to;
 }
 
 /* The worker that lost the unit turns out to have rows of it, and nobody else

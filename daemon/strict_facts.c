@@ -172,15 +172,22 @@ facts_drop_table(struct strict *s, uint32_t frame)
     f->facts = NULL;
 }
 
-/* Those of a line that go with the unit, and nobody was told of. */
-static uint64_t
-untold(const struct strict *s, const struct strict_unit *u, int line)
+/* Those of a line that go with the unit; NULL: there are none. */
+static const struct rad_facts *
+facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
 {
     const struct rad_facts *facts = facts_at(s, u->frame, line);
 
-    if (!facts || is_needed_but_for(s, u->frame, line, u))
-        return 0;
-    return rad_facts_fresh(facts) + rad_facts_late(facts);
+    return facts && !is_needed_but_for(s, u->frame, line, u) ? facts : NULL;
+}
+
+/* Of these, what nobody was told of. */
+static uint64_t
+untold(const struct strict *s, const struct strict_unit *u, int line)
+{
+    const struct rad_facts *facts = facts_of_alone(s, u, line);
+
+    return facts ? rad_facts_fresh(facts) + rad_facts_late(facts) : 0;
 }
 
 uint64_t
@@ -196,11 +203,9 @@ facts_untold(const struct strict *s, const struct strict_unit *u)
 uint64_t
 facts_late(const struct strict *s, const struct strict_unit *u)
 {
-    const struct rad_facts *facts = facts_at(s, u->frame, u->first);
+    const struct rad_facts *facts = facts_of_alone(s, u, u->first);
 
-    if (!facts || is_needed_but_for(s, u->frame, u->first, u))
-        return 0;
-    return rad_facts_late(facts);
+    return facts ? rad_facts_late(facts) : 0;
 }
 
 uint64_t

@@ -8,6 +8,8 @@
 
 #include "team_impl.h"
 
+#include "base/bits.h"
+
 #include <string.h>
 
 /* A base line's row costs so much more than a bar's. */
@@ -15,16 +17,6 @@
 
 /* Columns that are lent at a time: what is said of them fits a message. */
 #define MOST_LENT 24000
-
-static int
-count_blocks(uint64_t v)
-{
-    int n = 0;
-
-    for (; v; v &= v - 1)
-        n++;
-    return n;
-}
 
 /* The longest run of blocks. */
 static uint64_t
@@ -136,7 +128,7 @@ right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
     uint64_t got = 0;
     double sum = 0;
 
-    for (int b = MOST_BLOCKS - 1; b >= 0 && count_blocks(got) < n; b--) {
+    for (int b = MOST_BLOCKS - 1; b >= 0 && rad_count_bits(got) < n; b--) {
         if (!(run >> b & 1))
             continue;
         sum += cost[b];
@@ -241,7 +233,7 @@ describe_loan(const struct lending *by, uint64_t blocks, struct team_loan *loan)
     loan->line = by->i;
     loan->base = by->base;
     loan->x = first * columns;
-    loan->n = count_blocks(blocks) * columns;
+    loan->n = rad_count_bits(blocks) * columns;
     if (loan->n > q->width - loan->x)
         loan->n = q->width - loan->x;
     loan->top = by->rows[0] + loan->x;

@@ -5,6 +5,8 @@
 
 #include "codec.h"
 
+#include "base/bits.h"
+
 static bool
 area_fits(uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {
@@ -63,8 +65,7 @@ count_bits(const struct msg_facts *b, uint32_t *n)
         const uint8_t *row = b->bitmap + r * stride;
 
         for (size_t i = 0; i < stride; i++)
-            for (unsigned v = row[i]; v; v &= v - 1)
-                ++*n;
+            *n += (uint32_t)rad_count_bits(row[i]);
         if (row[stride - 1] & past)
             return false;
     }

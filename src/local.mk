@@ -7,6 +7,7 @@ librad_a_SOURCES = \
 	src/base/angle.h \
 	src/base/arena.c \
 	src/base/arena.h \
+	src/base/bits.h \
 	src/base/color.h \
 	src/base/error.c \
 	src/base/error.h \

@@ -1083,6 +1083,15 @@ loan_of(uint64_t conn)
                               .attempt = s->m.loan.attempt };
 }
 
+/* ws1 lends ws2 the right of its line, all that is left for so many. */
+static struct msg_unit
+lend_right(int workers, struct msg_unit *a)
+{
+    one_line_left(MSG_PART_SCANBAR, workers, a);
+    lend(W1, a, 6, 10);
+    return loan_of(W2);
+}
+
 static void
 expect_back(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
 {
@@ -1141,9 +1150,7 @@ START_TEST(what_was_lent_is_counted_to_its_unit)
     double rays, w1, w2;
     const struct job_unit *u;
 
-    one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(2, &a);
     w1 = worker_stat("ws1", "rays");
     w2 = worker_stat("ws2", "rays");
     rays = stat_of("totals", "rays");
@@ -1167,9 +1174,7 @@ START_TEST(what_was_taken_back_is_in_no_unit)
 {
     struct msg_unit a, b;
 
-    one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(2, &a);
     attempt(W1, MSG_PARKED, &a);
     wait_ms(5000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
@@ -1235,9 +1240,7 @@ START_TEST(columns_that_nobody_waits_for_are_not_late)
 {
     struct msg_unit a, b;
 
-    one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(2, &a);
     wait_ms(30000);
     ck_assert_int_eq(count(W2, MSG_REVOKE), 0);
     paid(W2, &b, 5);
@@ -1251,9 +1254,7 @@ START_TEST(columns_that_are_lent_after_a_wait_are_late_too)
 {
     struct msg_unit a, b;
 
-    one_line_left(MSG_PART_SCANBAR, 3, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(3, &a);
     wait_ms(1000);
     attempt(W1, MSG_PARKED, &a);
     wait_ms(100);
@@ -1273,9 +1274,7 @@ START_TEST(columns_of_one_that_is_late_go_back)
 {
     struct msg_unit a, b;
 
-    one_line_left(MSG_PART_SCANBAR, 2, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(2, &a);
     clear();
     wait_ms(1000);
     attempt(W1, MSG_PARKED, &a); /* so long for as much */
@@ -1296,9 +1295,7 @@ START_TEST(columns_can_be_lent_on)
 {
     struct msg_unit a, b, c;
 
-    one_line_left(MSG_PART_SCANBAR, 3, &a);
-    lend(W1, &a, 6, 10);
-    b = loan_of(W2);
+    b = lend_right(3, &a);
     b.y = a.y;
     b.height = a.height;
     wait_ms(150);

@@ -1097,8 +1097,8 @@ give_top(struct strict *s, const struct rad_quincunx *q)
 }
 
 static void
-give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
-          int first, int last)
+give_flagged(struct strict *s, const struct rad_quincunx *q, uint32_t number,
+             int first, int last, uint8_t flags)
 {
     uint32_t y = (uint32_t)team_line_row(q, first);
     const struct msg_unit u = { .job = job_id,
@@ -1107,9 +1107,17 @@ give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
                                 .y = y,
                                 .width = 64,
                                 .height = (uint32_t)team_line_row(q, last) - y,
-                                .mode = MSG_MODE_STRICT };
+                                .mode = MSG_MODE_STRICT,
+                                .flags = flags };
 
     ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+}
+
+static void
+give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
+          int first, int last)
+{
+    give_flagged(s, q, number, first, last, 0);
 }
 
 /* Whoever made it is wrong, not the job; its columns go back. */
@@ -1248,22 +1256,16 @@ START_TEST(bars_that_come_along_stay)
 {
     struct rad_quincunx q = { .width = 64, .height = 90 };
     const struct msg_counts spent = { 0 };
-    struct msg_unit u = { .job = job_id,
-                          .width = 64,
-                          .mode = MSG_MODE_STRICT,
-                          .flags = MSG_UNIT_BARS };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    u.y = (uint32_t)team_line_row(&q, 4);
-    u.height = (uint32_t)team_line_row(&q, 24) - u.y;
     s = strict_new(&q, 1, false, job_id);
-    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p->rank == STRICT_LINES && p->filled == 24 && !p->earlier);
-    strict_split(s, 0, 0);
+    strict_split(s, 0, 1);
     ck_assert(p->stop);
     p->finished = 12;
     strict_ended(s, p, false, NULL, NULL, &spent, &total);
@@ -1286,19 +1288,13 @@ START_TEST(what_leaves_lines_out_fills_no_bars)
 {
     struct rad_quincunx q = { .width = 64, .height = 90 };
     const struct msg_counts spent = { 0 };
-    struct msg_unit u = { .job = job_id,
-                          .width = 64,
-                          .mode = MSG_MODE_STRICT,
-                          .flags = MSG_UNIT_BARS };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
     rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    u.y = (uint32_t)team_line_row(&q, 4);
-    u.height = (uint32_t)team_line_row(&q, 24) - u.y;
     s = strict_new(&q, 1, false, job_id);
-    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p->rank == STRICT_LINES && p->filled == 24);
     give_top(s, &q);

@@ -767,10 +767,10 @@ START_TEST(it_ends_when_welcomed_in_another_version)
 }
 END_TEST
 
-START_TEST(results_come_again_in_another_life_of_the_coordinator)
+/* The coordinator is lost when two pieces of a job's rows are on their way. */
+static void
+cut_with_rows(void)
 {
-    struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 2, "radcoord" } };
-
     start_job();
     child_ready();
     unit(3);
@@ -778,6 +778,13 @@ START_TEST(results_come_again_in_another_life_of_the_coordinator)
     rows(3, 2);
     cut();
     tick(500);
+}
+
+START_TEST(results_come_again_in_another_life_of_the_coordinator)
+{
+    struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 2, "radcoord" } };
+
+    cut_with_rows();
     worker_opened(f.w, f.now_ms, f.coord);
     hear(f.coord, &m);
     clear();
@@ -801,13 +808,7 @@ static const struct {
 START_TEST(a_job_begins_anew_where_its_rows_are_not_known)
 {
     job_flags = ways_back[_i].before;
-    start_job();
-    child_ready();
-    unit(3);
-    rows(3, 0);
-    rows(3, 2);
-    cut();
-    tick(500);
+    cut_with_rows();
     connect();
     clear();
     job_flags = ways_back[_i].after;

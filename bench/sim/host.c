@@ -10,6 +10,7 @@
 
 #include "cluster.h"
 
+#include "base/bits.h"
 #include "picture/hdr.h"
 
 #include <math.h>
@@ -580,16 +581,6 @@ not_begun(const struct host *h, int from)
     return bits;
 }
 
-static int
-count_bits(uint64_t v)
-{
-    int n = 0;
-
-    for (; v; v &= v - 1)
-        n++;
-    return n;
-}
-
 static bool
 has_bar(const struct host *h)
 {
@@ -659,8 +650,8 @@ lend(struct host *h)
     free &= team_blocks_of(q, 0, q->width) & ~h->lent.bar & ~h->lent.ever;
     lines &= ~h->lent.base & ~h->lent.ever;
     free = not_known(h, free);
-    bars = count_bits(free);
-    left = base * count_bits(lines) + bar * bars;
+    bars = rad_count_bits(free);
+    left = base * rad_count_bits(lines) + bar * bars;
     if (!h->in_bar)
         free &= lines;
     loan.base = !h->in_bar;

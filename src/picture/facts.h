@@ -78,8 +78,7 @@ size_t rad_facts_export(struct rad_facts *f, int row, int n, int channels,
                         unsigned origin, uint8_t *bitmap, float *pixels);
 
 /* Give nothing of what is there, and count none of it again: nobody has a use
- * for it any more.  Thread: as
- * export. */
+ * for it any more.  Thread: as export. */
 void rad_facts_settle(struct rad_facts *f);
 
 /* Take what export gave elsewhere; npixels is how many there are in pixels.
