@@ -134,6 +134,9 @@ struct job_worker {
     uint32_t units;         /* accepted */
     struct msg_tally tally; /* of its present child; job is not kept */
     struct msg_tally past;  /* summed over earlier children */
+    struct msg_counts paid; /* by PAIDs of its present child, and what was to
+                             * come in others but did not */
+    bool tallied;           /* in this life */
 };
 
 struct job_frame {

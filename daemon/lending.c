@@ -373,6 +373,7 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     if (index == JOB_NOBODY)
         return;
     jw = &job->workers[index];
+    msg_counts_add(&jw->paid, &m->counts);
     go = !job_over(job) && m->unit < job->nunits
              ? job_go_find(job, m->unit, index, m->attempt)
              : NULL;

@@ -442,7 +442,9 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
-/* Even if it was revoked meanwhile: what it cost is told nowhere else. */
+/* Even if it was revoked meanwhile: what it cost is told nowhere else, but in
+ * sum, for that this may not arrive.  A child's sums begin at zero, which the
+ * coordinator is to know before it hears of the first. */
 static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -452,6 +454,9 @@ child_paid(struct worker *w, struct wjob *job, const struct msg *m)
     if (u && u->loan)
         wjob_drop_unit(job, u->unit, u->attempt);
     pass.paid.job = job->id;
+    if (job->tally.busy_s == 0)
+        worker_send_tally(w, job);
+    msg_counts_add(w->welcome ? &job->paid : &job->unpaid, &m->paid.counts);
     pass_up(w, job, &pass);
 }
 

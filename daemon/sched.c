@@ -732,6 +732,21 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     speed_measure(c, job);
 }
 
+/* A connection keeps messages in order, so what all PAIDs of before said and
+ * has not come broke with one: it is in no unit.  What came in an earlier life
+ * is in units already. */
+static void
+note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
+{
+    struct msg_counts lost;
+
+    msg_counts_lack(&lost, paid, &jw->paid);
+    msg_counts_add(&jw->paid, &lost);
+    if (jw->tallied)
+        msg_counts_add(&jw->past.dropped, &lost);
+    jw->tallied = true;
+}
+
 /* The last twins are taken back when the job is all but over, so what they cost
  * counts after that, too. */
 void
@@ -750,7 +765,9 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
         jw->past = job_tally(jw);
         memset(&jw->tally, 0, sizeof jw->tally);
+        memset(&jw->paid, 0, sizeof jw->paid);
     }
+    note_unpaid(jw, &m->paid);
     jw->tally = *m;
     jw->tally.job = NULL;
     job_see_rays(job);

@@ -61,6 +61,21 @@ worker_send_coord(struct worker *w, const struct msg *m)
 }
 
 void
+worker_send_tally(struct worker *w, struct wjob *job)
+{
+    struct msg m = { .type = MSG_TALLY, .tally = job->tally };
+
+    m.tally.job = job->id;
+    m.tally.bytes_in = job->bytes_in;
+    m.tally.bytes_out = job->bytes_out;
+    m.tally.base_line_bytes = job->base_line_bytes;
+    m.tally.base_line_pixels = job->base_line_pixels;
+    m.tally.paid = job->paid;
+    msg_counts_add(&m.tally.dropped, &job->unpaid);
+    worker_send_coord(w, &m);
+}
+
+void
 worker_send_child_bytes(struct worker *w, struct wjob *job,
                         const uint8_t *bytes, size_t len)
 {

@@ -51,18 +51,11 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_tally(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg tally = { .type = MSG_TALLY, .tally = m->tally };
-
     if (m->tally.rays_under_way != job->tally.rays_under_way ||
         m->tally.seeded.rays != job->tally.seeded.rays)
         w->progress++;
-    tally.tally.job = job->id;
-    tally.tally.bytes_in = job->bytes_in;
-    tally.tally.bytes_out = job->bytes_out;
-    tally.tally.base_line_bytes = job->base_line_bytes;
-    tally.tally.base_line_pixels = job->base_line_pixels;
-    job->tally = tally.tally;
-    worker_send_coord(w, &tally);
+    job->tally = m->tally;
+    worker_send_tally(w, job);
 }
 
 /* The child is of no more use. */

@@ -29,12 +29,8 @@ on_welcome(struct worker *w, const struct msg *m)
                 "welcome program=%s epoch=%llu protocol=%u", m->welcome.program,
                 (unsigned long long)m->welcome.epoch, version);
     /* the answer to a TALLY of a job that is over is JOB-END */
-    for (struct wjob *job = w->jobs; job; job = job->next) {
-        struct msg tally = { .type = MSG_TALLY, .tally = job->tally };
-
-        tally.tally.job = job->id;
-        worker_send_coord(w, &tally);
-    }
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        worker_send_tally(w, job);
     if (w->draining || w->away) {
         struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
 

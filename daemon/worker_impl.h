@@ -73,6 +73,8 @@ struct wjob {
     struct lossy to_child;
     struct msg_ready ready;
     struct msg_tally tally;
+    struct msg_counts paid;   /* by PAIDs of this child that were sent, */
+    struct msg_counts unpaid; /* and by those that could not be */
     uint64_t bytes_in, bytes_out;
     uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
     struct wunit *units; /* with the child, in the order in which they came */
@@ -125,6 +127,8 @@ void worker_send_coord(struct worker *w, const struct msg *m);
 void worker_send_child(struct worker *w, struct wjob *job, const struct msg *m);
 void worker_send_child_bytes(struct worker *w, struct wjob *job,
                              const uint8_t *bytes, size_t len);
+/* What is known of a job's child so far. */
+void worker_send_tally(struct worker *w, struct wjob *job);
 /* The daemon is to end, with a status of sysexits.h. */
 void worker_stop(struct worker *w, int status, const char *text);
 

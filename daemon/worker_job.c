@@ -213,6 +213,8 @@ wjob_spawn(struct worker *w, struct wjob *job)
     job->child = worker_new_conn(w);
     job->state = WJOB_LOADING;
     job->heard_ms = w->awake_ms;
+    job->tally = (struct msg_tally){ 0 };
+    job->paid = job->unpaid = (struct msg_counts){ 0 };
     actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);
     a = actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
     if (a)

@@ -86,3 +86,45 @@ msg_counts_add(struct msg_counts *a, const struct msg_counts *b)
     a->wall_s += b->wall_s;
     msg_doubt_add(&a->doubt, &b->doubt);
 }
+
+static uint64_t
+lack(uint64_t all, uint64_t have)
+{
+    return all > have ? all - have : 0;
+}
+
+static double
+lack_of(double all, double have)
+{
+    return all > have ? all - have : 0;
+}
+
+static struct msg_doubt
+doubt_lack(const struct msg_doubt *all, const struct msg_doubt *have)
+{
+    return (struct msg_doubt){ lack_of(all->pixels, have->pixels),
+                               lack_of(all->variance, have->variance),
+                               lack_of(all->known, have->known),
+                               lack_of(all->all, have->all),
+                               lack_of(all->rough, have->rough),
+                               lack_of(all->nrough, have->nrough) };
+}
+
+void
+msg_counts_lack(struct msg_counts *out, const struct msg_counts *all,
+                const struct msg_counts *have)
+{
+    *out = (struct msg_counts){
+        .rays = lack(all->rays, have->rays),
+        .speculative_rays = lack(all->speculative_rays, have->speculative_rays),
+        .shadow_rays = lack(all->shadow_rays, have->shadow_rays),
+        .ambient_rays = lack(all->ambient_rays, have->ambient_rays),
+        .paint_rays = lack(all->paint_rays, have->paint_rays),
+        .estimate_rays = lack(all->estimate_rays, have->estimate_rays),
+        .intersection_tests =
+            lack(all->intersection_tests, have->intersection_tests),
+        .ambient_values = lack(all->ambient_values, have->ambient_values),
+        .cpu_s = lack_of(all->cpu_s, have->cpu_s),
+        .doubt = doubt_lack(&all->doubt, &have->doubt)
+    };
+}

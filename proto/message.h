@@ -387,6 +387,9 @@ struct msg_tally {
      * speculative are facts that nobody was told of. */
     struct msg_counts dropped;
     struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
+    /* all PAIDs that went up of this child: what of them did not arrive, since
+     * the connection broke, is known by it */
+    struct msg_counts paid;
 };
 
 /* --- sharing a picture ---
@@ -717,6 +720,10 @@ void msg_rays_add(struct msg_counts *a, const struct msg_counts *b);
 
 /* Add all of b. */
 void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);
+/* What a sum has that another has not, field by field; nothing of primary rays,
+ * nan, faults and wall_s. */
+void msg_counts_lack(struct msg_counts *out, const struct msg_counts *all,
+                     const struct msg_counts *have);
 void msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b);
 
 /* "JOB-START"; "?" for a number that is no message. */

@@ -101,5 +101,7 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_counts(c, &b->dropped);
     if (c->version >= 2)
         code_counts(c, &b->seeded);
+    if (c->version >= 2)
+        code_counts(c, &b->paid);
     code_read_must(c, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }

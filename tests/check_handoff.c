@@ -1188,6 +1188,48 @@ START_TEST(what_was_taken_back_is_in_no_unit)
 }
 END_TEST
 
+/* Its PAIDs have said so many rays in all, in so many seconds. */
+static void
+tally(uint64_t conn, uint64_t rays, double busy_s)
+{
+    const struct msg m = { .type = MSG_TALLY,
+                           .tally = { .job = id,
+                                      .busy_s = busy_s,
+                                      .paid = { .rays = rays,
+                                                .primary_rays = 3,
+                                                .cpu_s = (double)rays } } };
+
+    say(conn, &m);
+}
+
+/* What it cost is not in the unit, but is not lost either; once. */
+START_TEST(what_was_paid_as_the_connection_broke_is_dropped)
+{
+    struct msg_unit a, b;
+    double rays;
+
+    b = lend_right(2, &a);
+    tally(W1, 9, 1); /* of an earlier life: its units have that */
+    tally(W2, 0, 1);
+    paid(W2, &b, 50);
+    tally(W2, 50, 2);
+    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 0);
+    rays = stat_of("totals", "rays");
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    join(W2, MSG_ROLE_WORKER, "ws2", "127.0.0.1:2");
+    for (int i = 0; i < 2; i++) {
+        tally(W2, 57, 3);
+        ck_assert_double_eq(stat_of("totals", "dropped_rays"), 7);
+        ck_assert_double_eq(stat_of("totals", "rays"), rays + 7);
+    }
+    tally(W2, 0, 0); /* a new child */
+    tally(W2, 5, 1);
+    ck_assert_double_eq(stat_of("totals", "dropped_rays"), 12);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
 START_TEST(nobody_is_asked_for_columns_who_does_not_know_of_them)
 {
     struct msg_unit a;
@@ -1722,6 +1764,7 @@ main(void)
     tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
     tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
     tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
+    tcase_add_test(tc, what_was_paid_as_the_connection_broke_is_dropped);
     tcase_add_test(tc, columns_of_one_that_is_lost_go_back);
     tcase_add_test(tc, columns_that_nobody_waits_for_are_not_late);
     tcase_add_test(tc, columns_that_are_lent_after_a_wait_are_late_too);

@@ -112,7 +112,7 @@ static const struct msg examples[] = {
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
-                                   COUNTS, COUNTS } },
+                                   COUNTS, COUNTS, COUNTS } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
       .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, facts } },
@@ -223,6 +223,31 @@ START_TEST(the_first_pixel_that_is_no_number_is_kept)
     ck_assert_uint_eq(up.pixels, 7);
     ck_assert(up.frame == 0 && up.x == 5 && up.y == 7);
     ck_assert(down.frame == 0 && down.x == 5 && down.y == 7);
+}
+END_TEST
+
+START_TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
+{
+    static const struct msg_counts all = { .rays = 9,
+                                           .primary_rays = 8,
+                                           .shadow_rays = 7,
+                                           .cpu_s = 2,
+                                           .wall_s = 3,
+                                           .doubt = { .known = 5 } };
+    static const struct msg_counts have = {
+        .rays = 4, .shadow_rays = 8, .cpu_s = .5, .doubt = { .known = 1 }
+    };
+    struct msg_counts lack;
+
+    msg_counts_lack(&lack, &all, &have);
+    ck_assert_uint_eq(lack.rays, 5);
+    ck_assert_uint_eq(lack.primary_rays, 0);
+    ck_assert_uint_eq(lack.shadow_rays, 0);
+    ck_assert_double_eq(lack.cpu_s, 1.5);
+    ck_assert_double_eq(lack.wall_s, 0);
+    ck_assert_double_eq(lack.doubt.known, 4);
+    msg_counts_add(&lack, &have);
+    ck_assert_uint_eq(lack.rays, all.rays);
 }
 END_TEST
 
@@ -788,6 +813,7 @@ main(void)
     int n = N_EXAMPLES, all = n * VERSIONS;
 
     tcase_add_test(tc, the_first_pixel_that_is_no_number_is_kept);
+    tcase_add_test(tc, what_a_sum_lacks_of_another_is_no_less_than_nothing);
     tcase_add_test(tc, functions_without_a_value_are_summed_by_object);
     tcase_add_loop_test(tc, every_message_has_its_recorded_bytes, 0, all);
     tcase_add_test(tc, every_message_has_an_example);

@@ -1079,6 +1079,51 @@ START_TEST(what_is_lent_is_a_unit_until_it_is_done)
 END_TEST
 
 /* Its child would wait for ever. */
+static struct msg_tally
+tally_said(void)
+{
+    ck_assert_int_eq(f.last.type, MSG_TALLY);
+    return f.last.tally;
+}
+
+/* What a loan cost is said once; in sum again, if it may not have come. */
+START_TEST(what_loans_cost_is_not_lost_with_a_connection)
+{
+    const struct msg paid = { .type = MSG_PAID,
+                              .paid = { job_id, 3, 2, { .rays = 9 } } };
+    const struct msg tally = {
+        .type = MSG_TALLY,
+        .tally = { .job = job_id, .busy_s = 1, .dropped = { .rays = 2 } }
+    };
+    struct msg_tally t;
+
+    start_job();
+    child_ready();
+    hear(f.child, &paid);
+    ck_assert_int_eq(said(f.coord, MSG_TALLY), 1); /* the child's sums begin */
+    ck_assert_int_eq(said(f.coord, MSG_PAID), 1);
+    hear(f.child, &tally);
+    t = tally_said();
+    ck_assert_uint_eq(t.paid.rays, 9);
+    ck_assert_uint_eq(t.dropped.rays, 2);
+    cut();
+    hear(f.child, &paid); /* there is nobody to tell */
+    tick(500);
+    connect();
+    t = tally_said();
+    ck_assert_uint_eq(t.paid.rays, 9);
+    ck_assert_uint_eq(t.dropped.rays, 11);
+    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    carry_out();
+    start_job(); /* again: of a new child */
+    child_ready();
+    hear(f.child, &tally);
+    t = tally_said();
+    ck_assert_uint_eq(t.paid.rays, 0);
+    ck_assert_uint_eq(t.dropped.rays, 2);
+}
+END_TEST
+
 START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
 {
     static const uint8_t bitmap[1] = { 1 };
@@ -1171,6 +1216,7 @@ main(void)
         tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
     tcase_add_test(tc, what_workers_share_passes_through);
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
+    tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
