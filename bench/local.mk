@@ -55,6 +55,16 @@ bench_sim_sim_SOURCES = \
 	bench/sim/event.c \
 	bench/sim/event.h \
 	bench/sim/host.c \
+	bench/sim/host.h \
+	bench/sim/host_block.c \
+	bench/sim/host_estimate.c \
+	bench/sim/host_impl.h \
+	bench/sim/host_lend.c \
+	bench/sim/host_lines.c \
+	bench/sim/host_pass.c \
+	bench/sim/host_rows.c \
+	bench/sim/host_time.c \
+	bench/sim/host_window.c \
 	bench/sim/map.c \
 	bench/sim/map.h \
 	bench/sim/sim.c

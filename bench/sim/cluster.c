@@ -3,6 +3,8 @@
 
 #include "cluster.h"
 
+#include "host.h"
+
 #include "base/rng.h"
 #include "frame.h"
 

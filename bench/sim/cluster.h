@@ -71,7 +71,7 @@ struct cluster_result {
 /* Run it; RAD_EUSAGE for what the coordinator refuses, said in text as well. */
 void cluster_run(const struct cluster_spec *spec, struct cluster_result *out);
 
-/* --- for host.c --- */
+/* --- for hosts --- */
 
 struct host;
 
@@ -101,29 +101,5 @@ int cluster_find(const struct cluster *c, const char *name);
 
 /* Uniform in [0, 1), the next of the run's. */
 double cluster_random(struct cluster *c);
-
-void host_init(struct cluster *c, struct host *h, int number, double speed);
-void host_release(struct host *h);
-size_t host_size(void);
-struct host *host_at(const struct cluster *c, int i);
-
-/* It calls the coordinator; the connection's number there. */
-void host_dial(struct cluster *c, struct host *h);
-uint64_t host_conn(const struct host *h);
-
-/* It dies, and is there again after spec->back_us. */
-void host_fail(struct cluster *c, struct host *h);
-
-/* The links' times, when what was sent last is through: to the coordinator,
- * from it, to peers. */
-uint64_t *host_up_us(struct host *h);
-uint64_t *host_down_us(struct host *h);
-uint64_t *host_peer_us(struct host *h);
-
-void host_message(struct cluster *c, struct host *h, const struct msg *m);
-/* The job is over: whatever it does ends. */
-void host_over(struct host *h);
-/* What it counted so far into the result. */
-void host_count(const struct host *h, struct cluster_result *out);
 
 #endif

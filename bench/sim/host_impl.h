@@ -1,0 +1,187 @@
+/* host_impl.h - a simulated host, and what its files ask of each other
+ *
+ * Private to host*.c:
+ *   host.c           messages, what comes next, its life
+ *   host_time.c      what it does when, and in all
+ *   host_pass.c      strict units: passes over lines
+ *   host_block.c       a block of columns of a line
+ *   host_lend.c        columns for another
+ *   host_lines.c       base lines to peers
+ *   host_window.c    windows
+ *   host_estimate.c  estimates
+ *   host_rows.c      rows to the coordinator
+ * Seconds of work are virtual ones of this host. */
+#ifndef SIM_HOST_IMPL_H
+#define SIM_HOST_IMPL_H
+
+#include "host.h"
+
+/* The office at night makes so many rays in a second on one processor. */
+#define RAYS_PER_S 1.7e6
+
+struct window {
+    struct window *next;
+    struct msg_unit unit;
+};
+
+struct asked {
+    struct asked *next;
+    uint32_t id, n;
+    struct msg_cost *costs;
+    double seconds;
+};
+
+/* A base line that was made here, and who waits for one. */
+struct bottom {
+    struct bottom *next;
+    uint32_t frame, line;
+    bool made;
+    int to; /* -1: nobody */
+};
+
+struct host {
+    struct cluster *cluster;
+    int number;
+    char name[16];
+    double speed;
+    uint64_t conn;
+    unsigned life; /* those that died before: their events are void */
+    uint64_t up_us, down_us, peer_us;
+    struct rad_quincunx *frames; /* for strict_new() */
+    struct strict *strict;       /* NULL: no job */
+    struct strict_pass *pass;
+    int line, block, last; /* of the pass: where it is, and its end */
+    bool in_bar;
+    struct team_blocks lent; /* of the pass's last line */
+    bool skipped;            /* the pass left some of that out */
+    int sent_row;            /* of a TRUTH pass: those above are out */
+    double pass_s;
+    bool lines; /* it has had strict units */
+    struct window *windows;
+    struct asked *asked;
+    struct bottom *bottoms;
+    bool working, ticking;
+    uint64_t idle_us; /* since when it waits for a top; 0: it does not */
+    bool ready;
+    enum host_state state;
+    uint64_t state_us; /* since when */
+    /* for the result */
+    double busy_s, wait_s;
+    uint64_t traced, units;
+    struct rad_pixel *pixels; /* a base line, black */
+    uint8_t *density, *bytes; /* rows, black */
+    uint8_t *code;            /* rows of a piece, each of so many bytes, */
+    size_t row_bytes;
+    uint32_t code_width; /* of so many columns */
+};
+/* --- host.c --- */
+
+const struct map *host_map(const struct host *h);
+
+/* Have fn called, unless the host dies before. */
+void host_later(struct host *h, double delay_us,
+                void (*fn)(void *arg, struct event *e));
+/* The host that an event is for; NULL: it died since. */
+struct host *host_alive(void *arg, const struct event *e);
+/* It works for so long, and then fn is called. */
+void host_spend(struct host *h, double seconds,
+                void (*fn)(void *arg, struct event *e));
+
+/* To the coordinator, if it is connected. */
+void host_say(struct host *h, const struct msg *m);
+/* All that strict.c has to say. */
+void host_flush(struct host *h);
+/* Something happened: do what there is to do now. */
+void host_go_on(struct host *h);
+
+/* What a cost takes here. */
+double host_seconds(const struct host *h, double cost);
+struct msg_counts host_counts(const struct host *h, double seconds,
+                              double wall_s, uint64_t pixels);
+
+/* --- host_time.c --- */
+
+enum host_state host_time_state(const struct host *h);
+/* Book what it did until now; it does that next. */
+void host_time_note(struct host *h, enum host_state next);
+/* See whether it waits for a base line, and count that. */
+void host_time_wait(struct host *h);
+
+/* --- host_pass.c --- */
+
+/* False: there is none. */
+bool host_pass_begin(struct host *h);
+/* Trace what the pass lacks next; true: it takes time. */
+bool host_pass_trace(struct host *h);
+/* Bottoms and what was given away are told before the last rows. */
+void host_pass_end(struct host *h, bool done);
+/* Give away half of the lines that are not begun, as team_shrink() does. */
+void host_pass_shrink(struct host *h);
+/* What the machine wants of the pass that is under way, if one is. */
+void host_pass_look(struct host *h);
+/* Has the line that it is at a bar to be made? */
+bool host_pass_has_bar(const struct host *h);
+
+/* --- host_block.c --- */
+
+/* Blocks of columns of a line, as team.c has them. */
+int host_block_count(const struct host *h);
+/* The block that is number k in the order of the pass. */
+int host_block_nth(const struct host *h, int k);
+/* Columns of the block that the pass is at. */
+void host_block_columns(const struct host *h, int *x0, int *x1);
+/* Is it another's? */
+bool host_block_is_lent(const struct host *h);
+/* What it still costs, in seconds of speed 1. */
+double host_block_cost(const struct host *h);
+/* It is traced; with TRUTH its facts are used. */
+void host_block_fill(struct host *h);
+
+/* Is what is traced of its line kept as facts? */
+bool host_block_keeps(const struct host *h);
+/* Is there something of column x of the line's bar that the pass would trace
+ * and that is not known? */
+bool host_block_lacks(const struct host *h, int x);
+/* Of the blocks' bars: those of which something is not known yet.  Of base
+ * lines those of which nothing is. */
+uint64_t host_block_unknown(const struct host *h, uint64_t blocks);
+
+/* --- host_lend.c --- */
+
+/* Lend part of the pass's last line: the right end of it. */
+void host_lend(struct host *h);
+
+/* --- host_lines.c --- */
+
+/* A piece of a base line goes to whoever waits; what was made before is sent
+ * when one says that it waits. */
+void host_lines_pass_on(struct host *h, const struct msg *m);
+void host_lines_next_holder(struct host *h, const struct msg_next_holder *n);
+void host_lines_forget(struct host *h);
+
+/* --- host_window.c --- */
+
+void host_window_take(struct host *h, const struct msg_unit *u);
+void host_window_begin(struct host *h);
+void host_window_revoke(struct host *h, const struct msg_attempt *r);
+void host_window_forget(struct host *h);
+
+/* --- host_estimate.c --- */
+
+void host_estimate_take(struct host *h, const struct msg_estimate *m);
+void host_estimate_begin(struct host *h);
+void host_estimate_forget(struct host *h);
+
+/* --- host_rows.c --- */
+
+/* Room for host.code. */
+size_t host_rows_room(const struct host *h);
+/* How many rows of so many columns are in a piece as they travel. */
+uint32_t host_rows_piece(struct host *h, uint32_t width);
+/* Rows of a unit, in pieces as long as a child's.  Those that reach `height`
+ * are its last, and counts what it cost. */
+void host_rows_send(struct host *h, uint32_t unit, uint32_t attempt,
+                    uint32_t width, uint32_t row, uint32_t rows,
+                    uint32_t height, const struct msg_counts *counts);
+
+#endif

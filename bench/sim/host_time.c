@@ -1,0 +1,71 @@
+/* host_time.c - what a host does at any time, and what it did in all */
+#include "config.h"
+
+#include "host_impl.h"
+
+#include <math.h>
+
+void
+host_time_wait(struct host *h)
+{
+    bool waits = !h->working && strict_waits(h->strict);
+
+    if (waits && h->idle_us == 0)
+        h->idle_us = h->cluster->events.now_us;
+    if (!waits && h->idle_us != 0) {
+        h->wait_s += 1e-6 * (double)(h->cluster->events.now_us - h->idle_us);
+        h->idle_us = 0;
+    }
+}
+
+enum host_state
+host_time_state(const struct host *h)
+{
+    if (!h->ready)
+        return HOST_LOADS;
+    if (h->working)
+        return h->pass && !h->pass->true_top && !h->pass->loan ? HOST_AHEAD
+                                                               : HOST_TRUTH;
+    return strict_waits(h->strict) ? HOST_WAITS : HOST_EMPTY;
+}
+
+void
+host_time_note(struct host *h, enum host_state next)
+{
+    const struct cluster *c = h->cluster;
+    double slice_us = 1e6 * c->out->work / c->out->speed / CLUSTER_SLICES_IDEAL;
+    double at = (double)h->state_us - (double)c->start_us;
+    double end = (double)c->events.now_us - (double)c->start_us;
+
+    if (at < 0)
+        at = 0;
+    while (at < end) {
+        int k = (int)(at / slice_us);
+        double to = fmin(end, (k + 1) * slice_us);
+
+        if (k >= CLUSTER_SLICES)
+            k = CLUSTER_SLICES - 1;
+        if (to <= at)
+            to = end;
+        c->out->state_s[k][h->state] += 1e-6 * (to - at);
+        at = to;
+    }
+    h->state = next;
+    h->state_us = c->events.now_us;
+}
+
+void
+host_over(struct host *h)
+{
+    host_time_note(h, h->state);
+}
+
+void
+host_count(const struct host *h, struct cluster_result *out)
+{
+    out->busy_s += h->busy_s;
+    if (h->wait_s > out->wait_s)
+        out->wait_s = h->wait_s;
+    out->units += h->units;
+    out->traced += h->traced;
+}
