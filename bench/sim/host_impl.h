@@ -104,6 +104,8 @@ struct msg_counts host_counts(const struct host *h, double seconds,
 enum host_state host_time_state(const struct host *h);
 /* Book what it did until now; it does that next. */
 void host_time_note(struct host *h, enum host_state next);
+/* For --verbose: what it does now, and with which lines. */
+void host_time_tell(const struct host *h, const char *what);
 /* See whether it waits for a base line, and count that. */
 void host_time_wait(struct host *h);
 

@@ -210,5 +210,6 @@ host_pass_begin(struct host *h)
         h->lent.base |= h->lent.bar;
     h->sent_row = row_of(h, h->pass->out > h->line ? h->pass->out : h->line);
     h->pass_s = 0;
+    host_time_tell(h, "begins");
     return true;
 }

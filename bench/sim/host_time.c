@@ -4,6 +4,7 @@
 #include "host_impl.h"
 
 #include <math.h>
+#include <stdio.h>
 
 void
 host_time_wait(struct host *h)
@@ -30,8 +31,26 @@ host_time_state(const struct host *h)
 }
 
 void
+host_time_tell(const struct host *h, const char *what)
+{
+    const struct strict_pass *p = h->pass;
+
+    if (!h->cluster->spec->verbose)
+        return;
+    printf("%10.6f %s %s", 1e-6 * (double)h->cluster->events.now_us, h->name,
+           what);
+    if (p)
+        printf(" unit=%u attempt=%u mode=%d lines=%d-%d at=%d%s", p->unit,
+               p->attempt, (int)p->mode, p->first, h->last, h->line,
+               p->loan ? " loan" : "");
+    puts("");
+}
+
+void
 host_time_note(struct host *h, enum host_state next)
 {
+    static const char *const name[HOST_STATES] = { "loads", "truth", "ahead",
+                                                   "waits", "empty" };
     const struct cluster *c = h->cluster;
     double slice_us = 1e6 * c->out->work / c->out->speed / CLUSTER_SLICES_IDEAL;
     double at = (double)h->state_us - (double)c->start_us;
@@ -50,6 +69,7 @@ host_time_note(struct host *h, enum host_state next)
         c->out->state_s[k][h->state] += 1e-6 * (to - at);
         at = to;
     }
+    host_time_tell(h, name[next]);
     h->state = next;
     h->state_us = c->events.now_us;
 }
