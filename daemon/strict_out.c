@@ -239,6 +239,23 @@ out_loan(struct strict *s, const struct strict_unit *u,
         free(it.bytes);
 }
 
+/* The last of a queue, if that piece continues it; else NULL. */
+static struct item *
+continued(const struct queue *q, const struct item *it)
+{
+    struct item *last = q->first;
+
+    while (last && last->next)
+        last = last->next;
+    return last && last->kind == ITEM_PIECE && last->frame == it->frame &&
+                   last->line == it->line && last->x + last->n == it->x &&
+                   last->first + last->ndensity == it->first
+               ? last
+               : NULL;
+}
+
+/* Where all is known already a line's pieces come faster than they go out: then
+ * they are one. */
 void
 out_piece(struct strict *s, const struct strict_pass *p, int columns,
           size_t densities, const struct rad_pixel *pixels,
@@ -251,8 +268,23 @@ out_piece(struct strict *s, const struct strict_pass *p, int columns,
                        .n = (uint32_t)(columns - p->sent_columns),
                        .first = (uint32_t)p->sent_densities,
                        .ndensity = (uint32_t)(densities - p->sent_densities) };
+    struct item *last = continued(&s->urgent, &it);
 
-    if (fill_piece(s, &it, pixels, density) && !push(s, &s->urgent, &it))
+    if (last) {
+        it.x = last->x;
+        it.n += last->n;
+        it.first = last->first;
+        it.ndensity += last->ndensity;
+    }
+    if (!fill_piece(s, &it, pixels, density))
+        return;
+    if (last) {
+        free(last->bytes);
+        it.next = last->next;
+        *last = it;
+        return;
+    }
+    if (!push(s, &s->urgent, &it))
         free(it.bytes);
 }
 

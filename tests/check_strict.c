@@ -1368,6 +1368,58 @@ START_TEST(a_guess_from_true_densities_is_true)
 }
 END_TEST
 
+/* A line goes out as fast as it is read: what is made meanwhile is one piece.
+ */
+START_TEST(pieces_that_nobody_took_yet_are_one)
+{
+    static const int made[] = { 12, 24, 48, 64 }; /* taken after the second */
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_pixel bottom[64] = { 0 };
+    uint8_t density[64], want[64 * 12];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    const struct msg *m;
+    struct strict *s;
+    uint32_t n, from = 0;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    n = (uint32_t)rad_quincunx_ndensity(&q);
+    for (int x = 0; x < 64; x++) {
+        const float v[3] = { (float)x, 0, 1 };
+
+        bottom[x].L = (struct rad_rgb){ v[0], v[1], v[2] };
+        density[x] = (uint8_t)(100 + x);
+        wire_floats_put(want + 12 * x, v, 3);
+    }
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 4);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->true_top);
+    for (int i = 0; i < N_ELEM(made); i++) {
+        uint32_t to = (uint32_t)made[i], d = n * to / 64;
+
+        strict_bottom(s, p, made[i], d, bottom, density);
+        if (i % 2 == 0)
+            continue;
+        m = strict_message(s, true);
+        ck_assert(m && m->type == MSG_BASE_LINE);
+        ck_assert_uint_eq(m->base_line.x, from);
+        ck_assert_uint_eq(m->base_line.n, to - from);
+        ck_assert_uint_eq(m->base_line.first, n * from / 64);
+        ck_assert_uint_eq(m->base_line.ndensity, d - n * from / 64);
+        ck_assert_mem_eq(m->base_line.density, density + n * from / 64,
+                         m->base_line.ndensity);
+        ck_assert_mem_eq(m->base_line.pixels, want + 12 * from,
+                         12 * (to - from));
+        ck_assert_ptr_null(strict_message(s, true));
+        from = to;
+    }
+    strict_ended(s, p, false, bottom, density, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* A unit that nobody works on gets its top while another is traced ahead. */
 START_TEST(what_is_ahead_makes_way_for_the_truth)
 {
@@ -1550,6 +1602,7 @@ main(void)
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
+    tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
