@@ -104,7 +104,7 @@ lost(struct link *l, struct rad_error *err)
     if (code == RAD_EPROTO)
         return rad_fail(err, code, "'%s' breaks the protocol", l->name);
     return rad_fail(err, RAD_EUNAVAIL, "no coordinator at '%s': %s", l->name,
-                    uv_strerror(code));
+                    code == UV_EAI_NONAME ? "no such host" : uv_strerror(code));
 }
 
 static void

@@ -93,6 +93,43 @@ output_check(const char *path, struct rad_error *err)
     return rc;
 }
 
+/* The name from the root on, of a file that need not be there; NULL if its
+ * folder is not.  To be freed. */
+static char *
+full_name(const char *path)
+{
+    char *real = realpath(path, NULL), *folder, *base;
+    const char *slash = strrchr(path, '/');
+
+    if (real)
+        return real;
+    folder = folder_of(path);
+    base = folder ? realpath(folder, NULL) : NULL;
+    free(folder);
+    slash = slash ? slash + 1 : path;
+    real = base ? malloc(strlen(base) + strlen(slash) + 2) : NULL;
+    if (real)
+        sprintf(real, "%s/%s", base, slash);
+    free(base);
+    return real;
+}
+
+bool
+output_same(const char *a, const char *b)
+{
+    char *fa, *fb;
+    bool same;
+
+    if (in_place(a) || in_place(b))
+        return false;
+    fa = full_name(a);
+    fb = full_name(b);
+    same = fa && fb && strcmp(fa, fb) == 0;
+    free(fa);
+    free(fb);
+    return same;
+}
+
 static int
 open_temp(struct output *out, struct rad_error *err)
 {

@@ -24,6 +24,10 @@ struct output {
  * work begins: a picture that nobody can keep need not be rendered. */
 int output_check(const char *path, struct rad_error *err);
 
+/* Do two names stand for one file, of which the second writer would take away
+ * what the first wrote?  A terminal, a pipe or /dev/null does not count. */
+bool output_same(const char *a, const char *b);
+
 /* Open for writing; path NULL: standard output.  RAD_ECANTCREAT. */
 int output_open(struct output *out, const char *path, bool durable,
                 struct rad_error *err);

@@ -8,6 +8,32 @@
 
 #include <limits.h>
 
+/* formats that somebody who asks for them does not get */
+static const char *const others[] = { ".bmp", ".exr", ".gif",  ".jpeg",
+                                      ".jpg", ".pdf", ".pfm",  ".ppm",
+                                      ".tga", ".tif", ".tiff", ".webp" };
+static const char *const rgbe[] = { ".hdr", ".pic" };
+
+static bool
+ends_in(const char *path, const char *const *suffix, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (output_suffix(path, suffix[i]))
+            return true;
+    return false;
+}
+
+int
+picfile_check(const char *path, bool always_png, struct rad_error *err)
+{
+    if (!ends_in(path, others, sizeof others / sizeof others[0]) &&
+        !(always_png && ends_in(path, rgbe, sizeof rgbe / sizeof rgbe[0])))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%s': that format is not written there: use a name in %s",
+                    path, always_png ? ".png" : ".hdr, .pic or .png");
+}
+
 static int
 put(void *arg, const void *data, size_t len, struct rad_error *err)
 {

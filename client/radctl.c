@@ -140,6 +140,35 @@ find_job(struct ctl *c, uint8_t job[MSG_JOB])
 
 /* --- commands --- */
 
+/* What people look for in a list of jobs, the rest is for --json and job. */
+static json_t *
+short_jobs(const json_t *jobs)
+{
+    static const char *const keys[] = { "job",       "state",    "done",
+                                        "owner",     "priority", "workers",
+                                        "elapsed_s", "name",     "text" };
+    json_t *list = json_array(), *row, *value;
+    const json_t *job;
+    size_t i;
+
+    json_array_foreach(jobs, i, job)
+    {
+        row = json_object();
+        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+            value = json_object_get(job, keys[k]);
+            if (strcmp(keys[k], "done") == 0) /* rounded down: 100 is all */
+                json_object_set_new(
+                    row, keys[k],
+                    json_sprintf("%3d %%",
+                                 (int)(json_number_value(value) * 100)));
+            else if (value)
+                json_object_set(row, keys[k], value);
+        }
+        json_array_append_new(list, row);
+    }
+    return list;
+}
+
 static int
 run_query(struct ctl *c)
 {
@@ -157,6 +186,12 @@ run_query(struct ctl *c)
     root = parse_answer(c, answer);
     if (!root)
         return c->err->code;
+    if (c->command->number == MSG_QUERY_JOBS && json_is_array(root)) {
+        json_t *list = short_jobs(root);
+
+        json_decref(root);
+        root = list;
+    }
     table_print(stdout, root, MOST_ROWS);
     json_decref(root);
     return 0;
@@ -471,7 +506,8 @@ take_option(struct ctl *c, char *argv[], int *i)
                           text);
         return rc < 0 ? rc : 0;
     }
-    return rad_fail(c->err, RAD_EUSAGE, "unknown option '%s'", argv[*i]);
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "unknown option '%s'; see radctl --help", argv[*i]);
 }
 
 static int
@@ -482,14 +518,16 @@ find_command(struct ctl *c, const char *name)
             c->command = &commands[i];
     if (c->command)
         return 0;
-    return rad_fail(c->err, RAD_EUSAGE, "unknown command '%s'", name);
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "unknown command '%s'; see radctl --help", name);
 }
 
 static int
 check_words(struct ctl *c)
 {
     if (!c->command)
-        return rad_fail(c->err, RAD_EUSAGE, "no command given; see --help");
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "no command given; see radctl --help");
     if (c->command->arg && !c->arg)
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': missing %s",
                         c->command->name, c->command->arg);
@@ -501,7 +539,7 @@ check_words(struct ctl *c)
                         "--keys and --expires go with key alone");
     if (c->command->run == run_fetch && c->json && !c->output)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
-    return 0;
+    return c->output ? picfile_check(c->output, false, c->err) : 0;
 }
 
 /* Options and words may mix. */
@@ -581,9 +619,11 @@ run(struct ctl *c)
     if (rc < 0)
         return rc;
     if (rc == 0)
-        return rad_fail(c->err, RAD_EUNAVAIL,
-                        "no coordinator named: use --coordinator or "
-                        "RADD_COORDINATOR");
+        return rad_fail(
+            c->err, RAD_EUNAVAIL,
+            "no coordinator named: use --coordinator, "
+            "RADD_COORDINATOR or radsubmit.conf%s",
+            c->command->run == run_key ? ", or --keys to edit a key file" : "");
     if (uv_loop_init(&c->loop) != 0)
         return rad_fail(c->err, RAD_ENOMEM, "out of memory");
     c->start_ms = uv_now(&c->loop);

@@ -327,6 +327,10 @@ main(int argc, char **argv)
     } else if (strcmp(name, "rays") == 0) {
         rc = run_rays(argc - 1, argv + 1, &err);
     } else {
+        if (name[0] == '-')
+            fprintf(stderr, "radscene: unknown option '%s'\n", name);
+        else if (name[0])
+            fprintf(stderr, "radscene: unknown command '%s'\n", name);
         fputs(usage_text, stderr);
         return EX_USAGE;
     }

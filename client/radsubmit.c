@@ -336,11 +336,53 @@ check_output(const struct program *p, const char *path, bool of_frame)
     return rc;
 }
 
+/* What is written must not take away what else is written, or the scene. */
+static int
+check_distinct(const struct program *p)
+{
+    const struct submit_options *o = &p->o;
+    const struct {
+        const char *option, *path;
+    } out[] = { { "-o", o->output },     { "-z", o->depth },
+                { "--stats", o->stats }, { "--preview", o->preview },
+                { "-af", o->ambient },   { "-e", o->errors } };
+    const int n = sizeof out / sizeof out[0];
+
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; out[i].path && k < i; k++)
+            if (out[k].path && output_same(out[k].path, out[i].path))
+                return rad_fail(p->err, RAD_EUSAGE,
+                                "'%s': %s and %s cannot go to one file",
+                                out[i].path, out[k].option, out[i].option);
+        for (int k = 0; out[i].path && k < o->nscenes; k++)
+            if (output_same(out[i].path, o->scenes[k]))
+                return rad_fail(p->err, RAD_EUSAGE,
+                                "'%s' is the scene: %s would take its place",
+                                o->scenes[k], out[i].option);
+    }
+    return 0;
+}
+
+static int
+check_formats(const struct program *p)
+{
+    const struct submit_options *o = &p->o;
+    int rc = 0;
+
+    if (o->output && o->format == PICFILE_BY_SUFFIX)
+        rc = picfile_check(o->output, false, p->err);
+    if (rc == 0 && o->preview)
+        rc = picfile_check(o->preview, true, p->err);
+    return rc;
+}
+
 static int
 check_outputs(const struct program *p)
 {
     int rc;
 
+    if ((rc = check_formats(p)) < 0)
+        return rc;
     if ((rc = check_output(p, p->o.output, true)) < 0 ||
         (rc = check_output(p, p->o.depth, true)) < 0 ||
         (rc = check_output(p, p->o.preview, false)) < 0 ||
@@ -514,6 +556,7 @@ fill_spec(struct program *p)
                (o->no_share ? 0 : MSG_JOB_SHARE) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
+               (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
                (p->records.keep ? MSG_JOB_RECORDS : 0);
     s->partition = choose_partition(p);
     /* the same words in the same order */
@@ -693,8 +736,10 @@ open_errors(const struct program *p)
 static int
 run(struct program *p)
 {
-    int rc = open_errors(p);
+    int rc = check_distinct(p);
 
+    if (rc == 0)
+        rc = open_errors(p);
     if (rc < 0)
         return rc;
     progress_init(&p->progress, stderr, p->o.progress == PROGRESS_ALWAYS,

@@ -1,8 +1,8 @@
 /* submit_options.c - see submit_options.h
  *
  * One table has radsubmit's own options, another rpict's that name files; the
- * rest of rpict's come from the tables of src/picture.  What the design
- * promises and this version lacks is in a third table: refused by name. */
+ * rest of rpict's come from the tables of src/picture.  What rpict has and we
+ * lack is in a third table: refused by name. */
 #include "config.h"
 
 #include "submit_options.h"
@@ -99,6 +99,8 @@ static const struct option own[] = {
     FLAG("--no-balance", no_balance,
          "a static part stays with the worker that got it"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
+    FLAG("--same-bits", same_bits,
+         "only workers whose arithmetic is the same to the bit"),
     FLAG("--fresh-frames", fresh_frames,
          "frame by frame, nothing kept from one to the next"),
     TEXT("--views", views, "FILE", "views of an animation, one a line")
@@ -113,12 +115,11 @@ static const struct option rpicts[] = {
     TEXT("-e", errors, "FILE", "errors and progress reports, for stderr")
 };
 
-/* promised by radsubmit(1)'s synopsis of a later version, or rpict's own */
+/* rpict's own that we lack */
 static const struct {
     const char *option; /* whole word, or "--name=value" */
     const char *why;
 } lacking[] = {
-    { "--same-bits", "not in this version" },
     { "-features", "an option of rpict that is not supported" }
 };
 /* clang-format on */
@@ -352,7 +353,8 @@ take_option(struct cursor *c)
     if ((rc = take_params(c, argc, argv)) != 0 ||
         (rc = rad_view_option(&c->o->view, argc, argv, c->err)) != 0)
         return rc;
-    return rad_fail(c->err, RAD_EUSAGE, "unknown option '%s'", argv[0]);
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "unknown option '%s'; see radsubmit --help", argv[0]);
 }
 
 /* Options up to the first scene; what else the user wants. */
@@ -395,7 +397,8 @@ take_scenes(struct cursor *c, bool dashes)
     c->o->scenes = c->w->list + c->at;
     c->o->nscenes = c->w->n - c->at;
     if (c->o->nscenes == 0)
-        return rad_fail(c->err, RAD_EUSAGE, "no scene given");
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "no scene given; see radsubmit --help");
     for (int i = 0; i < c->o->nscenes; i++) {
         const char *word = c->o->scenes[i];
 
@@ -549,12 +552,23 @@ submit_options_help(FILE *to)
     fputs("  --seed=N                    of all random numbers (0)\n"
           "  --help                      this text\n"
           "  --version                   the version\n\n"
-          "rpict's options keep their meaning; -defaults lists them with "
-          "their values.\nTo them belong\n",
+          "rpict's options keep their meaning; radsubmit -defaults lists "
+          "them with their\nvalues, radsubmit(1) explains them.  To them "
+          "belong\n"
+          "  -vf FILE                    view file; or -vp X Y Z, -vd X Y Z "
+          "and others\n"
+          "  -x N, -y N                  columns and rows at most (512)\n"
+          "  -ab N                       bounces of indirect light (0: none)\n",
           to);
     help_rows(to, rpicts, N_ELEM(rpicts), " ");
-    fputs("  -vf FILE                    view file\n"
-          "  @FILE                       options from a file\n",
+    fputs("  @FILE                       options from a file\n"
+          "\n"
+          "Examples:\n"
+          "  radsubmit -vf eye.vf -x 1024 -y 768 --quality=medium "
+          "-o room.hdr room.rad\n"
+          "  radsubmit -S 1 --views=walk.vf -ab 2 -o walk%03d.png room.oct\n"
+          "  radsubmit --coordinator=render:7420 --detach -vf eye.vf "
+          "room.oct\n",
           to);
 }
 

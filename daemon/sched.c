@@ -712,6 +712,10 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     if (!same_bits(job, m->fingerprint)) {
         jw->state = JW_GONE;
         jw->excluded = true;
+        actions_log(&c->actions, ACT_WARN,
+                    "worker excluded job=%s worker=%s why=--same-bits, and its "
+                    "arithmetic differs from that of the job's first worker",
+                    job->hex, jw->name);
         if (job->partition)
             partition_set_absent(job->partition, index, true);
         send_job_end(c, w->conn, job->id);

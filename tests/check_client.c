@@ -71,7 +71,7 @@ START_TEST(options_of_both_kinds_mix)
     int rc = parse(&o, &w,
                    "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
                    "--partition=window --order random --windows=64 -o a.png "
-                   "--no-share -z d.z --seed=7 --wait 2.5 a.rad b.rad",
+                   "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
                    &err);
 
     ck_assert_msg(rc == SUBMIT_RUN, "%s", err.what);
@@ -88,6 +88,7 @@ START_TEST(options_of_both_kinds_mix)
     ck_assert_int_eq(o.windows, 64);
     ck_assert_double_eq(o.wait_s, 2.5);
     ck_assert(o.no_share);
+    ck_assert(o.same_bits);
     ck_assert_str_eq(o.output, "a.png");
     ck_assert_str_eq(o.depth, "d.z");
     ck_assert_int_eq(o.nscenes, 2);
@@ -263,7 +264,6 @@ static const struct {
     { "--estimate=stats.txt a.rad", "FILE.json" },
     { "--estimate=.json a.rad", "FILE.json" },
     { "--no-balance=1 a.rad", "--no-balance" },
-    { "--same-bits a.rad", "--same-bits" },
     { "--workers=0 a.rad", "--workers" },
     { "--workers=2.5 a.rad", "--workers" },
     { "--workers", "--workers" },

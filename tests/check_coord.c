@@ -44,6 +44,7 @@ struct fixture {
     char nan_log[80];
     int differ_logs; /* of duplicates */
     int hang_logs;
+    int exclude_logs;
     int break_logs, unlogged; /* of connections that it closed */
     unsigned version[CONNS];
     int peers[CONNS]; /* JOB_PEERS that came */
@@ -128,6 +129,7 @@ carry_out(struct fixture *f)
         if (l->v[i].type == ACT_LOG) {
             f->differ_logs += !!strstr(l->v[i].text, "duplicate differs");
             f->hang_logs += !!strstr(l->v[i].text, "worker hangs");
+            f->exclude_logs += !!strstr(l->v[i].text, "worker excluded");
             f->break_logs += !!strstr(l->v[i].text, "connection closed");
             sscanf(l->v[i].text, "connections closed and not logged n=%d",
                    &f->unlogged);
@@ -727,6 +729,41 @@ START_TEST(a_duplicate_that_does_not_is_none)
 }
 END_TEST
 
+/* Four units, of which a worker has two at a time. */
+static void
+two_arithmetics(uint32_t flags)
+{
+    struct msg other = { .type = MSG_READY, .ready = { job_a, .1, 8, 2 } };
+
+    submit_with(&f, ANA, job_a, 0, 4, flags);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    say(&f, SECOND, &other);
+}
+
+START_TEST(same_bits_takes_workers_of_one_arithmetic)
+{
+    two_arithmetics(MSG_JOB_SAME_BITS);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_END);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    ck_assert_int_eq(f.exclude_logs, 1);
+    /* nor is it asked again, and one that is the same takes part */
+    join(&f, 6, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(&f, 6, job_a);
+    ck_assert_uint_gt(f.units[6], 0);
+    wait_s(&f, 10);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+}
+END_TEST
+
+START_TEST(without_same_bits_all_workers_take_part)
+{
+    two_arithmetics(0);
+    ck_assert_uint_gt(f.units[SECOND], 0);
+    ck_assert_int_eq(f.exclude_logs, 0);
+}
+END_TEST
+
 START_TEST(a_new_connection_of_a_name_replaces_the_old)
 {
     submit(&f, ANA, job_a, 0);
@@ -1323,6 +1360,8 @@ main(void)
     tcase_add_test(tc, a_worker_that_hangs_has_not);
     tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
     tcase_add_test(tc, a_duplicate_that_does_not_is_none);
+    tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
+    tcase_add_test(tc, without_same_bits_all_workers_take_part);
     tcase_add_test(tc, a_new_connection_of_a_name_replaces_the_old);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
     tcase_add_loop_test(tc, a_credential_is_good_for_its_roles_alone, 0,

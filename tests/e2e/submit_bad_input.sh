@@ -52,6 +52,22 @@ expect 64 "--detach" "--detach without a coordinator" \
     "$radsubmit" --local --detach "$room"
 expect 64 "--local" "workers for a coordinator" \
     "$radsubmit" --coordinator=127.0.0.1:1 --workers=2 -o out.hdr "$room"
+expect 64 "'out.jpg'" "a format that is not written" \
+    "$radsubmit" --local -o out.jpg "$room"
+expect 64 "'p.hdr'" "a preview that is no PNG" $r --preview=p.hdr "$room"
+expect 64 "-o and -z" "two outputs of one name" $r -z out.hdr "$room"
+expect 64 "-o and --stats" "two outputs of one name, said otherwise" \
+    $r --stats="$work/out.hdr" "$room"
+cp "$room" mine.rad
+expect 64 "'mine.rad' is the scene" "the scene's own file as the picture" \
+    "$radsubmit" --local -o mine.rad mine.rad
+cmp -s mine.rad "$room" || fail "the scene was overwritten"
+expect 64 "radsubmit --help" "nothing at all" "$radsubmit"
+expect 0 "" "two outputs that go nowhere" "$radsubmit" --local -x 4 -y 4 \
+    -o /dev/null -z /dev/null "$room"
+expect 0 "" "a strange name whose format is said" "$radsubmit" --local -x 4 \
+    -y 4 --format=hdr -o out.jpg "$room"
+rm out.jpg
 expect 73 "no/out.hdr" "output folder missing" \
     "$radsubmit" --local -o no/out.hdr "$room"
 expect 73 "no/d.z" "depth folder missing" $r -z no/d.z "$room"
@@ -65,7 +81,12 @@ expect 77 "192.0.2.1" "coordinator elsewhere" \
     "$radsubmit" --coordinator=192.0.2.1:7420 --wait=0 -o out.hdr "$room"
 expect 69 "no.sock" "radctl without a coordinator" \
     "$radctl" --coordinator="$work/no.sock" status
+expect 69 "--keys" "keys of no coordinator" "$radctl" key list
+expect 64 "out.tif" "a format that is not written, of radctl" \
+    "$radctl" --coordinator="$work/no.sock" fetch 1f -o out.tif
 expect 64 "frobnicate" "unknown command" "$radctl" frobnicate
+expect 64 "'frobnicate'" "unknown command of radscene" \
+    "$top_builddir/radscene" frobnicate "$room"
 [ ! -e out.hdr ] || fail "a picture was written"
 check_nothing_left "after bad input"
 finish
