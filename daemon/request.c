@@ -7,6 +7,7 @@
 #include "sched.h"
 #include "stats.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
@@ -229,6 +230,17 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
     reply_settled(c, conn, m->request);
 }
 
+/* Nobody is to believe that a job that is over goes on. */
+static bool
+refuse_over(struct coord *c, struct coord_conn *conn, uint32_t request,
+            const struct job *job)
+{
+    if (!job_over(job))
+        return false;
+    coord_reply_failed(c, conn, request, job->id, EX_USAGE, "the job is over");
+    return true;
+}
+
 static void
 on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -236,11 +248,8 @@ on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (!job)
         return;
-    if (job_over(job)) {
-        coord_reply_failed(c, conn, m->request, job->id, EX_USAGE,
-                           "the job is over");
+    if (refuse_over(c, conn, m->request, job))
         return;
-    }
     job->state = JOB_PAUSED;
     keep_state(c, job);
     reply_settled(c, conn, m->request);
@@ -252,6 +261,8 @@ on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct job *job = job_of_request(c, conn, m->request, m->resume.job);
 
     if (!job)
+        return;
+    if (refuse_over(c, conn, m->request, job))
         return;
     if (job->state == JOB_PAUSED)
         job->state = job->first_ms ? JOB_RUNNING : JOB_WAITING;
@@ -307,7 +318,11 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
     if (job->frames[m->frame].written)
         return NULL;
     if (!job_over(job))
-        return "the frame is not finished yet";
+        return "the picture is not complete yet";
+    if (job->state == JOB_CANCELLED) { /* who tries again tries in vain */
+        *status = EX_NOINPUT;
+        return "the job was cancelled: it has no picture";
+    }
     *status = job->status;
     return job->text;
 }
@@ -361,12 +376,13 @@ set_drained(struct coord *c, struct coord_conn *conn, uint32_t request,
             const char *name, bool drained)
 {
     struct coord_worker *w = c->workers;
+    char text[MSG_MAX_TEXT + 1];
 
     while (w && strcmp(w->name, name) != 0)
         w = w->next;
     if (!w) {
-        coord_reply_failed(c, conn, request, NULL, EX_NOINPUT,
-                           "no such worker");
+        snprintf(text, sizeof text, "no worker '%.200s'", name);
+        coord_reply_failed(c, conn, request, NULL, EX_NOINPUT, text);
         return;
     }
     w->drained = drained;

@@ -31,7 +31,9 @@ id=$("$radsubmit" --detach --name=detached $view "$room" 2>stderr) ||
     fail "--detach: $(cat stderr)"
 printf '%s\n' "$id" | grep -qE '^[0-9a-f]{32}$' || fail "'$id' is no id"
 expect 75 "" "fetch too early" "$radctl" fetch "$id" -o out.hdr
-"$radctl" jobs | grep -q detached || fail "radctl jobs does not name the job"
+"$radctl" jobs >jobs || fail "radctl jobs"
+grep -qE "^$id +waiting +0 % .*detached" jobs ||
+    fail "radctl jobs does not name the job: $(cat jobs)"
 
 start_worker ws1
 until_true 60 "$radctl" fetch "$id" -o out.hdr || fail "never to be fetched"
@@ -56,7 +58,10 @@ expect 66 "" "a job that is not there" \
 "$radctl" drain ws1 || fail "drain"
 id=$("$radsubmit" --detach $view "$room" 2>stderr) || fail "second job"
 "$radctl" cancel "$id" || fail "cancel"
-"$radctl" fetch "$id" -o no.hdr 2>stderr && fail "a cancelled job was fetched"
+expect 66 "cancelled" "fetch of a cancelled job" "$radctl" fetch "$id" -o no.hdr
+expect 64 "the job is over" "pause of a job that is over" "$radctl" pause "$id"
+expect 64 "the job is over" "resume of one" "$radctl" resume "$id"
+expect 66 "'ws9'" "a worker that is not there" "$radctl" drain ws9
 "$radctl" undrain ws1 || fail "undrain"
 
 # a cancelled job's radsubmit says so
