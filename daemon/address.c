@@ -5,7 +5,9 @@
 
 #include <arpa/inet.h>
 #include <netdb.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 int
@@ -27,6 +29,8 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
         return rad_fail(err, RAD_EUSAGE,
                         "expected HOST:PORT or a path with '/', got '%s'",
                         text);
+    if (atoi(colon + 1) > UINT16_MAX) /* getaddrinfo() would cut bits off */
+        return rad_fail(err, RAD_EUSAGE, "'%s': a port is at most 65535", text);
     n = (size_t)(colon - text);
     if (n >= 2 && text[0] == '[' && colon[-1] == ']') {
         start++;

@@ -259,6 +259,19 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     return true;
 }
 
+/* what it takes, by role */
+static const char *const not_allowed[] = {
+    [MSG_ROLE_WORKER] =
+        "this role is not allowed from there: workers need a key 'worker:NAME' "
+        "or, on the Unix socket, to be root or the coordinator's own user",
+    [MSG_ROLE_USER] = "this role is not allowed from there: users need a key "
+                      "'user:NAME' or 'admin:NAME'",
+    [MSG_ROLE_ADMIN] =
+        "this role is not allowed from there: administrators need a key "
+        "'admin:NAME' or, on the Unix socket, to be root or the coordinator's "
+        "own user",
+};
+
 /* Why a HELLO is not welcome; NULL: it is. */
 static const char *
 hello_fault(const struct coord *c, const struct coord_conn *conn,
@@ -276,7 +289,7 @@ hello_fault(const struct coord *c, const struct coord_conn *conn,
     }
     *status = EX_NOPERM;
     if (!(conn->roles >> m->role & 1))
-        return "this role is not allowed from there";
+        return not_allowed[m->role];
     if (m->role != MSG_ROLE_WORKER) {
         *status = EX_TEMPFAIL;
         return count_user(c, conn, true, &oldest) < MOST_CONNS ? NULL : crowded;

@@ -550,10 +550,14 @@ static int
 open_local(struct radcoord *r, struct rad_error *err)
 {
     struct rad_error why = { 0 };
-
     struct listener_conf conf = { .fn = on_local, .arg = r };
+    char path[CONF_TEXT + 2];
 
-    r->local = listener_open(&r->daemon.loop, r->set.socket, &conf, &why);
+    /* a path in any case: "x:80" must not become an address, where nobody
+     * could tell who comes */
+    snprintf(path, sizeof path, "%s%s", strchr(r->set.socket, '/') ? "" : "./",
+             r->set.socket);
+    r->local = listener_open(&r->daemon.loop, path, &conf, &why);
     if (r->local)
         return 0;
     if (strcmp(r->set.socket, DEFAULT_SOCKET) != 0 || !r->set.listen[0]) {

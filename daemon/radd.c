@@ -562,6 +562,7 @@ make_worker(struct radd *r, struct rad_error *err)
                               .look = look,
                               .program = "radd " PACKAGE_VERSION,
                               .name = r->set.name,
+                              .coordinator = r->set.coordinator,
                               .address = listener_text(r->peers),
                               .threads = (unsigned)r->set.threads,
                               .load_s = (unsigned)r->set.load_s };

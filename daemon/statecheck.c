@@ -196,6 +196,21 @@ look_around(struct look *l, struct rad_error *err)
     return folder_each(&l->folder, stranger, l, err);
 }
 
+/* Has a coordinator been there? */
+static bool
+is_state(const char *dir)
+{
+    static const char *const parts[] = { STORE_DATABASE, "jobs", "files" };
+    char path[DISK_PATH_MAX];
+
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        snprintf(path, sizeof path, "%s/%s", dir, parts[i]);
+        if (access(path, F_OK) == 0)
+            return true;
+    }
+    return false;
+}
+
 /* The lock, or an error. */
 static int
 take(const char *dir, struct rad_error *err)
@@ -206,6 +221,11 @@ take(const char *dir, struct rad_error *err)
 
     if (stat(dir, &st) < 0 || !S_ISDIR(st.st_mode))
         return rad_fail(err, RAD_ENOINPUT, "'%s' is no folder", dir);
+    if (!is_state(dir))
+        return rad_fail(err, RAD_ENOINPUT,
+                        "'%s' is no state folder: a coordinator would begin "
+                        "an empty one there",
+                        dir);
     fd = service_lock_dir(dir, &why);
     if (fd < 0)
         return rad_fail(err, RAD_ETEMPFAIL,

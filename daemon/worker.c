@@ -145,7 +145,8 @@ dial_later(struct worker *w)
 static void
 lost_coord(struct worker *w, const char *why)
 {
-    actions_log(&w->actions, ACT_WARN, "coordinator lost why=%s", why);
+    actions_log(&w->actions, ACT_WARN, "coordinator %s at=%s why=%s",
+                w->welcome ? "lost" : "not reached", w->env.coordinator, why);
     dial_later(w);
     w->coord = 0;
     w->opened = w->welcome = false;

@@ -25,7 +25,8 @@ struct worker_env {
     action_look_fn *look; /* then worker_looked; or NULL */
     const char *program;  /* "radd 0.1.0"; all strings outlive the worker */
     const char *name;
-    const char *address; /* where peers dial it, as in msg_hello */
+    const char *coordinator; /* where it is dialled, for the log */
+    const char *address;     /* where peers dial it, as in msg_hello */
     unsigned threads;
     unsigned load_s; /* longest that a child may load, or say nothing while it
                       * has units; 0: for ever */

@@ -203,6 +203,9 @@ static const struct {
     { "127.0.0.1:", RAD_EUSAGE, false, NULL },
     { "127.0.0.1:8x", RAD_EUSAGE, false, NULL },
     { "127.0.0.1:123456", RAD_EUSAGE, false, NULL },
+    { "127.0.0.1:65535", 0, true, "127.0.0.1:65535" },
+    { "127.0.0.1:65536", RAD_EUSAGE, false, NULL }, /* no port 0 */
+    { "127.0.0.1:99999", RAD_EUSAGE, false, NULL },
     { "/a/socket/path/that/is/longer/than/the/hundred/and/eight/bytes/that/"
       "the/kernel/has/room/for/xxxxxxxxxxxxxxxxxxxxxxxx",
       RAD_EUSAGE, false, NULL },

@@ -457,6 +457,7 @@ comes(int node)
                               .random = random_bytes,
                               .program = "radd",
                               .name = w->name,
+                              .coordinator = "sim 0",
                               .address = w->silent ? "" : w->address,
                               .threads = 1 };
 

@@ -224,6 +224,7 @@ set_up(void)
                                            .random = no_random,
                                            .program = "radd",
                                            .name = "ws1",
+                                           .coordinator = "test:7420",
                                            .address = "",
                                            .threads = 2,
                                            .load_s = 100 };

@@ -46,6 +46,26 @@ echo text >file
 expect 73 "no socket" "a file in the way" \
     "$radcoord" --state="$work/s4" --socket="$work/file" --listen=
 
+expect 64 "at most 65535" "a port that is none" \
+    "$radcoord" --state="$work/s5" --socket= --listen=127.0.0.1:99999
+
+# --socket is a path, also where it looks like an address
+"$radcoord" --state="$work/s6" --socket=plain:80 --listen= \
+    --ports-file="$work/plain.ports" 2>plain.log &
+plain_pid=$!
+wait_file "$work/plain.ports"
+[ -S plain:80 ] || fail "no socket 'plain:80': $(cat plain.log)"
+"$radctl" --coordinator=./plain:80 status >/dev/null || fail "nobody at it"
+end_one "$plain_pid" "coordinator at a plain name"
+
+# who cannot be reached is named
+"$radd" --coordinator="$work/nobody.sock" --cache="$work/c5" \
+    --listen=127.0.0.1:0 2>nobody.log &
+nobody_pid=$!
+until_true 30 grep -q "not reached at=$work/nobody.sock why=" nobody.log ||
+    fail "nobody.log: $(cat nobody.log)"
+end_one "$nobody_pid" "a worker of nobody"
+
 # a dead socket is replaced, and workers find a coordinator that comes back
 kill -KILL "$coord_pid"
 [ -S "$sock" ] || fail "the socket went with the coordinator"

@@ -337,6 +337,7 @@ birth(struct sim *s, int i)
                               .arg = w,
                               .program = "radd",
                               .name = w->name,
+                              .coordinator = "sim",
                               .address = w->address,
                               .threads = w->threads };
 
