@@ -19,6 +19,10 @@
 /* Coded bytes that are copied at a time, but for long rows. */
 #define COPY_BYTES (64u << 10)
 
+/* Bytes of pixels that coded rows are taken apart to at a time, but for long
+ * rows: runs may stand for a hundred times what they take. */
+#define DECODE_BYTES (256u << 10)
+
 size_t
 rows_bytes(const struct rows *r, int w)
 {
@@ -150,6 +154,12 @@ rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
     return rc;
 }
 
+static int
+damaged(int h, struct rad_error *err)
+{
+    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+}
+
 /* Note where rows lie that will be written at the end of the file. */
 static int
 place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
@@ -172,7 +182,7 @@ place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
             return 0;
     }
     memset(r->place + y, 0, (size_t)h * sizeof *r->place);
-    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+    return damaged(h, err);
 }
 
 static int
@@ -190,24 +200,64 @@ append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
     return rc;
 }
 
-/* Decode h rows of w pixels to rgbe. */
+/* Are those n bytes h rows of w pixels? */
 static int
-decode_rows(int w, int h, const uint8_t *code, size_t n, uint8_t *rgbe,
-            struct rad_error *err)
+check_code(int w, int h, const uint8_t *code, size_t n, struct rad_error *err)
 {
     size_t at = 0;
 
     for (int k = 0; k < h; k++) {
-        size_t row = rad_hdr_decode_row(code + at, n - at, w,
+        size_t row = rad_hdr_row_bytes(code + at, n - at, w);
+
+        if (row == 0)
+            return damaged(h, err);
+        at += row;
+    }
+    return at == n ? 0 : damaged(h, err);
+}
+
+/* Decode h rows of w pixels to rgbe; *code goes beyond them. */
+static int
+decode_rows(int w, int h, const uint8_t **code, const uint8_t *end,
+            uint8_t *rgbe, struct rad_error *err)
+{
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_decode_row(*code, (size_t)(end - *code), w,
                                         rgbe + 4 * (size_t)w * (size_t)k);
 
         if (row == 0)
-            break;
-        at += row;
-        if (k + 1 == h && at == n)
-            return 0;
+            return damaged(h, err);
+        *code += row;
     }
-    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+    return 0;
+}
+
+/* A few rows at a time; some are written if the disk fails at later ones. */
+static int
+write_decoded(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
+              size_t n, uint64_t *sum, struct rad_error *err)
+{
+    size_t bytes = rows_bytes(r, w);
+    int most = bytes < DECODE_BYTES ? (int)(DECODE_BYTES / bytes) : 1, rc = 0;
+    const uint8_t *end = code + n;
+    uint8_t *rgbe = malloc(bytes * (size_t)(h < most ? h : most));
+    uint64_t all = 0;
+
+    if (!rgbe)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int k = 0; k < h && rc == 0; k += most) {
+        int rows = h - k < most ? h - k : most;
+
+        rc = decode_rows(w, rows, &code, end, rgbe, err);
+        if (rc == 0)
+            rc = rows_write(r, x, y + k, w, rows, rgbe, err);
+        if (rc == 0 && sum)
+            all ^= rowsum(rgbe, bytes, (uint32_t)(y + k), (uint32_t)rows);
+    }
+    if (rc == 0 && sum)
+        *sum = all;
+    free(rgbe);
+    return rc;
 }
 
 int
@@ -216,7 +266,6 @@ rows_write_coded(struct rows *r, int x, int y, int w, int h,
                  struct rad_error *err)
 {
     int rc = check_place(r, x, y, w, h, err);
-    uint8_t *rgbe;
 
     if (rc < 0)
         return rc;
@@ -224,15 +273,9 @@ rows_write_coded(struct rows *r, int x, int y, int w, int h,
         return append_coded(r, y, h, code, n, err);
     if (r->kind != ROWS_RGBE)
         return rad_fail(err, RAD_EPROTO, "no coded rows are wanted");
-    rgbe = malloc(rows_bytes(r, w) * (size_t)h);
-    if (!rgbe)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = decode_rows(w, h, code, n, rgbe, err);
+    rc = check_code(w, h, code, n, err);
     if (rc == 0)
-        rc = rows_write(r, x, y, w, h, rgbe, err);
-    if (rc == 0 && sum)
-        *sum = rowsum(rgbe, rows_bytes(r, w), (uint32_t)y, (uint32_t)h);
-    free(rgbe);
+        rc = write_decoded(r, x, y, w, h, code, n, sum, err);
     return rc;
 }
 

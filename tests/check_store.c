@@ -15,8 +15,16 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* A sanitizer's shadow is memory, too. */
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+#define SANITIZED 1
+#else
+#define SANITIZED 0
+#endif
 
 static char dir[64];
 
@@ -416,6 +424,65 @@ START_TEST(coded_rows_that_are_none_are_refused)
                      RAD_EPROTO);
     ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n, NULL, NULL), 0);
     rows_remove(&r);
+}
+END_TEST
+
+/* The memory that this process may have beyond what it has; 0: any. */
+static void
+limit_memory(rlim_t more)
+{
+    struct rlimit limit;
+    unsigned long pages = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+
+    ck_assert(f && fscanf(f, "%lu", &pages) == 1);
+    fclose(f);
+    ck_assert_int_eq(getrlimit(RLIMIT_AS, &limit), 0);
+    limit.rlim_cur =
+        more ? pages * (rlim_t)sysconf(_SC_PAGESIZE) + more : limit.rlim_max;
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
+}
+
+/* 256 kB of runs stand for 16 MiB of pixels.  Their sum is that of any pieces.
+ */
+START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
+{
+    enum { WIDE = 32767, MANY = 128 };
+    uint8_t *code = malloc(MANY * RAD_HDR_ROW_BYTES(WIDE));
+    struct rad_rgb *line = calloc(WIDE, sizeof *line);
+    uint64_t sum = 0, part, pieces = 0;
+    size_t n = 0, at[MANY + 1];
+    char path[160];
+    struct rows r;
+
+    ck_assert(code && line);
+    for (int y = 0; y < MANY; y++) {
+        at[y] = n;
+        for (int x = 0; x < WIDE; x++)
+            line[x] = rad_rgb((float)y, 1, 1);
+        n += rad_hdr_encode_row(line, WIDE, code + n);
+    }
+    at[MANY] = n;
+    ck_assert_uint_lt(n, 512 << 10);
+    snprintf(path, sizeof path, "%s/f.rows", dir);
+    ck_assert_int_eq(rows_create(&r, path, WIDE, MANY, ROWS_RGBE, false, NULL),
+                     0);
+    if (!SANITIZED)
+        limit_memory(8 << 20);
+    ck_assert_int_eq(
+        rows_write_coded(&r, 0, 0, WIDE, MANY, code, n, &sum, NULL), 0);
+    limit_memory(0);
+    for (int y = 0; y < MANY; y++) {
+        ck_assert_int_eq(rows_write_coded(&r, 0, y, WIDE, 1, code + at[y],
+                                          at[y + 1] - at[y], &part, NULL),
+                         0);
+        pieces ^= part;
+    }
+    ck_assert_uint_ne(sum, 0);
+    ck_assert_uint_eq(sum, pieces);
+    rows_remove(&r);
+    free(code);
+    free(line);
 }
 END_TEST
 
@@ -1344,6 +1411,7 @@ main(void)
                         N_ELEM(codings));
     tcase_add_loop_test(tc, coded_rows_that_are_none_are_refused, ROWS_CODED,
                         ROWS_RGBE + 1);
+    tcase_add_test(tc, coded_rows_are_taken_apart_a_few_at_a_time);
     tcase_add_test(tc, a_line_keeps_its_floats);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_test(tc, store_tells_of_every_chunk);
