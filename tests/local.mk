@@ -60,6 +60,7 @@ UNIT_TESTS = \
 	tests/check_sample \
 	tests/check_sandbox \
 	tests/check_seed \
+	tests/check_seeds \
 	tests/check_shade \
 	tests/check_shell \
 	tests/check_sim \
@@ -378,6 +379,10 @@ tests_check_partition_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_worker_SOURCES = tests/check_worker.c tests/unit.h
 tests_check_worker_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_worker_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_seeds_SOURCES = tests/check_seeds.c tests/unit.h
+tests_check_seeds_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_seeds_LDADD = $(LIBPROTO) $(LIBRAD) $(UNIT_LIBS)
 
 tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -6,6 +6,7 @@
 #include "disk.h"
 #include "journal.h"
 #include "recover.h"
+#include "steps.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -51,6 +52,7 @@ take(void *arg, const struct saved_job *s, struct rad_error *err)
         pixels += (uint64_t)s->spec.frames[i].width * s->spec.frames[i].height;
     if (pixels > 1000000) /* all right, but slow */
         return 0;
+    steps_say(s->nunits > 0, "a job is taken up", s->spec.name);
     return recover_job(arg, 1000, s, no_row, NULL, err);
 }
 
@@ -75,6 +77,8 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (journal_open(&j, path, JOURNAL_READ, &err) == 0 &&
         journal_check(j, &err) == 0)
         journal_read(j, take, c, &err);
+    if (err.code != 0)
+        steps_say(0, "is refused:", err.what);
     journal_close(j);
     unlink(path);
     snprintf(path, sizeof path, "/tmp/fuzz_journal.%ld-wal", (long)getpid());

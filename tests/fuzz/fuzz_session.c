@@ -23,6 +23,12 @@ struct session {
     uint64_t now_ms;
 };
 
+static const char *
+type_name(const struct action *a)
+{
+    return msg_name((uint16_t)(a->bytes[4] << 8 | a->bytes[5]));
+}
+
 static void
 carry_out(struct session *s)
 {
@@ -37,9 +43,13 @@ carry_out(struct session *s)
         if (a.type == ACT_SESSION) {
             s->reader[a.conn - 1].session = a.session;
             s->reader[a.conn - 1].version = a.version;
-        } else if (a.type == ACT_CLOSE)
+        } else if (a.type == ACT_SEND) {
+            steps_say((unsigned)a.conn - 1, "is told", type_name(&a));
+        } else if (a.type == ACT_CLOSE) {
+            steps_say((unsigned)a.conn - 1, "is let go", "");
             s->open[a.conn - 1] = false;
-        else if (a.type == ACT_JOB_OPEN)
+        }
+        if (a.type == ACT_JOB_OPEN)
             coord_job_opened(s->coord, s->now_ms, a.job, 0, NULL);
         else if (a.type == ACT_PUT_ROWS)
             coord_rows_stored(s->coord, s->now_ms, &a.rows, 0, NULL);
@@ -68,14 +78,17 @@ open_conn(struct session *s, unsigned i)
 static void
 hear(struct session *s, unsigned i, const uint8_t *p, size_t n, struct msg *m)
 {
+    struct rad_error err = { 0 };
     int rc = 0;
 
     while (s->open[i] &&
-           (rc = frame_read(&s->reader[i], &p, &n, m, NULL)) == 1) {
+           (rc = frame_read(&s->reader[i], &p, &n, m, &err)) == 1) {
+        steps_say(i, "says", msg_name(m->type));
         coord_message(s->coord, s->now_ms, i + 1, m);
         carry_out(s);
     }
     if (s->open[i] && rc < 0) {
+        steps_say(i, "breaks the protocol:", err.what);
         s->open[i] = false;
         coord_closed(s->coord, s->now_ms, i + 1, "malformed");
         carry_out(s);

@@ -61,6 +61,9 @@ carry_out_one(struct session *s, const struct action *a)
     case ACT_SESSION:
         if (e && !e->up)
             abort(); /* to one that was never there */
+        if (e && a->type == ACT_SEND)
+            steps_say((unsigned)(e - s->ends), "is told",
+                      msg_name((uint16_t)(a->bytes[4] << 8 | a->bytes[5])));
         if (e && a->type == ACT_SESSION)
             e->reader.session = a->session;
         break;
@@ -76,9 +79,12 @@ carry_out_one(struct session *s, const struct action *a)
     case ACT_CLOSE:
     case ACT_KILL:
         if (e)
+            steps_say((unsigned)(e - s->ends), "is let go", "");
+        if (e)
             e->id = 0;
         break;
     case ACT_STOP:
+        steps_say(COORD, "stops it", "");
         s->stopped = true;
         break;
     default:
@@ -134,15 +140,19 @@ hear(struct session *s, int i, const uint8_t *p, size_t n, struct msg *m)
 {
     struct end *e = &s->ends[i];
     uint64_t id = e->id;
+    struct rad_error err = { 0 };
     int rc = 0;
 
     while (id != 0 && e->id == id &&
-           (rc = frame_read(&e->reader, &p, &n, m, NULL)) == 1) {
+           (rc = frame_read(&e->reader, &p, &n, m, &err)) == 1) {
+        steps_say((unsigned)i, "says", msg_name(m->type));
         worker_message(s->worker, s->now_ms, id, m);
         carry_out(s);
     }
-    if (rc < 0 && e->id == id)
+    if (rc < 0 && e->id == id) {
+        steps_say((unsigned)i, "breaks the protocol:", err.what);
         lose(s, i);
+    }
 }
 
 int

@@ -38,7 +38,7 @@ endif
 check_PROGRAMS += $(FUZZ_TARGETS)
 dist_check_SCRIPTS += tests/fuzz/coverage.sh tests/fuzz/replay.sh \
 	tests/fuzz/run.sh
-EXTRA_DIST += tests/fuzz/corpus tests/fuzz/replay.c
+EXTRA_DIST += tests/fuzz/corpus tests/fuzz/reach tests/fuzz/replay.c
 TESTS += tests/fuzz/replay.sh
 
 # make fuzz [FUZZ_SECONDS=60] [FUZZ='parse hdr']
@@ -103,11 +103,13 @@ tests_fuzz_fuzz_ambshare_SOURCES = tests/fuzz/fuzz_ambshare.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_ambshare_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_ambshare_LDFLAGS = $(FUZZ_LINK)
 
-tests_fuzz_fuzz_frame_SOURCES = tests/fuzz/fuzz_frame.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_frame_SOURCES = tests/fuzz/fuzz_frame.c \
+	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_frame_LDADD = $(LIBPROTO) $(LIBRAD)
 tests_fuzz_fuzz_frame_LDFLAGS = $(FUZZ_LINK)
 
-tests_fuzz_fuzz_journal_SOURCES = tests/fuzz/fuzz_journal.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_journal_SOURCES = tests/fuzz/fuzz_journal.c \
+	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_journal_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_journal_LDFLAGS = $(FUZZ_LINK)
 

@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum step_what { STEP_BYTES, STEP_LOSE, STEP_TICK };
@@ -49,6 +51,15 @@ step_next(struct step *s, const uint8_t *data, size_t size, size_t *at)
     s->p = data + *at;
     *at += s->n;
     return true;
+}
+
+/* With RADD_FUZZ_SAY in the environment targets say what happens, so that one
+ * sees how far an input gets. */
+static inline void
+steps_say(unsigned who, const char *what, const char *name)
+{
+    if (getenv("RADD_FUZZ_SAY"))
+        printf("%u %s %s\n", who, what, name);
 }
 
 /* For their environments: half of all files are here, and nothing is random. */
