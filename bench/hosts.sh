@@ -474,16 +474,19 @@ measure() # the scene and view that are set
     : >"$tmp/runs"
     : >"$tmp/refused"
     optimum=$tmp/optimum.json bars=$tmp/bars.json
-    rm -f "$optimum" "$bars"
+    rm -f "$optimum" "$optimum.first" "$bars"
     round=1
     while [ "$round" -le "$rounds" ]; do
         run base auto 1
         for t in $(echo "$tables" | tr , ' '); do
             case $t in
-            static) # costs by a run on all workstations that begin regions
-                # from their top as those of static do
+            static) # what lines take where regions lie as they will: a
+                # second run on all workstations, by the costs of a first
                 [ -e "$optimum" ] || {
-                    run former auto "$most" --partition=auto
+                    run former uniform "$most" --partition=static --no-balance
+                    keep_stats "$optimum.first"
+                    run former optimum "$most" --partition=static \
+                        --estimate="$optimum.first" --no-balance
                     keep_stats "$optimum"
                 } ;;
             sim) # of each bar

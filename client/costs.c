@@ -21,8 +21,13 @@ enum { LONGEST = 512 << 20 /* bytes of statistics */ };
 /* One unit as the file has it. */
 struct unit {
     json_int_t frame, x, y, width, height;
-    double rays, cpu_s;
+    double rays, cpu_s, start_s;
+    const char *worker;
 };
+
+/* Lines below a worker's first that are looked at to know what that would have
+ * taken with records in the cache. */
+enum { LINES_AFTER = 5 };
 
 static int
 no_memory(struct rad_error *err)
@@ -35,10 +40,12 @@ unpack_unit(const json_t *json, struct unit *u, struct rad_error *err)
 {
     json_int_t rays;
 
-    if (json_unpack((json_t *)json, "{s:I,s:I,s:I,s:I,s:I,s:I,s:F}", "frame",
-                    &u->frame, "x", &u->x, "y", &u->y, "width", &u->width,
-                    "height", &u->height, "rays", &rays, "cpu_s",
-                    &u->cpu_s) != 0)
+    u->worker = "";
+    if (json_unpack((json_t *)json, "{s:I,s:I,s:I,s:I,s:I,s:I,s:F,s?F,s?s}",
+                    "frame", &u->frame, "x", &u->x, "y", &u->y, "width",
+                    &u->width, "height", &u->height, "rays", &rays, "cpu_s",
+                    &u->cpu_s, "start_s", &u->start_s, "worker",
+                    &u->worker) != 0)
         return rad_fail(err, RAD_EDATA, "no statistics: a unit lacks a number");
     u->rays = (double)rays;
     if (u->frame < 0 || u->x < 0 || u->y < 0 || u->width < 1 || u->height < 1 ||
@@ -139,8 +146,138 @@ spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
     }
 }
 
+/* --- lines --- */
+
+static struct rad_quincunx
+sampler_of(uint32_t width, uint32_t height, int ystep)
+{
+    return (struct rad_quincunx){ .width = (int)width,
+                                  .height = (int)height,
+                                  .ystep = ystep };
+}
+
+/* The frame's lines took these seconds. */
 static int
-take_units(struct costs *c, const struct unit *u, size_t n,
+read_lines(const json_t *list, double *line, size_t n, struct rad_error *err)
+{
+    if (!json_is_array(list) || json_array_size(list) != n)
+        return rad_fail(err, RAD_EDATA, "no statistics: a line_s of not %zu",
+                        n);
+    for (size_t i = 0; i < n; i++) {
+        const json_t *s = json_array_get(list, i);
+
+        line[i] = json_number_value(s);
+        if (!json_is_number(s) || !(line[i] >= 0 && line[i] <= MOST_CPU_S))
+            return rad_fail(err, RAD_EDATA,
+                            "no statistics: an impossible line_s");
+    }
+    return 0;
+}
+
+static int
+compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The median of the lines that follow line i; 0: there are none. */
+static double
+lines_after(const double *line, size_t n, size_t i)
+{
+    double v[LINES_AFTER];
+    size_t k = 0;
+
+    while (k < LINES_AFTER && i + 1 + k < n) {
+        v[k] = line[i + 1 + k];
+        k++;
+    }
+    qsort(v, k, sizeof *v, compare_doubles);
+    return k > 0 ? v[k / 2] : 0;
+}
+
+/* A worker's first line, wherever it lies, is traced with no ambient record
+ * near: what it took more than those that follow belongs to all lines, since
+ * the next job's workers will begin elsewhere. */
+static void
+level_first(double *line, size_t n, size_t i)
+{
+    double own = lines_after(line, n, i), more = line[i] - own;
+
+    if (own == 0 || more <= 0)
+        return;
+    line[i] = own;
+    for (size_t k = 0; k < n; k++)
+        line[k] += more / (double)n;
+}
+
+static void
+put_rows(struct costs_frame *f, const struct rad_quincunx *q,
+         const double *line)
+{
+    int n = rad_quincunx_nbases(q), y = 0;
+
+    for (int i = 0; i < n; i++) {
+        int base = rad_quincunx_base_row(q, i), rows = base + 1 - y;
+
+        for (; y <= base; y++)
+            f->row[y] = line[i] / rows;
+    }
+}
+
+/* By worker, each one's earliest unit first. */
+static int
+compare_starts(const void *a, const void *b)
+{
+    const struct unit *x = a, *y = b;
+    int by_name = strcmp(x->worker, y->worker);
+
+    return by_name ? by_name
+                   : (x->start_s > y->start_s) - (x->start_s < y->start_s);
+}
+
+/* What frame k's lines took; u is sorted. */
+static int
+take_lines(struct costs *c, uint32_t k, const json_t *list,
+           const struct unit *u, size_t nunits, json_int_t first,
+           struct rad_error *err)
+{
+    struct costs_frame *f = &c->frames[k];
+    struct rad_quincunx q = sampler_of(f->width, f->height, c->ystep);
+    size_t n = (size_t)rad_quincunx_nbases(&q);
+    double *line = malloc(n * sizeof *line);
+    int rc = line ? read_lines(list, line, n, err) : no_memory(err);
+
+    for (size_t i = 0; i < nunits && rc == 0; i++)
+        if (u[i].frame - first == k &&
+            (i == 0 || strcmp(u[i].worker, u[i - 1].worker) != 0))
+            level_first(line, n, (size_t)((u[i].y + c->ystep - 1) / c->ystep));
+    if (rc == 0)
+        put_rows(f, &q, line);
+    free(line);
+    return rc;
+}
+
+static int
+take_all_lines(struct costs *c, const json_t *frames, struct unit *u, size_t n,
+               json_int_t first, struct rad_error *err)
+{
+    int rc = 0;
+
+    if (!json_is_array(frames) || json_array_size(frames) != c->nframes)
+        return rad_fail(err, RAD_EDATA,
+                        "no statistics: line_s is not of %u "
+                        "frames",
+                        c->nframes);
+    qsort(u, n, sizeof *u, compare_starts);
+    for (uint32_t k = 0; k < c->nframes && rc == 0; k++)
+        rc = take_lines(c, k, json_array_get(frames, k), u, n, first, err);
+    return rc;
+}
+
+static int
+take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
            struct rad_error *err)
 {
     uint64_t *pixels = calloc(c->nframes, sizeof *pixels);
@@ -156,14 +293,17 @@ take_units(struct costs *c, const struct unit *u, size_t n,
         rc = measure_frames(c, u, n, first, pixels, err);
     if (rc == 0)
         rc = make_rows(c, pixels, err);
-    if (rc == 0)
+    if (rc == 0 && line_s)
+        rc = take_all_lines(c, line_s, u, n, first, err);
+    else if (rc == 0)
         spread(c, u, n, first);
     free(pixels);
     return rc;
 }
 
 static int
-take_list(struct costs *c, const json_t *list, struct rad_error *err)
+take_list(struct costs *c, const json_t *list, const json_t *line_s,
+          struct rad_error *err)
 {
     size_t n = json_array_size(list);
     struct unit *u = calloc(n + 1, sizeof *u);
@@ -172,7 +312,7 @@ take_list(struct costs *c, const json_t *list, struct rad_error *err)
     for (size_t i = 0; i < n && rc == 0; i++)
         rc = unpack_unit(json_array_get(list, i), &u[i], err);
     if (rc == 0)
-        rc = take_units(c, u, n, err);
+        rc = take_units(c, u, n, line_s, err);
     free(u);
     return rc;
 }
@@ -181,11 +321,12 @@ static int
 take_root(struct costs *c, const json_t *root, struct rad_error *err)
 {
     const char *options;
-    json_t *units;
+    json_t *units, *line_s = NULL;
     int frames, rc;
 
-    if (json_unpack((json_t *)root, "{s:s,s:{s:i},s:o}", "options", &options,
-                    "picture", "frames", &frames, "units", &units) != 0 ||
+    if (json_unpack((json_t *)root, "{s:s,s:{s:i},s:o,s?o}", "options",
+                    &options, "picture", "frames", &frames, "units", &units,
+                    "line_s", &line_s) != 0 ||
         !json_is_array(units))
         return rad_fail(err, RAD_EDATA,
                         "no statistics: it lacks options, picture or units");
@@ -194,7 +335,7 @@ take_root(struct costs *c, const json_t *root, struct rad_error *err)
     c->nframes = (uint32_t)frames;
     if ((rc = read_ystep(options, &c->ystep, err)) < 0)
         return rc;
-    return take_list(c, units, err);
+    return take_list(c, units, line_s, err);
 }
 
 int
@@ -242,16 +383,6 @@ costs_release(struct costs *c)
     memset(c, 0, sizeof *c);
 }
 
-static struct rad_quincunx
-sampler_of(const struct msg_frame *f, int psample)
-{
-    struct rad_quincunx q = { .width = (int)f->width,
-                              .height = (int)f->height };
-
-    rad_quincunx_steps(psample, &q.xstep, &q.ystep);
-    return q;
-}
-
 /* Is it the same picture, as far as its lines are concerned? */
 static int
 check_fit(const struct costs *c, const struct msg_frame *frames,
@@ -279,12 +410,13 @@ check_fit(const struct costs *c, const struct msg_frame *frames,
 }
 
 static uint64_t
-count_lines(const struct msg_frame *frames, uint32_t nframes, int psample)
+count_lines(const struct msg_frame *frames, uint32_t nframes, int ystep)
 {
     uint64_t n = 0;
 
     for (uint32_t k = 0; k < nframes; k++) {
-        struct rad_quincunx q = sampler_of(&frames[k], psample);
+        struct rad_quincunx q =
+            sampler_of(frames[k].width, frames[k].height, ystep);
 
         n += (uint64_t)rad_quincunx_nbases(&q);
     }
@@ -315,7 +447,7 @@ costs_of_lines(const struct costs *c, const struct msg_frame *frames,
                uint32_t nframes, int psample, uint8_t **bytes, uint32_t *n,
                struct rad_error *err)
 {
-    uint64_t lines = count_lines(frames, nframes, psample);
+    uint64_t lines = count_lines(frames, nframes, c->ystep);
     int rc = check_fit(c, frames, nframes, psample, err);
     uint8_t *to;
 
@@ -330,7 +462,8 @@ costs_of_lines(const struct costs *c, const struct msg_frame *frames,
     if (!to)
         return no_memory(err);
     for (uint32_t k = 0; k < nframes; k++) {
-        struct rad_quincunx q = sampler_of(&frames[k], psample);
+        struct rad_quincunx q =
+            sampler_of(frames[k].width, frames[k].height, c->ystep);
 
         to = put_frame(to, &c->frames[k], &q);
     }

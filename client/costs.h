@@ -1,8 +1,10 @@
 /* costs.h - what the lines of a picture cost in a former job
  *
- * From its statistics (radsubmit --stats), whatever its
- * partition: what a unit cost is spread evenly over its rows.  The cost is
- * processor time, or rays where a unit has none.
+ * From its statistics (radsubmit --stats), whatever its partition: what its
+ * lines took (line_s), with what a worker's first line took for want of ambient
+ * records spread over all; where that is not known, what its units cost, spread
+ * evenly over their rows.  The cost is processor time, or rays where a unit has
+ * none.
  * A line is a base line of the sampler with the bar above it, as in a strict
  * partition (message.h, "sharing a picture").
  * Thread: one. */

@@ -187,6 +187,16 @@ on_paid(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 static void
+on_line_costs(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, conn->worker, m->line_costs.job, &index);
+
+    if (job)
+        job_add_costs(job, &m->line_costs);
+}
+
+static void
 on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     balance_gave(c, conn->worker, &m->gave);
@@ -234,15 +244,25 @@ static const struct {
     void (*handle)(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, on_result },       { MSG_HELLO, coord_hello },
-    { MSG_WANT, on_want },           { MSG_READY, on_ready },
-    { MSG_LOST, on_lost },           { MSG_TALLY, on_tally },
-    { MSG_FAILED, on_failed },       { MSG_DRAIN, on_drain },
-    { MSG_FACTS, on_facts },         { MSG_BASE_LINE, on_base_line },
-    { MSG_PARKED, on_parked },       { MSG_GAVE, on_gave },
-    { MSG_ESTIMATED, on_estimated }, { MSG_PING, on_ping },
-    { MSG_RECORDS, on_records },     { MSG_UNLINKED, on_unlinked },
-    { MSG_LOAN, on_loan },           { MSG_PAID, on_paid },
+    { MSG_RESULT, on_result },
+    { MSG_HELLO, coord_hello },
+    { MSG_WANT, on_want },
+    { MSG_READY, on_ready },
+    { MSG_LOST, on_lost },
+    { MSG_TALLY, on_tally },
+    { MSG_FAILED, on_failed },
+    { MSG_DRAIN, on_drain },
+    { MSG_FACTS, on_facts },
+    { MSG_BASE_LINE, on_base_line },
+    { MSG_PARKED, on_parked },
+    { MSG_GAVE, on_gave },
+    { MSG_ESTIMATED, on_estimated },
+    { MSG_PING, on_ping },
+    { MSG_RECORDS, on_records },
+    { MSG_UNLINKED, on_unlinked },
+    { MSG_LOAN, on_loan },
+    { MSG_PAID, on_paid },
+    { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -269,8 +289,8 @@ static bool
 is_work(uint16_t type)
 {
     return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
-           type == MSG_TALLY || type == MSG_RECORDS || type == MSG_PING ||
-           type == MSG_PONG;
+           type == MSG_TALLY || type == MSG_LINE_COSTS || type == MSG_RECORDS ||
+           type == MSG_PING || type == MSG_PONG;
 }
 
 void

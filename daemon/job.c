@@ -106,6 +106,8 @@ job_free(struct job *job)
     ring_free(job->ring);
     free(job->index);
     free(job->suspects);
+    for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)
+        free(job->frames[i].line_s);
     free(job->frames);
     free(job->workers);
     rad_arena_release(&job->mem);
@@ -279,6 +281,25 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
     job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
+}
+
+void
+job_add_costs(struct job *job, const struct msg_line_costs *m)
+{
+    struct job_frame *f;
+    uint32_t n;
+
+    if (!job->shared || m->frame >= job->spec.nframes)
+        return;
+    n = shared_nlines(job->shared, m->frame);
+    if (m->nlines > n || m->line > n - m->nlines)
+        return;
+    f = &job->frames[m->frame];
+    if (!f->line_s)
+        f->line_s = calloc(n, sizeof *f->line_s);
+    f->nlines = n;
+    for (uint32_t i = 0; f->line_s && i < m->nlines; i++)
+        f->line_s[m->line + i] += 1e-9 * (double)m->cpu_ns[i];
 }
 
 void

@@ -142,6 +142,10 @@ struct job_worker {
 struct job_frame {
     uint64_t pixels_left; /* in units that are not done */
     uint64_t rows_pixels; /* pixels kept so far */
+    double *line_s;       /* what was spent on each line in this life of the
+                           * coordinator: processor time; NULL: nothing known */
+    uint32_t nlines;      /* so many */
+    bool untold;          /* a worker of version 1 does not say it of its own */
     bool writing, written;
 };
 
@@ -252,6 +256,10 @@ uint32_t job_first_attempt(const struct job *job);
 
 /* All rows of a unit are kept: count it. */
 void job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
+
+/* Add what was spent on lines, if the job has these.  Without memory the
+ * statistics go without. */
+void job_add_costs(struct job *job, const struct msg_line_costs *m);
 
 /* Frames are delivered in order: count the first ones without a gap. */
 void job_count_ready(struct job *job);

@@ -329,6 +329,7 @@ new_team(struct active *u)
     spec.filled = pass->filled;
     spec.record = pass->record;
     spec.earlier = pass->earlier;
+    spec.cpu_ns = pass->cpu_ns;
     spec.top = pass->top;
     spec.top_density = pass->top_density;
     spec.facts = pass->facts;

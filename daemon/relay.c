@@ -461,6 +461,16 @@ child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 }
 
 static void
+child_line_costs(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_LINE_COSTS, .line_costs = m->line_costs };
+
+    pass.line_costs.job = job->id;
+    if (w->version >= msg_since(MSG_LINE_COSTS))
+        pass_up(w, job, &pass);
+}
+
+static void
 child_gave(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_GAVE, .gave = m->gave };
@@ -539,7 +549,7 @@ static const struct {
     { MSG_FACTS, child_facts },         { MSG_PARKED, child_parked },
     { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
     { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
-    { MSG_PAID, child_paid },
+    { MSG_PAID, child_paid },           { MSG_LINE_COSTS, child_line_costs },
 };
 
 void

@@ -310,6 +310,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     if (m->last) {
         u->counts = m->counts;
         msg_counts_add(&u->counts, &u->lent);
+        job->frames[a.frame].untold |= w->version < 2;
         delivered(c, job, m->unit, go);
     }
     put_rows(c, job, w->conn, m, &a);

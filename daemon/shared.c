@@ -78,6 +78,12 @@ shared_free(struct shared *s)
     free(s);
 }
 
+uint32_t
+shared_nlines(const struct shared *s, uint32_t frame)
+{
+    return (uint32_t)rad_quincunx_nbases(&s->frame[frame].q);
+}
+
 /* The line, made if need be; NULL when memory is out. */
 static struct line *
 make_line(struct shared *s, uint32_t frame, uint32_t line)
@@ -103,7 +109,7 @@ static bool
 fits(const struct shared *s, uint32_t frame, uint32_t line, uint8_t channels)
 {
     return frame < s->nframes && channels == s->channels &&
-           line < (uint32_t)rad_quincunx_nbases(&s->frame[frame].q);
+           line < shared_nlines(s, frame);
 }
 
 /* --- facts --- */

@@ -20,6 +20,8 @@ struct shared *shared_new(const struct msg_frame *frames, uint32_t nframes,
                           int psample, uint8_t channels);
 void shared_free(struct shared *s);
 
+uint32_t shared_nlines(const struct shared *s, uint32_t frame);
+
 /* --- facts --- */
 
 /* Do they fit a line of a frame? */

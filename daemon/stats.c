@@ -148,6 +148,27 @@ workers(const struct job *job)
     return list;
 }
 
+/* What was spent on each line of each frame; NULL: that is not known of all. */
+static json_t *
+lines(const struct job *job)
+{
+    json_t *frames;
+
+    for (uint32_t k = 0; k < job->spec.nframes; k++)
+        if (!job->frames[k].line_s || job->frames[k].untold || job->lives > 0)
+            return NULL;
+    frames = json_array();
+    for (uint32_t k = 0; k < job->spec.nframes; k++) {
+        const struct job_frame *f = &job->frames[k];
+        json_t *list = json_array();
+
+        for (uint32_t i = 0; i < f->nlines; i++)
+            json_array_append_new(list, json_real(f->line_s[i]));
+        json_array_append_new(frames, list);
+    }
+    return frames;
+}
+
 /* One unit; times count from when the job came. */
 static json_t *
 unit(const struct job *job, uint32_t i)
@@ -191,7 +212,7 @@ stats_json(const struct job *job, uint64_t now_ms)
     char *text;
     json_t *root = json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o}",
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o,s:o*}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options", s->params,
         "partition", partition_kind_name(p ? partition_kind(p) : s->partition),
         "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
@@ -202,7 +223,7 @@ stats_json(const struct job *job, uint64_t now_ms)
         (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
         "time", times(job, now_ms), "totals", totals(job), "error", "estimate",
         error.all, "ambient", error.ambient, "sampling", error.sampling,
-        "workers", workers(job), "units", units(job));
+        "workers", workers(job), "units", units(job), "line_s", lines(job));
 
     if (!root)
         return NULL;

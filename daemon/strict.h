@@ -96,6 +96,7 @@ struct strict_pass {
     int filled;                         /* with LINES: see team.h */
     uint8_t *record;                    /* see team.h; or NULL */
     const uint8_t *earlier;             /* see team.h; or NULL */
+    uint64_t *cpu_ns;                   /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* end it: nobody wants it any more */
     bool split; /* call team_shrink() with least, and tell

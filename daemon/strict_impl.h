@@ -65,6 +65,9 @@ struct strict_unit {
     uint64_t since_ms; /* waiting: from when */
     struct strict_pass *pass;
     struct msg_counts spent; /* by its passes so far */
+    uint64_t *cpu_ns; /* of that, by line, its top's first; a team adds to
+                       * it during a pass */
+    int nlines;       /* so many; it may have given some away */
     /* its bottom after LINES or AHEAD; NULL: none yet */
     struct rad_pixel *guess;
     uint8_t *guess_density;
@@ -93,7 +96,8 @@ struct item {
         ITEM_GAVE,
         ITEM_PIECE,
         ITEM_LOAN,
-        ITEM_PAID
+        ITEM_PAID,
+        ITEM_LINE_COSTS
     } kind;
     uint32_t unit, attempt; /* of PARKED, GAVE and PAID, and of lazy FACTS */
     uint32_t height;        /* of GAVE */
@@ -103,6 +107,8 @@ struct item {
     uint32_t x, n;            /* of PIECE */
     uint32_t first, ndensity; /* of PIECE */
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
+    uint32_t nlines;          /* of LINE_COSTS, from line on */
+    uint64_t *cpu_ns;         /* of LINE_COSTS: so many */
     struct msg_loan loan;     /* of LOAN; bytes: what it points to */
     struct msg_counts counts; /* of PAID */
 };
@@ -186,6 +192,8 @@ slot_of(uint32_t frame, int line)
 /* It has no pass: forget it, its facts and what it was to send. */
 void unit_drop(struct strict *s, struct strict_unit *u);
 void unit_free(struct strict_unit *u);
+/* Room to count what its lines cost; false: memory is out. */
+bool unit_count_lines(struct strict_unit *u);
 bool unit_has_top(const struct strict *s, const struct strict_unit *u);
 /* The unit here whose bottom is this one's top, or the other way round; NULL:
  * none. */
@@ -270,6 +278,8 @@ bool out_has_facts(const struct strict *s, uint32_t frame, int line);
 void out_gave(struct strict *s, const struct strict_unit *u);
 void out_parked(struct strict *s, const struct strict_unit *u);
 void out_paid(struct strict *s, const struct strict_unit *u);
+/* What was spent on each line for a unit or loan that is done. */
+void out_line_costs(struct strict *s, const struct strict_unit *u);
 void out_loan(struct strict *s, const struct strict_unit *u,
               const struct team_loan *loan);
 /* What is new of the bottom of a pass. */

@@ -171,15 +171,17 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
     u = calloc(1, sizeof *u);
     if (u)
         u->loan = copy_loan(m);
-    if (!u || !u->loan) {
-        free(u);
+    if (u) {
+        u->first = (int)m->line;
+        u->last = u->first + 1;
+    }
+    if (!u || !u->loan || !unit_count_lines(u)) {
+        unit_free(u);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
     u->unit = m->unit;
     u->attempt = m->attempt;
     u->frame = m->frame;
-    u->first = (int)m->line;
-    u->last = u->first + 1;
     while (*at)
         at = &(*at)->next;
     *at = u;

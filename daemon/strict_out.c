@@ -71,8 +71,10 @@ pop(struct queue *q)
 static void
 item_free(struct item *it)
 {
-    if (it)
-        free(it->bytes);
+    if (!it)
+        return;
+    free(it->bytes);
+    free(it->cpu_ns);
     free(it);
 }
 
@@ -140,6 +142,24 @@ out_paid(struct strict *s, const struct strict_unit *u)
                        .attempt = u->attempt,
                        .counts = u->spent };
 
+    push(s, &s->urgent, &it);
+}
+
+/* Without memory nobody learns of it. */
+void
+out_line_costs(struct strict *s, const struct strict_unit *u)
+{
+    int from = u->first > 0 ? 0 : 1;
+    size_t n = (size_t)(u->nlines - from);
+    struct item it = { .kind = ITEM_LINE_COSTS,
+                       .frame = u->frame,
+                       .line = u->first - 1 + from,
+                       .nlines = (uint32_t)n,
+                       .cpu_ns = malloc(n * sizeof *it.cpu_ns) };
+
+    if (!it.cpu_ns)
+        return;
+    memcpy(it.cpu_ns, u->cpu_ns + from, n * sizeof *it.cpu_ns);
     push(s, &s->urgent, &it);
 }
 
@@ -405,6 +425,12 @@ say(struct strict *s, struct item *it)
         s->msg.type = MSG_PAID;
         s->msg.paid =
             (struct msg_paid){ s->job, it->unit, it->attempt, it->counts };
+        break;
+    case ITEM_LINE_COSTS:
+        s->msg.type = MSG_LINE_COSTS;
+        s->msg.line_costs =
+            (struct msg_line_costs){ s->job, it->frame, (uint32_t)it->line,
+                                     it->nlines, it->cpu_ns };
         break;
     case ITEM_LOAN:
         s->msg.type = MSG_LOAN;

@@ -329,6 +329,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     }
     p->facts = frame_of(s, u->frame)->facts;
     set_chain(s, p);
+    p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
     p->keeps = facts_have_all(s, u);
     p->lend = p->keeps ? u->lend : 0;
     return p;
@@ -438,6 +439,7 @@ end_loan(struct strict *s, struct strict_unit *u)
         return;
     u->spent.speculative_rays += facts_late(s, u);
     out_facts(s, &s->urgent, u, u->first);
+    out_line_costs(s, u);
     out_paid(s, u);
     u->over = true;
 }
@@ -453,6 +455,7 @@ end_truth(struct strict *s, struct strict_pass *p,
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     p->of->over = true;
+    out_line_costs(s, u);
     *total = u->spent;
     total->speculative_rays = facts_unused(s, u);
     /* a unit below that made its top may have them still */

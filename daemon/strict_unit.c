@@ -103,10 +103,21 @@ free_guess(struct strict_unit *u)
 void
 unit_free(struct strict_unit *u)
 {
+    if (!u)
+        return;
     free_guess(u);
     free(u->chain);
+    free(u->cpu_ns);
     loan_free(u->loan);
     free(u);
+}
+
+bool
+unit_count_lines(struct strict_unit *u)
+{
+    u->nlines = u->last - u->first + 1;
+    u->cpu_ns = calloc((size_t)u->nlines, sizeof *u->cpu_ns);
+    return u->cpu_ns;
 }
 
 /* Forget a unit that has no pass, its facts and its top. */
@@ -219,6 +230,8 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     if (!u)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rc = read_lines(s, m, u, err);
+    if (rc == 0 && !unit_count_lines(u))
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc < 0) {
         free(u);
         return rc;

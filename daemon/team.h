@@ -137,6 +137,9 @@ struct team_spec {
      * or NULL.  After a line whose densities come out the same so would all
      * that follow: the pass goes on with the last line. */
     const uint8_t *earlier;
+    /* NULL, or room for what each line from first on cost: processor time [ns],
+     * added by its member as it leaves the line. */
+    uint64_t *cpu_ns;
     /* Of line last - 1, which has columns that are lent. */
     struct team_blocks lent;
     int out; /* with TRUTH: lines before this one were handed on before */

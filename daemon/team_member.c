@@ -7,6 +7,7 @@
 #include "team_impl.h"
 
 #include <string.h>
+#include <time.h>
 
 /* Looks at a number that is about to change before a thread goes to sleep. */
 #define SPINS 200
@@ -544,12 +545,40 @@ do_line(struct member *m)
     return sample_line(m) && (!has_bar(t, m->i) || fill_bar(m));
 }
 
+static uint64_t
+cpu_ns(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+/* The member leaves its line: note what that cost since the last one. */
+static void
+count_line(const struct member *m, uint64_t *since)
+{
+    const struct team_spec *spec = &m->team->spec;
+    uint64_t now;
+
+    if (!spec->cpu_ns)
+        return;
+    now = cpu_ns();
+    spec->cpu_ns[m->i - spec->first] += now - *since;
+    *since = now;
+}
+
 /* Work on lines until there is none. */
 static void
 do_lines(struct member *m)
 {
+    uint64_t since = m->team->spec.cpu_ns ? cpu_ns() : 0;
+
     while ((m->i = line_begin(m->team)) >= 0) {
-        if (!do_line(m))
+        bool done = do_line(m);
+
+        count_line(m, &since);
+        if (!done)
             return;
         tell_rays(m);
         line_finish(m->team, m->i);

@@ -23,6 +23,7 @@ on_welcome(struct worker *w, const struct msg *m)
         return;
     }
     w->welcome = true;
+    w->version = version;
     w->welcome_ms = w->now_ms;
     actions_session(&w->actions, w->coord, MSG_AT_WORKER, version);
     actions_log(&w->actions, ACT_INFO,

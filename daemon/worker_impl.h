@@ -104,6 +104,7 @@ struct worker {
     uint64_t awake_ms; /* all time but what this process slept through */
     uint64_t coord;    /* connection, 0: none */
     bool opened, welcome;
+    unsigned version; /* welcome: of the protocol, with the coordinator */
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;

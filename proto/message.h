@@ -540,6 +540,15 @@ struct msg_paid {
     struct msg_counts counts; /* no primary rays, no nan: the lender has them */
 };
 
+/* What a worker spent on lines, for units and loans that are done: processor
+ * time of its render threads.  All of a line's are to be added. */
+struct msg_line_costs {
+    const uint8_t *job;
+    uint32_t frame, line; /* the first of them */
+    uint32_t nlines;
+    const uint64_t *cpu_ns;
+};
+
 struct msg_area {
     uint32_t frame; /* index into the job's frames */
     uint32_t x, y, width, height;

@@ -221,6 +221,20 @@ msg_code_paid(struct codec *c, struct msg_paid *b)
     code_counts(c, &b->counts);
 }
 
+void
+msg_code_line_costs(struct codec *c, struct msg_line_costs *b)
+{
+    uint64_t *ns;
+
+    code_job(c, &b->job);
+    code_u32(c, &b->frame);
+    code_u32(c, &b->line);
+    ns = code_list(c, b->cpu_ns, &b->nlines, 8, MSG_MAX_SIDE, sizeof *ns);
+    for (uint32_t i = 0; i < b->nlines; i++)
+        code_u64(c, &ns[i]);
+    b->cpu_ns = ns;
+}
+
 /* --- estimates --- */
 
 #define AREA_BYTES 20

@@ -18,6 +18,17 @@
     ", \"height\": " h ", \"rays\": " rays ", \"cpu_s\": " cpu "}"
 #define TAIL "]}"
 
+/* Two units of a worker, then one of another that begins below. */
+#define BY(y, h, cpu, start, worker)                                           \
+    "{\"frame\": 0, \"x\": 0, \"y\": " y ", \"width\": 20, \"height\": " h     \
+    ", \"rays\": 1, \"cpu_s\": " cpu ", \"start_s\": " start                   \
+    ", \"worker\": \"" worker "\"}"
+#define LINED(lines)                                                           \
+    HEAD("1")                                                                  \
+    BY("0", "1", "9", "3", "ws1")                                              \
+    "," BY("1", "8", "9", "1", "ws1") "," BY(                                  \
+        "9", "1", "9", "1.5", "ws2") "], \"line_s\": " lines "}"
+
 /* Bars, and windows that cut them. */
 #define BARS                                                                   \
     HEAD("1")                                                                  \
@@ -39,6 +50,12 @@ static const struct {
           "0", "12", "0", "8", "6", "1", "6") "," UNIT("0", "12", "6", "8", "4",
                                                        "1", "8") TAIL,
       { 2, 8, 4 + 1 + 3 * 2, 3 } },
+    /* by line, whatever units cost; ws1 began with line 1, which took 8 more
+     * than the middle one of those after it */
+    { LINED("[[1, 12, 4, 2]]"), { 3, 6, 6, 4 } },
+    /* no less */
+    { LINED("[[5, 1, 4, 2]]"), { 5, 1, 4, 2 } },
+    { LINED("[[0, 0, 0, 0]]"), { 0, 0, 0, 0 } },
 };
 
 START_TEST(units_are_spread_over_lines)
@@ -151,6 +168,13 @@ static const struct {
     { HEAD("1") UNIT("0", "0", "0", "20", "5", "7", "-1") TAIL, "impossible" },
     { HEAD("1") UNIT("0", "0", "0", "20", "5", "7", "1e300") TAIL,
       "impossible" },
+    { LINED("7"), "line_s is not of 1 frames" },
+    { LINED("[[1, 2, 3, 4], []]"), "line_s is not of 1 frames" },
+    { LINED("[5]"), "a line_s of not 4" },
+    { LINED("[[1, 2, 3]]"), "a line_s of not 4" },
+    { LINED("[[1, 2, 3, -4]]"), "impossible line_s" },
+    { LINED("[[1, 2, 3, 1e300]]"), "impossible line_s" },
+    { LINED("[[1, 2, 3, \"4\"]]"), "impossible line_s" },
     { HEAD("1") UNIT("-3", "0", "0", "20", "5", "7", "1") TAIL, "impossible" },
     { "{\"options\": \"-maps 4\", \"picture\": {\"frames\": 1}, \"units\": []}",
       "no -ps" },

@@ -1170,6 +1170,68 @@ START_TEST(what_was_lent_is_counted_to_its_unit)
 }
 END_TEST
 
+static void
+line_costs(uint32_t frame, uint32_t line, uint32_t nlines)
+{
+    static const uint64_t ns[LINES] = { 1000000000, 2000000000, 500000000 };
+    struct msg m = { .type = MSG_LINE_COSTS,
+                     .line_costs = { id, frame, line, nlines, ns } };
+
+    say(W1, &m);
+}
+
+/* The statistics' line_s; *root is to be released.  NULL: they have none. */
+static json_t *
+line_stats(json_t **root)
+{
+    char *text = stats_json(coord_find_job(f.c, id), f.now_ms);
+
+    *root = json_loads(text, 0, NULL);
+    free(text);
+    return json_object_get(*root, "line_s");
+}
+
+/* What all who were at a line spent; of none that the picture does not have. */
+START_TEST(what_lines_cost_is_added_up)
+{
+    static const double want[LINES] = { 1, 3, 2.5, .5 };
+    json_t *root, *costs;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    ck_assert_ptr_null(line_stats(&root));
+    json_decref(root);
+    line_costs(0, 0, 3);
+    line_costs(0, 1, 3);
+    line_costs(1, 0, 3);
+    line_costs(0, LINES - 2, 3);
+    line_costs(0, UINT32_MAX, 3);
+    costs = line_stats(&root);
+    ck_assert_uint_eq(json_array_size(costs), 1);
+    costs = json_array_get(costs, 0);
+    ck_assert_uint_eq(json_array_size(costs), LINES);
+    for (size_t i = 0; i < LINES; i++)
+        ck_assert_double_eq(json_number_value(json_array_get(costs, i)),
+                            want[i]);
+    ck_assert(!f.closed[W1]);
+    json_decref(root);
+}
+END_TEST
+
+/* One of version 1 tells nothing: what is known is not all. */
+START_TEST(what_lines_cost_is_not_told_by_half)
+{
+    json_t *root;
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    line_costs(0, 0, LINES);
+    ck_assert_ptr_nonnull(line_stats(&root));
+    json_decref(root);
+    finish(W2, unit_of(W2));
+    ck_assert_ptr_null(line_stats(&root));
+    json_decref(root);
+}
+END_TEST
+
 START_TEST(what_was_taken_back_is_in_no_unit)
 {
     struct msg_unit a, b;
@@ -1763,6 +1825,8 @@ main(void)
     tcase_add_test(tc, nobody_is_asked_for_columns_who_does_not_know_of_them);
     tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
     tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
+    tcase_add_test(tc, what_lines_cost_is_added_up);
+    tcase_add_test(tc, what_lines_cost_is_not_told_by_half);
     tcase_add_test(tc, what_was_taken_back_is_in_no_unit);
     tcase_add_test(tc, what_was_paid_as_the_connection_broke_is_dropped);
     tcase_add_test(tc, columns_of_one_that_is_lost_go_back);

@@ -37,6 +37,7 @@ static const uint8_t density[3] = { 4, 0, 2 };
 static const uint8_t lent[1] = { 2 };
 static const struct msg_area areas[] = { { 1, 2, 3, 4, 5 },
                                          { 6, 7, 8, 9, 10 } };
+static const uint64_t line_ns[] = { 1000000000, UINT64_MAX };
 static const struct msg_cost line_costs[] = { { 1, 2 }, { 3, 4 } };
 static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
 
@@ -130,6 +131,7 @@ static const struct msg examples[] = {
                 lent, pixels } },
     { .type = MSG_BACK, .back = { ID, 1, 2, 3, 4, 5 } },
     { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } },
+    { .type = MSG_LINE_COSTS, .line_costs = { ID, 1, 2, 2, line_ns } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -603,7 +605,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED LOAN PAID RECORDS UNLINKED " },
+      "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS RECORDS UNLINKED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
@@ -621,7 +623,7 @@ static const struct {
                     "SPLIT ESTIMATE LEND LOAN BACK SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED LOAN PAID " },
+                     "GAVE ESTIMATED LOAN PAID LINE_COSTS " },
     { MSG_NSESSION, " " },
 };
 

@@ -608,6 +608,8 @@ deliver_to_coord(struct world *w, const struct event *e, const struct msg *m)
     case MSG_GAVE:
         take_gave(w, e, &m->gave);
         break;
+    case MSG_LINE_COSTS:
+        break; /* no thread runs here */
     default:
         ck_abort_msg("message %s", msg_name(m->type));
     }
@@ -1155,6 +1157,63 @@ START_TEST(a_loan_that_fits_no_line_is_not_taken)
 }
 END_TEST
 
+/* Of a loan that cost 7 ns, and then of a unit whose second half was given
+ * away: what was spent on it before stays with the lines. */
+START_TEST(what_lines_cost_is_told)
+{
+    static const uint8_t bytes[64 * 12];
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_loan loan = { .job = job_id,
+                                   .unit = 3,
+                                   .attempt = 9,
+                                   .line = 4,
+                                   .x = 6,
+                                   .n = 6,
+                                   .channels = 3,
+                                   .wanted = bytes,
+                                   .top = bytes,
+                                   .bottom = bytes };
+    const struct msg_counts spent = { .rays = 2 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    const struct msg *m;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->rank == STRICT_LOAN && p->first == 4);
+    p->cpu_ns[0] = 7;
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    m = strict_message(s, true);
+    ck_assert(m && m->type == MSG_LINE_COSTS);
+    ck_assert(m->line_costs.frame == 0 && m->line_costs.line == 3);
+    ck_assert_uint_eq(m->line_costs.nlines, 2);
+    ck_assert(m->line_costs.cpu_ns[0] == 0 && m->line_costs.cpu_ns[1] == 7);
+    m = strict_message(s, true);
+    ck_assert(m && m->type == MSG_PAID);
+
+    give_unit(s, &q, 1, 0, 4);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->rank == STRICT_TRUE_LINES && p->first == 0);
+    for (unsigned i = 0; i < 4; i++)
+        p->cpu_ns[i] = i + 1;
+    strict_split(s, 1, 1);
+    strict_shrunk(s, p, 2);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    while ((m = strict_message(s, true)) && m->type != MSG_LINE_COSTS)
+        ;
+    ck_assert_ptr_nonnull(m);
+    ck_assert(m->line_costs.line == 0 && m->line_costs.nlines == 4);
+    for (unsigned i = 0; i < 4; i++)
+        ck_assert_uint_eq(m->line_costs.cpu_ns[i], i + 1);
+    strict_free(s);
+}
+END_TEST
+
 /* A pixel of a loan that its lender needed as well, and told of just then. */
 START_TEST(what_a_loan_traced_for_nothing_is_told)
 {
@@ -1190,7 +1249,7 @@ START_TEST(what_a_loan_traced_for_nothing_is_told)
     ck_assert(rad_facts_put(facts, 7, 0, &pixel, 0));
     strict_ended(s, p, true, NULL, NULL, &spent, &total);
     while ((m = strict_message(s, true)) && m->type != MSG_PAID)
-        ck_assert_int_eq(m->type, MSG_FACTS);
+        ck_assert(m->type == MSG_FACTS || m->type == MSG_LINE_COSTS);
     ck_assert_ptr_nonnull(m);
     ck_assert_uint_eq(m->paid.counts.rays, 2);
     ck_assert_uint_eq(m->paid.counts.speculative_rays, 1);
@@ -1608,6 +1667,7 @@ main(void)
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
     tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
+    tcase_add_test(tc, what_lines_cost_is_told);
     tcase_add_test(tc, what_a_loan_traced_for_nothing_is_told);
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);

@@ -10,6 +10,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { MOST_W = 200, MOST_H = 160, MOST_LINES = MOST_H };
@@ -155,6 +156,7 @@ struct pass {
     int filled;
     uint8_t *record;
     const uint8_t *earlier;
+    uint64_t *cpu_ns;
 };
 
 static void *
@@ -178,6 +180,7 @@ spec_of(struct world *w, const struct pass *p)
                                .filled = p->filled,
                                .record = p->record,
                                .earlier = p->earlier,
+                               .cpu_ns = p->cpu_ns,
                                .facts = w->facts,
                                .trace = trace,
                                .paint = paint,
@@ -531,6 +534,33 @@ START_TEST(little_is_traced_for_nothing)
     }
     printf("\n");
     fflush(stdout);
+}
+END_TEST
+
+/* Each line's members' processor time is its own, and adds up. */
+START_TEST(what_lines_take_is_counted)
+{
+    struct analytic a = { ANALYTIC_NOISE, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    uint64_t cpu_ns[MOST_LINES] = { 0 }, sum = 0;
+    struct timespec t0, t1;
+    struct pass p;
+    int last = 12;
+
+    render_alone(w);
+    p = true_pass(w, TEAM_TRUTH, 0, last);
+    p.nthreads = 3;
+    p.cpu_ns = cpu_ns;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t0);
+    tell_truth(w, &p);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t1);
+    for (int i = 0; i < MOST_LINES; i++) {
+        ck_assert_int_eq(cpu_ns[i] > 0, i < last);
+        sum += cpu_ns[i];
+    }
+    ck_assert_uint_le(sum, (uint64_t)((t1.tv_sec - t0.tv_sec) * 1000000000 +
+                                      t1.tv_nsec - t0.tv_nsec));
+    world_free(w);
 }
 END_TEST
 
@@ -1224,6 +1254,7 @@ main(void)
     tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
     tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
     tcase_add_test(tc, a_guess_goes_by_the_facts_that_stay);
+    tcase_add_test(tc, what_lines_take_is_counted);
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
     tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);

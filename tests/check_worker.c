@@ -1048,6 +1048,27 @@ START_TEST(what_workers_share_passes_through)
 }
 END_TEST
 
+/* A coordinator of version 1 does not know the message. */
+START_TEST(what_lines_cost_goes_to_who_understands)
+{
+    static const uint64_t ns = 5;
+    const struct msg up = { .type = MSG_LINE_COSTS,
+                            .line_costs = { job_id, 0, 1, 1, &ns } };
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { (uint16_t)_i, 1, "radcoord" } };
+
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    carry_out();
+    hear(f.coord, &m);
+    start_job();
+    child_ready();
+    hear(f.child, &up);
+    ck_assert_int_eq(said(f.coord, MSG_LINE_COSTS), _i >= 2);
+}
+END_TEST
+
 /* Columns that another lends are with the child until it says PAID; again after
  * that, it may not have heard yet that they were taken back. */
 START_TEST(what_is_lent_is_a_unit_until_it_is_done)
@@ -1216,6 +1237,8 @@ main(void)
     tcase_add_test(
         tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
     tcase_add_test(tc, what_workers_share_passes_through);
+    tcase_add_loop_test(tc, what_lines_cost_goes_to_who_understands,
+                        MSG_VERSION_MIN, MSG_VERSION + 1);
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
     tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
