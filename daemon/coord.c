@@ -49,6 +49,7 @@ coord_free(struct coord *c)
     while (c->conns) {
         struct coord_conn *next = c->conns->next;
 
+        request_release(c->conns);
         free(c->conns);
         c->conns = next;
     }
@@ -416,6 +417,7 @@ coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;
     sched_tick(c);
+    request_tick(c);
     if (c->keep.ms > 0)
         coord_forget_old(c);
     if (now_ms - c->progress_ms < PROGRESS_MS)

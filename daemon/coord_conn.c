@@ -8,7 +8,7 @@
 
 #include "address.h"
 #include "keyfile.h"
-#include "sched.h"
+#include "request.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,6 +55,7 @@ drop_conn(struct coord *c, struct coord_conn *conn)
         conn->worker->since_ms = c->now_ms;
         sched_worker_gone(c, conn->worker);
     }
+    request_release(conn);
     free(conn);
 }
 

@@ -13,6 +13,7 @@
 #include <sysexits.h>
 
 #define MOST_JOBS 1000 /* that are not over */
+#define FULL_MS   3000 /* an answer waits for room on the disk */
 
 static void
 reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
@@ -31,24 +32,82 @@ reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
 
 /* Done, and kept: nobody hears of what a crash could undo. */
 static void
-reply_settled(struct coord *c, const struct coord_conn *conn, uint32_t request)
+reply_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
 {
+    struct coord_settling *s;
     struct action *a;
 
     if (!c->env.keeps) {
         reply_answer(c, conn, request, "");
         return;
     }
+    s = calloc(1, sizeof *s);
     a = actions_add(&c->actions, ACT_SETTLE, conn->id);
-    if (a)
-        a->request = request;
+    if (!a || !s) {
+        free(s);
+        c->actions.failed = true;
+        return;
+    }
+    a->request = request;
+    s->request = request;
+    s->since_ms = c->now_ms;
+    s->next = conn->settling;
+    conn->settling = s;
+}
+
+static void
+drop_settling(struct coord_settling **at)
+{
+    struct coord_settling *s = *at;
+
+    *at = s->next;
+    free(s);
 }
 
 void
-request_settled(struct coord *c, const struct coord_conn *conn,
-                uint32_t request)
+request_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
 {
+    struct coord_settling **at = &conn->settling;
+
+    while (*at && (*at)->request != request)
+        at = &(*at)->next;
+    if (!*at)
+        return; /* the disk was full for too long */
+    drop_settling(at);
     reply_answer(c, conn, request, "");
+}
+
+/* Where a job waits for room, its end makes some, within a second; where it was
+ * under way, that has to wait for room itself. */
+static void
+tell_unsettled(struct coord *c, struct coord_conn *conn)
+{
+    struct coord_settling **at = &conn->settling;
+
+    while (*at) {
+        if (c->now_ms - (*at)->since_ms < FULL_MS) {
+            at = &(*at)->next;
+            continue;
+        }
+        coord_reply_failed(c, conn, (*at)->request, NULL, EX_TEMPFAIL,
+                           "it is done, but the coordinator's disk is full: a "
+                           "restart before there is room would undo it");
+        drop_settling(at);
+    }
+}
+
+void
+request_tick(struct coord *c)
+{
+    for (struct coord_conn *conn = c->conns; c->full && conn; conn = conn->next)
+        tell_unsettled(c, conn);
+}
+
+void
+request_release(struct coord_conn *conn)
+{
+    while (conn->settling)
+        drop_settling(&conn->settling);
 }
 
 /* The job is as it is now after a restart too. */

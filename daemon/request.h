@@ -15,8 +15,14 @@ void request_handle(struct coord *c, struct coord_conn *conn,
 void request_looked(struct coord *c, struct coord_conn *conn,
                     const struct action_look *l);
 
-/* What the request was about is kept: answer it. */
-void request_settled(struct coord *c, const struct coord_conn *conn,
+/* What the request was about is kept: answer it, once. */
+void request_settled(struct coord *c, struct coord_conn *conn,
                      uint32_t request);
+
+/* While the disk is full that may not be for long: do not let them wait. */
+void request_tick(struct coord *c);
+
+/* The connection is gone. */
+void request_release(struct coord_conn *conn);
 
 #endif

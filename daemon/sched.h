@@ -51,6 +51,13 @@ struct coord_worker {
     bool alone; /* has a unit that crashed once: nothing beside it */
 };
 
+/* A request that is answered when what it did is kept. */
+struct coord_settling {
+    struct coord_settling *next;
+    uint32_t request;
+    uint64_t since_ms;
+};
+
 struct coord_conn {
     struct coord_conn *next;
     struct coord_conn *chain; /* the next of coord.by_id */
@@ -66,6 +73,7 @@ struct coord_conn {
     uint32_t watch_request;      /* request id of its SUBMIT */
     uint64_t offer_ms;           /* first OFFER since the last SUBMIT; or 0 */
     uint64_t sent_bytes;         /* CHUNK bytes since then */
+    struct coord_settling *settling;
 };
 
 /* Whom jobs belong to. */

@@ -51,6 +51,9 @@ struct fixture {
     int seeds[CONNS]; /* SEEDs, before any UNIT of theirs */
     struct msg_seed seed[CONNS];
     uint16_t peer_version[CONNS];
+    bool stuck;        /* nothing gets to the disk */
+    uint64_t settling; /* who is to hear when that is over; and of what */
+    uint32_t settling_what;
 };
 
 static bool
@@ -112,7 +115,12 @@ carry_out(struct fixture *f)
             f->version[a.conn] = a.version;
         else if (a.type == ACT_CLOSE)
             f->closed[a.conn] = true;
-        else if (a.type == ACT_JOB_OPEN)
+        else if (a.type == ACT_SETTLE && f->stuck) {
+            f->settling = a.conn;
+            f->settling_what = a.request;
+        } else if (a.type == ACT_SETTLE)
+            coord_settled(f->c, f->now_ms, a.conn, a.request);
+        else if (a.type == ACT_JOB_OPEN && !f->stuck)
             coord_job_opened(f->c, f->now_ms, a.job, 0, NULL);
         else if (a.type == ACT_PUT_ROWS) {
             f->rows = a.rows;
@@ -238,13 +246,14 @@ about(struct fixture *f, uint64_t conn, uint16_t type, const uint8_t *job)
 static struct fixture f;
 
 static void
-set_up(void)
+set_up_coord(bool keeps)
 {
     struct coord_env env = { .has_file = has_file,
                              .random = no_random,
                              .arg = &f,
                              .program = "radcoord",
-                             .epoch = 1 };
+                             .epoch = 1,
+                             .keeps = keeps };
 
     memset(&f, 0, sizeof f);
     f.c = coord_new(&env);
@@ -256,6 +265,12 @@ set_up(void)
     join(&f, ANA, MSG_ROLE_USER, "", "ana");
     join(&f, BOB, MSG_ROLE_USER, "", "bob");
     join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
+}
+
+static void
+set_up(void)
+{
+    set_up_coord(false);
 }
 
 static void
@@ -285,6 +300,138 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
     ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
     ck_assert_uint_eq(f.progress.nan.pixels, 6);
     ck_assert_uint_eq(f.progress.nan.y, 6);
+}
+END_TEST
+
+/* --- every job can be cancelled, and who does hears of it --- */
+
+static void
+disk_is_full(void)
+{
+    f.stuck = true;
+    coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
+    carry_out(&f);
+}
+
+static void
+disk_has_room(void)
+{
+    f.stuck = false;
+    coord_fullness(f.c, f.now_ms, false, "");
+    if (f.settling)
+        coord_settled(f.c, f.now_ms, f.settling, f.settling_what);
+    carry_out(&f);
+}
+
+static void
+be_begun(void)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    result(&f, WORKER, job_a, 0, 1);
+}
+
+static void
+be_without_files(void)
+{
+    f.have = false;
+    submit(&f, ANA, job_a, 0);
+}
+
+static void
+be_held(void)
+{
+    disk_is_full();
+    submit(&f, ANA, job_a, 0);
+}
+
+static void
+be_waiting(void)
+{
+    submit(&f, ANA, job_a, 0);
+}
+
+static void
+be_paused(void)
+{
+    be_begun();
+    about(&f, ANA, MSG_PAUSE, job_a);
+}
+
+static void
+be_held_under_way(void)
+{
+    be_begun();
+    disk_is_full();
+}
+
+static void
+be_held_and_paused(void)
+{
+    be_paused();
+    disk_is_full();
+}
+
+static void
+be_done(void)
+{
+    be_begun();
+    for (uint32_t i = 1; i < 4; i++)
+        result(&f, WORKER, job_a, i, 1);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+}
+
+static void
+be_cancelled(void)
+{
+    be_begun();
+    about(&f, ANA, MSG_CANCEL, job_a);
+}
+
+static void (*const states[])(void) = {
+    be_without_files,   be_held,   be_waiting,
+    be_begun,           be_paused, be_held_under_way,
+    be_held_and_paused, be_done,   be_cancelled,
+};
+
+START_TEST(cancel_is_answered_whatever_the_job_is_at)
+{
+    unsigned before;
+
+    tear_down();
+    set_up_coord(_i % 2);
+    states[_i / 2]();
+    before = f.sent[ADMIN];
+    about(&f, ADMIN, MSG_CANCEL, job_a);
+    if (f.settling == 0) {
+        ck_assert_uint_eq(f.sent[ADMIN], before + 1);
+        ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
+    } else { /* the disk gets its time to make room */
+        wait_s(&f, 2);
+        ck_assert_uint_eq(f.sent[ADMIN], before);
+        wait_s(&f, 2);
+        ck_assert_uint_eq(f.sent[ADMIN], before + 1);
+        ck_assert_int_eq(f.last[ADMIN].type, MSG_FAILED);
+        ck_assert_int_eq(f.last[ADMIN].failed.status, EX_TEMPFAIL);
+        disk_has_room();
+        wait_s(&f, 2);
+    }
+    ck_assert_uint_eq(f.last[ADMIN].request, 6);
+    ck_assert_uint_eq(f.sent[ADMIN], before + 1); /* once */
+    ck_assert(job_over(coord_find_job(f.c, job_a)));
+}
+END_TEST
+
+/* As where the job itself waits for room. */
+START_TEST(an_answer_comes_as_soon_as_there_is_room)
+{
+    tear_down();
+    set_up_coord(true);
+    be_held();
+    about(&f, ADMIN, MSG_CANCEL, job_a);
+    wait_s(&f, 1);
+    disk_has_room();
+    ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
 }
 END_TEST
 
@@ -1387,6 +1534,9 @@ main(void)
     tcase_add_test(tc, a_unit_done_makes_up_for_setbacks);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
     tcase_add_test(tc, a_full_disk_holds_jobs);
+    tcase_add_loop_test(tc, cancel_is_answered_whatever_the_job_is_at, 0,
+                        2 * N_ELEM(states));
+    tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_test(tc, queries_are_answered_in_json);
     suite_add_tcase(s, tc);
