@@ -473,8 +473,8 @@ measure() # the scene and view that are set
 {
     : >"$tmp/runs"
     : >"$tmp/refused"
-    optimum=$tmp/optimum.json bars=$tmp/bars.json
-    rm -f "$optimum" "$optimum.first" "$bars"
+    first=$tmp/first.json optimum=$tmp/optimum.json bars=$tmp/bars.json
+    rm -f "$optimum" "$first" "$bars"
     round=1
     while [ "$round" -le "$rounds" ]; do
         run base auto 1
@@ -484,9 +484,9 @@ measure() # the scene and view that are set
                 # second run on all workstations, by the costs of a first
                 [ -e "$optimum" ] || {
                     run former uniform "$most" --partition=static --no-balance
-                    keep_stats "$optimum.first"
+                    keep_stats "$first"
                     run former optimum "$most" --partition=static \
-                        --estimate="$optimum.first" --no-balance
+                        --estimate="$first" --no-balance
                     keep_stats "$optimum"
                 } ;;
             sim) # of each bar
