@@ -16,9 +16,14 @@
 #define LINE_LINKS 16   /* of a worker, beside those of the ring */
 #define FEWEST     4    /* have fewer links on a ring than all have with all */
 
-#define HOPELESS 2     /* links in a row that never came about */
-#define LATER_MS 30000 /* then it is tried once more */
-#define SAME_MS  1000  /* the other end says that the link of before is gone */
+#define HOPELESS 2    /* links in a row that never came about */
+#define SAME_MS  1000 /* the other end says that the link of before is gone */
+
+/* Of few, two that are hopeless are tried again, later each time; by then who
+ * dials has given up (peer.c), and records would be lost no more. */
+#define LATER_MS  30000
+#define LATEST_MS (16 * LATER_MS)
+#define TRY_MS    12000
 
 enum pair_kind {
     PAIR_RING,
@@ -39,6 +44,8 @@ struct broken {
     unsigned times;     /* in a row that it never did */
     uint64_t linked_ms; /* when it was made last; 0: before */
     uint64_t again_ms;  /* when it is to be; 0: it is, or nobody asks for it */
+    uint64_t later_ms;  /* after so long, the last time; 0: there was none */
+    bool tried;         /* it was, and what comes of it is not known */
 };
 
 struct ring {
@@ -702,19 +709,30 @@ ring_of_few(struct coord *c, struct job *job)
             send_ring(c, job, i);
 }
 
-/* Of few, try those that had no link again. */
+/* Of few, try those that had no link again.  Only who sends something finds
+ * that there is none: so after a while the ring is given a chance, till it
+ * does. */
 static void
 link_again(struct coord *c, struct job *job)
 {
     struct ring *r = job->ring;
+    bool changed = false;
 
     for (size_t i = 0; i < r->nbroken; i++) {
-        const struct broken *p = &r->broken[i];
+        struct broken *p = &r->broken[i];
 
         if (p->again_ms != 0 && c->now_ms >= p->again_ms &&
-            is_here(job, p->a) && is_here(job, p->b))
+            is_here(job, p->a) && is_here(job, p->b)) {
             link_two(c, job, p->a, p->b, 0);
+            p->tried = true;
+        } else if (p->tried && c->now_ms - p->linked_ms >= TRY_MS) {
+            p->tried = false;
+            p->times = HOPELESS - 1;
+            changed = true;
+        }
     }
+    if (changed)
+        ring_of_few(c, job);
 }
 
 void
@@ -802,11 +820,17 @@ unlinked_of_few(struct coord *c, struct job *job, uint32_t a, uint32_t b,
         c->actions.failed = true;
         return;
     }
+    p->tried = false;
+    if (was)
+        p->later_ms = 0;
     if (p->times < HOPELESS) {
         link_two(c, job, a, b, 0);
         return;
     }
-    p->again_ms = c->now_ms + LATER_MS;
+    p->later_ms = p->later_ms == 0              ? LATER_MS
+                  : 2 * p->later_ms < LATEST_MS ? 2 * p->later_ms
+                                                : LATEST_MS;
+    p->again_ms = c->now_ms + p->later_ms;
     if (r->nmembers > 0)
         ring_of_few(c, job);
 }

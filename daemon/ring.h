@@ -36,7 +36,7 @@ void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
 /* A worker says that it has no link to another.  Two that have none twice, one
  * after the other, are hopeless, until one of them begins anew: nothing relies
- * on their link any more. */
+ * on their link any more.  Of few these are tried again from time to time. */
 void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
                    const struct msg_unlinked *m);
 

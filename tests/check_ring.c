@@ -18,7 +18,7 @@ enum {
     MOST = 300,     /* workers */
     RECORDS = 6000, /* that are made, at most */
     LINKS = 200,    /* open ones of a node */
-    TIMES = 120000, /* ms that a test may take */
+    TIMES = 600000, /* ms that a test may take */
     CLIENT = 1000,  /* the coordinator's connection of a user */
     RECORD = 4      /* bytes of a record: its number */
 };
@@ -46,6 +46,7 @@ struct node {
     unsigned random;
     unsigned sent;         /* messages of records to peers */
     unsigned rings, peers; /* RINGs, and JOB_PEERS, that came */
+    uint32_t places;       /* of the last RING */
 };
 
 struct event {
@@ -430,6 +431,7 @@ at_worker(const struct event *e)
                                        e->len - MSG_HEADER, NULL),
                          0);
         w->rings += s.msg.type == MSG_RING;
+        w->places = s.msg.type == MSG_RING ? s.msg.ring.places : w->places;
         w->peers += s.msg.type == MSG_JOB_PEERS;
         worker_message(w->machine, s.now_ms, e->conn, &s.msg);
     }
@@ -843,6 +845,16 @@ START_TEST(two_that_cannot_be_linked_do_not_trouble_the_others)
 }
 END_TEST
 
+/* The link of two, if there is one, goes. */
+static void
+cut(int a, int b)
+{
+    for (int i = 0; i < 2; i++, a ^= b, b ^= a, a ^= b)
+        for (int k = 0; k < s.node[a].nends; k++)
+            if (s.node[a].end[k].other == b)
+                later(s.now_ms + 1, ARRIVE, a, s.node[a].end[k].conn, NULL, 0);
+}
+
 START_TEST(two_of_few_that_cannot_be_linked_are_let_be)
 {
     int n = 8, a = 3, b = 7, from;
@@ -851,12 +863,7 @@ START_TEST(two_of_few_that_cannot_be_linked_are_let_be)
     set_up(n, false);
     s.apart[0] = a;
     s.apart[1] = b;
-    for (int i = 0; i < s.node[a].nends; i++)
-        if (s.node[a].end[i].other == b)
-            later(s.now_ms + 1, ARRIVE, a, s.node[a].end[i].conn, NULL, 0);
-    for (int i = 0; i < s.node[b].nends; i++)
-        if (s.node[b].end[i].other == a)
-            later(s.now_ms + 1, ARRIVE, b, s.node[b].end[i].conn, NULL, 0);
+    cut(a, b);
     peers = s.node[a].peers;
     for (int i = 0; i < 16; i++) {
         make_records(1);
@@ -875,15 +882,48 @@ START_TEST(two_of_few_that_cannot_be_linked_are_let_be)
 }
 END_TEST
 
-/* The link of two, if there is one, goes. */
+/* Some records now and then, for so long. */
 static void
-cut(int a, int b)
+work_s(int seconds)
 {
-    for (int i = 0; i < 2; i++, a ^= b, b ^= a, a ^= b)
-        for (int k = 0; k < s.node[a].nends; k++)
-            if (s.node[a].end[k].other == b)
-                later(s.now_ms + 1, ARRIVE, a, s.node[a].end[k].conn, NULL, 0);
+    for (int i = 0; i < seconds; i += 5) {
+        later(s.now_ms + 1, MAKES, 3, 0, NULL, 0);
+        later(s.now_ms + 1, MAKES, 7, 0, NULL, 0);
+        run_ms(5000);
+    }
 }
+
+/* They are tried less and less often; when it works the ring is there again,
+ * and they may be let be once more. */
+START_TEST(two_of_few_that_can_be_linked_again_are_on_a_ring)
+{
+    int n = 8, a = 3, b = 7;
+    unsigned peers, rings;
+
+    set_up(n, false);
+    ck_assert_uint_eq(s.node[1].places, n);
+    s.apart[0] = a;
+    s.apart[1] = b;
+    cut(a, b);
+    peers = s.node[a].peers;
+    rings = s.node[1].rings;
+    work_s(240); /* tries after 30, 60 and 120 s */
+    ck_assert_uint_eq(s.node[1].places, 0);
+    ck_assert_uint_ge(s.node[a].peers - peers, 3);
+    ck_assert_uint_le(s.node[a].peers - peers, 6);
+    ck_assert_uint_le(s.node[1].rings - rings, 6);
+    s.apart[0] = s.apart[1] = 0;
+    work_s(240);
+    ck_assert_uint_eq(s.node[1].places, n);
+    check_records_come(1);
+    s.apart[0] = a;
+    s.apart[1] = b;
+    cut(a, b);
+    work_s(60);
+    ck_assert_uint_eq(s.node[1].places, 0);
+    tear_down();
+}
+END_TEST
 
 /* The coordinator takes what it hears just after it linked two for news of the
  * link before that; so who has no link says so again. */
@@ -949,6 +989,7 @@ main(void)
     tcase_add_test(tc, a_link_that_breaks_as_soon_as_it_is_there_is_made_again);
     tcase_add_test(tc, two_that_cannot_be_linked_do_not_trouble_the_others);
     tcase_add_test(tc, two_of_few_that_cannot_be_linked_are_let_be);
+    tcase_add_test(tc, two_of_few_that_can_be_linked_again_are_on_a_ring);
     suite_add_tcase(suite, tc);
     return unit_run(suite);
 }
