@@ -129,7 +129,8 @@ struct job_worker {
     uint64_t ready_ms; /* first READY */
     double load_s;
     uint64_t fingerprint;
-    uint64_t rays; /* of its accepted units */
+    uint64_t rays;          /* of its accepted units */
+    uint64_t surveyed_rays; /* of its part of the estimate */
     double cpu_s;
     uint32_t units;         /* accepted */
     struct msg_tally tally; /* of its present child; job is not kept */

@@ -132,13 +132,16 @@ workers(const struct job *job)
         double busy = work > w->cpu_s ? work : w->cpu_s;
         double idle =
             w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
+        /* all that the totals have of it, in a unit or in none */
+        uint64_t rays =
+            w->rays + w->surveyed_rays + t.seeded.rays + t.dropped.rays;
 
         if (!w->took_part)
             continue;
         json_array_append_new(
             list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
                             w->name, "threads", (json_int_t)w->threads, "rays",
-                            integer(w->rays), "busy_s", busy, "idle_s",
+                            integer(rays), "busy_s", busy, "idle_s",
                             idle > 0 ? idle : 0.0, "wait_base_line_s", wait,
                             "bytes_in", integer(t.bytes_in), "bytes_out",
                             integer(t.bytes_out), "peak_rss_bytes",

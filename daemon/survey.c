@@ -216,6 +216,13 @@ finish(struct coord *c, struct job *job)
                 (unsigned long long)job->estimate_ms);
 }
 
+static void
+count_rays(struct job *job, uint32_t index, const struct msg_counts *counts)
+{
+    msg_rays_add(&job->surveyed, counts);
+    job->workers[index].surveyed_rays += counts->rays;
+}
+
 void
 survey_estimated(struct coord *c, struct coord_worker *w,
                  const struct msg_estimated *m)
@@ -228,8 +235,7 @@ survey_estimated(struct coord *c, struct coord_worker *w,
         return;
     if (!job->survey || job->workers[index].surveying == 0 ||
         job->workers[index].surveying - 1 != m->id) {
-        msg_rays_add(&job->surveyed,
-                     &m->counts); /* late: it was done, though */
+        count_rays(job, index, &m->counts); /* late: it was done, though */
         return;
     }
     k = &job->survey->chunk[m->id];
@@ -238,7 +244,7 @@ survey_estimated(struct coord *c, struct coord_worker *w,
         return;
     }
     survey_lost(job, index);
-    msg_rays_add(&job->surveyed, &m->counts);
+    count_rays(job, index, &m->counts);
     if (k->done)
         return;
     for (uint32_t i = 0; i < k->n; i++)

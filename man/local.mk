@@ -7,6 +7,7 @@ dist_man_MANS += \
 	man/radd.8 \
 	man/radd.conf.5 \
 	man/radd.keys.5 \
+	man/radd.stats.5 \
 	man/raderr.1 \
 	man/radscene.1 \
 	man/radsubmit.1

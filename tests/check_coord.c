@@ -1217,6 +1217,7 @@ START_TEST(what_seeding_took_is_in_the_totals)
     say(&f, WORKER, &m);
     ck_assert_double_eq(total_stat("seed_rays"), 1000);
     ck_assert_double_eq(total_stat("rays"), 1000);
+    ck_assert_double_eq(worker_stat("rays"), 1000);
     ck_assert_double_eq(total_stat("ambient_rays"), 800);
     ck_assert_double_eq(total_stat("seed_values"), 6);
     ck_assert_double_eq(total_stat("ambient_values"), 6);

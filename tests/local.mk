@@ -315,6 +315,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/stats.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
@@ -349,6 +350,7 @@ TESTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/stats.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
