@@ -45,6 +45,7 @@ struct program {
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
     bool embedded;
+    bool unwritten; /* a picture came and could not be written */
     struct target target;
     struct progress progress;
     bool held;               /* was said */
@@ -251,9 +252,25 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
     rc = write_picture(p, frame, picture, picture_len, err);
     if (rc == 0 && depth)
         rc = write_depth(p, frame, depth, depth_len, err);
+    p->unwritten = rc < 0;
     if (rc == 0 && p->o.preview)
         rc = on_preview(p, picture, picture_len, err);
     return rc;
+}
+
+/* What could not be written is not lost. */
+static void
+say_where_it_is(const struct program *p)
+{
+    char hex[MSG_JOB_HEX];
+
+    if (!p->unwritten || p->embedded)
+        return;
+    msg_job_format(p->id, hex);
+    fprintf(stderr,
+            "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
+            p->o.first_frame ? "the pictures" : "the picture", hex,
+            p->o.first_frame ? " --frame=N, from 0" : "");
 }
 
 static void
@@ -806,6 +823,7 @@ main(int argc, char *argv[])
         return EX_OK;
     rad_error_format(&err, text, sizeof text);
     fprintf(stderr, "radsubmit: %s\n", text);
+    say_where_it_is(&p);
     /* exit() would wait for a resolver that still looks for the host */
     _exit(rad_exit_status(rc));
 }

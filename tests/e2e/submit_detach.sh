@@ -44,6 +44,16 @@ cmp out.hdr again.hdr || fail "two fetches differ"
     fail "local: $(cat stderr)"
 cmp out.hdr local.hdr || fail "the daemons' picture is not the embedded one"
 
+# a picture that cannot be written is still to be had
+# shellcheck disable=SC2086
+expect 74 "/dev/full" "no room for the picture" \
+    "$radsubmit" $view -o /dev/full "$room"
+kept=$(sed -n 's/.*the coordinator keeps the picture: \(radctl fetch .*\) -o FILE/\1/p' stderr)
+[ -n "$kept" ] || fail "not said where it is: $(cat stderr)"
+# shellcheck disable=SC2086
+"$radctl" ${kept#radctl } -o kept.hdr || fail "'$kept' does not fetch it"
+cmp out.hdr kept.hdr || fail "what was kept is another picture"
+
 # what people and programs see
 "$radctl" workers | grep -q ws1 || fail "radctl workers does not name ws1"
 for q in status workers jobs "job $id"; do
