@@ -79,6 +79,11 @@ libdaemon_a_SOURCES = \
 	daemon/peer.h \
 	daemon/pool.c \
 	daemon/pool.h \
+	daemon/pool_first.c \
+	daemon/pool_impl.h \
+	daemon/pool_strict.c \
+	daemon/pool_thread.c \
+	daemon/pool_unit.c \
 	daemon/recover.c \
 	daemon/recover.h \
 	daemon/relay.c \

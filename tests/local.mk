@@ -278,7 +278,7 @@ tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
 
 # radd with the hooks of tests/hook.h: not to be installed
 check_PROGRAMS += tests/radd-hooked
-tests_radd_hooked_SOURCES = daemon/radd.c daemon/pool.c tests/hook.c \
+tests_radd_hooked_SOURCES = daemon/radd.c daemon/pool_unit.c tests/hook.c \
 	tests/hook.h
 tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows are sent when so many bytes of them are done, as in pool.c. */
+/* Rows are sent when so many bytes of them are done, as in pool_unit.c. */
 #define PIECE_BYTES (64u << 10)
 
 /* Columns, in percent, whose mantissas are no run: so a coded pixel has 2.4

@@ -3,7 +3,7 @@
  *
  * Each thread of it is a fibre that makes a pass of a strict unit, or a window,
  * as the only member of a team.  It is run for some pixels, which then take
- * their virtual time; so messages come in the middle of passes, as in pool.c,
+ * their virtual time; so messages come in the middle of passes, as in the pool,
  * whose order of things is kept here. */
 #include "config.h"
 
