@@ -32,6 +32,10 @@ int journal_check(struct journal *j, struct rad_error *err);
 int journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
                        struct rad_error *err);
 
+/* All that an earlier version left is taken up: it is of this one, and one that
+ * knows less does not begin on it. */
+int journal_take_over(struct journal *j, struct rad_error *err);
+
 /* --- putting --- */
 
 int journal_put_job(struct journal *j, const struct saved_job *s,

@@ -123,6 +123,8 @@ store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
     if (rc == 0)
         rc = journal_read(s->journal, recover_one, &r, &why);
     if (rc == 0)
+        rc = journal_take_over(s->journal, &why);
+    if (rc == 0)
         rc = journal_commit(s->journal, &why);
     if (rc == 0)
         rc = folder_each(&s->folder, drop_unknown, s, &why);

@@ -125,13 +125,32 @@ until_true 10 no_old || fail "a file that nobody needs stays"
 kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "the coordinator ended with $?"
 
-# one that an older or a newer release made is not damaged, and stays as it is
-for version in 2 99; do
-    # where SQLite has the user's version in its header
+# where SQLite has the user's version in its header
+set_version()
+{
     # shellcheck disable=SC2059
-    printf "\\$(printf %03o $version)" |
+    printf "\\$(printf %03o "$1")" |
         dd of=state/radcoord.db bs=1 seek=63 conv=notrunc 2>dd.err ||
         fail "$(cat dd.err)"
+}
+
+# one of the version before goes on, and is then of this one, which the one
+# before refuses
+set_version 3
+"$radctl" check "$work/state" >checked 2>&1 || fail "version 3: $(cat checked)"
+"$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>c.log &
+coord_pid=$!
+until_true 30 there || fail "version 3 does not start: $(tail -n 3 c.log)"
+"$radctl" --coordinator="$sock" fetch "$first" -o fetched.hdr &&
+    cmp first.hdr fetched.hdr || fail "the picture of version 3 differs"
+kill -TERM "$coord_pid"
+wait "$coord_pid" || fail "the coordinator ended with $?"
+[ "$(od -An -tu1 -j63 -N1 state/radcoord.db)" -eq 4 ] ||
+    fail "version 3 stays: $(od -An -tu1 -j63 -N1 state/radcoord.db)"
+
+# one that an older or a newer release made is not damaged, and stays as it is
+for version in 2 99; do
+    set_version $version
     cp state/radcoord.db before.db
     says_version()
     {
