@@ -537,7 +537,7 @@ open_seed(const char *folder, const char *name, const char *mode)
 
     snprintf(path, sizeof path, "%s/tests/fuzz/corpus/%s", folder, name);
     f = fopen(path, mode);
-    ck_assert_msg(f != NULL, "%s: cannot open", path);
+    ck_assert_msg(f != NULL, "%s: cannot open: is it to be recorded?", path);
     return f;
 }
 
