@@ -666,6 +666,23 @@ warn_of_lights(const struct compiled *c, char text[COMPILE_WARNING])
     return true;
 }
 
+/* Can something of this material be bright by itself? */
+static bool
+may_shine(const struct rad_scene *s, int32_t material)
+{
+    if (material == RAD_VOID)
+        return false;
+    switch (s->objects[material].type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+    case RAD_GLOW:
+        return true;
+    default: /* a mixture may be of one that does */
+        return rad_otype_class(s->objects[material].type) == RAD_CLASS_MIXTURE;
+    }
+}
+
 /* Is there a light source of this name?  What relays it may stand before it,
  * with a '>' behind each. */
 static bool
@@ -724,6 +741,28 @@ compile_warning(const struct compiled *c, int i, char text[COMPILE_WARNING])
         if (warnings[k](c, text) && i-- == 0)
             return true;
     return false;
+}
+
+bool
+compile_dark(const struct compiled *c, char text[COMPILE_WARNING])
+{
+    const struct rad_scene *s = c->scene;
+    int32_t surfaces = 0;
+
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+            continue;
+        surfaces++;
+        if (may_shine(s, rad_material_of(s, o->modifier)))
+            return false;
+    }
+    snprintf(text, COMPILE_WARNING, "warning: %s",
+             surfaces == 0 ? "the scene has no surface"
+                           : "no surface of the scene gives light: what -av "
+                             "does not light is black");
+    return true;
 }
 
 bool

@@ -60,6 +60,10 @@ int compile_octree(struct compiled *c, struct rad_error *err);
 bool compile_warning(const struct compiled *c, int i,
                      char text[COMPILE_WARNING]);
 
+/* Is there nothing that could light a picture of the scene, or nothing to see?
+ * Said of what is rendered, for a part of a scene may well be dark. */
+bool compile_dark(const struct compiled *c, char text[COMPILE_WARNING]);
+
 /* What the user should know of functions of object number `object` that had no
  * value in so many places; false: there is no such object. */
 bool compile_fault(const struct rad_scene *scene, uint32_t object,

@@ -102,6 +102,8 @@ warn_of_scene(struct program *p)
 
     for (int i = 0; compile_warning(&p->scene, i, text); i++)
         warn(p, text);
+    if (compile_dark(&p->scene, text))
+        warn(p, text);
 }
 
 /* By estimated cost, which counts whole units; by the rows that have come in

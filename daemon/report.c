@@ -50,10 +50,15 @@ static json_t *
 one_job(const struct coord *c, const struct job *job)
 {
     struct msg_progress p;
-    double done;
+    double done, rows;
 
     job_progress(job, c->now_ms, &p);
+    /* the cost is that of whole units: of a single one rows tell more */
     done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
+    rows =
+        p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
+    if (rows > done)
+        done = rows;
     return json_pack(
         "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
         "s:s,s:i}",

@@ -12,6 +12,7 @@
 #include "sound.h"
 #include "store.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,6 +222,11 @@ take(const char *dir, struct rad_error *err)
 
     if (stat(dir, &st) < 0 || !S_ISDIR(st.st_mode))
         return rad_fail(err, RAD_ENOINPUT, "'%s' is no folder", dir);
+    if (access(dir, R_OK | X_OK) < 0)
+        return rad_fail(err, RAD_EPERM,
+                        "cannot look into '%s': %s: ask as root or as the user "
+                        "that radcoord runs as",
+                        dir, strerror(errno));
     if (!is_state(dir))
         return rad_fail(err, RAD_ENOINPUT,
                         "'%s' is no state folder: a coordinator would begin "

@@ -1476,6 +1476,26 @@ START_TEST(queries_are_answered_in_json)
 }
 END_TEST
 
+/* Half of a job's only unit is there. */
+START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
+{
+    struct msg part = { .type = MSG_RESULT,
+                        .result = {
+                            job_a, 0, 1, 0, 4, 8, 3, 0, { 0 }, pixels } };
+    struct msg ask = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, "aa" } };
+    json_t *root;
+
+    submit_with(&f, ANA, job_a, 0, 1, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &part);
+    say(&f, BOB, &ask);
+    root = json_loadb((const char *)f.last[BOB].answer.text,
+                      f.last[BOB].answer.len, 0, NULL);
+    ck_assert_double_eq(json_number_value(json_object_get(root, "done")), .5);
+    json_decref(root);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -1540,6 +1560,7 @@ main(void)
     tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_test(tc, queries_are_answered_in_json);
+    tcase_add_test(tc, how_far_a_job_is_goes_by_rows_where_units_are_large);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

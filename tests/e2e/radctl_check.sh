@@ -27,6 +27,12 @@ expect 66 "is no folder" "no folder" "$radctl" check "$work/state"
 mkdir other
 expect 66 "no state folder" "another folder" "$radctl" check "$work/other"
 [ -z "$(ls -A other)" ] || fail "check left something there: $(ls -A other)"
+if [ "$(id -u)" -ne 0 ]; then # root may look anywhere
+    chmod 0 other
+    expect 77 "cannot look into" "a folder of others" \
+        "$radctl" check "$work/other"
+    chmod 700 other
+fi
 # a job that gets somewhere and to no end, on a worker with the hooks of tests
 {
     echo "void plastic test-loop-70-133 0 0 5 .5 .5 .5 0 0"

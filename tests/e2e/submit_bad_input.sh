@@ -81,6 +81,18 @@ expect 77 "192.0.2.1" "coordinator elsewhere" \
     "$radsubmit" --coordinator=192.0.2.1:7420 --wait=0 -o out.hdr "$room"
 expect 69 "no.sock" "radctl without a coordinator" \
     "$radctl" --coordinator="$work/no.sock" status
+# what can only be dark is told, what may be bright is not
+printf 'void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 0 0 0 1\n' >dark.rad
+expect 0 "warning: no surface of the scene gives light" "no light" \
+    "$radsubmit" --local -x 4 -y 4 -o /dev/null dark.rad
+: >empty.rad
+expect 0 "warning: the scene has no surface" "nothing at all" \
+    "$radsubmit" --local -x 4 -y 4 -o /dev/null empty.rad
+printf 'void plastic p 0 0 5 1 1 1 0 0\nvoid glow g 0 0 4 1 1 1 0
+void mixfunc m 4 p g .5 . 0 0\nm sphere s 0 0 4 0 0 0 1\n' >mixed.rad
+expect 0 "" "a mixture that shines" \
+    "$radsubmit" --local -x 4 -y 4 -o /dev/null mixed.rad
+grep warning stderr && fail "it is not dark"
 expect 69 "--keys" "keys of no coordinator" "$radctl" key list
 expect 64 "out.tif" "a format that is not written, of radctl" \
     "$radctl" --coordinator="$work/no.sock" fetch 1f -o out.tif
