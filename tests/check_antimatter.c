@@ -1,6 +1,7 @@
 /* check_antimatter.c - tests of src/shade/antimatter.c: holes in surfaces */
 #include "config.h"
 
+#include "parts.h"
 #include "world.h"
 
 #include <stdio.h>
@@ -164,6 +165,34 @@ START_TEST(irradiance_of_the_eye_sees_no_antimatter)
 }
 END_TEST
 
+/* Two files of the same ball with the same bite, and their own names for them:
+ * neither the one nor the other is whole, whichever is read first. */
+static const char *const twice[] = {
+    "void instance i 1 a.oct 0 0\nvoid instance j 5 b.oct -t 9 0 0 0 0\n",
+    "void instance j 5 b.oct -t 9 0 0 0 0\nvoid instance i 1 a.oct 0 0\n",
+};
+
+START_TEST(antimatter_of_one_file_knows_what_another_defines_alike)
+{
+    static const char bitten[] = "void plastic ball 0 0 5 .5 .5 .5 0 0\n"
+                                 "void antimatter a 1 ball 0 0\n"
+                                 "ball sphere b 0 0 4 0 0 0 2\n"
+                                 "a sphere s 0 0 4 0 0 2 1\n";
+    struct parts p = { .n = 0 };
+    struct rad_files files = parts_files(&p);
+    struct world w;
+
+    parts_add_octree(&p, "a.oct", bitten);
+    parts_add_octree(&p, "b.oct", bitten);
+    ck_assert_int_eq(world_try(&w, twice[_i], "-av 1 1 1", &files), 0);
+    near(depth(&w, 0), 4);
+    near(depth(&w, 9), 4);
+    near(depth(&w, 9 + 1.9), 5 - sqrt(4 - 1.9 * 1.9));
+    world_close(&w);
+    parts_release(&p);
+}
+END_TEST
+
 static Suite *
 make_suite(void)
 {
@@ -177,6 +206,9 @@ make_suite(void)
     tcase_add_test(tc, reflection_stays_on_its_side);
     tcase_add_test(tc, antimatter_may_be_cut_away);
     tcase_add_test(tc, irradiance_of_the_eye_sees_no_antimatter);
+    tcase_add_loop_test(tc,
+                        antimatter_of_one_file_knows_what_another_defines_alike,
+                        0, N_ELEM(twice));
     suite_add_tcase(s, tc);
     return s;
 }

@@ -210,7 +210,7 @@ tests_check_shade_SOURCES = tests/check_shade.c tests/suns.h tests/unit.h tests/
 tests_check_shade_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_shade_LDADD = $(UNIT_LIBS)
 
-tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/unit.h \
+tests_check_antimatter_SOURCES = tests/check_antimatter.c tests/parts.h tests/unit.h \
 	tests/world.h
 tests_check_antimatter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_antimatter_LDADD = $(UNIT_LIBS)

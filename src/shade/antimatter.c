@@ -4,7 +4,12 @@
  * The last antimatter that the path has passed through, and that names a
  * modifier, says whether that is cut away: it is if the path went in.  Rays
  * that go back from a surface stay on the side that it was met from.  Only
- * rays that meet surfaces which some antimatter names look up their path. */
+ * rays that meet surfaces which some antimatter names look up their path.
+ *
+ * A name means the first of the definitions that are the same (scene.h), while
+ * a surface from a frozen octree goes by its place in that file: where two
+ * files define the same material, and the same antimatter, each must cut what
+ * is made of either.  So modifiers are compared by the first one like them. */
 #include "config.h"
 
 #include "shade/antimatter.h"
@@ -15,17 +20,53 @@
 struct antimatter {
     bool filled;     /* the first name is a material's: */
     int32_t filling; /* the modifier that cuts show */
-    int32_t n;       /* modifiers named */
+    int32_t n;       /* modifiers named, each the first like it */
     int32_t names[];
 };
 
 static bool
-has(const struct antimatter *a, int32_t modifier)
+has(const struct rad_job *job, const struct antimatter *a, int32_t modifier)
 {
+    if (modifier == RAD_VOID)
+        return false;
     for (int32_t i = 0; i < a->n; i++)
-        if (a->names[i] == modifier)
+        if (a->names[i] == job->first_like[modifier])
             return true;
     return false;
+}
+
+/* Make what all antimatter of the job needs, unless it is there. */
+static bool
+begin(struct rad_job *job)
+{
+    const struct rad_scene *scene = job->scene;
+    size_t n = (size_t)scene->nobjects;
+
+    if (job->cut)
+        return true;
+    job->first_like = rad_arena_calloc(&job->arena, n, sizeof *job->first_like);
+    job->cut = rad_arena_calloc(&job->arena, n, sizeof *job->cut);
+    if (!job->first_like || !job->cut)
+        return false;
+    for (int32_t i = 0; i < scene->nobjects; i++) {
+        const struct rad_object *o = &scene->objects[i];
+
+        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+            job->first_like[i] = rad_scene_find_modifier(scene, o->name, i + 1);
+    }
+    return true;
+}
+
+/* Surfaces of modifier m, and of all that are the same, may be cut. */
+static void
+mark(struct rad_job *job, int32_t m)
+{
+    if (job->cut[m])
+        return;
+    for (int32_t i = m; i < job->scene->nobjects; i++)
+        if (job->first_like[i] == m &&
+            rad_otype_class(job->scene->objects[i].type) != RAD_CLASS_SURFACE)
+            job->cut[i] = 1;
 }
 
 int
@@ -39,10 +80,7 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
         &job->arena, 1, sizeof *a + (size_t)o->nstrings * sizeof a->names[0]);
 
     (void)files;
-    if (!job->cut)
-        job->cut = rad_arena_calloc(&job->arena, (size_t)scene->nobjects,
-                                    sizeof *job->cut);
-    if (!a || !job->cut)
+    if (!a || !begin(job))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     if (o->nstrings < 1)
         return rad_scene_fail(scene, o, err, RAD_EDATA,
@@ -52,7 +90,7 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
 
         if (m == RAD_VOID) /* as in Radiance, an unknown one is none */
             continue;
-        job->cut[m] = 1;
+        mark(job, m);
         a->names[a->n++] = m;
     }
     a->filled = strcmp(o->strings[0], "void") != 0;
@@ -83,7 +121,7 @@ is_within(const struct rad_job *job, const struct rad_ray *r, int32_t modifier)
         m = rad_material_of(job->scene, objects[p->hit.obj].modifier);
         if (m == RAD_VOID || objects[m].type != RAD_ANTIMATTER)
             continue;
-        if (has(job->materials[m].data, modifier))
+        if (has(job, job->materials[m].data, modifier))
             return rad_dot(p->dir, p->hit.n) < 0; /* it went in */
     }
     return false;
@@ -113,7 +151,7 @@ depth_inside(const struct rad_ctx *ctx, const struct antimatter *a,
         const struct rad_ray *p = r->parent;
 
         if (goes_through(r) && p->hit.obj != RAD_VOID &&
-            has(a, objects[p->hit.obj].modifier))
+            has(ctx->job, a, objects[p->hit.obj].modifier))
             depth += p->cos_o > 0 ? 1 : -1;
     }
     return depth;

@@ -32,6 +32,8 @@ struct rad_job {
     struct rad_material *materials; /* by object, up to the last modifier */
     uint8_t *cut; /* by object: does antimatter name this modifier?  NULL:
                    * there is no antimatter */
+    int32_t *first_like; /* by object: the first of modifiers that are the same
+                          * as this one; as long as `cut` */
     struct rad_sources *sources;
     uint8_t *noambient; /* by object: is this modifier left out by -ae or -ai?
                          * NULL: there is no list */
@@ -42,7 +44,8 @@ struct rad_job {
 };
 
 /* The scene must have passed rad_scene_check() and must outlive the job; files
- * (NULL: there are none) is used during the call only.  NULL and *err on failure. */
+ * (NULL: there are none) is used during the call only.  NULL and *err on
+ * failure. */
 struct rad_job *rad_job_new(const struct rad_scene *scene,
                             const struct rad_params *params,
                             const struct rad_files *files,
