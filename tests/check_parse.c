@@ -263,7 +263,8 @@ static const struct {
     { MAT "m polygon p 0 0 10 0 0 0 1 0 0 1 1 0 5",
       "a.rad:2: polygon 'p': expected three real arguments for each vertex, "
       "got 10" },
-    { MAT "m sphere s 0 0 4 0 0 0 0", "a.rad:2: sphere 's': zero radius" },
+    { "void light l 0 0 3 1 1 1\nl sphere s 0 0 4 0 0 0 0",
+      "a.rad:2: sphere 's': a light source of zero radius" },
     { MAT "m ring r 0 0 8 0 0 0 0 0 1 -1 2",
       "a.rad:2: ring 'r': negative radius" },
     { MAT "m cone c 0 0 8 0 0 0 0 0 1 -1 2",

@@ -62,13 +62,6 @@ check_polygon(struct checker *c, const struct rad_object *o)
 }
 
 static void
-check_sphere(struct checker *c, const struct rad_object *o)
-{
-    if (o->reals[3] == 0)
-        report(c, o, RAD_EDATA, "zero radius");
-}
-
-static void
 check_cone(struct checker *c, const struct rad_object *o)
 {
     double r0 = o->reals[6], r1 = o->reals[7];
@@ -216,8 +209,8 @@ static const struct rule {
     /* clang-format off */
     { RAD_ALIAS,      0, 1,       0, INT_MAX,  check_alias },
     { RAD_SOURCE,     0, INT_MAX, 4, 4,        check_source },
-    { RAD_SPHERE,     0, INT_MAX, 4, 4,        check_sphere },
-    { RAD_BUBBLE,     0, INT_MAX, 4, 4,        check_sphere },
+    { RAD_SPHERE,     0, INT_MAX, 4, 4,        NULL },
+    { RAD_BUBBLE,     0, INT_MAX, 4, 4,        NULL },
     { RAD_POLYGON,    0, INT_MAX, 9, INT_MAX,  check_polygon },
     { RAD_CONE,       0, INT_MAX, 8, 8,        check_cone },
     { RAD_CUP,        0, INT_MAX, 8, 8,        check_cone },
@@ -388,8 +381,12 @@ check_surface(struct checker *c, const struct rad_object *o)
     if (o - c->scene->objects >= rad_scene_own(c->scene))
         return; /* what a part holds is no light source, whatever it is */
     switch (o->type) {
-    case RAD_SOURCE:
     case RAD_SPHERE:
+        /* else it is no surface: worms of genworm begin and end with one */
+        if (o->nreals == 4 && o->reals[3] == 0 && m && gives_light(m))
+            report(c, o, RAD_EDATA, "a light source of zero radius");
+        return;
+    case RAD_SOURCE:
     case RAD_POLYGON:
     case RAD_CYLINDER:
     case RAD_RING:

@@ -111,9 +111,9 @@ expect 65 "bad.rad:3: undefined modifier 'wood'" $radscene check bad.rad
 printf 'void polygon p 0 0 4 0 0 0 1\n' >bad.rad
 expect 65 "bad.rad:1: polygon 'p': expected at least 9 real arguments, got 4" \
     $radscene check bad.rad
-printf 'void polygon p 0 0 4 0 0 0 1\nvoid sphere s 0 0 4 0 0 0 0\n' >bad.rad
+printf 'void polygon p 0 0 4 0 0 0 1\nvoid ring r 0 0 8 0 0 0 0 0 1 -1 2\n' >bad.rad
 expect 65 "bad.rad:1: polygon 'p'" $radscene check bad.rad
-expect 65 "bad.rad:2: sphere 's': zero radius" $radscene check bad.rad
+expect 65 "bad.rad:2: ring 'r': negative radius" $radscene check bad.rad
 expect 65 "bad.rad:1: polygon 'p'" $radscene info bad.rad
 head -c 100000 /dev/urandom >bad.rad
 expect 65 'bad.rad:1: ' $radscene check bad.rad
