@@ -51,6 +51,11 @@ add(struct frames *f, const struct submit_options *o,
     if ((rc = rad_view_setup(&v, err)) < 0 || (rc = reserve(f, err)) < 0)
         return rc;
     rad_view_resolution(&v, &aspect, &width, &height);
+    if (width < 1 || height < 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a picture of %d by %d pixels, by -x, -y and the "
+                        "view's proportions: nothing to render",
+                        width, height);
     if (width > MSG_MAX_SIDE || height > MSG_MAX_SIDE)
         return rad_fail(err, RAD_EUSAGE,
                         "a picture of %d by %d pixels: at most %d are allowed "

@@ -46,6 +46,7 @@ expect 66 "names.none" "a file of names missing" $r -aE names.none "$room"
 expect 73 "none/err" "the error file's folder missing" \
     $r -e none/err -o out.hdr "$room"
 expect 64 "-x" "-x abc" $r -x abc "$room"
+expect 64 "of 16 by 0 pixels" "a view too flat for any row" $r -vh 179.9 "$room"
 expect 64 "stripes" "a partition that is not there" \
     $r --partition=stripes "$room"
 expect 64 "--detach" "--detach without a coordinator" \
