@@ -99,9 +99,9 @@ struct strict_pass {
     uint64_t *cpu_ns;                   /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* end it: nobody wants it any more */
-    bool split; /* call team_shrink() with least, and tell
-                 * strict_shrunk() */
-    int least;
+    bool split;   /* call team_shrink() with strict_least(), and tell
+                   * strict_shrunk() */
+    int least;    /* the line after the unit's first */
     int finished; /* lines before it are done; to be said before
                    * strict_ended() */
     int out; /* lines before it were handed on, by a pass that was blocked */
@@ -125,6 +125,10 @@ struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
 /* Do with the team of a pass what is wanted of it (stop, split, lend, back),
  * and see how far it is: strict_shrunk(), strict_lent() and strict_bottom(). */
 void strict_look(struct strict *s, struct strict_pass *p, struct team *t);
+
+/* The line before which a pass gives nothing: one is left of which rows are not
+ * out, so that there is a last one. */
+int strict_least(const struct strict_pass *p);
 
 /* The team gave its lines from `last` on, none of them begun, or nothing. */
 void strict_shrunk(struct strict *s, struct strict_pass *p, int last);

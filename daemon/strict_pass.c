@@ -489,6 +489,12 @@ look_lend(struct strict *s, struct strict_pass *p, struct team *t)
     free(loan.wanted);
 }
 
+int
+strict_least(const struct strict_pass *p)
+{
+    return p->least > p->out ? p->least : p->out + 1;
+}
+
 void
 strict_look(struct strict *s, struct strict_pass *p, struct team *t)
 {
@@ -497,7 +503,7 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
     if (p->stop)
         team_stop(t);
     if (p->split)
-        strict_shrunk(s, p, team_shrink(t, p->least));
+        strict_shrunk(s, p, team_shrink(t, strict_least(p)));
     if (p->back)
         team_back(t, p->back);
     p->back = 0;

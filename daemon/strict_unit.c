@@ -300,6 +300,8 @@ unit_split_idle(struct strict *s, struct strict_unit *u)
 
     if (u->lines_done && u->ahead_done)
         from = u->last;
+    if (from < u->out) /* of rows that are out one must be its last */
+        from = u->out;
     u->split = false;
     give_lines(s, u, u->last - (u->last - from) / 2);
 }

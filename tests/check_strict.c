@@ -1289,6 +1289,52 @@ START_TEST(what_keeps_no_facts_does_not_lend)
 }
 END_TEST
 
+/* Having lent columns of its last line, a unit has handed on all rows above;
+ * without that line it would have none left to be its last. */
+START_TEST(a_line_is_left_when_others_are_out)
+{
+    const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
+    const struct msg_counts none = { 0 };
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    uint8_t wanted[8] = { 0 };
+    struct rad_pixel top[64] = { 0 };
+    const struct team_loan loan = {
+        .line = 6, .x = 6, .n = 6, .wanted = wanted, .top = top, .bottom = top
+    };
+    struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
+    struct msg_counts total;
+    const struct msg *m;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 7);
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_TRUTH);
+    ck_assert(p && p->rank == STRICT_TRUTH);
+    ck_assert_int_eq(strict_least(p), 5);
+    strict_lend(s, &lend);
+    strict_lent(s, p, &loan);
+    strict_blocked(s, p, 6);
+    strict_ended(s, p, false, NULL, NULL, &none, &total);
+    strict_back(s, &back);
+    while (strict_message(s, true))
+        ;
+    strict_split(s, 0, 1);
+    m = strict_message(s, true);
+    ck_assert(m && m->type == MSG_GAVE);
+    ck_assert_uint_eq(m->gave.height,
+                      (uint32_t)(team_line_row(&q, 7) - team_line_row(&q, 4)));
+    p = strict_next(s, STRICT_TRUTH);
+    ck_assert(p && p->out == 6);
+    ck_assert_int_eq(strict_least(p), 7);
+    strict_ended(s, p, false, NULL, NULL, &none, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* Of a unit whose top came late: AHEAD left its first bar out, for lack of
  * colours above, and nobody below should wait for that. */
 START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
@@ -1670,6 +1716,7 @@ main(void)
     tcase_add_test(tc, what_lines_cost_is_told);
     tcase_add_test(tc, what_a_loan_traced_for_nothing_is_told);
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
+    tcase_add_test(tc, a_line_is_left_when_others_are_out);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
     suite_add_tcase(s, tc);
     return unit_run(s);
