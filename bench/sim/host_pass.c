@@ -69,16 +69,49 @@ host_pass_end(struct host *h, bool done)
     send_strict_rows(h, &was, row_of(h, h->last), &total);
 }
 
+/* The base line that the pass is at, or has made, is true from its first column
+ * to there: if it is the last one, that may be all that others wait for. */
+static void
+bottom_until(struct host *h, int end)
+{
+    const struct rad_quincunx *q = &host_map(h)->q;
+    size_t n = rad_quincunx_ndensity(q);
+
+    if (h->pass->true_top && !h->skipped && h->line == h->last - 1)
+        strict_bottom(h->strict, h->pass, end,
+                      n * (size_t)end / (size_t)q->width, h->pixels,
+                      h->density);
+}
+
+/* A block of a base line is made. */
+static void
+tell_bottom(struct host *h)
+{
+    int x0, x1;
+
+    if (h->in_bar)
+        return;
+    host_block_columns(h, &x0, &x1);
+    if (h->block == host_block_count(h) - 1)
+        bottom_until(h, host_map(h)->q.width);
+    else if (h->pass->end == TEAM_FROM_LEFT)
+        bottom_until(h, x1);
+}
+
 void
 host_pass_shrink(struct host *h)
 {
-    int begun = h->line + 1;
+    int begun = h->line + 1, keep = h->last - (h->last - begun + 1) / 2;
 
-    if (begun < h->pass->least)
-        begun = h->pass->least;
-    if (begun < h->last)
-        h->last -= (h->last - begun + 1) / 2;
+    if (keep == begun && h->pass->mode != TEAM_TRUTH)
+        keep++;
+    if (keep < strict_least(h->pass))
+        keep = strict_least(h->pass);
+    if (keep < h->last)
+        h->last = keep;
     strict_shrunk(h->strict, h->pass, h->last);
+    if (h->in_bar)
+        bottom_until(h, host_map(h)->q.width);
 }
 
 bool
@@ -102,22 +135,6 @@ host_pass_look(struct host *h)
     p->back = 0;
     if (p->lend > 0)
         host_lend(h);
-}
-
-/* A line's base line, from its first column to this block's end, is true. */
-static void
-tell_bottom(struct host *h)
-{
-    const struct map *m = host_map(h);
-    size_t n = rad_quincunx_ndensity(&m->q);
-    int x0, x1;
-
-    if (!h->pass->true_top || h->in_bar || h->skipped ||
-        h->line != h->last - 1 || h->pass->end != TEAM_FROM_LEFT)
-        return;
-    host_block_columns(h, &x0, &x1);
-    strict_bottom(h->strict, h->pass, x1, n * (size_t)x1 / (size_t)m->q.width,
-                  h->pixels, h->density);
 }
 
 /* On to the next block, base line, then bar, then line; false: the end. */
