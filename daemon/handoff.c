@@ -347,6 +347,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
     struct job_unit *u = &job->units[unit];
 
     offer_top(c, job, unit);
+    u->whole = false; /* it begins at its first line again */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].parked && !u->go[i].blocked)
             sched_unpark(c, job, unit, &u->go[i]);

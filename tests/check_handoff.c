@@ -961,6 +961,34 @@ START_TEST(one_that_has_nothing_to_give_is_not_asked_again)
 }
 END_TEST
 
+/* It had nothing left ahead of the truth; under that there are pixels again
+ * that no guess could be sure of. */
+START_TEST(one_whose_top_came_may_be_asked_again)
+{
+    struct msg_unit a, b, c;
+
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    start(MSG_PART_STATIC, 0, 3);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    c = *unit_of(W3);
+    wait_ms(100);
+    finish(W3, &c);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
+    gave(W2, &b, b.height);
+    ck_assert_int_eq(count(W1, MSG_SPLIT), 1);
+    gave(W1, &a, a.height);
+    attempt(W2, MSG_PARKED, &b);
+    wait_ms(1000);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 1);
+    base_line(W1, 0, line_above(b.y));
+    wait_ms(100);
+    ck_assert_int_eq(count(W2, MSG_SPLIT), 2);
+    gave(W2, &b, BAR);
+    ck_assert_uint_eq(unit_of(W3)->y, b.y + BAR);
+}
+END_TEST
+
 /* It stood still when it was asked, and a twin has begun meanwhile, with all of
  * the unit. */
 START_TEST(lines_that_come_after_a_twin_are_not_given)
@@ -1816,6 +1844,7 @@ main(void)
     tcase_add_test(tc, rows_that_cross_a_revoke_bring_nothing_back);
     tcase_add_test(tc, an_idle_worker_gets_half_of_what_another_has_left);
     tcase_add_test(tc, one_that_has_nothing_to_give_is_not_asked_again);
+    tcase_add_test(tc, one_whose_top_came_may_be_asked_again);
     tcase_add_test(tc, lines_that_come_after_a_twin_are_not_given);
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
