@@ -23,7 +23,12 @@ UNIT_TESTS = \
 	tests/check_compile \
 	tests/check_conf \
 	tests/check_conn \
-	tests/check_coord \
+	tests/check_coord_conns \
+	tests/check_coord_faults \
+	tests/check_coord_jobs \
+	tests/check_coord_order \
+	tests/check_coord_rows \
+	tests/check_seeding \
 	tests/check_costs \
 	tests/check_credentials \
 	tests/check_data \
@@ -36,6 +41,11 @@ UNIT_TESTS = \
 	tests/check_gate \
 	tests/check_geom \
 	tests/check_handoff \
+	tests/check_parked \
+	tests/check_balance \
+	tests/check_lending \
+	tests/check_twins \
+	tests/check_survey \
 	tests/check_hdr \
 	tests/check_hostile \
 	tests/check_idle \
@@ -366,13 +376,65 @@ tests_check_ring_SOURCES = tests/check_ring.c tests/unit.h
 tests_check_ring_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_ring_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_coord_SOURCES = tests/check_coord.c tests/unit.h
-tests_check_coord_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
-tests_check_coord_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_coord_conns_SOURCES = tests/check_coord_conns.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_conns_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_conns_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_handoff_SOURCES = tests/check_handoff.c tests/unit.h
+tests_check_coord_faults_SOURCES = tests/check_coord_faults.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_faults_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_faults_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_coord_jobs_SOURCES = tests/check_coord_jobs.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_jobs_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_jobs_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_coord_order_SOURCES = tests/check_coord_order.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_order_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_order_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_coord_rows_SOURCES = tests/check_coord_rows.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_rows_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_rows_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_seeding_SOURCES = tests/check_seeding.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_seeding_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_seeding_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_handoff_SOURCES = tests/check_handoff.c \
+	tests/lines_fixture.h tests/unit.h
 tests_check_handoff_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_handoff_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_parked_SOURCES = tests/check_parked.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_parked_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_parked_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_balance_SOURCES = tests/check_balance.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_balance_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_balance_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_lending_SOURCES = tests/check_lending.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_lending_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_lending_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_twins_SOURCES = tests/check_twins.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_twins_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_twins_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_survey_SOURCES = tests/check_survey.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_survey_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_survey_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_partition_SOURCES = tests/check_partition.c tests/unit.h
 tests_check_partition_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

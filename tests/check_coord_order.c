@@ -1,0 +1,141 @@
+/* check_coord_order.c - which job a worker gets units of */
+#include "config.h"
+
+#include "coord_fixture.h"
+
+START_TEST(a_paused_job_gets_no_units)
+{
+    submit(&f, ANA, job_a, 0);
+    about(&f, ANA, MSG_PAUSE, job_a);
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(f.units[WORKER], 0);
+    about(&f, ANA, MSG_RESUME, job_a);
+    ck_assert_uint_eq(f.units[WORKER], 2);
+}
+END_TEST
+
+START_TEST(a_drained_worker_gets_nothing_new)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+
+    say(&f, ADMIN, &m);
+    submit(&f, ANA, job_a, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_WELCOME);
+    m.type = MSG_UNDRAIN;
+    say(&f, ADMIN, &m);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+}
+END_TEST
+
+START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    for (uint32_t u = 0; u < 2; u++) {
+        ck_assert(!f.closed[WORKER]);
+        result(&f, WORKER, job_a, u, 1);
+    }
+    ck_assert_int_eq(f.last[WORKER].type, MSG_BYE);
+    ck_assert(f.closed[WORKER]);
+    ck_assert_uint_eq(f.units[WORKER], 2);
+}
+END_TEST
+
+START_TEST(higher_priority_goes_first)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    submit(&f, BOB, job_b, 1);
+    ready(&f, WORKER, job_b);
+    result(&f, WORKER, job_a, 0, 1);
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
+START_TEST(owners_share_the_workers)
+{
+    submit(&f, ANA, job_a, 0);
+    submit(&f, BOB, job_b, 0);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+    ready(&f, WORKER, job_b);
+    ready(&f, SECOND, job_a);
+    ready(&f, SECOND, job_b);
+    ck_assert_uint_eq(f.unit_job, 0xaa); /* while it loads bob's */
+    ck_assert_int_eq(f.last[SECOND].type, MSG_UNIT);
+    result(&f, SECOND, job_a, f.last[SECOND].unit.unit, 1);
+    /* ana's is older, but she has more threads at work */
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
+START_TEST(priority_goes_before_fairness)
+{
+    submit(&f, ANA, job_a, 1);
+    submit(&f, BOB, job_b, 0);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    ready(&f, WORKER, job_b);
+    ready(&f, SECOND, job_a);
+    ready(&f, SECOND, job_b);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+}
+END_TEST
+
+/* Four units, of which a worker has two at a time. */
+static void
+two_arithmetics(uint32_t flags)
+{
+    struct msg other = { .type = MSG_READY, .ready = { job_a, .1, 8, 2 } };
+
+    submit_with(&f, ANA, job_a, 0, 4, flags);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, WORKER, job_a);
+    say(&f, SECOND, &other);
+}
+
+START_TEST(same_bits_takes_workers_of_one_arithmetic)
+{
+    two_arithmetics(MSG_JOB_SAME_BITS);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_END);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    ck_assert_int_eq(f.exclude_logs, 1);
+    /* nor is it asked again, and one that is the same takes part */
+    join(&f, 6, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(&f, 6, job_a);
+    ck_assert_uint_gt(f.units[6], 0);
+    wait_s(&f, 10);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+}
+END_TEST
+
+START_TEST(without_same_bits_all_workers_take_part)
+{
+    two_arithmetics(0);
+    ck_assert_uint_gt(f.units[SECOND], 0);
+    ck_assert_int_eq(f.exclude_logs, 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord_order");
+    TCase *tc = tcase_create("coord_order");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, a_paused_job_gets_no_units);
+    tcase_add_test(tc, a_drained_worker_gets_nothing_new);
+    tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
+    tcase_add_test(tc, higher_priority_goes_first);
+    tcase_add_test(tc, owners_share_the_workers);
+    tcase_add_test(tc, priority_goes_before_fairness);
+    tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
+    tcase_add_test(tc, without_same_bits_all_workers_take_part);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

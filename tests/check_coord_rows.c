@@ -1,0 +1,231 @@
+/* check_coord_rows.c - rows that come to the coordinator, and what is counted
+ * of them */
+#include "config.h"
+
+#include "coord_fixture.h"
+
+START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
+{
+    static const uint32_t order[] = { 1, 0, 3, 2 };
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { job_a, 0, 1, 0, 4, 4, 3, 1, { 0 }, pixels } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    for (int i = 0; i < 4; i++) {
+        m.result.unit = order[i];
+        m.result.counts.nan = (struct msg_nan){ order[i], 0, 5, 9 - order[i] };
+        say(&f, WORKER, &m);
+    }
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
+    ck_assert_uint_eq(f.progress.nan.pixels, 6);
+    ck_assert_uint_eq(f.progress.nan.y, 6);
+}
+END_TEST
+
+static const struct {
+    uint8_t partition;
+    uint32_t flags, started; /* of the SUBMIT and of the JOB_START */
+} codings[] = {
+    { MSG_PART_AUTO, 0, MSG_JOB_CODED },
+    { MSG_PART_STATIC, MSG_JOB_SHARE, MSG_JOB_SHARE | MSG_JOB_CODED },
+    { MSG_PART_WINDOW, MSG_JOB_CODED, MSG_JOB_CODED },
+    { MSG_PART_AUTO, MSG_JOB_DEPTH | MSG_JOB_CODED, MSG_JOB_DEPTH },
+};
+
+START_TEST(rows_come_coded_unless_distances_do)
+{
+    struct msg m = usual_submit(job_a);
+
+    m.submit.estimate = "uniform";
+    m.submit.flags = codings[_i].flags;
+    m.submit.partition = codings[_i].partition;
+    say(&f, ANA, &m);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ck_assert_uint_eq(f.last[WORKER].job_start.flags, codings[_i].started);
+}
+END_TEST
+
+static const struct {
+    const char *code;
+    size_t len;
+    uint32_t rows;
+    uint8_t channels;
+    bool taken;
+} coded_rows[] = {
+    /* eight columns, one component after the other */
+    { "\2\2\0\10\210\1\210\2\210\3\210\4", 12, 1, 1, true },
+    { "\2\2\0\10\210\1\210\2\210\3\210\4", 12, 2, 1, false },
+    { "\2\2\0\10\210\1\210\2\210\3\210\4\0", 13, 1, 1, false },
+    { "\2\2\0\10\210\1\210\2\210\3\210", 11, 1, 1, false },
+    { "\2\2\0\7\207\1\207\2\207\3\207\4", 12, 1, 1, false },
+    /* floats are coded here; they have no distance */
+    { NULL, 0, 1, 3, true },
+    { NULL, 0, 1, 4, false },
+};
+
+START_TEST(coded_rows_that_are_none_end_the_connection)
+{
+    struct msg m = usual_submit(job_a);
+    struct msg r = { .type = MSG_RESULT,
+                     .result = { job_a, 0, 1, 0, coded_rows[_i].rows, 8,
+                                 coded_rows[_i].channels } };
+
+    m.submit.params = "-ps 1";
+    m.submit.estimate = "uniform";
+    m.submit.partition = MSG_PART_AUTO;
+    say(&f, ANA, &m);
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_gt(f.units[WORKER], 0);
+    r.result.pixels =
+        coded_rows[_i].code ? (const uint8_t *)coded_rows[_i].code : pixels;
+    r.result.len = coded_rows[_i].len;
+    say(&f, WORKER, &r);
+    ck_assert(f.closed[WORKER] == !coded_rows[_i].taken);
+    ck_assert(!coded_rows[_i].taken || f.last[WORKER].type == MSG_ACK);
+}
+END_TEST
+
+/* So the store has one kind of rows, whoever made them. */
+START_TEST(rows_of_version_1_are_coded_here)
+{
+    float row[4 * 4 * 3];
+    uint8_t bytes[sizeof row], want[4 * 4 * 4];
+    struct msg m = { .type = MSG_RESULT,
+                     .result = {
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+
+    for (int i = 0; i < N_ELEM(row); i++)
+        row[i] = 1 / (float)(i + 3);
+    wire_floats_put(bytes, row, N_ELEM(row));
+    for (int i = 0; i < 16; i++) /* so short a row is flat */
+        rad_rgbe(rad_rgb(row[3 * i], row[3 * i + 1], row[3 * i + 2]),
+                 want + 4 * (ptrdiff_t)i);
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    ck_assert_uint_eq(f.rows.channels, 1);
+    ck_assert_uint_eq(f.rows.len, sizeof want);
+    ck_assert_mem_eq(f.code, want, sizeof want);
+}
+END_TEST
+
+static void
+tally(double busy_s, double wait_s, uint64_t rays)
+{
+    struct msg m = { .type = MSG_TALLY,
+                     .tally = { .job = job_a,
+                                .busy_s = busy_s,
+                                .wait_base_line_s = wait_s,
+                                .rays_under_way = rays } };
+
+    say(&f, WORKER, &m);
+}
+
+START_TEST(waits_for_the_line_above_are_summed_over_children)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    tally(8, 2.5, 0);
+    ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.5);
+    ck_assert_double_eq(worker_stat("busy_s"), 5.5);
+    tally(1, .25, 0); /* less than before: another child's */
+    ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.75);
+    ck_assert_double_eq(worker_stat("busy_s"), 6.25);
+}
+END_TEST
+
+START_TEST(rays_under_way_are_told_and_never_fewer)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    tally(1, 0, 7);
+    ck_assert_uint_eq(rays_told(), 7);
+    tally(1, 0, 3); /* seven of a unit whose RESULT is on its way */
+    ck_assert_uint_eq(rays_told(), 7);
+    result(&f, WORKER, job_a, 0, 1); /* ten, and three under way */
+    ck_assert_uint_eq(rays_told(), 13);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    ck_assert_uint_eq(f.progress.rays, 40);
+}
+END_TEST
+
+/* What ws1 made of unit 0 comes when ws2 was first. */
+static void
+late_twin(const uint8_t *bytes)
+{
+    struct msg m = { .type = MSG_RESULT,
+                     .result = {
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+
+    two_are_left();
+    wait_s(&f, 61);
+    result(&f, SECOND, job_a, 0, 2);
+    say(&f, WORKER, &m);
+}
+
+START_TEST(a_duplicate_that_differs_is_an_error)
+{
+    uint8_t other[sizeof pixels] = { 0 };
+
+    other[96] = 0x3f; /* 1, nearly */
+    late_twin(other);
+    ck_assert_int_eq(f.differ_logs, 1);
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+}
+END_TEST
+
+START_TEST(a_duplicate_that_does_not_is_none)
+{
+    late_twin(pixels);
+    ck_assert_int_eq(f.differ_logs, 0);
+}
+END_TEST
+
+START_TEST(a_late_result_of_an_old_attempt_is_dropped)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    coord_closed(f.c, f.now_ms, WORKER, "cut");
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a); /* has them all again */
+    join(&f, 6, MSG_ROLE_WORKER, "ws1", "daemon");
+    result(&f, 6, job_a, f.last[SECOND].unit.unit, 1);
+    ck_assert_int_eq(f.last[6].type, MSG_ACK); /* so that it forgets it */
+    ck_assert_int_ne(f.last[ANA].type, MSG_DONE);
+}
+END_TEST
+
+START_TEST(a_result_that_fits_no_unit_ends_the_connection)
+{
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    result(&f, WORKER, job_a, 4, 1);
+    ck_assert(f.closed[WORKER]);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord_rows");
+    TCase *tc = tcase_create("coord_rows");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
+    tcase_add_loop_test(tc, rows_come_coded_unless_distances_do, 0,
+                        N_ELEM(codings));
+    tcase_add_test(tc, rows_of_version_1_are_coded_here);
+    tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
+                        N_ELEM(coded_rows));
+    tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
+    tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
+    tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
+    tcase_add_test(tc, a_duplicate_that_does_not_is_none);
+    tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
+    tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,164 @@
+/* check_twins.c - units that several are at */
+#include "config.h"
+
+#include "lines_fixture.h"
+
+/* Two at one unit, all else being done: ws1 got it first, ws2 as well when it
+ * was late. */
+static void
+twins(struct msg_unit *a, struct msg_unit *b)
+{
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    *b = *unit_of(W2);
+    finish(W2, b);
+    *a = *unit_of(W1);
+    wait_ms(61000);
+    *b = *unit_of(W2);
+    ck_assert(b->flags & MSG_UNIT_TWIN);
+    ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
+}
+
+START_TEST(the_first_of_twins_whose_rows_come_leads)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    ck_assert(a.unit == b.unit && b.attempt == a.attempt + 1);
+    ck_assert(b.end == MSG_END_RIGHT && b.height == a.height);
+    ck_assert_int_eq(count(W1, MSG_TWIN), 1);
+    clear();
+    facts(W1, line_above(a.y + a.height));
+    facts(W2, line_above(a.y + a.height));
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1);
+    ck_assert_int_eq(count(W2, MSG_FACTS), 1);
+    base_line(W2, 0, line_above(a.y + a.height));
+    result(W2, &b, 0, 1, false);
+    result(W1, &a, 0, 1, false); /* is forgotten */
+    ck_assert_int_eq(count(W1, MSG_ACK), 1);
+    result(W1, &a, 1, a.height - 1, true);
+    ck_assert_int_eq(count(W1, MSG_ACK), 2);
+    ck_assert(!f.done);
+    clear();
+    result(W2, &b, 1, b.height - 1, true);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(when_the_leader_goes_one_that_sent_nothing_goes_on)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    result(W2, &b, 0, 2, false);
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 0);
+    finish(W1, &a);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(when_the_leader_goes_one_whose_rows_were_dropped_begins_anew)
+{
+    struct msg_unit a, b;
+
+    twins(&a, &b);
+    facts(W2, line_above(a.y + a.height));
+    result(W2, &b, 0, 2, false);
+    result(W1, &a, 0, 1, false);
+    clear();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+    b = *unit_of(W1);
+    ck_assert(b.unit == a.unit && b.attempt == a.attempt + 2);
+    ck_assert_uint_eq(b.flags & MSG_UNIT_TWIN, 0);
+    ck_assert_int_eq(count(W1, MSG_FACTS), 1); /* they are kept */
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(a_very_late_unit_gets_a_twin_with_scanbar_too)
+{
+    start(MSG_PART_SCANBAR, 0, 1);
+    f.closed[W2] = true;
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    for (int i = 0; i < f.nsaid; i++) /* what it gets, and what it gets then */
+        if (f.said[i].conn == W3 && f.said[i].m.type == MSG_UNIT)
+            attempt(W3, MSG_PARKED, &f.said[i].m.unit);
+    ck_assert_int_eq(count(W3, MSG_TWIN), 0);
+    clear();
+    wait_ms(50000);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 0);
+    wait_ms(20000);
+    ck_assert_int_eq(count(W3, MSG_UNIT), 1);
+    ck_assert(unit_of(W3)->flags & MSG_UNIT_TWIN);
+    ck_assert_int_eq(count(W1, MSG_TWIN), 1);
+}
+END_TEST
+
+/* Its child does nothing any more, though radd is there. */
+START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
+{
+    struct msg_unit a, b;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    finish(W1, &a); /* it has its base line now */
+    clear();
+    wait_ms(59000);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    wait_ms(2000);
+    ck_assert_uint_eq(unit_of(W1)->unit, b.unit);
+    b = *unit_of(W1);
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+/* Its child was stopped after its first rows: they count no more once a twin
+ * has rows, and what it sends later is dropped. */
+START_TEST(a_twin_overtakes_one_that_is_silent)
+{
+    struct msg_unit a, b, twin;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    result(W2, &b, 0, 1, false);
+    finish(W1, &a);
+    clear();
+    wait_ms(61000);
+    twin = *unit_of(W1);
+    ck_assert_uint_eq(twin.unit, b.unit);
+    result(W1, &twin, 0, 1, false);
+    result(W2, &b, 1, b.height - 1, true);
+    ck_assert(!f.done);
+    result(W1, &twin, 1, twin.height - 1, true);
+    ck_assert(f.done);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("twins");
+    TCase *tc = tcase_create("twins");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, the_first_of_twins_whose_rows_come_leads);
+    tcase_add_test(tc, when_the_leader_goes_one_that_sent_nothing_goes_on);
+    tcase_add_test(
+        tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
+    tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
+    tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
+    tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
