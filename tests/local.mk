@@ -316,6 +316,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/glow_rays.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
 	tests/e2e/keys.sh \
@@ -351,6 +352,7 @@ TESTS += \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
+	tests/e2e/glow_rays.sh \
 	tests/e2e/identity.sh \
 	tests/e2e/identity_faults.sh \
 	tests/e2e/keys.sh \
