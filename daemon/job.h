@@ -146,7 +146,8 @@ struct job_frame {
     double *line_s;       /* what was spent on each line in this life of the
                            * coordinator: processor time; NULL: nothing known */
     uint32_t nlines;      /* so many */
-    bool untold;          /* a worker of version 1 does not say it of its own */
+    bool untold;          /* not all of it is said: a worker is of version 1, or
+                           * lost a unit that it had spent something on */
     bool writing, written;
 };
 

@@ -17,10 +17,9 @@
 #include <string.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      4 /* since rows lie as in the picture; the tables are as in 3 \
-                       */
-#define SCHEMA_ALSO 3    /* is read, too */
-#define WAL_PAGES   1000 /* in the log before it is carried over */
+#define SCHEMA      4          /* since rows lie as in the picture */
+#define SCHEMA_ALSO 3          /* is read, too: its tables are the same */
+#define WAL_PAGES   1000       /* in the log before it is carried over */
 
 static const char schema[] =
     "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"

@@ -52,7 +52,10 @@ loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_unit *u = &job->units[unit];
     bool led = go->attempt == u->lead || u->lead == 0;
+    struct partition_area a;
 
+    partition_area(job->partition, unit, &a);
+    job->frames[a.frame].untold = true;
     sched_release(c, job, unit, go);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);

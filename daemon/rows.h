@@ -66,9 +66,10 @@ int rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
                struct rad_error *err);
 
 /* The same of n bytes in which the rows are coded one behind the other
- * (rad_hdr_encode_row()), of which only a few are taken apart at a time; in ROWS_CODED they must be whole rows.  Where sum is
- * not NULL it gets their rowsum(), as they are in the file, of ROWS_RGBE.
- * RAD_EPROTO also for what is not so many rows, or none. */
+ * (rad_hdr_encode_row()), of which only a few are taken apart at a time; in
+ * ROWS_CODED they must be whole rows.  Where sum is not NULL it gets their
+ * rowsum(), as they are in the file, of ROWS_RGBE.  RAD_EPROTO also for what is
+ * not so many rows, or none. */
 int rows_write_coded(struct rows *r, int x, int y, int w, int h,
                      const uint8_t *code, size_t n, uint64_t *sum,
                      struct rad_error *err);

@@ -160,7 +160,8 @@ out_line_costs(struct strict *s, const struct strict_unit *u)
     if (!it.cpu_ns)
         return;
     memcpy(it.cpu_ns, u->cpu_ns + from, n * sizeof *it.cpu_ns);
-    push(s, &s->urgent, &it);
+    if (!push(s, &s->urgent, &it))
+        free(it.cpu_ns);
 }
 
 void
