@@ -48,8 +48,8 @@ struct program {
     bool unwritten; /* a picture came and could not be written */
     struct target target;
     struct progress progress;
-    bool held;               /* was said */
-    double elapsed_s, error; /* as last told */
+    bool held, paused, waiting; /* were said */
+    double elapsed_s, error;    /* as last told */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
@@ -130,6 +130,35 @@ say_held(struct program *p, bool held)
     p->held = held;
 }
 
+/* Somebody paused it, and somebody has to resume it. */
+static void
+say_paused(struct program *p, bool paused)
+{
+    char text[100], hex[MSG_JOB_HEX];
+
+    msg_job_format(p->id, hex);
+    snprintf(text, sizeof text, "the job is paused: radctl resume %s", hex);
+    if (paused && !p->paused)
+        say(p, text);
+    else if (!paused && p->paused)
+        say(p, "the job goes on");
+    p->paused = paused;
+}
+
+/* Nothing happens, and nobody knows why: say it once, not to who has a cluster
+ * of his own, whose workers are on their way. */
+static void
+say_waiting(struct program *p, const struct msg_progress *m)
+{
+    enum { PATIENCE_S = 2 };
+
+    if (p->waiting || p->embedded || m->state != MSG_STATE_WAITING ||
+        m->workers > 0 || m->elapsed_s < PATIENCE_S)
+        return;
+    p->waiting = true;
+    say(p, "no worker has begun yet; radctl workers says what they do");
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
@@ -137,6 +166,8 @@ on_progress(void *arg, const struct msg_progress *m)
     struct progress_report r;
 
     say_held(p, m->state == MSG_STATE_HELD);
+    say_paused(p, m->state == MSG_STATE_PAUSED);
+    say_waiting(p, m);
     r.elapsed_s = m->elapsed_s;
     r.done = share_done(m);
     r.rays = m->rays;

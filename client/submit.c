@@ -36,7 +36,8 @@ struct submit {
     struct rad_error *err;
     uint32_t request;  /* of the last request that we sent */
     uint64_t start_ms; /* when we began; then, when the job was accepted */
-    bool connected; /* at some time */
+    uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
+    bool connected;    /* at some time */
     bool accepted, met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
@@ -79,6 +80,9 @@ take(struct submit *s, const struct msg *m)
         s->last = m->progress;
         if (m->progress.workers > 0)
             s->met_worker = true;
+        if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
+            m->progress.state == MSG_STATE_PAUSED)
+            s->wait_ms = now_ms(s); /* none is to be had meanwhile */
         if (s->cb->progress)
             s->cb->progress(s->cb->arg, &m->progress);
         return 0;
@@ -351,14 +355,31 @@ no_worker(struct submit *s)
     s->err = &ignored;
     cancel(s);
     s->err = err;
-    return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s",
-                    s->job->wait_s);
+    return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s%s",
+                    s->job->wait_s,
+                    s->cb->alive ? "" /* they are our own */
+                                 : ": --wait=S waits longer, --detach leaves "
+                                   "the job to the coordinator");
 }
 
 static bool
+waited_since(struct submit *s, uint64_t ms)
+{
+    return (double)(now_ms(s) - ms) >= 1000 * s->job->wait_s;
+}
+
+/* For a coordinator, or workers of our own. */
+static bool
 waited(struct submit *s)
 {
-    return (double)(now_ms(s) - s->start_ms) >= 1000 * s->job->wait_s;
+    return waited_since(s, s->start_ms);
+}
+
+/* For a worker, since the job could have one. */
+static bool
+waited_for_worker(struct submit *s)
+{
+    return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
 }
 
 /* Take pictures until the last is there. */
@@ -376,7 +397,7 @@ watch(struct submit *s)
                 return rc;
             continue;
         }
-        if (!s->met_worker && waited(s))
+        if (waited_for_worker(s))
             return no_worker(s);
         if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0)
             return rc;

@@ -100,9 +100,9 @@ address_permitted(const struct address *a, const char *text,
     if (address_is_loopback(a))
         return 0;
     return rad_fail(err, RAD_EPERM,
-                    "'%s' is not a loopback address, and without a key file "
-                    "hosts cannot prove who they are: use 127.0.0.1, [::1] or "
-                    "a Unix socket",
+                    "'%.64s' is no loopback address and takes a key file "
+                    "(radcoord --keys, radd --key; see radd.keys(5)): without "
+                    "one use 127.0.0.1 or [::1]",
                     text);
 }
 

@@ -5,13 +5,15 @@ EXTRA_DIST += \
 	etc/radd.completion \
 	etc/radd.conf \
 	etc/radd.service.in \
-	etc/radd.sysusers
+	etc/radd.sysusers \
+	etc/radsubmit.conf
 
 # samples, where they overwrite nobody's settings
 sampledir = $(docdir)/examples
 dist_sample_DATA = \
 	etc/radcoord.conf \
-	etc/radd.conf
+	etc/radd.conf \
+	etc/radsubmit.conf
 
 systemdsystemunit_DATA = \
 	etc/radcoord.service \

@@ -322,6 +322,24 @@ script_has_no_worker(struct player *p)
     player_cancelled(p);
 }
 
+/* As long as it is paused no worker can come. */
+static void
+script_is_paused(struct player *p)
+{
+    struct msg m = { .type = MSG_PROGRESS };
+
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    m.progress.job = job_id;
+    m.progress.state = MSG_STATE_PAUSED;
+    player_send(p, &m);
+    usleep(300000); /* many times as long as it would wait */
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
 static void
 script_detaches(struct player *p)
 {
@@ -413,6 +431,7 @@ static const struct script {
       false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, true, false },
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, false, false },
+    { "is paused", script_is_paused, 0, .01, false, false },
     { "detaches", script_detaches, 0, 30, false, true },
 };
 

@@ -35,6 +35,23 @@ expect 75 "" "fetch too early" "$radctl" fetch "$id" -o out.hdr
 grep -qE "^$id +waiting +0 % .*detached" jobs ||
     fail "radctl jobs does not name the job: $(cat jobs)"
 
+# who waits is told why nothing happens
+# shellcheck disable=SC2086
+"$radsubmit" $view -o waits.hdr "$room" 2>waits.err &
+waits=$!
+until_true 30 grep -q "no worker has begun" waits.err ||
+    fail "nothing of no worker: $(cat waits.err)"
+paused=$(sed -n 's/radsubmit: job //p' waits.err)
+"$radctl" pause "$paused" || fail "pause"
+until_true 30 grep -q "is paused: radctl resume $paused" waits.err ||
+    fail "nothing of the pause: $(cat waits.err)"
+"$radctl" resume "$paused" || fail "resume"
+until_true 30 grep -q "the job goes on" waits.err ||
+    fail "nothing of its end: $(cat waits.err)"
+kill -INT $waits
+wait $waits
+[ $? -eq 75 ] || fail "interrupted while it waits: $(cat waits.err)"
+
 start_worker ws1
 until_true 60 "$radctl" fetch "$id" -o out.hdr || fail "never to be fetched"
 # the beginning of an id will do
