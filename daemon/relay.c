@@ -442,6 +442,18 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
+/* If the child dies now it may be of that. */
+static void
+child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wunit *u =
+        worker_find_unit(job, m->resumed.unit, m->resumed.attempt);
+
+    (void)w;
+    if (u)
+        u->parked = false;
+}
+
 /* Even if it was revoked meanwhile: what it cost is told nowhere else, but in
  * sum, for that this may not arrive.  A child's sums begin at zero, which the
  * coordinator is to know before it hears of the first. */
@@ -550,6 +562,7 @@ static const struct {
     { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
     { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
     { MSG_PAID, child_paid },           { MSG_LINE_COSTS, child_line_costs },
+    { MSG_RESUMED, child_resumed },
 };
 
 void

@@ -93,6 +93,7 @@ struct item {
     enum {
         ITEM_FACTS,
         ITEM_PARKED,
+        ITEM_RESUMED,
         ITEM_GAVE,
         ITEM_PIECE,
         ITEM_LOAN,
@@ -277,6 +278,7 @@ void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
 bool out_has_facts(const struct strict *s, uint32_t frame, int line);
 void out_gave(struct strict *s, const struct strict_unit *u);
 void out_parked(struct strict *s, const struct strict_unit *u);
+void out_resumed(struct strict *s, const struct strict_unit *u);
 void out_paid(struct strict *s, const struct strict_unit *u);
 /* What was spent on each line for a unit or loan that is done. */
 void out_line_costs(struct strict *s, const struct strict_unit *u);

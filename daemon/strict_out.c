@@ -135,6 +135,16 @@ out_parked(struct strict *s, const struct strict_unit *u)
 }
 
 void
+out_resumed(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_RESUMED,
+                       .unit = u->unit,
+                       .attempt = u->attempt };
+
+    push(s, &s->urgent, &it);
+}
+
+void
 out_paid(struct strict *s, const struct strict_unit *u)
 {
     struct item it = { .kind = ITEM_PAID,
@@ -421,6 +431,10 @@ say(struct strict *s, struct item *it)
     case ITEM_PARKED:
         s->msg.type = MSG_PARKED;
         s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_RESUMED:
+        s->msg.type = MSG_RESUMED;
+        s->msg.resumed = (struct msg_attempt){ s->job, it->unit, it->attempt };
         break;
     case ITEM_PAID:
         s->msg.type = MSG_PAID;

@@ -349,6 +349,9 @@ strict_next(struct strict *s, enum strict_rank least)
         s->error = RAD_ENOMEM;
     u->pass = p;
     u->waiting = false;
+    if (u->parked)
+        out_resumed(s, u);
+    u->parked = false; /* it may come to wait again */
     return p;
 }
 

@@ -359,7 +359,7 @@ struct msg_ack {
     uint32_t unit, attempt, row, rows;
 };
 
-/* REVOKE, TWIN, PARKED, SPLIT: one worker's go at a unit. */
+/* REVOKE, TWIN, PARKED, RESUMED, SPLIT: one worker's go at a unit. */
 struct msg_attempt {
     const uint8_t *job;
     uint32_t unit, attempt;

@@ -132,6 +132,7 @@ static const struct msg examples[] = {
     { .type = MSG_BACK, .back = { ID, 1, 2, 3, 4, 5 } },
     { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } },
     { .type = MSG_LINE_COSTS, .line_costs = { ID, 1, 2, 2, line_ns } },
+    { .type = MSG_RESUMED, .resumed = { ID, 1, 2 } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -623,7 +624,7 @@ static const struct {
                     "SPLIT ESTIMATE LEND LOAN BACK SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED LOAN PAID LINE_COSTS " },
+                     "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED " },
     { MSG_NSESSION, " " },
 };
 

@@ -471,6 +471,7 @@ worker_sharing(void)
     says(COORD,
          &(struct msg){ .type = MSG_BACK, .back = { id, 0, 1, 1, 6, 10 } });
     of_unit(CHILD, MSG_PARKED, 0, 1);
+    of_unit(CHILD, MSG_RESUMED, 0, 1);
     gave(CHILD, 0, 1, BAR);
     estimated(CHILD, 0, 1);
     facts(CHILD, 2);

@@ -46,7 +46,7 @@ struct event {
 struct holder {
     int node; /* -1: none */
     uint32_t attempt;
-    bool parked, top_sent;
+    bool parked, resumed, top_sent;
 };
 
 struct unit {
@@ -471,11 +471,24 @@ take_parked(struct world *w, const struct event *e, const struct msg_attempt *m)
 
     if (!u)
         return;
-    ck_assert(!h->parked);
+    ck_assert(!h->parked || h->resumed);
     h->parked = true;
+    h->resumed = false;
     w->did.parked++;
     if (u->first > 0 && line_whole(w, u->first - 1) && !h->top_sent)
         send_top(w, u, h);
+}
+
+static void
+take_resumed(struct world *w, const struct event *e,
+             const struct msg_attempt *m)
+{
+    struct holder *h;
+
+    if (!unit_and_holder(w, e, m, &h))
+        return;
+    ck_assert(h->parked && !h->resumed);
+    h->resumed = true;
 }
 
 static void
@@ -607,6 +620,9 @@ deliver_to_coord(struct world *w, const struct event *e, const struct msg *m)
         break;
     case MSG_GAVE:
         take_gave(w, e, &m->gave);
+        break;
+    case MSG_RESUMED:
+        take_resumed(w, e, &m->resumed);
         break;
     case MSG_LINE_COSTS:
         break; /* no thread runs here */
@@ -1555,6 +1571,48 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
 }
 END_TEST
 
+static bool
+is_said(struct strict *s, enum msg_type type)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(s, true)))
+        if (m->type == type)
+            return true;
+    return false;
+}
+
+/* If its child dies of a pixel, a unit that is made while it is parked has
+ * to be known. */
+START_TEST(a_parked_unit_that_is_worked_on_says_so)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 6);
+    expect_pass(s, STRICT_LINES, false);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert(is_said(s, MSG_PARKED));
+    give_unit(s, &q, 1, 2, 4);
+    expect_pass(s, STRICT_LINES, false);
+    p = strict_next(s, STRICT_AHEAD); /* of the upper one */
+    ck_assert(p && p->unit == 1);
+    ck_assert(!is_said(s, MSG_RESUMED));
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* which has what the other lacked */
+    ck_assert(p && p->unit == 0);
+    ck_assert(is_said(s, MSG_RESUMED));
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    ck_assert(is_said(s, MSG_PARKED));
+    strict_free(s);
+}
+END_TEST
+
 /* Nobody looks again without a reason; for one that waits there is none but
  * that it may wait for long, for a pass what others want of it. */
 START_TEST(it_says_when_to_look_again)
@@ -1709,6 +1767,7 @@ main(void)
                         N_ELEM(guesses));
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
+    tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);

@@ -1187,6 +1187,27 @@ START_TEST(a_parked_unit_is_no_suspect)
 }
 END_TEST
 
+START_TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
+{
+    struct msg parked = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
+    struct msg resumed = { .type = MSG_RESUMED, .resumed = { job_id, 1, 1 } };
+
+    start_job();
+    child_ready();
+    for (uint32_t u = 0; u < 3; u++) {
+        unit(u);
+        parked.parked.unit = u;
+        hear(f.child, &parked);
+    }
+    hear(f.child, &resumed);
+    ck_assert_int_eq(said(f.coord, MSG_RESUMED), 0);
+    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    carry_out();
+    ck_assert_uint_eq(f.last.lost.nunits, 1);
+    ck_assert_uint_eq(f.last.lost.units[0], 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -1194,6 +1215,7 @@ main(void)
     TCase *tc = tcase_create("worker");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, a_unit_that_was_parked_and_is_resumed_is_a_suspect);
     tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
     tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
     tcase_add_test(tc, units_go_down_and_results_up);

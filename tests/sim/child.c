@@ -467,6 +467,7 @@ look(struct net *net, int node)
         if (!k->task[i] && !begin(net, node, (int)i))
             break;
     tell_time(net, node); /* of passes that others wait for */
+    speak(net, node);     /* of units that are resumed */
 }
 
 /* The member has left. */
