@@ -6,21 +6,24 @@
  * traced ahead, on a guess, and kept as facts; then TRUTH makes the rows over
  * the facts and leaves the top of the unit below.  So a unit has passes, each
  * the work of one team: first LINES, then AHEAD, after which it is parked, and
- * TRUTH as soon as may be.  Of a unit that has time (MSG_UNIT_BARS) LINES makes
- * the bars, too.  Where the unit has several lines and its top is true before
- * all bars are traced, LINES is made (again) for the bottom that others wait
- * for; but for what was guessed from just these densities, which is true then,
- * and without the lines that come out as they were guessed.  TRUTH alone does
- * where the top is true from the start and there is but one line, or nothing
- * below.
+ * TRUTH as soon as may be.  A bottom that others may wait for comes first: for
+ * it a pass ends early, and goes on afterwards.  Of a unit that has time
+ * (MSG_UNIT_BARS) LINES makes the bars, too.  Where the unit has several lines
+ * and its top is true before all bars are traced, LINES is made (again) for the
+ * bottom that others wait for; but for what was guessed from just these
+ * densities, which is true then, and without the lines that come out as they
+ * were guessed.  TRUTH alone does where the top is true from the start and
+ * there is but one line, or nothing below.
+ *
  * Columns of a unit's last line may be lent to another worker while they are
  * not begun (LEND, LOAN).  The unit's passes leave them out, and TRUTH, which
  * cannot, ends before them and waits (BACK).  What is lent here is a unit of
- * its own, with a pass that leaves nothing but facts. This machine holds units,
- * tops and facts, chooses the passes, takes messages and makes those that go
- * out.  It has no thread, socket or clock: the caller gives the time, runs a
- * team for each pass and says how far it is. Thread: all calls under one lock,
- * but for what teams do with facts. */
+ * its own, with a pass that leaves nothing but facts.
+ *
+ * This machine holds units, tops and facts, chooses the passes, takes messages
+ * and makes those that go out.  It has no thread, socket or clock: the caller
+ * gives the time, runs a team for each pass and says how far it is.
+ * Thread: all calls under one lock, but for what teams do with facts. */
 #ifndef RADD_DAEMON_STRICT_H
 #define RADD_DAEMON_STRICT_H
 
@@ -104,7 +107,7 @@ struct strict_pass {
     int least;    /* the line after the unit's first */
     int finished; /* lines before it are done; to be said before
                    * strict_ended() */
-    int out; /* lines before it were handed on, by a pass that was blocked */
+    int out; /* lines before it were handed on, by a pass that ended early */
     const struct team_loan *loan; /* with TEAM_LOAN */
     struct team_blocks lent;      /* of the last line, from the start */
     double lend;   /* above 0: call team_lend() with it, now and then, until it

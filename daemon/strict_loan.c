@@ -73,6 +73,7 @@ strict_back(struct strict *s, const struct msg_back *m)
 {
     struct strict_unit *u = unit_find(s, m->unit, m->attempt);
     uint64_t blocks;
+    bool blocked;
 
     if (!u || m->line + 1 != (uint32_t)u->last)
         return;
@@ -84,9 +85,10 @@ strict_back(struct strict *s, const struct msg_back *m)
     blocks &= u->lent.base | u->lent.bar;
     u->lent.base &= ~blocks;
     u->lent.bar &= ~blocks;
-    if (u->blocked)
-        pass_make_way(s);
+    blocked = u->blocked;
     u->blocked = false;
+    if (blocked)
+        pass_make_way(s);
     u->parked = false; /* it may come to wait for something else */
     if (u->pass)
         u->pass->back |= blocks;

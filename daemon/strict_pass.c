@@ -1,7 +1,8 @@
 /* strict_pass.c - what is done for a strict unit next
  *
  * The most urgent pass is chosen over all units; the one that is under way is
- * told to end when its guess becomes the truth. */
+ * told to end when its guess becomes the truth, or others wait for something
+ * else. */
 #include "config.h"
 
 #include "strict_impl.h"
@@ -27,11 +28,18 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
     return !goes_above(u) && a && a->guess;
 }
 
+/* Is its bottom still to be made, which others may wait for? */
+static bool
+owes_bottom(const struct strict *s, const struct strict_unit *u)
+{
+    return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
+}
+
 /* Is the bottom, to be had before the bars, of use to others? */
 static bool
 wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
-    if (u->bottom_done || u->last == frame_of(s, u->frame)->nlines)
+    if (!owes_bottom(s, u))
         return false;
     /* over facts it takes no time, and those who wait need not wait until the
      * rows are out; TRUTH makes the bottom of a single line first */
@@ -75,27 +83,61 @@ strict_waits(const struct strict *s)
     return false;
 }
 
+/* Of units that are made from true tops those come first that others may wait
+ * for. */
 static bool
-comes_before(enum strict_rank rank, const struct strict_unit *u,
-             enum strict_rank than_rank, const struct strict_unit *than)
+comes_before(const struct strict *s, enum strict_rank rank,
+             const struct strict_unit *u, enum strict_rank than_rank,
+             const struct strict_unit *than)
 {
     if (rank != than_rank)
         return rank < than_rank;
+    if (rank == STRICT_TRUTH && owes_bottom(s, u) != owes_bottom(s, than))
+        return owes_bottom(s, u);
     if (u->frame != than->frame)
         return u->frame < than->frame;
     return u->first < than->first;
 }
 
-/* What others wait for is due: have a thread leave what is traced ahead, the
- * least urgent of it. */
+static struct strict_unit *
+choose(const struct strict *s, enum strict_rank *rank)
+{
+    struct strict_unit *best = NULL;
+    enum strict_rank r;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (next_rank(s, u, &r) &&
+            (!best || comes_before(s, r, u, *rank, best))) {
+            best = u;
+            *rank = r;
+        }
+    return best;
+}
+
+/* May a thread leave the pass for what is due?  For a bottom TRUTH, too, whose
+ * own is out, if it finds all that it traced when it goes on. */
+static bool
+gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
+{
+    if (p->stop)
+        return false;
+    return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
+                            !owes_bottom(s, p->of));
+}
+
+/* What others wait for is due: have a thread leave what is not, the least
+ * urgent of it. */
 void
 pass_make_way(struct strict *s)
 {
+    enum strict_rank rank;
+    const struct strict_unit *due = choose(s, &rank);
+    bool for_bottom = due && rank <= STRICT_TRUTH && owes_bottom(s, due);
     struct strict_pass *last = NULL;
 
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (u->pass && !u->pass->true_top && !u->pass->stop &&
-            (!last || comes_before(last->rank, last->of, u->pass->rank, u)))
+        if (u->pass && gives_way(s, u->pass, for_bottom) &&
+            (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
             last = u->pass;
     if (last)
         last->stop = true;
@@ -163,20 +205,6 @@ pass_top_came(struct strict *s, const struct edge *e)
         e = top_came(s, e, &idle);
     if (idle)
         pass_make_way(s);
-}
-
-static struct strict_unit *
-choose(const struct strict *s, enum strict_rank *rank)
-{
-    struct strict_unit *best = NULL;
-    enum strict_rank r;
-
-    for (struct strict_unit *u = s->units; u; u = u->next)
-        if (next_rank(s, u, &r) && (!best || comes_before(r, u, *rank, best))) {
-            best = u;
-            *rank = r;
-        }
-    return best;
 }
 
 bool
@@ -519,6 +547,18 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
 }
 
+/* A pass of TRUTH ends early: what it handed on is out, and whoever goes on
+ * counts all primary rays. */
+static void
+keep_out(struct strict_unit *u, const struct strict_pass *p)
+{
+    if (p->mode != TEAM_TRUTH)
+        return;
+    u->spent.primary_rays = 0;
+    if (p->stop && !u->blocked && p->finished > u->out)
+        u->out = p->finished;
+}
+
 /* How many lines a pass of LINES has left with their bars. */
 static void
 keep_filled(struct strict_unit *u, const struct strict_pass *p)
@@ -552,6 +592,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     bool paid = done && p->mode == TEAM_LOAN;
 
     msg_counts_add(&u->spent, spent);
+    if (!done)
+        keep_out(u, p);
     keep_filled(u, p);
     keep_chain(u, p);
     if (over)

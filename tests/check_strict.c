@@ -1099,10 +1099,11 @@ expect_pass(struct strict *s, enum strict_rank rank, bool last)
 
 /* The whole top of line 4 of a picture of 64 columns, black. */
 static void
-give_top(struct strict *s, const struct rad_quincunx *q)
+give_top_of(struct strict *s, const struct rad_quincunx *q, uint32_t frame)
 {
     static const uint8_t pixels[64 * 12], density[64];
     const struct msg_base_line top = { .job = job_id,
+                                       .frame = frame,
                                        .line = 3,
                                        .n = 64,
                                        .ndensity =
@@ -1112,6 +1113,12 @@ give_top(struct strict *s, const struct rad_quincunx *q)
                                        .pixels = pixels };
 
     strict_base_line(s, &top);
+}
+
+static void
+give_top(struct strict *s, const struct rad_quincunx *q)
+{
+    give_top_of(s, q, 0);
 }
 
 static void
@@ -1613,6 +1620,133 @@ START_TEST(a_parked_unit_that_is_worked_on_says_so)
 }
 END_TEST
 
+/* The bottom of a pass under a true top is out, all of it. */
+static void
+make_bottom(struct strict *s, const struct rad_quincunx *q,
+            struct strict_pass *p)
+{
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+
+    strict_bottom(s, p, 64, rad_quincunx_ndensity(q), bottom, density);
+}
+
+/* Rows are wanted by nobody but the picture: what others wait for is made
+ * before them, though it lies below, and they go on after it where they were.
+ */
+START_TEST(rows_make_way_for_a_bottom)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_counts spent = { .primary_rays = 5 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 3);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    give_unit(s, &q, 1, 4, 5);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && p->unit == 0 && p->keeps);
+    ck_assert(!p->stop);
+    give_top(s, &q);
+    ck_assert(p->stop);
+    p->finished = 2;
+    ck_assert(!strict_ended(s, p, false, NULL, NULL, &spent, &total));
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && p->unit == 1);
+    make_bottom(s, &q, p); /* then it is no more urgent than the other */
+    ck_assert(!p->stop);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_split(s, 0, 1); /* lines that are out are not given away */
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->unit == 0 && p->out == 2 && p->last == 3);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* What is made of it counts once, however often it was left. */
+START_TEST(rows_that_went_on_count_their_rays_once)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts some = { .rays = 7, .primary_rays = 2 };
+    const struct msg_counts all = { .rays = 3, .primary_rays = 5 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 2);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    strict_ended(s, p, false, NULL, NULL, &some, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(strict_ended(s, p, true, bottom, density, &all, &total));
+    ck_assert_uint_eq(total.primary_rays, 5);
+    ck_assert_uint_eq(total.rays, 10);
+    strict_free(s);
+}
+END_TEST
+
+/* A whole frame keeps no facts: left, it would be traced again. */
+START_TEST(rows_that_are_not_kept_do_not_make_way)
+{
+    struct rad_quincunx q = { .width = 64, .height = 61 };
+    struct rad_quincunx frames[2];
+    const struct msg_counts spent = { 0 };
+    struct msg_unit below = { .job = job_id, .unit = 1, .attempt = 1 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    frames[0] = frames[1] = q;
+    s = strict_new(frames, 2, false, job_id);
+    give_unit(s, &q, 0, 0, rad_quincunx_nbases(&q));
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && !p->keeps);
+    below.frame = 1;
+    below.width = 64;
+    below.mode = MSG_MODE_STRICT;
+    below.y = (uint32_t)team_line_row(&q, 4);
+    below.height = (uint32_t)team_line_row(&q, 5) - below.y;
+    ck_assert_int_eq(strict_unit(s, &below, NULL), 0);
+    give_top_of(s, &q, 1);
+    ck_assert(!p->stop);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* Of two units whose top is there the one whose bottom is out has time. */
+START_TEST(who_owes_a_bottom_comes_first)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 2);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    give_unit(s, &q, 1, 4, 5);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && p->unit == 1);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* Nobody looks again without a reason; for one that waits there is none but
  * that it may wait for long, for a pass what others want of it. */
 START_TEST(it_says_when_to_look_again)
@@ -1768,6 +1902,10 @@ main(void)
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
+    tcase_add_test(tc, rows_make_way_for_a_bottom);
+    tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
+    tcase_add_test(tc, rows_that_are_not_kept_do_not_make_way);
+    tcase_add_test(tc, who_owes_a_bottom_comes_first);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);

@@ -60,8 +60,11 @@ host_pass_end(struct host *h, bool done)
         if (row_of(h, h->last - 1) > h->sent_row)
             send_strict_rows(h, p, row_of(h, h->last - 1), NULL);
     }
+    if (!done && !blocked && p->mode == TEAM_TRUTH &&
+        row_of(h, h->line) > h->sent_row) /* it goes on from there */
+        send_strict_rows(h, p, row_of(h, h->line), NULL);
     h->pass = NULL;
-    p->finished = h->line;
+    p->finished = blocked ? h->last - 1 : h->line;
     if (!strict_ended(h->strict, p, done, h->pixels, h->density, &spent,
                       &total))
         return;
@@ -169,7 +172,7 @@ traced(void *arg, struct event *e)
         host_block_fill(h);
         tell_bottom(h);
         if (!step(h))
-            host_pass_end(h, !h->pass->stop);
+            host_pass_end(h, !h->pass->stop || h->pass->mode == TEAM_TRUTH);
     }
     host_go_on(h);
 }

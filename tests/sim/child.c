@@ -501,7 +501,7 @@ end_task(struct net *net, int node, int slot)
         total = spent;
     }
     look(net, node);
-    if (blocked && t->nrows > t->nsent)
+    if (!whole && t->nrows > t->nsent)
         send_rows(t, NULL);
     if (whole) {
         send_rows(t, &total);
