@@ -9,6 +9,21 @@
 #include "estimate.h"
 #include "log.h"
 
+/* The most that a row takes in a message: as a base line with its densities, or
+ * as facts with a bit for each. */
+static size_t
+row_bytes(const struct rad_frame *f, const struct msg_unit *u)
+{
+    const struct rad_window w = { 0, 0, (int)u->width, 1 };
+    size_t pixels = (size_t)u->width * (f->depth ? 16 : 12);
+    size_t bits = rad_facts_stride((int)u->width), densities;
+    struct rad_quincunx q;
+
+    rad_frame_sampler(f, &w, &q);
+    densities = rad_quincunx_ndensity(&q);
+    return pixels + (bits > densities ? bits : densities);
+}
+
 static int
 check_unit(const struct render *r, const struct msg_unit *u,
            struct rad_error *err)
@@ -25,8 +40,8 @@ check_unit(const struct render *r, const struct msg_unit *u,
         u->y > (uint32_t)f->height - u->height)
         return rad_fail(err, RAD_EPROTO, "unit %u lies outside the picture",
                         u->unit);
-    /* what comes with a row in its message takes far less than this */
-    if ((size_t)u->width * (f->depth ? 16 : 12) > MSG_MAX - 1024)
+    /* what else is in its message takes far less than this */
+    if (row_bytes(f, u) > MSG_MAX - 1024)
         return rad_fail(err, RAD_EDATA, "a row of %u pixels is too wide",
                         u->width);
     return 0;

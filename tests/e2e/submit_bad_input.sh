@@ -69,6 +69,9 @@ expect 0 "" "two outputs that go nowhere" "$radsubmit" --local -x 4 -y 4 \
 expect 0 "" "a strange name whose format is said" "$radsubmit" --local -x 4 \
     -y 4 --format=hdr -o out.jpg "$room"
 rm out.jpg
+expect 65 "64600 pixels is too wide" "base lines that fit no message" \
+    "$radsubmit" --local --workers=2 --partition=scanbar -x 64600 -y 30 -pa 0 \
+    -ps 3 -z out.z -o out.hdr "$room"
 expect 73 "no/out.hdr" "output folder missing" \
     "$radsubmit" --local -o no/out.hdr "$room"
 expect 73 "no/d.z" "depth folder missing" $r -z no/d.z "$room"
