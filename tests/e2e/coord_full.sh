@@ -99,6 +99,34 @@ make_room
 wait $job || fail "again: $(cat again.err)"
 cmp alone.hdr again.hdr || fail "the picture after a second time differs"
 
+# and again: a job that is under way is cancelled, which cannot be kept now;
+# whoever asks for it does not wait for that
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --name=ends $view -ab 1 -aa 0 -ad 200 \
+    -as 0 -o ends.hdr "$room" 2>ends.err &
+job=$!
+until_true 60 in_the_middle ends || fail "the third job does not start"
+fill
+id=$(sed -n 's/^radsubmit: job //p' ends.err)
+timeout 60 "$radctl" --coordinator="$sock" cancel "$id" 2>stderr
+status=$?
+echo "cancel of a job that is held under way: $status"
+case $status in
+0) ;; # what was written had its room
+75) grep -q 'it is done, but the coordinator.s disk is full' stderr ||
+    fail "cancel: $(cat stderr)" ;;
+*) fail "a job that is held under way cannot be cancelled: $(cat stderr)" ;;
+esac
+make_some_room
+make_room
+wait $job && fail "a job that was cancelled under way is done"
+is_over()
+{
+    "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
+        grep -q '"state": "cancelled"' jobs.json
+}
+until_true 30 is_over || fail "it is not cancelled: $(cat jobs.json)"
+
 # a coordinator that ends while it is full loses nothing
 fill
 # shellcheck disable=SC2086
