@@ -102,9 +102,9 @@ records() # FILE
     head -c "$(($(wc -c <first.amb) - 1))" first.amb >cut.amb
     expect 65 'cut.amb: ends in the middle of a record' truncated \
         "$radsubmit" $view -af cut.amb -o x.hdr $room
-    cp $room none.amb
-    expect 65 'none.amb: not a file of ambient records' 'no records' \
-        "$radsubmit" $view -af none.amb -o x.hdr $room
+    cp $room scene.amb
+    expect 65 'scene.amb: not a file of ambient records' 'no records' \
+        "$radsubmit" $view -af scene.amb -o x.hdr $room
     expect 64 'is the scene: -af would take its place' 'the scene' \
         "$radsubmit" $view -af $room -o x.hdr $room
     expect 73 "no-folder/x.amb" 'no folder' \
