@@ -482,7 +482,7 @@ check_together(struct submit_options *o, struct rad_error *err)
                         "-S 1 and all views");
     if (o->fresh_frames && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
-    if (o->first_frame && !o->output && !o->dry_run)
+    if (o->first_frame && !o->output && !o->dry_run && !o->detach)
         return rad_fail(err, RAD_EUSAGE, "-S needs -o with %%d in the name");
     if (o->dry_run && o->detach)
         return rad_fail(err, RAD_EUSAGE,

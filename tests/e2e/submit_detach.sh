@@ -71,6 +71,17 @@ kept=$(sed -n 's/.*the coordinator keeps the picture: \(radctl fetch .*\) -o FIL
 "$radctl" ${kept#radctl } -o kept.hdr || fail "'$kept' does not fetch it"
 cmp out.hdr kept.hdr || fail "what was kept is another picture"
 
+# so is an animation
+{ cat "$scenes/room.vf" && echo "rvu -vh 40"; } >two.vf
+# shellcheck disable=SC2086
+id=$("$radsubmit" --detach $view -S 1 --views=two.vf "$room" 2>stderr) ||
+    fail "--detach -S: $(cat stderr)"
+until_true 60 "$radctl" fetch "$id" --frame=1 -o second.hdr ||
+    fail "the second frame is never to be fetched"
+"$radctl" fetch "$id" --frame=0 -o first.hdr || fail "the first frame"
+cmp -s first.hdr second.hdr && fail "two frames of two views are one"
+expect 64 "no such frame" "a third frame" "$radctl" fetch "$id" --frame=2
+
 # what people and programs see
 "$radctl" workers | grep -q ws1 || fail "radctl workers does not name ws1"
 for q in status workers jobs "job $id"; do
