@@ -9,6 +9,7 @@
 #include "amblist.h"
 #include "quality.h"
 
+#include "base/help.h"
 #include "picture/number.h"
 
 #include <errno.h>
@@ -525,6 +526,12 @@ submit_options_parse(struct submit_options *o, struct words *w,
 }
 
 static void
+print_line(void *to, const char *text)
+{
+    fprintf(to, "%s\n", text);
+}
+
+static void
 help_rows(FILE *to, const struct option *table, size_t n, const char *between)
 {
     for (size_t i = 0; i < n; i++) {
@@ -532,10 +539,7 @@ help_rows(FILE *to, const struct option *table, size_t n, const char *between)
 
         snprintf(head, sizeof head, "%s%s%s", table[i].name,
                  table[i].arg ? between : "", table[i].arg ? table[i].arg : "");
-        if (strlen(head) > 26)
-            fprintf(to, "  %s\n  %26s  %s\n", head, "", table[i].help);
-        else
-            fprintf(to, "  %-26s  %s\n", head, table[i].help);
+        rad_help_row(head, table[i].help, print_line, to);
     }
 }
 
@@ -570,12 +574,6 @@ submit_options_help(FILE *to)
           "  radsubmit --coordinator=render:7420 --detach -vf eye.vf "
           "room.oct\n",
           to);
-}
-
-static void
-print_line(void *to, const char *text)
-{
-    fprintf(to, "%s\n", text);
 }
 
 void

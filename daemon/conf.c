@@ -6,6 +6,8 @@
 
 #include "conf.h"
 
+#include "base/help.h"
+
 #include <errno.h>
 #include <getopt.h>
 #include <ini.h>
@@ -297,12 +299,22 @@ conf_reload(const struct conf_table *t, void *settings, int argc, char *argv[],
 }
 
 static void
+put_line(void *arg, const char *text)
+{
+    (void)arg;
+    puts(text);
+}
+
+static void
 help_line(const char *option, const char *help, const char *def)
 {
-    printf("  --%-26s %s", option, help);
-    if (def && def[0])
-        printf(" (%s)", def);
-    putchar('\n');
+    char head[80], text[300];
+    bool shown = def && def[0];
+
+    snprintf(head, sizeof head, "--%s", option);
+    snprintf(text, sizeof text, "%s%s%s%s", help, shown ? " (" : "",
+             shown ? def : "", shown ? ")" : "");
+    rad_help_row(head, text, put_line, NULL);
 }
 
 void

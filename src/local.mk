@@ -14,6 +14,8 @@ librad_a_SOURCES = \
 	src/base/expf.h \
 	src/base/files.c \
 	src/base/files.h \
+	src/base/help.c \
+	src/base/help.h \
 	src/base/hex.c \
 	src/base/hex.h \
 	src/base/parts.c \

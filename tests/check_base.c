@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/error.h"
 #include "base/expf.h"
+#include "base/help.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "unit.h"
@@ -186,6 +187,45 @@ START_TEST(numbers_are_even_along_every_axis)
 }
 END_TEST
 
+#define INDENT "                              "
+
+static const struct {
+    const char *head, *text, *rows;
+} helps[] = {
+    { "-o FILE", "the picture", "  -o FILE                     the picture\n" },
+    { "--twenty-six-letters-long", "x", "  --twenty-six-letters-long   x\n" },
+    { "--twenty-seven-letters-long-", "x",
+      "  --twenty-seven-letters-long-\n" INDENT "x\n" },
+    { "-a", "", "  -a\n" },
+    /* 49 columns are a line, and the 50th begins the next */
+    { "-a", "1234567890 1234567890 1234567890 1234567890 12345",
+      "  -a                          "
+      "1234567890 1234567890 1234567890 1234567890 12345\n" },
+    { "-a", "1234567890 1234567890 1234567890 1234567890 123456 7",
+      "  -a                          "
+      "1234567890 1234567890 1234567890 1234567890\n" INDENT "123456 7\n" },
+    /* a word that fits on no line is not cut */
+    { "-a", "12345678901234567890123456789012345678901234567890 2",
+      "  -a                          "
+      "12345678901234567890123456789012345678901234567890\n" INDENT "2\n" },
+};
+
+static void
+append_line(void *arg, const char *text)
+{
+    strcat(arg, text);
+    strcat(arg, "\n");
+}
+
+START_TEST(help_is_as_wide_as_a_terminal)
+{
+    char rows[500] = "";
+
+    rad_help_row(helps[_i].head, helps[_i].text, append_line, rows);
+    ck_assert_str_eq(rows, helps[_i].rows);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -200,6 +240,7 @@ main(void)
     tcase_add_test(tc, frame_is_orthonormal);
     tcase_add_test(tc, angles_are_those_of_libm);
     tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);
+    tcase_add_loop_test(tc, help_is_as_wide_as_a_terminal, 0, N_ELEM(helps));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
