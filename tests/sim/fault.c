@@ -18,7 +18,7 @@ static const enum msg_type types[] = {
     MSG_SPREAD,   MSG_TWIN,      MSG_TWIN,      MSG_TWIN,       MSG_TWIN,
     MSG_SPLIT,    MSG_SPLIT,     MSG_GAVE,      MSG_GAVE,       MSG_LEND,
     MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK,
-    MSG_PAID,     MSG_PAID
+    MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_ESTIMATE
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
@@ -42,6 +42,18 @@ which(struct net *net, enum msg_type type)
     return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
 }
 
+static struct sim_fault
+fault_of(struct net *net, unsigned type, unsigned blow)
+{
+    return (struct sim_fault){ .type = types[type],
+                               .n = which(net, types[type]),
+                               .victim = (enum sim_victim)net_random(net, 3),
+                               .blow = (enum sim_blow)blow,
+                               .after = net_chance(net, 2) };
+}
+
+/* The first goes by the seed's number, so that every blow at every type is
+ * tried about as often. */
 void
 sim_make_faults(struct sim *s)
 {
@@ -50,17 +62,11 @@ sim_make_faults(struct sim *s)
 
     s->accidents = every[net_random(net, 5)];
     s->net.repeats = net_chance(net, 3);
-    for (int i = 0; i < SIM_FAULTS && net_chance(net, 2); i++) {
-        enum msg_type type = types[net_random(net, NTYPES)];
-
+    s->fault[0] = fault_of(net, (unsigned)(net->seed % NTYPES),
+                           (unsigned)(net->seed / NTYPES % SIM_NBLOW));
+    for (int i = 1; i < SIM_FAULTS && net_chance(net, 2); i++)
         s->fault[i] =
-            (struct sim_fault){ .type = type,
-                                .n = which(net, type),
-                                .victim = (enum sim_victim)net_random(net, 3),
-                                .blow =
-                                    (enum sim_blow)net_random(net, SIM_NBLOW),
-                                .after = net_chance(net, 2) };
-    }
+            fault_of(net, net_random(net, NTYPES), net_random(net, SIM_NBLOW));
     if (net_chance(net, 4)) {
         s->accidents = 0;
         s->net.repeats = false;
