@@ -331,6 +331,8 @@ coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
         actions_send(&c->actions, id, &m);
     for (size_t i = 0; i < c->njobs; i++)
         coord_try_open(c, c->jobs[i]);
+    if (c->stirred)
+        sched_run(c);
 }
 
 void

@@ -110,7 +110,8 @@ coord_add_job(struct coord *c, struct job *job)
     return true;
 }
 
-/* Once its files are all there, ask for room for its rows. */
+/* Once its files are all there, ask for room for its rows; workers load it
+ * meanwhile. */
 void
 coord_try_open(struct coord *c, struct job *job)
 {
@@ -121,7 +122,7 @@ coord_try_open(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < f->n; i++)
         if (!c->env.has_file(c->env.arg, f->hash + (size_t)i * MSG_HASH))
             return;
-    job->asked_open = true;
+    job->asked_open = c->stirred = true;
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
 }
 

@@ -430,7 +430,7 @@ can_balance(const struct job *job)
 static bool
 idle_job(const struct job *job)
 {
-    return job_over(job) || !job->opened || job->state == JOB_PAUSED ||
+    return job_over(job) || !job->asked_open || job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
             !can_balance(job));
 }
@@ -475,7 +475,8 @@ fairest(const struct coord *c)
 }
 
 /* One unit of the first job that has one for this worker; jobs that it does
- * not know yet it starts to load, one at a time. */
+ * not know yet it starts to load, one at a time, also while they are not stored
+ * yet. */
 static bool
 serve(struct coord *c, struct coord_worker *w)
 {
@@ -493,7 +494,7 @@ serve(struct coord *c, struct coord_worker *w)
             if (!w->loading &&
                 (index == JOB_NOBODY || !job->workers[index].excluded))
                 start_job(c, job, w);
-        } else if (job->workers[index].state == JW_READY) {
+        } else if (job->opened && job->workers[index].state == JW_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;
         }

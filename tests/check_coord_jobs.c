@@ -193,6 +193,47 @@ START_TEST(a_job_waits_for_its_files)
 }
 END_TEST
 
+/* Room for its rows is made meanwhile: nobody renders before that is there. */
+START_TEST(workers_load_while_a_job_is_stored)
+{
+    f.stuck = true;
+    submit(&f, ANA, job_a, 0);
+    ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
+    ready(&f, WORKER, job_a);
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.units[WORKER], 0);
+    coord_job_opened(f.c, f.now_ms, job_a, 0, NULL);
+    carry_out(&f);
+    ck_assert_uint_gt(f.units[WORKER], 0);
+}
+END_TEST
+
+START_TEST(workers_forget_a_job_that_could_not_be_stored)
+{
+    f.stuck = true;
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    coord_job_opened(f.c, f.now_ms, job_a, EX_IOERR, "no room for rows");
+    carry_out(&f);
+    ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_END);
+    ck_assert_uint_eq(f.units[WORKER], 0);
+}
+END_TEST
+
+/* The last of its files came, and nothing else happens. */
+START_TEST(workers_load_when_the_last_file_is_there)
+{
+    f.stuck = true;
+    f.have = false;
+    submit(&f, ANA, job_a, 0);
+    ck_assert_uint_ne(f.last[WORKER].type, MSG_JOB_START);
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, ANA, hash);
+    carry_out(&f);
+    ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
+}
+END_TEST
+
 START_TEST(the_same_id_again_attaches)
 {
     submit(&f, ANA, job_a, 0);
@@ -374,6 +415,9 @@ main(void)
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
     tcase_add_test(tc, records_go_to_the_radsubmit_that_wants_them);
     tcase_add_test(tc, a_job_waits_for_its_files);
+    tcase_add_test(tc, workers_load_while_a_job_is_stored);
+    tcase_add_test(tc, workers_forget_a_job_that_could_not_be_stored);
+    tcase_add_test(tc, workers_load_when_the_last_file_is_there);
     tcase_add_test(tc, the_same_id_again_attaches);
     tcase_add_test(tc, only_owner_and_admin_steer_a_job);
     tcase_add_test(tc, files_of_jobs_are_needed);
