@@ -325,6 +325,8 @@ conf_help(const struct conf_table *t)
 
     make_options(t, &o);
     printf("usage: %s %s\n", t->program, t->synopsis);
+    if (t->about)
+        printf("%s\n\n", t->about);
     for (int i = 0; t->keys[i].name; i++) {
         const struct conf_key *k = &t->keys[i];
 

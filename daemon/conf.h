@@ -36,6 +36,7 @@ struct conf_key {
 struct conf_table {
     const char *program;
     const char *synopsis;        /* after the program's name, in the help */
+    const char *about;           /* what it does, for the help; or NULL */
     const char *file;            /* default file; need not exist */
     const char *private_key;     /* with this option the default file is not
                                   * read */

@@ -67,6 +67,8 @@ check_settings(const void *settings, struct rad_error *err)
 static const struct conf_table table = {
     .program = "radcoord",
     .synopsis = "[--listen=ADDR:PORT] [--socket=PATH] [--keys=FILE] ...",
+    .about = "Coordinate a cluster that renders Radiance scenes, see "
+             "radcoord(8); it stays in\nthe foreground.",
     .file = SYSCONFDIR "/radd/radcoord.conf",
     .private_key = "embedded",
     .keys = keys,

@@ -111,6 +111,8 @@ check_settings(const void *settings, struct rad_error *err)
 static const struct conf_table table = {
     .program = "radd",
     .synopsis = "[--coordinator=HOST:PORT|PATH] [--threads=N] ...",
+    .about = "Render on this machine for a cluster, see radd(8); it stays in "
+             "the foreground.",
     .file = SYSCONFDIR "/radd/radd.conf",
     .private_key = "embedded",
     .keys = keys,

@@ -37,9 +37,9 @@ static const struct conf_key keys[] = {
     { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
 };
 
-static const struct conf_table table = { "radd", "",   NULL,
-                                         NULL,   keys, sizeof(struct settings),
-                                         check };
+static const struct conf_table table = {
+    "radd", "", NULL, NULL, NULL, keys, sizeof(struct settings), check
+};
 
 static char path[] = "/tmp/check_conf.XXXXXX";
 

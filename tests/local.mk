@@ -310,6 +310,7 @@ tests_confine_LDADD = $(SECCOMP_LIBS)
 dist_check_SCRIPTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
+	tests/e2e/completion.sh \
 	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
@@ -346,6 +347,7 @@ EXTRA_DIST += \
 TESTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
+	tests/e2e/completion.sh \
 	tests/e2e/coord_full.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \

@@ -32,9 +32,9 @@ static const struct conf_key keys[] = {
     { "hidden", CONF_INT_KEY, FIELD(hidden), 0, 9, "0", NULL, NULL, false },
     { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
 };
-static const struct conf_table table = { "radd", "",   NULL,
-                                         NULL,   keys, sizeof(struct settings),
-                                         NULL };
+static const struct conf_table table = {
+    "radd", "", NULL, NULL, NULL, keys, sizeof(struct settings), NULL
+};
 
 static void
 look_at(const struct settings *s)
