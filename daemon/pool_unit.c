@@ -25,6 +25,15 @@
 
 /* --- rows --- */
 
+static void
+put_done_locked(struct pool *p, struct pool_rows *rows, size_t bytes)
+{
+    p->unsent += bytes;
+    *p->done_end = rows;
+    p->done_end = &rows->next;
+    uv_async_send(&p->async);
+}
+
 /* Hand a piece to the loop; waits while too much is under way. */
 static void
 put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
@@ -32,11 +41,8 @@ put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
     uv_mutex_lock(&p->mu);
     while (p->unsent > POOL_UNSENT && !atomic_load(&p->stopping))
         uv_cond_wait(&p->room, &p->mu);
-    p->unsent += bytes;
-    *p->done_end = rows;
-    p->done_end = &rows->next;
+    put_done_locked(p, rows, bytes);
     uv_mutex_unlock(&p->mu);
-    uv_async_send(&p->async);
 }
 
 /* Put a row at `to` as it is to leave; returns its bytes. */
@@ -198,7 +204,7 @@ end_active(struct active *u)
         u->piece->counts = u->counts;
         send_piece(u);
     } else if (u->piece) {
-        send_piece(u); /* whoever goes on makes them no more */
+        send_piece(u); /* of a window that was revoked */
     }
     free_active(u);
 }
@@ -276,6 +282,18 @@ new_active(struct pool *p, const struct pool_unit *unit,
     return u;
 }
 
+/* A pass ends.  Where it ended early another thread may go on with the unit as
+ * soon as the lock is free: what rows there are go before that one's. */
+static void
+leave_pass_locked(struct active *u)
+{
+    pool_end_pass_locked(u);
+    if (u->whole || !u->piece || u->err.code < 0)
+        return;
+    put_done_locked(u->pool, u->piece, u->piece->bytes);
+    u->piece = NULL;
+}
+
 /* The last member has left. */
 static void
 leave_locked(struct active *u)
@@ -291,7 +309,7 @@ leave_locked(struct active *u)
     u->counts.doubt.rough = u->rough.sum;
     u->counts.doubt.nrough = u->rough.n;
     if (u->pass)
-        pool_end_pass_locked(u);
+        leave_pass_locked(u);
     else
         u->whole = team_done(u->team);
 }

@@ -4,10 +4,11 @@
 #include "fingerprint.h"
 #include "jobtext.h"
 #include "light/ambient.h"
-#include "pool.h"
+#include "pool_impl.h"
 #include "scene/parse.h"
 #include "team.h"
 
+#include "hook.h"
 #include "unit.h"
 
 #include <math.h>
@@ -24,6 +25,26 @@ static const char scene_text[] =
     "red sphere ball 0 0 4 0 0 1 1\n"
     "void plastic grey 0 0 5 .4 .4 .4 0 0\n"
     "grey polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
+
+/* Threads wait before they trace a pixel there. */
+static struct {
+    _Atomic int row, ystep; /* from that row on, of no base line; 0: nowhere */
+    _Atomic bool reached;
+} gate;
+
+void
+test_hook_pixel(const struct rad_scene *scene, int x, int y)
+{
+    int row = atomic_load(&gate.row);
+
+    (void)scene;
+    (void)x;
+    if (row == 0 || y < row || y % atomic_load(&gate.ystep) == 0)
+        return;
+    atomic_store(&gate.reached, true);
+    while (atomic_load(&gate.row) > 0)
+        uv_sleep(1);
+}
 
 struct fixture {
     struct rad_scene *scene;
@@ -545,6 +566,75 @@ START_TEST(strict_units_give_the_picture_and_rays_of_one)
 }
 END_TEST
 
+/* The base line above a part, black, all of it at once. */
+static void
+top_of(const struct cluster *c, struct strict *s, int line)
+{
+    static const uint8_t none[SIDE * 16];
+    const struct msg_base_line m = { .line = (uint32_t)line,
+                                     .n = SIDE,
+                                     .ndensity =
+                                         (uint32_t)rad_quincunx_ndensity(&c->q),
+                                     .channels = 3,
+                                     .density = none,
+                                     .pixels = none };
+
+    strict_base_line(s, &m);
+}
+
+/* Rows that go elsewhere; NULL: none, for a long time. */
+static const struct pool_rows *
+first_done(struct pool *p)
+{
+    const struct pool_rows *r = NULL;
+
+    for (int i = 0; i < 20000 && !r; i++) {
+        uv_mutex_lock(&p->mu);
+        r = p->done;
+        uv_mutex_unlock(&p->mu);
+        if (!r)
+            uv_sleep(1);
+    }
+    return r;
+}
+
+/* A pass that ends for what is due leaves its rows in the queue, however full
+ * that is: another thread may go on with the unit, and its rows come after. */
+START_TEST(rows_of_a_pass_that_ends_early_go_first)
+{
+    static struct fixture f;
+    static struct cluster c;
+    const struct pool_rows *r;
+    struct pool *p;
+
+    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 4 -pt 0", false, 1);
+    open_cluster(&c, &f, 1, 1);
+    p = c.child[0].pool;
+    c.nparts = 2;
+    c.part[0] = (struct part){ .first = 0, .last = 12 };
+    c.part[1] = (struct part){ .first = 20, .last = 22 };
+    atomic_store(&gate.ystep, c.q.ystep);
+    atomic_store(&gate.reached, false);
+    atomic_store(&gate.row, 6 * c.q.ystep);
+    give_part(&c, 0, 0, 0, 0);
+    while (!atomic_load(&gate.reached))
+        uv_sleep(1);
+    give_part(&c, 1, 0, 0, 0);
+    top_of(&c, pool_strict(p), 19);
+    p->unsent = POOL_UNSENT + 1;
+    pool_strict_done(p);
+    atomic_store(&gate.row, 0);
+    r = first_done(p);
+    ck_assert_ptr_nonnull(r);
+    ck_assert(r->unit.unit == 0 && r->rows > 0 && !r->last);
+    pool_sent(p, POOL_UNSENT + 1);
+    while (c.ndone < 2)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    close_cluster(&c);
+    close_fixture(&f);
+}
+END_TEST
+
 START_TEST(shared_cache_fills_while_threads_read_it)
 {
     static struct fixture f;
@@ -701,6 +791,7 @@ main(void)
     tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);
     tcase_add_loop_test(tc, strict_units_give_the_picture_and_rays_of_one, 0,
                         N_ELEM(clusters));
+    tcase_add_test(tc, rows_of_a_pass_that_ends_early_go_first);
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
     tcase_add_loop_test(tc, the_cache_is_seeded_before_units_begin, 0,
                         N_ELEM(seeders));

@@ -517,7 +517,9 @@ tests_check_seed_SOURCES = tests/check_seed.c tests/unit.h tests/world.h
 tests_check_seed_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_seed_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_pool_SOURCES = tests/check_pool.c tests/unit.h
+tests_check_pool_SOURCES = daemon/pool_unit.c tests/check_pool.c tests/hook.h \
+	tests/unit.h
+tests_check_pool_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_pool_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
