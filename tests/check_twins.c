@@ -122,6 +122,30 @@ START_TEST(one_that_waited_and_is_stuck_gets_a_twin)
 }
 END_TEST
 
+/* The one before had time for its bars; who comes when it is late has none. */
+START_TEST(a_twin_has_no_time_for_bars)
+{
+    struct msg_unit b, u;
+
+    f.tall = true;
+    speak_version(2, 2);
+    start(MSG_PART_AUTO, 0, 2);
+    b = *first_unit_of(W2);
+    ck_assert(b.flags & MSG_UNIT_BARS);
+    for (int i = 0; i < 100; i++) {
+        u = *unit_of(W1);
+        if (u.flags & MSG_UNIT_TWIN)
+            break;
+        if (u.y + u.height < 150)
+            base_line(W1, 0, line_above(u.y + u.height));
+        result(W1, &u, 0, u.height, true);
+        wait_ms(count(W1, MSG_UNIT) > i + 1 ? 10 : 61000);
+    }
+    ck_assert_uint_eq(u.unit, b.unit);
+    ck_assert_uint_eq(u.flags, MSG_UNIT_TWIN);
+}
+END_TEST
+
 /* Its child was stopped after its first rows: they count no more once a twin
  * has rows, and what it sends later is dropped. */
 START_TEST(a_twin_overtakes_one_that_is_silent)
@@ -158,6 +182,7 @@ main(void)
         tc, when_the_leader_goes_one_whose_rows_were_dropped_begins_anew);
     tcase_add_test(tc, a_very_late_unit_gets_a_twin_with_scanbar_too);
     tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
+    tcase_add_test(tc, a_twin_has_no_time_for_bars);
     tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
     suite_add_tcase(s, tc);
     return unit_run(s);
