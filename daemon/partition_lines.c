@@ -5,8 +5,10 @@
  *   that the base line between them stays at home.  Where that is another's it
  *   begins a region of some lines, below those that others are at, by its
  *   speed: so all move down the picture together, and the true base lines are
- *   there for what is below as soon as may be.  When no region is left it helps
- *   where the topmost line is free, from the middle of that stretch.
+ *   there for what is below as soon as may be.  Where there are many lines what
+ *   was left behind above comes before that: the truth would wait for it.  When
+ *   no region is left it helps where the topmost line is free, from the middle
+ *   of that stretch.
  * - static: the worker's own run of the frame.
  * - auto: as many lines as are the worker's share of all that is left; so units
  *   shrink towards the end, and whole frames go out as long as that share is as
@@ -50,6 +52,17 @@
 #define ROUNDS       3
 #define LEAST_REGION 4
 
+/* Scanbar's get smaller at the end, but no smaller than LEAST_RUN: each is the
+ * worker's share of what is left, divided by LAST_ROUNDS.  Where one of the
+ * last ones costs more than the others the truth waits there, and all below it
+ * for the truth.  Eight workers, 427 lines, office at night: the longest wait
+ * of one is 0.5 to 1.1 % of the time, and 0.8 to 2.4 where all are of one size.
+ * With less than MANY lines to a worker it takes speed: simulated, 28 of them
+ * and 720 lines, 83 % efficient for 92. */
+#define LAST_ROUNDS 1.5
+#define LEAST_RUN   3
+#define MANY        48
+
 /* Auto, without regions: a unit that is large for its time is no more than so
  * many times the worker's share of what is left. */
 #define MOST_SHARES 4
@@ -62,6 +75,7 @@ struct frame {
     uint32_t nkept;    /* of those, kept back */
     uint32_t undone;   /* lines that are not done */
     uint32_t next;     /* where the next region begins */
+    uint32_t taken;    /* lines from the top that are in units, or more */
     double cost, left; /* of all its lines, and of those that are free */
 };
 
@@ -519,20 +533,66 @@ first_free(const struct partition_lines *s, const struct frame *f)
     return line;
 }
 
-/* Begin the next region of the frame, by the worker's share of it; false: there
- * is none left. */
+/* Scanbar: has the frame so many lines that regions can get smaller? */
 static bool
-begin_region(const struct partition_lines *s, struct frame *f, double share,
-             uint32_t *line)
+has_many_lines(const struct partition_lines *s, const struct frame *f,
+               const struct partition_who *who)
 {
-    double lines = share * f->n / ROUNDS;
+    return s->kind == MSG_PART_SCANBAR && f->n >= MANY * who->workers;
+}
 
+/* How many lines the next region of the frame has. */
+static double
+region_lines(const struct partition_lines *s, const struct frame *f,
+             const struct partition_who *who)
+{
+    double lines = fmax(who->share * f->n / ROUNDS, LEAST_REGION);
+    double left = who->share * (f->n - f->next) / LAST_ROUNDS;
+
+    return has_many_lines(s, f, who) ? fmin(lines, fmax(left, LEAST_RUN))
+                                     : lines;
+}
+
+/* Begin the next region of the frame; false: there is none left. */
+static bool
+begin_region(const struct partition_lines *s, struct frame *f,
+             const struct partition_who *who, uint32_t *line)
+{
     while (f->next < f->n) {
         *line = f->next;
-        f->next += (uint32_t)(fmin(fmax(lines, LEAST_REGION), f->n) + .5);
+        f->next += (uint32_t)(fmin(region_lines(s, f, who), f->n) + .5);
         if (is_free(s, f, *line))
             return true;
     }
+    return false;
+}
+
+/* Will one of the workers go on with that line? */
+static bool
+is_expected(const struct partition_lines *s, const struct frame *f,
+            uint32_t line)
+{
+    for (uint32_t i = 0; i < s->nwho; i++)
+        if (s->who[i].began && !s->who[i].absent && s->who[i].line == line &&
+            &s->frame[s->who[i].frame] == f)
+            return true;
+    return false;
+}
+
+/* The first line of the regions that were begun to which nobody comes by
+ * itself: it was kept back when somebody did, or its worker is gone.  All below
+ * wait for it.  False: there is none. */
+static bool
+left_behind(const struct partition_lines *s, struct frame *f, uint32_t *line)
+{
+    while (f->taken < f->n && s->unit[f->first + f->taken] != PARTITION_NONE)
+        f->taken++;
+    for (uint32_t i = f->taken; i < f->next && i < f->n;
+         i = stretch(s, f, i) + 1)
+        if (is_free(s, f, i) && !is_expected(s, f, i)) {
+            *line = i;
+            return true;
+        }
     return false;
 }
 
@@ -549,7 +609,9 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     if (w->began && &s->frame[w->frame] == f && is_free(s, f, w->line) &&
         w->line != f->next)
         return w->line; /* at f->next it is the next region that follows */
-    if (begin_region(s, f, who->share, &line))
+    if (has_many_lines(s, f, who) && left_behind(s, f, &line))
+        return line;
+    if (begin_region(s, f, who, &line))
         return line;
     first = first_free(s, f);
     last = stretch(s, f, first);

@@ -305,6 +305,63 @@ START_TEST(scanbar_hands_out_single_lines)
 }
 END_TEST
 
+/* One frame of 151 lines, for three workers many. */
+static struct partition *
+many_lines(void)
+{
+    static const struct msg_frame tall = { .width = 40, .height = 451 };
+    struct partition_spec spec = lines_spec(MSG_PART_SCANBAR, 1);
+    struct partition *p;
+
+    spec.frames = &tall;
+    p = partition_new(&spec, NULL);
+    ck_assert_ptr_nonnull(p);
+    ck_assert_uint_eq(partition_lines(p, 0), 151);
+    return p;
+}
+
+/* Towards the end its regions get smaller. */
+START_TEST(scanbar_of_many_lines_ends_with_small_regions)
+{
+    static const uint32_t want[] = { 0,   17,  34,  51,  68,  85,  100, 111,
+                                     120, 127, 132, 136, 139, 142, 145, 148 };
+    struct partition *p = many_lines();
+    uint32_t first, last, unit;
+
+    for (uint32_t i = 0; i < N_ELEM(want); i++) { /* new ones all the time */
+        ck_assert(cut(p, i, 3, &first, &last, &unit));
+        ck_assert_msg(first == want[i], "%u: line %u", i, first);
+    }
+    ck_assert(cut(p, N_ELEM(want), 3, &first, &last, &unit));
+    ck_assert_uint_lt(first, 148);
+    partition_free(p);
+}
+END_TEST
+
+/* A line to which nobody comes by itself holds up all below it: whoever begins
+ * anew begins there. */
+START_TEST(scanbar_leaves_no_line_behind)
+{
+    struct partition *p = many_lines();
+    uint32_t first, last, unit;
+
+    ck_assert(cut(p, 0, 3, &first, &last, &unit) && first == 0);
+    ck_assert(cut(p, 1, 3, &first, &last, &unit) && first == 17);
+    partition_keep_line(p, 0, 16, true); /* its base line is being made */
+    for (uint32_t i = 2; i < 16; i++)
+        ck_assert(cut(p, 0, 3, &first, &last, &unit) && first == i);
+    ck_assert(cut(p, 0, 3, &first, &last, &unit) && first == 34);
+    partition_keep_line(p, 0, 16, false);
+    for (uint32_t i = 18; i < 34; i++)
+        ck_assert(cut(p, 1, 3, &first, &last, &unit) && first == i);
+    ck_assert(cut(p, 1, 3, &first, &last, &unit) && first == 16);
+    ck_assert(cut(p, 2, 3, &first, &last, &unit) && first == 51);
+    partition_set_absent(p, 2, true);
+    ck_assert(cut(p, 1, 3, &first, &last, &unit) && first == 52);
+    partition_free(p);
+}
+END_TEST
+
 START_TEST(auto_gives_one_worker_whole_frames)
 {
     struct partition *p = lines(MSG_PART_AUTO, 3);
@@ -837,6 +894,8 @@ main(void)
     tcase_add_test(tc, frames_go_out_in_their_order);
     tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
     tcase_add_test(tc, scanbar_hands_out_single_lines);
+    tcase_add_test(tc, scanbar_of_many_lines_ends_with_small_regions);
+    tcase_add_test(tc, scanbar_leaves_no_line_behind);
     tcase_add_test(tc, auto_gives_one_worker_whole_frames);
     tcase_add_test(tc, a_line_that_is_kept_back_goes_out_when_it_is_not);
     tcase_add_test(tc, auto_cuts_shares_of_what_is_left);
