@@ -42,6 +42,8 @@ libclient_a_SOURCES = \
 	client/rays.h \
 	client/records.c \
 	client/records.h \
+	client/rescue.c \
+	client/rescue.h \
 	client/submit.c \
 	client/submit.h \
 	client/submit_options.c \

@@ -17,6 +17,7 @@
 #include "picfile.h"
 #include "progress.h"
 #include "records.h"
+#include "rescue.h"
 #include "submit.h"
 #include "submit_options.h"
 
@@ -45,7 +46,8 @@ struct program {
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
     bool embedded;
-    bool unwritten; /* a picture came and could not be written */
+    bool unwritten; /* a picture came and could not be written, */
+    char *rescued, *rescued_depth; /* but here; NULL: or nowhere */
     struct target target;
     struct progress progress;
     bool held, paused, waiting; /* were said */
@@ -274,6 +276,16 @@ on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
     return picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, err);
 }
 
+/* The cluster ends with us. */
+static void
+rescue(struct program *p, uint32_t frame, const uint8_t *picture,
+       size_t picture_len, const uint8_t *depth, size_t depth_len)
+{
+    p->rescued = rescue_write(p->id, frame, ".hdr", picture, picture_len);
+    if (depth)
+        p->rescued_depth = rescue_write(p->id, frame, ".zbf", depth, depth_len);
+}
+
 static int
 on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
          const uint8_t *depth, size_t depth_len, struct rad_error *err)
@@ -286,6 +298,8 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
     if (rc == 0 && depth)
         rc = write_depth(p, frame, depth, depth_len, err);
     p->unwritten = rc < 0;
+    if (p->unwritten && p->embedded)
+        rescue(p, frame, picture, picture_len, depth, depth_len);
     if (rc == 0 && p->o.preview)
         rc = on_preview(p, picture, picture_len, err);
     return rc;
@@ -297,6 +311,11 @@ say_where_it_is(const struct program *p)
 {
     char hex[MSG_JOB_HEX];
 
+    if (p->rescued)
+        fprintf(stderr, "radsubmit: the picture is in %s\n", p->rescued);
+    if (p->rescued_depth)
+        fprintf(stderr, "radsubmit: its distances are in %s\n",
+                p->rescued_depth);
     if (!p->unwritten || p->embedded)
         return;
     msg_job_format(p->id, hex);

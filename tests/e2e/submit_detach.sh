@@ -71,6 +71,16 @@ kept=$(sed -n 's/.*the coordinator keeps the picture: \(radctl fetch .*\) -o FIL
 "$radctl" ${kept#radctl } -o kept.hdr || fail "'$kept' does not fetch it"
 cmp out.hdr kept.hdr || fail "what was kept is another picture"
 
+# and if its cluster ends with radsubmit
+# shellcheck disable=SC2086
+expect 74 "/dev/full" "no room for the picture of a cluster of its own" \
+    "$radsubmit" --local $view -o /dev/full -z depth.zbf "$room"
+kept=$(sed -n 's/.*the picture is in //p' stderr)
+cmp out.hdr "$kept" || fail "not there: $(cat stderr)"
+kept=$(sed -n 's/.*its distances are in //p' stderr)
+"$radsubmit" --local $view -o again.hdr -z again.zbf "$room" 2>stderr
+cmp again.zbf "$kept" || fail "its distances are others"
+
 # so is an animation
 { cat "$scenes/room.vf" && echo "rvu -vh 40"; } >two.vf
 # shellcheck disable=SC2086
