@@ -89,7 +89,9 @@ strict_back(struct strict *s, const struct msg_back *m)
     u->blocked = false;
     if (blocked)
         pass_make_way(s);
-    u->parked = false; /* it may come to wait for something else */
+    if (u->parked)
+        out_resumed(s, u); /* it may have said so when BACK was on its way */
+    u->parked = false;     /* it may come to wait for something else */
     if (u->pass)
         u->pass->back |= blocks;
 }

@@ -1620,6 +1620,39 @@ START_TEST(a_parked_unit_that_is_worked_on_says_so)
 }
 END_TEST
 
+/* What was lent comes back while the unit says that it waits for it. */
+START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
+{
+    const struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
+    const struct msg_counts none = { 0 };
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    uint8_t wanted[8] = { 0 };
+    struct rad_pixel top[64] = { 0 };
+    const struct team_loan loan = {
+        .line = 6, .x = 6, .n = 6, .wanted = wanted, .top = top, .bottom = top
+    };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 7);
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_TRUTH);
+    strict_lent(s, p, &loan);
+    strict_blocked(s, p, 6);
+    strict_ended(s, p, false, NULL, NULL, &none, &total);
+    ck_assert(is_said(s, MSG_PARKED));
+    strict_back(s, &back);
+    ck_assert(is_said(s, MSG_RESUMED));
+    expect_pass(s, STRICT_TRUTH, true);
+    ck_assert(!is_said(s, MSG_RESUMED));
+    strict_free(s);
+}
+END_TEST
+
 /* The bottom of a pass under a true top is out, all of it. */
 static void
 make_bottom(struct strict *s, const struct rad_quincunx *q,
@@ -1902,6 +1935,7 @@ main(void)
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, what_is_ahead_makes_way_for_the_truth);
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
+    tcase_add_test(tc, a_parked_unit_that_has_its_columns_back_says_so);
     tcase_add_test(tc, rows_make_way_for_a_bottom);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
     tcase_add_test(tc, rows_that_are_not_kept_do_not_make_way);
