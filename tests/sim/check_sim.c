@@ -2,7 +2,7 @@
  * and its pictures and primary rays are those of one sampler alone
  *
  * RADD_SIM_SEED=n replays one seed and tells what happens; RADD_SIM_RUNS=n
- * tries that many. */
+ * tries that many, from RADD_SIM_FIRST on. */
 #include "config.h"
 
 #include "cluster.h"
@@ -23,7 +23,8 @@ static struct {
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
     unsigned parted, late;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned parked, gave, twins, loans, blocked, estimates, bars, pictures;
+    unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
+        pictures;
     uint64_t primary, speculative, unsaid;
 } sum;
 
@@ -218,6 +219,7 @@ run(uint64_t seed, bool verbose)
     sum.loans += s.loans;
     sum.blocked += s.blocked;
     sum.bars += s.bars;
+    sum.aside += s.aside;
     sum.estimates += s.estimates;
     sim_release(&s);
 }
@@ -247,7 +249,7 @@ was_tried(void)
                  sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
-                 sum.blocked && sum.bars && sum.estimates;
+                 sum.blocked && sum.bars && sum.aside && sum.estimates;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -273,7 +275,8 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "loans, %u waits for them, %u by bars, %u estimates; %u and %u "
+           "loans, %u waits for them, %u by bars, %u aside, %u estimates; %u "
+           "and %u "
            "accidents at "
            "RING and SPREAD\n",
            (unsigned long long)runs, sum.pictures,
@@ -281,21 +284,23 @@ tell(uint64_t runs)
            (unsigned long long)sum.unsaid, sum.coord_deaths, sum.deaths,
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
-           sum.loans, sum.blocked, sum.bars, sum.estimates, at_type(MSG_RING),
-           at_type(MSG_SPREAD));
+           sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
+           at_type(MSG_RING), at_type(MSG_SPREAD));
 }
 
 int
 main(void)
 {
     const char *one = getenv("RADD_SIM_SEED"), *many = getenv("RADD_SIM_RUNS");
+    const char *from = getenv("RADD_SIM_FIRST");
     uint64_t runs = many ? strtoull(many, NULL, 10) : RUNS;
+    uint64_t first = from ? strtoull(from, NULL, 10) : 0;
 
     if (one) {
         run(strtoull(one, NULL, 10), true);
         return EXIT_SUCCESS;
     }
-    for (uint64_t seed = 0; seed < runs; seed++)
+    for (uint64_t seed = first; seed < first + runs; seed++)
         run(seed, false);
     tell(runs);
     if (runs < RUNS)

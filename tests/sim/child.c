@@ -494,6 +494,8 @@ end_task(struct net *net, int node, int slot)
         if (blocked)
             strict_blocked(k->strict, t->pass, finished);
         of(net)->blocked += blocked;
+        of(net)->aside +=
+            t->mode == TEAM_TRUTH && !whole && !blocked && t->nrows > 0;
         t->pass->finished = finished;
         whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
                              &spent, &total);

@@ -166,6 +166,8 @@ struct sim {
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned bars; /* units whose bars come along with their base lines */
+    unsigned
+        aside; /* TRUTH that made way for others' bottoms, rows being out */
 };
 
 /* Set a cluster up as the seed says, let it live until every job is over and
