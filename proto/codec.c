@@ -45,6 +45,13 @@ FIELD(i32, int32_t)
 FIELD(f64, double)
 
 void
+code_amount(struct codec *c, double *v)
+{
+    code_f64(c, v);
+    code_read_must(c, *v >= 0 && *v < 1e100);
+}
+
+void
 code_below(struct codec *c, uint8_t *v, uint8_t n)
 {
     code_u8(c, v);
@@ -176,23 +183,15 @@ code_faults(struct codec *c, struct msg_fault faults[MSG_FAULTS])
     code_read_must(c, faults_fit(faults));
 }
 
-/* A sum of squares: nothing that a sum of others would not survive. */
-static void
-code_sum(struct codec *c, double *v)
-{
-    code_f64(c, v);
-    code_read_must(c, *v >= 0 && *v < 1e100);
-}
-
 static void
 code_doubt(struct codec *c, struct msg_doubt *d)
 {
-    code_sum(c, &d->pixels);
-    code_sum(c, &d->variance);
-    code_sum(c, &d->known);
-    code_sum(c, &d->all);
-    code_sum(c, &d->rough);
-    code_sum(c, &d->nrough);
+    code_amount(c, &d->pixels);
+    code_amount(c, &d->variance);
+    code_amount(c, &d->known);
+    code_amount(c, &d->all);
+    code_amount(c, &d->rough);
+    code_amount(c, &d->nrough);
 }
 
 void
@@ -212,9 +211,8 @@ code_counts(struct codec *c, struct msg_counts *counts)
     code_u32(c, &counts->nan.x);
     code_u32(c, &counts->nan.y);
     code_faults(c, counts->faults);
-    code_f64(c, &counts->cpu_s);
-    code_f64(c, &counts->wall_s);
-    code_read_must(c, counts->cpu_s >= 0 && counts->wall_s >= 0);
+    code_amount(c, &counts->cpu_s);
+    code_amount(c, &counts->wall_s);
     if (c->version >= 2)
         code_doubt(c, &counts->doubt);
 }

@@ -36,6 +36,10 @@ void code_u64(struct codec *c, uint64_t *v);
 void code_i32(struct codec *c, int32_t *v);
 void code_f64(struct codec *c, double *v);
 
+/* Seconds, or a sum of squares: 0 or more, and so much at most that sums of
+ * such are finite. */
+void code_amount(struct codec *c, double *v);
+
 /* A byte that must be below n. */
 void code_below(struct codec *c, uint8_t *v, uint8_t n);
 

@@ -94,11 +94,10 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_u32(c, &b->windows);
     code_u32(c, &b->objects);
     code_u64(c, &b->bundle_bytes);
-    code_f64(c, &b->compile_s);
+    code_amount(c, &b->compile_s);
     if (c->version >= 2)
         code_u32(c, &b->memory_mib);
     code_must(c, (b->flags & ~job_flags(c->version)) == 0);
-    code_read_must(c, b->compile_s >= 0);
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
 }

@@ -10,10 +10,10 @@ void
 msg_code_ready(struct codec *c, struct msg_ready *b)
 {
     code_job(c, &b->job);
-    code_f64(c, &b->load_s);
+    code_amount(c, &b->load_s);
     code_u64(c, &b->fingerprint);
     code_u16(c, &b->threads);
-    code_read_must(c, b->load_s >= 0 && b->threads >= 1);
+    code_read_must(c, b->threads >= 1);
 }
 
 /* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
@@ -95,13 +95,12 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_u64(c, &b->bytes_out);
     code_u64(c, &b->base_line_bytes);
     code_u64(c, &b->base_line_pixels);
-    code_f64(c, &b->busy_s);
-    code_f64(c, &b->wait_base_line_s);
+    code_amount(c, &b->busy_s);
+    code_amount(c, &b->wait_base_line_s);
     code_u64(c, &b->rays_under_way);
     code_counts(c, &b->dropped);
     if (c->version >= 2)
         code_counts(c, &b->seeded);
     if (c->version >= 2)
         code_counts(c, &b->paid);
-    code_read_must(c, b->busy_s >= 0 && b->wait_base_line_s >= 0);
 }

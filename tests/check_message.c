@@ -10,6 +10,9 @@
 #include "frame.h"
 #include "unit.h"
 
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -583,6 +586,48 @@ START_TEST(a_damaged_message_is_refused_or_consistent)
 }
 END_TEST
 
+/* Amounts that the coordinator adds up, and tells. */
+static const struct {
+    enum msg_type type;
+    size_t at; /* in the message */
+} amounts[] = {
+    { MSG_SUBMIT, offsetof(struct msg, submit.compile_s) },
+    { MSG_READY, offsetof(struct msg, ready.load_s) },
+    { MSG_RESULT, offsetof(struct msg, result.counts.cpu_s) },
+    { MSG_RESULT, offsetof(struct msg, result.counts.wall_s) },
+    { MSG_RESULT, offsetof(struct msg, result.counts.doubt.all) },
+    { MSG_TALLY, offsetof(struct msg, tally.busy_s) },
+    { MSG_TALLY, offsetof(struct msg, tally.wait_base_line_s) },
+    { MSG_TALLY, offsetof(struct msg, tally.dropped.cpu_s) },
+    { MSG_TALLY, offsetof(struct msg, tally.seeded.cpu_s) },
+    { MSG_TALLY, offsetof(struct msg, tally.paid.cpu_s) },
+    { MSG_ESTIMATED, offsetof(struct msg, estimated.counts.cpu_s) },
+    { MSG_PAID, offsetof(struct msg, paid.counts.cpu_s) },
+};
+
+/* Statistics are JSON, which has no infinity, not even one that is a sum. */
+START_TEST(an_amount_without_end_is_refused)
+{
+    static const double wrong[] = { -1, NAN, INFINITY, DBL_MAX, 1e100 };
+    uint8_t bytes[MOST];
+    struct msg m = { 0 }, back = { 0 };
+
+    for (size_t i = 0; i < N_ELEM(examples); i++)
+        if (examples[i].type == amounts[_i].type)
+            m = examples[i];
+    for (size_t i = 0; i < N_ELEM(wrong); i++) {
+        size_t n;
+
+        memcpy((char *)&m + amounts[_i].at, &wrong[i], sizeof wrong[i]);
+        n = pack_as(MSG_VERSION, &m, bytes) - MSG_HEADER;
+        ck_assert_int_eq(
+            unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER, n, &back),
+            RAD_EPROTO);
+    }
+    msg_release(&back);
+}
+END_TEST
+
 START_TEST(a_hello_of_another_version_is_understood_so_far)
 {
     static const uint8_t bytes[] = { 0, 3, 0, 4, 1, 0xff, 0xee };
@@ -831,6 +876,8 @@ main(void)
     tcase_add_test(tc, version_1_is_told_what_it_can_take);
     tcase_add_loop_test(tc, a_message_of_any_other_length_is_refused, 0, all);
     tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, all);
+    tcase_add_loop_test(tc, an_amount_without_end_is_refused, 0,
+                        N_ELEM(amounts));
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));
