@@ -83,6 +83,22 @@ START_TEST(parts_add_by_their_squares)
 }
 END_TEST
 
+/* Another says these sums, and statistics have no infinity. */
+START_TEST(an_error_is_a_number)
+{
+    const struct rad_doubt far = { 1e-300, 1e99, 1e-300, 1e99 };
+    const struct rad_doubt none = { 1e-300, 1e99, 1, 0 };
+    const struct rad_rough rough = { 1e99, 1e-300 };
+    struct rad_error_estimate e = rad_doubt_error(&far, &rough, 4);
+
+    ck_assert(e.ambient > 1e5 && e.ambient <= 1e6);
+    ck_assert_double_eq(e.sampling, 1e6);
+    ck_assert_double_eq(e.all, 1e6);
+    e = rad_doubt_error(&none, &rough, 4);
+    ck_assert(isfinite(e.ambient) && isfinite(e.all));
+}
+END_TEST
+
 int
 main(void)
 {
@@ -92,6 +108,7 @@ main(void)
     tcase_add_test(tc, noise_of_a_base_line_is_found);
     tcase_add_test(tc, slopes_and_black_are_no_noise);
     tcase_add_test(tc, parts_add_by_their_squares);
+    tcase_add_test(tc, an_error_is_a_number);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

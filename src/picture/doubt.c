@@ -15,6 +15,8 @@
 /* Records about a place also err together, or to their neighbours' side. */
 #define AMBIENT_FACTOR .87
 
+#define MOST_ERROR 1e6
+
 void
 rad_rough_row(struct rad_rough *r, const struct rad_pixel *pixels, int width,
               int row, int psample)
@@ -39,6 +41,13 @@ rad_rough_row(struct rad_rough *r, const struct rad_pixel *pixels, int width,
     }
 }
 
+/* Of a square that may be none. */
+static double
+root(double square)
+{
+    return fmin(sqrt(square), MOST_ERROR);
+}
+
 struct rad_error_estimate
 rad_doubt_error(const struct rad_doubt *d, const struct rad_rough *r,
                 int psample)
@@ -47,11 +56,11 @@ rad_doubt_error(const struct rad_doubt *d, const struct rad_rough *r,
 
     if (d->pixels > 0 && d->known > 0)
         e.ambient = AMBIENT_FACTOR *
-                    sqrt(d->variance / d->pixels * (d->all / d->known));
+                    root(d->variance / d->pixels * (d->all / d->known));
     /* noise falls with the samples about, and what lies between them grows
      * with their distance */
     if (r->n > 0)
-        e.sampling = sqrt(r->sum / r->n * (.06 + .0061 * psample * psample));
-    e.all = sqrt(e.ambient * e.ambient + e.sampling * e.sampling);
+        e.sampling = root(r->sum / r->n * (.06 + .0061 * psample * psample));
+    e.all = root(e.ambient * e.ambient + e.sampling * e.sampling);
     return e;
 }

@@ -30,7 +30,8 @@ struct rad_error_estimate {
     double ambient, sampling, all;
 };
 
-/* From the sums of all pixels. */
+/* From the sums of all pixels, whoever says them: each is a number, of 1e6 at
+ * most, which is no picture any more. */
 struct rad_error_estimate rad_doubt_error(const struct rad_doubt *d,
                                           const struct rad_rough *r,
                                           int psample);
