@@ -7,8 +7,8 @@
  *   speed: so all move down the picture together, and the true base lines are
  *   there for what is below as soon as may be.  Where there are many lines what
  *   was left behind above comes before that, or lags: the truth would wait.
- * When no region is left it helps where the topmost line is free, from the
- * middle of that stretch.
+ *   When no region is left it helps where the topmost line is free, from the
+ *   middle of that stretch.
  * - static: the worker's own run of the frame.
  * - auto: as many lines as are the worker's share of all that is left; so units
  *   shrink towards the end, and whole frames go out as long as that share is as
