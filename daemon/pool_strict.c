@@ -58,10 +58,8 @@ pool_end_pass_locked(struct active *u)
     int finished;
 
     spent.primary_rays = u->mode == TEAM_TRUTH ? team_primary(u->team) : 0;
-    if (team_blocked(u->team, &finished)) {
-        spent.primary_rays = 0; /* those that follow count them */
+    if (team_blocked(u->team, &finished))
         strict_blocked(p->strict, u->pass, finished);
-    }
     team_bottom(u->team, &b);
     u->pass->finished = finished;
     u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,

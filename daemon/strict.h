@@ -153,7 +153,8 @@ void strict_bottom(struct strict *s, struct strict_pass *p, int columns,
 
 /* The team has left the pass, which is gone now.  done: it came to its end;
  * pixels and density are its bottom then.  spent: what it cost, primary rays of
- * TRUTH alone.  True: the unit is done, and *total is what all of it cost; its
+ * TRUTH alone, which count if it came to its end: the pass that goes on has all
+ * of them.  True: the unit is done, and *total is what all of it cost; its
  * speculative rays are the facts that nobody wanted. */
 bool strict_ended(struct strict *s, struct strict_pass *p, bool done,
                   const struct rad_pixel *pixels, const uint8_t *density,

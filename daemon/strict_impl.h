@@ -55,7 +55,8 @@ struct strict_unit {
     struct team_blocks lent; /* of line last - 1, to other workers */
     double lend;             /* a part of it is asked for; 0: none is */
     bool blocked;            /* TRUTH has done all but these */
-    int out;                 /* lines before it were handed on by then */
+    int out;                 /* lines before it were handed on, by TRUTH that
+                              * ended early */
     int sent_columns;        /* of the bottom, true */
     size_t sent_densities;
     struct loan *loan; /* what another worker lends, which is all that there is

@@ -555,7 +555,7 @@ keep_out(struct strict_unit *u, const struct strict_pass *p)
     if (p->mode != TEAM_TRUTH)
         return;
     u->spent.primary_rays = 0;
-    if (p->stop && !u->blocked && p->finished > u->out)
+    if (p->stop && p->finished > u->out)
         u->out = p->finished;
 }
 

@@ -484,7 +484,7 @@ end_task(struct net *net, int node, int slot)
     int finished;
 
     blocked = team_blocked(t->team, &finished);
-    if (t->mode == TEAM_TRUTH && !blocked)
+    if (t->mode == TEAM_TRUTH)
         spent.primary_rays = team_primary(t->team);
     spent.wall_s = 1e-3 * (double)(net->now_ms - t->start_ms);
     k->busy_s += 1e-6 * t->cost_us;
