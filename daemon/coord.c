@@ -388,6 +388,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     c->full = full;
     snprintf(c->full_text, sizeof c->full_text, "no room on the disk: %s",
              text);
+    wire_clean(c->full_text);
     if (full)
         actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
                     text);

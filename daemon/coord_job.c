@@ -234,6 +234,7 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
     job->status = status;
     job->end_ms = c->now_ms;
     snprintf(job->text, sizeof job->text, "%s", text ? text : "");
+    wire_clean(job->text); /* JSON wants no half of a character */
     actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
                 job->hex, job_state_name(state), job->text);
     if (job->nan.pixels > 0)

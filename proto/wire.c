@@ -313,6 +313,20 @@ wire_put_bytes(struct wire_out *out, const void *src, size_t n)
 }
 
 void
+wire_clean(char *s)
+{
+    size_t n = strlen(s);
+
+    for (size_t i = 0; i < n;) {
+        size_t k = utf8_sequence((const uint8_t *)s + i, n - i);
+
+        if (k == 0)
+            s[i] = '?';
+        i += k > 0 ? k : 1;
+    }
+}
+
+void
 wire_put_str(struct wire_out *out, const char *s, size_t max)
 {
     size_t n = s ? strlen(s) : 0;
@@ -326,16 +340,10 @@ wire_put_str(struct wire_out *out, const char *s, size_t max)
     p = out_room(out, n + 1);
     if (!p)
         return;
-    for (size_t i = 0; i < n;) {
-        size_t k = utf8_sequence((const uint8_t *)s + i, n - i);
-
-        if (k > 0)
-            memcpy(p + i, s + i, k);
-        else
-            p[i] = '?';
-        i += k > 0 ? k : 1;
-    }
+    if (n > 0)
+        memcpy(p, s, n);
     p[n] = '\0';
+    wire_clean((char *)p);
 }
 
 void

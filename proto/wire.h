@@ -74,6 +74,9 @@ void wire_put_f32(struct wire_out *out, float v);
 void wire_put_f64(struct wire_out *out, double v);
 void wire_put_bytes(struct wire_out *out, const void *src, size_t n);
 
+/* Make '?' of bytes that are not UTF-8, as where a text was cut. */
+void wire_clean(char *s);
+
 /* A string of at most max bytes (NULL is ""); longer is bad.  Bytes that are
  * not UTF-8 go out as '?'. */
 void wire_put_str(struct wire_out *out, const char *s, size_t max);

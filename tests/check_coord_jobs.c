@@ -385,6 +385,31 @@ START_TEST(queries_are_answered_in_json)
 }
 END_TEST
 
+/* JSON is UTF-8, and who cut the text did not look; nor is the name of a folder
+ * always. */
+START_TEST(a_job_whose_text_is_cut_is_told_of)
+{
+    const struct msg query = { .type = MSG_QUERY,
+                               .query = { MSG_QUERY_JOB, "aa" } };
+    char text[MSG_MAX_TEXT + 1];
+    struct msg m = { .type = MSG_FAILED,
+                     .failed = { job_a, EX_DATAERR, text } };
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    coord_fullness(f.c, f.now_ms, true, "/var/caf\xe9");
+    carry_out(&f);
+    say(&f, BOB, &query);
+    ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
+    memset(text, 'x', sizeof text);
+    memcpy(text + 399, "\xc3\xa4", 3);
+    say(&f, WORKER, &m);
+    memset(&f.last[BOB], 0, sizeof f.last[BOB]);
+    say(&f, BOB, &query);
+    ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
+}
+END_TEST
+
 /* Half of a job's only unit is there. */
 START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
 {
@@ -428,6 +453,7 @@ main(void)
     tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_test(tc, queries_are_answered_in_json);
+    tcase_add_test(tc, a_job_whose_text_is_cut_is_told_of);
     tcase_add_test(tc, how_far_a_job_is_goes_by_rows_where_units_are_large);
     suite_add_tcase(s, tc);
     return unit_run(s);
