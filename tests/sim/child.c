@@ -470,6 +470,22 @@ look(struct net *net, int node)
     speak(net, node);     /* of units that are resumed */
 }
 
+/* In some clusters rows make way for nothing, at any moment: with columns lent,
+ * or about to be, with lines to give. */
+static bool
+is_hasty(const struct net *net)
+{
+    return rad_mix64(net->seed + 80) % 8 == 0;
+}
+
+static void
+interrupt(struct sim_task *t)
+{
+    if (is_hasty(t->net) && t->pass && t->mode == TEAM_TRUTH &&
+        t->pass->keeps && net_chance(t->net, 4))
+        t->pass->stop = true;
+}
+
 /* The member has left. */
 static void
 end_task(struct net *net, int node, int slot)
@@ -494,8 +510,8 @@ end_task(struct net *net, int node, int slot)
         if (blocked)
             strict_blocked(k->strict, t->pass, finished);
         of(net)->blocked += blocked;
-        of(net)->aside +=
-            t->mode == TEAM_TRUTH && !whole && !blocked && t->nrows > 0;
+        of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH && !whole &&
+                          !blocked && t->nrows > 0;
         t->pass->finished = finished;
         whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
                              &spent, &total);
@@ -540,6 +556,7 @@ slice(struct net *net, struct net_event *e)
             e->b;
         return;
     }
+    interrupt(t);
     look_at_passes(k);
     t->pixels = 1 + net_random(net, SLICE_PIXELS);
     fibre_run(t->fibre);
