@@ -249,6 +249,8 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     link_first(s, u);
     link_last(s, u);
     facts_use_above(s, u);
+    if (u->first > 0 && unit_has_top(s, u)) /* it came before the unit */
+        pass_make_way(s);
     return 0;
 }
 

@@ -1713,6 +1713,33 @@ START_TEST(rows_make_way_for_a_bottom)
 }
 END_TEST
 
+/* The base line above a unit comes before it, where the coordinator has it. */
+START_TEST(rows_make_way_for_a_unit_that_has_its_top)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 3);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && p->unit == 0 && p->keeps);
+    give_top(s, &q);
+    ck_assert(!p->stop);
+    give_unit(s, &q, 1, 4, 5);
+    ck_assert(p->stop);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUTH && p->unit == 1);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
 /* What is made of it counts once, however often it was left. */
 START_TEST(rows_that_went_on_count_their_rays_once)
 {
@@ -1949,6 +1976,7 @@ main(void)
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
     tcase_add_test(tc, a_parked_unit_that_has_its_columns_back_says_so);
     tcase_add_test(tc, rows_make_way_for_a_bottom);
+    tcase_add_test(tc, rows_make_way_for_a_unit_that_has_its_top);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
     tcase_add_test(tc, rows_that_are_not_kept_do_not_make_way);
     tcase_add_test(tc, who_owes_a_bottom_comes_first);
