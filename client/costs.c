@@ -267,8 +267,7 @@ take_all_lines(struct costs *c, const json_t *frames, struct unit *u, size_t n,
 
     if (!json_is_array(frames) || json_array_size(frames) != c->nframes)
         return rad_fail(err, RAD_EDATA,
-                        "no statistics: line_s is not of %u "
-                        "frames",
+                        "no statistics: line_s is not of %u frames",
                         c->nframes);
     qsort(u, n, sizeof *u, compare_starts);
     for (uint32_t k = 0; k < c->nframes && rc == 0; k++)

@@ -125,6 +125,10 @@ struct strict_pass {
  * NULL: there is none.  It is the caller's until strict_ended(). */
 struct strict_pass *strict_next(struct strict *s, enum strict_rank least);
 
+/* Say to a team's spec what the pass is; the sampler, callbacks and members are
+ * the caller's. */
+void strict_describe(const struct strict_pass *p, struct team_spec *spec);
+
 /* Do with the team of a pass what is wanted of it (stop, split, lend, back),
  * and see how far it is: strict_shrunk(), strict_lent() and strict_bottom(). */
 void strict_look(struct strict *s, struct strict_pass *p, struct team *t);

@@ -520,6 +520,27 @@ look_lend(struct strict *s, struct strict_pass *p, struct team *t)
     free(loan.wanted);
 }
 
+void
+strict_describe(const struct strict_pass *p, struct team_spec *spec)
+{
+    spec->mode = p->mode;
+    spec->end = p->end;
+    spec->first = p->first;
+    spec->last = p->last;
+    spec->true_top = p->true_top;
+    spec->top_known = p->top_known;
+    spec->filled = p->filled;
+    spec->record = p->record;
+    spec->earlier = p->earlier;
+    spec->cpu_ns = p->cpu_ns;
+    spec->top = p->top;
+    spec->top_density = p->top_density;
+    spec->facts = p->facts;
+    spec->out = p->out;
+    spec->lent = p->lent;
+    spec->loan = p->loan;
+}
+
 int
 strict_least(const struct strict_pass *p)
 {

@@ -773,19 +773,7 @@ run_pass(struct node *d)
     r.pass = strict_next(s, STRICT_AHEAD);
     if (!r.pass)
         return;
-    spec.mode = r.pass->mode;
-    spec.end = r.pass->end;
-    spec.first = r.pass->first;
-    spec.last = r.pass->last;
-    spec.true_top = r.pass->true_top;
-    spec.top_known = r.pass->top_known;
-    spec.filled = r.pass->filled;
-    spec.record = r.pass->record;
-    spec.earlier = r.pass->earlier;
-    spec.top = r.pass->top;
-    spec.top_density = r.pass->top_density;
-    spec.facts = r.pass->facts;
-    spec.out = r.pass->out;
+    strict_describe(r.pass, &spec);
     if (spec.mode == TEAM_TRUTH)
         spec.rows = take_row;
     r.team = team_new(&spec);

@@ -320,20 +320,8 @@ new_team(struct sim_task *t)
         spec.last = rad_quincunx_nbases(&spec.sampler);
         return team_new(&spec);
     }
-    spec.end = pass->end;
-    spec.first = pass->first;
-    spec.last = pass->last;
-    spec.true_top = pass->true_top;
-    spec.top_known = pass->top_known;
-    spec.filled = pass->filled;
-    spec.record = pass->record;
-    spec.earlier = pass->earlier;
-    spec.top = pass->top;
-    spec.top_density = pass->top_density;
-    spec.facts = pass->facts;
-    spec.out = pass->out;
-    spec.lent = pass->lent;
-    spec.loan = pass->loan;
+    strict_describe(pass, &spec);
+    spec.cpu_ns = NULL; /* time is virtual */
     return team_new(&spec);
 }
 
