@@ -18,8 +18,10 @@
 
 #include <string.h>
 
-/* Fewest cells along a side among which differences mean something. */
-#define MIN_SIDE 5
+/* Fewest cells along a side among which differences mean something.  It is
+ * more than any least side of a record: else -as, which may be much larger than
+ * -ad, would be traced for each of the many that -ad makes coarse. */
+#define MIN_SIDE 8
 /* Reflectance assumed for the weight of rays that make a record, which serves
  * surfaces of any. */
 #define MEAN_REFLECTANCE .5f
