@@ -142,7 +142,9 @@ struct team_spec {
     uint64_t *cpu_ns;
     /* Of line last - 1, which has columns that are lent. */
     struct team_blocks lent;
-    int out; /* with TRUTH: lines before this one were handed on before */
+    /* With TRUTH: the rows of lines before this one were handed on before.  Of
+     * those only base lines are painted again, for what lies below. */
+    int out;
     /* With LOAN: first is its line, last the next; top, top_density and the
      * rest about tops are not looked at.  Must stay until team_free(). */
     const struct team_loan *loan;

@@ -454,15 +454,28 @@ fill_blocks(struct member *m, struct rad_pixel *const rows[])
     return true;
 }
 
+/* Paint a bar that is full.  One whose rows are out has been: it is filled
+ * again to count its pixels, and nobody reads what it looks like. */
+static void
+paint_bar(struct member *m, struct rad_pixel *const rows[])
+{
+    const struct team_spec *spec = &m->team->spec;
+    int y = m->q.y0 + rad_quincunx_base_row(&m->q, m->i - 1);
+    int n = team_line_rows(&m->q, m->i);
+
+    if (!m->truth || !spec->paint || m->i < spec->out)
+        return;
+    for (int k = 1; k < n; k++)
+        spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width, y + k,
+                    rows[k]);
+}
+
 /* Fill the bar above base line i; false: stopped, or blocked. */
 static bool
 fill_bar(struct member *m)
 {
     struct team *t = m->team;
-    const struct team_spec *spec = &t->spec;
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
-    int top = rad_quincunx_base_row(&m->q, m->i - 1);
-    int n = team_line_rows(&m->q, m->i);
 
     if (!member_wait(m, t->ndensity + 1))
         return false;
@@ -471,9 +484,7 @@ fill_bar(struct member *m)
         return false;
     if (!fill_blocks(m, rows))
         return false;
-    for (int k = 1; k < n && m->truth && spec->paint; k++)
-        spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width,
-                    m->q.y0 + top + k, rows[k]);
+    paint_bar(m, rows);
     return true;
 }
 

@@ -46,6 +46,16 @@ trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     return analytic_pixel(&w->a, w->q.depth, x, y, out);
 }
 
+static bool
+is_base_line(const struct world *w, int y)
+{
+    for (int i = 0; i < w->nlines; i++)
+        if (rad_quincunx_base_row(&w->q, i) == y)
+            return true;
+    return false;
+}
+
+/* Rows that are out are not painted again, but for the tops of others. */
 static void
 paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
       struct rad_pixel *row)
@@ -53,6 +63,7 @@ paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
     const struct world *w = arg;
 
     (void)ctx;
+    ck_assert(w->handed[y] == 0 || is_base_line(w, y));
     if (w->paints)
         analytic_paint(&w->a, x0, x1, y, row);
 }
