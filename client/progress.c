@@ -121,6 +121,8 @@ progress_update(struct progress *p, const struct progress_report *r)
     if (!p->to)
         return;
     take_rate(p, r);
+    if (r->done >= 1 && r->elapsed_s > 0) /* nothing is under way: the mean */
+        p->rate = (double)r->rays / r->elapsed_s;
     if (too_soon(p, r->elapsed_s))
         return;
     if (r->done > 0)

@@ -7,6 +7,7 @@
 #include "ring.h"
 #include "survey.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -277,7 +278,7 @@ job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);
     msg_doubt_add(&job->doubt, &u->counts.doubt);
-    job_see_rays(job);
+    job_see_work(job);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
     job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
@@ -513,19 +514,47 @@ rays_aside(const struct msg_tally *t)
     return t->dropped.rays + t->seeded.rays;
 }
 
-void
-job_see_rays(struct job *job)
+/* The sum a + b, of which b does not bring it above `most`. */
+static uint64_t
+add_up_to(uint64_t a, uint64_t b, uint64_t most)
 {
-    uint64_t n = job->rays;
+    uint64_t room = most > a ? most - a : 0;
+
+    return a + (b < room ? b : room);
+}
+
+void
+job_see_work(struct job *job)
+{
+    uint64_t rays = job->rays, pixels = job->pixels_done;
+    uint64_t most = job->pixels_total > 0 ? job->pixels_total - 1 : 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
-        n += rays_aside(&job->workers[i].tally);
-        n += rays_aside(&job->workers[i].past);
-        if (job->workers[i].state == JW_READY)
-            n += job->workers[i].tally.rays_under_way;
+        const struct job_worker *w = &job->workers[i];
+
+        rays += rays_aside(&w->tally) + rays_aside(&w->past);
+        if (w->state != JW_READY)
+            continue;
+        rays += w->tally.rays_under_way;
+        pixels = add_up_to(pixels, w->tally.pixels_under_way, most);
     }
-    if (n > job->rays_seen)
-        job->rays_seen = n;
+    if (rays > job->rays_seen)
+        job->rays_seen = rays;
+    if (pixels > job->pixels_seen)
+        job->pixels_seen = pixels;
+}
+
+/* Cost of units counts when they are done: until then the pixels that they are
+ * past stand for it. */
+static double
+cost_seen(const struct job *job)
+{
+    double share;
+
+    if (job_over(job) || job->pixels_total == 0)
+        return job->cost_done;
+    share = (double)job->pixels_seen / (double)job->pixels_total;
+    return fmax(job->cost_done, share * job->cost_total);
 }
 
 struct rad_error_estimate
@@ -560,7 +589,7 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .units_done = job->units_done,
         .units_total = job->partition ? partition_total(job->partition) : 0,
         .units_redone = job->units_redone,
-        .cost_done = job->cost_done,
+        .cost_done = cost_seen(job),
         .cost_total = job->cost_total,
         .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
         .workers = job_active(job),

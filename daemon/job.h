@@ -211,8 +211,10 @@ struct job {
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
     struct msg_counts surveyed; /* and its rays */
-    uint64_t rays_seen; /* and of those under way; what is lost stays in */
-    struct msg_nan nan; /* frame: its number */
+    uint64_t rays_seen;   /* and of those under way; what is lost stays in */
+    uint64_t pixels_seen; /* pixels_done, and those that units under way are
+                           * past; likewise, and never all */
+    struct msg_nan nan;   /* frame: its number */
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */
     uint64_t sent_bytes;    /* of the bundle, by radsubmit */
@@ -295,10 +297,11 @@ bool job_suspect_remove(struct job *job, uint32_t unit);
 /* Workers that were told of the job and are still there. */
 uint32_t job_active(const struct job *job);
 
-/* Bring rays_seen up to date. */
-void job_see_rays(struct job *job);
+/* Bring rays_seen and pixels_seen up to date. */
+void job_see_work(struct job *job);
 
-/* Sum of a worker's tallies, but for rays_under_way, which is 0. */
+/* Sum of a worker's tallies, but for rays_under_way and pixels_under_way, which
+ * are 0. */
 struct msg_tally job_tally(const struct job_worker *w);
 
 /* How far the units that are done may be off. */

@@ -383,7 +383,7 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     if (!go || !go->lender) {
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
-        job_see_rays(job);
+        job_see_work(job);
         return;
     }
     sched_log_unit(c, job, m->unit, go, "loan paid");
@@ -392,6 +392,6 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     jw->rays += counts.rays;
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
-    job_see_rays(job);
+    job_see_work(job);
     sched_release(c, job, m->unit, go);
 }

@@ -104,13 +104,16 @@ pool_tally(struct pool *p)
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
     t.seeded = p->seeded;
-    if (p->strict) {
-        t.rays_under_way = strict_rays(p->strict);
-        strict_dropped(p->strict, &t.dropped);
-    }
     for (const struct active *u = p->active; u; u = u->next) {
         t.wait_base_line_s += team_waited(u->team);
         t.rays_under_way += team_rays(u->team);
+        if (u->pass)
+            u->pass->made = team_made(u->team);
+    }
+    if (p->strict) {
+        t.rays_under_way += strict_rays(p->strict);
+        t.pixels_under_way = strict_pixels(p->strict);
+        strict_dropped(p->strict, &t.dropped);
     }
     uv_mutex_unlock(&p->mu);
     return t;

@@ -100,6 +100,7 @@ struct pool_tally {
                                 * until the line above was ready; or without
                                 * work while strict units waited for their top */
     uint64_t rays_under_way;   /* of units that are not done */
+    uint64_t pixels_under_way; /* of these, as strict_pixels() says */
     struct msg_counts dropped; /* as strict_dropped() says */
     struct msg_counts seeded;  /* of pool_seed() */
 };

@@ -62,6 +62,7 @@ pool_end_pass_locked(struct active *u)
         strict_blocked(p->strict, u->pass, finished);
     team_bottom(u->team, &b);
     u->pass->finished = finished;
+    u->pass->made = team_made(u->team);
     u->whole = strict_ended(p->strict, u->pass, team_done(u->team), b.pixels,
                             b.density, &spent, &u->counts);
     u->pass = NULL;

@@ -100,6 +100,7 @@ tally_of(const struct render *r)
     all.busy_s += now.busy_s;
     all.wait_base_line_s += now.wait_base_line_s;
     all.rays_under_way = now.rays_under_way;
+    all.pixels_under_way = now.pixels_under_way;
     msg_counts_add(&all.dropped, &now.dropped);
     msg_counts_add(&all.seeded, &now.seeded);
     return all;
@@ -109,7 +110,7 @@ void
 render_keep_tally(struct render *r)
 {
     r->past = tally_of(r);
-    r->past.rays_under_way = 0;
+    r->past.rays_under_way = r->past.pixels_under_way = 0;
 }
 
 static void
@@ -132,6 +133,7 @@ send_tally(struct render *r)
     m.tally.busy_s = did.busy_s;
     m.tally.wait_base_line_s = did.wait_base_line_s;
     m.tally.rays_under_way = did.rays_under_way;
+    m.tally.pixels_under_way = did.pixels_under_way;
     m.tally.dropped = did.dropped;
     m.tally.seeded = did.seeded;
     m.tally.seeded.primary_rays = 0;

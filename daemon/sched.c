@@ -775,7 +775,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     note_unpaid(jw, &m->paid);
     jw->tally = *m;
     jw->tally.job = NULL;
-    job_see_rays(job);
+    job_see_work(job);
 }
 
 /* --- drained workers --- */

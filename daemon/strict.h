@@ -102,11 +102,13 @@ struct strict_pass {
     uint64_t *cpu_ns;                   /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* end it: nobody wants it any more */
-    bool split;   /* call team_shrink() with strict_least(), and tell
-                   * strict_shrunk() */
-    int least;    /* the line after the unit's first */
-    int finished; /* lines before it are done; to be said before
-                   * strict_ended() */
+    bool split;            /* call team_shrink() with strict_least(), and tell
+                            * strict_shrunk() */
+    int least;             /* the line after the unit's first */
+    int finished;          /* lines before it are done; to be said before
+                            * strict_ended() */
+    struct team_made made; /* how far it is; to be said now and then, and before
+                            * strict_ended() */
     int out; /* lines before it were handed on, by a pass that ended early */
     const struct team_loan *loan; /* with TEAM_LOAN */
     struct team_blocks lent;      /* of the last line, from the start */
@@ -169,6 +171,11 @@ bool strict_waits(const struct strict *s);
 
 /* Rays of passes that have ended, of units that are not done. */
 uint64_t strict_rays(const struct strict *s);
+
+/* Pixels that units are past, whose rows are not handed on; of those that
+ * passes ahead have gone over, as of the others.  For who wants to know how far
+ * it is: what several workers do counts for each. */
+uint64_t strict_pixels(const struct strict *s);
 
 /* What units that were revoked cost in all, as TALLY says it. */
 void strict_dropped(const struct strict *s, struct msg_counts *out);

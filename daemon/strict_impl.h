@@ -66,6 +66,7 @@ struct strict_unit {
     uint64_t since_ms; /* waiting: from when */
     struct strict_pass *pass;
     struct msg_counts spent; /* by its passes so far */
+    struct team_made made;   /* the most that one of them went over */
     uint64_t *cpu_ns; /* of that, by line, its top's first; a team adds to
                        * it during a pass */
     int nlines;       /* so many; it may have given some away */
@@ -194,6 +195,8 @@ slot_of(uint32_t frame, int line)
 /* It has no pass: forget it, its facts and what it was to send. */
 void unit_drop(struct strict *s, struct strict_unit *u);
 void unit_free(struct strict_unit *u);
+/* What a pass of it has gone over. */
+void unit_made(struct strict_unit *u, const struct team_made *made);
 /* Room to count what its lines cost; false: memory is out. */
 bool unit_count_lines(struct strict_unit *u);
 bool unit_has_top(const struct strict *s, const struct strict_unit *u);

@@ -616,6 +616,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     if (!done)
         keep_out(u, p);
     keep_filled(u, p);
+    unit_made(u, &p->made);
     keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);

@@ -186,6 +186,54 @@ strict_rays(const struct strict *s)
     return n;
 }
 
+static uint64_t
+most(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Each pass goes over the same lines again. */
+void
+unit_made(struct strict_unit *u, const struct team_made *made)
+{
+    u->made.base = most(u->made.base, made->base);
+    u->made.bars = most(u->made.bars, made->bars);
+}
+
+static uint64_t
+pixels_of(const struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct team_made made = { 0 };
+    struct strict_unit now = { .made = u->made };
+    int begin = row_of(f, u->first);
+    uint64_t all, out;
+
+    if (u->gone || u->over || u->loan)
+        return 0;
+    if (u->pass)
+        made = u->pass->made;
+    unit_made(&now, &made);
+    all = (uint64_t)(row_of(f, u->last) - begin) * (uint64_t)f->q.width;
+    out = made.out;
+    if (u->out > u->first)
+        out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
+    /* it may have given lines away, or made the one above */
+    if (now.made.base + now.made.bars < all)
+        all = now.made.base + now.made.bars;
+    return all > out ? all - out : 0;
+}
+
+uint64_t
+strict_pixels(const struct strict *s)
+{
+    uint64_t n = 0;
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        n += pixels_of(s, u);
+    return n;
+}
+
 void
 strict_dropped(const struct strict *s, struct msg_counts *out)
 {

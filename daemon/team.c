@@ -28,8 +28,10 @@ hand_on(struct team *t, int i)
 
     if (t->spec.mode != TEAM_TRUTH || i < t->spec.out)
         return;
-    for (; row < end; row++)
+    for (; row < end; row++) {
         t->spec.rows(t->spec.arg, row, row_at(t, row));
+        team_add(t, &t->out, 1);
+    }
 }
 
 /* Where a pass has the densities after line i. */
@@ -214,6 +216,16 @@ team_waited(struct team *t)
     s = t->waited_s;
     uv_mutex_unlock(&t->mu);
     return s;
+}
+
+struct team_made
+team_made(const struct team *t)
+{
+    return (struct team_made){
+        atomic_load_explicit(&t->base, memory_order_relaxed),
+        atomic_load_explicit(&t->bars, memory_order_relaxed),
+        atomic_load_explicit(&t->out, memory_order_relaxed),
+    };
 }
 
 bool

@@ -40,7 +40,8 @@
  * Knows no scene: pixels come from a callback, a pure function of its place.
  * Thread: team_work() from any number of threads at once; team_stop(),
  * team_open(), team_shrink(), team_lend(), team_back(), team_bottom(),
- * team_rays() and team_waited() from any; the others while nobody works.  Rows
+ * team_rays(), team_made() and team_waited() from any; the others while nobody
+ * works.  Rows
  * are handed on by one member at a time. */
 #ifndef RADD_DAEMON_TEAM_H
 #define RADD_DAEMON_TEAM_H
@@ -212,6 +213,14 @@ void team_bottom(struct team *t, struct team_bottom *b);
  * before it goes to sleep is no wait. */
 uint64_t team_rays(const struct team *t);
 double team_waited(struct team *t);
+
+/* Pixels, traced or not, of the base lines and of the bars that the members
+ * have gone over so far, and of the rows that were handed on; for who wants to
+ * know how far it is. */
+struct team_made {
+    uint64_t base, bars, out;
+};
+struct team_made team_made(const struct team *t);
 
 /* All lines are done, and their rows were handed on. */
 bool team_done(const struct team *t);

@@ -74,9 +74,10 @@ struct team {
     bool handing_on;       /* [mu] a member hands rows on */
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
-    _Atomic uint64_t primary; /* relaxed: read when all have left */
-    _Atomic bool stopped;     /* relaxed where it only ends work earlier */
-    struct team_blocks lent;  /* [mu] of line spec.last - 1 */
+    _Atomic uint64_t base, bars, out; /* relaxed: likewise; team_made() */
+    _Atomic uint64_t primary;         /* relaxed: read when all have left */
+    _Atomic bool stopped;    /* relaxed where it only ends work earlier */
+    struct team_blocks lent; /* [mu] of line spec.last - 1 */
     bool blocked; /* [mu] a member has left because of what is lent */
 };
 
@@ -123,6 +124,15 @@ static inline bool
 is_stopped(const struct team *t)
 {
     return atomic_load_explicit(&t->stopped, memory_order_relaxed);
+}
+
+/* Count rows of the sampler's width for team_made(). */
+static inline void
+team_add(struct team *t, _Atomic uint64_t *made, int rows)
+{
+    atomic_fetch_add_explicit(made,
+                              (uint64_t)rows * (uint64_t)t->spec.sampler.width,
+                              memory_order_relaxed);
 }
 
 static inline const uint8_t *

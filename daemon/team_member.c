@@ -424,6 +424,7 @@ sample_line(struct member *m)
             return leave_line(m);
     } while (rad_quincunx_line_step(&s));
     show(m, m->q.width);
+    team_add(t, &t->base, 1);
     publish(t, l, t->ndensity + 1);
     if (is_bottom(m) && t->spec.bottom)
         t->spec.bottom(t->spec.arg);
@@ -484,6 +485,7 @@ fill_bar(struct member *m)
         return false;
     if (!fill_blocks(m, rows))
         return false;
+    team_add(t, &t->bars, team_line_rows(&m->q, m->i) - 1);
     paint_bar(m, rows);
     return true;
 }

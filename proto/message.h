@@ -250,7 +250,8 @@ struct msg_progress {
                          * no room on its disk */
     uint64_t pixels_done, pixels_total;
     uint32_t units_done, units_total, units_redone;
-    double cost_done, cost_total; /* estimated; same unit for both */
+    double cost_done, cost_total; /* estimated; same unit for both; of units
+                                   * under way by the pixels they are past */
     uint64_t rays;
     uint32_t workers;      /* that work on the job now */
     uint32_t frames_ready; /* the first so many frames can be fetched */
@@ -393,6 +394,8 @@ struct msg_tally {
     /* all PAIDs that went up of this child: what of them did not arrive, since
      * the connection broke, is known by it */
     struct msg_counts paid;
+    uint64_t pixels_under_way; /* of strict units that are not done: those that
+                                * passes are past, whose rows are not out */
 };
 
 /* --- sharing a picture ---

@@ -103,4 +103,6 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
         code_counts(c, &b->seeded);
     if (c->version >= 2)
         code_counts(c, &b->paid);
+    if (c->version >= 2)
+        code_u64(c, &b->pixels_under_way);
 }

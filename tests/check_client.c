@@ -68,11 +68,12 @@ START_TEST(options_of_both_kinds_mix)
     struct submit_options o;
     struct words w;
     struct rad_error err = { 0 };
-    int rc = parse(&o, &w,
-                   "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
-                   "--partition=window --order random --windows=64 -o a.png "
-                   "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
-                   &err);
+    int rc =
+        parse(&o, &w,
+              "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
+              "--partition=window --order random --windows=64 -o a.png "
+              "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
+              &err);
 
     ck_assert_msg(rc == SUBMIT_RUN, "%s", err.what);
     ck_assert_int_eq(o.params.ambounce, 2);
@@ -579,6 +580,25 @@ START_TEST(progress_comes_as_often_as_asked)
 }
 END_TEST
 
+START_TEST(progress_ends_with_the_mean_rate)
+{
+    struct progress p;
+    struct progress_report half = { .elapsed_s = 1, .done = .5, .rays = 900 };
+    struct progress_report done = { .elapsed_s = 10, .done = 1, .rays = 1000 };
+    FILE *f = tmpfile();
+    char buf[200];
+
+    progress_init(&p, f, true, false);
+    progress_update(&p, &half);
+    progress_update(&p, &done);
+    rewind(f);
+    ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
+    ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
+    ck_assert_str_eq(buf, "100 %  100 rays/s  0:00 left  0 workers\n");
+    fclose(f);
+}
+END_TEST
+
 START_TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
@@ -653,6 +673,7 @@ add_tests(TCase *tc)
     tcase_add_test(tc, outputs_are_whole_or_not_there);
     tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
     tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
+    tcase_add_test(tc, progress_ends_with_the_mean_rate);
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
     tcase_add_test(tc, progress_comes_as_often_as_asked);
     tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));

@@ -152,6 +152,49 @@ START_TEST(rays_under_way_are_told_and_never_fewer)
 }
 END_TEST
 
+/* The share that is done as it is told. */
+static double
+share_told(void)
+{
+    rays_told();
+    return f.progress.cost_done / f.progress.cost_total;
+}
+
+static void
+tally_pixels(uint64_t pixels_under_way)
+{
+    say(&f, WORKER,
+        &(struct msg){ .type = MSG_TALLY,
+                       .tally = { .job = job_a,
+                                  .busy_s = 1,
+                                  .pixels_under_way = pixels_under_way } });
+}
+
+START_TEST(the_share_that_is_done_tells_of_units_under_way)
+{
+    double all;
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    ck_assert_double_eq(share_told(), 0);
+    all = (double)f.progress.pixels_total;
+    tally_pixels(5);
+    ck_assert_double_eq_tol(share_told(), 5 / all, 1e-9);
+    ck_assert_uint_eq(f.progress.pixels_done, 0);
+    tally_pixels(2); /* three of a RESULT that is on its way */
+    ck_assert_double_eq_tol(share_told(), 5 / all, 1e-9);
+    result(&f, WORKER, job_a, 0, 1); /* a quarter */
+    tally_pixels(4);
+    ck_assert_double_eq_tol(share_told(), .25 + 4 / all, 1e-9);
+    tally_pixels(UINT64_MAX);
+    ck_assert_double_eq_tol(share_told(), 1 - 1 / all, 1e-9);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    ck_assert_double_eq(f.progress.cost_done, f.progress.cost_total);
+}
+END_TEST
+
 /* What ws1 made of unit 0 comes when ws2 was first. */
 static void
 late_twin(const uint8_t *bytes)
@@ -222,6 +265,7 @@ main(void)
                         N_ELEM(coded_rows));
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
     tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
+    tcase_add_test(tc, the_share_that_is_done_tells_of_units_under_way);
     tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
     tcase_add_test(tc, a_duplicate_that_does_not_is_none);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);

@@ -116,7 +116,7 @@ static const struct msg examples[] = {
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
-                                   COUNTS, COUNTS, COUNTS } },
+                                   COUNTS, COUNTS, COUNTS, 12 } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
       .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, facts } },

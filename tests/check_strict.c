@@ -1755,6 +1755,55 @@ START_TEST(rows_that_went_on_count_their_rays_once)
 }
 END_TEST
 
+/* Lines 4 to 7 of 64 columns, of three rows each. */
+START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
+{
+    enum { LINE = 64, UNIT = 4 * 3 * LINE };
+
+    struct rad_quincunx q = { .width = LINE, .height = 60 };
+    static const struct rad_pixel bottom[LINE];
+    static const uint8_t density[LINE];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    ck_assert_int_eq(q.ystep, 3);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_uint_eq(strict_pixels(s), 0);
+    p->made.base = 2 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), 2 * LINE);
+    p->made.base = 4 * LINE;
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* goes over the lines again */
+    ck_assert_int_eq(p->rank, STRICT_AHEAD);
+    p->made = (struct team_made){ .base = LINE, .bars = 2 * LINE };
+    ck_assert_uint_eq(strict_pixels(s), 6 * LINE);
+    p->made = (struct team_made){ .base = 5 * LINE, .bars = 9 * LINE };
+    ck_assert_uint_eq(strict_pixels(s), UNIT);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    p->made.out = 5 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), UNIT - 5 * LINE);
+    p->finished = 6;
+    p->stop = true;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    ck_assert_uint_eq(strict_pixels(s), UNIT / 2);
+    p = strict_next(s, STRICT_AHEAD);
+    p->made.out = 3 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), UNIT / 4);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert_uint_eq(strict_pixels(s), 0);
+    strict_free(s);
+}
+END_TEST
+
 /* A whole frame keeps no facts: left, it would be traced again. */
 START_TEST(rows_that_are_not_kept_do_not_make_way)
 {
@@ -1966,6 +2015,7 @@ main(void)
     tcase_add_test(tc, rows_make_way_for_a_bottom);
     tcase_add_test(tc, rows_make_way_for_a_unit_that_has_its_top);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
+    tcase_add_test(tc, what_passes_are_past_counts_until_its_rows_are_out);
     tcase_add_test(tc, rows_that_are_not_kept_do_not_make_way);
     tcase_add_test(tc, who_owes_a_bottom_comes_first);
     tcase_add_test(tc, it_says_when_to_look_again);

@@ -627,6 +627,36 @@ trace_late(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     return true;
 }
 
+static const struct {
+    enum team_mode mode;
+    bool bars, out;
+} makes[] = {
+    { TEAM_LINES, false, false },
+    { TEAM_AHEAD, true, false },
+    { TEAM_TRUTH, true, true },
+};
+
+START_TEST(a_team_tells_what_it_has_gone_over)
+{
+    struct analytic a = { (enum analytic_kind)3, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct pass p = { .mode = makes[_i].mode, .last = w->nlines };
+    uint64_t width = (uint64_t)w->q.width, height = (uint64_t)w->q.height;
+    uint64_t lines = (uint64_t)w->nlines;
+    struct team_made made;
+    struct team *t;
+
+    p.nthreads = 3;
+    t = run_pass(w, &p);
+    made = team_made(t);
+    ck_assert_uint_eq(made.base, lines * width);
+    ck_assert_uint_eq(made.bars, makes[_i].bars ? (height - lines) * width : 0);
+    ck_assert_uint_eq(made.out, makes[_i].out ? height * width : 0);
+    team_free(t);
+    world_free(w);
+}
+END_TEST
+
 /* What is known of a line follows from the facts that the truth will find. */
 START_TEST(a_guess_goes_by_the_facts_that_stay)
 {
@@ -1265,6 +1295,8 @@ main(void)
     tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
     tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
     tcase_add_test(tc, a_guess_goes_by_the_facts_that_stay);
+    tcase_add_loop_test(tc, a_team_tells_what_it_has_gone_over, 0,
+                        N_ELEM(makes));
     tcase_add_test(tc, what_lines_take_is_counted);
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
