@@ -57,6 +57,10 @@ librad_a_SOURCES = \
 	src/light/ambcache.h \
 	src/light/ambient.c \
 	src/light/ambient.h \
+	src/light/ambfind.c \
+	src/light/ambpool.c \
+	src/light/ambpool.h \
+	src/light/ambtree.h \
 	src/light/contour.c \
 	src/light/contour.h \
 	src/light/gradient.c \

@@ -23,161 +23,27 @@
  *
  * Growth.  Nothing is ever moved, changed or taken away until all is freed, so
  * a reader may hold on to whatever it has found.
- * Records, blocks and cells come from pools, lists of chunks.  A writer takes
- * the next place of the last chunk by adding to its counter; past the end it
- * makes a new chunk and hangs it behind the last by compare-and-swap; if
- * another was quicker it frees its own and uses that.  The pool of records is
+ * Records, blocks and cells come from pools (ambpool.c), that of records being
  * the log: having written the record, its writer marks the place ready, then
  * lists it in cells: it takes the next place of the list's first block by
  * adding to its counter, fills it, and sets the place's bit among those that
  * are ready; where the block is full it puts another before it by
- * compare-and-swap, whose first place is filled already.  Children of a
- * cell come eight at a time, hung in the same way; who is late wastes eight.
+ * compare-and-swap, whose first place is filled already.  Children of a cell
+ * come eight at a time, hung in by compare-and-swap; who is late wastes eight.
  * A writer that is stopped half way holds up the log's readers, who come again
  * later, and no render thread: those find records through the octree.
- *
- * A vector is loaded whole, with places in it that a writer may just be
- * filling; what comes of those is masked away.  C11 has no word for such a
- * load, and ThreadSanitizer would report it, so under that only ready places
- * are read, one by one, which proves all but this.
  *
  * Two threads that miss at the same place both sample and both insert; that
  * costs time and happens seldom, and waiting would cost more.  */
 #include "config.h"
 
-#include "light/ambcache.h"
+#include "light/ambtree.h"
 #include "base/vec.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdalign.h>
-#include <stdatomic.h>
-#include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
-#define WITH_VECTORS 1
-#include <emmintrin.h>
-#endif
 
-#define LINE         64 /* bytes that a processor fetches at once */
-#define CHUNK        256
-#define WIDTH        16 /* of a vector of bytes */
-#define LANES        14 /* so many make a block four lines of memory */
-#define STEPS_LOG    7  /* of the steps to the side of a cell */
-#define STEPS        (1 << STEPS_LOG)
-#define NORMAL_STEPS 127.
-#define SPAN         3
-#define ROOTS        8
-#define FACES        6
-#define BITS         48 /* of a cell's number: beyond is rounding */
-#define MAX_DEPTH    (BITS - STEPS_LOG)
-#define READ_AHEAD   8 /* entries of the log */
-
-/* --- pools --- */
-
-struct chunk {
-    _Atomic(struct chunk *) newer;
-    _Atomic uint32_t taken;             /* places given out; may pass CHUNK */
-    uint64_t first;                     /* [fixed] number of its first place */
-    alignas(LINE) unsigned char item[]; /* CHUNK items, zero until taken */
-};
-
-struct pool {
-    size_t size;                    /* [fixed] of an item, whole lines */
-    struct chunk *oldest;           /* [fixed] */
-    _Atomic(struct chunk *) newest; /* a hint: maybe one behind */
-};
-
-static void *
-item_at(const struct pool *pool, struct chunk *k, uint32_t i)
-{
-    return k->item + i * pool->size;
-}
-
-static struct chunk *
-new_chunk(const struct pool *pool, uint64_t first)
-{
-    size_t size = sizeof(struct chunk) + CHUNK * pool->size;
-    struct chunk *k = aligned_alloc(LINE, size);
-
-    if (!k)
-        return NULL;
-    memset(k, 0, size);
-    k->first = first;
-    return k;
-}
-
-static bool
-pool_init(struct pool *pool, size_t size)
-{
-    pool->size = size;
-    pool->oldest = new_chunk(pool, 0);
-    atomic_init(&pool->newest, pool->oldest);
-    return pool->oldest != NULL;
-}
-
-static void
-pool_release(struct pool *pool)
-{
-    struct chunk *k, *newer;
-
-    for (k = pool->oldest; k; k = newer) {
-        newer = atomic_load_explicit(&k->newer, memory_order_relaxed);
-        free(k);
-    }
-}
-
-/* The chunk behind k, made if there is none yet; NULL: out of memory. */
-static struct chunk *
-chunk_after(const struct pool *pool, struct chunk *k)
-{
-    struct chunk *newer = atomic_load_explicit(&k->newer, memory_order_acquire);
-    struct chunk *mine;
-
-    if (newer)
-        return newer;
-    mine = new_chunk(pool, k->first + CHUNK);
-    if (!mine)
-        return NULL;
-    /* release: pairs with the acquires of k->newer here and in
-     * rad_ambcache_read, which then see an empty chunk */
-    if (atomic_compare_exchange_strong_explicit(&k->newer, &newer, mine,
-                                                memory_order_acq_rel,
-                                                memory_order_acquire))
-        return mine;
-    free(mine);
-    return newer;
-}
-
-/* A zeroed item of the caller's own; NULL: out of memory. */
-static void *
-pool_take(struct pool *pool)
-{
-    /* acquire: pairs with the release below */
-    struct chunk *k = atomic_load_explicit(&pool->newest, memory_order_acquire);
-
-    for (;;) {
-        uint32_t i = atomic_load_explicit(&k->taken, memory_order_relaxed);
-
-        /* asked first, so that the counter cannot wrap round */
-        if (i < CHUNK)
-            i = atomic_fetch_add_explicit(&k->taken, 1, memory_order_relaxed);
-        if (i < CHUNK)
-            return item_at(pool, k, i);
-        struct chunk *newer = chunk_after(pool, k), *old = k;
-
-        if (!newer)
-            return NULL;
-        /* a failure means that another has moved it on already */
-        atomic_compare_exchange_strong_explicit(&pool->newest, &old, newer,
-                                                memory_order_release,
-                                                memory_order_relaxed);
-        k = newer;
-    }
-}
-
-/* --- the octree --- */
+#define READ_AHEAD 8 /* entries of the log */
 
 enum { EMPTY, LOCAL, RECEIVED };
 
@@ -185,271 +51,6 @@ struct entry {
     alignas(LINE) struct rad_ambitem item; /* [fixed] once ready */
     _Atomic unsigned char state;           /* EMPTY until ready */
 };
-
-/* Places of a list, newer blocks first.  What belongs to a place is [fixed]
- * once its bit in `ready` is set. */
-struct block {
-    alignas(LINE) uint8_t at[3][WIDTH]; /* the record's point: place_byte() */
-    uint8_t reach[WIDTH];               /* of its zone, in the same steps */
-    uint8_t n[3][WIDTH];                /* its normal: normal_byte() */
-    uint8_t weight[WIDTH];              /* weight_steps(), rounded up */
-    struct block *next;                 /* [fixed] once pushed */
-    _Atomic uint32_t taken;             /* places given out; may pass LANES */
-    _Atomic uint32_t ready;             /* a bit for each */
-    const struct rad_ambitem *item[LANES];
-};
-
-struct cell {
-    _Atomic(struct block *) list;
-    _Atomic(struct cell *) kids; /* eight, by x | y << 1 | z << 2 */
-};
-
-/* A query on its way through a cell, in bytes as in a block. */
-struct probe {
-    uint8_t at[3], n[3], weight;
-    uint8_t turn; /* so far may a normal be off along each axis */
-};
-
-struct rad_ambcache {
-    double org[3], side;                /* [fixed] */
-    double scale;                       /* [fixed] 1 / side */
-    struct cell root[ROOTS][FACES];     /* by bounces and face_of() */
-    struct pool entries, blocks, cells; /* cells: eight an item */
-    _Atomic size_t count;               /* relaxed: shown, never decided on */
-    _Atomic(struct chunk *) read_last;  /* of entries; a hint for readers */
-};
-
-/* --- bytes --- */
-
-static inline double
-clamp(double x, double lo, double hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
-/* A place along an axis in sides of a cell, from its corner: STEPS to the side,
- * and half a side before and behind, for records outside it that reach into
- * it.  What lies farther out counts as there, which brings no two places
- * farther apart.  Two bytes differ by less than one more than the places. */
-static inline uint8_t
-place_byte(double x)
-{
-    return (uint8_t)clamp((x + .5) * STEPS, 0, 255);
-}
-
-/* The steps within which a place is that is nearer than `reach` sides. */
-static inline uint8_t
-reach_byte(double reach)
-{
-    return (uint8_t)clamp(ceil(reach * STEPS) + 1, 0, 255);
-}
-
-/* Weights beyond 1.27 count as one.  Never less for more. */
-static inline double
-weight_steps(double weight)
-{
-    return clamp(weight * 200, 0, 255);
-}
-
-/* A component of a unit vector, off by half a step. */
-static inline uint8_t
-normal_byte(double x)
-{
-    return (uint8_t)(lrint(clamp(x, -1, 1) * NORMAL_STEPS) + 128);
-}
-
-/* The steps by which normals with a cosine of that at least differ along each
- * axis at most: no more than the chord between them. */
-static uint8_t
-turn_byte(double cosine)
-{
-    return (uint8_t)ceil(sqrt(2 - 2 * clamp(cosine, -1, 1)) * NORMAL_STEPS +
-                         1.1);
-}
-
-void
-rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
-{
-    fit->sine = min_cos > 0 ? sqrt(rad_most(1 - min_cos * min_cos, 0)) : 2;
-    fit->turn = turn_byte(min_cos);
-    fit->weight = (uint8_t)weight_steps(weight);
-}
-
-/* --- faces --- */
-
-/* The axis that n is nearest to, and its sign. */
-static int
-face_of(const float n[3])
-{
-    int k = fabsf(n[1]) > fabsf(n[0]) ? 1 : 0;
-
-    if (fabsf(n[2]) > fabsf(n[k]))
-        k = 2;
-    return 2 * k + (n[k] < 0);
-}
-
-/* The axes that normals within an angle of n can be nearest to, as bits.  Those
- * of an axis are on its side of four planes, of which one is farther from n
- * than any other: that far, as a sine, a normal must be off, and a little for
- * what the lengths of normals are off.  Nor are they more than 55 degrees from
- * it, so what is beyond 145 does not matter. */
-static inline unsigned
-faces_about(const double n[3], double sine)
-{
-    double slack = M_SQRT2 * sine + 1e-3, at[3], least, middle, most;
-    unsigned faces = 0;
-
-    for (int k = 0; k < 3; k++)
-        at[k] = fabs(n[k]);
-    least = rad_least(at[0], at[1]);
-    most = rad_most(at[0], at[1]);
-    middle = rad_most(least, rad_least(most, at[2]));
-    most = rad_most(most, at[2]);
-    for (int k = 0; k < 3; k++) {
-        double aside = at[k] == most ? middle : most;
-        unsigned below = n[k] < 0;
-
-        faces |= (unsigned)(aside - at[k] <= slack) << (2 * k + below);
-        faces |= (unsigned)((aside + at[k] <= slack && at[k] < .82) || sine > 1)
-                 << (2 * k + !below);
-    }
-    return faces;
-}
-
-/* --- scanning --- */
-
-/* The tree of records of that many bounces. */
-static int
-root_of(int level)
-{
-    return level < ROOTS ? level : ROOTS - 1;
-}
-
-/* The places of a block that are ready, as bits. */
-static inline unsigned
-ready_places(const struct block *b)
-{
-    /* acquire: pairs with the release in push */
-    return atomic_load_explicit(&b->ready, memory_order_acquire);
-}
-
-#ifdef WITH_VECTORS
-
-static inline __m128i
-load16(const void *p)
-{
-    return _mm_load_si128(p);
-}
-
-/* How far bytes are apart, or `far` if that is more. */
-static inline __m128i
-apart(__m128i far, const uint8_t *bytes, uint8_t from)
-{
-    __m128i a = load16(bytes), b = _mm_set1_epi8((char)from);
-
-    return _mm_max_epu8(far,
-                        _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a)));
-}
-
-/* The places that may serve, as bits: within whose reach the point is along
- * each axis, that look the same way, and that were made for as much weight. */
-static inline unsigned
-passing(const struct block *b, const struct probe *q, unsigned ready)
-{
-    const __m128i zero = _mm_setzero_si128();
-    __m128i far = zero, turn = zero, over;
-
-    far = apart(far, b->at[0], q->at[0]);
-    far = apart(far, b->at[1], q->at[1]);
-    far = apart(far, b->at[2], q->at[2]);
-    turn = apart(turn, b->n[0], q->n[0]);
-    turn = apart(turn, b->n[1], q->n[1]);
-    turn = apart(turn, b->n[2], q->n[2]);
-    over = _mm_or_si128(_mm_subs_epu8(far, load16(b->reach)),
-                        _mm_subs_epu8(turn, _mm_set1_epi8((char)q->turn)));
-    over = _mm_or_si128(
-        over, _mm_subs_epu8(_mm_set1_epi8((char)q->weight), load16(b->weight)));
-    return ready & (unsigned)_mm_movemask_epi8(_mm_cmpeq_epi8(over, zero));
-}
-
-#else
-
-static bool
-may_serve(const struct block *b, const struct probe *q, unsigned i)
-{
-    for (int k = 0; k < 3; k++)
-        if (abs(b->at[k][i] - q->at[k]) > b->reach[i] ||
-            abs(b->n[k][i] - q->n[k]) > q->turn)
-            return false;
-    return b->weight[i] >= q->weight;
-}
-
-/* The places that may serve, as bits. */
-static unsigned
-passing(const struct block *b, const struct probe *q, unsigned ready)
-{
-    unsigned pass = 0;
-
-    for (; ready; ready &= ready - 1) {
-        unsigned i = (unsigned)__builtin_ctz(ready);
-
-        pass |= (unsigned)may_serve(b, q, i) << i;
-    }
-    return pass;
-}
-
-#endif
-
-/* All but the last records' addresses. */
-static inline void
-prefetch(const struct block *b)
-{
-    __builtin_prefetch(b);
-    __builtin_prefetch((const char *)b + LINE);
-    __builtin_prefetch((const char *)b + 2 * LINE);
-}
-
-/* What was found and is to be handed on. */
-enum { MOST_FOUND = 4 * LANES };
-
-struct finds {
-    rad_ambcache_fn *fn;
-    void *arg;
-    int n;
-    const struct rad_ambitem *item[MOST_FOUND];
-};
-
-static inline void
-hand_on(struct finds *finds)
-{
-    if (finds->n > 0)
-        finds->fn(finds->arg, finds->item, finds->n);
-    finds->n = 0;
-}
-
-/* Walk a list and find what may serve. */
-static inline void
-scan(const struct block *b, const struct probe *q, struct finds *finds)
-{
-    for (; b; b = b->next) {
-        unsigned pass;
-
-        if (b->next)
-            prefetch(b->next);
-        pass = passing(b, q, ready_places(b));
-        if (finds->n > MOST_FOUND - LANES)
-            hand_on(finds);
-        for (; pass; pass &= pass - 1) {
-            const struct rad_ambitem *item = b->item[__builtin_ctz(pass)];
-
-            __builtin_prefetch(item);
-            __builtin_prefetch((const char *)item + LINE);
-            finds->item[finds->n++] = item;
-        }
-    }
-}
-
-/* --- insertion --- */
 
 struct rad_ambcache *
 rad_ambcache_new(const double org[3], double side)
@@ -461,10 +62,10 @@ rad_ambcache_new(const double org[3], double side)
     rad_copy(c->org, org);
     c->side = side;
     c->scale = 1 / side;
-    if (pool_init(&c->entries, sizeof(struct entry)) &&
-        pool_init(&c->blocks, sizeof(struct block)) &&
-        pool_init(&c->cells, 8 * sizeof(struct cell))) {
-        atomic_init(&c->read_last, c->entries.oldest);
+    if (rad_ambpool_init(&c->entries, sizeof(struct entry)) &&
+        rad_ambpool_init(&c->blocks, sizeof(struct block)) &&
+        rad_ambpool_init(&c->cells, 8 * sizeof(struct cell))) {
+        atomic_init(&c->read_last, NULL);
         return c;
     }
     rad_ambcache_free(c);
@@ -476,9 +77,9 @@ rad_ambcache_free(struct rad_ambcache *c)
 {
     if (!c)
         return;
-    pool_release(&c->entries);
-    pool_release(&c->blocks);
-    pool_release(&c->cells);
+    rad_ambpool_release(&c->entries);
+    rad_ambpool_release(&c->blocks);
+    rad_ambpool_release(&c->cells);
     free(c);
 }
 
@@ -487,26 +88,6 @@ to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
 {
     for (int k = 0; k < 3; k++)
         q[k] = (p[k] - c->org[k]) * c->scale;
-}
-
-/* Number of the smallest cell there could be, along an axis: bit BITS - 1 - d
- * says which child to take at depth d.  What is a little outside the cube
- * counts as on its face, which brings no two points farther apart. */
-static uint64_t
-cell_number(double q)
-{
-    const uint64_t last = (UINT64_C(1) << BITS) - 1;
-
-    if (!(q > 0))
-        return 0;
-    return q >= 1 ? last : (uint64_t)(q * 0x1p48);
-}
-
-/* Cells of that depth in a row. */
-static inline double
-cells_across(int depth)
-{
-    return (double)(INT64_C(1) << depth);
 }
 
 static int
@@ -527,11 +108,11 @@ kids_of(struct rad_ambcache *c, struct cell *cell)
 
     if (kids)
         return kids;
-    mine = pool_take(&c->cells);
+    mine = rad_ambpool_take(&c->cells);
     if (!mine)
         return NULL;
     /* release: pairs with the acquires of cell->kids here and in
-     * rad_ambcache_visit, which then see empty cells */
+     * descend, which then see empty cells */
     return atomic_compare_exchange_strong_explicit(&cell->kids, &kids, mine,
                                                    memory_order_acq_rel,
                                                    memory_order_acquire)
@@ -609,7 +190,7 @@ push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
             return true;
         }
     }
-    mine = pool_take(&c->blocks);
+    mine = rad_ambpool_take(&c->blocks);
     if (!mine)
         return false;
     fill(mine, 0, l, from, scale);
@@ -617,7 +198,7 @@ push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
     atomic_store_explicit(&mine->ready, 1, memory_order_relaxed);
     mine->next = head;
     /* release: pairs with the acquires of cell->list here and in
-     * rad_ambcache_visit; what is further down the list was released by those
+     * descend; what is further down the list was released by those
      * who pushed it, and each push is part of the same release sequence */
     while (!atomic_compare_exchange_weak_explicit(&cell->list, &mine->next,
                                                   mine, memory_order_acq_rel,
@@ -766,7 +347,7 @@ take_in(struct bulk *b, const struct rad_ambrec *rec,
         const struct rad_ambzone *zone, bool local)
 {
     struct rad_ambcache *c = b->c;
-    struct entry *e = pool_take(&c->entries);
+    struct entry *e = rad_ambpool_take(&c->entries);
     struct load *l = &b->load[b->nloads];
 
     if (!e)
@@ -815,178 +396,36 @@ rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
     return rad_ambcache_insert_all(c, rec, zone, 1, local);
 }
 
-/* --- look-up --- */
-
-/* The lists of the cells about a point, from the root to the smallest. */
-struct path {
-    int depth; /* of that */
-    const struct block *list[MAX_DEPTH + 1];
-};
-
-static inline void
-descend(const struct cell *cell, const uint64_t number[3], struct path *path)
-{
-    uint64_t x = number[0] << (64 - BITS), y = number[1] << (64 - BITS),
-             z = number[2] << (64 - BITS);
-
-    for (int depth = 0;; depth++) {
-        const struct block *list =
-            atomic_load_explicit(&cell->list, memory_order_acquire);
-        const struct cell *kids =
-            atomic_load_explicit(&cell->kids, memory_order_acquire);
-
-        path->list[depth] = list;
-        path->depth = depth;
-        if (list)
-            prefetch(list);
-        if (!kids || depth == MAX_DEPTH)
-            return;
-        cell = &kids[x >> 63 | y >> 63 << 1 | z >> 63 << 2];
-        x <<= 1;
-        y <<= 1;
-        z <<= 1;
-    }
-}
-
-/* The point as the cell at that depth has it: place_byte(), from the bits of
- * its number that follow the cell's. */
-static inline void
-aim(struct probe *probe, const uint64_t number[3], int depth)
-{
-    for (int k = 0; k < 3; k++)
-        probe->at[k] = (uint8_t)(STEPS / 2 + (number[k] >> (MAX_DEPTH - depth) &
-                                              (STEPS - 1)));
-}
-
-/* A look-up under way. */
-struct visit {
-    const struct rad_ambcache *c;
-    uint64_t number[3];
-    struct probe probe;
-    bool any; /* something was looked at */
-    rad_ambcache_more_fn *more;
-    struct finds finds;
-};
-
-/* Be ready for lists of that depth; false: enough was found before. */
-static inline bool
-go_on(struct visit *v, int depth)
-{
-    if (v->any &&
-        !v->more(v->finds.arg, v->c->side / (SPAN * cells_across(depth + 1))))
-        return false;
-    v->any = true;
-    aim(&v->probe, v->number, depth);
-    return true;
-}
-
-static inline void
-look_at(struct visit *v, const struct block *list)
-{
-    scan(list, &v->probe, &v->finds);
-    hand_on(&v->finds);
-}
-
-/* Back up along the path. */
-static inline void
-ascend(struct visit *v, const struct path *path)
-{
-    for (int depth = path->depth; depth >= 0; depth--) {
-        if (!path->list[depth])
-            continue;
-        if (!go_on(v, depth))
-            return;
-        look_at(v, path->list[depth]);
-    }
-}
-
-/* The same along several, in step. */
-static void
-ascend_all(struct visit *v, const struct path *path, int n)
-{
-    int depth = 0;
-
-    for (int i = 0; i < n; i++)
-        depth = path[i].depth > depth ? path[i].depth : depth;
-    for (; depth >= 0; depth--) {
-        bool here = false;
-
-        for (int i = 0; i < n; i++) {
-            if (depth > path[i].depth || !path[i].list[depth])
-                continue;
-            if (!here && !go_on(v, depth))
-                return;
-            here = true;
-            look_at(v, path[i].list[depth]);
-        }
-    }
-}
-
-void
-rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
-                   rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
-{
-    const struct cell *root = c->root[root_of(q->level)];
-    unsigned faces = faces_about(q->n, q->fit->sine);
-    struct path path[FACES];
-    struct visit v;
-    int n = 0;
-
-    v.c = c;
-    v.any = false;
-    v.more = more;
-    v.finds.fn = fn;
-    v.finds.arg = arg;
-    v.finds.n = 0;
-    for (int k = 0; k < 3; k++) {
-        v.number[k] = cell_number((q->p[k] - c->org[k]) * c->scale);
-        v.probe.n[k] = normal_byte(q->n[k]);
-    }
-    v.probe.turn = q->fit->turn;
-    v.probe.weight = q->fit->weight;
-    for (; faces; faces &= faces - 1)
-        descend(&root[__builtin_ctz(faces)], v.number, &path[n++]);
-    if (n == 1)
-        ascend(&v, path);
-    else
-        ascend_all(&v, path, n);
-}
+/* --- the log --- */
 
 size_t
 rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor, bool local_only,
                   struct rad_ambrec *out, size_t max)
 {
-    /* acquire: pairs with the release below; who has not read as far as the
-     * one before has to begin at the beginning */
-    struct chunk *k = atomic_load_explicit(&c->read_last, memory_order_acquire);
+    /* acquire: pairs with the release below */
+    struct rad_ambchunk *near =
+        atomic_load_explicit(&c->read_last, memory_order_acquire);
     size_t n = 0;
-
-    if (k->first > *cursor)
-        k = c->entries.oldest;
 
     /* most who ask find nothing new; the count may lag, and they ask again */
     if (*cursor >= rad_ambcache_count(c))
         return 0;
     while (n < max) {
-        while (k && k->first + CHUNK <= *cursor)
-            k = atomic_load_explicit(&k->newer, memory_order_acquire);
-        if (!k)
+        const struct entry *e = rad_ambpool_item(&c->entries, *cursor, &near);
+        unsigned char state;
+
+        if (!e)
             break;
-        const struct entry *e =
-            item_at(&c->entries, k, (uint32_t)(*cursor - k->first));
         /* past the chunk's end that asks for what is not wanted, no more */
         __builtin_prefetch(&e[READ_AHEAD].state);
-        unsigned char state =
-            atomic_load_explicit(&e->state, memory_order_acquire);
-
+        state = atomic_load_explicit(&e->state, memory_order_acquire);
         if (state == EMPTY)
             break;
         if (state == LOCAL || !local_only)
             out[n++] = e->item.rec;
         ++*cursor;
     }
-    if (k)
-        atomic_store_explicit(&c->read_last, k, memory_order_release);
+    atomic_store_explicit(&c->read_last, near, memory_order_release);
     return n;
 }
 
