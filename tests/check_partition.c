@@ -324,10 +324,8 @@ many_lines(void)
  * topmost one than there would be in the next that is helped first. */
 START_TEST(scanbar_of_many_lines_ends_with_small_regions)
 {
-    static const uint32_t want[] = {
-        0, 17,  34,  51,  68,  9,   85,  100, 111,
-        5, 120, 127, 132, 136, 139, 142, 145, 148
-    };
+    static const uint32_t want[] = { 0,   17,  34,  51,  68,  9,  85,
+                                     100, 111, 120, 128, 136, 144 };
     struct partition *p = many_lines();
     uint32_t first, last, unit;
 
@@ -336,7 +334,7 @@ START_TEST(scanbar_of_many_lines_ends_with_small_regions)
         ck_assert_msg(first == want[i], "%u: line %u", i, first);
     }
     ck_assert(cut(p, N_ELEM(want), 3, &first, &last, &unit));
-    ck_assert_uint_lt(first, 148);
+    ck_assert_uint_eq(first, 5);
     partition_free(p);
 }
 END_TEST
