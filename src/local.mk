@@ -101,6 +101,8 @@ librad_a_SOURCES = \
 	src/picture/frame.h \
 	src/picture/hdr.c \
 	src/picture/hdr.h \
+	src/picture/hdrimpl.h \
+	src/picture/hdrread.c \
 	src/picture/metric.c \
 	src/picture/metric.h \
 	src/picture/number.c \
