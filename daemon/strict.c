@@ -38,7 +38,6 @@ strict_new(const struct rad_quincunx *frames, uint32_t nframes, bool painted,
 
     if (!s)
         return NULL;
-    out_init(s);
     s->early_end = &s->early;
     memcpy(s->job, job, MSG_JOB);
     s->painted = painted;

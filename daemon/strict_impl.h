@@ -126,8 +126,7 @@ struct early {
 };
 
 struct queue {
-    struct item *first;
-    struct item **end;
+    struct item *first, *last; /* NULL: there is none */
 };
 
 struct frame {
@@ -273,7 +272,6 @@ void edge_release(struct strict *s);
 
 /* --- strict_out.c --- */
 
-void out_init(struct strict *s);
 void out_release(struct strict *s);
 /* Send the facts of a line that are new, once. */
 void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,

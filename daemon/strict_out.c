@@ -10,24 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void
-queue_init(struct queue *q)
-{
-    q->first = NULL;
-    q->end = &q->first;
-}
-
-void
-out_init(struct strict *s)
-{
-    queue_init(&s->urgent);
-    queue_init(&s->lazy);
-}
-
-/* A copy at *at; NULL: memory is out. */
+/* A copy, in no queue; NULL: memory is out. */
 static struct item *
-insert(struct strict *s, struct queue *q, struct item **at,
-       const struct item *it)
+copy_of(struct strict *s, const struct item *it)
 {
     struct item *copy = malloc(sizeof *copy);
 
@@ -36,23 +21,38 @@ insert(struct strict *s, struct queue *q, struct item **at,
         return NULL;
     }
     *copy = *it;
-    copy->next = *at;
-    *at = copy;
-    if (!copy->next)
-        q->end = &copy->next;
+    copy->next = NULL;
     return copy;
 }
 
+/* NULL: memory is out. */
 static struct item *
 push(struct strict *s, struct queue *q, const struct item *it)
 {
-    return insert(s, q, q->end, it);
+    struct item *copy = copy_of(s, it);
+
+    if (!copy)
+        return NULL;
+    if (q->last)
+        q->last->next = copy;
+    else
+        q->first = copy;
+    q->last = copy;
+    return copy;
 }
 
 static struct item *
 push_first(struct strict *s, struct queue *q, const struct item *it)
 {
-    return insert(s, q, &q->first, it);
+    struct item *copy = copy_of(s, it);
+
+    if (!copy)
+        return NULL;
+    copy->next = q->first;
+    q->first = copy;
+    if (!q->last)
+        q->last = copy;
+    return copy;
 }
 
 static struct item *
@@ -63,7 +63,7 @@ pop(struct queue *q)
     if (it) {
         q->first = it->next;
         if (!q->first)
-            q->end = &q->first;
+            q->last = NULL;
     }
     return it;
 }
@@ -111,17 +111,18 @@ out_has_facts(const struct strict *s, uint32_t frame, int line)
 void
 out_forget(struct strict *s, const struct strict_unit *u)
 {
-    struct item **at = &s->lazy.first, *it;
+    struct item **at = &s->lazy.first, *it, *last = NULL;
 
     while ((it = *at)) {
         if (it->unit == u->unit && it->attempt == u->attempt) {
             *at = it->next;
             item_free(it);
         } else {
+            last = it;
             at = &it->next;
         }
     }
-    s->lazy.end = at;
+    s->lazy.last = last;
 }
 
 void
@@ -274,10 +275,8 @@ out_loan(struct strict *s, const struct strict_unit *u,
 static struct item *
 continued(const struct queue *q, const struct item *it)
 {
-    struct item *last = q->first;
+    struct item *last = q->last;
 
-    while (last && last->next)
-        last = last->next;
     return last && last->kind == ITEM_PIECE && last->frame == it->frame &&
                    last->line == it->line && last->x + last->n == it->x &&
                    last->first + last->ndensity == it->first
