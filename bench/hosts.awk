@@ -44,6 +44,19 @@ function speed_up(key)
     return over(base, median(key, 1))
 }
 
+# The same at even cost of rays.
+function even(key)
+{
+    return over(even_base, median(key, 16))
+}
+
+# What the baseline of the next speed-ups is.
+function take_base(key)
+{
+    base = median(key, 1)
+    even_base = median(key, 16)
+}
+
 function title(text)
 {
     printf "\n%s\n", text
@@ -52,15 +65,17 @@ function title(text)
 function head_of_workers(   i)
 {
     for (i = 1; i <= nworkers; i++)
-        printf "%9d", worker[i]
+        printf "%9d%7s", worker[i], "even"
     print ""
 }
 
-function row_of_speed_ups(label, table, row,   i)
+function row_of_speed_ups(label, table, row,   i, key)
 {
     printf "%-20s", label
-    for (i = 1; i <= nworkers; i++)
-        printf "%s", show("%9.2f", speed_up(table " " row " " worker[i]))
+    for (i = 1; i <= nworkers; i++) {
+        key = table " " row " " worker[i]
+        printf "%s%s", show("%9.2f", speed_up(key)), show("%7.2f", even(key))
+    }
     print ""
 }
 
@@ -102,7 +117,8 @@ function estimate_table(   i, v, n)
 
 function static_table(   i, v, n)
 {
-    title("Speed-up of static without balancing, by estimate")
+    title("Speed-up of static without balancing, by estimate, and at even cost" \
+        " of rays")
     printf "%-20s", "workstations"
     head_of_workers()
     n = split("uniform 5a 5b 20a 20b optimum", v, " ")
@@ -128,7 +144,7 @@ function way_line(label, key, n,   t)
     t = median(key, 1)
     printf "%-14s%5d%s%s%s%s%s%s%s%s%s%s\n", label, n, show("%9.2f", t),
         show("%9.2f", over(base, t)),
-        show("%6.2f", over(median("base auto 1", 16), median(key, 16))),
+        show("%6.2f", even(key)),
         show("%7.1f", times(over(over(base, t),
         n), 100)), show("%9.3f", times(median(key, 3), 1e-6)),
         show("%9.0f", median(key, 4)),
@@ -161,7 +177,7 @@ function ways_table(   i, n, b)
 
 function windows_table(   i)
 {
-    title("Speed-up of windows, by their number")
+    title("Speed-up of windows, by their number, and at even cost of rays")
     printf "%-20s", "workstations"
     head_of_workers()
     for (i = 1; i <= nwindows; i++)
@@ -169,13 +185,12 @@ function windows_table(   i)
 }
 
 # The simulator knows one cost of a ray: that of the baseline.
-function sim_line(label, key, n,   s, t, even)
+function sim_line(label, key, n,   s, t)
 {
-    t = median(key, 1)
-    even = over(base, over(median("base auto 1", 16), median(key, 16)))
+    t = over(base, even(key))
     s = key in simulated ? simulated[key] : "-"
-    printf "%-14s%5d%s%s%s%s\n", label, n, show("%10.2f", t),
-        show("%10.2f", even), show("%10.2f", s), show("%10.2f", over(s, even))
+    printf "%-14s%5d%s%s%s%s\n", label, n, show("%10.2f", median(key, 1)),
+        show("%10.2f", t), show("%10.2f", s), show("%10.2f", over(s, t))
 }
 
 function sim_table(   i, j, n)
@@ -194,12 +209,11 @@ function sim_table(   i, j, n)
     }
 }
 
-function animation_table(   i, v, n, one)
+function animation_table(   i, v, n)
 {
     title("Animation of " frames " views: speed-up over one worker, frame by" \
-        " frame, nothing kept")
-    one = base
-    base = median("animation fresh 1", 1)
+        " frame, nothing kept,\nand at even cost of rays")
+    take_base("animation fresh 1")
     printf "one worker, frame by frame, nothing kept %s s\n",
         show("%9.2f", base)
     printf "one worker, all kept %s s, %s times\n",
@@ -211,7 +225,7 @@ function animation_table(   i, v, n, one)
     n = split("static scanbar window auto", v, " ")
     for (i = 1; i <= n; i++)
         row_of_speed_ups("whole, " v[i], "animation", v[i])
-    base = one
+    take_base("base auto 1")
 }
 
 FILENAME ~ /simulated$/ {
@@ -224,12 +238,12 @@ FILENAME ~ /simulated$/ {
     for (i = 4; i <= NF; i++)
         what[key, n, i - 3] = $i
     # seconds, as if a ray took a microsecond of processor time
-    what[key, n, 16] = $18 > 0 ? 1e-6 * $4 * $6 / $18 : "-"
+    what[key, n, 16] = $18 > 0 ? 1e-6 * $4 / $18 : "-"
 }
 END {
     nworkers = split(workers, worker, " ")
     nwindows = split(windows, window, " ")
-    base = median("base auto 1", 1)
+    take_base("base auto 1")
     printf "One worker: %s s, %s million rays\n", show("%.2f", base),
         show("%.3f", times(median("base auto 1", 3), 1e-6))
     n = split(tables, table, ",")
