@@ -531,6 +531,10 @@ check_words(struct ctl *c)
     if (c->command->arg && !c->arg)
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': missing %s",
                         c->command->name, c->command->arg);
+    /* of a job it would be how all of them begin, and so one that is alone */
+    if (c->arg && c->arg[0] == '\0')
+        return rad_fail(c->err, RAD_EUSAGE, "command '%s': empty %s",
+                        c->command->name, c->command->arg);
     if (c->command->run != run_fetch && (c->output || c->frame))
         return rad_fail(c->err, RAD_EUSAGE,
                         "-o and --frame go with fetch alone");

@@ -578,7 +578,9 @@ list_needs(struct program *p)
 static uint8_t
 choose_partition(const struct program *p)
 {
-    if (p->o.partition == PARTITION_AUTO && p->o.windows > 0)
+    bool windows = p->o.windows > 0 || p->o.order != ORDER_NONE;
+
+    if (p->o.partition == PARTITION_AUTO && windows)
         return MSG_PART_WINDOW;
     return (uint8_t)p->o.partition; /* the same words in the same order */
 }
@@ -593,9 +595,10 @@ read_costs(struct program *p)
     if (!p->o.costs)
         return 0;
     rc = costs_read(&c, p->o.costs, p->err);
-    if (rc == 0)
-        rc = costs_of_lines(&c, p->frames.list, p->frames.n,
-                            p->o.params.psample, &p->costs, &p->ncosts, p->err);
+    if (rc < 0)
+        return rc;
+    rc = costs_of_lines(&c, p->frames.list, p->frames.n, p->o.params.psample,
+                        &p->costs, &p->ncosts, p->err);
     if (rc < 0)
         rad_error_where(p->err, "%s", p->o.costs);
     costs_release(&c);

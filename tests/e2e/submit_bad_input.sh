@@ -47,6 +47,8 @@ expect 73 "none/err" "the error file's folder missing" \
     $r -e none/err -o out.hdr "$room"
 expect 64 "-x" "-x abc" $r -x abc "$room"
 expect 64 "of 16 by 0 pixels" "a view too flat for any row" $r -vh 179.9 "$room"
+expect 66 "radsubmit: cannot open 'none.json'" "no such statistics" \
+    $r --estimate=none.json "$room"
 expect 64 "stripes" "a partition that is not there" \
     $r --partition=stripes "$room"
 expect 64 "--detach" "--detach without a coordinator" \

@@ -104,6 +104,9 @@ done
 expect 66 "" "a job that is not there" \
     "$radctl" job 00000000000000000000000000000000
 
+# an empty word would be how every identifier begins
+expect 64 "empty ID" "an empty identifier" "$radctl" cancel ""
+
 # a drained worker gets no job; a cancelled job is not to be had
 "$radctl" drain ws1 || fail "drain"
 id=$("$radsubmit" --detach $view "$room" 2>stderr) || fail "second job"

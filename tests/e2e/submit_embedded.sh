@@ -67,6 +67,10 @@ render w11.hdr --partition=window --windows=64 --workers=1 --threads=1
 render w31.hdr --partition=window --windows=64 --workers=3 --threads=1
 render w22.hdr --partition=window --windows=64 --workers=2 --threads=2 \
     --order=random
+render w12.hdr --order=backward --windows=64 --threads=1
+render only.hdr --order=backward --threads=1 --stats=only.json
+same w11.hdr w12.hdr "the other order changes the picture"
+grep -q '"partition": *"window"' only.json || fail "--order asks for no windows"
 same w11.hdr w31.hdr "3 workers change the picture"
 same w11.hdr w22.hdr "2 workers of 2 threads change the picture"
 [ "$(wc -l <stderr)" -eq 2 ] || fail "more than id and end are said: $(cat stderr)"
