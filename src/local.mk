@@ -60,6 +60,8 @@ librad_a_SOURCES = \
 	src/light/ambfind.c \
 	src/light/ambpool.c \
 	src/light/ambpool.h \
+	src/light/ambshape.c \
+	src/light/ambshape.h \
 	src/light/ambtree.h \
 	src/light/contour.c \
 	src/light/contour.h \

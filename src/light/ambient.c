@@ -2,9 +2,8 @@
  *
  * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a
  * record is made of it: E, how it changes as the point moves and the normal
- * turns, and an elliptic zone in which a linear extrapolation is good.  The
- * zone's radii come from the Hessian of E (gradient.c).  They are kept as for
- * -aa 1, and count times -aa.
+ * turns, and an elliptic zone in which a linear extrapolation is good
+ * (ambshape.c).
  *
  * Where the zones of several records reach, their extrapolations are averaged
  * with weights that fall to zero at the edges of the zones, in distance and in
@@ -26,6 +25,7 @@
 
 #include "light/ambient.h"
 #include "light/ambcache.h"
+#include "light/ambshape.h"
 #include "light/gradient.h"
 #include "light/hemisphere.h"
 #include "base/vec.h"
@@ -42,15 +42,6 @@
 #define LEAST_FACTOR   .05f
 #define LARGEST_FACTOR 20.f
 
-/* Records that pixels show stand as far apart as their zones are wide, but each
- * is asked for so much farther out: of the mean of more of them, less is noise.
- * At 64 to 128 rays a record that lessens a picture's error by 5 to 15 %; at 2
- * what extrapolation gets wrong begins to count, and looking up takes longer.
- * With a large -aa that is most of the error already.  Where deeper rays end
- * all is averaged anyway. */
-#define OVERLAP          1.5
-#define FARTHEST_OVERLAP .75
-
 /* Zones of the smaller cells suffice if their weights sum to this. */
 #define ENOUGH_WEIGHT .05
 
@@ -61,26 +52,6 @@
 /* Stands for infinity in the positions of what is seen, in sides of the
  * scene's cube: far enough to be still as the point moves. */
 #define FAR_SIDES 10.
-
-/* The length that stands for the unit in radius_of(), in sides of the cube:
- * what bends within a tenth of the scene gets zones as small as -ar 32 lets
- * them be. At much more than that most zones are as large as they may be, and
- * their error, then most of the picture's, hardly falls with more rays; at less
- * there are more records, and little is gained. */
-#define ERROR_UNIT .003
-
-/* Each bounce leaves about half of the light, and what deep records get wrong
- * is averaged over the hemisphere of the one above.  So a bounce halves a
- * record's samples and doubles the area of its zone beyond what they are for
- * its weight. */
-#define LESS_BY_BOUNCE .5
-
-/* Where light bends so much that at the edge of the smallest zone that -ar
- * allows E would be off by more than a quarter, zones are smaller, down to half
- * of that: in a scene that is much larger than the room in view, that is most
- * of the error, and far beyond the samples' noise. */
-#define MOST_BENT .5 /* E'' r^2 / E; the error is half of it */
-#define FINEST    .5
 
 /* Fewest cells along a side: what a picture shows needs gradients. */
 #define SIDE_SHOWN 7
@@ -98,8 +69,8 @@ struct terms {
 struct rad_ambient {
     const struct rad_job *job;  /* [fixed] */
     struct rad_ambcache *cache; /* [fixed] */
-    double org[3], side;        /* [fixed] the cube */
-    double least, most;         /* [fixed] limits of radii */
+    double org[3];              /* [fixed] the cube's corner */
+    struct rad_ambscale scale;  /* [fixed] */
     /* [fixed] for rays that hemispheres alone have made lighter */
     struct terms usual[USUAL_LEVELS];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
@@ -111,7 +82,7 @@ struct rad_ambient {
 static void
 set_terms(const struct rad_ambient *amb, float weight, struct terms *t)
 {
-    double angle = M_PI / 18 + amb->job->params.ambacc;
+    double angle = M_PI / 18 + amb->scale.ambacc;
 
     if (weight < .6f)
         angle = M_PI / 2 - (M_PI / 2 - angle) * pow((double)weight, .13);
@@ -125,30 +96,20 @@ struct rad_ambient *
 rad_ambient_new(const struct rad_job *job, struct rad_error *err)
 {
     struct rad_ambient *amb = calloc(1, sizeof *amb);
-    double lo[3], hi[3];
-    int res = job->params.ambres;
+    double lo[3], hi[3], side = 0;
 
     if (!amb)
         goto nomem;
     amb->job = job;
     rad_geom_bounds(job->geom, lo, hi);
     for (int k = 0; k < 3; k++)
-        amb->side = rad_most(amb->side, hi[k] - lo[k]);
-    if (!(amb->side > 0))
-        amb->side = 1; /* nothing to stand on: any cube will do */
+        side = rad_most(side, hi[k] - lo[k]);
+    rad_ambscale_set(&amb->scale, side, &job->params);
     for (int k = 0; k < 3; k++)
-        amb->org[k] = (lo[k] + hi[k] - amb->side) / 2;
-    /* as in rpict: no zone larger than a fifth of the scene, or than 64 times
-     * the smallest; without -ar, none too small for rounding */
-    amb->most = .2 * amb->side;
-    amb->least = res > 0 ? amb->side / res : 1e-7 * amb->side;
-    if (res > 0)
-        amb->most = rad_least(amb->most, 64 * amb->least);
-    if (amb->most <= amb->least)
-        amb->most = 64 * amb->least;
+        amb->org[k] = (lo[k] + hi[k] - amb->scale.side) / 2;
     for (int i = 0; i < USUAL_LEVELS; i++)
         set_terms(amb, (float)pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
-    amb->cache = rad_ambcache_new(amb->org, amb->side);
+    amb->cache = rad_ambcache_new(amb->org, amb->scale.side);
     if (amb->cache)
         return amb;
 nomem:
@@ -196,38 +157,28 @@ static bool
 is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     for (int k = 0; k < 3; k++) {
-        double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->side;
+        double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->scale.side;
 
-        if (!(off >= -slack && off <= amb->side + slack))
+        if (!(off >= -slack && off <= amb->scale.side + slack))
             return false;
     }
     return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
-           rec->radius[1] <= 1.001 * amb->most && rad_rgb_sound(rec->E) &&
+           rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
            is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
            rec->weight > 0 && rec->weight <= 2 &&
            rec->level < amb->job->params.ambounce;
 }
 
-/* The relative distance up to which a record of that level is asked for. */
-static double
-reach_of(const struct rad_ambient *amb, int level)
-{
-    double aa = amb->job->params.ambacc;
-
-    return level > 0 ? aa
-                     : rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
-}
-
 static struct rad_ambzone
 zone_of(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
-    double reach = reach_of(amb, rec->level);
+    double reach = rad_ambscale_reach(&amb->scale, rec->level);
 
     return (struct rad_ambzone){ .reach = rec->radius[1] * reach,
                                  .height = rec->radius[0] * reach,
                                  .behind =
-                                     amb->least * amb->job->params.ambacc };
+                                     amb->scale.least * amb->scale.ambacc };
 }
 
 /* For -aw, a record that was inserted. */
@@ -454,7 +405,7 @@ want_more(void *arg, double side)
     const struct search *s = arg;
 
     return s->serves < ENOUGH_WEIGHT ||
-           side * s->amb->job->params.ambacc <= s->amb->least;
+           side * s->amb->scale.ambacc <= s->amb->scale.least;
 }
 
 /* Find all that serves at s->at. */
@@ -473,9 +424,9 @@ search_all(struct search *s)
     }
     s->weight9 = (float)(.9 * at->weight);
     s->max_angle = t->max_angle;
-    s->aa = (float)amb->job->params.ambacc;
-    s->reach = (float)reach_of(amb, at->level);
-    s->behind = -(float)(amb->least * amb->job->params.ambacc);
+    s->aa = (float)amb->scale.ambacc;
+    s->reach = (float)rad_ambscale_reach(&amb->scale, at->level);
+    s->behind = -(float)(amb->scale.least * amb->scale.ambacc);
     q.fit = &t->fit;
     rad_copy(q.p, at->p);
     rad_copy(q.n, at->n);
@@ -531,159 +482,13 @@ rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
     if (!is_plausible(amb, rec))
         return false;
     rad_copy(at.p, rec->p);
-    at.err = 1e-6 * amb->least;
+    at.err = 1e-6 * amb->scale.least;
     for (int k = 0; k < 3; k++)
         at.n[k] = at.pn[k] = rec->n[k];
     return rad_ambient_find(amb, &at, &E, &counts, &rays) > 0;
 }
 
 /* --- making records --- */
-
-/* Radius for an eigenvalue of the Hessian over E.  In its zone a record is
- * wrong by about value * r^2, and there are 1 / r^2 records to the area
- * (Schwarzhaupt et al. 2012).  For so many records the squared error, summed
- * over the area, is least if value^2 r^6 is the same for all; their paper,
- * which sums the error itself, has value r^4.  The scene's size stands for the
- * unit, so that units do not matter. */
-static double
-radius_of(const struct rad_ambient *amb, double value)
-{
-    value = fabs(value);
-    return value > 0 ? cbrt(amb->side * ERROR_UNIT / value) : INFINITY;
-}
-
-/* The least radius, where the Hessian over E has no larger eigenvalue. */
-static double
-least_radius(const struct rad_ambient *amb, double value)
-{
-    double aa = amb->job->params.ambacc;
-
-    value = fabs(value) * aa * aa;
-    if (!(value * amb->least * amb->least > MOST_BENT))
-        return amb->least;
-    return rad_most(sqrt(MOST_BENT / value), FINEST * amb->least);
-}
-
-/* Limit the radii: E must not double over them, and they are `least` at least;
- * lighter and deeper rays may do with larger ones. */
-static void
-limit_radii(const struct rad_ambient *amb, const double gpos[2], double least,
-            double weight, double r[2])
-{
-    for (int k = 0; k < 2; k++)
-        if (r[k] * fabs(gpos[k]) > 1)
-            r[k] = 1 / fabs(gpos[k]);
-    r[0] = rad_least(r[0], r[1]);
-    for (int k = 0; k < 2; k++)
-        r[k] = rad_least(rad_most(r[k], least) / sqrt(weight), amb->most);
-    r[1] = rad_least(r[1], 2 * r[0]);
-}
-
-/* Does the cell's ray end above the ellipse with half-axes r about f? */
-static bool
-is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
-{
-    double a = u / r[0], b = v / r[1];
-
-    /* the distance is that of the nearest thing met, c->p a direction; seen
-     * from above it is shorter by the same part as (u, v) is */
-    return rad_dot(c->p, c->p) * c->near * c->near > a * a + b * b;
-}
-
-/* Directions, 32 of them about the normal from the record's axis u on, which is
- * `axis` in the sampling's frame, in which something at the horizon is nearer
- * than the zone's edge, or may be where the cell's ray did not go: a wall that
- * is met aside of its nearest point seems farther.  r are the half-axes up to
- * which the record is asked for, `low` is how near all is under a low ceiling,
- * where the test would find that. */
-static uint32_t
-find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
-            double low)
-{
-    double overhead = INFINITY; /* 1 / distance of what is farthest there */
-    /* what a cell spans; between two rays that meet a wall, and beyond the
-     * last, are up to two spans that none went into */
-    double span = M_PI / 2 / h->n, half = 2 * span;
-    int n = h->n, quarter = n / 4;
-    double wide[2] = { r[0] / cos(span), r[1] / cos(span) };
-    uint32_t bins = 0;
-
-    for (int i = quarter; i < n - quarter; i++)
-        for (int j = quarter; j < n - quarter; j++)
-            overhead = rad_least(overhead, h->cell[i * n + j].near);
-    if (overhead * low >= 1)
-        return 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j += i == 0 || i == n - 1 ? 1 : n - 1) {
-            const struct rad_hemicell *c = &h->cell[i * n + j];
-            double u = c->p[0] * axis[0] + c->p[1] * axis[1];
-            double v = c->p[1] * axis[0] - c->p[0] * axis[1];
-
-            if (!is_inside(c, u, v, wide))
-                continue;
-            int from = (int)floor((atan2(v, u) - half) * (16 / M_PI));
-            int to = (int)floor((atan2(v, u) + half) * (16 / M_PI));
-
-            for (int bin = from; bin <= to; bin++)
-                bins |= UINT32_C(1) << (bin & 31);
-        }
-    return bins;
-}
-
-/* Harmonic mean distance of what is seen (Ward et al. 1988). */
-static double
-mean_distance(const struct rad_hemi *h)
-{
-    double near = 0;
-
-    for (int k = 0; k < h->n * h->n; k++)
-        near += h->cell[k].near;
-    return h->n * h->n / near;
-}
-
-/* Radii, axes and gradients of *rec, from the sampling that gave its E.
- * Where all is black there is nothing to differ: distance alone decides. */
-static void
-shape_record(const struct rad_ambient *amb, const struct rad_hemi *h,
-             struct rad_ambrec *rec)
-{
-    double aa = amb->job->params.ambacc, value[2], vec[2] = { 1, 0 };
-    double r[2], gpos[2] = { 0, 0 }, gdir[2] = { 0, 0 }, least = amb->least;
-    struct rad_gradients g;
-
-    if (rad_rgb_lum(h->E) > 0) {
-        rad_hemi_gradients(h, &g);
-        rad_eigen2(g.hess, value, vec);
-        gpos[0] = g.move[0] * vec[0] + g.move[1] * vec[1];
-        gpos[1] = g.move[1] * vec[0] - g.move[0] * vec[1];
-        gdir[0] = g.turn[0] * vec[0] + g.turn[1] * vec[1];
-        gdir[1] = g.turn[1] * vec[0] - g.turn[0] * vec[1];
-        for (int k = 0; k < 2; k++)
-            r[k] = radius_of(amb, value[k]);
-        /* what a pixel shows; deeper errors are averaged */
-        if (rec->level == 0)
-            least = least_radius(amb, value[0]);
-    } else {
-        r[0] = r[1] = mean_distance(h);
-    }
-    limit_radii(amb, gpos, least, rec->weight * pow(LESS_BY_BOUNCE, rec->level),
-                r);
-    /* over the zone E may double, not more */
-    double swing = hypot(gpos[0] * r[0], gpos[1] * r[1]);
-    double cap = swing > 1 ? 1 / swing : 1;
-
-    for (int k = 0; k < 3; k++)
-        rec->u[k] = (float)(vec[0] * h->u[k] + vec[1] * h->v[k]);
-    for (int k = 0; k < 2; k++) {
-        rec->radius[k] = (float)r[k];
-        rec->gpos[k] = (float)(gpos[k] * cap);
-        rec->gdir[k] = (float)gdir[k];
-    }
-    double reach = reach_of(amb, rec->level);
-    double zone[2] = { r[0] * reach, r[1] * reach };
-
-    rec->corral = find_corral(h, vec, zone, r[0] * aa);
-}
 
 /* The weight that a record made here is for: that of a ray which has been
  * reflected as often, unless this one is much lighter. */
@@ -710,10 +515,10 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     bool ok;
 
     rec.weight = record_weight(at);
-    plan.weight = (double)rec.weight * pow(LESS_BY_BOUNCE, at->level);
+    plan.weight = rad_ambrec_worth(&rec);
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)MEAN_REFLECTANCE);
-    plan.far = FAR_SIDES * amb->side;
+    plan.far = FAR_SIDES * amb->scale.side;
     rad_copy(plan.normal, at->n);
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
@@ -728,7 +533,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         for (int k = 0; k < 3; k++)
             rec.n[k] = (float)at->n[k];
         rec.E = h.E;
-        shape_record(amb, &h, &rec);
+        rad_ambrec_shape(&amb->scale, &h, &rec);
         if (insert(amb, &rec, true))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
