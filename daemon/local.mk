@@ -73,7 +73,10 @@ libdaemon_a_SOURCES = \
 	daemon/partition.h \
 	daemon/partition_impl.h \
 	daemon/partition_lines.c \
+	daemon/partition_lines.h \
 	daemon/partition_queue.c \
+	daemon/partition_region.c \
+	daemon/partition_run.c \
 	daemon/partition_window.c \
 	daemon/peer.c \
 	daemon/peer.h \
