@@ -635,7 +635,8 @@ fill_spec(struct program *p)
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
     s->windows = (uint32_t)o->windows;
     s->objects = (uint32_t)p->scene.scene->nobjects;
-    s->bundle_bytes = rad_bundle_bytes(&p->scene.bundle);
+    s->bundle_bytes =
+        rad_bundle_bytes(&p->scene.bundle) + p->cargo.manifest_len;
     s->compile_s = p->compile_s;
     s->files.n = p->cargo.n;
     s->files.hash = p->cargo.hashes;
@@ -739,7 +740,8 @@ run_dry(struct program *p)
     c.threads = c.workers * local_threads(c.workers, p->o.threads);
     if (!p->embedded && (rc = dryrun_ask(&c, &where, &p->target, p->err)) < 0)
         return rc;
-    if ((rc = compile(p)) < 0)
+    if ((rc = compile(p)) < 0 ||
+        (rc = cargo_init(&p->cargo, &p->scene.bundle, NULL, p->err)) < 0)
         return rc;
     warn_of_scene(p);
     fill_spec(p);

@@ -200,6 +200,7 @@ coord_worker_of(struct coord *c, const char *name)
         snprintf(w->name, sizeof w->name, "%s", name);
         w->id = c->nworkers++;
         w->relative = 1;
+        w->since_ms = c->now_ms; /* of an earlier life: gone since then */
         *link = w;
     }
     return w;

@@ -78,5 +78,37 @@ again lines
 rays=$(total calm.json primary_rays)
 [ "$(total lines.json primary_rays)" = "$rays" ] ||
     fail "$(total lines.json primary_rays) primary rays, not $rays"
+
+# who was at a job in an earlier life and does not call again is gone, since now
+view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
+--partition=window --windows=40"
+in_the_middle_or_ended()
+{
+    in_the_middle "left$n" || ended
+}
+
+# paused, it does not end before it is looked at
+for n in 1 2 3 4 5; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" --name="left$n" $view -o left.hdr "$room" \
+        2>stderr &
+    job=$!
+    until_true 60 in_the_middle_or_ended || fail "the job does not start"
+    id=$(sed -n 's/^radsubmit: job //p' stderr)
+    "$radctl" --coordinator="$sock" pause "$id" && break
+    wait $job
+done
+# shellcheck disable=SC2154 # worker_start sets them
+kill -KILL "$coord_pid" $job "$pid_1" "$pid_2"
+wait "$coord_pid" $job "$pid_1" "$pid_2" 2>/dev/null
+workers=
+# shellcheck disable=SC2086
+coord_start
+"$radctl" --coordinator="$sock" --json workers >gone.json || fail "no answer"
+python3 - <<'END' || fail "who is gone: $(cat gone.json)"
+import json
+w = json.load(open("gone.json"))
+assert w and all(x["state"] == "gone" and x["since_s"] < 3600 for x in w), w
+END
 cluster_stop
 finish

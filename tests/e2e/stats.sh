@@ -29,6 +29,8 @@ if t["estimate_rays"] == 0:
          total(units, "rays") + t["seed_rays"] + t["dropped_rays"], t["rays"])
 same("primary rays", total(units, "primary_rays"), t["primary_rays"])
 same("units", total(workers, "units"), len(units))
+scene = s["scene"] # which nobody has seen before
+same("bytes sent", scene["sent_bytes"], scene["bundle_bytes"])
 same("redone", t["units_redone"], 0)
 p = s["picture"]
 same("pixels", sum(u["width"] * u["height"] for u in units),
