@@ -1097,6 +1097,33 @@ expect_pass(struct strict *s, enum strict_rank rank, bool last)
               last);
 }
 
+static struct rad_quincunx
+sampler(int width, int height)
+{
+    struct rad_quincunx q = { .width = width, .height = height };
+
+    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    return q;
+}
+
+/* A block of line 4 of a picture of 64 columns, black. */
+static struct msg_loan
+some_loan(void)
+{
+    static const uint8_t bytes[64 * 12];
+
+    return (struct msg_loan){ .job = job_id,
+                              .unit = 3,
+                              .attempt = 9,
+                              .line = 4,
+                              .x = 6,
+                              .n = 6,
+                              .channels = 3,
+                              .wanted = bytes,
+                              .top = bytes,
+                              .bottom = bytes };
+}
+
 /* The whole top of line 4 of a picture of 64 columns, black. */
 static void
 give_top_of(struct strict *s, const struct rad_quincunx *q, uint32_t frame)
@@ -1148,23 +1175,13 @@ give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
 /* Whoever made it is wrong, not the job; its columns go back. */
 START_TEST(a_loan_that_fits_no_line_is_not_taken)
 {
-    static const uint8_t bytes[64 * 12];
-    struct rad_quincunx q = { .width = 64, .height = 60 };
-    struct msg_loan loan = { .job = job_id,
-                             .unit = 3,
-                             .attempt = 9,
-                             .line = 4,
-                             .x = 6,
-                             .n = 5, /* no whole block */
-                             .channels = 3,
-                             .wanted = bytes,
-                             .top = bytes,
-                             .bottom = bytes };
+    struct rad_quincunx q = sampler(64, 60);
+    struct msg_loan loan = some_loan();
     struct rad_error err = { 0 };
     const struct msg *m;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    loan.n = 5; /* no whole block */
     s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, &err), RAD_EPROTO);
     ck_assert_ptr_nonnull(strstr(err.what, "unit 3"));
@@ -1184,25 +1201,14 @@ END_TEST
  * away: what was spent on it before stays with the lines. */
 START_TEST(what_lines_cost_is_told)
 {
-    static const uint8_t bytes[64 * 12];
-    struct rad_quincunx q = { .width = 64, .height = 60 };
-    const struct msg_loan loan = { .job = job_id,
-                                   .unit = 3,
-                                   .attempt = 9,
-                                   .line = 4,
-                                   .x = 6,
-                                   .n = 6,
-                                   .channels = 3,
-                                   .wanted = bytes,
-                                   .top = bytes,
-                                   .bottom = bytes };
+    struct rad_quincunx q = sampler(64, 60);
+    const struct msg_loan loan = some_loan();
     const struct msg_counts spent = { .rays = 2 };
     struct msg_counts total;
     struct strict_pass *p;
     const struct msg *m;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
@@ -1240,20 +1246,9 @@ END_TEST
 /* A pixel of a loan that its lender needed as well, and told of just then. */
 START_TEST(what_a_loan_traced_for_nothing_is_told)
 {
-    static const uint8_t bytes[64 * 12];
     static const struct rad_pixel pixel;
-    struct rad_quincunx q = { .width = 64, .height = 60 };
-    const struct msg_loan loan = { .job = job_id,
-                                   .unit = 3,
-                                   .attempt = 9,
-                                   .line = 4,
-                                   .x = 6,
-                                   .n = 6,
-                                   .channels = 3,
-                                   .density = bytes,
-                                   .wanted = bytes,
-                                   .top = bytes,
-                                   .bottom = bytes };
+    struct rad_quincunx q = sampler(64, 60);
+    struct msg_loan loan = some_loan();
     const struct msg_counts spent = { .rays = 2 };
     struct msg_counts total;
     struct rad_facts *facts;
@@ -1261,7 +1256,7 @@ START_TEST(what_a_loan_traced_for_nothing_is_told)
     const struct msg *m;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
+    loan.density = loan.top;
     s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
@@ -1285,10 +1280,9 @@ START_TEST(what_keeps_no_facts_does_not_lend)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
     const struct msg_counts none = { 0 };
-    struct rad_quincunx q = { .width = 64, .height = 61 };
+    struct rad_quincunx q = sampler(64, 61);
     int nlines;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     nlines = rad_quincunx_nbases(&q);
     for (int last = nlines - 1; last <= nlines; last++) {
         struct strict *s = strict_new(&q, 1, false, job_id);
@@ -1318,7 +1312,7 @@ START_TEST(a_line_is_left_when_others_are_out)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
     const struct msg_counts none = { 0 };
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     uint8_t wanted[8] = { 0 };
     struct rad_pixel top[64] = { 0 };
     const struct team_loan loan = {
@@ -1330,7 +1324,6 @@ START_TEST(a_line_is_left_when_others_are_out)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 7);
     give_top(s, &q);
@@ -1362,10 +1355,9 @@ END_TEST
  * colours above, and nobody below should wait for that. */
 START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
@@ -1382,13 +1374,12 @@ END_TEST
  * are made, and what is known of its densities is held against the truth. */
 START_TEST(bars_that_come_along_stay)
 {
-    struct rad_quincunx q = { .width = 64, .height = 90 };
+    struct rad_quincunx q = sampler(64, 90);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
@@ -1414,13 +1405,12 @@ END_TEST
  * bar below them is filled from. */
 START_TEST(what_leaves_lines_out_fills_no_bars)
 {
-    struct rad_quincunx q = { .width = 64, .height = 90 };
+    struct rad_quincunx q = sampler(64, 90);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
@@ -1463,7 +1453,7 @@ static const struct {
  * bottom: if that was right, so is its own, and nobody need wait for a pass. */
 START_TEST(a_guess_from_true_densities_is_true)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     static const struct rad_pixel bottom[64];
     uint8_t density[64] = { guesses[_i].density };
     const struct msg_counts spent = { 0 };
@@ -1471,7 +1461,6 @@ START_TEST(a_guess_from_true_densities_is_true)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, guesses[_i].painted, job_id);
     give_unit(s, &q, 0, 4, 8);
     give_unit(s, &q, 1, 8, 11);
@@ -1501,7 +1490,7 @@ END_TEST
 START_TEST(pieces_that_nobody_took_yet_are_one)
 {
     static const int made[] = { 12, 24, 48, 64 }; /* taken after the second */
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     struct rad_pixel bottom[64] = { 0 };
     uint8_t density[64], want[64 * 12];
     const struct msg_counts spent = { 0 };
@@ -1511,7 +1500,6 @@ START_TEST(pieces_that_nobody_took_yet_are_one)
     struct strict *s;
     uint32_t n, from = 0;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     n = (uint32_t)rad_quincunx_ndensity(&q);
     for (int x = 0; x < 64; x++) {
         const float v[3] = { (float)x, 0, 1 };
@@ -1551,7 +1539,7 @@ END_TEST
 /* A unit that nobody works on gets its top while another is traced ahead. */
 START_TEST(what_is_ahead_makes_way_for_the_truth)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     static const struct rad_pixel bottom[64];
     static const uint8_t density[64];
     const struct msg_counts spent = { 0 };
@@ -1559,7 +1547,6 @@ START_TEST(what_is_ahead_makes_way_for_the_truth)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     expect_pass(s, STRICT_LINES, false);
@@ -1593,13 +1580,12 @@ is_said(struct strict *s, enum msg_type type)
  * to be known. */
 START_TEST(a_parked_unit_that_is_worked_on_says_so)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 6);
     expect_pass(s, STRICT_LINES, false);
@@ -1625,7 +1611,7 @@ START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
 {
     const struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
     const struct msg_counts none = { 0 };
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     uint8_t wanted[8] = { 0 };
     struct rad_pixel top[64] = { 0 };
     const struct team_loan loan = {
@@ -1635,7 +1621,6 @@ START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 7);
     give_top(s, &q);
@@ -1669,13 +1654,12 @@ make_bottom(struct strict *s, const struct rad_quincunx *q,
  */
 START_TEST(rows_make_way_for_a_bottom)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     const struct msg_counts spent = { .primary_rays = 5 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 0, 3);
     expect_pass(s, STRICT_TRUE_LINES, false);
@@ -1704,13 +1688,12 @@ END_TEST
 /* The base line above a unit comes before it, where the coordinator has it. */
 START_TEST(rows_make_way_for_a_unit_that_has_its_top)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 0, 3);
     expect_pass(s, STRICT_TRUE_LINES, false);
@@ -1731,7 +1714,7 @@ END_TEST
 /* What is made of it counts once, however often it was left. */
 START_TEST(rows_that_went_on_count_their_rays_once)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     static const struct rad_pixel bottom[64];
     static const uint8_t density[64];
     const struct msg_counts some = { .rays = 7, .primary_rays = 2 };
@@ -1740,7 +1723,6 @@ START_TEST(rows_that_went_on_count_their_rays_once)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 0, 2);
     expect_pass(s, STRICT_TRUE_LINES, false);
@@ -1760,7 +1742,7 @@ START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
 {
     enum { LINE = 64, UNIT = 4 * 3 * LINE };
 
-    struct rad_quincunx q = { .width = LINE, .height = 60 };
+    struct rad_quincunx q = sampler(LINE, 60);
     static const struct rad_pixel bottom[LINE];
     static const uint8_t density[LINE];
     const struct msg_counts spent = { 0 };
@@ -1768,7 +1750,6 @@ START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     ck_assert_int_eq(q.ystep, 3);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
@@ -1807,7 +1788,7 @@ END_TEST
 /* A whole frame keeps no facts: left, it would be traced again. */
 START_TEST(rows_that_are_not_kept_do_not_make_way)
 {
-    struct rad_quincunx q = { .width = 64, .height = 61 };
+    struct rad_quincunx q = sampler(64, 61);
     struct rad_quincunx frames[2];
     const struct msg_counts spent = { 0 };
     struct msg_unit below = { .job = job_id, .unit = 1, .attempt = 1 };
@@ -1815,7 +1796,6 @@ START_TEST(rows_that_are_not_kept_do_not_make_way)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     frames[0] = frames[1] = q;
     s = strict_new(frames, 2, false, job_id);
     give_unit(s, &q, 0, 0, rad_quincunx_nbases(&q));
@@ -1837,13 +1817,12 @@ END_TEST
 /* Of two units whose top is there the one whose bottom is out has time. */
 START_TEST(who_owes_a_bottom_comes_first)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 0, 2);
     expect_pass(s, STRICT_TRUE_LINES, false);
@@ -1860,7 +1839,7 @@ END_TEST
  * that it may wait for long, for a pass what others want of it. */
 START_TEST(it_says_when_to_look_again)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     static const struct rad_pixel bottom[64];
     static const uint8_t density[64];
     const struct msg_lend lend = { job_id, 0, 1, 32767 };
@@ -1869,7 +1848,6 @@ START_TEST(it_says_when_to_look_again)
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
     give_unit(s, &q, 0, 4, 8);
@@ -1906,13 +1884,12 @@ END_TEST
 /* Its top comes again before it does, while a pass of it is ending. */
 START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_unit(s, &q, 0, 4, 8);
     p = strict_next(s, STRICT_AHEAD);
@@ -1929,7 +1906,7 @@ END_TEST
 /* Of the base line above it that one makes ahead, the bar is another's. */
 START_TEST(a_top_that_is_made_here_has_no_colours_above)
 {
-    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct rad_quincunx q = sampler(64, 60);
     struct strict_pass *p;
     struct msg_unit u = { .job = job_id,
                           .attempt = 1,
@@ -1940,7 +1917,6 @@ START_TEST(a_top_that_is_made_here_has_no_colours_above)
     struct msg_counts total;
     struct strict *s;
 
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
     s = strict_new(&q, 1, false, job_id);
     give_top(s, &q); /* base line 3 */
     u.y = (uint32_t)team_line_row(&q, 5);
