@@ -9,22 +9,20 @@ coord_start
 worker_start 1 1
 until_true 30 n_workers 1 || fail "the worker does not come"
 
-# once EXPECTED-IN-THE-LOG NAME: exactly one line more since the last call
+# once EXPECTED-IN-THE-LOG NAME: exactly one line more of a peer since the last
+# call
 seen=0
 once()
 {
-    until_true 5 log_grew || fail "$2: the log says nothing"
-    n=$(tail -n +$((seen + 1)) c.log | grep -c 'peer=127')
-    tail -n +$((seen + 1)) c.log | grep -qF -e "$1" ||
-        fail "$2: the log says $(tail -n +$((seen + 1)) c.log)"
-    [ "$n" -eq 1 ] || fail "$2: $n lines: $(tail -n +$((seen + 1)) c.log)"
+    until_true 5 news_say "$1" || fail "$2: the log says $(news)"
+    n=$(news | grep -c 'peer=127')
+    [ "$n" -eq 1 ] || fail "$2: $n lines: $(news)"
     seen=$(wc -l <c.log)
 }
 
-log_grew()
-{
-    [ "$(wc -l <c.log)" -gt "$seen" ]
-}
+news() { tail -n +$((seen + 1)) c.log; }
+
+news_say() { news | grep -qF -e "$1"; }
 
 # good NAME COMMAND...
 good()

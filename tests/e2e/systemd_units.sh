@@ -31,7 +31,16 @@ twice()
 until_true 10 twice READY=1 || fail "not both say that they are ready"
 until_true 10 twice WATCHDOG=1 || fail "no sign of life for the watchdog"
 kill -STOP "$pid_1" "$coord_pid"
-sleep .3 # what was said before
+both_stand()
+{
+    [ "$(ps -o stat= -p "$pid_1,$coord_pid" | grep -c '^T')" -eq 2 ]
+}
+until_true 10 both_stand || fail "they do not stop for SIGSTOP"
+# what they said before comes before this
+python3 -c 'import socket, sys
+socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM).sendto(b"STOPPED", sys.argv[1])
+' notify
+until_true 10 grep -q '^STOPPED' said || fail "the listener is not there"
 n=$(grep -c WATCHDOG said)
 sleep 1
 [ "$(grep -c WATCHDOG said)" -eq "$n" ] || fail "one that hangs says it lives"
