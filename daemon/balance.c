@@ -118,19 +118,37 @@ has_twin(const struct job_unit *u, const struct job_go *go)
     return false;
 }
 
+bool
+balance_shrink(struct coord *c, struct job *job, uint32_t unit,
+               struct job_go *go, uint32_t height)
+{
+    uint32_t given = height >= job->units[unit].next_row
+                         ? partition_give(job->partition, unit, height)
+                         : PARTITION_NONE;
+
+    if (given == PARTITION_NONE)
+        return false;
+    if (!job_grow_units(job))
+        c->actions.failed = true;
+    sched_shrunk(job, unit, go);
+    sched_keep_unit(c, job, unit);
+    sched_keep_unit(c, job, given);
+    return true;
+}
+
 void
 balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 {
     struct partition_area a;
     struct job_unit *u;
     struct job_go *go;
-    uint32_t index, given;
+    uint32_t index;
     struct job *job = sched_job_of(c, w, m->job, &index);
 
     if (!job || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || !go->split)
+    if (!go || !(go->split || go->still)) /* asked before it came back */
         return;
     go->split = false;
     partition_area(job->partition, m->unit, &a);
@@ -147,18 +165,8 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
         loss_of(c, job, m->unit, go);
         return;
     }
-    given = m->height >= u->next_row
-                ? partition_give(job->partition, m->unit, m->height)
-                : PARTITION_NONE;
-    if (given == PARTITION_NONE) {
+    if (!balance_shrink(c, job, m->unit, go, m->height))
         coord_break(c, w->conn, "a GAVE that fits no lines");
-        return;
-    }
-    if (!job_grow_units(job))
-        c->actions.failed = true;
-    sched_shrunk(job, m->unit, go);
-    sched_keep_unit(c, job, m->unit);
-    sched_keep_unit(c, job, given);
 }
 
 /* --- twins --- */

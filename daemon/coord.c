@@ -204,6 +204,12 @@ on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 static void
+on_still(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_still(c, conn->worker, &m->still);
+}
+
+static void
 on_loan(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     lending_loan(c, conn->worker, &m->loan);
@@ -245,25 +251,16 @@ static const struct {
     void (*handle)(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, on_result },
-    { MSG_HELLO, coord_hello },
-    { MSG_WANT, on_want },
-    { MSG_READY, on_ready },
-    { MSG_LOST, on_lost },
-    { MSG_TALLY, on_tally },
-    { MSG_FAILED, on_failed },
-    { MSG_DRAIN, on_drain },
-    { MSG_FACTS, on_facts },
-    { MSG_BASE_LINE, on_base_line },
-    { MSG_PARKED, on_parked },
-    { MSG_GAVE, on_gave },
-    { MSG_ESTIMATED, on_estimated },
-    { MSG_PING, on_ping },
-    { MSG_RECORDS, on_records },
-    { MSG_UNLINKED, on_unlinked },
-    { MSG_LOAN, on_loan },
-    { MSG_PAID, on_paid },
-    { MSG_LINE_COSTS, on_line_costs },
+    { MSG_RESULT, on_result },     { MSG_HELLO, coord_hello },
+    { MSG_WANT, on_want },         { MSG_READY, on_ready },
+    { MSG_LOST, on_lost },         { MSG_TALLY, on_tally },
+    { MSG_FAILED, on_failed },     { MSG_DRAIN, on_drain },
+    { MSG_FACTS, on_facts },       { MSG_BASE_LINE, on_base_line },
+    { MSG_PARKED, on_parked },     { MSG_GAVE, on_gave },
+    { MSG_STILL, on_still },       { MSG_ESTIMATED, on_estimated },
+    { MSG_PING, on_ping },         { MSG_RECORDS, on_records },
+    { MSG_UNLINKED, on_unlinked }, { MSG_LOAN, on_loan },
+    { MSG_PAID, on_paid },         { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */

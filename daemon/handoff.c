@@ -192,6 +192,23 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     introduce(c, job, unit, go);
 }
 
+/* Its child has the facts. */
+void
+handoff_back(struct coord *c, struct job *job, uint32_t index)
+{
+    for (uint32_t i = 0; i < job->nout; i++) {
+        uint32_t unit = job->out[i], first, last;
+        uint32_t frame = lines_of_unit(job, unit, &first, &last);
+        struct job_go *go = job_go_of(job, unit, index);
+
+        if (!go || !go->still)
+            continue;
+        if (first > 0)
+            send_base(c, job, frame, first - 1, go);
+        introduce(c, job, unit, go);
+    }
+}
+
 /* --- in --- */
 
 /* A guess of the top of the unit below, with which its first bar can be traced

@@ -52,6 +52,7 @@ struct job_go {
     bool counted;    /* its work is among what was finished */
     bool dropped;    /* rows of it came and were dropped */
     bool spent;      /* it came to its end, and its rows did not count */
+    bool still;      /* it was here already when its worker came back */
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
     bool top_sent;   /* the base line above, whole, by us */
@@ -124,8 +125,10 @@ struct job_worker {
                             * last finished a unit */
     bool took_part;        /* it was READY once */
     bool late;             /* others do its work until it is heard of */
-    bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
-                        * a child */
+    uint64_t
+        keep_ms;   /* until then units that it lost wait for it; 0: none do */
+    bool excluded; /* --same-bits: of another fingerprint; or it cannot keep
+                    * a child */
     uint64_t ready_ms; /* first READY */
     double load_s;
     uint64_t fingerprint;

@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <sysexits.h>
 
+/* A worker whose connection broke dials again after at most .75 s. */
+#define KEEP_MS 2000
+
 /* Is there another worker than that one? */
 static bool
 others_than(const struct coord *c, const struct coord_worker *w)
@@ -47,16 +50,31 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
+/* Columns that one lent who is gone serve nobody. */
+static void
+end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (u->go[i].lender == lender) {
+            sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            sched_release(c, job, unit, &u->go[i]);
+        }
+}
+
 void
 loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_unit *u = &job->units[unit];
     bool led = go->attempt == u->lead || u->lead == 0;
+    uint32_t attempt = go->attempt;
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
     job->frames[a.frame].untold = true;
     sched_release(c, job, unit, go);
+    end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
     if (u->ngos == 0 && (u->crashes == 0 || !job_suspect_add(job, unit)))
@@ -81,6 +99,32 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
 }
 
 void
+loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
+{
+    for (uint32_t i = 0; job->partition && i < job->nunits; i++) {
+        const struct job_unit *u = &job->units[i];
+
+        if (!u->done && u->ngos == 0 && u->lead != 0 && u->worker == index)
+            partition_keep(job->partition, i, index);
+    }
+    job->workers[index].keep_ms = c->now_ms + ms;
+}
+
+void
+loss_tick(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        if (jw->keep_ms == 0 || c->now_ms < jw->keep_ms)
+            continue;
+        jw->keep_ms = 0;
+        partition_keep_none(job->partition, i);
+        c->stirred = true;
+    }
+}
+
+void
 loss_at_ready(struct coord *c, struct job *job, uint32_t index)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
@@ -88,16 +132,66 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
         struct job_go *go = job_go_of(job, unit, index);
         struct partition_area a;
 
-        if (!go)
+        if (!go || go->still)
             continue;
         partition_area(job->partition, unit, &a);
         if (job->units[unit].next_row < a.height)
             loss_of(c, job, unit, go);
     }
+    loss_keep(c, job, index, KEEP_MS); /* what it is not at it gets now */
 }
 
-static void
-gone(struct coord *c, struct job *job, uint32_t index)
+/* The worker's go at the unit that it says it is at, if nobody else was given
+ * it; NULL. */
+static struct job_go *
+go_again(struct coord *c, struct job *job, uint32_t index,
+         const struct msg_gave *m)
+{
+    const struct job_unit *u = &job->units[m->unit];
+    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+
+    if (!go && !u->done && u->ngos == 0 && u->lead == m->attempt &&
+        u->worker == index && result_revive(c, job, index, m->unit))
+        go = job_go_find(job, m->unit, index, m->attempt);
+    return go;
+}
+
+static bool
+goes_on(struct coord *c, struct job *job, uint32_t index,
+        const struct msg_gave *m)
+{
+    struct partition_area a;
+    struct job_go *go;
+
+    if (!job->partition || m->unit >= job->nunits)
+        return false;
+    partition_area(job->partition, m->unit, &a);
+    go = m->height <= a.height ? go_again(c, job, index, m) : NULL;
+    if (!go)
+        return false;
+    go->still = true;
+    sched_log_unit(c, job, m->unit, go, "unit still");
+    if (m->height == a.height || balance_shrink(c, job, m->unit, go, m->height))
+        return true;
+    loss_of(c, job, m->unit, go);
+    return false;
+}
+
+void
+sched_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct msg no = { .type = MSG_REVOKE,
+                      .revoke = { m->job, m->unit, m->attempt } };
+
+    if (job &&
+        (job->workers[index].state != JW_LOADING || !goes_on(c, job, index, m)))
+        actions_send(&c->actions, w->conn, &no);
+}
+
+void
+loss_all(struct coord *c, struct job *job, uint32_t index)
 {
     take_all_back(c, job, index);
     job->workers[index].state = JW_GONE;
@@ -115,8 +209,11 @@ sched_worker_gone(struct coord *c, struct coord_worker *w)
         struct job *job = c->jobs[i];
         uint32_t index = sched_index(job, w);
 
-        if (index != JOB_NOBODY && job->workers[index].state != JW_GONE)
-            gone(c, job, index);
+        if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
+            continue;
+        loss_all(c, job, index);
+        if (!job_over(job))
+            loss_keep(c, job, index, KEEP_MS);
     }
 }
 
@@ -229,7 +326,7 @@ sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
             !suspect(c, job, index, m->units[i], m->text))
             return;
     surveying = jw->surveying;
-    gone(c, job, index);
+    loss_all(c, job, index);
     if (surveying)
         survey_crashed(c, job, surveying - 1);
 }

@@ -54,6 +54,7 @@ partition_add(struct partition *p, const struct partition_area *area)
     u = &p->unit[p->total];
     memset(u, 0, sizeof *u);
     u->area = *area;
+    u->keeper = PARTITION_NONE;
     p->waiting++;
     p->undone++;
     return p->total++;
@@ -73,6 +74,13 @@ partition_back(struct partition *p, uint32_t unit)
     }
     p->back[p->nback++] = unit;
     return true;
+}
+
+static void
+drop_back(struct partition *p, uint32_t i)
+{
+    p->nback--;
+    memmove(p->back + i, p->back + i + 1, (p->nback - i) * sizeof *p->back);
 }
 
 struct partition *
@@ -175,23 +183,35 @@ partition_set_costs(struct partition *p, const double *cost)
 
 /* --- units --- */
 
-/* Units that were taken out of turn are skipped where they lie. */
+/* The last that came back, of those that are kept for that worker, or for none;
+ * false: there is none.  Units that were taken out of turn are skipped where
+ * they lie. */
 static bool
-next_back(struct partition *p, uint32_t *unit)
+next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
 {
-    while (p->nback > 0) {
-        *unit = p->back[--p->nback];
-        if (p->unit[*unit].state == PART_WAITING)
+    for (uint32_t i = p->nback; i-- > 0;) {
+        *unit = p->back[i];
+        if (p->unit[*unit].state != PART_WAITING) {
+            drop_back(p, i);
+        } else if (p->unit[*unit].keeper == worker) {
+            drop_back(p, i);
             return true;
+        }
     }
     return false;
+}
+
+static bool
+next_back(struct partition *p, uint32_t worker, uint32_t *unit)
+{
+    return next_kept(p, worker, unit) || next_kept(p, PARTITION_NONE, unit);
 }
 
 bool
 partition_next(struct partition *p, const struct partition_who *who,
                uint32_t *unit)
 {
-    if (!next_back(p, unit) &&
+    if (!next_back(p, who->worker, unit) &&
         !(p->lines ? lines_next(p, who, unit) : window_next(p, unit)))
         return false;
     p->unit[*unit].state = PART_OUT;
@@ -205,8 +225,24 @@ partition_lost(struct partition *p, uint32_t unit)
     if (p->unit[unit].state != PART_OUT || !partition_back(p, unit))
         return;
     p->unit[unit].state = PART_WAITING;
+    p->unit[unit].keeper = PARTITION_NONE;
     p->unit[unit].bars = false; /* others are further, and wait for it */
     p->waiting++;
+}
+
+void
+partition_keep(struct partition *p, uint32_t unit, uint32_t worker)
+{
+    if (p->unit[unit].state == PART_WAITING)
+        p->unit[unit].keeper = worker;
+}
+
+void
+partition_keep_none(struct partition *p, uint32_t worker)
+{
+    for (uint32_t i = 0; i < p->nback; i++)
+        if (p->unit[p->back[i]].keeper == worker)
+            p->unit[p->back[i]].keeper = PARTITION_NONE;
 }
 
 void
@@ -218,9 +254,7 @@ partition_take(struct partition *p, uint32_t unit)
     p->waiting--;
     for (uint32_t i = 0; i < p->nback; i++)
         if (p->back[i] == unit) {
-            memmove(p->back + i, p->back + i + 1,
-                    (p->nback - i - 1) * sizeof *p->back);
-            p->nback--;
+            drop_back(p, i);
             break;
         }
 }

@@ -98,6 +98,11 @@ bool partition_next(struct partition *p, const struct partition_who *who,
 /* A unit that is out came back undone: it waits again, before the others. */
 void partition_lost(struct partition *p, uint32_t unit);
 
+/* A unit that waits: to be given to that worker alone, and before others. Until
+ * the second, for all units of that worker. */
+void partition_keep(struct partition *p, uint32_t unit, uint32_t worker);
+void partition_keep_none(struct partition *p, uint32_t worker);
+
 /* Take a certain waiting unit out of the queue. */
 void partition_take(struct partition *p, uint32_t unit);
 

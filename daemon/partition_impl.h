@@ -13,6 +13,7 @@ struct partition_unit {
     enum partition_state state;
     uint32_t first, last; /* lines, where they are shared */
     bool bars;            /* see partition_unit_bars() */
+    uint32_t keeper;      /* see partition_keep() */
     double cost;
 };
 
@@ -37,6 +38,15 @@ struct partition {
 
 /* A new unit, waiting; PARTITION_NONE when memory is out. */
 uint32_t partition_add(struct partition *p, const struct partition_area *area);
+
+/* Does it wait, for nobody in particular?  What is kept for one worker is among
+ * those that came back, and goes out from there. */
+static inline bool
+partition_is_free(const struct partition *p, uint32_t unit)
+{
+    return p->unit[unit].state == PART_WAITING &&
+           p->unit[unit].keeper == PARTITION_NONE;
+}
 
 /* Put a waiting unit before the others; false when memory is out. */
 bool partition_back(struct partition *p, uint32_t unit);

@@ -179,7 +179,7 @@ queue_next(struct partition *p, uint32_t *unit)
 {
     struct partition_queue *q = p->queue;
 
-    while (q->n > 0 && p->unit[q->heap[0]].state != PART_WAITING)
+    while (q->n > 0 && !partition_is_free(p, q->heap[0]))
         drop_first(p);
     if (q->n == 0)
         return false;

@@ -322,7 +322,7 @@ window_next(struct partition *p, uint32_t *unit)
         return queue_next(p, unit);
     while (w->next < p->total && !must_wait(p)) {
         *unit = w->order[w->next++];
-        if (p->unit[*unit].state == PART_WAITING)
+        if (partition_is_free(p, *unit))
             return true;
     }
     return false;

@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Workers that lost the coordinator for a few seconds are back by then. */
+#define RETURN_MS 10000
+
 struct recovery {
     struct coord *c;
     struct job *job;
@@ -103,6 +106,8 @@ queue_units(const struct recovery *r)
     for (uint32_t i = r->s->nunits; i-- > 0;)
         if (!r->s->units[i].done)
             partition_lost(job->partition, r->s->units[i].unit);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        loss_keep(r->c, job, i, RETURN_MS);
 }
 
 /* --- base lines --- */

@@ -486,9 +486,11 @@ static void
 child_gave(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_GAVE, .gave = m->gave };
+    struct wunit *u = worker_find_unit(job, m->gave.unit, m->gave.attempt);
 
-    if (!worker_find_unit(job, m->gave.unit, m->gave.attempt))
+    if (!u)
         return;
+    u->height = m->gave.height;
     pass.gave.job = job->id;
     pass_up(w, job, &pass);
 }

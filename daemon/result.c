@@ -71,10 +71,8 @@ code_rows(struct coord *c, const struct msg_result *m)
     return to;
 }
 
-/* The worker that lost the unit turns out to have rows of it, and nobody else
- * began it.  False: memory is out. */
-static bool
-revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+bool
+result_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit);
@@ -295,7 +293,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
         coord_break(c, w->conn, "a RESULT out of turn");
         return;
     }
-    if (u->ngos == 0 && !revive(c, job, index, m->unit))
+    if (u->ngos == 0 && !result_revive(c, job, index, m->unit))
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
     if (m->last &&

@@ -6,9 +6,10 @@
  * job.  Units that wait for the base line above them take no room.
  *
  * A unit keeps the number of its latest attempt.  When its worker goes, it
- * waits again; while nobody else has it, late rows of that attempt still
- * count, so that a connection that breaks for a moment costs little.  From the
- * next attempt on they are ignored.  With twins, each with an attempt of its
+ * waits again, for a while for that worker alone; as long as nobody else has it
+ * the attempt goes on when the worker comes back, so that a connection that
+ * breaks for a moment costs nothing.  From the next attempt on its rows are
+ * ignored.  With twins, each with an attempt of its
  * own, the first whose rows come leads.
  *
  * A child that dies leaves suspects: the units it was at work on.  Each is
@@ -711,14 +712,12 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     if (jw->state != JW_LOADING)
         return;
     if (!same_bits(job, m->fingerprint)) {
-        jw->state = JW_GONE;
         jw->excluded = true;
         actions_log(&c->actions, ACT_WARN,
                     "worker excluded job=%s worker=%s why=--same-bits, and its "
                     "arithmetic differs from that of the job's first worker",
                     job->hex, jw->name);
-        if (job->partition)
-            partition_set_absent(job->partition, index, true);
+        loss_all(c, job, index);
         send_job_end(c, w->conn, job->id);
         return;
     }
@@ -733,6 +732,8 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     job->restored = false;
     loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
+    if (job->shared)
+        handoff_back(c, job, index);
     seeding_ready(c, job, index);
     speed_measure(c, job);
 }
@@ -832,6 +833,7 @@ sched_tick(struct coord *c)
         if (job_over(job) || !job->partition)
             continue;
         speed_measure(c, job);
+        loss_tick(c, job);
         ring_tick(c, job);
         if (!job->shared)
             continue;

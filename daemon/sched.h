@@ -134,6 +134,8 @@ void sched_result(struct coord *c, struct coord_worker *w,
                   const struct msg_result *m);
 void sched_lost(struct coord *c, struct coord_worker *w,
                 const struct msg_lost *m);
+void sched_still(struct coord *c, struct coord_worker *w,
+                 const struct msg_gave *m);
 void sched_tally(struct coord *c, struct coord_worker *w,
                  const struct msg_tally *m);
 void handoff_facts(struct coord *c, struct coord_worker *w,
@@ -237,15 +239,30 @@ void result_frame_done(struct coord *c, struct job *job, uint32_t frame);
 void loss_of(struct coord *c, struct job *job, uint32_t unit,
              struct job_go *go);
 
-/* A worker that had part in the job before says that it is ready.  It has none
- * of its units any more: what came of one since it was gone, before the job's
- * start reached it, is all that comes. */
+/* A worker has no part in the job any more. */
+void loss_all(struct coord *c, struct job *job, uint32_t index);
+
+/* Units that a worker lost wait for it that long, while its connection is to be
+ * made again. */
+void loss_keep(const struct coord *c, struct job *job, uint32_t index,
+               uint64_t ms);
+/* They do not any more, where the time is over. */
+void loss_tick(struct coord *c, struct job *job);
+
+/* A worker that had part in the job before says that it is ready.  Of its units
+ * it is at those that it said so of (STILL).  All that comes of another is what
+ * came since it was gone, before the job's start reached it. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
 
 /* Is there another worker than that one that may do the job?  late: also if it
  * is late. */
 bool loss_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool late);
+
+/* The worker that lost the unit turns out to be at it, or to have rows of it,
+ * and nobody else began it.  False: memory is out. */
+bool result_revive(struct coord *c, struct job *job, uint32_t index,
+                   uint32_t unit);
 
 /* --- duplicate.c --- */
 
@@ -269,6 +286,9 @@ void handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
 /* The unit went out to it. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);
+/* A worker that came back has units that go on: with it and their neighbours
+ * all is as if they had just gone out. */
+void handoff_back(struct coord *c, struct job *job, uint32_t index);
 /* Since when the base line above a unit is here whole; 0: it is not. */
 uint64_t handoff_top_ms(const struct job *job, uint32_t unit);
 /* Is its bottom with us, if anybody needs it? */
@@ -286,6 +306,11 @@ void balance_run(struct coord *c);
 void balance_look(struct coord *c);
 /* A late unit for a worker, as a twin; false: there is none. */
 bool balance_late(struct coord *c, struct job *job, uint32_t index);
+
+/* A go at a unit has but so many rows of it: the rest is a new unit.  False: it
+ * ends at no line. */
+bool balance_shrink(struct coord *c, struct job *job, uint32_t unit,
+                    struct job_go *go, uint32_t height);
 
 /* May its units give lines away? */
 bool balance_splits(const struct job *job);

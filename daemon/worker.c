@@ -6,10 +6,10 @@
  * suspects.
  *
  * When the coordinator is lost, the children go on and results are kept.  When
- * it is back, be it in another life, and starts the job again, finished units
- * that it has not acknowledged are sent first, then READY; unfinished ones are
- * given up, since it may have handed them to others.  Until then nothing new is
- * sent either: it would come before what is kept. */
+ * it is back, be it in another life, and starts the job again, rows that it has
+ * not acknowledged are sent first, then which units are not finished (STILL),
+ * then READY; those that it has handed to others meanwhile it takes back. Until
+ * then nothing new is sent either: it would come before what is kept. */
 #include "config.h"
 
 #include "worker.h"

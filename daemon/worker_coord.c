@@ -75,17 +75,49 @@ on_chunk(struct worker *w, const struct msg *m)
             job->bytes_in += m->chunk.len;
 }
 
+/* Columns that another lends are traced for nothing: it has them again.  A
+ * coordinator of version 1 may have given all other units away, too. */
+static void
+give_up(struct worker *w, struct wjob *job)
+{
+    bool all = w->version < msg_since(MSG_STILL);
+
+    for (size_t i = job->nunits; i-- > 0;)
+        if (all || job->units[i].loan)
+            wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
+}
+
+/* What its child is at. */
+static void
+say_still(struct worker *w, const struct wjob *job)
+{
+    for (size_t i = 0; i < job->nunits; i++) {
+        const struct wunit *u = &job->units[i];
+        struct msg still = { .type = MSG_STILL,
+                             .still = { job->id, u->unit, u->attempt,
+                                        u->height } };
+        struct msg parked = { .type = MSG_PARKED,
+                              .parked = { job->id, u->unit, u->attempt } };
+
+        worker_send_coord(w, &still);
+        if (u->parked)
+            worker_send_coord(w, &parked);
+    }
+}
+
 /* The coordinator, which was away, starts a job that is here already. */
 static void
 resume_job(struct worker *w, struct wjob *job)
 {
     struct msg ready = { .type = MSG_READY, .ready = job->ready };
 
-    wjob_revoke_units(w, job);
-    if (job->kept && w->welcome) /* a unit is nothing without its base line */
+    give_up(w, job);
+    /* a unit is nothing without its base line */
+    if ((job->kept || job->nunits > 0) && w->welcome)
         relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
         actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
+    say_still(w, job);
     worker_send_coord(w, &ready);
 }
 
@@ -136,6 +168,7 @@ on_unit(struct worker *w, const struct msg *m)
         w->actions.failed = true;
         return;
     }
+    job->units[job->nunits - 1].height = m->unit.height;
     w->progress++;
     worker_send_child(w, job, m);
 }
@@ -146,15 +179,8 @@ on_revoke(struct worker *w, const struct msg *m)
     const struct msg_attempt *r = &m->revoke;
     struct wjob *job = worker_find_job(w, r->job);
 
-    if (!job || !wjob_has_unit(job, r->unit, r->attempt))
-        return;
-    for (struct wkept **link = &job->kept; *link;)
-        if ((*link)->unit == r->unit && (*link)->attempt == r->attempt)
-            wjob_drop_kept(job, link);
-        else
-            link = &(*link)->next;
-    wjob_drop_unit(job, r->unit, r->attempt);
-    worker_send_child(w, job, m);
+    if (job && wjob_has_unit(job, r->unit, r->attempt))
+        wjob_revoke_unit(w, job, r->unit, r->attempt);
 }
 
 static void

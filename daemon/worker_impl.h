@@ -14,9 +14,10 @@
 
 struct wunit {
     uint32_t unit, attempt;
-    bool parked; /* the child only waits for others */
-    bool loan;   /* columns that another worker lends; over when PAID */
-    bool lends;  /* columns of that line, or did */
+    uint32_t height; /* rows, but for a loan */
+    bool parked;     /* the child only waits for others */
+    bool loan;       /* columns that another worker lends; over when PAID */
+    bool lends;      /* columns of that line, or did */
     uint32_t line;
 };
 
@@ -155,8 +156,9 @@ bool wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
 void wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
 /* Units that are not finished will not be: forget them and their rows. */
 void wjob_drop_units(struct wjob *job);
-/* The same, and the child hears of it. */
-void wjob_revoke_units(struct worker *w, struct wjob *job);
+/* Its child is at that unit no more, and hears of it. */
+void wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
+                      uint32_t attempt);
 /* Keep the frame of a RESULT until it is acknowledged; false: memory is out. */
 bool wjob_keep(struct wjob *job, const struct msg_result *r,
                const uint8_t *bytes, size_t len);

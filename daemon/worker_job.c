@@ -82,16 +82,18 @@ wjob_drop_units(struct wjob *job)
 }
 
 void
-wjob_revoke_units(struct worker *w, struct wjob *job)
+wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
+                 uint32_t attempt)
 {
-    for (size_t i = 0; i < job->nunits; i++) {
-        struct msg m = { .type = MSG_REVOKE,
-                         .revoke = { job->id, job->units[i].unit,
-                                     job->units[i].attempt } };
+    struct msg m = { .type = MSG_REVOKE, .revoke = { job->id, unit, attempt } };
 
-        worker_send_child(w, job, &m);
-    }
-    wjob_drop_units(job);
+    for (struct wkept **link = &job->kept; *link;)
+        if ((*link)->unit == unit && (*link)->attempt == attempt)
+            wjob_drop_kept(job, link);
+        else
+            link = &(*link)->next;
+    wjob_drop_unit(job, unit, attempt);
+    worker_send_child(w, job, &m);
 }
 
 bool

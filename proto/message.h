@@ -482,11 +482,12 @@ struct msg_next_holder {
     const char *name; /* a worker's; empty: nobody */
 };
 
-/* What was left after SPLIT. */
+/* GAVE: what was left after SPLIT.  STILL: what a worker that comes back has.
+ */
 struct msg_gave {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint32_t height; /* rows from now on; as before: nothing was given */
+    uint32_t height; /* rows from now on; GAVE, as before: nothing was given */
 };
 
 /* Before the first unit: make the deep ambient records of a part of space, the

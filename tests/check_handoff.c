@@ -165,6 +165,7 @@ START_TEST(both_sides_hear_who_waits_for_a_base_line)
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut"); /* and another gets it */
     carry_out();
+    wait_ms(2000);
     join(W3, MSG_ROLE_WORKER, "ws3", "");
     ready(W3);
     ck_assert_uint_eq(unit_of(W3)->y, 0);

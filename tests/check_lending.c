@@ -321,6 +321,7 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
     coord_closed(f.c, f.now_ms, W1, "cut");
     carry_out();
     ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    wait_ms(2000);
     b = *unit_of(W2);
     ck_assert(b.unit == a.unit && b.y == a.y && b.height == a.height);
     ck_assert_int_eq(count(W2, MSG_FACTS), 1); /* they are kept */
@@ -330,6 +331,27 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
     say(W2, &tally); /* what it cost, though all is over */
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 7);
     ck_assert_double_eq(stat_of("totals", "rays"), rays + 7);
+}
+END_TEST
+
+/* Its connection broke, and it has all columns again. */
+START_TEST(a_lender_that_comes_back_goes_on)
+{
+    struct msg still = { .type = MSG_STILL };
+    struct msg_unit a, loan = lend_right(2, &a);
+
+    clear();
+    coord_closed(f.c, f.now_ms, W1, "cut");
+    carry_out();
+    ck_assert_uint_eq(last(W2, MSG_REVOKE)->m.revoke.attempt, loan.attempt);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    still.still = (struct msg_gave){ id, a.unit, a.attempt, a.height };
+    say(W1, &still);
+    ready(W1);
+    ck_assert_int_eq(count(W1, MSG_REVOKE) + count(W1, MSG_BACK), 0);
+    finish(W1, &a);
+    ck_assert(f.done);
+    ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
 }
 END_TEST
 
@@ -373,6 +395,7 @@ START_TEST(a_loan_that_fits_no_line_ends_the_connection)
     ck_assert(f.closed[W1]);
     ck_assert_int_eq(count(W2, MSG_LOAN), 0);
     carry_out();
+    wait_ms(2000);
     finish(W2, unit_of(W2)); /* the job goes on */
     ck_assert(f.done && !f.failed);
 }
@@ -398,6 +421,7 @@ main(void)
     tcase_add_test(tc, columns_of_one_that_is_late_go_back);
     tcase_add_test(tc, columns_can_be_lent_on);
     tcase_add_test(tc, when_the_lender_goes_its_columns_are_dropped);
+    tcase_add_test(tc, a_lender_that_comes_back_goes_on);
     tcase_add_loop_test(tc, a_loan_that_fits_no_line_ends_the_connection, 0,
                         N_ELEM(wrong));
     suite_add_tcase(s, tc);

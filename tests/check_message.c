@@ -136,6 +136,7 @@ static const struct msg examples[] = {
     { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } },
     { .type = MSG_LINE_COSTS, .line_costs = { ID, 1, 2, 2, line_ns } },
     { .type = MSG_RESUMED, .resumed = { ID, 1, 2 } },
+    { .type = MSG_STILL, .still = { ID, 1, 2, 3 } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -651,7 +652,8 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS RECORDS UNLINKED " },
+      "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
+      "UNLINKED " },
     { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
                          "RESUME FETCH QUERY " },
     { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "

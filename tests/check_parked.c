@@ -24,6 +24,7 @@ START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut");
     carry_out();
+    wait_ms(2000);
     join(W3, MSG_ROLE_WORKER, "ws3", "");
     ready(W3);
     ck_assert_uint_eq(unit_of(W3)->unit, a.unit);
@@ -188,6 +189,7 @@ START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
     clear();
     coord_closed(f.c, f.now_ms, W2, "cut");
     carry_out();
+    wait_ms(2000);
     join(W3, MSG_ROLE_WORKER, "ws3", "");
     ready(W3);
     for (int i = 0; i < f.nsaid && !again; i++) {

@@ -27,7 +27,8 @@ struct fixture {
         uint16_t type;
     } said[64]; /* since the last clear() */
     int nsaid;
-    struct msg last; /* what was said last */
+    struct msg last;    /* what was said last */
+    uint32_t height[2]; /* by unit, as STILL said last */
     struct wire_out bytes;
     enum msg_session session; /* set last, with the version */
     unsigned version;
@@ -61,6 +62,8 @@ sent(const struct action *a)
     ck_assert_int_eq(msg_unpack(&f.last, type, 0, f.bytes.buf + MSG_HEADER,
                                 f.bytes.len - MSG_HEADER, NULL),
                      0);
+    if (type == MSG_STILL && f.last.still.unit < N_ELEM(f.height))
+        f.height[f.last.still.unit] = f.last.still.height;
     ck_assert_int_lt(f.nsaid, N_ELEM(f.said));
     f.said[f.nsaid].conn = a->conn;
     f.said[f.nsaid++].type = type;
@@ -134,9 +137,10 @@ tick(unsigned ms)
 }
 
 static void
-connect(void)
+connect_as(uint16_t version)
 {
-    struct msg m = { .type = MSG_WELCOME, .welcome = { 1, 1, "radcoord" } };
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { version, 1, "radcoord" } };
 
     worker_opened(f.w, f.now_ms, f.coord);
     carry_out();
@@ -144,6 +148,12 @@ connect(void)
     ck_assert_int_eq(f.session, MSG_AT_DIALLER);
     hear(f.coord, &m);
     ck_assert_int_eq(f.session, MSG_AT_WORKER);
+}
+
+static void
+connect(void)
+{
+    connect_as(1);
 }
 
 static void
@@ -1170,6 +1180,47 @@ START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
 }
 END_TEST
 
+/* To a coordinator that knows STILL nothing is given up but columns that
+ * another lends. */
+START_TEST(units_go_on_when_the_coordinator_is_back)
+{
+    static const uint8_t bitmap[1] = { 1 };
+    const struct msg parked = { .type = MSG_PARKED,
+                                .parked = { job_id, 1, 1 } };
+    const struct msg gave = { .type = MSG_GAVE, .gave = { job_id, 0, 1, 2 } };
+    const struct msg loan = { .type = MSG_LOAN,
+                              .loan = { job_id, 3, 1, 0, 5, 0, 6, 1, 2, 0, 3, 0,
+                                        density, bitmap, line_bytes,
+                                        line_bytes } };
+    const struct msg taken = { .type = MSG_REVOKE, .revoke = { job_id, 1, 1 } };
+    static const uint16_t order[] = { MSG_RESULT, MSG_STILL, MSG_STILL,
+                                      MSG_PARKED, MSG_READY };
+
+    start_job();
+    child_ready();
+    for (uint32_t u = 0; u < 2; u++)
+        unit(u);
+    hear(f.coord, &loan);
+    cut();
+    hear(f.child, &parked);
+    hear(f.child, &gave); /* which the coordinator does not hear of */
+    rows(0, 0);
+    tick(500);
+    connect_as(2);
+    clear();
+    start_job();
+    ck_assert_int_eq(said(f.child, MSG_REVOKE), 1); /* the loan */
+    ck_assert_int_eq(f.nsaid, 1 + N_ELEM(order));
+    for (int i = 0; i < N_ELEM(order); i++)
+        ck_assert_int_eq(f.said[1 + i].type, order[i]);
+    ck_assert(f.height[0] == 2 && f.height[1] == 4);
+    hear(f.coord, &taken);
+    ck_assert_int_eq(said(f.child, MSG_REVOKE), 2);
+    rows(0, 2);
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+}
+END_TEST
+
 START_TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
@@ -1264,6 +1315,7 @@ main(void)
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
     tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
+    tcase_add_test(tc, units_go_on_when_the_coordinator_is_back);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -41,6 +41,7 @@ UNIT_TESTS = \
 	tests/check_gate \
 	tests/check_geom \
 	tests/check_handoff \
+	tests/check_back \
 	tests/check_parked \
 	tests/check_balance \
 	tests/check_lending \
@@ -414,6 +415,11 @@ tests_check_handoff_SOURCES = tests/check_handoff.c \
 	tests/lines_fixture.h tests/unit.h
 tests_check_handoff_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_handoff_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_back_SOURCES = tests/check_back.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_back_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_back_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_parked_SOURCES = tests/check_parked.c \
 	tests/lines_fixture.h tests/unit.h

@@ -26,6 +26,7 @@ static struct {
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
         pictures;
     uint64_t primary, speculative, unsaid;
+    uint64_t resumed, again; /* see note_again() */
 } sum;
 
 static json_int_t
@@ -101,6 +102,28 @@ is_quiet(const struct sim *s)
            0;
 }
 
+/* Only the coordinator was away, or a link to it. */
+static bool
+is_only_cut(const struct sim *s)
+{
+    return s->coord_deaths + s->cuts > 0 &&
+           s->deaths + s->peer_cuts + s->crashes + s->drains + s->stops +
+                   s->parted + s->late + s->twins ==
+               0;
+}
+
+/* Workers that come back go on with what they were at: little is traced again,
+ * but by those who are away for long, since dials fail. */
+static void
+note_again(const struct sim *s, const struct sim_job *job, uint64_t primary,
+           uint64_t spec)
+{
+    if (!is_only_cut(s))
+        return;
+    sum.resumed += primary;
+    sum.again += job->traced - primary - spec;
+}
+
 /* What was traced for nothing: each of these was traced at least, and there are
  * few; but a picture may be so small that a guess goes wrong all over it.  A
  * unit's guess does so in a few gaps of its first bars, and the base line above
@@ -127,6 +150,8 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     {
         pixels += number(unit, "attempts") * number(unit, "width");
     }
+    if (number(totals, "estimate_rays") == 0)
+        note_again(s, job, primary, spec);
     if (!is_quiet(s))
         return;
     /* where all rays are told of, each is in the picture or for nothing */
@@ -269,7 +294,8 @@ tell(uint64_t runs)
         for (int b = 0; b < SIM_NBLOW; b++)
             blows += sum.blows[t][b];
     printf("%llu clusters: %u pictures as one thread's, %llu primary rays of "
-           "strict ones, %llu speculative, %llu for nothing and not told of\n"
+           "strict ones, %llu speculative, %llu for nothing and not told of; "
+           "%llu of %llu again where only the coordinator was away\n"
            "%u coordinators died, %u workers, %u links to the coordinator were "
            "cut, %u of "
            "peers, %u children died; %u of these at chosen messages; %u "
@@ -281,7 +307,8 @@ tell(uint64_t runs)
            "RING and SPREAD\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
-           (unsigned long long)sum.unsaid, sum.coord_deaths, sum.deaths,
+           (unsigned long long)sum.unsaid, (unsigned long long)sum.again,
+           (unsigned long long)sum.resumed, sum.coord_deaths, sum.deaths,
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
            sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,

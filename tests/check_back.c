@@ -1,0 +1,207 @@
+/* check_back.c - workers whose connection breaks, and that come back to the
+ * units that they are at */
+#include "config.h"
+
+#include "lines_fixture.h"
+#include "unit.h"
+
+static void
+cut(uint64_t conn)
+{
+    coord_closed(f.c, f.now_ms, conn, "cut");
+    carry_out();
+    f.closed[conn] = false;
+}
+
+static void
+still(uint64_t conn, const struct msg_unit *u, uint32_t height)
+{
+    struct msg m = { .type = MSG_STILL,
+                     .still = { id, u->unit, u->attempt, height } };
+
+    say(conn, &m);
+}
+
+/* ws1 and ws2, of the current version, with a unit each; the first was cut, and
+ * the other has nothing to do. */
+static void
+one_is_cut(struct msg_unit *a)
+{
+    struct msg_unit b;
+
+    speak_version(MSG_VERSION, 2);
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    *a = *unit_of(W1);
+    b = *unit_of(W2);
+    result(W1, a, 0, 1, false);
+    cut(W1);
+    clear();
+    result(W2, &b, 0, b.height, true);
+}
+
+START_TEST(one_that_comes_back_goes_on_with_its_units)
+{
+    struct msg_unit a;
+
+    one_is_cut(&a);
+    wait_ms(1500);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    base_line(W1, 0, line_above(a.y + a.height));
+    still(W1, &a, a.height);
+    ready(W1);
+    wait_ms(3000);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 0);
+    ck_assert_int_eq(count(W1, MSG_UNIT) + count(W2, MSG_UNIT), 0);
+    result(W1, &a, 1, a.height - 1, true); /* the first row is here */
+    ck_assert(f.done);
+    ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
+}
+END_TEST
+
+START_TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
+{
+    struct msg_unit a, b;
+
+    speak_version(MSG_VERSION, 2);
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    attempt(W2, MSG_PARKED, &b);
+    cut(W1);
+    cut(W2);
+    clear();
+    join(W2, MSG_ROLE_WORKER, "ws2", "");
+    still(W2, &b, b.height);
+    attempt(W2, MSG_PARKED, &b);
+    ready(W2);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    base_line(W1, 0, line_above(a.y + a.height));
+    wait_ms(500);
+    ck_assert_int_eq(count(W2, MSG_BASE_LINE), 1); /* as if by no link */
+    still(W1, &a, a.height);
+    ready(W1);
+    ck_assert_str_eq(last(W1, MSG_NEXT_HOLDER)->name, "ws2");
+    result(W2, &b, 0, b.height, true);
+    result(W1, &a, 0, a.height, true);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(what_one_lost_waits_for_it_but_not_for_long)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    wait_ms(1900);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 0);
+    wait_ms(200);
+    b = *unit_of(W2);
+    ck_assert(b.unit == a.unit && b.attempt == a.attempt + 1);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    still(W1, &a, a.height);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+    ready(W1);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(nobody_waits_for_one_that_loads)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    wait_ms(1900);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    wait_ms(1000); /* a new process, that loads the scene */
+    ready(W1);
+    b = *unit_of(W2);
+    ck_assert_uint_eq(b.unit, a.unit);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(one_that_is_soon_ready_gets_what_it_had)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    wait_ms(1000);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    ready(W1);
+    b = *unit_of(W1);
+    ck_assert(b.unit == a.unit && b.attempt == a.attempt + 1);
+    ck_assert_int_eq(count(W2, MSG_UNIT), 0);
+    finish(W1, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+/* Its answer to SPLIT was on the connection that broke, or comes now. */
+START_TEST(lines_that_were_given_meanwhile_are_a_unit)
+{
+    struct msg_unit a, b;
+    uint32_t height = 1 + 2 * BAR;
+
+    one_is_cut(&a);
+    ck_assert_uint_gt(a.height, height + BAR);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    still(W1, &a, a.height - BAR);
+    ready(W1);
+    b = *unit_of(W2);
+    ck_assert(b.y == a.height - BAR && b.height == BAR);
+    gave(W1, &a, height);
+    finish(W2, &b);
+    b = *unit_of(W2);
+    ck_assert_uint_eq(b.y, height);
+    ck_assert(!f.closed[W1]);
+    base_line(W1, 0, line_above(height));
+    result(W1, &a, 1, height - 1, true);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(what_nobody_has_is_no_unit)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    b = a;
+    b.unit = 999;
+    still(W1, &b, a.height);
+    b = a;
+    b.attempt = 7;
+    still(W1, &b, a.height);
+    still(W1, &a, a.height + 1);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 3);
+    ready(W1);
+    still(W1, &a, a.height); /* too late */
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 4);
+    ck_assert_uint_eq(unit_of(W1)->attempt, a.attempt + 1);
+    b = *unit_of(W1);
+    finish(W1, &b);
+    ck_assert(f.done && !f.closed[W1]);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("back");
+    TCase *tc = tcase_create("back");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, one_that_comes_back_goes_on_with_its_units);
+    tcase_add_test(tc, one_that_comes_back_hears_who_waits_for_its_base_line);
+    tcase_add_test(tc, what_one_lost_waits_for_it_but_not_for_long);
+    tcase_add_test(tc, nobody_waits_for_one_that_loads);
+    tcase_add_test(tc, one_that_is_soon_ready_gets_what_it_had);
+    tcase_add_test(tc, lines_that_were_given_meanwhile_are_a_unit);
+    tcase_add_test(tc, what_nobody_has_is_no_unit);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
