@@ -33,8 +33,8 @@ too_soon(struct progress *p, double now_s)
 {
     double since_s = p->said_s < 0 ? now_s : now_s - p->said_s;
 
-    /* reports come a second apart, more or less; a job may begin again */
-    if (since_s >= 0 && since_s < p->every_s - .5)
+    /* reports come half a second apart, more or less; a job may begin again */
+    if (since_s >= 0 && since_s < p->every_s - .25)
         return true;
     p->said_s = now_s;
     return false;

@@ -56,7 +56,14 @@ now_ms(const struct submit *s)
 static int
 interrupted(struct submit *s)
 {
-    return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
+    char hex[MSG_JOB_HEX];
+
+    if (!s->accepted || s->cancelled || s->cb->alive)
+        return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
+    msg_job_format(s->job->spec->job, hex);
+    return rad_fail(s->err, RAD_ETEMPFAIL,
+                    "interrupted; the job goes on: radctl fetch %s -o FILE",
+                    hex);
 }
 
 static bool
@@ -390,7 +397,7 @@ watch(struct submit *s)
     int rc;
 
     while (s->delivered < s->job->spec->nframes) {
-        if (*s->where.wake > 0)
+        if (*s->where.wake == 1)
             return cancel(s);
         if (s->done || s->last.frames_ready > s->delivered) {
             if ((rc = deliver_frame(s)) < 0)

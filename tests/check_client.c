@@ -571,10 +571,15 @@ START_TEST(progress_comes_as_often_as_asked)
         r.done = s / 40.;
         progress_update(&p, &r);
     }
+    progress_every(&p, f, 1);
+    for (int s = 1; s <= 20; s++) { /* twice a second, as they come */
+        r.elapsed_s = 40 + .5 * s + .1 * (s % 3 - 1);
+        progress_update(&p, &r);
+    }
     fclose(f);
     for (size_t i = 0; i < len; i++)
         shown += text[i] == '\n';
-    ck_assert_int_eq(shown, 3);
+    ck_assert_int_eq(shown, 3 + 10);
     ck_assert_ptr_null(strchr(text, '\r'));
     free(text);
 }

@@ -52,8 +52,27 @@ kill -INT $waits
 wait $waits
 [ $? -eq 75 ] || fail "interrupted while it waits: $(cat waits.err)"
 
+# what ends a session does not end the job
+left=
+for signal in HUP TERM; do
+    "$radsubmit" $view -o left.hdr "$room" 2>left.err &
+    waits=$!
+    until_true 30 grep -q "no worker has begun" left.err ||
+        fail "nothing of no worker: $(cat left.err)"
+    kill -$signal $waits
+    wait $waits
+    [ $? -eq 75 ] || fail "SIG$signal: $(cat left.err)"
+    left="$left $(sed -n 's/.*the job goes on: radctl fetch \(.*\) -o FILE/\1/p' left.err)"
+done
+
 start_worker ws1
 until_true 60 "$radctl" fetch "$id" -o out.hdr || fail "never to be fetched"
+for other in $left; do
+    until_true 60 "$radctl" fetch "$other" -o left.hdr || fail "$other is lost"
+    cmp out.hdr left.hdr || fail "the picture of one that was left differs"
+done
+# shellcheck disable=SC2086
+[ "$(printf '%s\n' $left | wc -l)" -eq 2 ] || fail "jobs that go on: '$left'"
 # the beginning of an id will do
 "$radctl" fetch "$(printf '%.8s' "$id")" >again.hdr || fail "fetch by prefix"
 cmp out.hdr again.hdr || fail "two fetches differ"
