@@ -390,14 +390,12 @@ sim_table()
     :
 }
 
-# What the simulator makes of the median run of one worker: lines of way, hosts
-# and seconds.
-simulate()
+# The time of the median run of one worker, apart from that of rendering, and
+# how much more rays those of a table's row have: with each doubling of workers,
+# or where a run's own costs are known, in all.
+one_worker() # TABLE ROW all|growth
 {
-    [ -x "$build/bench/sim/sim" ] && [ -e "$bars" ] || return 0
-    # the time of one worker, apart from that of rendering, and how much more
-    # rays there are with each doubling of workers
-    set -- "$(awk -v most="$most" '
+    awk -v table="$1" -v row="$2" -v how="$3" -v most="$most" '
         function median(v, n,   i, j, t) {
             for (i = 2; i <= n; i++)
                 for (j = i; j > 1 && v[j] < v[j - 1]; j--) {
@@ -406,23 +404,35 @@ simulate()
             return v[int((n + 1) / 2)]
         }
         $1 == "base" { wall[++n] = $4; render[n] = $17; rays[n] = $6 }
-        $1 == "ways" && $2 == "auto" && $3 == most { all[++m] = $6 }
+        $1 == table && $2 == row && $3 == most { more[++m] = $6 }
         END {
             if (n == 0) exit
-            growth = m ? (median(all, m) / median(rays, n) - 1) : 0
-            growth = most > 1 && growth > 0 ? growth * log(2) / log(most) : 0
             r = median(render, n)
-            printf "--seconds=%.4f --load=%.4f --growth=%.3f", r,
-                median(wall, n) - r, 100 * growth
-        }' "$tmp/runs")"
-    # shellcheck disable=SC2086 # options are words
-    "$build/bench/sim/sim" $1 --details --ways=static,scanbar,auto \
-        --hosts="$(echo "$workers" | tr ' ' ,)" "$bars" |
+            load = median(wall, n) - r
+            ratio = m ? median(more, m) / median(rays, n) : 1
+            if (how == "all")
+                r *= ratio
+            else if (ratio > 1 && most > 1)
+                growth = 100 * (ratio - 1) * log(2) / log(most)
+            printf "--seconds=%.4f --load=%.4f --growth=%.3f", r, load, growth
+        }' "$tmp/runs"
+}
+
+# What the simulator makes of it: lines of way, hosts and seconds.
+simulate()
+{
+    [ -x "$build/bench/sim/sim" ] && [ -e "$bars" ] || return 0
+    list=$(echo "$workers" | tr ' ' ,)
+    # shellcheck disable=SC2046 # options are words
+    "$build/bench/sim/sim" $(one_worker ways auto growth) --details \
+        --ways=static,scanbar,auto --hosts="$list" "$bars" |
         awk '$4 == "s" { print "ways", $1, $2, $3 }'
     for w in $windows; do
-        # shellcheck disable=SC2086
-        "$build/bench/sim/sim" $1 --details --ways=window --windows="$w" \
-            --hosts="$(echo "$workers" | tr ' ' ,)" "$bars" |
+        [ -e "$tmp/costs-$w.json" ] || continue
+        # shellcheck disable=SC2046
+        "$build/bench/sim/sim" $(one_worker former "$w" all) --details \
+            --ways=window --windows="$w" --hosts="$list" \
+            "$tmp/costs-$w.json" |
             awk -v w="$w" '$4 == "s" { print "windows", w, $2, $3 }'
     done
 }
@@ -474,7 +484,7 @@ measure() # the scene and view that are set
     : >"$tmp/runs"
     : >"$tmp/refused"
     first=$tmp/first.json optimum=$tmp/optimum.json bars=$tmp/bars.json
-    rm -f "$optimum" "$first" "$bars"
+    rm -f "$optimum" "$first" "$bars" "$tmp"/costs-*.json
     round=1
     while [ "$round" -le "$rounds" ]; do
         run base auto 1
@@ -489,10 +499,15 @@ measure() # the scene and view that are set
                         --estimate="$first" --no-balance
                     keep_stats "$optimum"
                 } ;;
-            sim) # of each bar
+            sim) # of each bar, and of each window
                 [ -e "$bars" ] || {
                     run former scanbar "$most" --partition=scanbar
                     keep_stats "$bars"
+                    for w in $windows; do
+                        run former "$w" "$most" --partition=window \
+                            --windows="$w"
+                        keep_stats "$tmp/costs-$w.json"
+                    done
                 } ;;
             animation)
                 if [ -n "$views" ]; then

@@ -130,13 +130,20 @@ make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
 }
 
 /* By rays as soon as one unit has no time, so that all count the same. */
+static bool
+count_rays(const struct unit *u, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (u[i].cpu_s == 0)
+            return true;
+    return false;
+}
+
 static void
 spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
 {
-    bool by_rays = false;
+    bool by_rays = count_rays(u, n);
 
-    for (size_t i = 0; i < n; i++)
-        by_rays |= u[i].cpu_s == 0;
     for (size_t i = 0; i < n; i++) {
         struct costs_frame *f = frame_of(c, first, u[i].frame);
         double cost = by_rays ? u[i].rays : u[i].cpu_s;
@@ -144,6 +151,34 @@ spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
         for (json_int_t y = u[i].y; y < u[i].y + u[i].height; y++)
             f->row[y] += cost / (double)u[i].height;
     }
+}
+
+/* Keep them where they are windows. */
+static int
+keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
+             struct rad_error *err)
+{
+    bool by_rays = count_rays(u, n);
+
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        if (f->window || u[i].width == f->width)
+            continue;
+        f->window = calloc(n, sizeof *f->window);
+        if (!f->window)
+            return no_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        if (f->window)
+            f->window[f->nwindows++] = (struct costs_window){
+                (uint32_t)u[i].x, (uint32_t)u[i].y, (uint32_t)u[i].width,
+                (uint32_t)u[i].height, by_rays ? u[i].rays : u[i].cpu_s
+            };
+    }
+    return 0;
 }
 
 /* --- lines --- */
@@ -296,6 +331,8 @@ take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
         rc = take_all_lines(c, line_s, u, n, first, err);
     else if (rc == 0)
         spread(c, u, n, first);
+    if (rc == 0)
+        rc = keep_windows(c, u, n, first, err);
     free(pixels);
     return rc;
 }
@@ -376,8 +413,10 @@ costs_read(struct costs *c, const char *path, struct rad_error *err)
 void
 costs_release(struct costs *c)
 {
-    for (uint32_t k = 0; c->frames && k < c->nframes; k++)
+    for (uint32_t k = 0; c->frames && k < c->nframes; k++) {
         free(c->frames[k].row);
+        free(c->frames[k].window);
+    }
     free(c->frames);
     memset(c, 0, sizeof *c);
 }

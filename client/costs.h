@@ -18,6 +18,12 @@ struct costs {
     struct costs_frame {
         uint32_t width, height;
         double *row; /* what each cost, from the top */
+        /* its units, as long as one of them is not as wide as the frame */
+        struct costs_window {
+            uint32_t x, y, width, height;
+            double cost;
+        } * window;
+        uint32_t nwindows;
     } * frames;
     int ystep; /* base lines are so many rows apart */
 };

@@ -58,6 +58,27 @@ static const struct {
     { LINED("[[0, 0, 0, 0]]"), { 0, 0, 0, 0 } },
 };
 
+/* Who wants the cost of windows finds them as they were; bars say no more than
+ * their rows do. */
+START_TEST(windows_are_kept)
+{
+    struct costs c;
+
+    ck_assert_int_eq(costs_parse(&c, good[2].text, strlen(good[2].text), NULL),
+                     0);
+    ck_assert_uint_eq(c.frames[0].nwindows, 3);
+    ck_assert_uint_eq(c.frames[0].window[2].x, 12);
+    ck_assert_uint_eq(c.frames[0].window[2].y, 6);
+    ck_assert_uint_eq(c.frames[0].window[2].width, 8);
+    ck_assert_uint_eq(c.frames[0].window[2].height, 4);
+    ck_assert_double_eq(c.frames[0].window[2].cost, 8);
+    costs_release(&c);
+    ck_assert_int_eq(costs_parse(&c, BARS, strlen(BARS), NULL), 0);
+    ck_assert_ptr_null(c.frames[0].window);
+    costs_release(&c);
+}
+END_TEST
+
 START_TEST(units_are_spread_over_lines)
 {
     const struct msg_frame frame = { .width = 20, .height = 10 };
@@ -222,6 +243,7 @@ main(void)
     Suite *s = suite_create("costs");
     TCase *tc = tcase_create("costs");
 
+    tcase_add_test(tc, windows_are_kept);
     tcase_add_loop_test(tc, units_are_spread_over_lines, 0, N_ELEM(good));
     tcase_add_test(tc, frames_of_an_animation_follow_each_other);
     tcase_add_loop_test(tc, another_picture_is_refused, 0, N_ELEM(others));

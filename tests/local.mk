@@ -328,6 +328,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/sim_windows.sh \
 	tests/e2e/stats.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
@@ -365,6 +366,7 @@ TESTS += \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/raderr.sh \
+	tests/e2e/sim_windows.sh \
 	tests/e2e/stats.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \

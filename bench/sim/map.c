@@ -96,6 +96,41 @@ sum_of(const struct costs_frame *f)
     return sum;
 }
 
+/* The windows of frame k, which took so many seconds in all. */
+static void
+take_windows(struct map *m, uint32_t k, const struct costs_frame *f,
+             double seconds)
+{
+    double sx = (double)m->q.width / f->width;
+    double sy = (double)m->q.height / f->height;
+    double sum = 0;
+
+    for (uint32_t i = 0; i < f->nwindows; i++)
+        sum += f->window[i].cost;
+    for (uint32_t i = 0; i < f->nwindows; i++) {
+        const struct costs_window *w = &f->window[i];
+
+        m->window[m->nwindows++] =
+            (struct map_window){ k,
+                                 sx * w->x,
+                                 sy * w->y,
+                                 sx * (w->x + w->width),
+                                 sy * (w->y + w->height),
+                                 sum > 0 ? seconds * w->cost / sum : 0 };
+    }
+}
+
+static void
+make_window_room(struct map *m, const struct costs *c)
+{
+    size_t n = 0;
+
+    for (uint32_t k = 0; k < m->nframes && c->nframes > 0; k++)
+        n += c->frames[k % c->nframes].nwindows;
+    if (n > 0)
+        m->window = sim_alloc(n * sizeof *m->window);
+}
+
 static void
 fill(struct map *m, const struct map_spec *s, const struct costs *c)
 {
@@ -114,6 +149,8 @@ fill(struct map *m, const struct map_spec *s, const struct costs *c)
         else if (seconds == 0)
             seconds = 16e-6 * m->q.width * m->q.height; /* as the office */
         finish_frame(m, k, s->base, seconds);
+        if (f)
+            take_windows(m, k, f, seconds);
     }
 }
 
@@ -131,6 +168,7 @@ map_init(struct map *m, const struct map_spec *s, struct rad_error *err)
     set_size(m, s, &c);
     m->row =
         sim_alloc((size_t)m->nframes * (size_t)m->q.height * sizeof(double));
+    make_window_room(m, &c);
     fill(m, s, &c);
     costs_release(&c);
     return 0;
@@ -140,6 +178,7 @@ void
 map_release(struct map *m)
 {
     free(m->row);
+    free(m->window);
     memset(m, 0, sizeof *m);
 }
 
@@ -150,11 +189,37 @@ map_row(const struct map *m, uint32_t frame, int y, int columns)
            m->q.width;
 }
 
+/* How much of [a0, a1] and [b0, b1] is common. */
+static double
+common(double a0, double a1, double b0, double b1)
+{
+    return fmax(fmin(a1, b1) - fmax(a0, b0), 0);
+}
+
+/* What measured windows took where u lies. */
+static double
+measured(const struct map *m, const struct msg_unit *u)
+{
+    double sum = 0;
+
+    for (size_t i = 0; i < m->nwindows; i++) {
+        const struct map_window *w = &m->window[i];
+        double part = common(w->x0, w->x1, u->x, (double)u->x + u->width) *
+                      common(w->y0, w->y1, u->y, (double)u->y + u->height);
+
+        if (w->frame == u->frame)
+            sum += w->cost * part / ((w->x1 - w->x0) * (w->y1 - w->y0));
+    }
+    return sum;
+}
+
 double
 map_window(const struct map *m, const struct msg_unit *u)
 {
     double sum = 0;
 
+    if (m->window)
+        return measured(m, u);
     for (uint32_t y = u->y; y < u->y + u->height; y++)
         sum += map_row(m, u->frame, (int)y, (int)u->width);
     if (u->height < (uint32_t)m->q.height || u->width < (uint32_t)m->q.width)

@@ -2,14 +2,21 @@
  *
  * Seconds of one processor of speed 1, by row, evenly over the columns; a base
  * line's row costs `base` times what a row of the bar above it does, since more
- * of its pixels are traced.
- * A picture of another size has the same costs stretched over its rows, and in
- * all as much more as it has more pixels.  */
+ * of its pixels are traced.  Where the costs are those of windows, a window
+ * costs what those that it covers did, or its part of them. A picture of
+ * another size has the same costs stretched over it, and in all as much more as
+ * it has more pixels. */
 #ifndef SIM_MAP_H
 #define SIM_MAP_H
 
 #include "message.h"
 #include "picture/quincunx.h"
+
+/* A window that was measured; its sides are in pixels of the map. */
+struct map_window {
+    uint32_t frame;
+    double x0, y0, x1, y1, cost;
+};
 
 struct map {
     struct rad_quincunx q; /* of one frame; all are alike in size and ystep */
@@ -20,6 +27,9 @@ struct map {
     double total;
     double window_edge; /* further cost of a window's first row, in pixels of
                          * a row for each of its own: it is sampled finely */
+    struct map_window
+        *window; /* of all frames; NULL: row says what they cost */
+    size_t nwindows;
 };
 
 struct map_spec {

@@ -1,0 +1,37 @@
+#!/bin/sh
+# sim_windows.sh - the simulator takes windows for what a former run's took
+#
+# Sixteen windows, the first of which took most of the time: two hosts need
+# about as long as one.  By rows alone its neighbours would share its cost.
+: "${top_builddir:=.}"
+sim=$top_builddir/bench/sim/sim
+tmp=$(mktemp -d) || exit 99
+trap 'rm -rf "$tmp"' EXIT
+
+# statistics FIRST-WINDOW-SECONDS
+statistics()
+{
+    echo '{"options": "-ps 4", "units": ['
+    awk -v cpu="$1" 'BEGIN {
+        for (i = 0; i < 16; i++) {
+            printf "%s{\"frame\": 0, \"x\": %d, \"y\": %d, \"width\": 120,", \
+                i ? "," : "", i % 4 * 120, int(i / 4) * 80
+            print "\"height\": 80, \"rays\": 1, \"cpu_s\": " cpu "}"
+            cpu = 1
+        }
+    }'
+    echo '], "picture": {"width": 480, "height": 320, "frames": 1}}'
+}
+
+speed_up() # FIRST-WINDOW-SECONDS
+{
+    statistics "$1" >"$tmp/costs.json"
+    "$sim" --ways=window --windows=16 --hosts=2 "$tmp/costs.json" |
+        awk '$1 == 2 && NF == 3 { print $2 }'
+}
+
+even=$(speed_up 1)
+uneven=$(speed_up 85)
+echo "sixteen windows on two hosts: $even times as fast, $uneven if one is dear"
+awk -v even="$even" -v uneven="$uneven" 'BEGIN {
+    exit !(even > 1.9 && even <= 2 && uneven >= 1.1 && uneven < 1.2) }'
