@@ -50,8 +50,9 @@ struct program {
     char *rescued, *rescued_depth; /* but here; NULL: or nowhere */
     struct target target;
     struct progress progress;
-    bool held, paused, waiting; /* were said */
-    double elapsed_s, error;    /* as last told */
+    bool held, paused, waiting, left; /* were said */
+    double left_s;           /* elapsed when the last worker was there */
+    double elapsed_s, error; /* as last told */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
@@ -161,6 +162,30 @@ say_waiting(struct program *p, const struct msg_progress *m)
     say(p, "no worker has begun yet; radctl workers says what they do");
 }
 
+/* All workers left a job that had begun.  Others may be there that --same-bits
+ * does not take. */
+static void
+say_left(struct program *p, const struct msg_progress *m)
+{
+    enum { PATIENCE_S = 5 }; /* they may come back */
+
+    if (m->state != MSG_STATE_RUNNING || m->workers > 0) {
+        if (p->left && m->workers > 0)
+            say(p, "a worker is at the job again");
+        p->left = false;
+        p->left_s = m->elapsed_s;
+    }
+    if (p->left || m->elapsed_s - p->left_s < PATIENCE_S)
+        return;
+    p->left = true;
+    say(p, "no worker is at the job any more; radctl workers says who is "
+           "there");
+    if (p->o.same_bits)
+        say(p, "--same-bits takes none but such as that of the first worker: "
+               "bring one of these back, or cancel the job and submit it "
+               "without");
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
@@ -170,6 +195,7 @@ on_progress(void *arg, const struct msg_progress *m)
     say_held(p, m->state == MSG_STATE_HELD);
     say_paused(p, m->state == MSG_STATE_PAUSED);
     say_waiting(p, m);
+    say_left(p, m);
     r.elapsed_s = m->elapsed_s;
     r.done = share_done(m);
     r.rays = m->rays;

@@ -46,9 +46,42 @@ all_workers(const struct coord *c)
     return list;
 }
 
+/* Nobody works on it though there are workers: of --same-bits. */
+static bool
+lacks_bits(const struct job *job)
+{
+    bool others = false;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        others |= job->workers[i].excluded && job->workers[i].worker->conn != 0;
+    return others && job->spec.flags & MSG_JOB_SAME_BITS &&
+           job_active(job) == 0;
+}
+
+/* Why it is over, or gets nowhere; in buf, if that has to be made up. */
+static const char *
+why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
+{
+    uint32_t first = 0;
+
+    if (job_over(job))
+        return job->text;
+    if (job->held)
+        return c->full_text;
+    if (!lacks_bits(job))
+        return job->text;
+    while (first + 1 < job->nworkers && !job->workers[first].took_part)
+        first++;
+    snprintf(buf, MSG_MAX_TEXT + 1,
+             "--same-bits: no worker here has the arithmetic of the first, %s",
+             job->workers[first].name);
+    return buf;
+}
+
 static json_t *
 one_job(const struct coord *c, const struct job *job)
 {
+    char text[MSG_MAX_TEXT + 1];
     struct msg_progress p;
     double done, rows;
 
@@ -71,8 +104,7 @@ one_job(const struct coord *c, const struct job *job)
         (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
         "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
         "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
-        job->held && !job_over(job) ? c->full_text : job->text, "status",
-        job->status);
+        why(c, job, text), "status", job->status);
 }
 
 static json_t *

@@ -239,6 +239,7 @@ struct msg_fault {
 
 /* of those that a PROGRESS has: what others than the coordinator act on */
 #define MSG_STATE_WAITING 0
+#define MSG_STATE_RUNNING 1
 #define MSG_STATE_PAUSED  2
 #define MSG_STATE_HELD    6
 

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
+#include "report.h"
 
 START_TEST(a_paused_job_gets_no_units)
 {
@@ -113,6 +114,41 @@ START_TEST(same_bits_takes_workers_of_one_arithmetic)
 }
 END_TEST
 
+/* What radctl shows. */
+static const char *
+text_of_job(void)
+{
+    static char text[MSG_MAX_TEXT + 1];
+    char hex[MSG_JOB_HEX], *out;
+    json_t *root;
+    int status;
+
+    msg_job_format(job_a, hex);
+    out = report_query(f.c, MSG_QUERY_JOB, hex, &status);
+    ck_assert_int_eq(status, 0);
+    root = json_loads(out, 0, NULL);
+    snprintf(text, sizeof text, "%s",
+             json_string_value(json_object_get(root, "text")));
+    json_decref(root);
+    free(out);
+    return text;
+}
+
+START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
+{
+    two_arithmetics(MSG_JOB_SAME_BITS);
+    ck_assert_str_eq(text_of_job(), "");
+    coord_closed(f.c, f.now_ms, WORKER, "cut");
+    carry_out(&f);
+    ck_assert_str_eq(
+        text_of_job(),
+        "--same-bits: no worker here has the arithmetic of the first, ws1");
+    join(&f, 6, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(&f, 6, job_a);
+    ck_assert_str_eq(text_of_job(), "");
+}
+END_TEST
+
 START_TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
@@ -135,6 +171,7 @@ main(void)
     tcase_add_test(tc, owners_share_the_workers);
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
+    tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);
     suite_add_tcase(s, tc);
     return unit_run(s);

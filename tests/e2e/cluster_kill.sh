@@ -44,5 +44,44 @@ until_true 10 no_child 3 ||
 # and may come back
 worker_start 3 1
 until_true 30 n_workers 3 || fail "worker 3 does not come back"
+
+left_runs()
+{
+    "$radctl" --coordinator="$sock" --json jobs | python3 -c '
+import json, sys
+sys.exit(not any(j["name"] == "left" and j["state"] == "running"
+                 for j in json.load(sys.stdin)))'
+}
+
+begun_or_ended()
+{
+    grep -q 'unit out ' c.log || gone $job
+}
+
+# all are gone: radsubmit says that nothing happens, and what may be done
+for _ in 1 2 3 4 5 6 7 8; do # on a busy machine they may be through too soon
+    : >c.log
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" --name=left --same-bits $view \
+        -o left.hdr "$room" 2>left.err &
+    job=$!
+    until_true 60 begun_or_ended
+    kill -STOP "$pid_1" "$pid_2" "$pid_3"
+    sleep .2 # what is under way has come
+    left_runs && break
+    kill -CONT "$pid_1" "$pid_2" "$pid_3"
+    wait $job
+done
+kill -KILL "$pid_1" "$pid_2" "$pid_3"
+until_true 30 grep -q 'no worker is at the job any more' left.err ||
+    fail "nobody says that all workers left"
+grep -q 'same-bits takes none but' left.err || fail "nor why that may be"
+for k in 1 2 3; do
+    eval "wait \$pid_$k"
+    worker_start $k 1
+done
+wait $job || fail "left: $(cat left.err)"
+grep -q 'a worker is at the job again' left.err || fail "nor that one came"
+cmp alone.hdr left.hdr || fail "the picture after all left differs"
 cluster_stop
 finish
