@@ -94,6 +94,7 @@ struct reading {
     struct compiled *c;
     const char *folder; /* of the file that is being read */
     bool told;          /* what ended the reading */
+    bool octree;        /* a file is one: after a failure it is in pieces */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
 };
@@ -208,8 +209,10 @@ read_source_file(struct compiled *c, struct source *src, const char *file,
                                r->each ? tell : NULL, r };
 
     r->folder = src->folder;
-    if (has_suffix(file, ".oct") || rad_octfile_is(src->head, src->len))
+    if (has_suffix(file, ".oct") || rad_octfile_is(src->head, src->len)) {
+        r->octree = true;
         return read_octree(c, &in, src->fd.name, alone, r, err);
+    }
     return rad_parse(c->scene, &in, src->fd.name, &io, err);
 }
 
@@ -537,14 +540,12 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 /* --- the whole ---------------------------------------------------------------
  */
 
-/* Read the scene, but not the files of its instances and meshes.  On failure
- * nothing is left. */
+/* Read the scene, but not the files of its instances and meshes.  After a
+ * failure c holds what was read, to be released. */
 static int
 read_scene(struct compiled *c, const char *const *files, int n,
-           void (*each)(void *arg, const struct rad_error *err), void *arg,
-           struct rad_error *err)
+           struct reading *r, struct rad_error *err)
 {
-    struct reading r = { .c = c, .each = each, .arg = arg };
     int rc;
 
     memset(c, 0, sizeof *c);
@@ -553,13 +554,11 @@ read_scene(struct compiled *c, const char *const *files, int n,
     c->scene = rad_scene_new();
     rc = c->scene ? paths_init(&c->paths, err)
                   : rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (int i = 0; c->paths.raypath && i < n && (each || !rc); i++) {
-        int now = read_file(c, files[i], n == 1, &r, err);
+    for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
+        int now = read_file(c, files[i], n == 1, r, err);
 
         rc = rc ? rc : now;
     }
-    if (rc)
-        compile_release(c);
     return rc;
 }
 
@@ -578,11 +577,11 @@ compile_parse(struct compiled *c, const char *const *files, int n,
               void (*each)(void *arg, const struct rad_error *err), void *arg,
               struct rad_error *err)
 {
-    int rc = read_scene(c, files, n, each, arg, err);
+    struct reading r = { .c = c, .each = each, .arg = arg };
+    int rc = read_scene(c, files, n, &r, err);
 
-    if (rc)
-        return rc;
-    rc = include_parts(c, each, arg, err);
+    if (!rc)
+        rc = include_parts(c, each, arg, err);
     if (rc)
         compile_release(c);
     return rc;
@@ -594,11 +593,15 @@ compile_read(struct compiled *c, const char *const *files, int n,
              struct rad_error *err)
 {
     struct reading r = { .c = c, .each = each, .arg = arg };
-    int now, rc = read_scene(c, files, n, each, arg, err);
+    int now, rc = read_scene(c, files, n, &r, err);
 
-    if (rc)
+    if (rc && (!each || r.octree || !c->paths.raypath)) {
+        compile_release(c);
         return rc;
-    rc = include_parts(c, each, arg, err);
+    }
+    /* what was read may have other errors */
+    now = include_parts(c, each, arg, err);
+    rc = rc ? rc : now;
     if (!rc || each) {
         now = rad_scene_check(c->scene, each, arg, err);
         rc = rc ? rc : now;

@@ -375,7 +375,7 @@ main(int argc, char **argv)
         return EX_OK;
     }
     if (argc > 1 && strcmp(argv[1], "--version") == 0) {
-        printf("raderr %s\n", PACKAGE_VERSION);
+        puts("raderr (radd) " PACKAGE_VERSION);
         return EX_OK;
     }
     rc = read_options(&t, argc, argv, &err);

@@ -316,7 +316,7 @@ main(int argc, char **argv)
         return EX_OK;
     }
     if (strcmp(name, "--version") == 0) {
-        printf("radscene %s\n", PACKAGE_VERSION);
+        puts("radscene (radd) " PACKAGE_VERSION);
         return EX_OK;
     }
     for (size_t i = 0; i < sizeof subcommands / sizeof subcommands[0]; i++)

@@ -106,6 +106,15 @@ expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
 # bad scenes
 printf 'void plastic m\n0\nO\n5 1 1 1 0 0\n' >bad.rad
 expect 65 'bad.rad:3: plastic' $radscene check bad.rad
+# every error is told, also where reading found some
+printf 'void plastic m 0 0 4 1 1 1 0\nwood sphere s 0 0 4 0 0 0 1\n%s\n%s\n%s' \
+    'm spher s 0 0 1 1' 'm polygon p 0 0 4 1 2 3 4' \
+    'm instance i 1 none.oct 0 0' >bad.rad
+expect 65 "bad.rad:2: undefined modifier 'wood'" $radscene check bad.rad
+for told in "bad.rad:1: plastic 'm'" "bad.rad:3: unknown type 'spher'" \
+    "bad.rad:4: polygon 'p'" "bad.rad:5: instance 'i': cannot find file"; do
+    expect 65 "$told" $radscene check bad.rad
+done
 printf '\n\nwood sphere s 0 0 4 0 0 0 1\n' >bad.rad
 expect 65 "bad.rad:3: undefined modifier 'wood'" $radscene check bad.rad
 printf 'void polygon p 0 0 4 0 0 0 1\n' >bad.rad
@@ -190,7 +199,7 @@ expect 64 "unknown option '-zz'" $radscene rays -zz good.rad
 expect 0 '' $radscene --help
 grep -q 'usage: radscene check' out || failed=1
 expect 0 '' $radscene --version
-grep -q '^radscene [0-9]' out || failed=1
+grep -q '^radscene (radd) [0-9]' out || failed=1
 expect 74 'cannot write' sh -c "$radscene needs good.rad >/dev/full"
 expect 74 'cannot write' sh -c "$radscene freeze good.rad >/dev/full"
 
