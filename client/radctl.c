@@ -525,17 +525,21 @@ find_command(struct ctl *c, const char *name)
 static int
 check_words(struct ctl *c)
 {
+    bool output = c->output != NULL;
+
     if (!c->command)
         return rad_fail(c->err, RAD_EUSAGE,
                         "no command given; see radctl --help");
     if (c->command->arg && !c->arg)
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': missing %s",
                         c->command->name, c->command->arg);
+    if (c->output && strcmp(c->output, "-") == 0)
+        c->output = NULL;
     /* of a job it would be how all of them begin, and so one that is alone */
     if (c->arg && c->arg[0] == '\0')
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': empty %s",
                         c->command->name, c->command->arg);
-    if (c->command->run != run_fetch && (c->output || c->frame))
+    if (c->command->run != run_fetch && (output || c->frame))
         return rad_fail(c->err, RAD_EUSAGE,
                         "-o and --frame go with fetch alone");
     if (c->command->run != run_key && (c->keys || c->expires))

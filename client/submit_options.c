@@ -467,6 +467,8 @@ check_together(struct submit_options *o, struct rad_error *err)
 {
     int rc;
 
+    if (o->output && strcmp(o->output, "-") == 0)
+        o->output = NULL; /* standard output, as "-" is input for a scene */
     if (o->local && o->coordinator)
         return rad_fail(err, RAD_EUSAGE,
                         "--local and --coordinator exclude each other");

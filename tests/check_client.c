@@ -115,6 +115,23 @@ params_of(const char *text)
     return formatted[turn];
 }
 
+START_TEST(a_dash_is_standard_output)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, "-o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_ptr_null(o.output);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-S 1 -o - a.rad", &err), RAD_EUSAGE);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-o ./- a.rad", &err), SUBMIT_RUN);
+    ck_assert_str_eq(o.output, "./-");
+    words_release(&w);
+}
+END_TEST
+
 START_TEST(quality_is_for_what_was_not_said)
 {
     const char *plain = "-vp 0 0 0 -aa .3 s.rad";
@@ -663,6 +680,7 @@ static void
 add_tests(TCase *tc)
 {
     tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_test(tc, a_dash_is_standard_output);
     tcase_add_test(tc, quality_is_for_what_was_not_said);
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);

@@ -75,6 +75,8 @@ done
 [ "$(printf '%s\n' $left | wc -l)" -eq 2 ] || fail "jobs that go on: '$left'"
 # the beginning of an id will do
 "$radctl" fetch "$(printf '%.8s' "$id")" >again.hdr || fail "fetch by prefix"
+"$radctl" fetch "$id" -o - >dash.hdr || fail "fetch to standard output"
+cmp out.hdr dash.hdr || fail "what is fetched to standard output differs"
 cmp out.hdr again.hdr || fail "two fetches differ"
 "$radsubmit" --local $view -o local.hdr "$room" 2>stderr ||
     fail "local: $(cat stderr)"
