@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "output.h"
+#include "picfile.h"
 #include "picture/falsecolour.h"
 #include "picture/metric.h"
 #include "picture/number.h"
@@ -112,6 +113,22 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
     return used;
 }
 
+/* --mean writes RGBE, the others PNG. */
+static int
+check_names(const struct task *t, struct rad_error *err)
+{
+    if (t->mean && output_suffix(t->mean, ".png"))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%s': --mean writes a picture in units of radiance: "
+                        "use a name in .hdr or .pic",
+                        t->mean);
+    if (t->mean)
+        return picfile_check(t->mean, false, err);
+    if (t->map || t->false_colour)
+        return picfile_check(t->map ? t->map : t->false_colour, true, err);
+    return 0;
+}
+
 static int
 check_task(const struct task *t, struct rad_error *err)
 {
@@ -128,7 +145,7 @@ check_task(const struct task *t, struct rad_error *err)
     if (!t->false_colour && !t->mean && t->nfiles != 2)
         return rad_fail(err, RAD_EUSAGE, "expected two pictures, got %d",
                         t->nfiles);
-    return 0;
+    return check_names(t, err);
 }
 
 static int

@@ -65,6 +65,10 @@ expect 0 '' --version
 expect 64 'expected two pictures' ref.hdr
 expect 64 'no picture' --mean=mean.hdr
 expect 64 'only one' --mean=mean.hdr --map=map.png ref.hdr
+expect 64 "'m.png': --mean writes" --mean=m.png ref.hdr
+expect 64 "'m.jpg': that format" --mean=m.jpg ref.hdr
+expect 64 "'m.hdr': that format" --map=m.hdr ref.hdr ref.hdr
+expect 64 "'m.tif': that format" --false-colour=m.tif ref.hdr
 expect 64 'with -d only' --mean=mean.hdr -b 2 ref.hdr
 expect 65 'not a multiple' --mean=mean.hdr -d 3 ref.hdr
 expect 65 'sizes differ' --mean=mean.hdr ref.hdr mean.hdr
