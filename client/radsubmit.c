@@ -217,10 +217,11 @@ warn_of_nan(struct program *p)
     if (n->pixels == 0)
         return;
     snprintf(text, sizeof text,
-             "warning: %" PRIu64 " pixel%s not numbers and %s black; "
+             "warning: %" PRIu64 " pixel%s radiance that is negative or no "
+             "number, which is black; "
              "first: frame %" PRIu32 ", column %" PRIu32 ", row %" PRIu32,
-             n->pixels, n->pixels == 1 ? " was" : "s were",
-             n->pixels == 1 ? "is" : "are", n->frame, n->x, n->y);
+             n->pixels, n->pixels == 1 ? " has" : "s have", n->frame, n->x,
+             n->y);
     warn(p, text);
 }
 

@@ -243,6 +243,33 @@ START_TEST(unsound_radiance_is_cut_off_and_counted)
 }
 END_TEST
 
+/* What is negative takes from the light that another surface sends as well;
+ * only of what the eye gets it is cut off. */
+START_TEST(negative_radiance_darkens_what_reflects_it)
+{
+    static const struct rad_files files = { empty_font, NULL };
+    static const char above[] =
+        "void colortext t 3 f . A 0 15 0 0 0 1 0 0 0 1 0 -1 2 3 -1 2 3\n"
+        "t glow up 0 0 4 1 1 1 -1\n"
+        "up polygon u 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n";
+    char text[512];
+    struct rad_rgb c;
+    struct world w;
+
+    snprintf(text, sizeof text, "%svoid metal m 0 0 5 .5 .5 .5 .5 0 m%s", above,
+             SQUARE);
+    ck_assert_int_eq(world_try(&w, text, "-av 2 2 2", &files), 0);
+    c = world_see(&w, 0, 0, 1, 0, 0, -1);
+    ck_assert_float_eq_tol(c.r, .5f - .25f, 1e-6f);
+    ck_assert_float_eq_tol(c.g, .5f + .5f, 1e-6f);
+    ck_assert_uint_eq(w.ctx.counts.unsound_rays, 0);
+    c = world_see(&w, 0, 0, 1, 0, 0, 1);
+    ck_assert_float_eq(c.r, 0);
+    ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
+    world_close(&w);
+}
+END_TEST
+
 /* A pixel is a function: whatever was traced before, and in which context. */
 START_TEST(ray_does_not_depend_on_those_before_it)
 {
@@ -313,6 +340,7 @@ main(void)
     tcase_add_loop_test(tc, distance_is_of_what_is_seen, 0, N_ELEM(depth));
     tcase_add_loop_test(tc, many_layers_pass_and_endless_ones_end, 0, 3);
     tcase_add_test(tc, perfect_mirrors_end);
+    tcase_add_test(tc, negative_radiance_darkens_what_reflects_it);
     tcase_add_loop_test(tc, unsound_radiance_is_cut_off_and_counted, 0,
                         N_ELEM(unsound));
     tcase_add_test(tc, ray_does_not_depend_on_those_before_it);

@@ -6,6 +6,7 @@
 #ifndef RAD_BASE_COLOR_H
 #define RAD_BASE_COLOR_H
 
+#include <math.h>
 #include <stdbool.h>
 
 struct rad_rgb {
@@ -97,6 +98,14 @@ rad_rgb_black(struct rad_rgb a)
 }
 
 #define RAD_MAX_RADIANCE 3.4e38f
+
+/* Finite: what a ray may bring another. */
+static inline bool
+rad_rgb_bounded(struct rad_rgb a)
+{
+    return fabsf(a.r) <= RAD_MAX_RADIANCE && fabsf(a.g) <= RAD_MAX_RADIANCE &&
+           fabsf(a.b) <= RAD_MAX_RADIANCE;
+}
 
 /* Finite and not negative: what may enter a pixel or a cache. */
 static inline bool

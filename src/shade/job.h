@@ -86,9 +86,10 @@ struct rad_counts {
     uint64_t ambient_values; /* records made here */
     uint64_t nan_pixels;     /* that unsound rays touched */
     int nan_x, nan_y;        /* the first of them, by row, then column */
-    uint64_t unsound_rays;   /* brought back no radiance (NaN, infinite or
-                              * negative), made sound: who sees it grow knows
-                              * that what it has traced is touched by it */
+    uint64_t unsound_rays;   /* brought back no radiance (NaN, infinite, or
+                              * negative for a pixel or a record), made sound:
+                              * who sees it grow knows that what it has traced
+                              * is touched by it */
     struct rad_fault faults[RAD_MAX_FAULTS];
     struct rad_geom_counts geom;
     struct rad_doubt doubt; /* of pixels, in units of their radiance squared */

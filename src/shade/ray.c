@@ -191,11 +191,15 @@ made_sound(struct rad_rgb L)
     return rad_rgb_sound(L) ? L : rad_grey(0);
 }
 
-/* What is not finite or negative is cut off, and counted. */
+/* What is not finite is cut off, and counted.  What is negative is so where a
+ * pixel or an ambient record would get it; a ray that comes from such a surface
+ * to another takes from the sum there, as in rpict's pictures. */
 static void
 drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
 {
-    if (!rad_rgb_sound(r->L)) {
+    bool last = !r->parent || r->kind & RAD_RAY_AMBIENT;
+
+    if (last ? !rad_rgb_sound(r->L) : !rad_rgb_bounded(r->L)) {
         r->L = made_sound(r->L);
         r->L_mirror =
             rad_rgb_black(r->L) ? rad_grey(0) : made_sound(r->L_mirror);

@@ -133,7 +133,7 @@ for workers in 1 2; do
     "$radsubmit" --local -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1 \
         -x 10 -y 10 -ps 1 -pj 0 --workers=$workers --threads=2 --windows=9 \
         --stats=hot.json -o hot.hdr hot.rad 2>stderr || fail "$(cat stderr)"
-    grep -q 'warning: 6 pixels were not numbers and are black; first: frame 0, column 1, row 3$' \
+    grep -q 'warning: 6 pixels have radiance that is negative or no number, which is black; first: frame 0, column 1, row 3$' \
         stderr || fail "black pixels are not told of: $(cat stderr)"
     [ "$(wc -l <stderr)" -eq 3 ] || fail "said more than once: $(cat stderr)"
     grep -q '"nan_pixels": 6,' hot.json || fail "not in the statistics"
