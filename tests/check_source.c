@@ -154,6 +154,7 @@ START_TEST(distant_lights_are_sampled_and_glows_are_seen)
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 1e5);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, 1).b, 3);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, -1).b, 0);
+    ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, 0).b, 3);
     world_close(&w);
     /* the order in the scene does not matter: a light comes before a glow */
     world_open(&w,
@@ -162,6 +163,24 @@ START_TEST(distant_lights_are_sampled_and_glows_are_seen)
                DIRECT);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 9);
     world_close(&w);
+}
+END_TEST
+
+/* Degrees; of stars 1 - cos of half of that has few digits, or none. */
+static const double suns[] = { .5, 1e-3, 1e-5, 1e-6, 1e-7, 1e-9 };
+
+START_TEST(small_suns_are_as_bright_as_large_ones)
+{
+    double radius = M_PI / 360 * suns[_i], omega = M_PI * radius * radius;
+    char text[120];
+
+    snprintf(text, sizeof text,
+             "void light sun 0 0 3 %g %g %g\nsun source s 0 0 4 3 2 10 %g\n",
+             1 / omega, 1 / omega, 1 / omega, suns[_i]);
+    for (int x = 0; x < 5; x++)
+        ck_assert_double_eq_tol(
+            irradiance_of(text, "-ab 0 -av 0 0 0 -dj 1", x, 0, 0),
+            10 / sqrt(113), 2e-3);
 }
 END_TEST
 
@@ -369,6 +388,8 @@ main(void)
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
     tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
     tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
+    tcase_add_loop_test(tc, small_suns_are_as_bright_as_large_ones, 0,
+                        N_ELEM(suns));
     tcase_add_test(tc, glow_reaches_as_far_as_it_says);
     tcase_add_test(tc, spotlight_falls_off_from_its_focus);
     tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);

@@ -55,7 +55,8 @@ struct rad_source {
     double centre[3];     /* of a distant source: unit direction to it */
     double axis[3][3];    /* as in struct rad_source_shape */
     double normal[3];     /* of flat sources, unit */
-    double radius;        /* of the bounding sphere; distant: [rad] */
+    double radius;        /* of the bounding sphere; distant: the chord from
+                           * the middle to the edge, size = pi radius^2 */
     double r0, r1;        /* of ring; r1 of sphere and cylinder */
     double size;          /* area as in rad_moments; sphere: pi r^2; distant:
                            * solid angle [sr] */

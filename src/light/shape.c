@@ -198,8 +198,9 @@ distant_shape(struct rad_source *src, const struct rad_object *o)
     rad_copy(src->centre, o->reals);
     if (!(rad_normalize(src->centre) > 0) || !(o->reals[3] > 0))
         return 1;
-    src->size = 2 * M_PI * (1 - cos(M_PI / 360 * o->reals[3]));
-    src->radius = sqrt(src->size / M_PI);
+    /* 2 pi (1 - cos) of half the angle, but without its cancellation */
+    src->radius = 2 * sin(M_PI / 720 * o->reals[3]);
+    src->size = M_PI * src->radius * src->radius;
     square_axes(src, src->centre, src->size);
     return 0;
 }

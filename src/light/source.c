@@ -10,6 +10,8 @@
 #include "scene/part.h"
 #include "shade/emitter.h"
 
+#include <float.h>
+
 /* Is the light of obj the emitter's own, without pattern or texture? */
 static bool
 is_plain(const struct rad_job *job, int32_t obj)
@@ -164,14 +166,20 @@ rad_sources_targets(const struct rad_sources *s)
     return s->n + s->nvirtuals;
 }
 
-/* Does direction dir meet distant source src?  A ray aimed at its very edge
- * must, whatever rounding has done to it. */
-static bool
-meets(const struct rad_source *src, const double dir[3], bool aimed)
-{
-    double edge = src->size * (aimed ? 1 + 1e-9 : 1);
+/* What the difference of two unit vectors may be off by. */
+#define ROUNDING (4 * DBL_EPSILON)
 
-    return 2 * M_PI * (1 - rad_dot(src->centre, dir)) <= edge;
+/* Does direction dir meet distant source src?  By the chord between dir and its
+ * middle: 1 - cos has no digits left where a source is small.  A ray aimed at
+ * its very edge must, and a level one half of the sky, whatever rounding has
+ * done to them. */
+static bool
+meets(const struct rad_source *src, const double dir[3])
+{
+    double edge = src->radius + ROUNDING, off[3];
+
+    rad_sub(off, dir, src->centre);
+    return rad_dot(off, off) <= edge * edge;
 }
 
 /* The distant source in direction r->dir, or -1.  A light comes before a glow
@@ -189,14 +197,13 @@ find_behind(const struct rad_sources *s, const struct rad_ray *r)
 
         if (r->source >= s->n) /* an image, whose mirror it has missed */
             return -1;
-        return src->flags & RAD_LIGHT_DISTANT && meets(src, r->dir, true)
-                   ? r->source
-                   : -1;
+        return src->flags & RAD_LIGHT_DISTANT && meets(src, r->dir) ? r->source
+                                                                    : -1;
     }
     for (int32_t k = 0; k < s->ndistant; k++) {
         const struct rad_source *src = &s->list[s->distant[k]];
 
-        if (!meets(src, r->dir, false))
+        if (!meets(src, r->dir))
             continue;
         if (src->flags & RAD_LIGHT_PASSES)
             window = true;
