@@ -26,6 +26,9 @@
  * surfaces of any. */
 #define MEAN_REFLECTANCE .5f
 
+/* In the place of -lw 0, which is divided by. */
+#define NO_WEIGHT 1e-20
+
 /* The shortest distance that is told from zero, relative to the longest. */
 #define NEAREST 1e-12
 
@@ -234,7 +237,7 @@ choose_side(const struct rad_params *par, const struct rad_ray *r,
     *weight = plan->weight;
     if (!plan->store) {
         double most = .8 * rad_rgb_max(plan->coef) * r->weight /
-                      (par->ambdiv * par->minweight + 1e-20);
+                      (par->ambdiv * par->minweight + NO_WEIGHT);
 
         *weight = rad_least(*weight, most);
     }

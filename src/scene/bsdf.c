@@ -291,6 +291,9 @@ rad_bsdf_total(const struct rad_bsdf_eye *eye, bool through)
     return w->part->matrix ? rad_matrix_total(w) : rad_tree_total(w);
 }
 
+/* A share of light that counts as none: Radiance's. */
+#define NOTHING 1e-6
+
 bool
 rad_bsdf_sample(const struct rad_bsdf_eye *eye, bool through, double x,
                 double out[3], double xyz[3])
@@ -298,7 +301,7 @@ rad_bsdf_sample(const struct rad_bsdf_eye *eye, bool through, double x,
     const struct rad_bsdf_way *w = &eye->way[through];
     double total = rad_bsdf_total(eye, through), value[3] = { 0, 0, 0 }, cell;
 
-    if (!(total > 1e-6) ||
+    if (!(total > NOTHING) ||
         !(w->part->matrix ? rad_matrix_sample(w, eye->v, x, out)
                           : rad_tree_sample(w, eye->v, x, out)))
         return false;

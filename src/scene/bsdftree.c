@@ -150,6 +150,10 @@ from_rim(const double v[3])
     return inside(.5 - TINY - .5 * sqrt(v[0] * v[0] + v[1] * v[1]));
 }
 
+/* Of a channel from which the even part of the scattering was taken so much of
+ * the value is left at least, that a colour has all three: as in Radiance. */
+#define LEAST_CHANNEL 1e-5
+
 /* A number about 1 that is another for each cell, so that who gets the same
  * value twice knows that it is the same cell, as in Radiance. */
 static double
@@ -254,7 +258,8 @@ rad_tree_value(const struct rad_bsdf_way *w, const double in[3],
     f = mark(t->rank, corner);
     rad_tree_channels(t, y, place, c);
     for (int i = 0; i < 3; i++)
-        c[i] = f * (t->rest_y > 0 ? fmax(c[i] - t->rest[i], 1e-5 * y) : c[i]);
+        c[i] = f * (t->rest_y > 0 ? fmax(c[i] - t->rest[i], LEAST_CHANNEL * y)
+                                  : c[i]);
     rad_bsdf_unsharpen(xyz, c);
 }
 

@@ -131,12 +131,15 @@ check_text(struct checker *c, const struct rad_object *o)
         report(c, o, RAD_EDATA, "right and down vectors are parallel");
 }
 
+/* Radiance's least roughness that it divides by. */
+#define LEAST_ROUGHNESS 1e-6
+
 /* A surface of plastic2 and its like that no scene uses may be smooth. */
 static void
 check_rough(struct checker *c, const struct rad_object *o)
 {
     if (c->reached[o - c->scene->objects] &&
-        !(o->reals[4] > 1e-6 && o->reals[5] > 1e-6))
+        !(o->reals[4] > LEAST_ROUGHNESS && o->reals[5] > LEAST_ROUGHNESS))
         report(c, o, RAD_EDATA, "roughness %g %g is not above 0", o->reals[4],
                o->reals[5]);
 }

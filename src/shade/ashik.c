@@ -99,7 +99,8 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
             *coef, rad_rgb_scale(hit->spec_color, (float)(f * cos_l * omega)));
 }
 
-/* Without a direction the power is the same in all, the harmonic mean. */
+/* Without a direction the power is the same in all, the harmonic mean: as in
+ * Radiance, which adds 1e-5 so that powers of 0 have one. */
 static void
 orient(struct ashik_hit *hit, const struct ashik *m)
 {

@@ -448,13 +448,16 @@ add_direct(struct scatter_hit *hit)
 /* --- light from elsewhere --------------------------------------------------
  */
 
+/* In the place of -lw 0, which is divided by. */
+#define NO_WEIGHT 1e-20
+
 /* The weight of one of n rays; n is lowered until each has -lw.  False: none
  * has. */
 static bool
 spawn_sample(const struct scatter_hit *hit, struct rad_ray *sr, bool through,
              struct rad_rgb coef, int *n, int i)
 {
-    double least = hit->ctx->job->params.minweight + 1e-20;
+    double least = hit->ctx->job->params.minweight + NO_WEIGHT;
     uint32_t branch = through ? RAD_BRANCH_TSPECULAR : RAD_BRANCH_RSPECULAR;
     int fewer = *n;
 
