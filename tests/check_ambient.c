@@ -178,6 +178,64 @@ START_TEST(gradient_sees_what_an_occluder_hides)
 }
 END_TEST
 
+/* A hemisphere that sees a far sky of radiance 1, and before it in the
+ * direction (x, y) a black wall, .25 high and 1.4 wide, at a distance of 1: so
+ * low that no ray but those at the horizon meets it. */
+static void
+look_at_wall(struct rad_hemi *h, double x, double y)
+{
+    int met = 0;
+
+    look_at_disk(h, 100, 1); /* all sky */
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        double *p = cells[k].p, ahead = x * p[0] + y * p[1];
+        double aside = x * p[1] - y * p[0];
+
+        if (ahead > 0 && fabs(aside) < .7 * ahead && p[2] < .25 * ahead) {
+            rad_scale(p, 1 / ahead, p);
+            cells[k].near = (float)(1 / sqrt(rad_dot(p, p)));
+            cells[k].L = rad_grey(0);
+            met++;
+        }
+    }
+    h->E = rad_grey((float)(M_PI * (1 - met / (double)(SIDE * SIDE))));
+}
+
+/* The irradiance that the wall takes away at (x, 0, 0), where it is ahead on x.
+ */
+static double
+wall_irradiance(double x)
+{
+    const double v[] = { 1, -.7, 0, 1, .7, 0, 1, .7, .25, 1, -.7, .25 };
+    const double p[3] = { x, 0, 0 }, n[3] = { 0, 0, 1 };
+
+    return fabs(lambert(v, 4, p, n));
+}
+
+/* What only the outermost cells meet, as houses are from afar, counts as well:
+ * else its zone would reach from a plain into the houses. */
+START_TEST(gradient_sees_what_stands_at_the_horizon)
+{
+    static const double to[][2] = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 } };
+    const double *d = to[_i], step = 1e-3;
+    int axis = d[0] == 0, hess = 2 * axis;
+    struct rad_gradients g;
+    struct rad_hemi h;
+    double E = wall_irradiance(0), plus = wall_irradiance(step),
+           minus = wall_irradiance(-step);
+    double slope = -(plus - minus) / (2 * step) / (M_PI - E);
+    double bend = -(plus + minus - 2 * E) / (step * step) / (M_PI - E);
+
+    look_at_wall(&h, d[0], d[1]);
+    rad_hemi_gradients(&h, &g);
+    ck_assert_msg(fabs(d[axis] * g.move[axis] - slope) < .5 * fabs(slope),
+                  "%g, not %g", d[axis] * g.move[axis], slope);
+    ck_assert_msg(fabs(g.hess[hess] - bend) < .5 * fabs(bend), "%g, not %g",
+                  g.hess[hess], bend);
+    ck_assert_double_eq_tol(g.move[!axis], 0, .1 * fabs(slope));
+}
+END_TEST
+
 /* One sample of a lamp that is hardly ever met brightens a record, but must not
  * make its zone much larger. */
 START_TEST(rare_bright_sample_leaves_the_zone_alone)
@@ -934,6 +992,7 @@ make_suite(void)
     tcase_add_test(tc, eigenvector_belongs_to_the_larger_value);
     tcase_add_loop_test(tc, gradient_of_a_disk_matches_the_closed_form, 0, 3);
     tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
+    tcase_add_loop_test(tc, gradient_sees_what_stands_at_the_horizon, 0, 4);
     tcase_add_test(tc, rare_bright_sample_leaves_the_zone_alone);
     tcase_add_test(tc, uniform_surrounding_has_no_gradient);
     tcase_add_test(tc, turning_toward_the_light_brightens);

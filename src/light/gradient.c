@@ -142,9 +142,63 @@ upper(const struct rad_hemi *h, int i, int j, double most)
     return behind(h, k + h->n + 1, k + h->n, k + 1, most);
 }
 
+/* What stands at the horizon is nearer by this than what is seen above it. */
+#define STANDS_OUT 2
+
+/* Two neighbours of the mesh's outline, counter-clockwise, and the third corner
+ * of their triangle, whose luminance is `in`. */
+struct rim {
+    int a, b, c;
+    double in;
+};
+
+/* Where what a and b meet stands before what c meets, as a house does that is
+ * seen from afar, their triangle has the luminance of the latter, and the house
+ * would be overlooked.  It covers what is between them and the horizon. */
+static void
+add_rim(const struct rad_hemi *h, const struct rim *r, struct rad_slope *sum,
+        double most)
+{
+    const struct rad_hemicell *a = &h->cell[r->a], *b = &h->cell[r->b];
+    float near = a->near < b->near ? a->near : b->near;
+    double d = r->in - (rad_least(rad_rgb_lum(a->L), most) +
+                        rad_least(rad_rgb_lum(b->L), most)) /
+                           2;
+
+    if (!(near > STANDS_OUT * h->cell[r->c].near) || d == 0)
+        return;
+
+    const double below[2][3] = { { a->p[0], a->p[1], 0 },
+                                 { b->p[0], b->p[1], 0 } };
+
+    rad_edge_slope(a->p, b->p, d, sum);
+    rad_edge_slope(b->p, below[1], d, sum);
+    rad_edge_slope(below[1], below[0], d, sum);
+    rad_edge_slope(below[0], a->p, d, sum);
+}
+
+static void
+sum_rims(const struct rad_hemi *h, struct rad_slope *sum, double most)
+{
+    int n = h->n, last = n - 2, top = (n - 1) * n;
+
+    for (int k = 0; k < n - 1; k++) {
+        const struct rim side[4] = {
+            { k, k + 1, k + n, lower(h, 0, k, most) },
+            { (k + 1) * n, k * n, k * n + 1, lower(h, k, 0, most) },
+            { top + k + 1, top + k, top - n + k + 1, upper(h, last, k, most) },
+            { k * n + n - 1, k * n + n + n - 1, k * n + n + last,
+              upper(h, k, last, most) },
+        };
+
+        for (int i = 0; i < 4; i++)
+            add_rim(h, &side[i], sum, most);
+    }
+}
+
 /* Each edge between two triangles, with the difference of its left one and its
  * right one.  The mesh's outline has no right side: what lies beyond is taken
- * to go on as it is. */
+ * to go on as it is, but see add_rim(). */
 static void
 sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
 {
@@ -180,6 +234,7 @@ rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
     double most, E = M_PI * fair_mean(h, &most);
 
     sum_edges(h, &sum, most);
+    sum_rims(h, &sum, most);
     rad_hemi_turn(h, g->turn);
     for (int k = 0; k < 2; k++)
         g->move[k] = sum.grad[k] / E;
