@@ -1,12 +1,27 @@
 /* partition_run.c - static: each worker's own run of a frame
  *
  * All frames are cut alike, in proportion to the workers' speeds, by cost.  A
- * unit is what is free of the worker's run; one that is idle takes the run of
- * one that is not there, and where others' are balanced, half of the longest
- * stretch that is free. */
+ * unit is what is free of the worker's run, or of a long one but the last what
+ * is free of its last lines, which end in the base line that its neighbour
+ * needs; then of ALONG of all that is left, whose bars are made along with its
+ * base lines; then of the rest, where base lines come before bars, so that the
+ * truth is everywhere before the end.
+ * One that is idle takes the run of one that is not there, and where others'
+ * are balanced, half of the longest stretch that is free. */
 #include "config.h"
 
 #include "partition_lines.h"
+#include "team.h"
+
+/* A run of so many lines is cut in three.  Bars that are made along with base
+ * lines see the same ambient records, and fewer pixels are traced; but the
+ * truth comes later, so that what is given away meanwhile leaves more to be
+ * traced under it, and those who wait send facts.  Eight workers, office at
+ * night: with 107 lines each 3.4 % fewer rays and 2 % faster, nine runs of
+ * each; with 53 lines 1 % fewer rays, all of which is lost again. */
+#define LONG   80
+#define BOTTOM (TEAM_SURE + 1) /* lines: what ends in a good guess */
+#define ALONG  (2. / 3)
 
 /* The line where a part of a frame's cost ends. */
 static uint32_t
@@ -49,6 +64,38 @@ free_in(const struct partition_lines *s, const struct frame *f, uint32_t first,
     return first < last;
 }
 
+/* Where a part of the cost of lines [first, last) ends, or a line before. */
+static uint32_t
+along_until(const struct partition_lines *s, const struct frame *f,
+            uint32_t first, uint32_t last)
+{
+    double left = ALONG * lines_cost(s, f, first, last);
+
+    while (first < last && (left -= line_cost(s, f, first)) >= 0)
+        first++;
+    return first;
+}
+
+/* The next free stretch of a run [first, last); false: none is left.  Nobody
+ * waits for the end of a frame: bars above it come along anyway
+ * (strict_pass.c). */
+static bool
+next_part(const struct partition_lines *s, const struct frame *f,
+          uint32_t first, uint32_t last, uint32_t *from, uint32_t *to,
+          bool *bars)
+{
+    uint32_t bottom = last - BOTTOM, mid;
+
+    *bars = false;
+    if (last < first + LONG || last == f->n)
+        return free_in(s, f, first, last, from, to);
+    if (free_in(s, f, bottom, last, from, to))
+        return true;
+    mid = along_until(s, f, first, bottom);
+    *bars = free_in(s, f, first, mid, from, to);
+    return *bars || free_in(s, f, mid, bottom, from, to);
+}
+
 /* The next stretch of a worker's own; w may be one that is absent, of whom
  * another takes. */
 static bool
@@ -62,12 +109,17 @@ next_own(struct partition *p, struct asker *w, struct asker *taker,
     for (; w->own < s->nframes; w->own++) {
         struct frame *f = &s->frame[w->own];
         uint32_t first, last;
+        bool bars;
 
         if (!lines_may_begin(s, w->own))
             return false;
         own_run(s, f, w, &first, &last);
-        if (free_in(s, f, first, last, &first, &last))
-            return lines_cut(p, w->own, first, last, taker, unit);
+        if (!next_part(s, f, first, last, &first, &last, &bars))
+            continue;
+        if (!lines_cut(p, w->own, first, last, taker, unit))
+            return false;
+        p->unit[*unit].bars = bars;
+        return true;
     }
     return false;
 }

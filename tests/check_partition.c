@@ -502,6 +502,39 @@ START_TEST(auto_gives_regions_where_there_are_many_lines)
 }
 END_TEST
 
+/* A long run begins with the base line that its neighbour needs, and takes its
+ * time for most of what is left; a short one is one unit. */
+START_TEST(static_cuts_long_runs_in_three)
+{
+    static struct msg_frame tall = { 0, 40, 1441, "" }; /* 481 lines */
+    static const double speed[] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+    struct partition_spec spec = lines_spec(MSG_PART_STATIC, 1);
+    struct partition *p;
+    uint32_t first, last, unit, before;
+
+    spec.frames = &tall;
+    p = partition_new(&spec, NULL);
+    ck_assert(partition_set_speeds(p, speed, 4));
+    ck_assert(cut(p, 1, 4, &first, &last, &unit));
+    ck_assert(first == 236 && last == 241 && !partition_unit_bars(p, unit));
+    ck_assert(cut(p, 1, 4, &first, &last, &unit));
+    ck_assert(first == 121 && last > 190 && last < 200);
+    ck_assert(partition_unit_bars(p, unit));
+    before = last;
+    ck_assert(cut(p, 1, 4, &first, &last, &unit));
+    ck_assert(first == before && last == 236 && !partition_unit_bars(p, unit));
+    ck_assert(cut(p, 3, 4, &first, &last, &unit)); /* nobody is below */
+    ck_assert(first == 361 && last == 481 && !partition_unit_bars(p, unit));
+    partition_free(p);
+
+    p = partition_new(&spec, NULL);
+    ck_assert(partition_set_speeds(p, speed, 8));
+    ck_assert(cut(p, 1, 8, &first, &last, &unit));
+    ck_assert(first == 61 && last == 121 && !partition_unit_bars(p, unit));
+    partition_free(p);
+}
+END_TEST
+
 /* Speeds 1 : 3, costs that differ by line. */
 START_TEST(static_gives_runs_of_equal_cost_for_the_speed)
 {
@@ -903,6 +936,7 @@ main(void)
     tcase_add_test(tc, auto_has_all_lines_out_early);
     tcase_add_test(tc, auto_gives_regions_where_there_are_many_lines);
     tcase_add_test(tc, static_gives_runs_of_equal_cost_for_the_speed);
+    tcase_add_test(tc, static_cuts_long_runs_in_three);
     tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
     tcase_add_test(tc, fresh_frames_go_out_one_after_another);
     tcase_add_test(tc, fresh_windows_go_out_frame_by_frame);
