@@ -55,6 +55,7 @@ wait $waits
 # what ends a session does not end the job
 left=
 for signal in HUP TERM; do
+    : >left.err # what the one before said is not this one's
     "$radsubmit" $view -o left.hdr "$room" 2>left.err &
     waits=$!
     until_true 30 grep -q "no worker has begun" left.err ||
