@@ -88,6 +88,8 @@ struct job_unit {
     uint8_t ngos;
     uint8_t crashes;
     uint8_t faults;   /* attempts that left no base line */
+    uint8_t losses;   /* how often its worker went, and was not still at it */
+    uint64_t out_ms;  /* when it went to that worker; 0: in an earlier life */
     uint32_t crasher; /* worker of the first crash */
     bool whole;       /* has nothing to give away */
     bool done;

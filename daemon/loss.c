@@ -9,6 +9,11 @@
 /* A worker whose connection broke dials again after at most .75 s. */
 #define KEEP_MS 2000
 
+/* What one loses so often without ever coming back to it, others may get at
+ * once: a worker that dies of it and is started again would have it for ever.
+ */
+#define MOST_LOSSES 2
+
 /* Is there another worker than that one? */
 static bool
 others_than(const struct coord *c, const struct coord_worker *w)
@@ -93,8 +98,11 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
         if (i >= job->nout)
             continue; /* the list has become shorter */
         go = job_go_of(job, job->out[i], index);
-        if (go)
-            loss_of(c, job, job->out[i], go);
+        if (!go)
+            continue;
+        if (job->units[job->out[i]].losses < UINT8_MAX)
+            job->units[job->out[i]].losses++;
+        loss_of(c, job, job->out[i], go);
     }
 }
 
@@ -104,7 +112,8 @@ loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
     for (uint32_t i = 0; job->partition && i < job->nunits; i++) {
         const struct job_unit *u = &job->units[i];
 
-        if (!u->done && u->ngos == 0 && u->lead != 0 && u->worker == index)
+        if (!u->done && u->ngos == 0 && u->lead != 0 && u->worker == index &&
+            u->losses <= MOST_LOSSES)
             partition_keep(job->partition, i, index);
     }
     job->workers[index].keep_ms = c->now_ms + ms;
@@ -138,7 +147,9 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
         if (job->units[unit].next_row < a.height)
             loss_of(c, job, unit, go);
     }
-    loss_keep(c, job, index, KEEP_MS); /* what it is not at it gets now */
+    /* what it is not at it gets now, if it gets anything */
+    loss_keep(c, job, index,
+              sched_takes_units(job->workers[index].worker) ? KEEP_MS : 0);
 }
 
 /* The worker's go at the unit that it says it is at, if nobody else was given
@@ -150,8 +161,9 @@ go_again(struct coord *c, struct job *job, uint32_t index,
     const struct job_unit *u = &job->units[m->unit];
     struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
 
-    if (!go && !u->done && u->ngos == 0 && u->lead == m->attempt &&
-        u->worker == index && result_revive(c, job, index, m->unit))
+    if (!go && !u->done && u->ngos == 0 && u->lead != 0 &&
+        u->lead == m->attempt && u->worker == index &&
+        result_revive(c, job, index, m->unit))
         go = job_go_find(job, m->unit, index, m->attempt);
     return go;
 }
@@ -170,6 +182,7 @@ goes_on(struct coord *c, struct job *job, uint32_t index,
     if (!go)
         return false;
     go->still = true;
+    job->units[m->unit].losses = 0;
     sched_log_unit(c, job, m->unit, go, "unit still");
     if (m->height == a.height || balance_shrink(c, job, m->unit, go, m->height))
         return true;
@@ -201,6 +214,19 @@ loss_all(struct coord *c, struct job *job, uint32_t index)
     speed_measure(c, job);
 }
 
+/* How long units wait for a worker that goes now.  One that leaves does not
+ * come back; one that was not ready did nothing that would make them wait
+ * longer than they do anyway. */
+static uint64_t
+patience(const struct coord *c, const struct job_worker *jw)
+{
+    if (jw->worker->leaving)
+        return 0;
+    if (jw->state == JW_READY)
+        return KEEP_MS;
+    return jw->keep_ms > c->now_ms ? jw->keep_ms - c->now_ms : 0;
+}
+
 void
 sched_worker_gone(struct coord *c, struct coord_worker *w)
 {
@@ -208,12 +234,14 @@ sched_worker_gone(struct coord *c, struct coord_worker *w)
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *job = c->jobs[i];
         uint32_t index = sched_index(job, w);
+        uint64_t ms;
 
         if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
             continue;
+        ms = patience(c, &job->workers[index]);
         loss_all(c, job, index);
         if (!job_over(job))
-            loss_keep(c, job, index, KEEP_MS);
+            loss_keep(c, job, index, ms);
     }
 }
 

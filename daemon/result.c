@@ -74,12 +74,19 @@ code_rows(struct coord *c, const struct msg_result *m)
 bool
 result_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
+    struct job_unit *u = &job->units[unit];
+    struct job_go *go;
+
     if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit);
-    if (sched_hold(c, job, index, unit, job->units[unit].lead))
-        return true;
-    c->actions.failed = true;
-    return false;
+    go = sched_hold(c, job, index, unit, u->lead);
+    if (!go) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (u->out_ms != 0)
+        go->out_ms = u->out_ms; /* its lease is no longer for that */
+    return true;
 }
 
 /* What whoever goes on below the unit needs of it, beside its last row. */
@@ -197,13 +204,15 @@ counts(struct coord *c, struct job *job, uint32_t index,
     if (u->done || job->workers[index].state == JW_GONE)
         return false;
     if (!go)
-        return u->ngos == 0 && m->attempt == u->lead && u->worker == index &&
-               m->row <= u->next_row && m->row + m->rows > u->stored_rows;
+        return u->ngos == 0 && u->lead != 0 && m->attempt == u->lead &&
+               u->worker == index && m->row <= u->next_row &&
+               m->row + m->rows > u->stored_rows;
     if (u->lead != m->attempt)
         overtake(c, job, go, m);
     if (u->lead == 0 && m->row == 0 && !go->dropped) {
         u->lead = m->attempt;
         u->worker = index;
+        u->out_ms = go->out_ms;
         sched_keep_unit(c, job, m->unit);
     }
     if (u->lead != m->attempt) {

@@ -322,7 +322,10 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     if (u->ngos == 1) {
         sched_forget_rows(job, unit);
         u->lead = u->attempt;
+        if (u->worker != index)
+            u->losses = 0;
         u->worker = index;
+        u->out_ms = go->out_ms;
     } else if (u->next_row == 0) {
         u->lead = 0; /* whoever is first */
     }

@@ -188,6 +188,106 @@ START_TEST(what_nobody_has_is_no_unit)
 }
 END_TEST
 
+/* Each of its processes takes it down. */
+START_TEST(one_that_dies_of_a_unit_does_not_keep_it)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    for (int i = 0; i < 2; i++) {
+        wait_ms(1000);
+        join(W1, MSG_ROLE_WORKER, "ws1", "");
+        ready(W1);
+        ck_assert_uint_eq(unit_of(W1)->unit, a.unit);
+        ck_assert_int_eq(count(W2, MSG_UNIT), 0);
+        cut(W1);
+    }
+    b = *unit_of(W2);
+    ck_assert_uint_eq(b.unit, a.unit);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(one_that_comes_and_goes_keeps_nothing)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    for (int i = 0; i < 3; i++) {
+        wait_ms(400);
+        join(W1, MSG_ROLE_WORKER, "ws1", "");
+        wait_ms(400);
+        cut(W1);
+    }
+    b = *unit_of(W2);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+START_TEST(nothing_waits_for_one_that_leaves)
+{
+    struct msg leave = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    wait_ms(500);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    say(W1, &leave);
+    ready(W1);
+    wait_ms(200);
+    b = *unit_of(W2);
+    finish(W2, &b);
+    ck_assert(f.done);
+}
+END_TEST
+
+/* A unit that is late is so whether its worker's connection breaks or not. */
+START_TEST(the_lease_of_a_unit_goes_on)
+{
+    struct msg_unit a, b;
+
+    one_is_cut(&a);
+    for (int i = 0; i < 7; i++) {
+        join(W1, MSG_ROLE_WORKER, "ws1", "");
+        still(W1, &a, a.height);
+        ready(W1);
+        wait_ms(10000);
+        cut(W1);
+    }
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    still(W1, &a, a.height);
+    ready(W1);
+    wait_ms(1000);
+    b = *unit_of(W2);
+    ck_assert(b.unit == a.unit && b.flags & MSG_UNIT_TWIN);
+    finish(W2, &b);
+}
+END_TEST
+
+START_TEST(nobody_is_at_attempt_0)
+{
+    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } };
+    struct msg_unit a;
+
+    speak_version(MSG_VERSION, 2);
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    cut(W2);
+    say(ADMIN, &drain);
+    result(W1, &a, 0, a.height, true); /* without its base line: nobody leads */
+    cut(W1);
+    drain.type = MSG_UNDRAIN;
+    say(ADMIN, &drain);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    clear();
+    a.attempt = 0;
+    still(W1, &a, a.height);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -202,6 +302,11 @@ main(void)
     tcase_add_test(tc, one_that_is_soon_ready_gets_what_it_had);
     tcase_add_test(tc, lines_that_were_given_meanwhile_are_a_unit);
     tcase_add_test(tc, what_nobody_has_is_no_unit);
+    tcase_add_test(tc, one_that_dies_of_a_unit_does_not_keep_it);
+    tcase_add_test(tc, one_that_comes_and_goes_keeps_nothing);
+    tcase_add_test(tc, nothing_waits_for_one_that_leaves);
+    tcase_add_test(tc, the_lease_of_a_unit_goes_on);
+    tcase_add_test(tc, nobody_is_at_attempt_0);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
