@@ -259,6 +259,18 @@ note_end(struct job *job, uint32_t index, const struct msg_result *m)
         go->spent = true;
 }
 
+/* Are the rows the unit's last because lines of it were given away, of which we
+ * did not hear since the connection broke then?  One that has twins they have
+ * whole. */
+static bool
+gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
+            const struct partition_area *a)
+{
+    return m->last && m->row + m->rows < a->height &&
+           job->workers[index].state == JW_LOADING &&
+           job->units[m->unit].ngos == 1;
+}
+
 /* Rows as they are kept. */
 static void
 take_result(struct coord *c, struct coord_worker *w, struct job *job,
@@ -305,6 +317,10 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     if (u->ngos == 0 && !result_revive(c, job, index, m->unit))
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
+    if (gave_before(job, index, m, &a) &&
+        balance_shrink(c, job, m->unit, go, m->row + m->rows))
+        partition_area(job->partition, m->unit, &a);
+    u = &job->units[m->unit]; /* there may be one more now */
     if (m->last &&
         (m->row + m->rows < a.height || !handoff_complete(job, m->unit))) {
         ack(c, w, job, m);

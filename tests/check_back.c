@@ -188,6 +188,27 @@ START_TEST(what_nobody_has_is_no_unit)
 }
 END_TEST
 
+/* The answer to SPLIT was on the connection that broke, and the unit is done.
+ */
+START_TEST(rows_that_end_sooner_say_that_lines_were_given)
+{
+    struct msg_unit a, b;
+    uint32_t height = 1 + 2 * BAR;
+
+    one_is_cut(&a);
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    base_line(W1, 0, line_above(height));
+    result(W1, &a, 1, height - 1, true);
+    ready(W1);
+    ck_assert(!f.closed[W1]);
+    b = *(last(W2, MSG_UNIT) ? unit_of(W2) : unit_of(W1));
+    ck_assert(b.y == height && b.height == a.height - height);
+    finish(last(W2, MSG_UNIT) ? W2 : W1, &b);
+    ck_assert(f.done);
+    ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
+}
+END_TEST
+
 /* Each of its processes takes it down. */
 START_TEST(one_that_dies_of_a_unit_does_not_keep_it)
 {
@@ -302,6 +323,7 @@ main(void)
     tcase_add_test(tc, one_that_is_soon_ready_gets_what_it_had);
     tcase_add_test(tc, lines_that_were_given_meanwhile_are_a_unit);
     tcase_add_test(tc, what_nobody_has_is_no_unit);
+    tcase_add_test(tc, rows_that_end_sooner_say_that_lines_were_given);
     tcase_add_test(tc, one_that_dies_of_a_unit_does_not_keep_it);
     tcase_add_test(tc, one_that_comes_and_goes_keeps_nothing);
     tcase_add_test(tc, nothing_waits_for_one_that_leaves);
