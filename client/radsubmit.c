@@ -503,6 +503,15 @@ on_signal(uv_signal_t *h, int signum)
     uv_stop(&p->loop);
 }
 
+/* Has who started the program, such as nohup, it ignore hang-ups? */
+static bool
+hang_ups_ignored(void)
+{
+    struct sigaction now;
+
+    return sigaction(SIGHUP, NULL, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 static int
 watch_signals(struct program *p)
 {
@@ -514,6 +523,8 @@ watch_signals(struct program *p)
     for (int i = 0; i < 3; i++) {
         uv_signal_init(&p->loop, &p->signals[i]);
         p->signals[i].data = p;
+        if (which[i] == SIGHUP && hang_ups_ignored())
+            continue;
         uv_signal_start(&p->signals[i], on_signal, which[i]);
         uv_unref((uv_handle_t *)&p->signals[i]);
     }

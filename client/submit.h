@@ -48,9 +48,9 @@ struct submit_job {
 };
 
 /* Carry the job out.  *interrupts is the loop's `wake`: 1 cancels the job, more
- * ends at once: what a coordinator has accepted goes on.  Errors: as the link's; RAD_EUNAVAIL for no coordinator or
- * worker in time; RAD_ETEMPFAIL when cancelled; the callbacks' own; what the
- * job failed with. */
+ * ends at once: what a coordinator has accepted goes on.  Errors: as the
+ * link's; RAD_EUNAVAIL for no coordinator or worker in time; RAD_ETEMPFAIL when
+ * interrupted; the callbacks' own; what the job failed with. */
 int submit_run(const struct submit_job *job, uv_loop_t *loop,
                const int *interrupts, const struct submit_callbacks *cb,
                struct rad_error *err);

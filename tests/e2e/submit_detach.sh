@@ -66,6 +66,19 @@ for signal in HUP TERM; do
     left="$left $(sed -n 's/.*the job goes on: radctl fetch \(.*\) -o FILE/\1/p' left.err)"
 done
 
+# under nohup a hang-up ends nothing; an interrupt cancels the job then
+: >nohup.err
+# shellcheck disable=SC2086
+(trap "" HUP && exec "$radsubmit" $view -o left.hdr "$room") 2>nohup.err &
+waits=$!
+until_true 30 grep -q "no worker has begun" nohup.err ||
+    fail "nothing of no worker: $(cat nohup.err)"
+kill -HUP $waits
+kill -INT $waits
+wait $waits
+[ $? -eq 75 ] || fail "interrupted under nohup: $(cat nohup.err)"
+grep -q "cancelled" nohup.err || fail "nohup is unheard: $(cat nohup.err)"
+
 start_worker ws1
 until_true 60 "$radctl" fetch "$id" -o out.hdr || fail "never to be fetched"
 for other in $left; do
