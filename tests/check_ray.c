@@ -270,6 +270,32 @@ START_TEST(negative_radiance_darkens_what_reflects_it)
 }
 END_TEST
 
+/* Light that goes through what makes one channel negative still has the others,
+ * though the eye finds it dark. */
+START_TEST(negative_shadow_keeps_other_channels)
+{
+    static const struct rad_files files = { empty_font, NULL };
+    char text[512];
+    struct rad_rgb c;
+    struct world w;
+
+    snprintf(text, sizeof text,
+             "void light l 0 0 3 100 100 100 l sphere s 0 0 4 0 0 3 .1\n"
+             "void colortext t 3 f . A 0 15 0 0 0 1 0 0 0 1 0 .7 -.4 .5 .7 -.4 "
+             ".5\n"
+             "t glass pane 0 0 3 1 1 1\n"
+             "pane polygon p 0 0 12 -9 -9 2 9 -9 2 9 9 2 -9 9 2\n"
+             "void plastic m 0 0 5 .5 .5 .5 0 0 m%s",
+             SQUARE);
+    ck_assert_int_eq(world_try(&w, text, "", &files), 0);
+    c = world_see(&w, 0, 0, 1, 0, 0, -1);
+    ck_assert_float_gt(c.r, .01f);
+    ck_assert_float_eq(c.g, 0);
+    ck_assert_float_eq_tol(c.b, c.r * .5f / .7f, 1e-4f * c.r);
+    world_close(&w);
+}
+END_TEST
+
 /* A pixel is a function: whatever was traced before, and in which context. */
 START_TEST(ray_does_not_depend_on_those_before_it)
 {
@@ -341,6 +367,7 @@ main(void)
     tcase_add_loop_test(tc, many_layers_pass_and_endless_ones_end, 0, 3);
     tcase_add_test(tc, perfect_mirrors_end);
     tcase_add_test(tc, negative_radiance_darkens_what_reflects_it);
+    tcase_add_test(tc, negative_shadow_keeps_other_channels);
     tcase_add_loop_test(tc, unsound_radiance_is_cut_off_and_counted, 0,
                         N_ELEM(unsound));
     tcase_add_test(tc, ray_does_not_depend_on_those_before_it);

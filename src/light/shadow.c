@@ -290,6 +290,14 @@ is_plain(const struct direct *d, const struct potential *p)
                              : s->virtuals[p->source - s->n].plain);
 }
 
+/* Is L, of a shadow ray, light that arrives?  By the mean of its channels, as
+ * in Radiance: what it went through may make one negative. */
+static bool
+arrives(struct rad_rgb L)
+{
+    return L.r + L.g + L.b > 0;
+}
+
 /* The way to the image that p aims at is clear; is it so behind the mirror?
  * False: no light arrives.  Sets p->val to what does. */
 static bool
@@ -316,7 +324,7 @@ see_in_mirror(const struct direct *d, struct potential *p)
         return false;
     shade_target(d->ctx, &sr, &hit);
     p->val = rad_rgb_mul(sr.L, p->coef);
-    return rad_rgb_lum(p->val) > 0;
+    return arrives(sr.L);
 }
 
 /* The same for p's source, image or not. */
@@ -373,7 +381,7 @@ see_through(const struct direct *d, struct potential *p,
         return false;
     go_through(d->ctx, &sr, hit, line);
     p->val = rad_rgb_mul(sr.L, p->coef);
-    return rad_rgb_lum(p->val) > 0;
+    return arrives(sr.L);
 }
 
 /* Send p's shadow ray; false: no light arrives. */
