@@ -277,7 +277,8 @@ static const struct subcommand {
     { "freeze", false, run_freeze },
 };
 
-/* argv holds the subcommand's name and its files. */
+/* argv holds the subcommand's name and its files.  *err has no code after a
+ * failure that was told. */
 static int
 run_on_files(const struct subcommand *sub, int argc, char **argv,
              struct rad_error *err)
@@ -294,10 +295,12 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
              ? compile_read(&c, (const char *const *)argv + 1, argc - 1,
                             print_error, NULL, err)
              : read_any(&c, (const char *const *)argv + 1, argc - 1, err);
-    if (rc)
-        return rc;
-    rc = sub->run(&c, err);
-    compile_release(&c);
+    if (!rc) {
+        rc = sub->run(&c, err);
+        compile_release(&c);
+    }
+    if (rc && sub->strict)
+        memset(err, 0, sizeof *err);
     if (!rc && (fflush(stdout) || ferror(stdout)))
         rc = rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
     return rc;
@@ -334,7 +337,7 @@ main(int argc, char **argv)
         fputs(usage_text, stderr);
         return EX_USAGE;
     }
-    if (rc && !(sub && sub->strict && rc != RAD_EUSAGE))
+    if (rc && err.code)
         print_error(NULL, &err);
     return rad_exit_status(rc);
 }

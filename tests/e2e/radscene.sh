@@ -78,6 +78,8 @@ expect 65 'cut.oct: truncated at byte 300' $radscene check cut.oct
 head -c 5 good.oct >cut.oct
 expect 65 'cut.oct: ' $radscene check cut.oct
 expect 64 "octree 'good.oct' must be the only" $radscene check good.rad good.oct
+expect 64 "octree 'good.oct' must be the only" $radscene check good.oct good.rad
+[ "$(wc -l <err)" -eq 1 ] || { echo "FAIL: told twice" && failed=1; }
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000a.rad\000' \
     >thawed.oct
 expect 66 "thawed.oct: cannot find file 'a.rad'" $radscene check thawed.oct
