@@ -136,6 +136,18 @@ progress_update(struct progress *p, const struct progress_report *r)
     p->shown = p->terminal;
 }
 
+double
+progress_alone(struct progress_alone *a, const struct progress_report *r,
+               bool working)
+{
+    double since_s = r->elapsed_s - a->last_s;
+
+    since_s = since_s < 0 ? 0 : since_s > 1 ? 1 : since_s;
+    a->last_s = r->elapsed_s;
+    a->for_s = working && r->workers == 0 ? a->for_s + since_s : 0;
+    return a->for_s;
+}
+
 void
 progress_clear(struct progress *p)
 {

@@ -46,6 +46,18 @@ void progress_update(struct progress *p, const struct progress_report *r);
 /* Take the line off the terminal, before anything else is said on it. */
 void progress_clear(struct progress *p);
 
+/* For how long nobody has been at a job.  All 0: not yet. */
+struct progress_alone {
+    double for_s;
+    double last_s; /* elapsed_s of the last report */
+};
+
+/* Take a report; working: somebody should be at the job.  How long nobody was,
+ * as far as reports said so [s]: between two of them that is a second at most.
+ * If more went by there was no coordinator for workers to come back to. */
+double progress_alone(struct progress_alone *a, const struct progress_report *r,
+                      bool working);
+
 /* The line without its end, always terminated.  left_s < 0: not known. */
 void progress_format(char *buf, size_t size, const struct progress_report *r,
                      double rays_per_s, double left_s);

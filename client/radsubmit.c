@@ -51,7 +51,7 @@ struct program {
     struct target target;
     struct progress progress;
     bool held, paused, waiting, left; /* were said */
-    double left_s;           /* elapsed when the last worker was there */
+    struct progress_alone alone;
     double elapsed_s, error; /* as last told */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
@@ -165,17 +165,17 @@ say_waiting(struct program *p, const struct msg_progress *m)
 /* All workers left a job that had begun.  Others may be there that --same-bits
  * does not take. */
 static void
-say_left(struct program *p, const struct msg_progress *m)
+say_left(struct program *p, const struct progress_report *r, bool running)
 {
     enum { PATIENCE_S = 5 }; /* they may come back */
+    double alone_s = progress_alone(&p->alone, r, running);
 
-    if (m->state != MSG_STATE_RUNNING || m->workers > 0) {
-        if (p->left && m->workers > 0)
+    if (alone_s == 0) {
+        if (p->left && r->workers > 0)
             say(p, "a worker is at the job again");
         p->left = false;
-        p->left_s = m->elapsed_s;
     }
-    if (p->left || m->elapsed_s - p->left_s < PATIENCE_S)
+    if (p->left || alone_s < PATIENCE_S)
         return;
     p->left = true;
     say(p, "no worker is at the job any more; radctl workers says who is "
@@ -190,16 +190,15 @@ static void
 on_progress(void *arg, const struct msg_progress *m)
 {
     struct program *p = arg;
-    struct progress_report r;
+    struct progress_report r = { .elapsed_s = m->elapsed_s,
+                                 .done = share_done(m),
+                                 .rays = m->rays,
+                                 .workers = (int)m->workers };
 
     say_held(p, m->state == MSG_STATE_HELD);
     say_paused(p, m->state == MSG_STATE_PAUSED);
     say_waiting(p, m);
-    say_left(p, m);
-    r.elapsed_s = m->elapsed_s;
-    r.done = share_done(m);
-    r.rays = m->rays;
-    r.workers = (int)m->workers;
+    say_left(p, &r, m->state == MSG_STATE_RUNNING);
     progress_update(&p->progress, &r);
     p->elapsed_s = m->elapsed_s;
     p->error = m->error;

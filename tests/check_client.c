@@ -602,6 +602,31 @@ START_TEST(progress_comes_as_often_as_asked)
 }
 END_TEST
 
+START_TEST(time_without_reports_is_not_time_alone)
+{
+    struct progress_alone a = { 0, 0 };
+    struct progress_report r = { .elapsed_s = .5, .workers = 1 };
+
+    ck_assert_double_eq(progress_alone(&a, &r, true), 0);
+    r.elapsed_s = 60; /* of a coordinator that has been away */
+    r.workers = 0;
+    ck_assert_double_eq(progress_alone(&a, &r, true), 1);
+    for (int i = 1; i <= 8; i++) {
+        r.elapsed_s = 60 + .5 * i;
+        ck_assert_double_eq(progress_alone(&a, &r, true), 1 + .5 * i);
+    }
+    r.elapsed_s = 10; /* a job may begin again */
+    ck_assert_double_eq(progress_alone(&a, &r, true), 5);
+    r.elapsed_s = 10.5;
+    ck_assert_double_eq(progress_alone(&a, &r, false), 0);
+    ck_assert_double_eq(progress_alone(&a, &r, true), 0);
+    r.elapsed_s = 11;
+    ck_assert_double_eq(progress_alone(&a, &r, true), .5);
+    r.workers = 1;
+    ck_assert_double_eq(progress_alone(&a, &r, true), 0);
+}
+END_TEST
+
 START_TEST(progress_ends_with_the_mean_rate)
 {
     struct progress p;
@@ -699,6 +724,7 @@ add_tests(TCase *tc)
     tcase_add_test(tc, progress_ends_with_the_mean_rate);
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
     tcase_add_test(tc, progress_comes_as_often_as_asked);
+    tcase_add_test(tc, time_without_reports_is_not_time_alone);
     tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
 }
 
