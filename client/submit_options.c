@@ -462,13 +462,36 @@ check_sharing(struct submit_options *o, struct rad_error *err)
     return check_estimate(o, err);
 }
 
+static bool
+is_dash(const char *name)
+{
+    return name && strcmp(name, "-") == 0;
+}
+
+/* "-" is standard output, as it is input for a scene, but the picture's. */
+static int
+check_outputs(struct submit_options *o, struct rad_error *err)
+{
+    if (o->detach && (o->output || o->depth || o->stats || o->preview))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--detach waits for no picture: leave out -o, -z, "
+                        "--stats and --preview, and use radctl fetch");
+    if (is_dash(o->depth) || is_dash(o->stats) || is_dash(o->preview))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'-' is a name for -o alone, not for -z, --stats or "
+                        "--preview");
+    if (is_dash(o->output))
+        o->output = NULL;
+    return 0;
+}
+
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
-    int rc;
+    int rc = check_outputs(o, err);
 
-    if (o->output && strcmp(o->output, "-") == 0)
-        o->output = NULL; /* standard output, as "-" is input for a scene */
+    if (rc < 0)
+        return rc;
     if (o->local && o->coordinator)
         return rad_fail(err, RAD_EUSAGE,
                         "--local and --coordinator exclude each other");
@@ -490,10 +513,6 @@ check_together(struct submit_options *o, struct rad_error *err)
     if (o->dry_run && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
-    if (o->detach && (o->output || o->depth || o->stats || o->preview))
-        return rad_fail(err, RAD_EUSAGE,
-                        "--detach waits for no picture: leave out -o, -z, "
-                        "--stats and --preview, and use radctl fetch");
     if ((rc = check_sharing(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0)
         return rc;

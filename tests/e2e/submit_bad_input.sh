@@ -53,6 +53,12 @@ expect 64 "stripes" "a partition that is not there" \
     $r --partition=stripes "$room"
 expect 64 "--detach" "--detach without a coordinator" \
     "$radsubmit" --local --detach "$room"
+expect 64 "leave out -o" "--detach with a picture" \
+    "$radsubmit" --detach -o - "$room"
+for option in -z --stats --preview; do
+    expect 64 "'-' is a name for -o alone" "$option to standard output" \
+        $r $option - "$room"
+done
 expect 64 "--local" "workers for a coordinator" \
     "$radsubmit" --coordinator=127.0.0.1:1 --workers=2 -o out.hdr "$room"
 expect 64 "'out.jpg'" "a format that is not written" \
