@@ -22,6 +22,7 @@ enum { LONGEST = 512 << 20 /* bytes of statistics */ };
 struct unit {
     json_int_t frame, x, y, width, height;
     double rays, cpu_s, start_s;
+    double cost; /* one of the first two, for all units the same */
     const char *worker;
 };
 
@@ -130,26 +131,25 @@ make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
 }
 
 /* By rays as soon as one unit has no time, so that all count the same. */
-static bool
-count_rays(const struct unit *u, size_t n)
+static void
+weigh(struct unit *u, size_t n)
 {
+    bool by_rays = false;
+
     for (size_t i = 0; i < n; i++)
-        if (u[i].cpu_s == 0)
-            return true;
-    return false;
+        by_rays |= u[i].cpu_s == 0;
+    for (size_t i = 0; i < n; i++)
+        u[i].cost = by_rays ? u[i].rays : u[i].cpu_s;
 }
 
 static void
 spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
 {
-    bool by_rays = count_rays(u, n);
-
     for (size_t i = 0; i < n; i++) {
         struct costs_frame *f = frame_of(c, first, u[i].frame);
-        double cost = by_rays ? u[i].rays : u[i].cpu_s;
 
         for (json_int_t y = u[i].y; y < u[i].y + u[i].height; y++)
-            f->row[y] += cost / (double)u[i].height;
+            f->row[y] += u[i].cost / (double)u[i].height;
     }
 }
 
@@ -158,8 +158,6 @@ static int
 keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
              struct rad_error *err)
 {
-    bool by_rays = count_rays(u, n);
-
     for (size_t i = 0; i < n; i++) {
         struct costs_frame *f = frame_of(c, first, u[i].frame);
 
@@ -173,10 +171,10 @@ keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
         struct costs_frame *f = frame_of(c, first, u[i].frame);
 
         if (f->window)
-            f->window[f->nwindows++] = (struct costs_window){
-                (uint32_t)u[i].x, (uint32_t)u[i].y, (uint32_t)u[i].width,
-                (uint32_t)u[i].height, by_rays ? u[i].rays : u[i].cpu_s
-            };
+            f->window[f->nwindows++] =
+                (struct costs_window){ (uint32_t)u[i].x, (uint32_t)u[i].y,
+                                       (uint32_t)u[i].width,
+                                       (uint32_t)u[i].height, u[i].cost };
     }
     return 0;
 }
@@ -321,6 +319,7 @@ take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
     for (size_t i = 0; i < n; i++)
         if (u[i].frame < first)
             first = u[i].frame;
+    weigh(u, n);
     c->frames = calloc(c->nframes, sizeof *c->frames);
     rc = pixels && c->frames ? 0 : no_memory(err);
     if (rc == 0)

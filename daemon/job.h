@@ -127,10 +127,10 @@ struct job_worker {
                             * last finished a unit */
     bool took_part;        /* it was READY once */
     bool late;             /* others do its work until it is heard of */
-    uint64_t
-        keep_ms;   /* until then units that it lost wait for it; 0: none do */
-    bool excluded; /* --same-bits: of another fingerprint; or it cannot keep
-                    * a child */
+    uint64_t keep_ms;      /* until then units that it lost wait for it; 0:
+                            * none do */
+    bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
+                        * a child */
     uint64_t ready_ms; /* first READY */
     double load_s;
     uint64_t fingerprint;

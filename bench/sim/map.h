@@ -27,8 +27,7 @@ struct map {
     double total;
     double window_edge; /* further cost of a window's first row, in pixels of
                          * a row for each of its own: it is sampled finely */
-    struct map_window
-        *window; /* of all frames; NULL: row says what they cost */
+    struct map_window *window; /* of all frames; NULL: row tells the cost */
     size_t nwindows;
 };
 
