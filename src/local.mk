@@ -23,6 +23,8 @@ librad_a_SOURCES = \
 	src/base/rng.h \
 	src/base/sha.c \
 	src/base/sha.h \
+	src/base/text.c \
+	src/base/text.h \
 	src/base/vec.h \
 	src/base/xform.c \
 	src/base/xform.h \

@@ -42,6 +42,31 @@ START_TEST(message_has_no_control_characters)
 }
 END_TEST
 
+/* A long path leaves room for what is behind it. */
+START_TEST(message_keeps_both_ends)
+{
+    char path[2048], buf[600];
+
+    for (int shift = 0; shift < 2; shift++) { /* "ä" across each cut */
+        struct rad_error err = { 0 };
+        size_t n = 0;
+
+        for (int i = 0; i < shift; i++)
+            path[n++] = 'x';
+        for (; n + 2 < sizeof path; n += 2)
+            memcpy(path + n, "\xc3\xa4", 2);
+        path[n] = '\0';
+        rad_error_where(&err, "%s/a.rad:%d", path, 214);
+        rad_fail(&err, RAD_EIO, "cannot read '%s': no such file", path);
+        ck_assert_int_ge(strlen(err.what), sizeof err.what - 4);
+        rad_error_format(&err, buf, sizeof buf);
+        ck_assert_ptr_nonnull(strstr(buf, "/a.rad:214: cannot read '"));
+        ck_assert_str_eq(buf + strlen(buf) - 15, "': no such file");
+        ck_assert_ptr_null(strchr(buf, '?')); /* no half of a character */
+    }
+}
+END_TEST
+
 START_TEST(arena_survives_rewind_and_large_blocks)
 {
     struct rad_arena a;
@@ -234,6 +259,7 @@ main(void)
 
     tcase_add_test(tc, first_failure_wins);
     tcase_add_test(tc, message_has_no_control_characters);
+    tcase_add_test(tc, message_keeps_both_ends);
     tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
     tcase_add_test(tc, normalize_keeps_extremes);
     tcase_add_test(tc, exponential_is_as_good_as_float_holds);

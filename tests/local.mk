@@ -14,6 +14,7 @@ UNIT_TESTS = \
 	tests/check_antimatter \
 	tests/check_ashik \
 	tests/check_base \
+	tests/check_text \
 	tests/check_brdf \
 	tests/check_bsdf \
 	tests/check_bundle \
@@ -126,6 +127,9 @@ tests_check_ashik_SOURCES = tests/check_ashik.c tests/square.h tests/suns.h \
 tests_check_ashik_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ashik_LDADD = $(UNIT_LIBS)
 
+tests_check_text_SOURCES = tests/check_text.c tests/unit.h
+tests_check_text_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_text_LDADD = $(UNIT_LIBS)
 tests_check_base_SOURCES = tests/check_base.c tests/unit.h
 tests_check_base_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_base_LDADD = $(UNIT_LIBS)

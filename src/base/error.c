@@ -2,10 +2,33 @@
 #include "config.h"
 
 #include "base/error.h"
+#include "base/text.h"
 
 #include <stdarg.h>
-#include <stdio.h>
+#include <string.h>
 #include <sysexits.h>
+
+/* vsnprintf() of text that may hold a whole path: what does not fit is left out
+ * in the middle, for the end has the line, or the reason. */
+static void
+print_ends(char *buf, size_t size, const char *fmt, va_list ap)
+{
+    static const char gap[] = "...";
+    char all[8192];
+    size_t n, head = size / 3, tail = size - head - sizeof gap;
+
+    rad_text_vprint(all, sizeof all, fmt, ap);
+    n = strlen(all);
+    if (n < size) {
+        memcpy(buf, all, n + 1);
+        return;
+    }
+    rad_text_print(buf, head + 1, "%s", all);
+    while (tail > 0 && (all[n - tail] & 0xc0) == 0x80)
+        tail--; /* the middle of a character */
+    rad_text_print(buf + strlen(buf), size - strlen(buf), "%s%s", gap,
+                   all + n - tail);
+}
 
 int
 rad_fail(struct rad_error *err, int code, const char *fmt, ...)
@@ -15,7 +38,7 @@ rad_fail(struct rad_error *err, int code, const char *fmt, ...)
 
         err->code = code;
         va_start(ap, fmt);
-        vsnprintf(err->what, sizeof err->what, fmt, ap);
+        print_ends(err->what, sizeof err->what, fmt, ap);
         va_end(ap);
     }
     return code;
@@ -28,7 +51,7 @@ rad_error_where(struct rad_error *err, const char *fmt, ...)
         va_list ap;
 
         va_start(ap, fmt);
-        vsnprintf(err->where, sizeof err->where, fmt, ap);
+        print_ends(err->where, sizeof err->where, fmt, ap);
         va_end(ap);
     }
 }
@@ -39,12 +62,10 @@ rad_error_format(const struct rad_error *err, char *buf, size_t size)
     if (size == 0)
         return;
     if (err->where[0])
-        snprintf(buf, size, "%s: %s", err->where, err->what);
+        rad_text_print(buf, size, "%s: %s", err->where, err->what);
     else
-        snprintf(buf, size, "%s", err->what);
-    for (char *p = buf; *p; p++)
-        if ((unsigned char)*p < ' ' || *p == 0x7f)
-            *p = '?';
+        rad_text_print(buf, size, "%s", err->what);
+    rad_text_clean(buf);
 }
 
 int
@@ -70,6 +91,7 @@ rad_exit_status(int code)
     case RAD_EFULL:
         return EX_IOERR;
     case RAD_ETEMPFAIL:
+    case RAD_ESHORT:
         return EX_TEMPFAIL;
     case RAD_EPROTO:
         return EX_PROTOCOL;

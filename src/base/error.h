@@ -26,7 +26,10 @@ enum rad_code {
     RAD_EPERM = -5011,       /* not permitted              EX_NOPERM 77 */
     RAD_ECONFIG = -5012,     /* bad configuration file     EX_CONFIG 78 */
     RAD_EUNSUPPORTED = -5013, /* a feature of Radiance that we lack        65 */
-    RAD_EFULL = -5014        /* no room on the disk        EX_IOERR 74 */
+    RAD_EFULL = -5014,       /* no room on the disk        EX_IOERR 74 */
+    RAD_ESHORT = -5015,      /* descriptors or the like are short for now 75 */
+    RAD_WARNING = -5099      /* said to who asks for each problem, never the
+                              * code of a failure */
 };
 
 struct rad_error {
@@ -45,8 +48,8 @@ int rad_fail(struct rad_error *err, int code, const char *fmt, ...)
 void rad_error_where(struct rad_error *err, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* "where: what" (or what alone) into buf, always terminated.  Control
- * characters that came from input are replaced by '?'. */
+/* "where: what" (or what alone) into buf, always terminated and fit for a
+ * terminal or a log, whatever came from input (text.h). */
 void rad_error_format(const struct rad_error *err, char *buf, size_t size);
 
 /* The sysexits.h status for a code; 0 for 0, 70 for what is not ours. */
