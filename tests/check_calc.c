@@ -312,6 +312,7 @@ static const struct {
     { "sin(x) = 7;", "sin(0)", 7 },
     { "a = 1; a = 2;", "a", 2 },
     { "c : 4; d = c; c : 5;", "d", 4 }, /* a constant's value when read */
+    { "a = 4; c : a*2; a = 5;", "c", 8 },
     { "a.b_c1 = 3;", "a.b_c1", 3 },
     { ";;a = 1;;", "a", 1 },
     { "a = 1", "a", 1 }, /* the last ; may lack */
@@ -365,7 +366,8 @@ static const struct {
     { NULL, "1+sqrt(-A1)", RAD_CALC_MATH, 1 },
     { NULL, "1/(A1-2)", RAD_CALC_MATH, 0 },
     { NULL, "cos(1/(A1-2))", RAD_CALC_MATH, 0 },       /* not cos(0) */
-    { NULL, "1/(A1-2)+cos(0*A1)", RAD_CALC_SOUND, 1 }, /* forgotten */
+    { NULL, "1/(A1-2)+cos(A1-2)", RAD_CALC_SOUND, 1 }, /* forgotten */
+    { NULL, "1/(A1-2)+cos(0*A1)", RAD_CALC_MATH, 1 },  /* that is a number */
     { NULL, "log(A1-2)*red(.5,-1,A1)", RAD_CALC_SOUND, 0 },
     { NULL, "and(log(A1-2),1)", RAD_CALC_MATH, 0 },
     { NULL, "and(A1)", RAD_CALC_NO_ARG, 0 },       /* it is needed */
@@ -373,6 +375,10 @@ static const struct {
     { "f(x) = A1/(A1-2)+x;", "f(Dz)", RAD_CALC_MATH, 3 },
     { NULL, "if(1,log(A1-2),3)", RAD_CALC_MATH, 0 },
     { NULL, "A2^.5", RAD_CALC_MATH, 0 },
+    { NULL, "(1+log(A2))^arg(1)", RAD_CALC_MATH, 0 },
+    { NULL, "arg(1)^log(A2)", RAD_CALC_SOUND, 1 }, /* forgotten for arg() */
+    { NULL, "atan2(1+log(A2),arg(1))", RAD_CALC_MATH, 0 },
+    { NULL, "atan2(arg(1),log(A2))", RAD_CALC_SOUND, M_PI / 2 },
     { NULL, "exp(1000*A1)", RAD_CALC_MATH, 0 },
     { NULL, "select(A1,7)", RAD_CALC_MATH, 0 },
     { NULL, "A4+1", RAD_CALC_NO_ARG, 0 },
@@ -383,6 +389,60 @@ static const struct {
     { "f(x,y)=y;", "f(1)", RAD_CALC_NO_ARG, 0 },
     { "f(n)=if(n,f(n-1)+f(n-1),A1);", "f(40)", RAD_CALC_STEPS, 0 },
 };
+
+/* What Radiance finds out when it reads an expression: log(A2) has no value,
+ * arg(9) and nope are not there. */
+static const struct {
+    const char *file, *text;
+    double value;
+    enum rad_calc_fault fault;
+} folded[] = {
+    { NULL, ".3+0*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+log(A2)*0", .3, RAD_CALC_SOUND },
+    { NULL, ".3+0/log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+0^log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+log(A2)^0", 1.3, RAD_CALC_SOUND },
+    { NULL, ".3+1^log(A2)", 1.3, RAD_CALC_SOUND },
+    { NULL, ".3+0*arg(9)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+0*nope", .3, RAD_CALC_SOUND },
+    { NULL, ".3+nope(A1)^0", 1.3, RAD_CALC_SOUND },
+    { NULL, ".3+-0*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+log(A2)*-(1-1)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+0*A1*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+A1*0*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+log(A2)*(A1*0)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+if(1,0,0)*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+log(A2)*sin(0*A1)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+noise3(0,0,0)*log(A2)", .3, RAD_CALC_SOUND },
+    { NULL, ".3+noneg(-2)*log(A2)", .3, RAD_CALC_SOUND },
+    { "z : 0;", ".3+z*log(A2)", .3, RAD_CALC_SOUND },
+    { "o = 1; z : o-o;", ".3+z*log(A2)", .3, RAD_CALC_SOUND },
+    { "z(x) : x-3;", ".3+z(3)*log(A2)", .3, RAD_CALC_SOUND },
+    { "z(f) : f(0);", ".3+z(sin)*log(A2)", .3, RAD_CALC_SOUND },
+    { "h(x) : x-3; z(f) : f(3);", ".3+z(h)*log(A2)", .3, RAD_CALC_SOUND },
+    /* what it does not */
+    { NULL, ".3+(A1-A1)*log(A2)", .3, RAD_CALC_MATH },
+    { NULL, ".3+if(A1,0,0)*log(A2)", .3, RAD_CALC_MATH },
+    { NULL, ".3+red(0,A1,1)*log(A2)", .3, RAD_CALC_MATH },
+    { NULL, ".3+1*log(A2)", .3, RAD_CALC_MATH },
+    { NULL, "1/(A1-2)+A2^1", -3, RAD_CALC_MATH }, /* a power forgets it */
+    { NULL, "1/(A1-2)+A2^2", 9, RAD_CALC_SOUND },
+    { NULL, ".3+0*A1/(1-1)", .3, RAD_CALC_MATH },
+    { "z = 0;", ".3+z*log(A2)", .3, RAD_CALC_MATH },
+    { "z(x) = x-3;", ".3+z(3)*log(A2)", .3, RAD_CALC_MATH },
+    { "h(x) = x-3; z(f) : f(3);", ".3+z(h)*log(A2)", .3, RAD_CALC_MATH },
+};
+
+START_TEST(literals_decide_when_an_expression_is_read)
+{
+    enum rad_calc_fault fault;
+    double v = evaluate(folded[_i].file, folded[_i].text, &fault);
+
+    ck_assert_msg(fault == folded[_i].fault, "%s: %s", folded[_i].text,
+                  rad_calc_fault_text(fault));
+    ck_assert_double_eq_tol(v, folded[_i].value, 1e-12);
+}
+END_TEST
 
 START_TEST(fault_is_told_and_bounded)
 {
@@ -587,6 +647,8 @@ main(void)
     tcase_add_loop_test(tc, expression_has_its_value, 0, N_ELEM(expression));
     tcase_add_loop_test(tc, names_are_found_in_their_scope, 0, N_ELEM(scoped));
     tcase_add_test(tc, files_do_not_see_each_others_names);
+    tcase_add_loop_test(tc, literals_decide_when_an_expression_is_read, 0,
+                        N_ELEM(folded));
     tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
     tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
     tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);

@@ -329,6 +329,11 @@ put_library(struct emitter *m, int id, const struct node *call)
     case LIB_MAX:
         put_extreme(m, id, call);
         break;
+    case LIB_ATAN2: /* see put_binary() */
+        put_node(m, kid->next);
+        put_node(m, kid);
+        put(m, OP_LIBRARY, 2, id);
+        break;
     default: /* what is too much is not evaluated */
         for (int i = 0; i < lib->nargs; i++, kid = kid->next)
             put_node(m, kid);
@@ -383,6 +388,8 @@ put_with_number(struct emitter *m, const struct node *n)
     return true;
 }
 
+/* Of a power and of atan2() the second value is found first, as in Radiance's
+ * programs: a fault in it is dropped by what the first value calls. */
 static void
 put_binary(struct emitter *m, const struct node *n)
 {
@@ -399,18 +406,21 @@ put_binary(struct emitter *m, const struct node *n)
     }
     if (put_with_number(m, n))
         return;
-    if (n->op == '^')
+    if (n->op == '^') {
         put(m, OP_CLEAR, 0, 0);
+        put_node(m, b);
+        put_node(m, a);
+        put(m, OP_POWER, 0, 0);
+        put(m, OP_CHECK, 0, 0);
+        return;
+    }
     put_node(m, a);
     put_node(m, b);
     put(m,
         n->op == '+'   ? OP_ADD
         : n->op == '-' ? OP_SUBTRACT
-        : n->op == '*' ? OP_MULTIPLY
-                       : OP_POWER,
+                       : OP_MULTIPLY,
         0, 0);
-    if (n->op == '^')
-        put(m, OP_CHECK, 0, 0);
 }
 
 static void
@@ -459,38 +469,52 @@ rad_calc_emit(struct rad_calc *c, const struct node *n, struct rad_error *err)
 
 /* Does a call of this symbol depend on its arguments alone? */
 static bool
-is_constant(const struct rad_calc *c, const struct node *call)
+is_constant(const struct symbol *s)
 {
-    const struct symbol *s;
-
-    if (call->by_param)
-        return false;
-    s = &c->symbol[call->ref];
     if (s->kind == SYM_LIBRARY)
         return rad_calc_library[s->library].constant;
     return s->kind == SYM_FUNCTION && s->constant;
 }
 
+/* May a node with such a kid be a number, too? */
+static bool
+is_settled(const struct rad_calc *c, const struct node *parent,
+           const struct node *kid)
+{
+    if (kid->type == N_NAME && parent->type == N_CALL)
+        return is_constant(&c->symbol[kid->ref]);
+    return kid->type == N_NUMBER;
+}
+
+bool
+rad_calc_reduce(struct rad_calc *c, const struct node *n, double *value)
+{
+    int32_t ncode = c->ncode, nnumber = c->nnumber;
+    int32_t at = rad_calc_emit(c, n, NULL);
+    enum rad_calc_fault fault = RAD_CALC_NAME;
+
+    if (at >= 0)
+        *value = rad_calc_run(c, at, MAX_FOLDING, c->env, &fault);
+    c->ncode = ncode;
+    c->nnumber = nnumber;
+    return fault == RAD_CALC_SOUND && isfinite(*value);
+}
+
 void
 rad_calc_fold(struct rad_calc *c, struct node *n)
 {
-    int32_t ncode = c->ncode, nnumber = c->nnumber, at;
-    enum rad_calc_fault fault;
+    bool literal = true;
     double v;
 
-    for (const struct node *kid = n->kid; kid; kid = kid->next)
-        if (kid->type != N_NUMBER)
+    for (const struct node *kid = n->kid; kid; kid = kid->next) {
+        if (!is_settled(c, n, kid))
             return;
-    if (n->type == N_CALL && !is_constant(c, n))
-        return;
-    at = rad_calc_emit(c, n, NULL);
-    if (at >= 0) {
-        v = rad_calc_run(c, at, MAX_FOLDING, c->env, &fault);
-        if (fault == RAD_CALC_SOUND && isfinite(v))
-            *n = (struct node){ .type = N_NUMBER, .number = v };
+        literal = literal && (kid->literal || kid->type == N_NAME);
     }
-    c->ncode = ncode;
-    c->nnumber = nnumber;
+    if (n->type == N_CALL && (n->by_param || !is_constant(&c->symbol[n->ref])))
+        return;
+    if (rad_calc_reduce(c, n, &v))
+        *n = (struct node){ .type = N_NUMBER, .number = v, .literal = literal };
 }
 
 /* Let a library function be called by its name through a parameter. */

@@ -472,7 +472,7 @@ step(struct machine *m, const struct ins *in)
         break;
     case OP_POWER:
         m->top--;
-        m->top[-1] = power(m->top[-1], m->top[0]);
+        m->top[-1] = power(m->top[0], m->top[-1]);
         break;
     case OP_CLEAR:
         m->fault = RAD_CALC_SOUND;

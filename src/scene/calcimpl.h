@@ -27,7 +27,7 @@ enum op {
     OP_MULTIPLY_NUMBER,
     OP_DIVISOR, /* 0 on the stack: a fault, go on at a; else nothing */
     OP_DIVIDE,  /* the divisor lies below */
-    OP_POWER,
+    OP_POWER, /* the exponent lies below */
     OP_CLEAR,      /* forget faults */
     OP_CHECK,      /* a fault, or no finite number: 0 and a fault */
     OP_UNLESS,     /* pop; not above 0: go on at a */
@@ -82,7 +82,15 @@ extern const struct library rad_calc_library[];
 extern const int rad_calc_nlibrary;
 
 /* ids of those that the compiler treats by itself; the table's order */
-enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ARG, LIB_PRISM };
+enum {
+    LIB_IF,
+    LIB_SELECT,
+    LIB_MIN,
+    LIB_MAX,
+    LIB_ATAN2,
+    LIB_ARG,
+    LIB_PRISM
+};
 
 /* Value of library function id; *fault may be set. */
 double rad_calc_library_value(int id, const double *v,
@@ -161,6 +169,8 @@ struct node {
     } type;
     char op;       /* of N_BINARY: + - * / ^ */
     bool by_param; /* N_CALL: `ref` is a parameter */
+    bool literal;  /* N_NUMBER: Radiance has one here, too, once it has read the
+                    * expression */
     double number;
     int32_t ref; /* channel, symbol, parameter or value, from 0 */
     int32_t nkids;
@@ -172,9 +182,15 @@ struct node {
 int32_t rad_calc_emit(struct rad_calc *c, const struct node *n,
                       struct rad_error *err);
 
-/* Turn a node whose kids are all numbers into one, if it always has the same
- * value and no fault. */
+/* Turn a node whose kids are all numbers, or names of functions that only
+ * depend on their arguments, into a number, if it always has the same value and
+ * no fault. */
 void rad_calc_fold(struct rad_calc *c, struct node *n);
+
+/* The number that a constant (c : a*2;) stands for, by what is defined now.
+ * False: it has none yet, and is evaluated when it is used. */
+bool rad_calc_reduce(struct rad_calc *c, const struct node *body,
+                     double *value);
 
 /* Keep the body of a function in the program's arena, so that it may stand
  * where it is called; NULL: it is not one for that, or memory is out. */

@@ -19,6 +19,7 @@ const struct library rad_calc_library[] = {
     { "select", 1, true, true, 0 },
     { "min", 1, true, true, 0 },
     { "max", 1, true, true, 0 },
+    { "atan2", 2, false, true, 0 },
     { "arg", 1, false, false, 0 },
     { "fprism_val", 3, false, false, RAD_CALC_OFFER_AIM },
     { "rand", 1, false, true, 0 },
@@ -29,7 +30,6 @@ const struct library rad_calc_library[] = {
     { "asin", 1, false, true, 0 },
     { "acos", 1, false, true, 0 },
     { "atan", 1, false, true, 0 },
-    { "atan2", 2, false, true, 0 },
     { "floor", 1, false, true, 0 },
     { "ceil", 1, false, true, 0 },
     { "exp", 1, false, true, 0 },
@@ -59,7 +59,6 @@ enum {
     LIB_ASIN,
     LIB_ACOS,
     LIB_ATAN,
-    LIB_ATAN2,
     LIB_FLOOR,
     LIB_CEIL,
     LIB_EXP,
@@ -295,7 +294,7 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
     case LIB_ATAN:
         return atan(v[0]);
     case LIB_ATAN2:
-        return atan2(v[0], v[1]);
+        return atan2(v[1], v[0]);
     case LIB_FLOOR:
         return floor(v[0]);
     case LIB_CEIL:

@@ -169,8 +169,10 @@ number(struct parser *ps)
     buf[p - start] = '\0';
     ps->p = p;
     skip_blanks(ps);
-    if (n)
+    if (n) {
         n->number = strtod(buf, NULL);
+        n->literal = true;
+    }
     return n && isfinite(n->number)
                ? n
                : fail(ps, RAD_EDATA, "number out of range");
@@ -227,6 +229,7 @@ inline_variable(const struct rad_calc *c, const struct symbol *s,
     if (s->constant && code->op == OP_NUMBER) {
         n->type = N_NUMBER;
         n->number = c->number[code->a];
+        n->literal = true;
     } else if (code->op == OP_CHANNEL && code->a < RAD_CALC_NPUBLIC &&
                !strchr(s->name, '`')) {
         n->type = N_CHANNEL;
@@ -264,6 +267,7 @@ in_place(struct parser *ps, struct node *n)
     /* bounded by the nesting of calls and the size of such bodies: an
      * expression is not to be refused for the functions that it calls */
     body->height = n->height;
+    body->literal = false; /* for Radiance it stays a call */
     return body;
 }
 
@@ -332,13 +336,43 @@ sign(struct parser *ps)
     return n;
 }
 
+static bool
+is_literally(const struct node *n, double number)
+{
+    return n->literal && n->number == number;
+}
+
+/* The side of a product, quotient or power that is its value whatever the other
+ * side is, or NULL.  Radiance finds out when it reads the expression, and drops
+ * the other side: it has no fault, and may lack its names and arguments. */
+static struct node *
+deciding_side(int op, struct node *a, struct node *b)
+{
+    if (a->literal && b->literal)
+        return NULL;
+    if (is_literally(a, 0) && strchr("*/^", op))
+        return a;
+    if (is_literally(b, 0) && op == '*')
+        return b;
+    if (op != '^')
+        return NULL;
+    if (is_literally(b, 0))
+        b->number = 1;
+    else if (is_literally(b, 1))
+        return a;
+    return is_literally(b, 1) ? b : is_literally(a, 1) ? a : NULL;
+}
+
 static struct node *
 binary(struct parser *ps, int op, struct node *a, struct node *b)
 {
-    struct node *n = new_node(ps, N_BINARY);
+    struct node *n = new_node(ps, N_BINARY), *alone;
 
     if (!n || !a || !b)
         return NULL;
+    alone = deciding_side(op, a, b);
+    if (alone)
+        return alone;
     n->op = (char)op;
     n->height = 1 + (a->height > b->height ? a->height : b->height);
     if (n->height > MAX_HEIGHT)
@@ -468,9 +502,10 @@ static void
 parse_definition(struct parser *ps, const char *file)
 {
     char name[MAX_NAME + 1];
-    const struct node *body;
+    struct node *body;
     int line = ps->line;
     bool constant;
+    double value;
 
     if (!at_name(ps)) {
         fail_at(ps, "expected a name to define");
@@ -490,6 +525,8 @@ parse_definition(struct parser *ps, const char *file)
         fail_at(ps, "expected ';'");
         return;
     }
+    if (constant && ps->nparams == 0 && rad_calc_reduce(ps->c, body, &value))
+        *body = (struct node){ .type = N_NUMBER, .number = value };
     define(ps, name, file, line, constant, body);
 }
 
