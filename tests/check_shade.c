@@ -652,6 +652,52 @@ START_TEST(alias_takes_the_target_and_its_own_modifier)
 }
 END_TEST
 
+static const struct {
+    const char *pane;
+    bool dim;
+} panes[] = {
+    { "void trans p 0 0 7 .1 .1 .1 0 0 1 .9\n", true },
+    { "void trans p 0 0 7 .9 .9 .9 0 0 1 .9\n", false },
+    { "void glass p 0 0 3 .05 .05 .05\n", true },
+    { "void glass p 0 0 3 1 1 1\n", false },
+    { "void prism1 p 5 .1 Dx Dy Dz . 0 0\n", true },
+    { "void prism1 p 5 1 Dx Dy Dz . 0 0\n", false },
+    { "void BRTDfunc p 10 0 0 0 .1 .1 .1 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n",
+      true },
+    { "void WGMDfunc p 13 void 0 0 0 void .1 0 0 void 0 0 1 . 0 9 0 0 0 0 0 "
+      "0 0 0 0\n",
+      true },
+};
+
+/* A ray meets a pane, sqrt 2 on a pane of glass and after as much again a wall
+ * of radiance 1; the glass mirrors a ball of radiance 3, by .2 of the 1.2
+ * that it shows.  Behind a dim pane the ball's distance counts.  (rpict's rule,
+ * by its source and rtrace -ol.) */
+START_TEST(behind_a_dim_pane_the_mirrored_is_far)
+{
+    static const char *rest =
+        "p polygon pane 0 0 12 -.1 -.1 1 .1 -.1 1 .1 .1 1 -.1 .1 1\n"
+        "void glass g 0 0 3 1 1 1\n"
+        "g polygon glass 0 0 12 0 -1 0 2 -1 0 2 1 0 0 1 0\n"
+        "void glow w 0 0 4 1 1 1 0\n"
+        "w polygon wall 0 0 12 -9 -9 -1 9 -9 -1 9 9 -1 -9 9 -1\n"
+        "void glow m 0 0 4 3 3 3 0\n"
+        "m sphere ball 0 0 4 3 0 2 .5\n";
+    struct rad_ray r;
+    struct world w;
+    char scene[1024];
+
+    snprintf(scene, sizeof scene, "%s%s", panes[_i].pane, rest);
+    world_open(&w, scene, "-ab 0 -dr 0");
+    world_ray(&w, &r, -1, 0, 2, 1, 0, -1);
+    rad_ray_trace(&w.ctx, &r);
+    ck_assert_double_eq_tol(rad_ray_distance(&r),
+                            panes[_i].dim ? 4 * sqrt(2) - .5 : 3 * sqrt(2),
+                            1e-9);
+    world_close(&w);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -679,6 +725,8 @@ main(void)
                         2);
     tcase_add_loop_test(tc, single_gloss_samples_fill_the_lobe, 0,
                         N_ELEM(lobe));
+    tcase_add_loop_test(tc, behind_a_dim_pane_the_mirrored_is_far, 0,
+                        N_ELEM(panes));
     tcase_add_test(tc, rough_trans_keeps_its_energy);
     tcase_add_loop_test(tc, emitter_shows_each_ray_what_it_may_count, 0,
                         N_ELEM(emitter));

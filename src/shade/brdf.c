@@ -333,7 +333,7 @@ let_pass(struct brdf_hit *hit)
     rad_ray_trace(hit->ctx, &tr);
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
     if (straight && rad_rgb_lum(hit->rdiff) + rad_rgb_lum(hit->tdiff) < 1)
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
 }
 
 static void
@@ -354,7 +354,7 @@ mirror(struct brdf_hit *hit)
     r->L = rad_rgb_add(r->L, r->L_mirror);
     r->mirror_dist = r->hit.t;
     if (plain && rad_ray_on_flat(hit->ctx, r))
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 bool

@@ -177,7 +177,7 @@ refract(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
     rad_ray_trace(ctx, &tr);
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
     if (b->unmirrored || fabs(b->eta - 1) <= RAD_TINY)
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
 }
 
 static void
@@ -199,7 +199,7 @@ reflect(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
     r->L = rad_rgb_add(r->L, r->L_mirror);
     r->mirror_dist = r->hit.t;
     if (b->unmirrored)
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 bool

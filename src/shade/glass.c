@@ -143,7 +143,7 @@ pass(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
     rad_ray_trace(ctx, &tr);
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
     if (straight)
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
 }
 
 static void
@@ -161,7 +161,7 @@ reflect(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
     r->L = rad_rgb_add(r->L, r->L_mirror);
     r->mirror_dist = r->hit.t;
     if (rad_ray_on_flat(ctx, r) && (!p->textured || r->path & RAD_RAY_AMBIENT))
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 bool

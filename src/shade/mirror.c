@@ -124,7 +124,7 @@ show(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r)
     r->L = r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
     r->mirror_dist = r->hit.t;
     if (plain && rad_ray_on_flat(ctx, r))
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 bool

@@ -223,7 +223,7 @@ pass_straight(struct normal_hit *hit)
         r->mirror_dist = r->hit.t + tr.mirror_dist;
         r->dist = r->hit.t + tr.dist;
     } else if (hit->tspec > hit->tdiff + hit->rdiff) {
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
     }
 }
 
@@ -244,7 +244,7 @@ reflect_mirror(struct normal_hit *hit)
     add_light(r, r->L_mirror);
     r->mirror_dist = r->hit.t;
     if (hit->flat && r->path & RAD_RAY_AMBIENT)
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 /* The rough surface, whose lobes rays are drawn from. */

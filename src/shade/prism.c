@@ -88,7 +88,7 @@ send(struct rad_ctx *ctx, const struct prism *m, struct rad_ray *r, int way,
     }
     r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
     if (rad_ray_on_flat(ctx, r))
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
 }
 
 bool

@@ -465,14 +465,27 @@ rad_ray_through(const struct rad_ray *r, const double dir[3])
     return (r->cos_o > 0) != (rad_dot(r->n, dir) > 0);
 }
 
-double
-rad_ray_distance(const struct rad_ray *r)
+/* The effective distance of r, of whose radiance `whole` is the whole. */
+static double
+effective(const struct rad_ray *r, struct rad_rgb whole)
 {
-    double d = rad_rgb_lum(r->L_mirror) > .5f * rad_rgb_lum(r->L)
+    double d = rad_rgb_lum(r->L_mirror) > .5f * rad_rgb_lum(whole)
                    ? r->mirror_dist
                    : r->dist;
 
     return d < INFINITY ? d : 1e10;
+}
+
+double
+rad_ray_distance(const struct rad_ray *r)
+{
+    return effective(r, r->L);
+}
+
+double
+rad_ray_way_of(const struct rad_ray *child)
+{
+    return effective(child, rad_rgb_mul(child->L, child->coef));
 }
 
 void

@@ -204,6 +204,13 @@ bool rad_ray_through(const struct rad_ray *r, const double dir[3]);
  * there, for what is infinitely far. */
 double rad_ray_distance(const struct rad_ray *r);
 
+/* How much farther than its surface a ray looks by way of a child that was
+ * traced from there.  As in rpict the light that the child found by mirror
+ * reflection is compared with what it brings to its parent, by its coefficient,
+ * and not with all that it found: behind a dim surface what is mirrored counts
+ * sooner. */
+double rad_ray_way_of(const struct rad_ray *child);
+
 /* The irradiance at a point of the scene, on the side of unit normal n: a
  * white surface there, without one being there.  Fills *r as a primary ray
  * that met it, r->L the irradiance [W/m^2].

@@ -538,7 +538,7 @@ follow_peak(struct scatter_hit *hit)
     rad_copy(tr.dir, r->dir);
     rad_ray_trace(hit->ctx, &tr);
     add_light(r, rad_rgb_mul(tr.L, tr.coef));
-    r->dist = r->hit.t + rad_ray_distance(&tr);
+    r->dist = r->hit.t + rad_ray_way_of(&tr);
     return true;
 }
 

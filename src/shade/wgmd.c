@@ -352,7 +352,7 @@ let_pass(struct wgmd_hit *hit)
         r->dist = r->hit.t + tr.dist;
     } else if (rad_rgb_lum(color[TSPEC]) >
                rad_rgb_lum(color[TDIFF]) + rad_rgb_lum(color[RDIFF])) {
-        r->dist = r->hit.t + rad_ray_distance(&tr);
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
     }
 }
 
@@ -374,7 +374,7 @@ mirror(struct wgmd_hit *hit)
     r->L = rad_rgb_add(r->L, r->L_mirror);
     r->mirror_dist = r->hit.t;
     if (hit->flat && r->path & RAD_RAY_AMBIENT)
-        r->mirror_dist += rad_ray_distance(&lr);
+        r->mirror_dist += rad_ray_way_of(&lr);
 }
 
 /* Diffuse light from all around on one side; gloss too weak for samples of its
