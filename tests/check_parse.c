@@ -265,12 +265,9 @@ static const struct {
       "got 10" },
     { "void light l 0 0 3 1 1 1\nl sphere s 0 0 4 0 0 0 0",
       "a.rad:2: sphere 's': a light source of zero radius" },
-    { MAT "m ring r 0 0 8 0 0 0 0 0 1 -1 2",
-      "a.rad:2: ring 'r': negative radius" },
-    { MAT "m cone c 0 0 8 0 0 0 0 0 1 -1 2",
-      "a.rad:2: cone 'c': radii of opposite sign" },
-    { MAT "m source s 0 0 4 0 0 0 5", "a.rad:2: source 's': zero direction" },
-    { MAT "m source s 0 0 4 0 0 1 0",
+    { "void light l 0 0 3 1 1 1\nl source s 0 0 4 0 0 0 5",
+      "a.rad:2: source 's': zero direction" },
+    { "void glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 0",
       "a.rad:2: source 's': angle 0 is not above 0" },
     { "void plastic p 0 0 3 1 1 1",
       "a.rad:1: plastic 'p': expected 5 real arguments, got 3" },
@@ -330,20 +327,113 @@ static const struct {
       "light 'l')" },
 };
 
+/* The text with a surface behind it that uses its last object, if that is a
+ * modifier; false: it is none. */
+static bool
+use_last(const char *text, char *used, size_t size)
+{
+    struct rad_scene *s = rad_scene_new();
+    const struct rad_object *last = NULL;
+
+    if (rad_parse_text(s, text, strlen(text), "a.rad", NULL, NULL) == 0 &&
+        s->nobjects > 0)
+        last = &s->objects[s->nobjects - 1];
+    if (last && rad_otype_class(last->type) == RAD_CLASS_SURFACE)
+        last = NULL;
+    snprintf(used, size, "%s%s%s%s", text, last ? "\n" : "",
+             last ? last->name : "", last ? " sphere used 0 0 4 0 0 0 1" : "");
+    rad_scene_free(s);
+    return last;
+}
+
+static void
+keep_warning(void *arg, const struct rad_error *err)
+{
+    ck_assert_int_eq(err->code, RAD_WARNING);
+    rad_error_format(err, arg, 512);
+}
+
+/* What a scene that is accepted is warned of: the last, or "". */
+static void
+warning_of(const char *text, char message[512])
+{
+    struct rad_scene *s = rad_scene_new();
+    struct rad_error err = { 0 };
+
+    message[0] = '\0';
+    ck_assert_int_eq(
+        rad_parse_text(s, text, strlen(text), "a.rad", NULL, &err), 0);
+    ck_assert_int_eq(rad_scene_check(s, keep_warning, message, &err), 0);
+    ck_assert_int_eq(err.code, 0);
+    rad_scene_free(s);
+}
+
+/* A modifier is wrong once a surface uses it, and warned of before. */
 START_TEST(bad_scene_is_refused_with_its_line)
+{
+    char message[512], text[1024], expected[512];
+    bool modifier = use_last(bad[_i].text, text, sizeof text);
+
+    rad_scene_free(load(text, message, sizeof message));
+    ck_assert_str_eq(message, bad[_i].message);
+    if (!modifier)
+        return;
+    warning_of(bad[_i].text, message);
+    snprintf(expected, sizeof expected, "%s; no surface uses it",
+             bad[_i].message);
+    ck_assert_str_eq(message, expected);
+}
+END_TEST
+
+static const struct {
+    const char *text, *message;
+} left_out[] = {
+    { "void ring r 0 0 8 0 0 0 0 0 1 -1 2",
+      "a.rad:1: ring 'r': negative radius: it is left out" },
+    { "void ring r 0 0 8 0 0 0 0 0 1 2 2",
+      "a.rad:1: ring 'r': equal radii: it is left out" },
+    { "void ring r 0 0 8 0 0 0 0 0 0 1 2",
+      "a.rad:1: ring 'r': zero direction: it is left out" },
+    { "void cone c 0 0 8 0 0 0 0 0 1 -1 2",
+      "a.rad:1: cone 'c': radii of opposite sign: it is left out" },
+    { "void cup c 0 0 8 0 0 0 0 0 1 1 -2",
+      "a.rad:1: cup 'c': radii of opposite sign: it is left out" },
+    { "void cup c 0 0 8 0 0 0 0 0 1 0 -2",
+      "a.rad:1: cup 'c': negative radius: it is turned inside out" },
+    { "void cylinder c 0 0 7 0 0 0 0 0 1 0",
+      "a.rad:1: cylinder 'c': zero radius: it is left out" },
+    { "void tube c 0 0 7 0 1 2 0 1 2 1",
+      "a.rad:1: tube 'c': zero length: it is left out" },
+    { "void tube c 0 0 7 0 1 2 0 1 3 -1",
+      "a.rad:1: tube 'c': negative radius: it is turned inside out" },
+    { "void sphere s 0 0 4 1 2 3 0",
+      "a.rad:1: sphere 's': zero radius: it is left out" },
+    { "void bubble s 0 0 4 1 2 3 -1",
+      "a.rad:1: bubble 's': negative radius: it is turned inside out" },
+    { "void polygon p 0 0 12 0 0 0 1 1 1 2 2 2 3 3 3",
+      "a.rad:1: polygon 'p': zero area: it is left out" },
+    { MAT "m source s 0 0 4 0 0 0 5", "a.rad:2: source 's': zero direction" },
+    { "void source s 0 0 4 0 0 1 0",
+      "a.rad:1: source 's': angle 0 is not above 0" },
+    { "void light l 0 0 3 0 0 0\nl source s 0 0 4 0 0 1 -1",
+      "a.rad:2: source 's': angle -1 is not above 0" },
+};
+
+START_TEST(what_radiance_leaves_out_is_warned_of)
 {
     char message[512];
 
-    rad_scene_free(load(bad[_i].text, message, sizeof message));
-    ck_assert_str_eq(message, bad[_i].message);
+    warning_of(left_out[_i].text, message);
+    ck_assert_str_eq(message, left_out[_i].message);
 }
 END_TEST
 
 static const char *const good[] = {
     "",
     "# nothing\n",
-    /* modifiers that no surface reaches may be of any type */
+    /* modifiers that no surface reaches may be of any type, and wrong */
     "void mixfunc x 4 void void 1 . 0 0\n" MAT TRI,
+    "void mixfunc x 4 no one 1 . 0 0\nvoid plastic y 0 0 2 1 1\n" MAT TRI,
     "void spectrum b 0 0 0\n",
     /* no source of direct light: any surface may have it */
     "void glow g 0 0 4 1 1 1 0\ng cone c 0 0 8 0 0 0 0 0 1 1 2",
@@ -640,6 +730,8 @@ main(void)
     tcase_add_test(tc, the_last_different_definition_before_counts);
     tcase_add_test(tc, many_names_are_found);
     tcase_add_loop_test(tc, bad_scene_is_refused_with_its_line, 0, N_ELEM(bad));
+    tcase_add_loop_test(tc, what_radiance_leaves_out_is_warned_of, 0,
+                        N_ELEM(left_out));
     tcase_add_loop_test(tc, good_scene_is_accepted, 0, N_ELEM(good));
     tcase_add_test(tc, words_have_a_limit);
     tcase_add_test(tc, binary_data_is_no_scene);

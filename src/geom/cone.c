@@ -41,7 +41,8 @@ rad_cone_make(struct rad_prim *p, const struct rad_object *o,
     struct rad_cone c, *keep;
     double big = 0;
 
-    if (o->nreals < (straight ? 7 : 8))
+    if (o->nreals < (straight ? 7 : 8) ||
+        (!straight && !rad_object_radii_fit(o)))
         return false;
     rad_copy(c.p0, a);
     rad_sub(c.axis, a + 3, a);

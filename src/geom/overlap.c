@@ -86,8 +86,9 @@ get_generator(const struct rad_object *o, struct generator *g)
     g->len = o->type == RAD_RING ? 0 : len;
     g->r0 = fabs(a[6]);
     g->r1 = o->nreals > 7 ? fabs(a[7]) : g->r0;
-    return len > 0 &&
-           (o->type == RAD_RING ? g->r0 != g->r1 : g->r0 + g->r1 > 0);
+    if (!(len > 0) || (o->nreals > 7 && !rad_object_radii_fit(o)))
+        return false;
+    return o->type == RAD_RING ? g->r0 != g->r1 : g->r0 + g->r1 > 0;
 }
 
 static bool

@@ -22,7 +22,7 @@ rad_ring_make(struct rad_prim *p, const struct rad_object *o)
     r = rad_most(a[6], a[7]);
     rad_copy(p->k, a + 3);
     if (!(r > 0 && r < INFINITY) || !(a[6] != a[7]) ||
-        !(rad_normalize(p->k) > 0))
+        !rad_object_radii_fit(o) || !(rad_normalize(p->k) > 0))
         return false;
     for (int i = 0; i < 3; i++)
         big += fabs(a[i]);

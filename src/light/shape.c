@@ -135,7 +135,7 @@ ring_shape(struct rad_source *src, const struct rad_object *o)
     src->r1 = fmax(fabs(a[6]), fabs(a[7]));
     r2 = src->r1 * src->r1 + src->r0 * src->r0;
     src->size = M_PI * (src->r1 * src->r1 - src->r0 * src->r0);
-    if (!(rad_normalize(src->normal) > 0) ||
+    if (!rad_object_radii_fit(o) || !(rad_normalize(src->normal) > 0) ||
         !(src->size > 0 && src->size < INFINITY))
         return 1;
     src->radius = src->r1;

@@ -5,6 +5,9 @@
  * does it lead through types that this renderer has, to one material?  An
  * object refers only to such as were defined before it, so that passes over
  * the array find this out without recursion.
+ * A modifier that no surface uses may be as it likes, for libraries of
+ * materials are full of such; and what Radiance leaves out of a scene with a
+ * warning we do.
  * Source: Radiance's reference manual, "Scene description", and what its
  * renderers refuse. */
 #include "config.h"
@@ -28,20 +31,29 @@ struct checker {
     int32_t *depth;        /* by object: rad_scene_nesting() */
 };
 
-/* Note a problem of object o; later ones only go to `each`. */
+static bool
+is_surface(const struct rad_object *o)
+{
+    return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
+}
+
+/* Note a problem of object o; later ones only go to `each`, and so do those of
+ * a modifier that no surface uses, as warnings. */
 __attribute__((format(printf, 4, 5))) static void
 report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
        ...)
 {
     struct rad_error err = { 0 };
+    bool used = is_surface(o) || c->reached[o - c->scene->objects];
     char text[sizeof err.what];
     va_list ap;
 
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
-    rad_scene_fail(c->scene, o, &err, code, "%s", text);
-    if (c->rc == 0) {
+    rad_scene_fail(c->scene, o, &err, used ? code : RAD_WARNING, "%s%s", text,
+                   used ? "" : "; no surface uses it");
+    if (err.code != RAD_WARNING && c->rc == 0) {
         c->rc = code;
         if (c->err && c->err->code == 0)
             *c->err = err;
@@ -52,6 +64,31 @@ report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
 
 /* --- one object ------------------------------------------------------- */
 
+static bool
+zero_vector(const double v[3])
+{
+    return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+/* Twice the area's vector is 0 to the last bit. */
+static bool
+zero_area(const double *v, int n)
+{
+    double sum[3] = { 0 };
+
+    for (int i = 2; i < n; i++) {
+        const double *a = v + 3 * (i - 1), *b = v + 3 * i;
+
+        for (int x = 0; x < 3; x++) {
+            int y = (x + 1) % 3, z = (x + 2) % 3;
+
+            sum[x] += (a[y] - v[y]) * (b[z] - v[z]) -
+                      (a[z] - v[z]) * (b[y] - v[y]);
+        }
+    }
+    return zero_vector(sum);
+}
+
 static void
 check_polygon(struct checker *c, const struct rad_object *o)
 {
@@ -59,37 +96,55 @@ check_polygon(struct checker *c, const struct rad_object *o)
         report(c, o, RAD_EDATA,
                "expected three real arguments for each vertex, got %d",
                (int)o->nreals);
+    else if (strcmp(o->name, RAD_MESH_FACE) != 0 &&
+             zero_area(o->reals, o->nreals / 3))
+        report(c, o, RAD_WARNING, "zero area: it is left out");
 }
 
 static void
-check_cone(struct checker *c, const struct rad_object *o)
+check_sphere(struct checker *c, const struct rad_object *o)
+{
+    if (o->reals[3] == 0)
+        report(c, o, RAD_WARNING, "zero radius: it is left out");
+    else if (o->reals[3] < 0)
+        report(c, o, RAD_WARNING, "negative radius: it is turned inside out");
+}
+
+bool
+rad_object_radii_fit(const struct rad_object *o)
 {
     double r0 = o->reals[6], r1 = o->reals[7];
 
-    if ((r0 < 0 && r1 > 0) || (r0 > 0 && r1 < 0))
-        report(c, o, RAD_EDATA, "radii of opposite sign");
+    if (o->type == RAD_RING)
+        return r0 >= 0 && r1 >= 0;
+    return !((r0 < 0 && r1 > 0) || (r0 > 0 && r1 < 0));
+}
+
+/* Cone, cup, cylinder and tube. */
+static void
+check_cone(struct checker *c, const struct rad_object *o)
+{
+    double r0 = o->reals[6], r1 = o->nreals > 7 ? o->reals[7] : r0;
+
+    if (o->nreals > 7 && !rad_object_radii_fit(o))
+        report(c, o, RAD_WARNING, "radii of opposite sign: it is left out");
+    else if (r0 == 0 && r1 == 0)
+        report(c, o, RAD_WARNING, "zero radius: it is left out");
+    else if (memcmp(o->reals, o->reals + 3, 3 * sizeof *o->reals) == 0)
+        report(c, o, RAD_WARNING, "zero length: it is left out");
+    else if (r0 < 0 || r1 < 0)
+        report(c, o, RAD_WARNING, "negative radius: it is turned inside out");
 }
 
 static void
 check_ring(struct checker *c, const struct rad_object *o)
 {
-    if (o->reals[6] < 0 || o->reals[7] < 0)
-        report(c, o, RAD_EDATA, "negative radius");
-}
-
-static bool
-zero_vector(const double v[3])
-{
-    return v[0] == 0 && v[1] == 0 && v[2] == 0;
-}
-
-static void
-check_source(struct checker *c, const struct rad_object *o)
-{
-    if (zero_vector(o->reals))
-        report(c, o, RAD_EDATA, "zero direction");
-    if (o->reals[3] <= 0)
-        report(c, o, RAD_EDATA, "angle %g is not above 0", o->reals[3]);
+    if (!rad_object_radii_fit(o))
+        report(c, o, RAD_WARNING, "negative radius: it is left out");
+    else if (o->reals[6] == o->reals[7])
+        report(c, o, RAD_WARNING, "equal radii: it is left out");
+    else if (zero_vector(o->reals + 3))
+        report(c, o, RAD_WARNING, "zero direction: it is left out");
 }
 
 static void
@@ -134,12 +189,10 @@ check_text(struct checker *c, const struct rad_object *o)
 /* Radiance's least roughness that it divides by. */
 #define LEAST_ROUGHNESS 1e-6
 
-/* A surface of plastic2 and its like that no scene uses may be smooth. */
 static void
 check_rough(struct checker *c, const struct rad_object *o)
 {
-    if (c->reached[o - c->scene->objects] &&
-        !(o->reals[4] > LEAST_ROUGHNESS && o->reals[5] > LEAST_ROUGHNESS))
+    if (!(o->reals[4] > LEAST_ROUGHNESS && o->reals[5] > LEAST_ROUGHNESS))
         report(c, o, RAD_EDATA, "roughness %g %g is not above 0", o->reals[4],
                o->reals[5]);
 }
@@ -148,8 +201,7 @@ check_rough(struct checker *c, const struct rad_object *o)
 static void
 check_powers(struct checker *c, const struct rad_object *o)
 {
-    if (c->reached[o - c->scene->objects] &&
-        !(o->reals[6] > -1 && o->reals[7] > -1))
+    if (!(o->reals[6] > -1 && o->reals[7] > -1))
         report(c, o, RAD_EDATA, "power %g %g is not above -1", o->reals[6],
                o->reals[7]);
 }
@@ -211,14 +263,14 @@ static const struct rule {
 } rules[] = {
     /* clang-format off */
     { RAD_ALIAS,      0, 1,       0, INT_MAX,  check_alias },
-    { RAD_SOURCE,     0, INT_MAX, 4, 4,        check_source },
-    { RAD_SPHERE,     0, INT_MAX, 4, 4,        NULL },
-    { RAD_BUBBLE,     0, INT_MAX, 4, 4,        NULL },
+    { RAD_SOURCE,     0, INT_MAX, 4, 4,        NULL },
+    { RAD_SPHERE,     0, INT_MAX, 4, 4,        check_sphere },
+    { RAD_BUBBLE,     0, INT_MAX, 4, 4,        check_sphere },
     { RAD_POLYGON,    0, INT_MAX, 9, INT_MAX,  check_polygon },
     { RAD_CONE,       0, INT_MAX, 8, 8,        check_cone },
     { RAD_CUP,        0, INT_MAX, 8, 8,        check_cone },
-    { RAD_CYLINDER,   0, INT_MAX, 7, 7,        NULL },
-    { RAD_TUBE,       0, INT_MAX, 7, 7,        NULL },
+    { RAD_CYLINDER,   0, INT_MAX, 7, 7,        check_cone },
+    { RAD_TUBE,       0, INT_MAX, 7, 7,        check_cone },
     { RAD_RING,       0, INT_MAX, 8, 8,        check_ring },
     { RAD_INSTANCE,   1, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_MESH,       1, INT_MAX, 0, INT_MAX,  NULL },
@@ -358,22 +410,41 @@ check_material(struct checker *c, const struct rad_object *o)
 }
 
 static bool
-gives_light(const struct rad_object *m)
+shines(const struct rad_object *m)
 {
     switch (m->type) {
     case RAD_LIGHT:
     case RAD_ILLUM:
     case RAD_SPOTLIGHT:
-        break;
-    case RAD_GLOW: /* one without a radius is no source of direct light */
-        if (m->nreals == 4 && m->reals[3] <= 0)
-            return false;
-        break;
+    case RAD_GLOW:
+        return m->nreals >= 3 &&
+               (m->reals[0] > 0 || m->reals[1] > 0 || m->reals[2] > 0);
     default:
         return false;
     }
-    return m->nreals >= 3 &&
-           (m->reals[0] > 0 || m->reals[1] > 0 || m->reals[2] > 0);
+}
+
+/* Is it a source of direct light?  A glow without a radius is none. */
+static bool
+gives_light(const struct rad_object *m)
+{
+    return shines(m) &&
+           (m->type != RAD_GLOW || m->nreals != 4 || m->reals[3] > 0);
+}
+
+/* A source of a material that does not shine is nowhere. */
+static void
+check_source(struct checker *c, const struct rad_object *o,
+             const struct rad_object *m)
+{
+    int code = m && shines(m) ? RAD_EDATA : RAD_WARNING;
+
+    if (o->nreals != 4)
+        return;
+    if (zero_vector(o->reals))
+        report(c, o, code, "zero direction");
+    if (o->reals[3] <= 0)
+        report(c, o, code, "angle %g is not above 0", o->reals[3]);
 }
 
 static void
@@ -390,6 +461,8 @@ check_surface(struct checker *c, const struct rad_object *o)
             report(c, o, RAD_EDATA, "a light source of zero radius");
         return;
     case RAD_SOURCE:
+        check_source(c, o, m);
+        return;
     case RAD_POLYGON:
     case RAD_CYLINDER:
     case RAD_RING:
@@ -414,7 +487,7 @@ check_reached(struct checker *c, const struct rad_object *o)
     if (!find_rule(o->type))
         report(c, o, RAD_EUNSUPPORTED, "type '%s' is not supported yet",
                rad_otype_name(o->type));
-    else if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
+    else if (is_surface(o))
         check_surface(c, o);
     else
         check_material(c, o);

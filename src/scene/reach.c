@@ -1,7 +1,7 @@
 /* reach.c - what of a scene its surfaces use; see scene.h */
 #include "config.h"
 
-#include "scene/scene.h"
+#include "scene/part.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,15 +28,60 @@ named_strings(const struct rad_object *o)
     }
 }
 
+/* Mark the parts that those of n objects from the first on are copies of with
+ * modifiers of their own. */
+static void
+bare(const struct rad_scene *s, int32_t first, int32_t n, uint8_t *parts)
+{
+    for (int32_t i = first; i < first + n; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        if (o->use && o->modifier == RAD_VOID)
+            parts[o->use->part->index] = 1;
+    }
+}
+
+/* By part: is there a copy of it whose surfaces have their own modifiers?  A
+ * part holds only such as are less deep.  malloc'd; NULL: out of memory. */
+static uint8_t *
+bare_parts(const struct rad_scene *s)
+{
+    uint8_t *parts = calloc((size_t)s->nparts + 1, 1);
+
+    if (!parts)
+        return NULL;
+    bare(s, 0, rad_scene_own(s), parts);
+    for (int32_t depth = RAD_MAX_PART_DEPTH; depth > 0; depth--)
+        for (int32_t i = 0; i < s->nparts; i++)
+            if (parts[i] && s->parts[i]->depth == depth)
+                bare(s, s->parts[i]->first, s->parts[i]->n, parts);
+    return parts;
+}
+
+static void
+reach_surfaces(const struct rad_scene *s, int32_t first, int32_t n,
+               uint8_t *reached)
+{
+    for (int32_t i = first; i < first + n; i++)
+        if (rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE)
+            reached[i] = 1;
+}
+
 /* An object refers to lower indices only, so one pass downwards finds all. */
 void
 rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
 {
+    uint8_t *parts = s->nparts ? bare_parts(s) : NULL;
+
     memset(reached, 0, (size_t)s->nobjects);
+    reach_surfaces(s, 0, rad_scene_own(s), reached);
+    for (int32_t i = 0; i < s->nparts; i++)
+        if (!parts || parts[i]) /* out of memory: all there are */
+            reach_surfaces(s, s->parts[i]->first, s->parts[i]->n, reached);
+    free(parts);
     for (int32_t i = s->nobjects; i-- > 0;) {
         const struct rad_object *o = &s->objects[i];
-        if (rad_otype_class(o->type) == RAD_CLASS_SURFACE)
-            reached[i] = 1;
+
         if (!reached[i])
             continue;
         if (o->modifier != RAD_VOID)
@@ -79,7 +124,8 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
     if (reached)
         rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects; i++)
-        if (!reached || reached[i]) /* out of memory: all there are */
+        if (!reached || reached[i] || /* out of memory: all there are */
+            rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE)
             needs[s->objects[i].type] = true;
     free(reached);
 }

@@ -85,14 +85,20 @@ int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
                    struct rad_error *err, int code, const char *fmt, ...)
     __attribute__((format(printf, 5, 6)));
 
+/* Are the two radii of a cone, cup or ring such as have a surface?  One that
+ * has none, by opposite signs or a ring's below 0, is left out of the scene. */
+bool rad_object_radii_fit(const struct rad_object *o);
+
 /* The modifier that an alias stands for: the end of the chain of aliases that
  * starts at object `index`, which is no alias itself; RAD_VOID where the chain
  * ends in nothing.  For another type, index itself.  What modifies the result
  * is the first alias' own modifier if *own is set, else the result's. */
 int32_t rad_scene_alias(const struct rad_scene *s, int32_t index, bool *own);
 
-/* Set reached[i], for all i, to whether object i is a surface or what one leads
- * to: its modifiers, theirs, and those named by strings. */
+/* Set reached[i], for all i, to whether object i is a surface whose modifier
+ * counts or what such a surface leads to: its modifiers, theirs, and those named
+ * by strings.  The modifiers of what an instance or mesh is a copy of count
+ * unless its own modifier replaces them, in every copy there is. */
 void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
 
 /* How deep modifiers are nested by strings that name others (mixtures, aliases,
@@ -112,7 +118,10 @@ void rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES]);
  * refuse by name what this renderer lacks (RAD_EUNSUPPORTED) where a surface
  * reaches it: modifiers that nothing uses may be of any type.  The first
  * problem is put in *err; if `each` is not NULL it is called with every one
- * (radscene check prints them all).  Returns 0 or the first code. */
+ * (radscene check prints them all).  Returns 0 or the first code.
+ * Besides, `each` is called with warnings, of the code RAD_WARNING: of what is
+ * wrong with modifiers that nothing uses, and of surfaces that rays do not
+ * meet. */
 int rad_scene_check(const struct rad_scene *s,
                     void (*each)(void *arg, const struct rad_error *err),
                     void *arg, struct rad_error *err);
