@@ -150,6 +150,30 @@ START_TEST(lamp_is_seen_where_its_light_seems_to_come_from)
 END_TEST
 
 /* Two ways, two images. */
+/* A glow of that reach instead: it is as far as its image, not as it is from the
+ * unbent place, (x - .75, 0, 0). */
+START_TEST(glow_reaches_along_the_bent_way)
+{
+    char scene[400];
+
+    for (double x = -1; x <= 1; x += .25)
+        for (double reach = 1.95; reach < 3; reach += .125) {
+            double dx = x + .75, d2 = dx * dx + 4, expect;
+
+            snprintf(scene, sizeof scene,
+                     "void glow lit 0 0 4 100 100 100 %g\n"
+                     "lit sphere ball 0 0 4 0 0 2 .01\n"
+                     "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL,
+                     reach);
+            expect =
+                sqrt(d2) <= reach ? .6 * BALL_FLUX / d2 * 2 / sqrt(d2) : 0;
+            if (fabs(sqrt(d2) - reach) > .01)
+                ck_assert_double_eq_tol(
+                    light_at(scene, with(_i, DIRECT), x, 0, 1), expect, 1e-8);
+        }
+}
+END_TEST
+
 START_TEST(prism2_has_two_images)
 {
     static const char *scene =
@@ -312,6 +336,7 @@ main(void)
     tc = tcase_create("images");
     tcase_add_loop_test(tc, lamp_is_seen_where_its_light_seems_to_come_from, 0,
                         n);
+    tcase_add_loop_test(tc, glow_reaches_along_the_bent_way, 0, n);
     tcase_add_loop_test(tc, prism2_has_two_images, 0, n);
     tcase_add_loop_test(tc, light_may_come_back, 0, n);
     tcase_add_loop_test(tc, sun_is_bent, 0, n);

@@ -269,7 +269,8 @@ END_TEST
 /* A thick cylinder, from beside it and from beyond its end: what it sends to a
  * floor below, by the midpoint rule over its surface. */
 static const double thick[][3] = {
-    { 0, 0, 0 }, { .5, 1.5, .3 }, { 3, 0, .9 }, { 6, -2, -1 }, { 0, .2, 1.39 },
+    { 0, 0, 0 },    { .5, 1.5, .3 }, { 3, 0, .9 },
+    { 6, -2, -1 },  { 0, .2, 1.39 }, { 1.3, 0, 1.3 },
 };
 
 START_TEST(thick_cylinder_is_exact)
@@ -293,6 +294,8 @@ START_TEST(thick_cylinder_is_exact)
     make_light(&src, RAD_CYLINDER, a, 7);
     ck_assert_double_eq_tol(irradiance(&src, p, up, .2, &samples), E, 2e-4 * E);
     ck_assert_int_le(samples, 64);
+    ck_assert_double_eq_tol(irradiance_jittered(&src, p, up, .5, 50000), E,
+                            1e-2 * E);
 }
 END_TEST
 

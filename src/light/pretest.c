@@ -59,17 +59,18 @@ shrink_to_spot(struct rad_mirror *m, const struct rad_source *root,
     rad_madd(m->centre, image, h / cosine, aim);
 }
 
-/* The same for the reach of a glow. */
+/* The same for the reach of a glow, which is as far from its image. */
 static void
 shrink_to_reach(struct rad_mirror *m, const struct rad_source *root,
-                const double image[3], double h)
+                const struct rad_virtual *v)
 {
-    double far = root->reach + root->radius, r2 = far * far - h * h;
+    double h = m->offset - rad_dot(m->normal, v->image);
+    double far = root->reach + v->spread, r2 = far * far - h * h;
 
     if (!(r2 < m->radius * m->radius))
         return;
     m->radius = sqrt(rad_most(r2, 0));
-    rad_madd(m->centre, image, -h, m->normal);
+    rad_madd(m->centre, v->image, h, m->normal);
 }
 
 /* The part of mirror m in which an image may be seen. */
@@ -83,12 +84,12 @@ find_part(const struct rad_sources *s, const struct rad_virtual *v,
     double h = rad_dot(m->normal, image) - m->offset;
 
     *part = *m;
-    if (root->flags & RAD_LIGHT_DISTANT || !(h > 0))
+    if (root->flags & RAD_LIGHT_DISTANT)
         return;
-    if (root->flags & RAD_LIGHT_SPOT)
+    if (root->flags & RAD_LIGHT_NEAR)
+        shrink_to_reach(part, root, v);
+    else if (root->flags & RAD_LIGHT_SPOT && h > 0)
         shrink_to_spot(part, root, from, image, h);
-    else if (root->flags & RAD_LIGHT_NEAR)
-        shrink_to_reach(part, root, image, h);
 }
 
 static int32_t

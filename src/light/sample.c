@@ -468,7 +468,56 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
     return s->omega > 0;
 }
 
-/* A stretch of cylinder: a strip through its axis that faces the point. */
+/* A random point of what is seen of a stretch of cylinder; see line_flux() for
+ * axis, perp and h.  The sine of the angle about the axis through view->p is
+ * even in (-r/h, r/h), the height even on the stretch; at t from that axis an
+ * element of both is t^2 / d^3 wide. */
+static void
+wall_sample(struct rad_light_sample *s, struct walk *w,
+            const struct rad_patch *p, const double axis[3],
+            const double perp[3], double h)
+{
+    const struct rad_light_view *view = w->view;
+    double r = w->src->r1, point[3], side[3], z, t;
+    double even = 2 * rad_rand(view->key, w->dim + 2) - 1;
+    double lat = view->jitter * even * r / h, cosine = sqrt(1 - lat * lat);
+
+    jittered_point(w, p, point);
+    w->dim++;
+    rad_cross(side, axis, perp);
+    z = rad_dot(point, axis) - rad_dot(view->p, axis);
+    t = (h * h - r * r) /
+        (h * cosine + sqrt(rad_most(r * r - h * h * lat * lat, 0)));
+    rad_madd(point, view->p, z, axis);
+    rad_madd(point, point, t * cosine, perp);
+    rad_madd(point, point, t * lat, side);
+    at_point(s, view, point,
+             t * t / cosine * 2 * (r / h) * 2 * sqrt(rad_dot(p->u, p->u)));
+}
+
+/* Aim at the middle of a stretch of cylinder; where the way there leads through
+ * its open end, at the wall before that. */
+static void
+line_aim(struct rad_light_sample *s, const struct walk *w,
+         const struct rad_moments *m, const double axis[3],
+         const double perp[3], double h)
+{
+    const struct rad_source *src = w->src;
+    double met[3], z;
+
+    at_point(s, w->view, m->aim, h * m->area);
+    if (!(w->view->sizerat > 0))
+        return;
+    rad_madd(met, w->view->p, s->dist * (1 - src->r1 / h), s->aim);
+    rad_sub(met, met, src->centre);
+    z = rad_dot(met, axis);
+    if (z * z <= rad_dot(src->axis[0], src->axis[0]))
+        return;
+    rad_madd(met, m->aim, -src->r1, perp);
+    aim(s, w->view, met);
+}
+
+/* A stretch of cylinder. */
 static void
 line_sample(struct walk *w, const struct rad_patch *p,
             const struct rad_moments *m)
@@ -476,34 +525,19 @@ line_sample(struct walk *w, const struct rad_patch *p,
     const struct rad_light_view *view = w->view;
     const struct rad_source *src = w->src;
     struct rad_light_sample s;
-    double to[3], axis[3], perp[3], point[3], side[3];
+    double to[3], axis[3], perp[3], h;
 
     rad_copy(axis, src->axis[0]);
     rad_normalize(axis);
     rad_sub(to, src->centre, view->p);
     rad_madd(perp, to, -rad_dot(to, axis), axis);
-    double h = rad_normalize(perp), k = h * m->area;
-
+    h = rad_normalize(perp);
     if (view->jitter > 0) {
-        /* sin(lateral angle) even in (-r/h, r/h) */
-        double lat = view->jitter * (2 * rad_rand(view->key, w->dim + 2) - 1) *
-                     src->r1 / h;
-        double cosine = sqrt(1 - lat * lat);
-
-        jittered_point(w, p, point);
-        w->dim++;
-        rad_cross(side, axis, perp);
-        /* turn the place on the axis about the line through the point */
-        double z = rad_dot(point, axis) - rad_dot(view->p, axis);
-
-        rad_madd(point, view->p, z, axis);
-        rad_madd(point, point, h * cosine, perp);
-        rad_madd(point, point, h * lat, side);
-        at_point(&s, view, point, k / cosine);
+        wall_sample(&s, w, p, axis, perp, h);
     } else {
-        at_point(&s, view, m->aim, k);
+        line_aim(&s, w, m, axis, perp, h);
         if (view->sizerat > 0 && !line_flux(&s, w, p, axis, perp, h))
-            second_order(&s, view, m, k);
+            second_order(&s, view, m, h * m->area);
     }
     put(w, &s);
 }

@@ -78,8 +78,9 @@ void rad_source_toward(const struct rad_sources *s, int32_t i,
 void rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Where a source is and how it extends, for painting those that look smaller
- * than a sample (see picture/paint.h).  What has no straight edges is stood in
- * for by a square or box that looks as large. */
+ * than a sample (see picture/paint.h).  Of disks, rings, distant sources and
+ * polygons other than parallelograms the axes are those of a square as large;
+ * of a tube the first is half of it. */
 struct rad_source_shape {
     int32_t obj;
     bool distant; /* centre is a unit direction; axes are tangents [rad] */

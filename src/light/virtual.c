@@ -54,6 +54,7 @@ struct unfolded {
     const double *p;         /* where the image is seen from, */
     const double *there;     /* and where the source is */
     double axis[3], bent[3]; /* the source's normal or axis, and the image's */
+    double reach;            /* of its light, by the bent way */
     rad_light_fn *fn;
     void *arg;
 };
@@ -137,8 +138,22 @@ fold_bent(void *arg, const struct rad_light_sample *s)
         rad_bend_direction(u->v->bend, s->dir, image.dir);
         rad_normalize(image.dir);
     }
-    if (image.dist > 0 && image.omega > 0)
+    if (image.dist > 0 && image.omega > 0 && !(image.dist > u->reach))
         u->fn(u->arg, &image);
+}
+
+/* A glow reaches as far by the way that a prism bends as it does without one:
+ * its samples, seen from the unbent place, are not to be cut off by how far
+ * away that is. */
+static void
+bend_reach(struct unfolded *u, struct rad_source *boundless)
+{
+    if (!(u->root->flags & RAD_LIGHT_NEAR))
+        return;
+    u->reach = u->root->reach;
+    *boundless = *u->root;
+    boundless->flags &= ~(unsigned)RAD_LIGHT_NEAR;
+    u->root = boundless;
 }
 
 void
@@ -147,8 +162,10 @@ rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
                     void *arg)
 {
     struct rad_light_view there = *view;
+    struct rad_source boundless;
     struct unfolded u = { .v = v,
                           .root = &s->list[v->root],
+                          .reach = INFINITY,
                           .p = view->p,
                           .there = there.p,
                           .fn = fn,
@@ -156,7 +173,9 @@ rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
 
     for (int k = 0; k < 3; k++)
         there.p[k] = rad_dot(v->turn[k], view->p) + v->move[k];
-    if (v->bend)
+    if (v->bend) {
         bend_axis(&u);
+        bend_reach(&u, &boundless);
+    }
     rad_light_samples(u.root, &there, v->bend ? fold_bent : fold, &u);
 }
