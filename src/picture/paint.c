@@ -1,7 +1,9 @@
 /* paint.c - see paint.h
  *
- * A flat or distant source is the quadrilateral of its half-axes, another the
- * outline of its box.  What is wider than a sample is left to the sampler. */
+ * A source is painted as what is seen of it: convex polygons by their corners,
+ * balls, disks and distant sources by a polygon of the circle's area, tubes by
+ * a rectangle; a polygon that is not convex and a ring with a hole by a square
+ * as large.  What no sample misses is left to the sampler. */
 #include "config.h"
 
 #include "picture/paint.h"
@@ -22,6 +24,9 @@ enum {
 
 /* A distant source of this radius [rad] or more is never missed. */
 #define WIDE_DISTANT .05
+
+/* A polygon whose hull is larger by this share is not convex. */
+#define CONCAVE 1e-6
 
 /* A pixel that differs by less than this from the source has met it. */
 #define SAME_RADIANCE .07
@@ -152,6 +157,19 @@ least_width2(const corner *v, int n, double aspect2)
     return least;
 }
 
+/* Where a source is looked at from: to its centre. */
+static void
+line_of_sight(const struct rad_source_shape *s, const struct rad_view *v,
+              double to[3])
+{
+    if (s->distant)
+        rad_copy(to, s->centre);
+    else if (v->type == 'l')
+        rad_copy(to, v->dir);
+    else
+        rad_sub(to, s->centre, v->vp);
+}
+
 /* Is the source turned away, or one that cannot be outlined? */
 static bool
 unseen(const struct rad_source_shape *s, const struct rad_view *v)
@@ -162,46 +180,118 @@ unseen(const struct rad_source_shape *s, const struct rad_view *v)
         return v->type == 'l' || s->radius >= WIDE_DISTANT;
     if (!s->flat)
         return false;
-    if (v->type == 'l')
-        rad_copy(to, v->dir);
-    else
-        rad_sub(to, s->centre, v->vp);
+    line_of_sight(s, v, to);
     return rad_dot(to, s->axis[2]) >= 0;
 }
 
-/* Corner number k: bit i of it is the side along axis i. */
-static void
-corner_of(const struct rad_source_shape *s, const struct rad_view *v, int k,
-          double p[3])
+/* A parallelogram of half-axes a and b. */
+static int
+four_corners(const double centre[3], const double a[3], const double b[3],
+             double (*p)[3])
 {
-    int naxes = s->flat || s->distant ? 2 : 3;
-
-    rad_copy(p, s->centre);
-    for (int i = 0; i < naxes; i++)
-        rad_madd(p, p, k >> i & 1 ? 1 : -1, s->axis[i]);
-    if (s->distant) /* any point beyond the fore plane will do */
-        rad_madd(p, v->vp, 1 + v->vfore, p);
+    for (int k = 0; k < 4; k++) {
+        rad_madd(p[k], centre, k == 1 || k == 2 ? 1 : -1, a);
+        rad_madd(p[k], p[k], k > 1 ? 1 : -1, b);
+    }
+    return 4;
 }
 
-/* Outline in picture positions; false: not wholly in view. */
-static bool
-outline(const struct rad_source_shape *s, const struct rad_view *v,
-        struct rad_paint_source *out)
+/* An ellipse, by a polygon of its area; a and b are half-axes of a
+ * parallelogram as large. */
+static int
+round_corners(const double centre[3], const double a[3], const double b[3],
+              double (*p)[3])
 {
-    int n = s->flat || s->distant ? 4 : 8;
+    const int n = RAD_PAINT_CORNERS;
+    double scale = sqrt(8 / (n * sin(2 * M_PI / n)));
+
+    for (int k = 0; k < n; k++) {
+        rad_madd(p[k], centre, scale * cos(2 * M_PI * k / n), a);
+        rad_madd(p[k], p[k], scale * sin(2 * M_PI * k / n), b);
+    }
+    return n;
+}
+
+/* What is seen of a source, by its corners in space.  Of a tube that is a
+ * rectangle across the line of sight; its ends are open and show nothing. */
+static int
+silhouette(const struct rad_source_shape *s, const struct rad_object *o,
+           const struct rad_view *v, double (*p)[3])
+{
+    double to[3], a[3], b[3];
+
+    line_of_sight(s, v, to);
+    switch (o->type) {
+    case RAD_SPHERE:
+        rad_normalize(to);
+        rad_frame(a, b, to);
+        rad_scale(a, sqrt(M_PI) / 2 * s->radius, a);
+        rad_scale(b, sqrt(M_PI) / 2 * s->radius, b);
+        return round_corners(s->centre, a, b, p);
+    case RAD_CYLINDER:
+        rad_cross(a, s->axis[0], to);
+        rad_normalize(a);
+        rad_scale(a, fabs(o->reals[6]), a);
+        return four_corners(s->centre, s->axis[0], a, p);
+    case RAD_POLYGON:
+        if (o->nreals > 3 * RAD_PAINT_CORNERS)
+            break;
+        memcpy(p, o->reals, (size_t)o->nreals * sizeof *o->reals);
+        return o->nreals / 3;
+    default:
+        if (o->type == RAD_SOURCE || o->reals[6] == 0 || o->reals[7] == 0)
+            return round_corners(s->centre, s->axis[0], s->axis[1], p);
+    }
+    return four_corners(s->centre, s->axis[0], s->axis[1], p);
+}
+
+/* Outline in picture positions of what has n corners in space; false: not
+ * wholly in view, or not convex. */
+static bool
+outline(const struct rad_source_shape *s, const struct rad_view *v, int n,
+        double (*p)[3], struct rad_paint_source *out)
+{
     corner v2[RAD_PAINT_CORNERS];
+    double whole;
+
+    for (int k = 0; k < n; k++) {
+        if (s->distant) /* any point beyond the fore plane will do */
+            rad_madd(p[k], v->vp, 1 + v->vfore, p[k]);
+        if (rad_view_locate(v, p[k], v2[k]) != 0)
+            return false;
+    }
+    whole = area(v2, n);
+    out->ncorners = hull(v2, n, out->corner);
+    return out->ncorners >= 3 &&
+           area(out->corner, out->ncorners) <= whole * (1 + CONCAVE);
+}
+
+static bool
+find_outline(const struct rad_source_shape *s, const struct rad_object *o,
+             const struct rad_view *v, struct rad_paint_source *out)
+{
+    double p[RAD_PAINT_CORNERS][3];
 
     if (unseen(s, v))
         return false;
-    for (int k = 0; k < n; k++) {
-        double p[3];
+    if (outline(s, v, silhouette(s, o, v, p), p, out))
+        return true;
+    /* a polygon that is not convex, by a square as large */
+    return o->type == RAD_POLYGON &&
+           outline(s, v, four_corners(s->centre, s->axis[0], s->axis[1], p), p,
+                   out);
+}
 
-        corner_of(s, v, k, p);
-        if (rad_view_locate(v, p, v2[k]) != 0)
-            return false;
-    }
-    out->ncorners = hull(v2, n, out->corner);
-    return out->ncorners >= 3;
+/* Can no sample miss it?  Samples are `step` picture widths apart.  A strip as
+ * wide as a step meets some; what is round or has three corners may lie between
+ * four of them until it is as wide as they are across. */
+static bool
+never_missed(const struct rad_paint_source *s, const struct rad_view *v,
+             double step)
+{
+    double wide = s->ncorners == 4 ? step : M_SQRT2 * step;
+
+    return least_width2(s->corner, s->ncorners, v->vn2 / v->hn2) > wide * wide;
 }
 
 int
@@ -209,7 +299,7 @@ rad_paint_init(struct rad_paint *p, const struct rad_job *job,
                const struct rad_view *v, int width, struct rad_error *err)
 {
     int32_t n = rad_sources_count(job->sources);
-    double most = (double)job->params.psample / width;
+    double step = (double)job->params.psample / width;
 
     p->n = 0;
     p->list = calloc(n > 0 ? (size_t)n : 1, sizeof *p->list);
@@ -222,8 +312,9 @@ rad_paint_init(struct rad_paint *p, const struct rad_job *job,
 
         rad_source_shape(job->sources, i, &shape);
         e = rad_emitter_of(job, shape.obj);
-        if (!e || e->type == RAD_ILLUM || !outline(&shape, v, s) ||
-            least_width2(s->corner, s->ncorners, v->vn2 / v->hn2) > most * most)
+        if (!e || e->type == RAD_ILLUM ||
+            !find_outline(&shape, &job->scene->objects[shape.obj], v, s) ||
+            never_missed(s, v, step))
             continue;
         s->source = i;
         p->n++;
@@ -275,10 +366,8 @@ cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
     bool same = channel_same(L.r, p->L.r) && channel_same(L.g, p->L.g) &&
                 channel_same(L.b, p->L.b);
 
-    if (depth && dist < .99 * p->z) {
+    if (depth && dist < .99 * p->z)
         p->z = (float)dist;
-        same = false;
-    }
     if (same)
         p->L = rad_rgb_scale(p->L, (float)w);
     else

@@ -1,8 +1,9 @@
 /* paint.h - light sources that are smaller in the picture than a sample
  *
- * The sampler may miss a source that is narrower than -ps pixels.  With -dv+
- * those are drawn after a bar is filled, each pixel with the share of its area
- * that the source covers and the radiance of a ray through the covered part.
+ * The sampler may miss a source that is narrower than -ps pixels, and a round
+ * one that is less than 1.4 times as wide.  With -dv+ those are drawn after a
+ * bar is filled, each pixel with the share of its area that the source covers
+ * and the radiance of a ray through the covered part.
  * Illums are left out, and what is not wholly in view, as in rpict.
  * What a pixel gets depends on the pixel and the picture alone, not on the bar
  * or window that it is painted in.
@@ -14,8 +15,8 @@
 #include "picture/view.h"
 #include "shade/ray.h"
 
-/* The eight corners of a box give at most eight. */
-enum { RAD_PAINT_CORNERS = 8 };
+/* A circle is a polygon of so many corners, within 1.3 % of its radius. */
+enum { RAD_PAINT_CORNERS = 16 };
 
 /* A source's outline: a convex polygon in picture positions (0..1). */
 struct rad_paint_source {
