@@ -8,11 +8,10 @@
 #include "scene/parse.h"
 #include "scene/part.h"
 #include "shade/job.h"
-#include "shade/material.h"
+#include "warning.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,17 +94,32 @@ struct reading {
     const char *folder; /* of the file that is being read */
     bool told;          /* what ended the reading */
     bool octree;        /* a file is one: after a failure it is in pieces */
+    bool within;        /* what an octree names is being read */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
 };
+
+/* Who names a text can read what it would run, and may have written it; what an
+ * octree names nobody sees. */
+static int
+refuse_command(const char *text, struct rad_error *err)
+{
+    return rad_fail(err, RAD_EPERM,
+                    "command '%.60s' of an octree is not run: use --commands "
+                    "if you trust it",
+                    text);
+}
 
 static int
 begin_command(void *arg, const char *text, struct rad_stream *out, void **job,
               struct rad_error *err)
 {
     const struct reading *r = arg;
-    struct command *c = command_start(text, r->folder, err);
+    struct command *c;
 
+    if (r->within && !r->c->commands)
+        return refuse_command(text, err);
+    c = command_start(text, r->folder, err);
     if (!c)
         return RAD_EIO;
     *out = command_output(c);
@@ -169,6 +183,8 @@ read_named(void *arg, const char *name, struct rad_error *err)
     char *path;
     int rc;
 
+    if (name[0] == '!' && !r->c->commands)
+        return refuse_command(name + 1, err);
     if (name[0] == '!') {
         rc =
             rad_parse_text(r->c->scene, name, strlen(name), "octree", &io, err);
@@ -191,9 +207,12 @@ read_octree(struct compiled *c, const struct rad_stream *in, const char *name,
 {
     struct rad_error now = { 0 };
     struct rad_octfile how = { .text = read_named, .arg = r };
-    int rc = alone ? rad_octfile_read_as(c->scene, &how, in, name, &now)
-                   : rad_fail(&now, RAD_EUSAGE,
-                              "octree '%s' must be the only scene file", name);
+    int rc;
+
+    r->within = alone;
+    rc = alone ? rad_octfile_read_as(c->scene, &how, in, name, &now)
+               : rad_fail(&now, RAD_EUSAGE,
+                          "octree '%s' must be the only scene file", name);
 
     if (rc && err && err->code == 0)
         *err = now;
@@ -229,6 +248,9 @@ read_file(struct compiled *c, const char *file, bool alone, struct reading *r,
     rc = open_source(src, file, &now);
     if (!rc)
         rc = paths_add_file(&c->paths, file, &now);
+    if (!rc)
+        rc = inputs_add_fd(&c->paths.inputs, "a file of the scene", src->fd.fd,
+                           &now);
     if (rc && err && err->code == 0)
         *err = now;
     rc = rc ? failed(r, &now) : read_source_file(c, src, file, alone, r, err);
@@ -257,8 +279,10 @@ static int
 freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
        struct rad_memory_out *file, struct rad_error *err)
 {
-    struct compiled in = { .paths = c->paths, .depth = c->depth + 1 };
-    struct reading r = { .c = &in };
+    struct compiled in = { .paths = c->paths,
+                           .commands = c->commands,
+                           .depth = c->depth + 1 };
+    struct reading r = { .c = &in, .within = true };
     struct rad_memory_in from = { bytes, len };
     struct rad_stream stream = rad_memory_stream(&from);
     struct rad_octfile how = { .text = read_named, .arg = &r };
@@ -388,7 +412,8 @@ compile_files(struct compiled *c)
  */
 
 /* Call `visit` for each file name of each object that a surface reaches; its
- * failures end the visit unless someone wants all. */
+ * failures end the visit unless someone wants all, who is warned of those of
+ * the other objects, too. */
 static int
 visit_files(struct compiled *c, const struct reading *r,
             int (*visit)(struct compiled *c, const char *name, const char *dir,
@@ -404,15 +429,20 @@ visit_files(struct compiled *c, const struct reading *r,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects && (r->each || !first); i++)
-        for (int k = 0;
-             reached[i] && (name = rad_object_file(&s->objects[i], k)); k++) {
+        for (int k = 0; (reached[i] || r->each) &&
+                        (name = rad_object_file(&s->objects[i], k));
+             k++) {
             struct rad_error why = { 0 }, now = { 0 };
 
             if (visit(c, name, dir, &why) == 0)
                 continue;
-            rad_scene_fail(s, &s->objects[i], &now, why.code, "%s", why.what);
+            rad_scene_fail(s, &s->objects[i], &now,
+                           reached[i] ? why.code : RAD_WARNING, "%s%s",
+                           why.what, reached[i] ? "" : "; no surface uses it");
             if (r->each)
                 r->each(r->arg, &now);
+            if (!reached[i])
+                continue;
             if (!first && err && err->code == 0)
                 *err = now;
             first = first ? first : now.code;
@@ -543,12 +573,13 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 /* Read the scene, but not the files of its instances and meshes.  After a
  * failure c holds what was read, to be released. */
 static int
-read_scene(struct compiled *c, const char *const *files, int n,
+read_scene(struct compiled *c, const char *const *files, int n, bool commands,
            struct reading *r, struct rad_error *err)
 {
     int rc;
 
     memset(c, 0, sizeof *c);
+    c->commands = commands;
     rad_octree_init(&c->octree);
     rad_bundle_init(&c->bundle);
     c->scene = rad_scene_new();
@@ -574,11 +605,12 @@ include_parts(struct compiled *c,
 
 int
 compile_parse(struct compiled *c, const char *const *files, int n,
+              bool commands,
               void (*each)(void *arg, const struct rad_error *err), void *arg,
               struct rad_error *err)
 {
     struct reading r = { .c = c, .each = each, .arg = arg };
-    int rc = read_scene(c, files, n, &r, err);
+    int rc = read_scene(c, files, n, commands, &r, err);
 
     if (!rc)
         rc = include_parts(c, each, arg, err);
@@ -587,13 +619,25 @@ compile_parse(struct compiled *c, const char *const *files, int n,
     return rc;
 }
 
+/* What is wrong with the scene; warnings that nobody asks for are kept. */
+static void
+judge(void *arg, const struct rad_error *err)
+{
+    const struct reading *r = arg;
+
+    if (r->each)
+        r->each(r->arg, err);
+    else if (err->code == RAD_WARNING)
+        warning_keep(r->c, err);
+}
+
 int
-compile_read(struct compiled *c, const char *const *files, int n,
+compile_read(struct compiled *c, const char *const *files, int n, bool commands,
              void (*each)(void *arg, const struct rad_error *err), void *arg,
              struct rad_error *err)
 {
     struct reading r = { .c = c, .each = each, .arg = arg };
-    int now, rc = read_scene(c, files, n, &r, err);
+    int now, rc = read_scene(c, files, n, commands, &r, err);
 
     if (rc && (!each || r.octree || !c->paths.raypath)) {
         compile_release(c);
@@ -603,7 +647,7 @@ compile_read(struct compiled *c, const char *const *files, int n,
     now = include_parts(c, each, arg, err);
     rc = rc ? rc : now;
     if (!rc || each) {
-        now = rad_scene_check(c->scene, each, arg, err);
+        now = rad_scene_check(c->scene, judge, &r, err);
         rc = rc ? rc : now;
     }
     if (!rc || each) {
@@ -619,173 +663,6 @@ int
 compile_octree(struct compiled *c, struct rad_error *err)
 {
     return rad_octree_build(&c->octree, c->scene, err);
-}
-
-/* Surfaces of instances and meshes that would be light sources elsewhere. */
-static int32_t
-lights_within(const struct compiled *c)
-{
-    const struct rad_scene *s = c->scene;
-    int32_t n = 0;
-
-    for (int32_t i = rad_scene_own(s); i < s->nobjects; i++) {
-        const struct rad_object *o = &s->objects[i];
-        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
-                        ? rad_material_of(s, o->modifier)
-                        : RAD_VOID;
-
-        n += m != RAD_VOID && rad_material_lights(&s->objects[m]);
-    }
-    return n;
-}
-
-static bool
-warn_of_octree(const struct compiled *c, char text[COMPILE_WARNING])
-{
-    int32_t n = c->octree.left_out;
-
-    if (n == 0)
-        return false;
-    snprintf(text, COMPILE_WARNING,
-             "warning: full cubes of the octree lack %" PRId32 " surface%s, "
-             "%d a cube being Radiance's limit: its programs may miss %s "
-             "there; our own rendering is not affected",
-             n, n == 1 ? "" : "s", RAD_OCTREE_MAX_SET, n == 1 ? "it" : "them");
-    return true;
-}
-
-static bool
-warn_of_lights(const struct compiled *c, char text[COMPILE_WARNING])
-{
-    int32_t n = lights_within(c);
-
-    if (n == 0)
-        return false;
-    snprintf(text, COMPILE_WARNING,
-             "warning: %" PRId32 " surface%s of instances and meshes %s of a "
-             "light source's material: seen, but no source of light, as in "
-             "Radiance",
-             n, n == 1 ? "" : "s", n == 1 ? "is" : "are");
-    return true;
-}
-
-/* Can something of this material be bright by itself? */
-static bool
-may_shine(const struct rad_scene *s, int32_t material)
-{
-    if (material == RAD_VOID)
-        return false;
-    switch (s->objects[material].type) {
-    case RAD_LIGHT:
-    case RAD_ILLUM:
-    case RAD_SPOTLIGHT:
-    case RAD_GLOW:
-        return true;
-    default: /* a mixture may be of one that does */
-        return rad_otype_class(s->objects[material].type) == RAD_CLASS_MIXTURE;
-    }
-}
-
-/* Is there a light source of this name?  What relays it may stand before it,
- * with a '>' behind each. */
-static bool
-is_light(const struct rad_scene *s, const char *name)
-{
-    const char *last = strrchr(name, '>');
-
-    if (last)
-        name = last + 1;
-    for (int32_t i = 0; i < rad_scene_own(s); i++) {
-        const struct rad_object *o = &s->objects[i];
-        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE &&
-                            strcmp(o->name, name) == 0
-                        ? rad_material_of(s, o->modifier)
-                        : RAD_VOID;
-
-        if (m != RAD_VOID && rad_material_lights(&s->objects[m]))
-            return true;
-    }
-    return false;
-}
-
-/* Of the first mist that names a source that is not there. */
-static bool
-warn_of_mists(const struct compiled *c, char text[COMPILE_WARNING])
-{
-    const struct rad_scene *s = c->scene;
-    struct rad_error err = { 0 };
-    char where[COMPILE_WARNING - 10];
-
-    for (int32_t i = 0; i < s->nobjects; i++) {
-        const struct rad_object *o = &s->objects[i];
-
-        for (int k = 0; o->type == RAD_MIST && k < o->nstrings; k++) {
-            if (is_light(s, o->strings[k]))
-                continue;
-            rad_scene_fail(s, o, &err, RAD_EDATA, "no light source '%.40s'",
-                           o->strings[k]);
-            rad_error_format(&err, where, sizeof where);
-            snprintf(text, COMPILE_WARNING, "warning: %s", where);
-            return true;
-        }
-    }
-    return false;
-}
-
-bool
-compile_warning(const struct compiled *c, int i, char text[COMPILE_WARNING])
-{
-    static bool (*const warnings[])(const struct compiled *,
-                                    char[COMPILE_WARNING]) = { warn_of_octree,
-                                                               warn_of_lights,
-                                                               warn_of_mists };
-
-    for (size_t k = 0; k < sizeof warnings / sizeof warnings[0]; k++)
-        if (warnings[k](c, text) && i-- == 0)
-            return true;
-    return false;
-}
-
-bool
-compile_dark(const struct compiled *c, char text[COMPILE_WARNING])
-{
-    const struct rad_scene *s = c->scene;
-    int32_t surfaces = 0;
-
-    for (int32_t i = 0; i < s->nobjects; i++) {
-        const struct rad_object *o = &s->objects[i];
-
-        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
-            continue;
-        surfaces++;
-        if (may_shine(s, rad_material_of(s, o->modifier)))
-            return false;
-    }
-    snprintf(text, COMPILE_WARNING, "warning: %s",
-             surfaces == 0 ? "the scene has no surface"
-                           : "no surface of the scene gives light: what -av "
-                             "does not light is black");
-    return true;
-}
-
-bool
-compile_fault(const struct rad_scene *scene, uint32_t object, uint64_t count,
-              char text[COMPILE_WARNING])
-{
-    struct rad_error what = { 0 };
-    char place[COMPILE_WARNING];
-
-    if (object >= (uint32_t)scene->nobjects)
-        return false;
-    rad_scene_fail(scene, &scene->objects[object], &what, RAD_EDATA,
-                   "no value in %" PRIu64
-                   " place%s (domain error, division by zero or missing "
-                   "argument), passed over there",
-                   count, count == 1 ? "" : "s");
-    rad_error_format(&what, place, sizeof place);
-    snprintf(text, COMPILE_WARNING, "warning: %.*s", COMPILE_WARNING - 12,
-             place);
-    return true;
 }
 
 int
@@ -863,9 +740,9 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
 
 int
 compile_scene(struct compiled *c, const char *const *files, int n,
-              const char *dir, struct rad_error *err)
+              bool commands, const char *dir, struct rad_error *err)
 {
-    int rc = compile_read(c, files, n, NULL, NULL, err);
+    int rc = compile_read(c, files, n, commands, NULL, NULL, err);
 
     if (rc)
         return rc;
@@ -885,6 +762,8 @@ compile_release(struct compiled *c)
     rad_scene_free(c->scene);
     c->scene = NULL;
     release_frozen(c);
+    free(c->warnings);
+    c->warnings = NULL;
     paths_release(&c->paths);
     rad_octree_release(&c->octree);
     rad_bundle_release(&c->bundle);

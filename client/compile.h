@@ -14,11 +14,15 @@
 #include "scene/bundle.h"
 #include "scene/scene.h"
 
+struct warnings; /* warning.h */
+
 struct compiled {
     struct rad_scene *scene;
-    struct paths paths;    /* where its files are found */
-    struct frozen *frozen; /* octrees of instances that were not: a list */
-    int depth;             /* of those being frozen */
+    struct paths paths;        /* where its files are found */
+    struct frozen *frozen;     /* octrees of instances that were not: a list */
+    int depth;                 /* of those being frozen */
+    bool commands;             /* those of octrees are run, too */
+    struct warnings *warnings; /* NULL: none */
     /* by compile_octree(): */
     struct rad_octree octree;
     /* by compile_bundle(): */
@@ -28,11 +32,14 @@ struct compiled {
 /* Read the scene that is in n files: one octree, or scene text from any number
  * of files, "-" being the standard input; and the files of its instances and
  * meshes.  An octree that is not frozen is read from the scene files that it
- * names, which are looked for in its folder, too.  With `each` all errors that
- * can be found are told, one by one; *err gets the first.  On failure *c is
- * empty. RAD_ENOINPUT  a file that is missing, or not readable RAD_EDATA what
- * is wrong, with file and line */
+ * names, which are looked for in its folder, too; then, and in octrees of
+ * instances, `!command` lines are refused (RAD_EPERM) without `commands`.  With
+ * `each` all errors that can be found are told, one by one, and what
+ * compile_read() warns of (RAD_WARNING) with them; *err gets the first error.
+ * On failure *c is empty. RAD_ENOINPUT  a file that is missing, or not readable
+ *   RAD_EDATA     what is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
+                  bool commands,
                   void (*each)(void *arg, const struct rad_error *err),
                   void *arg, struct rad_error *err);
 
@@ -40,6 +47,7 @@ int compile_parse(struct compiled *c, const char *const *files, int n,
  *   RAD_ENOINPUT      a file that an object needs is missing
  *   RAD_EUNSUPPORTED  a type that the renderer lacks */
 int compile_read(struct compiled *c, const char *const *files, int n,
+                 bool commands,
                  void (*each)(void *arg, const struct rad_error *err),
                  void *arg, struct rad_error *err);
 
@@ -53,21 +61,6 @@ struct rad_files compile_files(struct compiled *c);
 int compile_check(struct compiled *c, struct rad_error *err);
 
 int compile_octree(struct compiled *c, struct rad_error *err);
-
-/* What the user should know of the scene and its octree: warning number i,
- * counted from 0; false: there are no more. */
-#define COMPILE_WARNING 256
-bool compile_warning(const struct compiled *c, int i,
-                     char text[COMPILE_WARNING]);
-
-/* Is there nothing that could light a picture of the scene, or nothing to see?
- * Said of what is rendered, for a part of a scene may well be dark. */
-bool compile_dark(const struct compiled *c, char text[COMPILE_WARNING]);
-
-/* What the user should know of functions of object number `object` that had no
- * value in so many places; false: there is no such object. */
-bool compile_fault(const struct rad_scene *scene, uint32_t object,
-                   uint64_t count, char text[COMPILE_WARNING]);
 
 /* Put the frozen octree and the files that the scene needs into the folder
  * dir, which must be there, under their hashes (cargo.h); needs
@@ -90,7 +83,7 @@ int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
 
 /* Read, check and bundle it. */
 int compile_scene(struct compiled *c, const char *const *files, int n,
-                  const char *dir, struct rad_error *err);
+                  bool commands, const char *dir, struct rad_error *err);
 
 void compile_release(struct compiled *c);
 

@@ -492,7 +492,7 @@ costs_of_lines(const struct costs *c, const struct msg_frame *frames,
         return rc;
     if (lines > MSG_MAX_COSTS)
         return rad_fail(err, RAD_EUSAGE,
-                        "a statistics file serves pictures of at most %d base "
+                        "a statistics file serves pictures of at most %u base "
                         "lines, not %llu",
                         MSG_MAX_COSTS, (unsigned long long)lines);
     *bytes = to = malloc(lines * sizeof(float));

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "dryrun.h"
+#include "figure.h"
 
 #include "wordlist.h"
 
@@ -111,8 +112,10 @@ wall_seconds(const struct prediction *p, const struct dryrun_cluster *c)
 static void
 print_seconds(double s)
 {
+    char text[FIGURE_TEXT];
+
     if (s < 100)
-        printf("%.2g s", s);
+        printf("%s s", figure(text, s, 2));
     else if (s < 6000)
         printf("%.0f min", s / 60);
     else
@@ -122,20 +125,24 @@ print_seconds(double s)
 static void
 print_count(double n)
 {
+    char text[FIGURE_TEXT];
+
     if (n < 1e4)
         printf("%.0f", n);
     else if (n < 1e7)
         printf("%.0f thousand", n / 1e3);
     else
-        printf("%.3g million", n / 1e6);
+        printf("%s million", figure(text, n / 1e6, 3));
 }
 
 void
 dryrun_print(const struct msg_spec *spec, const struct prediction *p,
              const struct dryrun_cluster *c)
 {
-    printf("scene    %u objects, %.3g MB to be there\n",
-           (unsigned)spec->objects, (double)spec->bundle_bytes / 1e6);
+    char text[FIGURE_TEXT];
+
+    printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
+           figure(text, (double)spec->bundle_bytes / 1e6, 3));
     printf("needs    %s\n", spec->needs);
     printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
     printf("picture  %u x %u", (unsigned)spec->frames[0].width,
@@ -163,7 +170,7 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
     }
     printf("\n");
     if (p->error.all > 0)
-        printf("error    about %.2g %%\n", 100 * p->error.all);
+        printf("error    about %s %%\n", figure(text, 100 * p->error.all, 2));
 }
 
 char *

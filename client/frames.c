@@ -27,7 +27,7 @@ reserve(struct frames *f, struct rad_error *err)
     if (f->n < f->room)
         return 0;
     if (f->n >= MSG_MAX_FRAMES)
-        return rad_fail(err, RAD_EDATA, "more than %d views", MSG_MAX_FRAMES);
+        return rad_fail(err, RAD_EUSAGE, "more than %d views", MSG_MAX_FRAMES);
     list = rad_arena_calloc(&f->arena, room, sizeof *list);
     if (!list)
         return no_memory(err);

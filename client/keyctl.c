@@ -4,10 +4,9 @@
 #include "keyctl.h"
 
 #include "table.h"
+#include "tell.h"
 
 #include <string.h>
-
-enum { MOST_ROWS = 10000 /* more than a key file has */ };
 
 int
 keyctl_parse(struct key_order *order, const char *what, const char *name,
@@ -45,30 +44,19 @@ print_line(const json_t *root, struct rad_error *err)
 
     if (!line)
         return rad_fail(err, RAD_EPROTO, "the answer holds no key");
-    puts(line);
+    tell(stdout, "%s", line);
     return 0;
 }
 
 int
-keyctl_print(const struct key_order *order, const char *text, size_t len,
-             bool json, struct rad_error *err)
+keyctl_print(const struct key_order *order, const json_t *root, bool json,
+             struct rad_error *err)
 {
-    json_error_t why;
-    json_t *root;
-    int rc = 0;
-
-    if (json) {
-        fwrite(text, 1, len, stdout);
-        putchar('\n');
-        return 0;
-    }
-    root = json_loadb(text, len, 0, &why);
-    if (!root)
-        return rad_fail(err, RAD_EPROTO, "the answer is no JSON: %s", why.text);
-    if (order->what == MSG_KEY_ADD)
-        rc = print_line(root, err);
+    if (json)
+        table_print_json(stdout, root);
+    else if (order->what == MSG_KEY_ADD)
+        return print_line(root, err);
     else
-        table_print(stdout, root, MOST_ROWS);
-    json_decref(root);
-    return rc;
+        table_print(stdout, root);
+    return 0;
 }

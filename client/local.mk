@@ -1,13 +1,15 @@
 # What the clients share, as a library so that tests can link it.
 noinst_LIBRARIES += libclient.a
 libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
-libclient_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(JANSSON_CFLAGS) \
+libclient_a_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) \
 	$(UV_CFLAGS)
 libclient_a_SOURCES = \
 	client/ambfile.c \
 	client/ambfile.h \
 	client/amblist.c \
 	client/amblist.h \
+	client/apart.c \
+	client/apart.h \
 	client/cargo.c \
 	client/cargo.h \
 	client/command.c \
@@ -20,16 +22,22 @@ libclient_a_SOURCES = \
 	client/dryrun.h \
 	client/fetch.c \
 	client/fetch.h \
+	client/figure.c \
+	client/figure.h \
 	client/frames.c \
 	client/frames.h \
+	client/inputs.c \
+	client/inputs.h \
+	client/jobspec.c \
+	client/jobspec.h \
 	client/keyctl.c \
 	client/keyctl.h \
 	client/link.c \
 	client/link.h \
 	client/local.c \
 	client/local.h \
-	client/output.c \
-	client/output.h \
+	client/outname.c \
+	client/outname.h \
 	client/paths.c \
 	client/paths.h \
 	client/picfile.c \
@@ -52,8 +60,12 @@ libclient_a_SOURCES = \
 	client/table.h \
 	client/target.c \
 	client/target.h \
+	client/tell.c \
+	client/tell.h \
 	client/trial.c \
 	client/trial.h \
+	client/warning.c \
+	client/warning.h \
 	client/words.c \
 	client/words.h \
 	daemon/ambshare.c \
@@ -62,14 +74,20 @@ libclient_a_SOURCES = \
 	daemon/wordlist.h
 
 # what a client links with, before LIBRAD
-LIBCLIENT = libclient.a $(LIBPROTO) $(INIH_LIBS) $(JANSSON_LIBS) $(UV_LIBS)
+LIBCLIENT = libclient.a $(LIBPROTO) $(JANSSON_LIBS) $(UV_LIBS)
 
 bin_PROGRAMS += radscene
 radscene_SOURCES = client/radscene.c
 radscene_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 bin_PROGRAMS += radctl radsubmit
-radctl_SOURCES = client/radctl.c
+radctl_SOURCES = \
+	client/ctl.c \
+	client/ctl.h \
+	client/ctl_admin.c \
+	client/ctl_job.c \
+	client/ctl_list.c \
+	client/radctl.c
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = client/radsubmit.c

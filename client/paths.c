@@ -35,6 +35,7 @@ paths_release(struct paths *p)
     for (int i = 0; i < p->n; i++)
         free(p->folders[i]);
     free(p->folders);
+    inputs_release(&p->inputs);
     free(p->raypath);
     memset(p, 0, sizeof *p);
 }
@@ -176,12 +177,14 @@ paths_find(const struct paths *p, const char *name, struct rad_error *err)
 static unsigned char *
 read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 {
-    char *path = paths_find(arg, name, err);
-    unsigned char *bytes;
+    struct paths *p = arg;
+    char *path = paths_find(p, name, err);
+    unsigned char *bytes = NULL;
 
     if (!path)
         return NULL;
-    bytes = rad_file_read(path, PATHS_MAX_FILE, len, err);
+    if (inputs_add(&p->inputs, "a file of the scene", path, err) == 0)
+        bytes = rad_file_read(path, PATHS_MAX_FILE, len, err);
     free(path);
     return bytes;
 }

@@ -11,6 +11,7 @@
 #define RADD_CLIENT_PATHS_H
 
 #include "base/files.h"
+#include "inputs.h"
 
 #define PATHS_MAX_FILE ((size_t)1 << 30) /* bytes of a file read through it */
 
@@ -18,6 +19,7 @@ struct paths {
     char **folders; /* of the scene's files; "." is not among them */
     int n;
     char *raypath;
+    struct inputs inputs; /* files that were read */
 };
 
 /* Take RAYPATH from the environment. */

@@ -3,6 +3,8 @@
 
 #include "picfile.h"
 
+#include "outname.h"
+
 #include "picture/hdr.h"
 #include "picture/png.h"
 
@@ -18,7 +20,7 @@ static bool
 ends_in(const char *path, const char *const *suffix, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        if (output_suffix(path, suffix[i]))
+        if (outname_suffix(path, suffix[i]))
             return true;
     return false;
 }
@@ -71,7 +73,7 @@ picfile_write(const char *path, enum picfile_format format, const uint8_t *hdr,
               size_t n, bool durable, struct rad_error *err)
 {
     if (format == PICFILE_PNG ||
-        (format == PICFILE_BY_SUFFIX && path && output_suffix(path, ".png")))
+        (format == PICFILE_BY_SUFFIX && path && outname_suffix(path, ".png")))
         return write_png(path, hdr, n, durable, err);
     return output_write(path, hdr, n, durable, err);
 }

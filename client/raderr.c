@@ -1,6 +1,8 @@
 /* raderr.c - how far a picture is from another */
 #include "config.h"
 
+#include "inputs.h"
+#include "outname.h"
 #include "output.h"
 #include "picfile.h"
 #include "picture/falsecolour.h"
@@ -117,7 +119,7 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
 static int
 check_names(const struct task *t, struct rad_error *err)
 {
-    if (t->mean && output_suffix(t->mean, ".png"))
+    if (t->mean && outname_suffix(t->mean, ".png"))
         return rad_fail(err, RAD_EUSAGE,
                         "'%s': --mean writes a picture in units of radiance: "
                         "use a name in .hdr or .pic",
@@ -127,6 +129,26 @@ check_names(const struct task *t, struct rad_error *err)
     if (t->map || t->false_colour)
         return picfile_check(t->map ? t->map : t->false_colour, true, err);
     return 0;
+}
+
+/* Is what is written none of what is read? */
+static int
+check_apart(const struct task *t, struct rad_error *err)
+{
+    const char *out = t->map ? t->map : t->mean ? t->mean : t->false_colour;
+    const char *option = t->map    ? "--map"
+                         : t->mean ? "--mean"
+                                   : "--false-colour";
+    struct inputs in = { 0 };
+    int rc = 0;
+
+    for (int i = 0; i < t->nfiles && out && rc == 0; i++)
+        rc = inputs_add(&in, "one of the pictures", t->file[i], err);
+    if (rc == 0 && out && inputs_find(&in, out))
+        rc = rad_fail(err, RAD_EUSAGE, "'%s' is %s: %s would take its place",
+                      out, inputs_find(&in, out), option);
+    inputs_release(&in);
+    return rc;
 }
 
 static int
@@ -145,7 +167,9 @@ check_task(const struct task *t, struct rad_error *err)
     if (!t->false_colour && !t->mean && t->nfiles != 2)
         return rad_fail(err, RAD_EUSAGE, "expected two pictures, got %d",
                         t->nfiles);
-    return check_names(t, err);
+    if (check_names(t, err) < 0)
+        return err->code;
+    return check_apart(t, err);
 }
 
 static int

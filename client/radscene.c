@@ -7,6 +7,8 @@
 #include "scene/meshfile.h"
 #include "scene/octfile.h"
 #include "shade/material.h"
+#include "tell.h"
+#include "warning.h"
 #include "words.h"
 
 #include <errno.h>
@@ -18,11 +20,12 @@
 #include <unistd.h>
 
 static const char usage_text[] =
-    "usage: radscene check FILE...\n"
-    "       radscene info FILE...\n"
-    "       radscene needs FILE...\n"
-    "       radscene freeze FILE... > scene.oct\n"
-    "       radscene rays [-I] [-af FILE] [rendering options] FILE...\n"
+    "usage: radscene check [--commands] FILE...\n"
+    "       radscene info [--commands] FILE...\n"
+    "       radscene needs [--commands] FILE...\n"
+    "       radscene freeze [--commands] FILE... > scene.oct\n"
+    "       radscene rays [--commands] [-I] [-af FILE] [rendering options] "
+    "FILE...\n"
     "       radscene --help | --version\n";
 
 static const char help_text[] =
@@ -35,7 +38,8 @@ static const char help_text[] =
     "  freeze  write an octree that Radiance's programs read\n"
     "  rays    trace the rays of the standard input, six numbers a line:\n"
     "          origin and direction, or with -I a point and its normal;\n"
-    "          prints radiance, or irradiance, as \"r g b\"\n";
+    "          prints radiance, or irradiance, as \"r g b\"\n"
+    "  --commands  run the commands of an octree's scene files, too\n";
 
 static void
 print_error(void *arg, const struct rad_error *err)
@@ -44,25 +48,27 @@ print_error(void *arg, const struct rad_error *err)
 
     (void)arg;
     rad_error_format(err, message, sizeof message);
-    fprintf(stderr, "radscene: %s\n", message);
+    fprintf(stderr, "radscene: %s%s\n",
+            err->code == RAD_WARNING ? "warning: " : "", message);
 }
 
-/* The first error other than a type that the renderer lacks. */
+/* The first error; a type that the renderer lacks is none here. */
 static void
 keep_first(void *arg, const struct rad_error *err)
 {
     struct rad_error *first = arg;
 
-    if (err->code != RAD_EUNSUPPORTED && first->code == 0)
+    if (err->code != RAD_EUNSUPPORTED && err->code != RAD_WARNING &&
+        first->code == 0)
         *first = *err;
 }
 
 /* Read a scene that may have types that the renderer lacks. */
 static int
-read_any(struct compiled *c, const char *const *files, int n,
+read_any(struct compiled *c, const char *const *files, int n, bool commands,
          struct rad_error *err)
 {
-    int rc = compile_parse(c, files, n, NULL, NULL, err);
+    int rc = compile_parse(c, files, n, commands, NULL, NULL, err);
 
     if (rc)
         return rc;
@@ -123,8 +129,8 @@ print_parts(const struct rad_scene *s)
         const char *what = p->mesh ? "triangles" : "objects";
         long n = p->mesh ? (long)p->mesh->ntris : (long)p->n;
 
-        printf("file %s %s %s %ld copies %ld\n", p->name,
-               rad_otype_name(p->type), what, n, copies[i]);
+        tell(stdout, "file %s %s %s %ld copies %ld", p->name,
+             rad_otype_name(p->type), what, n, copies[i]);
     }
     free(copies);
 }
@@ -142,7 +148,7 @@ print_files(const struct rad_scene *s)
         for (int k = 0;
              reached[i] && (name = rad_object_file(&s->objects[i], k)); k++) {
             if (strcmp(name, last) != 0)
-                printf("file %s\n", name);
+                tell(stdout, "file %s", name);
             last = name;
         }
     free(reached);
@@ -189,10 +195,10 @@ run_needs(struct compiled *c, struct rad_error *err)
 static void
 say_warnings(const struct compiled *c)
 {
-    char warning[COMPILE_WARNING];
+    char warning[WARNING_SIZE];
 
-    for (int i = 0; compile_warning(c, i, warning); i++)
-        fprintf(stderr, "radscene: %s\n", warning);
+    for (int i = 0; warning_of(c, i, warning); i++)
+        tell(stderr, "radscene: %s", warning);
 }
 
 static int
@@ -226,11 +232,11 @@ run_check(struct compiled *c, struct rad_error *err)
 static void
 warn_of_faults(const struct rad_scene *scene, const struct rad_fault *f)
 {
-    char text[COMPILE_WARNING];
+    char text[WARNING_SIZE];
 
     for (int i = 0; i < RAD_MAX_FAULTS && f[i].count > 0; i++)
-        if (compile_fault(scene, (uint32_t)f[i].object, f[i].count, text))
-            fprintf(stderr, "radscene: %s\n", text);
+        if (warning_fault(scene, (uint32_t)f[i].object, f[i].count, text))
+            tell(stderr, "radscene: %s", text);
 }
 
 /* Its options come before the files. */
@@ -248,9 +254,10 @@ run_rays(int argc, char **argv, struct rad_error *err)
     if (rc)
         return rc;
     first = rays_options(&options, &w, err);
-    rc = first < 0 ? first
-                   : compile_read(&c, (const char *const *)w.list + first,
-                                  w.n - first, NULL, NULL, err);
+    rc = first < 0
+             ? first
+             : compile_read(&c, (const char *const *)w.list + first,
+                            w.n - first, options.commands, NULL, NULL, err);
     if (!rc) {
         files = compile_files(&c);
         memset(faults, 0, sizeof faults);
@@ -283,18 +290,19 @@ static int
 run_on_files(const struct subcommand *sub, int argc, char **argv,
              struct rad_error *err)
 {
+    bool commands = argc > 1 && strcmp(argv[1], "--commands") == 0;
+    const char *const *files = (const char *const *)argv + 1 + commands;
+    int rc, n = argc - 1 - commands;
     struct compiled c;
-    int rc;
 
-    if (argc < 2)
+    if (n < 1)
         return rad_fail(err, RAD_EUSAGE, "no scene file");
-    for (int i = 1; i < argc; i++)
-        if (argv[i][0] == '-' && argv[i][1] != '\0')
-            return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", argv[i]);
+    for (int i = 0; i < n; i++)
+        if (files[i][0] == '-' && files[i][1] != '\0')
+            return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", files[i]);
     rc = sub->strict
-             ? compile_read(&c, (const char *const *)argv + 1, argc - 1,
-                            print_error, NULL, err)
-             : read_any(&c, (const char *const *)argv + 1, argc - 1, err);
+             ? compile_read(&c, files, n, commands, print_error, NULL, err)
+             : read_any(&c, files, n, commands, err);
     if (!rc) {
         rc = sub->run(&c, err);
         compile_release(&c);
@@ -331,9 +339,9 @@ main(int argc, char **argv)
         rc = run_rays(argc - 1, argv + 1, &err);
     } else {
         if (name[0] == '-')
-            fprintf(stderr, "radscene: unknown option '%s'\n", name);
+            tell(stderr, "radscene: unknown option '%s'", name);
         else if (name[0])
-            fprintf(stderr, "radscene: unknown command '%s'\n", name);
+            tell(stderr, "radscene: unknown command '%s'", name);
         fputs(usage_text, stderr);
         return EX_USAGE;
     }

@@ -1,18 +1,22 @@
 /* radsubmit.c - render a Radiance scene on a cluster; see radsubmit(1)
  *
  * Puts the parts together: the command line (submit_options), the pictures
- * that it asks for (frames), the scene's files (compile, cargo), a cluster of
- * its own where none is named (local), the conversation (submit).
+ * that it asks for (frames), the scene's files (compile, cargo), what the job
+ * is (jobspec), a cluster of its own where none is named (local), the
+ * conversation (submit).
  * The scene is compiled on a thread of libuv's pool, so that the loop can end
  * the program meanwhile. */
 #include "config.h"
 
+#include "apart.h"
 #include "command.h"
 #include "compile.h"
-#include "costs.h"
 #include "dryrun.h"
+#include "figure.h"
 #include "frames.h"
+#include "jobspec.h"
 #include "local.h"
+#include "outname.h"
 #include "output.h"
 #include "picfile.h"
 #include "progress.h"
@@ -20,13 +24,14 @@
 #include "rescue.h"
 #include "submit.h"
 #include "submit_options.h"
+#include "tell.h"
+#include "warning.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sysexits.h>
 #include <unistd.h>
 
@@ -37,12 +42,7 @@ struct program {
     struct compiled scene;
     struct records records; /* -af */
     struct cargo cargo;
-    struct msg_spec spec;
-    uint8_t *costs; /* of lines, from a former run; NULL: none */
-    uint32_t ncosts;
-    uint8_t id[MSG_JOB];
-    char params[RAD_PARAMS_TEXT];
-    char needs[MSG_MAX_NEEDS + 1];
+    struct jobspec job;
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
     bool embedded;
@@ -61,6 +61,8 @@ struct program {
     bool compiled;
     int compile_rc;
     double compile_s;
+    bool preview_warned;
+    struct rad_error preview; /* why the last one was not written */
     struct rad_error *err;
 };
 
@@ -72,7 +74,7 @@ say(void *arg, const char *text)
     struct program *p = arg;
 
     progress_clear(&p->progress);
-    fprintf(stderr, "radsubmit: %s\n", text);
+    tell(stderr, "radsubmit: %s", text);
 }
 
 /* -w- */
@@ -101,11 +103,11 @@ warn_of_psample(struct program *p)
 static void
 warn_of_scene(struct program *p)
 {
-    char text[COMPILE_WARNING];
+    char text[WARNING_SIZE];
 
-    for (int i = 0; compile_warning(&p->scene, i, text); i++)
+    for (int i = 0; warning_of(&p->scene, i, text); i++)
         warn(p, text);
-    if (compile_dark(&p->scene, text))
+    if (warning_dark(&p->scene, text))
         warn(p, text);
 }
 
@@ -139,7 +141,7 @@ say_paused(struct program *p, bool paused)
 {
     char text[100], hex[MSG_JOB_HEX];
 
-    msg_job_format(p->id, hex);
+    msg_job_format(p->job.id, hex);
     snprintf(text, sizeof text, "the job is paused: radctl resume %s", hex);
     if (paused && !p->paused)
         say(p, text);
@@ -228,14 +230,14 @@ warn_of_nan(struct program *p)
 static void
 say_done(struct program *p)
 {
-    char text[120];
+    char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
 
+    figure(s, p->elapsed_s, 3);
     if (p->error > 0)
-        snprintf(text, sizeof text,
-                 "done in %.3g s, relative error about %.2g %%", p->elapsed_s,
-                 100 * p->error);
+        snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
+                 s, figure(percent, 100 * p->error, 2));
     else
-        snprintf(text, sizeof text, "done in %.3g s", p->elapsed_s);
+        snprintf(text, sizeof text, "done in %s s", s);
     say(p, text);
 }
 
@@ -243,11 +245,11 @@ static void
 warn_of_faults(struct program *p)
 {
     const struct msg_fault *f = p->faults;
-    char text[COMPILE_WARNING];
+    char text[WARNING_SIZE];
 
     for (int i = 0; i < MSG_FAULTS && f[i].count > 0; i++)
         if (p->scene.scene &&
-            compile_fault(p->scene.scene, f[i].object, f[i].count, text))
+            warning_fault(p->scene.scene, f[i].object, f[i].count, text))
             warn(p, text);
 }
 
@@ -259,8 +261,8 @@ name_for(const struct program *p, const char *pattern, uint32_t frame,
          char **name, struct rad_error *err)
 {
     if (p->o.first_frame > 0)
-        return output_frame_name(name, pattern,
-                                 (int)p->frames.list[frame].number, true, err);
+        return outname_frame(name, pattern, (int)p->frames.list[frame].number,
+                             true, err);
     *name = strdup(pattern);
     return *name ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
@@ -294,22 +296,41 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     return rc;
 }
 
+/* One that cannot be written holds up no picture: a warning tells of the first,
+ * and the exit status of the last. */
 static int
 on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
 {
     struct program *p = arg;
+    struct rad_error why = { 0 };
+    bool warned = p->preview_warned;
+    char text[sizeof why + 80];
+    int n;
 
-    return picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, err);
+    (void)err;
+    picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &why);
+    p->preview = why;
+    p->preview_warned |= why.code != 0;
+    if (why.code == 0 || warned)
+        return 0;
+    n = snprintf(text, sizeof text,
+                 "warning: no preview, but the job goes on: ");
+    rad_error_format(&why, text + n, sizeof text - (size_t)n);
+    warn(p, text);
+    return 0;
 }
 
-/* The cluster ends with us. */
+/* The cluster ends with us.  NULL: that is written, or was not asked for. */
 static void
 rescue(struct program *p, uint32_t frame, const uint8_t *picture,
        size_t picture_len, const uint8_t *depth, size_t depth_len)
 {
-    p->rescued = rescue_write(p->id, frame, ".hdr", picture, picture_len);
+    if (picture)
+        p->rescued =
+            rescue_write(p->job.id, frame, ".hdr", picture, picture_len);
     if (depth)
-        p->rescued_depth = rescue_write(p->id, frame, ".zbf", depth, depth_len);
+        p->rescued_depth =
+            rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
 }
 
 static int
@@ -317,15 +338,17 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
          const uint8_t *depth, size_t depth_len, struct rad_error *err)
 {
     struct program *p = arg;
+    bool there; /* the picture is written */
     int rc;
 
     progress_clear(&p->progress); /* it may share the terminal with stdout */
     rc = write_picture(p, frame, picture, picture_len, err);
+    there = rc == 0;
     if (rc == 0 && depth)
         rc = write_depth(p, frame, depth, depth_len, err);
     p->unwritten = rc < 0;
     if (p->unwritten && p->embedded)
-        rescue(p, frame, picture, picture_len, depth, depth_len);
+        rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
     if (rc == 0 && p->o.preview)
         rc = on_preview(p, picture, picture_len, err);
     return rc;
@@ -338,13 +361,12 @@ say_where_it_is(const struct program *p)
     char hex[MSG_JOB_HEX];
 
     if (p->rescued)
-        fprintf(stderr, "radsubmit: the picture is in %s\n", p->rescued);
+        tell(stderr, "radsubmit: the picture is in %s", p->rescued);
     if (p->rescued_depth)
-        fprintf(stderr, "radsubmit: its distances are in %s\n",
-                p->rescued_depth);
+        tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
     if (!p->unwritten || p->embedded)
         return;
-    msg_job_format(p->id, hex);
+    msg_job_format(p->job.id, hex);
     fprintf(stderr,
             "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
             p->o.first_frame ? "the pictures" : "the picture", hex,
@@ -429,33 +451,6 @@ check_output(const struct program *p, const char *path, bool of_frame)
         rc = output_check(name ? name : path, p->err);
     free(name);
     return rc;
-}
-
-/* What is written must not take away what else is written, or the scene. */
-static int
-check_distinct(const struct program *p)
-{
-    const struct submit_options *o = &p->o;
-    const struct {
-        const char *option, *path;
-    } out[] = { { "-o", o->output },     { "-z", o->depth },
-                { "--stats", o->stats }, { "--preview", o->preview },
-                { "-af", o->ambient },   { "-e", o->errors } };
-    const int n = sizeof out / sizeof out[0];
-
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; out[i].path && k < i; k++)
-            if (out[k].path && output_same(out[k].path, out[i].path))
-                return rad_fail(p->err, RAD_EUSAGE,
-                                "'%s': %s and %s cannot go to one file",
-                                out[i].path, out[k].option, out[i].option);
-        for (int k = 0; out[i].path && k < o->nscenes; k++)
-            if (output_same(out[i].path, o->scenes[k]))
-                return rad_fail(p->err, RAD_EUSAGE,
-                                "'%s' is the scene: %s would take its place",
-                                o->scenes[k], out[i].option);
-    }
-    return 0;
 }
 
 static int
@@ -557,8 +552,9 @@ compile_work(uv_work_t *w)
     struct program *p = w->data;
     uint64_t begin = uv_hrtime();
 
-    p->compile_rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
-                                  p->o.nscenes, local_folder(p->local), p->err);
+    p->compile_rc =
+        compile_scene(&p->scene, (const char *const *)p->o.scenes, p->o.nscenes,
+                      p->o.commands, local_folder(p->local), p->err);
     p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     if (p->compile_rc == 0 && p->o.dry_run)
         p->compile_rc = try_scene(p);
@@ -587,7 +583,9 @@ compile(struct program *p)
             _exit(EX_TEMPFAIL);
         }
     }
-    return p->compile_rc;
+    if (p->compile_rc < 0)
+        return p->compile_rc;
+    return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
 }
 
 /* Of a cluster of our own. */
@@ -595,90 +593,6 @@ static int
 workers_wanted(const struct program *p)
 {
     return p->o.workers ? p->o.workers : 1;
-}
-
-/* The types that the scene uses, blanks between. */
-static void
-list_needs(struct program *p)
-{
-    bool needs[RAD_NOTYPES] = { false };
-    size_t used = 0;
-
-    rad_scene_needs(p->scene.scene, needs);
-    for (int t = 0; t < RAD_NOTYPES; t++)
-        if (needs[t] && used < sizeof p->needs)
-            used += (size_t)snprintf(p->needs + used, sizeof p->needs - used,
-                                     "%s%s", used ? " " : "",
-                                     rad_otype_name((enum rad_otype)t));
-}
-
-static uint8_t
-choose_partition(const struct program *p)
-{
-    bool windows = p->o.windows > 0 || p->o.order != ORDER_NONE;
-
-    if (p->o.partition == PARTITION_AUTO && windows)
-        return MSG_PART_WINDOW;
-    return (uint8_t)p->o.partition; /* the same words in the same order */
-}
-
-/* --estimate=FILE.json */
-static int
-read_costs(struct program *p)
-{
-    struct costs c;
-    int rc;
-
-    if (!p->o.costs)
-        return 0;
-    rc = costs_read(&c, p->o.costs, p->err);
-    if (rc < 0)
-        return rc;
-    rc = costs_of_lines(&c, p->frames.list, p->frames.n, p->o.params.psample,
-                        &p->costs, &p->ncosts, p->err);
-    if (rc < 0)
-        rad_error_where(p->err, "%s", p->o.costs);
-    costs_release(&c);
-    return rc;
-}
-
-static void
-fill_spec(struct program *p)
-{
-    struct msg_spec *s = &p->spec;
-    const struct submit_options *o = &p->o;
-
-    rad_params_format(&o->params, p->params, sizeof p->params);
-    list_needs(p);
-    s->job = p->id;
-    s->manifest = p->cargo.hashes;
-    s->name = o->name ? o->name : o->scenes[0];
-    s->params = p->params;
-    s->needs = p->needs;
-    s->estimate = o->estimate ? o->estimate : "uniform";
-    s->costs = p->costs;
-    s->ncosts = p->ncosts;
-    s->seed = o->params.seed;
-    s->priority = o->priority;
-    s->memory_mib = (uint32_t)o->memory_mib;
-    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
-               (o->no_share ? 0 : MSG_JOB_SHARE) |
-               (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
-               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
-               (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
-               (p->records.keep ? MSG_JOB_RECORDS : 0);
-    s->partition = choose_partition(p);
-    /* the same words in the same order */
-    s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
-    s->windows = (uint32_t)o->windows;
-    s->objects = (uint32_t)p->scene.scene->nobjects;
-    s->bundle_bytes =
-        rad_bundle_bytes(&p->scene.bundle) + p->cargo.manifest_len;
-    s->compile_s = p->compile_s;
-    s->files.n = p->cargo.n;
-    s->files.hash = p->cargo.hashes;
-    s->nframes = p->frames.n;
-    s->frames = p->frames.list;
 }
 
 /* --- the job --- */
@@ -710,13 +624,22 @@ static int
 make_id(struct program *p)
 {
     char hex[MSG_JOB_HEX];
+    int rc = jobspec_name(&p->job, p->err);
 
-    if (getrandom(p->id, sizeof p->id, 0) != (ssize_t)sizeof p->id)
-        return rad_fail(p->err, RAD_EINTERNAL, "no random numbers: %s",
-                        strerror(errno));
-    msg_job_format(p->id, hex);
+    if (rc < 0)
+        return rc;
+    msg_job_format(p->job.id, hex);
     fprintf(stderr, "radsubmit: job %s\n", hex);
     return 0;
+}
+
+static void
+fill_spec(struct program *p)
+{
+    jobspec_fill(&p->job, &p->o, &p->frames, &p->scene, &p->cargo);
+    p->job.spec.compile_s = p->compile_s;
+    if (p->records.keep)
+        p->job.spec.flags |= MSG_JOB_RECORDS;
 }
 
 static int
@@ -736,7 +659,7 @@ converse(struct program *p)
     struct submit_callbacks cb = {
         .say = say, .progress = on_progress, .frame = on_frame, .arg = p
     };
-    struct submit_job job = { .spec = &p->spec,
+    struct submit_job job = { .spec = &p->job.spec,
                               .cargo = &p->cargo,
                               .to = p->target,
                               .wait_s = p->o.wait_s,
@@ -756,6 +679,10 @@ converse(struct program *p)
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     if (rc == 0)
         rc = records_write(&p->records, !p->embedded, p->err);
+    if (rc == 0 && p->preview.code != 0) {
+        *p->err = p->preview;
+        rc = p->preview.code;
+    }
     progress_clear(&p->progress);
     warn_of_nan(p);
     warn_of_faults(p);
@@ -782,12 +709,12 @@ run_dry(struct program *p)
         return rc;
     warn_of_scene(p);
     fill_spec(p);
-    dryrun_print(&p->spec, &p->prediction, &c);
+    dryrun_print(&p->job.spec, &p->prediction, &c);
     if (fflush(stdout) != 0)
         return rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
     if (!p->o.stats)
         return 0;
-    json = dryrun_json(&p->spec, &p->prediction, &c);
+    json = dryrun_json(&p->job.spec, &p->prediction, &c);
     rc = json ? on_stats(p, (const uint8_t *)json, strlen(json), p->err)
               : rad_fail(p->err, RAD_ENOMEM, "out of memory");
     free(json);
@@ -811,6 +738,8 @@ run_job(struct program *p)
     int rc;
 
     if ((rc = compile(p)) < 0 || (rc = begin_records(p)) < 0 ||
+        (rc = jobspec_add_frames(&p->job, &p->frames, &p->scene,
+                                 local_folder(p->local), p->err)) < 0 ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
@@ -820,7 +749,7 @@ run_job(struct program *p)
         return rc;
     rc = converse(p);
     if (rc == 0 && p->o.detach) {
-        msg_job_format(p->id, hex);
+        msg_job_format(p->job.id, hex);
         puts(hex);
         if (fflush(stdout) != 0)
             rc = rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
@@ -847,8 +776,13 @@ open_errors(const struct program *p)
 static int
 run(struct program *p)
 {
-    int rc = check_distinct(p);
+    struct inputs *in = &p->words.inputs;
+    int rc = apart_outputs(&p->o, p->err);
 
+    if (rc == 0)
+        rc = apart_note(in, &p->o, p->err);
+    if (rc == 0)
+        rc = apart_inputs(&p->o, NULL, in, p->err);
     if (rc == 0)
         rc = open_errors(p);
     if (rc < 0)
@@ -860,8 +794,11 @@ run(struct program *p)
     warn_of_psample(p);
     if ((rc = choose_cluster(p)) < 0 ||
         (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
-        (rc = read_costs(p)) < 0 || (rc = check_outputs(p)) < 0 ||
-        (rc = check_ambient(p)) < 0 || (rc = watch_signals(p)) < 0)
+        (rc = inputs_add(in, "the key", p->target.key, p->err)) < 0 ||
+        (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
+        (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||
+        (rc = check_outputs(p)) < 0 || (rc = check_ambient(p)) < 0 ||
+        (rc = watch_signals(p)) < 0)
         return rc;
     if ((rc = local_new(&p->local, p->err)) == 0) {
         if (p->o.dry_run)
@@ -899,7 +836,7 @@ act(struct program *p, int argc, char *argv[])
         submit_options_defaults(&p->o, stdout);
         break;
     }
-    free(p->costs);
+    jobspec_release(&p->job);
     frames_release(&p->frames);
     words_release(&p->words);
     return rc;

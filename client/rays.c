@@ -21,6 +21,7 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
     rad_params_init(&o->params);
     o->irradiance = false;
     o->ambfile = NULL;
+    o->commands = false;
     for (;;) {
         int n, rc = words_expand(w, at, err);
         const char *word = w->list[at];
@@ -33,6 +34,11 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             break;
         if (strcmp(word, "-I") == 0) {
             o->irradiance = true;
+            at++;
+            continue;
+        }
+        if (strcmp(word, "--commands") == 0) {
+            o->commands = true;
             at++;
             continue;
         }

@@ -21,6 +21,7 @@
 struct rays_options {
     struct rad_params params;
     bool irradiance;     /* -I */
+    bool commands;       /* of octrees are run, too */
     const char *ambfile; /* -af, a word of the command line, or NULL */
 };
 

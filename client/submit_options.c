@@ -7,6 +7,7 @@
 
 #include "submit_options.h"
 #include "amblist.h"
+#include "message.h"
 #include "quality.h"
 
 #include "base/help.h"
@@ -102,6 +103,8 @@ static const struct option own[] = {
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--same-bits", same_bits,
          "only workers whose arithmetic is the same to the bit"),
+    FLAG("--commands", commands,
+         "run the commands of an octree's scene files, too"),
     FLAG("--fresh-frames", fresh_frames,
          "frame by frame, nothing kept from one to the next"),
     TEXT("--views", views, "FILE", "views of an animation, one a line")
@@ -284,7 +287,9 @@ take_view_file(struct cursor *c)
                       "cannot open view file '%s': %s", path, strerror(errno));
     } else {
         n = fread(text, 1, LONGEST, f);
-        rc = rad_view_read(&c->o->view, text, n, c->err);
+        rc = inputs_add_fd(&c->w->inputs, "the view file", fileno(f), c->err);
+        if (rc == 0)
+            rc = rad_view_read(&c->o->view, text, n, c->err);
         if (rc == 0)
             rc = rad_fail(c->err, RAD_EDATA, "no view in the file");
         if (rc < 0)
@@ -334,6 +339,18 @@ take_params(struct cursor *c, int argc, char *const argv[])
     return rc;
 }
 
+/* -aE, -aI */
+static int
+take_name_list(struct cursor *c, int argc, char *const argv[])
+{
+    int rc = amblist_option(&c->o->params, argc, argv, c->err);
+    int noted = rc > 1 ? inputs_add(&c->w->inputs, "a list of modifiers",
+                                    argv[1], c->err)
+                       : 0;
+
+    return noted < 0 ? noted : rc;
+}
+
 static int
 take_option(struct cursor *c)
 {
@@ -342,7 +359,7 @@ take_option(struct cursor *c)
 
     if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0 ||
         (rc = take_warnings(c)) != 0 ||
-        (rc = amblist_option(&c->o->params, argc, argv, c->err)) != 0)
+        (rc = take_name_list(c, argc, argv)) != 0)
         return rc;
     if (strncmp(argv[0], "--", 2) == 0) {
         if ((rc = take_from(c, own, N_ELEM(own))) != 0)
@@ -495,6 +512,10 @@ check_together(struct submit_options *o, struct rad_error *err)
     if (o->local && o->coordinator)
         return rad_fail(err, RAD_EUSAGE,
                         "--local and --coordinator exclude each other");
+    if (o->name && strlen(o->name) > MSG_MAX_LABEL)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--name': %zu bytes, and at most %d are allowed",
+                        strlen(o->name), MSG_MAX_LABEL);
     if (o->views && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--views needs -S");
     if (o->errors && strpbrk(o->errors, "=:"))

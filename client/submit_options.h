@@ -57,6 +57,7 @@ struct submit_options {
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */
+    bool commands; /* of octrees are run, too */
     bool no_balance, no_share, same_bits, fresh_frames, detach, dry_run;
     int priority;
     int memory_mib; /* most that its process on a worker may have; 0: any */

@@ -3,12 +3,19 @@
 
 #include "table.h"
 
+#include "base/text.h"
+#include "tell.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CELL = 64 /* longest text of a cell, with its NUL */ };
+enum {
+    CELL = 256,   /* bytes of a cell's text, with its NUL */
+    COLUMNS = 60, /* that it takes, at most */
+    MOST_KEYS = 64
+};
 
 static void
 format_number(char cell[CELL], const json_t *value)
@@ -24,15 +31,26 @@ format_number(char cell[CELL], const json_t *value)
         snprintf(cell, CELL, "%.6g", v);
 }
 
-/* A value in one line; what comes from others keeps off the terminal's
- * controls. */
+/* Text that is too wide ends in dots. */
+static void
+format_text(char cell[CELL], const char *text)
+{
+    bool cut = strlen(text) >= CELL;
+
+    rad_text_print(cell, CELL, "%s", text);
+    rad_text_clean(cell);
+    if (cut || rad_text_width(cell) > COLUMNS)
+        strcpy(cell + rad_text_fit(cell, COLUMNS - 3), "...");
+}
+
+/* A value in one line. */
 static void
 format_cell(char cell[CELL], const json_t *value)
 {
     switch (json_typeof(value)) {
     case JSON_STRING:
-        snprintf(cell, CELL, "%s",
-                 json_string_length(value) ? json_string_value(value) : "-");
+        format_text(cell,
+                    json_string_length(value) ? json_string_value(value) : "-");
         break;
     case JSON_INTEGER:
     case JSON_REAL:
@@ -53,27 +71,12 @@ format_cell(char cell[CELL], const json_t *value)
     default:
         strcpy(cell, "-");
     }
-    for (char *p = cell; *p; p++)
-        if ((unsigned char)*p < ' ' || *p == 0x7f)
-            *p = '?';
-}
-
-/* The column's width on the screen, counting UTF-8's bytes that continue as
- * nothing. */
-static size_t
-width_of(const char *s)
-{
-    size_t n = 0;
-
-    for (; *s; s++)
-        n += ((unsigned char)*s & 0xc0) != 0x80;
-    return n;
 }
 
 static void
 put_cell(FILE *to, const char *cell, size_t width, bool right, bool last)
 {
-    size_t n = width_of(cell);
+    size_t n = rad_text_width(cell);
     int pad = n < width ? (int)(width - n) : 0;
 
     if (right)
@@ -87,7 +90,7 @@ put_cell(FILE *to, const char *cell, size_t width, bool right, bool last)
 static size_t
 column_width(const json_t *rows, const char *key)
 {
-    size_t i, width = width_of(key);
+    size_t i, n, width = rad_text_width(key);
     const json_t *row, *value;
     char cell[CELL];
 
@@ -96,52 +99,54 @@ column_width(const json_t *rows, const char *key)
         value = json_object_get(row, key);
         if (value) {
             format_cell(cell, value);
-            if (width_of(cell) > width)
-                width = width_of(cell);
+            n = rad_text_width(cell);
+            width = n > width ? n : width;
         }
     }
     return width;
 }
 
+/* row NULL: the head. */
 static void
-put_row(FILE *to, const json_t *rows, const json_t *row, bool head)
+put_row(FILE *to, const json_t *first, const size_t width[MOST_KEYS],
+        const json_t *row)
 {
-    json_t *first = json_array_get(rows, 0);
     size_t k = 0, n = json_object_size(first);
     const char *key;
     const json_t *shown, *value;
     char cell[CELL];
 
-    json_object_foreach(first, key, shown)
+    json_object_foreach((json_t *)first, key, shown)
     {
-        value = head ? NULL : json_object_get(row, key);
-        if (head)
-            snprintf(cell, sizeof cell, "%s", key);
-        else if (value)
+        value = row ? json_object_get(row, key) : NULL;
+        if (value)
             format_cell(cell, value);
         else
-            strcpy(cell, "-");
-        put_cell(to, cell, column_width(rows, key), json_is_number(shown),
-                 ++k == n);
+            format_text(cell, row ? "-" : key);
+        put_cell(to, cell, width[k], json_is_number(shown), k + 1 == n);
+        k++;
     }
 }
 
 static void
-print_rows(FILE *to, const char *name, const json_t *rows, size_t most)
+print_rows(FILE *to, const char *name, const json_t *rows)
 {
-    size_t i, n = json_array_size(rows);
-    const json_t *row;
+    const json_t *first = json_array_get(rows, 0), *row, *shown;
+    size_t i, k = 0, n = json_array_size(rows), width[MOST_KEYS];
+    const char *key;
 
     if (n == 0) {
-        fprintf(to, "no %s\n", name);
+        tell(to, "no %s", name);
         return;
     }
-    if (n > most || !json_is_object(json_array_get(rows, 0))) {
-        fprintf(to, "%s: %zu\n", name, n);
+    if (!json_is_object(first) || json_object_size(first) > MOST_KEYS) {
+        tell(to, "%s: %zu", name, n);
         return;
     }
-    put_row(to, rows, NULL, true);
-    json_array_foreach(rows, i, row) put_row(to, rows, row, false);
+    json_object_foreach((json_t *)first, key, shown) width[k++] =
+        column_width(rows, key);
+    put_row(to, first, width, NULL);
+    json_array_foreach(rows, i, row) put_row(to, first, width, row);
 }
 
 /* The plain members of an object, their names in a column. */
@@ -164,27 +169,24 @@ print_plain(FILE *to, const json_t *object)
             continue;
         any = true;
         if (json_is_string(value)) { /* whole, however long */
-            fprintf(to, "%-*s  ", (int)width, key);
-            for (const char *p = json_string_value(value); *p; p++)
-                fputc((unsigned char)*p < ' ' || *p == 0x7f ? '?' : *p, to);
-            fputc('\n', to);
+            tell(to, "%-*s  %s", (int)width, key, json_string_value(value));
             continue;
         }
         format_cell(cell, value);
-        fprintf(to, "%-*s  %s\n", (int)width, key, cell);
+        tell(to, "%-*s  %s", (int)width, key, cell);
     }
     return any;
 }
 
 void
-table_print(FILE *to, const json_t *root, size_t most)
+table_print(FILE *to, const json_t *root)
 {
     const char *key;
     json_t *value;
     bool above;
 
     if (json_is_array(root)) {
-        print_rows(to, "entries", root, most);
+        print_rows(to, "entries", root);
         return;
     }
     above = print_plain(to, root);
@@ -196,10 +198,22 @@ table_print(FILE *to, const json_t *root, size_t most)
             fputc('\n', to);
         above = true;
         if (json_is_array(value)) {
-            print_rows(to, key, value, most);
+            print_rows(to, key, value);
         } else {
-            fprintf(to, "%s\n", key);
+            tell(to, "%s", key);
             print_plain(to, value);
         }
     }
+}
+
+void
+table_print_json(FILE *to, const json_t *root)
+{
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    char *safe = text ? rad_text_json(text, strlen(text)) : NULL;
+
+    if (safe)
+        fprintf(to, "%s\n", safe);
+    free(safe);
+    free(text);
 }

@@ -3,14 +3,16 @@
 
 #include "target.h"
 
+#include "inifile.h"
+
 #include <errno.h>
-#include <ini.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* radcoord's default; see radcoord.conf(5) */
-#define DEFAULT_PORT "7420"
+/* radcoord's defaults; see radcoord.conf(5) */
+#define DEFAULT_PORT   "7420"
+#define DEFAULT_SOCKET "/run/radd/radcoord.sock"
 
 enum { LONGEST = sizeof((struct target *)0)->text };
 
@@ -54,28 +56,31 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     return 0;
 }
 
-/* What the file's reader fills. */
+/* What the files name. */
 struct found {
     char address[LONGEST];
     char key[LONGEST];
-    char unknown[64]; /* first key that is not ours */
 };
 
 static int
-on_key(void *arg, const char *section, const char *name, const char *value)
+take_pair(void *arg, const char *section, const char *name, const char *value,
+          struct rad_error *err)
 {
     struct found *f = arg;
     bool ours = section[0] == '\0' || strcmp(section, "radsubmit") == 0;
     char *to = ours && strcmp(name, "coordinator") == 0 ? f->address
                : ours && strcmp(name, "key") == 0       ? f->key
                                                         : NULL;
+    struct target parsed;
 
-    if (to) {
-        snprintf(to, LONGEST, "%s", value);
-        return 1;
-    }
-    if (f->unknown[0] == '\0')
-        snprintf(f->unknown, sizeof f->unknown, "%s", name);
+    if (!to)
+        return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", name);
+    if (strlen(value) >= LONGEST)
+        return rad_fail(err, RAD_ECONFIG, "'%s': longer than %d bytes", name,
+                        LONGEST - 1);
+    if (to == f->address && value[0] && target_parse(&parsed, value, err) < 0)
+        return err->code = RAD_ECONFIG;
+    strcpy(to, value);
     return 0;
 }
 
@@ -84,9 +89,9 @@ on_key(void *arg, const char *section, const char *name, const char *value)
 static int
 read_file(struct found *known, const char *path, struct rad_error *err)
 {
-    struct found f = { "", "", "" };
-    FILE *in = fopen(path, "r");
-    int line;
+    struct found f = { "", "" };
+    FILE *in = fopen(path, "re");
+    int rc;
 
     if (!in) {
         if (errno == ENOENT || errno == ENOTDIR || errno == EACCES)
@@ -94,14 +99,10 @@ read_file(struct found *known, const char *path, struct rad_error *err)
         return rad_fail(err, RAD_ECONFIG, "cannot open '%s': %s", path,
                         strerror(errno));
     }
-    line = ini_parse_file(in, on_key, &f);
+    rc = inifile_read(in, path, take_pair, &f, err);
     fclose(in);
-    if (line != 0) {
-        rad_error_where(err, "%s:%d", path, line);
-        if (f.unknown[0])
-            return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", f.unknown);
-        return rad_fail(err, RAD_ECONFIG, "expected key = value");
-    }
+    if (rc < 0)
+        return rc;
     if (!known->address[0])
         memcpy(known->address, f.address, LONGEST);
     if (!known->key[0])
@@ -126,6 +127,19 @@ user_file(char *path, size_t size)
     return n > 0 && (size_t)n < size;
 }
 
+#define SYSTEM_FILE RADD_SYSCONFDIR "/radd/radsubmit.conf"
+
+int
+target_note(struct inputs *in, struct rad_error *err)
+{
+    char path[4096];
+    int rc = 0;
+
+    if (user_file(path, sizeof path))
+        rc = inputs_add(in, "the configuration", path, err);
+    return rc == 0 ? inputs_add(in, "the configuration", SYSTEM_FILE, err) : rc;
+}
+
 /* The first of the option and the variable that is there. */
 static void
 take_named(char to[LONGEST], const char *given, const char *variable)
@@ -141,7 +155,7 @@ int
 target_find(struct target *a, const char *given, const char *key,
             struct rad_error *err)
 {
-    struct found f = { "", "", "" };
+    struct found f = { "", "" };
     char path[4096];
     int rc = 0;
 
@@ -154,7 +168,7 @@ target_find(struct target *a, const char *given, const char *key,
         if (user_file(path, sizeof path))
             rc = read_file(&f, path, err);
         if (rc == 0)
-            rc = read_file(&f, RADD_SYSCONFDIR "/radd/radsubmit.conf", err);
+            rc = read_file(&f, SYSTEM_FILE, err);
     }
     if (rc < 0 || (!f.address[0] && !given))
         return rc;
@@ -163,4 +177,10 @@ target_find(struct target *a, const char *given, const char *key,
         return rc;
     memcpy(a->key, f.key, sizeof a->key);
     return 1;
+}
+
+void
+target_default(struct target *a)
+{
+    target_parse(a, DEFAULT_SOCKET, NULL);
 }

@@ -6,12 +6,15 @@
  * (SYSCONFDIR/radd).  An address is a socket's path (it has a '/') or
  * HOST:PORT, HOST alone meaning the default port; an IPv6 host stands in
  * brackets.
+ * A coordinator's own machine has one more, for who only wants to ask: the
+ * socket that radcoord makes where nothing else is said.
  * The key file is named in the same places: by the command line, RADD_KEY, the
  * key `key` of either file.  */
 #ifndef RADD_CLIENT_TARGET_H
 #define RADD_CLIENT_TARGET_H
 
 #include "base/error.h"
+#include "inputs.h"
 
 #include <stdbool.h>
 
@@ -33,5 +36,11 @@ int target_parse(struct target *a, const char *text, struct rad_error *err);
  */
 int target_find(struct target *a, const char *given, const char *key,
                 struct rad_error *err);
+
+/* Note the configuration files that target_find() may read. */
+int target_note(struct inputs *in, struct rad_error *err);
+
+/* The socket of this machine's coordinator, which may not be there. */
+void target_default(struct target *a);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,6 +65,7 @@ words_init(struct words *w, int argc, char *const argv[], struct rad_error *err)
 void
 words_release(struct words *w)
 {
+    inputs_release(&w->inputs);
     rad_arena_release(&w->arena);
     memset(w, 0, sizeof *w);
 }
@@ -103,6 +105,25 @@ replace(struct words *w, int at, char *text, struct rad_error *err)
     return 0;
 }
 
+/* "# ..." up to the end of the line becomes blanks. */
+static void
+blank_comments(char *s)
+{
+    bool apart = true; /* a word may begin here */
+
+    for (; *s; s++) {
+        if (*s == '#' && apart) {
+            size_t n = strcspn(s, "\n");
+
+            memset(s, ' ', n);
+            s += n;
+            if (*s == '\0')
+                return;
+        }
+        apart = isspace((unsigned char)*s);
+    }
+}
+
 static int
 read_text(struct words *w, const char *path, char **text, struct rad_error *err)
 {
@@ -127,6 +148,10 @@ read_text(struct words *w, const char *path, char **text, struct rad_error *err)
         rc = rad_fail(err, RAD_EUSAGE, "'%s' is not an options file", path);
     else if (!(*text = rad_arena_strndup(&w->arena, buf, n)))
         rc = no_memory(err);
+    else
+        rc = inputs_add_fd(&w->inputs, "a file of options", fileno(f), err);
+    if (rc == 0)
+        blank_comments(*text);
     free(buf);
     fclose(f);
     return rc;

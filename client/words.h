@@ -2,7 +2,8 @@
  *
  * As in rpict(1): a word "@file" where an option may stand is replaced by the
  * blank-separated words of that file, "$NAME" by those of an environment
- * variable; what comes out is looked at again.  Values of options are never
+ * variable; what comes out is looked at again.  In a file a word that
+ * begins with '#' ends its line.  Values of options are never
  * replaced, so the parser says where it stands.
  * Thread: one.  */
 #ifndef RADD_CLIENT_WORDS_H
@@ -10,12 +11,15 @@
 
 #include "base/arena.h"
 #include "base/error.h"
+#include "inputs.h"
 
 struct words {
     struct rad_arena arena; /* of list and of the text that came in */
     char **list;            /* n words and a NULL */
     int n, room;
-    int expanded; /* replacements so far */
+    int expanded;         /* replacements so far */
+    struct inputs inputs; /* files that were read, by whoever takes the words,
+                           * too */
 };
 
 /* Copy argv[1..argc-1], without opening any.  RAD_ENOMEM. */

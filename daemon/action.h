@@ -36,7 +36,10 @@ enum action_type {
                         * connection; FAILED if it cannot be read */
     ACT_JOB_OPEN,      /* job: keep it, and room for its rows; then
                         * coord_job_opened */
-    ACT_JOB_STATE,     /* job, status: an enum job_state to keep */
+    ACT_JOB_STATE,     /* job, status, priority: an enum job_state and a
+                        * priority to keep */
+    ACT_DRAINED,       /* text, status: to keep whether that worker is drained,
+                        * 1 or 0 */
     ACT_JOB_END,       /* job, bytes: it is over; keep how, and bytes as its
                         * statistics; then coord_job_filed */
     ACT_KEEP_UNIT,     /* job, unit: remember it some time, before any of its
@@ -48,8 +51,9 @@ enum action_type {
                         * coord_picture_written */
     ACT_SEND_PICTURE,  /* conn, request, job, frame, what: as CHUNKs; FAILED
                         * with that request if there is none */
-    ACT_JOB_FORGET,    /* job: remove its files */
-    ACT_KEY,           /* conn, request, key: do it and answer */
+    ACT_JOB_FETCHED,   /* job, frame: its owner has the picture; keep that */
+    ACT_JOB_FORGET,    /* gone: remove its files */
+    ACT_KEY,           /* conn, request, key, text: for that admin; answer */
     /* worker */
     ACT_DIAL,  /* conn, text: address; empty: the coordinator's, with our own
                 * key; else with that of job and token (tls_peer_key).  Then
@@ -66,6 +70,7 @@ enum action_type {
 struct action_rows {
     uint64_t conn; /* worker's connection */
     uint8_t job[MSG_JOB];
+    uint64_t sequence; /* of the job: another may have its id by the time */
     uint32_t unit, attempt;
     uint32_t row, rows; /* in the unit */
     uint32_t frame;     /* index */
@@ -91,7 +96,11 @@ struct action_look {
     uint64_t conn;
     uint32_t request;
     uint8_t job[MSG_JOB];
+    uint32_t nlook; /* the first so many of the files are to be looked at */
     struct msg_hashes files;
+    uint64_t bytes; /* of all of them, by what the job says */
+    int status;     /* of sysexits.h: they cannot be had, and why */
+    char why[256];
 };
 /* Are they known, or missing?  If not, the event follows later.  The files are
  * copied.  A machine's env may have NULL for it: then all are. */
@@ -115,10 +124,12 @@ struct action {
     size_t len;
     const char *text;
     int status;          /* of sysexits.h */
+    int32_t priority;
     uint32_t memory_mib; /* most that the job may use; 0: no limit of its own */
     struct msg_chunk chunk;
     struct action_rows rows;
     const struct saved_unit *unit;
+    const struct saved_gone *gone;
 };
 
 struct action_list {

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ANY_HOST "*"
+
 int
 address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
               bool *local, struct rad_error *err)
@@ -44,32 +46,106 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
     return 0;
 }
 
-int
-address_resolve(const char *text, struct address *a, struct rad_error *err)
+/* The answers for host and port, to be freed; NULL: there are none. */
+static struct addrinfo *
+look_up(const char *text, const char *host, const char *port,
+        struct rad_error *err)
 {
     struct addrinfo hints = { .ai_socktype = SOCK_STREAM,
                               .ai_flags = AI_NUMERICSERV };
     struct addrinfo *found;
-    char host[ADDRESS_TEXT], port[8];
+    int rc = getaddrinfo(host, port, &hints, &found);
+
+    if (rc == 0)
+        return found;
+    rad_fail(err, RAD_EUNAVAIL, "cannot look up '%s': %s", text,
+             gai_strerror(rc));
+    return NULL;
+}
+
+/* A Unix socket's path into *a and 1, or a text's host and port and 0. */
+static int
+split(const char *text, struct address *a, char host[ADDRESS_TEXT],
+      char port[8], struct rad_error *err)
+{
     bool local;
     int rc = address_split(text, host, port, &local, err);
 
-    if (rc < 0)
-        return rc;
     memset(a, 0, sizeof *a);
-    if (local) {
-        a->sa.un.sun_family = AF_UNIX;
-        memcpy(a->sa.un.sun_path, text, strlen(text) + 1);
+    if (rc < 0 || !local)
+        return rc;
+    a->sa.un.sun_family = AF_UNIX;
+    memcpy(a->sa.un.sun_path, text, strlen(text) + 1);
+    return 1;
+}
+
+static void
+copy_address(struct address *a, const struct addrinfo *from)
+{
+    if (from->ai_addrlen <= sizeof a->sa)
+        memcpy(&a->sa, from->ai_addr, from->ai_addrlen);
+}
+
+int
+address_resolve(const char *text, unsigned nth, struct address *a,
+                struct rad_error *err)
+{
+    struct addrinfo *found, *one;
+    char host[ADDRESS_TEXT], port[8];
+    int rc = split(text, a, host, port, err);
+
+    if (rc == 1 && nth > 0)
+        return rad_fail(err, RAD_EUNAVAIL, "'%s' is one address", text);
+    if (rc != 0)
+        return rc < 0 ? rc : 0;
+    if (strcmp(host, ANY_HOST) == 0)
+        return rad_fail(err, RAD_EUSAGE, "'%s' is no address to dial", text);
+    one = found = look_up(text, host, port, err);
+    if (!found)
+        return RAD_EUNAVAIL;
+    while (one && nth-- > 0)
+        one = one->ai_next;
+    if (one)
+        copy_address(a, one);
+    else
+        rc = rad_fail(err, RAD_EUNAVAIL, "'%s' has no further address", text);
+    freeaddrinfo(found);
+    return rc;
+}
+
+int
+address_resolve_listen(const char *text, struct address *a,
+                       struct rad_error *err)
+{
+    struct addrinfo *found, *one;
+    char host[ADDRESS_TEXT], port[8];
+    int rc = split(text, a, host, port, err);
+
+    if (rc != 0)
+        return rc < 0 ? rc : 0;
+    if (strcmp(host, ANY_HOST) == 0) {
+        a->sa.in6.sin6_family = AF_INET6; /* in6addr_any is all zeros */
+        a->sa.in6.sin6_port = htons((uint16_t)atoi(port));
         return 0;
     }
-    rc = getaddrinfo(host, port, &hints, &found);
-    if (rc)
-        return rad_fail(err, RAD_EUNAVAIL, "cannot look up '%s': %s", text,
-                        gai_strerror(rc));
-    if (found->ai_addrlen <= sizeof a->sa)
-        memcpy(&a->sa, found->ai_addr, found->ai_addrlen);
+    one = found = look_up(text, host, port, err);
+    if (!found)
+        return RAD_EUNAVAIL;
+    while (one && one->ai_family != AF_INET)
+        one = one->ai_next;
+    copy_address(a, one ? one : found);
     freeaddrinfo(found);
     return 0;
+}
+
+void
+address_wildcard_v4(struct address *a)
+{
+    in_port_t port = a->sa.in6.sin6_port;
+
+    memset(a, 0, sizeof *a);
+    a->sa.in.sin_family = AF_INET; /* INADDR_ANY is 0 */
+    a->sa.in.sin_port = port;
 }
 
 bool

@@ -1,6 +1,7 @@
 /* address.h - where to listen and whom to dial
  *
- * "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a Unix socket.
+ * "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a Unix socket; "*"
+ * as HOST is all addresses of this machine, where one listens.
  * An IPv4 address that comes in the clothes of IPv6 is shown as it is.
  * Thread: any; address_resolve() may wait for the resolver. */
 #ifndef RADD_DAEMON_ADDRESS_H
@@ -29,9 +30,19 @@ struct address {
 int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                   bool *local, struct rad_error *err);
 
-/* Text to address; a host's name is looked up (the first answer counts).
- * RAD_EUSAGE for a bad text, RAD_EUNAVAIL for an unknown host. */
-int address_resolve(const char *text, struct address *a, struct rad_error *err);
+/* Text to the address to dial; a host's name is looked up, and may have several
+ * addresses: nth counts from 0.  RAD_EUSAGE for a bad text, RAD_EUNAVAIL for an
+ * unknown host or one that has no nth address. */
+int address_resolve(const char *text, unsigned nth, struct address *a,
+                    struct rad_error *err);
+
+/* Text to the address to listen at: of a name the first of IPv4, or else the
+ * first; of "*" that of all IPv6 and IPv4 addresses. */
+int address_resolve_listen(const char *text, struct address *a,
+                           struct rad_error *err);
+
+/* "*" on a machine without IPv6. */
+void address_wildcard_v4(struct address *a);
 
 bool address_is_local(const struct address *a);    /* a Unix socket */
 bool address_is_loopback(const struct address *a); /* or a loopback address */

@@ -31,14 +31,15 @@ balance_splits(const struct job *job)
            (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
 }
 
-/* Has it nothing to do, for this job or another? */
 bool
 balance_is_idle(const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
     return jw->state == JW_READY && sched_takes_units(jw->worker) &&
-           jw->worker->in_flight == 0 && !jw->worker->alone;
+           (jw->worker->in_flight == 0 ||
+            jw->worker->priority < job->spec.priority) &&
+           !jw->worker->alone;
 }
 
 /* --- splitting --- */
@@ -148,7 +149,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     if (!job || m->unit >= job->nunits)
         return;
     go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || !(go->split || go->still)) /* asked before it came back */
+    if (!go || !(go->split || go->yielded || go->still)) /* asked before */
         return;
     go->split = false;
     partition_area(job->partition, m->unit, &a);
@@ -156,10 +157,16 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     actions_log(&c->actions, ACT_DEBUG,
                 "unit gave job=%s unit=%u attempt=%u height=%u of=%u", job->hex,
                 m->unit, m->attempt, m->height, a.height);
+    if (m->height == 0) {
+        loss_given_back(c, job, m->unit, go);
+        return;
+    }
     if (m->height == a.height) {
         u->whole = true;
         return;
     }
+    if (go->loans > 0) /* of what was its last line */
+        loss_end_loans(c, job, m->unit, go->attempt);
     if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
         sched_send_attempt(c, job, MSG_REVOKE, m->unit, go);
         loss_of(c, job, m->unit, go);

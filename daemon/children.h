@@ -11,6 +11,9 @@
 
 #include <uv.h>
 
+#define CHILDREN_PATH_MAX 4096
+#define CHILDREN_MAX_ENV  9
+
 struct children_conf {
     const char *files_dir; /* of the store */
     int threads;
@@ -33,6 +36,7 @@ struct child;
 struct children {
     struct shell *shell;
     struct children_conf conf;
+    char files_dir[CHILDREN_PATH_MAX]; /* conf's, from the root */
     child_ended_fn *ended;
     void *arg;
     struct child *list;
@@ -56,6 +60,9 @@ bool children_closed(struct children *all, uint64_t id, const char *why);
 
 /* Read nothing from any of them, or go on. */
 void children_hold(struct children *all, bool held);
+
+/* What a child has of the environment at `from`. */
+void children_environment(char *const *from, char *to[CHILDREN_MAX_ENV + 1]);
 
 /* End all, at once. */
 void children_kill_all(struct children *all);

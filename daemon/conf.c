@@ -1,16 +1,13 @@
-/* conf.c - see conf.h
- *
- * inih calls its reader a line at a time; ours counts the lines, so that an
- * error can name the one it is in, and notices lines that inih would split. */
+/* conf.c - see conf.h */
 #include "config.h"
 
 #include "conf.h"
 
 #include "base/help.h"
+#include "inifile.h"
 
 #include <errno.h>
 #include <getopt.h>
-#include <ini.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,12 +53,27 @@ parse_bool(const struct conf_key *k, const char *value, bool *out,
                     k->name, value);
 }
 
+/* RAD_ECONFIG with the key's name where the table does not take the text. */
 static int
-set_key(const struct conf_key *k, void *settings, const char *value,
-        struct rad_error *err)
+check_text(const struct conf_table *t, const struct conf_key *k,
+           const char *value, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    if (strlen(value) >= CONF_TEXT)
+        return rad_fail(err, RAD_ECONFIG, "'%s': value longer than %d", k->name,
+                        CONF_TEXT - 1);
+    if (!t->check_text || t->check_text(k->name, value, &why) >= 0)
+        return 0;
+    return rad_fail(err, RAD_ECONFIG, "'%s': %s", k->name, why.what);
+}
+
+static int
+set_key(const struct conf_table *t, const struct conf_key *k, void *settings,
+        const char *value, struct rad_error *err)
 {
     char *field = (char *)settings + k->offset;
-    size_t n = strlen(value);
+    int rc;
 
     switch (k->kind) {
     case CONF_INT_KEY:
@@ -69,11 +81,9 @@ set_key(const struct conf_key *k, void *settings, const char *value,
     case CONF_BOOL_KEY:
         return parse_bool(k, value, (bool *)(void *)field, err);
     case CONF_TEXT_KEY:
-        if (n >= CONF_TEXT)
-            return rad_fail(err, RAD_ECONFIG, "'%s': value longer than %d",
-                            k->name, CONF_TEXT - 1);
-        memcpy(field, value, n + 1);
-        return 0;
+        if ((rc = check_text(t, k, value, err)) == 0)
+            strcpy(field, value);
+        return rc;
     }
     return rad_fail(err, RAD_EINTERNAL, "'%s': no such kind", k->name);
 }
@@ -84,7 +94,7 @@ conf_defaults(const struct conf_table *t, void *settings)
     memset(settings, 0, t->size);
     for (const struct conf_key *k = t->keys; k->name; k++)
         if (k->def)
-            set_key(k, settings, k->def, NULL);
+            set_key(t, k, settings, k->def, NULL);
 }
 
 /* RAD_ECONFIG for an unknown key or a bad value. */
@@ -94,83 +104,40 @@ set_named(const struct conf_table *t, void *settings, const char *name,
 {
     for (const struct conf_key *k = t->keys; k->name; k++)
         if (k->arg && strcmp(k->name, name) == 0)
-            return set_key(k, settings, value, err);
+            return set_key(t, k, settings, value, err);
     return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", name);
 }
 
-struct reader {
+struct filling {
     const struct conf_table *table;
     void *settings;
-    FILE *file;
-    const char *path;
-    int line;
-    int code; /* of the first error */
-    struct rad_error *err;
 };
 
-static void
-reader_failed(struct reader *r, int code)
-{
-    if (r->code == 0) {
-        r->code = code;
-        rad_error_where(r->err, "%s:%d", r->path, r->line);
-    }
-}
-
-static char *
-read_line(char *str, int num, void *stream)
-{
-    struct reader *r = stream;
-
-    if (r->code || !fgets(str, num, r->file))
-        return NULL;
-    r->line++;
-    if (!strchr(str, '\n') && !feof(r->file)) {
-        reader_failed(r, rad_fail(r->err, RAD_ECONFIG,
-                                  "line longer than %d bytes", num - 2));
-        return NULL;
-    }
-    return str;
-}
-
 static int
-take_pair(void *user, const char *section, const char *name, const char *value)
+take_pair(void *arg, const char *section, const char *name, const char *value,
+          struct rad_error *err)
 {
-    struct reader *r = user;
-    int rc;
+    struct filling *f = arg;
 
-    if (section[0] && strcmp(section, r->table->program) != 0)
-        rc = rad_fail(r->err, RAD_ECONFIG, "unknown section '%s'", section);
-    else
-        rc = set_named(r->table, r->settings, name, value, r->err);
-    if (rc < 0)
-        reader_failed(r, rc);
-    return rc == 0;
+    if (section[0] && strcmp(section, f->table->program) != 0)
+        return rad_fail(err, RAD_ECONFIG, "unknown section '%s'", section);
+    return set_named(f->table, f->settings, name, value, err);
 }
 
 int
 conf_read(const struct conf_table *t, void *settings, const char *path,
           struct rad_error *err)
 {
-    struct reader r = {
-        .table = t, .settings = settings, .path = path, .err = err
-    };
-    int line;
+    struct filling f = { t, settings };
+    FILE *file = fopen(path, "re");
+    int rc;
 
-    r.file = fopen(path, "re");
-    if (!r.file)
+    if (!file)
         return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
                         strerror(errno));
-    line = ini_parse_stream(read_line, &r, take_pair, &r);
-    if (r.code == 0 && ferror(r.file))
-        r.code = rad_fail(err, RAD_EIO, "cannot read '%s'", path);
-    if (r.code == 0 && line != 0) {
-        r.line = line > 0 ? line : r.line;
-        reader_failed(&r, rad_fail(err, RAD_ECONFIG,
-                                   "expected 'key = value' or '[section]'"));
-    }
-    fclose(r.file);
-    return r.code;
+    rc = inifile_read(file, path, take_pair, &f, err);
+    fclose(file);
+    return rc;
 }
 
 /* The command line as getopt_long knows it: a row per key. */
@@ -197,7 +164,7 @@ make_options(const struct conf_table *t, struct options *o)
                 *p = '-';
         o->rows[n].name = o->names[n];
         o->rows[n].has_arg =
-            k->kind == CONF_BOOL_KEY ? no_argument : required_argument;
+            k->kind == CONF_BOOL_KEY ? optional_argument : required_argument;
         o->rows[n].flag = NULL;
         o->rows[n].val = n;
         n++;
@@ -234,12 +201,50 @@ walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
                  strcmp(t->keys[c].name, t->private_key) == 0)
             *config = *config ? *config : "";
         else if (settings)
-            rc = set_key(&t->keys[c], settings, optarg ? optarg : "yes", err);
+            rc = set_key(t, &t->keys[c], settings, optarg ? optarg : "yes",
+                         err);
     }
     if (rc == 0 && optind < argc)
         rc =
             rad_fail(err, RAD_EUSAGE, "unexpected argument '%s'", argv[optind]);
     return rc < 0 ? rc : wish;
+}
+
+/* The code of the first error becomes another. */
+static int
+recode(struct rad_error *err, int code)
+{
+    if (err)
+        err->code = code;
+    return code;
+}
+
+/* Defaults, the file if there is one, and the options over it. */
+static int
+load_all(const struct conf_table *t, void *settings, const char *config,
+         int argc, char *argv[], struct rad_error *err)
+{
+    int rc;
+
+    conf_defaults(t, settings);
+    if (config && (rc = conf_read(t, settings, config, err)) < 0)
+        return rc;
+    rc = walk_options(t, settings, argc, argv, &config, err);
+    /* a key's value, but not from a file */
+    return rc == RAD_ECONFIG ? recode(err, RAD_EUSAGE) : rc;
+}
+
+/* Would the options do without the file? */
+static bool
+options_suffice(const struct conf_table *t, int argc, char *argv[])
+{
+    void *alone = malloc(t->size);
+    bool fine = alone &&
+                load_all(t, alone, NULL, argc, argv, NULL) == CONF_RUN &&
+                t->check(alone, NULL) >= 0;
+
+    free(alone);
+    return fine;
 }
 
 int
@@ -258,17 +263,15 @@ conf_load(const struct conf_table *t, void *settings, int argc, char *argv[],
         fclose(there);
         config = t->file;
     }
-    if (config && config[0] && (rc = conf_read(t, settings, config, err)) < 0)
+    if (config && !config[0])
+        config = NULL;
+    rc = load_all(t, settings, config, argc, argv, err);
+    if (rc != CONF_RUN || !t->check || (rc = t->check(settings, err)) >= 0)
         return rc;
-    rc = walk_options(t, settings, argc, argv, &config, err);
-    if (rc == RAD_ECONFIG) { /* a key's value, but not from a file */
-        rc = RAD_EUSAGE;
-        if (err)
-            err->code = rc;
-    }
-    if (rc == CONF_RUN && t->check)
-        rc = t->check(settings, err);
-    return rc;
+    if (!config || !options_suffice(t, argc, argv))
+        return rc;
+    rad_error_where(err, "%s", config);
+    return recode(err, RAD_ECONFIG);
 }
 
 static size_t
@@ -279,21 +282,52 @@ field_size(enum conf_kind kind)
                                   : sizeof(bool);
 }
 
+static bool
+same_field(const struct conf_key *k, const void *a, const void *b)
+{
+    const char *p = (const char *)a + k->offset;
+    const char *q = (const char *)b + k->offset;
+
+    return k->kind == CONF_TEXT_KEY ? strcmp(p, q) == 0
+                                    : memcmp(p, q, field_size(k->kind)) == 0;
+}
+
+static void
+copy_field(const struct conf_key *k, void *to, const void *from)
+{
+    memcpy((char *)to + k->offset, (const char *)from + k->offset,
+           field_size(k->kind));
+}
+
+static void
+add_name(char list[CONF_TEXT], const char *name)
+{
+    size_t n = strlen(list);
+
+    snprintf(list + n, CONF_TEXT - n, "%s%s", n > 0 ? "," : "", name);
+}
+
 int
-conf_reload(const struct conf_table *t, void *settings, int argc, char *argv[],
-            struct rad_error *err)
+conf_reload(const struct conf_table *t, void *settings, void *loaded, int argc,
+            char *argv[], char later[CONF_TEXT], struct rad_error *err)
 {
     void *fresh = malloc(t->size);
     int rc;
 
+    later[0] = '\0';
     if (!fresh)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rc = conf_load(t, fresh, argc, argv, err);
-    if (rc == CONF_RUN)
-        for (const struct conf_key *k = t->keys; k->name; k++)
-            if (k->reload)
-                memcpy((char *)settings + k->offset, (char *)fresh + k->offset,
-                       field_size(k->kind));
+    for (const struct conf_key *k = t->keys; rc == CONF_RUN && k->name; k++) {
+        if (same_field(k, fresh, loaded))
+            continue;
+        if (k->reload) {
+            copy_field(k, settings, fresh);
+            copy_field(k, loaded, fresh);
+        } else {
+            add_name(later, k->name);
+        }
+    }
     free(fresh);
     return rc < 0 ? rc : 0;
 }

@@ -18,7 +18,7 @@
 enum conf_kind {
     CONF_TEXT_KEY, /* char[CONF_TEXT] */
     CONF_INT_KEY,  /* int, min..max */
-    CONF_BOOL_KEY  /* bool; as an option it takes no argument */
+    CONF_BOOL_KEY  /* bool; as an option it may do without a value */
 };
 
 struct conf_key {
@@ -42,7 +42,12 @@ struct conf_table {
                                   * read */
     const struct conf_key *keys; /* ends with name == NULL */
     size_t size;                 /* of the settings struct */
-    int (*check)(const void *settings, struct rad_error *err); /* or NULL */
+    /* Is this text one for that key?  For what a bad one can be told by
+     * itself, so that the error names its line; or NULL. */
+    int (*check_text)(const char *name, const char *value,
+                      struct rad_error *err);
+    /* Do the settings go together?  Or NULL. */
+    int (*check)(const void *settings, struct rad_error *err);
 };
 
 enum conf_wish { CONF_RUN, CONF_HELP, CONF_VERSION };
@@ -56,15 +61,20 @@ int conf_read(const struct conf_table *t, void *settings, const char *path,
               struct rad_error *err);
 
 /* All of it: defaults, file (--config=FILE, else t->file if it is there),
- * options, t->check.  Returns an enum conf_wish or a negative code
- * (RAD_EUSAGE for a wrong command line).  argv stays in order. */
+ * options, t->check.  Returns an enum conf_wish or a negative code:
+ * RAD_EUSAGE for a wrong command line, RAD_ECONFIG for the file, also where the
+ * options alone would do.  argv stays in order. */
 int conf_load(const struct conf_table *t, void *settings, int argc,
               char *argv[], struct rad_error *err);
 
 /* Read the file again, over the same command line; only keys marked reload
- * change in *settings. */
-int conf_reload(const struct conf_table *t, void *settings, int argc,
-                char *argv[], struct rad_error *err);
+ * change in *settings.  *loaded is what conf_load() gave, kept apart because a
+ * daemon fills in what was left to it; it follows what is taken over.  The
+ * names of changed keys that want a restart go to `later`, with a comma
+ * between, cut where they do not fit; "" if there are none. */
+int conf_reload(const struct conf_table *t, void *settings, void *loaded,
+                int argc, char *argv[], char later[CONF_TEXT],
+                struct rad_error *err);
 
 /* --help and --version onto stdout. */
 void conf_help(const struct conf_table *t);

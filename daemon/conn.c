@@ -6,6 +6,7 @@
 #include "log.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,10 +15,10 @@
 #define READ_BYTES  (64u << 10)
 #define PLAIN_BYTES (16u << 10) /* what a record of TLS holds */
 
-/* A user with more unread answers than the one gets none of its requests
- * looked at, until there are less than the other. */
-#define ANSWERS_HIGH (4u << 20)
-#define ANSWERS_LOW  (1u << 20)
+/* A connection of a user's with more unread answers than the one gets none of
+ * its requests looked at, until there are less than the other. */
+#define ANSWERS_HIGH (1u << 20)
+#define ANSWERS_LOW  (256u << 10)
 
 /* A user with more unread bytes than this gets none of the messages that it can
  * do without. */
@@ -30,6 +31,14 @@
 /* Of what the socket took at once the owner hears with the next event of the
  * connection's, unless it is more than this, which somebody may wait for. */
 #define OWED_BYTES (64u << 10)
+
+/* What was read, and is not looked at yet:
+ *
+ *        --- others are before it ---> GATE_LINE
+ *   GATE_OPEN <--- its turn (fair.h) ------'
+ *        --- ANSWERS_HIGH unread ----> GATE_UNREAD
+ *        <--- ANSWERS_LOW -----------------'          */
+enum conn_gate { GATE_OPEN, GATE_LINE, GATE_UNREAD };
 
 /* Messages on their way out; owns its bytes until they are written. */
 struct out {
@@ -56,16 +65,18 @@ struct conn {
     void *arg;
     struct frame_reader reader;
     struct msg in;
-    size_t queued; /* bytes with libuv, and corked ones */
+    size_t queued;  /* bytes with libuv, and corked ones */
+    size_t awaited; /* conn_expect() */
     uint64_t progress;
     uint64_t opened_ms, heard_ms;
-    bool live, ping;     /* conn_live() */
-    bool paused;         /* conn_pause() */
-    bool finishing;      /* conn_finish() */
-    bool choked;         /* takes no requests until its answers are read */
-    bool skipped;        /* something that it could do without, and logged */
-    const uint8_t *rest; /* of buf, not looked at while choked */
+    bool live, ping; /* conn_live() */
+    bool paused;     /* conn_pause() */
+    bool finishing;  /* conn_finish() */
+    bool skipped;    /* something that it could do without, and logged */
+    enum conn_gate gate;
+    const uint8_t *rest; /* of buf, not looked at unless the gate is open */
     size_t nrest;
+    struct fair_place place;
     bool closing;
     char peer[ADDRESS_TEXT];
     char buf[READ_BYTES];
@@ -129,7 +140,30 @@ conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
         *from = a;
 }
 
-static void unchoke(struct conn *c);
+static void reopen(struct conn *c);
+
+/* Count bytes that wait to be written, and that do no more. */
+static void
+owe(struct conn *c, size_t n)
+{
+    c->queued += n;
+    fair_owe(&c->place, n);
+}
+
+static void
+paid(struct conn *c, size_t n)
+{
+    c->queued -= n;
+    fair_paid(&c->place, n);
+}
+
+/* It stands in no line any more, and what it did not read is nobody's. */
+static void
+leave_user(struct conn *c)
+{
+    fair_paid(&c->place, c->queued + c->awaited);
+    fair_leave(&c->place);
+}
 
 static void
 handle_closed(uv_handle_t *h)
@@ -156,6 +190,7 @@ conn_close(struct conn *c)
         return;
     c->closing = true;
     uncork(c); /* as much as the socket takes at once */
+    leave_user(c);
     uv_close(&c->stream->handle, handle_closed);
     uv_close((uv_handle_t *)&c->timer, handle_closed);
     uv_close((uv_handle_t *)&c->before, handle_closed);
@@ -179,8 +214,8 @@ written(uv_write_t *req, int status)
     struct conn *c = o->conn;
     size_t n = o->count;
 
-    c->queued -= n;
-    if (c->choked)
+    paid(c, n);
+    if (c->gate != GATE_OPEN)
         c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
     free(o);
     if (c->closing)
@@ -196,8 +231,8 @@ written(uv_write_t *req, int status)
     }
     if (c->handler->written && n > 0)
         c->handler->written(c->arg, c, n);
-    if (c->choked && c->queued < ANSWERS_LOW)
-        unchoke(c);
+    if (c->gate == GATE_UNREAD && c->queued < ANSWERS_LOW)
+        reopen(c);
 }
 
 /* Hand o, which is counted, to libuv. */
@@ -212,7 +247,7 @@ write_out(struct conn *c, struct out *o)
     rc = uv_write(&o->req, &c->stream->stream, &buf, 1, written);
     if (rc == 0)
         return 0;
-    c->queued -= o->count; /* no callback will come */
+    paid(c, o->count); /* no callback will come */
     free(o);
     return rc;
 }
@@ -231,7 +266,7 @@ seal_out(struct conn *c, struct out *o)
     sealed = tls_seal(c->tls, o->bytes, o->len, sizeof *o, &n, &err);
     if (!sealed) { /* half of it may be in the session */
         log_err("messages not sent peer=%s: %s", c->peer, err.what);
-        c->queued -= o->count;
+        paid(c, o->count);
         free(o);
         return err.code == RAD_ENOMEM ? UV_ENOMEM : UV_EPROTO;
     }
@@ -280,11 +315,11 @@ write_now(struct conn *c, const uint8_t *p, size_t n, size_t count)
         o->count = count;
         return write_out(c, o);
     }
-    c->queued -= count;
+    paid(c, count);
     if (did < n)
         return UV_ENOMEM;
     c->owed += count;
-    if (c->choked)
+    if (c->gate != GATE_OPEN)
         c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
     return 0;
 }
@@ -302,7 +337,7 @@ uncork(struct conn *c)
     c->corked = 0;
     uv_prepare_stop(&c->before);
     if (n < 0) {
-        c->queued -= count;
+        paid(c, count);
         return (int)n;
     }
     return write_now(c, c->tls ? sealed.bytes : c->cork, (size_t)n, count);
@@ -345,8 +380,8 @@ settle(struct conn *c)
         return;
     if (c->handler->written)
         c->handler->written(c->arg, c, n);
-    if (!c->closing && c->choked && c->queued < ANSWERS_LOW)
-        unchoke(c);
+    if (!c->closing && c->gate == GATE_UNREAD && c->queued < ANSWERS_LOW)
+        reopen(c);
 }
 
 static void
@@ -383,7 +418,7 @@ queue_alone(struct conn *c, const uint8_t *bytes, size_t len)
         return UV_ENOMEM;
     memcpy(o->bytes, bytes, len);
     o->len = len;
-    c->queued += len;
+    owe(c, len);
     return seal_out(c, o);
 }
 
@@ -395,7 +430,7 @@ queue_corked(struct conn *c, const uint8_t *bytes, size_t len)
     if (!to)
         return UV_ENOMEM;
     memcpy(to, bytes, len);
-    c->queued += len;
+    owe(c, len);
     return 0;
 }
 
@@ -486,7 +521,7 @@ flush(struct conn *c, bool counted)
     tls_sent(c->tls);
     o->len = n;
     o->count = counted ? n : 0;
-    c->queued += o->count;
+    owe(c, o->count);
     rc = write_out(c, o);
     if (rc < 0)
         conn_break(c, uv_strerror(rc));
@@ -542,29 +577,53 @@ overfull(const struct conn *c)
     return to_user(c) && c->queued > ANSWERS_HIGH;
 }
 
+/* Look at no more of what came until the gate opens. */
+static void
+hold(struct conn *c, enum conn_gate gate, const uint8_t *p, size_t left)
+{
+    c->gate = gate;
+    c->rest = p;
+    c->nrest = left;
+    uv_read_stop(&c->stream->stream);
+}
+
+/* The next message, if it is there whole, goes to the handler.  False: there is
+ * none, or no connection any more. */
+static bool
+take_one(struct conn *c, const uint8_t **p, size_t *left)
+{
+    struct rad_error err = { 0 };
+    int rc = frame_read(&c->reader, p, left, &c->in, &err);
+
+    if (rc < 0)
+        garbage(c, &err);
+    if (rc <= 0)
+        return false;
+    if (c->in.type == MSG_PING)
+        answer_ping(c, &c->in);
+    if (!c->closing) /* that may break it, and then its owner knows */
+        c->handler->message(c->arg, c, &c->in);
+    return !c->closing;
+}
+
 /* Bytes that were read: whole messages go to the handler. */
 static void
 take(struct conn *c, const uint8_t *p, size_t left)
 {
-    struct rad_error err = { 0 };
+    bool more = true;
 
-    while (left > 0 && !c->closing && !c->finishing) {
-        int rc = frame_read(&c->reader, &p, &left, &c->in, &err);
+    while (more && left > 0 && !c->closing && !c->finishing) {
+        bool in_turn = to_user(c);
 
-        if (rc < 0)
-            garbage(c, &err);
-        if (rc <= 0)
+        if (in_turn && !fair_begin(&c->place)) {
+            hold(c, GATE_LINE, p, left);
             return;
-        if (c->in.type == MSG_PING)
-            answer_ping(c, &c->in);
-        if (c->closing) /* that broke it, and its owner knows */
-            return;
-        c->handler->message(c->arg, c, &c->in);
-        if (overfull(c) && !c->closing && !c->finishing) {
-            c->choked = true;
-            c->rest = p;
-            c->nrest = left;
-            uv_read_stop(&c->stream->stream);
+        }
+        more = take_one(c, &p, &left);
+        if (in_turn)
+            fair_done(&c->place);
+        if (more && overfull(c) && !c->finishing) {
+            hold(c, GATE_UNREAD, p, left);
             return;
         }
     }
@@ -577,7 +636,7 @@ unseal(struct conn *c)
     struct rad_error err = { 0 };
     int n = 1;
 
-    while (n > 0 && !c->closing && !c->finishing && !c->choked) {
+    while (n > 0 && !c->closing && !c->finishing && c->gate == GATE_OPEN) {
         n = tls_read(c->tls, c->plain, PLAIN_BYTES, &err);
         if (n > 0)
             take(c, c->plain, (size_t)n);
@@ -621,16 +680,36 @@ on_alloc(uv_handle_t *h, size_t wish, uv_buf_t *buf)
     *buf = uv_buf_init(c->buf, sizeof c->buf);
 }
 
-/* Its answers have been read: go on with its requests. */
+/* It is its turn, or its answers have been read: go on with its requests. */
 static void
-unchoke(struct conn *c)
+reopen(struct conn *c)
 {
-    c->choked = false;
+    c->gate = GATE_OPEN;
+    c->heard_ms = uv_now(c->timer.loop);
     take(c, c->rest, c->nrest);
-    if (c->tls && !c->choked)
+    if (c->tls && c->gate == GATE_OPEN)
         unseal(c);
-    if (!c->choked && !c->paused && !c->closing && !c->finishing)
+    if (c->gate == GATE_OPEN && !c->paused && !c->closing && !c->finishing)
         uv_read_start(&c->stream->stream, on_alloc, on_read);
+}
+
+static void
+on_turn(struct fair_place *place)
+{
+    struct conn *c =
+        (struct conn *)((char *)place - offsetof(struct conn, place));
+
+    if (c->gate == GATE_LINE && !c->closing && !c->finishing)
+        reopen(c);
+}
+
+bool
+conn_set_user(struct conn *c, struct fair *fair, const char *name)
+{
+    c->place.user = fair_join(fair, name);
+    c->place.go = on_turn;
+    fair_owe(&c->place, c->queued);
+    return c->place.user != NULL;
 }
 
 static unsigned
@@ -644,6 +723,14 @@ static unsigned
 period_ms(const struct conn *c)
 {
     return limit_ms(c) < CONN_PING_MS ? limit_ms(c) : CONN_PING_MS;
+}
+
+/* It is silent because we do not look at what it says, and it has read all that
+ * we said. */
+static bool
+is_patient(const struct conn *c)
+{
+    return c->gate == GATE_LINE && c->queued == 0;
 }
 
 static void
@@ -665,7 +752,7 @@ on_timer(uv_timer_t *timer)
     }
     if (!c->live || !c->ping)
         return;
-    if (!c->paused && now - c->heard_ms >= CONN_DEAD_MS) {
+    if (!c->paused && !is_patient(c) && now - c->heard_ms >= CONN_DEAD_MS) {
         conn_break(c, "silent for 15 s");
         return;
     }
@@ -746,6 +833,23 @@ conn_set_progress(struct conn *c, uint64_t progress)
     c->progress = progress;
 }
 
+bool
+conn_expect(struct conn *c, size_t n)
+{
+    if (fair_full(&c->place))
+        return false;
+    c->awaited += n;
+    fair_owe(&c->place, n);
+    return true;
+}
+
+void
+conn_expected(struct conn *c, size_t n)
+{
+    c->awaited -= n;
+    fair_paid(&c->place, n);
+}
+
 size_t
 conn_queued(const struct conn *c)
 {
@@ -768,7 +872,7 @@ conn_pause(struct conn *c, bool pause)
     c->heard_ms = uv_now(c->timer.loop);
     if (pause)
         uv_read_stop(&c->stream->stream);
-    else if (!c->choked)
+    else if (c->gate == GATE_OPEN)
         uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 

@@ -15,6 +15,8 @@
  *
  * Back-pressure: what waits to be sent is counted, and the owner is told what
  * has been written.  Above CONN_HIGH it should stop producing for this peer.
+ * Requests of users wait where their answers are not read, of one connection or
+ * of all that a user has (fair.h).
  *
  * Lifetime: a struct conn lives until its handles are closed, which is some
  * time after conn_close() or the closed() call; from either on the owner may
@@ -24,6 +26,7 @@
 #define RADD_DAEMON_CONN_H
 
 #include "address.h"
+#include "fair.h"
 #include "frame.h"
 #include "log.h"
 #include "tls.h"
@@ -86,6 +89,10 @@ const char *conn_key(const struct conn *c);
  * it is told.  Messages are translated on their way. */
 void conn_set_version(struct conn *c, unsigned version);
 
+/* It is that user's: once its session is a user's or an admin's, its requests
+ * are looked at in turn with those of others.  False: memory is out. */
+bool conn_set_user(struct conn *c, struct fair *fair, const char *name);
+
 /* Which messages may come from now on. */
 void conn_set_session(struct conn *c, enum msg_session session);
 
@@ -104,6 +111,12 @@ bool conn_send(struct conn *c, const struct msg *m);
  * version.  False, too, for RECORDS to a user that has not read 8 MiB yet,
  * which is logged once. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
+
+/* n bytes for it are being read from the disk, and count as unread by its user;
+ * false: they must wait, for that has left too much unread.  And they do no
+ * more. */
+bool conn_expect(struct conn *c, size_t n);
+void conn_expected(struct conn *c, size_t n);
 
 size_t conn_queued(const struct conn *c);
 const char *conn_peer(const struct conn *c);

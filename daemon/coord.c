@@ -9,6 +9,9 @@
 
 #include "coord.h"
 
+#include "base/sha.h"
+#include "base/text.h"
+
 #include "request.h"
 #include "ring.h"
 #include "sched.h"
@@ -21,6 +24,20 @@
 #define LEASE_MS    60000
 #define KEPT_JOBS   100 /* that are over */
 
+/* More than a room of people needs, less than what hurts others. */
+static const struct coord_limits usual_limits = {
+    .jobs = 1000,
+    .frames = 200000,
+    .bytes = UINT64_C(1) << 40,
+    .uploads = 200,
+    .upload_bytes = UINT64_C(1) << 36,
+    .conns = 256,
+    .answers = 1000,
+    .unfetched = 1000,
+    .unread = UINT64_C(32) << 20,
+    .upload_ms = 3600 * 1000,
+};
+
 struct coord *
 coord_new(const struct coord_env *env)
 {
@@ -31,6 +48,7 @@ coord_new(const struct coord_env *env)
     c->env = *env;
     c->keep.jobs = KEPT_JOBS;
     c->lease_ms = LEASE_MS;
+    c->limits = usual_limits;
     actions_init(&c->actions);
     return c;
 }
@@ -39,6 +57,12 @@ void
 coord_set_lease(struct coord *c, uint64_t ms)
 {
     c->lease_ms = ms;
+}
+
+void
+coord_set_limits(struct coord *c, const struct coord_limits *limits)
+{
+    c->limits = *limits;
 }
 
 void
@@ -59,14 +83,17 @@ coord_free(struct coord *c)
         free(c->workers);
         c->workers = next;
     }
+    uploads_release(&c->uploads);
     while (c->owners) {
         struct coord_owner *next = c->owners->next;
 
+        known_release(&c->owners->files);
         free(c->owners);
         c->owners = next;
     }
     for (size_t i = 0; i < c->njobs; i++)
         job_free(c->jobs[i]);
+    free(c->gones);
     free(c->jobs);
     actions_release(&c->actions);
     free(c);
@@ -86,20 +113,43 @@ coord_actions(struct coord *c)
 
 /* --- messages --- */
 
-/* A worker lacks files. */
+static void
+send_file(struct coord *c, const struct coord_conn *conn, uint32_t request,
+          const uint8_t *hash)
+{
+    struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn->id);
+
+    if (!a)
+        return;
+    a->request = request;
+    a->hash = rad_arena_dup(&c->actions.mem, hash, MSG_HASH);
+    if (!a->hash)
+        c->actions.failed = true;
+}
+
+/* A worker lacks files: it gets those of the job that it loads, and no others.
+ * If that has just ended it will hear so. */
 static void
 on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    for (uint32_t i = 0; i < m->want.n; i++) {
-        struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn->id);
+    const struct job *job = conn->worker->loading;
+    const struct msg_hashes *f = job ? &job->spec.files : NULL;
+    uint8_t *own;
+    size_t n;
 
-        if (!a)
-            return;
-        a->request = m->request;
-        a->hash = rad_arena_dup(&c->actions.mem,
-                                m->want.hash + (size_t)i * MSG_HASH, MSG_HASH);
-        if (!a->hash)
-            c->actions.failed = true;
+    if (!f || f->n == 0)
+        return;
+    own = rad_arena_dup(&c->actions.mem, f->hash, (size_t)f->n * MSG_HASH);
+    if (!own) {
+        c->actions.failed = true;
+        return;
+    }
+    n = rad_sha_unique(own, f->n);
+    for (uint32_t i = 0; i < m->want.n; i++) {
+        const uint8_t *hash = m->want.hash + (size_t)i * MSG_HASH;
+
+        if (rad_sha_among(own, n, hash))
+            send_file(c, conn, m->request, hash);
     }
 }
 
@@ -138,6 +188,12 @@ static void
 on_lost(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     sched_lost(c, conn->worker, &m->lost);
+}
+
+static void
+on_room(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_room(c, conn->worker, &m->room);
 }
 
 static void
@@ -236,12 +292,12 @@ static void
 on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct job *job = coord_find_job(c, m->failed.job);
-    char text[MSG_MAX_TEXT + 1];
+    char text[MSG_MAX_TEXT + 1], why[401];
 
     if (!job || job_worker_find(job, conn->worker->name) == JOB_NOBODY)
         return;
-    snprintf(text, sizeof text, "%.400s (worker %s)", m->failed.text,
-             conn->worker->name);
+    rad_text_print(why, sizeof why, "%s", m->failed.text);
+    snprintf(text, sizeof text, "%s (worker %s)", why, conn->worker->name);
     coord_job_ends(c, job, JOB_FAILED, m->failed.status, text);
 }
 
@@ -261,6 +317,7 @@ static const struct {
     { MSG_PING, on_ping },         { MSG_RECORDS, on_records },
     { MSG_UNLINKED, on_unlinked }, { MSG_LOAN, on_loan },
     { MSG_PAID, on_paid },         { MSG_LINE_COSTS, on_line_costs },
+    { MSG_ROOM, on_room },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -312,8 +369,27 @@ coord_looked(struct coord *c, uint64_t now_ms, const struct action_look *l)
     struct coord_conn *conn = coord_find_conn(c, l->conn);
 
     c->now_ms = now_ms;
-    if (conn)
-        request_looked(c, conn, l);
+    if (!conn)
+        return;
+    conn->answers--;
+    request_looked(c, conn, l);
+}
+
+bool
+coord_has_file(const struct coord *c, uint64_t id, const uint8_t hash[MSG_HASH])
+{
+    const struct coord_conn *conn = coord_find_conn(c, id);
+
+    return conn && known_has(&conn->payer->files, hash);
+}
+
+void
+coord_sent(struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    if (conn && conn->answers > 0)
+        conn->answers--;
 }
 
 void
@@ -322,12 +398,19 @@ coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
 {
     struct coord_conn *conn = coord_find_conn(c, id);
     struct msg m = { .type = MSG_HAVE, .have = { hash } };
+    struct coord_owner *owner;
 
     c->now_ms = now_ms;
-    if (conn)
-        actions_send(&c->actions, id, &m);
-    for (size_t i = 0; i < c->njobs; i++)
-        coord_try_open(c, c->jobs[i]);
+    if (!conn)
+        return; /* whoever sent it is asked for it again */
+    owner = conn->payer;
+    if (!known_sent(&owner->files, now_ms, hash)) {
+        c->actions.failed = true;
+        return;
+    }
+    actions_send(&c->actions, id, &m);
+    uploads_whole(&c->uploads, id, hash, now_ms);
+    coord_file_came(c, owner, hash);
     if (c->stirred)
         sched_run(c);
 }
@@ -338,8 +421,8 @@ coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t id,
 {
     struct coord_conn *conn = coord_find_conn(c, id);
 
-    (void)hash;
     c->now_ms = now_ms;
+    uploads_failed(&c->uploads, id, hash);
     if (conn)
         coord_reply_failed(c, conn, 0, NULL, status, text);
 }
@@ -363,7 +446,7 @@ coord_rows_stored(struct coord *c, uint64_t now_ms,
     c->now_ms = now_ms;
     if (status == 0)
         sched_rows_stored(c, key);
-    else if (job)
+    else if (job && job->sequence == key->sequence)
         coord_job_ends(c, job, JOB_FAILED, status, text);
     sched_run(c);
 }
@@ -383,8 +466,8 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
 {
     c->now_ms = now_ms;
     c->full = full;
-    snprintf(c->full_text, sizeof c->full_text, "no room on the disk: %s",
-             text);
+    rad_text_print(c->full_text, sizeof c->full_text, "no room on the disk: %s",
+                   text);
     wire_clean(c->full_text);
     if (full)
         actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
@@ -392,7 +475,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     else
         actions_log(&c->actions, ACT_INFO, "disk has room, jobs go on");
     for (size_t i = 0; i < c->njobs; i++)
-        c->jobs[i]->held = full;
+        c->jobs[i]->held = full || c->jobs[i]->waits;
     c->progress_ms = 0; /* those who watch hear of it at the next tick */
     sched_run(c);
 }
@@ -412,14 +495,49 @@ coord_expel(struct coord *c, uint64_t now_ms, const char *name)
             sched_drop_peer(c, c->jobs[i], w);
 }
 
+static void
+expire_known(struct coord *c)
+{
+    uint64_t ms = c->limits.upload_ms;
+
+    if (c->now_ms - c->known_ms < ms / 4)
+        return;
+    c->known_ms = c->now_ms;
+    for (struct coord_owner *o = c->owners; o; o = o->next)
+        known_expire(&o->files, c->now_ms > ms ? c->now_ms - ms : 0);
+}
+
+/* Files that wait for a job, and connections that have begun to send and do not
+ * go on: a while is enough. */
+static void
+look_after_uploads(struct coord *c)
+{
+    uint64_t ms = c->limits.upload_ms;
+
+    if (c->now_ms - c->uploads_ms < 1000)
+        return;
+    c->uploads_ms = c->now_ms;
+    if (c->now_ms >= ms)
+        uploads_forget(&c->uploads, c->now_ms - ms);
+    for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
+        next = conn->next;
+        if (c->full)
+            conn->moved_ms = c->now_ms;
+        if (conn->offer_ms != 0 && c->now_ms - conn->moved_ms >= ms)
+            coord_break(c, conn->id, "what it sends does not go on");
+    }
+}
+
 void
 coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;
     sched_tick(c);
     request_tick(c);
-    if (c->keep.ms > 0)
-        coord_forget_old(c);
+    look_after_uploads(c);
+    coord_jobs_tick(c);
+    coord_forget_old(c);
+    expire_known(c);
     if (now_ms - c->progress_ms < PROGRESS_MS)
         return;
     c->progress_ms = now_ms;

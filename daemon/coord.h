@@ -18,16 +18,38 @@
 
 #include "action.h"
 
+/* How long the turns of the shell's loop take (turns.h). */
+struct coord_pace {
+    uint64_t slow; /* turns that took too long */
+    double longest_ms, longest_cpu_ms;
+};
+
+/* What one user may have (quota.h), who may do no more than use the cluster. */
+struct coord_limits {
+    uint64_t jobs, frames; /* that are not over, and frames of these */
+    uint64_t bytes;        /* on the disk */
+    uint64_t uploads;      /* bundles and files on their way */
+    uint64_t upload_bytes; /* of files that no job names yet */
+    uint64_t conns, answers;
+    uint64_t unfetched; /* jobs with pictures that it has not fetched */
+    uint64_t unread;    /* bytes of answers; the shell sees to it (fair.h) */
+    uint64_t upload_ms; /* so long files wait for a job that names them, and a
+                         * job for files that do not come */
+};
+
 /* What the machine may ask at any time; answers must not block. */
 struct coord_env {
     bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
     void (*random)(void *arg, void *buf, size_t n); /* tokens of peers */
     void *arg;
     action_look_fn *look; /* then coord_looked; or NULL */
-    const char *program;  /* "radcoord 0.1.0"; outlives the coordinator */
-    uint64_t epoch;       /* this life of the coordinator */
-    unsigned all_linked;  /* most workers of a job that are each linked with
-                           * all others; 0: 64 (ring.h) */
+    void (*pace)(void *arg, struct coord_pace *out); /* or NULL */
+    /* bytes of answers that a user has not read; or NULL */
+    uint64_t (*unread)(void *arg, const char *owner);
+    const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
+    uint64_t epoch;      /* this life of the coordinator */
+    unsigned all_linked; /* most workers of a job that are each linked with
+                          * all others; 0: 64 (ring.h) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
 };
@@ -40,12 +62,14 @@ struct coord_peer {
     const char *name;    /* the only worker that it may be; NULL: any */
 };
 
-/* How long jobs that are over are remembered, with their pictures. */
+/* How long jobs that are over are remembered, with their pictures; of each
+ * owner by itself (coord_keep.c). */
 struct coord_keep {
     uint32_t jobs; /* the last so many */
     uint64_t ms;   /* for so long; 0: no limit */
     uint64_t
         bytes; /* of their folders on the disk, all together; 0: likewise */
+    uint64_t unfetched_ms; /* what was not fetched at least so long */
 };
 
 struct coord;
@@ -56,6 +80,9 @@ void coord_free(struct coord *c);
 
 /* The last 100 jobs, unless this is called. */
 void coord_set_keep(struct coord *c, const struct coord_keep *keep);
+
+/* Some that a room never meets, unless this is called. */
+void coord_set_limits(struct coord *c, const struct coord_limits *limits);
 
 /* The number of this life, once it is known; before any event but those of
  * recover.h. */
@@ -88,6 +115,11 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const uint8_t hash[MSG_HASH], int status,
                        const char *text);
 
+/* Is that file there for the user of that connection?  One who has not sent it
+ * is not to know whether others have. */
+bool coord_has_file(const struct coord *c, uint64_t conn,
+                    const uint8_t hash[MSG_HASH]);
+
 /* The files of an OFFER are known. */
 void coord_looked(struct coord *c, uint64_t now_ms,
                   const struct action_look *l);
@@ -99,6 +131,10 @@ void coord_job_filed(struct coord *c, uint64_t now_ms,
                      const uint8_t job[MSG_JOB], uint64_t bytes);
 void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
                    uint32_t request);
+/* There is no room for its rows now, it goes on waiting: it is held, and no
+ * other. */
+void coord_job_waits(struct coord *c, uint64_t now_ms,
+                     const uint8_t job[MSG_JOB], const char *text);
 void coord_job_opened(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], int status, const char *text);
 void coord_rows_stored(struct coord *c, uint64_t now_ms,
@@ -108,9 +144,20 @@ void coord_picture_written(struct coord *c, uint64_t now_ms,
                            const uint8_t job[MSG_JOB], uint32_t frame,
                            int status, const char *text);
 
-/* The hashes of all files of its jobs, those that are over too, rising, each
- * once: *n of them, to be freed; NULL when memory is out. */
+/* ACT_SEND_PICTURE has sent all, or failed. */
+void coord_sent(struct coord *c, uint64_t conn);
+
+/* The hashes of all files that are needed: of its jobs, those that are over
+ * too, and those that wait for a job.  *n of them, in any order, to be freed;
+ * NULL when memory is out. */
 uint8_t *coord_files(const struct coord *c, size_t *n);
+
+/* All of a frame's picture was sent to that connection. */
+void coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
+                   const uint8_t job[MSG_JOB], uint32_t frame);
+
+/* A job that an earlier life has forgotten; before those of recover.h. */
+void coord_recall_gone(struct coord *c, const struct saved_gone *g);
 
 /* The disk is full: jobs are held until there is room again.  text: where. */
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,

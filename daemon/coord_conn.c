@@ -16,9 +16,10 @@
 #include <sysexits.h>
 
 #define MOST_THREADS 4096 /* of one worker */
-#define MOST_CONNS   256  /* of one user */
 
-static const char crowded[] = "too many connections of this user";
+static const char crowded[] =
+    "too many connections of this user: close some, or try again later (limit "
+    "user_connections)";
 
 /* The low bits count up in the shell, and are a host's in the simulation. */
 static size_t
@@ -56,6 +57,7 @@ drop_conn(struct coord *c, struct coord_conn *conn)
         sched_worker_gone(c, conn->worker);
     }
     request_release(conn);
+    uploads_closed(&c->uploads, conn->id);
     free(conn);
 }
 
@@ -77,7 +79,8 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
 /* Say that we close it.  Who is no worker yet, or never will be, can have that
  * as often as it likes. */
 static void
-log_break(struct coord *c, const struct coord_conn *conn, const char *why)
+log_break(struct coord *c, const struct coord_conn *conn,
+          enum action_level level, const char *why)
 {
     unsigned dropped = 0;
 
@@ -86,22 +89,34 @@ log_break(struct coord *c, const struct coord_conn *conn, const char *why)
     if (dropped > 0)
         actions_log(&c->actions, ACT_WARN,
                     "connections closed and not logged n=%u", dropped);
-    actions_log(&c->actions, ACT_WARN,
+    actions_log(&c->actions, level,
                 "connection closed peer=%s name=%s why=%s", conn->address,
                 conn->worker ? conn->worker->name : "", why);
 }
 
-void
-coord_break(struct coord *c, uint64_t id, const char *why)
+static void
+end_conn(struct coord *c, uint64_t id, enum action_level level, const char *why)
 {
     struct coord_conn *conn = coord_find_conn(c, id);
 
     if (!conn)
         return;
-    log_break(c, conn, why);
+    log_break(c, conn, level, why);
     actions_session(&c->actions, id, MSG_NSESSION, conn->version);
     actions_close(&c->actions, id);
     drop_conn(c, conn);
+}
+
+void
+coord_break(struct coord *c, uint64_t id, const char *why)
+{
+    end_conn(c, id, ACT_WARN, why);
+}
+
+void
+coord_part(struct coord *c, uint64_t id, const char *why)
+{
+    end_conn(c, id, ACT_INFO, why);
 }
 
 /* Connections of whoever has this one, where that may do no more than use the
@@ -134,7 +149,7 @@ make_room(struct coord *c, const struct coord_conn *conn)
 {
     const struct coord_conn *oldest;
 
-    if (count_user(c, conn, false, &oldest) >= MOST_CONNS && oldest)
+    if (count_user(c, conn, false, &oldest) >= c->limits.conns && oldest)
         coord_break(c, oldest->id, crowded);
 }
 
@@ -143,9 +158,11 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
              const struct coord_peer *peer)
 {
     struct coord_conn *conn = calloc(1, sizeof *conn);
+    struct coord_owner *payer = coord_owner_of(c, peer->owner);
 
     c->now_ms = now_ms;
-    if (!conn) {
+    if (!conn || !payer) {
+        free(conn);
         c->actions.failed = true;
         return;
     }
@@ -153,6 +170,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     conn->session = MSG_AT_COORD_NEW;
     conn->version = MSG_VERSION;
     conn->roles = peer->roles;
+    conn->payer = payer;
     snprintf(conn->address, sizeof conn->address, "%s", peer->address);
     snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
     snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
@@ -200,10 +218,36 @@ coord_worker_of(struct coord *c, const char *name)
         snprintf(w->name, sizeof w->name, "%s", name);
         w->id = c->nworkers++;
         w->relative = 1;
+        w->priority = w->rank = INT64_MIN;
         w->since_ms = c->now_ms; /* of an earlier life: gone since then */
         *link = w;
     }
     return w;
+}
+
+static bool
+has_part(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++)
+        for (uint32_t k = 0; k < c->jobs[i]->nworkers; k++)
+            if (c->jobs[i]->workers[k].worker == w)
+                return true;
+    return false;
+}
+
+void
+coord_drop_forgotten(struct coord *c)
+{
+    struct coord_worker *w, **link = &c->workers;
+
+    while ((w = *link) != NULL) {
+        if (!w->forgotten || has_part(c, w)) {
+            link = &w->next;
+        } else {
+            *link = w->next;
+            free(w);
+        }
+    }
 }
 
 /* Where peers dial a worker: as it says, but one that listens on all of its
@@ -254,7 +298,8 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->threads = m->threads;
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
-    w->leaving = w->alone = false;
+    w->progress_ms = c->now_ms; /* none of this connection is old */
+    w->leaving = w->alone = w->hangs = w->forgotten = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
     note_address(w, conn, m->address);
     conn->worker = w;
@@ -294,7 +339,8 @@ hello_fault(const struct coord *c, const struct coord_conn *conn,
         return not_allowed[m->role];
     if (m->role != MSG_ROLE_WORKER) {
         *status = EX_TEMPFAIL;
-        return count_user(c, conn, true, &oldest) < MOST_CONNS ? NULL : crowded;
+        return count_user(c, conn, true, &oldest) < c->limits.conns ? NULL
+                                                                    : crowded;
     }
     if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
         snprintf(text, MSG_MAX_TEXT + 1,
@@ -307,6 +353,21 @@ hello_fault(const struct coord *c, const struct coord_conn *conn,
     if (m->threads < 1 || m->threads > MOST_THREADS)
         return "a worker needs 1 to 4096 threads";
     return NULL;
+}
+
+/* A worker has a name, and everybody else is somebody. */
+static void
+log_hello(struct coord *c, const struct coord_conn *conn,
+          const struct msg_hello *m)
+{
+    if (m->role == MSG_ROLE_WORKER)
+        actions_log(&c->actions, ACT_INFO,
+                    "hello peer=%s role=worker name=%s threads=%u protocol=%u",
+                    conn->address, m->name, m->threads, conn->version);
+    else
+        actions_log(&c->actions, ACT_INFO,
+                    "hello peer=%s role=%s owner=%s protocol=%u", conn->address,
+                    key_role_name(m->role), conn->owner, conn->version);
 }
 
 void
@@ -333,10 +394,7 @@ coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (m->hello.role == MSG_ROLE_WORKER && !join_worker(c, conn, &m->hello))
         return;
     conn->session = session[m->hello.role];
-    actions_log(&c->actions, ACT_INFO,
-                "hello peer=%s role=%s name=%s threads=%u protocol=%u",
-                conn->address, key_role_name(m->hello.role), m->hello.name,
-                m->hello.threads, conn->version);
+    log_hello(c, conn, &m->hello);
     actions_session(&c->actions, conn->id, conn->session, conn->version);
     actions_send(&c->actions, conn->id, &welcome);
 }

@@ -6,7 +6,7 @@
  * in the queue, for a while (struct coord_keep). */
 #include "config.h"
 
-#include "base/sha.h"
+#include "base/text.h"
 #include "sched.h"
 #include "stats.h"
 
@@ -14,8 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
-#define FETCH_MS 60000 /* in which a user gets a picture that is done */
+#define LOOK_FILES 512 /* of a job at once */
 
 struct job *
 coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
@@ -64,9 +65,8 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* NULL when memory is out. */
-static struct coord_owner *
-owner_of(struct coord *c, const char *name)
+struct coord_owner *
+coord_owner_of(struct coord *c, const char *name)
 {
     struct coord_owner *o = c->owners;
 
@@ -80,6 +80,22 @@ owner_of(struct coord *c, const char *name)
     snprintf(o->name, sizeof o->name, "%s", name);
     o->next = c->owners;
     return c->owners = o;
+}
+
+/* Into the first n jobs, which are in order: by priority, then as they came. */
+static void
+put_in_order(struct coord *c, struct job *job, size_t n)
+{
+    for (; n > 0; n--) {
+        const struct job *o = c->jobs[n - 1];
+
+        if (o->spec.priority > job->spec.priority ||
+            (o->spec.priority == job->spec.priority &&
+             o->sequence < job->sequence))
+            break;
+        c->jobs[n] = c->jobs[n - 1];
+    }
+    c->jobs[n] = job;
 }
 
 bool
@@ -96,34 +112,121 @@ coord_add_job(struct coord *c, struct job *job)
         c->jobs = v;
         c->cap_jobs = cap;
     }
-    job->payer = owner_of(c, job->owner);
+    job->payer = coord_owner_of(c, job->owner);
     if (!job->payer)
         return false;
-    while (i > 0 && c->jobs[i - 1]->spec.priority < job->spec.priority) {
-        c->jobs[i] = c->jobs[i - 1];
-        i--;
-    }
-    c->jobs[i] = job;
-    c->njobs++;
     job->sequence = ++c->sequence;
     job->held = c->full;
+    put_in_order(c, job, i);
+    c->njobs++;
     return true;
 }
 
+void
+coord_set_priority(struct coord *c, struct job *job, int32_t priority)
+{
+    size_t i = 0, end = c->njobs - 1;
+
+    while (c->jobs[i] != job)
+        i++;
+    memmove(&c->jobs[i], &c->jobs[i + 1], (end - i) * sizeof *c->jobs);
+    job->spec.priority = priority;
+    put_in_order(c, job, end);
+    for (struct coord_worker *w = c->workers; w; w = w->next)
+        yield_rate(c, w);
+}
+
+static void go_on_filing(struct coord *c, struct job *job);
+
+static const uint8_t *
+next_file(const struct job *job)
+{
+    return job->spec.files.hash + (size_t)job->nfound * MSG_HASH;
+}
+
+static bool
+lacks_files(const struct job *job)
+{
+    return !job->asked_open && !job_over(job);
+}
+
 /* Once its files are all there, ask for room for its rows; workers load it
- * meanwhile. */
+ * meanwhile.  What its owner did not send is not there, whoever else did: who
+ * knows no more than a hash gets no picture of what has it.  Files that were
+ * seen are not looked for again, for each that comes is a reason to look.  To
+ * look at one takes some microseconds: of very many the rest has its turn
+ * later.
+ */
 void
 coord_try_open(struct coord *c, struct job *job)
 {
     const struct msg_hashes *f = &job->spec.files;
 
-    if (job->asked_open || job_over(job))
+    if (!lacks_files(job))
         return;
-    for (uint32_t i = 0; i < f->n; i++)
-        if (!c->env.has_file(c->env.arg, f->hash + (size_t)i * MSG_HASH))
+    for (uint32_t i = 0; i < LOOK_FILES && job->nfound < f->n; i++) {
+        const uint8_t *hash = next_file(job);
+
+        if (!known_has(&job->payer->files, hash) ||
+            !c->env.has_file(c->env.arg, hash))
             return;
+        job->nfound++;
+        job->found_ms = c->now_ms;
+    }
+    if (job->nfound < f->n)
+        return;
+    if (!known_name(&job->payer->files, f))
+        c->actions.failed = true;
     job->asked_open = c->stirred = true;
     actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
+}
+
+void
+coord_file_came(struct coord *c, const struct coord_owner *owner,
+                const uint8_t hash[MSG_HASH])
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (job->payer == owner && lacks_files(job) &&
+            job->nfound < job->spec.files.n &&
+            memcmp(next_file(job), hash, MSG_HASH) == 0)
+            coord_try_open(c, job);
+    }
+}
+
+/* Where nothing came of a job for too long, nothing will. */
+static void
+end_stalled(struct coord *c, struct job *job)
+{
+    char text[MSG_MAX_TEXT + 1];
+
+    if (c->full) /* they would come if there were room */
+        job->found_ms = c->now_ms;
+    if (c->now_ms - job->found_ms < c->limits.upload_ms)
+        return;
+    snprintf(text, sizeof text,
+             "files of the scene did not come for %" PRIu64
+             " s: submit it again",
+             c->limits.upload_ms / 1000);
+    coord_job_ends(c, job, JOB_FAILED, EX_TEMPFAIL, text);
+}
+
+void
+coord_jobs_tick(struct coord *c)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        if (c->jobs[i]->filing)
+            go_on_filing(c, c->jobs[i]);
+        if (!lacks_files(c->jobs[i]))
+            continue;
+        if (c->jobs[i]->nfound % LOOK_FILES == 0)
+            coord_try_open(c, c->jobs[i]);
+        if (lacks_files(c->jobs[i]))
+            end_stalled(c, c->jobs[i]);
+    }
+    if (c->stirred)
+        sched_run(c);
 }
 
 /* What the store was to do for a job was done, or it failed with that status,
@@ -142,6 +245,50 @@ stored(struct coord *c, const uint8_t id[MSG_JOB], int status, const char *text)
 }
 
 void
+coord_keep_state(struct coord *c, const struct job *job)
+{
+    struct action *a;
+
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    a = actions_add_job(&c->actions, ACT_JOB_STATE, 0, job->id);
+    if (!a)
+        return;
+    a->status = (int)job->state;
+    a->priority = job->spec.priority;
+}
+
+void
+coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                const char *text)
+{
+    struct job *job = coord_find_job(c, id);
+
+    c->now_ms = now_ms;
+    if (!job || job_over(job))
+        return;
+    job->waits = job->held = true;
+    rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
+                   text);
+    wire_clean(job->text);
+    actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
+                job->hex, text);
+    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+}
+
+/* It has its room now.  What was done to it meanwhile the store had no place
+ * for. */
+static void
+wait_no_more(struct coord *c, struct job *job)
+{
+    job->waits = false;
+    job->held = c->full;
+    job->text[0] = '\0';
+    actions_log(&c->actions, ACT_INFO, "job has room job=%s", job->hex);
+    coord_keep_state(c, job);
+}
+
+void
 coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  int status, const char *text)
 {
@@ -151,6 +298,8 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     job = stored(c, id, status, text);
     if (!job)
         return;
+    if (job->waits)
+        wait_no_more(c, job);
     job->opened = true;
     job->open_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
@@ -159,69 +308,62 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     sched_run(c);
 }
 
-/* Forget that job, of c->jobs. */
-static void
-forget(struct coord *c, size_t i)
+void
+coord_drop_job(struct coord *c, const struct job *gone)
 {
-    actions_log(&c->actions, ACT_INFO, "job forgotten job=%s", c->jobs[i]->hex);
-    actions_add_job(&c->actions, ACT_JOB_FORGET, 0, c->jobs[i]->id);
-    job_free(c->jobs[i]);
+    size_t i = 0;
+    struct job *job;
+
+    while (c->jobs[i] != gone)
+        i++;
+    job = c->jobs[i];
+    if (job->asked_open)
+        known_unname(&job->payer->files, c->now_ms, &job->spec.files);
+    job_free(job);
     memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
     c->njobs--;
-}
-
-/* Forget the oldest of the jobs that are over while there are too many, or they
- * take too much room, or it is too old. */
-void
-coord_forget_old(struct coord *c)
-{
-    for (;;) {
-        uint64_t bytes = 0;
-        size_t over = 0, oldest = 0;
-
-        for (size_t i = 0; i < c->njobs; i++) {
-            if (!job_over(c->jobs[i]))
-                continue;
-            bytes += c->jobs[i]->kept_bytes;
-            if (over++ == 0 || c->jobs[i]->end_ms < c->jobs[oldest]->end_ms)
-                oldest = i;
-        }
-        if (over == 0 || (over <= c->keep.jobs &&
-                          (c->keep.bytes == 0 || bytes <= c->keep.bytes ||
-                           c->now_ms - c->jobs[oldest]->end_ms < FETCH_MS) &&
-                          (c->keep.ms == 0 ||
-                           c->now_ms - c->jobs[oldest]->end_ms < c->keep.ms)))
-            return;
-        forget(c, oldest);
-    }
-}
-
-void
-coord_set_keep(struct coord *c, const struct coord_keep *keep)
-{
-    c->keep = *keep;
-    coord_forget_old(c);
+    coord_drop_forgotten(c);
 }
 
 /* The store learns how the job ended, if it knows it at all. */
 static void
-file_job(struct coord *c, const struct job *job)
+file_text(struct coord *c, struct job *job)
 {
+    char *text = stats_take(job->filing);
     struct action *a;
-    char *text;
 
-    if (!c->env.keeps || !job->asked_open)
-        return;
-    text = stats_json(job, c->now_ms);
+    job->filing = NULL;
     a = actions_add_job(&c->actions, ACT_JOB_END, 0, job->id);
-    if (!text || !a) {
-        c->actions.failed = true;
-    } else {
+    if (a) {
         a->len = strlen(text);
         a->bytes = rad_arena_dup(&c->actions.mem, (uint8_t *)text, a->len);
         c->actions.failed |= !a->bytes;
     }
     free(text);
+}
+
+/* The next piece of its statistics; with the last it is filed. */
+static void
+go_on_filing(struct coord *c, struct job *job)
+{
+    int rc = stats_more(job->filing, job, STATS_PIECE);
+
+    if (rc < 0)
+        c->actions.failed = true;
+    else if (rc == 1)
+        file_text(c, job);
+}
+
+static void
+file_job(struct coord *c, struct job *job)
+{
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    job->filing = stats_begin(job, c->now_ms);
+    if (job->filing)
+        go_on_filing(c, job);
+    else
+        c->actions.failed = true;
 }
 
 void
@@ -233,8 +375,9 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
     job->state = state;
     job->status = status;
     job->end_ms = c->now_ms;
-    snprintf(job->text, sizeof job->text, "%s", text ? text : "");
-    wire_clean(job->text); /* JSON wants no half of a character */
+    c->keep_due = true;
+    rad_text_print(job->text, sizeof job->text, "%s", text ? text : "");
+    wire_clean(job->text); /* JSON wants UTF-8 */
     actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
                 job->hex, job_state_name(state), job->text);
     if (job->nan.pixels > 0)
@@ -265,10 +408,12 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
 
     c->now_ms = now_ms;
     job = stored(c, id, status, text);
-    if (!job)
+    /* it may be another job by now, which was given the same id */
+    if (!job || frame >= job->spec.nframes || !job->frames[frame].writing)
         return;
     job->frames[frame].writing = false;
     job->frames[frame].written = true;
+    job->unfetched++;
     job_count_ready(job);
     if (job->frames_ready == job->spec.nframes)
         coord_job_ends(c, job, JOB_DONE, 0, NULL);
@@ -284,6 +429,7 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     c->now_ms = now_ms;
     if (job)
         job->kept_bytes = bytes;
+    c->keep_due = true;
     coord_forget_old(c);
 }
 
@@ -295,7 +441,7 @@ coord_files(const struct coord *c, size_t *n)
 
     for (size_t i = 0; i < c->njobs; i++)
         all += c->jobs[i]->spec.files.n;
-    list = malloc(all * MSG_HASH + 1);
+    list = malloc((all + c->uploads.n) * MSG_HASH + 1);
     if (!list)
         return NULL;
     for (size_t i = 0; i < c->njobs; i++) {
@@ -305,7 +451,7 @@ coord_files(const struct coord *c, size_t *n)
             memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
         at += f->n;
     }
-    *n = rad_sha_unique(list, all);
+    *n = at + uploads_waiting(&c->uploads, list + at * MSG_HASH);
     return list;
 }
 

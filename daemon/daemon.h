@@ -68,6 +68,7 @@ struct daemon_ops {
 struct daemon {
     const struct conf_table *table;
     struct daemon_settings *set;
+    void *loaded; /* the settings as they were read, see conf_reload() */
     const struct daemon_ops *ops;
     void *arg;
     int argc;
@@ -77,11 +78,16 @@ struct daemon {
     uv_timer_t ticker;
     uv_signal_t sigterm, sigint, sighup;
     struct service_lifetime lifetime;
+    int notify;           /* systemd's socket */
     uint64_t watchdog_ms; /* systemd waits so long for a sign of life; 0: not */
     uint64_t fed_ms;      /* when it got the last */
     bool stopping;
     int status;
 };
+
+/* What both daemons' texts must be (conf_table.check_text). */
+int daemon_check_text(const char *name, const char *value,
+                      struct rad_error *err);
 
 /* The whole life; table, set, ops and arg are set.  Returns the exit status. */
 int daemon_run(struct daemon *d, int argc, char *argv[]);

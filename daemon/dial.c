@@ -1,6 +1,9 @@
 /* dial.c - see dial.h
  *
- * Names are looked up on libuv's pool: a resolver may take its time. */
+ * Names are looked up on libuv's pool: a resolver may take its time.  A name
+ * may have addresses of IPv6 and IPv4, and the coordinator listen at one kind
+ * alone: where an address does not answer the next one is looked up and tried.
+ */
 #include "config.h"
 
 #include "dial.h"
@@ -24,9 +27,11 @@ struct dialling {
     bool with_key;
     struct dial_key key;
     struct address to;
+    unsigned nth; /* of the name's addresses: the one that is tried */
     uv_stream_t *stream;
     struct handshake *shake;
-    struct rad_error err;
+    struct rad_error err; /* of the look-up */
+    char refused[64];     /* why the first address did not answer; or "" */
     char text[ADDRESS_TEXT];
 };
 
@@ -137,6 +142,19 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
         give_up(g, why->what);
 }
 
+static void try_address(struct dialling *g);
+
+/* This address does not answer: another one may. */
+static void
+try_next(struct dialling *g, int status)
+{
+    if (g->nth++ == 0)
+        snprintf(g->refused, sizeof g->refused, "%s", uv_strerror(status));
+    conn_stream_close(g->stream);
+    g->stream = NULL;
+    try_address(g);
+}
+
 static void
 connected(uv_connect_t *req, int status)
 {
@@ -151,7 +169,7 @@ connected(uv_connect_t *req, int status)
     }
     uv_timer_stop(&g->timer);
     if (status < 0) {
-        give_up(g, uv_strerror(status));
+        try_next(g, status);
     } else if (address_is_local(&g->to)) {
         hand_over(g, stream, NULL);
     } else {
@@ -169,7 +187,8 @@ look_up(uv_work_t *work)
 {
     struct dialling *g = work->data;
 
-    address_resolve(g->text, &g->to, &g->err);
+    g->err.code = 0;
+    address_resolve(g->text, g->nth, &g->to, &g->err);
 }
 
 static void
@@ -199,7 +218,7 @@ start_connect(struct dialling *g)
                             connected);
     if (rc < 0) {
         g->connecting = false;
-        give_up(g, uv_strerror(rc));
+        try_next(g, rc);
         return;
     }
     uv_timer_start(&g->timer, on_timer, HANDSHAKE_MS, 0);
@@ -215,11 +234,19 @@ looked_up(uv_work_t *work, int status)
     if (g->dialler->closed)
         let_go(g);
     else if (g->err.code)
-        give_up(g, g->err.what);
+        give_up(g, g->nth > 0 ? g->refused : g->err.what);
     else if (!g->with_key && !address_is_local(&g->to))
         give_up(g, "there is no key to show there");
     else
         start_connect(g);
+}
+
+/* Look the next address up and connect. */
+static void
+try_address(struct dialling *g)
+{
+    g->looking = true;
+    uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
 }
 
 void
@@ -244,6 +271,5 @@ dial(struct dialler *d, const char *text, uint64_t id,
     d->first = g;
     uv_timer_init(d->loop, &g->timer);
     g->timer.data = g->lookup.data = g;
-    g->looking = true;
-    uv_queue_work(d->loop, &g->lookup, look_up, looked_up);
+    try_address(g);
 }

@@ -11,12 +11,30 @@
 #include <unistd.h>
 
 int
+disk_code(int number)
+{
+    switch (number) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+        return RAD_EFULL;
+    case EMFILE:
+    case ENFILE:
+    case ENOMEM:
+        return RAD_ESHORT;
+    case EACCES:
+    case EPERM:
+        return RAD_EPERM;
+    default:
+        return RAD_EIO;
+    }
+}
+
+int
 disk_fail(struct rad_error *err, int number, const char *verb, const char *path)
 {
-    bool full = number == ENOSPC || number == EDQUOT || number == EFBIG;
-
-    return rad_fail(err, full ? RAD_EFULL : RAD_EIO, "cannot %s '%s': %s", verb,
-                    path, strerror(number));
+    return rad_fail(err, disk_code(number), "cannot %s '%s': %s", verb, path,
+                    strerror(number));
 }
 
 int
@@ -127,21 +145,33 @@ disk_open_dir(const char *path)
 int
 disk_make_dir(const char *path, struct rad_error *err)
 {
-    if (mkdir(path, 0750) < 0 && errno != EEXIST)
+    if (mkdir(path, 0700) < 0 && errno != EEXIST)
         return disk_fail(err, errno, "make folder", path);
     return 0;
 }
 
 int
-disk_file_open(struct disk_file *w, const char *path, struct rad_error *err)
+disk_file_open(struct disk_file *w, const char *path, struct mark *mark,
+               struct rad_error *err)
 {
+    int rc;
+
     w->path = path;
+    w->mark = mark;
     if (snprintf(w->tmp, sizeof w->tmp, "%s.tmp", path) >= (int)sizeof w->tmp)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
     w->at = 0;
     w->n = 0;
-    w->fd = open(w->tmp, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
-    return w->fd >= 0 ? 0 : disk_fail(err, errno, "create", w->tmp);
+    rc = mark ? rad_sha_init(&w->sha, err) : 0;
+    if (rc < 0)
+        return rc;
+    w->fd = open(w->tmp, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (w->fd >= 0)
+        return 0;
+    rc = disk_fail(err, errno, "create", w->tmp);
+    if (mark)
+        rad_sha_release(&w->sha);
+    return rc;
 }
 
 static int
@@ -149,6 +179,8 @@ flush(struct disk_file *w, struct rad_error *err)
 {
     int rc = disk_write_at(w->fd, w->buf, w->n, w->at, w->tmp, err);
 
+    if (rc == 0 && w->mark)
+        rad_sha_update(&w->sha, w->buf, w->n);
     w->at += (off_t)w->n;
     w->n = 0;
     return rc;
@@ -176,12 +208,33 @@ disk_file_write(void *arg, const void *data, size_t len, struct rad_error *err)
     return rc;
 }
 
+static int
+finish_mark(struct disk_file *w, int rc, struct rad_error *err)
+{
+    char hex[RAD_SHA_HEX + 1];
+
+    if (!w->mark)
+        return rc;
+    if (rc < 0) {
+        rad_sha_release(&w->sha);
+        return rc;
+    }
+    rc = rad_sha_final(&w->sha, hex, err);
+    if (rc < 0)
+        return rc;
+    w->mark->known = true;
+    w->mark->size = (uint64_t)w->at;
+    rad_sha_from_hex(hex, w->mark->hash);
+    return 0;
+}
+
 int
 disk_file_close(struct disk_file *w, int rc, bool durable,
                 struct rad_error *err)
 {
     if (rc == 0)
         rc = flush(w, err);
+    rc = finish_mark(w, rc, err);
     if (rc == 0 && durable)
         rc = disk_sync(w->fd, w->tmp, err);
     close(w->fd);

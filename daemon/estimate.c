@@ -26,7 +26,7 @@ struct estimate {
     uint32_t passes;                /* [fixed]; the last is what counts */
     struct area *areas;             /* [fixed]; each its taker's */
     struct msg_cost *costs;         /* likewise */
-    _Atomic uint32_t taken;         /* areas, of all passes */
+    _Atomic uint32_t taken, done;   /* areas, of all passes */
     struct msg_counts counts;       /* under the lock of who counts */
     /* estimate_facts(): where it is, and the message's parts */
     uint32_t at;
@@ -126,7 +126,8 @@ estimate_open(const struct estimate *e)
 /* Of the pass after the first there are n pixels, too: some of those, where the
  * area has less than twice as many, which are not kept again. */
 static void
-work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx)
+work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
+        const _Atomic bool *stop)
 {
     struct area *a = &e->areas[i];
     const struct rad_frame *f = &e->frames[a->frame];
@@ -140,9 +141,12 @@ work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx)
     if (!v)
         abort(); /* the job goes on elsewhere */
     if (left < n)
-        rad_estimate_trace(f, ctx, &a->part, 0, n - left, &cost, v);
-    a->n[pass] = rad_estimate_trace(f, ctx, &a->part, n * pass, left, &cost, v);
+        rad_estimate_trace(f, ctx, &a->part, 0, n - left, stop, &cost, v);
+    a->n[pass] =
+        rad_estimate_trace(f, ctx, &a->part, n * pass, left, stop, &cost, v);
     a->sampled[pass] = v;
+    if (!atomic_load_explicit(stop, memory_order_relaxed))
+        atomic_fetch_add_explicit(&e->done, 1, memory_order_relaxed);
     if (pass == e->passes - 1)
         e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };
 }
@@ -154,7 +158,7 @@ estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
 
     while (!atomic_load_explicit(stop, memory_order_relaxed) &&
            (i = atomic_fetch_add(&e->taken, 1)) < e->nareas * e->passes)
-        work_on(e, i % e->nareas, i / e->nareas, ctx);
+        work_on(e, i % e->nareas, i / e->nareas, ctx, stop);
 }
 
 /* Pixels of an estimate are primary rays only where the picture uses them. */
@@ -308,7 +312,11 @@ estimate_facts(struct estimate *e)
 void
 estimate_result(const struct estimate *e, struct msg_estimated *m)
 {
-    *m = (struct msg_estimated){
-        .id = e->id, .ncosts = e->nareas, .costs = e->costs, .counts = e->counts
-    };
+    bool whole = atomic_load_explicit(&e->done, memory_order_relaxed) ==
+                 e->nareas * e->passes;
+
+    *m = (struct msg_estimated){ .id = e->id,
+                                 .ncosts = whole ? e->nareas : 0,
+                                 .costs = e->costs,
+                                 .counts = e->counts };
 }

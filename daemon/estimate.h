@@ -30,7 +30,7 @@ void estimate_free(struct estimate *e);
 /* Is there an area that nobody has taken? */
 bool estimate_open(const struct estimate *e);
 
-/* Work on areas until none is left, or *stop. */
+/* Work on areas until none is left; within a pixel of *stop, if that is set. */
 void estimate_work(struct estimate *e, struct rad_ctx *ctx,
                    const _Atomic bool *stop);
 
@@ -43,7 +43,8 @@ void estimate_count(struct estimate *e, const struct rad_counts *c,
  * is the caller's to fill in. */
 struct msg_facts *estimate_facts(struct estimate *e);
 
-/* The answer, likewise without the job's id; wall_s is the caller's. */
+/* The answer, likewise without the job's id; wall_s is the caller's.  It has no
+ * areas where the work was stopped. */
 void estimate_result(const struct estimate *e, struct msg_estimated *m);
 
 #endif

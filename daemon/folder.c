@@ -1,46 +1,32 @@
-/* folder.c - see folder.h */
+/* folder.c - see folder.h; jobs of earlier lives are folder_take.c's */
 #include "config.h"
 
-#include "folder.h"
+#include "folder_impl.h"
 
 #include "jobtext.h"
-#include "rows.h"
+#include "room.h"
 #include "rowsum.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <inttypes.h>
+#include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
-struct frame_rows {
-    struct rows rows;
-    char *view;
-    uint32_t number;
-    bool open; /* rows are there */
-};
-
-struct folder_job {
-    struct folder_job *next;
-    uint8_t id[MSG_JOB];
-    char *params;
-    bool depth;
-    enum rows_kind kind;
-    uint32_t nframes;
-    struct frame_rows *frames;
-};
-
+#define ROOM_NAME      "room"
+#define FORGET_AT_ONCE 1000                /* files */
 static const char gone_suffix[] = ".gone"; /* of what is being forgotten */
 
 /* --- names --- */
 
 /* DIR/jobs/ID, or DIR/jobs/ID/FRAMEsuffix. */
-static void
-job_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+void
+folder_job_path(const struct folder *f, const uint8_t *id,
+                char path[DISK_PATH_MAX])
 {
     char hex[MSG_JOB_HEX];
 
@@ -48,26 +34,52 @@ job_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
     snprintf(path, DISK_PATH_MAX, "%s/jobs/%s", f->dir, hex);
 }
 
-static void
-frame_path(const struct folder *f, const uint8_t *id, uint32_t frame,
-           const char *suffix, char path[DISK_PATH_MAX])
+void
+folder_frame_path(const struct folder *f, const uint8_t *id, uint32_t frame,
+                  const char *suffix, char path[DISK_PATH_MAX])
 {
     size_t n;
 
-    job_path(f, id, path);
+    folder_job_path(f, id, path);
     n = strlen(path);
     snprintf(path + n, DISK_PATH_MAX - n, "/%u%s", frame, suffix);
 }
 
-static void
-stats_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+/* Of what is kept for frames that are empty. */
+void
+folder_room_path(const struct folder *f, const uint8_t *id,
+                 char path[DISK_PATH_MAX])
 {
-    job_path(f, id, path);
+    folder_job_path(f, id, path);
+    strncat(path, "/" ROOM_NAME, DISK_PATH_MAX - strlen(path) - 1);
+}
+
+void
+folder_stats_path(const struct folder *f, const uint8_t *id,
+                  char path[DISK_PATH_MAX])
+{
+    folder_job_path(f, id, path);
     strncat(path, "/stats", DISK_PATH_MAX - strlen(path) - 1);
 }
 
-static const char *
-suffix_of(enum msg_what what)
+/* DIR/jobs/ID.gone */
+static void
+gone_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+{
+    folder_job_path(f, id, path);
+    strncat(path, gone_suffix, DISK_PATH_MAX - strlen(path) - 1);
+}
+
+/* DIR/jobs/ID/new */
+static void
+new_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
+{
+    folder_job_path(f, id, path);
+    strncat(path, "/new", DISK_PATH_MAX - strlen(path) - 1);
+}
+
+const char *
+folder_suffix_of(enum msg_what what)
 {
     return what == MSG_WHAT_PICTURE ? ".hdr"
            : what == MSG_WHAT_DEPTH ? ".z"
@@ -87,13 +99,21 @@ find(struct folder *f, const uint8_t *id)
 }
 
 static void
-free_job(struct folder_job *j)
+free_rows(struct frame_rows *r)
+{
+    if (r->rows)
+        rows_release(r->rows);
+    free(r->rows);
+    r->rows = NULL;
+}
+
+void
+folder_free_job(struct folder_job *j)
 {
     if (!j)
         return;
     for (uint32_t i = 0; i < j->nframes; i++) {
-        if (j->frames[i].open)
-            rows_release(&j->frames[i].rows);
+        free_rows(&j->frames[i]);
         free(j->frames[i].view);
     }
     free(j->frames);
@@ -110,7 +130,7 @@ drop_job(struct folder *f, const uint8_t *id)
     if (!j)
         return;
     *at = j->next;
-    free_job(j);
+    folder_free_job(j);
 }
 
 static bool
@@ -120,9 +140,8 @@ copy_frames(struct folder_job *j, const struct msg_spec *spec)
         struct frame_rows *f = &j->frames[i];
 
         f->number = spec->frames[i].number;
-        f->rows.fd = -1;
-        f->rows.width = (int)spec->frames[i].width;
-        f->rows.height = (int)spec->frames[i].height;
+        f->width = (int)spec->frames[i].width;
+        f->height = (int)spec->frames[i].height;
         f->view = strdup(spec->frames[i].view);
         if (!f->view)
             return false;
@@ -141,9 +160,9 @@ kind_of(const struct folder *f, const struct msg_spec *spec)
                                                             : ROWS_CODED;
 }
 
-static struct folder_job *
-new_job(const struct folder *f, const struct msg_spec *spec,
-        struct rad_error *err)
+struct folder_job *
+folder_new_job(const struct folder *f, const struct msg_spec *spec,
+               struct rad_error *err)
 {
     struct folder_job *j = calloc(1, sizeof *j);
 
@@ -157,186 +176,175 @@ new_job(const struct folder *f, const struct msg_spec *spec,
         if (j->params && j->frames && copy_frames(j, spec))
             return j;
     }
-    free_job(j);
+    folder_free_job(j);
     rad_fail(err, RAD_ENOMEM, "out of memory");
     return NULL;
 }
 
-static void
-add_job(struct folder *f, struct folder_job *j)
+void
+folder_add_job(struct folder *f, struct folder_job *j)
 {
     drop_job(f, j->id);
     j->next = f->jobs;
     f->jobs = j;
 }
 
-/* The rows of a frame, or an error. */
+/* Bytes of the rows of a frame. */
+uint64_t
+folder_frame_bytes(const struct folder_job *j, const struct frame_rows *r)
+{
+    uint64_t floats = j->kind == ROWS_RGBE ? 1 : (uint64_t)j->kind;
+
+    return (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
+}
+
+/* Make the file of a frame's rows, in room that was kept for it. */
+static int
+begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
+            struct rad_error *err)
+{
+    struct frame_rows *r = &j->frames[i];
+    uint64_t room = f->durable ? j->room - folder_frame_bytes(j, r) : 0;
+    char path[DISK_PATH_MAX];
+    int rc = 0;
+
+    r->rows = calloc(1, sizeof *r->rows);
+    if (!r->rows)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (f->durable) {
+        folder_room_path(f, j->id, path);
+        rc = room_set(path, room, err);
+    }
+    folder_frame_path(f, j->id, i, ".rows", path);
+    if (rc == 0)
+        rc = rows_create(r->rows, &f->opened, path, r->width, r->height,
+                         j->kind, f->durable, err);
+    if (rc < 0) {
+        free(r->rows);
+        r->rows = NULL;
+        return rc;
+    }
+    j->room = room;
+    j->new_files = true;
+    r->state = FRAME_BEGUN;
+    return 0;
+}
+
+/* A frame whose rows have a file, which is made if need be; or an error. */
 static int
 find_frame(struct folder *f, const uint8_t *id, uint32_t frame,
            struct folder_job **job, struct frame_rows **rows,
            struct rad_error *err)
 {
     struct folder_job *j = *find(f, id);
+    int rc = 0;
 
-    if (!j || frame >= j->nframes || !j->frames[frame].open)
+    if (!j || frame >= j->nframes || j->frames[frame].state == FRAME_WRITTEN)
         return rad_fail(err, RAD_ENOINPUT, "no rows of frame %u", frame);
+    if (j->frames[frame].state == FRAME_EMPTY)
+        rc = begin_frame(f, j, frame, err);
+    if (rc < 0)
+        return rc;
     *job = j;
     *rows = &j->frames[frame];
     return 0;
 }
 
-static int
-make_rows(struct folder *f, struct folder_job *j, struct rad_error *err)
+/* Remove so many of its files at most.  Is there more? */
+static bool
+empty_dir(const char *path, unsigned most)
 {
-    char path[DISK_PATH_MAX];
-    int rc = 0;
+    DIR *d = disk_open_dir(path);
+    struct dirent *e;
+    unsigned n = 0;
 
-    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
-        struct frame_rows *r = &j->frames[i];
-
-        frame_path(f, j->id, i, ".rows", path);
-        rc = rows_create(&r->rows, path, r->rows.width, r->rows.height, j->kind,
-                         f->durable, err);
-        r->open = rc == 0;
-    }
-    return rc;
+    if (!d)
+        return false;
+    while (n < most && (e = readdir(d)) != NULL)
+        n += unlinkat(dirfd(d), e->d_name, 0) == 0;
+    closedir(d);
+    return n == most;
 }
 
 static void
 remove_dir(const char *path)
 {
-    DIR *d = disk_open_dir(path);
-    struct dirent *e;
-
-    if (!d)
-        return;
-    while ((e = readdir(d)) != NULL)
-        unlinkat(dirfd(d), e->d_name, 0);
-    closedir(d);
+    empty_dir(path, UINT_MAX);
     rmdir(path);
 }
 
-/* One that can never have its room must not wait for it, for all that writes
- * would wait as well. */
+/* The folder, with what says that the database does not know it: that lasts
+ * before there is anything else in it. */
 static int
-check_size(const struct folder *f, const struct folder_job *j,
-           struct rad_error *err)
+make_dir(const struct folder *f, const uint8_t *id, const char *path,
+         struct rad_error *err)
 {
-    struct statvfs fs;
-    uint64_t all, need = 0;
+    char name[DISK_PATH_MAX];
+    int rc = disk_make_dir(path, err), fd;
 
-    if (!f->durable || statvfs(f->dir, &fs) < 0)
-        return 0; /* whoever needs the room notices */
-    for (uint32_t i = 0; i < j->nframes; i++) {
-        const struct rows *r = &j->frames[i].rows;
-        uint64_t floats = j->kind == ROWS_RGBE ? 1 : (uint64_t)j->kind;
+    if (rc < 0 || !f->durable)
+        return rc;
+    new_path(f, id, name);
+    fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return disk_fail(err, errno, "create", name);
+    close(fd);
+    return disk_sync_dir(path, err);
+}
 
-        need +=
-            (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
-    }
-    all = (uint64_t)fs.f_blocks * fs.f_frsize;
-    if (all == 0 || need <= all) /* 0: it does not say */
-        return 0;
-    return rad_fail(err, RAD_EDATA,
-                    "its rows need %" PRIu64 " MiB, and the coordinator's disk "
-                    "has %" PRIu64 " in all",
-                    need >> 20, all >> 20);
+/* All frames are empty: may they have their room?  What a former call kept
+ * counts. */
+static int
+check_room(const struct folder *f, struct folder_job *j, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    uint64_t there;
+
+    for (uint32_t i = 0; i < j->nframes; i++)
+        j->room += folder_frame_bytes(j, &j->frames[i]);
+    folder_room_path(f, j->id, path);
+    there = room_size(path);
+    return room_check(f->dir, j->room > there ? j->room - there : 0, "its rows",
+                      err);
+}
+
+static int
+keep_room(const struct folder *f, const struct folder_job *j,
+          struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    folder_room_path(f, j->id, path);
+    rc = room_set(path, j->room, err);
+    if (rc == 0)
+        rc = disk_sync_dir_of(path, err);
+    folder_job_path(f, j->id, path);
+    return rc == 0 ? disk_sync_dir_of(path, err) : rc;
 }
 
 int
 folder_make(struct folder *f, const struct msg_spec *spec,
             struct rad_error *err)
 {
-    struct folder_job *j = new_job(f, spec, err);
+    struct folder_job *j = folder_new_job(f, spec, err);
     char path[DISK_PATH_MAX];
     int rc;
 
     if (!j)
         return RAD_ENOMEM;
-    rc = check_size(f, j, err);
-    if (rc < 0) {
-        free_job(j);
-        return rc;
-    }
-    job_path(f, spec->job, path);
-    rc = disk_make_dir(path, err);
+    folder_job_path(f, spec->job, path);
+    rc = f->durable ? check_room(f, j, err) : 0;
     if (rc == 0)
-        rc = make_rows(f, j, err);
-    if (rc == 0 && f->durable)
-        rc = disk_sync_dir(path, err);
-    if (rc == 0 && f->durable)
-        rc = disk_sync_dir_of(path, err);
-    if (rc < 0) {
-        free_job(j);
-        remove_dir(path);
-        return rc;
-    }
-    add_job(f, j);
-    return 0;
-}
-
-static bool
-is_file(const char *path)
-{
-    struct stat st;
-
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0;
-}
-
-/* The picture that is said to be there. */
-static int
-check_picture(const struct folder *f, const struct msg_spec *spec, uint32_t i,
-              struct rad_error *err)
-{
-    char path[DISK_PATH_MAX];
-    struct stat st;
-    off_t size = (off_t)spec->frames[i].width * spec->frames[i].height * 4;
-
-    frame_path(f, spec->job, i, suffix_of(MSG_WHAT_PICTURE), path);
-    if (!is_file(path))
-        return rad_fail(err, RAD_EDATA, "picture '%s' is missing", path);
-    if (!(spec->flags & MSG_JOB_DEPTH))
+        rc = make_dir(f, spec->job, path, err);
+    if (rc == 0 && f->durable) /* else whoever needs it notices */
+        rc = keep_room(f, j, err);
+    if (rc == 0) {
+        folder_add_job(f, j);
         return 0;
-    frame_path(f, spec->job, i, suffix_of(MSG_WHAT_DEPTH), path);
-    if (stat(path, &st) < 0 || st.st_size != size)
-        return rad_fail(err, RAD_EDATA,
-                        "distances '%s' are missing, or not whole", path);
-    return 0;
-}
-
-static int
-take_rows(const struct folder *f, struct folder_job *j, uint32_t i,
-          struct rad_error *err)
-{
-    struct frame_rows *r = &j->frames[i];
-    char path[DISK_PATH_MAX];
-    int rc;
-
-    frame_path(f, j->id, i, ".rows", path);
-    rc = rows_open(&r->rows, path, r->rows.width, r->rows.height, j->kind, err);
-    r->open = rc == 0;
-    return rc;
-}
-
-int
-folder_take_up(struct folder *f, const struct saved_job *s, bool over,
-               struct rad_error *err)
-{
-    struct folder_job *j = new_job(f, &s->spec, err);
-    int rc = 0;
-
-    if (!j)
-        return RAD_ENOMEM;
-    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
-        if (s->written[i])
-            rc = check_picture(f, &s->spec, i, err);
-        else if (!over)
-            rc = take_rows(f, j, i, err);
     }
-    if (rc < 0 || over)
-        free_job(j);
-    else
-        add_job(f, j);
+    folder_free_job(j);
+    remove_dir(path);
     return rc;
 }
 
@@ -347,6 +355,8 @@ is_left_over(const char *name)
     static const char *const suffix[] = { ".rows", ".preview", ".tmp" };
     size_t n = strlen(name);
 
+    if (strcmp(name, ROOM_NAME) == 0)
+        return true;
     for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
         size_t m = strlen(suffix[i]);
 
@@ -364,7 +374,7 @@ folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
     DIR *d;
 
     drop_job(f, id);
-    job_path(f, id, path);
+    folder_job_path(f, id, path);
     d = disk_open_dir(path);
     if (!d)
         return;
@@ -374,26 +384,94 @@ folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
     closedir(d);
 }
 
-void
+bool
 folder_forget(struct folder *f, const uint8_t id[MSG_JOB])
 {
-    char path[DISK_PATH_MAX], gone[DISK_PATH_MAX + 8];
+    char path[DISK_PATH_MAX], gone[DISK_PATH_MAX];
 
     drop_job(f, id);
-    job_path(f, id, path);
-    snprintf(gone, sizeof gone, "%s%s", path, gone_suffix);
-    if (rename(path, gone) == 0)
-        remove_dir(gone);
+    folder_job_path(f, id, path);
+    gone_path(f, id, gone);
+    return (rename(path, gone) == 0 || errno == ENOENT) &&
+           empty_dir(gone, FORGET_AT_ONCE);
+}
+
+void
+folder_forgotten(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    gone_path(f, id, path);
+    rmdir(path);
+}
+
+static bool
+is_dir(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
 }
 
 bool
 folder_is_there(const struct folder *f, const uint8_t id[MSG_JOB])
 {
     char path[DISK_PATH_MAX];
+
+    folder_job_path(f, id, path);
+    return is_dir(path);
+}
+
+bool
+folder_is_going(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    gone_path(f, id, path);
+    return is_dir(path);
+}
+
+bool
+folder_is_open(struct folder *f, const uint8_t id[MSG_JOB])
+{
+    return *find(f, id);
+}
+
+void
+folder_noted(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    new_path(f, id, path);
+    unlink(path);
+}
+
+static bool
+is_empty(const char *path)
+{
+    DIR *d = disk_open_dir(path);
+    struct dirent *e;
+    bool empty = d;
+
+    while (empty && (e = readdir(d)) != NULL)
+        empty = strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0;
+    if (d)
+        closedir(d);
+    return empty;
+}
+
+/* Also one with nothing in it: power was lost before there was. */
+bool
+folder_is_new(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
     struct stat st;
 
-    job_path(f, id, path);
-    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+    new_path(f, id, path);
+    if (stat(path, &st) == 0)
+        return true;
+    folder_job_path(f, id, path);
+    return is_empty(path);
 }
 
 uint64_t
@@ -405,7 +483,7 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
     uint64_t n = 0;
     DIR *d;
 
-    job_path(f, id, path);
+    folder_job_path(f, id, path);
     d = disk_open_dir(path);
     if (!d)
         return 0;
@@ -445,11 +523,11 @@ folder_put_rows(struct folder *f, const struct action_rows *k,
     if (rc < 0)
         return rc;
     if (k->channels == 1)
-        return put_coded(&r->rows, k, pixels, n, line, sum, err);
-    if (k->channels != (int)r->rows.kind)
+        return put_coded(r->rows, k, pixels, n, line, sum, err);
+    if (k->channels != (int)r->rows->kind)
         return rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
-                        k->channels, (int)r->rows.kind);
-    rc = rows_write(&r->rows, (int)k->x, (int)k->y, (int)k->width, (int)k->rows,
+                        k->channels, (int)r->rows->kind);
+    rc = rows_write(r->rows, (int)k->x, (int)k->y, (int)k->width, (int)k->rows,
                     pixels, err);
     if (rc == 0 && sum)
         *sum = rowsum(pixels, n / k->rows, k->y, k->rows);
@@ -469,14 +547,14 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
 
     if (rc < 0)
         return rc;
-    line = r->rows.kind == ROWS_RGBE;
-    n = line ? ROWS_LINE_BYTES(r->rows.width)
-             : rows_bytes(&r->rows, r->rows.width);
+    line = r->rows->kind == ROWS_RGBE;
+    n = line ? ROWS_LINE_BYTES(r->rows->width)
+             : rows_bytes(r->rows, r->rows->width);
     row = malloc(n);
     if (!row)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = line ? rows_read_line(&r->rows, (int)y, row, err)
-              : rows_read(&r->rows, (int)y, row, err);
+    rc = line ? rows_read_line(r->rows, (int)y, row, err)
+              : rows_read(r->rows, (int)y, row, err);
     if (rc == 0)
         wire_floats_put(pixels, row, n / sizeof *row);
     free(row);
@@ -511,31 +589,35 @@ folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
     *sum = 0;
     if (rc < 0)
         return rc;
-    n = rows_bytes(&r->rows, (int)a->width);
+    n = rows_bytes(r->rows, (int)a->width);
     row = malloc(n);
     if (!row)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (uint32_t i = 0; i < rows && rc == 0; i++) {
-        rc = rows_read_part(&r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
+        rc = rows_read_part(r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
                             row, err);
         if (rc == 0)
             *sum ^= rowsum(row, n, a->y + i, 1);
     }
     free(row);
-    if (rc == 0 && line && rows > 0 && r->rows.kind == ROWS_RGBE)
-        rc = sum_line(&r->rows, a->y + rows - 1, sum, err);
+    if (rc == 0 && line && rows > 0 && r->rows->kind == ROWS_RGBE)
+        rc = sum_line(r->rows, a->y + rows - 1, sum, err);
     return rc;
 }
 
 int
 folder_sync(struct folder *f, struct rad_error *err)
 {
-    int rc = 0;
+    char path[DISK_PATH_MAX];
+    int rc = rows_sync(&f->opened, err);
 
-    for (struct folder_job *j = f->jobs; j && rc == 0; j = j->next)
-        for (uint32_t i = 0; i < j->nframes && rc == 0; i++)
-            if (j->frames[i].open)
-                rc = rows_sync(&j->frames[i].rows, err);
+    for (struct folder_job *j = f->jobs; j && rc == 0; j = j->next) {
+        if (!j->new_files)
+            continue;
+        folder_job_path(f, j->id, path);
+        rc = disk_sync_dir(path, err);
+        j->new_files = rc < 0;
+    }
     return rc;
 }
 
@@ -544,26 +626,26 @@ folder_sync(struct folder *f, struct rad_error *err)
 /* A picture of the rows so far. */
 static int
 write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
-           bool durable, struct rad_error *err)
+           bool durable, struct mark *mark, struct rad_error *err)
 {
     struct rad_hdr_info info = { .program = "radsubmit",
                                  .options = j->params,
                                  .view = f->view,
                                  .frame = f->number,
-                                 .width = f->rows.width,
-                                 .height = f->rows.height };
+                                 .width = f->width,
+                                 .height = f->height };
 
-    int rc = jobtext_pixaspect(j->params, f->view, f->rows.width,
-                               f->rows.height, &info.pixaspect, err);
+    int rc = jobtext_pixaspect(j->params, f->view, f->width, f->height,
+                               &info.pixaspect, err);
 
     if (rc < 0)
         return rc;
-    return rows_picture(&f->rows, &info, path, durable, err);
+    return rows_picture(f->rows, &info, path, durable, mark, err);
 }
 
 int
 folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
-               struct rad_error *err)
+               struct saved_frame *marks, struct rad_error *err)
 {
     struct frame_rows *r;
     struct folder_job *j;
@@ -571,37 +653,40 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     int rc = find_frame(f, id, frame, &j, &r, err);
 
     if (rc == 0 && j->depth) {
-        frame_path(f, id, frame, suffix_of(MSG_WHAT_DEPTH), path);
-        rc = rows_depth(&r->rows, path, f->durable, err);
+        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
+        rc = rows_depth(r->rows, path, f->durable, marks ? &marks->depth : NULL,
+                        err);
     }
     if (rc < 0)
         return rc;
-    frame_path(f, id, frame, suffix_of(MSG_WHAT_PICTURE), path);
-    return write_rgbe(j, r, path, f->durable, err);
+    folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
+    return write_rgbe(j, r, path, f->durable, marks ? &marks->picture : NULL,
+                      err);
 }
 
 void
 folder_drop_rows(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame)
 {
-    struct frame_rows *r;
-    struct folder_job *j;
+    struct folder_job *j = *find(f, id);
+    struct frame_rows *r = j && frame < j->nframes ? &j->frames[frame] : NULL;
 
-    if (find_frame(f, id, frame, &j, &r, NULL) < 0)
+    if (!r || r->state != FRAME_BEGUN)
         return;
-    rows_remove(&r->rows);
-    r->open = false;
+    rows_remove(r->rows);
+    free_rows(r);
+    r->state = FRAME_WRITTEN;
 }
 
 int
 folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
-             size_t len, struct rad_error *err)
+             size_t len, struct mark *mark, struct rad_error *err)
 {
     char path[DISK_PATH_MAX];
     struct disk_file w;
     int rc;
 
-    stats_path(f, id, path);
-    rc = disk_file_open(&w, path, err);
+    folder_stats_path(f, id, path);
+    rc = disk_file_open(&w, path, mark, err);
     if (rc < 0)
         return rc;
     rc = disk_file_write(&w, text, len, err);
@@ -613,35 +698,57 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
             enum msg_what what, bool make, char path[DISK_PATH_MAX],
             struct rad_error *err)
 {
+    struct rad_error why = { 0 };
     struct frame_rows *r;
     struct folder_job *j;
+    int rc;
 
     if (what == MSG_WHAT_STATS) {
-        stats_path(f, id, path);
+        folder_stats_path(f, id, path);
         return 0;
     }
-    frame_path(f, id, frame, suffix_of(what), path);
-    if (what != MSG_WHAT_PREVIEW)
-        return 0;
-    /* once the rows are gone, the picture is the preview */
-    if (find_frame(f, id, frame, &j, &r, NULL) < 0) {
-        frame_path(f, id, frame, suffix_of(MSG_WHAT_PICTURE), path);
+    if (what != MSG_WHAT_PREVIEW) {
+        folder_frame_path(f, id, frame, folder_suffix_of(what), path);
         return 0;
     }
-    return make ? write_rgbe(j, r, path, false, err) : 0;
+    rc = find_frame(f, id, frame, &j, &r, &why);
+    if (rc ==
+        RAD_ENOINPUT) { /* its rows are gone: the picture is the preview */
+        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE),
+                          path);
+        return 0;
+    }
+    if (rc < 0)
+        return rad_fail(err, rc, "%s", why.what);
+    folder_frame_path(f, id, frame, folder_suffix_of(what), path);
+    return make ? write_rgbe(j, r, path, false, NULL, err) : 0;
 }
 
 /* --- the whole --- */
 
+/* The job of a name in jobs/; false: it is none. */
+static bool
+parse_name(const char *name, uint8_t id[MSG_JOB], bool *going)
+{
+    char hex[MSG_JOB_HEX];
+    size_t n = sizeof hex - 1;
+
+    *going = strlen(name) > n && strcmp(name + n, gone_suffix) == 0;
+    if (!*going)
+        return msg_job_parse(name, id);
+    memcpy(hex, name, n);
+    hex[n] = '\0';
+    return msg_job_parse(hex, id);
+}
+
 int
-folder_each(const struct folder *f,
-            int (*fn)(void *arg, const uint8_t job[MSG_JOB],
-                      struct rad_error *err),
-            void *arg, struct rad_error *err)
+folder_each(const struct folder *f, folder_fn *fn, void *arg,
+            struct rad_error *err)
 {
     char path[DISK_PATH_MAX];
     uint8_t id[MSG_JOB];
     struct dirent *e;
+    bool going;
     int rc = 0;
     DIR *d;
 
@@ -650,31 +757,22 @@ folder_each(const struct folder *f,
     if (!d)
         return errno == ENOENT ? 0 : disk_fail(err, errno, "open", path);
     while (rc == 0 && (e = readdir(d)) != NULL)
-        if (msg_job_parse(e->d_name, id))
-            rc = fn(arg, id, err);
+        if (parse_name(e->d_name, id, &going))
+            rc = fn(arg, id, going, err);
     closedir(d);
     return rc;
 }
 
-static void
-sweep(const char *jobs)
+static int
+remove_one(void *arg, const uint8_t id[MSG_JOB], bool going,
+           struct rad_error *err)
 {
-    char path[DISK_PATH_MAX];
-    struct dirent *e;
-    DIR *d = disk_open_dir(jobs);
-
-    if (!d)
-        return;
-    while ((e = readdir(d)) != NULL) {
-        size_t n = strlen(e->d_name), m = sizeof gone_suffix - 1;
-
-        if (n <= m || strcmp(e->d_name + n - m, gone_suffix) != 0 ||
-            snprintf(path, sizeof path, "%s/%s", jobs, e->d_name) >=
-                (int)sizeof path)
-            continue;
-        remove_dir(path);
-    }
-    closedir(d);
+    (void)going;
+    (void)err;
+    while (folder_forget(arg, id))
+        ;
+    folder_forgotten(arg, id);
+    return 0;
 }
 
 int
@@ -685,8 +783,8 @@ folder_init(struct folder *f, struct rad_error *err)
 
     snprintf(path, sizeof path, "%s/jobs", f->dir);
     rc = disk_make_dir(path, err);
-    sweep(path);
-    return rc;
+    /* jobs that live in memory are nobody's any more */
+    return rc == 0 && !f->durable ? folder_each(f, remove_one, f, err) : rc;
 }
 
 void
@@ -696,6 +794,7 @@ folder_release(struct folder *f)
         struct folder_job *j = f->jobs;
 
         f->jobs = j->next;
-        free_job(j);
+        folder_free_job(j);
     }
+    syncs_release(&f->opened.closed);
 }

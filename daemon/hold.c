@@ -25,18 +25,25 @@ more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
     jw->lines += go->lines;
     if (jw->in_flight++ == 0)
         job->payer->threads += jw->held = jw->threads;
-    jw->worker->in_flight++;
+    if (jw->worker->in_flight++ == 0 ||
+        job->spec.priority > jw->worker->priority)
+        jw->worker->priority = job->spec.priority;
 }
 
 static void
-less_in_flight(struct job *job, struct job_worker *jw, const struct job_go *go)
+less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
+               const struct job_go *go)
 {
     jw->lines -= go->lines;
     if (--jw->in_flight == 0)
         job->payer->threads -= jw->held;
     jw->worker->in_flight--;
-    if (jw->worker->in_flight == 0)
-        jw->worker->alone = false;
+    if (jw->in_flight == 0)
+        yield_rate(c, jw->worker);
+    if (jw->worker->in_flight > 0)
+        return;
+    jw->worker->alone = false;
+    jw->worker->free_ms = c->now_ms;
 }
 
 void
@@ -84,7 +91,7 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(job, jw, go);
+        less_in_flight(c, job, jw, go);
     }
     c->stirred = true;
     if (job->shared)
@@ -102,7 +109,7 @@ sched_park(struct coord *c, struct job *job, struct job_go *go)
     go->parked_ms = c->now_ms;
     jw->parked++;
     jw->worker->parked++;
-    less_in_flight(job, jw, go);
+    less_in_flight(c, job, jw, go);
     c->stirred = true;
 }
 
@@ -116,7 +123,7 @@ sched_deliver(struct coord *c, struct job *job, struct job_go *go)
         jw->parked--;
         jw->worker->parked--;
     } else {
-        less_in_flight(job, jw, go);
+        less_in_flight(c, job, jw, go);
     }
     go->parked = false;
     go->delivered = true;
@@ -129,6 +136,8 @@ sched_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
+    if (go->yielded)
+        return;
     speed_touch(c, jw);
     go->parked = false;
     jw->parked--;

@@ -5,12 +5,18 @@
 
 #include "jobtext.h"
 #include "ring.h"
+#include "stats.h"
 #include "survey.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* see job_count_frames() and job_weight() */
+#define WINDOWS_A_FRAME 4
+#define ROWS_A_FRAME    1024
+#define FRAMES_A_JOB    400
 
 static const char *
 copy_str(struct rad_arena *mem, const char *s, bool *ok)
@@ -50,16 +56,43 @@ copy_spec(struct job *job, const struct msg_spec *from)
     s->estimate = copy_str(mem, from->estimate, &ok);
     if (from->ncosts > 0)
         s->costs = copy_bytes(mem, from->costs, (size_t)from->ncosts * 4, &ok);
+    if (from->flags & MSG_JOB_VIEWS)
+        s->views = copy_bytes(mem, from->views, MSG_HASH, &ok);
     s->files.hash = copy_bytes(mem, from->files.hash,
                                (size_t)from->files.n * MSG_HASH, &ok);
     for (uint32_t i = 0; ok && i < from->nframes; i++) {
         f[i] = from->frames[i];
         f[i].view = copy_str(mem, from->frames[i].view, &ok);
+        job->frames_bytes += MSG_FRAME_BYTES + strlen(from->frames[i].view);
         job->frames[i].pixels_left = (uint64_t)f[i].width * f[i].height;
         job->pixels_total += job->frames[i].pixels_left;
     }
     s->frames = f;
     return ok;
+}
+
+uint64_t
+job_count_frames(const struct msg_spec *spec)
+{
+    uint64_t sum = 0;
+
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+        uint64_t pixels = (uint64_t)f->width * f->height;
+        uint64_t n = spec->windows < pixels ? spec->windows : pixels;
+
+        n /= WINDOWS_A_FRAME;
+        if (n < f->height / ROWS_A_FRAME)
+            n = f->height / ROWS_A_FRAME;
+        sum += n > 0 ? n : 1;
+    }
+    return sum;
+}
+
+uint32_t
+job_weight(const struct job *job)
+{
+    return 1 + (uint32_t)(job->frames_counted / FRAMES_A_JOB);
 }
 
 struct job *
@@ -78,6 +111,7 @@ job_new(const struct msg_spec *spec, const char *owner)
         job_free(job);
         return NULL;
     }
+    job->frames_counted = job_count_frames(spec);
     job->cost_total = (double)job->pixels_total;
     return job;
 }
@@ -95,6 +129,7 @@ job_free(struct job *job)
 {
     if (!job)
         return;
+    stats_free(job->filing);
     partition_free(job->partition);
     for (uint32_t i = 0; i < job->nunits; i++) {
         free(job->units[i].go);

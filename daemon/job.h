@@ -15,6 +15,7 @@
 struct coord_owner;
 struct coord_worker;
 struct ring;
+struct stats_text;
 struct survey;
 
 /* As in msg_progress. */
@@ -55,10 +56,11 @@ struct job_go {
     bool still;      /* it was here already when its worker came back */
     bool twin;       /* it knows that others have the unit */
     bool split;      /* it was asked to give lines away, and has not answered */
+    bool yielded;    /* it was asked to give all back, likewise; it is parked */
     bool top_sent;   /* the base line above, whole, by us */
     bool makes_top;  /* it traces the base line above, which is kept for it */
     uint64_t out_ms; /* handed out */
-    uint64_t parked_ms, split_ms;
+    uint64_t parked_ms, split_ms, yield_ms;
     /* columns of the unit's last line */
     uint32_t lender; /* attempt that lends it [x, x + n), which is all that it
                       * has; 0: it has the unit */
@@ -92,6 +94,7 @@ struct job_unit {
     uint64_t out_ms;  /* when it went to that worker; 0: in an earlier life */
     uint32_t crasher; /* worker of the first crash */
     bool whole;       /* has nothing to give away */
+    bool given_back;  /* its worker had to: who gets it next redoes nothing */
     bool done;
     uint64_t *hash; /* of its rows that count; NULL: not known */
     uint32_t nhash;
@@ -121,7 +124,10 @@ struct job_worker {
     uint64_t work_ms;   /* time with something in flight */
     double speed;       /* of all its threads, relative to the others' */
     uint32_t seed_first, seed_last; /* its part, until it gets it */
+    bool seeds;            /* it got that part */
     uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
+    uint64_t rest_ms;      /* told to leave the two then, and given nothing
+                            * since; 0: it was not */
     uint32_t load_crashes; /* children that died before READY */
     uint32_t setbacks;     /* children lost for reasons of its own, since it
                             * last finished a unit */
@@ -129,8 +135,13 @@ struct job_worker {
     bool late;             /* others do its work until it is heard of */
     uint64_t keep_ms;      /* until then units that it lost wait for it; 0:
                             * none do */
+    uint8_t passed;    /* so often it had room, and the job nothing for it of
+                        * what waited */
+    uint64_t ask_ms;   /* not again before that */
     bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
                         * a child */
+    bool no_room;      /* at that worker for its files: it is not started there
+                        * before that says so */
     uint64_t ready_ms; /* first READY */
     double load_s;
     uint64_t fingerprint;
@@ -154,6 +165,7 @@ struct job_frame {
     bool untold;          /* not all of it is said: a worker is of version 1, or
                            * lost a unit that it had spent something on */
     bool writing, written;
+    bool fetched; /* with written: its owner has it */
 };
 
 struct job {
@@ -161,18 +173,26 @@ struct job {
     char hex[MSG_JOB_HEX];
     char owner[MSG_MAX_NAME + 1];
     struct msg_spec spec; /* all it points at lies in mem */
+    uint64_t frames_counted; /* see job_count_frames() */
+    size_t frames_bytes;  /* that its list of frames would take in a message */
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
     bool held;      /* for want of room on the disk */
+    bool waits;     /* held alone, before it was opened: text says why */
     uint32_t lives; /* of the coordinator, that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
-    bool filed;     /* over; but for what follows only the store knows of it */
+    struct stats_text *filing; /* its statistics, on their way to the store */
+    bool filed; /* over; but for what follows only the store knows of it */
     struct msg_progress last; /* of one that is filed */
     uint64_t kept_bytes;      /* on the disk, once it is over */
+    uint32_t unfetched;  /* frames that are written, and not fetched */
+    uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
     bool opened;              /* bundle and room for rows are there */
     bool asked_open;
-    int status; /* of sysexits.h, with JOB_FAILED */
+    uint32_t nfound;   /* files that were seen in the store before that */
+    uint64_t found_ms; /* when the last of them was */
+    int status;        /* of sysexits.h, with JOB_FAILED */
     char text[MSG_MAX_TEXT + 1];
 
     struct partition *partition; /* NULL until the first worker is ready */
@@ -232,6 +252,15 @@ struct job {
     uint64_t last_ms;   /* last row was kept */
     uint64_t end_ms;
 };
+
+/* Its frames, as the limit of a user's counts them: in many windows a frame
+ * counts as one for each four that were asked for, as far as it has pixels, and
+ * as one for each 1024 rows: windows and lines are what takes memory. */
+uint64_t job_count_frames(const struct msg_spec *spec);
+
+/* How many of the jobs that are kept it counts as: it holds memory until it is
+ * forgotten, about 1 MiB for each 400 frames so counted. */
+uint32_t job_weight(const struct job *job);
 
 /* Copies all that spec lends.  NULL when memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);

@@ -10,18 +10,23 @@
 
 #include "journal_impl.h"
 
+#include "disk.h"
 #include "frame.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      4          /* since rows lie as in the picture */
-#define SCHEMA_ALSO 3          /* is read, too: its tables are the same */
+#define SCHEMA      5          /* since finished files have marks */
+#define SCHEMA_ALSO 3          /* and 4: taken over as they are read */
 #define WAL_PAGES   1000       /* in the log before it is carried over */
 
-static const char schema[] =
+/* As it was up to version 4. */
+static const char schema_4[] =
     "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"
     "CREATE TABLE job ("
     " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
@@ -42,6 +47,22 @@ static const char schema[] =
     "CREATE TABLE frame (job INTEGER NOT NULL, frame INTEGER NOT NULL,"
     " PRIMARY KEY (job, frame)) WITHOUT ROWID;";
 
+/* What version 5 has more.  Marks of what was written before are not known. */
+static const char since_4[] =
+    "ALTER TABLE job ADD COLUMN stats_size INTEGER;"
+    "ALTER TABLE job ADD COLUMN stats_hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN size INTEGER;"
+    "ALTER TABLE frame ADD COLUMN hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN depth_size INTEGER;"
+    "ALTER TABLE frame ADD COLUMN depth_hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN fetched INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN priority INTEGER;"
+    "CREATE TABLE drained (worker TEXT PRIMARY KEY) WITHOUT ROWID;"
+    "CREATE TABLE gone ("
+    " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
+    " name TEXT NOT NULL, why INTEGER NOT NULL, fetched INTEGER NOT NULL,"
+    " end_ms INTEGER NOT NULL, gone_ms INTEGER NOT NULL);";
+
 #define N_OF_JOB "(SELECT n FROM job WHERE id = ?1)"
 
 static const char *const sql[NSQL] = {
@@ -54,10 +75,16 @@ static const char *const sql[NSQL] = {
         " text, offer_ms, submit_ms, open_ms, end_ms, sent_bytes, kept_bytes)"
         " VALUES (?1, ?2, ?3, (SELECT ifnull(max(epoch), 0) FROM life),"
         " ?4, 0, '', ?5, ?6, ?7, 0, ?8, 0) ON CONFLICT (id) DO NOTHING",
-    [SQL_PUT_STATE] = "UPDATE job SET state = ?2 WHERE id = ?1",
+    [SQL_PUT_STATE] = "UPDATE job SET state = ?2, priority = ?3"
+                      " WHERE id = ?1",
+    [SQL_PUT_DRAINED] = "INSERT INTO drained VALUES (?1) ON CONFLICT DO"
+                        " NOTHING",
+    [SQL_DROP_DRAINED] = "DELETE FROM drained WHERE worker = ?1",
+    [SQL_DRAINED] = "SELECT worker FROM drained ORDER BY worker",
     [SQL_PUT_END] =
         "UPDATE job SET state = ?2, status = ?3, text = ?4,"
-        " end_ms = ?5, kept_bytes = ?6, progress = ?7 WHERE id = ?1",
+        " end_ms = ?5, kept_bytes = ?6, progress = ?7, stats_size = ?8,"
+        " stats_hash = ?9 WHERE id = ?1",
     [SQL_PUT_UNIT] =
         "INSERT INTO unit (job, unit, frame, x, y, width, height, attempt,"
         " tries, worker, fingerprint) VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5,"
@@ -74,22 +101,39 @@ static const char *const sql[NSQL] = {
                      " sum = CASE ?4 WHEN ?10 THEN ?9"
                      " ELSE (sum | ?9) - (sum & ?9) END"
                      " WHERE job = " N_OF_JOB " AND unit = ?2",
-    [SQL_PUT_FRAME] = "INSERT INTO frame VALUES (" N_OF_JOB ", ?2)"
-                      " ON CONFLICT DO NOTHING",
+    [SQL_PUT_FRAME] =
+        "INSERT INTO frame (job, frame, size, hash, depth_size, depth_hash)"
+        " VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO UPDATE"
+        " SET size = ?3, hash = ?4, depth_size = ?5, depth_hash = ?6",
     [SQL_DROP_UNITS] = "DELETE FROM unit WHERE job = " N_OF_JOB,
     [SQL_DROP_FRAMES] = "DELETE FROM frame WHERE job = " N_OF_JOB,
     [SQL_DROP_JOB] = "DELETE FROM job WHERE id = ?1",
+    [SQL_PUT_FETCHED] = "UPDATE frame SET fetched = 1"
+                        " WHERE job = " N_OF_JOB " AND frame = ?2",
+    [SQL_GONES] = "SELECT id, owner, name, why, fetched, end_ms, gone_ms"
+                  " FROM gone ORDER BY n",
+    [SQL_PUT_GONE] = "INSERT INTO gone (id, owner, name, why, fetched, end_ms,"
+                     " gone_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
+                     " ON CONFLICT (id) DO NOTHING",
+    [SQL_DROP_GONES] =
+        "DELETE FROM gone WHERE owner = ?1 AND n <= (SELECT n FROM gone"
+        " WHERE owner = ?1 ORDER BY n DESC LIMIT 1 OFFSET ?2)",
+    [SQL_MARKS] = "SELECT size, hash, depth_size, depth_hash FROM frame"
+                  " WHERE job = " N_OF_JOB " AND frame = ?2",
+    [SQL_STATS_MARK] = "SELECT stats_size, stats_hash FROM job WHERE id = ?1",
     [SQL_HAS] = "SELECT 1 FROM job WHERE id = ?1",
+    [SQL_HAS_GONE] = "SELECT 1 FROM gone WHERE id = ?1",
     [SQL_JOBS] =
         "SELECT n, id, owner, spec, epoch, state, status, text, offer_ms,"
-        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress"
-        " FROM job ORDER BY n",
+        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress, stats_size,"
+        " stats_hash, priority FROM job ORDER BY n",
     [SQL_LIVES] = "SELECT count(*) FROM life WHERE epoch > ?1",
     [SQL_UNITS] =
         "SELECT unit, frame, x, y, width, height, attempt, tries, worker,"
         " fingerprint, stored, done, end_ms, counts, bottom, sum"
         " FROM unit WHERE job = ?1 ORDER BY unit",
-    [SQL_FRAMES] = "SELECT frame FROM frame WHERE job = ?1 ORDER BY frame",
+    [SQL_FRAMES] = "SELECT frame, size, hash, depth_size, depth_hash, fetched"
+                   " FROM frame WHERE job = ?1 ORDER BY frame",
 };
 
 /* --- errors --- */
@@ -99,9 +143,14 @@ code_of(struct journal *j, int rc)
 {
     int number = sqlite3_system_errno(j->db);
 
+    if (rc == SQLITE_IOERR_NOMEM)
+        return RAD_ENOMEM;
     switch (rc & 0xff) {
     case SQLITE_FULL:
         return RAD_EFULL;
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+        return RAD_EPERM;
     case SQLITE_NOMEM:
         return RAD_ENOMEM;
     case SQLITE_BUSY:
@@ -114,11 +163,12 @@ code_of(struct journal *j, int rc)
     case SQLITE_ERROR: /* a table is not as it was made */
     case SQLITE_CONSTRAINT:
         return RAD_EDATA;
+    case SQLITE_CANTOPEN:
+        return disk_code(number);
     case SQLITE_IOERR:
-        return rc != SQLITE_IOERR_FSYNC && rc != SQLITE_IOERR_DIR_FSYNC &&
-                       (number == ENOSPC || number == EDQUOT)
-                   ? RAD_EFULL
-                   : RAD_EIO;
+        return rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC
+                   ? RAD_EIO
+                   : disk_code(number);
     default:
         return RAD_EIO;
     }
@@ -127,7 +177,12 @@ code_of(struct journal *j, int rc)
 int
 journal_failed(struct journal *j, int rc, struct rad_error *err)
 {
-    return rad_fail(err, code_of(j, rc), "database: %s", sqlite3_errmsg(j->db));
+    int code = code_of(j, rc);
+
+    /* for want of room or memory SQLite may undo all that went before */
+    if (j->in_transaction && sqlite3_get_autocommit(j->db))
+        j->undone = code;
+    return rad_fail(err, code, "database: %s", sqlite3_errmsg(j->db));
 }
 
 static int
@@ -226,7 +281,9 @@ make(struct journal *j, struct rad_error *err)
                      "PRAGMA application_id = %d; PRAGMA user_version = %d",
                      APPLICATION, SCHEMA);
     if (rc == 0)
-        rc = exec(j, schema, err);
+        rc = exec(j, schema_4, err);
+    if (rc == 0)
+        rc = exec(j, since_4, err);
     if (rc == 0)
         rc = exec(j, text, err);
     return rc == 0 ? exec(j, "COMMIT", err) : rc;
@@ -246,6 +303,18 @@ check_version(sqlite3_int64 version, struct rad_error *err)
                     version < SCHEMA ? "an older" : "a newer", SCHEMA);
 }
 
+/* In a transaction that lasts with all else that taking it up brings, or is
+ * dropped by whoever only reads: an older radcoord can go on with it until it
+ * is taken up. */
+static int
+modernise(struct journal *j, struct rad_error *err)
+{
+    int rc = exec(j, "PRAGMA cache_spill = OFF; BEGIN IMMEDIATE", err);
+
+    j->in_transaction = rc == 0;
+    return rc == 0 ? exec(j, since_4, err) : rc;
+}
+
 static int
 look(struct journal *j, enum journal_how how, struct rad_error *err)
 {
@@ -260,7 +329,9 @@ look(struct journal *j, enum journal_how how, struct rad_error *err)
         rc = one_number(j, "PRAGMA user_version", &version, err);
     if (rc == 0 && (tables == 0 || application != APPLICATION))
         rc = rad_fail(err, RAD_EDATA, "database: not one of radcoord");
-    return rc == 0 ? check_version(version, err) : rc;
+    if (rc == 0)
+        rc = check_version(version, err);
+    return rc == 0 && version < SCHEMA ? modernise(j, err) : rc;
 }
 
 static int
@@ -287,7 +358,7 @@ set_up(struct journal *j, enum journal_how how, struct rad_error *err)
                   "PRAGMA wal_autocheckpoint = 0;"
                   "PRAGMA journal_size_limit = 4194304",
                   err);
-    if (how == JOURNAL_READ) /* the log stays as it is */
+    if (j->had_log) /* which stays as it is unless this is taken over */
         sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     if (rc == 0)
         rc = exec(j, "PRAGMA temp_store = MEMORY; PRAGMA trusted_schema = OFF",
@@ -295,6 +366,27 @@ set_up(struct journal *j, enum journal_how how, struct rad_error *err)
     if (rc == 0)
         sqlite3_wal_hook(j->db, on_wal, j);
     return rc == 0 ? look(j, how, err) : rc;
+}
+
+static bool
+has_log(const char *path)
+{
+    char log[DISK_PATH_MAX + 8];
+
+    snprintf(log, sizeof log, "%s-wal", path);
+    return access(log, F_OK) == 0;
+}
+
+/* SQLite would make it readable to all. */
+static int
+make_private(const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+
+    if (fd < 0)
+        return disk_fail(err, errno, "create", path);
+    close(fd);
+    return 0;
 }
 
 int
@@ -314,6 +406,11 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     wire_out_init(&j->out, MSG_FRAME_MAX);
     j->out.version = JOURNAL_LAYOUT;
+    j->had_log = has_log(path);
+    if (how == JOURNAL_MAKE && make_private(path, err) < 0) {
+        journal_close(j);
+        return err->code;
+    }
     rc = sqlite3_open_v2(path, &j->db, flags[how] | SQLITE_OPEN_NOMUTEX, NULL);
     if (rc != SQLITE_OK)
         rc = j->db ? journal_failed(j, rc, err)
@@ -388,8 +485,7 @@ journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
         return err->code;
     sqlite3_bind_int64(s, 1, (sqlite3_int64)*epoch);
     sqlite3_bind_int64(s, 2, (sqlite3_int64)now_ms);
-    rc = journal_run(j, s, err);
-    return rc == 0 ? journal_commit(j, err) : rc;
+    return journal_run(j, s, err);
 }
 
 int
@@ -397,6 +493,7 @@ journal_take_over(struct journal *j, struct rad_error *err)
 {
     char text[80];
 
+    sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
     sqlite3_snprintf(sizeof text, text, "PRAGMA user_version = %d", SCHEMA);
     return exec(j, text, err);
 }
@@ -424,6 +521,8 @@ journal_commit(struct journal *j, struct rad_error *err)
 {
     int rc;
 
+    if (j->undone)
+        return rad_fail(err, j->undone, "database: what was noted is undone");
     if (!j->in_transaction)
         return 0;
     rc = run_plain(j, SQL_COMMIT, err);
@@ -439,4 +538,5 @@ journal_rollback(struct journal *j)
     if (j->in_transaction)
         sqlite3_exec(j->db, "ROLLBACK", NULL, NULL, NULL);
     j->in_transaction = false;
+    j->undone = 0;
 }

@@ -20,6 +20,9 @@ enum journal_sql {
     SQL_LAST_LIFE,
     SQL_PUT_JOB,
     SQL_PUT_STATE,
+    SQL_PUT_DRAINED,
+    SQL_DROP_DRAINED,
+    SQL_DRAINED,
     SQL_PUT_END,
     SQL_PUT_UNIT,
     SQL_PUT_ROWS,
@@ -27,7 +30,14 @@ enum journal_sql {
     SQL_DROP_UNITS,
     SQL_DROP_FRAMES,
     SQL_DROP_JOB,
+    SQL_PUT_FETCHED,
+    SQL_PUT_GONE,
+    SQL_GONES,
+    SQL_DROP_GONES,
+    SQL_MARKS,
+    SQL_STATS_MARK,
     SQL_HAS,
+    SQL_HAS_GONE,
     SQL_JOBS,
     SQL_LIVES,
     SQL_UNITS,
@@ -39,7 +49,9 @@ struct journal {
     sqlite3 *db;
     sqlite3_stmt *stmt[NSQL];
     struct wire_out out;
+    bool had_log; /* before it was opened */
     bool in_transaction;
+    int undone;    /* SQLite gave the transaction up, for this; 0: it did not */
     int wal_pages; /* in the log */
 };
 

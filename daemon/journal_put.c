@@ -79,13 +79,27 @@ journal_put_job(struct journal *j, const struct saved_job *saved,
 
 int
 journal_put_state(struct journal *j, const uint8_t job[MSG_JOB], int state,
-                  struct rad_error *err)
+                  int32_t priority, struct rad_error *err)
 {
     sqlite3_stmt *s = writer_of(j, SQL_PUT_STATE, job, err);
 
     if (!s)
         return err->code;
     sqlite3_bind_int(s, 2, state);
+    sqlite3_bind_int(s, 3, priority);
+    return journal_run(j, s, err);
+}
+
+int
+journal_put_drained(struct journal *j, const char *worker, bool drained,
+                    struct rad_error *err)
+{
+    sqlite3_stmt *s = journal_writer(
+        j, drained ? SQL_PUT_DRAINED : SQL_DROP_DRAINED, err);
+
+    if (!s)
+        return err->code;
+    bind_text(s, 1, worker);
     return journal_run(j, s, err);
 }
 
@@ -96,6 +110,16 @@ drop(struct journal *j, enum journal_sql what, const uint8_t job[MSG_JOB],
     sqlite3_stmt *s = writer_of(j, what, job, err);
 
     return s ? journal_run(j, s, err) : err->code;
+}
+
+/* Two values from i on, which are NULL where it is not known. */
+static void
+bind_mark(sqlite3_stmt *s, int i, const struct mark *m)
+{
+    if (!m->known)
+        return;
+    bind_u64(s, i, m->size);
+    sqlite3_bind_blob(s, i + 1, m->hash, RAD_SHA_BYTES, SQLITE_STATIC);
 }
 
 int
@@ -114,6 +138,7 @@ journal_put_end(struct journal *j, const struct saved_job *saved,
     bind_u64(s, 5, saved->end_ms);
     bind_u64(s, 6, saved->kept_bytes);
     bind_payload(j, s, 7);
+    bind_mark(s, 8, &saved->stats);
     rc = journal_run(j, s, err);
     return rc == 0 ? drop(j, SQL_DROP_UNITS, saved->spec.job, err) : rc;
 }
@@ -176,9 +201,23 @@ journal_put_rows(struct journal *j, const uint8_t job[MSG_JOB],
 
 int
 journal_put_frame(struct journal *j, const uint8_t job[MSG_JOB], uint32_t frame,
-                  struct rad_error *err)
+                  const struct saved_frame *f, struct rad_error *err)
 {
     sqlite3_stmt *s = writer_of(j, SQL_PUT_FRAME, job, err);
+
+    if (!s)
+        return err->code;
+    bind_u64(s, 2, frame);
+    bind_mark(s, 3, &f->picture);
+    bind_mark(s, 5, &f->depth);
+    return journal_run(j, s, err);
+}
+
+int
+journal_put_fetched(struct journal *j, const uint8_t job[MSG_JOB],
+                    uint32_t frame, struct rad_error *err)
+{
+    sqlite3_stmt *s = writer_of(j, SQL_PUT_FETCHED, job, err);
 
     if (!s)
         return err->code;
@@ -186,13 +225,38 @@ journal_put_frame(struct journal *j, const uint8_t job[MSG_JOB], uint32_t frame,
     return journal_run(j, s, err);
 }
 
+static int
+put_gone(struct journal *j, const struct saved_gone *g, struct rad_error *err)
+{
+    sqlite3_stmt *s = writer_of(j, SQL_PUT_GONE, g->job, err);
+    int rc;
+
+    if (!s)
+        return err->code;
+    bind_text(s, 2, g->owner);
+    bind_text(s, 3, g->name);
+    sqlite3_bind_int(s, 4, (int)g->why);
+    sqlite3_bind_int(s, 5, g->fetched);
+    bind_u64(s, 6, g->end_ms);
+    bind_u64(s, 7, g->gone_ms);
+    rc = journal_run(j, s, err);
+    s = rc == 0 ? journal_writer(j, SQL_DROP_GONES, err) : NULL;
+    if (!s)
+        return err->code;
+    bind_text(s, 1, g->owner);
+    sqlite3_bind_int(s, 2, SAVED_GONES);
+    return journal_run(j, s, err);
+}
+
 int
-journal_forget(struct journal *j, const uint8_t job[MSG_JOB],
+journal_forget(struct journal *j, const struct saved_gone *g,
                struct rad_error *err)
 {
-    int rc = drop(j, SQL_DROP_UNITS, job, err);
+    int rc = drop(j, SQL_DROP_UNITS, g->job, err);
 
     if (rc == 0)
-        rc = drop(j, SQL_DROP_FRAMES, job, err);
-    return rc == 0 ? drop(j, SQL_DROP_JOB, job, err) : rc;
+        rc = drop(j, SQL_DROP_FRAMES, g->job, err);
+    if (rc == 0)
+        rc = drop(j, SQL_DROP_JOB, g->job, err);
+    return rc == 0 ? put_gone(j, g, err) : rc;
 }

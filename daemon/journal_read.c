@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-int
-journal_has(struct journal *j, const uint8_t job[MSG_JOB], bool *has,
-            struct rad_error *err)
+static int
+has_row(struct journal *j, enum journal_sql what, const uint8_t job[MSG_JOB],
+        bool *has, struct rad_error *err)
 {
-    sqlite3_stmt *s = journal_statement(j, SQL_HAS, err);
+    sqlite3_stmt *s = journal_statement(j, what, err);
     int rc;
 
     if (!s)
@@ -25,6 +25,20 @@ journal_has(struct journal *j, const uint8_t job[MSG_JOB], bool *has,
     sqlite3_reset(s);
     return rc == SQLITE_ROW || rc == SQLITE_DONE ? 0
                                                  : journal_failed(j, rc, err);
+}
+
+int
+journal_has(struct journal *j, const uint8_t job[MSG_JOB], bool *has,
+            struct rad_error *err)
+{
+    return has_row(j, SQL_HAS, job, has, err);
+}
+
+int
+journal_has_gone(struct journal *j, const uint8_t job[MSG_JOB], bool *gone,
+                 struct rad_error *err)
+{
+    return has_row(j, SQL_HAS_GONE, job, gone, err);
 }
 
 /* What is wrong with a row, as an error. */
@@ -81,7 +95,7 @@ struct reading {
     sqlite3_int64 n; /* its number */
     struct saved_job saved;
     struct msg spec, progress;
-    bool *written;
+    struct saved_frame *frames;
     struct saved_unit *units;
     uint32_t cap;
     struct rad_arena mem; /* texts and blobs of units */
@@ -174,14 +188,66 @@ add_unit(struct reading *r, sqlite3_stmt *s)
     return copy_unit(r, u);
 }
 
+/* Columns i and i + 1: both NULL where it is not known. */
+static bool
+get_mark(sqlite3_stmt *s, int i, struct mark *m)
+{
+    const uint8_t *hash;
+    size_t n;
+
+    *m = (struct mark){ 0 };
+    if (sqlite3_column_type(s, i) == SQLITE_NULL)
+        return sqlite3_column_type(s, i + 1) == SQLITE_NULL;
+    if (!get_u64(s, i, &m->size) || !get_blob(s, i + 1, &hash, &n) ||
+        n != RAD_SHA_BYTES)
+        return false;
+    m->known = true;
+    memcpy(m->hash, hash, n);
+    return true;
+}
+
+int
+journal_find_mark(struct journal *j, const uint8_t job[MSG_JOB], uint32_t frame,
+                  enum msg_what what, struct mark *m, struct rad_error *err)
+{
+    bool stats = what == MSG_WHAT_STATS;
+    sqlite3_stmt *s =
+        journal_statement(j, stats ? SQL_STATS_MARK : SQL_MARKS, err);
+    int rc, step;
+
+    *m = (struct mark){ 0 };
+    if (!s)
+        return err->code;
+    sqlite3_bind_blob(s, 1, job, MSG_JOB, SQLITE_STATIC);
+    if (!stats)
+        sqlite3_bind_int64(s, 2, frame);
+    step = sqlite3_step(s);
+    if (step == SQLITE_DONE)
+        rc = 0;
+    else if (step != SQLITE_ROW)
+        rc = journal_failed(j, step, err);
+    else if (get_mark(s, what == MSG_WHAT_DEPTH ? 2 : 0, m))
+        rc = 0;
+    else
+        rc = rad_fail(err, RAD_EDATA, "database: the mark of a file cannot be");
+    sqlite3_reset(s);
+    return rc;
+}
+
 static int
 add_frame(struct reading *r, sqlite3_stmt *s)
 {
-    uint32_t frame;
+    struct saved_frame *f;
+    uint32_t frame, fetched;
 
     if (!get_u32(s, 0, &frame) || frame >= r->saved.spec.nframes)
         return bad(r->err, "a frame", r->n);
-    r->written[frame] = true;
+    f = &r->frames[frame];
+    if (!get_mark(s, 1, &f->picture) || !get_mark(s, 3, &f->depth) ||
+        !get_u32(s, 5, &fetched) || fetched > 1)
+        return bad(r->err, "a frame", r->n);
+    f->written = true;
+    f->fetched = fetched;
     return 0;
 }
 
@@ -242,8 +308,23 @@ get_spec(struct reading *r, sqlite3_stmt *s)
     r->saved.spec = r->spec.submit;
     if (memcmp(r->saved.spec.job, id, MSG_JOB) != 0)
         return bad(r->err, "the id", r->n);
-    r->written = calloc(r->saved.spec.nframes, sizeof *r->written);
-    return r->written ? 0 : no_memory(r->err);
+    r->frames = calloc(r->saved.spec.nframes, sizeof *r->frames);
+    return r->frames ? 0 : no_memory(r->err);
+}
+
+/* That of its SUBMIT, unless it was changed. */
+static int
+get_priority(struct reading *r, sqlite3_stmt *s)
+{
+    sqlite3_int64 n = sqlite3_column_int64(s, 17);
+
+    if (sqlite3_column_type(s, 17) == SQLITE_NULL)
+        return 0;
+    if (sqlite3_column_type(s, 17) != SQLITE_INTEGER || n < INT32_MIN ||
+        n > INT32_MAX)
+        return bad(r->err, "the priority", r->n);
+    r->saved.spec.priority = (int32_t)n;
+    return 0;
 }
 
 /* How it ended, if it did. */
@@ -280,11 +361,14 @@ get_job(struct reading *r, sqlite3_stmt *s)
         !get_u32(s, 6, &status) || !get_text(s, 7, MSG_MAX_TEXT, &o->text) ||
         !get_u64(s, 8, &o->offer_ms) || !get_u64(s, 9, &o->submit_ms) ||
         !get_u64(s, 10, &o->open_ms) || !get_u64(s, 11, &o->end_ms) ||
-        !get_u64(s, 12, &o->sent_bytes) || !get_u64(s, 13, &o->kept_bytes))
+        !get_u64(s, 12, &o->sent_bytes) || !get_u64(s, 13, &o->kept_bytes) ||
+        !get_mark(s, 15, &o->stats))
         return bad(r->err, "the state", r->n);
     o->state = (uint8_t)state;
     o->status = (int)status;
     rc = get_spec(r, s);
+    if (rc == 0)
+        rc = get_priority(r, s);
     if (rc == 0)
         rc = get_progress(r, s);
     if (rc == 0)
@@ -293,7 +377,7 @@ get_job(struct reading *r, sqlite3_stmt *s)
         rc = each(r, SQL_FRAMES, add_frame);
     if (rc == 0)
         rc = each(r, SQL_UNITS, add_unit);
-    o->written = r->written;
+    o->frames = r->frames;
     o->units = r->units;
     return rc;
 }
@@ -313,7 +397,7 @@ read_job(struct journal *j, sqlite3_stmt *s, journal_job_fn *fn, void *arg,
     msg_release(&r.spec);
     msg_release(&r.progress);
     rad_arena_release(&r.mem);
-    free(r.written);
+    free(r.frames);
     free(r.units);
     return rc;
 }
@@ -330,6 +414,76 @@ journal_read(struct journal *j, journal_job_fn *fn, void *arg,
     while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE)
         rc = step == SQLITE_ROW ? read_job(j, s, fn, arg, err)
                                 : journal_failed(j, step, err);
+    sqlite3_reset(s);
+    return rc;
+}
+
+int
+journal_read_drained(struct journal *j, journal_worker_fn *fn, void *arg,
+                     struct rad_error *err)
+{
+    sqlite3_stmt *s = journal_statement(j, SQL_DRAINED, err);
+    const char *name;
+    int rc = 0, step;
+
+    if (!s)
+        return err->code;
+    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE)
+        if (step != SQLITE_ROW)
+            rc = journal_failed(j, step, err);
+        else if (!get_text(s, 0, MSG_MAX_NAME, &name))
+            rc = rad_fail(err, RAD_EDATA,
+                          "database: the name of a drained worker cannot be");
+        else
+            rc = fn(arg, name, err);
+    sqlite3_reset(s);
+    return rc;
+}
+
+/* A row of SQL_GONES; false: it cannot be. */
+static bool
+get_gone(sqlite3_stmt *s, struct saved_gone *g)
+{
+    const char *owner, *name;
+    const uint8_t *id;
+    uint32_t why, fetched;
+    size_t n;
+
+    *g = (struct saved_gone){ 0 };
+    if (!get_blob(s, 0, &id, &n) || n != MSG_JOB ||
+        !get_text(s, 1, MSG_MAX_NAME, &owner) ||
+        !get_text(s, 2, MSG_MAX_NAME, &name) || !get_u32(s, 3, &why) ||
+        !get_u32(s, 4, &fetched) || !get_u64(s, 5, &g->end_ms) ||
+        !get_u64(s, 6, &g->gone_ms) || why >= GONE_NWHYS || fetched > 1)
+        return false;
+    memcpy(g->job, id, n);
+    memcpy(g->owner, owner, strlen(owner) + 1);
+    memcpy(g->name, name, strlen(name) + 1);
+    g->why = (enum gone_why)why;
+    g->fetched = fetched;
+    return true;
+}
+
+int
+journal_read_gone(struct journal *j,
+                  void (*fn)(void *arg, const struct saved_gone *g), void *arg,
+                  struct rad_error *err)
+{
+    sqlite3_stmt *s = journal_statement(j, SQL_GONES, err);
+    struct saved_gone g;
+    int rc = 0, step;
+
+    if (!s)
+        return err->code;
+    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE) {
+        if (step != SQLITE_ROW)
+            rc = journal_failed(j, step, err);
+        else if (!get_gone(s, &g))
+            rc = rad_fail(err, RAD_EDATA,
+                          "database: a job that was forgotten cannot be");
+        else
+            fn(arg, &g);
+    }
     sqlite3_reset(s);
     return rc;
 }

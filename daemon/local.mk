@@ -1,7 +1,7 @@
 # libdaemon, the machines behind the daemons
 noinst_LIBRARIES += libdaemon.a
 libdaemon_a_CPPFLAGS = $(AM_CPPFLAGS)
-libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) $(JANSSON_CFLAGS) $(INIH_CFLAGS) \
+libdaemon_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(SECCOMP_CFLAGS) $(JANSSON_CFLAGS) \
 	$(SQLITE_CFLAGS)
 libdaemon_a_SOURCES = \
 	daemon/action.c \
@@ -15,6 +15,8 @@ libdaemon_a_SOURCES = \
 	daemon/balance.c \
 	daemon/blobs.c \
 	daemon/blobs.h \
+	daemon/cache.c \
+	daemon/cache.h \
 	daemon/children.c \
 	daemon/children.h \
 	daemon/conf.c \
@@ -25,26 +27,26 @@ libdaemon_a_SOURCES = \
 	daemon/coord.h \
 	daemon/coord_conn.c \
 	daemon/coord_job.c \
+	daemon/coord_keep.c \
 	daemon/counted.c \
 	daemon/counted.h \
 	daemon/daemon.c \
 	daemon/daemon.h \
-	daemon/disk.c \
-	daemon/disk.h \
-	daemon/folder.c \
-	daemon/folder.h \
-	daemon/journal.c \
-	daemon/journal.h \
-	daemon/journal_impl.h \
-	daemon/journal_put.c \
-	daemon/journal_read.c \
 	daemon/dial.c \
 	daemon/dial.h \
+	daemon/disk.c \
+	daemon/disk.h \
 	daemon/duplicate.c \
 	daemon/estimate.c \
 	daemon/estimate.h \
+	daemon/fair.c \
+	daemon/fair.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
+	daemon/folder.c \
+	daemon/folder.h \
+	daemon/folder_impl.h \
+	daemon/folder_take.c \
 	daemon/gate.c \
 	daemon/gate.h \
 	daemon/handoff.c \
@@ -55,20 +57,34 @@ libdaemon_a_SOURCES = \
 	daemon/hours.h \
 	daemon/idle.c \
 	daemon/idle.h \
+	daemon/introduce.c \
 	daemon/job.c \
 	daemon/job.h \
 	daemon/jobtext.c \
 	daemon/jobtext.h \
+	daemon/journal.c \
+	daemon/journal.h \
+	daemon/journal_impl.h \
+	daemon/journal_put.c \
+	daemon/journal_read.c \
 	daemon/keyring.c \
 	daemon/keyring.h \
+	daemon/known.c \
+	daemon/known.h \
 	daemon/lending.c \
 	daemon/listen.c \
 	daemon/listen.h \
+	daemon/listing.c \
+	daemon/listing.h \
 	daemon/log.c \
 	daemon/log.h \
 	daemon/loss.c \
 	daemon/lossy.c \
 	daemon/lossy.h \
+	daemon/mark.c \
+	daemon/mark.h \
+	daemon/owner.c \
+	daemon/owner.h \
 	daemon/partition.c \
 	daemon/partition.h \
 	daemon/partition_impl.h \
@@ -87,13 +103,11 @@ libdaemon_a_SOURCES = \
 	daemon/pool_strict.c \
 	daemon/pool_thread.c \
 	daemon/pool_unit.c \
+	daemon/quota.c \
+	daemon/quota.h \
 	daemon/recover.c \
 	daemon/recover.h \
 	daemon/relay.c \
-	daemon/ring.c \
-	daemon/ring.h \
-	daemon/spread.c \
-	daemon/spread.h \
 	daemon/render.c \
 	daemon/render.h \
 	daemon/render_impl.h \
@@ -105,6 +119,10 @@ libdaemon_a_SOURCES = \
 	daemon/request.c \
 	daemon/request.h \
 	daemon/result.c \
+	daemon/ring.c \
+	daemon/ring.h \
+	daemon/room.c \
+	daemon/room.h \
 	daemon/rowcheck.c \
 	daemon/rowcheck.h \
 	daemon/rows.c \
@@ -116,6 +134,8 @@ libdaemon_a_SOURCES = \
 	daemon/saved.h \
 	daemon/sched.c \
 	daemon/sched.h \
+	daemon/seeding.c \
+	daemon/seeding.h \
 	daemon/service.c \
 	daemon/service.h \
 	daemon/shared.c \
@@ -125,8 +145,12 @@ libdaemon_a_SOURCES = \
 	daemon/sound.c \
 	daemon/sound.h \
 	daemon/speed.c \
+	daemon/spread.c \
+	daemon/spread.h \
 	daemon/statecheck.c \
 	daemon/statecheck.h \
+	daemon/statedir.c \
+	daemon/statedir.h \
 	daemon/stats.c \
 	daemon/stats.h \
 	daemon/store.c \
@@ -138,6 +162,7 @@ libdaemon_a_SOURCES = \
 	daemon/store_read.c \
 	daemon/store_recover.c \
 	daemon/store_rows.c \
+	daemon/store_submit.c \
 	daemon/strict.c \
 	daemon/strict.h \
 	daemon/strict_edge.c \
@@ -147,10 +172,10 @@ libdaemon_a_SOURCES = \
 	daemon/strict_out.c \
 	daemon/strict_pass.c \
 	daemon/strict_unit.c \
-	daemon/seeding.c \
-	daemon/seeding.h \
 	daemon/survey.c \
 	daemon/survey.h \
+	daemon/syncs.c \
+	daemon/syncs.h \
 	daemon/task.c \
 	daemon/task.h \
 	daemon/team.c \
@@ -161,6 +186,12 @@ libdaemon_a_SOURCES = \
 	daemon/team_sweep.c \
 	daemon/transfer.c \
 	daemon/transfer.h \
+	daemon/turns.c \
+	daemon/turns.h \
+	daemon/uploads.c \
+	daemon/uploads.h \
+	daemon/views.c \
+	daemon/views.h \
 	daemon/wordlist.c \
 	daemon/wordlist.h \
 	daemon/worker.c \
@@ -169,14 +200,21 @@ libdaemon_a_SOURCES = \
 	daemon/worker_coord.c \
 	daemon/worker_files.c \
 	daemon/worker_impl.h \
-	daemon/worker_job.c
+	daemon/worker_job.c \
+	daemon/yield.c
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) \
-	$(INIH_LIBS) $(SQLITE_LIBS)
+	$(SQLITE_LIBS)
 
 sbin_PROGRAMS += radcoord radd
-radcoord_SOURCES = daemon/radcoord.c
+radcoord_SOURCES = \
+	daemon/radcoord.c \
+	daemon/radcoord_conf.c \
+	daemon/radcoord_conns.c \
+	daemon/radcoord_impl.h \
+	daemon/radcoord_keys.c \
+	daemon/radcoord_store.c
 radcoord_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"'
 radcoord_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radcoord_LDADD = $(LIBDAEMON) $(LIBRAD)

@@ -3,11 +3,15 @@
 
 #include "log.h"
 
+#include "base/text.h"
+
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define LINE_MAX_BYTES 2048
@@ -28,11 +32,26 @@ static struct {
     _Atomic int level;   /* relaxed: a line more or less does not matter */
 } logger = { "radd", false, LOG_LEVEL_INFO };
 
+/* Is it the journal's stream that stderr goes to?  The variable is inherited
+ * by programs whose stderr is somewhere else (systemd.exec(5)). */
+static bool
+stderr_is_journal(void)
+{
+    const char *stream = getenv("JOURNAL_STREAM");
+    unsigned long long device, inode;
+    struct stat st;
+
+    return stream && sscanf(stream, "%llu:%llu", &device, &inode) == 2 &&
+           fstat(STDERR_FILENO, &st) == 0 && st.st_dev == device &&
+           st.st_ino == inode;
+}
+
 void
 log_open(const char *program, enum log_level level)
 {
     logger.program = program;
-    logger.journal = getenv("JOURNAL_STREAM") != NULL;
+    logger.journal = stderr_is_journal();
+    tzset(); /* a sandboxed process could not read the time zone's file later */
     log_set_level(level);
 }
 
@@ -51,13 +70,32 @@ log_level_parse(const char *name)
     return -1;
 }
 
+/* "2026-03-01T12:00:00.250+0100 " */
+static size_t
+put_time(char *buf, size_t size)
+{
+    struct timespec t;
+    struct tm tm;
+    size_t n;
+
+    clock_gettime(CLOCK_REALTIME, &t);
+    if (!localtime_r(&t.tv_sec, &tm))
+        return 0;
+    n = strftime(buf, size, "%Y-%m-%dT%H:%M:%S", &tm);
+    n += (size_t)snprintf(buf + n, size - n, ".%03ld", t.tv_nsec / 1000000);
+    return n + strftime(buf + n, size - n, "%z ", &tm);
+}
+
 static int
 line_start(char *buf, size_t size, enum log_level level)
 {
+    size_t n;
+
     if (logger.journal)
         return snprintf(buf, size, "<%c>", levels[level].priority);
-    return snprintf(buf, size, "%s[%ld] %s: ", logger.program, (long)getpid(),
-                    levels[level].name);
+    n = put_time(buf, size);
+    return (int)n + snprintf(buf + n, size - n, "%s[%ld] %s: ", logger.program,
+                             (long)getpid(), levels[level].name);
 }
 
 void
@@ -65,26 +103,21 @@ log_at(enum log_level level, const char *fmt, ...)
 {
     char line[LINE_MAX_BYTES];
     va_list ap;
-    int n, m;
+    int n;
+    size_t len;
     ssize_t ignored;
 
     if ((int)level > atomic_load_explicit(&logger.level, memory_order_relaxed))
         return;
     n = line_start(line, sizeof line, level);
     va_start(ap, fmt);
-    m = vsnprintf(line + n, sizeof line - (size_t)n, fmt, ap);
+    rad_text_vprint(line + n, sizeof line - (size_t)n, fmt, ap);
     va_end(ap);
-    if (m < 0)
-        return;
-    n += m;
-    if (n > (int)sizeof line - 1)
-        n = (int)sizeof line - 1;
-    for (int i = 0; i < n; i++)
-        if ((unsigned char)line[i] < ' ' || line[i] == 0x7f)
-            line[i] = '?';
-    line[n] = '\n';
+    rad_text_clean(line + n);
+    len = strlen(line);
+    line[len] = '\n';
     /* nobody is left to tell if stderr is gone */
-    ignored = write(STDERR_FILENO, line, (size_t)n + 1);
+    ignored = write(STDERR_FILENO, line, len + 1);
     (void)ignored;
 }
 

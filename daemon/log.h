@@ -2,9 +2,10 @@
  *
  * An event is a few fixed words, then key=value pairs:
  *     bar done job=17 y=428 rows=4 peer=ws3 ms=812
- * A line of text that came from outside cannot break the format: control
- * characters become '?'.  Under systemd (JOURNAL_STREAM is set) lines start
- * with the journal's priority, elsewhere with the program's name and level.
+ * Text that came from outside can break neither the format nor the terminal:
+ * what is unsafe there (base/text.h) becomes '?'.  Where stderr is systemd's
+ * journal (JOURNAL_STREAM names it) lines start with the journal's priority,
+ * elsewhere with the local time, the program's name and the level.
  * Thread: any; a line is one write(2).  log_open() before other threads. */
 #ifndef RADD_DAEMON_LOG_H
 #define RADD_DAEMON_LOG_H

@@ -1,6 +1,7 @@
 /* loss.c - workers and children that go, and what becomes of their units */
 #include "config.h"
 
+#include "base/text.h"
 #include "ring.h"
 
 #include <stdio.h>
@@ -33,7 +34,8 @@ loss_others_may(const struct coord *c, const struct job *job,
 
         if (o != w && sched_takes_units(o) &&
             (i == JOB_NOBODY ||
-             (!job->workers[i].excluded && (late || !job->workers[i].late))))
+             (!job->workers[i].excluded && !job->workers[i].no_room &&
+              (late || !job->workers[i].late))))
             return true;
     }
     return false;
@@ -55,35 +57,70 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
-/* Columns that one lent who is gone serve nobody. */
-static void
-end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
+/* Columns of a lender who is gone, or has another last line now, go back: what
+ * is traced of them serves whoever gets the line. */
+void
+loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
     struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].lender == lender) {
-            sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            sched_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
             sched_release(c, job, unit, &u->go[i]);
         }
+}
+
+static void
+lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+    bool led = go->attempt == u->lead || u->lead == 0;
+    uint32_t attempt = go->attempt;
+
+    sched_release(c, job, unit, go);
+    loss_end_loans(c, job, unit, attempt);
+    if (u->ngos > 0 && led)
+        new_lead(c, job, unit);
+    if (u->ngos == 0 && (u->crashes == 0 || !job_suspect_add(job, unit)))
+        partition_lost(job->partition, unit);
 }
 
 void
 loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
-    struct job_unit *u = &job->units[unit];
-    bool led = go->attempt == u->lead || u->lead == 0;
-    uint32_t attempt = go->attempt;
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
     job->frames[a.frame].untold = true;
-    sched_release(c, job, unit, go);
-    end_loans(c, job, unit, attempt);
-    if (u->ngos > 0 && led)
-        new_lead(c, job, unit);
-    if (u->ngos == 0 && (u->crashes == 0 || !job_suspect_add(job, unit)))
-        partition_lost(job->partition, unit);
+    lose(c, job, unit, go);
+}
+
+/* Nobody has it, and rows of it that are on their way count no more. */
+static void
+close_rows(struct job_unit *u)
+{
+    if (u->ngos == 0)
+        u->lead = 0;
+}
+
+void
+loss_taken(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+    loss_of(c, job, unit, go);
+    close_rows(&job->units[unit]);
+}
+
+void
+loss_given_back(struct coord *c, struct job *job, uint32_t unit,
+                struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    lose(c, job, unit, go);
+    close_rows(u);
+    u->given_back = u->ngos == 0;
 }
 
 /* The worker has none of the job's units any more; suspects were taken out
@@ -236,6 +273,8 @@ sched_worker_gone(struct coord *c, struct coord_worker *w)
         uint32_t index = sched_index(job, w);
         uint64_t ms;
 
+        if (index != JOB_NOBODY) /* it may come back another */
+            job->workers[index].no_room = false;
         if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
             continue;
         ms = patience(c, &job->workers[index]);
@@ -322,6 +361,34 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
              why);
     coord_job_ends(c, job, JOB_FAILED, EX_UNAVAILABLE, text);
     return false;
+}
+
+/* A disk that is full is the worker's affair: others go on, or wait with the
+ * job until one has room. */
+void
+sched_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct job_worker *jw;
+
+    if (!job)
+        return;
+    jw = &job->workers[index];
+    if (!m->has && jw->state != JW_LOADING)
+        return;
+    actions_log(&c->actions, m->has ? ACT_INFO : ACT_WARN,
+                m->has ? "worker has room again job=%s worker=%s%s"
+                       : "worker has no room job=%s worker=%s why=%s",
+                job->hex, w->name, m->text);
+    jw->no_room = !m->has;
+    if (m->has)
+        return;
+    rad_text_print(w->no_room, sizeof w->no_room, "%s", m->text);
+    rad_text_clean(w->no_room);
+    if (w->loading == job)
+        w->loading = NULL;
+    loss_all(c, job, index);
 }
 
 static bool

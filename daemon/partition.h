@@ -16,7 +16,7 @@
 
 #include "message.h"
 
-#define PARTITION_MAX_UNITS 1000000  /* windows of a job */
+#define PARTITION_MAX_UNITS 100000   /* windows of a job: 60 MB */
 #define PARTITION_MAX_LINES 16000000 /* lines of all frames of a job */
 #define PARTITION_NONE      UINT32_MAX
 

@@ -168,6 +168,7 @@ pool_free(struct pool *p)
         return;
     uv_mutex_lock(&p->mu);
     atomic_store(&p->stopping, true);
+    first_stop_locked(p);
     for (struct active *u = p->active; u; u = u->next)
         team_stop(u->team);
     uv_cond_broadcast(&p->work);

@@ -88,6 +88,10 @@ bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 typedef void pool_seed_fn(void *arg);
 void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
 
+/* Something comes first: seeding and estimates that are under way end within a
+ * pixel, or a record, of each thread; their callers hear of it. */
+void pool_rest(struct pool *p);
+
 /* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
  * threads do. */
 #define POOL_UNSENT (8u << 20)

@@ -14,12 +14,12 @@ first_find_estimate_locked(const struct pool *p)
 {
     struct estimating *e = p->estimates;
 
-    while (e && !estimate_open(e->estimate))
+    while (e && (atomic_load(&e->stop) || !estimate_open(e->estimate)))
         e = e->next;
     return e;
 }
 
-/* The last member has left: it is for the loop. */
+/* No member is left: it is for the loop. */
 static void
 end_estimate_locked(struct pool *p, struct estimating *e)
 {
@@ -41,10 +41,11 @@ first_work_on_estimate(struct renderer *by, struct estimating *e)
     struct pool_stint stint = pool_stint_begin(by);
     double cpu;
 
-    estimate_work(e->estimate, &by->ctx, &p->stopping);
+    estimate_work(e->estimate, &by->ctx, &e->stop);
     cpu = pool_stint_end_and_lock(by, &stint);
     estimate_count(e->estimate, &by->ctx.counts, cpu);
-    if (--e->members == 0 && !estimate_open(e->estimate))
+    if (--e->members == 0 &&
+        (atomic_load(&e->stop) || !estimate_open(e->estimate)))
         end_estimate_locked(p, e);
     uv_mutex_unlock(&p->mu);
 }
@@ -100,21 +101,27 @@ first_free_estimates(struct estimating *e)
 
 /* --- seeding --- */
 
-/* The last member has left what can be done now: on to the next, or that was
+/* It is for the loop. */
+static void
+end_seed_locked(struct pool *p)
+{
+    p->seeded_one = p->seed;
+    p->seed = NULL;
+    uv_async_send(&p->async);
+}
+
+/* The last member has done what can be done now: on to the next, or that was
  * it.  Meanwhile nobody finds anything to begin. */
 static void
-go_on_seeding(struct pool *p, struct rad_seed *s)
+go_on_seeding_locked(struct pool *p, struct rad_seed *s)
 {
-    bool more = !atomic_load(&p->stopping) && rad_seed_next(s);
+    bool more;
 
-    uv_mutex_lock(&p->mu);
-    if (!more) {
-        p->seeded_one = s;
-        p->seed = NULL;
-        uv_async_send(&p->async);
-    }
-    uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
+    more = rad_seed_next(s);
+    uv_mutex_lock(&p->mu);
+    p->seed_over = !more;
+    uv_cond_broadcast(&p->work);
 }
 
 void
@@ -123,15 +130,15 @@ first_work_on_seed(struct renderer *by, struct rad_seed *s)
     struct pool *p = by->pool;
     struct pool_stint stint = pool_stint_begin(by);
     double cpu;
-    bool last;
 
-    rad_seed_work(s, &by->ctx, &p->stopping);
+    rad_seed_work(s, &by->ctx, &p->seed_stop);
     cpu = pool_stint_end_and_lock(by, &stint);
     counted_add(&p->seeded, &by->ctx.counts, cpu);
-    last = --p->seeding == 0 && !rad_seed_open(s);
+    if (p->seeding == 1 && !atomic_load(&p->seed_stop) && !rad_seed_open(s))
+        go_on_seeding_locked(p, s);
+    if (--p->seeding == 0 && (p->seed_over || atomic_load(&p->seed_stop)))
+        end_seed_locked(p);
     uv_mutex_unlock(&p->mu);
-    if (last)
-        go_on_seeding(p, s);
 }
 
 void
@@ -157,6 +164,36 @@ pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn)
     uv_mutex_lock(&p->mu);
     p->seed = s;
     p->seed_fn = fn;
+    p->seed_over = false;
+    atomic_store(&p->seed_stop, false);
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+}
+
+/* --- something comes first --- */
+
+void
+first_stop_locked(struct pool *p)
+{
+    atomic_store(&p->seed_stop, true);
+    for (struct estimating *e = p->estimates; e; e = e->next)
+        atomic_store(&e->stop, true);
+}
+
+void
+pool_rest(struct pool *p)
+{
+    struct estimating *e, *next;
+
+    uv_mutex_lock(&p->mu);
+    first_stop_locked(p);
+    if (p->seed && p->seeding == 0)
+        end_seed_locked(p);
+    for (e = p->estimates; e; e = next) {
+        next = e->next;
+        if (e->members == 0)
+            end_estimate_locked(p, e);
+    }
     uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
 }

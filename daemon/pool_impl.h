@@ -51,8 +51,9 @@ struct estimating {
     struct estimating *next; /* [mu] */
     struct estimate *estimate;
     pool_estimate_fn *fn;
-    int members;   /* [mu] */
-    double wall_s; /* [mu] when it came; in the end, how long it took */
+    int members;       /* [mu] */
+    _Atomic bool stop; /* written with mu held; read anywhere */
+    double wall_s;     /* [mu] when it came; in the end, how long it took */
 };
 
 struct renderer {
@@ -85,6 +86,8 @@ struct pool {
     struct rad_seed *seeded_one;              /* [mu] that is done */
     pool_seed_fn *seed_fn;                    /* [mu] who is to hear of it */
     int seeding;                              /* [mu] threads at it */
+    bool seed_over;                           /* [mu] nothing is left of it */
+    _Atomic bool seed_stop; /* nothing more is begun of it; as stopping */
     struct msg_counts seeded;                 /* [mu] what they counted */
     struct pool_rows *done;                   /* [mu] */
     struct pool_rows **done_end;              /* [mu] */
@@ -120,6 +123,8 @@ double pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s);
 struct estimating *first_find_estimate_locked(const struct pool *p);
 /* Take areas until there are none. */
 void first_work_on_estimate(struct renderer *by, struct estimating *e);
+/* Have who is at seeding or an estimate leave it. */
+void first_stop_locked(struct pool *p);
 /* Hand on what is done. */
 void first_give_estimates(struct pool *p);
 void first_free_estimates(struct estimating *e);

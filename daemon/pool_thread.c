@@ -80,7 +80,7 @@ static bool
 find_locked(struct pool *p, struct work *w)
 {
     *w = (struct work){ 0 };
-    if (p->seed) {
+    if (p->seed && !atomic_load(&p->seed_stop)) {
         /* what others are at is wanted for what comes next */
         if (!rad_seed_open(p->seed))
             return false;

@@ -40,6 +40,7 @@ struct settings {
     int nice;
     int pixel_s;
     int load_s;
+    int cache_mib;
     char hours[CONF_TEXT];
     bool idle_only;
 };
@@ -57,6 +58,8 @@ static const struct conf_key keys[] = {
       "ADDR:PORT|PATH", "where other workers dial", false },
     { "cache", CONF_TEXT_KEY, FIELD(cache), 0, 0, "/var/cache/radd", "DIR",
       "folder of the scenes' files", false },
+    { "cache_mib", CONF_INT_KEY, FIELD(cache_mib), 0, 1 << 30, "0", "N",
+      "most that these take [MiB]; 0: a tenth of the disk", true },
     { "threads", CONF_INT_KEY, FIELD(threads), 0, MAX_THREADS, "0", "N",
       "that render; 0: one a processor", false },
     { "memory_mib", CONF_INT_KEY, FIELD(memory_mib), 0, 1 << 24, "0", "N",
@@ -69,12 +72,18 @@ static const struct conf_key keys[] = {
       "longest that a job's process may load, or say nothing [s]", true },
     { "hours", CONF_TEXT_KEY, FIELD(hours), 0, 0, "", "TIMES",
       "when to work, as 'mon-fri 19:00-07:00, sat, sun' (always)", true },
-    { "idle_only", CONF_BOOL_KEY, FIELD(idle_only), 0, 0, "no", "",
+    { "idle_only", CONF_BOOL_KEY, FIELD(idle_only), 0, 0, "no", "yes|no",
       "work only while nobody uses the machine", true },
     { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
       "required: render nothing where the kernel has no seccomp", false },
     DAEMON_KEYS,
 };
+
+static uint64_t
+cache_bytes_of(const struct settings *s)
+{
+    return (uint64_t)s->cache_mib << 20;
+}
 
 static bool
 needs_sandbox(const struct settings *s)
@@ -83,21 +92,38 @@ needs_sandbox(const struct settings *s)
 }
 
 static int
+check_text(const char *name, const char *value, struct rad_error *err)
+{
+    char host[ADDRESS_TEXT], port[8];
+    struct hours hours;
+    bool local;
+
+    if (strcmp(name, "name") == 0 && strlen(value) > MSG_MAX_NAME)
+        return rad_fail(err, RAD_ECONFIG, "longer than %d bytes", MSG_MAX_NAME);
+    if (strcmp(name, "name") == 0 && value[0] &&
+        !key_name_valid(value, strlen(value)))
+        return rad_fail(err, RAD_ECONFIG,
+                        "'%s': a worker's name needs letters, digits, '.', '_' "
+                        "or '-'",
+                        value);
+    if (strcmp(name, "sandbox") == 0 && strcmp(value, "auto") != 0 &&
+        strcmp(value, "required") != 0)
+        return rad_fail(err, RAD_ECONFIG,
+                        "expected auto or required, got '%s'", value);
+    if (strcmp(name, "hours") == 0)
+        return hours_parse(value, &hours, err);
+    if (strcmp(name, "coordinator") == 0 && value[0])
+        return address_split(value, host, port, &local, err);
+    if (strcmp(name, "listen") == 0 && value[0])
+        return address_split(value, host, port, &local, err);
+    return daemon_check_text(name, value, err);
+}
+
+static int
 check_settings(const void *settings, struct rad_error *err)
 {
     const struct settings *s = settings;
-    struct hours hours;
 
-    if (strlen(s->name) > MSG_MAX_NAME)
-        return rad_fail(err, RAD_EUSAGE, "name longer than %d bytes",
-                        MSG_MAX_NAME);
-    if (!needs_sandbox(s) && strcmp(s->sandbox, "auto") != 0)
-        return rad_fail(err, RAD_EUSAGE,
-                        "sandbox is 'auto' or 'required', "
-                        "not '%s'",
-                        s->sandbox);
-    if (hours_parse(s->hours, &hours, err) < 0)
-        return err->code;
     if (s->idle_only && s->nice == 0)
         return rad_fail(err, RAD_EUSAGE,
                         "idle_only needs nice above 0: what gives way is told "
@@ -117,6 +143,7 @@ static const struct conf_table table = {
     .private_key = "embedded",
     .keys = keys,
     .size = sizeof(struct settings),
+    .check_text = check_text,
     .check = check_settings,
 };
 
@@ -453,6 +480,14 @@ look(void *arg, const struct action_look *l)
     return store_look(r->store, l);
 }
 
+static void
+leave(void *arg, const uint8_t job[MSG_JOB])
+{
+    struct radd *r = arg;
+
+    store_leave(r->store, job);
+}
+
 static bool
 has_file(void *arg, const uint8_t hash[MSG_HASH])
 {
@@ -514,6 +549,8 @@ on_reload(void *arg)
     r->children.conf.memory_mib = r->set.memory_mib;
     r->children.conf.nice = r->set.nice;
     r->children.conf.pixel_s = r->set.pixel_s;
+    if (!r->set.common.embedded)
+        store_limit(r->store, cache_bytes_of(&r->set), NULL);
     worker_set_limits(r->worker, (unsigned)r->set.load_s);
     hours_parse(r->set.hours, &r->hours, NULL);
     look_at_clock(r, true);
@@ -562,6 +599,7 @@ make_worker(struct radd *r, struct rad_error *err)
                               .random = shell_random,
                               .arg = r,
                               .look = look,
+                              .leave = leave,
                               .program = "radd " PACKAGE_VERSION,
                               .name = r->set.name,
                               .coordinator = r->set.coordinator,
@@ -634,7 +672,10 @@ start(void *arg, struct rad_error *err)
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
-    rc = open_socket(r, err);
+    if (!r->set.common.embedded) /* whose cache goes with it */
+        rc = store_limit(r->store, cache_bytes_of(&r->set), err);
+    if (rc == 0)
+        rc = open_socket(r, err);
     if (rc == 0)
         rc = make_worker(r, err);
     if (rc < 0)

@@ -165,7 +165,9 @@ take_frames(const struct recovery *r)
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         struct job_frame *f = &job->frames[i];
 
-        f->written = r->s->written[i];
+        f->written = r->s->frames[i].written;
+        f->fetched = r->s->frames[i].fetched;
+        job->unfetched += f->written && !f->fetched;
         if (f->written && f->pixels_left > 0)
             return damaged(r, "frame", job->spec.frames[i].number);
         if (!f->written && f->pixels_left == 0)
@@ -237,8 +239,11 @@ take_filed(const struct recovery *r)
     snprintf(job->text, sizeof job->text, "%s", s->text);
     job->last = s->last;
     job->kept_bytes = s->kept_bytes;
-    for (uint32_t i = 0; i < job->spec.nframes; i++)
-        job->frames[i].written = s->written[i];
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        job->frames[i].written = s->frames[i].written;
+        job->frames[i].fetched = s->frames[i].fetched;
+        job->unfetched += s->frames[i].written && !s->frames[i].fetched;
+    }
     job_count_ready(job);
 }
 
@@ -274,9 +279,25 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
     take_times(r.job, now_ms, s);
     r.job->lives = s->lives + 1;
     r.job->opened = r.job->asked_open = true;
+    if (!known_name(&r.job->payer->files, &r.job->spec.files))
+        return no_memory(err);
     if (s->state >= JOB_DONE) {
         take_filed(&r);
         return 0;
     }
     return take_up(&r);
+}
+
+int
+recover_drained(struct coord *c, uint64_t now_ms, const char *name,
+                struct rad_error *err)
+{
+    struct coord_worker *w;
+
+    c->now_ms = now_ms;
+    w = coord_worker_of(c, name);
+    if (!w)
+        return no_memory(err);
+    w->drained = true;
+    return 0;
 }

@@ -264,21 +264,18 @@ relay_repeat(struct worker *w, const struct wjob *job)
 
 /* --- to the child --- */
 
+/* The child knows the frame, and looks closer. */
 bool
 relay_fits(const struct wjob *job, const struct msg_base_line *m)
 {
-    const struct msg_area *f;
-
-    if (m->frame >= job->nframes || m->channels != job->channels)
-        return false;
-    f = &job->frames[m->frame];
-    return m->line + 1 < f->height && m->x + m->n <= f->width &&
-           m->first + m->ndensity <= f->width;
+    return m->frame < job->nframes && m->channels == job->channels &&
+           m->line + 1 < job->height && m->x + m->n <= job->width &&
+           m->first + m->ndensity <= job->width;
 }
 
 /* --- down --- */
 
-/* TWIN and SPLIT, about a unit that the child has. */
+/* TWIN, SPLIT and YIELD, about a unit that the child has. */
 static void
 on_attempt(struct worker *w, const struct msg *m)
 {
@@ -288,7 +285,7 @@ on_attempt(struct worker *w, const struct msg *m)
         worker_send_child(w, job, m);
 }
 
-/* FACTS, ESTIMATE and BASE_LINE, each of which begins with the job. */
+/* FACTS, BASE_LINE, ESTIMATE, SEED and REST, each of which begins with the job. */
 static void
 to_child(struct worker *w, const struct msg *m, const uint8_t *id, size_t len)
 {
@@ -371,6 +368,12 @@ on_seed(struct worker *w, const struct msg *m)
 }
 
 static void
+on_rest(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->rest.job, 0);
+}
+
+static void
 on_next_holder(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->next_holder.job);
@@ -383,11 +386,18 @@ static const struct {
     enum msg_type type;
     void (*handle)(struct worker *w, const struct msg *m);
 } downwards[] = {
-    { MSG_TWIN, on_attempt },        { MSG_SPLIT, on_attempt },
-    { MSG_LEND, on_lend },           { MSG_LOAN, on_loan },
-    { MSG_BACK, on_back },           { MSG_FACTS, on_facts },
-    { MSG_BASE_LINE, on_base_line }, { MSG_NEXT_HOLDER, on_next_holder },
-    { MSG_ESTIMATE, on_estimate },   { MSG_SEED, on_seed },
+    { MSG_TWIN, on_attempt },
+    { MSG_SPLIT, on_attempt },
+    { MSG_YIELD, on_attempt },
+    { MSG_LEND, on_lend },
+    { MSG_LOAN, on_loan },
+    { MSG_BACK, on_back },
+    { MSG_FACTS, on_facts },
+    { MSG_BASE_LINE, on_base_line },
+    { MSG_NEXT_HOLDER, on_next_holder },
+    { MSG_ESTIMATE, on_estimate },
+    { MSG_SEED, on_seed },
+    { MSG_REST, on_rest },
 };
 
 void
@@ -491,6 +501,8 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     if (!u)
         return;
     u->height = m->gave.height;
+    if (u->height == 0)
+        wjob_drop_unit(job, u->unit, u->attempt);
     pass.gave.job = job->id;
     pass_up(w, job, &pass);
 }

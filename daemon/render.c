@@ -225,6 +225,9 @@ send_news(struct render *r)
         /* it may be of columns that are all that the job waits for */
         if (m->type == MSG_PAID && r->records)
             render_drain(r);
+        /* the worker may be let go for it */
+        if (m->type == MSG_GAVE && m->gave.height == 0)
+            send_tally(r);
         conn_send(r->link, m);
     }
     if (!r->link || !r->strict)
@@ -343,10 +346,14 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_ESTIMATE:
         render_take_estimate(r, &m->estimate);
         break;
+    case MSG_REST:
+        pool_rest(r->pool);
+        break;
     case MSG_REVOKE:
         pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);
         break;
     case MSG_SPLIT:
+    case MSG_YIELD:
     case MSG_LEND:
     case MSG_LOAN:
     case MSG_BACK:

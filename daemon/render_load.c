@@ -1,7 +1,9 @@
 /* render_load.c - a job's child reads what it is to render
  *
  * All files come from the cache, by the names that the bundle's manifest has
- * for them. */
+ * for them.  The cache has those of others' jobs, too, and a hash is no right to
+ * a file: the coordinator looked at its user's right to those that the job
+ * names, and no others are taken, the manifest among them. */
 #include "config.h"
 
 #include "render_impl.h"
@@ -11,9 +13,11 @@
 #include "scene/bundle.h"
 #include "scene/octfile.h"
 #include "scene/part.h"
+#include "views.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define LARGEST_MANIFEST (64u << 20)
 
@@ -33,6 +37,47 @@ read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
         return err->code;
     rc = rad_bundle_parse(bundle, (const char *)text, len, err);
     free(text);
+    return rc;
+}
+
+/* The job names these n files, sorted.  Nothing is opened before it is known to
+ * be one of them: errors would tell which files others have. */
+static int
+read_own(struct render *r, const uint8_t *manifest, const uint8_t *files,
+         size_t n, struct rad_bundle *bundle, struct rad_error *err)
+{
+    uint8_t hash[RAD_SHA_BYTES];
+    int rc;
+
+    if (!rad_sha_among(files, n, manifest))
+        return rad_fail(err, RAD_ENOINPUT,
+                        "the manifest is none of the job's files");
+    rc = read_manifest(r, manifest, bundle, err);
+    for (int i = 0; rc == 0 && i < bundle->n; i++) {
+        rad_sha_from_hex(bundle->entries[i].hash, hash);
+        if (!rad_sha_among(files, n, hash))
+            rc = rad_fail(err, RAD_ENOINPUT,
+                          "file '%s' is none of the job's files",
+                          bundle->entries[i].name);
+    }
+    return rc;
+}
+
+static int
+load_bundle(struct render *r, const struct msg_spec *spec,
+            struct rad_bundle *bundle, struct rad_error *err)
+{
+    size_t len = (size_t)spec->files.n * MSG_HASH;
+    uint8_t *sorted = malloc(len + 1);
+    int rc;
+
+    if (!sorted)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (len > 0)
+        memcpy(sorted, spec->files.hash, len);
+    rc = read_own(r, spec->manifest, sorted,
+                  rad_sha_unique(sorted, spec->files.n), bundle, err);
+    free(sorted);
     return rc;
 }
 
@@ -149,14 +194,19 @@ render_load(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
 {
     struct rad_bundle bundle;
+    struct msg_spec whole = *spec;
+    struct views views = { 0 };
     int rc;
 
     rad_bundle_init(&bundle);
-    rc = read_manifest(r, spec->manifest, &bundle, err);
+    rc = load_bundle(r, spec, &bundle, err);
     if (rc == 0)
         rc = load_job(r, &bundle, spec, err);
     if (rc == 0)
-        rc = load_frames(r, spec, err);
+        rc = views_read(&views, r->files_dir, &whole, err);
+    if (rc == 0)
+        rc = load_frames(r, &whole, err);
+    views_release(&views);
     rad_bundle_release(&bundle);
     if (rc == 0)
         rc = load_strict(r, spec, err);

@@ -161,6 +161,9 @@ render_take_strict(struct render *r, const struct msg *m)
     case MSG_SPLIT:
         strict_split(s, m->split.unit, m->split.attempt);
         break;
+    case MSG_YIELD:
+        strict_yield(s, m->yield.unit, m->yield.attempt);
+        break;
     case MSG_LEND:
         strict_lend(s, &m->lend);
         break;

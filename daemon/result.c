@@ -117,6 +117,7 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
         return;
     r = &act->rows;
     *r = (struct action_rows){ .conn = conn,
+                               .sequence = job->sequence,
                                .unit = m->unit,
                                .attempt = m->attempt,
                                .row = m->row,
@@ -419,7 +420,7 @@ sched_rows_stored(struct coord *c, const struct action_rows *key)
     struct job_unit *u;
     uint64_t pixels = (uint64_t)key->rows * key->width;
 
-    if (!job || job_over(job))
+    if (!job || job_over(job) || job->sequence != key->sequence)
         return;
     u = &job->units[key->unit];
     if (conn && conn->worker)

@@ -99,7 +99,8 @@ rowcheck_job(struct folder *f, const struct saved_job *saved,
 
     for (uint32_t i = 0; i < saved->nunits && rc == 0; i++) {
         units[i] = saved->units[i];
-        if (units[i].stored == 0 || saved->written[units[i].area.frame])
+        if (units[i].stored == 0 ||
+            saved->frames[units[i].area.frame].written)
             continue;
         rc = look(&c, &units[i], &sound, &line);
         if (rc == 0 && !sound)

@@ -33,10 +33,11 @@ rows_bytes(const struct rows *r, int w)
 
 /* The file's name and what lies in it. */
 static int
-describe(struct rows *r, const char *path, int width, int height,
-         enum rows_kind kind, struct rad_error *err)
+describe(struct rows *r, struct rows_open *among, const char *path, int width,
+         int height, enum rows_kind kind, struct rad_error *err)
 {
     memset(r, 0, sizeof *r);
+    r->among = among;
     r->fd = -1;
     if (strlen(path) >= sizeof r->path)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
@@ -68,56 +69,137 @@ whole_size(const struct rows *r)
     return r->kind == ROWS_RGBE ? line_at(r, r->height) : pixels_size(r);
 }
 
-int
-rows_create(struct rows *r, const char *path, int width, int height,
-            enum rows_kind kind, bool durable, struct rad_error *err)
+/* --- open files --- */
+
+/* Close it, and take it from its place. */
+static void
+close_one(struct rows *r)
 {
-    int rc = describe(r, path, width, height, kind, err), number;
+    struct rows **v = r->among->file;
+    int i = 0;
+
+    if (r->fd < 0)
+        return;
+    while (v[i] != r)
+        i++;
+    memmove(v + i, v + i + 1, (ROWS_OPEN - 1 - (size_t)i) * sizeof *v);
+    v[ROWS_OPEN - 1] = NULL;
+    close(r->fd);
+    r->fd = -1;
+}
+
+static int
+sync_one(struct rows *r, struct rad_error *err)
+{
+    int rc = r->dirty ? disk_sync_data(r->fd, r->path, err) : 0;
+
+    r->dirty = false;
+    return rc;
+}
+
+/* Make room for one more, and put it first. */
+static int
+note_open(struct rows *r, int fd, struct rad_error *err)
+{
+    struct rows **v = r->among->file, *oldest = v[ROWS_OPEN - 1];
+    int rc = 0;
+
+    if (oldest) {
+        if (oldest->durable && oldest->dirty)
+            rc = syncs_add(&r->among->closed, oldest->path, false, err);
+        oldest->dirty = false;
+        close_one(oldest);
+    }
+    memmove(v + 1, v, (ROWS_OPEN - 1) * sizeof *v);
+    v[0] = r;
+    r->fd = fd;
+    return rc;
+}
+
+static int
+use(struct rows *r, struct rad_error *err)
+{
+    struct rows **v = r->among->file;
+    int i = 0, fd;
+
+    if (r->fd < 0) {
+        fd = open(r->path, O_RDWR | O_CLOEXEC);
+        return fd < 0 ? disk_fail(err, errno, "open", r->path)
+                      : note_open(r, fd, err);
+    }
+    while (v[i] != r)
+        i++;
+    memmove(v + 1, v, (size_t)i * sizeof *v);
+    v[0] = r;
+    return 0;
+}
+
+int
+rows_sync(struct rows_open *among, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (int i = 0; i < ROWS_OPEN && among->file[i]; i++)
+        if (among->file[i]->dirty)
+            syncs_begin(among->file[i]->fd);
+    if (among->closed.n > 0)
+        rc = syncs_settle(&among->closed, err);
+    for (int i = 0; i < ROWS_OPEN && among->file[i] && rc == 0; i++)
+        rc = sync_one(among->file[i], err);
+    return rc;
+}
+
+/* --- files --- */
+
+static int
+make_room(const struct rows *r, int fd, bool durable, struct rad_error *err)
+{
+    int number = durable ? posix_fallocate(fd, 0, pixels_size(r)) : 0;
+
+    if (number == 0 && ftruncate(fd, whole_size(r)) < 0)
+        number = errno;
+    return number == 0 ? 0 : disk_fail(err, number, "make room for", r->path);
+}
+
+int
+rows_create(struct rows *r, struct rows_open *among, const char *path,
+            int width, int height, enum rows_kind kind, bool durable,
+            struct rad_error *err)
+{
+    int rc = describe(r, among, path, width, height, kind, err), fd;
 
     if (rc < 0)
         return rc;
+    r->durable = durable;
     if (durable && kind == ROWS_CODED)
         return rad_fail(err, RAD_EINTERNAL, "coded rows do not last");
-    r->fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
-    if (r->fd < 0)
+    fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (fd < 0)
         return disk_fail(err, errno, "create", path);
-    number = durable ? posix_fallocate(r->fd, 0, pixels_size(r)) : 0;
-    if (number == 0 && ftruncate(r->fd, whole_size(r)) < 0)
-        number = errno;
-    if (number != 0)
-        rc = disk_fail(err, number, "make room for", path);
-    else if (durable)
-        rc = disk_sync(r->fd, path, err);
-    rows_rest(r);
+    rc = make_room(r, fd, durable, err);
+    close(fd);
     if (rc < 0)
         unlink(r->path);
     return rc;
 }
 
 int
-rows_open(struct rows *r, const char *path, int width, int height,
-          enum rows_kind kind, struct rad_error *err)
+rows_open(struct rows *r, struct rows_open *among, const char *path, int width,
+          int height, enum rows_kind kind, struct rad_error *err)
 {
-    int rc = describe(r, path, width, height, kind, err);
+    int rc = describe(r, among, path, width, height, kind, err);
     struct stat st;
 
     if (rc < 0)
         return rc;
-    if (stat(path, &st) < 0)
-        return rad_fail(err, RAD_EDATA, "rows '%s' are missing", path);
+    r->durable = true;
+    if (stat(path, &st) < 0 || access(path, R_OK | W_OK) < 0)
+        return mark_missing(path, errno, err);
     if (!S_ISREG(st.st_mode) || st.st_size != whole_size(r))
         return rad_fail(err, RAD_EDATA,
                         "rows '%s' have %lld bytes, expected %lld", path,
                         (long long)st.st_size, (long long)whole_size(r));
     return 0;
-}
-
-static int
-use(struct rows *r, struct rad_error *err)
-{
-    if (r->fd < 0)
-        r->fd = open(r->path, O_RDWR | O_CLOEXEC);
-    return r->fd < 0 ? disk_fail(err, errno, "open", r->path) : 0;
 }
 
 static int
@@ -312,24 +394,18 @@ rows_read_line(struct rows *r, int y, float *line, struct rad_error *err)
 }
 
 int
-rows_sync(struct rows *r, struct rad_error *err)
-{
-    int rc = r->dirty ? disk_sync_data(r->fd, r->path, err) : 0;
-
-    r->dirty = false;
-    return rc;
-}
-
-int
 rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
                struct rad_error *err)
 {
+    int rc;
+
     if (x < 0 || y < 0 || w < 1 || w > r->width - x || y >= r->height)
         return rad_fail(err, RAD_EDATA,
                         "pixels %d,%d %dx1 do not lie in a picture of %dx%d", x,
                         y, w, r->width, r->height);
-    if (use(r, err) < 0)
-        return RAD_EIO;
+    rc = use(r, err);
+    if (rc < 0)
+        return rc;
     return disk_read_at(r->fd, pixels, rows_bytes(r, w),
                         (off_t)rows_bytes(r, r->width) * y +
                             (off_t)rows_bytes(r, x),
@@ -343,17 +419,10 @@ rows_read(struct rows *r, int y, void *pixels, struct rad_error *err)
 }
 
 void
-rows_rest(struct rows *r)
-{
-    if (r->fd >= 0)
-        close(r->fd);
-    r->fd = -1;
-}
-
-void
 rows_release(struct rows *r)
 {
-    rows_rest(r);
+    close_one(r);
+    r->dirty = false;
     free(r->place);
     r->place = NULL;
     r->end = 0;
@@ -364,7 +433,6 @@ rows_remove(struct rows *r)
 {
     rows_release(r);
     unlink(r->path);
-    r->dirty = false;
 }
 
 /* What encoding a picture takes to work in. */
@@ -448,9 +516,19 @@ copy_coded(struct rows *r, const struct rad_sink *sink,
     return rc < 0 ? rc : 0;
 }
 
+static int
+close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
+              struct rad_error *err)
+{
+    rc = disk_file_close(w, rc, false, err);
+    if (rc == 0 && durable)
+        rc = syncs_add(&r->among->closed, w->path, true, err);
+    return rc;
+}
+
 int
 rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
-             bool durable, struct rad_error *err)
+             bool durable, struct mark *mark, struct rad_error *err)
 {
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
@@ -462,14 +540,14 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
     if (!e.pixels || !e.line || !e.code)
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     else
-        rc = disk_file_open(&w, path, err);
+        rc = disk_file_open(&w, path, mark, err);
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
         if (rc == 0 && r->kind == ROWS_CODED)
             rc = copy_coded(r, &sink, e.line, err);
         else if (rc == 0)
             rc = encode_rows(r, &sink, &e, err);
-        rc = disk_file_close(&w, rc, durable, err);
+        rc = close_picture(r, &w, rc, durable, err);
     }
     free(e.pixels);
     free(e.line);
@@ -478,7 +556,7 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
 }
 
 int
-rows_depth(struct rows *r, const char *path, bool durable,
+rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
            struct rad_error *err)
 {
     struct disk_file w;
@@ -490,7 +568,7 @@ rows_depth(struct rows *r, const char *path, bool durable,
     pixels = malloc(rows_bytes(r, r->width));
     if (!pixels)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = disk_file_open(&w, path, err);
+    rc = disk_file_open(&w, path, mark, err);
     if (rc < 0) {
         free(pixels);
         return rc;
@@ -503,7 +581,7 @@ rows_depth(struct rows *r, const char *path, bool durable,
             rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
                                  err);
     }
-    rc = disk_file_close(&w, rc, durable, err);
+    rc = close_picture(r, &w, rc, durable, err);
     free(pixels);
     return rc;
 }

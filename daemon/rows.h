@@ -16,7 +16,8 @@
 #ifndef RADD_DAEMON_ROWS_H
 #define RADD_DAEMON_ROWS_H
 
-#include "base/error.h"
+#include "mark.h"
+#include "syncs.h"
 #include "picture/hdr.h"
 
 #include <stdbool.h>
@@ -39,26 +40,40 @@ struct rows_place {
     size_t n;
 };
 
+/* The files that are open, the one used last first: there may be many more
+ * than a process may open.  A file is opened when it is used; another then
+ * has to make room.  Zeroed it is empty. */
+#define ROWS_OPEN 16
+struct rows_open {
+    struct rows *file[ROWS_OPEN];
+    struct syncs closed; /* of rows and pictures, which are to last */
+};
+
 struct rows {
     char path[ROWS_PATH_MAX];
-    int fd; /* -1 while nothing has used it: it is opened when needed */
+    struct rows_open *among; /* [fixed] */
+    int fd;                  /* -1: it is not open */
     int width, height;
     enum rows_kind kind;
-    bool dirty;               /* written to since the last rows_sync() */
+    bool durable;
+    bool dirty; /* written to since it was last synced; then it is open */
     struct rows_place *place; /* of ROWS_CODED: height; NULL: none came */
     uint64_t end;             /* of what they take */
 };
 
 /* Make the file; durable: it has all its space on the disk, so that a full one
- * shows here, and lasts (its name does when its folder is synced).  ROWS_CODED
- * has no durable file (RAD_EINTERNAL).  RAD_EFULL, RAD_EIO. */
-int rows_create(struct rows *r, const char *path, int width, int height,
-                enum rows_kind kind, bool durable, struct rad_error *err);
+ * shows here, and lasts as soon as what is written to it does (its name, when
+ * its folder is synced).  ROWS_CODED
+ * has no durable file (RAD_EINTERNAL).  RAD_EFULL, RAD_ESHORT, RAD_EIO. */
+int rows_create(struct rows *r, struct rows_open *among, const char *path,
+                int width, int height, enum rows_kind kind, bool durable,
+                struct rad_error *err);
 
 /* The same file as it was left; RAD_EDATA when it is missing, or not as long.
  */
-int rows_open(struct rows *r, const char *path, int width, int height,
-              enum rows_kind kind, struct rad_error *err);
+int rows_open(struct rows *r, struct rows_open *among, const char *path,
+              int width, int height, enum rows_kind kind,
+              struct rad_error *err);
 
 /* Put h rows of w pixels at column x, row y; pixels are as in the file, which
  * holds floats or RGBE.  RAD_EPROTO if they do not lie in the picture. */
@@ -80,8 +95,9 @@ int rows_write_line(struct rows *r, int y, const float *line,
                     struct rad_error *err);
 int rows_read_line(struct rows *r, int y, float *line, struct rad_error *err);
 
-/* Wait until what was written is on the disk. */
-int rows_sync(struct rows *r, struct rad_error *err);
+/* Wait until what was written to any of these files is on the disk, and the
+ * pictures that were made of them. */
+int rows_sync(struct rows_open *among, struct rad_error *err);
 
 /* Bytes of w pixels in the file; not of ROWS_CODED. */
 size_t rows_bytes(const struct rows *r, int w);
@@ -94,23 +110,22 @@ int rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
 /* Read whole row y. */
 int rows_read(struct rows *r, int y, void *pixels, struct rad_error *err);
 
-/* Close the file for now. */
-void rows_rest(struct rows *r);
-
-/* Close it for good; it is left where it is. */
+/* Close the file for good; it is left where it is. */
 void rows_release(struct rows *r);
 
 /* Close, and delete the file. */
 void rows_remove(struct rows *r);
 
-/* Make the RGBE picture at path, whole: temporary file, fsync if durable,
- * rename.  info's width and height are those of the rows. */
+/* Make the RGBE picture at path, whole: temporary file, rename; durable: it
+ * lasts after the next rows_sync().  info's width and height are those of the rows.  mark gets what was
+ * written, and may be NULL. */
 int rows_picture(struct rows *r, const struct rad_hdr_info *info,
-                 const char *path, bool durable, struct rad_error *err);
+                 const char *path, bool durable, struct mark *mark,
+                 struct rad_error *err);
 
 /* The same of the distances: width * height floats; needs
  * ROWS_DISTANCES. */
 int rows_depth(struct rows *r, const char *path, bool durable,
-               struct rad_error *err);
+               struct mark *mark, struct rad_error *err);
 
 #endif

@@ -8,6 +8,7 @@
 #ifndef DAEMON_SAVED_H
 #define DAEMON_SAVED_H
 
+#include "mark.h"
 #include "partition.h"
 
 /* A unit that went out: its latest attempt, and what is kept of its rows. */
@@ -28,6 +29,13 @@ struct saved_unit {
     uint32_t nbottom;      /* 0: a window, or the last of its frame */
 };
 
+/* A frame of a job. */
+struct saved_frame {
+    bool written;               /* its picture is there */
+    bool fetched;               /* and its owner has it */
+    struct mark picture, depth; /* with written; depth: of what has distances */
+};
+
 struct saved_job {
     struct msg_spec spec;
     const char *owner;
@@ -38,9 +46,32 @@ struct saved_job {
     uint64_t offer_ms, submit_ms, open_ms, end_ms, sent_bytes;
     uint64_t kept_bytes;      /* of one that is over: what its folder holds */
     struct msg_progress last; /* of one that is over */
-    const bool *written;      /* by frame: its picture is there */
+    struct mark stats;        /* likewise */
+    const struct saved_frame *frames; /* by index */
     uint32_t nunits;          /* of one that is not over */
     const struct saved_unit *units; /* by number */
+};
+
+/* Why a job that was over is forgotten. */
+enum gone_why {
+    GONE_MANY,   /* its owner has more of them than are kept */
+    GONE_OLD,    /* it was over for longer than is kept */
+    GONE_LARGE,  /* its owner's took more room than they may */
+    GONE_BEFORE, /* radcoord ended as it was being forgotten */
+    GONE_DELETED, /* somebody said so */
+    GONE_NWHYS
+};
+
+/* What is remembered of it, for a while. */
+#define SAVED_GONES 100 /* of each owner, the last so many */
+struct saved_gone {
+    uint8_t job[MSG_JOB];
+    char owner[MSG_MAX_NAME + 1];
+    char name[MSG_MAX_NAME + 1]; /* or as much of it as fits */
+    enum gone_why why;
+    bool fetched; /* there was no picture that nobody has */
+    uint64_t end_ms, gone_ms;
+    uint64_t sequence; /* in this life: its place in a list of jobs */
 };
 
 #endif

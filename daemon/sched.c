@@ -9,8 +9,8 @@
  * waits again, for a while for that worker alone; as long as nobody else has it
  * the attempt goes on when the worker comes back, so that a connection that
  * breaks for a moment costs nothing.  From the next attempt on its rows are
- * ignored.  With twins, each with an attempt of its
- * own, the first whose rows come leads.
+ * ignored.  With twins, each with an attempt of its own, the first whose rows
+ * come leads.
  *
  * A child that dies leaves suspects: the units it was at work on.  Each is
  * tried again alone, on another worker if there is one, so that a second crash
@@ -31,6 +31,7 @@
 #define WORTH_MS      50  /* a unit of auto takes at least so long */
 #define APART         8   /* of scanbar's first units */
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
+#define AWAIT_MS      300 /* a worker gets what others give away by then */
 
 /* --- helpers --- */
 
@@ -122,8 +123,9 @@ has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 
 /* Has the worker room for another unit?  Windows: one for each thread, and
  * half as many at hand.  Lines: one for each thread; a long run has all
- * threads, and what is at hand cannot be shared.  Of single lines it has one
- * more, so that no thread waits until we answer when one is done, or parked. */
+ * threads, beside which it does nothing for another job, and what is at hand
+ * cannot be shared.  Of single lines it has one more, so that no thread waits
+ * until we answer when one is done, or parked. */
 static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
@@ -135,7 +137,8 @@ has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
     if (w->in_flight == 0)
         return true;
     if (partition_kind(job->partition) != MSG_PART_SCANBAR)
-        return job->workers[index].lines < n;
+        return w->in_flight == job->workers[index].in_flight &&
+               job->workers[index].lines < n;
     return w->in_flight < n + has_plenty(job, index, n);
 }
 
@@ -163,12 +166,26 @@ sched_add_worker(struct job *job, struct coord_worker *w)
     return job->index[w->id];
 }
 
+/* Version 1 knows of no file of frames: it is told of each in a message. */
+bool
+sched_can_tell(const struct job *job, const struct coord_worker *w)
+{
+    const size_t rest = MSG_MAX_LABEL + MSG_MAX_PARAMS + MSG_MAX_NEEDS + 512;
+
+    return w->version >= 2 ||
+           job->frames_bytes + rest + (size_t)job->spec.files.n * MSG_HASH <=
+               MSG_MAX;
+}
+
 static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
     uint32_t i = sched_add_worker(job, w);
 
+    m.job_start.ncosts = 0; /* for who shares the work out */
+    if (w->version < 2)
+        m.job_start.flags &= ~MSG_JOB_VIEWS;
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
         return;
@@ -314,10 +331,13 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         c->actions.failed = true;
         return;
     }
+    job->workers[index].passed = 0;
+    job->workers[index].rest_ms = 0;
     u->attempt++;
     u->tries++;
-    if (u->tries > 1 && u->ngos == 1) /* a twin is no redoing */
-        job->units_redone++;
+    if (u->tries > 1 && u->ngos == 1 && !u->given_back)
+        job->units_redone++; /* a twin is no redoing */
+    u->given_back = false;
     sched_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
     if (u->ngos == 1) {
         sched_forget_rows(job, unit);
@@ -420,9 +440,8 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     return true;
 }
 
-/* Could one that has nothing get some of what others have? */
-static bool
-can_balance(const struct job *job)
+bool
+sched_can_balance(const struct job *job)
 {
     return job->partition && partition_is_strict(job->partition) &&
            job->nout > 0 &&
@@ -430,13 +449,12 @@ can_balance(const struct job *job)
             !(job->spec.flags & MSG_JOB_NO_BALANCE));
 }
 
-/* Nothing of this job for any worker now. */
-static bool
-idle_job(const struct job *job)
+bool
+sched_idle_job(const struct job *job)
 {
     return job_over(job) || !job->asked_open || job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
-            !can_balance(job));
+            !sched_can_balance(job));
 }
 
 /* Something of a job that the worker has loaded; *done: it gets nothing else
@@ -458,11 +476,33 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     return false;
 }
 
+/* Has the worker yet to load the job, or anew? */
+static bool
+is_new_to(const struct job *job, uint32_t index)
+{
+    return index == JOB_NOBODY || job->workers[index].state == JW_GONE;
+}
+
+/* Can a look at the job come to anything for the worker?  Jobs that it does not
+ * know yet it loads one at a time, also while they are not stored yet: however
+ * many wait, a search sees but the first of them. */
+static bool
+may_look(const struct job *job, const struct coord_worker *w)
+{
+    uint32_t index = sched_index(job, w);
+
+    if (!is_new_to(job, index))
+        return true;
+    return !w->loading &&
+           (index == JOB_NOBODY ||
+            (!job->workers[index].excluded && !job->workers[index].no_room));
+}
+
 /* The next job to look at, in this search: the highest priority first, of
  * equals whose owner has the fewest threads at work, of these the oldest. NULL:
  * none is left. */
 static struct job *
-fairest(const struct coord *c)
+fairest(const struct coord *c, const struct coord_worker *w)
 {
     struct job *best = NULL;
 
@@ -471,36 +511,74 @@ fairest(const struct coord *c)
 
         if (best && job->spec.priority < best->spec.priority)
             break;
-        if (job->served != c->serving && !idle_job(job) &&
+        if (job->served != c->serving && !sched_idle_job(job) &&
+            may_look(job, w) &&
             (!best || job->payer->threads < best->payer->threads))
             best = job;
     }
     return best;
 }
 
-/* One unit of the first job that has one for this worker; jobs that it does
- * not know yet it starts to load, one at a time, also while they are not stored
- * yet. */
+/* Is the worker to wait for its share of a job that comes first, of which
+ * others have something to give away? */
 static bool
-serve(struct coord *c, struct coord_worker *w)
+awaits(const struct coord *c, const struct coord_worker *w,
+       const struct job *job)
 {
-    bool done = false;
+    uint32_t index = sched_index(job, w);
+
+    return index != JOB_NOBODY && job->opened && sched_can_balance(job) &&
+           job->workers[index].state == JW_READY && w->in_flight == 0 &&
+           c->now_ms - w->free_ms < AWAIT_MS;
+}
+
+/* A worker that was away may be at units of a job that was paused meanwhile, or
+ * have been drained: it is asked what it has, to give that back. */
+static void
+recall(struct coord *c, struct coord_worker *w)
+{
+    for (size_t i = 0; w->conn != 0 && !w->loading && i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+
+        if (job_over(job) || index == JOB_NOBODY ||
+            job->workers[index].state != JW_GONE ||
+            job->workers[index].keep_ms <= c->now_ms)
+            continue;
+        if (job->state == JOB_PAUSED || !sched_takes_units(w))
+            start_job(c, job, w);
+    }
+}
+
+/* One unit of the first job that has one for this worker.  While it has, or may
+ * yet get, something of a job nothing is given to it of those that come after.
+ */
+bool
+sched_serve(struct coord *c, struct coord_worker *w)
+{
+    bool done = false, taken = false;
+    int32_t floor = INT32_MIN;
     struct job *job;
 
+    recall(c, w);
     if (!sched_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
-    while (!done && (job = fairest(c))) {
+    while (!done && (job = fairest(c, w))) {
         uint32_t index = sched_index(job, w);
 
+        taken = job->spec.priority < floor || job->spec.priority < w->priority;
         job->served = c->serving;
-        if (index == JOB_NOBODY || job->workers[index].state == JW_GONE) {
-            if (!w->loading &&
-                (index == JOB_NOBODY || !job->workers[index].excluded))
-                start_job(c, job, w);
-        } else if (job->opened && job->workers[index].state == JW_READY) {
+        if (is_new_to(job, index)) {
+            start_job(c, job, w);
+        } else if (!taken && job->opened &&
+                   job->workers[index].state == JW_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;
+            if (w->in_flight == 0)
+                yield_passed(c, job, index);
+            if (awaits(c, w, job))
+                floor = job->spec.priority;
         }
     }
     return false;
@@ -513,10 +591,10 @@ let_go(struct coord *c, struct coord_worker *w)
     struct msg m = { .type = MSG_BYE, .bye = { "drained" } };
 
     if (w->conn == 0 || !w->leaving || w->in_flight > 0 || w->parked > 0 ||
-        w->delivered > 0)
+        w->delivered > 0 || survey_tells(c, w))
         return;
     actions_send(&c->actions, w->conn, &m);
-    coord_break(c, w->conn, "drained");
+    coord_part(c, w->conn, "drained");
 }
 
 void
@@ -528,87 +606,12 @@ sched_run(struct coord *c)
     do { /* one each, in turn, so that few units spread over all workers */
         gave = false;
         for (struct coord_worker *w = c->workers; w; w = w->next)
-            gave |= serve(c, w);
+            gave |= sched_serve(c, w);
     } while (gave);
     if (!c->full)
         balance_run(c);
     for (struct coord_worker *w = c->workers; w; w = w->next)
         let_go(c, w);
-}
-
-/* --- peers --- */
-
-/* Tell one worker of one peer. */
-static void
-send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
-          const struct coord_worker *about, struct msg_peer peer)
-{
-    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job, 1, &peer } };
-
-    peer.name = about->name;
-    peer.version =
-        (uint16_t)(about->version < to->version ? about->version : to->version);
-    actions_send(&c->actions, to->conn, &m);
-}
-
-bool
-sched_link(struct coord *c, const struct job *job, const struct coord_worker *a,
-           const struct coord_worker *b, uint32_t give)
-{
-    bool dial = a->address[0] != '\0'; /* the second, where that is possible */
-    uint8_t token[MSG_TOKEN];
-
-    if (!dial && b->address[0] == '\0')
-        return false;
-    c->env.random(c->env.arg, token, sizeof token);
-    send_peer(c, a, job->id, b,
-              (struct msg_peer){ .address = dial ? "" : b->address,
-                                 .token = token,
-                                 .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
-    send_peer(c, b, job->id, a,
-              (struct msg_peer){ .address = dial ? a->address : "",
-                                 .token = token,
-                                 .flags = dial ? MSG_PEER_DIAL : 0 });
-    return true;
-}
-
-/* Link a worker that just became ready with those that are; the first of them
- * gives it what its cache holds. */
-static void
-introduce(struct coord *c, const struct job *job, const struct coord_worker *w)
-{
-    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct coord_worker *o = job->workers[i].worker;
-
-        if (o != w && o->conn != 0 && job->workers[i].state == JW_READY &&
-            sched_link(c, job, o, w, give))
-            give = 0;
-    }
-}
-
-void
-sched_unlink(struct coord *c, const struct job *job,
-             const struct coord_worker *to, const struct coord_worker *about)
-{
-    static const uint8_t none[MSG_TOKEN];
-
-    send_peer(c, to, job->id, about,
-              (struct msg_peer){
-                  .address = "", .token = none, .flags = MSG_PEER_DROP });
-}
-
-void
-sched_drop_peer(struct coord *c, const struct job *job,
-                const struct coord_worker *w)
-{
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct coord_worker *o = job->workers[i].worker;
-
-        if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
-            sched_unlink(c, job, o, w);
-    }
 }
 
 /* --- messages of workers --- */
@@ -652,7 +655,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         ring_join(c, job, (uint32_t)(jw - job->workers));
         return;
     }
-    introduce(c, job, w);
+    sched_introduce(c, job, w);
     ring_of_few(c, job);
 }
 
@@ -810,15 +813,12 @@ drain_parked(struct coord *c, struct job *job)
         for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
             struct job_go *go = &job->units[unit].go[k];
 
-            if (!go->parked || go->top_sent ||
+            if (!go->parked || go->yielded || go->top_sent ||
                 c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
                 sched_takes_units(job->workers[go->worker].worker))
                 continue;
-            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
-            loss_of(c, job, unit, go);
-            if (job->units[unit].ngos == 0)
-                job->units[unit].lead = 0; /* its rows may be on their way */
-            break;                         /* the others may have moved */
+            loss_taken(c, job, unit, go);
+            break; /* the others may have moved */
         }
     }
 }
@@ -830,6 +830,7 @@ sched_tick(struct coord *c)
         return;
     c->tick_ms = c->now_ms;
     balance_look(c);
+    yield_look(c);
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *job = c->jobs[i];
 

@@ -4,6 +4,7 @@
  *   coord.c    events, and messages of workers
  *   coord_conn.c  connections, and who is behind them
  *   coord_job.c  the life of a job
+ *   coord_keep.c  how long it is remembered
  *   request.c, report.c  what users and admins ask for
  * and those of the scheduler:
  *   sched.c    who gets what
@@ -14,6 +15,7 @@
  *   balance.c  giving away and doubling what one has, for one that has nothing
  *   lending.c  columns of a line, likewise
  *   hold.c     who has what
+ *   yield.c    who gives back what, for something that comes first
  *   survey.c   estimates, before the first unit
  *   recover.c  jobs of an earlier life
  *   ring.c     who is linked with whom where there are very many
@@ -24,7 +26,9 @@
 
 #include "coord.h"
 #include "job.h"
+#include "known.h"
 #include "log.h"
+#include "uploads.h"
 
 /* A worker that is, or was, connected. */
 struct coord_worker {
@@ -42,13 +46,18 @@ struct coord_worker {
     uint32_t parked;      /* units that wait for a base line */
     uint32_t delivered;   /* units whose rows are on their way to the disk */
     double relative;      /* speed of a thread, by earlier jobs; 1: usual */
+    uint64_t free_ms;     /* when it last came to have none of these */
+    int64_t priority;     /* the highest of jobs whose units these are, */
+    int64_t rank;         /* or could be; INT64_MIN: there are none (yield.c) */
     uint64_t progress;    /* of its last PING */
     uint64_t progress_ms; /* when that was new */
     bool hangs;           /* it has work, and makes no progress */
     const struct job *loading; /* what its next READY is for */
+    bool forgotten;            /* gone, and not told of any more */
     bool drained;              /* gets nothing new: an admin's wish */
     bool leaving;              /* gets nothing new: its own wish */
-    bool alone; /* has a unit that crashed once: nothing beside it */
+    bool alone;        /* has a unit that crashed once: nothing beside it */
+    char no_room[256]; /* why it could not take a job last (job_worker) */
 };
 
 /* A request that is answered when what it did is kept. */
@@ -57,6 +66,8 @@ struct coord_settling {
     uint32_t request;
     uint64_t since_ms;
 };
+
+struct coord_telling;
 
 struct coord_conn {
     struct coord_conn *next;
@@ -73,14 +84,29 @@ struct coord_conn {
     uint32_t watch_request;      /* request id of its SUBMIT */
     uint64_t offer_ms;           /* first OFFER since the last SUBMIT; or 0 */
     uint64_t sent_bytes;         /* CHUNK bytes since then */
+    uint64_t moved_ms;           /* the last OFFER or CHUNK */
+    uint32_t answers;            /* that it is to get, and that take a while */
+    struct coord_owner *payer;
     struct coord_settling *settling;
+    struct coord_telling *telling;
+};
+
+/* What is kept of an owner's jobs that are over. */
+struct coord_kept {
+    uint64_t bytes; /* of all; the rest of those that may be forgotten */
+    uint32_t jobs;
+    uint64_t weight;          /* of these, see job_weight() */
+    const struct job *oldest; /* NULL: there is none */
 };
 
 /* Whom jobs belong to. */
 struct coord_owner {
     struct coord_owner *next;
     char name[MSG_MAX_NAME + 1];
-    uint32_t threads; /* of workers at units of theirs */
+    uint32_t threads;   /* of workers at units of theirs */
+    struct known files; /* of the store that they may know of */
+    struct uploads_sum uploads;
+    struct coord_kept kept; /* as coord_forget_old() last counted */
 };
 
 #define COORD_CONNS 1024 /* a power of 2 */
@@ -88,7 +114,14 @@ struct coord_owner {
 struct coord {
     struct coord_env env;
     struct coord_keep keep;
-    bool full; /* the disk is: jobs are held */
+    bool keep_due;            /* something happened that it asks for */
+    uint64_t keep_ms;         /* when it was looked after last */
+    struct saved_gone *gones; /* jobs that were forgotten, as they were */
+    size_t ngones, cap_gones;
+    struct coord_limits limits;
+    struct uploads uploads;
+    uint64_t uploads_ms; /* when those that wait were looked at last */
+    bool full;           /* the disk is: jobs are held */
     char full_text[MSG_MAX_TEXT + 1];
     struct action_list actions;
     uint64_t now_ms;
@@ -100,6 +133,7 @@ struct coord {
     struct job **jobs; /* by priority, then as they came */
     size_t njobs, cap_jobs;
     uint64_t sequence;
+    uint64_t known_ms;    /* when files that owners know of expired last */
     uint64_t progress_ms; /* when PROGRESS was sent last */
     uint64_t tick_ms;     /* when the scheduler looked at the time last */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
@@ -113,10 +147,14 @@ void sched_run(struct coord *c);
 
 /* Time has passed. */
 void sched_tick(struct coord *c);
+
+/* Link a worker that just became ready with those that are; the first of them
+ * gives it what its cache holds. */
+void sched_introduce(struct coord *c, const struct job *job,
+                     const struct coord_worker *w);
 /* Tell the other workers of a job to have no more to do with this one. */
 void sched_drop_peer(struct coord *c, const struct job *job,
                      const struct coord_worker *w);
-
 /* Tell two workers of a job of each other; a may be asked to give b what its
  * cache has (MSG_PEER_GIVE).  False: neither can be dialled. */
 bool sched_link(struct coord *c, const struct job *job,
@@ -134,6 +172,8 @@ void sched_result(struct coord *c, struct coord_worker *w,
                   const struct msg_result *m);
 void sched_lost(struct coord *c, struct coord_worker *w,
                 const struct msg_lost *m);
+void sched_room(struct coord *c, struct coord_worker *w,
+                const struct msg_room *m);
 void sched_still(struct coord *c, struct coord_worker *w,
                  const struct msg_gave *m);
 void sched_tally(struct coord *c, struct coord_worker *w,
@@ -177,6 +217,9 @@ struct job *sched_job_of(struct coord *c, const struct coord_worker *w,
  * do the rest of its work, too.  Or it is heard of again. */
 void sched_late(struct job *job, uint32_t index, bool late);
 
+/* Can that worker be told of the job, whose list of frames may be long? */
+bool sched_can_tell(const struct job *job, const struct coord_worker *w);
+
 /* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
 uint32_t sched_index(const struct job *job, const struct coord_worker *w);
 
@@ -208,6 +251,31 @@ void sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
  * memory is out. */
 uint32_t sched_add_worker(struct job *job, struct coord_worker *w);
 
+/* One unit for the worker; false: it gets none now. */
+bool sched_serve(struct coord *c, struct coord_worker *w);
+
+/* Nothing of this job for any worker now. */
+bool sched_idle_job(const struct job *job);
+
+/* Could a worker that has nothing get some of what others have of it? */
+bool sched_can_balance(const struct job *job);
+
+/* --- yield.c --- */
+
+/* Have units go back whose job is paused, whose worker is to leave, or works
+ * for somebody else now. */
+void yield_look(struct coord *c);
+
+/* Does something else come first for that worker of the job? */
+bool yield_wanted(const struct job *job, uint32_t index);
+
+/* Bring the priority of what the worker has in hand up to date. */
+void yield_rate(const struct coord *c, struct coord_worker *w);
+
+/* The worker had room, and the job nothing for it: it does not give other jobs'
+ * units back for that. */
+void yield_passed(const struct coord *c, struct job *job, uint32_t index);
+
 /* --- hold.c --- */
 
 /* One more holder of a unit, counted; NULL: there is no room for it. */
@@ -238,6 +306,16 @@ void result_frame_done(struct coord *c, struct job *job, uint32_t frame);
 /* A holder will not finish the unit: another does, or it waits again. */
 void loss_of(struct coord *c, struct job *job, uint32_t unit,
              struct job_go *go);
+/* It is to have the unit no more (REVOKE). */
+void loss_taken(struct coord *c, struct job *job, uint32_t unit,
+                struct job_go *go);
+/* It gave the unit back, with all that it knew of it. */
+void loss_given_back(struct coord *c, struct job *job, uint32_t unit,
+                     struct job_go *go);
+
+/* What that attempt at the unit lends is its own again. */
+void loss_end_loans(struct coord *c, struct job *job, uint32_t unit,
+                    uint32_t lender);
 
 /* A worker has no part in the job any more. */
 void loss_all(struct coord *c, struct job *job, uint32_t index);
@@ -314,7 +392,8 @@ bool balance_shrink(struct coord *c, struct job *job, uint32_t unit,
 
 /* May its units give lines away? */
 bool balance_splits(const struct job *job);
-/* Has the worker nothing to do, for this job or another? */
+/* Has the worker nothing to do, for this job or another that comes before it?
+ */
 bool balance_is_idle(const struct job *job, uint32_t index);
 
 /* --- lending.c --- */
@@ -335,6 +414,13 @@ int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
 /* Areas for a worker that is ready, or units if the estimate was given up;
  * false: there is nothing for it. */
 bool survey_give(struct coord *c, struct job *job, uint32_t index);
+/* Has the estimate anything for the worker, or is it at some of that? */
+bool survey_has(const struct coord *c, const struct job *job, uint32_t index);
+/* The worker is told to answer at once, with what it has; called before rest_ms
+ * is set. */
+void survey_rest(struct job *job, uint32_t index);
+/* Has the worker, which leaves, yet to tell what it has traced? */
+bool survey_tells(const struct coord *c, const struct coord_worker *w);
 /* The worker will not answer. */
 void survey_lost(struct job *job, uint32_t index);
 /* A child died of that chunk of areas: the second time the estimate is given
@@ -368,6 +454,9 @@ void coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m);
 /* Close a connection that broke the rules, or that is not needed. */
 void coord_break(struct coord *c, uint64_t conn, const char *why);
 
+/* Close a connection of which both sides know that it ends. */
+void coord_part(struct coord *c, uint64_t conn, const char *why);
+
 void coord_reply_failed(struct coord *c, const struct coord_conn *conn,
                         uint32_t request, const uint8_t *job, int status,
                         const char *text);
@@ -375,6 +464,8 @@ void coord_reply_failed(struct coord *c, const struct coord_conn *conn,
 /* The record of the worker of that name, a new one if it never was here; NULL
  * when memory is out. */
 struct coord_worker *coord_worker_of(struct coord *c, const char *name);
+/* Free the workers that were forgotten and that no job names any more. */
+void coord_drop_forgotten(struct coord *c);
 
 /* --- coord_job.c --- */
 
@@ -389,15 +480,44 @@ void coord_send_accept(struct coord *c, const struct coord_conn *conn,
 void coord_send_end(struct coord *c, const struct coord_conn *conn,
                     const struct job *job);
 
+/* Whom jobs of that name belong to, who may be new; NULL: memory is out. */
+struct coord_owner *coord_owner_of(struct coord *c, const char *name);
+
 /* Put a job into the queue; false when memory is out. */
 bool coord_add_job(struct coord *c, struct job *job);
+/* Higher goes first; jobs that work now give way within a tick. */
+void coord_set_priority(struct coord *c, struct job *job, int32_t priority);
 /* Once its files are all there, ask for room for its rows. */
 void coord_try_open(struct coord *c, struct job *job);
+/* That file of theirs came: open who waits for it. */
+void coord_file_came(struct coord *c, const struct coord_owner *owner,
+                     const uint8_t hash[MSG_HASH]);
+/* Go on with opening, and end those whose files do not come. */
+void coord_jobs_tick(struct coord *c);
+/* The job is as it is now after a restart too. */
+void coord_keep_state(struct coord *c, const struct job *job);
 /* End a job; text may be NULL. */
 void coord_job_ends(struct coord *c, struct job *job, enum job_state state,
                     int status, const char *text);
-/* Forget the oldest of the jobs that are over while there are too many, or they
- * take too much room, or it is too old. */
+/* Free that one, which nothing leads to any more. */
+void coord_drop_job(struct coord *c, const struct job *job);
+
+/* --- coord_keep.c --- */
+
+/* Forget what need not be kept of jobs that are over. */
 void coord_forget_old(struct coord *c);
+/* Forget that one, which is over, with its pictures. */
+void coord_forget_job(struct coord *c, const struct job *job,
+                      enum gone_why why);
+/* Is it over, and kept for its owner, who has not fetched all of it? */
+bool coord_unfetched(const struct coord *c, const struct job *job);
+/* The last that was forgotten whose id begins with these digits; NULL. */
+const struct saved_gone *coord_find_gone(const struct coord *c,
+                                         const char *hex);
+/* When and why. */
+void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
+/* "2026-11-22 23:41 UTC" */
+#define COORD_TIME 32
+void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
 #endif

@@ -50,7 +50,11 @@ seeding_ready(struct coord *c, struct job *job, uint32_t index)
     struct msg m = { .type = MSG_SEED,
                      .seed = { job->id, jw->seed_first, jw->seed_last } };
 
-    if (jw->seed_first < jw->seed_last && c->now_ms - job->seed_ms < LATE_MS)
+    if (jw->seed_first < jw->seed_last && c->now_ms - job->seed_ms < LATE_MS &&
+        !yield_wanted(job, index)) {
+        jw->seeds = true;
+        jw->rest_ms = 0;
         actions_send(&c->actions, jw->worker->conn, &m);
+    }
     jw->seed_first = jw->seed_last = 0;
 }

@@ -3,15 +3,19 @@
 
 #include "service.h"
 
+#include "output.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <malloc.h>
 #include <openssl/crypto.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -19,7 +23,18 @@
 #include <unistd.h>
 
 void
-service_notify(const char *state)
+service_raise_descriptors(void)
+{
+    struct rlimit limit;
+
+    if (getrlimit(RLIMIT_NOFILE, &limit) < 0)
+        return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+int
+service_notify_open(void)
 {
     const char *path = getenv("NOTIFY_SOCKET");
     struct sockaddr_un to = { .sun_family = AF_UNIX };
@@ -27,17 +42,26 @@ service_notify(const char *state)
     int fd;
 
     if (!path || !path[0] || strlen(path) >= sizeof to.sun_path)
-        return;
+        return -1;
     n = strlen(path);
     memcpy(to.sun_path, path, n);
     if (to.sun_path[0] == '@') /* the abstract namespace */
         to.sun_path[0] = '\0';
     fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (fd < 0)
-        return;
-    sendto(fd, state, strlen(state), MSG_NOSIGNAL, (struct sockaddr *)&to,
-           (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n));
-    close(fd);
+    if (fd >= 0 &&
+        connect(fd, (struct sockaddr *)&to,
+                (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n)) < 0) {
+        close(fd);
+        fd = -1;
+    }
+    return fd;
+}
+
+void
+service_notify(int fd, const char *state)
+{
+    if (fd >= 0)
+        send(fd, state, strlen(state), MSG_NOSIGNAL);
 }
 
 uint64_t
@@ -61,6 +85,7 @@ service_credential(const char *name, char *path, size_t size)
     if (!dir || snprintf(path, size, "%s/%s", dir, name) >= (int)size)
         dir = NULL;
     f = dir ? fopen(path, "re") : NULL;
+    any = dir && !f && errno != ENOENT; /* who reads it says what it lacks */
     while (f && !any && (c = getc(f)) != EOF)
         any = !isspace(c);
     if (f)
@@ -143,25 +168,14 @@ int
 service_ports_file(const char *path, const char *const lines[], int n,
                    struct rad_error *err)
 {
-    char tmp[PATH_MAX];
-    FILE *f;
-    int bad;
+    struct output out;
+    int rc = output_open(&out, path, false, err);
 
-    if (snprintf(tmp, sizeof tmp, "%s.tmp", path) >= (int)sizeof tmp)
-        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
-    f = fopen(tmp, "we");
-    if (!f)
-        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", tmp,
-                        strerror(errno));
+    if (rc < 0)
+        return rc;
     for (int i = 0; i < n; i++)
-        fprintf(f, "%s\n", lines[i]);
-    bad = ferror(f);
-    if (fclose(f) || bad || rename(tmp, path)) {
-        unlink(tmp);
-        return rad_fail(err, RAD_EIO, "cannot write '%s': %s", path,
-                        strerror(errno));
-    }
-    return 0;
+        fprintf(out.file, "%s\n", lines[i]);
+    return output_commit(&out, err);
 }
 
 int
@@ -199,10 +213,10 @@ service_lock_dir(const char *path, struct rad_error *err)
 
     if (snprintf(lock, sizeof lock, "%s/lock", path) >= (int)sizeof lock)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
-    fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
-        return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", lock,
-                        strerror(errno));
+        return rad_fail(err, errno == EACCES ? RAD_EPERM : RAD_ECANTCREAT,
+                        "cannot open '%s': %s", lock, strerror(errno));
     if (flock(fd, LOCK_EX | LOCK_NB) == 0)
         return fd;
     close(fd);
@@ -247,4 +261,25 @@ service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
                         uv_strerror(rc));
     uv_unref((uv_handle_t *)&l->poll);
     return 0;
+}
+
+/* glibc raises the limit above which a piece is mapped by itself with each that
+ * is freed; then the heap keeps what it once needed, for one small piece may
+ * lie behind all of it. */
+#define MAPPED_BYTES (128 << 10)
+
+void
+service_return_memory(void)
+{
+#ifdef M_MMAP_THRESHOLD
+    mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES);
+#endif
+}
+
+void
+service_trim_memory(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }

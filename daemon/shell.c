@@ -6,6 +6,7 @@
 #include "log.h"
 #include "service.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,12 +55,15 @@ on_message(void *arg, struct conn *c, const struct msg *m)
 {
     struct shell_link *l = arg;
     struct shell *s = l->shell;
+    uint64_t since_ns = uv_hrtime();
 
     (void)c;
     if (m->type == MSG_PONG)
         return; /* that it came is all it says */
     s->ops->message(s->arg, l->id, m);
     shell_run(s);
+    if (s->turns)
+        turns_note(s->turns, msg_name(m->type), uv_hrtime() - since_ns);
 }
 
 static void
@@ -341,6 +345,8 @@ shell_random(void *arg, void *buf, size_t n)
     while (n > 0) {
         ssize_t got = getrandom(p, n, 0);
 
+        if (got < 0 && errno == EINTR)
+            continue;
         if (got <= 0)
             abort(); /* the kernel has no random bytes: nothing is safe */
         p += got;

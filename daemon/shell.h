@@ -10,6 +10,7 @@
 #include "action.h"
 #include "conn.h"
 #include "store.h"
+#include "turns.h"
 
 #define SHELL_BUCKETS 64
 
@@ -38,6 +39,7 @@ struct shell {
     bool running;
     struct conn_handler handler; /* of all connections */
     struct log_limit errors;
+    struct turns *turns; /* learns what takes how long; or NULL */
 };
 
 void shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,

@@ -3,8 +3,9 @@
 
 #include "sound.h"
 
-#include "blobs.h"
+#include "disk.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,21 @@ find(const struct sounds *s, const uint8_t *digest)
     return f;
 }
 
+/* Room in a bucket for one more: what was noted first is forgotten. */
+static void
+make_room(struct sounds *s, unsigned bucket)
+{
+    struct sound **at = &s->bucket[bucket];
+
+    if (s->n[bucket] < SOUND_MOST / SOUND_BUCKETS)
+        return;
+    while ((*at)->next)
+        at = &(*at)->next;
+    free(*at);
+    *at = NULL;
+    s->n[bucket]--;
+}
+
 static bool
 unchanged(const struct sound *f, const struct stat *st)
 {
@@ -41,16 +57,18 @@ unchanged(const struct sound *f, const struct stat *st)
 static void
 note(struct sounds *s, const uint8_t *digest, const struct stat *st)
 {
-    struct sound *f = find(s, digest), **bucket;
+    unsigned bucket = digest[0] % SOUND_BUCKETS;
+    struct sound *f = find(s, digest);
 
     if (!f) {
         f = calloc(1, sizeof *f);
         if (!f)
             return;
+        make_room(s, bucket);
         memcpy(f->digest, digest, RAD_SHA_BYTES);
-        bucket = &s->bucket[digest[0] % SOUND_BUCKETS];
-        f->next = *bucket;
-        *bucket = f;
+        f->next = s->bucket[bucket];
+        s->bucket[bucket] = f;
+        s->n[bucket]++;
     }
     f->size = st->st_size;
     f->changed = st->st_mtim;
@@ -85,7 +103,7 @@ compare(int fd, const uint8_t *digest)
 int
 sounds_read(const uint8_t digest[RAD_SHA_BYTES], const char *path)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     int same = fd < 0 ? -1 : compare(fd, digest);
 
     if (fd >= 0)
@@ -121,6 +139,22 @@ sounds_check(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
         note(s, digest, &st);
     *damaged = same == 0;
     return same == 1;
+}
+
+int
+sounds_require(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
+               const char *path, struct rad_error *err)
+{
+    bool damaged;
+
+    if (sounds_check(s, digest, path, &damaged))
+        return 0;
+    if (damaged)
+        return rad_fail(err, RAD_EDATA, "'%s' is damaged: its hash is another",
+                        path);
+    if (access(path, R_OK) < 0)
+        return mark_missing(path, errno, err);
+    return rad_fail(err, RAD_EIO, "cannot read '%s'", path);
 }
 
 void

@@ -10,13 +10,15 @@
 #include "rowcheck.h"
 #include "service.h"
 #include "sound.h"
-#include "store.h"
+#include "statedir.h"
+#include "views.h"
 
 #include <errno.h>
-#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 struct look {
@@ -29,21 +31,8 @@ struct look {
     struct journal *journal;
 };
 
-static void __attribute__((format(printf, 2, 3)))
-problem(struct look *l, const char *fmt, ...)
-{
-    char text[600];
-    va_list ap;
-
-    va_start(ap, fmt);
-    vsnprintf(text, sizeof text, fmt, ap);
-    va_end(ap);
-    l->out->problems++;
-    l->tell(l->arg, true, text);
-}
-
-/* What is wrong with the folder is a problem that is told, and no failure; one
- * that another radcoord made is no damage. */
+/* What is wrong with the folder is told, and no failure; one that another
+ * radcoord made is no damage. */
 static int
 judge(struct look *l, const struct rad_error *why, struct rad_error *err)
 {
@@ -54,24 +43,30 @@ judge(struct look *l, const struct rad_error *why, struct rad_error *err)
         *err = *why;
         return why->code;
     }
-    problem(l, "%s", why->what);
+    if (why->code == RAD_EPERM)
+        l->out->denied++;
+    else
+        l->out->problems++;
+    l->tell(l->arg, true, why->what);
     return 0;
 }
 
-static void
-check_files(struct look *l, const struct msg_spec *spec, const char *hex)
+static int
+check_files(struct look *l, const struct msg_spec *spec, struct rad_error *err)
 {
-    for (uint32_t i = 0; i < spec->files.n; i++) {
+    int rc = 0;
+
+    for (uint32_t i = 0; i < spec->files.n && rc == 0; i++) {
         const uint8_t *hash = spec->files.hash + (size_t)i * MSG_HASH;
         char name[RAD_SHA_HEX + 1], path[DISK_PATH_MAX];
-        bool damaged;
+        struct rad_error why = { 0 };
 
         rad_sha_to_hex(hash, name);
         snprintf(path, sizeof path, "%s/files/%s", l->dir, name);
-        if (!sounds_check(&l->sounds, hash, path, &damaged))
-            problem(l, "job %s: file '%s' is %s", hex, path,
-                    damaged ? "damaged: its hash is another" : "missing");
+        sounds_require(&l->sounds, hash, path, &why);
+        rc = judge(l, &why, err);
     }
+    return rc;
 }
 
 static bool
@@ -138,70 +133,95 @@ try_recovery(struct look *l, const struct saved_job *saved,
     free(units);
 }
 
+static void
+is_another(void *arg, const struct rad_error *why)
+{
+    struct rad_error ignored = { 0 }; /* no failure comes here */
+
+    judge(arg, why, &ignored);
+}
+
 static int
 check_job(void *arg, const struct saved_job *s, struct rad_error *err)
 {
     struct look *l = arg;
     struct rad_error why = { 0 };
+    struct saved_job whole = *s;
+    struct views views = { 0 };
     bool over = s->state >= JOB_DONE;
-    char hex[MSG_JOB_HEX];
+    char files[DISK_PATH_MAX];
+    int rc = 0;
 
-    msg_job_format(s->spec.job, hex);
     l->out->jobs++;
     l->out->open += !over;
-    if (over && !folder_is_there(&l->folder, s->spec.job))
-        return 0; /* it is being forgotten */
+    if (over && folder_is_going(&l->folder, s->spec.job))
+        return 0;
     if (!over)
-        check_files(l, &s->spec, hex);
-    folder_take_up(&l->folder, s, over, &why);
+        rc = check_files(l, &s->spec, err);
+    if (rc < 0)
+        return rc;
+    snprintf(files, sizeof files, "%s/files", l->dir);
+    if (views_read(&views, files, &whole.spec, &why) == 0)
+        folder_take_up(&l->folder, &whole, over, &why);
+    if (why.code == 0)
+        folder_compare(&l->folder, &whole, over, is_another, l, &why);
     if (why.code == 0 && !over)
-        try_recovery(l, s, &why);
+        try_recovery(l, &whole, &why);
+    views_release(&views);
     return judge(l, &why, err);
 }
 
 static int
-stranger(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
+check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
+           struct rad_error *err)
 {
     struct look *l = arg;
-    char hex[MSG_JOB_HEX];
+    struct rad_error why = { 0 };
+    enum statedir_fate fate;
+    int rc = statedir_fate(l->journal, &l->folder, job, going, &fate, &why);
 
-    (void)err;
-    msg_job_format(job, hex);
-    problem(l, "there is a folder of job %s, but no database", hex);
-    return 0;
+    if (rc == 0 && fate == STATEDIR_UNKNOWN)
+        statedir_unknown(job, &why);
+    return judge(l, &why, err);
 }
 
 static int
-look_at_jobs(struct look *l, const char *path, struct rad_error *err)
+look_at_jobs(struct look *l, enum journal_how how, struct rad_error *err)
 {
+    char path[DISK_PATH_MAX];
     struct rad_error why = { 0 };
+    struct stat st;
+    int rc = 0;
 
+    snprintf(path, sizeof path, "%s/" STATEDIR_DATABASE, l->dir);
+    if (how == JOURNAL_MAKE && (stat(path, &st) < 0 || st.st_size == 0))
+        return 0; /* there is nothing at all */
     if (journal_open(&l->journal, path, JOURNAL_READ, &why) == 0 &&
-        journal_check(l->journal, &why) == 0)
-        journal_read(l->journal, check_job, l, &why);
-    return judge(l, &why, err);
+        journal_check(l->journal, &why) == 0 &&
+        journal_read(l->journal, check_job, l, &why) == 0)
+        rc = folder_each(&l->folder, check_fate, l, &why);
+    return rc < 0 && why.code == 0 ? rc : judge(l, &why, err);
 }
 
 static int
 look_around(struct look *l, struct rad_error *err)
 {
-    char path[DISK_PATH_MAX];
+    enum journal_how how;
+    struct rad_error why = { 0 };
 
-    if (snprintf(path, sizeof path, "%s/" STORE_DATABASE, l->dir) >=
-            (int)sizeof path ||
-        strlen(l->dir) >= sizeof l->folder.dir)
+    if (strlen(l->dir) >= sizeof l->folder.dir)
         return rad_fail(err, RAD_ENOINPUT, "path too long: '%s'", l->dir);
     memcpy(l->folder.dir, l->dir, strlen(l->dir) + 1);
-    if (access(path, F_OK) == 0)
-        return look_at_jobs(l, path, err);
-    return folder_each(&l->folder, stranger, l, err);
+    if (statedir_how(l->dir, &how, &why) < 0)
+        return judge(l, &why, err);
+    return look_at_jobs(l, how, err);
 }
 
 /* Has a coordinator been there? */
 static bool
 is_state(const char *dir)
 {
-    static const char *const parts[] = { STORE_DATABASE, "jobs", "files" };
+    static const char *const parts[] = { STATEDIR_DATABASE, "jobs", "files" };
     char path[DISK_PATH_MAX];
 
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
@@ -212,13 +232,32 @@ is_state(const char *dir)
     return false;
 }
 
-/* The lock, or an error. */
+/* Hold the lock as long as *lock is open; -1: there is none, so no coordinator
+ * runs. */
 static int
-take(const char *dir, struct rad_error *err)
+take_lock(const char *dir, int *lock, struct rad_error *err)
 {
+    char path[DISK_PATH_MAX];
     struct rad_error why = { 0 };
+
+    *lock = -1;
+    snprintf(path, sizeof path, "%s/lock", dir);
+    if (access(path, F_OK) < 0 && errno == ENOENT)
+        return 0;
+    *lock = service_lock_dir(dir, &why);
+    if (*lock >= 0)
+        return 0;
+    if (why.code == RAD_EPERM)
+        return rad_fail(err, why.code, "%s", why.what);
+    return rad_fail(err, RAD_ETEMPFAIL,
+                    "%s: a running coordinator cannot be checked", why.what);
+}
+
+static int
+take(const char *dir, int *lock, struct rad_error *err)
+{
+    struct statvfs disk;
     struct stat st;
-    int fd;
 
     if (stat(dir, &st) < 0 || !S_ISDIR(st.st_mode))
         return rad_fail(err, RAD_ENOINPUT, "'%s' is no folder", dir);
@@ -232,12 +271,12 @@ take(const char *dir, struct rad_error *err)
                         "'%s' is no state folder: a coordinator would begin "
                         "an empty one there",
                         dir);
-    fd = service_lock_dir(dir, &why);
-    if (fd < 0)
-        return rad_fail(err, RAD_ETEMPFAIL,
-                        "%s: a running coordinator cannot be checked",
-                        why.what);
-    return fd;
+    if (statvfs(dir, &disk) == 0 && (disk.f_flag & ST_RDONLY))
+        return rad_fail(err, RAD_EIO,
+                        "'%s' is on a read-only file system, where SQLite does "
+                        "not read the log of a database: check a copy of it",
+                        dir);
+    return take_lock(dir, lock, err);
 }
 
 int
@@ -245,18 +284,25 @@ statecheck_run(const char *dir, struct statecheck *out,
                void (*tell)(void *arg, bool problem, const char *text),
                void *arg, struct rad_error *err)
 {
-    struct look l = {
-        .out = out, .tell = tell, .arg = arg, .dir = dir, .folder.durable = true
-    };
-    int lock = take(dir, err), rc;
+    struct look l = { .out = out,
+                      .tell = tell,
+                      .arg = arg,
+                      .dir = dir,
+                      .folder = { .durable = true, .looks = true } };
+    struct rad_error why = { 0 };
+    int lock = -1, rc = take(dir, &lock, err);
 
     *out = (struct statecheck){ 0 };
-    if (lock < 0)
-        return lock;
-    rc = look_around(&l, err);
+    if (rc < 0)
+        return rc;
+    statedir_check_mode(dir, &why);
+    rc = judge(&l, &why, err);
+    if (rc == 0)
+        rc = look_around(&l, err);
     journal_close(l.journal);
     folder_release(&l.folder);
     sounds_release(&l.sounds);
-    close(lock);
+    if (lock >= 0)
+        close(lock);
     return rc;
 }

@@ -14,7 +14,9 @@
 struct statecheck {
     uint32_t jobs;     /* that are known */
     uint32_t open;     /* of these not over */
-    uint32_t problems; /* that were told */
+    uint32_t problems; /* that were told: damage */
+    uint32_t denied;   /* likewise: what we may not read, so nobody knows, and
+                        * what no radcoord takes for others' rights to it */
     uint32_t redo;     /* units whose rows are other than they were: they will
                         * be made again */
 };

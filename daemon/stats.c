@@ -151,25 +151,14 @@ workers(const struct job *job)
     return list;
 }
 
-/* What was spent on each line of each frame; NULL: that is not known of all. */
-static json_t *
-lines(const struct job *job)
+/* Is it known what was spent on each line of each frame? */
+static bool
+knows_lines(const struct job *job)
 {
-    json_t *frames;
-
     for (uint32_t k = 0; k < job->spec.nframes; k++)
         if (!job->frames[k].line_s || job->frames[k].untold || job->lives > 0)
-            return NULL;
-    frames = json_array();
-    for (uint32_t k = 0; k < job->spec.nframes; k++) {
-        const struct job_frame *f = &job->frames[k];
-        json_t *list = json_array();
-
-        for (uint32_t i = 0; i < f->nlines; i++)
-            json_array_append_new(list, json_real(f->line_s[i]));
-        json_array_append_new(frames, list);
-    }
-    return frames;
+            return false;
+    return true;
 }
 
 /* One unit; times count from when the job came. */
@@ -194,28 +183,16 @@ unit(const struct job *job, uint32_t i)
         (json_int_t)u->tries);
 }
 
+/* All but what there are many of. */
 static json_t *
-units(const struct job *job)
-{
-    uint32_t n = job->partition ? partition_total(job->partition) : 0;
-    json_t *list = json_array();
-
-    for (uint32_t i = 0; i < n; i++)
-        if (job->units[i].done)
-            json_array_append_new(list, unit(job, i));
-    return list;
-}
-
-char *
-stats_json(const struct job *job, uint64_t now_ms)
+head(const struct job *job, uint64_t now_ms)
 {
     const struct msg_spec *s = &job->spec;
     const struct partition *p = job->partition;
     struct rad_error_estimate error = job_error(job);
-    char *text;
-    json_t *root = json_pack(
+    return json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o,s:o*}",
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options", s->params,
         "partition", partition_kind_name(p ? partition_kind(p) : s->partition),
         "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
@@ -226,11 +203,151 @@ stats_json(const struct job *job, uint64_t now_ms)
         (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
         "time", times(job, now_ms), "totals", totals(job), "error", "estimate",
         error.all, "ambient", error.ambient, "sampling", error.sampling,
-        "workers", workers(job), "units", units(job), "line_s", lines(job));
+        "workers", workers(job));
+}
 
-    if (!root)
-        return NULL;
-    text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+/* --- as text --- */
+
+struct stats_text {
+    char *text;
+    size_t len, cap;
+    uint32_t unit;        /* the next of its units */
+    uint32_t frame, line; /* the next of its lines */
+    bool any;             /* the list that is written has something */
+    enum { IN_UNITS, IN_LINES, AT_END } at;
+};
+
+static bool
+put(struct stats_text *t, const char *s, size_t n)
+{
+    if (t->cap - t->len <= n) {
+        size_t cap = 2 * (t->len + n) + 4096;
+        char *p = realloc(t->text, cap);
+
+        if (!p)
+            return false;
+        t->text = p;
+        t->cap = cap;
+    }
+    memcpy(t->text + t->len, s, n);
+    t->len += n;
+    t->text[t->len] = '\0';
+    return true;
+}
+
+static bool
+put_text(struct stats_text *t, const char *s)
+{
+    return put(t, s, strlen(s));
+}
+
+/* One more of a list; takes it. */
+static bool
+put_entry(struct stats_text *t, json_t *value)
+{
+    char *s = value
+                  ? json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(9))
+                  : NULL;
+    bool ok = s && put_text(t, t->any ? ",\n  " : "\n  ") && put_text(t, s);
+
+    t->any = true;
+    free(s);
+    json_decref(value);
+    return ok;
+}
+
+static bool
+put_units(struct stats_text *t, const struct job *job, uint32_t *left)
+{
+    uint32_t n = job->partition ? partition_total(job->partition) : 0;
+
+    for (; t->unit<n && * left> 0; t->unit++, --*left)
+        if (job->units[t->unit].done && !put_entry(t, unit(job, t->unit)))
+            return false;
+    if (t->unit < n)
+        return true;
+    t->at = knows_lines(job) ? IN_LINES : AT_END;
+    return put_text(t,
+                    t->at == IN_LINES ? "\n ],\n \"line_s\": [\n [" : "\n ]");
+}
+
+static bool
+put_lines(struct stats_text *t, const struct job *job, uint32_t *left)
+{
+    const struct job_frame *f = &job->frames[t->frame];
+
+    t->any = t->line > 0;
+    for (; t->line<f->nlines && * left> 0; t->line++, --*left)
+        if (!put_entry(t, json_real(f->line_s[t->line])))
+            return false;
+    if (t->line < f->nlines)
+        return true;
+    t->line = 0;
+    if (++t->frame < job->spec.nframes)
+        return put_text(t, "],\n [");
+    t->at = AT_END;
+    return put_text(t, "]\n ]");
+}
+
+int
+stats_more(struct stats_text *t, const struct job *job, uint32_t most)
+{
+    bool ok = true;
+
+    while (ok && most > 0 && t->at != AT_END)
+        ok = t->at == IN_UNITS ? put_units(t, job, &most)
+                               : put_lines(t, job, &most);
+    if (!ok)
+        return RAD_ENOMEM;
+    if (t->at != AT_END)
+        return 0;
+    return put_text(t, "\n}") ? 1 : RAD_ENOMEM;
+}
+
+struct stats_text *
+stats_begin(const struct job *job, uint64_t now_ms)
+{
+    struct stats_text *t = calloc(1, sizeof *t);
+    json_t *root = head(job, now_ms);
+    char *s =
+        root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+
     json_decref(root);
+    /* goes on where the object would end */
+    if (!t || !s || !put(t, s, strlen(s) - strlen("\n}")) ||
+        !put_text(t, ",\n \"units\": [")) {
+        stats_free(t);
+        t = NULL;
+    }
+    free(s);
+    return t;
+}
+
+void
+stats_free(struct stats_text *t)
+{
+    if (!t)
+        return;
+    free(t->text);
+    free(t);
+}
+
+char *
+stats_take(struct stats_text *t)
+{
+    char *text = t->text;
+
+    free(t);
     return text;
+}
+
+char *
+stats_json(const struct job *job, uint64_t now_ms)
+{
+    struct stats_text *t = stats_begin(job, now_ms);
+
+    if (t && stats_more(t, job, UINT32_MAX) == 1)
+        return stats_take(t);
+    stats_free(t);
+    return NULL;
 }

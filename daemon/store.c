@@ -11,6 +11,7 @@
 
 #include "store_impl.h"
 
+#include "log.h"
 #include "service.h"
 
 #include <stdio.h>
@@ -92,13 +93,16 @@ int
 store_refuse(const struct store *s, const struct rad_error *why,
              struct rad_error *err)
 {
-    if (why->code != RAD_EDATA && why->code != RAD_EIO) {
+    if (why->code == RAD_EDATA || why->code == RAD_ENOINPUT)
+        rad_fail(err, RAD_EDATA, "%.230s; 'radctl check' tells more",
+                 why->what);
+    else
         *err = *why;
-        return why->code;
-    }
-    rad_fail(err, why->code, "%.180s; 'radctl check' tells more", why->what);
-    rad_error_where(err, "state folder '%.200s' is damaged", s->dir);
-    return why->code;
+    if (err->code == RAD_EDATA)
+        rad_error_where(err, "state folder '%.200s' is damaged", s->dir);
+    else if (why->code == RAD_EIO || why->code == RAD_EPERM)
+        rad_error_where(err, "state folder '%.200s'", s->dir);
+    return err->code;
 }
 
 /* --- opening and end --- */
@@ -121,12 +125,20 @@ settle(void *arg, struct rad_error *err)
     return rc;
 }
 
+/* Of a full disk somebody should hear; the rest passes by itself. */
 static void
-on_fullness(void *arg, bool full, const char *text)
+on_lack(void *arg, enum task_lack what, const char *text)
 {
     struct store *s = arg;
+    bool full = what == TASK_LACKS_ROOM;
 
-    s->handler->fullness(s->arg, full, text);
+    if (what == TASK_LACKS_MEANS)
+        log_warn("work waits why=%s", text);
+    else if (!s->full && !full)
+        log_info("work goes on");
+    if (full != s->full)
+        s->handler->fullness(s->arg, full, text);
+    s->full = full;
 }
 
 static void
@@ -138,44 +150,25 @@ on_broken(void *arg, const struct rad_error *err)
 }
 
 /* With a journal what is acknowledged is kept, or the daemon ends. */
-static const struct task_ops plain_ops = { settle, NULL, NULL };
-static const struct task_ops journal_ops = { settle, on_fullness, on_broken };
-
-static int
-stranger(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
-{
-    char hex[MSG_JOB_HEX];
-
-    (void)arg;
-    msg_job_format(job, hex);
-    return rad_fail(err, RAD_EDATA, "there is a job %s, but no database", hex);
-}
+static const struct task_ops plain_ops = { settle, on_lack, NULL };
+static const struct task_ops journal_ops = { settle, on_lack, on_broken };
 
 static int
 open_journal(struct store *s, struct rad_error *err)
 {
     char path[DISK_PATH_MAX];
     struct rad_error why = { 0 };
-    bool there;
-    int rc;
+    enum journal_how how;
+    int rc = statedir_how(s->dir, &how, &why);
 
-    snprintf(path, sizeof path, "%s/" STORE_DATABASE, s->dir);
-    there = access(path, F_OK) == 0;
-    rc = there ? 0 : folder_each(&s->folder, stranger, NULL, &why);
+    snprintf(path, sizeof path, "%s/" STATEDIR_DATABASE, s->dir);
     if (rc == 0)
-        rc = journal_open(&s->journal, path, JOURNAL_MAKE, &why);
+        rc = journal_open(&s->journal, path, how, &why);
     if (rc == 0)
-        rc = there ? journal_check(s->journal, &why)
-                   : disk_sync_dir(s->dir, &why);
+        rc = journal_check(s->journal, &why);
+    if (rc == 0 && how == JOURNAL_MAKE)
+        rc = disk_sync_dir(s->dir, &why);
     return rc == 0 ? 0 : store_refuse(s, &why, err);
-}
-
-static int
-forget_one(void *arg, const uint8_t job[MSG_JOB], struct rad_error *err)
-{
-    (void)err;
-    folder_forget(arg, job);
-    return 0;
 }
 
 static int
@@ -185,12 +178,8 @@ open_jobs(struct store *s, struct rad_error *err)
 
     memcpy(s->folder.dir, s->dir, sizeof s->dir);
     s->folder.durable = s->durable;
-    rc = folder_init(&s->folder, err);
-    if (rc < 0)
-        return rc;
-    /* jobs that live in memory are nobody's any more */
-    return s->durable ? open_journal(s, err)
-                      : folder_each(&s->folder, forget_one, &s->folder, err);
+    rc = s->durable ? open_journal(s, err) : 0;
+    return rc == 0 ? folder_init(&s->folder, err) : rc;
 }
 
 static int
@@ -202,12 +191,14 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
     if (snprintf(s->dir, sizeof s->dir, "%s", dir) >= (int)sizeof s->dir ||
         snprintf(files, sizeof files, "%s/files", dir) >= (int)sizeof files)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
-    rc = service_make_dir(dir, 0750, err);
+    rc = service_make_dir(dir, 0700, err);
+    if (rc == 0 && s->handler->job)
+        rc = statedir_check_owner(dir, err);
     if (rc == 0)
         rc = s->lock = service_lock_dir(dir, err);
-    if (rc >= 0)
-        rc = blobs_open(&s->blobs, files, s->durable, err);
-    return rc == 0 && s->handler->job ? open_jobs(s, err) : rc;
+    if (rc >= 0) /* jobs first: one that is refused stays as it is */
+        rc = s->handler->job ? open_jobs(s, err) : 0;
+    return rc == 0 ? blobs_open(&s->blobs, files, s->durable, err) : rc;
 }
 
 struct store *
@@ -265,6 +256,7 @@ store_close(struct store *s)
         return;
     task_queue_release(&s->queue);
     store_release_arriving(s);
+    cache_free(s->cache);
     if (s->journal) /* what did not last is nobody's */
         journal_rollback(s->journal);
     journal_close(s->journal);

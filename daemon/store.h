@@ -23,8 +23,6 @@
 
 #include <uv.h>
 
-#define STORE_DATABASE "radcoord.db"
-
 /* status: 0, or of sysexits.h with a text.  A store without `job` has no
  * jobs. */
 struct store_handler {
@@ -33,6 +31,8 @@ struct store_handler {
                  int status, const char *text);
     void (*job)(void *arg, const uint8_t job[MSG_JOB], int status,
                 const char *text);
+    /* It waits for room, and nothing else does. */
+    void (*waits)(void *arg, const uint8_t job[MSG_JOB], const char *text);
     void (*rows)(void *arg, const struct action_rows *key, int status,
                  const char *text);
     void (*picture)(void *arg, const uint8_t job[MSG_JOB], uint32_t frame,
@@ -47,8 +47,13 @@ struct store_handler {
     /* The end of a job is kept; its folder has so many bytes. */
     void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes);
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
+    /* store_recover() met one that was forgotten; may be NULL. */
+    void (*gone)(void *arg, const struct saved_gone *g);
     /* store_look() has looked. */
     void (*looked)(void *arg, const struct action_look *l);
+    /* store_read_submit() has read the frames of the message, or failed. */
+    void (*submit)(void *arg, uint64_t conn, const struct msg *m, int status,
+                   const char *text);
     /* The disk is full, and what writes is held; or it goes on. */
     void (*fullness)(void *arg, bool full, const char *text);
 };
@@ -79,6 +84,11 @@ typedef int store_job_fn(void *arg, const struct saved_job *s,
                          struct rad_error *err);
 int store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
                   store_job_fn *fn, void *arg, struct rad_error *err);
+/* The workers that are drained; likewise. */
+typedef int store_worker_fn(void *arg, const char *worker,
+                            struct rad_error *err);
+int store_read_drained(struct store *s, store_worker_fn *fn, void *arg,
+                       struct rad_error *err);
 bool store_read_row(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame,
                     uint32_t y, uint8_t *pixels);
 
@@ -99,13 +109,22 @@ const char *store_files_dir(const struct store *s);
 bool store_has_file(struct store *s, const uint8_t hash[MSG_HASH]);
 
 /* Remove the files that are none of these n, and that nobody has asked for
- * (store_has_file) or sent for STORE_FILES_S.  hashes rise, and are taken. */
-#define STORE_FILES_S (24 * 3600)
-void store_sweep(struct store *s, uint8_t *hashes, size_t n);
+ * (store_has_file) or sent for age_s.  hashes are taken. */
+void store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s);
+
+/* A worker's store: files that no job of its uses go, the oldest first, where
+ * all together have more bytes than that (0: a tenth of the disk), or the disk
+ * has no room for new ones.  First, at the start, when that is done at once; or
+ * later, to change it. */
+int store_limit(struct store *s, uint64_t bytes, struct rad_error *err);
+/* The job that store_look() was called for is over here. */
+void store_leave(struct store *s, const uint8_t job[MSG_JOB]);
 
 /* Is it known of each of the files, or are they missing?  If not they are read
  * on another thread, and looked() follows; then store_has_file() answers at
- * once. */
+ * once.  With store_limit() it always follows: then l->job has the files from
+ * now on, until store_leave(), if there is room for them; else l->status and
+ * l->why tell. */
 bool store_look(struct store *s, const struct action_look *l);
 
 /* Append a piece of the file that `conn` sends. */
@@ -114,10 +133,17 @@ void store_put_chunk(struct store *s, uint64_t conn,
 /* Forget what conn sent by halves. */
 void store_drop_conn(struct store *s, uint64_t conn);
 
+/* Read the frames of a SUBMIT that has them in a file, and hand a copy that has
+ * them to submit().  False: one of that connection is being read. */
+bool store_read_submit(struct store *s, uint64_t conn, const struct msg *m);
+
 /* Keep the job, and make room for its rows; what is in *saved is copied. */
 void store_open_job(struct store *s, const uint8_t job[MSG_JOB],
                     const struct saved_job *saved);
-void store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state);
+void store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
+                     int32_t priority);
+/* An admin drained the worker, or had enough of that. */
+void store_put_drained(struct store *s, const char *worker, bool drained);
 void store_end_job(struct store *s, const struct saved_job *saved,
                    const void *stats, size_t len);
 void store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
@@ -127,15 +153,29 @@ void store_put_rows(struct store *s, const struct action_rows *rows);
 void store_settle(struct store *s, uint64_t conn, uint32_t request);
 void store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
                          uint32_t frame);
-void store_forget_job(struct store *s, const uint8_t job[MSG_JOB]);
+/* The picture of a frame was fetched by its owner. */
+void store_note_fetched(struct store *s, const uint8_t job[MSG_JOB],
+                        uint32_t frame);
+void store_forget_job(struct store *s, const struct saved_gone *gone);
 
-/* Copy up to cap bytes from `offset` on into buf and call fn, with the number
- * of bytes and the source's whole size, or a negative n and a text.  A
- * preview is made at offset 0. */
-typedef void store_read_fn(void *arg, ssize_t n, uint64_t size,
+/* A file on its way out: zeroed but for what is wanted of it. */
+struct store_reading {
+    struct store_source from;
+    uint64_t offset; /* what was read of it so far */
+    struct mark mark;
+    struct rad_sha sha; /* while it is held against its mark */
+    bool hashing;
+};
+
+/* Copy up to cap bytes that follow into buf and call fn, with the number of
+ * bytes and the whole size, or a negative n, a status of sysexits.h and a text.
+ * The last bytes come only if all were what the database says.  A preview is
+ * made with the first. */
+typedef void store_read_fn(void *arg, ssize_t n, uint64_t size, int status,
                            const char *text);
-void store_read(struct store *s, const struct store_source *from,
-                uint64_t offset, void *buf, size_t cap, store_read_fn *fn,
-                void *arg);
+void store_read(struct store *s, struct store_reading *r, void *buf, size_t cap,
+                store_read_fn *fn, void *arg);
+/* Whether it was read to its end or not. */
+void store_reading_release(struct store_reading *r);
 
 #endif

@@ -4,13 +4,24 @@
  * connections may send the same one at a time, and neither has to know of the
  * other, for a file gets its name only when it is whole and right (blobs.h).
  * The list is the pool thread's.  The loop only pushes tasks, and so the end
- * of a connection is one too, behind the chunks that came before it. */
+ * of a connection is one too, behind the chunks that came before it.
+ *
+ * On a full disk what is small waits, and with it all that writes.  A file that
+ * is larger than what the disk spares for others is refused instead where there
+ * is no room for it, at its first piece or, if others took the room, at a later
+ * one: its sender can try again, and nobody waits for that. */
 #include "config.h"
 
 #include "store_impl.h"
 
+#include "room.h"
+
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Files that one connection may send at a time: radsubmit sends one. */
+#define MOST_ARRIVING 64
 
 /* A file that a connection sends. */
 struct arriving {
@@ -19,6 +30,17 @@ struct arriving {
     uint8_t hash[MSG_HASH];
     struct blob_part part;
 };
+
+/* Bytes that have yet to come of files that are on their way. */
+static uint64_t
+bytes_to_come(const struct store *s)
+{
+    uint64_t n = 0;
+
+    for (const struct arriving *a = s->arriving; a; a = a->next)
+        n += a->part.total - a->part.got;
+    return n;
+}
 
 struct chunk_task {
     struct task task;
@@ -40,29 +62,81 @@ find_arriving(struct store *s, uint64_t conn, const uint8_t *hash)
     return at;
 }
 
+static int
+count_arriving(const struct store *s, uint64_t conn)
+{
+    int n = 0;
+
+    for (const struct arriving *a = s->arriving; a; a = a->next)
+        n += a->conn == conn;
+    return n;
+}
+
 static void
-end_arriving(struct arriving **at)
+end_arriving(struct store *s, struct arriving **at, bool whole)
 {
     struct arriving *a = *at;
 
     *at = a->next;
+    if (s->cache && whole)
+        cache_arrived(s->cache, a->hash, a->part.total);
+    else if (s->cache)
+        cache_given_up(s->cache, a->part.total);
     blob_part_abort(&a->part);
     free(a);
+}
+
+static int
+refuse_file(uint64_t total, const char *why, struct rad_error *err)
+{
+    return rad_fail(err, RAD_ETEMPFAIL,
+                    "no room on the coordinator's disk for a file of %" PRIu64
+                    " KiB of the scene: %.120s; try again when there is more",
+                    total >> 10, why);
+}
+
+/* A coordinator's: is there room for all of a file that begins to come, beside
+ * those that do? */
+static int
+check_room(const struct store *s, uint64_t total, struct rad_error *err)
+{
+    static const char what[] = "the scene's files";
+    const char *dir = s->blobs.dir;
+    uint64_t others = bytes_to_come(s);
+    struct rad_error why = { 0 };
+
+    if (!s->journal || room_is_small(dir, total))
+        return 0;
+    if (room_check(dir, total, what, &why) == RAD_EDATA)
+        return rad_fail(err, RAD_EDATA, "%s", why.what);
+    if (why.code == 0 && total <= UINT64_MAX - others)
+        room_check(dir, total + others, what, &why);
+    return why.code < 0 ? refuse_file(total, why.what, err) : 0;
 }
 
 static int
 begin_arriving(struct store *s, const struct chunk_task *c,
                struct rad_error *err)
 {
-    struct arriving *a = calloc(1, sizeof *a);
+    struct arriving *a;
     char name[RAD_SHA_HEX + 1];
     int rc;
 
+    if (count_arriving(s, c->conn) >= MOST_ARRIVING)
+        return rad_fail(err, RAD_ETEMPFAIL, "more than %d files at a time",
+                        MOST_ARRIVING);
+    rc = check_room(s, c->total, err);
+    if (rc < 0)
+        return rc;
+    a = calloc(1, sizeof *a);
     if (!a)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rad_sha_to_hex(c->hash, name);
     rc = blob_part_open(&a->part, &s->blobs, name, c->total, err);
+    if (rc == 0 && s->cache)
+        rc = cache_expect(s->cache, c->total, err);
     if (rc < 0) {
+        blob_part_abort(&a->part);
         free(a);
         return rc;
     }
@@ -71,6 +145,27 @@ begin_arriving(struct store *s, const struct chunk_task *c,
     a->next = s->arriving;
     s->arriving = a;
     return 0;
+}
+
+/* A worker takes no job that it has no room for. */
+static bool
+is_tried_again(const struct store *s, int rc)
+{
+    return rc == RAD_ESHORT || (rc == RAD_EFULL && s->journal);
+}
+
+/* Of a large file others took the room: it gives back what it has. */
+static int
+fail_if_large(const struct store *s, const struct arriving *a, int rc,
+              struct rad_error *err)
+{
+    struct rad_error why = *err;
+
+    if (rc != RAD_EFULL || !s->journal ||
+        room_is_small(s->blobs.dir, a->part.total))
+        return rc;
+    memset(err, 0, sizeof *err);
+    return refuse_file(a->part.total, why.what, err);
 }
 
 static int
@@ -91,9 +186,12 @@ chunk_run(struct task *t)
     if ((*at)->part.total != c->total)
         rc = rad_fail(&t->err, RAD_EPROTO, "a file that changed its length");
     else
-        rc = blob_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err);
-    if (rc != 0 && rc != RAD_EFULL)
-        end_arriving(at);
+        rc = fail_if_large(
+            c->store, *at,
+            blob_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err),
+            &t->err);
+    if (rc != 0 && !is_tried_again(c->store, rc))
+        end_arriving(c->store, at, rc > 0);
     return rc;
 }
 
@@ -147,7 +245,7 @@ void
 store_release_arriving(struct store *s)
 {
     while (s->arriving)
-        end_arriving(&s->arriving);
+        end_arriving(s, &s->arriving, false);
 }
 
 struct drop_task {
@@ -163,7 +261,7 @@ drop_run(struct task *t)
     struct arriving **at;
 
     while (*(at = find_arriving(d->store, d->conn, NULL)))
-        end_arriving(at);
+        end_arriving(d->store, at, false);
     return 0;
 }
 

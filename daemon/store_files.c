@@ -12,6 +12,7 @@
 
 #include "log.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
@@ -26,13 +27,28 @@ struct look_task {
     uint8_t hash[];
 };
 
+/* What cannot be had now may be later: this is no failure of the task's. */
+static void
+use_files(struct look_task *l)
+{
+    struct rad_error err = { 0 };
+    int rc = cache_use(l->store->cache, l->look.job, &l->look.files,
+                       l->look.bytes, &err);
+
+    l->look.status = rc < 0 ? rad_exit_status(rc) : 0;
+    snprintf(l->look.why, sizeof l->look.why, "%s", err.what);
+}
+
 static int
 look_run(struct task *t)
 {
     struct look_task *l = (struct look_task *)t;
     char path[BLOBS_PATH_MAX];
 
-    for (uint32_t i = 0; i < l->look.files.n; i++)
+    if (l->store->cache)
+        use_files(l);
+
+    for (uint32_t i = 0; i < l->look.nlook; i++)
         if (l->found[i] != 2) {
             path_of(l->store, l->hash + (size_t)i * MSG_HASH, path);
             l->found[i] =
@@ -55,7 +71,7 @@ look_done(struct task *t)
     struct store *s = l->store;
     char path[BLOBS_PATH_MAX];
 
-    for (uint32_t i = 0; i < l->look.files.n; i++) {
+    for (uint32_t i = 0; i < l->look.nlook; i++) {
         const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
 
         path_of(s, hash, path);
@@ -97,11 +113,11 @@ store_look(struct store *s, const struct action_look *from)
 {
     struct look_task *l = new_look(s, from);
     char path[BLOBS_PATH_MAX];
-    bool known = true;
+    bool known = !s->cache;
 
     if (!l)
         return false; /* the daemon ends */
-    for (uint32_t i = 0; i < from->files.n; i++) {
+    for (uint32_t i = 0; i < from->nlook; i++) {
         const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
 
         path_of(s, hash, path);
@@ -119,6 +135,65 @@ store_look(struct store *s, const struct action_look *from)
     return true;
 }
 
+/* --- files of a worker's jobs --- */
+
+struct cache_task {
+    struct task task;
+    struct store *store;
+    uint64_t limit;
+    uint8_t job[MSG_JOB];
+};
+
+static int
+limit_run(struct task *t)
+{
+    struct cache_task *w = (struct cache_task *)t;
+
+    cache_set_limit(w->store->cache, w->limit);
+    return 0;
+}
+
+int
+store_limit(struct store *s, uint64_t bytes, struct rad_error *err)
+{
+    struct cache_task *w;
+
+    if (!s->cache) {
+        s->cache = cache_new(&s->blobs, bytes, err);
+        return s->cache ? 0 : RAD_ENOMEM;
+    }
+    w = store_new_task(s, sizeof *w, limit_run, store_free_task);
+    if (!w)
+        return 0; /* the daemon ends */
+    w->store = s;
+    w->limit = bytes;
+    task_push(&s->queue, &w->task);
+    return 0;
+}
+
+static int
+leave_run(struct task *t)
+{
+    struct cache_task *w = (struct cache_task *)t;
+
+    cache_leave(w->store->cache, w->job);
+    return 0;
+}
+
+void
+store_leave(struct store *s, const uint8_t job[MSG_JOB])
+{
+    struct cache_task *w =
+        s->cache ? store_new_task(s, sizeof *w, leave_run, store_free_task)
+                 : NULL;
+
+    if (!w)
+        return;
+    w->store = s;
+    memcpy(w->job, job, MSG_JOB);
+    task_push(&s->queue, &w->task);
+}
+
 /* --- files that nobody needs any more --- */
 
 struct sweep_task {
@@ -126,6 +201,7 @@ struct sweep_task {
     struct store *store;
     uint8_t *hashes;
     size_t n;
+    long age_s;
     unsigned removed;
 };
 
@@ -134,8 +210,9 @@ sweep_run(struct task *t)
 {
     struct sweep_task *w = (struct sweep_task *)t;
 
-    w->removed = blobs_sweep(&w->store->blobs, w->hashes, w->n,
-                             time(NULL) - STORE_FILES_S);
+    w->n = rad_sha_unique(w->hashes, w->n);
+    w->removed =
+        blobs_sweep(&w->store->blobs, w->hashes, w->n, time(NULL) - w->age_s);
     return 0;
 }
 
@@ -151,7 +228,7 @@ sweep_done(struct task *t)
 }
 
 void
-store_sweep(struct store *s, uint8_t *hashes, size_t n)
+store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s)
 {
     struct sweep_task *w = store_new_task(s, sizeof *w, sweep_run, sweep_done);
 
@@ -162,6 +239,7 @@ store_sweep(struct store *s, uint8_t *hashes, size_t n)
     w->store = s;
     w->hashes = hashes;
     w->n = n;
+    w->age_s = age_s;
     task_push(&s->queue, &w->task);
 }
 

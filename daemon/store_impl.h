@@ -5,6 +5,7 @@
  *   store_arrive.c   files that connections send
  *   store_files.c    files that are there, and those that nobody needs
  *   store_jobs.c     jobs: kept, over, forgotten
+ *   store_submit.c   frames of jobs that are submitted
  *   store_rows.c     units, rows and pictures
  *   store_read.c     reading files and pictures
  *   store_recover.c  jobs of earlier lives */
@@ -14,13 +15,16 @@
 #include "store.h"
 
 #include "blobs.h"
+#include "cache.h"
 #include "folder.h"
 #include "journal.h"
 #include "sound.h"
+#include "statedir.h"
 #include "task.h"
 
 struct arriving;   /* a file that a connection sends */
 struct saved_task; /* a job that is to be kept */
+struct submit_task; /* one whose frames are being read */
 
 struct store {
     struct task_queue queue;
@@ -32,8 +36,11 @@ struct store {
     struct sounds sounds;       /* [loop] */
     bool durable;               /* [fixed] */
     bool ending;                /* [loop] */
+    bool full;                  /* [loop] the disk is, and that was told */
     size_t backlog;             /* [loop] */
     struct saved_task *opening; /* [loop] */
+    struct submit_task *submitting; /* [loop] */
+    struct cache *cache;        /* [pool]; NULL: nothing goes by itself */
     struct arriving *arriving;  /* [pool] */
     struct folder folder;       /* [pool] */
     struct journal *journal;    /* [pool]; NULL: nothing outlives the process */
@@ -96,6 +103,7 @@ struct job_task {
     uint8_t id[MSG_JOB];
     uint32_t frame;
     int state;
+    int32_t priority;
     uint64_t bytes;
 };
 

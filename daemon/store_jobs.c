@@ -12,6 +12,7 @@
 #include "store_impl.h"
 
 #include "frame.h"
+#include "views.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -90,14 +91,39 @@ open_run(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
+    struct msg_spec whole = o->saved.spec;
+    struct views views = { 0 };
     int rc;
 
     if (atomic_load(&o->over) && !folder_is_there(&s->folder, o->id))
         return rad_fail(&t->err, RAD_ETEMPFAIL, "the job is over");
-    rc = folder_make(&s->folder, &o->saved.spec, &t->err);
+    rc = views_read(&views, s->blobs.dir, &whole, &t->err);
+    if (rc == 0)
+        rc = folder_make(&s->folder, &whole, &t->err);
+    views_release(&views);
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
     return rc;
+}
+
+static int
+noted_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_noted(&j->store->folder, j->id);
+    return 0;
+}
+
+/* Others go on meanwhile. */
+static void
+open_waits(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+
+    if (!s->ending)
+        s->handler->waits(s->arg, o->id, failure(t));
 }
 
 static void
@@ -106,10 +132,16 @@ open_done(struct task *t)
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
     struct saved_task **at = &s->opening;
+    struct job_task *noted;
 
     while (*at != o)
         at = &(*at)->next;
     *at = o->next;
+    noted = t->code == 0 && s->journal
+                ? store_new_job_task(s, o->id, noted_run, store_free_task)
+                : NULL;
+    if (noted)
+        task_push(&s->queue, &noted->task);
     if (!is_mute(s, t))
         s->handler->job(s->arg, o->id, status_of(t), failure(t));
     free_saved(o);
@@ -128,6 +160,8 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
         return;
     o->next = s->opening;
     s->opening = o;
+    if (s->journal)
+        o->task.waits = open_waits;
     store_push_lasting(s, &o->task);
 }
 
@@ -145,11 +179,13 @@ state_run(struct task *t)
 {
     struct job_task *j = (struct job_task *)t;
 
-    return journal_put_state(j->store->journal, j->id, j->state, &t->err);
+    return journal_put_state(j->store->journal, j->id, j->state, j->priority,
+                             &t->err);
 }
 
 void
-store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state)
+store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
+                int32_t priority)
 {
     struct job_task *j =
         s->journal ? store_new_job_task(s, job, state_run, store_free_task)
@@ -158,7 +194,40 @@ store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state)
     if (!j)
         return;
     j->state = state;
+    j->priority = priority;
     store_push_lasting(s, &j->task);
+}
+
+/* --- workers --- */
+
+struct worker_task {
+    struct task task;
+    struct store *store;
+    char name[MSG_MAX_NAME + 1];
+    bool drained;
+};
+
+static int
+drained_run(struct task *t)
+{
+    struct worker_task *w = (struct worker_task *)t;
+
+    return journal_put_drained(w->store->journal, w->name, w->drained, &t->err);
+}
+
+void
+store_put_drained(struct store *s, const char *worker, bool drained)
+{
+    struct worker_task *w =
+        s->journal ? store_new_task(s, sizeof *w, drained_run, store_free_task)
+                   : NULL;
+
+    if (!w)
+        return;
+    w->store = s;
+    snprintf(w->name, sizeof w->name, "%s", worker);
+    w->drained = drained;
+    store_push_lasting(s, &w->task);
 }
 
 /* --- the end of a job --- */
@@ -192,7 +261,8 @@ end_run(struct task *t)
 
     if (!folder_is_there(&s->folder, o->id))
         return 0; /* forgotten while this was held */
-    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len, &t->err);
+    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
+                      &o->saved.stats, &t->err);
     /* what is left when the rows have gone */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
@@ -235,32 +305,110 @@ store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
 }
 
 static int
+fetched_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    return journal_put_fetched(j->store->journal, j->id, j->frame, &t->err);
+}
+
+void
+store_note_fetched(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
+{
+    struct job_task *j =
+        s->journal ? store_new_job_task(s, job, fetched_run, store_free_task)
+                   : NULL;
+
+    if (!j)
+        return;
+    j->frame = frame;
+    store_push_lasting(s, &j->task);
+}
+
+struct forget_task {
+    struct task task;
+    struct store *store;
+    struct saved_gone gone;
+};
+
+static struct forget_task *
+new_forget(struct store *s, const struct saved_gone *gone,
+           int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct forget_task *f = store_new_task(s, sizeof *f, run, done);
+
+    if (!f)
+        return NULL;
+    f->store = s;
+    f->gone = *gone;
+    return f;
+}
+
+static int
 forget_run(struct task *t)
 {
-    struct job_task *p = (struct job_task *)t;
+    struct forget_task *f = (struct forget_task *)t;
+    struct folder *folder = &f->store->folder;
+    bool more = folder_forget(folder, f->gone.job);
 
-    folder_forget(&p->store->folder, p->id);
-    return 0;
+    if (!more && !f->store->journal)
+        folder_forgotten(folder, f->gone.job);
+    return more;
 }
 
 static int
 strike_run(struct task *t)
 {
-    struct job_task *p = (struct job_task *)t;
+    struct forget_task *f = (struct forget_task *)t;
 
-    return journal_forget(p->store->journal, p->id, &t->err);
+    return journal_forget(f->store->journal, &f->gone, &t->err);
+}
+
+static int
+forgotten_run(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t;
+
+    folder_forgotten(&f->store->folder, f->gone.job);
+    return 0;
+}
+
+static void
+strike_done(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t, *last;
+
+    last = t->code == 0
+               ? new_forget(f->store, &f->gone, forgotten_run, store_free_task)
+               : NULL;
+    if (last)
+        task_push(&f->store->queue, &last->task);
+    free(f);
+}
+
+/* Others have their turn between the pieces of a folder of many files. */
+static void
+forget_done(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t, *strike;
+    struct store *s = f->store;
+
+    if (t->code > 0) {
+        task_push(&s->queue, &f->task);
+        return;
+    }
+    strike =
+        s->journal ? new_forget(s, &f->gone, strike_run, strike_done) : NULL;
+    if (strike)
+        store_push_lasting(s, &strike->task);
+    free(f);
 }
 
 void
-store_forget_job(struct store *s, const uint8_t job[MSG_JOB])
+store_forget_job(struct store *s, const struct saved_gone *gone)
 {
-    struct job_task *j =
-        store_new_job_task(s, job, forget_run, store_free_task);
+    struct forget_task *f = new_forget(s, gone, forget_run, forget_done);
 
-    if (j) /* also while the disk is full: it makes room */
-        task_push(&s->queue, &j->task);
-    j = s->journal ? store_new_job_task(s, job, strike_run, store_free_task)
-                   : NULL;
-    if (j)
-        store_push_lasting(s, &j->task);
+    if (f) /* also while the disk is full: it makes room */
+        task_push(&s->queue, &f->task);
 }

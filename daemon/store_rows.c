@@ -12,6 +12,12 @@
 #include <string.h>
 #include <sysexits.h>
 
+/* What a piece of rows, and a picture, count for in the backlog beside the
+ * bytes of rows: of small frames it is not bytes that the disk is busy with,
+ * and all that is asked for waits behind what is in the queue. */
+#define ROWS_WEIGHT    (128u << 10)
+#define PICTURE_WEIGHT (1u << 20)
+
 /* --- units and rows --- */
 
 struct unit_task {
@@ -104,7 +110,7 @@ rows_done(struct task *t)
     struct rows_task *r = (struct rows_task *)t;
     struct store *s = r->store;
 
-    s->backlog -= r->bytes;
+    s->backlog -= r->bytes + ROWS_WEIGHT;
     if (!is_mute(s, t))
         s->handler->rows(s->arg, &r->key, status_of(t), failure(t));
     free_rows(r);
@@ -164,7 +170,7 @@ store_put_rows(struct store *s, const struct action_rows *rows)
         s->handler->broken(s->arg, EX_OSERR, "out of memory");
         return;
     }
-    s->backlog += r->bytes;
+    s->backlog += r->bytes + ROWS_WEIGHT;
     store_push_lasting(s, &r->task);
 }
 
@@ -175,10 +181,12 @@ picture_run(struct task *t)
 {
     struct job_task *p = (struct job_task *)t;
     struct store *s = p->store;
-    int rc = folder_picture(&s->folder, p->id, p->frame, &t->err);
+    struct saved_frame f = { .written = true };
+    int rc = folder_picture(&s->folder, p->id, p->frame, s->journal ? &f : NULL,
+                            &t->err);
 
     if (rc == 0 && s->journal)
-        rc = journal_put_frame(s->journal, p->id, p->frame, &t->err);
+        rc = journal_put_frame(s->journal, p->id, p->frame, &f, &t->err);
     return rc;
 }
 
@@ -197,6 +205,7 @@ picture_done(struct task *t)
     struct job_task *p = (struct job_task *)t, *gone;
     struct store *s = p->store;
 
+    s->backlog -= PICTURE_WEIGHT;
     if (t->code == 0) {
         gone = store_new_job_task(s, p->id, rows_gone_run, store_free_task);
         if (gone) {
@@ -217,5 +226,6 @@ store_write_picture(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
     if (!p)
         return;
     p->frame = frame;
+    s->backlog += PICTURE_WEIGHT;
     store_push_lasting(s, &p->task);
 }

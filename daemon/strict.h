@@ -20,6 +20,10 @@
  * cannot, ends before them and waits (BACK).  What is lent here is a unit of
  * its own, with a pass that leaves nothing but facts.
  *
+ * A unit that is to go back (YIELD) stops at once.  It ends with the rows that
+ * the pass had handed on, if that was TRUTH; what is left of it, or all of it,
+ * is told as facts and is not its own any more (GAVE).
+ *
  * This machine holds units, tops and facts, chooses the passes, takes messages
  * and makes those that go out.  It has no thread, socket or clock: the caller
  * gives the time, runs a team for each pass and says how far it is.
@@ -48,12 +52,13 @@ int strict_error(const struct strict *s);
 /* --- what comes in ---
  * UNIT: RAD_EPROTO if its rows are no lines of a frame; LOAN: if its columns
  * are not such as a frame has; then they are paid for untraced, and all else
- * goes on.  REVOKE, SPLIT, TWIN, LEND and BACK are ignored
+ * goes on.  REVOKE, YIELD, SPLIT, TWIN, LEND and BACK are ignored
  * where they are about nothing that is here; facts and base lines may come
  * before the unit that needs them, and should: it is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,
                 struct rad_error *err);
 void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);
+void strict_yield(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_split(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_twin(struct strict *s, uint32_t unit, uint32_t attempt);
 void strict_lend(struct strict *s, const struct msg_lend *m);
@@ -150,6 +155,10 @@ void strict_lent(struct strict *s, struct strict_pass *p,
 /* A team has left TRUTH because columns are lent, with lines before `finished`
  * handed on (team_blocked()); to be said before strict_ended(). */
 void strict_blocked(struct strict *s, struct strict_pass *p, int finished);
+
+/* A team has left a pass: if its unit is to go back, that is what was handed on
+ * from now on (team_cut()); to be said before its bottom is asked for. */
+void strict_cut(struct strict *s, struct strict_pass *p, struct team *t);
 
 /* So many columns and densities of the bottom line of a pass under a true top
  * are final, as in the picture. */

@@ -46,6 +46,7 @@ struct strict_unit {
     bool gone;      /* to be freed when its pass has ended */
     bool over;      /* what it cost is told: all its rows are made, or PAID */
     bool split;     /* GAVE is due when its pass has ended */
+    bool yield;     /* it goes back when its pass has ended */
     bool bars;      /* bars are made along with the lines */
     int filled;     /* lines before it have their bars, as facts, from LINES */
     bool lines_done, ahead_done;
@@ -205,8 +206,11 @@ struct strict_unit *unit_above(const struct strict *s,
                                const struct strict_unit *u);
 struct strict_unit *unit_below(const struct strict *s,
                                const struct strict_unit *u);
-/* Give half of a unit that no team is at. */
+/* Give half of a unit that no team is at, or all of it: then it is gone. */
 void unit_split_idle(struct strict *s, struct strict_unit *u);
+void unit_hand_back(struct strict *s, struct strict_unit *u);
+/* Lines from `last` on are no longer the unit's; say so. */
+void unit_give_lines(struct strict *s, struct strict_unit *u, int last);
 /* Send what others may wait for of the base line above. */
 void unit_say_top(struct strict *s, const struct strict_unit *u);
 /* If it can only wait, say so at once: its thread has room for another. */
@@ -221,6 +225,8 @@ struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
 /* Are columns of it lent? */
 bool loan_is_out(const struct strict_unit *u);
 void loan_free(struct loan *l);
+/* What another worker lends is traced, or goes back: its lender gets it. */
+void loan_end(struct strict *s, struct strict_unit *u);
 
 /* --- strict_pass.c --- */
 
@@ -278,7 +284,8 @@ void out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
                int line);
 /* Do facts of that line wait to be sent, wanted by others? */
 bool out_has_facts(const struct strict *s, uint32_t frame, int line);
-void out_gave(struct strict *s, const struct strict_unit *u);
+/* Lines before `last` are left of it. */
+void out_gave(struct strict *s, const struct strict_unit *u, int last);
 void out_parked(struct strict *s, const struct strict_unit *u);
 void out_resumed(struct strict *s, const struct strict_unit *u);
 void out_paid(struct strict *s, const struct strict_unit *u);

@@ -191,3 +191,13 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
     *at = u;
     return 0;
 }
+
+void
+loan_end(struct strict *s, struct strict_unit *u)
+{
+    u->spent.speculative_rays += facts_late(s, u);
+    out_facts(s, &s->urgent, u, u->first);
+    out_line_costs(s, u);
+    out_paid(s, u);
+    u->over = true;
+}

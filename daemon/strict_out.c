@@ -176,14 +176,14 @@ out_line_costs(struct strict *s, const struct strict_unit *u)
 }
 
 void
-out_gave(struct strict *s, const struct strict_unit *u)
+out_gave(struct strict *s, const struct strict_unit *u, int last)
 {
     const struct frame *f = frame_of(s, u->frame);
     struct item it = { .kind = ITEM_GAVE,
                        .unit = u->unit,
                        .attempt = u->attempt,
-                       .height = (uint32_t)(row_of(f, u->last) -
-                                            row_of(f, u->first)) };
+                       .height =
+                           (uint32_t)(row_of(f, last) - row_of(f, u->first)) };
 
     push(s, &s->urgent, &it);
 }

@@ -462,19 +462,6 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         keep_guess(s, p, pixels, density);
 }
 
-/* All that was lent is traced: its lender gets it. */
-static void
-end_loan(struct strict *s, struct strict_unit *u)
-{
-    if (u->gone)
-        return;
-    u->spent.speculative_rays += facts_late(s, u);
-    out_facts(s, &s->urgent, u, u->first);
-    out_line_costs(s, u);
-    out_paid(s, u);
-    u->over = true;
-}
-
 /* TRUTH is made: what the unit cost. */
 static void
 end_truth(struct strict *s, struct strict_pass *p,
@@ -568,6 +555,21 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
 }
 
+void
+strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    struct strict_unit *u = p->of;
+    int last;
+
+    if (!u->yield || u->gone || team_done(t) || (last = team_cut(t)) < 0)
+        return;
+    u->lent = (struct team_blocks){ 0 };
+    u->blocked = false;
+    p->last = last;
+    unit_give_lines(s, u, last);
+    p->sent_columns = p->sent_densities = 0;
+}
+
 /* A pass of TRUTH ends early: what it handed on is out, and whoever goes on
  * counts all primary rays. */
 static void
@@ -620,8 +622,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);
-    else if (paid)
-        end_loan(s, u);
+    else if (paid && !u->gone)
+        loan_end(s, u);
     else if (done && !p->stop)
         end_ahead(s, u, p, pixels, density);
     u->pass = NULL;
@@ -632,6 +634,8 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
         unit_drop(s, u);
     else if (over || u->gone)
         end_unit(s, u, over);
+    else if (u->yield)
+        unit_hand_back(s, u);
     else if (u->split)
         unit_split_idle(s, u);
     for (u = s->units; u; u = u->next)

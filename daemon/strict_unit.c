@@ -317,9 +317,8 @@ strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
     }
 }
 
-/* Lines from `last` on are no longer the unit's; say so. */
-static void
-give_lines(struct strict *s, struct strict_unit *u, int last)
+void
+unit_give_lines(struct strict *s, struct strict_unit *u, int last)
 {
     int end = u->last;
 
@@ -339,7 +338,7 @@ give_lines(struct strict *s, struct strict_unit *u, int last)
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);
     }
-    out_gave(s, u);
+    out_gave(s, u, last < end ? last : end);
 }
 
 /* Give half of the bars that are left of a unit that no team is at. */
@@ -353,7 +352,41 @@ unit_split_idle(struct strict *s, struct strict_unit *u)
     if (from < u->out) /* of rows that are out one must be its last */
         from = u->out;
     u->split = false;
-    give_lines(s, u, u->last - (u->last - from) / 2);
+    unit_give_lines(s, u, u->last - (u->last - from) / 2);
+}
+
+/* What is not told of it by now is: whoever gets it traces none of that again.
+ * What was lent of it is not its affair any more. */
+void
+unit_hand_back(struct strict *s, struct strict_unit *u)
+{
+    if (u->loan) {
+        loan_end(s, u);
+    } else {
+        for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+            out_facts(s, &s->urgent, u, i);
+        out_line_costs(s, u);
+        out_gave(s, u, u->first);
+    }
+    unit_drop(s, u);
+}
+
+/* Rows that went with a pass before cannot be its last: then all of it goes
+ * back, for whoever gets it has facts of these, too. */
+void
+strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = unit_find(s, unit, attempt);
+
+    if (!u)
+        return;
+    u->split = false;
+    if (u->pass) {
+        u->yield = true;
+        u->pass->stop = true;
+    } else {
+        unit_hand_back(s, u);
+    }
 }
 
 /* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
@@ -363,10 +396,10 @@ strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = unit_find(s, unit, attempt);
 
-    if (!u || u->loan)
+    if (!u || u->loan || u->yield)
         return;
     if (loan_is_out(u)) { /* of its last line, which is begun */
-        give_lines(s, u, u->last);
+        unit_give_lines(s, u, u->last);
     } else if (!u->pass) {
         unit_split_idle(s, u);
     } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
@@ -388,7 +421,7 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
         return;
     u->split = false;
     p->last = last;
-    give_lines(s, u, last);
+    unit_give_lines(s, u, last);
     p->sent_columns = u->sent_columns; /* it may have another bottom now */
     p->sent_densities = u->sent_densities;
 }

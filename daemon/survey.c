@@ -5,7 +5,9 @@
  * intersection (b).  The parts go out in chunks; when none is left, one that
  * somebody has not answered goes out again.  Which pixels are traced depends
  * on the part alone, so the costs are the same whoever answers first.  Where
- * children die of it there is no estimate; the units will tell which it was. */
+ * children die of it there is no estimate; the units will tell which it was.
+ * A worker that something else comes first for (yield.c) answers with what it
+ * has traced, as facts, and its chunk is begun anew. */
 #include "config.h"
 
 #include "survey.h"
@@ -20,6 +22,7 @@
 #define CHUNKS_A_WORKER 4
 #define MOST_CRASHES    2    /* of children at a chunk */
 #define LATE_MS         2000 /* and another is asked too */
+#define LEAVING_MS      5000 /* until a worker that leaves has answered */
 
 struct chunk {
     uint32_t first, n; /* parts */
@@ -146,6 +149,13 @@ end_survey(struct coord *c, struct job *job)
 }
 
 bool
+survey_has(const struct coord *c, const struct job *job, uint32_t index)
+{
+    return job->workers[index].surveying || job->survey->failed ||
+           choose(job->survey, c->now_ms);
+}
+
+bool
 survey_give(struct coord *c, struct job *job, uint32_t index)
 {
     struct job_worker *jw = &job->workers[index];
@@ -161,6 +171,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
         return false;
     k->holders++;
     k->out_ms = c->now_ms;
+    jw->rest_ms = 0;
     jw->surveying = (uint32_t)(k - s->chunk) + 1;
     if (s->begin_ms == 0)
         s->begin_ms = c->now_ms;
@@ -170,14 +181,45 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     return true;
 }
 
+/* Others may have its chunk. */
+static void
+let_others(struct job *job, const struct job_worker *jw)
+{
+    if (job->survey && jw->surveying && jw->rest_ms == 0)
+        job->survey->chunk[jw->surveying - 1].holders--;
+}
+
+void
+survey_rest(struct job *job, uint32_t index)
+{
+    let_others(job, &job->workers[index]);
+}
+
 void
 survey_lost(struct job *job, uint32_t index)
 {
     struct job_worker *jw = &job->workers[index];
 
-    if (job->survey && jw->surveying)
-        job->survey->chunk[jw->surveying - 1].holders--;
+    let_others(job, jw);
     jw->surveying = 0;
+}
+
+bool
+survey_tells(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+        const struct job_worker *jw;
+
+        if (!job->survey || index == JOB_NOBODY)
+            continue;
+        jw = &job->workers[index];
+        if (jw->surveying && w->version >= msg_since(MSG_REST) &&
+            (jw->rest_ms == 0 || c->now_ms - jw->rest_ms < LEAVING_MS))
+            return true;
+    }
+    return false;
 }
 
 /* --- back --- */
@@ -229,23 +271,24 @@ survey_estimated(struct coord *c, struct coord_worker *w,
 {
     uint32_t index;
     struct job *job = sched_job_of(c, w, m->job, &index);
+    const struct job_worker *jw;
     struct chunk *k;
 
     if (!job)
         return;
-    if (!job->survey || job->workers[index].surveying == 0 ||
-        job->workers[index].surveying - 1 != m->id) {
+    jw = &job->workers[index];
+    if (!job->survey || jw->surveying == 0 || jw->surveying - 1 != m->id) {
         count_rays(job, index, &m->counts); /* late: it was done, though */
         return;
     }
     k = &job->survey->chunk[m->id];
-    if (m->ncosts != k->n) {
+    if (m->ncosts != k->n && (m->ncosts > 0 || jw->rest_ms == 0)) {
         coord_break(c, w->conn, "an ESTIMATED that fits no ESTIMATE");
         return;
     }
     survey_lost(job, index);
     count_rays(job, index, &m->counts);
-    if (k->done)
+    if (k->done || m->ncosts == 0)
         return;
     for (uint32_t i = 0; i < k->n; i++)
         job->survey->cost[k->first + i] =

@@ -6,6 +6,8 @@
 #include <assert.h>
 #include <string.h>
 
+#define TELL_MS 4 /* of one turn of the loop, for those that are done */
+
 #define NS_A_MS UINT64_C(1000000)
 
 static void start(struct task_queue *q);
@@ -63,15 +65,30 @@ list_move_front(struct task_list *to, struct task_list *from)
 
 /* --- on a pool thread --- */
 
-/* It failed; as the disk is full it will be tried again, if it may. */
-static bool
-is_held(struct task_queue *q, const struct rad_error *err)
+static enum task_lack
+lack_of(int code)
 {
-    if (err->code != RAD_EFULL || !q->ops->fullness || q->ending)
-        return false;
-    q->full = true;
+    return code == RAD_EFULL                          ? TASK_LACKS_ROOM
+           : code == RAD_ESHORT || code == RAD_ENOMEM ? TASK_LACKS_MEANS
+                                                      : TASK_LACKS_NOTHING;
+}
+
+/* May what failed so be tried again? */
+static bool
+may_pass(const struct task_queue *q, int code)
+{
+    enum task_lack lack = lack_of(code);
+
+    return !q->ending && (lack == TASK_LACKS_MEANS ||
+                          (lack == TASK_LACKS_ROOM && q->ops->broken));
+}
+
+/* All that writes is held from now on. */
+static void
+hold_writers(struct task_queue *q, const struct rad_error *err)
+{
+    q->lack = lack_of(err->code);
     q->why = *err;
-    return true;
 }
 
 static void
@@ -86,7 +103,8 @@ break_down(struct task_queue *q, const struct rad_error *err)
 static bool
 is_the_disk(int code)
 {
-    return code == RAD_EIO || code == RAD_EFULL || code == RAD_ENOMEM;
+    return code == RAD_EIO || code == RAD_EPERM ||
+           lack_of(code) != TASK_LACKS_NOTHING;
 }
 
 static void
@@ -99,7 +117,10 @@ run_one(struct task_queue *q, struct task *t)
         memset(&t->err, 0, sizeof t->err);
         t->code = t->run(t);
     }
-    if (t->code < 0 && t->writes && is_held(q, &t->err)) {
+    if (t->code < 0 && may_pass(q, t->code)) {
+        if (t->writes && !(t->waits && t->code == RAD_EFULL))
+            hold_writers(q, &t->err);
+        q->soon |= lack_of(t->code) == TASK_LACKS_MEANS;
         list_add(&q->held, t);
         return;
     }
@@ -111,6 +132,8 @@ run_one(struct task_queue *q, struct task *t)
 static bool
 is_time_to_settle(const struct task_queue *q)
 {
+    if (q->lack != TASK_LACKS_NOTHING) /* it may have undone what ran before */
+        return true;
     return q->unsettled.n > 0 &&
            (!q->gather || q->ending || q->unsettled.n >= TASK_GATHER ||
             uv_hrtime() - q->settled_ns >= TASK_GATHER_MS * NS_A_MS);
@@ -125,7 +148,9 @@ settle(struct task_queue *q)
     q->settled_ns = uv_hrtime();
     if (q->ops->settle && !q->is_broken)
         rc = q->ops->settle(q->arg, &err);
-    if (rc < 0 && is_held(q, &err)) { /* it all runs again */
+    if (rc < 0 && may_pass(q, rc)) { /* it all runs again */
+        hold_writers(q, &err);
+        q->soon |= q->lack == TASK_LACKS_MEANS;
         list_move_front(&q->held, &q->unsettled);
         return;
     }
@@ -150,12 +175,14 @@ run_all(uv_work_t *work)
     struct task *t;
 
     if (q->retry || q->ending) {
-        q->full = false;
+        q->lack = TASK_LACKS_NOTHING;
+        q->soon = false;
+        q->retried_ns = uv_hrtime();
         list_move_front(&q->running, &q->held);
     }
     q->retry = false;
     while ((t = list_take(&q->running)) != NULL) {
-        if (q->full && t->writes)
+        if (q->lack != TASK_LACKS_NOTHING && t->writes)
             list_add(&q->held, t);
         else
             run_one(q, t);
@@ -168,6 +195,12 @@ run_all(uv_work_t *work)
 
 /* --- on the loop --- */
 
+static uint64_t
+retry_ms(const struct task_queue *q)
+{
+    return q->soon ? TASK_SHORT_MS : TASK_RETRY_MS;
+}
+
 static void
 on_timer(uv_timer_t *timer)
 {
@@ -175,7 +208,8 @@ on_timer(uv_timer_t *timer)
 
     if (q->busy)
         return; /* when that ends it is looked at again */
-    q->retry = q->held.n > 0;
+    q->retry =
+        q->held.n > 0 && uv_hrtime() - q->retried_ns >= retry_ms(q) * NS_A_MS;
     start(q);
 }
 
@@ -190,42 +224,66 @@ arm(struct task_queue *q)
                        gone_ms < TASK_GATHER_MS ? TASK_GATHER_MS - gone_ms : 0,
                        0);
     else if (q->held.n > 0 && !uv_is_active((uv_handle_t *)&q->timer))
-        uv_timer_start(&q->timer, on_timer, TASK_RETRY_MS, 0);
+        uv_timer_start(&q->timer, on_timer, retry_ms(q), 0);
 }
 
 static void
 tell(struct task_queue *q)
 {
+    for (struct task *t = q->held.first; t; t = t->next)
+        if (t->waits && !t->told && t->code == RAD_EFULL) {
+            t->told = true;
+            t->waits(t);
+        }
     if (q->is_broken && !q->told_broken) {
         q->told_broken = true;
         q->ops->broken(q->arg, &q->why);
     }
-    if (q->full != q->told_full) {
-        q->told_full = q->full;
-        q->ops->fullness(q->arg, q->full, q->why.what);
+    if (q->lack != q->told_lack) {
+        q->told_lack = q->lack;
+        q->ops->lacks(q->arg, q->lack, q->why.what);
     }
+}
+
+static void tell_done(struct task_queue *q);
+
+static void
+on_rest(uv_timer_t *timer)
+{
+    tell_done(timer->data);
+}
+
+/* Tell of tasks that are done, of very many in several turns of the loop:
+ * others wait for it.  Until that is over no new ones run. */
+static void
+tell_done(struct task_queue *q)
+{
+    uint64_t until = uv_hrtime() + TELL_MS * UINT64_C(1000000);
+    struct task *t;
+
+    while ((t = list_take(&q->telling)) != NULL) {
+        t->done(t);
+        if (q->telling.n > 0 && uv_hrtime() >= until) {
+            uv_timer_start(&q->timer, on_rest, 0, 0);
+            return;
+        }
+    }
+    q->busy = false;
+    if (q->waiting.n > 0 || (q->ends && q->held.n + q->unsettled.n > 0))
+        start(q);
+    else
+        arm(q);
 }
 
 static void
 finish_all(uv_work_t *work, int status)
 {
     struct task_queue *q = work->data;
-    struct task_list done;
-    struct task *t;
 
     (void)status; /* never cancelled */
-    list_init(&done);
-    list_move(&done, &q->finished);
+    list_move(&q->telling, &q->finished);
     tell(q);
-    q->busy = false;
-    while ((t = list_take(&done)) != NULL)
-        t->done(t);
-    if (q->busy)
-        return;
-    if (q->waiting.n > 0 || (q->ends && q->held.n + q->unsettled.n > 0))
-        start(q);
-    else
-        arm(q);
+    tell_done(q);
 }
 
 static void
@@ -254,6 +312,7 @@ task_queue_init(struct task_queue *q, uv_loop_t *loop,
     list_init(&q->unsettled);
     list_init(&q->held);
     list_init(&q->finished);
+    list_init(&q->telling);
     q->work.data = q;
     uv_timer_init(loop, &q->timer);
     q->timer.data = q;

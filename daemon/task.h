@@ -10,14 +10,18 @@
  * disk was busy is settled together, up to TASK_MOST, so a slow disk settles
  * less often and not less.
  *
- * Where the disk is full (RAD_EFULL), a task that writes is held, and so is all
- * that writes after it, in order; they run again each TASK_RETRY_MS until there
- * is room.  Meanwhile others run.  So a task that writes must be one that may
- * run twice.  `fullness` tells when this begins and ends.
+ * What a task fails for may pass: the disk is full (RAD_EFULL), or descriptors
+ * or memory are short (RAD_ESHORT, RAD_ENOMEM).  Then it is held, and where it
+ * writes, so is all that writes after it, in order; they run again each
+ * TASK_RETRY_MS until there is room, or each TASK_SHORT_MS until there is what
+ * was short.  Meanwhile others run.  So a task must be one that may run twice.
+ * `lacks` tells when this begins and ends for what writes.  A task with `waits`
+ * wants so much room that others need not wait for it: where there is none for
+ * it, it is held alone, and told so.
  *
- * Where a task that writes fails otherwise for the disk's or memory's sake, or
- * settling does, the queue is broken: nothing that writes runs or is done any
- * more, and `broken` tells, once.
+ * Where a task that writes fails otherwise for the disk's sake, or settling
+ * does, the queue is broken: nothing that writes runs or is done any more, and
+ * `broken` tells, once.
  * Thread: all calls on the loop's; run and settle on a pool thread. */
 #ifndef RADD_DAEMON_TASK_H
 #define RADD_DAEMON_TASK_H
@@ -31,15 +35,21 @@ enum {
     TASK_GATHER_MS = 20,
     TASK_GATHER = 100,
     TASK_MOST = 4096,
-    TASK_RETRY_MS = 1000
+    TASK_RETRY_MS = 1000,
+    TASK_SHORT_MS = 100
 };
+
+/* What writing wants, and there is none of for now. */
+enum task_lack { TASK_LACKS_NOTHING, TASK_LACKS_ROOM, TASK_LACKS_MEANS };
 
 /* Embedded first in what a task needs; allocated by the caller. */
 struct task {
-    int (*run)(struct task *t);   /* pool thread: 0.. or negative, err set */
-    void (*done)(struct task *t); /* loop: looks at code, frees t */
-    bool writes;                  /* may be held; breaks the queue */
-    bool lasts;                   /* done when settled */
+    int (*run)(struct task *t);    /* pool thread: 0.. or negative, err set */
+    void (*done)(struct task *t);  /* loop: looks at code, frees t */
+    bool writes;                   /* in order; breaks the queue */
+    bool lasts;                    /* done when settled */
+    void (*waits)(struct task *t); /* loop: it is held alone; NULL: it is not */
+    bool told;                     /* that it is; loop's while it is held */
     int code;
     struct rad_error err;
     struct task *next;
@@ -52,10 +62,9 @@ struct task_list {
 
 /* What a queue may do besides; all may be NULL. */
 struct task_ops {
-    int (*settle)(void *arg, struct rad_error *err); /* pool */
-    /* Without it a full disk is a failure as others are. */
-    void (*fullness)(void *arg, bool full, const char *text); /* loop */
-    /* Without it, too. */
+    int (*settle)(void *arg, struct rad_error *err);                 /* pool */
+    void (*lacks)(void *arg, enum task_lack what, const char *text); /* loop */
+    /* Without it a disk that is full or fails is a failure as others are. */
     void (*broken)(void *arg, const struct rad_error *err); /* loop */
 };
 
@@ -65,20 +74,25 @@ struct task_queue {
     uv_timer_t timer;
     const struct task_ops *ops;
     void *arg;
-    bool gather;                 /* [fixed] settle but now and then */
-    bool busy;                   /* [loop] a pool thread has the fields below */
-    bool closed;                 /* [loop] the timer is */
-    bool told_full, told_broken; /* [loop] */
-    bool ends;                   /* [loop] it was told to */
-    bool retry, ending;          /* [loop] while not busy, else [pool] */
-    struct task_list waiting;    /* [loop] */
-    struct task_list running;    /* likewise, and so are the rest */
-    struct task_list unsettled;  /* they have run */
+    bool gather;                /* [fixed] settle but now and then */
+    bool busy;                  /* [loop] a pool thread has the fields below, or
+                                 * what it finished is still told */
+    bool closed;                /* [loop] the timer is */
+    enum task_lack told_lack;   /* [loop] */
+    bool told_broken;           /* [loop] */
+    bool ends;                  /* [loop] it was told to */
+    bool retry, ending;         /* [loop] while not busy, else [pool] */
+    struct task_list waiting;   /* [loop] */
+    struct task_list running;   /* likewise, and so are the rest */
+    struct task_list unsettled; /* they have run */
     struct task_list held;
     struct task_list finished;
-    uint64_t settled_ns; /* when settling began last */
-    bool full;
-    struct rad_error why; /* it is full; or broken: code is set */
+    struct task_list telling; /* [loop] finished, done() is to be called */
+    uint64_t settled_ns;      /* when settling began last */
+    uint64_t retried_ns;      /* when what is held ran last */
+    bool soon;                /* what is held waits for means */
+    enum task_lack lack;
+    struct rad_error why; /* it lacks that; or is broken: code is set */
     bool is_broken;
 };
 

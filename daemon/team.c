@@ -66,7 +66,7 @@ skip_to_last_locked(struct team *t, int i)
 /* Line i is done.  If it was the one that all others waited to come after,
  * hand on what is complete, unless another member is at it. */
 void
-line_finish(struct team *t, int i)
+line_finish(struct team *t, int i, uint64_t primary)
 {
     bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
 
@@ -74,6 +74,7 @@ line_finish(struct team *t, int i)
         memcpy(t->spec.record + recorded(t, i), line_at(t, i)->density,
                t->ndensity);
     uv_mutex_lock(&t->mu);
+    line_at(t, i)->primary = primary;
     line_at(t, i)->done = true;
     if (!t->handing_on) {
         t->handing_on = true;
@@ -81,6 +82,7 @@ line_finish(struct team *t, int i)
             uv_mutex_unlock(&t->mu);
             hand_on(t, t->finished);
             uv_mutex_lock(&t->mu);
+            t->primary += line_at(t, t->finished)->primary;
             t->finished++;
             uv_cond_broadcast(&t->moved);
         }
@@ -179,6 +181,17 @@ team_shrink(struct team *t, int least)
     return last;
 }
 
+int
+team_cut(struct team *t)
+{
+    if (t->spec.mode != TEAM_TRUTH || t->finished <= t->spec.first ||
+        t->finished <= t->spec.out)
+        return -1;
+    t->begun = t->finished;
+    atomic_store_explicit(&t->last, t->finished, memory_order_relaxed);
+    return t->finished;
+}
+
 void
 team_bottom(struct team *t, struct team_bottom *b)
 {
@@ -237,7 +250,7 @@ team_done(const struct team *t)
 uint64_t
 team_primary(const struct team *t)
 {
-    return atomic_load_explicit(&t->primary, memory_order_relaxed);
+    return t->primary;
 }
 
 /* They are written before they are read, and to clear them takes as long as a

@@ -179,6 +179,11 @@ void team_stop(struct team *t);
  * ones, but none below `least`.  Returns `last` as it is from now on. */
 int team_shrink(struct team *t, int least);
 
+/* Nobody works any more: the unit ends with the lines whose rows were handed on
+ * in this pass of TRUTH.  Returns `last` as it is from now on; -1: there are
+ * none, and nothing changes. */
+int team_cut(struct team *t);
+
 /* Columns to a block, but the last. */
 int team_block_columns(const struct rad_quincunx *q);
 
@@ -225,9 +230,9 @@ struct team_made team_made(const struct team *t);
 /* All lines are done, and their rows were handed on. */
 bool team_done(const struct team *t);
 
-/* Pixels that the members wanted with TEAM_TRUTH, traced by whomever: the
- * primary rays of the unit (a context's own count has those of all passes).
- * Without what the view does not show. */
+/* Pixels of the lines whose rows were handed on that the members wanted with
+ * TEAM_TRUTH, traced by whomever: the primary rays of the unit (a context's own
+ * count has those of all passes).  Without what the view does not show. */
 uint64_t team_primary(const struct team *t);
 
 #endif

@@ -54,7 +54,8 @@ struct line {
      * the block.  Nothing else is told by it: sequentially consistent for want
      * of a reason. */
     _Atomic uint64_t taken[NPART];
-    bool done; /* [mu] and the bar above it */
+    uint64_t primary; /* [mu] with done: see team_primary() */
+    bool done;        /* [mu] and the bar above it */
 };
 
 struct team {
@@ -75,7 +76,7 @@ struct team {
     double waited_s;       /* [mu] in wait_for() */
     _Atomic uint64_t rays; /* relaxed: shown, never decided on */
     _Atomic uint64_t base, bars, out; /* relaxed: likewise; team_made() */
-    _Atomic uint64_t primary;         /* relaxed: read when all have left */
+    uint64_t primary;                 /* [mu] of the lines that are finished */
     _Atomic bool stopped;    /* relaxed where it only ends work earlier */
     struct team_blocks lent; /* [mu] of line spec.last - 1 */
     bool blocked; /* [mu] a member has left because of what is lent */
@@ -165,8 +166,8 @@ has_bar(const struct team *t, int i)
 
 /* The next line to begin, once its buffers are free; -1: there is none. */
 int line_begin(struct team *t);
-/* It is done: hand on what thereby is complete. */
-void line_finish(struct team *t, int i);
+/* It is done, and wanted so many pixels: hand on what thereby is complete. */
+void line_finish(struct team *t, int i, uint64_t primary);
 
 /* --- team_member.c --- */
 

@@ -588,13 +588,14 @@ do_lines(struct member *m)
     uint64_t since = m->team->spec.cpu_ns ? cpu_ns() : 0;
 
     while ((m->i = line_begin(m->team)) >= 0) {
+        uint64_t primary = m->primary;
         bool done = do_line(m);
 
         count_line(m, &since);
         if (!done)
             return;
         tell_rays(m);
-        line_finish(m->team, m->i);
+        line_finish(m->team, m->i, m->primary - primary);
     }
 }
 
@@ -610,5 +611,4 @@ team_work(struct team *t, struct rad_ctx *ctx)
     m.q.arg = &m;
     do_lines(&m);
     tell_rays(&m);
-    atomic_fetch_add_explicit(&t->primary, m.primary, memory_order_relaxed);
 }

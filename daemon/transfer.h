@@ -12,8 +12,13 @@
 
 struct transfers;
 
-/* NULL when memory is out. */
-struct transfers *transfers_new(struct store *store);
+/* done (may be NULL) is called for each that has come to its end, but for those
+ * of connections that are gone, with what was sent whole, or NULL.  NULL when
+ * memory is out. */
+typedef void transfer_done_fn(void *arg, uint64_t id,
+                              const struct store_source *whole);
+struct transfers *transfers_new(struct store *store, transfer_done_fn *done,
+                                void *arg);
 /* When the store is idle. */
 void transfers_free(struct transfers *t);
 
@@ -24,6 +29,10 @@ void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
 
 /* c has written something: go on. */
 void transfers_resume(struct transfers *t, uint64_t id);
+
+/* Time has passed: what waited for a user to read on other connections may go
+ * on. */
+void transfers_tick(struct transfers *t);
 
 /* The connection is gone. */
 void transfers_drop(struct transfers *t, uint64_t id);

@@ -142,11 +142,15 @@ dial_later(struct worker *w)
         w->delay_ms = LAST_DELAY_MS;
 }
 
+/* That it ends the connection after a BYE or REFUSE is no news. */
 static void
 lost_coord(struct worker *w, const char *why)
 {
-    actions_log(&w->actions, ACT_WARN, "coordinator %s at=%s why=%s",
-                w->welcome ? "lost" : "not reached", w->env.coordinator, why);
+    if (!w->parted)
+        actions_log(&w->actions, ACT_WARN, "coordinator %s at=%s why=%s",
+                    w->welcome ? "lost" : "not reached", w->env.coordinator,
+                    why);
+    w->parted = false;
     dial_later(w);
     w->coord = 0;
     w->opened = w->welcome = false;
@@ -196,6 +200,7 @@ worker_free(struct worker *w)
 {
     if (!w)
         return;
+    w->env.leave = NULL; /* the files have nobody to leave them to */
     while (w->jobs)
         wjob_end(w, w->jobs);
     peer_release_callers(w);
@@ -341,7 +346,7 @@ worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
         return;
     w->away = !allowed;
     actions_log(&w->actions, ACT_INFO,
-                allowed ? "work begins" : "work ends: finishing what is begun");
+                allowed ? "work begins" : "work ends: what is left goes back");
     if (allowed)
         w->dial_ms = now_ms;
     else if (!w->draining)
@@ -356,6 +361,7 @@ worker_tick(struct worker *w, uint64_t now_ms)
     w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
     w->tick_ms = w->now_ms = now_ms;
     worker_watch_children(w);
+    wjob_watch_room(w);
     if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);

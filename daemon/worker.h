@@ -23,6 +23,8 @@ struct worker_env {
     void (*random)(void *arg, void *buf, size_t n); /* jitter */
     void *arg;
     action_look_fn *look; /* then worker_looked; or NULL */
+    /* the job that was looked for is over here; or NULL */
+    void (*leave)(void *arg, const uint8_t job[MSG_JOB]);
     const char *program;  /* "radd 0.1.0"; all strings outlive the worker */
     const char *name;
     const char *coordinator; /* where it is dialled, for the log */

@@ -46,6 +46,7 @@ on_refuse(struct worker *w, const struct msg *m)
 {
     int status = m->refuse.status;
 
+    w->parted = true;
     actions_log(&w->actions, ACT_ERR, "refused by the coordinator why=%s",
                 m->refuse.text);
     if (status < EX__BASE || status > EX__MAX)
@@ -57,7 +58,10 @@ on_refuse(struct worker *w, const struct msg *m)
 static void
 on_bye(struct worker *w, const struct msg *m)
 {
-    actions_log(&w->actions, w->draining ? ACT_INFO : ACT_WARN,
+    bool wished = w->draining || w->away;
+
+    w->parted = true;
+    actions_log(&w->actions, wished ? ACT_INFO : ACT_WARN,
                 "let go by the coordinator why=%s", m->bye.text);
     if (w->draining)
         worker_stop(w, 0, "");
@@ -66,8 +70,11 @@ on_bye(struct worker *w, const struct msg *m)
 static void
 on_chunk(struct worker *w, const struct msg *m)
 {
-    struct action *a = actions_add(&w->actions, ACT_PUT_CHUNK, w->coord);
+    struct action *a;
 
+    if (!worker_takes_chunk(w, &m->chunk))
+        return;
+    a = actions_add(&w->actions, ACT_PUT_CHUNK, w->coord);
     if (a)
         a->chunk = m->chunk;
     for (struct wjob *job = w->jobs; job; job = job->next)

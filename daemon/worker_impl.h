@@ -47,8 +47,13 @@ struct wpeer {
     struct lossy queue;
 };
 
+/* fetching -> loading -> ready -> idle: its child is gone, until it is started
+ *   |    ^                         ^     again, and fetches
+ *   v    \- started again          |
+ *  no room -> there is again ------/  */
 enum wjob_state {
     WJOB_FETCHING, /* files are missing */
+    WJOB_NO_ROOM,  /* and cannot be had now: the coordinator was told so */
     WJOB_LOADING,  /* child started */
     WJOB_READY,
     WJOB_IDLE /* no child: it died, or gave up */
@@ -63,12 +68,16 @@ struct wjob {
     uint32_t memory_mib; /* its own limit; 0: none */
     uint8_t *start;      /* the JOB-START frame, for children */
     size_t start_len;
-    struct msg_area *frames; /* their sizes; the rest is 0 */
     uint32_t nframes;
+    uint32_t width, height; /* the largest of any frame */
     uint32_t flags;   /* MSG_JOB_... */
     uint8_t channels; /* of a pixel */
     uint8_t *files;   /* hashes that it needs */
     uint32_t nfiles;
+    uint32_t nmissing;     /* fetching: of those */
+    uint64_t bundle_bytes; /* of all of them, by its submitter */
+    uint64_t look_ms;      /* no room: when to look again */
+    unsigned look_delay_ms; /* and how long after that the next time */
     uint64_t child;    /* connection, 0: none */
     uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
@@ -85,6 +94,13 @@ struct wjob {
     struct wpeer *peers;
     struct relay *relay;   /* base lines that were made here; NULL: none yet */
     struct spread *spread; /* who is sent which records; NULL: each peer, all */
+};
+
+/* A file that was asked for. */
+struct wasked {
+    uint8_t hash[MSG_HASH];
+    enum { WASKED_WANTED, WASKED_COMES } state;
+    bool lapsed; /* the job is over, and it may never come */
 };
 
 /* A peer's connection that has not been matched with a job. */
@@ -104,7 +120,7 @@ struct worker {
     bool held;         /* children are not listened to: worker_hold() */
     uint64_t awake_ms; /* all time but what this process slept through */
     uint64_t coord;    /* connection, 0: none */
-    bool opened, welcome;
+    bool opened, welcome, parted; /* ...: it said that it lets us go */
     unsigned version; /* welcome: of the protocol, with the coordinator */
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
@@ -115,7 +131,7 @@ struct worker {
     uint64_t progress;
     struct wjob *jobs;
     struct wcaller *callers;
-    uint8_t *asked; /* hashes that were WANTed and have not come */
+    struct wasked *asked; /* that have not come */
     uint32_t nasked, cap_asked;
 };
 
@@ -170,6 +186,12 @@ void wjob_drop_kept(struct wjob *job, struct wkept **link);
  * while to tell. */
 void wjob_look(struct worker *w, struct wjob *job);
 bool wjob_needs_file(const struct wjob *job, const uint8_t *hash);
+/* Look again for room, where it is time. */
+void wjob_watch_room(struct worker *w);
+/* Is a piece of a file one that is to be kept? */
+bool worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk);
+/* A job that fetched is over: what was asked for may never come. */
+void wjob_lapse_files(struct worker *w);
 
 /* --- worker_coord.c --- */
 

@@ -128,7 +128,6 @@ free_job(struct wjob *job)
     lossy_release(&job->to_child);
     relay_release(job);
     free(job->start);
-    free(job->frames);
     free(job->files);
     free(job->units);
     free(job);
@@ -155,25 +154,29 @@ wjob_end(struct worker *w, struct wjob *job)
     *link = job->next;
     wjob_kill_child(w, job);
     peer_release_job(w, job);
+    if (job->state == WJOB_FETCHING)
+        wjob_lapse_files(w);
+    if (w->env.leave)
+        w->env.leave(w->env.arg, job->id);
     free_job(job);
 }
 
 /* What of the pictures a worker looks at. */
-static bool
-copy_frames(struct wjob *job, const struct msg_spec *spec)
+static void
+note_frames(struct wjob *job, const struct msg_spec *spec)
 {
-    job->frames = calloc(spec->nframes, sizeof *job->frames);
-    if (!job->frames)
-        return false;
     job->nframes = spec->nframes;
     job->flags = spec->flags;
     job->memory_mib = spec->memory_mib;
     job->channels = spec->flags & MSG_JOB_DEPTH ? 4 : 3;
-    for (uint32_t i = 0; i < spec->nframes; i++) {
-        job->frames[i].width = spec->frames[i].width;
-        job->frames[i].height = spec->frames[i].height;
+    job->width = spec->width;
+    job->height = spec->height;
+    for (uint32_t i = 0; spec->frames && i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+
+        job->width = f->width > job->width ? f->width : job->width;
+        job->height = f->height > job->height ? f->height : job->height;
     }
-    return true;
 }
 
 struct wjob *
@@ -190,7 +193,8 @@ wjob_new(struct worker *w, const struct msg *m)
     lossy_init(&job->to_child);
     out->len = 0;
     job->files = malloc(nbytes ? nbytes : 1);
-    if (!job->files || !copy_frames(job, spec) || msg_pack(out, m) != 0 ||
+    note_frames(job, spec);
+    if (!job->files || msg_pack(out, m) != 0 ||
         !(job->start = malloc(out->len))) {
         free_job(job);
         return NULL;
@@ -202,6 +206,7 @@ wjob_new(struct worker *w, const struct msg *m)
     if (nbytes)
         memcpy(job->files, spec->files.hash, nbytes);
     job->nfiles = spec->files.n;
+    job->bundle_bytes = spec->bundle_bytes;
     job->next = w->jobs;
     w->jobs = job;
     return job;

@@ -5,6 +5,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <sysexits.h>
 
 bool
 code_bad(const struct codec *c)
@@ -49,6 +50,13 @@ code_amount(struct codec *c, double *v)
 {
     code_f64(c, v);
     code_read_must(c, *v >= 0 && *v < 1e100);
+}
+
+void
+code_failure(struct codec *c, uint16_t *v)
+{
+    code_u16(c, v);
+    code_read_must(c, *v >= EX__BASE && *v <= EX__MAX);
 }
 
 void
@@ -210,6 +218,8 @@ code_counts(struct codec *c, struct msg_counts *counts)
     code_u64(c, &counts->nan.pixels);
     code_u32(c, &counts->nan.x);
     code_u32(c, &counts->nan.y);
+    code_read_must(c, counts->nan.x <= MSG_MAX_SIDE &&
+                          counts->nan.y <= MSG_MAX_SIDE);
     code_faults(c, counts->faults);
     code_amount(c, &counts->cpu_s);
     code_amount(c, &counts->wall_s);

@@ -40,6 +40,9 @@ void code_f64(struct codec *c, double *v);
  * such are finite. */
 void code_amount(struct codec *c, double *v);
 
+/* How something ended: one of sysexits.h, which never says that it is well. */
+void code_failure(struct codec *c, uint16_t *v);
+
 /* A byte that must be below n. */
 void code_below(struct codec *c, uint8_t *v, uint8_t n);
 

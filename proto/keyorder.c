@@ -21,13 +21,14 @@
 struct edit {
     struct keyfile file;
     const char *path; /* outlives the edit */
+    char *real;       /* the name that is replaced: links are followed */
     int fd;
 };
 
-/* Open and lock the file at path; again if somebody put another there
- * meanwhile. */
+/* Open and lock the file that links at path lead to, and find its name; again
+ * if somebody put another there meanwhile. */
 static int
-open_locked(const char *path, bool make, struct rad_error *err)
+open_locked(const char *path, bool make, char **real, struct rad_error *err)
 {
     struct stat mine, there;
 
@@ -42,10 +43,12 @@ open_locked(const char *path, bool make, struct rad_error *err)
                                             : RAD_ENOINPUT,
                             "cannot open key file '%s': %s", path,
                             strerror(errno));
-        if (flock(fd, LOCK_EX) == 0 && fstat(fd, &mine) == 0 &&
-            stat(path, &there) == 0 && mine.st_ino == there.st_ino &&
-            mine.st_dev == there.st_dev)
+        *real = flock(fd, LOCK_EX) == 0 ? realpath(path, NULL) : NULL;
+        if (*real && fstat(fd, &mine) == 0 && stat(*real, &there) == 0 &&
+            mine.st_ino == there.st_ino && mine.st_dev == there.st_dev)
             return fd;
+        free(*real);
+        *real = NULL;
         close(fd);
     }
 }
@@ -56,7 +59,22 @@ edit_end(struct edit *e)
     if (e->fd >= 0)
         close(e->fd); /* and with it goes the lock */
     e->fd = -1;
+    free(e->real);
     keyfile_release(&e->file);
+}
+
+/* Under a second name the file as it was would stay, with its keys. */
+static int
+check_names(const struct edit *e, struct rad_error *err)
+{
+    struct stat st;
+
+    if (fstat(e->fd, &st) == 0 && st.st_nlink == 1)
+        return 0;
+    return rad_fail(err, RAD_EPERM,
+                    "key file '%s' has several names (hard links), and others "
+                    "would keep it as it was: leave it one",
+                    e->path);
 }
 
 static int
@@ -66,10 +84,13 @@ edit_begin(struct edit *e, const char *path, bool make, struct rad_error *err)
 
     keyfile_init(&e->file);
     e->path = path;
-    e->fd = open_locked(path, make, err);
+    e->real = NULL;
+    e->fd = open_locked(path, make, &e->real, err);
     if (e->fd < 0)
         return e->fd;
     rc = keyfile_load_fd(&e->file, e->fd, path, err);
+    if (rc == 0)
+        rc = check_names(e, err);
     if (rc < 0)
         edit_end(e);
     return rc;
@@ -113,15 +134,29 @@ sync_folder(const char *path)
     return ok;
 }
 
+/* The new file stays its owner's.  Its group may do nothing with it (mode
+ * 0600), so one that cannot be kept is no loss. */
+static bool
+keep_owner(int fd, int before)
+{
+    struct stat st;
+
+    if (fstat(before, &st) < 0 ||
+        (st.st_uid != geteuid() && fchown(fd, st.st_uid, (gid_t)-1) < 0))
+        return false;
+    if (st.st_gid != getegid() && fchown(fd, (uid_t)-1, st.st_gid) < 0)
+        return errno == EPERM;
+    return true;
+}
+
 /* Write e->file.text whole: a temporary file is renamed over it.
  * RAD_ECANTCREAT or RAD_EIO. */
 static int
 edit_write(struct edit *e, struct rad_error *err)
 {
-    struct stat st;
     char temp[4096];
     bool ok;
-    int fd, n = snprintf(temp, sizeof temp, "%s.XXXXXX", e->path);
+    int fd, n = snprintf(temp, sizeof temp, "%s.XXXXXX", e->real);
 
     if (n < 0 || (size_t)n >= sizeof temp)
         return rad_fail(err, RAD_ECANTCREAT, "path too long");
@@ -129,12 +164,10 @@ edit_write(struct edit *e, struct rad_error *err)
     if (fd < 0)
         return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", temp,
                         strerror(errno));
-    ok = write_all(fd, e->file.text, e->file.len) && fstat(e->fd, &st) == 0;
-    if (ok && (st.st_uid != geteuid() || st.st_gid != getegid()))
-        ok = fchown(fd, st.st_uid, st.st_gid) == 0; /* it stays its owner's */
+    ok = write_all(fd, e->file.text, e->file.len) && keep_owner(fd, e->fd);
     ok = ok && fsync(fd) == 0;
     ok = close(fd) == 0 && ok;
-    ok = ok && rename(temp, e->path) == 0 && sync_folder(e->path);
+    ok = ok && rename(temp, e->real) == 0 && sync_folder(e->real);
     if (ok)
         return 0;
     n = rad_fail(err, RAD_EIO, "cannot write '%s': %s", e->path,

@@ -1,12 +1,14 @@
 # libproto, the codec of the protocol: bytes only
 noinst_LIBRARIES += libproto.a
-libproto_a_CFLAGS = $(AM_CFLAGS) $(SSL_CFLAGS)
+libproto_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(SSL_CFLAGS)
 libproto_a_SOURCES = \
 	proto/codec.c \
 	proto/codec.h \
 	proto/counts.c \
 	proto/frame.c \
 	proto/frame.h \
+	proto/inifile.c \
+	proto/inifile.h \
 	proto/keyfile.c \
 	proto/keyfile.h \
 	proto/keyorder.c \
@@ -21,6 +23,8 @@ libproto_a_SOURCES = \
 	proto/msg_sharing.c \
 	proto/msg_store.c \
 	proto/msg_work.c \
+	proto/output.c \
+	proto/output.h \
 	proto/tls.c \
 	proto/tls.h \
 	proto/wire.c \
@@ -28,4 +32,4 @@ libproto_a_SOURCES = \
 
 # what a program that uses libproto links with; librad (for its error codes)
 # comes after it
-LIBPROTO = libproto.a $(SSL_LIBS)
+LIBPROTO = libproto.a $(INIH_LIBS) $(SSL_LIBS)

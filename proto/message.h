@@ -31,17 +31,24 @@
 
 /* String limits [bytes, without the NUL]. */
 #define MSG_MAX_NAME    64
+#define MSG_MAX_LABEL   4096 /* what a user calls a job: a path may be one */
 #define MSG_MAX_KEY     96
 #define MSG_MAX_ADDRESS 200
 #define MSG_MAX_TEXT    500
 #define MSG_MAX_NEEDS   1024
 #define MSG_MAX_PARAMS  4096
+#define MSG_MAX_STATE   16
 #define MSG_MAX_VIEW    1024
 
 #define MSG_MAX_FILES  16384  /* hashes in one list */
-#define MSG_MAX_COSTS  250000 /* lines of a job whose costs are given */
-#define MSG_MAX_FRAMES 65536  /* of a job; the payload's limit comes first */
+#define MSG_MAX_COSTS  (1u << 23)  /* lines of a job whose costs are given */
+#define MSG_MAX_FRAMES 65536       /* of a job */
+#define MSG_MAX_VIEWS  (64u << 20) /* bytes of the file that frames come in */
 #define MSG_MAX_SIDE   65535  /* columns or rows of a picture */
+
+#define MSG_MAX_THREADS 4096                /* of a worker */
+#define MSG_MAX_BYTES   (UINT64_C(1) << 50) /* of a file, or a bundle */
+#define MSG_MAX_DATE    UINT64_C(253402300799) /* the end of the year 9999 */
 
 #define MSG_HASH  32 /* bytes of a SHA-256 */
 #define MSG_JOB   16 /* bytes of a job's id */
@@ -97,7 +104,8 @@ enum msg_order {
 #define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
 #define MSG_JOB_CODED        (1u << 6) /* rows come coded: the coordinator's */
-#define MSG_JOB_FLAGS        127u      /* all of them */
+#define MSG_JOB_VIEWS        (1u << 7) /* frames and costs are in a file */
+#define MSG_JOB_FLAGS        255u      /* all of them */
 #define MSG_JOB_FLAGS_1      31u       /* those of version 1 */
 
 /* What FETCH asks for. */
@@ -115,6 +123,7 @@ enum msg_topic {
     MSG_QUERY_WORKERS,
     MSG_QUERY_JOBS,
     MSG_QUERY_JOB, /* text: the job's id, or the beginning of it, in hex */
+    MSG_QUERY_LIMITS, /* since version 2; text: the user, empty: who asks */
     MSG_NQUERY
 };
 
@@ -187,6 +196,8 @@ struct msg_frame {
     const char *view;       /* rpict's view options */
 };
 
+#define MSG_FRAME_BYTES 15 /* on the wire, but for the view's text */
+
 /* SUBMIT, JOB-START: what a job is, the same for the coordinator, a worker and
  * a child. */
 struct msg_spec {
@@ -213,7 +224,10 @@ struct msg_spec {
                           * as that has for it */
     struct msg_hashes files; /* all of the bundle, the manifest among them */
     uint32_t nframes;
-    const struct msg_frame *frames;
+    const struct msg_frame *frames; /* NULL: they are in a file, not yet read */
+    /* with MSG_JOB_VIEWS: */
+    const uint8_t *views;   /* hash of that file, one of `files` */
+    uint32_t width, height; /* the largest of any frame [pixels] */
 };
 
 /* The job is in the queue, whole. */
@@ -275,9 +289,15 @@ struct msg_failed {
     const char *text;
 };
 
-/* CANCEL, PAUSE, RESUME, JOB-END. */
+/* CANCEL, PAUSE, RESUME, DELETE, JOB-END. */
 struct msg_jobid {
     const uint8_t *job;
+};
+
+#define MSG_MOST_PRIORITY 100 /* and least, below 0, that a job may have */
+struct msg_priority {
+    const uint8_t *job;
+    int32_t priority; /* higher goes first */
 };
 
 struct msg_fetch {
@@ -289,6 +309,22 @@ struct msg_fetch {
 struct msg_query {
     uint8_t what; /* enum msg_topic */
     const char *text;
+};
+
+/* Which list PAGE asks for a part of. */
+enum msg_rows { MSG_ROWS_JOBS, MSG_ROWS_WORKERS, MSG_NROWS };
+
+/* Some rows of a list of any length.  The answer has as many as are good to
+ * send at once, and the cursor for the rows behind them, which holds good
+ * whatever comes and goes meanwhile. */
+struct msg_page {
+    uint8_t what;      /* enum msg_rows */
+    uint8_t mine;      /* 1: of jobs the asker's own alone */
+    const char *user;  /* of jobs those of that owner; empty: of any */
+    const char *state; /* those in that state, or jobs that are "open" (not
+                        * over) or "over"; empty: in any */
+    uint64_t cursor;   /* from the answer before; 0: from the start */
+    uint32_t most;     /* rows; 0: no limit */
 };
 
 /* JSON; not terminated.  Empty as the answer to CANCEL and the like. */
@@ -307,7 +343,7 @@ struct msg_key {
     uint64_t expires; /* of a new key, seconds since 1970; 0: never */
 };
 
-/* DRAIN, UNDRAIN: a worker's name. */
+/* DRAIN, UNDRAIN, FORGET: a worker's name. */
 struct msg_worker {
     const char *name;
 };
@@ -374,6 +410,13 @@ struct msg_lost {
     const char *text; /* "killed by signal 11" */
     uint32_t nunits;
     const uint32_t *units;
+};
+
+/* Whether a worker finds room for the files of a job that it was to begin. */
+struct msg_room {
+    const uint8_t *job;
+    uint8_t has;      /* 1: it may be told to begin; 0: not now */
+    const char *text; /* why not */
 };
 
 /* What a worker did for a job so far; the last one counts. */
@@ -483,12 +526,14 @@ struct msg_next_holder {
     const char *name; /* a worker's; empty: nobody */
 };
 
-/* GAVE: what was left after SPLIT.  STILL: what a worker that comes back has.
+/* GAVE: what was left after SPLIT or YIELD.  STILL: what a worker that comes
+ * back has.
  */
 struct msg_gave {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint32_t height; /* rows from now on; GAVE, as before: nothing was given */
+    uint32_t height; /* rows from now on; GAVE: as before: nothing was given, 0:
+                      * all of it */
 };
 
 /* Before the first unit: make the deep ambient records of a part of space, the
@@ -721,6 +766,17 @@ int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
 int msg_unpack_as(unsigned version, struct msg *m, uint16_t type,
                   uint32_t request, const uint8_t *payload, size_t n,
                   struct rad_error *err);
+
+/* The file that a job's frames come in, and the costs of their lines
+ * (MSG_JOB_VIEWS), appended to out.  0; RAD_EPROTO: there are too many of them;
+ * RAD_ENOMEM. */
+int msg_views_pack(struct wire_out *out, const struct msg_spec *spec);
+
+/* Make of its n bytes, which are lent, the frames and costs of a spec that says
+ * how many frames there are and how large; room is kept in *m, as by
+ * msg_unpack().  RAD_EDATA, or RAD_ENOMEM. */
+int msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
+                     size_t n, struct rad_error *err);
 
 /* The highest of our versions in [min, max]; 0: none is. */
 unsigned msg_common_version(unsigned min, unsigned max);

@@ -7,10 +7,9 @@
 #include "codec.h"
 
 #include "base/hex.h"
+#include "base/text.h"
 
 #include <float.h>
-
-#define FRAME_MIN 15 /* bytes of a frame with an empty view */
 
 static bool
 frame_fits(const struct msg_frame *f)
@@ -19,10 +18,11 @@ frame_fits(const struct msg_frame *f)
            f->height <= MSG_MAX_SIDE;
 }
 
+/* One after another. */
 static void
-code_frames(struct codec *c, struct msg_spec *b)
+code_frame_list(struct codec *c, struct msg_spec *b)
 {
-    struct msg_frame *f = code_list(c, b->frames, &b->nframes, FRAME_MIN,
+    struct msg_frame *f = code_list(c, b->frames, &b->nframes, MSG_FRAME_BYTES,
                                     MSG_MAX_FRAMES, sizeof *f);
 
     code_must(c, b->nframes >= 1);
@@ -34,6 +34,31 @@ code_frames(struct codec *c, struct msg_spec *b)
         code_must(c, frame_fits(&f[i]));
     }
     b->frames = f;
+}
+
+/* Of many frames a message has no more than where they are. */
+static void
+code_frames(struct codec *c, struct msg_spec *b)
+{
+    if (!(b->flags & MSG_JOB_VIEWS)) {
+        code_must(c, c->in || b->frames);
+        if (!code_bad(c))
+            code_frame_list(c, b);
+        if (c->in) {
+            b->views = NULL;
+            b->width = b->height = 0;
+        }
+        return;
+    }
+    if (c->in)
+        b->frames = NULL;
+    code_u32(c, &b->nframes);
+    code_must(c, b->nframes >= 1 && b->nframes <= MSG_MAX_FRAMES);
+    code_hash(c, &b->views);
+    code_u32(c, &b->width);
+    code_u32(c, &b->height);
+    code_must(c, b->width >= 1 && b->width <= MSG_MAX_SIDE && b->height >= 1 &&
+                     b->height <= MSG_MAX_SIDE);
 }
 
 /* The flags that a version has. */
@@ -74,14 +99,33 @@ code_costs(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || costs_fit(b));
 }
 
+/* What the user calls the job: version 1 hears its beginning. */
+static void
+code_label(struct codec *c, struct msg_spec *b)
+{
+    char cut[MSG_MAX_NAME + 1];
+
+    if (c->version >= 2) {
+        code_str(c, &b->name, MSG_MAX_LABEL);
+        return;
+    }
+    if (c->out && b->name) {
+        rad_text_print(cut, sizeof cut, "%s", b->name);
+        b->name = cut;
+    }
+    code_str(c, &b->name, MSG_MAX_NAME);
+}
+
 void
 msg_code_spec(struct codec *c, struct msg_spec *b)
 {
     if (c->out)
         flags_as(c, &b->flags);
+    if (c->out && b->flags & MSG_JOB_VIEWS)
+        b->ncosts = 0;
     code_job(c, &b->job);
     code_hash(c, &b->manifest);
-    code_str(c, &b->name, MSG_MAX_NAME);
+    code_label(c, b);
     code_str(c, &b->params, MSG_MAX_PARAMS);
     code_str(c, &b->needs, MSG_MAX_NEEDS);
     code_str(c, &b->estimate, MSG_MAX_NAME);
@@ -94,12 +138,81 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_u32(c, &b->windows);
     code_u32(c, &b->objects);
     code_u64(c, &b->bundle_bytes);
+    code_read_must(c, b->bundle_bytes <= MSG_MAX_BYTES);
     code_amount(c, &b->compile_s);
     if (c->version >= 2)
         code_u32(c, &b->memory_mib);
     code_must(c, (b->flags & ~job_flags(c->version)) == 0);
+    code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
+}
+
+/* --- the file of frames --- */
+
+#define VIEWS_MAGIC  0x52564557u /* "RVEW" */
+#define VIEWS_LAYOUT 1
+
+static void
+code_views(struct codec *c, struct msg_spec *b)
+{
+    uint32_t magic = VIEWS_MAGIC, layout = VIEWS_LAYOUT;
+
+    code_u32(c, &magic);
+    code_u32(c, &layout);
+    code_must(c, magic == VIEWS_MAGIC && layout == VIEWS_LAYOUT);
+    code_costs(c, b);
+    code_frame_list(c, b);
+}
+
+int
+msg_views_pack(struct wire_out *out, const struct msg_spec *spec)
+{
+    struct codec c = { .out = out, .version = MSG_VERSION };
+    struct msg_spec copy = *spec;
+
+    code_views(&c, &copy);
+    return out->nomem ? RAD_ENOMEM : out->bad ? RAD_EPROTO : 0;
+}
+
+/* Is it what the job's message said of it? */
+static bool
+views_fit(const struct msg_spec *said, const struct msg_spec *read)
+{
+    uint32_t width = 0, height = 0;
+
+    for (uint32_t i = 0; i < read->nframes; i++) {
+        const struct msg_frame *f = &read->frames[i];
+
+        width = f->width > width ? f->width : width;
+        height = f->height > height ? f->height : height;
+    }
+    return said->nframes == read->nframes && said->width == width &&
+           said->height == height;
+}
+
+int
+msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
+                 size_t n, struct rad_error *err)
+{
+    struct wire_in in;
+    struct codec c = { .in = &in, .m = m, .version = MSG_VERSION };
+    struct msg_spec read = { 0 };
+
+    wire_in_init(&in, bytes, n);
+    in.version = MSG_VERSION;
+    code_views(&c, &read);
+    if (in.nomem)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (in.bad || wire_left(&in) > 0)
+        return rad_fail(err, RAD_EDATA, "the list of frames is malformed");
+    if (!views_fit(spec, &read))
+        return rad_fail(err, RAD_EDATA,
+                        "the list of frames is not that of the job");
+    spec->ncosts = read.ncosts;
+    spec->costs = read.costs;
+    spec->frames = read.frames;
+    return 0;
 }
 
 void
@@ -123,24 +236,25 @@ msg_code_progress(struct codec *c, struct msg_progress *b)
         b->state = state_as(c->version, b->state);
     code_job(c, &b->job);
     code_u8(c, &b->state);
+    code_read_must(c, b->state <= MSG_STATE_HELD);
     code_u64(c, &b->pixels_done);
     code_u64(c, &b->pixels_total);
     code_u32(c, &b->units_done);
     code_u32(c, &b->units_total);
     code_u32(c, &b->units_redone);
-    code_f64(c, &b->cost_done);
-    code_f64(c, &b->cost_total);
+    code_amount(c, &b->cost_done);
+    code_amount(c, &b->cost_total);
     code_u64(c, &b->rays);
     code_u32(c, &b->workers);
     code_u32(c, &b->frames_ready);
-    code_f64(c, &b->elapsed_s);
+    code_amount(c, &b->elapsed_s);
     code_u64(c, &b->nan.pixels);
     code_u32(c, &b->nan.frame);
     code_u32(c, &b->nan.x);
     code_u32(c, &b->nan.y);
     code_faults(c, b->faults);
     if (c->version >= 2)
-        code_f64(c, &b->error);
+        code_amount(c, &b->error);
 }
 
 void
@@ -154,7 +268,7 @@ void
 msg_code_failed(struct codec *c, struct msg_failed *b)
 {
     code_job(c, &b->job);
-    code_u16(c, &b->status);
+    code_failure(c, &b->status);
     code_str(c, &b->text, MSG_MAX_TEXT);
 }
 
@@ -162,6 +276,13 @@ void
 msg_code_jobid(struct codec *c, struct msg_jobid *b)
 {
     code_job(c, &b->job);
+}
+
+void
+msg_code_priority(struct codec *c, struct msg_priority *b)
+{
+    code_job(c, &b->job);
+    code_i32(c, &b->priority);
 }
 
 /* --- its id --- */

@@ -16,8 +16,19 @@ msg_code_fetch(struct codec *c, struct msg_fetch *b)
 void
 msg_code_query(struct codec *c, struct msg_query *b)
 {
-    code_below(c, &b->what, MSG_NQUERY);
+    code_below(c, &b->what, c->version < 2 ? MSG_QUERY_LIMITS : MSG_NQUERY);
     code_str(c, &b->text, MSG_MAX_NAME);
+}
+
+void
+msg_code_page(struct codec *c, struct msg_page *b)
+{
+    code_below(c, &b->what, MSG_NROWS);
+    code_below(c, &b->mine, 2);
+    code_str(c, &b->user, MSG_MAX_NAME);
+    code_str(c, &b->state, MSG_MAX_STATE);
+    code_u64(c, &b->cursor);
+    code_u32(c, &b->most);
 }
 
 void
@@ -32,7 +43,7 @@ msg_code_key(struct codec *c, struct msg_key *b)
     code_below(c, &b->what, MSG_NKEY);
     code_str(c, &b->name, MSG_MAX_KEY);
     code_u64(c, &b->expires);
-    code_read_must(c, b->expires <= INT64_MAX);
+    code_read_must(c, b->expires <= MSG_MAX_DATE);
 }
 
 void

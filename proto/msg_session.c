@@ -30,6 +30,7 @@ msg_code_hello(struct codec *c, struct msg_hello *b)
     code_str(c, &b->program, MSG_MAX_NAME);
     code_str(c, &b->address, MSG_MAX_ADDRESS);
     code_u16(c, &b->threads);
+    code_read_must(c, b->threads <= MSG_MAX_THREADS);
     code_u64(c, &b->fingerprint);
 }
 
@@ -44,7 +45,7 @@ msg_code_welcome(struct codec *c, struct msg_welcome *b)
 void
 msg_code_refuse(struct codec *c, struct msg_refuse *b)
 {
-    code_u16(c, &b->status);
+    code_u16(c, &b->status); /* a refusal whatever it says */
     code_str(c, &b->text, MSG_MAX_TEXT);
 }
 

@@ -138,7 +138,7 @@ msg_code_gave(struct codec *c, struct msg_gave *b)
     code_u32(c, &b->unit);
     code_u32(c, &b->attempt);
     code_u32(c, &b->height);
-    code_must(c, b->height >= 1 && b->height <= MSG_MAX_SIDE);
+    code_must(c, b->height <= MSG_MAX_SIDE);
 }
 
 /* --- before the first unit --- */

@@ -15,8 +15,8 @@ msg_code_hashes(struct codec *c, struct msg_hashes *b)
 static bool
 chunk_fits(const struct msg_chunk *b)
 {
-    return b->offset <= b->total && b->len <= b->total - b->offset &&
-           (b->len > 0 || b->total == 0);
+    return b->total <= MSG_MAX_BYTES && b->offset <= b->total &&
+           b->len <= b->total - b->offset && (b->len > 0 || b->total == 0);
 }
 
 void

@@ -13,7 +13,7 @@ msg_code_ready(struct codec *c, struct msg_ready *b)
     code_amount(c, &b->load_s);
     code_u64(c, &b->fingerprint);
     code_u16(c, &b->threads);
-    code_read_must(c, b->threads >= 1);
+    code_read_must(c, b->threads >= 1 && b->threads <= MSG_MAX_THREADS);
 }
 
 /* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
@@ -81,6 +81,15 @@ msg_code_lost(struct codec *c, struct msg_lost *b)
     for (uint32_t i = 0; i < b->nunits; i++)
         code_u32(c, &u[i]);
     b->units = u;
+}
+
+void
+msg_code_room(struct codec *c, struct msg_room *b)
+{
+    code_job(c, &b->job);
+    code_u8(c, &b->has);
+    code_read_must(c, b->has <= 1);
+    code_str(c, &b->text, MSG_MAX_TEXT);
 }
 
 void

@@ -3,6 +3,8 @@
 
 #include "wire.h"
 
+#include "base/text.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,37 +29,11 @@ store_be(uint8_t *p, uint64_t v, int n)
         p[i] = (uint8_t)v;
 }
 
-/* Length of the UTF-8 sequence at s of n > 0 bytes, 0 if it is none.  Rejects
- * overlong forms, surrogates, what lies above U+10FFFF, and NUL. */
-static size_t
-utf8_sequence(const uint8_t *s, size_t n)
-{
-    static const uint32_t least[] = { 0, 1, 0x80, 0x800, 0x10000 };
-    size_t len = s[0] < 0x80             ? 1
-                 : (s[0] & 0xe0) == 0xc0 ? 2
-                 : (s[0] & 0xf0) == 0xe0 ? 3
-                 : (s[0] & 0xf8) == 0xf0 ? 4
-                                         : 0;
-    uint32_t c;
-
-    if (len == 0 || len > n)
-        return 0;
-    c = len == 1 ? s[0] : s[0] & (0x7fu >> len);
-    for (size_t i = 1; i < len; i++) {
-        if ((s[i] & 0xc0) != 0x80)
-            return 0;
-        c = c << 6 | (s[i] & 0x3f);
-    }
-    if (c < least[len] || c > 0x10ffff || (c >= 0xd800 && c <= 0xdfff))
-        return 0;
-    return len;
-}
-
 static bool
 utf8_valid(const uint8_t *s, size_t n)
 {
     while (n > 0) {
-        size_t k = utf8_sequence(s, n);
+        size_t k = rad_text_char((const char *)s, n, NULL);
 
         if (k == 0)
             return false;
@@ -318,7 +294,7 @@ wire_clean(char *s)
     size_t n = strlen(s);
 
     for (size_t i = 0; i < n;) {
-        size_t k = utf8_sequence((const uint8_t *)s + i, n - i);
+        size_t k = rad_text_char(s + i, n - i, NULL);
 
         if (k == 0)
             s[i] = '?';

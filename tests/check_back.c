@@ -39,6 +39,30 @@ one_is_cut(struct msg_unit *a)
     result(W2, &b, 0, b.height, true);
 }
 
+/* What happened meanwhile: the job was paused, or the worker drained. */
+START_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at)
+{
+    struct msg_unit a;
+    struct msg pause = { .type = MSG_PAUSE, .request = 9, .pause = { id } };
+    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } };
+
+    one_is_cut(&a);
+    say(_i == 0 ? ANA : ADMIN, _i == 0 ? &pause : &drain);
+    wait_ms(1500);
+    clear();
+    join(W1, MSG_ROLE_WORKER, "ws1", "");
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_JOB_START), 1);
+    still(W1, &a, a.height);
+    ready(W1);
+    wait_ms(200);
+    ck_assert_int_eq(count(W1, MSG_YIELD), 1);
+    gave(W1, &a, 0);
+    wait_ms(500);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+}
+END_TEST
+
 START_TEST(one_that_comes_back_goes_on_with_its_units)
 {
     struct msg_unit a;
@@ -316,6 +340,8 @@ main(void)
     TCase *tc = tcase_create("back");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_loop_test(tc, one_that_comes_back_gives_back_what_it_may_not_be_at,
+                        0, 2);
     tcase_add_test(tc, one_that_comes_back_goes_on_with_its_units);
     tcase_add_test(tc, one_that_comes_back_hears_who_waits_for_its_base_line);
     tcase_add_test(tc, what_one_lost_waits_for_it_but_not_for_long);

@@ -1,7 +1,9 @@
 /* check_client.c - tests of the modules that the clients are made of */
 #include "config.h"
 
+#include "figure.h"
 #include "message.h"
+#include "outname.h"
 #include "output.h"
 #include "progress.h"
 #include "submit_options.h"
@@ -10,6 +12,7 @@
 #include "unit.h"
 #include "words.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +65,26 @@ parse(struct submit_options *o, struct words *w, const char *text,
     ck_assert_int_eq(words_init(w, argc, argv, err), 0);
     return submit_options_parse(o, w, err);
 }
+
+static const struct {
+    double x;
+    int digits;
+    const char *text;
+} figures[] = {
+    { 0, 2, "0" },         { 1.84, 2, "1.8" },  { 0.6789, 2, "0.68" },
+    { 184, 2, "180" },     { 99.6, 2, "100" },  { 2, 3, "2" },
+    { 12345, 3, "12300" }, { 0.05, 3, "0.05" }, { 1234567, 3, "1230000" },
+    { 9.996, 3, "10" },    { 1e-9, 2, "0" },
+};
+
+START_TEST(a_figure_has_no_exponent)
+{
+    char text[FIGURE_TEXT];
+
+    ck_assert_str_eq(figure(text, figures[_i].x, figures[_i].digits),
+                     figures[_i].text);
+}
+END_TEST
 
 START_TEST(options_of_both_kinds_mix)
 {
@@ -460,6 +483,19 @@ START_TEST(coordinator_comes_from_the_first_place_that_names_one)
 }
 END_TEST
 
+START_TEST(coordinator_of_this_machine_is_at_its_socket)
+{
+    struct target t;
+
+    unsetenv("RADD_COORDINATOR");
+    setenv("XDG_CONFIG_HOME", "/nowhere", 1);
+    ck_assert_int_eq(target_find(&t, NULL, NULL, NULL), 0);
+    target_default(&t);
+    ck_assert(t.local);
+    ck_assert_str_eq(t.path, "/run/radd/radcoord.sock");
+}
+END_TEST
+
 static const struct {
     const char *pattern;
     int frame;
@@ -482,7 +518,7 @@ static const struct {
 START_TEST(frame_numbers_go_into_names)
 {
     char *name = NULL;
-    int rc = output_frame_name(&name, frames[_i].pattern, frames[_i].frame,
+    int rc = outname_frame(&name, frames[_i].pattern, frames[_i].frame,
                                true, NULL);
 
     if (frames[_i].name) {
@@ -527,6 +563,23 @@ START_TEST(outputs_are_whole_or_not_there)
     ck_assert_int_eq(output_write("/dev/null", "x", 1, true, &err), 0);
     ck_assert_int_eq(stat("/dev/null", &st), 0);
     ck_assert(S_ISCHR(st.st_mode));
+}
+END_TEST
+
+/* The temporary name is no longer than what a folder takes. */
+START_TEST(outputs_may_have_the_longest_name)
+{
+    char name[NAME_MAX + 2], path[PATH_MAX];
+    struct rad_error err = { 0 };
+
+    memset(name, 'a', sizeof name);
+    name[NAME_MAX] = '\0';
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    ck_assert_int_eq(output_check(path, &err), 0);
+    ck_assert_int_eq(output_write(path, "x", 1, false, &err), 0);
+    ck_assert_int_eq(unlink(path), 0);
+    strcat(path, "a");
+    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
 }
 END_TEST
 
@@ -681,6 +734,16 @@ static const struct {
     /* what others named cannot steer the terminal */
     { "{\"name\": \"\\u001b[31mred\"}", "name  ?[31mred\n" },
     { "[{\"name\": \"a\\nb\"}]", "name\na?b\n" },
+    { "[{\"name\": \"a\\u009b2J\\u202eb\"}]", "name\na?2J?b\n" },
+    { "{\"a\\u202eb\": \"\\u2066\\u200b\"}", "a?b  ??\n" },
+    /* columns, not characters and not bytes */
+    { "[{\"name\": \"事務\", \"n\": 1}, {\"name\": \"abcd\", \"n\": 2}]",
+      "name  n\n事務  1\nabcd  2\n" },
+    { "[{\"name\": \"事事事事事事事事事事"
+      "事事事事事事事事事事"
+      "事事事事事事事事事事事\"}]",
+      "name\n事事事事事事事事事事事事事事事"
+      "事事事事事事事事事事事事事...\n" },
 };
 
 START_TEST(json_is_a_table_for_people)
@@ -691,7 +754,7 @@ START_TEST(json_is_a_table_for_people)
     size_t n;
 
     ck_assert_ptr_nonnull(root);
-    table_print(f, root, 100);
+    table_print(f, root);
     rewind(f);
     n = fread(buf, 1, sizeof buf - 1, f);
     buf[n] = '\0';
@@ -701,24 +764,51 @@ START_TEST(json_is_a_table_for_people)
 }
 END_TEST
 
+/* Thousands of rows, each once. */
+START_TEST(tables_have_any_length)
+{
+    json_t *root = json_array();
+    FILE *f = tmpfile();
+    char buf[80], want[80];
+
+    for (int i = 0; i < 20000; i++)
+        json_array_append_new(root, json_pack("{s:i,s:s}", "n", i, "x", "y"));
+    table_print(f, root);
+    rewind(f);
+    ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
+    for (int i = 0; i < 20000; i++) {
+        snprintf(want, sizeof want, "%5d  y\n", i);
+        ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
+        ck_assert_str_eq(buf, want);
+    }
+    ck_assert_ptr_null(fgets(buf, sizeof buf, f));
+    fclose(f);
+    json_decref(root);
+}
+END_TEST
+
 static void
 add_tests(TCase *tc)
 {
     tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_test(tc, tables_have_any_length);
     tcase_add_test(tc, a_dash_is_standard_output);
     tcase_add_test(tc, quality_is_for_what_was_not_said);
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);
     tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
     tcase_add_test(tc, words_stand_where_the_protocol_has_them);
+    tcase_add_loop_test(tc, a_figure_has_no_exponent, 0, N_ELEM(figures));
     tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
     tcase_add_test(tc, files_and_variables_open_up_in_place);
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
     tcase_add_test(tc, view_files_are_read_in_their_place);
     tcase_add_loop_test(tc, addresses_are_taken_apart, 0, N_ELEM(addresses));
     tcase_add_test(tc, coordinator_comes_from_the_first_place_that_names_one);
+    tcase_add_test(tc, coordinator_of_this_machine_is_at_its_socket);
     tcase_add_loop_test(tc, frame_numbers_go_into_names, 0, N_ELEM(frames));
     tcase_add_test(tc, outputs_are_whole_or_not_there);
+    tcase_add_test(tc, outputs_may_have_the_longest_name);
     tcase_add_test(tc, outputs_that_cannot_be_are_known_before);
     tcase_add_loop_test(tc, progress_says_what_is_left, 0, N_ELEM(lines));
     tcase_add_test(tc, progress_ends_with_the_mean_rate);

@@ -81,7 +81,7 @@ message_of(const char *text)
     char *p;
 
     put_file("a.rad", text);
-    if (compile_read(&c, &file, 1, NULL, NULL, &err) == 0) {
+    if (compile_read(&c, &file, 1, false, NULL, NULL, &err) == 0) {
         compile_release(&c);
         return "";
     }
@@ -105,7 +105,7 @@ START_TEST(commands_run_in_their_files_folder)
     put_file("sub/more.rad", "void bubble b 0 0 4 1 1 1 2");
     put_file("sub/a.rad", "!cat part.rad\n" SPHERE);
     file = in_dir("sub/a.rad");
-    ck_assert_int_eq(compile_read(&c, &file, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 3);
     ck_assert_int_eq(c.scene->objects[1].type, RAD_BUBBLE);
     compile_release(&c);
@@ -121,7 +121,7 @@ START_TEST(much_output_is_read)
     struct compiled c;
 
     put_file("a.rad", text);
-    ck_assert_int_eq(compile_read(&c, &file, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 4000);
     ck_assert(c.scene->objects[3999].reals[3] == 3999.5);
     compile_release(&c);
@@ -232,7 +232,7 @@ manifest_of(struct compiled *c)
     char *text;
 
     mkdir(in_dir("out"), 0700);
-    if (compile_scene(c, &file, 1, in_dir("out"), &err))
+    if (compile_scene(c, &file, 1, false, in_dir("out"), &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     text = rad_bundle_format(&c->bundle, &len);
     ck_assert_ptr_nonnull(text);
@@ -372,7 +372,7 @@ START_TEST(files_make_one_scene)
 
     put_file("m.rad", "void plastic m 0 0 5 .5 .5 .5 0 0\n");
     put_file("s.rad", "m sphere s 0 0 4 0 0 0 1\n");
-    ck_assert_int_eq(compile_read(&c, files, 2, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, files, 2, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->objects[1].modifier, 0);
     compile_release(&c);
 }
@@ -387,7 +387,7 @@ freeze(void)
     struct rad_fd to = { -1, "a.oct" };
     struct rad_sink out = rad_fd_sink(&to);
 
-    ck_assert_int_eq(compile_read(&c, &file, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(compile_octree(&c, NULL), 0);
     to.fd = open(in_dir("a.oct"), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     ck_assert_int_ge(to.fd, 0);
@@ -406,13 +406,15 @@ START_TEST(an_octree_is_a_scene_whatever_its_name)
                       "sphere s 0 0 4 0 0 0 1\n");
     freeze();
     files[0] = in_dir("a.oct");
-    ck_assert_int_eq(compile_read(&c, files, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, files, 1, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
     files[1] = in_dir("a.rad");
-    ck_assert_int_eq(compile_read(&c, files, 2, NULL, NULL, &err), RAD_EUSAGE);
+    ck_assert_int_eq(compile_read(&c, files, 2, false, NULL, NULL, &err),
+                     RAD_EUSAGE);
     ck_assert_int_eq(rename(files[0], files[1]), 0);
-    ck_assert_int_eq(compile_read(&c, files + 1, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, files + 1, 1, false, NULL, NULL, NULL),
+                     0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
@@ -425,7 +427,7 @@ START_TEST(a_scene_comes_from_standard_input)
 
     put_file("a.rad", "!echo " SPHERE SPHERE);
     ck_assert_ptr_nonnull(freopen(in_dir("a.rad"), "r", stdin));
-    ck_assert_int_eq(compile_read(&c, &file, 1, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
     ck_assert_int_eq(c.scene->nobjects, 2);
     compile_release(&c);
 }
@@ -448,7 +450,7 @@ START_TEST(every_error_is_told_once)
 
     put_file("a.rad", "x sphere s 0 0 4 0 0 0 1\n!exit 1\nvoid sphere");
     put_file("b.rad", "y sphere s 0 0 4 0 0 0 1\n");
-    ck_assert_int_eq(compile_read(&c, files, 3, count_errors, &n, &err),
+    ck_assert_int_eq(compile_read(&c, files, 3, false, count_errors, &n, &err),
                      RAD_ENOINPUT);
     ck_assert_int_eq(n, 5);
     ck_assert_ptr_nonnull(strstr(err.what, "none.rad"));
@@ -456,8 +458,9 @@ START_TEST(every_error_is_told_once)
     n = 0;
     put_file("a.rad",
              "void plastic m 0 0 4 1 1 1 0\nvoid mesh y 1 x.rtm 0 0\n");
-    ck_assert_int_eq(compile_read(&c, files + 1, 1, count_errors, &n, NULL),
-                     RAD_ENOINPUT);
+    ck_assert_int_eq(
+        compile_read(&c, files + 1, 1, false, count_errors, &n, NULL),
+        RAD_ENOINPUT);
     ck_assert_int_eq(n, 2);
 }
 END_TEST
@@ -491,7 +494,7 @@ START_TEST(known_scenes_compile)
     struct compiled c;
     struct rad_error err = { 0 };
 
-    if (compile_scene(&c, &file, 1, dir, &err))
+    if (compile_scene(&c, &file, 1, false, dir, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_eq(c.scene->nobjects, scenes[_i].objects);
     compile_release(&c);
@@ -508,7 +511,7 @@ START_TEST(the_example_compiles)
     snprintf(path, sizeof path, "%s/examples/reading-room/room.rad",
              top ? top : ".");
     file = path;
-    if (compile_read(&c, &file, 1, NULL, NULL, &err))
+    if (compile_read(&c, &file, 1, false, NULL, NULL, &err))
         ck_abort_msg("%s: %s", err.where, err.what);
     ck_assert_int_gt(c.scene->nobjects, 100);
     compile_release(&c);

@@ -37,9 +37,20 @@ static const struct conf_key keys[] = {
     { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
 };
 
-static const struct conf_table table = {
-    "radd", "", NULL, NULL, NULL, keys, sizeof(struct settings), check
-};
+static int
+check_text(const char *name, const char *value, struct rad_error *err)
+{
+    if (strcmp(name, "host_name") == 0 && strcmp(value, "misspelt") == 0)
+        return rad_fail(err, RAD_EUSAGE, "no such host");
+    return 0;
+}
+
+static const struct conf_table table = { .program = "radd",
+                                         .synopsis = "",
+                                         .keys = keys,
+                                         .size = sizeof(struct settings),
+                                         .check_text = check_text,
+                                         .check = check };
 
 static char path[] = "/tmp/check_conf.XXXXXX";
 
@@ -91,19 +102,66 @@ START_TEST(reload_changes_what_may_change)
 {
     char config[64];
     char *argv[] = { (char *)"radd", config, NULL };
-    struct settings s;
+    char later[CONF_TEXT];
+    struct settings s, loaded;
     struct rad_error err = { 0 };
 
     snprintf(config, sizeof config, "--config=%s", path);
     write_file("host_name = a\nthreads = 3\n");
     ck_assert_int_eq(conf_load(&table, &s, 2, argv, &err), CONF_RUN);
+    loaded = s;
+    s.threads = 5; /* what a daemon makes of it is no change of the file */
+    write_file("host_name = b\nthreads = 3\n");
+    ck_assert_int_eq(conf_reload(&table, &s, &loaded, 2, argv, later, &err), 0);
+    ck_assert_str_eq(s.name, "b");
+    ck_assert_str_eq(later, "");
     write_file("host_name = b\nthreads = 4\n");
-    ck_assert_int_eq(conf_reload(&table, &s, 2, argv, &err), 0);
-    ck_assert_str_eq(s.name, "b");
-    ck_assert_int_eq(s.threads, 3);
+    for (int twice = 0; twice < 2; twice++) {
+        ck_assert_int_eq(
+            conf_reload(&table, &s, &loaded, 2, argv, later, &err), 0);
+        ck_assert_str_eq(later, "threads");
+        ck_assert_int_eq(s.threads, 5);
+    }
     write_file("host_name = c\nthreads = many\n");
-    ck_assert_int_eq(conf_reload(&table, &s, 2, argv, &err), RAD_ECONFIG);
+    ck_assert_int_eq(conf_reload(&table, &s, &loaded, 2, argv, later, &err),
+                     RAD_ECONFIG);
     ck_assert_str_eq(s.name, "b");
+}
+END_TEST
+
+/* The file is to blame where the options alone would do. */
+START_TEST(check_that_fails_names_the_file_or_the_options)
+{
+    char config[64];
+    struct settings s;
+    struct rad_error err;
+
+    snprintf(config, sizeof config, "--config=%s", path);
+    write_file("host_name = forbidden\n");
+    ck_assert_int_eq(load(&s, &err, config, NULL), RAD_ECONFIG);
+    ck_assert_str_eq(err.where, path);
+    ck_assert_int_eq(err.code, RAD_ECONFIG);
+    ck_assert_int_eq(load(&s, &err, config, "--host-name=free"), CONF_RUN);
+    ck_assert_int_eq(load(&s, &err, config, "--host-name=forbidden"),
+                     RAD_EUSAGE);
+    ck_assert_str_eq(err.where, "");
+    ck_assert_int_eq(load(&s, &err, "--host-name=misspelt", NULL), RAD_EUSAGE);
+    ck_assert_str_eq(err.what, "'host_name': no such host");
+}
+END_TEST
+
+START_TEST(bool_option_takes_a_value_or_none)
+{
+    struct settings s;
+    struct rad_error err;
+
+    ck_assert_int_eq(load(&s, &err, "--loud", NULL), CONF_RUN);
+    ck_assert(s.loud);
+    ck_assert_int_eq(load(&s, &err, "--loud=yes", NULL), CONF_RUN);
+    ck_assert(s.loud);
+    ck_assert_int_eq(load(&s, &err, "--loud", "--loud=no"), CONF_RUN);
+    ck_assert(!s.loud);
+    ck_assert_int_eq(load(&s, &err, "--loud=perhaps", NULL), RAD_EUSAGE);
 }
 END_TEST
 
@@ -115,6 +173,8 @@ static const struct {
     { "loud = perhaps\n", ":1", "expected yes or no" },
     { "thread = 3\n", ":1", "unknown key 'thread'" },
     { "hidden = 3\n", ":1", "unknown key 'hidden'" },
+    { "threads = 1\nhost_name = misspelt\n", ":2",
+      "'host_name': no such host" },
     { "[radcoord]\nthreads = 3\n", ":2", "unknown section 'radcoord'" },
     { "host_name = x\nnonsense\n", ":2", "expected 'key = value'" },
     { "host_name = "
@@ -145,7 +205,7 @@ static const char *const bad_options[] = { "--threads=x",
                                            "--nothing",
                                            "word",
                                            "--host-name",
-                                           "--loud=yes",
+                                           "--loud=maybe",
                                            "-x",
                                            "--threads=99999999999999999999",
                                            "--host-name=forbidden" };
@@ -217,7 +277,7 @@ START_TEST(address_is_read_and_judged)
     struct rad_error err = { 0 };
     char text[ADDRESS_TEXT];
 
-    ck_assert_int_eq(address_resolve(addresses[_i].text, &a, &err),
+    ck_assert_int_eq(address_resolve(addresses[_i].text, 0, &a, &err),
                      addresses[_i].code);
     if (addresses[_i].code)
         return;
@@ -226,6 +286,53 @@ START_TEST(address_is_read_and_judged)
                      addresses[_i].loopback ? 0 : RAD_EPERM);
     address_format(&a, text);
     ck_assert_str_eq(text, addresses[_i].again);
+}
+END_TEST
+
+static const struct {
+    const char *text;
+    int code;
+    const char *again;
+} listens[] = {
+    { "*:7420", 0, "[::]:7420" },
+    { "*:0", 0, "[::]:0" },
+    { "localhost:7420", 0, "127.0.0.1:7420" }, /* and not [::1] */
+    { "[::1]:7420", 0, "[::1]:7420" },
+    { "0.0.0.0:7420", 0, "0.0.0.0:7420" },
+    { "/run/x.sock", 0, "/run/x.sock" },
+    { "**:7420", RAD_EUNAVAIL, NULL },
+    { "*:", RAD_EUSAGE, NULL },
+};
+
+START_TEST(address_to_listen_at)
+{
+    struct address a;
+    struct rad_error err = { 0 };
+    char text[ADDRESS_TEXT];
+
+    ck_assert_int_eq(address_resolve_listen(listens[_i].text, &a, &err),
+                     listens[_i].code);
+    if (listens[_i].code)
+        return;
+    address_format(&a, text);
+    ck_assert_str_eq(text, listens[_i].again);
+    if (listens[_i].text[0] != '*')
+        return;
+    ck_assert_int_eq(address_resolve(listens[_i].text, 0, &a, &err),
+                     RAD_EUSAGE);
+    ck_assert_int_eq(address_permitted(&a, "x", NULL), RAD_EPERM);
+}
+END_TEST
+
+START_TEST(name_with_no_further_address_says_so)
+{
+    static const char *const one[] = { "127.0.0.1:80", "/run/x.sock" };
+    struct address a;
+
+    for (size_t i = 0; i < N_ELEM(one); i++) {
+        ck_assert_int_eq(address_resolve(one[i], 0, &a, NULL), 0);
+        ck_assert_int_eq(address_resolve(one[i], 1, &a, NULL), RAD_EUNAVAIL);
+    }
 }
 END_TEST
 
@@ -256,6 +363,10 @@ main(void)
     close(fd);
     tcase_add_test(tc, defaults_then_file_then_options);
     tcase_add_test(tc, reload_changes_what_may_change);
+    tcase_add_test(tc, check_that_fails_names_the_file_or_the_options);
+    tcase_add_test(tc, bool_option_takes_a_value_or_none);
+    tcase_add_loop_test(tc, address_to_listen_at, 0, N_ELEM(listens));
+    tcase_add_test(tc, name_with_no_further_address_says_so);
     tcase_add_loop_test(tc, bad_file_is_refused_with_its_line, 0,
                         N_ELEM(bad_files));
     tcase_add_loop_test(tc, bad_option_is_a_usage_error, 0,

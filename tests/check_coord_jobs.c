@@ -95,6 +95,12 @@ static void (*const states[])(void) = {
     be_held_and_paused, be_done,   be_cancelled,
 };
 
+static bool
+is_over(int state)
+{
+    return states[state] == be_done || states[state] == be_cancelled;
+}
+
 START_TEST(cancel_is_answered_whatever_the_job_is_at)
 {
     unsigned before;
@@ -106,7 +112,8 @@ START_TEST(cancel_is_answered_whatever_the_job_is_at)
     about(&f, ADMIN, MSG_CANCEL, job_a);
     if (f.settling == 0) {
         ck_assert_uint_eq(f.sent[ADMIN], before + 1);
-        ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
+        ck_assert_int_eq(f.last[ADMIN].type,
+                         is_over(_i / 2) ? MSG_FAILED : MSG_ANSWER);
     } else { /* the disk gets its time to make room */
         wait_s(&f, 2);
         ck_assert_uint_eq(f.sent[ADMIN], before);
@@ -185,11 +192,138 @@ START_TEST(a_job_waits_for_its_files)
 {
     f.have = false;
     submit(&f, ANA, job_a, 0);
-    ck_assert_int_eq(f.last[ANA].type, MSG_WELCOME);
+    ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
     f.have = true;
     coord_file_stored(f.c, f.now_ms, ANA, hash);
     carry_out(&f);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+}
+END_TEST
+
+/* A user of whom nothing has come, and what is wanted of that one. */
+static uint32_t
+stranger_is_asked_for(struct msg_hashes files)
+{
+    struct msg offer = { .type = MSG_OFFER, .request = 9, .offer = files };
+
+    join(&f, STRANGER, MSG_ROLE_USER, "", "eve");
+    say(&f, STRANGER, &offer);
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_WANT);
+    return f.last[STRANGER].want.n;
+}
+
+START_TEST(nobody_hears_what_others_have_sent)
+{
+    static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
+    struct msg offer = { .type = MSG_OFFER, .offer = { 2, both } };
+
+    ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 2, both }), 2);
+    ck_assert_mem_eq(f.last[STRANGER].want.hash, both, sizeof both);
+    say(&f, ANA, &offer); /* who has sent the second */
+    ck_assert_uint_eq(f.last[ANA].want.n, 1);
+    ck_assert_mem_eq(f.last[ANA].want.hash, both, MSG_HASH);
+}
+END_TEST
+
+START_TEST(a_hash_alone_gives_no_right_to_a_file)
+{
+    ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 1, hash }), 1);
+    submit(&f, STRANGER, job_a, 0);
+    wait_s(&f, 1);
+    ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
+    ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
+    coord_file_stored(f.c, f.now_ms, STRANGER, hash);
+    carry_out(&f);
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+}
+END_TEST
+
+/* As long as the store would keep it for that user alone. */
+enum { UPLOAD_MS = 3600 * 1000 };
+
+START_TEST(what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it)
+{
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
+    const struct coord_keep none = { .jobs = 0 };
+
+    submit(&f, ANA, job_a, 0);
+    f.now_ms += UPLOAD_MS + 1;
+    wait_s(&f, 1);
+    say(&f, ANA, &offer);
+    ck_assert_uint_eq(f.last[ANA].want.n, 0);
+    say(&f, BOB, &offer); /* who has no job */
+    ck_assert_uint_eq(f.last[BOB].want.n, 1);
+    about(&f, ANA, MSG_CANCEL, job_a);
+    coord_set_keep(f.c, &none);
+    carry_out(&f);
+    say(&f, ANA, &offer);
+    ck_assert_uint_eq(f.last[ANA].want.n, 0);
+    f.now_ms += UPLOAD_MS + 1;
+    wait_s(&f, 1);
+    ck_assert(f.closed[ANA]); /* it offered, and nothing came */
+    join(&f, SECOND, MSG_ROLE_USER, "", "ana");
+    say(&f, SECOND, &offer);
+    ck_assert_uint_eq(f.last[SECOND].want.n, 1);
+}
+END_TEST
+
+START_TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
+{
+    static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
+    struct msg want = { .type = MSG_WANT, .want = { 2, both } };
+
+    say(&f, WORKER, &want);
+    ck_assert_uint_eq(f.files_sent, 0);
+    submit(&f, ANA, job_a, 0);
+    say(&f, WORKER, &want);
+    ck_assert_uint_eq(f.files_sent, 1);
+    ck_assert_mem_eq(f.file_sent, hash, MSG_HASH);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &want);
+    about(&f, ANA, MSG_CANCEL, job_a);
+    say(&f, WORKER, &want);
+    ck_assert_uint_eq(f.files_sent, 1);
+}
+END_TEST
+
+static void
+room(const uint8_t *job, bool has)
+{
+    struct msg m = { .type = MSG_ROOM, .room = { job, has, "the disk is full" } };
+
+    say(&f, WORKER, &m);
+}
+
+START_TEST(a_job_without_room_waits_and_others_go_on)
+{
+    unsigned sent;
+
+    submit(&f, ANA, job_a, 0);
+    sent = f.sent[WORKER];
+    for (int i = 0; i < 10; i++)
+        room(job_a, false);
+    wait_s(&f, 100);
+    ck_assert_uint_eq(f.sent[WORKER], sent);
+    ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
+    submit(&f, BOB, job_b, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ready(&f, WORKER, job_b);
+    ck_assert_uint_gt(f.units[WORKER], 0);
+    room(job_a, true);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ck_assert_mem_eq(f.last[WORKER].job_start.job, job_a, MSG_JOB);
+}
+END_TEST
+
+START_TEST(a_worker_without_room_may_have_some_when_it_comes_again)
+{
+    submit(&f, ANA, job_a, 0);
+    room(job_a, false);
+    coord_closed(f.c, f.now_ms, WORKER, "reset");
+    carry_out(&f);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
+    ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
 }
 END_TEST
 
@@ -231,6 +365,43 @@ START_TEST(workers_load_when_the_last_file_is_there)
     coord_file_stored(f.c, f.now_ms, ANA, hash);
     carry_out(&f);
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
+}
+END_TEST
+
+static bool
+says_of_jobs(const char *words)
+{
+    const struct msg query = { .type = MSG_QUERY,
+                               .query = { MSG_QUERY_JOBS, "" } };
+
+    say(&f, BOB, &query);
+    ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
+    return memmem(f.last[BOB].answer.text, f.last[BOB].answer.len, words,
+                  strlen(words)) != NULL;
+}
+
+/* For want of room for its own rows, not of any. */
+START_TEST(a_job_waits_for_much_room_alone)
+{
+    f.stuck = true;
+    submit(&f, ANA, job_a, 0);
+    room(job_a, false);
+    coord_job_waits(f.c, f.now_ms, job_a, "it needs more");
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
+    ck_assert(says_of_jobs("it needs more")); /* and not what its worker lacks */
+    f.stuck = false;
+    submit(&f, BOB, job_b, 0);
+    wait_s(&f, 1);
+    ck_assert_uint_ne(f.last[BOB].progress.state, MSG_STATE_HELD);
+    ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
+    disk_is_full();
+    disk_has_room();
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
+    coord_job_opened(f.c, f.now_ms, job_a, 0, "");
+    wait_s(&f, 1);
+    ck_assert_uint_ne(f.last[ANA].progress.state, MSG_STATE_HELD);
 }
 END_TEST
 
@@ -279,9 +450,36 @@ START_TEST(files_of_jobs_are_needed)
     about(&f, ANA, MSG_CANCEL, job_a);
     list = coord_files(f.c, &n);
     ck_assert_ptr_nonnull(list);
-    ck_assert_uint_eq(n, 1); /* that of both */
+    ck_assert_uint_eq(n, 2); /* the same of both */
     ck_assert_mem_eq(list, hash, MSG_HASH);
     free(list);
+}
+END_TEST
+
+/* Of a job of very many units nobody waits for all of them at once. */
+START_TEST(statistics_in_pieces_are_those_at_once)
+{
+    struct stats_text *t;
+    const struct job *job;
+    char *whole, *text;
+    int rc, pieces = 0;
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    for (uint32_t unit = 0; unit < 3; unit++)
+        result(&f, WORKER, job_a, unit, 1);
+    job = coord_find_job(f.c, job_a);
+    whole = stats_json(job, f.now_ms);
+    t = stats_begin(job, f.now_ms);
+    ck_assert(whole && t);
+    while ((rc = stats_more(t, job, 1)) == 0)
+        pieces++;
+    ck_assert_int_eq(rc, 1);
+    ck_assert_int_ge(pieces, 3);
+    text = stats_take(t);
+    ck_assert_str_eq(text, whole);
+    free(text);
+    free(whole);
 }
 END_TEST
 
@@ -337,9 +535,9 @@ whole_job(const uint8_t *job)
 /* By number, by age, and by size, but not before its user can have it. */
 START_TEST(jobs_that_are_over_are_kept_for_a_while)
 {
-    static const struct coord_keep keeps[] = { { 1, 0, 0 },
-                                               { 9, 90000, 0 },
-                                               { 9, 0, 1000 } };
+    static const struct coord_keep keeps[] = { { 1, 0, 0, 0 },
+                                               { 9, 90000, 0, 0 },
+                                               { 9, 0, 1000, 0 } };
     static const unsigned until_s[] = { 0, 90, 60 };
 
     coord_set_keep(f.c, &keeps[_i]);
@@ -356,6 +554,61 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
     }
     ck_assert_ptr_null(coord_find_job(f.c, job_a));
     ck_assert((coord_find_job(f.c, job_b) == NULL) == (_i == 1));
+}
+END_TEST
+
+/* A job that is over holds the memory of its windows: of many, few are kept. */
+START_TEST(large_jobs_that_are_over_count_as_several)
+{
+    static const struct coord_keep keep = { .jobs = 9 };
+    static const struct msg_frame picture = { 0, 200, 200, "" };
+
+    coord_set_keep(f.c, &keep);
+    for (int i = 0; i < 2; i++) {
+        const uint8_t *job = i == 0 ? job_a : job_b;
+        struct msg m = usual_submit(job);
+
+        m.submit.frames = &picture;
+        m.submit.partition = MSG_PART_WINDOW;
+        m.submit.windows = 8000; /* as 2000 frames: six jobs */
+        say(&f, ANA, &m);
+        ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+        about(&f, ANA, MSG_CANCEL, job);
+        wait_s(&f, 2);
+        ck_assert_ptr_nonnull(coord_find_job(f.c, job));
+    }
+    ck_assert_ptr_null(coord_find_job(f.c, job_a));
+}
+END_TEST
+
+/* What was fetched goes, after a while in which its user gets the rest of it;
+ * what was not stays for longer. */
+START_TEST(what_was_not_fetched_is_kept)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    char hex[MSG_JOB_HEX];
+
+    coord_set_keep(f.c, &keep);
+    whole_job(job_a);
+    whole_job(job_b);
+    carry_out(&f);
+    coord_fetched(f.c, f.now_ms, BOB, job_b, 0); /* not the owner */
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0);
+    wait_s(&f, 30);
+    ck_assert_ptr_nonnull(coord_find_job(f.c, job_a));
+    wait_s(&f, 40);
+    ck_assert_ptr_null(coord_find_job(f.c, job_a));
+    ck_assert_ptr_nonnull(coord_find_job(f.c, job_b));
+    msg_job_format(job_a, hex);
+    ck_assert(coord_find_gone(f.c, hex)->fetched);
+    wait_s(&f, 40);
+    ck_assert_ptr_null(coord_find_job(f.c, job_b));
+    about(&f, ANA, MSG_CANCEL, job_b);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_NOINPUT);
+    ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text,
+                                 "forgotten for keep_jobs on "));
+    about(&f, BOB, MSG_CANCEL, job_b);
+    ck_assert_str_eq(f.last[BOB].failed.text, "no such job");
 }
 END_TEST
 
@@ -440,17 +693,28 @@ main(void)
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
     tcase_add_test(tc, records_go_to_the_radsubmit_that_wants_them);
     tcase_add_test(tc, a_job_waits_for_its_files);
+    tcase_add_test(tc, nobody_hears_what_others_have_sent);
+    tcase_add_test(tc, a_hash_alone_gives_no_right_to_a_file);
+    tcase_add_test(
+        tc, what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it);
+    tcase_add_test(tc, a_worker_gets_files_of_the_job_that_it_loads_alone);
+    tcase_add_test(tc, a_job_without_room_waits_and_others_go_on);
+    tcase_add_test(tc, a_worker_without_room_may_have_some_when_it_comes_again);
     tcase_add_test(tc, workers_load_while_a_job_is_stored);
     tcase_add_test(tc, workers_forget_a_job_that_could_not_be_stored);
     tcase_add_test(tc, workers_load_when_the_last_file_is_there);
+    tcase_add_test(tc, a_job_waits_for_much_room_alone);
     tcase_add_test(tc, the_same_id_again_attaches);
     tcase_add_test(tc, only_owner_and_admin_steer_a_job);
     tcase_add_test(tc, files_of_jobs_are_needed);
+    tcase_add_test(tc, statistics_in_pieces_are_those_at_once);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
     tcase_add_test(tc, a_full_disk_holds_jobs);
     tcase_add_loop_test(tc, cancel_is_answered_whatever_the_job_is_at, 0,
                         2 * N_ELEM(states));
     tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);
+    tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
+    tcase_add_test(tc, what_was_not_fetched_is_kept);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_test(tc, queries_are_answered_in_json);
     tcase_add_test(tc, a_job_whose_text_is_cut_is_told_of);

@@ -204,7 +204,7 @@ START_TEST(more_pixels_than_there_are_is_all_of_them)
 
     open_fixture(&f, options, false, 1);
     ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
-    n = rad_estimate_trace(&f.frame, &ctx, &part, 0, 1000, &cost, out);
+    n = rad_estimate_trace(&f.frame, &ctx, &part, 0, 1000, NULL, &cost, out);
     rad_estimate_sort(out, n);
     ck_assert_uint_eq(n, 40);
     for (size_t i = 0; i < n; i++) { /* in order, and as they are */
@@ -287,7 +287,8 @@ START_TEST(threads_count_what_one_counts)
                                    (int)areas[i].width, (int)areas[i].height };
         struct rad_estimate cost = { 0 };
 
-        rad_estimate_trace(&f.frame, &ctx, &part, 0, runs[_i].rays, &cost, out);
+        rad_estimate_trace(&f.frame, &ctx, &part, 0, runs[_i].rays, NULL, &cost,
+                           out);
         ck_assert_uint_eq(got.costs[i].rays, cost.rays);
         if (runs[_i].threads == 1)
             ck_assert_uint_eq(got.costs[i].tests, cost.tests);
@@ -447,6 +448,34 @@ START_TEST(an_estimate_of_nothing_is_answered)
 }
 END_TEST
 
+/* It answers with what it has. */
+START_TEST(an_estimate_is_left_when_something_comes_first)
+{
+    static struct fixture f;
+    struct msg_area areas[HEIGHT];
+    struct msg_estimate m = { .rays = ESTIMATE_MOST_RAYS,
+                              .nareas = lines_of_frame(areas),
+                              .areas = areas };
+    struct msg_estimated got;
+    const struct msg_facts *facts;
+    uint64_t pixels = 0;
+
+    open_fixture(&f, "-x 64 -y 48 -pa 0 -ab 3 -ad 4096 -aa .01", false, 2);
+    ck_assert(pool_estimate(f.pool, estimate_new(&f.frame, 1, &m, NULL),
+                            on_estimated));
+    pool_rest(f.pool);
+    while (!f.done)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    estimate_result(f.done, &got);
+    ck_assert_uint_eq(got.ncosts, 0);
+    while ((facts = estimate_facts(f.done)))
+        pixels += facts->npixels;
+    ck_assert_uint_le(pixels, got.counts.estimate_rays);
+    ck_assert_uint_lt(pixels, 64 * 48);
+    close_fixture(&f);
+}
+END_TEST
+
 START_TEST(a_pool_ends_with_an_estimate_under_way)
 {
     static struct fixture f;
@@ -506,6 +535,7 @@ main(void)
     tcase_add_loop_test(tc, pixels_come_back_as_facts, 0, N_ELEM(runs));
     tcase_add_test(tc, facts_of_any_area_are_told_line_by_line);
     tcase_add_test(tc, an_estimate_of_nothing_is_answered);
+    tcase_add_test(tc, an_estimate_is_left_when_something_comes_first);
     tcase_add_test(tc, a_pool_ends_with_an_estimate_under_way);
     tcase_add_loop_test(tc, areas_outside_are_refused, 0, N_ELEM(bad));
     suite_add_tcase(s, tc);

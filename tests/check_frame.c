@@ -7,6 +7,7 @@
 #include "unit.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* A scene in text, ready to be looked at. */
@@ -385,6 +386,108 @@ START_TEST(small_lamps_are_painted_with_their_area)
 }
 END_TEST
 
+/* The same of a parallel view 2 by 2 along y, for lamps of other shapes: a ball
+ * and a disk of r = .04, a tube of r = .02 that is .6 wide and .5 high, by its
+ * length and diameter, and one that is seen along its axis; and a triangle. */
+static const struct {
+    const char *lamp;
+    double area;
+} thin[] = {
+    { "l sphere s 0 0 4 .013 1 .021 .04", M_PI * .0016 },
+    { "l sphere s 0 0 4 -.05 9 -.06 .04", M_PI * .0016 },
+    { "l ring r 0 0 8 .013 1 .021 0 -1 0 0 .04", M_PI * .0016 },
+    { "l ring r 0 0 8 .013 1 .021 .6 -.8 0 0 .04", M_PI * .0016 * .8 },
+    { "l cylinder c 0 0 7 -.3 1 -.2 .3 1.7 .3 .02", .04 * .78102496759066544 },
+    { "l cylinder c 0 0 7 -.3 1 0 .3 1 0 .02", .04 * .6 },
+    { "l cylinder c 0 0 7 0 1 0 0 2 0 .02", 0 },
+    { "l polygon p 0 0 9 -.02 1 -.03 .05 1 -.03 .05 1 .04", .07 * .07 / 2 },
+};
+
+START_TEST(thin_lamps_look_as_large_as_they_are)
+{
+    struct rad_params p = params(20, 4);
+    struct rad_pixel *picture;
+    struct stage s;
+    char scene[256];
+    double sum = 0;
+
+    p.directvis = true;
+    p.pixjitter = 0;
+    snprintf(scene, sizeof scene, "void light l 0 0 3 100 100 100\n%s\n",
+             thin[_i].lamp);
+    stage_init(&s, scene, p,
+               "VIEW= -vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 2 -vv 2", false);
+    picture = render_all(&s);
+    for (int i = 0; i < 400; i++)
+        sum += picture[i].L.r;
+    /* a circle is a polygon, whose corners may be missed */
+    ck_assert_double_eq_tol(sum, 100 * thin[_i].area / 4 * 400,
+                            .02 * 100 * thin[_i].area / 4 * 400 + 1e-6);
+    free(picture);
+    stage_release(&s);
+}
+END_TEST
+
+/* The same with -ps 1, of lamps wider than a pixel, .1, between the middles of
+ * four. */
+static const struct {
+    const char *lamp;
+    double area;
+} between[] = {
+    { "l ring r 0 0 8 0 1 0 0 -1 0 0 .06", M_PI * .0036 },
+    { "l sphere s 0 0 4 0 1 0 .06", M_PI * .0036 },
+    { "l polygon p 0 0 9 -.07 1 -.045 .07 1 -.045 0 1 .076", .14 * .121 / 2 },
+};
+
+START_TEST(lamps_between_samples_are_not_lost)
+{
+    struct rad_params p = params(20, 1);
+    struct rad_pixel *picture;
+    struct stage s;
+    char scene[256];
+    double sum = 0, area = between[_i].area;
+
+    p.directvis = true;
+    p.pixjitter = 0;
+    snprintf(scene, sizeof scene, "void light l 0 0 3 100 100 100\n%s\n",
+             between[_i].lamp);
+    stage_init(&s, scene, p,
+               "VIEW= -vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 2 -vv 2", false);
+    picture = render_all(&s);
+    for (int i = 0; i < 400; i++)
+        sum += picture[i].L.r;
+    ck_assert_double_eq_tol(sum, 100 * area / 4 * 400,
+                            .02 * 100 * area / 4 * 400);
+    free(picture);
+    stage_release(&s);
+}
+END_TEST
+
+/* A ball whose edge is far behind its middle. */
+START_TEST(depth_changes_no_painted_pixel)
+{
+    struct rad_params p = params(16, 1);
+    struct rad_pixel *pictures[2];
+    struct stage s[2];
+
+    p.directvis = true;
+    p.pixjitter = 0;
+    for (int i = 0; i < 2; i++) {
+        stage_init(&s[i],
+                   "void light l 0 0 3 20 20 20\nl sphere b 0 0 4 0 0 2.5 .2\n",
+                   p, "VIEW= -vp 0 -6 1 -vd 0 1 -.1 -vh 45 -vv 45", i == 1);
+        pictures[i] = render_all(&s[i]);
+    }
+    ck_assert_uint_gt(s[1].ctx.counts.paint_rays, 0);
+    for (int i = 0; i < 256; i++)
+        ck_assert_float_eq(pictures[0][i].L.r, pictures[1][i].L.r);
+    for (int i = 0; i < 2; i++) {
+        free(pictures[i]);
+        stage_release(&s[i]);
+    }
+}
+END_TEST
+
 START_TEST(wide_lamps_and_illums_are_not_painted)
 {
     static const char lamps[] =
@@ -494,6 +597,11 @@ main(void)
     tcase_add_test(tc, motion_blurs_between_the_views);
     tcase_add_test(tc, rows_count_from_the_top_and_jitter_stays_inside);
     tcase_add_test(tc, small_lamps_are_painted_with_their_area);
+    tcase_add_loop_test(tc, thin_lamps_look_as_large_as_they_are, 0,
+                        N_ELEM(thin));
+    tcase_add_loop_test(tc, lamps_between_samples_are_not_lost, 0,
+                        N_ELEM(between));
+    tcase_add_test(tc, depth_changes_no_painted_pixel);
     tcase_add_test(tc, wide_lamps_and_illums_are_not_painted);
     tcase_add_test(tc, coverage_of_all_pixels_is_the_area);
     tcase_add_test(tc, windows_stop_when_asked_and_stay_in_the_picture);

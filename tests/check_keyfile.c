@@ -6,9 +6,11 @@
 #include "unit.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define HEX16 "00112233445566778899aabbccddeeff"
@@ -251,6 +253,104 @@ START_TEST(orders_change_the_file_and_say_what_they_did)
 }
 END_TEST
 
+/* The largest list that a key file makes, which is not told in pages. */
+START_TEST(a_list_of_all_keys_fits_an_answer)
+{
+    char name[MSG_MAX_NAME + 1], *json = NULL;
+    FILE *out;
+
+    make_folder();
+    out = fopen(path, "w");
+    ck_assert_ptr_nonnull(out);
+    fchmod(fileno(out), 0600);
+    memset(name, 'n', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    for (int i = 1; i <= KEY_MOST; i++)
+        fprintf(out, "worker:%s:k%d %064d 2027-01-31T12:00:00Z\n", name, i, i);
+    fclose(out);
+    ck_assert_int_eq(order(MSG_KEY_LIST, "", &json), 0);
+    ck_assert_uint_gt(strlen(json), KEY_MOST * 100);
+    ck_assert_uint_le(strlen(json), MSG_MAX - 4);
+    free(json);
+    remove_folder();
+}
+END_TEST
+
+/* The file that a link leads to is the one that changes. */
+START_TEST(links_are_followed_and_stay)
+{
+    char link_path[160];
+    struct keyfile f;
+    struct stat st;
+    char *json;
+
+    make_folder();
+    snprintf(link_path, sizeof link_path, "%s/link", folder);
+    ck_assert_int_eq(symlink("keys", link_path), 0); /* to nothing yet */
+    for (int i = 0; i < 2; i++) {
+        struct key_order add = { MSG_KEY_ADD, "user:a", 0 };
+
+        ck_assert_int_eq(key_order_run(link_path, &add, 1, &json, NULL), 0);
+        free(json);
+    }
+    ck_assert_int_eq(lstat(link_path, &st), 0);
+    ck_assert(S_ISLNK(st.st_mode));
+    ck_assert_int_eq(keyfile_load(&f, path, NULL), 0);
+    ck_assert_uint_eq(f.n, 2);
+    keyfile_release(&f);
+    ck_assert_int_eq(unlink(link_path), 0);
+    remove_folder();
+}
+END_TEST
+
+/* Retired in one name, a key would be good in the other. */
+START_TEST(file_of_two_names_is_not_changed)
+{
+    char second[160], *json;
+    struct keyfile f;
+
+    make_folder();
+    snprintf(second, sizeof second, "%s/second", folder);
+    ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
+    free(json);
+    ck_assert_int_eq(link(path, second), 0);
+    ck_assert_int_eq(order(MSG_KEY_RETIRE, "user:a", &json), RAD_EPERM);
+    ck_assert_int_eq(keyfile_load(&f, second, NULL), 0);
+    ck_assert(!f.v[0].retired);
+    keyfile_release(&f);
+    ck_assert_int_eq(unlink(second), 0);
+    remove_folder();
+}
+END_TEST
+
+/* A user who is not in the group of its file. */
+START_TEST(group_that_cannot_be_kept_is_let_go)
+{
+    enum { NOBODY = 65534, STRANGE_GROUP = 64123 };
+    char *json;
+    int status;
+    pid_t pid;
+
+    if (geteuid() != 0)
+        return;
+    make_folder();
+    ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
+    free(json);
+    ck_assert_int_eq(chown(folder, NOBODY, NOBODY), 0);
+    ck_assert_int_eq(chown(path, NOBODY, STRANGE_GROUP), 0);
+    pid = fork();
+    if (pid == 0) {
+        if (setgroups(0, NULL) < 0 || setgid(NOBODY) < 0 || setuid(NOBODY) < 0)
+            _exit(2);
+        _exit(order(MSG_KEY_ADD, "user:b", &json) == 0 ? 0 : 1);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFEXITED(status));
+    ck_assert_int_eq(WEXITSTATUS(status), 0);
+    remove_folder();
+}
+END_TEST
+
 START_TEST(a_key_that_has_expired_is_not_made)
 {
     const int64_t end = 1800000000;
@@ -346,6 +446,10 @@ main(void)
     tcase_add_test(tc, a_key_ends_when_its_date_comes);
     tcase_add_loop_test(tc, only_names_get_keys, 0, N_ELEM(no_names));
     tcase_add_test(tc, orders_change_the_file_and_say_what_they_did);
+    tcase_add_test(tc, a_list_of_all_keys_fits_an_answer);
+    tcase_add_test(tc, links_are_followed_and_stay);
+    tcase_add_test(tc, file_of_two_names_is_not_changed);
+    tcase_add_test(tc, group_that_cannot_be_kept_is_let_go);
     tcase_add_test(tc, a_key_that_has_expired_is_not_made);
     tcase_add_loop_test(tc, a_file_that_others_may_open_is_refused, 0,
                         N_ELEM(open_modes));

@@ -320,7 +320,7 @@ START_TEST(when_the_lender_goes_its_columns_are_dropped)
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut");
     carry_out();
-    ck_assert_int_eq(count(W2, MSG_REVOKE), 1);
+    ck_assert_int_eq(count(W2, MSG_YIELD), 1);
     wait_ms(2000);
     b = *unit_of(W2);
     ck_assert(b.unit == a.unit && b.y == a.y && b.height == a.height);
@@ -343,7 +343,7 @@ START_TEST(a_lender_that_comes_back_goes_on)
     clear();
     coord_closed(f.c, f.now_ms, W1, "cut");
     carry_out();
-    ck_assert_uint_eq(last(W2, MSG_REVOKE)->m.revoke.attempt, loan.attempt);
+    ck_assert_uint_eq(last(W2, MSG_YIELD)->m.yield.attempt, loan.attempt);
     join(W1, MSG_ROLE_WORKER, "ws1", "");
     still.still = (struct msg_gave){ id, a.unit, a.attempt, a.height };
     say(W1, &still);

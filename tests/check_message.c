@@ -15,6 +15,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <sysexits.h>
 
 #define MOST 4096 /* bytes of an example frame */
 
@@ -96,6 +97,7 @@ static const struct msg examples[] = {
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },
     { .type = MSG_PAUSE, .request = 5, .pause = { ID } },
     { .type = MSG_RESUME, .request = 6, .resume = { ID } },
+    { .type = MSG_PRIORITY, .request = 11, .priority = { ID, -5 } },
     { .type = MSG_FETCH, .request = 7, .fetch = { ID, 1, MSG_WHAT_DEPTH } },
     { .type = MSG_QUERY, .request = 8, .query = { MSG_QUERY_JOB, "1011" } },
     { .type = MSG_ANSWER, .request = 8,
@@ -104,6 +106,10 @@ static const struct msg examples[] = {
     { .type = MSG_UNDRAIN, .request = 9, .undrain = { "ws1" } },
     { .type = MSG_KEY, .request = 10,
       .key = { MSG_KEY_ADD, "worker:ws1", 1798761600 } },
+    { .type = MSG_PAGE, .request = 11,
+      .page = { MSG_ROWS_WORKERS, 1, "ana", "running", 12, 13 } },
+    { .type = MSG_DELETE, .request = 12, .delete = { ID } },
+    { .type = MSG_FORGET, .request = 13, .forget = { "ws1" } },
     { .type = MSG_JOB_START, .job_start = SPEC },
     { .type = MSG_READY, .ready = { ID, .125, 42, 8 } },
     { .type = MSG_JOB_END, .job_end = { ID } },
@@ -137,6 +143,9 @@ static const struct msg examples[] = {
     { .type = MSG_LINE_COSTS, .line_costs = { ID, 1, 2, 2, line_ns } },
     { .type = MSG_RESUMED, .resumed = { ID, 1, 2 } },
     { .type = MSG_STILL, .still = { ID, 1, 2, 3 } },
+    { .type = MSG_ROOM, .room = { ID, 0, "no room on the disk" } },
+    { .type = MSG_YIELD, .yield = { ID, 1, 2 } },
+    { .type = MSG_REST, .rest = { ID } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -431,6 +440,98 @@ START_TEST(what_is_coded_is_not_said_in_version_1)
 }
 END_TEST
 
+/* A spec whose frames lie in a file, with the sizes of SPEC's. */
+static struct msg
+by_file(void)
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC };
+
+    m.submit.flags |= MSG_JOB_VIEWS;
+    m.submit.views = two_hashes;
+    for (uint32_t i = 0; i < m.submit.nframes; i++) {
+        const struct msg_frame *f = &m.submit.frames[i];
+
+        if (f->width > m.submit.width)
+            m.submit.width = f->width;
+        if (f->height > m.submit.height)
+            m.submit.height = f->height;
+    }
+    return m;
+}
+
+/* A message has no more of many frames than where they are; for version 1 it
+ * has them all, if it has them at all. */
+START_TEST(frames_in_a_file_are_left_out)
+{
+    struct msg job = by_file(), m = { 0 };
+    uint8_t bytes[MOST];
+    size_t n = pack(&job, bytes);
+    struct wire_out out;
+
+    ck_assert_int_eq(
+        msg_unpack(&m, MSG_SUBMIT, 0, bytes + MSG_HEADER, n - MSG_HEADER, NULL),
+        0);
+    ck_assert_ptr_null(m.submit.frames);
+    ck_assert_uint_eq(m.submit.ncosts, 0);
+    ck_assert_uint_eq(m.submit.nframes, job.submit.nframes);
+    ck_assert_uint_eq(m.submit.width, job.submit.width);
+    ck_assert_mem_eq(m.submit.views, two_hashes, MSG_HASH);
+    wire_out_init(&out, MOST);
+    ck_assert_int_eq(msg_pack_as(1, &out, &m), RAD_EPROTO);
+    msg_release(&m);
+    n = pack_as(1, &job, bytes);
+    ck_assert_int_eq(msg_unpack_as(1, &m, MSG_SUBMIT, 0, bytes + MSG_HEADER,
+                                   n - MSG_HEADER, NULL),
+                     0);
+    ck_assert_ptr_nonnull(m.submit.frames);
+    ck_assert_uint_eq(m.submit.ncosts, job.submit.ncosts);
+    msg_release(&m);
+    wire_out_release(&out);
+}
+END_TEST
+
+/* What a file of frames says is taken for what it is, or not at all. */
+START_TEST(a_file_of_frames_is_read_back)
+{
+    struct msg job = by_file(), list = { 0 };
+    struct msg_spec got = { .nframes = job.submit.nframes,
+                            .width = job.submit.width,
+                            .height = job.submit.height };
+    struct msg_spec other = got;
+    struct wire_out out;
+
+    wire_out_init(&out, MOST);
+    ck_assert_int_eq(msg_views_pack(&out, &job.submit), 0);
+    ck_assert_mem_eq(out.buf, "RVEW\0\0\0\1", 8);
+    ck_assert_int_eq(msg_views_unpack(&list, &got, out.buf, out.len, NULL), 0);
+    ck_assert_uint_eq(got.ncosts, job.submit.ncosts);
+    ck_assert_mem_eq(got.costs, job.submit.costs, 4 * got.ncosts);
+    for (uint32_t i = 0; i < got.nframes; i++) {
+        ck_assert_uint_eq(got.frames[i].number, job.submit.frames[i].number);
+        ck_assert_uint_eq(got.frames[i].width, job.submit.frames[i].width);
+        ck_assert_str_eq(got.frames[i].view, job.submit.frames[i].view);
+    }
+    other.width++;
+    ck_assert_int_eq(msg_views_unpack(&list, &other, out.buf, out.len, NULL),
+                     RAD_EDATA);
+    for (size_t n = 0; n < out.len; n++) {
+        uint8_t *cut = malloc(n + 1);
+
+        memcpy(cut, out.buf, n);
+        ck_assert_int_eq(msg_views_unpack(&list, &got, cut, n, NULL),
+                         RAD_EDATA);
+        free(cut);
+    }
+    for (size_t i = 0; i < out.len; i++) { /* no matter what, but no harm */
+        out.buf[i] ^= 0xff;
+        msg_views_unpack(&list, &got, out.buf, out.len, NULL);
+        out.buf[i] ^= 0xff;
+    }
+    msg_release(&list);
+    wire_out_release(&out);
+}
+END_TEST
+
 START_TEST(what_is_no_frame_is_not_translated)
 {
     uint8_t frame[MOST] = { 0 };
@@ -498,6 +599,10 @@ START_TEST(version_1_is_told_what_it_can_take)
     size_t n = pack_as(1, &told, bytes);
 
     job.job_start.flags |= MSG_JOB_RECORDS;
+    /* 64 bytes end in the middle of a character */
+    job.job_start.name =
+        "xxx/"
+        "0123456789012345678901234567890123456789012345678901234567\u20ac.rad";
 
     ck_assert_int_eq(msg_unpack_as(1, &m, told.type, 0, bytes + MSG_HEADER,
                                    n - MSG_HEADER, NULL),
@@ -511,6 +616,7 @@ START_TEST(version_1_is_told_what_it_can_take)
                      0);
     ck_assert_uint_eq(m.job_start.flags, MSG_JOB_SHARE);
     ck_assert_uint_eq(m.job_start.memory_mib, 0);
+    ck_assert_uint_eq(strlen(m.job_start.name), 62);
     n = pack_as(1, &held, bytes);
     ck_assert_int_eq(msg_unpack_as(1, &m, held.type, 0, bytes + MSG_HEADER,
                                    n - MSG_HEADER, NULL),
@@ -604,6 +710,10 @@ static const struct {
     { MSG_TALLY, offsetof(struct msg, tally.paid.cpu_s) },
     { MSG_ESTIMATED, offsetof(struct msg, estimated.counts.cpu_s) },
     { MSG_PAID, offsetof(struct msg, paid.counts.cpu_s) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.cost_done) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.cost_total) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.elapsed_s) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.error) },
 };
 
 /* Statistics are JSON, which has no infinity, not even one that is a sum. */
@@ -625,6 +735,65 @@ START_TEST(an_amount_without_end_is_refused)
             unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER, n, &back),
             RAD_EPROTO);
     }
+    msg_release(&back);
+}
+END_TEST
+
+/* Numbers that are read, and that nobody means. */
+static const struct {
+    enum msg_type type;
+    size_t at, size; /* in the message */
+    uint64_t least_wrong, wrong;
+} numbers[] = {
+#define NUMBER(TYPE, field, least, other)                                      \
+    {                                                                          \
+        TYPE, offsetof(struct msg, field), sizeof(((struct msg *)0)->field),   \
+            least, other                                                       \
+    }
+    NUMBER(MSG_HELLO, hello.threads, MSG_MAX_THREADS + 1, UINT16_MAX),
+    NUMBER(MSG_READY, ready.threads, MSG_MAX_THREADS + 1, 0),
+    NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),
+    NUMBER(MSG_PROGRESS, progress.state, MSG_STATE_HELD + 1, 255),
+    NUMBER(MSG_SUBMIT, submit.bundle_bytes, MSG_MAX_BYTES + 1, UINT64_MAX),
+    NUMBER(MSG_KEY, key.expires, MSG_MAX_DATE + 1, UINT64_MAX),
+    NUMBER(MSG_PAID, paid.counts.nan.x, MSG_MAX_SIDE + 1, UINT32_MAX),
+    NUMBER(MSG_PAID, paid.counts.nan.y, MSG_MAX_SIDE + 1, UINT32_MAX),
+};
+
+START_TEST(a_number_out_of_its_range_is_refused)
+{
+    const uint64_t wrong[] = { numbers[_i].least_wrong, numbers[_i].wrong };
+    uint8_t bytes[MOST];
+    struct msg m = { 0 }, back = { 0 };
+
+    for (size_t i = 0; i < N_ELEM(examples); i++)
+        if (examples[i].type == numbers[_i].type)
+            m = examples[i];
+    for (size_t i = 0; i < N_ELEM(wrong); i++) {
+        size_t n;
+
+        /* of a wider number its first bytes, as this machine has them */
+        memcpy((char *)&m + numbers[_i].at, &wrong[i], numbers[_i].size);
+        n = pack_as(MSG_VERSION, &m, bytes) - MSG_HEADER;
+        ck_assert_int_eq(
+            unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER, n, &back),
+            RAD_EPROTO);
+    }
+    msg_release(&back);
+}
+END_TEST
+
+/* It would be counted as next to nothing. */
+START_TEST(a_file_of_more_than_all_disks_have_is_refused)
+{
+    static const uint8_t data[MSG_HASH];
+    struct msg m = { .type = MSG_CHUNK }, back = { 0 };
+    struct wire_out w;
+
+    m.chunk = (struct msg_chunk){ data, 0, MSG_MAX_BYTES + 1, data, 1 };
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ck_assert_int_ne(msg_pack(&w, &m), 0);
+    wire_out_release(&w);
     msg_release(&back);
 }
 END_TEST
@@ -653,22 +822,26 @@ static const struct {
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
       "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
-      "UNLINKED " },
-    { MSG_AT_COORD_USER, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
-                         "RESUME FETCH QUERY " },
-    { MSG_AT_COORD_ADMIN, " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE "
-                          "RESUME FETCH QUERY DRAIN UNDRAIN KEY " },
+      "UNLINKED ROOM " },
+    { MSG_AT_COORD_USER,
+      " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
+      "RESUME FETCH QUERY PAGE DELETE " },
+    { MSG_AT_COORD_ADMIN,
+      " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
+      "RESUME FETCH QUERY DRAIN UNDRAIN KEY PAGE DELETE FORGET " },
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
-    { MSG_AT_WORKER, " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE "
-                     "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-                     "ESTIMATE LEND LOAN BACK SEED RING " },
+    { MSG_AT_WORKER,
+      " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
+      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
+      "ESTIMATE LEND LOAN BACK SEED RING " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
-    { MSG_AT_CHILD, " JOB_END UNIT REVOKE AMBIENT GIVE TWIN FACTS BASE_LINE "
-                    "SPLIT ESTIMATE LEND LOAN BACK SEED " },
+    { MSG_AT_CHILD,
+      " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
+      "SPLIT ESTIMATE LEND LOAN BACK SEED " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
                      "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED " },
@@ -798,7 +971,7 @@ static const struct msg impossible[] = {
       .facts = { ID, 0, 0, 31, 2, 10, 0, 3, bitmap, facts } },
     { .type = MSG_BASE_LINE,
       .base_line = { ID, 0, 0, 65535, 1, 0, 0, 3, density, pixels } },
-    { .type = MSG_GAVE, .gave = { ID, 0, 0, 0 } },
+    { .type = MSG_GAVE, .gave = { ID, 0, 0, MSG_MAX_SIDE + 1 } },
     { .type = MSG_LOAN, /* of no columns */
       .loan = { ID, 0, 0, 0, 1, 0, 0, 0, 0, 0, 3, 0, NULL, lent, pixels,
                 pixels } },
@@ -872,6 +1045,8 @@ main(void)
     tcase_add_loop_test(tc, a_frame_is_translated, 0, all);
     tcase_add_test(tc, what_is_coded_is_not_said_in_version_1);
     tcase_add_test(tc, what_is_no_frame_is_not_translated);
+    tcase_add_test(tc, frames_in_a_file_are_left_out);
+    tcase_add_test(tc, a_file_of_frames_is_read_back);
     tcase_add_loop_test(tc, the_highest_version_that_both_speak_is_taken, 0,
                         N_ELEM(ranges));
     tcase_add_test(tc, a_later_message_is_none_of_an_earlier_version);
@@ -883,6 +1058,9 @@ main(void)
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));
+    tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
+                        (int)N_ELEM(numbers));
+    tcase_add_test(tc, a_file_of_more_than_all_disks_have_is_refused);
     tcase_add_loop_test(tc, a_bad_header_is_refused_before_its_body, 0,
                         N_ELEM(headers));
     tcase_add_loop_test(tc, frames_come_out_whole_however_they_come_in, 0, 40);

@@ -38,7 +38,7 @@ static const struct {
     { 384, 256, 64, 64 }, { 1, 100, 30, 30 },
     { 100, 1, 30, 30 },   { 37, 1, 14, 14 },
     { 3, 26, 40, 40 },    { 2, 2, 100, 4 },
-    { 1, 1, 5, 1 },       { 640, 480, 640 * 480, 640 * 480 },
+    { 1, 1, 5, 1 },       { 320, 240, 320 * 240, 320 * 240 },
     { 65520, 1, 3, 3 },   { 384, 256, 0, 24 },
     { 50, 40, 0, 16 },    { 8200, 2050, 0, 4096 },
 };
@@ -796,7 +796,7 @@ static const struct {
     uint32_t width, windows, ncosts;
     const char *what;
 } refused[] = {
-    { MSG_PART_WINDOW, 65520, 2000000, 0, "too many windows" },
+    { MSG_PART_WINDOW, 65520, 100001, 0, "too many windows" },
     { MSG_PART_WINDOW, 65535, 0, 0, "picture of 65535 columns" },
     { MSG_PART_SCANBAR, 65535, 0, 0, "picture of 65535 columns" },
     { MSG_PART_SCANBAR, 10, 0, 3,

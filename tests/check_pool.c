@@ -693,6 +693,29 @@ START_TEST(the_cache_is_seeded_before_units_begin)
 }
 END_TEST
 
+/* Its threads go on to the units at once. */
+START_TEST(seeding_is_left_when_something_comes_first)
+{
+    static struct fixture f;
+    struct pool_unit u = unit(0);
+
+    open_fixture(&f, "-x 96 -y 96 -ab 4 -ad 4096 -aa .01 -as 0", false,
+                 seeders[_i]);
+    pool_rest(f.pool); /* of nothing */
+    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
+    while (pool_tally(f.pool).seeded.rays == 0 && f.seeded == 0) {
+        pool_rest(f.pool);
+        uv_run(&f.loop, UV_RUN_ONCE);
+    }
+    while (f.seeded == 0)
+        uv_run(&f.loop, UV_RUN_ONCE);
+    ck_assert_int_eq(f.first_rows, 0);
+    ck_assert(pool_push(f.pool, &u));
+    pool_revoke(f.pool, 0, 1); /* it would take for ever */
+    close_fixture(&f);
+}
+END_TEST
+
 START_TEST(a_pool_ends_with_seeding_under_way)
 {
     static struct fixture f;
@@ -795,6 +818,7 @@ main(void)
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
     tcase_add_loop_test(tc, the_cache_is_seeded_before_units_begin, 0,
                         N_ELEM(seeders));
+    tcase_add_loop_test(tc, seeding_is_left_when_something_comes_first, 0, 2);
     tcase_add_test(tc, a_pool_ends_with_seeding_under_way);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);

@@ -568,6 +568,7 @@ submit(void)
         s.coord, s.now_ms, CLIENT,
         &(struct coord_peer){ "user", "ana", 1u << MSG_ROLE_USER, NULL });
     coord_message(s.coord, s.now_ms, CLIENT, &hello);
+    coord_file_stored(s.coord, s.now_ms, CLIENT, hash);
     coord_message(s.coord, s.now_ms, CLIENT, &m);
     coord_acts();
 }

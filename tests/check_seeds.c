@@ -138,6 +138,8 @@ query(void)
 {
     says(ADMIN,
          &(struct msg){ .type = MSG_QUERY, .query = { MSG_QUERY_JOBS, "" } });
+    says(ADMIN, &(struct msg){ .type = MSG_PAGE,
+                               .page = { MSG_ROWS_JOBS, 1, "", "open", 0, 0 } });
 }
 
 static void

@@ -1,6 +1,7 @@
 /* check_shell.c - what both daemons' shells have in common */
 #include "config.h"
 
+#include "children.h"
 #include "shell.h"
 #include "unit.h"
 
@@ -48,6 +49,38 @@ START_TEST(an_action_stays_while_it_brings_about_others)
 }
 END_TEST
 
+START_TEST(a_child_gets_no_more_of_an_environment_than_it_needs)
+{
+    static char given[][40] = { "PATH=/bin",          "TZ=Europe/Vienna",
+                                "SECRET=sesame",      "LD_LIBRARY_PATH=/lib",
+                                "LD_LIBRARY_PATHS=1", "NOTIFY_SOCKET=/run/n",
+                                "TZ" };
+    char *all[8] = { NULL };
+    char *got[CHILDREN_MAX_ENV + 1];
+
+    for (int i = 0; i < 7; i++)
+        all[i] = given[i];
+    children_environment(all, got);
+    ck_assert_str_eq(got[0], "TZ=Europe/Vienna");
+    ck_assert_str_eq(got[1], "LD_LIBRARY_PATH=/lib");
+    ck_assert_ptr_null(got[2]);
+}
+END_TEST
+
+START_TEST(a_name_that_comes_often_fills_no_more_than_there_is)
+{
+    static char zone[] = "TZ=UTC";
+    char *all[3 * CHILDREN_MAX_ENV + 1] = { NULL };
+    char *got[CHILDREN_MAX_ENV + 1];
+
+    for (int i = 0; i < 3 * CHILDREN_MAX_ENV; i++)
+        all[i] = zone;
+    children_environment(all, got);
+    ck_assert_str_eq(got[CHILDREN_MAX_ENV - 1], "TZ=UTC");
+    ck_assert_ptr_null(got[CHILDREN_MAX_ENV]);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -55,6 +88,8 @@ main(void)
     TCase *tc = tcase_create("shell");
 
     tcase_add_test(tc, an_action_stays_while_it_brings_about_others);
+    tcase_add_test(tc, a_child_gets_no_more_of_an_environment_than_it_needs);
+    tcase_add_test(tc, a_name_that_comes_often_fills_no_more_than_there_is);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

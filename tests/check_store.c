@@ -6,10 +6,12 @@
 #include "picture/hdr.h"
 #include "rows.h"
 #include "service.h"
+#include "sound.h"
 #include "store.h"
 
 #include "unit.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <math.h>
@@ -206,13 +208,33 @@ put(struct rows *r, int x, int y, int w, int h)
     ck_assert_int_eq(rows_write(r, x, y, w, h, px, NULL), 0);
 }
 
+static struct rows_open opened;
+
+/* Use others until none of before is open. */
+static void
+push_out(void)
+{
+    struct rows other[ROWS_OPEN];
+    char path[160];
+
+    for (int i = 0; i < ROWS_OPEN; i++) {
+        snprintf(path, sizeof path, "%s/other.%d", dir, i);
+        ck_assert_int_eq(rows_create(&other[i], &opened, path, W, H,
+                                     ROWS_COLOURS, false, NULL),
+                         0);
+        put(&other[i], 0, 0, W, 1);
+    }
+    for (int i = 0; i < ROWS_OPEN; i++)
+        rows_remove(&other[i]);
+}
+
 static void
 make_rows(struct rows *r, enum rows_kind kind)
 {
     char path[160];
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(r, path, W, H, kind, true, NULL), 0);
+    ck_assert_int_eq(rows_create(r, &opened, path, W, H, kind, true, NULL), 0);
 }
 
 START_TEST(windows_make_a_whole)
@@ -223,9 +245,9 @@ START_TEST(windows_make_a_whole)
     make_rows(&r, (enum rows_kind)_i);
     put(&r, 0, 0, 4, 3);
     put(&r, 4, 0, 6, 3);
-    rows_rest(&r);
+    push_out();
     put(&r, 0, 3, W, 2);
-    ck_assert_int_eq(rows_sync(&r, NULL), 0);
+    ck_assert_int_eq(rows_sync(&opened, NULL), 0);
     for (int y = 0; y < 5; y++) {
         ck_assert_int_eq(rows_read(&r, y, line, NULL), 0);
         for (int x = 0; x < W; x++)
@@ -236,6 +258,48 @@ START_TEST(windows_make_a_whole)
     for (int i = 0; i < W * _i; i++)
         ck_assert_float_eq(line[i], 0); /* has not come */
     rows_remove(&r);
+}
+END_TEST
+
+static int
+open_files(void)
+{
+    DIR *d = opendir("/proc/self/fd");
+    int n = 0;
+
+    ck_assert_ptr_nonnull(d);
+    while (readdir(d))
+        n++;
+    closedir(d);
+    return n;
+}
+
+START_TEST(few_of_many_files_are_open)
+{
+    enum { MANY = 100 };
+    static struct rows r[MANY];
+    int before = open_files();
+    float line[W * 4];
+    char path[160];
+
+    for (int i = 0; i < MANY; i++) {
+        snprintf(path, sizeof path, "%s/%d.rows", dir, i);
+        ck_assert_int_eq(
+            rows_create(&r[i], &opened, path, W, H, ROWS_COLOURS, true, NULL),
+            0);
+        put(&r[i], 0, i % H, W, 1);
+    }
+    ck_assert_int_le(open_files(), before + ROWS_OPEN);
+    ck_assert_int_eq(rows_sync(&opened, NULL), 0);
+    for (int i = 0; i < MANY; i++) {
+        ck_assert(!r[i].dirty);
+        ck_assert_int_eq(rows_read(&r[i], i % H, line, NULL), 0);
+        ck_assert_float_eq(line[3], value(1, i % H, 0));
+    }
+    for (int i = 0; i < MANY; i++)
+        rows_remove(&r[i]);
+    ck_assert_int_eq(open_files(), before);
+    ck_assert_ptr_null(opened.file[0]);
 }
 END_TEST
 
@@ -286,7 +350,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     make_rows(&r, ROWS_DISTANCES);
     put(&r, 0, 0, W, H);
     snprintf(path, sizeof path, "%s/f.hdr", dir);
-    ck_assert_int_eq(rows_picture(&r, &info, path, true, NULL), 0);
+    ck_assert_int_eq(rows_picture(&r, &info, path, true, NULL, NULL), 0);
     data = slurp(path, &n);
     ck_assert_int_eq(rad_hdr_read(data, n, 1000, &pic, NULL), 0);
     ck_assert_int_eq(pic.width, W);
@@ -298,7 +362,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     rad_picture_release(&pic);
     free(data);
     snprintf(path, sizeof path, "%s/f.z", dir);
-    ck_assert_int_eq(rows_depth(&r, path, true, NULL), 0);
+    ck_assert_int_eq(rows_depth(&r, path, true, NULL, NULL), 0);
     data = slurp(path, &n);
     ck_assert_uint_eq(n, W * H * sizeof(float));
     memcpy(&z, data + (3 * W + 2) * sizeof z, sizeof z);
@@ -362,7 +426,7 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
 
     for (int coded = 0; coded < 2; coded++) {
         snprintf(path, sizeof path, "%s/f.rows", dir);
-        ck_assert_int_eq(rows_create(&r, path, W, H,
+        ck_assert_int_eq(rows_create(&r, &opened, path, W, H,
                                      coded ? kind : ROWS_COLOURS,
                                      codings[_i].durable, NULL),
                          0);
@@ -377,7 +441,7 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
             ck_assert_int_eq(rc, kind == ROWS_COLOURS ? RAD_EPROTO : 0);
             if (split < W)
                 ck_assert_int_eq(put_coded(&r, split, y, W - split, h), 0);
-            rows_rest(&r);
+            push_out();
         }
         if (coded && kind == ROWS_COLOURS) {
             rows_remove(&r);
@@ -385,7 +449,7 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
             return;
         }
         snprintf(path, sizeof path, "%s/f.hdr", dir);
-        ck_assert_int_eq(rows_picture(&r, &info, path, false, NULL), 0);
+        ck_assert_int_eq(rows_picture(&r, &info, path, false, NULL, NULL), 0);
         data[coded] = slurp(path, &n[coded]);
         rows_remove(&r);
     }
@@ -404,10 +468,12 @@ START_TEST(coded_rows_that_are_none_are_refused)
     struct rows r;
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(&r, path, W, H, ROWS_CODED, true, NULL),
-                     RAD_EINTERNAL);
     ck_assert_int_eq(
-        rows_create(&r, path, W, H, (enum rows_kind)_i, false, NULL), 0);
+        rows_create(&r, &opened, path, W, H, ROWS_CODED, true, NULL),
+        RAD_EINTERNAL);
+    ck_assert_int_eq(
+        rows_create(&r, &opened, path, W, H, (enum rows_kind)_i, false, NULL),
+        0);
     ck_assert_int_eq(rows_write_coded(&r, 0, H, W, 1, code, n, NULL, NULL),
                      RAD_EPROTO);
     ck_assert_int_eq(rows_write_coded(&r, 0, -1, W, 1, code, n, NULL, NULL),
@@ -465,8 +531,8 @@ START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
     at[MANY] = n;
     ck_assert_uint_lt(n, 512 << 10);
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(&r, path, WIDE, MANY, ROWS_RGBE, false, NULL),
-                     0);
+    ck_assert_int_eq(
+        rows_create(&r, &opened, path, WIDE, MANY, ROWS_RGBE, false, NULL), 0);
     if (!SANITIZED)
         limit_memory(8 << 20);
     ck_assert_int_eq(
@@ -497,8 +563,9 @@ START_TEST(a_line_keeps_its_floats)
     make_rows(&r, ROWS_RGBE);
     ck_assert_int_eq(rows_write_line(&r, H - 1, line, NULL), 0);
     ck_assert_int_eq(put_coded(&r, 0, 0, W, H), 0);
-    ck_assert_int_eq(rows_sync(&r, NULL), 0);
-    ck_assert_int_eq(rows_open(&again, r.path, W, H, ROWS_RGBE, NULL), 0);
+    ck_assert_int_eq(rows_sync(&opened, NULL), 0);
+    ck_assert_int_eq(rows_open(&again, &opened, r.path, W, H, ROWS_RGBE, NULL),
+                     0);
     ck_assert_int_eq(rows_read_line(&again, H - 1, back, NULL), 0);
     ck_assert_mem_eq(line, back, sizeof line);
     ck_assert_int_eq(rows_read_line(&again, H - 2, back, NULL), 0);
@@ -520,6 +587,7 @@ struct heard {
     int chunks; /* written, of files not yet whole */
     uint32_t unit;
     ssize_t n;
+    int read_status;
     uint64_t size;
     int broken, filed;
     uint32_t settled, looked;
@@ -573,13 +641,26 @@ on_picture(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
 }
 
 static void
-on_read(void *arg, ssize_t n, uint64_t size, const char *text)
+on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
 {
     struct heard *h = arg;
 
     (void)text;
     h->n = n;
     h->size = size;
+    h->read_status = status;
+}
+
+/* From its beginning, in one piece. */
+static void
+read_all(struct store *s, const struct store_source *from, void *buf, size_t n,
+         struct heard *h)
+{
+    static struct store_reading r;
+
+    store_reading_release(&r);
+    r = (struct store_reading){ .from = *from };
+    store_read(s, &r, buf, n, on_read, h);
 }
 
 static void
@@ -773,7 +854,9 @@ START_TEST(files_are_read_behind_the_loop)
 {
     struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
-    struct action_look look = { .request = 7, .files = { 1, digest } };
+    struct action_look look = { .request = 7,
+                                .nlook = 1,
+                                .files = { 1, digest } };
     char hex[RAD_SHA_HEX + 1];
     uv_loop_t loop;
     struct store *s;
@@ -914,7 +997,7 @@ START_TEST(job_becomes_a_picture)
     run(&loop, s);
     ck_assert_int_eq(h.jobs, 1);
     ck_assert_int_eq(h.rows, 1);
-    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_gt(h.n, 0);
     ck_assert_int_eq(
@@ -929,7 +1012,7 @@ START_TEST(job_becomes_a_picture)
     put_unit(s, job, 1, 3, 3);
     store_write_picture(s, job, 0);
     from.what = MSG_WHAT_PICTURE;
-    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_eq(h.status, 0);
     ck_assert_int_eq(h.pictures, 1);
@@ -939,8 +1022,8 @@ START_TEST(job_becomes_a_picture)
     ck_assert_float_gt(pic.L[W * H - 1].r, 1.9f);
     rad_picture_release(&pic);
 
-    store_forget_job(s, job);
-    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    store_forget_job(s, &(struct saved_gone){ .job = { 1, 2, 3 } });
+    read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_lt(h.n, 0);
     store_close(s);
@@ -1001,7 +1084,7 @@ START_TEST(files_that_no_job_needs_go_after_a_day)
     run(&loop, s);
     for (int i = 0; i < N_ELEM(texts); i++)
         if (strcmp(texts[i], "new") != 0)
-            make_old(texts[i], STORE_FILES_S + 60);
+            make_old(texts[i], 3600 + 60);
     snprintf(path, sizeof path, "%s/files/a note of somebody's", dir);
     f = fopen(path, "w");
     ck_assert_ptr_nonnull(f);
@@ -1009,7 +1092,7 @@ START_TEST(files_that_no_job_needs_go_after_a_day)
     digest_of("asked for", asked);
     ck_assert(store_has_file(s, asked));
     digest_of("needed", keep);
-    store_sweep(s, keep, 1);
+    store_sweep(s, keep, 1, 3600);
     run(&loop, s);
     ck_assert(has_text("needed") && has_text("asked for") && has_text("new"));
     ck_assert(!has_text("forgotten") && !has_text("old"));
@@ -1148,10 +1231,10 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
     ck_assert_uint_eq(job.state, 4);
     ck_assert_int_eq(job.status, 70);
     ck_assert_uint_eq(job.last.rays, 17);
-    store_read(s, &from, 0, buf, sizeof buf, on_read, &h);
+    read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
     ck_assert_int_eq(h.n, 3);
-    store_forget_job(s, kept_job);
+    store_forget_job(s, &(struct saved_gone){ .job = { 9, 8, 7 } });
     close_kept(&loop, s);
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(recover(s, &job, NULL), 0);
@@ -1368,6 +1451,31 @@ END_TEST
 
 /* --- service --- */
 
+/* Of one bucket, which is where the bound is. */
+START_TEST(sounds_of_very_many_files_are_forgotten)
+{
+    const uint32_t most = SOUND_MOST / SOUND_BUCKETS, n = 3 * most;
+    uint8_t digest[RAD_SHA_BYTES] = { 7 };
+    struct sounds s = { 0 };
+    uint32_t known = 0;
+    char path[100];
+
+    snprintf(path, sizeof path, "%s/file", dir);
+    fclose(fopen(path, "w"));
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(digest + 4, &i, sizeof i);
+        sounds_note(&s, digest, path);
+    }
+    ck_assert(sounds_known(&s, digest, path));
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(digest + 4, &i, sizeof i);
+        known += sounds_known(&s, digest, path);
+    }
+    ck_assert_uint_eq(known, most);
+    sounds_release(&s);
+}
+END_TEST
+
 START_TEST(folders_are_made_and_files_written_whole)
 {
     char deep[160], ports[200], text[100];
@@ -1405,6 +1513,7 @@ main(void)
     tcase_add_test(tc, bad_names_are_refused);
     tcase_add_test(tc, half_files_of_an_earlier_life_go);
     tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
+    tcase_add_test(tc, few_of_many_files_are_open);
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
     tcase_add_loop_test(tc, coded_rows_make_the_picture_of_the_others, 0,
@@ -1427,6 +1536,7 @@ main(void)
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
+    tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -15,7 +15,9 @@ struct fixture {
     char log[400]; /* what ran (letters), was settled (|) and done (capitals) */
     _Atomic int run_code, settle_code; /* what they return */
     int settled;
+    _Atomic char short_of; /* that letter fails for want of means */
     bool full, broken;
+    enum task_lack lack;
 };
 
 struct letter {
@@ -56,6 +58,9 @@ run_letter(struct task *t)
     struct letter *l = (struct letter *)t;
 
     note(l->c);
+    if (l->c == f.short_of)
+        return rad_fail(&t->err, t->waits ? RAD_EFULL : RAD_ESHORT,
+                        "none for %c", l->c);
     return t->writes && f.run_code
                ? rad_fail(&t->err, f.run_code, "no %c", l->c)
                : 0;
@@ -70,8 +75,8 @@ letter_done(struct task *t)
     free(l);
 }
 
-static void
-push(char c, bool writes)
+static struct letter *
+new_letter(char c, bool writes)
 {
     struct letter *l = calloc(1, sizeof *l);
 
@@ -80,7 +85,20 @@ push(char c, bool writes)
     l->task.done = letter_done;
     l->task.writes = l->task.lasts = writes;
     l->c = c;
-    task_push(&f.q, &l->task);
+    return l;
+}
+
+static void
+push(char c, bool writes)
+{
+    task_push(&f.q, &new_letter(c, writes)->task);
+}
+
+static void
+letter_waits(struct task *t)
+{
+    (void)t;
+    note('?');
 }
 
 static int
@@ -93,11 +111,12 @@ settle(void *arg, struct rad_error *err)
 }
 
 static void
-fullness(void *arg, bool full, const char *text)
+lacks(void *arg, enum task_lack what, const char *text)
 {
     (void)arg;
     ck_assert_str_ne(text, "");
-    f.full = full;
+    f.full = what != TASK_LACKS_NOTHING;
+    f.lack = what;
 }
 
 static void
@@ -108,7 +127,7 @@ broken(void *arg, const struct rad_error *err)
     f.broken = true;
 }
 
-static const struct task_ops ops = { settle, fullness, broken };
+static const struct task_ops ops = { settle, lacks, broken };
 
 static void
 set_up(void)
@@ -165,21 +184,58 @@ START_TEST(what_comes_within_a_while_is_settled_together)
 }
 END_TEST
 
-START_TEST(a_full_disk_holds_what_writes)
+static const int passing[] = { RAD_EFULL, RAD_ESHORT, RAD_ENOMEM };
+
+START_TEST(a_lack_holds_what_writes)
 {
-    f.run_code = RAD_EFULL;
+    f.run_code = passing[_i];
     push('a', true);
     push('b', true);
     push('c', false);
     while (!noted("C") || !f.full)
         turn();
     ck_assert(!noted("AB!"));
+    ck_assert_int_eq(f.lack, _i == 0 ? TASK_LACKS_ROOM : TASK_LACKS_MEANS);
     ck_assert(!task_queue_idle(&f.q));
     f.run_code = 0;
     go();
     ck_assert(!f.full);
     ck_assert(strchr(f.log, 'A') && strchr(f.log, 'A') < strchr(f.log, 'B'));
     ck_assert_ptr_null(strchr(f.log, '!'));
+}
+END_TEST
+
+/* Others read and write meanwhile. */
+START_TEST(reading_waits_for_means_alone)
+{
+    f.short_of = 'a';
+    push('a', false);
+    push('b', false);
+    push('c', true);
+    while (!noted("B") || !noted("C"))
+        turn();
+    ck_assert(!noted("A!") && !f.full);
+    f.short_of = '\0';
+    go();
+    ck_assert(noted("A"));
+}
+END_TEST
+
+START_TEST(what_wants_much_room_waits_alone)
+{
+    struct letter *l = new_letter('a', true);
+
+    l->task.waits = letter_waits;
+    f.short_of = 'a';
+    task_push(&f.q, &l->task);
+    push('b', true);
+    while (!noted("B"))
+        turn();
+    ck_assert(noted("?") && !noted("A!") && !f.full && !f.broken);
+    f.short_of = '\0';
+    go();
+    ck_assert(noted("A"));
+    ck_assert_ptr_eq(strchr(f.log, '?'), strrchr(f.log, '?')); /* told once */
 }
 END_TEST
 
@@ -246,7 +302,9 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, what_lasts_is_done_when_it_is_settled);
     tcase_add_test(tc, what_comes_within_a_while_is_settled_together);
-    tcase_add_test(tc, a_full_disk_holds_what_writes);
+    tcase_add_loop_test(tc, a_lack_holds_what_writes, 0, 3);
+    tcase_add_test(tc, reading_waits_for_means_alone);
+    tcase_add_test(tc, what_wants_much_room_waits_alone);
     tcase_add_test(tc, what_cannot_be_settled_for_room_runs_again);
     tcase_add_test(tc, what_is_held_is_given_up_in_the_end);
     tcase_add_loop_test(tc, a_disk_that_fails_ends_it, 0, 2);

@@ -20,6 +20,8 @@ struct fixture {
     bool have;
     uint64_t coord, child, peer; /* connections that it asked for */
     unsigned dials, spawns, kills;
+    unsigned warnings; /* in the log, and worse */
+    unsigned chunks; /* to be kept */
     bool stopped;
     int status;
     struct {
@@ -95,6 +97,10 @@ carry_out(void)
             f.child = a->conn, f.spawns++;
         else if (a->type == ACT_KILL)
             f.kills++;
+        else if (a->type == ACT_LOG)
+            f.warnings += a->level <= ACT_WARN;
+        else if (a->type == ACT_PUT_CHUNK)
+            f.chunks++;
         else if (a->type == ACT_STOP)
             f.stopped = true, f.status = a->status;
         else if (a->type == ACT_SESSION)
@@ -294,6 +300,109 @@ START_TEST(files_that_it_lacks_come_before_the_child)
 }
 END_TEST
 
+/* It is the disk's affair and not the job's. */
+START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
+{
+    cut();
+    tick(1000);
+    connect_as(MSG_VERSION);
+    f.have = false;
+    start_job();
+    worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
+    worker_file_failed(f.w, f.now_ms, hash, EX_PROTOCOL, "what is left of it");
+    carry_out();
+    ck_assert_int_eq(said(f.coord, MSG_ROOM), 1);
+    ck_assert_int_eq(said(f.coord, MSG_LOST), 0);
+    ck_assert_uint_eq(f.last.room.has, 0);
+    ck_assert_str_eq(f.last.room.text, "no room on the disk");
+    clear();
+    tick(900);
+    ck_assert_int_eq(said(f.coord, MSG_ROOM), 0);
+    tick(100);
+    ck_assert_int_eq(said(f.coord, MSG_ROOM), 1);
+    ck_assert_uint_eq(f.last.room.has, 1);
+    tick(60000);
+    ck_assert_int_eq(said(f.coord, MSG_ROOM), 1);
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 0);
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+    ck_assert_uint_eq(f.spawns, 0);
+}
+END_TEST
+
+/* Which waits until it is ready, and others work. */
+START_TEST(a_coordinator_of_version_1_hears_nothing_of_room)
+{
+    f.have = false;
+    start_job();
+    clear();
+    worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
+    carry_out();
+    ck_assert_int_eq(f.nsaid, 0);
+    tick(1000);
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+}
+END_TEST
+
+/* The store tells of the job's files when nobody can be asked for them. */
+START_TEST(what_is_missing_while_the_coordinator_is_away_is_wanted_later)
+{
+    struct action_look l = { .status = 0 };
+
+    f.have = false;
+    start_job();
+    cut();
+    memcpy(l.job, job_id, MSG_JOB);
+    worker_looked(f.w, f.now_ms, &l);
+    carry_out();
+    tick(1000);
+    clear();
+    connect();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+}
+END_TEST
+
+static void
+chunk(const uint8_t *of, uint64_t offset)
+{
+    struct msg m = { .type = MSG_CHUNK,
+                     .chunk = { of, offset, 2, (const uint8_t *)"x", 1 } };
+
+    hear(f.coord, &m);
+}
+
+START_TEST(only_what_was_asked_for_is_kept)
+{
+    static const uint8_t other[MSG_HASH] = { 99 };
+
+    f.have = false;
+    chunk(hash, 0);
+    ck_assert_uint_eq(f.chunks, 0);
+    start_job();
+    chunk(other, 0);
+    chunk(hash, 1); /* the end of one that was given up */
+    ck_assert_uint_eq(f.chunks, 0);
+    chunk(hash, 0);
+    chunk(hash, 1);
+    ck_assert_uint_eq(f.chunks, 2);
+}
+END_TEST
+
+/* The coordinator may have known of its end before it heard of the WANT. */
+START_TEST(what_a_job_wanted_that_is_over_is_wanted_again_by_the_next)
+{
+    struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    f.have = false;
+    start_job();
+    hear(f.coord, &over);
+    clear();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+}
+END_TEST
+
 START_TEST(units_go_down_and_results_up)
 {
     start_job();
@@ -362,6 +471,7 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     ck_assert(!f.stopped);
     worker_closed(f.w, f.now_ms, f.coord, "closed");
     carry_out();
+    ck_assert_uint_eq(f.warnings, 0);
     ck_assert_uint_eq(f.kills, 1); /* and nothing stays */
     dials = f.dials;
     for (int i = 0; i < 100; i++)
@@ -370,6 +480,9 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     worker_allow(f.w, f.now_ms, true);
     tick(100);
     ck_assert_uint_eq(f.dials, dials + 1);
+    worker_closed(f.w, f.now_ms, f.coord, "refused"); /* and that is one */
+    carry_out();
+    ck_assert_uint_eq(f.warnings, 1);
 }
 END_TEST
 
@@ -842,6 +955,9 @@ START_TEST(it_leaves_when_the_coordinator_lets_it_go)
     hear(f.coord, &m);
     ck_assert(f.stopped);
     ck_assert_int_eq(f.status, 0);
+    worker_closed(f.w, f.now_ms, f.coord, "closed");
+    carry_out();
+    ck_assert_uint_eq(f.warnings, 0);
 }
 END_TEST
 
@@ -1269,6 +1385,13 @@ main(void)
     tcase_add_test(tc, a_unit_that_was_parked_and_is_resumed_is_a_suspect);
     tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
     tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
+    tcase_add_test(tc, what_finds_no_room_is_told_and_again_when_it_does);
+    tcase_add_test(tc, a_coordinator_of_version_1_hears_nothing_of_room);
+    tcase_add_test(
+        tc, what_is_missing_while_the_coordinator_is_away_is_wanted_later);
+    tcase_add_test(tc, only_what_was_asked_for_is_kept);
+    tcase_add_test(tc,
+                   what_a_job_wanted_that_is_over_is_wanted_again_by_the_next);
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);

@@ -20,7 +20,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-enum { WORKER = 1, ANA, BOB, ADMIN, SECOND };
+enum { WORKER = 1, ANA, BOB, ADMIN, SECOND, STRANGER };
 
 static const struct msg_frame frame = { 0, 8, 8, "" };
 static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
@@ -53,6 +53,8 @@ struct fixture {
     int seeds[CONNS]; /* SEEDs, before any UNIT of theirs */
     struct msg_seed seed[CONNS];
     uint16_t peer_version[CONNS];
+    unsigned files_sent; /* to workers, and the last of them */
+    uint8_t file_sent[MSG_HASH];
     bool stuck;        /* nothing gets to the disk */
     uint64_t settling; /* who is to hear when that is over; and of what */
     uint32_t settling_what;
@@ -113,7 +115,10 @@ carry_out(struct fixture *f)
 
         if (a.type == ACT_SEND)
             sent(f, &a);
-        else if (a.type == ACT_SESSION)
+        else if (a.type == ACT_SEND_FILE) {
+            f->files_sent++;
+            memcpy(f->file_sent, a.hash, MSG_HASH);
+        } else if (a.type == ACT_SESSION)
             f->version[a.conn] = a.version;
         else if (a.type == ACT_CLOSE)
             f->closed[a.conn] = true;
@@ -267,6 +272,10 @@ set_up_coord(bool keeps)
     join(&f, ANA, MSG_ROLE_USER, "", "ana");
     join(&f, BOB, MSG_ROLE_USER, "", "bob");
     join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
+    for (uint64_t i = ANA; i <= ADMIN; i++) { /* each has sent the file */
+        coord_file_stored(f.c, f.now_ms, i, hash);
+        carry_out(&f);
+    }
 }
 
 static inline void

@@ -458,6 +458,13 @@ posix_fallocate(int fd, off_t offset, off_t n)
     return posix_fallocate64(fd, offset, n);
 }
 
+int
+fallocate(int fd, int mode, off_t offset, off_t n)
+{
+    return mode == 0 ? resize(fd, offset + n, true)
+                     : (int)syscall(SYS_fallocate, fd, mode, offset, n);
+}
+
 /* --- syncing --- */
 
 static int

@@ -8,12 +8,23 @@
  *                                  made anew when it is closed, until killed;
  *                                  writes "ready" once all have been there
  *
+ *   flood queries N WHERE KEYFILE  N connections of a user, each of which asks
+ *                                  for 20 lists of jobs, reads none, and is
+ *                                  made anew when it is cut
+ *   flood submits N WHERE KEYFILE  N jobs of a user whose files never come
+ *   flood uploads N WHERE KEYFILE  N files of a user that come by half
+ *   flood offers N WHERE KEYFILE   N questions about 16384 files each
+ *
+ * Those of a user write "ready" when they are through, and go on until standard
+ * input ends.
+ *
  * Behind each frame goes a PING, whose PONG says that it was read, or the end
  * of the connection does.  WHERE is "127.0.0.1:7420".  What is sent is the same
  * each time.  Exits with 0 when it has done so, 69 when nobody listens. */
 #include "config.h"
 
 #include "address.h"
+#include "frame.h"
 #include "keyfile.h"
 #include "message.h"
 #include "tls.h"
@@ -28,6 +39,7 @@
 #include <time.h>
 #include <unistd.h>
 
+enum { QUERIES = 20, OFFERED = 16384, MOST_TRIES = 400, PIECE = 8192 };
 enum { AT_ONCE = 6, MOST_LORIS = 1000, PATIENCE_MS = 20000, ANSWER_MS = 100 };
 
 static uint32_t
@@ -139,7 +151,9 @@ struct spoiler {
     int fd;
     struct tls_ctx *ctx;
     struct tls *tls; /* NULL: not connected */
-    long heard;      /* bytes of messages */
+    long came;       /* bytes */
+    long heard;      /* of messages */
+    uint16_t version;
     struct key key;
 };
 
@@ -176,6 +190,7 @@ hear(struct spoiler *s, int wait_ms)
     if (poll(&p, 1, wait_ms) <= 0)
         return true;
     n = recv(s->fd, buf, sizeof buf, 0);
+    s->came += n > 0 ? n : 0;
     if (n <= 0 || tls_put(s->tls, buf, (size_t)n, NULL) < 0)
         return false;
     while ((rc = tls_read(s->tls, buf, sizeof buf, NULL)) > 0)
@@ -186,21 +201,35 @@ hear(struct spoiler *s, int wait_ms)
 static bool
 say(struct spoiler *s, const void *bytes, size_t n)
 {
-    return tls_write(s->tls, bytes, n, NULL) == 0 && flush(s);
+    const uint8_t *p = bytes;
+
+    while (n > 0) {
+        size_t piece = n < PIECE ? n : PIECE;
+
+        if (tls_write(s->tls, p, piece, NULL) != 0 || !flush(s))
+            return false;
+        p += piece;
+        n -= piece;
+    }
+    return true;
 }
 
 /* Wait for an answer; false: it is over, or nothing comes. */
 static bool
-answered(struct spoiler *s)
+answered(struct spoiler *s, int wait_ms)
 {
     struct msg m = { .type = MSG_PING };
-    long before = s->heard;
+    long before = s->heard, came;
     struct wire_out w;
     bool ok;
 
     wire_out_init(&w, 64);
-    ok = msg_pack(&w, &m) == 0 && say(s, w.buf, w.len) && hear(s, ANSWER_MS);
+    ok = msg_pack(&w, &m) == 0 && say(s, w.buf, w.len);
     wire_out_release(&w);
+    do { /* half a record says nothing yet */
+        came = s->came;
+        ok = ok && hear(s, wait_ms);
+    } while (ok && s->heard == before && s->came > came);
     return ok && s->heard > before;
 }
 
@@ -208,8 +237,8 @@ static bool
 say_hello(struct spoiler *s)
 {
     struct msg m = { .type = MSG_HELLO,
-                     .hello = { 1, 1, (uint8_t)s->key.role, s->key.name, "x",
-                                "", 1, 0 } };
+                     .hello = { 1, s->version, (uint8_t)s->key.role,
+                                s->key.name, "x", "", 1, 0 } };
     struct wire_out w;
     bool ok;
 
@@ -262,7 +291,7 @@ make_frame(uint8_t *p, size_t room, uint32_t *state)
 static int
 frames(const struct address *a, long n, const char *path)
 {
-    struct spoiler s = { .fd = -1, .ctx = tls_client() };
+    struct spoiler s = { .fd = -1, .ctx = tls_client(), .version = 1 };
     struct keyfile f;
     uint8_t bytes[300];
     uint32_t state = 1;
@@ -282,13 +311,214 @@ frames(const struct address *a, long n, const char *path)
         }
         i++;
         if (!say(&s, bytes, make_frame(bytes, sizeof bytes, &state)) ||
-            !answered(&s))
+            !answered(&s, ANSWER_MS))
             hang_up(&s);
     }
     hang_up(&s);
     keyfile_release(&f);
     tls_ctx_free(s.ctx);
     return EX_OK;
+}
+
+/* --- users who want too much --- */
+
+static bool
+say_message(struct spoiler *s, const struct msg *m)
+{
+    struct wire_out w;
+    bool ok;
+
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ok = msg_pack(&w, m) == 0 && say(s, w.buf, w.len);
+    wire_out_release(&w);
+    return ok;
+}
+
+/* As the user of the key file's first key, welcome. */
+static bool
+join(struct spoiler *s, const struct address *a, const struct key *key)
+{
+    s->fd = -1;
+    s->version = MSG_VERSION;
+    s->key = *key;
+    s->heard = 0;
+    return come(s, a) && say_hello(s) && hear(s, PATIENCE_MS) && s->heard > 0;
+}
+
+static bool
+ask_lists(struct spoiler *s)
+{
+    struct msg m = { .type = MSG_QUERY,
+                     .query = { .what = MSG_QUERY_JOBS, .text = "" } };
+
+    for (int i = 0; i < QUERIES; i++)
+        if (!say_message(s, &m))
+            return false;
+    return true;
+}
+
+/* Standard input ends it. */
+static bool
+is_over(void)
+{
+    struct pollfd p = { .fd = STDIN_FILENO, .events = POLLIN };
+
+    return poll(&p, 1, 0) > 0;
+}
+
+static void
+say_ready(void)
+{
+    puts("ready");
+    fflush(stdout);
+}
+
+/* There are too many connections for the moment. */
+static bool
+try_later(struct spoiler *s, int *tries)
+{
+    hang_up(s);
+    poll(NULL, 0, 50);
+    return --*tries > 0;
+}
+
+static bool
+is_cut(const struct spoiler *s)
+{
+    struct pollfd p = { .fd = s->fd, .events = 0 };
+
+    return s->fd < 0 ||
+           (poll(&p, 1, 0) > 0 && (p.revents & (POLLHUP | POLLERR)));
+}
+
+/* N connections at once, each made anew when it is cut. */
+static int
+queries(struct spoiler *first, const struct address *a, long n)
+{
+    struct spoiler *s = calloc((size_t)n, sizeof *s);
+    int tries = MOST_TRIES, rc = EX_OK;
+
+    for (long i = 0; s && i < n; i++)
+        s[i].fd = -1;
+    for (long at = 0; s && rc == EX_OK && !is_over(); at++) {
+        long i = at % n;
+
+        s[i].ctx = first->ctx;
+        if (at == n)
+            say_ready();
+        if (at >= n && i == 0)
+            poll(NULL, 0, 100);
+        if (!is_cut(&s[i]))
+            continue;
+        hang_up(&s[i]);
+        while (rc == EX_OK &&
+               (!join(&s[i], a, &first->key) || !ask_lists(&s[i])))
+            if (!try_later(&s[i], &tries))
+                rc = EX_UNAVAILABLE;
+    }
+    for (long i = 0; s && i < n; i++)
+        hang_up(&s[i]);
+    free(s);
+    return s ? rc : EX_OSERR;
+}
+
+static void
+number(uint8_t *to, long i)
+{
+    for (int k = 0; k < 4; k++)
+        to[k] = (uint8_t)(i >> (8 * k));
+    to[4] = 0x5a;
+}
+
+/* What says one thing, and hears the answer before the next. */
+typedef bool say_fn(struct spoiler *s, long i);
+
+static bool
+say_submit(struct spoiler *s, long i)
+{
+    static const struct msg_frame frame = { 0, 8, 8, "" };
+    uint8_t job[MSG_JOB] = { 0 }, file[MSG_HASH] = { 0 };
+    struct msg m = { .type = MSG_SUBMIT };
+
+    number(job, i);
+    number(file, i);
+    m.submit = (struct msg_spec){ .job = job,
+                                  .manifest = file,
+                                  .name = "flood",
+                                  .params = "",
+                                  .needs = "",
+                                  .estimate = "uniform",
+                                  .priority = 100,
+                                  .files = { 1, file },
+                                  .nframes = 1,
+                                  .frames = &frame };
+    return say_message(s, &m) && answered(s, PATIENCE_MS);
+}
+
+static bool
+say_upload(struct spoiler *s, long i)
+{
+    static uint8_t data[100000];
+    uint8_t file[MSG_HASH] = { 0 };
+    struct msg m = { .type = MSG_CHUNK };
+
+    number(file, i);
+    m.chunk = (struct msg_chunk){ file, 0, 2 * sizeof data, data, sizeof data };
+    return say_message(s, &m) && answered(s, PATIENCE_MS);
+}
+
+static bool
+say_offer(struct spoiler *s, long i)
+{
+    static uint8_t files[OFFERED * MSG_HASH];
+    struct msg m = { .type = MSG_OFFER, .offer = { OFFERED, files } };
+
+    for (long k = 0; k < OFFERED; k++)
+        number(files + k * MSG_HASH, i * OFFERED + k);
+    return say_message(s, &m) && answered(s, PATIENCE_MS);
+}
+
+/* N of them, and more. */
+static int
+repeat(struct spoiler *s, const struct address *a, long n, say_fn *fn)
+{
+    struct key key = s->key;
+    int tries = MOST_TRIES;
+
+    for (long at = 0; !is_over(); at++) {
+        if (at == n)
+            say_ready();
+        while (!s->tls && !join(s, a, &key))
+            if (!try_later(s, &tries))
+                return EX_UNAVAILABLE;
+        if (!fn(s, at))
+            hang_up(s);
+    }
+    hang_up(s);
+    return EX_OK;
+}
+
+static int
+user(const char *what, const struct address *a, long n, const char *path)
+{
+    struct spoiler s = { .fd = -1, .ctx = tls_client() };
+    struct keyfile f;
+    int status = EX_USAGE;
+
+    if (!s.ctx || keyfile_load(&f, path, NULL) < 0 || f.n < 1)
+        return EX_NOINPUT;
+    s.key = f.v[0];
+    if (strcmp(what, "queries") == 0)
+        status = queries(&s, a, n);
+    else if (strcmp(what, "submits") == 0)
+        status = repeat(&s, a, n, say_submit);
+    else if (strcmp(what, "uploads") == 0)
+        status = repeat(&s, a, n, say_upload);
+    else if (strcmp(what, "offers") == 0)
+        status = repeat(&s, a, n, say_offer);
+    keyfile_release(&f);
+    tls_ctx_free(s.ctx);
+    return status;
 }
 
 /* --- slow ones --- */
@@ -337,7 +567,7 @@ main(int argc, char *argv[])
     const char *what = argc > 1 ? argv[1] : "";
     long n = argc > 2 ? atol(argv[2]) : 0;
 
-    if (argc < 4 || address_resolve(argv[3], &a, NULL) < 0)
+    if (argc < 4 || address_resolve(argv[3], 0, &a, NULL) < 0)
         return EX_USAGE;
     if (strcmp(what, "garbage") == 0)
         return garbage(&a, n);
@@ -345,5 +575,7 @@ main(int argc, char *argv[])
         return frames(&a, n, argv[4]);
     if (strcmp(what, "loris") == 0)
         return loris(&a, n);
+    if (argc > 4)
+        return user(what, &a, n, argv[4]);
     return EX_USAGE;
 }

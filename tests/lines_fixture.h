@@ -204,6 +204,7 @@ submit(enum msg_partition kind, uint32_t flags, const char *estimate,
                                  .nframes = nframes,
                                  .frames = f.tall ? &tall : frames } };
 
+    coord_file_stored(f.c, f.now_ms, ANA, hash);
     say(ANA, &m);
 }
 

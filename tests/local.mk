@@ -28,6 +28,7 @@ UNIT_TESTS = \
 	tests/check_coord_faults \
 	tests/check_coord_jobs \
 	tests/check_coord_order \
+	tests/check_listing \
 	tests/check_coord_rows \
 	tests/check_seeding \
 	tests/check_costs \
@@ -35,6 +36,7 @@ UNIT_TESTS = \
 	tests/check_data \
 	tests/check_estimate \
 	tests/check_facts \
+	tests/check_fair \
 	tests/check_font \
 	tests/check_fprism \
 	tests/check_frame \
@@ -43,14 +45,18 @@ UNIT_TESTS = \
 	tests/check_geom \
 	tests/check_handoff \
 	tests/check_back \
+	tests/check_owner \
 	tests/check_parked \
+	tests/check_yield \
 	tests/check_balance \
 	tests/check_lending \
 	tests/check_twins \
 	tests/check_survey \
 	tests/check_hdr \
 	tests/check_hostile \
+	tests/check_cache \
 	tests/check_idle \
+	tests/check_known \
 	tests/check_keyfile \
 	tests/check_message \
 	tests/check_doubt \
@@ -66,6 +72,7 @@ UNIT_TESTS = \
 	tests/check_pool \
 	tests/check_prism \
 	tests/check_quincunx \
+	tests/check_quota \
 	tests/check_ray \
 	tests/check_rays \
 	tests/check_ring \
@@ -407,6 +414,11 @@ tests_check_coord_order_SOURCES = tests/check_coord_order.c \
 tests_check_coord_order_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_coord_order_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_listing_SOURCES = tests/check_listing.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_listing_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_listing_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
 tests_check_coord_rows_SOURCES = tests/check_coord_rows.c \
 	tests/coord_fixture.h tests/unit.h
 tests_check_coord_rows_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
@@ -431,6 +443,11 @@ tests_check_parked_SOURCES = tests/check_parked.c \
 	tests/lines_fixture.h tests/unit.h
 tests_check_parked_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_parked_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_yield_SOURCES = tests/check_yield.c \
+	tests/lines_fixture.h tests/unit.h
+tests_check_yield_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_yield_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_balance_SOURCES = tests/check_balance.c \
 	tests/lines_fixture.h tests/unit.h
@@ -468,6 +485,10 @@ tests_check_message_SOURCES = tests/check_message.c tests/unit.h
 tests_check_message_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_message_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 EXTRA_DIST += tests/golden
+
+tests_check_owner_SOURCES = tests/check_owner.c tests/unit.h
+tests_check_owner_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_owner_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_gate_SOURCES = tests/check_gate.c tests/unit.h
 tests_check_gate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -525,6 +546,14 @@ tests_check_estimate_SOURCES = tests/check_estimate.c tests/unit.h
 tests_check_estimate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_estimate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_fair_SOURCES = tests/check_fair.c tests/unit.h
+tests_check_fair_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_fair_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_quota_SOURCES = tests/check_quota.c tests/coord_fixture.h tests/unit.h
+tests_check_quota_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_quota_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
 tests_check_seed_SOURCES = tests/check_seed.c tests/unit.h tests/world.h
 tests_check_seed_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_seed_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
@@ -543,6 +572,12 @@ tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
 tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_cache_SOURCES = tests/check_cache.c tests/unit.h
+tests_check_cache_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_cache_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_known_SOURCES = tests/check_known.c tests/unit.h
+tests_check_known_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_known_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_idle_SOURCES = tests/check_idle.c tests/unit.h
 tests_check_idle_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_idle_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
@@ -595,6 +630,7 @@ THREAD_TESTS = \
 	tests/check_ambient \
 	tests/check_estimate \
 	tests/check_facts \
+	tests/check_fair \
 	tests/check_pool \
 	tests/check_task \
 	tests/check_team

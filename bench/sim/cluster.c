@@ -452,6 +452,7 @@ submit(struct cluster *c)
         costs = line_costs(m, &msg.submit.ncosts);
     msg.submit.costs = costs;
     c->start_us = c->events.now_us;
+    coord_file_stored(c->coord, now_ms(c), c->client, hash);
     to_coordinator(c, c->client, &link, &msg);
     free(costs);
     free(frames);

@@ -10,6 +10,7 @@
 #include "picture/estimate.h"
 #include "base/rng.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 /* Rounds after which the steps from one pixel to the next are as chance gives
@@ -82,7 +83,8 @@ rad_estimate_sort(struct rad_sampled *v, size_t n)
 size_t
 rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
                    const struct rad_window *part, uint32_t first, uint32_t n,
-                   struct rad_estimate *cost, struct rad_sampled *out)
+                   const _Atomic bool *stop, struct rad_estimate *cost,
+                   struct rad_sampled *out)
 {
     uint64_t pixels = (uint64_t)part->width * (uint64_t)part->height;
     uint64_t rays = ctx->counts.rays, tests = ctx->counts.geom.tests;
@@ -92,6 +94,8 @@ rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
         struct rad_sampled *s = &out[shown];
         uint64_t primary = ctx->counts.primary_rays;
 
+        if (stop && atomic_load_explicit(stop, memory_order_relaxed))
+            break;
         rad_estimate_pixel(f->job->params.seed, f->number, part, (uint32_t)i,
                            &s->x, &s->y);
         rad_frame_pixel(f, ctx, s->x, s->y, &s->pixel);

@@ -29,11 +29,12 @@ void rad_estimate_pixel(uint64_t seed, uint32_t frame,
 
 /* Trace pixels `first` to first + n - 1 of that order, as far as the part has
  * them, and add what they cost.  The part must lie in the frame.  out has room
- * for n; it gets those that the view shows.  Returns their number. */
+ * for n; it gets those that the view shows.  Returns their number.
+ * They are fewer where *stop is set meanwhile; NULL: it is not. */
 size_t rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
                           const struct rad_window *part, uint32_t first,
-                          uint32_t n, struct rad_estimate *cost,
-                          struct rad_sampled *out);
+                          uint32_t n, const _Atomic bool *stop,
+                          struct rad_estimate *cost, struct rad_sampled *out);
 
 /* Sort pixels by their rows, then columns. */
 void rad_estimate_sort(struct rad_sampled *v, size_t n);

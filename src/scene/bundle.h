@@ -33,6 +33,9 @@
  * travel between workers, one after another. */
 #define RAD_BUNDLE_RECORDS "ambient records"
 
+/* Another: the frames of a job that has many (proto/message.h). */
+#define RAD_BUNDLE_VIEWS "list of frames"
+
 enum rad_bundle_role {
     RAD_BUNDLE_SCENE, /* the frozen octree, exactly one */
     RAD_BUNDLE_FILE,  /* read at run time under its name */

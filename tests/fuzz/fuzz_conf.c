@@ -33,7 +33,8 @@ static const struct conf_key keys[] = {
     { NULL, 0, 0, 0, 0, NULL, NULL, NULL, false },
 };
 static const struct conf_table table = {
-    "radd", "", NULL, NULL, NULL, keys, sizeof(struct settings), NULL
+    .program = "radd", .synopsis = "", .keys = keys,
+    .size = sizeof(struct settings)
 };
 
 static void

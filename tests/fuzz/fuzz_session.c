@@ -75,6 +75,20 @@ open_conn(struct session *s, unsigned i)
     carry_out(s);
 }
 
+/* Files that are there are the submitting user's own: without that a job of
+ * theirs would wait for ever. */
+static void
+send_files(struct session *s, unsigned i, const struct msg_hashes *files)
+{
+    for (uint32_t k = 0; k < files->n; k++) {
+        const uint8_t *hash = files->hash + (size_t)k * MSG_HASH;
+
+        if (s->open[i] && steps_has_file(NULL, hash))
+            coord_file_stored(s->coord, s->now_ms, i + 1, hash);
+        carry_out(s);
+    }
+}
+
 static void
 hear(struct session *s, unsigned i, const uint8_t *p, size_t n, struct msg *m)
 {
@@ -84,6 +98,8 @@ hear(struct session *s, unsigned i, const uint8_t *p, size_t n, struct msg *m)
     while (s->open[i] &&
            (rc = frame_read(&s->reader[i], &p, &n, m, &err)) == 1) {
         steps_say(i, "says", msg_name(m->type));
+        if (m->type == MSG_SUBMIT)
+            send_files(s, i, &m->submit.files);
         coord_message(s->coord, s->now_ms, i + 1, m);
         carry_out(s);
     }

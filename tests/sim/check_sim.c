@@ -21,12 +21,16 @@
 static struct {
     unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
-    unsigned parted, late;
+    unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
+        estimates_left,
         pictures;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
+    unsigned pauses, priorities, rests, yields;
+    uint64_t ordered, wasted; /* primary rays, and those for nothing, where
+                               * nothing happened but orders */
 } sum;
 
 static json_int_t
@@ -86,27 +90,41 @@ check_pictures(struct sim *s, const struct sim_job *job)
     for (uint32_t f = 0; f < job->spec.nframes; f++) {
         size_t n = (size_t)job->frame[f].width * job->frame[f].height;
 
-        SIM_CHECK(&s->net, job->written[f]);
+        SIM_CHECK(&s->net, job->frames[f].written);
         for (size_t i = 0; i < n; i++)
             SIM_CHECK(&s->net,
                       same(job, &job->picture[f][i], &job->want[f][i]));
     }
 }
 
-/* Nothing happened but delays. */
 static bool
-is_quiet(const struct sim *s)
+is_ordered(const struct sim *s)
+{
+    return s->pauses + s->priorities + s->rests + s->yields > 0;
+}
+
+/* Nothing happened but delays, and what users and admins want. */
+static bool
+is_sound(const struct sim *s)
 {
     return s->coord_deaths + s->deaths + s->cuts + s->peer_cuts + s->crashes +
                s->drains + s->stops + s->parted + s->late + s->twins ==
            0;
 }
 
+/* Nothing happened but delays, and no unit went back for a job that came
+ * first. */
+static bool
+is_quiet(const struct sim *s)
+{
+    return is_sound(s) && !is_ordered(s);
+}
+
 /* Only the coordinator was away, or a link to it. */
 static bool
 is_only_cut(const struct sim *s)
 {
-    return s->coord_deaths + s->cuts > 0 &&
+    return s->coord_deaths + s->cuts > 0 && !is_ordered(s) &&
            s->deaths + s->peer_cuts + s->crashes + s->drains + s->stops +
                    s->parted + s->late + s->twins ==
                0;
@@ -152,6 +170,10 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     }
     if (number(totals, "estimate_rays") == 0)
         note_again(s, job, primary, spec);
+    if (is_sound(s) && is_ordered(s) && number(totals, "estimate_rays") == 0) {
+        sum.ordered += primary;
+        sum.wasted += job->traced - primary;
+    }
     if (!is_quiet(s))
         return;
     /* where all rays are told of, each is in the picture or for nothing */
@@ -231,10 +253,15 @@ run(uint64_t seed, bool verbose)
     sum.peer_cuts += s.peer_cuts;
     sum.crashes += s.crashes;
     sum.drains += s.drains;
+    sum.pauses += s.pauses;
+    sum.priorities += s.priorities;
+    sum.rests += s.rests;
+    sum.yields += s.yields;
     sum.stops += s.stops;
     sum.repeats += s.net.repeated;
     sum.parted += s.parted;
     sum.late += s.late;
+    sum.refused += s.refused;
     for (int t = 0; t < SIM_TYPES; t++)
         for (int b = 0; b < SIM_NBLOW; b++)
             sum.blows[t][b] += s.blows[t][b];
@@ -246,6 +273,7 @@ run(uint64_t seed, bool verbose)
     sum.bars += s.bars;
     sum.aside += s.aside;
     sum.estimates += s.estimates;
+    sum.estimates_left += s.estimates_left;
     sim_release(&s);
 }
 
@@ -274,7 +302,10 @@ was_tried(void)
                  sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
-                 sum.blocked && sum.bars && sum.aside && sum.estimates;
+                 sum.blocked && sum.bars && sum.aside && sum.estimates &&
+                 sum.estimates_left &&
+                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
+                 sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -301,7 +332,8 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "loans, %u waits for them, %u by bars, %u aside, %u estimates; %u "
+           "loans, %u waits for them, %u by bars, %u aside, %u estimates, of "
+           "these %u left; %u "
            "and %u "
            "accidents at "
            "RING and SPREAD\n",
@@ -312,7 +344,13 @@ tell(uint64_t runs)
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
            sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
+           sum.estimates_left,
            at_type(MSG_RING), at_type(MSG_SPREAD));
+    printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
+           "back; where that was all, %llu rays for nothing, of %llu\n",
+           sum.pauses, sum.priorities, sum.rests, sum.yields,
+           (unsigned long long)sum.wasted, (unsigned long long)sum.ordered);
+    printf("%u jobs refused by workers that had no room\n", sum.refused);
 }
 
 int
@@ -333,7 +371,8 @@ main(void)
     if (runs < RUNS)
         return EXIT_SUCCESS;
     return was_tried() && sum.speculative < sum.primary / 50 &&
-                   sum.unsaid < sum.speculative / 20
+                   sum.unsaid < sum.speculative / 20 &&
+                   sum.wasted < sum.ordered / 50
                ? EXIT_SUCCESS
                : EXIT_FAILURE;
 }

@@ -494,9 +494,11 @@ end_task(struct net *net, int node, int slot)
     k->busy_s += 1e-6 * t->cost_us;
     k->task[slot] = NULL;
     if (t->pass) {
-        team_bottom(t->team, &b);
         if (blocked)
             strict_blocked(k->strict, t->pass, finished);
+        strict_cut(k->strict, t->pass, t->team);
+        whole = team_done(t->team);
+        team_bottom(t->team, &b);
         of(net)->blocked += blocked;
         of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH && !whole &&
                           !blocked && t->nrows > 0;
@@ -623,7 +625,17 @@ end:
     free(v);
 }
 
-/* e->data: ESTIMATE, packed. */
+/* How many areas of an estimate are traced: half of them if REST came since. */
+static uint32_t
+areas_before_rest(struct net *net, const struct net_event *e,
+                  const struct msg_estimate *m)
+{
+    if (!alive(net, e))
+        return 0;
+    return child_of(net, e->a)->rests == e->b ? m->nareas : m->nareas / 2;
+}
+
+/* e->data: ESTIMATE, packed; e->b: RESTs before it. */
 static void
 estimated(struct net *net, struct net_event *e)
 {
@@ -636,7 +648,7 @@ estimated(struct net *net, struct net_event *e)
                               e->len - MSG_HEADER, NULL) == 0);
     v = calloc(m.estimate.nareas + 1, sizeof *v);
     SIM_CHECK(net, v != NULL);
-    for (uint32_t i = 0; i < m.estimate.nareas && alive(net, e); i++) {
+    for (uint32_t i = 0; i < areas_before_rest(net, e, &m.estimate); i++) {
         estimate_area(net, e->a, &m.estimate.areas[i], m.estimate.rays, &v[i]);
         done.estimated.counts.rays += v[i].rays;
         done.estimated.counts.estimate_rays += v[i].rays;
@@ -644,6 +656,10 @@ estimated(struct net *net, struct net_event *e)
     if (!alive(net, e))
         goto end;
     of(net)->estimates++;
+    if (child_of(net, e->a)->rests != e->b) {
+        of(net)->estimates_left++;
+        m.estimate.nareas = 0;
+    }
     done.estimated.job = job_of(net, e->a)->id;
     done.estimated.id = m.estimate.id;
     done.estimated.ncosts = m.estimate.nareas;
@@ -661,6 +677,7 @@ take_estimate(struct net *net, int node, const struct msg *m)
     struct net_event *e = later(
         net, node, net_random(net, 20 * (m->estimate.nareas + 1)), estimated);
 
+    e->b = child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
     e->data = malloc(out.len);
@@ -776,6 +793,10 @@ take_strict(struct net *net, int node, const struct msg *m)
     case MSG_SPLIT:
         strict_split(k->strict, m->split.unit, m->split.attempt);
         break;
+    case MSG_YIELD:
+        of(net)->yields++;
+        strict_yield(k->strict, m->yield.unit, m->yield.attempt);
+        break;
     case MSG_TWIN:
         of(net)->twins++;
         strict_twin(k->strict, m->twin.unit, m->twin.attempt);
@@ -837,6 +858,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         revoke(k, &m->revoke);
         break;
     case MSG_SPLIT:
+    case MSG_YIELD:
     case MSG_TWIN:
     case MSG_LEND:
     case MSG_LOAN:
@@ -847,6 +869,9 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         break;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
+        break;
+    case MSG_REST:
+        k->rests++;
         break;
     case MSG_GIVE:
         send_ambient(net, node, m->give.to);

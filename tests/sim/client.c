@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "cluster.h"
+#include "sched.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -199,8 +200,10 @@ sim_client_dial(struct sim *s, int job)
 static void
 admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
-    if (m->type == MSG_WELCOME)
-        net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
+    if (m->type != MSG_WELCOME)
+        return;
+    of(net)->admin_version = m->welcome.version;
+    net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
 }
 
 static void
@@ -233,6 +236,7 @@ sim_admin_dial(struct sim *s)
                                     MSG_ROLE_ADMIN, "", "radctl", "", 0, 0 } };
 
     s->admin = ++net->next_conn;
+    s->admin_version = 0;
     net->ops[NODE_ADMIN] = &sim_admin_ops;
     net_join(net, NODE_ADMIN, s->admin, NODE_COORD, there, MSG_AT_DIALLER,
              MSG_AT_COORD_NEW);
@@ -242,12 +246,38 @@ sim_admin_dial(struct sim *s)
 }
 
 void
-sim_admin_say(struct sim *s, enum msg_type type, int worker)
+sim_admin_say(struct sim *s, enum msg_type type, int i)
 {
     struct msg m = { .type = (uint16_t)type, .request = 5 };
 
-    if (s->admin == 0)
+    if (s->admin == 0 || s->admin_version < msg_since(type))
         return;
-    m.drain.name = s->worker[worker].name;
+    if (type == MSG_DRAIN || type == MSG_UNDRAIN)
+        m.drain.name = s->worker[i].name;
+    else
+        m.pause.job = s->job[i].id;
+    if (type == MSG_PRIORITY)
+        m.priority.priority = (int32_t)net_random(&s->net, 5) - 2;
     net_send_msg(&s->net, NODE_ADMIN, s->admin, &m);
+}
+
+static int
+worker_named(const struct sim *s, const char *name)
+{
+    for (int i = 0; i < s->nworkers; i++)
+        if (strcmp(s->worker[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+void
+sim_admin_relent(struct sim *s)
+{
+    for (const struct coord_worker *w = s->coord->workers; w; w = w->next)
+        if (w->drained)
+            sim_admin_say(s, MSG_UNDRAIN, worker_named(s, w->name));
+    for (size_t i = 0; i < s->coord->njobs; i++)
+        if (s->coord->jobs[i]->state == JOB_PAUSED)
+            sim_admin_say(s, MSG_RESUME,
+                          sim_find_job(s, s->coord->jobs[i]->id));
 }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
 #define TROUBLE_MS 20000u /* accidents happen until then */
 #define SPARE_MS   30000u /* less is lost by messages that take their time */
@@ -104,6 +105,11 @@ coord_action(struct sim *s, const struct action *a)
     case ACT_SEND_PICTURE:
         send_stats(s, a, job);
         break;
+    case ACT_DRAINED:
+        for (int i = 0; i < s->nworkers; i++)
+            if (strcmp(s->worker[i].name, a->text) == 0)
+                s->worker[i].drained = a->status != 0;
+        break;
     case ACT_JOB_OPEN:
     case ACT_JOB_STATE:
     case ACT_JOB_END:
@@ -173,6 +179,43 @@ worker_random(void *arg, void *buf, size_t n)
     struct sim_worker *w = arg;
 
     memset(buf, (int)(w->random++ * 37), n);
+}
+
+/* A task of the worker's store has looked for a job's files, and for room. */
+static void
+looked(struct net *net, struct net_event *e)
+{
+    struct sim *s = of(net);
+    struct sim_worker *w = &s->worker[e->a];
+    struct action_look l = { .why = "no room" };
+
+    if (!w->machine || w->life != (unsigned)e->b)
+        return;
+    memcpy(l.job, e->data, MSG_JOB);
+    if (!s->calm && net_chance(net, 2))
+        l.status = EX_IOERR;
+    s->refused += l.status != 0;
+    worker_looked(w->machine, net->now_ms, &l);
+    sim_worker_actions(s, e->a);
+}
+
+/* In some clusters disks are full now and then. */
+static bool
+worker_look(void *arg, const struct action_look *l)
+{
+    struct sim_worker *w = arg;
+    struct sim *s = w->sim;
+    struct net_event *e;
+
+    if (s->net.seed % 7 != 0)
+        return true;
+    e = net_later(&s->net, net_random(&s->net, 30), looked);
+    e->a = (int)(w - s->worker);
+    e->b = (int)w->life;
+    e->data = malloc(MSG_JOB);
+    SIM_CHECK(&s->net, e->data != NULL);
+    memcpy(e->data, l->job, MSG_JOB);
+    return false;
 }
 
 static const struct node_ops worker_ops;
@@ -335,6 +378,7 @@ birth(struct sim *s, int i)
     struct worker_env env = { .has_file = worker_has,
                               .random = worker_random,
                               .arg = w,
+                              .look = worker_look,
                               .program = "radd",
                               .name = w->name,
                               .coordinator = "sim",
@@ -344,6 +388,7 @@ birth(struct sim *s, int i)
     snprintf(w->name, sizeof w->name, "ws%d", i);
     snprintf(w->address, sizeof w->address, "sim %d", i);
     w->life++;
+    w->sim = s;
     w->given_up = 0; /* connections count from 1 again */
     w->machine = worker_new(&env);
     SIM_CHECK(&s->net, w->machine != NULL);
@@ -418,11 +463,13 @@ tick(struct net *net, struct net_event *e)
     if (net->now_ms > TROUBLE_MS && !s->calm) {
         s->calm = true;
         net->repeats = false;
-        for (int i = 0; i < s->nworkers; i++)
-            sim_admin_say(s, MSG_UNDRAIN, i);
     }
+    if (s->calm)
+        sim_admin_relent(s);
     if (!s->calm && s->accidents && net_chance(net, s->accidents))
         sim_accident(s);
+    if (!s->calm && s->orders && net_chance(net, s->orders))
+        sim_order(s);
     net_later(net, 100, tick);
 }
 

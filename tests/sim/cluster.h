@@ -76,7 +76,7 @@ struct sim_job {
     struct rad_pixel *picture[SIM_FRAMES]; /* as it comes */
     uint8_t *line[SIM_FRAMES];             /* base lines of coded rows */
     struct rad_pixel *want[SIM_FRAMES];    /* as one alone makes it */
-    bool written[SIM_FRAMES];
+    struct saved_frame frames[SIM_FRAMES];
     bool poisoned;    /* a pixel of frame 0 that kills children */
     int poison_y;     /* in column 0 */
     uint64_t traced;  /* by all children together */
@@ -108,6 +108,7 @@ struct sim_child {
     unsigned nwindows;
     uint64_t tick_ms; /* the machine is to be told the time; 0: is not */
     double busy_s;
+    int rests; /* REST came so often */
     unsigned nambient;
 };
 
@@ -118,8 +119,10 @@ struct sim_worker {
     uint64_t stopped_ms; /* its children stand still until then */
     bool draining;
     char name[16], address[16];
+    bool drained; /* on the coordinator's disk */
     bool cache[SIM_JOBS * SIM_FILES];
     uint64_t given_up; /* dial that it does not want any more */
+    struct sim *sim;
 };
 
 /* An accident at the n-th message of a type. */
@@ -155,16 +158,22 @@ struct sim {
     uint64_t disk_ms;    /* the coordinator's disk is busy until then */
     bool calm;           /* no more accidents */
     unsigned accidents;  /* one in so many ticks; 0: none */
+    unsigned orders;     /* of users and admins; likewise */
     struct sim_fault fault[SIM_FAULTS];
     uint64_t admin; /* its connection */
+    unsigned admin_version;
     double work_ms; /* of all children's threads together */
     /* what happened at all */
     unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
+    unsigned refused; /* jobs, by workers without room */
     unsigned parted;
-    unsigned late; /* units that others got as well */
+    unsigned pauses, priorities, rests;
+    unsigned yields; /* units that were to go back, all or in part */
+    unsigned late;     /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates;
+    unsigned estimates_left; /* of these, before their end */
     unsigned bars; /* units whose bars come along with their base lines */
     unsigned
         aside; /* TRUTH that made way for others' bottoms, rows being out */
@@ -199,6 +208,8 @@ int sim_any_traced(struct net *net, const struct sim_job *job);
 void sim_make_faults(struct sim *s);
 /* Something may happen now. */
 void sim_accident(struct sim *s);
+/* Somebody steers jobs, or workers. */
+void sim_order(struct sim *s);
 /* Accidents at messages; see net.h. */
 void sim_hear(struct net *net, int from, int to, const struct msg *m,
               bool after);
@@ -226,7 +237,10 @@ extern const struct node_ops sim_client_ops;
 void sim_client_dial(struct sim *s, int job);
 extern const struct node_ops sim_admin_ops;
 void sim_admin_dial(struct sim *s);
-void sim_admin_say(struct sim *s, enum msg_type type, int worker);
+/* About a worker, or a job. */
+void sim_admin_say(struct sim *s, enum msg_type type, int i);
+/* Nothing that was ordered holds anybody back any more. */
+void sim_admin_relent(struct sim *s);
 
 int sim_find_job(const struct sim *s, const uint8_t id[MSG_JOB]);
 /* Index of a file of ours by its hash. */

@@ -87,6 +87,7 @@ put_state(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     (void)s;
     job->kept.job.state = (uint8_t)e->state;
+    job->kept.job.spec.priority = e->job.spec.priority;
 }
 
 static void
@@ -208,8 +209,8 @@ put_rows(struct sim *s, struct sim_job *job, const struct entry *e)
 static void
 put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
 {
-    SIM_CHECK(&s->net, !job->written[e->frame]);
-    job->written[e->frame] = true;
+    SIM_CHECK(&s->net, !job->frames[e->frame].written);
+    job->frames[e->frame].written = true;
     coord_picture_written(s->coord, s->net.now_ms, job->id, e->frame, 0, NULL);
 }
 
@@ -330,7 +331,7 @@ recover(struct sim *s, struct sim_job *job)
     k->job.owner = "ana";
     k->job.lives = k->lives++;
     k->job.text = k->text;
-    k->job.written = job->written;
+    k->job.frames = job->frames;
     k->job.units = units;
     k->job.nunits = 0;
     for (uint32_t i = 0; i < k->nunits && k->job.state < JOB_DONE; i++) {
@@ -378,6 +379,10 @@ sim_coord_dies(struct sim *s)
     s->disk_ms = s->net.now_ms;
     for (int i = 0; i < s->njobs; i++)
         recover(s, &s->job[i]);
+    for (int i = 0; i < s->nworkers; i++)
+        if (s->worker[i].drained)
+            SIM_CHECK(&s->net, recover_drained(s->coord, s->net.now_ms,
+                                               s->worker[i].name, NULL) == 0);
     sim_coord_actions(s);
 }
 

@@ -9,6 +9,8 @@
 
 #include "cluster.h"
 
+#include "base/rng.h"
+
 /* Messages of hand-off and balancing, and some others; those more often that
  * are rare. */
 static const enum msg_type types[] = {
@@ -18,7 +20,7 @@ static const enum msg_type types[] = {
     MSG_SPREAD,   MSG_TWIN,      MSG_TWIN,      MSG_TWIN,       MSG_TWIN,
     MSG_SPLIT,    MSG_SPLIT,     MSG_GAVE,      MSG_GAVE,       MSG_LEND,
     MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK,
-    MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_ESTIMATE
+    MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_LOAN
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
@@ -61,6 +63,7 @@ sim_make_faults(struct sim *s)
     struct net *net = &s->net;
 
     s->accidents = every[net_random(net, 5)];
+    s->orders = every[rad_mix64(net->seed + 90) % 5];
     s->net.repeats = net_chance(net, 3);
     s->fault[0] = fault_of(net, (unsigned)(net->seed % NTYPES),
                            (unsigned)(net->seed / NTYPES % SIM_NBLOW));
@@ -72,6 +75,32 @@ sim_make_faults(struct sim *s)
         s->net.repeats = false;
         for (int i = 0; i < SIM_FAULTS; i++)
             s->fault[i].n = 0;
+    }
+}
+
+void
+sim_order(struct sim *s)
+{
+    int job = (int)net_random(&s->net, (unsigned)s->njobs);
+
+    switch (net_random(&s->net, 8)) {
+    case 0:
+        s->priorities++;
+        sim_admin_say(s, MSG_PRIORITY, job);
+        break;
+    case 1:
+        s->rests++;
+        sim_admin_say(s, net_chance(&s->net, 2) ? MSG_DRAIN : MSG_UNDRAIN,
+                      (int)net_random(&s->net, (unsigned)s->nworkers));
+        break;
+    case 2:
+    case 3:
+    case 4:
+        s->pauses++;
+        sim_admin_say(s, MSG_PAUSE, job);
+        break;
+    default:
+        sim_admin_say(s, MSG_RESUME, job);
     }
 }
 

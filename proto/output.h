@@ -1,11 +1,13 @@
 /* output.h - files that are there whole or not at all
  *
  * A file is written under a temporary name in its own folder and renamed over
- * its name when complete.  What is no regular file (a terminal, a pipe,
- * /dev/null) is written as it is; a link's target is replaced, not the link.
+ * its name when complete, with the mode, and as far as may be the owner and
+ * group, of the one that was there.  What is no regular file (a terminal, a
+ * pipe, /dev/null), and what a descriptor of ours already writes (/dev/stdout),
+ * is written as it is; a link's target is made or replaced, not the link.
  * Thread: any, each output its own.  */
-#ifndef RADD_CLIENT_OUTPUT_H
-#define RADD_CLIENT_OUTPUT_H
+#ifndef RADD_PROTO_OUTPUT_H
+#define RADD_PROTO_OUTPUT_H
 
 #include "base/error.h"
 
@@ -15,7 +17,7 @@
 struct output {
     FILE *file;
     char *path; /* for messages; NULL: standard output */
-    char *real; /* what is replaced; NULL where nothing is */
+    char *real; /* what is written or replaced: path without links */
     char *temp;
     bool durable; /* on the disk before it gets its name */
 };
@@ -41,14 +43,5 @@ void output_abort(struct output *out);
 /* All three: the n bytes become the file. */
 int output_write(const char *path, const void *bytes, size_t n, bool durable,
                  struct rad_error *err);
-
-/* Does the name end so (".png")?  Letters' case does not matter. */
-bool output_suffix(const char *path, const char *suffix);
-
-/* The name of a frame's file: pattern with its one "%d" or "%03d" replaced and
- * "%%" made '%'.  To be freed.  RAD_EUSAGE for another conversion, or for none
- * when need is set; RAD_ENOMEM. */
-int output_frame_name(char **name, const char *pattern, int frame, bool need,
-                      struct rad_error *err);
 
 #endif

@@ -1,0 +1,271 @@
+/* check_cache.c - which files a worker keeps */
+#include "config.h"
+
+#include "cache.h"
+#include "unit.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { KIB = 1024, FILES = 8 };
+
+static char dir[64];
+static struct blobs blobs;
+static struct cache *c;
+static uint8_t hashes[FILES * MSG_HASH];
+static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
+
+static int
+remove_entry(const char *path, const struct stat *st, int flag, struct FTW *f)
+{
+    (void)st;
+    (void)flag;
+    (void)f;
+    return remove(path);
+}
+
+static const uint8_t *
+hash_of(int i)
+{
+    return hashes + i * MSG_HASH;
+}
+
+static void
+path_of(int i, char path[BLOBS_PATH_MAX])
+{
+    char hex[RAD_SHA_HEX + 1];
+
+    rad_sha_to_hex(hash_of(i), hex);
+    blobs_path(&blobs, hex, path);
+}
+
+static bool
+is_there(int i)
+{
+    char path[BLOBS_PATH_MAX];
+
+    path_of(i, path);
+    return access(path, F_OK) == 0;
+}
+
+/* Of 1 KiB, used at that second. */
+static void
+make_file(int i, int used_s)
+{
+    struct timespec times[2] = { { used_s, 0 }, { 1, 0 } };
+    char path[BLOBS_PATH_MAX];
+    int fd;
+
+    path_of(i, path);
+    fd = open(path, O_WRONLY | O_CREAT, 0600);
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(ftruncate(fd, KIB), 0);
+    ck_assert_int_eq(futimens(fd, times), 0);
+    close(fd);
+}
+
+static int
+use(const uint8_t *job, int first, uint32_t n, uint64_t bytes)
+{
+    const struct msg_hashes files = { n, hash_of(first) };
+
+    return cache_use(c, job, &files, bytes, NULL);
+}
+
+/* A file that comes from elsewhere. */
+static int
+arrive(int i)
+{
+    int rc = cache_expect(c, KIB, NULL);
+
+    if (rc < 0)
+        return rc;
+    make_file(i, 1000 + i);
+    cache_arrived(c, hash_of(i), KIB);
+    return 0;
+}
+
+static void
+set_up(void)
+{
+    snprintf(dir, sizeof dir, "/tmp/check_cache.XXXXXX");
+    ck_assert_ptr_nonnull(mkdtemp(dir));
+    ck_assert_int_eq(blobs_open(&blobs, dir, false, NULL), 0);
+    for (int i = 0; i < FILES; i++)
+        hashes[i * MSG_HASH] = (uint8_t)(i + 1);
+    c = NULL;
+}
+
+static void
+tear_down(void)
+{
+    cache_free(c);
+    nftw(dir, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+/* The third of them was used the longest time ago. */
+START_TEST(the_oldest_go_at_the_start)
+{
+    for (int i = 0; i < 4; i++)
+        make_file(i, i == 2 ? 5 : 10 + i);
+    c = cache_new(&blobs, 3 * KIB, NULL);
+    ck_assert_ptr_nonnull(c);
+    ck_assert(!is_there(2));
+    ck_assert(is_there(0) && is_there(1) && is_there(3));
+    ck_assert_uint_eq(cache_bytes(c), 3 * KIB);
+    cache_set_limit(c, KIB);
+    ck_assert(!is_there(0) && !is_there(1) && is_there(3));
+}
+END_TEST
+
+START_TEST(what_comes_takes_the_place_of_the_oldest_that_no_job_uses)
+{
+    for (int i = 0; i < 3; i++)
+        make_file(i, 10 + i);
+    c = cache_new(&blobs, 4 * KIB, NULL);
+    ck_assert_int_eq(use(job_a, 0, 1, KIB), 0);
+    ck_assert_int_eq(arrive(3), 0); /* there is room */
+    ck_assert(is_there(1));
+    ck_assert_int_eq(arrive(4), 0);
+    ck_assert(!is_there(1) && is_there(0) && is_there(2));
+    ck_assert_int_eq(arrive(5), 0);
+    ck_assert(!is_there(2) && is_there(0));
+    cache_leave(c, job_a); /* now it is the newest */
+    ck_assert_int_eq(arrive(6), 0);
+    ck_assert(is_there(0) && !is_there(3));
+    ck_assert_uint_eq(cache_bytes(c), 4 * KIB);
+}
+END_TEST
+
+START_TEST(the_order_outlives_the_process)
+{
+    for (int i = 0; i < 3; i++)
+        make_file(i, 10 + i);
+    c = cache_new(&blobs, 3 * KIB, NULL);
+    ck_assert_int_eq(use(job_a, 0, 1, KIB), 0);
+    cache_leave(c, job_a);
+    cache_free(c);
+    c = cache_new(&blobs, 3 * KIB, NULL);
+    ck_assert_int_eq(arrive(3), 0);
+    ck_assert(is_there(0) && !is_there(1));
+}
+END_TEST
+
+START_TEST(nothing_goes_for_what_does_not_fit)
+{
+    for (int i = 0; i < 3; i++)
+        make_file(i, 10 + i);
+    c = cache_new(&blobs, 4 * KIB, NULL);
+    ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0);
+    ck_assert_int_eq(use(job_b, 3, 3, 3 * KIB), RAD_EFULL);
+    ck_assert_int_eq(use(job_b, 3, 3, UINT64_MAX), RAD_EFULL);
+    ck_assert_int_eq(cache_expect(c, 3 * KIB, NULL), RAD_EFULL);
+    ck_assert_int_eq(cache_expect(c, UINT64_MAX, NULL), RAD_EFULL);
+    ck_assert(is_there(0) && is_there(1) && is_there(2));
+    cache_leave(c, job_a);
+    ck_assert_int_eq(use(job_b, 3, 3, 3 * KIB), 0);
+    ck_assert(!is_there(2)); /* the two of the first job are newer */
+}
+END_TEST
+
+/* Two that arrive at the same time are both counted, until one is given up. */
+START_TEST(what_is_on_its_way_has_its_place)
+{
+    c = cache_new(&blobs, 3 * KIB, NULL);
+    ck_assert_int_eq(cache_expect(c, 2 * KIB, NULL), 0);
+    ck_assert_int_eq(cache_expect(c, 2 * KIB, NULL), RAD_EFULL);
+    cache_given_up(c, 2 * KIB);
+    ck_assert_int_eq(cache_expect(c, 2 * KIB, NULL), 0);
+}
+END_TEST
+
+START_TEST(files_of_a_job_are_counted_once)
+{
+    make_file(0, 10);
+    make_file(1, 11);
+    c = cache_new(&blobs, 2 * KIB, NULL);
+    ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0);
+    ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0); /* begun again */
+    ck_assert_int_eq(use(job_b, 0, 1, KIB), 0);
+    cache_leave(c, job_a);
+    ck_assert_int_eq(arrive(2), 0);
+    ck_assert(is_there(0) && !is_there(1));
+    cache_leave(c, job_b);
+    cache_leave(c, job_b);
+    ck_assert_int_eq(arrive(3), 0);
+    ck_assert_uint_eq(cache_bytes(c), 2 * KIB);
+}
+END_TEST
+
+/* By somebody else, who also cut one and removed the folder. */
+START_TEST(files_that_went_are_missed)
+{
+    char path[BLOBS_PATH_MAX];
+
+    make_file(0, 10);
+    make_file(1, 11);
+    c = cache_new(&blobs, 3 * KIB, NULL);
+    path_of(0, path);
+    unlink(path);
+    path_of(1, path);
+    ck_assert_int_eq(truncate(path, 10), 0);
+    ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0);
+    ck_assert_uint_eq(cache_bytes(c), 10);
+    unlink(path);
+    ck_assert_int_eq(rmdir(dir), 0);
+    ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0);
+    ck_assert_uint_eq(cache_bytes(c), 0);
+    ck_assert_int_eq(arrive(0), 0);
+}
+END_TEST
+
+START_TEST(without_a_limit_it_takes_a_tenth_of_the_disk)
+{
+    uint64_t disk = blobs_disk_bytes(&blobs);
+
+    c = cache_new(&blobs, 0, NULL);
+    ck_assert_int_eq(cache_expect(c, disk / 10 + 1, NULL), RAD_EFULL);
+    ck_assert_uint_gt(blobs_disk_free(&blobs), 0);
+}
+END_TEST
+
+START_TEST(many_files_are_no_trouble)
+{
+    uint8_t many[5000 * MSG_HASH] = { 0 };
+    const struct msg_hashes files = { 5000, many };
+
+    c = cache_new(&blobs, KIB, NULL);
+    for (uint32_t i = 0; i < 5000; i++)
+        memcpy(many + (size_t)i * MSG_HASH, &i, sizeof i);
+    ck_assert_int_eq(cache_use(c, job_a, &files, KIB, NULL), 0);
+    cache_leave(c, job_a);
+    ck_assert_uint_eq(cache_bytes(c), 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("cache");
+    TCase *tc = tcase_create("cache");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, the_oldest_go_at_the_start);
+    tcase_add_test(
+        tc, what_comes_takes_the_place_of_the_oldest_that_no_job_uses);
+    tcase_add_test(tc, the_order_outlives_the_process);
+    tcase_add_test(tc, nothing_goes_for_what_does_not_fit);
+    tcase_add_test(tc, what_is_on_its_way_has_its_place);
+    tcase_add_test(tc, files_of_a_job_are_counted_once);
+    tcase_add_test(tc, files_that_went_are_missed);
+    tcase_add_test(tc, without_a_limit_it_takes_a_tenth_of_the_disk);
+    tcase_add_test(tc, many_files_are_no_trouble);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

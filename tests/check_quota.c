@@ -1,0 +1,362 @@
+/* check_quota.c - what one user may have, and what becomes of the rest */
+#include "config.h"
+
+#include "coord_fixture.h"
+
+enum { EVE = 10, EVE_TOO, UPLOAD_MS = 60000 };
+
+static const struct coord_limits few = {
+    .jobs = 2,
+    .frames = 3,
+    .bytes = 8 << 20,
+    .uploads = 2,
+    .upload_bytes = 4 << 20,
+    .conns = 2,
+    .answers = 2,
+    .unfetched = 3,
+    .unread = 1 << 20,
+    .upload_ms = UPLOAD_MS,
+};
+
+/* Who may use the coordinator and no more. */
+static void
+join_plain(uint64_t conn, const char *owner)
+{
+    struct coord_peer peer = { "test", owner, 1u << MSG_ROLE_USER, NULL };
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { MSG_VERSION_MIN, MSG_VERSION, MSG_ROLE_USER, "",
+                                "t", "", 0, 0 } };
+
+    coord_opened(f.c, f.now_ms, conn, &peer);
+    say(&f, conn, &m);
+}
+
+static void
+set_up_few(void)
+{
+    set_up_coord(true);
+    coord_set_limits(f.c, &few);
+    join_plain(EVE, "eve");
+    join_plain(EVE_TOO, "eve");
+    coord_file_stored(f.c, f.now_ms, EVE, hash);
+    carry_out(&f);
+}
+
+static void
+expect_refused(uint64_t conn, int status, const char *limit)
+{
+    ck_assert_int_eq(f.last[conn].type, MSG_FAILED);
+    ck_assert_int_eq(f.last[conn].failed.status, status);
+    ck_assert_ptr_nonnull(strstr(f.last[conn].failed.text, limit));
+}
+
+static const uint8_t *
+job_id(int i)
+{
+    static uint8_t id[MSG_JOB];
+
+    id[0] = (uint8_t)(i + 1);
+    return id;
+}
+
+START_TEST(jobs_of_one_user_are_limited_and_not_those_of_another)
+{
+    submit(&f, EVE, job_id(0), 0);
+    submit(&f, EVE_TOO, job_id(1), 0);
+    ck_assert_int_eq(f.last[EVE_TOO].type, MSG_ACCEPT);
+    submit(&f, EVE, job_id(2), 0);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_jobs: you have 2 of 2 ");
+    for (int i = 3; i < 8; i++) { /* who is administrator is not limited */
+        submit(&f, ANA, job_id(i), 0);
+        ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+    }
+    about(&f, EVE, MSG_CANCEL, job_id(0));
+    submit(&f, EVE, job_id(2), 0);
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+}
+END_TEST
+
+static void
+submit_frames(uint64_t conn, const uint8_t *job, const struct msg_frame *frames,
+              uint32_t n)
+{
+    struct msg m = usual_submit(job);
+
+    m.submit.nframes = n;
+    m.submit.frames = frames;
+    m.submit.partition = MSG_PART_WINDOW;
+    say(&f, conn, &m);
+}
+
+START_TEST(frames_and_bytes_are_limited_too)
+{
+    static const struct msg_frame many[4] = {
+        { 0, 8, 8, "" }, { 1, 8, 8, "" }, { 2, 8, 8, "" }, { 3, 8, 8, "" }
+    };
+    static const struct msg_frame large = { 0, 1024, 1024, "" },
+                                  huge = { 0, 2048, 2048, "" };
+
+    submit_frames(EVE, job_id(0), many, 4); /* too many by themselves */
+    expect_refused(EVE, EX_DATAERR, "limit user_frames");
+    submit_frames(EVE, job_id(0), many, 2);
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    submit_frames(EVE, job_id(1), many, 2);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_frames");
+    about(&f, EVE, MSG_CANCEL, job_id(0));
+    submit_frames(EVE, job_id(1), &huge, 1); /* 16 MiB */
+    expect_refused(EVE, EX_DATAERR, "limit user_mib");
+    submit_frames(EVE, job_id(1), &large, 1);
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    submit_frames(EVE, job_id(2), &large, 1); /* 4 MiB each */
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    coord_set_limits(f.c, &(struct coord_limits){ .jobs = 9, .frames = 9 });
+    submit_frames(EVE, job_id(3), many, 1);
+    expect_refused(EVE, EX_DATAERR, "limit user_mib");
+}
+END_TEST
+
+static void
+send_chunk(uint64_t conn, uint8_t file, uint64_t offset, uint64_t total)
+{
+    static uint8_t name[MSG_HASH], data[1000];
+    struct msg m = { .type = MSG_CHUNK,
+                     .chunk = { name, offset, total, data, sizeof data } };
+
+    name[0] = file;
+    say(&f, conn, &m);
+}
+
+static void
+file_is_whole(uint64_t conn, uint8_t file)
+{
+    uint8_t name[MSG_HASH] = { file };
+
+    coord_file_stored(f.c, f.now_ms, conn, name);
+    carry_out(&f);
+}
+
+static json_int_t
+used(uint64_t conn, const char *limit)
+{
+    struct msg m = { .type = MSG_QUERY,
+                     .query = { .what = MSG_QUERY_LIMITS, .text = "eve" } };
+    json_t *root, *row;
+    json_int_t n = -1;
+    size_t i;
+
+    say(&f, conn, &m);
+    ck_assert_int_eq(f.last[conn].type, MSG_ANSWER);
+    root = json_loadb((const char *)f.last[conn].answer.text,
+                      f.last[conn].answer.len, 0, NULL);
+    ck_assert_ptr_nonnull(root);
+    json_array_foreach(json_object_get(root, "limits"), i, row)
+    {
+        if (strcmp(json_string_value(json_object_get(row, "limit")), limit) ==
+            0)
+            n = json_integer_value(json_object_get(row, "used"));
+    }
+    json_decref(root);
+    return n;
+}
+
+static void
+submit_windows(const uint8_t *job, const struct msg_frame *picture, uint32_t n)
+{
+    struct msg m = usual_submit(job);
+
+    m.submit.frames = picture;
+    m.submit.windows = n;
+    m.submit.partition = MSG_PART_WINDOW;
+    say(&f, EVE, &m);
+}
+
+START_TEST(many_windows_count_as_frames)
+{
+    static const struct msg_frame tiny = { 0, 2, 5, "" },
+                                  small = { 0, 64, 64, "" };
+
+    submit_windows(job_id(0), &small, UINT32_MAX);
+    expect_refused(EVE, EX_DATAERR, "limit user_frames");
+    submit_windows(job_id(0), &small, 16);
+    expect_refused(EVE, EX_DATAERR, "limit user_frames");
+    submit_windows(job_id(0), &small, 7);
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    ck_assert_int_eq(used(EVE, "user_frames"), 1);
+    submit_windows(job_id(1), &small, 12);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_frames");
+    submit_windows(job_id(1), &tiny, UINT32_MAX); /* of a pixel each */
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    ck_assert_int_eq(used(EVE, "user_frames"), 3);
+}
+END_TEST
+
+/* A line takes memory however few columns it has. */
+START_TEST(high_frames_count_as_several)
+{
+    static const struct msg_frame high = { 0, 1, 4096, "" },
+                                  usual = { 0, 1, 2047, "" };
+    struct msg m = usual_submit(job_id(0));
+
+    m.submit.frames = &high;
+    say(&f, EVE, &m);
+    expect_refused(EVE, EX_DATAERR, "limit user_frames");
+    m.submit.frames = &usual;
+    say(&f, EVE, &m);
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    ck_assert_int_eq(used(EVE, "user_frames"), 1);
+}
+END_TEST
+
+START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
+{
+    unsigned before;
+
+    send_chunk(EVE, 7, 0, 5 << 20);
+    expect_refused(EVE, EX_DATAERR, "limit user_upload_mib");
+    before = f.sent[EVE]; /* and of the rest of it nothing is said */
+    send_chunk(EVE, 7, 1000, 5 << 20);
+    ck_assert_uint_eq(f.sent[EVE], before);
+    send_chunk(EVE, 7, 0, 3 << 20);
+    send_chunk(EVE_TOO, 8, 0, 1 << 20);
+    ck_assert_int_eq(used(EVE, "user_uploads"), 2);
+    ck_assert_int_eq(used(EVE, "user_upload_mib"), 4);
+    send_chunk(EVE, 9, 0, 1000);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_uploads: you have 2 of 2 ");
+    file_is_whole(EVE, 7);
+    send_chunk(EVE, 9, 0, 1000);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_upload_mib");
+    coord_closed(f.c, f.now_ms, EVE_TOO, "gone"); /* what it sent goes */
+    carry_out(&f);
+    ck_assert_int_eq(used(EVE, "user_upload_mib"), 3);
+    send_chunk(EVE, 9, 0, 1000);
+    ck_assert_int_eq(used(EVE, "user_uploads"), 1);
+}
+END_TEST
+
+/* And then they are forgotten, and the store removes them. */
+START_TEST(files_that_no_job_names_count_for_a_while)
+{
+    size_t n;
+
+    send_chunk(EVE, 7, 0, 1000);
+    file_is_whole(EVE, 7);
+    send_chunk(EVE, hash[0], 0, 1000);
+    file_is_whole(EVE, hash[0]);
+    free(coord_files(f.c, &n));
+    ck_assert_uint_eq(n, 2);
+    submit(&f, EVE, job_a, 0); /* which names hash */
+    ck_assert_int_eq(used(EVE, "user_upload_mib"), 1);
+    free(coord_files(f.c, &n));
+    ck_assert_uint_eq(n, 2);
+    wait_s(&f, UPLOAD_MS / 1000 + 1);
+    ck_assert_int_eq(used(EVE, "user_upload_mib"), 0);
+    free(coord_files(f.c, &n));
+    ck_assert_uint_eq(n, 1);
+}
+END_TEST
+
+START_TEST(who_sends_and_stops_is_let_go)
+{
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
+
+    say(&f, EVE, &offer);
+    say(&f, EVE_TOO, &offer);
+    wait_s(&f, UPLOAD_MS / 2000);
+    send_chunk(EVE_TOO, 8, 0, 5000);
+    wait_s(&f, UPLOAD_MS / 2000 + 2);
+    ck_assert(f.closed[EVE] && !f.closed[EVE_TOO]);
+}
+END_TEST
+
+/* So a queue of them is not full for ever. */
+START_TEST(a_job_whose_files_do_not_come_fails)
+{
+    f.have = false;
+    submit(&f, EVE, job_a, 0);
+    wait_s(&f, UPLOAD_MS / 1000 - 2);
+    ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
+    wait_s(&f, 4);
+    expect_refused(EVE, EX_TEMPFAIL,
+                   "files of the scene did not come for 60 s");
+    ck_assert_int_eq(used(EVE, "user_jobs"), 0);
+}
+END_TEST
+
+/* Nobody can send what there is no room for. */
+START_TEST(a_full_disk_does_not_count)
+{
+    f.have = false;
+    submit(&f, EVE, job_a, 0);
+    coord_fullness(f.c, f.now_ms, true, "here");
+    carry_out(&f);
+    wait_s(&f, 2 * UPLOAD_MS / 1000);
+    ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
+}
+END_TEST
+
+START_TEST(answers_that_wait_for_the_disk_are_limited)
+{
+    submit(&f, EVE, job_a, 0);
+    f.stuck = true;
+    about(&f, EVE, MSG_PAUSE, job_a);
+    about(&f, EVE, MSG_RESUME, job_a);
+    ck_assert_int_eq(used(EVE, "user_answers"), 2);
+    about(&f, EVE, MSG_PAUSE, job_a);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_answers: you have 2 of 2 ");
+    coord_settled(f.c, f.now_ms, EVE, 6);
+    carry_out(&f);
+    ck_assert_int_eq(used(EVE, "user_answers"), 1);
+    about(&f, EVE, MSG_PAUSE, job_a);
+    ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
+}
+END_TEST
+
+START_TEST(connections_are_limited)
+{
+    join_plain(EVE_TOO + 1, "eve");
+    ck_assert_int_eq(f.last[EVE_TOO + 1].type, MSG_REFUSE);
+    ck_assert_int_eq(f.last[EVE_TOO + 1].refuse.status, EX_TEMPFAIL);
+    ck_assert_ptr_nonnull(
+        strstr(f.last[EVE_TOO + 1].refuse.text, "user_connections"));
+    join_plain(EVE_TOO + 2, "mallory");
+    ck_assert_int_eq(f.last[EVE_TOO + 2].type, MSG_WELCOME);
+}
+END_TEST
+
+START_TEST(what_another_user_has_is_for_administrators)
+{
+    struct msg m = { .type = MSG_QUERY,
+                     .query = { .what = MSG_QUERY_LIMITS, .text = "ana" } };
+
+    say(&f, EVE, &m);
+    ck_assert_int_eq(f.last[EVE].type, MSG_FAILED);
+    ck_assert_int_eq(f.last[EVE].failed.status, EX_NOPERM);
+    ck_assert_int_eq(used(ADMIN, "user_connections"), 2);
+    submit(&f, EVE, job_a, 0);
+    ck_assert_int_eq(used(ADMIN, "user_jobs"), 1);
+    ck_assert_int_eq(used(EVE, "user_frames"), 1);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("quota");
+    TCase *tc = tcase_create("quota");
+
+    tcase_add_checked_fixture(tc, set_up_few, tear_down);
+    tcase_add_test(tc, jobs_of_one_user_are_limited_and_not_those_of_another);
+    tcase_add_test(tc, many_windows_count_as_frames);
+    tcase_add_test(tc, high_frames_count_as_several);
+    tcase_add_test(tc, frames_and_bytes_are_limited_too);
+    tcase_add_test(tc, files_on_their_way_are_limited_by_number_and_bytes);
+    tcase_add_test(tc, files_that_no_job_names_count_for_a_while);
+    tcase_add_test(tc, who_sends_and_stops_is_let_go);
+    tcase_add_test(tc, a_job_whose_files_do_not_come_fails);
+    tcase_add_test(tc, a_full_disk_does_not_count);
+    tcase_add_test(tc, answers_that_wait_for_the_disk_are_limited);
+    tcase_add_test(tc, connections_are_limited);
+    tcase_add_test(tc, what_another_user_has_is_for_administrators);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,247 @@
+/* check_yield.c - units that go back before their end, for something that comes
+ * first */
+#include "config.h"
+
+#include "lines_fixture.h"
+
+static void
+about_job(uint64_t conn, uint16_t type)
+{
+    struct msg m = { .type = type, .request = 9, .pause = { id } };
+
+    say(conn, &m);
+}
+
+static void
+about_worker(uint16_t type, const char *name)
+{
+    struct msg m = { .type = type, .request = 9, .drain = { name } };
+
+    say(ADMIN, &m);
+}
+
+/* ws1 and ws2 are at lines, and know of YIELD. */
+static void
+begin(struct msg_unit *a, struct msg_unit *b)
+{
+    speak_version(2, 2);
+    start(MSG_PART_AUTO, 0, 2);
+    *a = *first_unit_of(W1);
+    *b = *first_unit_of(W2);
+    clear();
+}
+
+START_TEST(a_paused_jobs_units_go_back_and_come_again_with_their_facts)
+{
+    struct msg_unit a, b, again;
+
+    begin(&a, &b);
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(100);
+    ck_assert_int_ge(count(W1, MSG_YIELD), 1);
+    ck_assert_int_ge(count(W2, MSG_YIELD), 1);
+    wait_ms(1000);
+    ck_assert_int_eq(count(W1, MSG_REVOKE) + count(W2, MSG_REVOKE), 0);
+    facts(W1, line_above(a.y + a.height));
+    gave(W1, &a, 0);
+    ck_assert_int_eq(count(W1, MSG_UNIT) + count(W2, MSG_UNIT), 0);
+    clear();
+    about_job(ANA, MSG_RESUME);
+    again = *first_unit_of(W1);
+    ck_assert(again.unit == a.unit && again.attempt > a.attempt);
+    ck_assert_int_ge(count(W1, MSG_FACTS), 1);
+    ck_assert_double_eq(stat_of("totals", "units_redone"), 0);
+}
+END_TEST
+
+START_TEST(rows_that_are_out_stay)
+{
+    uint32_t keep;
+    struct msg_unit a, b;
+
+    begin(&a, &b);
+    ck_assert_uint_eq(a.y, 0);
+    keep = 1 + BAR;
+    ck_assert_uint_gt(a.height, keep);
+    result(W1, &a, 0, keep - 1, false);
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(100);
+    gave(W1, &a, keep);
+    base_line(W1, a.frame, line_above(keep));
+    result(W1, &a, keep - 1, 1, true);
+    ck_assert(coord_find_job(f.c, id)->units[a.unit].done);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+    about_job(ANA, MSG_RESUME);
+    ck_assert_uint_eq(first_unit_of(W1)->y, keep);
+}
+END_TEST
+
+START_TEST(a_drained_worker_is_let_go_of_all)
+{
+    struct msg_unit a, b;
+
+    begin(&a, &b);
+    about_worker(MSG_DRAIN, "ws1");
+    wait_ms(100);
+    ck_assert_int_ge(count(W1, MSG_YIELD), 1);
+    ck_assert_int_eq(count(W2, MSG_YIELD), 0);
+    gave(W1, &a, 0);
+    ck_assert_uint_eq(f.c->workers->in_flight, 0);
+    wait_ms(500);
+    ck_assert_int_eq(count(W1, MSG_UNIT), 0);
+}
+END_TEST
+
+START_TEST(a_child_that_does_not_answer_loses_its_unit)
+{
+    struct msg_unit a, b;
+
+    begin(&a, &b);
+    about_worker(MSG_DRAIN, "ws1");
+    wait_ms(4000);
+    ck_assert_int_eq(count(W1, MSG_REVOKE), 0);
+    wait_ms(2000);
+    ck_assert_int_ge(count(W1, MSG_REVOKE), 1);
+}
+END_TEST
+
+static void
+left(uint64_t conn, uint32_t chunk)
+{
+    struct msg r = { .type = MSG_ESTIMATED,
+                     .estimated = { .job = id,
+                                    .id = chunk,
+                                    .counts = { .rays = 7,
+                                                .estimate_rays = 4 } } };
+
+    say(conn, &r);
+}
+
+static void
+begin_estimate(uint32_t *a, uint32_t *b)
+{
+    speak_version(2, 2);
+    submit(MSG_PART_AUTO, 0, "20b", 1);
+    ready(W1);
+    ready(W2);
+    *a = last(W1, MSG_ESTIMATE)->m.estimate.id;
+    *b = last(W2, MSG_ESTIMATE)->m.estimate.id;
+    clear();
+}
+
+START_TEST(a_paused_jobs_estimate_is_left_and_begun_anew)
+{
+    uint32_t a, b;
+
+    begin_estimate(&a, &b);
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_REST), 1);
+    ck_assert_int_eq(count(W2, MSG_REST), 1);
+    left(W1, a);
+    left(W2, b);
+    wait_ms(1000);
+    ck_assert_int_eq(count(W1, MSG_REST) + count(W2, MSG_REST), 2);
+    ck_assert_int_eq(count(W1, MSG_ESTIMATE) + count(W2, MSG_ESTIMATE), 0);
+    about_job(ANA, MSG_RESUME);
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_ESTIMATE), 1);
+    ck_assert_int_eq(count(W2, MSG_ESTIMATE), 1);
+    ck_assert_double_eq(stat_of("totals", "estimate_rays"), 8);
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_REST), 2);
+}
+END_TEST
+
+/* Not before it has told what it traced. */
+START_TEST(a_worker_that_leaves_its_estimate_is_let_go)
+{
+    struct msg leave = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    uint32_t a, b;
+
+    begin_estimate(&a, &b);
+    say(W1, &leave);
+    ck_assert_int_eq(count(W1, MSG_BYE), 0);
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_REST), 1);
+    ck_assert_int_eq(count(W1, MSG_BYE), 0);
+    if (_i == 0)
+        left(W1, a);
+    else
+        wait_ms(6000); /* it does not answer */
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_BYE), 1);
+    ck_assert_int_eq(count(W2, MSG_REST), 0);
+}
+END_TEST
+
+/* Only who was told to leave its estimate may. */
+START_TEST(half_an_estimate_that_nobody_wanted_ends_the_connection)
+{
+    uint32_t a, b;
+
+    begin_estimate(&a, &b);
+    left(W1, a);
+    ck_assert(f.closed[W1]);
+}
+END_TEST
+
+START_TEST(a_paused_jobs_records_are_not_made_first)
+{
+    speak_version(2, 2);
+    submit(MSG_PART_AUTO, MSG_JOB_SHARE, "", 1);
+    ready(W1);
+    ck_assert_int_eq(count(W1, MSG_SEED), 1);
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(100);
+    ck_assert_int_eq(count(W1, MSG_REST), 1);
+    ready(W2);
+    wait_ms(100);
+    ck_assert_int_eq(count(W2, MSG_SEED) + count(W2, MSG_REST), 0);
+}
+END_TEST
+
+START_TEST(version_1_finishes_its_units)
+{
+    start(MSG_PART_AUTO, 0, 2);
+    clear();
+    about_job(ANA, MSG_PAUSE);
+    wait_ms(1000);
+    ck_assert_int_eq(count(W1, MSG_YIELD) + count(W1, MSG_REVOKE), 0);
+}
+END_TEST
+
+START_TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
+{
+    struct msg_unit a, b;
+
+    f.now_ms += 1000000; /* what its clock says has no beginning */
+    begin(&a, &b);
+    wait_ms(1000);
+    for (const struct coord_worker *w = f.c->workers; w; w = w->next)
+        ck_assert(!w->hangs);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("yield");
+    TCase *tc = tcase_create("yield");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc,
+                   a_paused_jobs_units_go_back_and_come_again_with_their_facts);
+    tcase_add_test(tc, rows_that_are_out_stay);
+    tcase_add_test(tc, a_drained_worker_is_let_go_of_all);
+    tcase_add_test(tc, a_child_that_does_not_answer_loses_its_unit);
+    tcase_add_test(tc, a_paused_jobs_estimate_is_left_and_begun_anew);
+    tcase_add_loop_test(tc, a_worker_that_leaves_its_estimate_is_let_go, 0, 2);
+    tcase_add_test(tc, half_an_estimate_that_nobody_wanted_ends_the_connection);
+    tcase_add_test(tc, a_paused_jobs_records_are_not_made_first);
+    tcase_add_test(tc, version_1_finishes_its_units);
+    tcase_add_test(tc, a_worker_of_a_restarted_coordinator_does_not_hang);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
