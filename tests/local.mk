@@ -323,7 +323,12 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/completion.sh \
+	tests/e2e/daemon_settings.sh \
+	tests/e2e/coord_frames.sh \
 	tests/e2e/coord_full.sh \
+	tests/e2e/cluster_cache.sh \
+	tests/e2e/cluster_files.sh \
+	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_peers.sh \
@@ -335,18 +340,30 @@ dist_check_SCRIPTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/owners.sh \
+	tests/e2e/fetch_spoilt.sh \
+	tests/e2e/kept_jobs.sh \
 	tests/e2e/radctl_check.sh \
+	tests/e2e/state_damage.sh \
+	tests/e2e/radctl_here.sh \
+	tests/e2e/radctl_lists.sh \
+	tests/e2e/radctl_text.sh \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
+	tests/e2e/radd_shortage.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/sim_windows.sh \
 	tests/e2e/stats.sh \
+	tests/e2e/steer.sh \
+	tests/e2e/steer_first.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_limits.sh \
+	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
@@ -361,7 +378,12 @@ TESTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/completion.sh \
+	tests/e2e/daemon_settings.sh \
+	tests/e2e/coord_frames.sh \
 	tests/e2e/coord_full.sh \
+	tests/e2e/cluster_cache.sh \
+	tests/e2e/cluster_files.sh \
+	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_peers.sh \
@@ -373,18 +395,30 @@ TESTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/owners.sh \
+	tests/e2e/fetch_spoilt.sh \
+	tests/e2e/kept_jobs.sh \
 	tests/e2e/radctl_check.sh \
+	tests/e2e/state_damage.sh \
+	tests/e2e/radctl_here.sh \
+	tests/e2e/radctl_lists.sh \
+	tests/e2e/radctl_text.sh \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
+	tests/e2e/radd_shortage.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/sim_windows.sh \
 	tests/e2e/stats.sh \
+	tests/e2e/steer.sh \
+	tests/e2e/steer_first.sh \
 	tests/e2e/submit_ambient.sh \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_detach.sh \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_limits.sh \
+	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \

@@ -1,11 +1,58 @@
 #!/bin/sh
 # cluster_flood.sh - a user who asks and asks and never reads an answer costs
-# the coordinator little memory, and is let go
+# the coordinator little memory, and is let go; what a user may have is said,
+# set anew while the coordinator runs, and refused above that
+#
+# A user's flood of all kinds is in tests/soak/userflood.sh.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
 
+echo 'user_jobs = 1' >c.conf
+coord_options="--config=$work/c.conf --upload-s=60"
 cluster_start 1 1
+
+# limit USER NAME: what that user may have
+limit()
+{
+    "$radctl" --coordinator="$sock" --json --user="$1" limits | python3 -c '
+import json, sys
+for row in json.load(sys.stdin)["limits"]:
+    if row["limit"] == sys.argv[1]:
+        print(row["most"])' "$2"
+}
+submit()
+{
+    "$radsubmit" --coordinator="$tcp" --key=user.key --detach -x 2000 -y 2000 \
+        -ab 3 "$scenes/room.rad"
+}
+may_have()
+{
+    [ "$(limit ana user_jobs)" = "$1" ]
+}
+may_have 1 || fail "ana may have $(limit ana user_jobs) jobs"
+submit >job 2>stderr || fail "a first job: $(cat stderr)"
+expect 75 'limit user_jobs: you have 1 of 1 jobs' "a second job" submit
+printf 'user_jobs = 2\nuser_frames = 3\n' >c.conf
+for i in 1 2 3 4; do
+    echo "rview -vtv -vp 1 1 $i -vd 0 1 0 -vu 0 0 1 -vh 50 -vv 40"
+done >views
+kill -HUP "$coord_pid"
+until_true 10 may_have 2 || fail "ana may have $(limit ana user_jobs) jobs"
+submit >second 2>stderr || fail "a second job: $(cat stderr)"
+expect 65 'limit user_frames: ' "an animation" "$radsubmit" \
+    --coordinator="$tcp" --key=user.key --detach -x 8 -y 8 -S 1 \
+    --views=views "$scenes/room.rad"
+expect 77 'for administrators' "another's limits" "$radctl" \
+    --coordinator="$tcp" --key=user.key --user=bob limits
+"$radctl" --coordinator="$tcp" --key=user.key limits >limits ||
+    fail "ana does not hear her limits"
+grep -q '^user_jobs  *2  *2  *jobs that are not over' limits ||
+    fail "ana's limits: $(cat limits)"
+for file in job second; do
+    "$radctl" --coordinator="$tcp" --key=user.key cancel "$(cat $file)" ||
+        fail "cancel"
+done
 python3 - "$sock" "$coord_pid" <<'PYTHON' || fail "the flood: see above"
 import socket, struct, sys
 

@@ -40,6 +40,15 @@ good "an admin's order" \
     "$radctl" --coordinator="$tcp" --key=admin.key drain w1
 good "an admin's order" \
     "$radctl" --coordinator="$tcp" --key=admin.key undrain w1
+# logged WORDS...: who came, and who did what
+logged()
+{
+    for words in "$@"; do
+        grep -q -e "$words\$" c.log || fail "the log lacks '$words'"
+    done
+}
+logged 'role=user owner=[a-z]* protocol=2' 'role=admin owner=[^ ]* protocol=2' \
+    'worker drained name=w1 by=[^ ]*' 'worker undrained name=w1 by=[^ ]*'
 good "a user's job" "$radsubmit" --coordinator="$tcp" --key=user.key \
     -vf "$scenes/room.vf" -x 60 -y 40 -ab 0 -o over_tcp.hdr "$scenes/room.rad"
 good "an admin's job" "$radsubmit" --coordinator="$tcp" \
@@ -153,6 +162,8 @@ until_true 5 grep -q 'connection closed peer=.*key=worker:w1:k1: retired' \
     c.log || fail "w1 stays: $(tail -n 3 c.log)"
 back() { "$radctl" --coordinator="$sock" --json workers | grep -q '"idle"'; }
 until_true 30 back || fail "w1 does not come back by its new key"
+logged 'key added name=worker:w1 by=[^ ]*' \
+    'key retired name=worker:w1:k1 by=[^ ]*'
 "$radctl" --coordinator="$tcp" --key=admin.key key list >list || fail "list"
 grep -q '^worker:w1:k1 .*retired' list || fail "list: $(cat list)"
 grep -q "$(cut -d' ' -f2 new.key)" list && fail "the list shows a secret"

@@ -18,6 +18,12 @@ expect 77 'sandbox is required' 'no seccomp' without_seccomp \
     --cache="$work/wx" --sandbox=required
 expect 64 'auto' 'bad sandbox' "$radd" --sandbox=off
 
+# nothing of radd's surroundings is the child's: neither what its environment
+# holds, nor a descriptor that was left open, nor the folder it was started in
+RADD_TEST_SECRET=sesame HOME=$work
+export RADD_TEST_SECRET HOME
+echo sesame >"$work/open"
+exec 7<"$work/open"
 cluster_start 1 1
 pid=$pid_1
 "$radsubmit" --coordinator="$sock" --name=long -vf "$scenes/room.vf" -x 600 \
@@ -33,14 +39,28 @@ grep -q '^Seccomp:.2' "$status" || fail "the child has no filter"
     fail "the child is not sealed"
 grep -q 'Max core file size  *0  *0' "/proc/$child/limits" ||
     fail "the child may leave a core"
-for fd in "/proc/$child/fd"/*; do
-    case $(readlink "$fd") in
-    /*.log | /dev/null | pipe:* | anon_inode:*) ;;
-    socket:*) echo "$fd" ;;
-    *) fail "the child has $(readlink "$fd") open" ;;
-    esac
-done >sockets
-[ "$(wc -l <sockets)" -eq 1 ] || fail "the child's sockets: $(cat sockets)"
+for mask in SigBlk:.0000000000000000 'SigIgn:.*1002$'; do
+    grep -q "^$mask" "$status" || fail "not $mask: $(grep ^Sig "$status")"
+done
+if ls "/proc/$child/fd" >/dev/null 2>&1; then
+    for fd in "/proc/$child/fd"/*; do
+        case $(readlink "$fd") in
+        /*.log | /dev/null | pipe:* | anon_inode:*) ;;
+        socket:*) echo "$fd" ;;
+        *) fail "the child has $(readlink "$fd") open" ;;
+        esac
+    done >sockets
+    [ "$(wc -l <sockets)" -eq 1 ] || fail "the child's sockets: $(cat sockets)"
+    tr '\0' '\n' <"/proc/$child/environ" >environment
+    grep -vE '^(LD_|GLIBC_TUNABLES=|[A-Z]+SAN_OPTIONS=|JOURNAL_STREAM=|TZ=)' \
+        environment && fail "the child's environment has more than it needs"
+    [ "$(readlink "/proc/$child/cwd")" = / ] ||
+        fail "the child is in $(readlink "/proc/$child/cwd")"
+elif [ "$(id -u)" -eq 0 ]; then
+    fail "root cannot see what the child has open"
+else # it cannot be looked into by its own user, which is as it should be
+    echo "skipped: only root sees what the child has open"
+fi
 "$radctl" --coordinator="$sock" cancel "$(cat id)" >/dev/null ||
     fail "no cancel"
 until_true 10 no_child 1 || fail "the child does not end"

@@ -11,7 +11,7 @@ for at in 0.0.0.0:0 192.0.2.1:0 '[::]:0'; do
 done
 expect 64 "unknown" "unknown option" "$radd" --nonsense
 expect 64 "threads" "bad number" "$radd" --threads=many
-expect 64 "log level" "bad log level" "$radcoord" --log-level=shout
+expect 64 "log_level" "bad log level" "$radcoord" --log-level=shout
 expect 66 "nowhere.conf" "missing settings" "$radd" --config=nowhere.conf
 printf 'threads = 2\nthreds = 3\n' >bad.conf
 expect 78 "bad.conf:2" "bad settings" "$radd" --config=bad.conf
@@ -75,9 +75,10 @@ wait "$coord_pid" 2>/dev/null
 coord_pid=$!
 until_true 60 n_workers 1 || fail "the worker does not come back"
 
-# asked to stop in the middle of its units a worker does them first
+# asked to stop in the middle of its units a worker gives back what is left of
+# them, and nothing of what it did is lost
 "$radsubmit" --coordinator="$sock" --name=drain -vf "$scenes/room.vf" -x 400 \
-    -y 300 -ps 1 -ds .1 -dj 1 -ab 0 --windows=40 --stats=drain.json \
+    -y 300 -ps 1 -ds .1 -dj 1 -ab 0 --partition=scanbar --stats=drain.json \
     -o drain.hdr "$scenes/room.rad" 2>stderr &
 job=$!
 until_true 60 in_the_middle drain || fail "the job does not start"

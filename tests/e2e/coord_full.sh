@@ -19,7 +19,7 @@ view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 room=$scenes/room.rad
 
 mkdir state
-if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m none state; then
+if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m,mode=700 none state; then
     fill()
     {
         dd if=/dev/zero of=state/ballast bs=64k 2>/dev/null
@@ -64,7 +64,7 @@ is_held()
 {
     "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
         grep -q '"state": "held"' jobs.json &&
-        grep -q 'no room on the disk: cannot make room for' jobs.json
+        grep -q 'no room on the disk: its rows need' jobs.json
 }
 
 # shellcheck disable=SC2086 # options are words
@@ -126,6 +126,12 @@ is_over()
         grep -q '"state": "cancelled"' jobs.json
 }
 until_true 30 is_over || fail "it is not cancelled: $(cat jobs.json)"
+# and that is kept
+has_gone_on()
+{
+    [ "$(grep -c 'jobs are held' c.log)" -eq "$(grep -c 'disk has room' c.log)" ]
+}
+until_true 30 has_gone_on || fail "there is room, but nothing goes on"
 
 # a coordinator that ends while it is full loses nothing
 fill
@@ -150,8 +156,28 @@ if [ $FULL_TMPFS = yes ]; then
         "too large" "$radsubmit" --coordinator="$sock" $view -x 4000 -y 4000 \
         -o large.hdr "$room"
 
-    # one that waits for more than there is holds what comes after it, until
-    # somebody cancels it
+    # a scene that is larger than the room that is left is refused, and nobody
+    # else has to wait for it
+    awk 'BEGIN { print "void plastic p 0 0 5 .5 .5 .5 0 0"
+        for (i = 0; i < 40000; i++)
+            print "p polygon a" i " 0 0 9", i, 0, 0, i + 1, 0, 0, i, 1, i % 7
+    }' >many.rad
+    fill
+    rm state/crumbs
+    truncate -s -3M state/ballast
+    # shellcheck disable=SC2086
+    expect 75 "no room on the coordinator's disk for a file of" \
+        "a large scene" "$radsubmit" --coordinator="$sock" $view -o many.hdr \
+        many.rad
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" $view -o beside.hdr "$room" \
+        2>beside.err || fail "beside: $(cat beside.err)"
+    says_held beside && fail "a job is held for another's scene"
+    [ -z "$(ls state/files/*.part 2>/dev/null)" ] ||
+        fail "what came of a refused scene is not removed"
+    rm state/ballast
+
+    # one that waits for more than there is waits alone
     fill
     rm state/crumbs
     truncate -s -4M state/ballast
@@ -160,18 +186,37 @@ if [ $FULL_TMPFS = yes ]; then
         -o more.hdr "$room" 2>more.err &
     more=$!
     until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"
+    is_held || fail "radctl does not say that it is held: $(cat jobs.json)"
     # shellcheck disable=SC2086
     "$radsubmit" --coordinator="$sock" $view -o after.hdr "$room" \
-        2>after.err &
-    job=$!
-    until_true 30 says_held after || fail "after: $(cat after.err)"
+        2>after.err || fail "after: $(cat after.err)"
+    says_held after && fail "a job is held for another's want"
+    cmp alone.hdr after.hdr || fail "the picture beside one that waits differs"
+    # paused meanwhile, it is so when it has its room, in another life too
     id=$(sed -n 's/^radsubmit: job //p' more.err)
+    "$radctl" --coordinator="$sock" pause "$id" || fail "it cannot be paused"
+    rm state/ballast
+    has_room()
+    {
+        grep -q "job has room job=$id" c.log
+    }
+    until_true 30 has_room || fail "it does not get the room that there is"
+    "$radctl" --coordinator="$sock" resume "$id" || fail "it cannot go on"
+    "$radctl" --coordinator="$sock" pause "$id" || fail "it cannot be paused"
+    kill -KILL "$coord_pid"
+    wait "$coord_pid" 2>/dev/null
+    "$radcoord" --listen="$tcp" --keys="$work/keys" \
+        --socket="$sock" --state="$work/state" 2>>c.log &
+    coord_pid=$!
+    is_paused()
+    {
+        "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
+            grep -q '"state": "paused"' jobs.json
+    }
+    until_true 30 is_paused || fail "it is not paused: $(cat jobs.json)"
     "$radctl" --coordinator="$sock" cancel "$id" 2>stderr ||
-        { fail "a held job cannot be cancelled: $(cat stderr)"; make_room; }
+        fail "it cannot be cancelled: $(cat stderr)"
     wait $more && fail "a cancelled job is done"
-    wait $job || fail "after: $(cat after.err)"
-    cmp alone.hdr after.hdr || fail "the picture after a cancelled job differs"
-    rm -f state/ballast
 fi
 cluster_stop
 [ $FULL_TMPFS = no ] || umount state

@@ -66,7 +66,7 @@ sys.exit(not (found["sound"] and found["jobs"] == 2 and
 diff -r state sound >diff.out || fail "check changed something: $(cat diff.out)"
 
 rm state/jobs/"$id"/0.rows
-says "0.rows' are missing"
+says "0.rows' is missing"
 damage
 truncate -s 1000 state/jobs/"$id"/0.rows
 says "1000 bytes, expected"
@@ -74,6 +74,15 @@ damage
 rm state/jobs/*/0.hdr
 says "0.hdr' is missing"
 damage
+for f in state/jobs/*/0.hdr state/jobs/*/stats; do
+    printf x | dd of="$f" bs=1 seek=30 conv=notrunc 2>dd.err ||
+        fail "$(cat dd.err)"
+    "$radctl" check "$work/state" >stdout 2>/dev/null &&
+        fail "a flipped byte in $f is not seen"
+    grep -q "$f' is damaged: its hash is another" stdout ||
+        fail "of a flipped byte in $f: $(cat stdout)"
+    damage
+done
 for f in state/files/*; do
     echo tampered >>"$f"
 done
@@ -140,10 +149,28 @@ set_version()
         fail "$(cat dd.err)"
 }
 
-# one of the version before goes on, and is then of this one, which the one
-# before refuses
-set_version 3
+# one of a version before goes on, and is then of this one, which the one
+# before refuses; looking at it leaves it as it is
+python3 - <<'SQL' || fail "version 3 cannot be made"
+import sqlite3
+db = sqlite3.connect("state/radcoord.db")
+db.executescript("""
+    DROP TABLE gone;
+    DROP TABLE drained;
+    ALTER TABLE job DROP COLUMN priority;
+    ALTER TABLE job DROP COLUMN stats_size;
+    ALTER TABLE job DROP COLUMN stats_hash;
+    ALTER TABLE frame DROP COLUMN size;
+    ALTER TABLE frame DROP COLUMN hash;
+    ALTER TABLE frame DROP COLUMN depth_size;
+    ALTER TABLE frame DROP COLUMN depth_hash;
+    ALTER TABLE frame DROP COLUMN fetched;
+    PRAGMA user_version = 3;""")
+db.close()
+SQL
+cp state/radcoord.db before.db
 "$radctl" check "$work/state" >checked 2>&1 || fail "version 3: $(cat checked)"
+cmp before.db state/radcoord.db || fail "check takes version 3 over"
 "$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>c.log &
 coord_pid=$!
 until_true 30 there || fail "version 3 does not start: $(tail -n 3 c.log)"
@@ -151,8 +178,18 @@ until_true 30 there || fail "version 3 does not start: $(tail -n 3 c.log)"
     cmp first.hdr fetched.hdr || fail "the picture of version 3 differs"
 kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "the coordinator ended with $?"
-[ "$(od -An -tu1 -j63 -N1 state/radcoord.db)" -eq 4 ] ||
+[ "$(od -An -tu1 -j63 -N1 state/radcoord.db)" -eq 5 ] ||
     fail "version 3 stays: $(od -An -tu1 -j63 -N1 state/radcoord.db)"
+
+# SQLite cannot read it there, which is no damage
+if [ "$(id -u)" -eq 0 ] && mount --bind state state 2>/dev/null; then
+    mount -o remount,bind,ro state || fail "no read-only file system"
+    expect 74 "on a read-only file system" "a read-only file system" \
+        "$radctl" check "$work/state"
+    umount state
+else
+    echo "a read-only file system is left out: only root may mount one"
+fi
 
 # one that an older or a newer release made is not damaged, and stays as it is
 for version in 2 99; do

@@ -71,7 +71,8 @@ expect 64 "'m.hdr': that format" --map=m.hdr ref.hdr ref.hdr
 expect 64 "'m.tif': that format" --false-colour=m.tif ref.hdr
 expect 64 'with -d only' --mean=mean.hdr -b 2 ref.hdr
 expect 65 'not a multiple' --mean=mean.hdr -d 3 ref.hdr
-expect 65 'sizes differ' --mean=mean.hdr ref.hdr mean.hdr
+expect 65 'sizes differ' --mean=other.hdr ref.hdr mean.hdr
+expect 64 "'mean.hdr' is one of the pictures" --mean=mean.hdr ref.hdr mean.hdr
 expect 64 'unknown' -x ref.hdr ref.hdr
 expect 64 "option '-b'" -b 0 ref.hdr ref.hdr
 expect 64 "option '-c'" -c abc ref.hdr ref.hdr

@@ -87,7 +87,7 @@ expect 66 "thawed.oct: cannot find file 'a.rad'" $radscene check thawed.oct
 # one that is not frozen is read from what it names, beside it or by command
 printf 'grey sphere more 0 0 4 9 9 9 1\n' >more.rad
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000good.rad\000!sed s/grey/lamp/ more.rad\000\000\000\000\000\006\000' >thawed.oct
-expect 0 '' $radscene info thawed.oct
+expect 0 '' $radscene info --commands thawed.oct
 same 'objects 6
 surfaces 3
 sources 2
@@ -98,12 +98,44 @@ bounds -1 -1 0  10 10 10
   plastic 1
   mixfunc 1'
 mkdir elsewhere
-(cd elsewhere && $radscene freeze ../thawed.oct) >frozen.oct ||
+(cd elsewhere && $radscene freeze --commands ../thawed.oct) >frozen.oct ||
     { echo "FAIL: freeze from another folder"; failed=1; }
 expect 0 '' $radscene check frozen.oct
 printf 'grey sphere most 0 0 4 9 9 9 1\n' >>more.rad
 expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
-    $radscene check thawed.oct
+    $radscene check --commands thawed.oct
+
+# whoever names an octree does not see its commands: in its own list, in a file
+# that it names, in the octree of an instance
+not_run()
+{
+    [ ! -e ran ] || { echo "FAIL: $1: a command of an octree was run"; failed=1; }
+    rm -f ran
+}
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000!touch ran; cat more.rad\000\000\000\000\000\001\000' >listed.oct
+printf 'void plastic grey 0 0 5 .5 .5 .5 0 0\n\n!touch ran\n' >runs.rad
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000runs.rad\000\000\000\000\000\001\000' >named.oct
+printf 'void instance it 1 named.oct 0 0\n' >within.rad
+for sub in check info needs freeze rays; do
+    expect 77 "listed.oct: command 'touch ran; cat more.rad' of an octree" \
+        $radscene $sub listed.oct
+    expect 77 "runs.rad:3: command 'touch ran' of an octree is not run: use --commands" \
+        $radscene $sub named.oct
+    expect 77 "runs.rad:3: command 'touch ran' of an octree" \
+        $radscene $sub within.rad
+    not_run $sub
+done
+for scene in named.oct within.rad; do
+    expect 77 "runs.rad:3: command 'touch ran' of an octree" \
+        "$top_builddir/radsubmit" --local --dry-run $scene
+    not_run "radsubmit $scene"
+done
+expect 0 '' $radscene info --commands named.oct
+[ -e ran ] || { echo "FAIL: --commands runs none"; failed=1; }
+rm -f ran
+expect 0 '' $radscene info runs.rad
+[ -e ran ] || { echo "FAIL: the commands of a text are not run"; failed=1; }
+rm -f ran
 
 # bad scenes
 printf 'void plastic m\n0\nO\n5 1 1 1 0 0\n' >bad.rad
@@ -142,6 +174,43 @@ expect 65 "bad.rad:2: brightfunc 'p': 'nix(1)': undefined function 'nix'" \
 printf '\nvoid brightfunc p 2 Px none.cal 0 0\n%s\n' "$use" >bad.rad
 expect 66 "bad.rad:2: brightfunc 'p': cannot find file 'none.cal'" \
     $radscene check bad.rad
+# what no surface uses is warned of, here and where it is rendered
+cat >library.rad <<'END'
+void mixfunc mixed 4 nowhere void .5 . 0 0
+void plastic two 0 0 2 1 1
+void brightfunc lost 2 Px none.cal 0 0
+void plastic grey 0 0 5 .5 .5 .5 0 0
+grey cone odd 0 0 8 0 0 0 0 0 1 1 -1
+grey sphere ball 0 0 4 0 0 0 1
+END
+for told in "library.rad:1: mixfunc 'mixed': undefined modifier 'nowhere'; no" \
+    "library.rad:2: plastic 'two': expected 5 real arguments, got 2; no" \
+    "library.rad:3: brightfunc 'lost': cannot find file 'none.cal'; no" \
+    "library.rad:5: cone 'odd': radii of opposite sign: it is left out"; do
+    expect 0 "radscene: warning: $told" $radscene check library.rad
+done
+[ "$(wc -l <err)" -eq 4 ] || { echo "FAIL: other warnings" && failed=1; }
+expect 0 "warning: library.rad:2: plastic 'two'" \
+    $top_builddir/radsubmit --local -x 8 -y 8 -ab 0 -o none.hdr library.rad
+for name in mixed two lost; do
+    echo "$name sphere user 0 0 4 0 0 0 1" >user.rad
+    $radscene check library.rad user.rad 2>err
+    case $?:$(grep -v warning: err) in
+    65:*"'$name'"* | 66:*"'$name'"*) ;;
+    *) echo "FAIL: $name, used:" && cat err && failed=1 ;;
+    esac
+done
+# an octree's materials that its only copy replaces are not used either
+printf '%s\n' 'void plastic bad 0 0 2 1 1' 'bad sphere s 0 0 4 0 0 0 1' >in.rad
+printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000in.rad\000\000\000\000\000\002\000' >in.oct
+cover='void plastic grey 0 0 5 .5 .5 .5 0 0 grey instance i 1 in.oct 0 0'
+echo "$cover" >covers.rad
+expect 0 "plastic 'bad': expected 5 real arguments, got 2; no surface uses it" \
+    $radscene check covers.rad
+echo "$cover void instance j 1 in.oct 0 0" >covers.rad
+expect 65 "plastic 'bad': expected 5 real arguments, got 2" \
+    $radscene check covers.rad
+
 mkfifo pipe.cal
 for name in pipe.cal /dev/zero /; do
     printf '\nvoid brightfunc p 2 Px %s 0 0\n%s\n' $name "$use" >bad.rad

@@ -56,7 +56,8 @@ wait $waits
 left=
 for signal in HUP TERM; do
     : >left.err # what the one before said is not this one's
-    "$radsubmit" $view -o left.hdr "$room" 2>left.err &
+    # a hang-up may be ignored where the tests run (nohup), and is inherited
+    env --default-signal=HUP "$radsubmit" $view -o left.hdr "$room" 2>left.err &
     waits=$!
     until_true 30 grep -q "no worker has begun" left.err ||
         fail "nothing of no worker: $(cat left.err)"
@@ -128,6 +129,12 @@ until_true 60 "$radctl" fetch "$id" --frame=1 -o second.hdr ||
 "$radctl" fetch "$id" --frame=0 -o first.hdr || fail "the first frame"
 cmp -s first.hdr second.hdr && fail "two frames of two views are one"
 expect 64 "no such frame" "a third frame" "$radctl" fetch "$id" --frame=2
+"$radctl" fetch "$id" -o all%02d.hdr || fail "all frames"
+cmp first.hdr all00.hdr && cmp second.hdr all01.hdr ||
+    fail "of all frames these are others"
+[ "$(echo all*)" = "all00.hdr all01.hdr" ] || fail "all frames are" all*
+"$radctl" fetch "$id" -o "50%.hdr" && cmp first.hdr "50%.hdr" ||
+    fail "a name with a %"
 
 # what people and programs see
 "$radctl" workers | grep -q ws1 || fail "radctl workers does not name ws1"
@@ -170,6 +177,7 @@ until_true 20 "$radctl" job "$job" || fail "the job does not arrive"
 kill -9 $coord
 wait $coord 2>/dev/null
 start_coordinator
+until_true 20 "$radctl" undrain ws1 || fail "it forgot a drained worker"
 wait $pid || fail "after a restart: $(cat restart.err)"
 grep -q 'connected again' restart.err || fail "no word of the restart"
 cmp restart.hdr local.hdr || fail "the picture after a restart differs"

@@ -76,7 +76,7 @@ wait
 expect 69 "" "no coordinator" "$radsubmit" --coordinator="$work/none.sock" \
     --wait=1 --dry-run $view "$room"
 expect 64 "--dry-run" "--detach too" "$radsubmit" --dry-run --detach "$room"
-echo 'void plastic p 0 0 1 .5' >bad.rad
+printf 'void plastic p 0 0 1 .5\np sphere s 0 0 4 0 0 0 1\n' >bad.rad
 expect 65 "bad.rad:1" "a bad scene" "$radsubmit" --dry-run bad.rad
 check_nothing_left "--dry-run"
 finish

@@ -26,7 +26,7 @@ void instance a 5 leaf.oct -t -.5 0 0 0 0
 void instance b 7 leaf.oct -s .6 -t .7 0 0 0 0
 void mesh c 7 ball.rtm -s .4 -t 0 .2 1 0 0
 END
-    "$radscene" freeze twig.rad >twig.oct || exit 99
+    "$radscene" freeze --commands twig.rad >twig.oct || exit 99
     cat >scene.rad <<'END'
 void light lamp 0 0 3 90 90 90
 lamp sphere sun 0 0 4 3 -6 9 .5
@@ -60,10 +60,10 @@ for scene in first second; do
     # shellcheck disable=SC2086 # options are words
     "$top_builddir/tests/seqpict" $view -o $scene.ref "$scene/scene.rad" ||
         fail "seqpict $scene"
-    id=$(cd $scene && "$radsubmit" --coordinator="$sock" --detach $view \
+    id=$(cd $scene && "$radsubmit" --coordinator="$sock" --detach --commands $view \
         scene.rad 2>../stderr) || fail "$scene: $(cat stderr)"
     eval id_$scene="$id"
-    "$radscene" freeze $scene/twig.rad >$scene.twig || fail "freeze again"
+    "$radscene" freeze --commands $scene/twig.rad >$scene.twig || fail "freeze again"
     rm -r $scene
 done
 cmp -s first.ref second.ref && fail "two scenes look the same"
@@ -80,7 +80,7 @@ done
 
 # what is in them is told
 make_scene third .4
-"$radscene" info third/scene.rad >info || fail "info"
+"$radscene" info --commands third/scene.rad >info || fail "info"
 for line in 'file twig.oct instance objects 3 copies 3' \
     'file leaf.oct instance objects 2 copies 2' \
     'file ball.rtm mesh triangles 572 copies 2'; do
@@ -95,5 +95,5 @@ expect 0 "1 surface of instances and meshes is of a light source's material" \
 # a file that is missing is named with its place
 rm third/ball.rtm
 expect 66 "twig.oct: mesh 'c': cannot find file 'ball.rtm'" \
-    "missing mesh" "$radscene" check third/scene.rad
+    "missing mesh" "$radscene" check --commands third/scene.rad
 finish

@@ -69,6 +69,24 @@ expect 76 "too old to be asked that: it speaks protocol version 1" "keys" \
     "$radctl" --coordinator="$work/old.sock" key list
 "$radctl" --coordinator="$sock" key list >/dev/null || fail "keys"
 
+# frames in the message, both from it and to it, but for more than it holds
+for i in 1 2 3; do
+    echo "rview -vp 2 1.$i 1.3 -vd 0 1 0"
+done >three.vf
+for at in "$sock" "$work/old.sock"; do
+    "$radsubmit" --coordinator="$at" -S 1 --views=three.vf -x 60 -y 45 \
+        -o "f%d.hdr" "$room" 2>stderr || fail "by $at: $(cat stderr)"
+    if [ "$at" = "$sock" ]; then
+        cat f1.hdr f2.hdr f3.hdr >three.hdr
+    fi
+done
+cat f1.hdr f2.hdr f3.hdr | cmp - three.hdr || fail "other frames by version 1"
+awk 'BEGIN { for (i = 0; i < 20000; i++) print "rview -vp 2 1 1 -vd 0 1 0" }' \
+    >many.vf
+expect 76 "too old for an animation of 20000 frames" "many frames" \
+    "$radsubmit" --coordinator="$work/old.sock" -S 1 --views=many.vf -x 4 \
+    -y 3 -o "f%d.hdr" "$room"
+
 # shellcheck disable=SC2086
 expect 76 "too old for -af: it speaks protocol version 1" "records" \
     "$radsubmit" --coordinator="$work/old.sock" $view -ab 1 -af r.amb -o x.hdr \

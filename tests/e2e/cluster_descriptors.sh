@@ -1,0 +1,140 @@
+#!/bin/sh
+# cluster_descriptors.sh - few descriptors are enough for many frames and many
+# uploads; where there are none for one more connection it waits, and nobody
+# else does
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+[ -n "$(command -v prlimit)" ] || {
+    echo "no prlimit to give a process few descriptors with"
+    exit 77
+}
+few="prlimit --nofile=40:40"
+sock=$work/c.sock
+room=$scenes/room.rad
+view="-x 8 -y 6 -ps 1 -ab 0"
+
+# views N: a file of so many
+views()
+{
+    i=0
+    while [ $i -lt "$1" ]; do
+        cat "$scenes/room.vf"
+        i=$((i + 1))
+    done >"views.$1"
+}
+
+# n_pictures PREFIX N: there are so many
+n_pictures()
+{
+    n=$(find . -name "$1*.hdr" -size +0 | wc -l)
+    [ "$n" -eq "$2" ] || fail "$1: $n pictures of $2"
+}
+
+coord_few()
+{
+    rm -f c.ports
+    $few "$radcoord" --listen= --socket="$sock" --state=state \
+        --ports-file=c.ports 2>>c.log &
+    coord_pid=$!
+    wait_file c.ports
+}
+
+worker_few()
+{
+    $few "$radd" --coordinator="$sock" --listen="$work/p.sock" --cache=w1 \
+        --name=w1 --threads=1 2>>w1.log &
+    pid_1=$!
+    workers=1
+}
+
+views 1200
+coord_few
+worker_few
+until_true 30 n_workers 1 || fail "the worker does not come"
+
+# more frames than descriptors; the coordinator is killed in the middle
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --coordinator="$sock" --name=many $view -S 1 --views=views.1200 \
+    --partition=window --windows=4 -o many%04d.hdr "$room" 2>many.err &
+job=$!
+in_the_middle_or_ended()
+{
+    in_the_middle many || gone $job
+}
+until_true 60 in_the_middle_or_ended
+kill -KILL "$coord_pid"
+wait "$coord_pid" 2>/dev/null
+coord_few
+wait $job || fail "many: $(cat many.err) $(tail -n 3 c.log)"
+n_pictures many 1200
+
+# many uploads that are begun and never come to an end, on one connection, and
+# connections for which there is no descriptor, while another user works
+cat >flood.py <<'PYTHON'
+import socket, struct, sys
+
+def message(number, payload):
+    return b'RADD' + struct.pack('>HHII', number, 0, 1, len(payload)) + payload
+
+def text(s):
+    return struct.pack('>H', len(s)) + s + b'\0'
+
+def connect():
+    s = socket.socket(socket.AF_UNIX)
+    s.connect(sys.argv[1])
+    return s
+
+hello = struct.pack('>HHB', 1, 1, 2) + text(b'') + text(b'flood') + text(b'')
+hello += struct.pack('>HQ', 0, 0)
+s = connect()
+s.sendall(message(1, hello))
+got = s.recv(6)
+assert got[4:6] == b'\0\2', got
+for i in range(1000):
+    s.sendall(message(12, struct.pack('>I', i) * 8
+                      + struct.pack('>QQI', 0, 100, 10) + b'0123456789'))
+answers = b''
+while answers.count(b'files at a time') < 1000 - 64:
+    more = s.recv(65536)
+    assert more, 'the connection ended'
+    answers += more
+others = [connect() for _ in range(60)]
+print('ready', flush=True)
+sys.stdin.read()
+PYTHON
+views 20
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --name=during $view -ab 1 -ad 300 -aa 0 -S 1 \
+    --views=views.20 -o during%04d.hdr "$room" 2>during.err &
+job=$!
+in_the_middle_or_ended()
+{
+    in_the_middle during || gone $job
+}
+until_true 60 in_the_middle_or_ended
+mkfifo hold
+python3 flood.py "$sock" <hold >flood.out 2>&1 &
+flood=$!
+exec 9>hold
+until_true 30 grep -q ready flood.out || fail "the flood: $(cat flood.out)"
+until_true 30 grep -q 'connections wait' c.log || fail "no connection waits"
+wait $job || fail "during: $(cat during.err) $(tail -n 3 c.log)"
+n_pictures during 20
+exec 9>&-
+wait $flood || fail "the flood: $(cat flood.out)"
+until_true 30 n_workers 1 || fail "nobody is let in after the flood"
+grep -qE 'ending|failed' c.log && fail "$(grep -E 'ending|failed' c.log)"
+cluster_stop
+
+# the same in radsubmit's own cluster
+views 300
+# shellcheck disable=SC2086
+$few "$radsubmit" --local $view -S 1 --views=views.300 -o local%04d.hdr \
+    "$room" 2>stderr || fail "embedded: $(cat stderr)"
+n_pictures local 300
+for f in local*.hdr; do
+    cmp "$f" "many${f#local}" || fail "$f differs"
+done
+finish

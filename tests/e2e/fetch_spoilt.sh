@@ -1,0 +1,60 @@
+#!/bin/sh
+# fetch_spoilt.sh - a picture that a disk has cut can be asked for very often,
+# and one that is asked for need not be waited for: nothing of that stays in the
+# coordinator's memory
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+growth_kib=2048
+# a sanitizer keeps what is freed
+grep -q 'SANITIZED_TRUE=$' "$top_builddir/config.status" 2>/dev/null &&
+    growth_kib=1000000
+
+# ask JOB TIMES: for its picture, until the coordinator has answered each
+ask()
+{
+    python3 - "$sock" "$1" "$2" <<'END'
+import socket, struct, sys
+HELLO, FAILED, FETCH = 1, 24, 28
+def text(s):
+    return struct.pack(">H", len(s)) + s + b"\0"
+def frame(kind, payload):
+    return b"RADD" + struct.pack(">HHII", kind, 0, 1, len(payload)) + payload
+s = socket.socket(socket.AF_UNIX)
+s.settimeout(60)
+s.connect(sys.argv[1])
+s.sendall(frame(HELLO, struct.pack(">HHB", 1, 2, 2) + text(b"") + text(b"t") +
+                text(b"") + struct.pack(">HQ", 1, 0)))
+f = s.makefile("rb")
+def failed():
+    kind, n = struct.unpack(">4xH6xI", f.read(16))
+    f.read(n)
+    return kind == FAILED
+fetch = frame(FETCH, bytes.fromhex(sys.argv[2]) + struct.pack(">IB", 0, 0))
+for i in range(int(sys.argv[3]) // 100):
+    s.sendall(100 * fetch)
+    n = 0
+    while n < 100:
+        n += failed()
+END
+}
+
+memory()
+{
+    awk '/^VmRSS:/ { print $2 }' "/proc/$coord_pid/status"
+}
+
+cluster_start 1 1
+id=$("$radsubmit" --coordinator="$sock" --detach -vf "$scenes/room.vf" -x 16 \
+    -y 12 -ab 0 "$scenes/room.rad" 2>stderr) || fail "submit: $(cat stderr)"
+is_done() { "$radctl" --coordinator="$sock" jobs | grep -q "^$id *done"; }
+until_true 30 is_done || fail "the job does not end"
+truncate -s 10 "state/jobs/$id/0.hdr"
+ask "$id" 2000 || fail "no answers"
+before=$(memory)
+ask "$id" 15000 || fail "no answers to many"
+after=$(memory)
+[ $((after - before)) -le $growth_kib ] ||
+    fail "15000 answers leave $((after - before)) KiB"
+cluster_stop
+finish

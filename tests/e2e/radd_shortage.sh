@@ -1,0 +1,64 @@
+#!/bin/sh
+# radd_shortage.sh - a worker that may start no process for a while waits, and
+# its job with it
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+[ -n "$(command -v prlimit)" ] || {
+    echo "no prlimit to forbid a process to start others with"
+    exit 77
+}
+# root may start as many as it likes, so there it is nobody's worker
+as=
+if [ "$(id -u)" = 0 ]; then
+    as="setpriv --reuid=65534 --regid=65534 --clear-groups"
+    $as true || exit 77
+fi
+
+coord_start
+if [ -n "$as" ]; then
+    $as test -x "$radd" || {
+        echo "an ordinary user cannot run $radd"
+        cluster_stop
+        exit 77
+    }
+    chmod 711 "$work"
+    mkdir w1
+    touch w1.ports w1.log
+    chown 65534 w1 w1.key w1.ports w1.log
+fi
+$as "$radd" --coordinator="$tcp" --key="$work/w1.key" --threads=1 \
+    --listen=127.0.0.1:0 --cache="$work/w1" 2>>w1.log &
+pid_1=$!
+workers=1
+until_true 30 n_workers 1 || fail "the worker does not come: $(cat w1.log)"
+
+$as prlimit --pid="$pid_1" --nproc=1: || {
+    echo "no limit can be set"
+    cluster_stop
+    exit 77
+}
+"$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 40 -y 30 -ps 1 \
+    -ab 0 -o room.hdr "$scenes/room.rad" 2>err &
+job=$!
+until_true 30 grep -q 'child waits for a process' w1.log ||
+    fail "it does not wait: $(cat w1.log)"
+gone $job && fail "the job did not wait: $(cat err)"
+$as prlimit --pid="$pid_1" --nproc=4096: || fail "no other limit"
+wait $job || fail "$(cat err)"
+grep -q 'child lost' w1.log && fail "$(grep 'child lost' w1.log)"
+
+# one that is cancelled while it waits leaves nothing behind
+$as prlimit --pid="$pid_1" --nproc=1:
+: >w1.log
+"$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 40 -y 30 -ps 1 \
+    -ab 0 -o again.hdr "$scenes/room.rad" 2>err &
+job=$!
+until_true 30 grep -q 'child waits for a process' w1.log ||
+    fail "it does not wait again: $(cat w1.log)"
+id=$(sed -n 's/^radsubmit: job //p' err)
+"$radctl" --coordinator="$sock" cancel "$id" || fail "it cannot be cancelled"
+wait $job && fail "a cancelled job is done"
+cluster_stop
+finish

@@ -1,0 +1,144 @@
+#!/bin/sh
+# steer.sh - pause, priorities, drain and cancel take hold in the middle of
+# units: what is left of these goes back, nothing is lost, and pictures and rays
+# are those of one process
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+ctl()
+{
+    "$radctl" --coordinator="$sock" "$@"
+}
+
+# submit NAME [OPTIONS]: in the background; its process is $job, its id $id
+submit()
+{
+    name=$1
+    shift
+    "$radsubmit" --coordinator="$sock" --name="$name" --stats="$name.json" \
+        -vf "$scenes/room.vf" -ps 1 -dj 1 -ab 0 -o "$name.hdr" "$@" \
+        "$scenes/room.rad" 2>"$name.err" &
+    job=$!
+    until_true 30 is_new "$name" || fail "$name: no job: $(cat "$name.err")"
+    id=$(sed -n "s/.*job new job=\([0-9a-f]*\) .* name=$name\$/\1/p" c.log)
+}
+
+is_new()
+{
+    grep -q "job new .* name=$1\$" c.log
+}
+
+# said WORDS JOB [MORE]: how often the log has it
+said()
+{
+    grep -c "$1 job=$2.*${3-}" c.log
+}
+
+# more_said NUMBER WORDS JOB [MORE]
+more_said()
+{
+    n=$1
+    shift
+    [ "$(said "$@")" -gt "$n" ]
+}
+
+# No worker has anything in hand.
+at_rest()
+{
+    [ "$(ctl --json workers | grep -c '"units": 0,')" -eq 3 ]
+}
+
+# total NAME FILE
+total()
+{
+    sed -n "/\"totals\"/,\$s/.*\"$1\": \([0-9]*\).*/\1/p" "$2" | head -1
+}
+
+# A child stands still while it is asked to give back, so that it has something.
+in_hand()
+{
+    more_said "$1" 'unit out' "$id"
+}
+
+size="-x 400 -y 300 -ds .05"
+coord_options=--log-level=debug
+cluster_start 3 1
+
+# --- pause ---
+
+# shellcheck disable=SC2086 # options are words
+submit paused $size
+until_true 30 in_hand 2 || fail "the job does not begin"
+ctl pause "$id" || fail "pause"
+until_true 30 at_rest || fail "workers go on with a paused job"
+out=$(said 'unit out' "$id")
+gone $job && fail "the job is over: too little to pause it"
+[ "$(said 'unit yield' "$id")" -gt 0 ] || fail "no unit went back"
+ctl resume "$id" || fail "resume"
+until_true 30 in_hand "$out" || fail "the job does not go on"
+
+# --- drain, which a restart does not end ---
+
+ctl drain w1 || fail "drain"
+until_true 30 sh -c "'$radctl' --coordinator='$sock' workers |
+    grep -q '^w1 *drained'" || fail "w1 is not drained"
+kill -KILL "$coord_pid"
+wait "$coord_pid" 2>/dev/null
+"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+    --state="$work/state" $coord_options 2>>"$work/c.log" &
+coord_pid=$!
+until_true 60 sh -c "'$radctl' --coordinator='$sock' workers |
+    grep -q '^w1 *drained'" || fail "w1 is not drained after a restart"
+grep -q 'worker hangs' c.log && fail "a worker is said to hang"
+ctl undrain w1 || fail "undrain"
+wait $job || fail "paused: $(cat paused.err)"
+expect 64 'the job is over' 'cancel of a job that is over' \
+    "$radctl" --coordinator="$sock" cancel "$id"
+
+# --- priorities ---
+
+# shellcheck disable=SC2086 # options are words
+submit low $size --priority=-50
+low=$id low_job=$job
+until_true 30 in_hand 2 || fail "low does not begin"
+# a worker may just then be between two units, and be free without giving back
+for try in 1 2 3 4 5; do
+    submit "high$try" -x 60 -y 50 -ds .2 --priority=50
+    wait $job || fail "high: $(cat "high$try.err")"
+    gone $low_job && fail "low is over before high"
+    [ "$(said 'unit yield' "$low")" -eq 0 ] || break
+    [ $try -lt 5 ] || fail "low gave nothing back"
+done
+submit late -x 60 -y 50 -ds .2 --priority=-100
+expect 64 'from -100 to 100' 'a priority out of range' \
+    "$radctl" --coordinator="$sock" priority "$id" 101
+ctl priority "$id" 100 || fail "priority"
+wait $job || fail "late: $(cat late.err)"
+gone $low_job && fail "low is over before late"
+ctl priority "$low" -7 || fail "priority of low"
+ctl jobs | grep -q -- ' -7 ' || fail "low has another priority"
+
+# --- a worker that leaves ---
+
+gone $low_job && fail "low is over before a worker leaves"
+end_one "$pid_2" 'worker 2'
+wait $low_job || fail "low: $(cat low.err)"
+
+# --- the same as in one process ---
+
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --local --threads=2 --stats=alone.json -vf "$scenes/room.vf" \
+    -ps 1 -dj 1 -ab 0 $size -o alone.hdr "$scenes/room.rad" 2>alone.err ||
+    fail "alone: $(cat alone.err)"
+for name in paused low; do
+    cmp "$name.hdr" alone.hdr || fail "$name: another picture"
+    [ "$(total primary_rays $name.json)" = \
+        "$(total primary_rays alone.json)" ] || fail "$name: other primary rays"
+    echo "$name: $(total rays $name.json) rays, alone $(total rays alone.json)"
+done
+# pixels that were under way, at most; a restart has lost more of the first
+[ "$(total rays low.json)" -le $(($(total rays alone.json) * 102 / 100)) ] ||
+    fail "low: rays were traced again"
+cluster_stop
+finish

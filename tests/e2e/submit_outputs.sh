@@ -1,0 +1,155 @@
+#!/bin/sh
+# submit_outputs.sh - what is written keeps its place and its mode, and takes
+# away nothing that is read
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+cp "$scenes/room.rad" room.rad
+cp "$scenes/room.vf" v.vf
+render="$radsubmit --local --workers=1 --threads=1 -x 16 -y 12"
+
+# shellcheck disable=SC2086 # options are words
+draw()
+{
+    $render -vf "$scenes/room.vf" "$@" room.rad 2>stderr || {
+        fail "$*: $(cat stderr)"
+        return 1
+    }
+}
+
+mode_of()
+{
+    stat -c %a "$1"
+}
+
+draw -o plain.hdr
+[ "$(mode_of plain.hdr)" = "$(: >new && mode_of new)" ] ||
+    fail "a new file has mode $(mode_of plain.hdr)"
+
+# --- modes and links ---
+
+: >private.hdr
+chmod 600 private.hdr
+: >group.json
+chmod 640 group.json
+draw -o private.hdr --stats=group.json --preview=prev.png
+cmp private.hdr plain.hdr || fail "the private picture is another"
+[ "$(mode_of private.hdr)" = 600 ] || fail "0600 became $(mode_of private.hdr)"
+[ "$(mode_of group.json)" = 640 ] || fail "0640 became $(mode_of group.json)"
+
+# one that cannot be written keeps no picture of an animation from its place
+printf 'rview -vp 1 1 1 -vd 1 0 0\nrview -vp 1 1 1 -vd 0 1 0\n' >two.vf
+# shellcheck disable=SC2086 # options are words
+expect 74 "cannot write '/dev/full'" "a preview on a full disk" \
+    $render -S 1 --views=two.vf --preview=/dev/full -o f%d.hdr room.rad
+[ -s f1.hdr ] && [ -s f2.hdr ] ||
+    fail "a preview on a full disk lost a picture"
+
+mkdir elsewhere
+ln -s elsewhere/made.hdr dangling.hdr
+ln -s dangling.hdr twice.hdr
+draw -o twice.hdr
+[ -L dangling.hdr ] && [ -L twice.hdr ] || fail "a link was replaced"
+cmp elsewhere/made.hdr plain.hdr || fail "nothing where the link leads"
+chmod 600 elsewhere/made.hdr
+draw -o twice.hdr
+[ "$(mode_of elsewhere/made.hdr)" = 600 ] || fail "the mode behind a link"
+ln -s nowhere/x.hdr lost.hdr
+expect 73 "no such folder" "a link into nothing" $render -o lost.hdr room.rad
+ln -s loop.hdr loop.hdr
+expect 73 "cannot create 'loop.hdr'" "a link to itself" \
+    $render -o loop.hdr room.rad
+
+# --- what is no file ---
+
+mkfifo pipe
+cat pipe >piped.hdr &
+draw -o pipe
+wait $!
+cmp piped.hdr plain.hdr || fail "what came through the pipe is another"
+[ -p pipe ] || fail "the pipe was replaced"
+echo "what was there" >log.hdr
+# shellcheck disable=SC2086
+$render -vf "$scenes/room.vf" -o /dev/stdout room.rad >>log.hdr 2>stderr ||
+    fail "/dev/stdout: $(cat stderr)"
+{ echo "what was there" && cat plain.hdr; } | cmp - log.hdr ||
+    fail "/dev/stdout did not go on where it was"
+
+# a picture that is written needs no second one
+mkdir rescued
+status=0
+# shellcheck disable=SC2086
+TMPDIR=$work/rescued $render -vf "$scenes/room.vf" -o a.hdr -z /dev/full \
+    room.rad 2>stderr || status=$?
+[ $status -eq 74 ] || fail "a full disk: status $status"
+cmp a.hdr plain.hdr || fail "the picture is not there"
+find rescued -name '*.hdr' | grep . && fail "a stray copy of the picture"
+grep -q "distances are in" stderr || fail "the distances are lost: $(cat stderr)"
+
+# --- inputs ---
+
+# refused WHAT OPTION...: and nothing is changed
+refused()
+{
+    what=$1
+    shift
+    # shellcheck disable=SC2086
+    expect 64 "$what" "$*" $render "$@"
+}
+cp v.vf before.vf
+refused "'v.vf' is the view file: -o would" -vf v.vf -o v.vf room.rad
+refused "'./v.vf' is the view file" -vf v.vf -z ./v.vf -o x.hdr room.rad
+ln -s v.vf soft.vf
+ln v.vf hard.vf
+refused "'soft.vf' is the view file" -vf v.vf -o soft.vf room.rad
+refused "'hard.vf' is the view file" -vf v.vf -o hard.vf room.rad
+refused "is the view file: -e would" -vf v.vf -e hard.vf -o x.hdr room.rad
+cp v.vf walk1.hdr
+refused "'walk1.hdr' is the file of views" -S 1 --views=walk1.hdr \
+    -o 'walk%d.hdr' room.rad
+cmp v.vf before.vf && cmp walk1.hdr before.vf || fail "a view was changed"
+echo "-ab 0" >quick.opt
+refused "is a file of options: --stats would" @quick.opt --stats=quick.opt \
+    -o x.hdr room.rad
+draw -o x.hdr --stats=run.json
+refused "is the file of --estimate: --stats would" -vf v.vf \
+    --estimate=run.json --stats=run.json -o x.hdr room.rad
+mkdir -p "$XDG_CONFIG_HOME/radd"
+: >"$XDG_CONFIG_HOME/radd/radsubmit.conf"
+refused "is the configuration: -o would" -vf v.vf \
+    -o "$XDG_CONFIG_HOME/radd/radsubmit.conf" room.rad
+refused "is the scene: -o would" -vf v.vf -o room.rad room.rad
+
+# files that the scene names, known when it is read
+echo "f = 1;" >own.cal
+cat room.rad >named.rad
+cat >>named.rad <<'END'
+void brightfunc dim 2 f own.cal 0 0
+dim plastic grey 0 0 5 .5 .5 .5 0 0
+grey sphere ball 0 0 4 1 1 1 .1
+END
+cp own.cal before.cal
+refused "'own.cal' is a file of the scene: -z would" -vf v.vf -o x.hdr \
+    -z own.cal named.rad
+cmp own.cal before.cal || fail "the scene's file was changed"
+"$top_builddir/radscene" freeze room.rad >frozen.oct
+printf 'void instance it 1 frozen.oct 0 0\n' >within.rad
+refused "'frozen.oct' is a file of the scene" -vf v.vf -o frozen.oct within.rad
+expect 64 "'plain.hdr' is one of the pictures: --mean would" "raderr" \
+    "$top_builddir/raderr" --mean=plain.hdr a.hdr plain.hdr
+
+# --- options in a file ---
+
+cat >commented.opt <<'END'
+# what all pictures have
+-ab 0 # no indirect light
+-x 16 -y 12
+#-o nowhere/x.hdr
+END
+# shellcheck disable=SC2086
+"$radsubmit" --local --threads=1 @commented.opt -vf v.vf -o c.hdr room.rad \
+    2>stderr || fail "comments: $(cat stderr)"
+cmp c.hdr plain.hdr || fail "comments: another picture"
+
+check_nothing_left outputs
+finish
