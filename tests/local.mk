@@ -680,9 +680,13 @@ E2E_TESTS = $(SANITIZED_E2E)
 TESTS += $(E2E_TESTS)
 dist_check_SCRIPTS += $(E2E_TESTS)
 
+SANITIZED_MORE = \
+	tests/fuzz/replay.sh \
+	tests/soak/pairs.sh
+
 .PHONY: check-sanitized check-threads
 check-sanitized:
 	$(MAKE) $(AM_MAKEFLAGS) check \
-		TESTS='$(UNIT_TESTS) tests/fuzz/replay.sh $(SANITIZED_E2E)'
+		TESTS='$(UNIT_TESTS) $(SANITIZED_MORE) $(SANITIZED_E2E)'
 check-threads:
 	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'

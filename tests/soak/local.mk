@@ -7,10 +7,14 @@ SOAK = \
 	tests/soak/disaster.sh \
 	tests/soak/garbage.sh \
 	tests/soak/kills.sh \
+	tests/soak/pairs.sh \
 	tests/soak/partition.sh \
 	tests/soak/slow.sh \
 	tests/soak/standstill.sh \
-	tests/soak/storm.sh
+	tests/soak/storm.sh \
+	tests/soak/userflood.sh
+
+EXTRA_DIST += tests/soak/pairs.py
 
 dist_check_SCRIPTS += $(SOAK)
 # a minute of them

@@ -102,14 +102,23 @@ at_rest()
     n_workers "$STORM_WORKERS" && no_child 1
 }
 
-# no_more NAME PID: than in NAME.held, but for 1 MiB an hour; as_before leaves
-# in $now what it is
+# Jobs that are remembered: beside those that are kept all of the last minute,
+# for their users may be getting what is left of them.
+remembered()
+{
+    "$radctl" --coordinator="$sock" jobs --json | grep -c '"state"'
+}
+
+# no_more NAME PID: than in NAME.held, but for 1 MiB an hour, and JOB_KIB for
+# each job more that is remembered; as_before leaves in $now what it is
+JOB_KIB=48
 as_before()
 {
     now=$(held "$2")
-    echo "$now $(cat "$1.held")" | awk -v hours="$hours" '{
-        grown = $1 - $4
-        exit !(grown <= 1024 * (hours < 1 ? 1 : hours) && $2 <= $5 && $3 <= $6)
+    echo "$now $(cat "$1.held") $(($(remembered) - $(cat remembered)))" |
+        awk -v hours="$hours" -v a_job=$JOB_KIB '{
+        room = 1024 * (hours < 1 ? 1 : hours) + a_job * ($7 > 0 ? $7 : 0)
+        exit !($1 - $4 <= room && $2 <= $5 && $3 <= $6)
     }'
 }
 
@@ -173,6 +182,7 @@ touch wrong
 streams warming
 held "$coord_pid" >coordinator.held
 held "$pid_1" >worker.held
+remembered >remembered
 blows=0
 begin=$(date +%s)
 ends=$((begin + STORM_SECONDS))
