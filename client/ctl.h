@@ -8,6 +8,7 @@
 #define RADD_CLIENT_CTL_H
 
 #include "link.h"
+#include "show.h"
 
 #include <jansson.h>
 
@@ -27,6 +28,8 @@ struct ctl {
     int limit;               /* --limit: rows of a list; 0: all */
     bool all;                /* --all: cancel or delete all jobs of a user */
     const char *output;
+    const char *tone, *exposure, *bits; /* as asked for; NULL: not */
+    struct show show;        /* of a .png that is fetched */
     int frame;               /* -1: not named */
     bool json;
     bool admin; /* what the coordinator let us be */

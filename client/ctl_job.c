@@ -166,17 +166,39 @@ fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
     return rc < 0 ? rc : 0;
 }
 
+/* The first frame that is not black says how this one is shown, as when all of
+ * them came together. */
+static int
+look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
+{
+    int rc = 0;
+
+    for (int i = 0; rc == 0 && i < frame && show_waits(&c->show); i++) {
+        struct fetched f = { 0 };
+
+        rc = fetch_file(c, job, i, MSG_WHAT_PICTURE, &f);
+        if (rc == 0)
+            rc = picfile_look(f.bytes, f.len, &c->show, c->err);
+        free(f.bytes);
+    }
+    return rc;
+}
+
 /* Path NULL: to standard output. */
 static int
 fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
               const char *path)
 {
     struct fetched f = { 0 };
-    int rc = fetch_file(c, job, frame, MSG_WHAT_PICTURE, &f);
+    int rc = 0;
 
+    if (picfile_is_png(path, PICFILE_BY_SUFFIX))
+        rc = look_at_first(c, job, frame);
+    if (rc == 0)
+        rc = fetch_file(c, job, frame, MSG_WHAT_PICTURE, &f);
     if (rc == 0)
         rc = picfile_write(path, PICFILE_BY_SUFFIX, f.bytes, f.len, true,
-                           c->err);
+                           &c->show, c->err);
     free(f.bytes);
     return rc;
 }

@@ -52,6 +52,8 @@ libclient_a_SOURCES = \
 	client/records.h \
 	client/rescue.c \
 	client/rescue.h \
+	client/show.c \
+	client/show.h \
 	client/submit.c \
 	client/submit.h \
 	client/submit_options.c \

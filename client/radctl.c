@@ -81,6 +81,11 @@ help(void)
          "  -o FILE           where fetch writes (standard output)\n"
          "  --frame=N         picture of an animation to fetch, from 0; all of them\n"
          "                    where FILE has a %d\n"
+         "  --tone=" SHOW_TONES "\n"
+         "                    how a .png shows light\n"
+         "  --exposure=[first,|each,]auto|+-STOPS|FACTOR\n"
+         "                    of a .png\n"
+         "  --bits=" SHOW_BITS "        of a channel of a .png\n"
          "  --help            this text\n"
          "  --version         the version");
 }
@@ -129,6 +134,9 @@ take_option(struct ctl *c, char *argv[], int *i)
         (rc = option_value("--expires", argv, i, &c->expires, c->err)) != 0 ||
         (rc = option_value("--user", argv, i, &c->user, c->err)) != 0 ||
         (rc = option_value("--state", argv, i, &c->state, c->err)) != 0 ||
+        (rc = option_value("--tone", argv, i, &c->tone, c->err)) != 0 ||
+        (rc = option_value("--exposure", argv, i, &c->exposure, c->err)) != 0 ||
+        (rc = option_value("--bits", argv, i, &c->bits, c->err)) != 0 ||
         (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
         return rc < 0 ? rc : 0;
     if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
@@ -214,6 +222,28 @@ check_list_options(const struct ctl *c)
     return ctl_check_list(c);
 }
 
+/* How a picture is shown is for one that is shown. */
+static int
+check_show(struct ctl *c)
+{
+    const char *given = c->tone       ? "--tone"
+                        : c->exposure ? "--exposure"
+                        : c->bits     ? "--bits"
+                                      : NULL;
+    int rc = 0;
+
+    if (given && (c->command->run != ctl_run_fetch ||
+                  !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "%s is for fetch with -o FILE.png", given);
+    if (c->tone)
+        rc = show_tone(&c->show, c->tone, c->err);
+    if (rc == 0 && c->bits)
+        rc = show_bits(&c->show, c->bits, c->err);
+    return rc == 0 && c->exposure ? show_exposure(&c->show, c->exposure, c->err)
+                                  : rc;
+}
+
 static int
 check_words(struct ctl *c)
 {
@@ -240,7 +270,7 @@ check_words(struct ctl *c)
     for (int i = 0; i < c->nargs; i++)
         if ((rc = check_arg(c, c->args[i])) < 0)
             return rc;
-    if ((rc = check_list_options(c)) < 0)
+    if ((rc = check_list_options(c)) < 0 || (rc = check_show(c)) < 0)
         return rc;
     return c->output ? picfile_check(c->output, false, c->err) : 0;
 }
@@ -400,6 +430,7 @@ main(int argc, char *argv[])
         puts("radctl (radd) " PACKAGE_VERSION);
         return EX_OK;
     }
+    show_init(&c.show);
     rc = take_words(&c, argc, argv);
     if (rc == 0)
         rc = run(&c);

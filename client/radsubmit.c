@@ -61,6 +61,7 @@ struct program {
     bool compiled;
     int compile_rc;
     double compile_s;
+    struct show_last last; /* preview */
     bool preview_warned;
     struct rad_error preview; /* why the last one was not written */
     struct rad_error *err;
@@ -278,7 +279,7 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
         rc = name_for(p, p->o.output, frame, &name, err);
     if (rc == 0)
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
-                           !p->embedded, err);
+                           !p->embedded, &p->o.show, err);
     free(name);
     return rc;
 }
@@ -298,26 +299,45 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
 
 /* One that cannot be written holds up no picture: a warning tells of the first,
  * and the exit status of the last. */
+static void
+note_preview(struct program *p, const struct rad_error *why)
+{
+    bool warned = p->preview_warned;
+    char text[sizeof *why + 80];
+    int n;
+
+    p->preview = *why;
+    p->preview_warned |= why->code != 0;
+    if (why->code == 0 || warned)
+        return;
+    n = snprintf(text, sizeof text,
+                 "warning: no preview, but the job goes on: ");
+    rad_error_format(why, text + n, sizeof text - (size_t)n);
+    warn(p, text);
+}
+
 static int
 on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
 {
     struct program *p = arg;
     struct rad_error why = { 0 };
-    bool warned = p->preview_warned;
-    char text[sizeof why + 80];
-    int n;
 
     (void)err;
-    picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &why);
-    p->preview = why;
-    p->preview_warned |= why.code != 0;
-    if (why.code == 0 || warned)
-        return 0;
-    n = snprintf(text, sizeof text,
-                 "warning: no preview, but the job goes on: ");
-    rad_error_format(&why, text + n, sizeof text - (size_t)n);
-    warn(p, text);
+    picfile_preview(p->o.preview, picture, len, &p->o.show, &p->last, &why);
+    note_preview(p, &why);
     return 0;
+}
+
+/* Of a frame that is whole: as its picture is, or would be as PNG. */
+static void
+last_preview(struct program *p, const uint8_t *picture, size_t len)
+{
+    struct rad_error why = { 0 };
+
+    picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
+                  &why);
+    note_preview(p, &why);
+    memset(&p->last, 0, sizeof p->last);
 }
 
 /* The cluster ends with us.  NULL: that is written, or was not asked for. */
@@ -350,7 +370,7 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
     if (p->unwritten && p->embedded)
         rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
     if (rc == 0 && p->o.preview)
-        rc = on_preview(p, picture, picture_len, err);
+        last_preview(p, picture, picture_len);
     return rc;
 }
 

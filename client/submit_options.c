@@ -8,6 +8,7 @@
 #include "submit_options.h"
 #include "amblist.h"
 #include "message.h"
+#include "picfile.h"
 #include "quality.h"
 
 #include "base/help.h"
@@ -75,6 +76,12 @@ static const struct option own[] = {
          "seconds for a coordinator and a worker to be there (60)"),
     WORD("--format", format, "auto|hdr|png",
          "of the picture, whatever the suffix"),
+    WORD("--tone", tone, SHOW_TONES, "how a .png shows light"),
+    TEXT("--exposure", exposure, "[first,|each,]auto|+-STOPS|FACTOR",
+         "of a .png: stops from its own one, as +1, or a factor of "
+         "radiance; all frames have the first one's, or each its own "
+         "(first,auto)"),
+    WORD("--bits", bits, SHOW_BITS, "of a channel of a .png"),
     WORD("--quality", quality, QUALITY_WORDS,
          "a set of rpict's options, for those that are not given"),
     TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
@@ -146,7 +153,8 @@ set_defaults(struct submit_options *o)
     rad_params_init(&o->params);
     rad_view_init(&o->view);
     o->wait_s = 60;
-    o->quality = -1;
+    o->quality = o->tone = o->bits = -1;
+    show_init(&o->show);
     o->order = ORDER_NONE;
 }
 
@@ -502,12 +510,39 @@ check_outputs(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
+/* Options that no picture heeds are a mistake. */
+static int
+check_show(struct submit_options *o, struct rad_error *err)
+{
+    const char *given = o->tone >= 0    ? "--tone"
+                        : o->exposure   ? "--exposure"
+                        : o->bits >= 0  ? "--bits"
+                                        : NULL;
+
+    if (given && o->detach)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for a .png, and --detach writes none: use "
+                        "radctl fetch with it",
+                        given);
+    if (given && !o->preview &&
+        !picfile_is_png(o->output, (enum picfile_format)o->format))
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for a .png: use -o FILE.png, --format=png or "
+                        "--preview with it",
+                        given);
+    if (o->tone >= 0)
+        o->show.screen.tone.curve = (enum rad_tone_curve)o->tone;
+    if (o->bits >= 0)
+        o->show.screen.bits = o->bits == SHOW_16_BITS ? 16 : 8;
+    return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
+}
+
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
     int rc = check_outputs(o, err);
 
-    if (rc < 0)
+    if (rc < 0 || (rc = check_show(o, err)) < 0)
         return rc;
     if (o->local && o->coordinator)
         return rad_fail(err, RAD_EUSAGE,

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "picture/params.h"
 #include "picture/view.h"
+#include "show.h"
 #include "words.h"
 
 #include <stdbool.h>
@@ -45,6 +46,9 @@ struct submit_options {
     const char *views;   /* --views; NULL with -S: stdin */
     int first_frame;     /* -S: number of the first view; 0: one picture */
     int format;          /* enum picfile_format */
+    struct show show;    /* of a .png */
+    const char *exposure; /* as asked for; NULL: not */
+    int tone, bits;       /* the words' numbers; -1: not asked for */
     const char *stats, *preview;
     /* where */
     const char *coordinator;

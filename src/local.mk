@@ -107,6 +107,8 @@ librad_a_SOURCES = \
 	src/picture/hdr.h \
 	src/picture/hdrimpl.h \
 	src/picture/hdrread.c \
+	src/picture/human.c \
+	src/picture/human.h \
 	src/picture/metric.c \
 	src/picture/metric.h \
 	src/picture/number.c \
@@ -117,10 +119,18 @@ librad_a_SOURCES = \
 	src/picture/params.h \
 	src/picture/png.c \
 	src/picture/png.h \
+	src/picture/primaries.c \
+	src/picture/primaries.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
+	src/picture/screen.c \
+	src/picture/screen.h \
 	src/picture/seed.c \
 	src/picture/seed.h \
+	src/picture/srgb.c \
+	src/picture/srgb.h \
+	src/picture/tone.c \
+	src/picture/tone.h \
 	src/picture/view.c \
 	src/picture/view.h \
 	src/scene/bsdf.c \

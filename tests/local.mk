@@ -91,6 +91,7 @@ UNIT_TESTS = \
 	tests/check_task \
 	tests/check_team \
 	tests/check_tls \
+	tests/check_tone \
 	tests/check_view \
 	tests/check_wgmd \
 	tests/check_wild \
@@ -539,6 +540,10 @@ tests_check_credentials_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 tests_check_tls_SOURCES = tests/check_tls.c tests/unit.h
 tests_check_tls_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
 tests_check_tls_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+
+tests_check_tone_SOURCES = tests/check_tone.c tests/unit.h
+tests_check_tone_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_tone_LDADD = $(UNIT_LIBS)
 
 tests_check_wire_SOURCES = tests/check_wire.c tests/unit.h
 tests_check_wire_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -68,6 +68,8 @@ struct rad_picture {
     int width, height;
     double pixaspect;  /* 1 where the header says nothing */
     struct rad_rgb *L; /* width * height, malloc'd, the top row first */
+    bool other_primaries; /* a PRIMARIES line: the numbers in L are of others */
+    double chroma[8];     /* than Radiance's: x y of red, green, blue, white */
 };
 void rad_picture_release(struct rad_picture *pic);
 

@@ -64,6 +64,8 @@ struct reader {
     struct rad_error *err;
     double divide[3]; /* EXPOSURE times COLORCORR */
     double pixaspect;
+    double chroma[8];   /* PRIMARIES */
+    bool primaries;     /* were given */
     bool xyz;           /* tristimulus values instead of RGB */
     bool xmajor;        /* scan lines run along y */
     bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
@@ -114,6 +116,21 @@ get_colorcorr(struct reader *in, char *text)
            get_factor(&text, &in->divide[2]);
 }
 
+/* A line that says less than it should is none, as in Radiance. */
+static void
+get_primaries(struct reader *in, char *text)
+{
+    for (int i = 0; i < 8; i++) {
+        char *end;
+
+        in->chroma[i] = strtod(text, &end);
+        if (end == text || !(fabs(in->chroma[i]) < 1e6))
+            return;
+        text = end;
+    }
+    in->primaries = true;
+}
+
 static int
 take_header_line(struct reader *in, char *line)
 {
@@ -134,6 +151,8 @@ take_header_line(struct reader *in, char *line)
     } else if (strcmp(line, "PIXASPECT") == 0) {
         if (!get_factor(&value, &in->pixaspect))
             return damaged(in, "bad PIXASPECT");
+    } else if (strcmp(line, "PRIMARIES") == 0) {
+        get_primaries(in, value);
     } else if (strcmp(line, "FORMAT") == 0) {
         value += strspn(value, " \t");
         value[strcspn(value, " \t")] = '\0';
@@ -409,6 +428,8 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
     pic->width = w;
     pic->height = h;
     pic->pixaspect = in->pixaspect;
+    pic->other_primaries = in->primaries && !in->xyz;
+    memcpy(pic->chroma, in->chroma, sizeof pic->chroma);
     return 0;
 }
 

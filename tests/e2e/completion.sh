@@ -37,6 +37,8 @@ expect "add retire list" radctl key ""
 expect "--partition=" radsubmit --part
 expect "auto static scanbar window" radsubmit --partition =
 expect "medium" radsubmit --quality = m
+expect "8 16" radsubmit --bits =
+expect "photographic linear human" radsubmit --tone =
 expect "" radsubmit --stats =
 expect "auto required" radd --sandbox =
 expect "--keep-days=" radcoord --keep-d
