@@ -4,12 +4,14 @@
 #include "jobspec.h"
 
 #include "costs.h"
+#include "origin.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
+#include <unistd.h>
 
 int
 jobspec_name(struct jobspec *j, struct rad_error *err)
@@ -112,6 +114,19 @@ jobspec_add_frames(struct jobspec *j, const struct frames *frames,
     return 0;
 }
 
+/* The lines of the pictures' headers, with --stamp those that are of today. */
+static void
+tell_origin(struct jobspec *j, const struct submit_options *o)
+{
+    char host[256] = "";
+    struct origin_stamp stamp = { time(NULL), host, j->id };
+
+    if (o->stamp)
+        gethostname(host, sizeof host - 1);
+    origin_text(j->origin, (const char *const *)o->scenes, o->nscenes,
+                o->stamp ? &stamp : NULL);
+}
+
 void
 jobspec_fill(struct jobspec *j, const struct submit_options *o,
              const struct frames *frames, const struct compiled *scene,
@@ -121,10 +136,12 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
 
     rad_params_format(&o->params, j->params, sizeof j->params);
     list_needs(j, scene->scene);
+    tell_origin(j, o);
     s->job = j->id;
     s->manifest = cargo->hashes;
     s->name = o->name ? o->name : o->scenes[0];
     s->params = j->params;
+    s->origin = j->origin;
     s->needs = j->needs;
     s->estimate = o->estimate ? o->estimate : "uniform";
     s->costs = j->costs;

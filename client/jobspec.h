@@ -20,6 +20,7 @@ struct jobspec {
     uint32_t ncosts;
     char params[RAD_PARAMS_TEXT];
     char needs[MSG_MAX_NEEDS + 1];
+    char origin[MSG_MAX_ORIGIN + 1];
 };
 
 /* A new id; RAD_EINTERNAL. */

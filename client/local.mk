@@ -36,6 +36,8 @@ libclient_a_SOURCES = \
 	client/link.h \
 	client/local.c \
 	client/local.h \
+	client/origin.c \
+	client/origin.h \
 	client/outname.c \
 	client/outname.h \
 	client/paths.c \

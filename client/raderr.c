@@ -311,9 +311,12 @@ static int
 encode_mean(const struct sum *sum, const struct rad_sink *sink,
             struct rad_error *err)
 {
-    struct rad_hdr_info info = { "raderr",       "--mean", NULL,
-                                 sum->pixaspect, 0,        sum->width,
-                                 sum->height };
+    struct rad_hdr_info info = { .software = "radd " PACKAGE_VERSION,
+                                 .program = "raderr",
+                                 .options = "--mean",
+                                 .pixaspect = sum->pixaspect,
+                                 .width = sum->width,
+                                 .height = sum->height };
     size_t width = (size_t)sum->width;
     struct rad_rgb *row = malloc(width * sizeof *row);
     uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));

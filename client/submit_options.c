@@ -84,6 +84,8 @@ static const struct option own[] = {
     WORD("--bits", bits, SHOW_BITS, "of a channel of a .png"),
     WORD("--quality", quality, QUALITY_WORDS,
          "a set of rpict's options, for those that are not given"),
+    FLAG("--stamp", stamp,
+         "the day, the host and the job in the picture's header"),
     TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
     TEXT("--stats", stats, "FILE.json", "statistics of the job"),
     WORD("--progress", progress, "auto|always|never",

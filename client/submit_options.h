@@ -62,6 +62,7 @@ struct submit_options {
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */
     bool commands; /* of octrees are run, too */
+    bool stamp;    /* the day, the host and the job in the header */
     bool no_balance, no_share, same_bits, fresh_frames, detach, dry_run;
     int priority;
     int memory_mib; /* most that its process on a worker may have; 0: any */

@@ -118,6 +118,7 @@ folder_free_job(struct folder_job *j)
     }
     free(j->frames);
     free(j->params);
+    free(j->origin);
     free(j);
 }
 
@@ -171,9 +172,10 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
         j->depth = spec->flags & MSG_JOB_DEPTH;
         j->kind = kind_of(f, spec);
         j->params = strdup(spec->params);
+        j->origin = strdup(spec->origin ? spec->origin : "");
         j->frames = calloc(spec->nframes, sizeof *j->frames);
         j->nframes = j->frames ? spec->nframes : 0;
-        if (j->params && j->frames && copy_frames(j, spec))
+        if (j->params && j->origin && j->frames && copy_frames(j, spec))
             return j;
     }
     folder_free_job(j);
@@ -628,7 +630,9 @@ static int
 write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
            bool durable, struct mark *mark, struct rad_error *err)
 {
-    struct rad_hdr_info info = { .program = "radsubmit",
+    struct rad_hdr_info info = { .origin = j->origin,
+                                 .software = "radd " PACKAGE_VERSION,
+                                 .program = "radsubmit",
                                  .options = j->params,
                                  .view = f->view,
                                  .frame = f->number,

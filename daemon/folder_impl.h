@@ -20,7 +20,7 @@ struct frame_rows {
 struct folder_job {
     struct folder_job *next;
     uint8_t id[MSG_JOB];
-    char *params;
+    char *params, *origin;
     bool depth;
     enum rows_kind kind;
     uint32_t nframes;

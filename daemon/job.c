@@ -52,6 +52,7 @@ copy_spec(struct job *job, const struct msg_spec *from)
     s->manifest = copy_bytes(mem, from->manifest, MSG_HASH, &ok);
     s->name = copy_str(mem, from->name, &ok);
     s->params = copy_str(mem, from->params, &ok);
+    s->origin = copy_str(mem, from->origin ? from->origin : "", &ok);
     s->needs = copy_str(mem, from->needs, &ok);
     s->estimate = copy_str(mem, from->estimate, &ok);
     if (from->ncosts > 0)

@@ -37,6 +37,7 @@
 #define MSG_MAX_TEXT    500
 #define MSG_MAX_NEEDS   1024
 #define MSG_MAX_PARAMS  4096
+#define MSG_MAX_ORIGIN  4096 /* of header lines, where a picture is from */
 #define MSG_MAX_STATE   16
 #define MSG_MAX_VIEW    1024
 
@@ -205,6 +206,8 @@ struct msg_spec {
     const uint8_t *manifest; /* hash of the bundle's manifest */
     const char *name;
     const char *params;   /* rad_params_format() */
+    const char *origin;   /* header lines of its pictures that say where they
+                           * are from, each with its newline; or "" */
     const char *needs;    /* features the scene uses, blanks between */
     const char *estimate; /* --estimate, "uniform" by default */
     uint32_t ncosts;      /* 0: none, or the base lines of all frames */

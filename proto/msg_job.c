@@ -99,6 +99,31 @@ code_costs(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || costs_fit(b));
 }
 
+/* Lines that a header may hold: printable, none of them empty, as that would end
+ * the header. */
+static bool
+origin_fits(const char *origin)
+{
+    char before = '\n', c;
+
+    for (; (c = *origin) != '\0'; before = c, origin++)
+        if (c == '\n' ? before == '\n' : (unsigned char)c < ' ' || c == 127)
+            return false;
+    return before == '\n';
+}
+
+/* Version 1 has none. */
+static void
+code_origin(struct codec *c, struct msg_spec *b)
+{
+    if (c->version < 2 || !b->origin)
+        b->origin = "";
+    if (c->version < 2)
+        return;
+    code_str(c, &b->origin, MSG_MAX_ORIGIN);
+    code_must(c, code_bad(c) || origin_fits(b->origin));
+}
+
 /* What the user calls the job: version 1 hears its beginning. */
 static void
 code_label(struct codec *c, struct msg_spec *b)
@@ -127,6 +152,7 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_hash(c, &b->manifest);
     code_label(c, b);
     code_str(c, &b->params, MSG_MAX_PARAMS);
+    code_origin(c, b);
     code_str(c, &b->needs, MSG_MAX_NEEDS);
     code_str(c, &b->estimate, MSG_MAX_NAME);
     code_costs(c, b);

@@ -204,8 +204,12 @@ static const int widths[] = { 1, 2, 7, 8, 9, 127, 128, 129, 400, 32767, 32768 };
 START_TEST(pictures_come_back_as_written)
 {
     int width = widths[_i / 4], kind = _i % 4, height = 3;
-    struct rad_hdr_info info = { "radsubmit", "-ab 0", "-vtv", 1,
-                                 0,           width,   height };
+    struct rad_hdr_info info = { .program = "radsubmit",
+                                 .options = "-ab 0",
+                                 .view = "-vtv",
+                                 .pixaspect = 1,
+                                 .width = width,
+                                 .height = height };
     size_t n = (size_t)width * (size_t)height;
     struct rad_rgb *L = malloc(n * sizeof *L);
     struct rad_picture pic;
@@ -236,12 +240,20 @@ END_TEST
 
 START_TEST(header_holds_options_and_view)
 {
-    struct rad_hdr_info info = { "radsubmit", "-ps 1", "-vtv -vp 0 0 0", .5, 7,
-                                 1,           1 };
+    struct rad_hdr_info info = { .origin = "SCENE= a.rad\n",
+                                 .software = "radd 1",
+                                 .program = "radsubmit",
+                                 .options = "-ps 1",
+                                 .view = "-vtv -vp 0 0 0",
+                                 .pixaspect = .5,
+                                 .frame = 7,
+                                 .width = 1,
+                                 .height = 1 };
     struct rad_rgb L = rad_grey(1);
     struct file f = write_picture(&info, &L);
     static const char want[] =
-        "#?RADIANCE\nradsubmit -ps 1\nVIEW= -vtv -vp 0 0 0\n"
+        "#?RADIANCE\nSCENE= a.rad\nradsubmit -ps 1\nSOFTWARE= radd 1\n"
+        "VIEW= -vtv -vp 0 0 0\n"
         "PIXASPECT=0.500000\nFRAME=7\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n"
         "\x80\x80\x80\x81";
 
@@ -264,9 +276,12 @@ START_TEST(header_says_what_the_numbers_are)
     };
 
     for (int i = 0; i < N_ELEM(colour); i++) {
-        struct rad_hdr_info info = {
-            "radsubmit", colour[i].options, "-vtv", 1, 0, 1, 1
-        };
+        struct rad_hdr_info info = { .program = "radsubmit",
+                                     .options = colour[i].options,
+                                     .view = "-vtv",
+                                     .pixaspect = 1,
+                                     .width = 1,
+                                     .height = 1 };
         struct rad_rgb L = rad_grey(1);
         struct file f = write_picture(&info, &L);
         char text[400] = "";
@@ -280,7 +295,12 @@ END_TEST
 
 START_TEST(tristimulus_values_are_read_as_rgb)
 {
-    struct rad_hdr_info info = { "radsubmit", "-pXYZ", "-vtv", 1, 0, 1, 1 };
+    struct rad_hdr_info info = { .program = "radsubmit",
+                                 .options = "-pXYZ",
+                                 .view = "-vtv",
+                                 .pixaspect = 1,
+                                 .width = 1,
+                                 .height = 1 };
     struct rad_rgb want = rad_rgb(.5f, 2, 1), L = rad_rgb_to_xyz(want);
     struct file f = write_picture(&info, &L);
     struct rad_coded_picture coded;

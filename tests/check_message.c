@@ -48,6 +48,7 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
 #define SPEC                                                                   \
     {                                                                          \
         .job = ID, .manifest = ID, .name = "office", .params = "-ab 2",        \
+        .origin = "oconv room.rad\nSCENE= room.oct\n",                         \
         .needs = "mist glow", .estimate = "uniform", .ncosts = 2,              \
         .costs = costs, .seed = 1, .priority = -3, .flags = MSG_JOB_SHARE,     \
         .partition = MSG_PART_WINDOW, .order = MSG_ORDER_RANDOM,               \
@@ -437,6 +438,27 @@ START_TEST(what_is_coded_is_not_said_in_version_1)
                      RAD_EPROTO);
     wire_out_release(&out);
     msg_release(&m);
+}
+END_TEST
+
+/* Where a picture is from is lines of a header: none of them empty. */
+START_TEST(an_origin_that_is_no_lines_is_refused)
+{
+    static const struct {
+        const char *origin;
+        bool fits;
+    } rows[] = { { "", true },           { "a\n", true },
+                 { "a\nb\n", true },     { "a", false },
+                 { "\n", false },        { "a\n\nb\n", false },
+                 { "a\tb\n", false },    { "a\r\n", false },
+                 { "a\n\x7f\n", false } };
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC };
+    struct wire_out out;
+
+    m.submit.origin = rows[_i].origin;
+    wire_out_init(&out, 1 << 16);
+    ck_assert_int_eq(msg_pack(&out, &m) == 0, rows[_i].fits);
+    wire_out_release(&out);
 }
 END_TEST
 
@@ -1045,6 +1067,7 @@ main(void)
     tcase_add_loop_test(tc, a_frame_is_translated, 0, all);
     tcase_add_test(tc, what_is_coded_is_not_said_in_version_1);
     tcase_add_test(tc, what_is_no_frame_is_not_translated);
+    tcase_add_loop_test(tc, an_origin_that_is_no_lines_is_refused, 0, 9);
     tcase_add_test(tc, frames_in_a_file_are_left_out);
     tcase_add_test(tc, a_file_of_frames_is_read_back);
     tcase_add_loop_test(tc, the_highest_version_that_both_speak_is_taken, 0,

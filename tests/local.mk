@@ -66,6 +66,7 @@ UNIT_TESTS = \
 	tests/check_octfile \
 	tests/check_octree \
 	tests/check_params \
+	tests/check_origin \
 	tests/check_parse \
 	tests/check_partition \
 	tests/check_place \
@@ -204,6 +205,10 @@ tests_check_font_LDADD = $(UNIT_LIBS)
 tests_check_hdr_SOURCES = tests/check_hdr.c tests/unit.h
 tests_check_hdr_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_hdr_LDADD = $(UNIT_LIBS)
+
+tests_check_origin_SOURCES = tests/check_origin.c tests/unit.h
+tests_check_origin_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_origin_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
@@ -363,6 +368,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_parts.sh \
@@ -418,6 +424,7 @@ TESTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_parts.sh \

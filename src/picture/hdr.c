@@ -68,7 +68,7 @@ int
 rad_hdr_write_header(const struct rad_hdr_info *info,
                      const struct rad_sink *sink, struct rad_error *err)
 {
-    char text[8192], extra[96] = "", colour[160];
+    char text[16384], extra[96] = "", colour[160], software[128] = "";
     int n, used = 0;
 
     /* Radiance says nothing of pixels within half a percent of square */
@@ -77,10 +77,13 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     if (info->frame > 0)
         snprintf(extra + used, sizeof extra - (size_t)used, "FRAME=%lu\n",
                  (unsigned long)info->frame);
+    if (info->software)
+        snprintf(software, sizeof software, "SOFTWARE= %s\n", info->software);
     colour_lines(info->options, colour, sizeof colour);
     n = snprintf(text, sizeof text,
-                 "#?RADIANCE\n%s %s\n%s%s%s%s%s\n-Y %d +X %d\n", info->program,
-                 info->options, info->view ? "VIEW= " : "",
+                 "#?RADIANCE\n%s%s %s\n%s%s%s%s%s%s\n-Y %d +X %d\n",
+                 info->origin ? info->origin : "", info->program,
+                 info->options, software, info->view ? "VIEW= " : "",
                  info->view ? info->view : "", info->view ? "\n" : "", extra,
                  colour, info->height, info->width);
     if (n < 0 || (size_t)n >= sizeof text)

@@ -23,7 +23,10 @@ struct rad_pixel; /* quincunx.h */
 
 /* What a picture's header says of it. */
 struct rad_hdr_info {
-    const char *program; /* "radsubmit" */
+    const char *origin;   /* lines of where it is from, each with its newline;
+                           * NULL: none */
+    const char *software; /* "radd 0.1.0"; NULL: not said */
+    const char *program;  /* "radsubmit" */
     const char *options; /* rad_params_format()'s text, which also says what
                           * the numbers stand for (-pXYZ, -pc) */
     const char *view;    /* rad_view_format()'s text; NULL: no one view */

@@ -388,6 +388,7 @@ SUBMIT = {
     "windows": ["--windows=3"],
     "order": ["--order=random", "--order=cost"],
     "estimate": ["--estimate=uniform", "--estimate=3a", "--estimate=3b"],
+    "stamp": ["--stamp"],
     "no-balance": ["--no-balance"],
     "no-share": ["--no-share"],
     "same-bits": ["--same-bits"],
