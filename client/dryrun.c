@@ -4,6 +4,7 @@
 #include "dryrun.h"
 #include "figure.h"
 
+#include "picture/filter.h"
 #include "wordlist.h"
 
 #include <jansson.h>
@@ -135,18 +136,28 @@ print_count(double n)
         printf("%s million", figure(text, n / 1e6, 3));
 }
 
+/* Of a pixel. */
+static int
+samples_a_side(const struct msg_spec *spec)
+{
+    return spec->oversample > 1 ? spec->oversample : 1;
+}
+
 void
 dryrun_print(const struct msg_spec *spec, const struct prediction *p,
              const struct dryrun_cluster *c)
 {
     char text[FIGURE_TEXT];
+    int n = samples_a_side(spec);
 
     printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
            figure(text, (double)spec->bundle_bytes / 1e6, 3));
     printf("needs    %s\n", spec->needs);
     printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
-    printf("picture  %u x %u", (unsigned)spec->frames[0].width,
-           (unsigned)spec->frames[0].height);
+    printf("picture  %d x %d", rad_filter_side((int)spec->frames[0].width, n),
+           rad_filter_side((int)spec->frames[0].height, n));
+    if (n > 1)
+        printf(" of %d x %d samples a pixel", n, n);
     if (spec->nframes > 1)
         printf(", %u frames", (unsigned)spec->nframes);
     printf("\ncluster  %d worker%s, %d thread%s%s", c->workers,
@@ -174,24 +185,26 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
 }
 
 char *
-dryrun_json(const struct msg_spec *spec, const struct prediction *p,
-            const struct dryrun_cluster *c)
+dryrun_json(const struct msg_spec *spec, const char *options,
+            const struct prediction *p, const struct dryrun_cluster *c)
 {
+    int n = samples_a_side(spec);
     json_t *j = json_pack(
-        "{s:b,s:s,s:s,s:I,s:{s:I,s:I,s:o},s:{s:I,s:I,s:I},s:{s:b,s:i,s:i,s:i},"
+        "{s:b,s:s,s:s,s:I,s:{s:I,s:I,s:o},s:{s:i,s:i,s:i,s:I},s:{s:b,s:i,s:i,s:"
+        "i},"
         "s:{s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:{s:f,s:f,s:f}}}",
-        "dry_run", 1, "radd", PACKAGE_VERSION, "options", spec->params, "seed",
+        "dry_run", 1, "radd", PACKAGE_VERSION, "options", options, "seed",
         (json_int_t)(spec->seed & INT64_MAX), "scene", "objects",
         (json_int_t)spec->objects, "bundle_bytes",
         (json_int_t)spec->bundle_bytes, "needs", wordlist_json(spec->needs),
-        "picture", "width", (json_int_t)spec->frames[0].width, "height",
-        (json_int_t)spec->frames[0].height, "frames", (json_int_t)spec->nframes,
-        "cluster", "embedded", (int)c->embedded, "workers", c->workers,
-        "threads", c->threads, "jobs", c->jobs, "predicted", "wall_s",
-        wall_seconds(p, c), "cpu_s", p->cpu_s, "load_s", p->load_s, "rays",
-        p->rays, "primary_rays", p->primary_rays, "ambient_values",
-        p->ambient_values, "memory_bytes", p->bytes, "error", "estimate",
-        p->error.all, "ambient", p->error.ambient, "sampling",
+        "picture", "width", rad_filter_side((int)spec->frames[0].width, n),
+        "height", rad_filter_side((int)spec->frames[0].height, n), "oversample",
+        n, "frames", (json_int_t)spec->nframes, "cluster", "embedded",
+        (int)c->embedded, "workers", c->workers, "threads", c->threads, "jobs",
+        c->jobs, "predicted", "wall_s", wall_seconds(p, c), "cpu_s", p->cpu_s,
+        "load_s", p->load_s, "rays", p->rays, "primary_rays", p->primary_rays,
+        "ambient_values", p->ambient_values, "memory_bytes", p->bytes, "error",
+        "estimate", p->error.all, "ambient", p->error.ambient, "sampling",
         p->error.sampling);
     char *text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;
 

@@ -30,8 +30,9 @@ int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
 void dryrun_print(const struct msg_spec *spec, const struct prediction *p,
                   const struct dryrun_cluster *c);
 
-/* The same as JSON, to be freed; NULL: out of memory. */
-char *dryrun_json(const struct msg_spec *spec, const struct prediction *p,
-                  const struct dryrun_cluster *c);
+/* The same as JSON, to be freed; NULL: out of memory.  options are those of
+ * the picture that is written (rad_filter_options()). */
+char *dryrun_json(const struct msg_spec *spec, const char *options,
+                  const struct prediction *p, const struct dryrun_cluster *c);
 
 #endif

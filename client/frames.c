@@ -4,6 +4,7 @@
 #include "frames.h"
 
 #include "base/files.h"
+#include "picture/filter.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -38,6 +39,32 @@ reserve(struct frames *f, struct rad_error *err)
     return 0;
 }
 
+/* Of what is rendered. */
+static int
+check_size(const struct submit_options *o, int width, int height,
+           struct rad_error *err)
+{
+    int n = o->oversample;
+
+    if (rad_filter_side(width, n) < 1 || rad_filter_side(height, n) < 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a picture of %d by %d pixels, by -x, -y and the "
+                        "view's proportions: nothing to render",
+                        rad_filter_side(width, n), rad_filter_side(height, n));
+    if (width <= MSG_MAX_SIDE && height <= MSG_MAX_SIDE)
+        return 0;
+    if (n == 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a picture of %d by %d pixels: at most %d are allowed "
+                        "a side",
+                        width, height, MSG_MAX_SIDE);
+    return rad_fail(err, RAD_EUSAGE,
+                    "a picture of %d by %d pixels with --oversample=%d is "
+                    "rendered as %d by %d: at most %d are allowed a side",
+                    rad_filter_side(width, n), rad_filter_side(height, n), n,
+                    width, height, MSG_MAX_SIDE);
+}
+
 static int
 add(struct frames *f, const struct submit_options *o,
     const struct rad_view *as_given, uint32_t number, struct rad_error *err)
@@ -51,16 +78,8 @@ add(struct frames *f, const struct submit_options *o,
     if ((rc = rad_view_setup(&v, err)) < 0 || (rc = reserve(f, err)) < 0)
         return rc;
     rad_view_resolution(&v, &aspect, &width, &height);
-    if (width < 1 || height < 1)
-        return rad_fail(err, RAD_EUSAGE,
-                        "a picture of %d by %d pixels, by -x, -y and the "
-                        "view's proportions: nothing to render",
-                        width, height);
-    if (width > MSG_MAX_SIDE || height > MSG_MAX_SIDE)
-        return rad_fail(err, RAD_EUSAGE,
-                        "a picture of %d by %d pixels: at most %d are allowed "
-                        "a side",
-                        width, height, MSG_MAX_SIDE);
+    if ((rc = check_size(o, width, height, err)) < 0)
+        return rc;
     rad_view_format(as_given, text, sizeof text);
     frame = &f->list[f->n];
     frame->number = number;

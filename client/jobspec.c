@@ -135,6 +135,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     struct msg_spec *s = &j->spec;
 
     rad_params_format(&o->params, j->params, sizeof j->params);
+    rad_filter_options(&o->params, o->oversample, o->clamp, j->options);
     list_needs(j, scene->scene);
     tell_origin(j, o);
     s->job = j->id;
@@ -149,6 +150,8 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->seed = o->params.seed;
     s->priority = o->priority;
     s->memory_mib = (uint32_t)o->memory_mib;
+    s->oversample = (uint8_t)o->oversample;
+    s->clamp = o->clamp;
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
                (o->no_share ? 0 : MSG_JOB_SHARE) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |

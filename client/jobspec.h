@@ -12,13 +12,16 @@
 #include "message.h"
 #include "submit_options.h"
 
+#include "picture/filter.h"
+
 /* Zeroed at first. */
 struct jobspec {
     struct msg_spec spec; /* once it is filled */
     uint8_t id[MSG_JOB], views[MSG_HASH];
     uint8_t *costs; /* of lines, from a former run; NULL: none */
     uint32_t ncosts;
-    char params[RAD_PARAMS_TEXT];
+    char params[RAD_PARAMS_TEXT];     /* of what is rendered, */
+    char options[RAD_FILTER_OPTIONS]; /* and of what is written */
     char needs[MSG_MAX_NEEDS + 1];
     char origin[MSG_MAX_ORIGIN + 1];
 };

@@ -734,7 +734,7 @@ run_dry(struct program *p)
         return rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
     if (!p->o.stats)
         return 0;
-    json = dryrun_json(&p->job.spec, &p->prediction, &c);
+    json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
     rc = json ? on_stats(p, (const uint8_t *)json, strlen(json), p->err)
               : rad_fail(p->err, RAD_ENOMEM, "out of memory");
     free(json);

@@ -580,6 +580,11 @@ check_version(struct submit *s)
                         "of %" PRIu32 " frames: it speaks protocol version %u",
                         s->job->to.text, s->job->spec->nframes,
                         link_version(s->link));
+    if (link_version(s->link) < 2 && s->job->spec->oversample > 1)
+        return rad_fail(s->err, RAD_EPROTO,
+                        "the coordinator at '%s' is too old for --oversample: "
+                        "it speaks protocol version %u",
+                        s->job->to.text, link_version(s->link));
     if (!(s->job->spec->flags & MSG_JOB_RECORDS) ||
         link_version(s->link) >= msg_since(MSG_RECORDS))
         return 0;

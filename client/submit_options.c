@@ -12,6 +12,7 @@
 #include "quality.h"
 
 #include "base/help.h"
+#include "picture/filter.h"
 #include "picture/number.h"
 
 #include <errno.h>
@@ -86,6 +87,10 @@ static const struct option own[] = {
          "a set of rpict's options, for those that are not given"),
     FLAG("--stamp", stamp,
          "the day, the host and the job in the picture's header"),
+    INT("--oversample", oversample, 1, RAD_MAX_OVERSAMPLE, "N",
+        "trace N by N samples a pixel, and filter them down (1)"),
+    REAL("--clamp", clamp, RAD_MIN_CLAMP, RAD_MAX_CLAMP, "FACTOR",
+         "most weight of a sample, times the mean of those about it (any)"),
     TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
     TEXT("--stats", stats, "FILE.json", "statistics of the job"),
     WORD("--progress", progress, "auto|always|never",
@@ -155,6 +160,7 @@ set_defaults(struct submit_options *o)
     rad_params_init(&o->params);
     rad_view_init(&o->view);
     o->wait_s = 60;
+    o->oversample = 1;
     o->quality = o->tone = o->bits = -1;
     show_init(&o->show);
     o->order = ORDER_NONE;
@@ -539,6 +545,27 @@ check_show(struct submit_options *o, struct rad_error *err)
     return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
 }
 
+/* From here on -x and -y are those of what is traced, as in the job. */
+static int
+count_samples(struct submit_options *o, struct rad_error *err)
+{
+    int n = o->oversample, most = RAD_MAX_RES / n;
+    bool wide = o->params.xres > most;
+
+    if (o->clamp > 0 && n < 2)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--clamp is for the samples of --oversample=2 or more");
+    if (wide || o->params.yres > most)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-%c': %d is too large with --oversample=%d: "
+                        "at most %d",
+                        wide ? 'x' : 'y',
+                        wide ? o->params.xres : o->params.yres, n, most);
+    o->params.xres *= n;
+    o->params.yres *= n;
+    return 0;
+}
+
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
@@ -601,6 +628,8 @@ submit_options_parse(struct submit_options *o, struct words *w,
     rc = take_scenes(&c, c.at > 0 && strcmp(w->list[c.at - 1], "--") == 0);
     if (rc == 0)
         rc = check_together(o, err);
+    if (rc == 0)
+        rc = count_samples(o, err);
     return rc < 0 ? rc : SUBMIT_RUN;
 }
 

@@ -37,6 +37,8 @@ enum submit_order {
 
 struct submit_options {
     struct rad_params params;
+    int oversample;       /* --oversample: params' -x and -y count samples */
+    double clamp;         /* --clamp; 0: off */
     int quality;          /* --quality: the word's number; -1: none */
     int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */

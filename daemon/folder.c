@@ -3,6 +3,7 @@
 
 #include "folder_impl.h"
 
+#include "filtered.h"
 #include "jobtext.h"
 #include "room.h"
 #include "rowsum.h"
@@ -170,6 +171,8 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
     if (j) {
         memcpy(j->id, spec->job, MSG_JOB);
         j->depth = spec->flags & MSG_JOB_DEPTH;
+        j->oversample = spec->oversample > 1 ? spec->oversample : 1;
+        j->clamp = spec->clamp;
         j->kind = kind_of(f, spec);
         j->params = strdup(spec->params);
         j->origin = strdup(spec->origin ? spec->origin : "");
@@ -625,6 +628,15 @@ folder_sync(struct folder *f, struct rad_error *err)
 
 /* --- pictures --- */
 
+/* How its rows become the picture. */
+static int
+shape_of(const struct folder_job *j, const struct frame_rows *f,
+         struct rad_filter_shape *shape, struct rad_error *err)
+{
+    return filtered_shape(shape, f->width, f->height, j->oversample, j->clamp,
+                          f->view, err);
+}
+
 /* A picture of the rows so far. */
 static int
 write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
@@ -638,13 +650,41 @@ write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
                                  .frame = f->number,
                                  .width = f->width,
                                  .height = f->height };
+    char options[RAD_FILTER_OPTIONS];
+    struct rad_filter_shape shape;
 
     int rc = jobtext_pixaspect(j->params, f->view, f->width, f->height,
                                &info.pixaspect, err);
 
     if (rc < 0)
         return rc;
-    return rows_picture(f->rows, &info, path, durable, mark, err);
+    if (j->oversample == 1)
+        return rows_picture(f->rows, &info, path, durable, mark, err);
+    rc = shape_of(j, f, &shape, err);
+    if (rc == 0)
+        rc = jobtext_options(j->params, j->oversample, j->clamp, options, err);
+    if (rc < 0)
+        return rc;
+    info.options = options;
+    info.width = rad_filter_side(f->width, j->oversample);
+    info.height = rad_filter_side(f->height, j->oversample);
+    info.pixaspect = rad_filter_pixaspect(&shape, info.pixaspect);
+    return filtered_picture(f->rows, &shape, &info, path, durable, mark, err);
+}
+
+static int
+write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
+            bool durable, struct mark *mark, struct rad_error *err)
+{
+    struct rad_filter_shape shape;
+    int rc;
+
+    if (j->oversample == 1)
+        return rows_depth(f->rows, path, durable, mark, err);
+    rc = shape_of(j, f, &shape, err);
+    if (rc < 0)
+        return rc;
+    return filtered_depth(f->rows, &shape, path, durable, mark, err);
 }
 
 int
@@ -658,8 +698,8 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
 
     if (rc == 0 && j->depth) {
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
-        rc = rows_depth(r->rows, path, f->durable, marks ? &marks->depth : NULL,
-                        err);
+        rc = write_depth(j, r, path, f->durable, marks ? &marks->depth : NULL,
+                         err);
     }
     if (rc < 0)
         return rc;

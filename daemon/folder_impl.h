@@ -14,7 +14,7 @@ struct frame_rows {
     struct rows *rows; /* of one that is begun */
     char *view;
     uint32_t number;
-    int width, height;
+    int width, height; /* of the rows */
 };
 
 struct folder_job {
@@ -22,6 +22,8 @@ struct folder_job {
     uint8_t id[MSG_JOB];
     char *params, *origin;
     bool depth;
+    int oversample; /* samples a side of a pixel; 1: rows are the picture's */
+    double clamp;   /* of a sample's weight; 0: any */
     enum rows_kind kind;
     uint32_t nframes;
     struct frame_rows *frames;

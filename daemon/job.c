@@ -8,6 +8,8 @@
 #include "stats.h"
 #include "survey.h"
 
+#include "picture/filter.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,6 +117,17 @@ job_new(const struct msg_spec *spec, const char *owner)
     job->frames_counted = job_count_frames(spec);
     job->cost_total = (double)job->pixels_total;
     return job;
+}
+
+struct job_size
+job_size(const struct job *job)
+{
+    const struct msg_frame *f = &job->spec.frames[0];
+    int n = job->spec.oversample > 1 ? job->spec.oversample : 1;
+
+    return (struct job_size){ (uint32_t)rad_filter_side((int)f->width, n),
+                              (uint32_t)rad_filter_side((int)f->height, n),
+                              (uint32_t)n };
 }
 
 uint8_t

@@ -265,6 +265,12 @@ uint32_t job_weight(const struct job *job);
 /* Copies all that spec lends.  NULL when memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
 
+/* Pixels of the first frame as they are written, and samples a side of each. */
+struct job_size {
+    uint32_t width, height, oversample;
+};
+struct job_size job_size(const struct job *job);
+
 /* Channels of the rows that its workers send, as a RESULT has them. */
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);

@@ -78,6 +78,18 @@ jobtext_view(const char *text, struct rad_view *v, struct rad_error *err)
 }
 
 int
+jobtext_options(const char *params, int oversample, double clamp,
+                char text[RAD_FILTER_OPTIONS], struct rad_error *err)
+{
+    struct rad_params p;
+    int rc = jobtext_params(params, &p, err);
+
+    if (rc == 0)
+        rad_filter_options(&p, oversample, clamp, text);
+    return rc;
+}
+
+int
 jobtext_pixaspect(const char *params, const char *view, int width, int height,
                   double *aspect, struct rad_error *err)
 {

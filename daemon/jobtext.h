@@ -6,6 +6,7 @@
 #ifndef RADD_DAEMON_JOBTEXT_H
 #define RADD_DAEMON_JOBTEXT_H
 
+#include "picture/filter.h"
 #include "picture/params.h"
 #include "picture/view.h"
 
@@ -15,6 +16,11 @@ int jobtext_params(const char *text, struct rad_params *p,
 
 /* rad_view_format()'s text, set up; RAD_EDATA. */
 int jobtext_view(const char *text, struct rad_view *v, struct rad_error *err);
+
+/* The options of a job as its picture's header has them (rad_filter_options()),
+ * from those of its message; RAD_EDATA. */
+int jobtext_options(const char *params, int oversample, double clamp,
+                    char text[RAD_FILTER_OPTIONS], struct rad_error *err);
 
 /* Height / width of a pixel in a picture of that size. */
 int jobtext_pixaspect(const char *params, const char *view, int width,

@@ -43,6 +43,8 @@ libdaemon_a_SOURCES = \
 	daemon/fair.h \
 	daemon/fingerprint.c \
 	daemon/fingerprint.h \
+	daemon/filtered.c \
+	daemon/filtered.h \
 	daemon/folder.c \
 	daemon/folder.h \
 	daemon/folder_impl.h \

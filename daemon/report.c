@@ -145,6 +145,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     char name[MSG_MAX_LABEL + 1];
     char text[MSG_MAX_TEXT + 1];
     struct msg_progress p;
+    struct job_size size = job_size(job);
     double done, rows;
 
     job_progress(job, c->now_ms, &p);
@@ -156,14 +157,14 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     if (rows > done)
         done = rows;
     return json_pack(
-        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
-        "s:s,s:i}",
+        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+        "s:f,s:s,s:i}",
         "job", job->hex, "name", name, "owner", job->owner, "state",
         job_is(job), "priority", (int)job->spec.priority, "done", done,
         "frames", (json_int_t)job->spec.nframes, "frames_ready",
         (json_int_t)p.frames_ready, "width",
-        (json_int_t)job->spec.frames[0].width, "height",
-        (json_int_t)job->spec.frames[0].height, "units_done",
+        (json_int_t)size.width, "height", (json_int_t)size.height,
+        "oversample", (json_int_t)size.oversample, "units_done",
         (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
         "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
         "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",

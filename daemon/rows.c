@@ -3,7 +3,6 @@
 
 #include "rows.h"
 
-#include "disk.h"
 #include "rowsum.h"
 
 #include <errno.h>
@@ -418,6 +417,43 @@ rows_read(struct rows *r, int y, void *pixels, struct rad_error *err)
     return rows_read_part(r, 0, y, r->width, pixels, err);
 }
 
+/* A coded row; what has not come is black. */
+static int
+read_coded(struct rows *r, int y, uint8_t *rgbe, uint8_t *code,
+           struct rad_error *err)
+{
+    const struct rows_place *p = r->place ? &r->place[y] : NULL;
+    int rc;
+
+    if (!p || p->n == 0) {
+        memset(rgbe, 0, 4 * (size_t)r->width);
+        return 0;
+    }
+    rc = use(r, err);
+    if (rc == 0)
+        rc = disk_read_at(r->fd, code, p->n, (off_t)p->at, r->path, err);
+    if (rc == 0 && rad_hdr_decode_row(code, p->n, r->width, rgbe) != p->n)
+        rc = damaged(1, err);
+    return rc;
+}
+
+int
+rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
+               struct rad_error *err)
+{
+    const float *p = work;
+    int rc;
+
+    if (r->kind == ROWS_CODED)
+        return read_coded(r, y, rgbe, work, err);
+    if (r->kind == ROWS_RGBE)
+        return rows_read(r, y, rgbe, err);
+    rc = rows_read(r, y, work, err);
+    for (int x = 0; x < r->width && rc == 0; x++, p += r->kind)
+        rad_rgbe(rad_rgb(p[0], p[1], p[2]), rgbe + 4 * (size_t)x);
+    return rc;
+}
+
 void
 rows_release(struct rows *r)
 {
@@ -516,9 +552,9 @@ copy_coded(struct rows *r, const struct rad_sink *sink,
     return rc < 0 ? rc : 0;
 }
 
-static int
-close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
-              struct rad_error *err)
+int
+rows_close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
+                   struct rad_error *err)
 {
     rc = disk_file_close(w, rc, false, err);
     if (rc == 0 && durable)
@@ -547,7 +583,7 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
             rc = copy_coded(r, &sink, e.line, err);
         else if (rc == 0)
             rc = encode_rows(r, &sink, &e, err);
-        rc = close_picture(r, &w, rc, durable, err);
+        rc = rows_close_picture(r, &w, rc, durable, err);
     }
     free(e.pixels);
     free(e.line);
@@ -581,7 +617,7 @@ rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
             rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
                                  err);
     }
-    rc = close_picture(r, &w, rc, durable, err);
+    rc = rows_close_picture(r, &w, rc, durable, err);
     free(pixels);
     return rc;
 }

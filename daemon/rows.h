@@ -16,6 +16,7 @@
 #ifndef RADD_DAEMON_ROWS_H
 #define RADD_DAEMON_ROWS_H
 
+#include "disk.h"
 #include "mark.h"
 #include "syncs.h"
 #include "picture/hdr.h"
@@ -109,6 +110,17 @@ int rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
 
 /* Read whole row y. */
 int rows_read(struct rows *r, int y, void *pixels, struct rad_error *err);
+
+/* Row y as it is in a picture, four bytes a pixel, whatever the file holds.
+ * work has room for ROWS_WORK_BYTES(width). */
+#define ROWS_WORK_BYTES(width) RAD_HDR_ROW_BYTES(2 * (size_t)(width))
+int rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
+                   struct rad_error *err);
+
+/* Close what was made of them, rc being what came of that; durable: it lasts
+ * after the next rows_sync(). */
+int rows_close_picture(struct rows *r, struct disk_file *w, int rc,
+                       bool durable, struct rad_error *err);
 
 /* Close the file for good; it is left where it is. */
 void rows_release(struct rows *r);

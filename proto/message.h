@@ -45,7 +45,10 @@
 #define MSG_MAX_COSTS  (1u << 23)  /* lines of a job whose costs are given */
 #define MSG_MAX_FRAMES 65536       /* of a job */
 #define MSG_MAX_VIEWS  (64u << 20) /* bytes of the file that frames come in */
-#define MSG_MAX_SIDE   65535  /* columns or rows of a picture */
+#define MSG_MAX_SIDE   65535  /* columns or rows that are rendered */
+#define MSG_MAX_OVERSAMPLE 8
+#define MSG_MIN_CLAMP      1. /* where it is not 0 */
+#define MSG_MAX_CLAMP      1000.
 
 #define MSG_MAX_THREADS 4096                /* of a worker */
 #define MSG_MAX_BYTES   (UINT64_C(1) << 50) /* of a file, or a bundle */
@@ -193,7 +196,7 @@ struct msg_have {
 struct msg_frame {
     uint32_t number;        /* 0 for a still, the view's number in an
                              * animation */
-    uint32_t width, height; /* pixels */
+    uint32_t width, height; /* pixels that are rendered */
     const char *view;       /* rpict's view options */
 };
 
@@ -225,6 +228,11 @@ struct msg_spec {
     double compile_s;
     uint32_t memory_mib; /* most memory of its process on a worker; 0: as much
                           * as that has for it */
+    uint8_t oversample; /* samples a side of each pixel of the picture that is
+                         * written, which is filtered down from what is
+                         * rendered (picture/filter.h); 0 or 1: none */
+    double clamp;       /* most weight of a sample, times that of those about
+                         * it; 0: any.  Else oversample is 2 at least */
     struct msg_hashes files; /* all of the bundle, the manifest among them */
     uint32_t nframes;
     const struct msg_frame *frames; /* NULL: they are in a file, not yet read */

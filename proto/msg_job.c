@@ -11,11 +11,17 @@
 
 #include <float.h>
 
+/* A side of which filtering leaves a pixel (rad_filter_side()). */
 static bool
-frame_fits(const struct msg_frame *f)
+side_fits(uint32_t side, const struct msg_spec *b)
 {
-    return f->width >= 1 && f->width <= MSG_MAX_SIDE && f->height >= 1 &&
-           f->height <= MSG_MAX_SIDE;
+    return side >= 1 && side <= MSG_MAX_SIDE && 2 * side >= b->oversample;
+}
+
+static bool
+size_fits(uint32_t width, uint32_t height, const struct msg_spec *b)
+{
+    return side_fits(width, b) && side_fits(height, b);
 }
 
 /* One after another. */
@@ -31,7 +37,7 @@ code_frame_list(struct codec *c, struct msg_spec *b)
         code_u32(c, &f[i].width);
         code_u32(c, &f[i].height);
         code_str(c, &f[i].view, MSG_MAX_VIEW);
-        code_must(c, frame_fits(&f[i]));
+        code_must(c, size_fits(f[i].width, f[i].height, b));
     }
     b->frames = f;
 }
@@ -57,8 +63,7 @@ code_frames(struct codec *c, struct msg_spec *b)
     code_hash(c, &b->views);
     code_u32(c, &b->width);
     code_u32(c, &b->height);
-    code_must(c, b->width >= 1 && b->width <= MSG_MAX_SIDE && b->height >= 1 &&
-                     b->height <= MSG_MAX_SIDE);
+    code_must(c, size_fits(b->width, b->height, b));
 }
 
 /* The flags that a version has. */
@@ -124,6 +129,23 @@ code_origin(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || origin_fits(b->origin));
 }
 
+/* How the picture is filtered; version 1 knows none that is. */
+static void
+code_filter(struct codec *c, struct msg_spec *b)
+{
+    if (c->version < 2) {
+        b->oversample = 0;
+        b->clamp = 0;
+        return;
+    }
+    code_u8(c, &b->oversample);
+    code_amount(c, &b->clamp);
+    code_read_must(c, b->oversample <= MSG_MAX_OVERSAMPLE);
+    code_read_must(c, b->clamp == 0 ||
+                          (b->oversample >= 2 && b->clamp >= MSG_MIN_CLAMP &&
+                           b->clamp <= MSG_MAX_CLAMP));
+}
+
 /* What the user calls the job: version 1 hears its beginning. */
 static void
 code_label(struct codec *c, struct msg_spec *b)
@@ -168,6 +190,7 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_amount(c, &b->compile_s);
     if (c->version >= 2)
         code_u32(c, &b->memory_mib);
+    code_filter(c, b);
     code_must(c, (b->flags & ~job_flags(c->version)) == 0);
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
@@ -223,7 +246,7 @@ msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
 {
     struct wire_in in;
     struct codec c = { .in = &in, .m = m, .version = MSG_VERSION };
-    struct msg_spec read = { 0 };
+    struct msg_spec read = { .oversample = spec->oversample };
 
     wire_in_init(&in, bytes, n);
     in.version = MSG_VERSION;

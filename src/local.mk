@@ -101,6 +101,8 @@ librad_a_SOURCES = \
 	src/picture/facts.h \
 	src/picture/falsecolour.c \
 	src/picture/falsecolour.h \
+	src/picture/filter.c \
+	src/picture/filter.h \
 	src/picture/frame.c \
 	src/picture/frame.h \
 	src/picture/hdr.c \

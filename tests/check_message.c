@@ -53,7 +53,8 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         .costs = costs, .seed = 1, .priority = -3, .flags = MSG_JOB_SHARE,     \
         .partition = MSG_PART_WINDOW, .order = MSG_ORDER_RANDOM,               \
         .windows = 64, .objects = 4000, .bundle_bytes = 1u << 20,              \
-        .compile_s = .25, .memory_mib = 512, .files = { 2, two_hashes },       \
+        .compile_s = .25, .memory_mib = 512, .oversample = 2, .clamp = 4.5,    \
+        .files = { 2, two_hashes },                                            \
         .nframes = 2, .frames = frames                                         \
     }
 #define COUNTS                                                                 \
@@ -517,6 +518,7 @@ START_TEST(a_file_of_frames_is_read_back)
 {
     struct msg job = by_file(), list = { 0 };
     struct msg_spec got = { .nframes = job.submit.nframes,
+                            .oversample = job.submit.oversample,
                             .width = job.submit.width,
                             .height = job.submit.height };
     struct msg_spec other = got;
@@ -638,6 +640,8 @@ START_TEST(version_1_is_told_what_it_can_take)
                      0);
     ck_assert_uint_eq(m.job_start.flags, MSG_JOB_SHARE);
     ck_assert_uint_eq(m.job_start.memory_mib, 0);
+    ck_assert_uint_eq(m.job_start.oversample, 0);
+    ck_assert(m.job_start.clamp == 0);
     ck_assert_uint_eq(strlen(m.job_start.name), 62);
     n = pack_as(1, &held, bytes);
     ck_assert_int_eq(msg_unpack_as(1, &m, held.type, 0, bytes + MSG_HEADER,
@@ -756,6 +760,47 @@ START_TEST(an_amount_without_end_is_refused)
         ck_assert_int_eq(
             unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER, n, &back),
             RAD_EPROTO);
+    }
+    msg_release(&back);
+}
+END_TEST
+
+/* How a picture is filtered, of one that is 4 by 5. */
+static const struct {
+    uint8_t oversample;
+    double clamp;
+    bool fine;
+} filters[] = {
+    { 0, 0, true },     { 1, 0, true },     { 2, 0, true },
+    { 8, 0, true },     { 9, 0, false },    { 255, 0, false },
+    { 2, 1, true },     { 2, 1000, true },  { 2, .5, false },
+    { 2, 1001, false }, { 2, NAN, false },  { 2, -3, false },
+    { 1, 2, false },    { 0, 2, false },    { 2, INFINITY, false },
+};
+
+START_TEST(a_filter_is_within_its_range)
+{
+    static const struct msg_frame small = { 0, 4, 5, "" };
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
+    uint8_t bytes[MOST];
+    size_t n;
+    int rc;
+
+    m.submit.nframes = 1;
+    m.submit.frames = &small;
+    m.submit.oversample = filters[_i].oversample;
+    m.submit.clamp = filters[_i].clamp;
+    if (m.submit.oversample > 8) { /* no pixel would be left of it */
+        static const struct msg_frame large = { 0, 400, 500, "" };
+
+        m.submit.frames = &large;
+    }
+    n = pack_as(MSG_VERSION, &m, bytes) - MSG_HEADER;
+    rc = unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER, n, &back);
+    ck_assert_int_eq(rc, filters[_i].fine ? 0 : RAD_EPROTO);
+    if (filters[_i].fine) {
+        ck_assert_uint_eq(back.submit.oversample, filters[_i].oversample);
+        ck_assert(back.submit.clamp == filters[_i].clamp);
     }
     msg_release(&back);
 }
@@ -968,6 +1013,8 @@ static const uint8_t past_width[] = { 0, 4 };
 static const struct msg impossible[] = {
     { .type = 9999 },
     { .type = MSG_SUBMIT, .submit = { .nframes = 0 } },
+    { .type = MSG_SUBMIT, /* of one column 8 by 8 samples leave none */
+      .submit = { .nframes = 2, .frames = frames, .oversample = 8 } },
     { .type = MSG_UNIT, .unit = { ID, 0, 0, 0, 65530, 0, 10, 1 } },
     { .type = MSG_CHUNK, .chunk = { ID, 5, 9, (const uint8_t *)"hello", 5 } },
     { .type = MSG_RESULT, .result = { ID, 0, 0, 0, 1, 1, 5 } },
@@ -1081,6 +1128,7 @@ main(void)
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));
+    tcase_add_loop_test(tc, a_filter_is_within_its_range, 0, N_ELEM(filters));
     tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
                         (int)N_ELEM(numbers));
     tcase_add_test(tc, a_file_of_more_than_all_disks_have_is_refused);

@@ -37,6 +37,7 @@ UNIT_TESTS = \
 	tests/check_estimate \
 	tests/check_facts \
 	tests/check_fair \
+	tests/check_filter \
 	tests/check_font \
 	tests/check_fprism \
 	tests/check_frame \
@@ -197,6 +198,10 @@ tests_check_view_LDADD = $(UNIT_LIBS)
 tests_check_facts_SOURCES = tests/check_facts.c tests/unit.h
 tests_check_facts_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_facts_LDADD = $(UNIT_LIBS)
+
+tests_check_filter_SOURCES = tests/check_filter.c tests/unit.h
+tests_check_filter_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_filter_LDADD = $(UNIT_LIBS)
 
 tests_check_font_SOURCES = tests/check_font.c tests/unit.h
 tests_check_font_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -371,6 +376,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
+	tests/e2e/submit_oversample.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
@@ -427,6 +433,7 @@ TESTS += \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
+	tests/e2e/submit_oversample.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \

@@ -1,14 +1,17 @@
 /* seqpict.c - the renderer alone: one thread, the whole picture one window
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
- *                [--window=X,Y,W,H] [--frame=N] -o OUT.hdr scene.rad...
+ *                [--window=X,Y,W,H] [--frame=N] [--oversample=N] [--clamp=F]
+ *                -o OUT.hdr scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
  * --window renders that part of the picture by itself, the rest is black;
- * --frame is which of an animation it is, whose view does not move. */
+ * --frame is which of an animation it is, whose view does not move;
+ * --oversample and --clamp filter the whole picture down as radsubmit's do. */
 #include "config.h"
 
 #include "compile.h"
+#include "picture/filter.h"
 #include "picture/frame.h"
 #include "picture/hdr.h"
 
@@ -25,6 +28,8 @@ struct task {
     uint32_t frame;
     const char *out, *depth;
     bool counts;
+    int oversample;
+    double clamp;
     int nscenes;
     char **scenes;
 };
@@ -70,6 +75,9 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
         return 1;
     if (sscanf(argv[0], "--frame=%" SCNu32, &t->frame) == 1)
         return 1;
+    if (sscanf(argv[0], "--oversample=%d", &t->oversample) == 1 ||
+        sscanf(argv[0], "--clamp=%lf", &t->clamp) == 1)
+        return 1;
     if (argc < 2)
         return 0;
     if (strcmp(argv[0], "-o") == 0)
@@ -88,6 +96,7 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
 {
     int i = 1, rc;
 
+    t->oversample = 1;
     rad_params_init(&t->params);
     rad_view_init(&t->view);
     for (; i < argc && argv[i][0] == '-'; i += rc) {
@@ -101,6 +110,8 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
         if (rc < 0)
             return rc;
     }
+    t->params.xres *= t->oversample;
+    t->params.yres *= t->oversample;
     t->nscenes = argc - i;
     t->scenes = argv + i;
     if (t->nscenes == 0 || !t->out)
@@ -135,28 +146,73 @@ write_rows(const struct rad_frame *f, const struct rad_pixel *pixels,
     return rc;
 }
 
+static struct rad_filter_shape
+shape_of(const struct task *t, const struct rad_frame *f)
+{
+    return (struct rad_filter_shape){ .width = f->width,
+                                      .height = f->height,
+                                      .oversample = t->oversample,
+                                      .clamp = t->clamp };
+}
+
+static int
+write_filtered(const struct task *t, const struct rad_frame *f,
+               const struct rad_pixel *pixels, const struct rad_sink *sink,
+               struct rad_error *err)
+{
+    struct rad_filter_shape s = shape_of(t, f);
+    size_t width = (size_t)f->width;
+    int columns = rad_filter_side(f->width, t->oversample);
+    struct rad_rgb *L = malloc(width * sizeof *L);
+    uint8_t *rgbe = malloc(4 * width);
+    uint8_t *bytes = malloc(RAD_HDR_ROW_BYTES(width));
+    struct rad_filter *filter;
+    int rc = rad_filter_new(&filter, &s, err);
+
+    if (rc == 0 && !(L && rgbe && bytes))
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (size_t y = 0; rc == 0 && y < (size_t)f->height; y++) {
+        for (size_t x = 0; x < width; x++)
+            rad_rgbe(pixels[y * width + x].L, rgbe + 4 * x);
+        rad_filter_push(filter, rgbe);
+        while (rc == 0 && rad_filter_pull(filter, L))
+            rc = sink->write(sink->arg, bytes,
+                             rad_hdr_encode_row(L, columns, bytes), err);
+    }
+    rad_filter_free(filter);
+    free(L);
+    free(rgbe);
+    free(bytes);
+    return rc;
+}
+
 static int
 write_picture(const struct task *t, const struct rad_frame *f,
               const struct rad_pixel *pixels, struct rad_error *err)
 {
-    char options[RAD_PARAMS_TEXT], view[RAD_VIEW_TEXT];
+    char options[RAD_FILTER_OPTIONS], view[RAD_VIEW_TEXT];
     struct rad_hdr_info info = { .program = "seqpict",
                                  .options = options,
                                  .view = view,
                                  .pixaspect = f->pixaspect,
-                                 .width = f->width,
-                                 .height = f->height };
+                                 .width = rad_filter_side(f->width,
+                                                          t->oversample),
+                                 .height = rad_filter_side(f->height,
+                                                           t->oversample) };
+    struct rad_filter_shape s = shape_of(t, f);
     FILE *file = fopen(t->out, "wb");
     struct rad_sink sink = { write_file, file };
     int rc;
 
     if (!file)
         return rad_fail(err, RAD_ECANTCREAT, "cannot write %s", t->out);
-    rad_params_format(&t->params, options, sizeof options);
+    info.pixaspect = rad_filter_pixaspect(&s, f->pixaspect);
+    rad_filter_options(&t->params, t->oversample, t->clamp, options);
     rad_view_format(&f->view, view, sizeof view);
     rc = rad_hdr_write_header(&info, &sink, err);
     if (rc == 0)
-        rc = write_rows(f, pixels, &sink, err);
+        rc = t->oversample > 1 ? write_filtered(t, f, pixels, &sink, err)
+                               : write_rows(f, pixels, &sink, err);
     if (fclose(file) != 0)
         rc = rad_fail(err, RAD_EIO, "cannot write %s", t->out);
     return rc;
@@ -166,15 +222,20 @@ static int
 write_depth(const struct task *t, const struct rad_frame *f,
             const struct rad_pixel *pixels, struct rad_error *err)
 {
-    size_t n = (size_t)f->width * (size_t)f->height;
+    int n = t->oversample, columns = rad_filter_side(f->width, n);
+    int rows = rad_filter_side(f->height, n), done = 0;
     FILE *file = fopen(t->depth, "wb");
-    size_t done = 0;
 
     if (!file)
         return rad_fail(err, RAD_ECANTCREAT, "cannot write %s", t->depth);
-    while (done < n && fwrite(&pixels[done].z, sizeof(float), 1, file) == 1)
-        done++;
-    if (fclose(file) != 0 || done < n)
+    for (int y = 0; y < rows; y++)
+        for (int x = 0; x < columns; x++) {
+            int at = rad_filter_middle(f->height, n, y) * f->width +
+                     rad_filter_middle(f->width, n, x);
+
+            done += fwrite(&pixels[at].z, sizeof(float), 1, file) == 1;
+        }
+    if (fclose(file) != 0 || done < rows * columns)
         return rad_fail(err, RAD_EIO, "cannot write %s", t->depth);
     return 0;
 }

@@ -54,6 +54,12 @@ while [ "$run" -lt "$runs" ]; do
     jitter=$word
     any 60
     size="-x $((90 + any)) -y $((90 + any))"
+    one_of 1 1 2 3
+    if [ "$word" != 1 ]; then # as many samples
+        size="--oversample=$word -x $(((90 + any) / word)) -y $(((91 + any) / word))"
+        one_of "" "" --clamp=4
+        size="$size $word"
+    fi
     one_of scanbar static auto
     share="--partition=$word"
     if [ "$word" = static ]; then

@@ -182,6 +182,12 @@ while [ "$run" -lt "$runs" ]; do
     jitter=$word
     any 80
     size="-x $((220 + any)) -y $((160 + any))"
+    one_of 1 1 2 3
+    if [ "$word" != 1 ]; then # as many samples
+        size="--oversample=$word -x $(((220 + any) / word)) -y $(((160 + any) / word))"
+        one_of "" "" --clamp=4
+        size="$size $word"
+    fi
     one_of scanbar static auto
     share="--partition=$word"
     estimate=

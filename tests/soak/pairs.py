@@ -375,6 +375,8 @@ SUBMIT = {
     "exposure": ["--exposure=auto", "--exposure=each,+1", "--exposure=.5"],
     "bits": ["--bits=8", "--bits=16"],
     "quality": ["--quality=draft"],
+    "oversample": ["--oversample=2", "--oversample=3"],
+    "clamp": ["--clamp=4"],
     "preview": ["--preview=@OUT.png"],
     "stats": ["--stats=@OUT.json"],
     "progress": ["--progress=always", "--progress=never"],
