@@ -159,7 +159,7 @@ id=$("$radsubmit" --coordinator="$sock" --detach $view $slow "$room" 2>err) ||
 rows_come()
 {
     "$radctl" --coordinator="$sock" --json job "$id" >job.json &&
-        grep -q '"done": [^0]' job.json
+        grep -q '"done": 0*\.*0*[1-9]' job.json
 }
 until_true 30 rows_come || fail "no rows come"
 kill -KILL "$coord_pid"
