@@ -190,19 +190,19 @@ dryrun_json(const struct msg_spec *spec, const char *options,
 {
     int n = samples_a_side(spec);
     json_t *j = json_pack(
-        "{s:b,s:s,s:s,s:I,s:{s:I,s:I,s:o},s:{s:i,s:i,s:i,s:I},s:{s:b,s:i,s:i,s:"
-        "i},"
+        "{s:b,s:s,s:s,s:I,s:i,s:{s:I,s:I,s:o},s:{s:i,s:i,s:I},"
+        "s:{s:b,s:i,s:i,s:i},"
         "s:{s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:{s:f,s:f,s:f}}}",
         "dry_run", 1, "radd", PACKAGE_VERSION, "options", options, "seed",
-        (json_int_t)(spec->seed & INT64_MAX), "scene", "objects",
-        (json_int_t)spec->objects, "bundle_bytes",
+        (json_int_t)(spec->seed & INT64_MAX), "oversample", n, "scene",
+        "objects", (json_int_t)spec->objects, "bundle_bytes",
         (json_int_t)spec->bundle_bytes, "needs", wordlist_json(spec->needs),
         "picture", "width", rad_filter_side((int)spec->frames[0].width, n),
-        "height", rad_filter_side((int)spec->frames[0].height, n), "oversample",
-        n, "frames", (json_int_t)spec->nframes, "cluster", "embedded",
-        (int)c->embedded, "workers", c->workers, "threads", c->threads, "jobs",
-        c->jobs, "predicted", "wall_s", wall_seconds(p, c), "cpu_s", p->cpu_s,
-        "load_s", p->load_s, "rays", p->rays, "primary_rays", p->primary_rays,
+        "height", rad_filter_side((int)spec->frames[0].height, n), "frames",
+        (json_int_t)spec->nframes, "cluster", "embedded", (int)c->embedded,
+        "workers", c->workers, "threads", c->threads, "jobs", c->jobs,
+        "predicted", "wall_s", wall_seconds(p, c), "cpu_s", p->cpu_s, "load_s",
+        p->load_s, "rays", p->rays, "primary_rays", p->primary_rays,
         "ambient_values", p->ambient_values, "memory_bytes", p->bytes, "error",
         "estimate", p->error.all, "ambient", p->error.ambient, "sampling",
         p->error.sampling);

@@ -193,24 +193,24 @@ head(const struct job *job, uint64_t now_ms)
     struct rad_error_estimate error = job_error(job);
     struct job_size size = job_size(job);
     char options[RAD_FILTER_OPTIONS];
-    bool said = jobtext_options(s->params, s->oversample, s->clamp, options,
-                                NULL) == 0;
+    bool said =
+        jobtext_options(s->params, s->oversample, s->clamp, options, NULL) == 0;
 
     return json_pack(
-        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
+        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:I,s:{s:I,s:I,s:I,s:o},"
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options",
-        said ? options : s->params, "partition", partition_kind_name(p ? partition_kind(p) : s->partition),
-        "choice", p ? partition_choice(p) : "", "fingerprint", fingerprint(job),
-        "seed", integer(s->seed), "scene", "objects", (json_int_t)s->objects,
-        "bundle_bytes", integer(s->bundle_bytes), "sent_bytes",
-        integer(job->sent_bytes), "needs", wordlist_json(s->needs), "picture",
-        "width", (json_int_t)size.width, "height", (json_int_t)size.height,
-        "oversample", (json_int_t)size.oversample, "frames",
-        (json_int_t)s->nframes,
-        "time", times(job, now_ms), "totals", totals(job), "error", "estimate",
-        error.all, "ambient", error.ambient, "sampling", error.sampling,
-        "workers", workers(job));
+        said ? options : s->params, "partition",
+        partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
+        p ? partition_choice(p) : "", "fingerprint", fingerprint(job), "seed",
+        integer(s->seed), "oversample", integer(size.oversample), "scene",
+        "objects", (json_int_t)s->objects, "bundle_bytes",
+        integer(s->bundle_bytes), "sent_bytes", integer(job->sent_bytes),
+        "needs", wordlist_json(s->needs), "picture", "width",
+        (json_int_t)size.width, "height", (json_int_t)size.height, "frames",
+        (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
+        totals(job), "error", "estimate", error.all, "ambient", error.ambient,
+        "sampling", error.sampling, "workers", workers(job));
 }
 
 /* --- as text --- */
