@@ -110,6 +110,12 @@ check_PROGRAMS += tests/seqpict
 tests_seqpict_SOURCES = tests/seqpict.c
 tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
+# What a tone curve makes of a picture, and what a PNG holds.
+check_PROGRAMS += tests/shown
+tests_shown_SOURCES = tests/shown.c
+tests_shown_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS)
+tests_shown_LDADD = $(LIBCLIENT) $(LIBRAD)
+
 UNIT_LIBS = $(LIBRAD) $(CHECK_LIBS)
 
 tests_check_ambcache_SOURCES = tests/check_ambcache.c tests/unit.h tests/world.h
@@ -378,6 +384,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh
@@ -435,6 +442,7 @@ TESTS += \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/versions.sh
@@ -557,7 +565,7 @@ tests_check_tls_LDADD = $(LIBPROTO) $(UNIT_LIBS)
 
 tests_check_tone_SOURCES = tests/check_tone.c tests/unit.h
 tests_check_tone_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
-tests_check_tone_LDADD = $(UNIT_LIBS)
+tests_check_tone_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_wire_SOURCES = tests/check_wire.c tests/unit.h
 tests_check_wire_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

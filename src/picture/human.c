@@ -10,6 +10,7 @@
 #include "base/vec.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,7 @@
 #define MESOPIC_HIGH 5.62
 
 #define MOST_OF_WORLD 1e7  /* [cd/m^2] */
+#define BRIGHTEST     1e25 /* radiance of a sample: sums of them are floats */
 #define NARROWEST     5.   /* view whose angles are believed [degrees] */
 #define USUAL_VIEW    40.  /* and what is taken instead */
 #define VEILED_RANGE  4.5  /* ln: with less there is no veil to be seen */
@@ -29,10 +31,11 @@
 #define DARK_SHARE    .05  /* of samples, for what the eye has least light */
 
 enum {
-    FEWEST = 3,          /* samples a side */
-    MOST_SAMPLES = 8192, /* every pair of them meets in the veil */
-    LATTICE = 1 << 20,   /* pixels of the histogram at most */
-    MOST_LEVELS = 8      /* of the pyramid */
+    FEWEST = 3,           /* samples a side */
+    MOST_SAMPLES = 32800, /* a fish-eye's of 180 degrees; all pairs meet */
+    LANES = 4,
+    LATTICE = 1 << 20, /* pixels of the histogram at most */
+    MOST_LEVELS = 8    /* of the pyramid */
 };
 
 /* Averages over squares of 2^level pixels. */
@@ -46,6 +49,7 @@ struct rad_eye {
     struct rad_view view;
     bool partial;
     int nx, ny;     /* samples, the first in the upper left corner */
+    size_t room;    /* for all of them, in whole LANES, which are 0 beyond */
     float *rgb[3];  /* of each, with the veil once there is one */
     float *dir[3];  /* unit; 0 outside the view, or where nothing is known */
     float *veil[3]; /* what is scattered there */
@@ -140,7 +144,7 @@ struct histogram {
 };
 
 static double
-sum_of(const double bin[RAD_HUMAN_BINS])
+sum_of_bins(const double bin[RAD_HUMAN_BINS])
 {
     double sum = 0;
 
@@ -152,7 +156,7 @@ sum_of(const double bin[RAD_HUMAN_BINS])
 static void
 accumulate(struct rad_human *h, const double bin[RAD_HUMAN_BINS])
 {
-    double total = sum_of(bin), sum = 0;
+    double total = sum_of_bins(bin), sum = 0;
 
     for (int i = 0; i < RAD_HUMAN_BINS; i++) {
         h->below[i] = sum / total;
@@ -184,7 +188,7 @@ trim(struct rad_human *h, const struct histogram *world)
 
     memcpy(bin, world->bin, sizeof bin);
     do {
-        total = sum_of(bin);
+        total = sum_of_bins(bin);
         if (total <= TRIMMED * world->total)
             return false;
         accumulate(h, bin);
@@ -292,7 +296,7 @@ take_sample(struct rad_eye *e, int i, int j)
     bool known = average(e, i, j, mean);
 
     for (int c = 0; c < 3; c++) {
-        e->rgb[c][at] = (float)mean[c];
+        e->rgb[c][at] = (float)fmin(mean[c], BRIGHTEST);
         e->dir[c][at] = seen && known ? (float)dir[c] : 0;
     }
 }
@@ -303,15 +307,16 @@ rad_eye_new(const struct rad_picture *pic, const struct rad_view *view,
 {
     enum { ARRAYS = 10 };
     struct rad_eye *e = calloc(1, sizeof *e);
-    size_t n = 0;
+    size_t room = 0;
 
     if (e) {
         e->pic = pic;
         e->partial = partial;
         take_view(e, view);
         take_size(e);
-        n = (size_t)e->nx * (size_t)e->ny;
-        e->memory = calloc(ARRAYS * n, sizeof *e->memory);
+        room = (size_t)e->nx * (size_t)e->ny + LANES - 1;
+        e->room = room -= room % LANES;
+        e->memory = calloc(ARRAYS * room, sizeof *e->memory);
     }
     if (!e || !e->memory) {
         rad_eye_free(e);
@@ -319,11 +324,11 @@ rad_eye_new(const struct rad_picture *pic, const struct rad_view *view,
         return NULL;
     }
     for (size_t c = 0; c < 3; c++) {
-        e->rgb[c] = e->memory + c * n;
-        e->dir[c] = e->memory + (3 + c) * n;
-        e->veil[c] = e->memory + (6 + c) * n;
+        e->rgb[c] = e->memory + c * room;
+        e->dir[c] = e->memory + (3 + c) * room;
+        e->veil[c] = e->memory + (6 + c) * room;
     }
-    e->rate = e->memory + 9 * n;
+    e->rate = e->memory + 9 * room;
     for (int j = 0; j < e->ny; j++)
         for (int i = 0; i < e->nx; i++)
             take_sample(e, i, j);
@@ -472,26 +477,49 @@ linear_scale(double mean)
 
 /* --- veil --- */
 
-/* Light from all other samples, by their angle: cos(t) / t^2, with 2 - 2 cos(t)
- * for t^2.  Its sum over each of them is 1, times VEIL. */
-static void
-scatter(const struct rad_eye *e, size_t to, size_t first, size_t end,
-        float sum[4])
+/* GCC's and Clang's vectors: plain C of this is not taken together by either
+ * without leave to reorder sums. */
+typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
+typedef int32_t mask __attribute__((vector_size(LANES * sizeof(float))));
+
+static lanes
+load(const float *p)
 {
-    const float *restrict dx = e->dir[0], *restrict dy = e->dir[1];
-    const float *restrict dz = e->dir[2], *restrict r = e->rgb[0];
-    const float *restrict g = e->rgb[1], *restrict b = e->rgb[2];
-    float x = dx[to], y = dy[to], z = dz[to];
+    lanes v;
 
-    for (size_t i = first; i < end; i++) {
-        float c = x * dx[i] + y * dy[i] + z * dz[i];
-        float w = c > 1e-6f ? .5f * c / fmaxf(1 - c, 1e-7f) : 0;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
 
-        sum[0] += w * r[i];
-        sum[1] += w * g[i];
-        sum[2] += w * b[i];
+/* Light from all other samples, by their angle: cos(t) / t^2, with 2 - 2 cos(t)
+ * for t^2; a sample is the only one so near to itself as 1e-6. */
+static void
+scatter(const struct rad_eye *e, size_t to, lanes sum[4])
+{
+    float x = e->dir[0][to], y = e->dir[1][to], z = e->dir[2][to];
+
+    if (x == 0 && y == 0 && z == 0)
+        return;
+    for (size_t i = 0; i < e->room; i += LANES) {
+        lanes c = x * load(e->dir[0] + i) + y * load(e->dir[1] + i) +
+                  z * load(e->dir[2] + i);
+        mask counts = (c > 0) & (1 - c > 1e-6f);
+        lanes w = (lanes)((mask)(c / (2 - 2 * c)) & counts);
+
+        for (int k = 0; k < 3; k++)
+            sum[k] += w * load(e->rgb[k] + i);
         sum[3] += w;
     }
+}
+
+static float
+sum_of(lanes v)
+{
+    float sum = 0;
+
+    for (int k = 0; k < LANES; k++)
+        sum += v[k];
+    return sum;
 }
 
 static void
@@ -500,12 +528,13 @@ add_veil(struct rad_eye *e)
     size_t n = (size_t)e->nx * (size_t)e->ny;
 
     for (size_t to = 0; to < n; to++) {
-        float sum[4] = { 0 };
+        lanes sum[4] = { { 0 } };
+        float all;
 
-        scatter(e, to, 0, to, sum);
-        scatter(e, to, to + 1, n, sum);
+        scatter(e, to, sum);
+        all = sum_of(sum[3]);
         for (int c = 0; c < 3; c++)
-            e->veil[c][to] = sum[3] > 1e-6f ? VEIL * sum[c] / sum[3] : 0;
+            e->veil[c][to] = all > 1e-6f ? VEIL * sum_of(sum[c]) / all : 0;
     }
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < n; i++)
@@ -579,6 +608,12 @@ take_rates(struct rad_eye *e)
     return most;
 }
 
+static struct rad_rgb
+mix(struct rad_rgb a, struct rad_rgb b, float part)
+{
+    return rad_rgb_add(rad_rgb_scale(a, 1 - part), rad_rgb_scale(b, part));
+}
+
 static bool
 halve(const struct level *from, struct level *to)
 {
@@ -592,10 +627,8 @@ halve(const struct level *from, struct level *to)
         struct rad_rgb *out = to->L + (size_t)y * (size_t)to->width;
 
         for (int x = 0; x < to->width; x++)
-            out[x] =
-                rad_rgb_scale(rad_rgb_add(rad_rgb_add(a[2 * x], a[2 * x + 1]),
-                                          rad_rgb_add(b[2 * x], b[2 * x + 1])),
-                              .25f);
+            out[x] = mix(mix(a[2 * x], a[2 * x + 1], .5f),
+                         mix(b[2 * x], b[2 * x + 1], .5f), .5f);
     }
     return to->L != NULL;
 }
@@ -655,12 +688,6 @@ blend(const float *v, int width, struct between x, struct between y)
 }
 
 static struct rad_rgb
-mix(struct rad_rgb a, struct rad_rgb b, float part)
-{
-    return rad_rgb_add(rad_rgb_scale(a, 1 - part), rad_rgb_scale(b, part));
-}
-
-static struct rad_rgb
 at_level(const struct rad_eye *e, int k, int x, int y)
 {
     const struct level *l = &e->level[k];
@@ -713,8 +740,9 @@ shown(const struct rad_human *h, struct rad_rgb L)
 {
     double Lw = luminance(L), Ld;
 
-    if (h->linear)
-        return rad_rgb_scale(L, (float)h->scale);
+    if (h->linear) /* what is far beyond white stays a number */
+        return rad_rgb_scale(L,
+                             (float)fmin(h->scale, BRIGHTEST / rad_rgb_max(L)));
     if (!(Lw >= RAD_HUMAN_LEAST))
         return rad_grey(0);
     Ld = rad_human_display(h, Lw);

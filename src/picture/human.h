@@ -16,7 +16,8 @@
  * Luminances are absolute: 179 lm/W times the picture's.  The view gives the
  * angles; where it is unknown, parallel, or 5 degrees or less, the larger side
  * is taken to span 40 degrees, as pcond does.
- * Samples that see a wide view are larger than a degree, see MOST_SAMPLES.
+ * Where the view is wider than a fish-eye of 180 degrees samples are larger than
+ * a degree.
  * Sources: Ward Larson, Rushmeier & Piatko 1997, A visibility matching tone
  * reproduction operator for high dynamic range scenes; Ferwerda, Pattanaik,
  * Shirley & Greenberg 1996 (contrast thresholds); Moon & Spencer 1945 (veil).

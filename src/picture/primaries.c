@@ -6,8 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-static const double standard[8] = { .640, .330, .290,   .600,
-                                    .150, .060, 1. / 3, 1. / 3 };
+static const double srgb[8] = {
+    .640, .330, .300, .600, .150, .060, .3127, .3290
+};
+static const double radiances[8] = { .640, .330, .290,   .600,
+                                     .150, .060, 1. / 3, 1. / 3 };
 
 static const double bradford[3][3] = { { .8951, .2664, -.1614 },
                                        { -.7502, 1.7135, .0367 },
@@ -95,7 +98,7 @@ rad_primaries_matrix(const double chroma[8], double m[3][3])
     double from[3][3], to[3][3], adapt[3][3], back[3][3];
     double cones[3], wanted[3];
 
-    if (!to_xyz(chroma, from, cones) || !to_xyz(standard, to, wanted) ||
+    if (!to_xyz(chroma, from, cones) || !to_xyz(srgb, to, wanted) ||
         !invert(back, bradford) || !invert(to, to))
         return false;
     for (int i = 0; i < 3; i++) {
@@ -110,13 +113,24 @@ rad_primaries_matrix(const double chroma[8], double m[3][3])
     return true;
 }
 
+/* As its header would have it, which has four digits. */
+static bool
+are_radiances(const double chroma[8])
+{
+    for (int i = 0; i < 8; i++)
+        if (!(fabs(chroma[i] - radiances[i]) < 1e-3))
+            return false;
+    return true;
+}
+
 void
 rad_primaries_convert(struct rad_picture *pic)
 {
     size_t n = (size_t)pic->width * (size_t)pic->height;
     double m[3][3];
 
-    if (!pic->other_primaries || !rad_primaries_matrix(pic->chroma, m))
+    if (!pic->other_primaries || are_radiances(pic->chroma) ||
+        !rad_primaries_matrix(pic->chroma, m))
         return;
     for (size_t i = 0; i < n; i++) {
         double v[3] = { pic->L[i].r, pic->L[i].g, pic->L[i].b };

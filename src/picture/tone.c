@@ -20,22 +20,14 @@
  * with more it is a flat patch. */
 #define LEAST_SATURATION .5
 
-/* Luminances are counted in steps of 1/16 of a factor of 2 from 2^-64 on. */
+/* Bins of luminance are 1/16 of a factor of 2 wide, from 2^-64 on. */
 enum { STEPS = 16, LOWEST = -64, NBINS = 128 * STEPS };
 
-static int
-bin_of(double lum)
-{
-    int i = (int)((log2(lum) - LOWEST) * STEPS);
-
-    return i < 0 ? 0 : i < NBINS ? i : NBINS - 1;
-}
-
-static double
-lum_of(int bin)
-{
-    return exp2((bin + .5) / STEPS + LOWEST);
-}
+/* Pixels of a range of luminance, and the sum of its logarithms to 2. */
+struct bin {
+    size_t count;
+    double logs;
+};
 
 static size_t
 pixels(const struct rad_picture *pic)
@@ -45,15 +37,36 @@ pixels(const struct rad_picture *pic)
 
 /* --- photographic --- */
 
-/* The bin that share of the n counted pixels lie in or below. */
+static size_t
+fill_bins(struct bin bins[NBINS], const struct rad_picture *pic)
+{
+    size_t n = pixels(pic), counted = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        float lum = rad_rgb_lum(pic->L[i]);
+
+        if (lum > 0 && lum < INFINITY) {
+            double l = log2((double)lum);
+            int k = (int)((l - LOWEST) * STEPS);
+
+            k = k < 0 ? 0 : k < NBINS ? k : NBINS - 1;
+            bins[k].count++;
+            bins[k].logs += l;
+            counted++;
+        }
+    }
+    return counted;
+}
+
+/* The bin that a share of the n counted pixels lie in or below. */
 static int
-percentile(const size_t *count, size_t n, double share)
+percentile(const struct bin bins[NBINS], size_t n, double share)
 {
     size_t sum = 0;
     int i = 0;
 
     for (; i < NBINS - 1; i++)
-        if ((sum += count[i]) >= share * (double)n)
+        if ((double)(sum += bins[i].count) >= share * (double)n)
             break;
     return i;
 }
@@ -62,28 +75,25 @@ percentile(const size_t *count, size_t n, double share)
 static bool
 fit_photographic(struct rad_tone *t, const struct rad_picture *pic)
 {
-    size_t count[NBINS] = { 0 }, counted = 0, n = pixels(pic);
-    double sum = 0;
+    struct bin bins[NBINS] = { { 0 } };
+    size_t n = fill_bins(bins, pic);
+    double sum = 0, least, most;
     int lo, hi;
 
-    for (size_t i = 0; i < n; i++) {
-        float lum = rad_rgb_lum(pic->L[i]);
-
-        if (lum > 0 && lum < INFINITY) {
-            count[bin_of((double)lum)]++;
-            counted++;
-        }
-    }
-    if (counted == 0)
+    if (n == 0)
         return false;
     /* the darkest and brightest hundredths are not what one looks at */
-    lo = percentile(count, counted, .01);
-    hi = percentile(count, counted, .99);
+    lo = percentile(bins, n, .01);
+    hi = percentile(bins, n, .99);
+    least = bins[lo].logs / (double)bins[lo].count;
+    most = bins[hi].logs / (double)bins[hi].count;
     for (int i = 0; i < NBINS; i++)
-        sum += (double)count[i] * log(lum_of(i < lo ? lo : i > hi ? hi : i));
-    t->scale = MIDDLE_GREY / exp(sum / (double)counted);
+        sum += i < lo   ? (double)bins[i].count * least
+               : i > hi ? (double)bins[i].count * most
+                        : bins[i].logs;
+    t->scale = MIDDLE_GREY / exp2(sum / (double)n);
     /* within four and forty times the average */
-    t->white = t->scale * lum_of(hi);
+    t->white = t->scale * exp2(most);
     t->white = fmin(fmax(t->white, 4 * MIDDLE_GREY), 40 * MIDDLE_GREY);
     return true;
 }

@@ -20,9 +20,8 @@
  * Exposure is a factor of the curve's own, automatic one, or, if it is
  * absolute, of radiance itself: then equal radiances of two pictures have equal
  * colours.
- * The light of a screen is linear, from 0 to 1, in sRGB's primaries.  Those of
- * Radiance, from which they differ by .01 in the green's x, are taken for them
- * and white for white, as all of Radiance's converters do: grey stays grey.
+ * The light of a screen is linear, from 0 to 1, in sRGB's primaries, for which
+ * those of the picture are taken: see primaries.h.
  * Sources: Reinhard, Stark, Shirley & Ferwerda 2002, Photographic tone
  * reproduction for digital images (equations 1, 2 and 4); pfilt(1).
  * Thread: one for each struct rad_toner.  */
