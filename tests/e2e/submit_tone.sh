@@ -69,10 +69,10 @@ near srgb rgb 1e-4 "-pc of sRGB's own primaries"
 rendered adobe.png -pc .64 .33 .21 .71 .15 .06 .3127 .329 --bits=16
 cmp -s adobe.png room.png && fail "-pc changes nothing"
 
-# --- an animation: from the wall behind to the lamp ---
+# --- an animation: from the floor to the lamp ---
 
 {
-    echo "rvu -vtv -vp 2 .15 1.3 -vd 0 -1 -.2 -vu 0 0 1 -vh 40 -vv 30"
+    echo "rvu -vtv -vp 2 1 1.3 -vd .3 1 -.9 -vu 0 0 1 -vh 40 -vv 30"
     echo "rvu -vtv -vp 2 .15 1.3 -vd 0 1 .1 -vu 0 0 1 -vh 75 -vv 60"
 } >views
 walk="-S 1 --views=views -x 40 -y 30 -ab 0 -av .05 .05 .05 -pj 0"
