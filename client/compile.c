@@ -266,6 +266,19 @@ read_text_file(struct compiled *c, const char *file, struct reading *r,
     return read_file(c, file, false, r, err);
 }
 
+/* "!command" in place of a file, as oconv(1) takes it. */
+static int
+read_command(struct compiled *c, const char *text, struct reading *r,
+             struct rad_error *err)
+{
+    struct rad_parse_io io = { begin_command, end_command,
+                               r->each ? tell : NULL, r };
+
+    r->folder = ".";
+    return rad_parse_text(c->scene, text, strlen(text), "command line", &io,
+                          err);
+}
+
 /* --- octrees of instances that are not frozen ---------------------------- */
 
 struct frozen {
@@ -586,7 +599,8 @@ read_scene(struct compiled *c, const char *const *files, int n, bool commands,
     rc = c->scene ? paths_init(&c->paths, err)
                   : rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
-        int now = read_file(c, files[i], n == 1, r, err);
+        int now = files[i][0] == '!' ? read_command(c, files[i], r, err)
+                                     : read_file(c, files[i], n == 1, r, err);
 
         rc = rc ? rc : now;
     }

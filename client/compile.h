@@ -30,7 +30,7 @@ struct compiled {
 };
 
 /* Read the scene that is in n files: one octree, or scene text from any number
- * of files, "-" being the standard input; and the files of its instances and
+ * of files, "-" being the standard input, "!command" what a command prints; and the files of its instances and
  * meshes.  An octree that is not frozen is read from the scene files that it
  * names, which are looked for in its folder, too; then, and in octrees of
  * instances, `!command` lines are refused (RAD_EPERM) without `commands`.  With

@@ -20,6 +20,8 @@ libclient_a_SOURCES = \
 	client/costs.h \
 	client/dryrun.c \
 	client/dryrun.h \
+	client/expose.c \
+	client/expose.h \
 	client/fetch.c \
 	client/fetch.h \
 	client/figure.c \
@@ -54,6 +56,12 @@ libclient_a_SOURCES = \
 	client/records.h \
 	client/rescue.c \
 	client/rescue.h \
+	client/rif.c \
+	client/rif.h \
+	client/rif_rules.c \
+	client/rif_rules.h \
+	client/rif_view.c \
+	client/rif_view.h \
 	client/show.c \
 	client/show.h \
 	client/submit.c \

@@ -65,3 +65,38 @@ outname_frame(char **name, const char *pattern, int frame, bool need,
     *name = buf;
     return 0;
 }
+
+int
+outname_view(char **name, const char *pattern, const char *view, bool need,
+             struct rad_error *err)
+{
+    size_t len = strlen(view), used = 0;
+    char *buf = malloc(strlen(pattern) + len + 1);
+    int found = 0;
+
+    if (!buf)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (const char *s = pattern; *s; s++) {
+        if (*s != '%') {
+            buf[used++] = *s;
+        } else if (*++s == '%') {
+            buf[used++] = '%';
+        } else if (*s == 's' && found++ == 0) {
+            memcpy(buf + used, view, len);
+            used += len;
+        } else {
+            free(buf);
+            return rad_fail(err, RAD_EUSAGE,
+                            "'%s': expected one %%s, for the view's name",
+                            pattern);
+        }
+    }
+    buf[used] = '\0';
+    if (need && !found) {
+        free(buf);
+        return rad_fail(err, RAD_EUSAGE, "'%s': no %%s for the view's name",
+                        pattern);
+    }
+    *name = buf;
+    return 0;
+}

@@ -17,4 +17,8 @@ bool outname_suffix(const char *path, const char *suffix);
 int outname_frame(char **name, const char *pattern, int frame, bool need,
                   struct rad_error *err);
 
+/* The same with a view's name for its one "%s". */
+int outname_view(char **name, const char *pattern, const char *view, bool need,
+                 struct rad_error *err);
+
 #endif

@@ -77,6 +77,7 @@ UNIT_TESTS = \
 	tests/check_quota \
 	tests/check_ray \
 	tests/check_rays \
+	tests/check_rif \
 	tests/check_ring \
 	tests/check_sample \
 	tests/check_sandbox \
@@ -224,6 +225,10 @@ tests_check_origin_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_rif_SOURCES = tests/check_rif.c tests/unit.h
+tests_check_rif_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_rif_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_costs_SOURCES = tests/check_costs.c tests/unit.h
 tests_check_costs_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

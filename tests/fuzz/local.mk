@@ -21,6 +21,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
+	tests/fuzz/fuzz_rif \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
 	tests/fuzz/fuzz_tls \
@@ -150,3 +151,7 @@ tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c \
 	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_worker_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_worker_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_rif_SOURCES = tests/fuzz/fuzz_rif.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_rif_LDADD = $(LIBCLIENT) $(LIBRAD)
+tests_fuzz_fuzz_rif_LDFLAGS = $(FUZZ_LINK)
