@@ -3,7 +3,6 @@
 
 #include "apart.h"
 
-#include "outname.h"
 #include "output.h"
 #include "target.h"
 
@@ -79,16 +78,16 @@ check_name(const char *option, const char *path, const struct inputs *in,
 }
 
 static int
-check_frames(const struct out *out, const struct frames *frames,
-             const struct inputs *in, struct rad_error *err)
+check_frames(const struct out *out, const struct submit_options *o,
+             const struct frames *frames, const struct inputs *in,
+             struct rad_error *err)
 {
     int rc = 0;
 
     for (uint32_t i = 0; i < frames->n && rc == 0; i++) {
         char *name = NULL;
 
-        rc = outname_frame(&name, out->path, (int)frames->list[i].number,
-                               true, err);
+        rc = frames_name(frames, o, out->path, i, &name, err);
         if (rc == 0)
             rc = check_name(out->option, name, in, err);
         free(name);
@@ -107,8 +106,9 @@ apart_inputs(const struct submit_options *o, const struct frames *frames,
     for (int i = 0; i < NOUT && rc == 0; i++) {
         if (!out[i].path)
             continue;
-        if (out[i].of_frame && o->first_frame > 0)
-            rc = frames ? check_frames(&out[i], frames, in, err) : 0;
+        if (out[i].of_frame &&
+            (o->first_frame > 0 || (frames && frames->names)))
+            rc = frames ? check_frames(&out[i], o, frames, in, err) : 0;
         else
             rc = check_name(out[i].option, out[i].path, in, err);
     }

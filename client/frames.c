@@ -3,12 +3,15 @@
 
 #include "frames.h"
 
+#include "outname.h"
+
 #include "base/files.h"
 #include "picture/filter.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LONGEST_VIEWS = 64 << 20 /* bytes of a views file */ };
 
@@ -92,6 +95,26 @@ add(struct frames *f, const struct submit_options *o,
     return 0;
 }
 
+/* One of a sequence, unless --no-clobber finds its picture. */
+static int
+add_frame(struct frames *f, const struct submit_options *o,
+          const struct rad_view *v, uint32_t number, struct rad_error *err)
+{
+    char *name;
+    bool there;
+    int rc;
+
+    f->seen++;
+    if (!o->no_clobber)
+        return add(f, o, v, number, err);
+    rc = outname_frame(&name, o->output, (int)number, true, err);
+    if (rc < 0)
+        return rc;
+    there = access(name, F_OK) == 0;
+    free(name);
+    return there ? 0 : add(f, o, v, number, err);
+}
+
 /* Each view line of the text is a frame. */
 static int
 add_lines(struct frames *f, const struct submit_options *o, const char *name,
@@ -99,16 +122,17 @@ add_lines(struct frames *f, const struct submit_options *o, const char *name,
 {
     struct rad_view v = o->view;
     const char *end = text + len;
+    uint32_t number = (uint32_t)o->first_frame;
 
     for (int line = 1; text < end; line++) {
         const char *nl = memchr(text, '\n', (size_t)(end - text));
         size_t n = nl ? (size_t)(nl - text) : (size_t)(end - text);
         int rc = rad_view_read(&v, text, n, err);
 
-        if (rc > 0 && f->n > (uint32_t)(INT_MAX - o->first_frame))
+        if (rc > 0 && number > (uint32_t)INT_MAX)
             rc = rad_fail(err, RAD_EUSAGE, "frame numbers beyond %d", INT_MAX);
         if (rc > 0)
-            rc = add(f, o, &v, (uint32_t)o->first_frame + f->n, err);
+            rc = add_frame(f, o, &v, number++, err);
         if (rc < 0) {
             rad_error_where(err, "%s:%d", name, line);
             return rc;
@@ -135,7 +159,7 @@ add_file(struct frames *f, const struct submit_options *o,
         return err->code;
     rc = add_lines(f, o, name, (const char *)text, len, err);
     free(text);
-    if (rc == 0 && f->n == 0) {
+    if (rc == 0 && f->seen == 0) {
         rad_error_where(err, "%s", name);
         rc = rad_fail(err, RAD_EDATA, "no view line in it");
     }
@@ -151,6 +175,42 @@ frames_init(struct frames *f, const struct submit_options *o,
     if (o->first_frame > 0)
         return add_file(f, o, err);
     return add(f, o, &o->view, 0, err);
+}
+
+int
+frames_init_views(struct frames *f, const struct submit_options *o,
+                  const struct frames_view *views, int n, struct rad_error *err)
+{
+    int rc = 0;
+
+    memset(f, 0, sizeof *f);
+    rad_arena_init(&f->arena);
+    f->names = rad_arena_calloc(&f->arena, (size_t)n, sizeof *f->names);
+    if (!f->names)
+        return no_memory(err);
+    for (int i = 0; i < n && rc == 0; i++) {
+        rc = add(f, o, &views[i].view, views[i].number, err);
+        if (rc < 0)
+            rad_error_where(err, "view '%.60s'", views[i].name);
+        else if (!(f->names[i] = rad_arena_strndup(&f->arena, views[i].name,
+                                                   strlen(views[i].name))))
+            rc = no_memory(err);
+    }
+    return rc;
+}
+
+int
+frames_name(const struct frames *f, const struct submit_options *o,
+            const char *pattern, uint32_t frame, char **name,
+            struct rad_error *err)
+{
+    if (f->names)
+        return outname_view(name, pattern, f->names[frame], f->n > 1, err);
+    if (o->first_frame > 0)
+        return outname_frame(name, pattern, (int)f->list[frame].number, true,
+                             err);
+    *name = strdup(pattern);
+    return *name ? 0 : no_memory(err);
 }
 
 void

@@ -67,6 +67,34 @@ find_programs(struct local *l)
         l->programs[n - 1] = '\0';
 }
 
+bool
+local_rpict(char *path, size_t size)
+{
+    /* beside a build's radsubmit, where it was to be installed, and beside an
+     * installation that was moved */
+    static const char *const folders[] = { "libexec/radd", RADD_LIBEXECDIR,
+                                           "../libexec/radd" };
+    struct local l = { 0 };
+    bool found = false;
+
+    find_programs(&l);
+    for (int i = 0; i < 3 && !found; i++) {
+        char *rpict = NULL, *real;
+
+        if (asprintf(&rpict, "%s%s/rpict", i == 1 ? "" : l.programs,
+                     folders[i]) < 0)
+            return false;
+        real = access(rpict, X_OK) == 0 ? realpath(rpict, NULL) : NULL;
+        if (real) {
+            real[strlen(real) - strlen("/rpict")] = '\0';
+            found = snprintf(path, size, "%s", real) < (int)size;
+        }
+        free(real);
+        free(rpict);
+    }
+    return found;
+}
+
 static int
 remove_entry(const char *path, const struct stat *st, int flag, struct FTW *ftw)
 {

@@ -42,6 +42,9 @@ bool local_alive(struct local *l);
 /* How many workers still run? */
 int local_workers(struct local *l);
 
+/* The folder of our program rpict, where it is; false: it is nowhere. */
+bool local_rpict(char *path, size_t size);
+
 /* End what runs, remove the folder, free. */
 void local_stop(struct local *l);
 

@@ -1,6 +1,7 @@
 # What the clients share, as a library so that tests can link it.
 noinst_LIBRARIES += libclient.a
-libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
+libclient_a_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"' \
+	-DRADD_LIBEXECDIR='"$(pkglibexecdir)"'
 libclient_a_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) \
 	$(UV_CFLAGS)
 libclient_a_SOURCES = \
@@ -62,6 +63,8 @@ libclient_a_SOURCES = \
 	client/rif_rules.h \
 	client/rif_view.c \
 	client/rif_view.h \
+	client/rifjob.c \
+	client/rifjob.h \
 	client/show.c \
 	client/show.h \
 	client/submit.c \
@@ -103,9 +106,20 @@ radctl_SOURCES = \
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = client/radsubmit.c
+radsubmit_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_LIBEXECDIR='"$(pkglibexecdir)"'
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radsubmit_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 bin_PROGRAMS += raderr
 raderr_SOURCES = client/raderr.c
 raderr_LDADD = $(LIBCLIENT) $(LIBRAD)
+
+# radsubmit in the place of Radiance's rpict; found by radsubmit --rpict-path
+pkglibexec_SCRIPTS = libexec/radd/rpict
+CLEANFILES += libexec/radd/rpict
+EXTRA_DIST += client/rpict.in
+
+libexec/radd/rpict: client/rpict.in Makefile
+	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
+	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/rpict.in \
+		>$@.tmp && chmod +x $@.tmp && mv $@.tmp $@

@@ -12,6 +12,7 @@
 #include "command.h"
 #include "compile.h"
 #include "dryrun.h"
+#include "expose.h"
 #include "figure.h"
 #include "frames.h"
 #include "jobspec.h"
@@ -22,6 +23,7 @@
 #include "progress.h"
 #include "records.h"
 #include "rescue.h"
+#include "rifjob.h"
 #include "submit.h"
 #include "submit_options.h"
 #include "tell.h"
@@ -29,6 +31,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +42,8 @@ struct program {
     struct submit_options o;
     struct words words;
     struct frames frames;
+    int nsaid;         /* of the notes in */
+    struct rifjob rif; /* where the scene is a file of rad's variables */
     struct compiled scene;
     struct records records; /* -af */
     struct cargo cargo;
@@ -58,6 +63,7 @@ struct program {
     uv_loop_t loop;
     uv_signal_t signals[3];
     int interrupts;
+    bool watched; /* signals, on the loop */
     bool compiled;
     int compile_rc;
     double compile_s;
@@ -99,6 +105,14 @@ warn_of_psample(struct program *p)
              "warning: -ps %d is not within 1 to 16: taken as %d", asked,
              taken);
     warn(p, text);
+}
+
+/* What rad would do and this does not; each is said once. */
+static void
+warn_of_rif(struct program *p)
+{
+    for (; p->nsaid < p->rif.nnotes; p->nsaid++)
+        warn(p, p->rif.notes[p->nsaid]);
 }
 
 static void
@@ -256,30 +270,25 @@ warn_of_faults(struct program *p)
 
 /* --- what is written --- */
 
-/* The file's name for a frame; to be freed. */
-static int
-name_for(const struct program *p, const char *pattern, uint32_t frame,
-         char **name, struct rad_error *err)
-{
-    if (p->o.first_frame > 0)
-        return outname_frame(name, pattern, (int)p->frames.list[frame].number,
-                             true, err);
-    *name = strdup(pattern);
-    return *name ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 static int
 write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
               size_t len, struct rad_error *err)
 {
     char *name = NULL;
+    uint8_t *exposed = NULL;
     int rc = 0;
 
     if (p->o.output)
-        rc = name_for(p, p->o.output, frame, &name, err);
+        rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
+    if (rc == 0 && p->rif.exposure > 0 &&
+        !picfile_is_png(name, (enum picfile_format)p->o.format)) {
+        rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
+        picture = exposed;
+    }
     if (rc == 0)
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
                            !p->embedded, &p->o.show, err);
+    free(exposed);
     free(name);
     return rc;
 }
@@ -289,7 +298,7 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
             struct rad_error *err)
 {
     char *name = NULL;
-    int rc = name_for(p, p->o.depth, frame, &name, err);
+    int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
 
     if (rc == 0)
         rc = output_write(name, depth, len, !p->embedded, err);
@@ -389,8 +398,8 @@ say_where_it_is(const struct program *p)
     msg_job_format(p->job.id, hex);
     fprintf(stderr,
             "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
-            p->o.first_frame ? "the pictures" : "the picture", hex,
-            p->o.first_frame ? " --frame=N, from 0" : "");
+            p->frames.n > 1 ? "the pictures" : "the picture", hex,
+            p->frames.n > 1 ? " --frame=N, from 0" : "");
 }
 
 static void
@@ -465,8 +474,8 @@ check_output(const struct program *p, const char *path, bool of_frame)
 
     if (!path)
         return 0;
-    if (of_frame)
-        rc = name_for(p, path, 0, &name, p->err);
+    if (of_frame && p->frames.n > 0)
+        rc = frames_name(&p->frames, &p->o, path, 0, &name, p->err);
     if (rc == 0)
         rc = output_check(name ? name : path, p->err);
     free(name);
@@ -533,6 +542,7 @@ watch_signals(struct program *p)
 
     if (uv_loop_init(&p->loop) != 0)
         return rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    p->watched = true;
     signal(SIGPIPE, SIG_IGN);
     for (int i = 0; i < 3; i++) {
         uv_signal_init(&p->loop, &p->signals[i]);
@@ -572,11 +582,13 @@ compile_work(uv_work_t *w)
     struct program *p = w->data;
     uint64_t begin = uv_hrtime();
 
-    p->compile_rc =
-        compile_scene(&p->scene, (const char *const *)p->o.scenes, p->o.nscenes,
-                      p->o.commands, local_folder(p->local), p->err);
-    p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
-    if (p->compile_rc == 0 && p->o.dry_run)
+    if (!p->scene.scene) {
+        p->compile_rc = compile_scene(
+            &p->scene, (const char *const *)p->o.scenes, p->o.nscenes,
+            p->o.commands, local_folder(p->local), p->err);
+        p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
+    }
+    if (p->compile_rc == 0 && p->o.dry_run && p->frames.n > 0)
         p->compile_rc = try_scene(p);
 }
 
@@ -593,6 +605,7 @@ compile(struct program *p)
 {
     uv_work_t work = { .data = p };
 
+    p->compiled = false;
     if (uv_queue_work(&p->loop, &work, compile_work, compile_done) != 0)
         return rad_fail(p->err, RAD_ENOMEM, "out of memory");
     while (!p->compiled) {
@@ -606,6 +619,26 @@ compile(struct program *p)
     if (p->compile_rc < 0)
         return p->compile_rc;
     return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
+}
+
+/* A file of rad's variables: its scene is compiled first, since options and
+ * views go by its size; then *p is as if the command line had named them. */
+static int
+take_rif(struct program *p)
+{
+    int rc = rifjob_begin(&p->rif, &p->o, &p->words, p->err);
+
+    if (rc == 0 && !p->rif.is && p->o.rif_view)
+        rc = rad_fail(p->err, RAD_EUSAGE, "--view is for a .rif file");
+    if (rc < 0 || !p->rif.is)
+        return rc;
+    if ((rc = watch_signals(p)) < 0 ||
+        (rc = local_new(&p->local, p->err)) < 0 || (rc = compile(p)) < 0 ||
+        (rc = rifjob_finish(&p->rif, &p->o, &p->words, &p->scene.octree,
+                            p->err)) < 0)
+        return rc;
+    return frames_init_views(&p->frames, &p->o, p->rif.views, p->rif.nviews,
+                             p->err);
 }
 
 /* Of a cluster of our own. */
@@ -793,8 +826,9 @@ open_errors(const struct program *p)
     return 0;
 }
 
+/* Check all that can be checked before the work begins. */
 static int
-run(struct program *p)
+prepare(struct program *p)
 {
     struct inputs *in = &p->words.inputs;
     int rc = apart_outputs(&p->o, p->err);
@@ -812,27 +846,59 @@ run(struct program *p)
     if (p->o.report_s > 0 && p->o.progress != PROGRESS_NEVER)
         progress_every(&p->progress, stderr, p->o.report_s);
     warn_of_psample(p);
+    warn_of_rif(p);
     if ((rc = choose_cluster(p)) < 0 ||
-        (rc = frames_init(&p->frames, &p->o, p->err)) < 0 ||
+        (!p->rif.is &&
+         (rc = frames_init(&p->frames, &p->o, p->err)) < 0) ||
         (rc = inputs_add(in, "the key", p->target.key, p->err)) < 0 ||
         (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||
-        (rc = check_outputs(p)) < 0 || (rc = check_ambient(p)) < 0 ||
-        (rc = watch_signals(p)) < 0)
+        (rc = check_outputs(p)) < 0)
         return rc;
-    if ((rc = local_new(&p->local, p->err)) == 0) {
-        if (p->o.dry_run)
-            rc = run_dry(p);
-        else if ((rc = make_id(p)) == 0)
-            rc = run_job(p);
+    return check_ambient(p);
+}
+
+static int
+run(struct program *p)
+{
+    int rc = take_rif(p);
+
+    if (rc == 0)
+        rc = prepare(p);
+    if (rc == 0 && p->rif.is && !p->o.dry_run) {
+        rc = rifjob_prepare(&p->rif, &p->o, p->err);
+        warn_of_rif(p);
     }
+    if (rc == 0 && !p->watched)
+        rc = watch_signals(p);
+    if (rc == 0 && !p->local)
+        rc = local_new(&p->local, p->err);
+    if (rc == 0 && p->frames.n == 0)
+        warn(p, "the pictures of all frames are there: nothing is rendered");
+    else if (rc == 0 && p->o.dry_run)
+        rc = run_dry(p);
+    else if (rc == 0 && (rc = make_id(p)) == 0)
+        rc = run_job(p);
     local_stop(p->local);
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
-    if (rc != RAD_EUNAVAIL) /* a resolver may still be at work then */
+    if (p->watched && rc != RAD_EUNAVAIL) /* a resolver may still be at work */
         release_loop(p);
     return rc;
+}
+
+static int
+say_rpict_path(struct program *p)
+{
+    char path[PATH_MAX];
+
+    if (!local_rpict(path, sizeof path))
+        return rad_fail(p->err, RAD_ENOINPUT,
+                        "the program rpict is not there, neither beside "
+                        "radsubmit nor in " RADD_LIBEXECDIR);
+    puts(path);
+    return 0;
 }
 
 static int
@@ -852,6 +918,9 @@ act(struct program *p, int argc, char *argv[])
     case SUBMIT_VERSION:
         puts("radsubmit (radd) " PACKAGE_VERSION);
         break;
+    case SUBMIT_RPICT:
+        rc = say_rpict_path(p);
+        break;
     case SUBMIT_DEFAULTS:
         submit_options_defaults(&p->o, stdout);
         break;
@@ -859,7 +928,21 @@ act(struct program *p, int argc, char *argv[])
     jobspec_release(&p->job);
     frames_release(&p->frames);
     words_release(&p->words);
+    rifjob_release(&p->rif);
     return rc;
+}
+
+/* rpict's: 1 for what the user can mend, 2 for the system. */
+static int
+rpict_status(int rc)
+{
+    switch (rad_exit_status(rc)) {
+    case EX_USAGE:
+    case EX_DATAERR:
+        return 1;
+    default:
+        return 2;
+    }
 }
 
 int
@@ -876,5 +959,5 @@ main(int argc, char *argv[])
     fprintf(stderr, "radsubmit: %s\n", text);
     say_where_it_is(&p);
     /* exit() would wait for a resolver that still looks for the host */
-    _exit(rad_exit_status(rc));
+    _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
 }

@@ -121,7 +121,13 @@ static const struct option own[] = {
          "run the commands of an octree's scene files, too"),
     FLAG("--fresh-frames", fresh_frames,
          "frame by frame, nothing kept from one to the next"),
-    TEXT("--views", views, "FILE", "views of an animation, one a line")
+    TEXT("--views", views, "FILE", "views of an animation, one a line"),
+    FLAG("--no-clobber", no_clobber,
+         "with -S, leave out frames whose pictures are there"),
+    TEXT("--view", rif_view, "NAME", "the one of a .rif file's views"),
+    FLAG("--rpict-status", rpict_status,
+         "exit with rpict's status: 1 for what is wrong with the command line "
+         "or the scene, 2 for all else")
 };
 
 static const struct option rpicts[] = {
@@ -337,6 +343,8 @@ is_wish(const char *word)
         return SUBMIT_HELP;
     if (strcmp(word, "--version") == 0 || strcmp(word, "-version") == 0)
         return SUBMIT_VERSION;
+    if (strcmp(word, "--rpict-path") == 0)
+        return SUBMIT_RPICT;
     if (strcmp(word, "-defaults") == 0)
         return SUBMIT_DEFAULTS;
     return SUBMIT_RUN;
@@ -410,7 +418,7 @@ take_options(struct cursor *c)
             return wish;
         }
         rc = is_wish(word);
-        if (rc == SUBMIT_HELP || rc == SUBMIT_VERSION)
+        if (rc == SUBMIT_HELP || rc == SUBMIT_VERSION || rc == SUBMIT_RPICT)
             return rc;
         if (rc == SUBMIT_DEFAULTS) {
             wish = rc;
@@ -593,8 +601,8 @@ check_together(struct submit_options *o, struct rad_error *err)
                         "-S 1 and all views");
     if (o->fresh_frames && !o->first_frame)
         return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
-    if (o->first_frame && !o->output && !o->dry_run && !o->detach)
-        return rad_fail(err, RAD_EUSAGE, "-S needs -o with %%d in the name");
+    if (o->no_clobber && !(o->first_frame && o->output))
+        return rad_fail(err, RAD_EUSAGE, "--no-clobber needs -S and -o");
     if (o->dry_run && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
@@ -656,12 +664,17 @@ submit_options_help(FILE *to)
 {
     fputs("usage: radsubmit [options] [rpict's options] scene.oct\n"
           "       radsubmit [options] [rpict's options] scene.rad ...\n"
+          "       radsubmit [options] [rpict's options] room.rif "
+          "[VARIABLE=value ...]\n"
           "       radsubmit [rpict's options] -defaults\n"
           "Render a Radiance scene on a cluster; with no coordinator named, "
           "on one of its\nown on this machine.\n\n",
           to);
     help_rows(to, own, N_ELEM(own), "=");
     fputs("  --seed=N                    of all random numbers (0)\n"
+          "  --rpict-path                print the folder of a program "
+          "rpict that calls\n"
+          "                              radsubmit, for PATH\n"
           "  --help                      this text\n"
           "  --version                   the version\n\n"
           "rpict's options keep their meaning; radsubmit -defaults lists "
@@ -679,6 +692,7 @@ submit_options_help(FILE *to)
           "  radsubmit -vf eye.vf -x 1024 -y 768 --quality=medium "
           "-o room.hdr room.rad\n"
           "  radsubmit -S 1 --views=walk.vf -ab 2 -o walk%03d.png room.oct\n"
+          "  radsubmit --view=entrance room.rif QUALITY=High\n"
           "  radsubmit --coordinator=render:7420 --detach -vf eye.vf "
           "room.oct\n",
           to);

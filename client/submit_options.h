@@ -17,7 +17,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS };
+enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS,
+                   SUBMIT_RPICT /* --rpict-path */ };
 
 /* the order of the words in the tables of submit_options.c */
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
@@ -46,6 +47,8 @@ struct submit_options {
     const char *output, *depth;
     const char *ambient; /* -af */
     const char *views;   /* --views; NULL with -S: stdin */
+    bool no_clobber;     /* frames whose pictures are there are left out */
+    bool rpict_status;   /* exit as rpict does */
     int first_frame;     /* -S: number of the first view; 0: one picture */
     int format;          /* enum picfile_format */
     struct show show;    /* of a .png */
@@ -74,6 +77,7 @@ struct submit_options {
                          * matter */
     bool quiet;         /* -w-: no warnings */
     const char *errors; /* -e: file for what else stderr gets */
+    const char *rif_view; /* --view: the one of a .rif file; NULL: all */
     /* what */
     char *const *scenes; /* nscenes names, "-" is stdin */
     int nscenes;

@@ -147,7 +147,8 @@ START_TEST(a_dash_is_standard_output)
     ck_assert_int_eq(parse(&o, &w, "-o - a.rad", &err), SUBMIT_RUN);
     ck_assert_ptr_null(o.output);
     words_release(&w);
-    ck_assert_int_eq(parse(&o, &w, "-S 1 -o - a.rad", &err), RAD_EUSAGE);
+    ck_assert_int_eq(parse(&o, &w, "-S 1 -o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_ptr_null(o.output);
     words_release(&w);
     ck_assert_int_eq(parse(&o, &w, "-o ./- a.rad", &err), SUBMIT_RUN);
     ck_assert_str_eq(o.output, "./-");
@@ -314,7 +315,9 @@ static const struct {
     { "--local=yes a.rad", "--local" },
     { "--local --coordinator=h:1 a.rad", "--coordinator" },
     { "--views=v a.rad", "--views" },
-    { "-S 1 a.rad", "-o" },
+    { "--no-clobber -o a%d.hdr a.rad", "--no-clobber" },
+    { "--no-clobber -S 1 a.rad", "--no-clobber" },
+    { "--view a.rad", "scene" },
     { "-S 0 -o %d.hdr a.rad", "-S" },
     { "-S 1 -o %d.hdr -", "--views" },
     { "--detach -o a.hdr a.rad", "--detach" },

@@ -388,7 +388,9 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_oversample.sh \
+	tests/e2e/rpict_path.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_rif.sh \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
@@ -446,7 +448,9 @@ TESTS += \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/submit_oversample.sh \
+	tests/e2e/rpict_path.sh \
 	tests/e2e/submit_parts.sh \
+	tests/e2e/submit_rif.sh \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \

@@ -408,7 +408,11 @@ SUBMIT = {
     "report": ["-t 1 -e @OUT.err"],
     "density": ["-ps 8 -pt 0", "-ps 1"],
     "size": ["-x 1 -y 1", "-x 40 -y 3"],
-    "view": ["-vth", "-vtl -vh 4 -vv 3"],
+    "view": ["--view=X"],
+    "projection": ["-vth", "-vtl -vh 4 -vv 3"],
+    "no-clobber": ["--no-clobber"],
+    "rpict-status": ["--rpict-status"],
+    "rpict-path": ["--rpict-path"],
     "file": ["@" + path("options")],
     "defaults": ["-defaults"],
 }
