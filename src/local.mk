@@ -97,6 +97,8 @@ librad_a_SOURCES = \
 	src/picture/doubt.h \
 	src/picture/estimate.c \
 	src/picture/estimate.h \
+	src/picture/eye.c \
+	src/picture/eye.h \
 	src/picture/facts.c \
 	src/picture/facts.h \
 	src/picture/falsecolour.c \

@@ -16,20 +16,21 @@
  * Luminances are absolute: 179 lm/W times the picture's.  The view gives the
  * angles; where it is unknown, parallel, or 5 degrees or less, the larger side
  * is taken to span 40 degrees, as pcond does.
- * Where the view is wider than a fish-eye of 180 degrees samples are larger than
- * a degree.
+ * Where the view is wider than a fish-eye of 180 degrees samples are larger
+ * than a degree.
  * Sources: Ward Larson, Rushmeier & Piatko 1997, A visibility matching tone
  * reproduction operator for high dynamic range scenes; Ferwerda, Pattanaik,
- * Shirley & Greenberg 1996 (contrast thresholds); Moon & Spencer 1945 (veil).
- * Thread: one for each struct rad_eye.  */
+ * Shirley & Greenberg 1996, A model of visual adaptation for realistic image
+ * synthesis (contrast thresholds).
+ * Thread: any.  */
 #ifndef RAD_PICTURE_HUMAN_H
 #define RAD_PICTURE_HUMAN_H
 
-#include "picture/hdr.h"
-#include "picture/view.h"
+#include <stdbool.h>
 
 enum { RAD_HUMAN_BINS = 100 };
 
+#define RAD_HUMAN_EFFICACY  179.0 /* [lm/W] */
 #define RAD_HUMAN_BRIGHTEST 100.0 /* of the screen [cd/m^2] */
 #define RAD_HUMAN_DARKEST   1.0
 #define RAD_HUMAN_LEAST     1e-7 /* of the world that is seen at all [cd/m^2] */
@@ -40,6 +41,7 @@ struct rad_human {
     double scale;              /* of radiance to the screen's light */
     bool veil, acuity, colour; /* matter */
     double bmin, bmax;         /* ends of the bins: ln of luminance */
+    bool spare;                /* the first bin is below all luminances */
     double below[RAD_HUMAN_BINS + 1]; /* share of samples below each bin */
 };
 
@@ -55,26 +57,28 @@ double rad_human_threshold(double La);
 /* Finest detail that an eye sees [cycles/degree]. */
 double rad_human_acuity(double La);
 
-/* A picture and its foveal samples. */
-struct rad_eye;
+/* Luminances that an eye adapts to. */
+struct rad_histogram {
+    double bin[RAD_HUMAN_BINS];
+    double total, logs; /* weight, and sum of ln luminance, of all */
+};
 
-/* partial: black pixels count nowhere and stay black.  view: set up, or NULL.
- * The picture is borrowed.  NULL: RAD_ENOMEM. */
-struct rad_eye *rad_eye_new(const struct rad_picture *pic,
-                            const struct rad_view *view, bool partial,
-                            struct rad_error *err);
-void rad_eye_free(struct rad_eye *e);
+/* Begin *h for luminances from least to most.  false: none can be seen. */
+bool rad_human_range(struct rad_human *h, double least, double most);
 
-/* Adapt to the picture.  false: nothing of it can be seen. */
-bool rad_eye_fit(struct rad_eye *e, struct rad_human *h);
+/* One more of the weight; what is out of range does not count. */
+void rad_human_count(const struct rad_human *h, struct rad_histogram *w,
+                     double Lw, double weight);
 
-/* Before rows: what *h has of veil and acuity; h may come from another picture.
- * RAD_ENOMEM. */
-int rad_eye_open(struct rad_eye *e, const struct rad_human *h,
-                 struct rad_error *err);
+/* Luminance that a share of the samples is below. */
+double rad_human_darkest(const struct rad_human *h,
+                         const struct rad_histogram *w, double share);
 
-/* Row y, in the screen's light: channels may be beyond 1. */
-void rad_eye_row(struct rad_eye *e, const struct rad_human *h, int y,
-                 struct rad_rgb *out);
+/* Is the screen's range as large as the world's? */
+bool rad_human_fits(const struct rad_human *h);
+
+/* The curve for *w, which is not empty; by a factor where it fits. */
+void rad_human_adapt(struct rad_human *h, const struct rad_histogram *w,
+                     bool fits);
 
 #endif

@@ -4,12 +4,13 @@
  *   photographic  Reinhard et al.'s global operator: the log-average luminance
  *                 comes to a middle grey, and what is much brighter is bent
  *                 below white by a shoulder, so that lamps and windows keep
- * some shape in interiors and skies do not burn out by day linear        a
- * factor and nothing else, by itself that of pfilt(1) human         what an eye
- * that is adapted to the scene sees; see human.h All work on luminance: the
- * three channels of a pixel get one factor.  Where that brings one of them
- * beyond what a screen can show, the pixel keeps its hue and gives up
- * brightness and saturation together, see rad_tone_fit_gamut().
+ *                 some shape in interiors and skies do not burn out by day
+ *   linear        a factor and nothing else, by itself that of pfilt(1)
+ *   human         what an eye that is adapted to the scene sees; see human.h
+ *
+ * All work on luminance: the three channels of a pixel get one factor.  Where
+ * that brings one of them beyond what a screen can show, the pixel keeps its
+ * hue and gives up brightness and saturation together: rad_tone_fit_gamut().
  *
  * Photographic is the default, since it needs no absolute units (a sky of any
  * brightness will do) and shows what linear burns out.  Its key and its white
@@ -28,8 +29,8 @@
 #ifndef RAD_PICTURE_TONE_H
 #define RAD_PICTURE_TONE_H
 
+#include "picture/eye.h"
 #include "picture/hdr.h"
-#include "picture/human.h"
 #include "picture/view.h"
 
 enum rad_tone_curve { RAD_TONE_PHOTOGRAPHIC, RAD_TONE_LINEAR, RAD_TONE_HUMAN };
