@@ -362,6 +362,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/oversample_memory.sh \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
@@ -422,6 +423,7 @@ TESTS += \
 	tests/e2e/keys.sh \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
+	tests/e2e/oversample_memory.sh \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \

@@ -69,9 +69,9 @@ same "windows" few.hdr many.hdr
 
 # --- what it says of itself ---
 
-set -- $(sed -n 's/^-Y \([0-9]*\) +X \([0-9]*\)$/\1 \2/p' out.hdr | head -n 1)
-[ "$*" = "45 60" ] || fail "its size is $*"
-line=$(LC_ALL=C sed -n '2p' out.hdr)
+is=$(LC_ALL=C sed -n '/^-Y/{p;q;}' out.hdr)
+[ "$is" = "-Y 45 +X 60" ] || fail "its size is $is"
+line=$(LC_ALL=C sed -n '/^radsubmit /{p;q;}' out.hdr)
 case $line in
 "radsubmit --oversample=2 -x 61 -y 45 "*) ;;
 *) fail "the header says $line" ;;
@@ -85,6 +85,14 @@ grep -q '"options": "--oversample=2 -x 61 ' out.json || fail "other options"
 # units are of samples
 [ "$(sed -n '/"units"/,$s/^.*"width": \([0-9]*\),.*/\1/p' out.json |
     sort -n | tail -n 1)" = 120 ] || fail "units are not 120 samples wide"
+
+# what lines cost is of samples, too
+submit again.hdr --oversample=2 --partition=static --workers=2 \
+    --estimate=out.json
+same "costs of a former run" ref.hdr again.hdr
+expect 65 "statistics of 120 by 90 pixels, not 60 by 45" "other samples" \
+    "$radsubmit" --local -vf "$scenes/room.vf" -x 61 -y 45 -ab 0 -ps 4 \
+    --partition=static --estimate=out.json -o no.hdr "$room"
 
 # a row less than twice as many
 # shellcheck disable=SC2086
