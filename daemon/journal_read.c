@@ -287,6 +287,28 @@ get_lives(struct reading *r, sqlite3_int64 epoch)
     return rc;
 }
 
+/* A SUBMIT, which may be of a version of ours that had nothing of origin and
+ * filter at its end; then that is zero. */
+static int
+unpack_spec(struct reading *r, const uint8_t *spec, size_t n,
+            struct rad_error *err)
+{
+    uint8_t *more;
+    int rc =
+        msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, n, err);
+
+    if (rc == 0 || rc == RAD_ENOMEM)
+        return rc;
+    more = rad_arena_calloc(&r->mem, n + MSG_SPEC_ADDED, 1);
+    if (!more)
+        return no_memory(r->err);
+    if (n > 0)
+        memcpy(more, spec, n);
+    *err = (struct rad_error){ 0 };
+    return msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, more,
+                         n + MSG_SPEC_ADDED, err);
+}
+
 /* Its id, and the SUBMIT that it came with. */
 static int
 get_spec(struct reading *r, sqlite3_stmt *s)
@@ -301,8 +323,7 @@ get_spec(struct reading *r, sqlite3_stmt *s)
     spec = rad_arena_dup(&r->mem, spec, nspec);
     if (nspec > 0 && !spec)
         return no_memory(r->err);
-    if (msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, nspec,
-                      &why) < 0)
+    if (unpack_spec(r, spec, nspec, &why) < 0)
         return why.code == RAD_ENOMEM ? no_memory(r->err)
                                       : bad(r->err, "the specification", r->n);
     r->saved.spec = r->spec.submit;

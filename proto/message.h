@@ -204,6 +204,7 @@ struct msg_frame {
 
 /* SUBMIT, JOB-START: what a job is, the same for the coordinator, a worker and
  * a child. */
+#define MSG_SPEC_ADDED 12 /* bytes of origin, oversample and clamp, if none */
 struct msg_spec {
     const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
     const uint8_t *manifest; /* hash of the bundle's manifest */

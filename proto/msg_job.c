@@ -11,17 +11,29 @@
 
 #include <float.h>
 
-/* A side of which filtering leaves a pixel (rad_filter_side()). */
 static bool
-side_fits(uint32_t side, const struct msg_spec *b)
+size_fits(uint32_t width, uint32_t height)
 {
-    return side >= 1 && side <= MSG_MAX_SIDE && 2 * side >= b->oversample;
+    return width >= 1 && width <= MSG_MAX_SIDE && height >= 1 &&
+           height <= MSG_MAX_SIDE;
+}
+
+/* Does filtering leave a pixel of it (rad_filter_side())? */
+static bool
+size_is_left(uint32_t width, uint32_t height, const struct msg_spec *b)
+{
+    return 2 * width >= b->oversample && 2 * height >= b->oversample;
 }
 
 static bool
-size_fits(uint32_t width, uint32_t height, const struct msg_spec *b)
+sizes_fit(const struct msg_spec *b)
 {
-    return side_fits(width, b) && side_fits(height, b);
+    if (b->flags & MSG_JOB_VIEWS && !b->frames)
+        return size_is_left(b->width, b->height, b);
+    for (uint32_t i = 0; i < b->nframes; i++)
+        if (!size_is_left(b->frames[i].width, b->frames[i].height, b))
+            return false;
+    return true;
 }
 
 /* One after another. */
@@ -37,7 +49,7 @@ code_frame_list(struct codec *c, struct msg_spec *b)
         code_u32(c, &f[i].width);
         code_u32(c, &f[i].height);
         code_str(c, &f[i].view, MSG_MAX_VIEW);
-        code_must(c, size_fits(f[i].width, f[i].height, b));
+        code_must(c, size_fits(f[i].width, f[i].height));
     }
     b->frames = f;
 }
@@ -63,7 +75,7 @@ code_frames(struct codec *c, struct msg_spec *b)
     code_hash(c, &b->views);
     code_u32(c, &b->width);
     code_u32(c, &b->height);
-    code_must(c, size_fits(b->width, b->height, b));
+    code_must(c, size_fits(b->width, b->height));
 }
 
 /* The flags that a version has. */
@@ -104,8 +116,8 @@ code_costs(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || costs_fit(b));
 }
 
-/* Lines that a header may hold: printable, none of them empty, as that would end
- * the header. */
+/* Lines that a header may hold: printable, none of them empty, as that would
+ * end the header. */
 static bool
 origin_fits(const char *origin)
 {
@@ -174,7 +186,6 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_hash(c, &b->manifest);
     code_label(c, b);
     code_str(c, &b->params, MSG_MAX_PARAMS);
-    code_origin(c, b);
     code_str(c, &b->needs, MSG_MAX_NEEDS);
     code_str(c, &b->estimate, MSG_MAX_NAME);
     code_costs(c, b);
@@ -190,11 +201,15 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_amount(c, &b->compile_s);
     if (c->version >= 2)
         code_u32(c, &b->memory_mib);
-    code_filter(c, b);
     code_must(c, (b->flags & ~job_flags(c->version)) == 0);
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
+    /* at the end, of MSG_SPEC_ADDED bytes where there are none: databases have
+     * specifications that lack them */
+    code_origin(c, b);
+    code_filter(c, b);
+    code_must(c, code_bad(c) || sizes_fit(b));
 }
 
 /* --- the file of frames --- */
@@ -233,6 +248,8 @@ views_fit(const struct msg_spec *said, const struct msg_spec *read)
     for (uint32_t i = 0; i < read->nframes; i++) {
         const struct msg_frame *f = &read->frames[i];
 
+        if (!size_is_left(f->width, f->height, said))
+            return false;
         width = f->width > width ? f->width : width;
         height = f->height > height ? f->height : height;
     }
@@ -246,7 +263,7 @@ msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
 {
     struct wire_in in;
     struct codec c = { .in = &in, .m = m, .version = MSG_VERSION };
-    struct msg_spec read = { .oversample = spec->oversample };
+    struct msg_spec read = { 0 };
 
     wire_in_init(&in, bytes, n);
     in.version = MSG_VERSION;

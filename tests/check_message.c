@@ -806,6 +806,30 @@ START_TEST(a_filter_is_within_its_range)
 }
 END_TEST
 
+/* Databases have some without; a message must have them. */
+START_TEST(what_a_specification_has_more_is_zero_at_its_end)
+{
+    static const uint8_t zeros[MSG_SPEC_ADDED];
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
+    uint8_t bytes[MOST], *end;
+    size_t n;
+
+    m.submit.origin = NULL;
+    m.submit.oversample = 0;
+    m.submit.clamp = 0;
+    n = pack_as(MSG_VERSION, &m, bytes) - MSG_HEADER;
+    end = bytes + MSG_HEADER + n - MSG_SPEC_ADDED;
+    ck_assert_mem_eq(end, zeros, MSG_SPEC_ADDED);
+    m.submit.oversample = 2;
+    n = pack_as(MSG_VERSION, &m, bytes) - MSG_HEADER;
+    ck_assert_mem_ne(end, zeros, MSG_SPEC_ADDED);
+    ck_assert_int_eq(unpack_exactly(MSG_VERSION, m.type, bytes + MSG_HEADER,
+                                    n - MSG_SPEC_ADDED, &back),
+                     RAD_EPROTO);
+    msg_release(&back);
+}
+END_TEST
+
 /* Numbers that are read, and that nobody means. */
 static const struct {
     enum msg_type type;
@@ -1129,6 +1153,7 @@ main(void)
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));
     tcase_add_loop_test(tc, a_filter_is_within_its_range, 0, N_ELEM(filters));
+    tcase_add_test(tc, what_a_specification_has_more_is_zero_at_its_end);
     tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
                         (int)N_ELEM(numbers));
     tcase_add_test(tc, a_file_of_more_than_all_disks_have_is_refused);
