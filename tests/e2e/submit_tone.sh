@@ -7,7 +7,7 @@ set -u
 
 shown=$top_builddir/tests/shown
 room=$scenes/room.rad
-still="-vf $scenes/room.vf -x 120 -y 90 -ab 0 -pj 0"
+still="-vf $scenes/room.vf -x 120 -y 90 -ab 0 -pj 0 --oversample=1"
 
 # near FILE FILE TOLERANCE NAME: numbers, line by line
 near()
@@ -75,7 +75,7 @@ cmp -s adobe.png room.png && fail "-pc changes nothing"
     echo "rvu -vtv -vp 2 1 1.3 -vd .3 1 -.9 -vu 0 0 1 -vh 40 -vv 30"
     echo "rvu -vtv -vp 2 .15 1.3 -vd 0 1 .1 -vu 0 0 1 -vh 75 -vv 60"
 } >views
-walk="-S 1 --views=views -x 40 -y 30 -ab 0 -av .05 .05 .05 -pj 0"
+walk="-S 1 --views=views -x 40 -y 30 -ab 0 -av .05 .05 .05 -pj 0 --oversample=1"
 
 # walked PATTERN OPTION...
 walked()
