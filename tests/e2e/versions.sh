@@ -71,6 +71,20 @@ done
 spoken role=user 1 || fail "no radsubmit spoke version 1"
 spoken role=user 2 || fail "no radsubmit spoke version 2"
 
+# several samples a pixel are the coordinator's business alone: floats that come
+# from a worker of version 1 are coded there as others' are
+view2="-vf $scenes/room.vf -x 80 -y 60 -ps 4 -ab 0 --oversample=2"
+# shellcheck disable=SC2086
+"$radsubmit" --local --workers=1 $view2 -o one.hdr "$room" 2>stderr ||
+    fail "embedded: $(cat stderr)"
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" $view2 -o two.hdr "$room" 2>stderr ||
+    fail "several samples: $(cat stderr)"
+cmp one.hdr two.hdr || fail "several samples: another picture"
+# shellcheck disable=SC2086
+expect 76 "too old for --oversample: it speaks protocol version 1" "samples" \
+    "$radsubmit" --coordinator="$work/old.sock" $view2 -o x.hdr "$room"
+
 # what version 1 has no word for
 "$radctl" --coordinator="$work/old.sock" workers >/dev/null || fail "workers"
 expect 76 "too old to be asked that: it speaks protocol version 1" "keys" \
