@@ -29,6 +29,7 @@ struct ctl {
     bool all;                /* --all: cancel or delete all jobs of a user */
     const char *output;
     const char *tone, *exposure, *bits; /* as asked for; NULL: not */
+    const char *false_colour;           /* its scale; NULL: not asked for */
     struct show show;        /* of a .png that is fetched */
     int frame;               /* -1: not named */
     bool json;

@@ -86,6 +86,8 @@ help(void)
          "  --exposure=[first,|each,]auto|+-STOPS|FACTOR\n"
          "                    of a .png\n"
          "  --bits=" SHOW_BITS "        of a channel of a .png\n"
+         "  --false-colour[=SCALE][,...]\n"
+         "                    a .png of luminance in colours, as radsubmit's\n"
          "  --help            this text\n"
          "  --version         the version");
 }
@@ -127,6 +129,10 @@ take_option(struct ctl *c, char *argv[], int *i)
         c->all = true;
         return 0;
     }
+    if (strcmp(argv[*i], "--false-colour") == 0) {
+        c->false_colour = "";
+        return 0;
+    }
     if ((rc = option_value("--coordinator", argv, i, &c->coordinator,
                            c->err)) != 0 ||
         (rc = option_value("--key", argv, i, &c->key, c->err)) != 0 ||
@@ -137,6 +143,8 @@ take_option(struct ctl *c, char *argv[], int *i)
         (rc = option_value("--tone", argv, i, &c->tone, c->err)) != 0 ||
         (rc = option_value("--exposure", argv, i, &c->exposure, c->err)) != 0 ||
         (rc = option_value("--bits", argv, i, &c->bits, c->err)) != 0 ||
+        (rc = option_value("--false-colour", argv, i, &c->false_colour,
+                           c->err)) != 0 ||
         (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
         return rc < 0 ? rc : 0;
     if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
@@ -232,6 +240,13 @@ check_show(struct ctl *c)
                                       : NULL;
     int rc = 0;
 
+    if (given && c->false_colour)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "%s is no matter of --false-colour: leave one of them "
+                        "out",
+                        given);
+    if (c->false_colour)
+        given = "--false-colour";
     if (given && (c->command->run != ctl_run_fetch ||
                   !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
         return rad_fail(c->err, RAD_EUSAGE,
@@ -240,6 +255,8 @@ check_show(struct ctl *c)
         rc = show_tone(&c->show, c->tone, c->err);
     if (rc == 0 && c->bits)
         rc = show_bits(&c->show, c->bits, c->err);
+    if (c->false_colour)
+        return show_false(&c->show, c->false_colour, c->err);
     return rc == 0 && c->exposure ? show_exposure(&c->show, c->exposure, c->err)
                                   : rc;
 }

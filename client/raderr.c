@@ -21,7 +21,7 @@
 static const char usage_text[] =
     "usage: raderr [-1] [-b N] [-c X] [-d N] [--map=OUT.png] "
     "TEST.hdr REF.hdr\n"
-    "       raderr --false-colour=OUT.png PICTURE.hdr\n"
+    "       raderr --false-colour=OUT.png [--scale=SCALE] PICTURE.hdr\n"
     "       raderr --mean=OUT.hdr [-d N] PICTURE.hdr...\n"
     "       raderr --help | --version\n";
 
@@ -35,13 +35,17 @@ static const char help_text[] =
     "  -d N    average N by N pixels of TEST first: it is N times larger\n"
     "  --map=OUT.png           write the difference in false colour\n"
     "  --false-colour=OUT.png  write the luminance in false colour, with a\n"
-    "                          legend in cd/m2\n"
+    "                          legend in cd/m2, or lux of irradiance\n"
+    "  --scale=SCALE           of that: auto or a number, and behind it\n"
+    "                          ,log=DECADES ,n=DIVISIONS ,label=TEXT\n"
+    "                          ,contour=lines|bands|steps (auto)\n"
     "  --mean=OUT.hdr          write the mean of the pictures, reduced by -d\n";
 
 struct task {
     struct rad_metric_options metric;
     bool one_line;
     const char *map, *false_colour, *mean;
+    const char *scale; /* of false colours */
     const char **file; /* room for all words of the command line */
     int nfiles;
 };
@@ -108,6 +112,8 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
     if (used == 0)
         used = file_option("--false-colour", &t->false_colour, argc, argv);
     if (used == 0)
+        used = file_option("--scale", &t->scale, argc, argv);
+    if (used == 0)
         used = file_option("--mean", &t->mean, argc, argv);
     if (used == 0)
         return rad_fail(err, RAD_EUSAGE, "unknown or incomplete option '%.80s'",
@@ -157,6 +163,8 @@ check_task(const struct task *t, struct rad_error *err)
     if ((t->map != NULL) + (t->false_colour != NULL) + (t->mean != NULL) > 1)
         return rad_fail(err, RAD_EUSAGE,
                         "only one of --map, --false-colour and --mean");
+    if (t->scale && !t->false_colour)
+        return rad_fail(err, RAD_EUSAGE, "--scale is for --false-colour");
     if (t->false_colour && t->nfiles != 1)
         return rad_fail(err, RAD_EUSAGE,
                         "--false-colour is of one picture by itself");
@@ -237,10 +245,16 @@ false_colour(const struct task *t, struct rad_error *err)
 {
     struct rad_picture pic;
     struct rad_image image = { 0 };
-    int rc = read_picture(t->file[0], &pic, err);
+    struct rad_false_scale scale;
+    int rc = rad_false_parse(&scale, t->scale ? t->scale : "", err);
 
+    memset(&pic, 0, sizeof pic);
     if (rc == 0)
-        rc = rad_false_colour(&pic, &image, err);
+        rc = read_picture(t->file[0], &pic, err);
+    if (rc == 0) {
+        rad_false_fit(&scale, &pic);
+        rc = rad_false_colour(&scale, &pic, &image, err);
+    }
     if (rc == 0)
         rc = write_image(t->false_colour, &image, err);
     free(image.rgb);

@@ -4,8 +4,10 @@
 #include "show.h"
 
 #include "picture/number.h"
+#include "picture/png.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MOST_STOPS  40
@@ -108,9 +110,43 @@ show_bits(struct show *s, const char *word, struct rad_error *err)
     return 0;
 }
 
+int
+show_false(struct show *s, const char *scale, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    s->false_colour = true;
+    if (rad_false_parse(&s->scale, scale, &why) == 0)
+        return 0;
+    return rad_fail(err, RAD_EUSAGE, "option '--false-colour': %s", why.what);
+}
+
+static int
+false_png(const struct rad_false_scale *scale, const struct rad_picture *pic,
+          const struct rad_sink *sink, struct rad_error *err)
+{
+    struct rad_image image = { 0 };
+    int rc = rad_false_colour(scale, pic, &image, err);
+
+    if (rc == 0)
+        rc = rad_png_write(image.rgb, image.width, image.height,
+                           pic->pixaspect, sink, err);
+    free(image.rgb);
+    return rc;
+}
+
+static void
+fit_scale(struct show *s, const struct rad_picture *pic)
+{
+    if (!s->scaled)
+        s->scaled = rad_false_fit(&s->scale, pic);
+}
+
 bool
 show_waits(const struct show *s)
 {
+    if (s->false_colour)
+        return !s->scaled && s->scale.top == 0;
     return !s->each && !s->tone.fitted && rad_tone_looks(&s->screen.tone);
 }
 
@@ -119,7 +155,13 @@ show_fit(struct show *s, const struct rad_picture *pic,
          const struct rad_view *view, struct rad_error *err)
 {
     struct rad_toner toner;
-    int rc = rad_toner_init(&toner, &s->screen.tone, &s->tone, pic, view, err);
+    int rc;
+
+    if (s->false_colour) {
+        fit_scale(s, pic);
+        return 0;
+    }
+    rc = rad_toner_init(&toner, &s->screen.tone, &s->tone, pic, view, err);
 
     rad_toner_release(&toner);
     return rc;
@@ -130,6 +172,10 @@ show_picture(struct show *s, const struct rad_picture *pic,
              const struct rad_view *view, const struct rad_sink *sink,
              struct rad_error *err)
 {
+    if (s->false_colour) {
+        fit_scale(s, pic);
+        return false_png(&s->scale, pic, sink, err);
+    }
     if (s->each)
         s->tone.fitted = false;
     return rad_screen_png(&s->screen, &s->tone, pic, view, sink, err);
@@ -154,6 +200,14 @@ show_preview(const struct show *s, struct show_last *last,
     size_t lit = lit_pixels(pic);
     struct rad_screen screen = s->screen;
 
+    if (s->false_colour) {
+        if (s->scaled || lit >= 2 * last->seen || lit == all) {
+            last->scale = s->scale;
+            last->seen = lit;
+            rad_false_fit(&last->scale, pic);
+        }
+        return false_png(&last->scale, pic, sink, err);
+    }
     screen.tone.partial = true;
     if (s->tone.fitted && !s->each) {
         last->tone = s->tone;

@@ -3,11 +3,14 @@
  * One exposure serves a whole animation: by itself that of its first frame that
  * is not black, since a walk whose exposure changes from frame to frame
  * flickers, and nobody could tell light from dark between two of its frames.
+ * The same holds for the scale of false colours, which are shown in place of a
+ * tone where they are asked for.
  * Thread: one.  */
 #ifndef RADD_CLIENT_SHOW_H
 #define RADD_CLIENT_SHOW_H
 
 #include "base/error.h"
+#include "picture/falsecolour.h"
 #include "picture/screen.h"
 
 /* the words of --tone, in the order of enum rad_tone_curve, and of --bits */
@@ -19,6 +22,9 @@ struct show {
     struct rad_screen screen;
     bool each;            /* every frame has an exposure of its own */
     struct rad_tone tone; /* the first frame's */
+    bool false_colour;
+    struct rad_false_scale scale; /* of it */
+    bool scaled;                  /* the first frame has had its say */
 };
 
 /* The defaults. */
@@ -31,6 +37,9 @@ int show_exposure(struct show *s, const char *text, struct rad_error *err);
 /* --tone, --bits.  RAD_EUSAGE. */
 int show_tone(struct show *s, const char *word, struct rad_error *err);
 int show_bits(struct show *s, const char *word, struct rad_error *err);
+
+/* --false-colour=SCALE, as rad_false_parse() has it.  RAD_EUSAGE. */
+int show_false(struct show *s, const char *scale, struct rad_error *err);
 
 /* Does a frame wait for the first to say how it is shown? */
 bool show_waits(const struct show *s);
@@ -48,7 +57,8 @@ int show_picture(struct show *s, const struct rad_picture *pic,
 /* What a preview remembers of the last one; zeroed for another frame. */
 struct show_last {
     struct rad_tone tone;
-    size_t seen; /* pixels when the tone was fitted */
+    struct rad_false_scale scale;
+    size_t seen; /* pixels when the tone or the scale was fitted */
 };
 
 /* A picture of which some may be there, or nothing at all: *s is not changed.

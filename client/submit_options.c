@@ -24,6 +24,7 @@
 enum kind {
     KIND_FLAG, /* bool */
     KIND_TEXT, /* const char * */
+    KIND_MAYBE, /* the same, "" where no '=' follows */
     KIND_INT,  /* int, lo..hi */
     KIND_REAL, /* double, lo..hi */
     KIND_WORD  /* int: the word's place in `words` */
@@ -47,6 +48,10 @@ struct option {
 #define TEXT(name, f, arg, help)                                               \
     {                                                                          \
         name, KIND_TEXT, FIELD(f), 0, 0, 0, arg, help                          \
+    }
+#define MAYBE(name, f, arg, help)                                              \
+    {                                                                          \
+        name, KIND_MAYBE, FIELD(f), 0, 0, 0, arg, help                         \
     }
 #define INT(name, f, lo, hi, arg, help)                                        \
     {                                                                          \
@@ -83,6 +88,9 @@ static const struct option own[] = {
          "radiance; all frames have the first one's, or each its own "
          "(first,auto)"),
     WORD("--bits", bits, SHOW_BITS, "of a channel of a .png"),
+    MAYBE("--false-colour", false_colour, "[=auto|SCALE][,...]",
+          "a .png of luminance in colours, with a legend; behind SCALE "
+          "log=DECADES, n=DIVISIONS, contour=lines|bands|steps, label=TEXT"),
     WORD("--quality", quality, QUALITY_WORDS,
          "a set of rpict's options, for those that are not given"),
     FLAG("--stamp", stamp,
@@ -214,6 +222,9 @@ take_value(struct submit_options *o, const struct option *opt, const char *text,
     case KIND_FLAG:
         *(bool *)field = true;
         return 0;
+    case KIND_MAYBE:
+        *(const char **)field = text;
+        return 0;
     case KIND_TEXT:
         if (text[0] == '\0')
             return rad_fail(err, RAD_EUSAGE, "option '%s': empty value",
@@ -255,6 +266,8 @@ take_from(struct cursor *c, const struct option *table, size_t n)
     if (opt->kind == KIND_FLAG && value)
         return rad_fail(c->err, RAD_EUSAGE, "option '%s' takes no value",
                         opt->name);
+    if (opt->kind == KIND_MAYBE && !value)
+        value = "";
     if (opt->kind != KIND_FLAG && !value) {
         value = c->w->list[c->at + 1]; /* the list ends with a NULL */
         used = 2;
@@ -535,6 +548,13 @@ check_show(struct submit_options *o, struct rad_error *err)
                         : o->bits >= 0  ? "--bits"
                                         : NULL;
 
+    if (given && o->false_colour)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is no matter of --false-colour: leave one of them "
+                        "out",
+                        given);
+    if (o->false_colour)
+        given = "--false-colour";
     if (given && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "%s is for a .png, and --detach writes none: use "
@@ -550,6 +570,8 @@ check_show(struct submit_options *o, struct rad_error *err)
         o->show.screen.tone.curve = (enum rad_tone_curve)o->tone;
     if (o->bits >= 0)
         o->show.screen.bits = o->bits == SHOW_16_BITS ? 16 : 8;
+    if (o->false_colour)
+        return show_false(&o->show, o->false_colour, err);
     return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
 }
 
@@ -654,7 +676,8 @@ help_rows(FILE *to, const struct option *table, size_t n, const char *between)
         char head[80];
 
         snprintf(head, sizeof head, "%s%s%s", table[i].name,
-                 table[i].arg ? between : "", table[i].arg ? table[i].arg : "");
+                 table[i].arg && table[i].kind != KIND_MAYBE ? between : "",
+                 table[i].arg ? table[i].arg : "");
         rad_help_row(head, table[i].help, print_line, to);
     }
 }

@@ -53,6 +53,7 @@ struct submit_options {
     int format;          /* enum picfile_format */
     struct show show;    /* of a .png */
     const char *exposure; /* as asked for; NULL: not */
+    const char *false_colour; /* its scale; NULL: not asked for */
     int tone, bits;       /* the words' numbers; -1: not asked for */
     const char *stats, *preview;
     /* where */

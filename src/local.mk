@@ -113,6 +113,8 @@ librad_a_SOURCES = \
 	src/picture/hdrread.c \
 	src/picture/human.c \
 	src/picture/human.h \
+	src/picture/legend.c \
+	src/picture/legend.h \
 	src/picture/metric.c \
 	src/picture/metric.h \
 	src/picture/number.c \
@@ -127,6 +129,8 @@ librad_a_SOURCES = \
 	src/picture/primaries.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
+	src/picture/raster.c \
+	src/picture/raster.h \
 	src/picture/screen.c \
 	src/picture/screen.h \
 	src/picture/seed.c \

@@ -169,9 +169,12 @@ START_TEST(false_colours_span_three_decades)
 {
     static const float v[] = { 1, .001f, 1e-9f, 0, INFINITY, NAN };
     struct rad_picture p = grey(6, 1, v);
+    struct rad_false_scale s;
     struct rad_image image;
 
-    ck_assert_int_eq(rad_false_colour(&p, &image, NULL), 0);
+    ck_assert_int_eq(rad_false_parse(&s, "179,log=3", NULL), 0);
+    ck_assert(rad_false_fit(&s, &p));
+    ck_assert_int_eq(rad_false_colour(&s, &p, &image, NULL), 0);
     ck_assert_mem_eq(image.rgb, "\377\377\334", 3);
     for (int x = 1; x < 6; x++) /* at and below the scale's lower end */
         ck_assert_int_eq(image.rgb[3 * x], x == 4 ? 255 : 10);

@@ -37,6 +37,7 @@ UNIT_TESTS = \
 	tests/check_estimate \
 	tests/check_facts \
 	tests/check_fair \
+	tests/check_falsecolour \
 	tests/check_filter \
 	tests/check_font \
 	tests/check_fprism \
@@ -385,6 +386,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_false_colour.sh \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
@@ -446,6 +448,7 @@ TESTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_false_colour.sh \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
@@ -617,6 +620,10 @@ tests_check_conn_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_estimate_SOURCES = tests/check_estimate.c tests/unit.h
 tests_check_estimate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_estimate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_falsecolour_SOURCES = tests/check_falsecolour.c tests/unit.h
+tests_check_falsecolour_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_falsecolour_LDADD = $(UNIT_LIBS)
 
 tests_check_fair_SOURCES = tests/check_fair.c tests/unit.h
 tests_check_fair_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

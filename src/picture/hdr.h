@@ -71,6 +71,7 @@ struct rad_picture {
     int width, height;
     double pixaspect;  /* 1 where the header says nothing */
     struct rad_rgb *L; /* width * height, malloc'd, the top row first */
+    bool irradiance;   /* not radiance, as its rendering options say */
     bool other_primaries; /* a PRIMARIES line: the numbers in L are of others */
     double chroma[8];     /* than Radiance's: x y of red, green, blue, white */
 };

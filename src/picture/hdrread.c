@@ -66,6 +66,7 @@ struct reader {
     double pixaspect;
     double chroma[8];   /* PRIMARIES */
     bool primaries;     /* were given */
+    bool irradiance;    /* -i of a command line in the header */
     bool xyz;           /* tristimulus values instead of RGB */
     bool xmajor;        /* scan lines run along y */
     bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
@@ -131,12 +132,35 @@ get_primaries(struct reader *in, char *text)
     in->primaries = true;
 }
 
+/* Of the line of a program that renders, does it say -i? */
+static void
+get_irradiance(struct reader *in, const char *line)
+{
+    static const char *const programs[] = { "radsubmit ", "rpict ", "rtpict ",
+                                            "rvu " };
+    bool renders = false;
+
+    for (size_t i = 0; i < sizeof programs / sizeof programs[0]; i++)
+        renders |= strncmp(line, programs[i], strlen(programs[i])) == 0;
+    for (const char *at = line; renders && (at = strstr(at, " -i")); at += 3) {
+        char sign = at[3];
+
+        if (sign == ' ' || sign == '\0')
+            in->irradiance = !in->irradiance;
+        else if (strchr("+1yYtT", sign))
+            in->irradiance = true;
+        else if (strchr("-0nNfF", sign))
+            in->irradiance = false;
+    }
+}
+
 static int
 take_header_line(struct reader *in, char *line)
 {
     char *value = strchr(line, '=');
     double expo = 1;
 
+    get_irradiance(in, line);
     if (!value)
         return 0;
     *value++ = '\0';
@@ -428,6 +452,7 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
     pic->width = w;
     pic->height = h;
     pic->pixaspect = in->pixaspect;
+    pic->irradiance = in->irradiance;
     pic->other_primaries = in->primaries && !in->xyz;
     memcpy(pic->chroma, in->chroma, sizeof pic->chroma);
     return 0;
