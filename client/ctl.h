@@ -85,6 +85,15 @@ int ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows);
 void ctl_filter(const struct ctl *c, json_t *rows, const char *user);
 int ctl_run_limits(struct ctl *c);
 
+/* ctl_words.c: an answer as people read it; as JSON it has all members, by
+ * their names. */
+void ctl_tell_status(FILE *to, const json_t *status);
+void ctl_tell_job(FILE *to, const json_t *job);
+/* So many seconds, rounded down from a minute on: "5 s", "12 min",
+ * "3 h 20 min", "4 days 2 h". */
+enum { CTL_SPAN = 40 };
+const char *ctl_span(char text[CTL_SPAN], double s);
+
 /* ctl_job.c */
 int ctl_run_job(struct ctl *c);        /* cancel, pause, resume, delete */
 int ctl_run_priority(struct ctl *c);

@@ -12,31 +12,61 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A column that people see, and the member of a row that it shows. */
+struct column {
+    const char *key, *head;
+};
+
 /* What people look for in a list of jobs, the rest is for --json and job. */
+static const struct column job_columns[] = {
+    { "job", "job" },           { "state", "state" },
+    { "done", "done" },         { "owner", "owner" },
+    { "priority", "priority" }, { "workers", "workers" },
+    { "elapsed_s", "time" },    { "name", "name" },
+    { "text", "note" },         { NULL, NULL },
+};
+static const struct column worker_columns[] = {
+    { "name", "name" },       { "state", "state" },
+    { "threads", "threads" }, { "units", "units" },
+    { "address", "address" }, { "program", "program" },
+    { "since_s", "since" },   { "text", "note" },
+    { NULL, NULL },
+};
+
+/* A member of a row as people read it. */
 static json_t *
-short_jobs(const json_t *jobs)
+readable(const json_t *row, const char *key)
 {
-    static const char *const keys[] = { "job",       "state",    "done",
-                                        "owner",     "priority", "workers",
-                                        "elapsed_s", "name",     "text" };
-    json_t *list = json_array(), *row, *value;
-    const json_t *job;
+    json_t *value = json_object_get(row, key);
+    double v = json_number_value(value);
+    char span[CTL_SPAN];
+
+    if (strcmp(key, "text") == 0 && /* "cancelled" says it once */
+        json_equal(value, json_object_get(row, "state")))
+        return json_string("");
+    if (strcmp(key, "done") == 0) /* rounded down: 100 is all */
+        return json_sprintf("%3d %%", (int)(v * 100));
+    if (strcmp(key, "elapsed_s") == 0)
+        return json_string(ctl_span(span, v));
+    if (strcmp(key, "since_s") == 0)
+        return json_sprintf("%s ago", ctl_span(span, v));
+    return json_incref(value);
+}
+
+static json_t *
+for_people(const json_t *rows, const struct column *columns)
+{
+    json_t *list = json_array(), *shown;
+    const json_t *row;
     size_t i;
 
-    json_array_foreach(jobs, i, job)
+    json_array_foreach(rows, i, row)
     {
-        row = json_object();
-        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
-            value = json_object_get(job, keys[k]);
-            if (strcmp(keys[k], "done") == 0) /* rounded down: 100 is all */
-                json_object_set_new(
-                    row, keys[k],
-                    json_sprintf("%3d %%",
-                                 (int)(json_number_value(value) * 100)));
-            else if (value)
-                json_object_set(row, keys[k], value);
-        }
-        json_array_append_new(list, row);
+        shown = json_object();
+        for (const struct column *c = columns; c->key; c++)
+            if (json_object_get(row, c->key))
+                json_object_set_new(shown, c->head, readable(row, c->key));
+        json_array_append_new(list, shown);
     }
     return list;
 }
@@ -241,9 +271,14 @@ in_order(const json_t *rows)
 static void
 show(const struct ctl *c, json_t *rows, bool jobs)
 {
-    json_t *shown = jobs && !c->json ? short_jobs(rows) : json_incref(rows);
+    json_t *shown =
+        c->json ? json_incref(rows)
+                : for_people(rows, jobs ? job_columns : worker_columns);
 
-    (c->json ? table_print_json : table_print)(stdout, shown);
+    if (json_array_size(shown) == 0 && !c->json)
+        puts(jobs ? "no jobs" : "no workers");
+    else
+        (c->json ? table_print_json : table_print)(stdout, shown);
     json_decref(shown);
 }
 
@@ -304,7 +339,14 @@ ctl_run_query(struct ctl *c)
     root = ctl_parse(c, answer);
     if (!root)
         return c->err->code;
-    (c->json ? table_print_json : table_print)(stdout, root);
+    if (c->json)
+        table_print_json(stdout, root);
+    else if (c->command->number == MSG_QUERY_STATUS)
+        ctl_tell_status(stdout, root);
+    else if (c->command->number == MSG_QUERY_JOB)
+        ctl_tell_job(stdout, root);
+    else
+        table_print(stdout, root);
     json_decref(root);
     return 0;
 }

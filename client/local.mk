@@ -102,6 +102,7 @@ radctl_SOURCES = \
 	client/ctl_admin.c \
 	client/ctl_job.c \
 	client/ctl_list.c \
+	client/ctl_words.c \
 	client/radctl.c
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(LIBDAEMON) $(LIBRAD)

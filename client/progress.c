@@ -51,7 +51,7 @@ format_rate(char *buf, size_t size, double rate)
         k++;
     }
     /* three digits, whatever the unit */
-    snprintf(buf, size, "%.*f %srays/s",
+    snprintf(buf, size, "  %.*f %srays/s",
              rate >= 99.95 || k == 0 ? 0
              : rate >= 9.995         ? 1
                                      : 2,
@@ -63,32 +63,34 @@ format_left(char *buf, size_t size, double s)
 {
     long t;
 
-    if (!(s >= 0) || s > 3.6e8) { /* ten thousand hours: nobody knows */
-        snprintf(buf, size, "?");
+    if (!(s >= 0) || s > 3.6e8) /* ten thousand hours: nobody knows */
         return;
-    }
     t = lround(s);
     if (t < 3600)
-        snprintf(buf, size, "%ld:%02ld", t / 60, t % 60);
+        snprintf(buf, size, "  %ld:%02ld left", t / 60, t % 60);
     else
-        snprintf(buf, size, "%ld:%02ld:%02ld", t / 3600, t / 60 % 60, t % 60);
+        snprintf(buf, size, "  %ld:%02ld:%02ld left", t / 3600, t / 60 % 60, t % 60);
 }
 
 void
 progress_format(char *buf, size_t size, const struct progress_report *r,
                 double rays_per_s, double left_s)
 {
-    char rate[40], left[40];
+    char rate[40] = "", left[40] = "", workers[40] = "  no worker";
     double done = r->done < 0 ? 0 : r->done > 1 ? 1 : r->done;
+    bool over = done >= 1, working = r->workers > 0;
 
-    if (r->rays > 0)
+    if (r->rays > 0 && (working || over))
         format_rate(rate, sizeof rate, rays_per_s);
-    else
-        snprintf(rate, sizeof rate, "? rays/s");
-    format_left(left, sizeof left, left_s);
+    if (working && !over)
+        format_left(left, sizeof left, left_s);
+    if (over)
+        workers[0] = '\0'; /* they have gone on to other jobs */
+    else if (working)
+        snprintf(workers, sizeof workers, "  %d worker%s", r->workers,
+                 r->workers == 1 ? "" : "s");
     /* rounded down: 100 % is said when all is done and not before */
-    snprintf(buf, size, "%3d %%  %s  %s left  %d worker%s", (int)(done * 100),
-             rate, left, r->workers, r->workers == 1 ? "" : "s");
+    snprintf(buf, size, "%3d %%%s%s%s", (int)(done * 100), rate, left, workers);
 }
 
 static void

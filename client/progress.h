@@ -1,6 +1,7 @@
 /* progress.h - the line that says how far a job is
  *
  *     42 %  1.25 M rays/s  1:05 left  3 workers
+ * What is not known is left out, and at 100 % what is left and who is at it.
  * On a terminal it is one line that is written over; elsewhere it is silent,
  * unless asked for always: then each report is a line of its own.
  * Rays a second is a mean that forgets with a time constant of some seconds;

@@ -56,6 +56,8 @@ struct program {
     struct target target;
     struct progress progress;
     bool held, paused, waiting, left; /* were said */
+    bool wonders;     /* nobody is at the job, and it is not said why */
+    char reason[300]; /* the last that the coordinator gave; "": none */
     struct progress_alone alone;
     double elapsed_s, error; /* as last told */
     struct msg_nan nan;
@@ -203,6 +205,17 @@ say_left(struct program *p, const struct progress_report *r, bool running)
                "without");
 }
 
+/* After "no worker": the coordinator may know more. */
+static void
+note_wonder(struct program *p, const struct msg_progress *m)
+{
+    p->wonders = (p->waiting && m->state == MSG_STATE_WAITING &&
+                  m->workers == 0) ||
+                 p->left || m->state == MSG_STATE_HELD;
+    if (!p->wonders)
+        p->reason[0] = '\0'; /* the next time it may be the same */
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
@@ -216,7 +229,9 @@ on_progress(void *arg, const struct msg_progress *m)
     say_paused(p, m->state == MSG_STATE_PAUSED);
     say_waiting(p, m);
     say_left(p, &r, m->state == MSG_STATE_RUNNING);
-    progress_update(&p->progress, &r);
+    note_wonder(p, m);
+    if (m->state != MSG_STATE_CANCELLED) /* how far it got is said anyway */
+        progress_update(&p->progress, &r);
     p->elapsed_s = m->elapsed_s;
     p->error = m->error;
     p->nan = m->nan;
@@ -671,19 +686,36 @@ choose_cluster(struct program *p)
     return 0;
 }
 
-/* The id is what a user has to find the job again: it is said before the
- * work begins. */
-static int
-make_id(struct program *p)
+/* The id is what a user has to find the job again: it is said when there is a
+ * job to be found. */
+static void
+on_accepted(void *arg)
 {
+    struct program *p = arg;
     char hex[MSG_JOB_HEX];
-    int rc = jobspec_name(&p->job, p->err);
 
-    if (rc < 0)
-        return rc;
     msg_job_format(p->job.id, hex);
-    fprintf(stderr, "radsubmit: job %s\n", hex);
-    return 0;
+    tell(stderr, "radsubmit: job %s", hex);
+}
+
+static bool
+on_wonders(void *arg)
+{
+    return ((struct program *)arg)->wonders;
+}
+
+/* Why nobody is at the job, as the coordinator says; once for each reason. */
+static void
+on_reason(void *arg, const char *why)
+{
+    struct program *p = arg;
+    char text[sizeof p->reason + 40];
+
+    if (why[0] == '\0' || strncmp(why, p->reason, sizeof p->reason - 1) == 0)
+        return;
+    snprintf(p->reason, sizeof p->reason, "%s", why);
+    snprintf(text, sizeof text, "the coordinator says: %s", p->reason);
+    say(p, text);
 }
 
 static void
@@ -710,7 +742,12 @@ static int
 converse(struct program *p)
 {
     struct submit_callbacks cb = {
-        .say = say, .progress = on_progress, .frame = on_frame, .arg = p
+        .say = say,
+        .accepted = on_accepted,
+        .progress = on_progress,
+        .wonders = on_wonders,
+        .frame = on_frame,
+        .arg = p
     };
     struct submit_job job = { .spec = &p->job.spec,
                               .cargo = &p->cargo,
@@ -725,6 +762,8 @@ converse(struct program *p)
         cb.stats = on_stats;
     if (p->records.keep)
         cb.records = on_records;
+    if (!p->embedded)
+        cb.reason = on_reason;
     if (p->embedded) {
         cb.alive = on_alive;
         cb.expected = on_expected;
@@ -877,7 +916,7 @@ run(struct program *p)
         warn(p, "the pictures of all frames are there: nothing is rendered");
     else if (rc == 0 && p->o.dry_run)
         rc = run_dry(p);
-    else if (rc == 0 && (rc = make_id(p)) == 0)
+    else if (rc == 0 && (rc = jobspec_name(&p->job, p->err)) == 0)
         rc = run_job(p);
     local_stop(p->local);
     cargo_release(&p->cargo);

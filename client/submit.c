@@ -9,6 +9,7 @@
 #include "submit.h"
 
 #include "fetch.h"
+#include "figure.h"
 #include "frame.h"
 
 #include <inttypes.h>
@@ -26,6 +27,7 @@ enum {
     LOOK_MS = 500,      /* how often a quiet wait looks around */
     PREVIEW_MS = 1000,  /* least time between previews ... */
     PREVIEW_SHARE = 10, /* ... and this many times what one takes */
+    REASON_MS = 10000,  /* least time between questions for a reason */
     CANCEL_MS = 5000    /* a coordinator that is slow to cancel is left */
 };
 
@@ -39,12 +41,14 @@ struct submit {
     uint64_t start_ms; /* when we began; then, when the job was accepted */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
     bool connected;    /* at some time */
+    bool asked; /* SUBMIT has gone out, so the job may be there */
     bool accepted, met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
     uint32_t delivered; /* frames */
     struct msg_progress last; /* its job id is not kept */
     uint64_t preview_due_ms;
+    uint64_t reason_due_ms; /* when to ask again why nobody is at the job */
 };
 
 static uint64_t
@@ -54,16 +58,41 @@ now_ms(const struct submit *s)
     return uv_now(s->where.loop);
 }
 
+/* The job stays with the coordinator, and what becomes of it there. */
+static int
+left_behind(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(s->job->spec->job, hex);
+    if (s->last.state == MSG_STATE_PAUSED)
+        return rad_fail(s->err, RAD_ETEMPFAIL,
+                        "interrupted; the job stays, paused: radctl resume %s, "
+                        "then radctl fetch %s -o FILE",
+                        hex, hex);
+    if (s->last.state == MSG_STATE_HELD)
+        return rad_fail(s->err, RAD_ETEMPFAIL,
+                        "interrupted; the job stays, and goes on when the "
+                        "coordinator's disk has room: radctl fetch %s -o FILE",
+                        hex);
+    return rad_fail(s->err, RAD_ETEMPFAIL,
+                    "interrupted; the job goes on: radctl fetch %s -o FILE",
+                    hex);
+}
+
 static int
 interrupted(struct submit *s)
 {
     char hex[MSG_JOB_HEX];
 
-    if (!s->accepted || s->cancelled || s->cb->alive)
+    if (s->cancelled || s->cb->alive || !s->asked)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
+    if (s->accepted)
+        return left_behind(s);
     msg_job_format(s->job->spec->job, hex);
     return rad_fail(s->err, RAD_ETEMPFAIL,
-                    "interrupted; the job goes on: radctl fetch %s -o FILE",
+                    "interrupted; the coordinator may have the job: radctl "
+                    "job %s",
                     hex);
 }
 
@@ -211,11 +240,15 @@ send_job(struct submit *s)
     int rc;
 
     m.submit = *s->job->spec;
+    s->asked = true;
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = await(s, MSG_ACCEPT, &answer)) < 0)
         return rc;
-    if (!s->accepted)
+    if (!s->accepted) {
         s->start_ms = now_ms(s);
+        if (s->cb->accepted)
+            s->cb->accepted(s->cb->arg);
+    }
     s->accepted = true;
     return 0;
 }
@@ -298,6 +331,47 @@ preview(struct submit *s)
     return rc;
 }
 
+/* Text of the job's row, as radctl jobs shows it. */
+static int
+ask_reason(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
+    const struct msg *answer;
+    const char *text;
+    json_t *row;
+    int rc;
+
+    msg_job_format(s->job->spec->job, hex);
+    m.query.what = MSG_QUERY_JOB;
+    m.query.text = hex;
+    s->fetching = true; /* a refusal is no end of the job */
+    rc = link_send(s->link, &m, s->err);
+    do
+        rc = rc < 0 ? rc : next(s, LOOK_MS, &answer);
+    while (rc == 0 || (rc == 1 && answer->request != s->request && !s->done));
+    s->fetching = false;
+    if (rc < 0 || answer->request != s->request || answer->type != MSG_ANSWER)
+        return rc < 0 ? rc : 0;
+    row = json_loadb((const char *)answer->answer.text, answer->answer.len, 0,
+                     NULL);
+    text = json_string_value(json_object_get(row, "text"));
+    s->cb->reason(s->cb->arg, text ? text : "");
+    json_decref(row);
+    return 0;
+}
+
+/* Nobody is at the job: the coordinator may know why. */
+static int
+reason(struct submit *s)
+{
+    if (!s->cb->reason || s->done || s->cancelled ||
+        !s->cb->wonders(s->cb->arg) || now_ms(s) < s->reason_due_ms)
+        return 0;
+    s->reason_due_ms = now_ms(s) + REASON_MS;
+    return ask_reason(s);
+}
+
 static int
 deliver_stats(struct submit *s)
 {
@@ -319,17 +393,23 @@ static void
 say_what_it_got(struct submit *s)
 {
     const struct msg_progress *p = &s->last;
-    char text[200];
+    uint32_t nframes = s->job->spec->nframes;
+    char text[200], seconds[FIGURE_TEXT], written[60] = "no picture is written";
 
+    if (!s->met_worker) {
+        s->cb->say(s->cb->arg, "cancelled: nothing was rendered yet");
+        return;
+    }
+    if (nframes > 1)
+        snprintf(written, sizeof written,
+                 "%" PRIu32 " of %" PRIu32 " pictures are written",
+                 s->delivered, nframes);
     snprintf(text, sizeof text,
-             "cancelled: %.0f %% of the pixels, %" PRIu32 " of %" PRIu32
-             " units, %" PRIu64 " rays in %.1f s; %" PRIu32 " of %" PRIu32
-             " pictures written",
+             "cancelled: %.0f %% of the pixels were rendered in %s s; %s",
              p->pixels_total ? floor(100. * (double)p->pixels_done /
                                      (double)p->pixels_total)
                              : 0,
-             p->units_done, p->units_total, p->rays, p->elapsed_s, s->delivered,
-             s->job->spec->nframes);
+             figure(seconds, p->elapsed_s, 3), written);
     s->cb->say(s->cb->arg, text);
 }
 
@@ -408,7 +488,8 @@ watch(struct submit *s)
         }
         if (waited_for_worker(s))
             return no_worker(s);
-        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0)
+        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0 ||
+            (rc = reason(s)) < 0)
             return rc;
         if (rc == 0 && s->cb->alive && !s->cb->alive(s->cb->arg))
             return rad_fail(s->err, RAD_EINTERNAL,

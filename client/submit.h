@@ -32,6 +32,14 @@ struct submit_callbacks {
     /* Is the coordinator worth calling again?  An embedded one's processes may
      * have ended.  NULL: always. */
     bool (*alive)(void *arg);
+    /* The coordinator has the scene and the job, for the first time.  NULL:
+     * nobody asks. */
+    void (*accepted)(void *arg);
+    /* Is nobody at the job for longer than a user can explain?  Then the
+     * coordinator is asked, and reason() told what it says, "" for nothing.
+     * reason NULL: nobody asks. */
+    bool (*wonders)(void *arg);
+    void (*reason)(void *arg, const char *text);
     /* How many workers are there, or will be soon; the job is submitted when
      * they are, since what is laid out is laid out for those.  NULL: as many as
      * happen to be. */

@@ -105,11 +105,30 @@ without_room(const struct job *job)
     return NULL;
 }
 
+/* Of a job that could be worked at: nobody is there who may. */
+static const char *
+lacks_workers(const struct coord *c, const struct job *job)
+{
+    bool some = false;
+
+    if (job->state != JOB_WAITING && job->state != JOB_RUNNING)
+        return NULL;
+    for (const struct coord_worker *w = c->workers; w; w = w->next) {
+        if (w->conn == 0)
+            continue;
+        if ((!w->drained && !w->leaving) || w->in_flight > 0)
+            return NULL;
+        some = true;
+    }
+    return some ? "all workers are drained" : "no worker is there";
+}
+
 /* Why it is over, or gets nowhere; in buf, if that has to be made up. */
 static const char *
 why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
     const struct coord_worker *full = without_room(job);
+    const char *nobody = lacks_workers(c, job);
     char when[COORD_TIME];
     uint32_t first = 0;
 
@@ -122,6 +141,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
         return job->text;
     if (job->held)
         return job->waits ? job->text : c->full_text;
+    if (nobody)
+        return nobody;
     if (full) {
         rad_text_print(buf, MSG_MAX_TEXT + 1, "worker %s: %s", full->name,
                        full->no_room);

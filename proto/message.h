@@ -264,10 +264,11 @@ struct msg_fault {
 };
 
 /* of those that a PROGRESS has: what others than the coordinator act on */
-#define MSG_STATE_WAITING 0
-#define MSG_STATE_RUNNING 1
-#define MSG_STATE_PAUSED  2
-#define MSG_STATE_HELD    6
+#define MSG_STATE_WAITING   0
+#define MSG_STATE_RUNNING   1
+#define MSG_STATE_PAUSED    2
+#define MSG_STATE_CANCELLED 5
+#define MSG_STATE_HELD      6
 
 struct msg_progress {
     const uint8_t *job; /* zero: of one that is not accepted yet */

@@ -341,6 +341,51 @@ script_is_paused(struct player *p)
 }
 
 static void
+script_gives_a_reason(struct player *p)
+{
+    const struct msg *in;
+    struct msg m = { .type = MSG_ANSWER };
+
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 0, 0);
+    in = player_expect(p, MSG_QUERY);
+    if (in->query.what != MSG_QUERY_JOB ||
+        strncmp(in->query.text, "010203", 6) != 0)
+        _exit(WRONG);
+    m.request = in->request;
+    m.answer.text = (const uint8_t *)"{ \"text\": \"all are drained\" }";
+    m.answer.len = strlen((const char *)m.answer.text);
+    player_send(p, &m);
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
+/* One that does not tell is no worse for it. */
+static void
+script_gives_no_reason(struct player *p)
+{
+    const struct msg *in;
+    struct msg m = { .type = MSG_FAILED };
+
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 0, 0);
+    in = player_expect(p, MSG_QUERY);
+    m.request = in->request;
+    m.failed.job = job_id;
+    m.failed.status = EX_NOINPUT;
+    m.failed.text = "no such job";
+    player_send(p, &m);
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
+static void
 script_detaches(struct player *p)
 {
     player_welcome(p, 1);
@@ -354,8 +399,30 @@ struct client {
     char picture[32], stats[32];
     int interrupts;
     bool interrupt_at_progress;
-    int nsaid;
+    int nsaid, naccepted;
+    bool wonders;
+    char reason[100];
 };
+
+static void
+on_accepted(void *arg)
+{
+    ((struct client *)arg)->naccepted++;
+}
+
+static bool
+on_wonders(void *arg)
+{
+    return ((struct client *)arg)->wonders;
+}
+
+static void
+on_reason(void *arg, const char *text)
+{
+    struct client *c = arg;
+
+    snprintf(c->reason, sizeof c->reason, "%s", text);
+}
 
 static void
 on_say(void *arg, const char *text)
@@ -369,7 +436,7 @@ on_progress(void *arg, const struct msg_progress *m)
 {
     struct client *c = arg;
 
-    (void)m;
+    c->wonders = m->workers == 0 && m->state == MSG_STATE_RUNNING;
     if (c->interrupt_at_progress)
         c->interrupts = 1;
 }
@@ -417,22 +484,25 @@ static const struct script {
     int rc;
     double wait_s;
     bool interrupt, detach;
+    bool refused;       /* the job is never accepted */
+    const char *reason; /* what is learned of why nobody is at it */
 } scripts[] = {
-    { "nobody", NULL, RAD_EUNAVAIL, 0, false, false },
-    { "refuses", script_refuses, RAD_EPERM, 30, false, false },
-    { "nonsense", script_speaks_nonsense, RAD_EPROTO, 30, false, false },
-    { "out of turn", script_speaks_out_of_turn, RAD_EPROTO, 30, false, false },
-    { "renders", script_renders, 0, 30, false, false },
-    { "renders by version 1", script_renders_by_version_1, 0, 30, false,
-      false },
-    { "starts again", script_starts_again, 0, 30, false, false },
-    { "fails", script_fails_the_job, RAD_EINTERNAL, 30, false, false },
-    { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30, false,
-      false },
-    { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, true, false },
-    { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, false, false },
-    { "is paused", script_is_paused, 0, .01, false, false },
-    { "detaches", script_detaches, 0, 30, false, true },
+    { "nobody", NULL, RAD_EUNAVAIL, 0, .refused = true },
+    { "refuses", script_refuses, RAD_EPERM, 30, .refused = true },
+    { "nonsense", script_speaks_nonsense, RAD_EPROTO, 30, .refused = true },
+    { "out of turn", script_speaks_out_of_turn, RAD_EPROTO, 30,
+      .refused = true },
+    { "reason", script_gives_a_reason, 0, 30, .reason = "all are drained" },
+    { "no reason", script_gives_no_reason, 0, 30, .reason = "" },
+    { "renders", script_renders, 0, 30, .detach = false },
+    { "renders by version 1", script_renders_by_version_1, 0, 30, .detach = false },
+    { "starts again", script_starts_again, 0, 30, .detach = false },
+    { "fails", script_fails_the_job, RAD_EINTERNAL, 30, .detach = false },
+    { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30, .detach = false },
+    { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
+    { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
+    { "is paused", script_is_paused, 0, .01, .detach = false },
+    { "detaches", script_detaches, 0, 30, .detach = true },
 };
 
 static int
@@ -494,6 +564,8 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     struct msg_frame frame = { 0, 4, 4, "-vtv" };
     struct msg_spec spec = { .job = job_id, .params = "-ab 0", .nframes = 1 };
     struct submit_callbacks cb = { .say = on_say,
+                                   .accepted = on_accepted,
+                                   .wonders = on_wonders,
                                    .progress = on_progress,
                                    .frame = on_frame,
                                    .stats = on_stats,
@@ -508,6 +580,8 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
 
     if (s->play)
         cb.alive = on_alive;
+    if (s->reason)
+        cb.reason = on_reason;
     make_cargo(&cargo, &bundle);
     job.cargo = &cargo;
     spec.frames = &frame;
@@ -544,6 +618,9 @@ START_TEST(conversations_end_as_they_should)
         waitpid(c.player, &status, 0);
     ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == 0,
                   "%s: the coordinator ended with %d", s->name, status);
+    ck_assert_int_eq(c.naccepted, s->refused ? 0 : 1);
+    if (s->reason)
+        ck_assert_str_eq(c.reason, s->reason);
     if (s->rc == 0 && !s->detach) {
         ck_assert_str_eq(c.picture, "a picture");
         ck_assert_str_eq(c.stats, "{ }");

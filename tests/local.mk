@@ -397,7 +397,8 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
-	tests/e2e/versions.sh
+	tests/e2e/versions.sh \
+	tests/e2e/words.sh
 EXTRA_DIST += \
 	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
@@ -459,7 +460,8 @@ TESTS += \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
-	tests/e2e/versions.sh
+	tests/e2e/versions.sh \
+	tests/e2e/words.sh
 
 tests_check_ring_SOURCES = tests/check_ring.c tests/unit.h
 tests_check_ring_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)

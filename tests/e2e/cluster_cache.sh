@@ -109,6 +109,8 @@ until_true 30 worker_is 'no room' '' || fail "radctl workers does not say it"
 grep -q '^w1 ' listed ||
     fail "workers in that state cannot be listed: $(cat listed)"
 until_true 30 job_says full 'worker w1: ' || fail "radctl jobs does not say it"
+until_true 30 grep -q '^radsubmit: the coordinator says: worker w1: ' full.err ||
+    fail "radsubmit does not say it: $(cat full.err)"
 grep -q 'job refused job=.* why=' w1.log || fail "radd's log does not say it"
 grep -q 'worker has no room job=' c.log || fail "radcoord's log does not"
 gone $job && fail "the job ended on a full disk: $(cat full.err)"

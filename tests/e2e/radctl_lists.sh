@@ -23,7 +23,7 @@ count()
     shift
     ctl "$@" >rows 2>stderr || fail "$*: $(cat stderr)"
     if [ "$want" -eq 0 ]; then
-        grep -q '^no entries' rows || fail "$*: $(head -n 3 rows)"
+        grep -qE '^no (jobs|workers|entries)$' rows || fail "$*: $(head -n 3 rows)"
     else
         [ "$(wc -l <rows)" -eq $((want + 1)) ] ||
             fail "$*: $(wc -l <rows) lines, not $want rows and a head"
