@@ -14,7 +14,9 @@
 
 enum { ANSWER_MS = 5000 };
 
-static const double TRIAL_S = 3;
+const struct trial_effort dryrun_effort = {
+    .seconds = 3, .pixels = 1024, .windows = 6, .side = TRIAL_SIDE
+};
 
 /* --- the cluster --- */
 
@@ -73,7 +75,7 @@ int
 dryrun_predict(struct prediction *p, const struct rad_scene *scene,
                const struct rad_files *files, const struct rad_params *params,
                const struct msg_frame *frames, uint32_t nframes,
-               struct rad_error *err)
+               const struct trial_effort *effort, struct rad_error *err)
 {
     const struct msg_frame *middle = &frames[nframes / 2];
     size_t n = strlen(middle->view) + sizeof "VIEW= ";
@@ -90,7 +92,7 @@ dryrun_predict(struct prediction *p, const struct rad_scene *scene,
     rad_view_init(&view);
     rc = rad_view_read(&view, text, strlen(text), err);
     free(text);
-    if (rc < 0 || (rc = trial_run(&t, &tried, params, TRIAL_S, err)) < 0)
+    if (rc < 0 || (rc = trial_run(&t, &tried, params, effort, err)) < 0)
         return rc;
     for (uint32_t i = 0; i < nframes; i++)
         pixels += (double)frames[i].width * frames[i].height;

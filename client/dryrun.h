@@ -19,12 +19,16 @@ struct dryrun_cluster {
 int dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
                const struct target *to, struct rad_error *err);
 
-/* Try the scene's pixels for two seconds and predict all frames of the job. */
+/* What --dry-run takes to say what it does. */
+extern const struct trial_effort dryrun_effort;
+
+/* Try the scene's pixels and predict all frames of the job, in samples: with
+ * --oversample those are the large picture's. */
 int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
                    const struct rad_files *files,
                    const struct rad_params *params,
                    const struct msg_frame *frames, uint32_t nframes,
-                   struct rad_error *err);
+                   const struct trial_effort *effort, struct rad_error *err);
 
 /* For people, on stdout. */
 void dryrun_print(const struct msg_spec *spec, const struct prediction *p,

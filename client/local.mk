@@ -21,12 +21,16 @@ libclient_a_SOURCES = \
 	client/costs.h \
 	client/dryrun.c \
 	client/dryrun.h \
+	client/eta.c \
+	client/eta.h \
 	client/expose.c \
 	client/expose.h \
 	client/fetch.c \
 	client/fetch.h \
 	client/figure.c \
 	client/figure.h \
+	client/foresee.c \
+	client/foresee.h \
 	client/frames.c \
 	client/frames.h \
 	client/inputs.c \

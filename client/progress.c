@@ -10,6 +10,10 @@
 /* long enough to hide that results come a unit at a time */
 #define RATE_TIME_CONSTANT_S 4.0
 
+/* A trial takes about a second of a processor: not for a job that is over in a
+ * few. */
+static const double SHORT_S = 2, LONG_S = 10;
+
 void
 progress_init(struct progress *p, FILE *to, bool always, bool never)
 {
@@ -63,13 +67,14 @@ format_left(char *buf, size_t size, double s)
 {
     long t;
 
-    if (!(s >= 0) || s > 3.6e8) /* ten thousand hours: nobody knows */
+    if (!(s >= 0) || s > 3.6e8) /* a hundred thousand hours: nobody knows */
         return;
     t = lround(s);
     if (t < 3600)
         snprintf(buf, size, "  %ld:%02ld left", t / 60, t % 60);
     else
-        snprintf(buf, size, "  %ld:%02ld:%02ld left", t / 3600, t / 60 % 60, t % 60);
+        snprintf(buf, size, "  %ld:%02ld:%02ld left", t / 3600, t / 60 % 60,
+                 t % 60);
 }
 
 void
@@ -118,17 +123,21 @@ void
 progress_update(struct progress *p, const struct progress_report *r)
 {
     char line[160];
-    double left_s = -1;
+    double left_s;
+    const struct eta_look look = { .elapsed_s = r->elapsed_s,
+                                   .done = r->done,
+                                   .rays = (double)r->rays,
+                                   .working = r->working };
 
     if (!p->to)
         return;
     take_rate(p, r);
+    left_s = eta_take(&p->eta, &look);
+    p->done = r->done;
     if (r->done >= 1 && r->elapsed_s > 0) /* nothing is under way: the mean */
         p->rate = (double)r->rays / r->elapsed_s;
     if (too_soon(p, r->elapsed_s))
         return;
-    if (r->done > 0)
-        left_s = r->elapsed_s * (1 - r->done) / r->done;
     progress_format(line, sizeof line, r, p->rate, left_s);
     if (p->terminal)
         fprintf(p->to, "\r%s\033[K", line);
@@ -136,6 +145,19 @@ progress_update(struct progress *p, const struct progress_report *r)
         fprintf(p->to, "%s\n", line);
     fflush(p->to);
     p->shown = p->terminal;
+}
+
+bool
+progress_is_long(const struct progress *p)
+{
+    return p->to && p->eta.work_s > SHORT_S &&
+           eta_by_share(&p->eta, p->done) > LONG_S;
+}
+
+void
+progress_foresee(struct progress *p, double rays)
+{
+    eta_foresee(&p->eta, rays);
 }
 
 double

@@ -5,10 +5,12 @@
  * On a terminal it is one line that is written over; elsewhere it is silent,
  * unless asked for always: then each report is a line of its own.
  * Rays a second is a mean that forgets with a time constant of some seconds;
- * the time left supposes that cost goes on being done at the job's mean rate.
+ * the time left is eta.h's, and left out while nobody knows it.
  * Thread: one.  */
 #ifndef RADD_CLIENT_PROGRESS_H
 #define RADD_CLIENT_PROGRESS_H
+
+#include "eta.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,6 +22,7 @@ struct progress_report {
     double done;      /* share of the estimated cost, 0..1 */
     uint64_t rays;    /* so far; 0: none are known yet */
     int workers;      /* at it now */
+    bool working;     /* it does not wait, nor is it paused or held */
 };
 
 struct progress {
@@ -32,6 +35,8 @@ struct progress {
     double last_s;  /* elapsed_s of the last report; < 0: none yet */
     uint64_t last_rays;
     double rate; /* rays a second, smoothed */
+    struct eta eta;
+    double done; /* of the last report */
 };
 
 /* always: report even where `to` is no terminal; never: not even there. */
@@ -43,6 +48,13 @@ void progress_every(struct progress *p, FILE *to, double every_s);
 
 /* Take a report and show it. */
 void progress_update(struct progress *p, const struct progress_report *r);
+
+/* Is it shown, has it gone on for some seconds, and is it far from its end, as
+ * far as the share that is done tells?  Then a trial is worth its while. */
+bool progress_is_long(const struct progress *p);
+
+/* A trial says how many rays the whole job takes; 0: not yet. */
+void progress_foresee(struct progress *p, double rays);
 
 /* Take the line off the terminal, before anything else is said on it. */
 void progress_clear(struct progress *p);
@@ -59,7 +71,8 @@ struct progress_alone {
 double progress_alone(struct progress_alone *a, const struct progress_report *r,
                       bool working);
 
-/* The line without its end, always terminated.  left_s < 0: not known. */
+/* The line without its end, always terminated.  left_s < 0: not known, and not
+ * said. */
 void progress_format(char *buf, size_t size, const struct progress_report *r,
                      double rays_per_s, double left_s);
 

@@ -14,6 +14,7 @@
 #include "dryrun.h"
 #include "expose.h"
 #include "figure.h"
+#include "foresee.h"
 #include "frames.h"
 #include "jobspec.h"
 #include "local.h"
@@ -55,6 +56,7 @@ struct program {
     char *rescued, *rescued_depth; /* but here; NULL: or nowhere */
     struct target target;
     struct progress progress;
+    struct foresee *foresee; /* NULL: no trial was begun */
     bool held, paused, waiting, left; /* were said */
     bool wonders;     /* nobody is at the job, and it is not said why */
     char reason[300]; /* the last that the coordinator gave; "": none */
@@ -216,6 +218,26 @@ note_wonder(struct program *p, const struct msg_progress *m)
         p->reason[0] = '\0'; /* the next time it may be the same */
 }
 
+/* How many rays will it take?  Records that there are already would have to be
+ * tried, too, and a scene that is ready to trace takes room. */
+static void
+foresee(struct program *p)
+{
+    enum { MOST_BYTES = 100000000 };
+    struct foresee_job job = { .scene = p->scene.scene,
+                               .files = compile_files(&p->scene),
+                               .params = &p->o.params,
+                               .frames = p->frames.list,
+                               .nframes = p->frames.n };
+
+    if (p->foresee)
+        progress_foresee(&p->progress, foresee_rays(p->foresee));
+    else if (p->scene.scene && !p->o.ambient &&
+             p->job.spec.bundle_bytes <= MOST_BYTES &&
+             progress_is_long(&p->progress))
+        p->foresee = foresee_begin(&job);
+}
+
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
@@ -223,13 +245,16 @@ on_progress(void *arg, const struct msg_progress *m)
     struct progress_report r = { .elapsed_s = m->elapsed_s,
                                  .done = share_done(m),
                                  .rays = m->rays,
-                                 .workers = (int)m->workers };
+                                 .workers = (int)m->workers,
+                                 .working = m->state == MSG_STATE_RUNNING &&
+                                            m->workers > 0 };
 
     say_held(p, m->state == MSG_STATE_HELD);
     say_paused(p, m->state == MSG_STATE_PAUSED);
     say_waiting(p, m);
     say_left(p, &r, m->state == MSG_STATE_RUNNING);
     note_wonder(p, m);
+    foresee(p);
     if (m->state != MSG_STATE_CANCELLED) /* how far it got is said anyway */
         progress_update(&p->progress, &r);
     p->elapsed_s = m->elapsed_s;
@@ -588,7 +613,7 @@ try_scene(struct program *p)
     struct rad_files files = compile_files(&p->scene);
 
     return dryrun_predict(&p->prediction, p->scene.scene, &files, &p->o.params,
-                          p->frames.list, p->frames.n, p->err);
+                          p->frames.list, p->frames.n, &dryrun_effort, p->err);
 }
 
 static void
@@ -919,6 +944,8 @@ run(struct program *p)
     else if (rc == 0 && (rc = jobspec_name(&p->job, p->err)) == 0)
         rc = run_job(p);
     local_stop(p->local);
+    if (!foresee_end(p->foresee, rc < 0))
+        return rc;
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
@@ -964,6 +991,8 @@ act(struct program *p, int argc, char *argv[])
         submit_options_defaults(&p->o, stdout);
         break;
     }
+    if (rc < 0) /* main() ends the program, and a trial may still be at work */
+        return rc;
     jobspec_release(&p->job);
     frames_release(&p->frames);
     words_release(&p->words);

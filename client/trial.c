@@ -24,16 +24,24 @@
 /* Larger hemispheres than SMALL_DIV and SMALL_SSAMP together are tried on
  * LAST_FULL pixels at most. */
 enum {
-    SIDE = 64,
     FIRST = 64,
     MOST_WINDOWS = 32,
     SMALL_DIV = 64,
     SMALL_SSAMP = 0,
-    LAST_FULL = 256,
-    /* below these nothing is known, however long they take */
-    LEAST_PIXELS = 1024,
-    LEAST_WINDOWS = 6
+    LAST_FULL = 256
 };
+
+static bool
+stopped(const struct trial_effort *e)
+{
+    return e->stop && atomic_load_explicit(e->stop, memory_order_relaxed);
+}
+
+static int
+fail_stopped(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ETEMPFAIL, "the trial was stopped");
+}
 
 static double
 cpu_seconds(void)
@@ -88,14 +96,14 @@ trace_place(const struct rad_frame *f, struct rad_ctx *ctx, long k)
  * of them is traced. */
 static void
 try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-           double seconds)
+           const struct trial_effort *e)
 {
-    double begin = cpu_seconds();
+    double begin = cpu_seconds(), seconds = .6 * e->seconds;
     long most = (long)f->width * f->height / 4 + 1, next = FIRST, n = 0;
     long full = (long)t->full.pixels;
 
-    while (n < most && t->nsteps < 39 &&
-           (n < LEAST_PIXELS || cpu_seconds() - begin < seconds)) {
+    while (n < most && t->nsteps < 39 && !stopped(e) &&
+           (n < e->pixels || cpu_seconds() - begin < seconds)) {
         trace_place(f, ctx, ++n);
         if (n == full)
             t->small = look(n, ctx, begin);
@@ -110,27 +118,28 @@ try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
 
 static int
 try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
-            double seconds, struct rad_error *err)
+            const struct trial_effort *e, struct rad_error *err)
 {
-    struct rad_pixel *pixels = malloc(sizeof *pixels * SIDE * SIDE);
-    struct rad_pixel *rows[SIDE];
-    struct rad_window w = { .width = f->width < SIDE ? f->width : SIDE,
-                            .height = f->height < SIDE ? f->height : SIDE };
+    int side = e->side;
+    struct rad_pixel *pixels = malloc(sizeof *pixels * (size_t)(side * side));
+    struct rad_pixel *rows[TRIAL_SIDE];
+    struct rad_window w = { .width = f->width < side ? f->width : side,
+                            .height = f->height < side ? f->height : side };
     struct rad_counts before = ctx->counts;
-    double begin = cpu_seconds();
+    double begin = cpu_seconds(), seconds = .4 * e->seconds;
     int rc = 0;
 
     if (!pixels)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (int i = 0; i < SIDE; i++)
-        rows[i] = pixels + SIDE * i;
-    for (long k = 1; rc == 0 && k <= MOST_WINDOWS; k++) {
+    for (int i = 0; i < side; i++)
+        rows[i] = pixels + side * i;
+    for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {
         place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
         rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
         for (int i = 0; rc == 0 && i < w.height; i++)
             rad_rough_row(&t->rough, rows[i], w.width, i, t->psample);
         t->pixels += (double)w.width * w.height;
-        if (k >= LEAST_WINDOWS && cpu_seconds() - begin > seconds)
+        if (k >= e->windows && cpu_seconds() - begin > seconds)
             break;
     }
     free(pixels);
@@ -176,7 +185,8 @@ stand_init(struct stand *s, const struct trial_scene *scene,
 /* The first pixels with the hemispheres that are asked for. */
 static int
 try_full(struct trial *t, const struct trial_scene *scene,
-         const struct rad_params *params, double seconds, struct rad_error *err)
+         const struct rad_params *params, const struct trial_effort *e,
+         struct rad_error *err)
 {
     struct stand s;
     double begin;
@@ -188,7 +198,7 @@ try_full(struct trial *t, const struct trial_scene *scene,
     begin = cpu_seconds();
     do
         trace_place(&s.frame, &s.ctx, ++n);
-    while (n < LAST_FULL && cpu_seconds() - begin < seconds);
+    while (n < LAST_FULL && !stopped(e) && cpu_seconds() - begin < e->seconds);
     t->full = look(n, &s.ctx, begin);
     stand_release(&s);
     return 0;
@@ -196,10 +206,11 @@ try_full(struct trial *t, const struct trial_scene *scene,
 
 int
 trial_run(struct trial *t, const struct trial_scene *scene,
-          const struct rad_params *params, double seconds,
+          const struct rad_params *params, const struct trial_effort *effort,
           struct rad_error *err)
 {
     struct rad_params small = *params;
+    struct trial_effort part = *effort;
     double begin;
     struct stand s;
     int rc = 0;
@@ -211,8 +222,8 @@ trial_run(struct trial *t, const struct trial_scene *scene,
                      (SMALL_DIV + SMALL_SSAMP);
         small.ambdiv = SMALL_DIV;
         small.ambssamp = SMALL_SSAMP;
-        seconds /= 2;
-        rc = try_full(t, scene, params, seconds, err);
+        part.seconds /= 2;
+        rc = try_full(t, scene, params, &part, err);
     }
     begin = cpu_seconds();
     if (rc < 0 || (rc = stand_init(&s, scene, &small, err)) < 0)
@@ -221,8 +232,10 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     t->width = s.frame.width;
     t->height = s.frame.height;
     t->psample = params->psample;
-    try_pixels(t, &s.frame, &s.ctx, .6 * seconds);
-    rc = try_windows(t, &s.frame, &s.ctx, .4 * seconds, err);
+    try_pixels(t, &s.frame, &s.ctx, &part);
+    rc = try_windows(t, &s.frame, &s.ctx, &part, err);
+    if (rc == 0 && stopped(effort))
+        rc = fail_stopped(err);
     t->doubt = s.ctx.counts.doubt;
     t->peak_bytes = peak_bytes();
     stand_release(&s);

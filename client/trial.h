@@ -14,6 +14,8 @@
 #include "picture/doubt.h"
 #include "picture/frame.h"
 
+#include <stdatomic.h>
+
 /* What was measured. */
 struct trial {
     double load_s; /* of one processor */
@@ -52,11 +54,23 @@ struct trial_scene {
     const struct rad_view *view;
 };
 
-/* Measure within about so many seconds of a processor, more where a single
- * pixel takes long. */
+/* How much it may take.  Below the least counts little is known, however long
+ * they take. */
+struct trial_effort {
+    double seconds;           /* of a processor, about */
+    int pixels;               /* strewn ones, at least */
+    int windows;              /* at least ... */
+    int side;                 /* ... and their size, TRIAL_SIDE at most */
+    const _Atomic bool *stop; /* ends it within a pixel or a window; NULL:
+                               * nothing does */
+};
+
+enum { TRIAL_SIDE = 64 };
+
+/* Measure.  RAD_ETEMPFAIL when it was stopped. */
 int trial_run(struct trial *t, const struct trial_scene *scene,
-              const struct rad_params *params, double seconds,
-              struct rad_error *err);
+              const struct rad_params *params,
+              const struct trial_effort *effort, struct rad_error *err);
 
 /* For so many pixels, of one picture or of all frames. */
 void trial_predict(const struct trial *t, double pixels, struct prediction *p);

@@ -606,19 +606,19 @@ static const struct {
     double rate, left_s;
     const char *line;
 } lines[] = {
-    { { 9, .425, 5, 3 },
+    { { 9, .425, 5, 3, true },
       1.254e6,
       65,
       " 42 %  1.25 M rays/s  1:05 left  3 workers" },
-    { { 9, 0, 0, 1 }, 0, -1, "  0 %  1 worker" },
-    { { 9, .1, 5, 1 }, 250, -1, " 10 %  250 rays/s  1 worker" },
-    { { 9, .1, 5, 0 }, 250, 70, " 10 %  no worker" },
-    { { 9, .9999, 5, 2 },
+    { { 9, 0, 0, 1, true }, 0, -1, "  0 %  1 worker" },
+    { { 9, .1, 5, 1, true }, 250, -1, " 10 %  250 rays/s  1 worker" },
+    { { 9, .1, 5, 0, true }, 250, 70, " 10 %  no worker" },
+    { { 9, .9999, 5, 2, true },
       999.6,
       3725,
       " 99 %  1.00 k rays/s  1:02:05 left  2 workers" },
-    { { 9, 1, 5, 2 }, 99960, 0, "100 %  100 k rays/s" },
-    { { 9, 1, 5, 0 }, 99960, 0, "100 %  100 k rays/s" },
+    { { 9, 1, 5, 2, true }, 99960, 0, "100 %  100 k rays/s" },
+    { { 9, 1, 5, 0, true }, 99960, 0, "100 %  100 k rays/s" },
 };
 
 START_TEST(progress_says_what_is_left)
@@ -708,7 +708,7 @@ END_TEST
 START_TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
-    struct progress_report r = { 1, .5, 1000, 1 };
+    struct progress_report r = { 1, .5, 1000, 1, true };
     FILE *f = tmpfile();
     char buf[200];
 

@@ -35,6 +35,7 @@ UNIT_TESTS = \
 	tests/check_credentials \
 	tests/check_data \
 	tests/check_estimate \
+	tests/check_eta \
 	tests/check_facts \
 	tests/check_fair \
 	tests/check_falsecolour \
@@ -202,6 +203,10 @@ tests_check_params_LDADD = $(UNIT_LIBS)
 tests_check_view_SOURCES = tests/check_view.c tests/unit.h
 tests_check_view_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_view_LDADD = $(UNIT_LIBS)
+
+tests_check_eta_SOURCES = tests/check_eta.c tests/unit.h
+tests_check_eta_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_eta_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_facts_SOURCES = tests/check_facts.c tests/unit.h
 tests_check_facts_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -1,0 +1,207 @@
+/* check_eta.c - the time that is left, by reports that jobs made
+ *
+ * Reports of real jobs on two processors that others used as well, with what a
+ * short trial had foreseen. */
+#include "config.h"
+
+#include "eta.h"
+#include "unit.h"
+
+#include <math.h>
+
+struct report {
+    double s, done, Mrays;
+};
+
+/* A room full of books in the sun: -ab 3, one worker. */
+static const struct report books[] = {
+    { 0.16, 0, 0 },         { 3.20, .0184, 3.34 },  { 6.21, .0921, 5.63 },
+    { 9.24, .1553, 7.95 },  { 12.27, .2000, 10.4 }, { 15.30, .2395, 12.7 },
+    { 18.32, .2842, 15.2 }, { 21.35, .3105, 17.6 }, { 24.36, .3342, 19.2 },
+    { 27.38, .3579, 21.9 }, { 30.41, .3947, 24.2 }, { 33.43, .4184, 26.6 },
+    { 36.44, .4500, 28.7 }, { 39.46, .4763, 31.5 }, { 42.47, .5026, 33.4 },
+    { 45.48, .5316, 35.7 }, { 48.51, .5553, 38.3 }, { 51.52, .5816, 40.4 },
+    { 54.53, .6053, 42.6 }, { 57.54, .6237, 44.5 }, { 60.58, .6579, 46.3 },
+    { 63.59, .6763, 48.1 }, { 66.62, .7237, 49.9 }, { 69.63, .7737, 52.0 },
+    { 72.64, .8237, 54.1 }, { 75.65, .9184, 56.5 }, { 76.19, 1, 57.0 },
+};
+
+/* It, with --quality=high. */
+static const struct report fine[] = {
+    { 0.07, 0, 0 },         { 1.58, 0, 1.45 },      { 3.08, .0099, 2.94 },
+    { 4.58, .0691, 4.40 },  { 6.10, .1283, 5.54 },  { 7.61, .1842, 6.72 },
+    { 9.13, .2007, 7.58 },  { 10.64, .2401, 8.82 }, { 12.15, .2796, 10.3 },
+    { 13.65, .3125, 12.2 }, { 15.16, .3388, 13.4 }, { 16.66, .3520, 15.1 },
+    { 18.18, .3914, 16.3 }, { 19.69, .4145, 18.3 }, { 21.20, .4375, 19.5 },
+    { 22.70, .4770, 21.1 }, { 24.21, .5033, 22.7 }, { 25.72, .5230, 24.2 },
+    { 27.22, .5757, 26.7 }, { 28.73, .6151, 29.1 }, { 30.25, .6678, 31.3 },
+    { 31.75, .7467, 33.5 }, { 33.27, .8257, 35.5 }, { 34.42, 1, 37.9 },
+};
+
+/* An office at night, --quality=high, two workers: what both did counts twice
+ * until one of them has taken over from the other. */
+static const struct report office[] = {
+    { 0.07, 0, 0 },         { 0.56, 0, 1.52 },      { 1.57, 0, 3.67 },
+    { 2.57, 0, 5.86 },      { 3.57, 0, 8.01 },      { 4.07, .0064, 8.96 },
+    { 4.57, .0148, 9.65 },  { 5.57, .0466, 11.5 },  { 6.58, .0953, 13.6 },
+    { 7.60, .1483, 15.8 },  { 8.60, .1949, 18.0 },  { 9.60, .2331, 20.1 },
+    { 10.60, .2733, 22.0 }, { 11.60, .3220, 24.0 }, { 12.60, .3708, 26.0 },
+    { 13.62, .4343, 28.0 }, { 14.62, .5021, 30.0 }, { 15.62, .5699, 31.9 },
+    { 16.62, .6504, 34.0 }, { 17.62, .7225, 35.8 }, { 18.63, .7860, 37.5 },
+    { 19.63, .8729, 39.4 }, { 20.23, 1, 34.3 },
+};
+
+static const struct {
+    const struct report *at;
+    int n;
+    double foreseen; /* millions of rays */
+    double foreseen_s;
+    double until; /* share of the time in which a factor of two is asked for */
+} jobs[] = {
+    { books, N_ELEM(books), 67.3, 3, .8 },
+    { fine, N_ELEM(fine), 32.4, 3, .8 },
+    { office, N_ELEM(office), 43.0, 2.5, .8 },
+    /* trials that were off by a quarter */
+    { books, N_ELEM(books), 57 * 1.25, 3, .6 },
+    { fine, N_ELEM(fine), 37.9 / 1.25, 3, .6 },
+    { office, N_ELEM(office), 40.4 / 1.25, 2.5, .6 },
+};
+
+/* Millions do as well as units. */
+static double
+take(struct eta *e, const struct report *r)
+{
+    struct eta_look look = { r->s, r->done, r->Mrays, true };
+
+    return eta_take(e, &look);
+}
+
+/* Within a factor of two while much is left; then within three tenths of the
+ * whole. */
+START_TEST(time_left_is_within_a_factor_of_two)
+{
+    const struct report *r = jobs[_i].at, *end = r + jobs[_i].n - 1;
+    struct eta e = { 0 };
+    int said = 0;
+
+    for (; r < end; r++) {
+        double left, real = end->s - r->s;
+
+        if (r->s >= jobs[_i].foreseen_s)
+            eta_foresee(&e, jobs[_i].foreseen);
+        left = take(&e, r);
+        if (left < 0)
+            continue;
+        said++;
+        if (r->s < jobs[_i].until * end->s)
+            ck_assert_msg(left < 2 * real && real < 2 * left,
+                          "at %g s: %g s are left, not %g", r->s, real, left);
+        else
+            ck_assert_double_eq_tol(left, real, .3 * end->s);
+    }
+    ck_assert_int_gt(said, jobs[_i].n - 6); /* and it was told early */
+    ck_assert_double_eq(take(&e, end), 0);
+}
+END_TEST
+
+START_TEST(nothing_is_said_before_something_is_known)
+{
+    struct eta e = { 0 };
+    struct eta_look look = { 1, 0, 0, true };
+
+    ck_assert_double_lt(eta_take(&e, &look), 0);
+    look = (struct eta_look){ 2, .05, 100, true };
+    ck_assert_double_lt(eta_take(&e, &look), 0);
+    /* without a trial the share tells, late */
+    look = (struct eta_look){ 4, .25, 300, true };
+    ck_assert_double_eq_tol(eta_take(&e, &look), 9, 1e-9);
+    look = (struct eta_look){ 4, .25, 300, false }; /* paused */
+    ck_assert_double_lt(eta_take(&e, &look), 0);
+}
+END_TEST
+
+START_TEST(time_that_nobody_works_is_left_out)
+{
+    struct eta e = { 0 };
+    struct eta_look look = { 0, 0, 0, true };
+
+    eta_foresee(&e, 1000);
+    for (int s = 0; s <= 10; s++) {
+        look.elapsed_s = s;
+        look.rays = 10 * s;
+        eta_take(&e, &look);
+    }
+    look.working = false;
+    look.elapsed_s = 1000;
+    ck_assert_double_lt(eta_take(&e, &look), 0);
+    look.working = true;
+    look.elapsed_s = 1001;
+    look.rays = 110;
+    ck_assert_double_eq_tol(eta_take(&e, &look), 89, 1e-6);
+}
+END_TEST
+
+START_TEST(more_workers_are_seen)
+{
+    struct eta e = { 0 };
+    struct eta_look look = { 0, 0, 0, true };
+    double left = 0;
+
+    eta_foresee(&e, 100000);
+    for (int s = 0; s <= 120; s++) {
+        look.elapsed_s = s;
+        look.rays += s > 60 ? 400 : 100;
+        left = eta_take(&e, &look);
+    }
+    /* 70 thousand are left, at 400 a second */
+    ck_assert_double_gt(left, 150);
+    ck_assert_double_lt(left, 260);
+}
+END_TEST
+
+/* A coordinator may lose what was under way. */
+START_TEST(a_job_may_begin_again)
+{
+    struct eta e = { 0 };
+    struct eta_look look = { 10, 0, 500, true };
+
+    eta_foresee(&e, 1000);
+    ck_assert_double_eq_tol(eta_take(&e, &look), 10, 1e-9);
+    look = (struct eta_look){ 5, 0, 100, true };
+    ck_assert_double_eq_tol(eta_take(&e, &look), 45, 1e-9);
+}
+END_TEST
+
+/* Twice as many rays came as were foreseen, and a third of the picture is
+ * there. */
+START_TEST(a_trial_that_foresaw_too_little_is_no_end)
+{
+    struct eta e = { 0 };
+    struct eta_look look = { 100, 1. / 3, 2000, true };
+    double left;
+
+    eta_foresee(&e, 1000);
+    left = eta_take(&e, &look);
+    ck_assert_double_gt(left, 15);
+    ck_assert_double_lt(left, 200);
+    ck_assert(isfinite(eta_by_share(&e, .5)));
+    ck_assert(isinf(eta_by_share(&e, 0)));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("eta");
+    TCase *tc = tcase_create("eta");
+
+    tcase_add_loop_test(tc, time_left_is_within_a_factor_of_two, 0,
+                        N_ELEM(jobs));
+    tcase_add_test(tc, nothing_is_said_before_something_is_known);
+    tcase_add_test(tc, time_that_nobody_works_is_left_out);
+    tcase_add_test(tc, more_workers_are_seen);
+    tcase_add_test(tc, a_job_may_begin_again);
+    tcase_add_test(tc, a_trial_that_foresaw_too_little_is_no_end);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
