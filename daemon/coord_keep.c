@@ -18,6 +18,7 @@
 #include <time.h>
 
 #define FETCH_MS 60000 /* in which a user gets all of a job that is done */
+#define FETCHING 64    /* jobs of a user for which that is waited */
 #define LOOK_MS  1000  /* between looks where nothing happened */
 
 static uint64_t
@@ -35,21 +36,22 @@ coord_unfetched(const struct coord *c, const struct job *job)
            since(c, job->end_ms) < c->keep.unfetched_ms;
 }
 
-/* Also one that somebody is just getting: after the pictures come distances and
+/* Somebody is just getting it: after the pictures come distances and
  * statistics. */
 static bool
-is_protected(const struct coord *c, const struct job *job)
+is_being_fetched(const struct coord *c, const struct job *job)
 {
-    return coord_unfetched(c, job) ||
-           (job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS);
+    return job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS;
 }
 
 /* Why the oldest of an owner's has to go; GONE_NWHYS: it need not. */
 static enum gone_why
 reason(const struct coord *c, const struct coord_kept *k)
 {
-    uint64_t age = since(c, k->oldest->end_ms);
+    uint64_t age = k->oldest ? since(c, k->oldest->end_ms) : 0;
 
+    if (!k->oldest)
+        return GONE_NWHYS;
     if (k->jobs > c->keep.jobs || (k->jobs > 1 && k->weight > c->keep.jobs))
         return GONE_MANY;
     if (c->keep.ms > 0 && age >= c->keep.ms)
@@ -71,13 +73,35 @@ count_kept(struct coord *c)
         if (!job_over(job))
             continue;
         k->bytes += job->kept_bytes;
-        if (is_protected(c, job))
+        if (coord_unfetched(c, job))
             continue;
+        if (is_being_fetched(c, job)) {
+            k->fetching++;
+            if (!k->fetched || job->fetched_ms < k->fetched->fetched_ms)
+                k->fetched = job;
+            continue;
+        }
         k->jobs++;
         k->weight += job_weight(job);
         if (!k->oldest || job->end_ms < k->oldest->end_ms)
             k->oldest = job;
     }
+}
+
+/* Small jobs may be fetched by the hundred in a minute: of too many the one that
+ * was fetched the longest ago counts as got. */
+static bool
+forget_one(struct coord *c, const struct coord_kept *k)
+{
+    enum gone_why why = reason(c, k);
+
+    if (why != GONE_NWHYS)
+        coord_forget_job(c, k->oldest, why);
+    else if (k->fetching > FETCHING && k->fetching + k->jobs > c->keep.jobs)
+        coord_forget_job(c, k->fetched, GONE_MANY);
+    else
+        return false;
+    return true;
 }
 
 void
@@ -91,13 +115,7 @@ coord_forget_old(struct coord *c)
         count_kept(c);
         again = false;
         for (struct coord_owner *o = c->owners; o; o = o->next) {
-            enum gone_why why =
-                o->kept.oldest ? reason(c, &o->kept) : GONE_NWHYS;
-
-            if (why == GONE_NWHYS)
-                continue;
-            coord_forget_job(c, o->kept.oldest, why);
-            again = true;
+            again |= forget_one(c, &o->kept);
         }
     }
 }

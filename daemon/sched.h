@@ -93,7 +93,11 @@ struct coord_conn {
 
 /* What is kept of an owner's jobs that are over. */
 struct coord_kept {
-    uint64_t bytes; /* of all; the rest of those that may be forgotten */
+    uint64_t bytes;            /* of all */
+    uint32_t fetching;         /* that are being fetched */
+    const struct job *fetched; /* the longest ago of these; NULL: there are
+                                * none */
+    /* of those that may be forgotten */
     uint32_t jobs;
     uint64_t weight;          /* of these, see job_weight() */
     const struct job *oldest; /* NULL: there is none */
