@@ -118,6 +118,8 @@ struct action {
     enum msg_what what;
     enum action_level level;
     const uint8_t *job, *hash; /* MSG_JOB, MSG_HASH bytes */
+    uint64_t sequence; /* of the job, where an answer follows: by the time
+                        * another may have its id */
     const uint8_t *token;      /* MSG_TOKEN bytes */
     struct msg_key key;
     const uint8_t *bytes;

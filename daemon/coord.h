@@ -125,24 +125,29 @@ void coord_looked(struct coord *c, uint64_t now_ms,
                   const struct action_look *l);
 
 /* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
- * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order. */
+ * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order.  sequence
+ * is the action's: an answer about a job that was deleted is none about the one
+ * that has its id now. */
 /* To ACT_JOB_END: bytes that its folder takes. */
 void coord_job_filed(struct coord *c, uint64_t now_ms,
-                     const uint8_t job[MSG_JOB], uint64_t bytes);
+                     const uint8_t job[MSG_JOB], uint64_t sequence,
+                     uint64_t bytes);
 void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
                    uint32_t request);
 /* There is no room for its rows now, it goes on waiting: it is held, and no
  * other. */
 void coord_job_waits(struct coord *c, uint64_t now_ms,
-                     const uint8_t job[MSG_JOB], const char *text);
+                     const uint8_t job[MSG_JOB], uint64_t sequence,
+                     const char *text);
 void coord_job_opened(struct coord *c, uint64_t now_ms,
-                      const uint8_t job[MSG_JOB], int status, const char *text);
+                      const uint8_t job[MSG_JOB], uint64_t sequence, int status,
+                      const char *text);
 void coord_rows_stored(struct coord *c, uint64_t now_ms,
                        const struct action_rows *key, int status,
                        const char *text);
 void coord_picture_written(struct coord *c, uint64_t now_ms,
-                           const uint8_t job[MSG_JOB], uint32_t frame,
-                           int status, const char *text);
+                           const uint8_t job[MSG_JOB], uint64_t sequence,
+                           uint32_t frame, int status, const char *text);
 
 /* ACT_SEND_PICTURE has sent all, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);

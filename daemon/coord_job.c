@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "base/text.h"
+#include "request.h"
 #include "sched.h"
 #include "stats.h"
 
@@ -17,6 +18,7 @@
 #include <sysexits.h>
 
 #define LOOK_FILES 512 /* of a job at once */
+#define LINGER_MS  2000 /* a job that is over is whole */
 
 struct job *
 coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
@@ -25,6 +27,15 @@ coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
         if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
             return c->jobs[i];
     return NULL;
+}
+
+/* Another job may have been given the id of one that was deleted. */
+static struct job *
+find_same(const struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence)
+{
+    struct job *job = coord_find_job(c, id);
+
+    return job && job->sequence == sequence ? job : NULL;
 }
 
 void
@@ -161,6 +172,7 @@ void
 coord_try_open(struct coord *c, struct job *job)
 {
     const struct msg_hashes *f = &job->spec.files;
+    struct action *a;
 
     if (!lacks_files(job))
         return;
@@ -178,7 +190,9 @@ coord_try_open(struct coord *c, struct job *job)
     if (!known_name(&job->payer->files, f))
         c->actions.failed = true;
     job->asked_open = c->stirred = true;
-    actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
+    a = actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
+    if (a)
+        a->sequence = job->sequence;
 }
 
 void
@@ -212,12 +226,26 @@ end_stalled(struct coord *c, struct job *job)
     coord_job_ends(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
+/* Once the store tells of a job that is over, nothing but its end and its frames
+ * are needed here.  What its workers tell of it last still comes for a moment,
+ * and goes to those who fetch its statistics now. */
+static void
+lighten(struct coord *c, struct job *job)
+{
+    if (!job->stats_kept || job->filed || c->now_ms - job->end_ms < LINGER_MS ||
+        request_tells(c, job))
+        return;
+    job_lighten(job, c->now_ms);
+    coord_drop_forgotten(c);
+}
+
 void
 coord_jobs_tick(struct coord *c)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         if (c->jobs[i]->filing)
             go_on_filing(c, c->jobs[i]);
+        lighten(c, c->jobs[i]);
         if (!lacks_files(c->jobs[i]))
             continue;
         if (c->jobs[i]->nfound % LOOK_FILES == 0)
@@ -232,9 +260,10 @@ coord_jobs_tick(struct coord *c)
 /* What the store was to do for a job was done, or it failed with that status,
  * which ends it.  The job if it goes on; NULL. */
 static struct job *
-stored(struct coord *c, const uint8_t id[MSG_JOB], int status, const char *text)
+stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence, int status,
+       const char *text)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job = find_same(c, id, sequence);
 
     if (!job || job_over(job))
         return NULL;
@@ -260,9 +289,9 @@ coord_keep_state(struct coord *c, const struct job *job)
 
 void
 coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                const char *text)
+                uint64_t sequence, const char *text)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job = find_same(c, id, sequence);
 
     c->now_ms = now_ms;
     if (!job || job_over(job))
@@ -290,12 +319,12 @@ wait_no_more(struct coord *c, struct job *job)
 
 void
 coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                 int status, const char *text)
+                 uint64_t sequence, int status, const char *text)
 {
     struct job *job;
 
     c->now_ms = now_ms;
-    job = stored(c, id, status, text);
+    job = stored(c, id, sequence, status, text);
     if (!job)
         return;
     if (job->waits)
@@ -335,6 +364,7 @@ file_text(struct coord *c, struct job *job)
     job->filing = NULL;
     a = actions_add_job(&c->actions, ACT_JOB_END, 0, job->id);
     if (a) {
+        a->sequence = job->sequence;
         a->len = strlen(text);
         a->bytes = rad_arena_dup(&c->actions.mem, (uint8_t *)text, a->len);
         c->actions.failed |= !a->bytes;
@@ -401,14 +431,13 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
 
 void
 coord_picture_written(struct coord *c, uint64_t now_ms,
-                      const uint8_t id[MSG_JOB], uint32_t frame, int status,
-                      const char *text)
+                      const uint8_t id[MSG_JOB], uint64_t sequence,
+                      uint32_t frame, int status, const char *text)
 {
     struct job *job;
 
     c->now_ms = now_ms;
-    job = stored(c, id, status, text);
-    /* it may be another job by now, which was given the same id */
+    job = stored(c, id, sequence, status, text);
     if (!job || frame >= job->spec.nframes || !job->frames[frame].writing)
         return;
     job->frames[frame].writing = false;
@@ -422,13 +451,15 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
 
 void
 coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                uint64_t bytes)
+                uint64_t sequence, uint64_t bytes)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job = find_same(c, id, sequence);
 
     c->now_ms = now_ms;
-    if (job)
+    if (job) {
         job->kept_bytes = bytes;
+        job->stats_kept = c->env.keeps;
+    }
     c->keep_due = true;
     coord_forget_old(c);
 }
@@ -465,6 +496,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
         return false;
     *out = (struct saved_job){ .spec = job->spec,
                                .owner = job->owner,
+                               .sequence = job->sequence,
                                .lives = job->lives,
                                .state = (uint8_t)job->state,
                                .status = job->status,

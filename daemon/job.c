@@ -40,17 +40,15 @@ copy_bytes(struct rad_arena *mem, const uint8_t *src, size_t n, bool *ok)
     return p;
 }
 
-/* Own everything that the message lent. */
+/* Own everything that the message lent, but the id. */
 static bool
-copy_spec(struct job *job, const struct msg_spec *from)
+copy_spec(struct rad_arena *mem, struct msg_spec *s,
+          const struct msg_spec *from)
 {
-    struct rad_arena *mem = &job->mem;
-    struct msg_spec *s = &job->spec;
     struct msg_frame *f = rad_arena_calloc(mem, from->nframes, sizeof *f);
     bool ok = f != NULL;
 
     *s = *from;
-    s->job = job->id;
     s->manifest = copy_bytes(mem, from->manifest, MSG_HASH, &ok);
     s->name = copy_str(mem, from->name, &ok);
     s->params = copy_str(mem, from->params, &ok);
@@ -66,12 +64,21 @@ copy_spec(struct job *job, const struct msg_spec *from)
     for (uint32_t i = 0; ok && i < from->nframes; i++) {
         f[i] = from->frames[i];
         f[i].view = copy_str(mem, from->frames[i].view, &ok);
-        job->frames_bytes += MSG_FRAME_BYTES + strlen(from->frames[i].view);
-        job->frames[i].pixels_left = (uint64_t)f[i].width * f[i].height;
-        job->pixels_total += job->frames[i].pixels_left;
     }
     s->frames = f;
     return ok;
+}
+
+static void
+measure_frames(struct job *job)
+{
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        const struct msg_frame *f = &job->spec.frames[i];
+
+        job->frames_bytes += MSG_FRAME_BYTES + strlen(f->view);
+        job->frames[i].pixels_left = (uint64_t)f->width * f->height;
+        job->pixels_total += job->frames[i].pixels_left;
+    }
 }
 
 uint64_t
@@ -95,7 +102,9 @@ job_count_frames(const struct msg_spec *spec)
 uint32_t
 job_weight(const struct job *job)
 {
-    return 1 + (uint32_t)(job->frames_counted / FRAMES_A_JOB);
+    uint64_t n = job->filed ? job->spec.nframes : job->frames_counted;
+
+    return 1 + (uint32_t)(n / FRAMES_A_JOB);
 }
 
 struct job *
@@ -110,10 +119,12 @@ job_new(const struct msg_spec *spec, const char *owner)
     msg_job_format(job->id, job->hex);
     snprintf(job->owner, sizeof job->owner, "%s", owner);
     job->frames = calloc(spec->nframes, sizeof *job->frames);
-    if (!job->frames || !copy_spec(job, spec)) {
+    if (!job->frames || !copy_spec(&job->mem, &job->spec, spec)) {
         job_free(job);
         return NULL;
     }
+    job->spec.job = job->id;
+    measure_frames(job);
     job->frames_counted = job_count_frames(spec);
     job->cost_total = (double)job->pixels_total;
     return job;
@@ -138,11 +149,10 @@ job_channels(const struct job *job)
     return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 }
 
-void
-job_free(struct job *job)
+/* What is needed while it is worked on, and to tell of that. */
+static void
+free_work(struct job *job)
 {
-    if (!job)
-        return;
     stats_free(job->filing);
     partition_free(job->partition);
     for (uint32_t i = 0; i < job->nunits; i++) {
@@ -158,10 +168,64 @@ job_free(struct job *job)
     free(job->suspects);
     for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)
         free(job->frames[i].line_s);
-    free(job->frames);
     free(job->workers);
+}
+
+void
+job_free(struct job *job)
+{
+    if (!job)
+        return;
+    free_work(job);
+    free(job->frames);
     rad_arena_release(&job->mem);
     free(job);
+}
+
+/* What it was submitted with, without the costs of its lines, which may be of
+ * 32 MiB.  Without memory for a copy they stay. */
+static void
+drop_costs(struct job *job)
+{
+    struct msg_spec less = job->spec, copy;
+    struct rad_arena mem;
+
+    if (job->spec.ncosts == 0)
+        return;
+    less.ncosts = 0;
+    less.costs = NULL;
+    rad_arena_init(&mem);
+    if (!copy_spec(&mem, &copy, &less)) {
+        rad_arena_release(&mem);
+        return;
+    }
+    rad_arena_release(&job->mem);
+    job->mem = mem;
+    job->spec = copy;
+}
+
+void
+job_lighten(struct job *job, uint64_t now_ms)
+{
+    job_progress(job, now_ms, &job->last);
+    job->filed = true;
+    free_work(job);
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        job->frames[i].line_s = NULL;
+        job->frames[i].nlines = 0;
+    }
+    job->filing = NULL;
+    job->partition = NULL;
+    job->survey = NULL;
+    job->shared = NULL;
+    job->ring = NULL;
+    job->units = NULL;
+    job->out = job->suspects = job->index = NULL;
+    job->workers = NULL;
+    job->nunits = job->cap_units = job->nout = job->cap_out = 0;
+    job->nsuspects = job->cap_suspects = job->nindex = 0;
+    job->nworkers = job->cap_workers = 0;
+    drop_costs(job);
 }
 
 bool

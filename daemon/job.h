@@ -183,6 +183,7 @@ struct job {
     uint32_t lives; /* of the coordinator, that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* its statistics, on their way to the store */
+    bool stats_kept; /* the store has these */
     bool filed; /* over; but for what follows only the store knows of it */
     struct msg_progress last; /* of one that is filed */
     uint64_t kept_bytes;      /* on the disk, once it is over */
@@ -259,7 +260,8 @@ struct job {
 uint64_t job_count_frames(const struct msg_spec *spec);
 
 /* How many of the jobs that are kept it counts as: it holds memory until it is
- * forgotten, about 1 MiB for each 400 frames so counted. */
+ * forgotten, about 1 MiB for each 400 frames so counted, and from
+ * job_lighten() on 80 KiB for each 400 frames. */
 uint32_t job_weight(const struct job *job);
 
 /* Copies all that spec lends.  NULL when memory is out. */
@@ -274,6 +276,10 @@ struct job_size job_size(const struct job *job);
 /* Channels of the rows that its workers send, as a RESULT has them. */
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
+
+/* Of one that is over keep how it ended, and which of its frames there are; the
+ * store tells the rest. */
+void job_lighten(struct job *job, uint64_t now_ms);
 
 /* Is it over, one way or the other? */
 bool job_over(const struct job *job);

@@ -159,7 +159,7 @@ on_action(void *arg, const struct action *a)
         store_put_rows(r->store, &a->rows);
         break;
     case ACT_WRITE_PICTURE:
-        store_write_picture(r->store, a->job, a->frame);
+        store_write_picture(r->store, a->job, a->sequence, a->frame);
         break;
     case ACT_KEY:
         radcoord_do_key(r, a);

@@ -34,11 +34,12 @@ file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
 }
 
 static void
-job_done(void *arg, const uint8_t job[MSG_JOB], int status, const char *text)
+job_done(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
+         const char *text)
 {
     struct radcoord *r = arg;
 
-    coord_job_opened(r->coord, radcoord_now(r), job, status, text);
+    coord_job_opened(r->coord, radcoord_now(r), job, sequence, status, text);
     settled(r);
 }
 
@@ -56,11 +57,12 @@ submit_read(void *arg, uint64_t conn, const struct msg *m, int status,
 }
 
 static void
-job_waits(void *arg, const uint8_t job[MSG_JOB], const char *text)
+job_waits(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+          const char *text)
 {
     struct radcoord *r = arg;
 
-    coord_job_waits(r->coord, radcoord_now(r), job, text);
+    coord_job_waits(r->coord, radcoord_now(r), job, sequence, text);
     shell_run(&r->shell);
 }
 
@@ -75,12 +77,13 @@ rows_done(void *arg, const struct action_rows *key, int status,
 }
 
 static void
-picture_done(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
-             const char *text)
+picture_done(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+             uint32_t frame, int status, const char *text)
 {
     struct radcoord *r = arg;
 
-    coord_picture_written(r->coord, radcoord_now(r), job, frame, status, text);
+    coord_picture_written(r->coord, radcoord_now(r), job, sequence, frame,
+                          status, text);
     settled(r);
 }
 
@@ -93,11 +96,12 @@ chunk_done(void *arg)
 }
 
 static void
-job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes)
+job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+          uint64_t bytes)
 {
     struct radcoord *r = arg;
 
-    coord_job_filed(r->coord, radcoord_now(r), job, bytes);
+    coord_job_filed(r->coord, radcoord_now(r), job, sequence, bytes);
     settled(r);
 }
 

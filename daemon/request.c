@@ -520,6 +520,7 @@ struct coord_telling {
     struct coord_telling *next;
     struct stats_text *text;
     uint8_t job[MSG_JOB];
+    uint64_t sequence; /* of the job */
     uint32_t request;
 };
 
@@ -534,11 +535,30 @@ drop_telling(struct coord_conn *conn, struct coord_telling **at)
     conn->answers--;
 }
 
+/* NULL: it was deleted, whatever has its id now. */
+static const struct job *
+told_of(const struct coord *c, const struct coord_telling *t)
+{
+    const struct job *job = coord_find_job(c, t->job);
+
+    return job && job->sequence == t->sequence ? job : NULL;
+}
+
+bool
+request_tells(const struct coord *c, const struct job *job)
+{
+    for (const struct coord_conn *i = c->conns; i; i = i->next)
+        for (const struct coord_telling *t = i->telling; t; t = t->next)
+            if (t->sequence == job->sequence)
+                return true;
+    return false;
+}
+
 /* The next piece; false: there is none any more. */
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
-    const struct job *job = coord_find_job(c, t->job);
+    const struct job *job = told_of(c, t);
     int rc = job ? stats_more(t->text, job, STATS_PIECE) : 0;
     char *text;
 
@@ -572,6 +592,7 @@ fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
         return;
     }
     memcpy(t->job, job->id, MSG_JOB);
+    t->sequence = job->sequence;
     t->request = m->request;
     while (*at)
         at = &(*at)->next;

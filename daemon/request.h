@@ -22,6 +22,9 @@ void request_settled(struct coord *c, struct coord_conn *conn,
 /* While the disk is full that may not be for long: do not let them wait. */
 void request_tick(struct coord *c);
 
+/* Is somebody being told of what the job has in memory? */
+bool request_tells(const struct coord *c, const struct job *job);
+
 /* The connection is gone. */
 void request_release(struct coord_conn *conn);
 

@@ -364,8 +364,10 @@ result_frame_done(struct coord *c, struct job *job, uint32_t frame)
         actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
 
     job->frames[frame].writing = true;
-    if (a)
-        a->frame = frame;
+    if (!a)
+        return;
+    a->sequence = job->sequence;
+    a->frame = frame;
 }
 
 /* Nobody works on it any more. */

@@ -39,6 +39,7 @@ struct saved_frame {
 struct saved_job {
     struct msg_spec spec;
     const char *owner;
+    uint64_t sequence; /* of the job in this life; not kept */
     uint32_t lives; /* of the coordinator since it was submitted, before this */
     uint8_t state;  /* enum job_state: paused, over, or any other */
     int status;     /* of one that is over */

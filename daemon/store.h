@@ -23,20 +23,21 @@
 
 #include <uv.h>
 
-/* status: 0, or of sysexits.h with a text.  A store without `job` has no
- * jobs. */
+/* status: 0, or of sysexits.h with a text.  sequence: as it was asked with.  A
+ * store without `job` has no jobs. */
 struct store_handler {
     /* store_put_chunk() made a file whole, or failed. */
     void (*file)(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH],
                  int status, const char *text);
-    void (*job)(void *arg, const uint8_t job[MSG_JOB], int status,
-                const char *text);
+    void (*job)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+                int status, const char *text);
     /* It waits for room, and nothing else does. */
-    void (*waits)(void *arg, const uint8_t job[MSG_JOB], const char *text);
+    void (*waits)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+                  const char *text);
     void (*rows)(void *arg, const struct action_rows *key, int status,
                  const char *text);
-    void (*picture)(void *arg, const uint8_t job[MSG_JOB], uint32_t frame,
-                    int status, const char *text);
+    void (*picture)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+                    uint32_t frame, int status, const char *text);
     /* Part of a file is written and store_backlog() smaller, with none of the
      * above to be told; may be NULL. */
     void (*progress)(void *arg);
@@ -45,7 +46,8 @@ struct store_handler {
      * answered is kept. */
     void (*broken)(void *arg, int status, const char *text);
     /* The end of a job is kept; its folder has so many bytes. */
-    void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes);
+    void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+                  uint64_t bytes);
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
     /* store_recover() met one that was forgotten; may be NULL. */
     void (*gone)(void *arg, const struct saved_gone *g);
@@ -152,7 +154,7 @@ void store_put_rows(struct store *s, const struct action_rows *rows);
 /* Call settled() when all that was asked for so far is kept. */
 void store_settle(struct store *s, uint64_t conn, uint32_t request);
 void store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
-                         uint32_t frame);
+                         uint64_t sequence, uint32_t frame);
 /* The picture of a frame was fetched by its owner. */
 void store_note_fetched(struct store *s, const uint8_t job[MSG_JOB],
                         uint32_t frame);

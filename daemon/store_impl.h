@@ -101,6 +101,7 @@ struct job_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
+    uint64_t sequence; /* as the action's */
     uint32_t frame;
     int state;
     int32_t priority;

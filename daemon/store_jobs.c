@@ -123,7 +123,7 @@ open_waits(struct task *t)
     struct store *s = o->store;
 
     if (!s->ending)
-        s->handler->waits(s->arg, o->id, failure(t));
+        s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
 }
 
 static void
@@ -143,7 +143,8 @@ open_done(struct task *t)
     if (noted)
         task_push(&s->queue, &noted->task);
     if (!is_mute(s, t))
-        s->handler->job(s->arg, o->id, status_of(t), failure(t));
+        s->handler->job(s->arg, o->id, o->saved.sequence, status_of(t),
+                        failure(t));
     free_saved(o);
 }
 
@@ -248,7 +249,7 @@ rest_done(struct task *t)
     struct job_task *j = (struct job_task *)t;
     struct store *s = j->store;
 
-    s->handler->filed(s->arg, j->id, j->bytes);
+    s->handler->filed(s->arg, j->id, j->sequence, j->bytes);
     free(j);
 }
 
@@ -277,8 +278,10 @@ end_done(struct task *t)
 
     if (!is_mute(s, t)) {
         j = store_new_job_task(s, o->id, rest_run, rest_done);
-        if (j)
+        if (j) {
+            j->sequence = o->saved.sequence;
             task_push(&s->queue, &j->task);
+        }
     }
     free_saved(o);
 }

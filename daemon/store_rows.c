@@ -214,17 +214,20 @@ picture_done(struct task *t)
         }
     }
     if (!is_mute(s, t))
-        s->handler->picture(s->arg, p->id, p->frame, status_of(t), failure(t));
+        s->handler->picture(s->arg, p->id, p->sequence, p->frame, status_of(t),
+                            failure(t));
     free(p);
 }
 
 void
-store_write_picture(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
+store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
+                    uint64_t sequence, uint32_t frame)
 {
     struct job_task *p = store_new_job_task(s, job, picture_run, picture_done);
 
     if (!p)
         return;
+    p->sequence = sequence;
     p->frame = frame;
     s->backlog += PICTURE_WEIGHT;
     store_push_lasting(s, &p->task);

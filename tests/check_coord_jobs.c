@@ -4,6 +4,15 @@
 
 #include "coord_fixture.h"
 
+/* As the answers of a store name the job; 0: there is none. */
+static uint64_t
+number(const uint8_t *job)
+{
+    const struct job *j = coord_find_job(f.c, job);
+
+    return j ? j->sequence : 0;
+}
+
 /* --- every job can be cancelled, and who does hears of it --- */
 
 static void
@@ -336,7 +345,7 @@ START_TEST(workers_load_while_a_job_is_stored)
     ready(&f, WORKER, job_a);
     wait_s(&f, 1);
     ck_assert_uint_eq(f.units[WORKER], 0);
-    coord_job_opened(f.c, f.now_ms, job_a, 0, NULL);
+    coord_job_opened(f.c, f.now_ms, job_a, number(job_a), 0, NULL);
     carry_out(&f);
     ck_assert_uint_gt(f.units[WORKER], 0);
 }
@@ -347,7 +356,7 @@ START_TEST(workers_forget_a_job_that_could_not_be_stored)
     f.stuck = true;
     submit(&f, ANA, job_a, 0);
     ready(&f, WORKER, job_a);
-    coord_job_opened(f.c, f.now_ms, job_a, EX_IOERR, "no room for rows");
+    coord_job_opened(f.c, f.now_ms, job_a, number(job_a), EX_IOERR, "no room for rows");
     carry_out(&f);
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_END);
     ck_assert_uint_eq(f.units[WORKER], 0);
@@ -386,7 +395,7 @@ START_TEST(a_job_waits_for_much_room_alone)
     f.stuck = true;
     submit(&f, ANA, job_a, 0);
     room(job_a, false);
-    coord_job_waits(f.c, f.now_ms, job_a, "it needs more");
+    coord_job_waits(f.c, f.now_ms, job_a, number(job_a), "it needs more");
     wait_s(&f, 1);
     ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
     ck_assert(says_of_jobs("it needs more")); /* and not what its worker lacks */
@@ -399,7 +408,7 @@ START_TEST(a_job_waits_for_much_room_alone)
     disk_has_room();
     wait_s(&f, 1);
     ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
-    coord_job_opened(f.c, f.now_ms, job_a, 0, "");
+    coord_job_opened(f.c, f.now_ms, job_a, number(job_a), 0, "");
     wait_s(&f, 1);
     ck_assert_uint_ne(f.last[ANA].progress.state, MSG_STATE_HELD);
 }
@@ -542,15 +551,15 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
 
     coord_set_keep(f.c, &keeps[_i]);
     whole_job(job_a);
-    coord_job_filed(f.c, f.now_ms, job_a, 900);
+    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
     whole_job(job_b);
-    coord_job_filed(f.c, f.now_ms, job_b, 900);
+    coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900);
     carry_out(&f);
     if (until_s[_i] > 0) {
         wait_s(&f, until_s[_i] / 2);
         ck_assert_ptr_nonnull(coord_find_job(f.c, job_a));
         wait_s(&f, until_s[_i]);
-        coord_job_filed(f.c, f.now_ms, job_b, 900);
+        coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900);
     }
     ck_assert_ptr_null(coord_find_job(f.c, job_a));
     ck_assert((coord_find_job(f.c, job_b) == NULL) == (_i == 1));
@@ -609,6 +618,69 @@ START_TEST(what_was_not_fetched_is_kept)
                                  "forgotten for keep_jobs on "));
     about(&f, BOB, MSG_CANCEL, job_b);
     ck_assert_str_eq(f.last[BOB].failed.text, "no such job");
+}
+END_TEST
+
+/* Small jobs are fetched by the hundred in the minute that each has. */
+START_TEST(few_of_those_just_fetched_are_kept)
+{
+    static const struct coord_keep keep = { .jobs = 10,
+                                            .unfetched_ms = 90000 };
+    uint8_t id[MSG_JOB] = { 0 };
+
+    coord_set_keep(f.c, &keep);
+    for (int i = 0; i < 90; i++) {
+        id[0] = (uint8_t)i;
+        whole_job(id);
+        carry_out(&f);
+        coord_fetched(f.c, f.now_ms, ANA, id, 0);
+    }
+    wait_s(&f, 2);
+    ck_assert_uint_eq(f.c->njobs, 64);
+    id[0] = 0; /* the first was fetched first */
+    ck_assert_ptr_null(coord_find_job(f.c, id));
+    id[0] = 89;
+    ck_assert_ptr_nonnull(coord_find_job(f.c, id));
+    wait_s(&f, 61);
+    ck_assert_uint_eq(f.c->njobs, 10);
+}
+END_TEST
+
+/* Who asks hears the same of it as before. */
+START_TEST(of_a_job_that_is_filed_its_end_is_kept)
+{
+    struct msg fetch = { .type = MSG_FETCH,
+                         .request = 9,
+                         .fetch = { job_a, 0, MSG_WHAT_STATS } };
+    struct msg_progress before, after;
+    struct job *job;
+
+    tear_down();
+    set_up_coord(true);
+    whole_job(job_a);
+    job = coord_find_job(f.c, job_a);
+    job_progress(job, f.now_ms, &before);
+    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
+    wait_s(&f, 1); /* a worker may tell something yet */
+    ck_assert_ptr_nonnull(job->units);
+    wait_s(&f, 2);
+    ck_assert(job->filed);
+    ck_assert_ptr_null(job->units);
+    ck_assert_ptr_null(job->partition);
+    ck_assert_uint_eq(job->nworkers, 0);
+    job_progress(job, f.now_ms, &after);
+    ck_assert_mem_eq(&before, &after, sizeof before);
+    ck_assert_uint_eq(after.units_total, 4);
+    coord_message(f.c, f.now_ms, ANA, &fetch);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].what, MSG_WHAT_STATS);
+    carry_out(&f);
+    ready(&f, WORKER, job_a); /* it is told that the job is over */
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+    fetch.fetch.what = MSG_WHAT_PICTURE;
+    coord_message(f.c, f.now_ms, ANA, &fetch);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
+    carry_out(&f);
 }
 END_TEST
 
@@ -716,6 +788,8 @@ main(void)
     tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
     tcase_add_test(tc, what_was_not_fetched_is_kept);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
+    tcase_add_test(tc, few_of_those_just_fetched_are_kept);
+    tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
     tcase_add_test(tc, queries_are_answered_in_json);
     tcase_add_test(tc, a_job_whose_text_is_cut_is_told_of);
     tcase_add_test(tc, how_far_a_job_is_goes_by_rows_where_units_are_large);

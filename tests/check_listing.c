@@ -236,9 +236,10 @@ status_for(uint64_t conn)
 START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
 {
     struct action_rows rows = { .unit = 5, .frame = 7, .rows = 1, .width = 8 };
+    uint64_t gone;
 
     submit(&f, ANA, job_a, 0);
-    rows.sequence = coord_find_job(f.c, job_a)->sequence;
+    rows.sequence = gone = coord_find_job(f.c, job_a)->sequence;
     memcpy(rows.job, job_a, MSG_JOB);
     about(&f, ANA, MSG_CANCEL, job_a);
     about(&f, ANA, MSG_DELETE, job_a);
@@ -246,10 +247,38 @@ START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     coord_rows_stored(f.c, f.now_ms, &rows, 0, NULL);
     coord_rows_stored(f.c, f.now_ms, &rows, EX_IOERR, "the job is gone");
-    coord_picture_written(f.c, f.now_ms, job_a, 0, 0, NULL);
-    coord_picture_written(f.c, f.now_ms, job_a, 7, 0, NULL);
+    coord_picture_written(f.c, f.now_ms, job_a, gone, 0, 0, NULL);
+    coord_picture_written(f.c, f.now_ms, job_a, gone, 7, 0, NULL);
+    coord_picture_written(f.c, f.now_ms, job_a, gone, 0, EX_IOERR, "gone");
     ck_assert(!job_over(coord_find_job(f.c, job_a)));
     ck_assert_uint_eq(coord_find_job(f.c, job_a)->frames_ready, 0);
+}
+END_TEST
+
+/* Likewise its opening, which fails when it was cancelled before it had room,
+ * and its end. */
+START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
+{
+    struct job *job;
+    uint64_t gone;
+
+    f.stuck = true;
+    submit(&f, ANA, job_a, 0);
+    gone = coord_find_job(f.c, job_a)->sequence;
+    about(&f, ANA, MSG_CANCEL, job_a);
+    about(&f, ANA, MSG_DELETE, job_a);
+    submit(&f, ANA, job_a, 0);
+    job = coord_find_job(f.c, job_a);
+    coord_job_waits(f.c, f.now_ms, job_a, gone, "it is large");
+    ck_assert(!job->waits);
+    coord_job_opened(f.c, f.now_ms, job_a, gone, 0, "");
+    ck_assert(!job->opened);
+    coord_job_opened(f.c, f.now_ms, job_a, gone, EX_TEMPFAIL, "it is over");
+    coord_job_filed(f.c, f.now_ms, job_a, gone, 900);
+    ck_assert(!job_over(job));
+    ck_assert_uint_eq(job->kept_bytes, 0);
+    coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, "");
+    ck_assert(job->opened);
 }
 END_TEST
 
@@ -352,6 +381,7 @@ main(void)
     tcase_add_test(tc, a_whole_list_that_is_too_long_is_refused);
     tcase_add_test(tc, workers_come_in_pages);
     tcase_add_test(tc, a_deleted_jobs_rows_and_pictures_are_not_the_next_ones);
+    tcase_add_test(tc, a_deleted_jobs_opening_and_end_are_not_the_next_ones);
     tcase_add_test(tc, owner_and_admin_delete_a_job_that_is_over);
     tcase_add_test(tc, a_worker_that_is_gone_is_forgotten);
     tcase_add_test(tc, a_forgotten_worker_of_a_job_goes_with_that);

@@ -297,7 +297,7 @@ coord_acts(void)
         int node = worker_of(a.conn);
 
         if (a.type == ACT_JOB_OPEN)
-            coord_job_opened(s.coord, s.now_ms, a.job, 0, NULL);
+            coord_job_opened(s.coord, s.now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_SEND && a.conn != CLIENT && s.node[node].machine)
             send_as(s.node[node].speaks, a.bytes, a.len, node,
                     worker_coord(s.node[node].machine));

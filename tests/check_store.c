@@ -584,6 +584,7 @@ END_TEST
 
 struct heard {
     int files, jobs, rows, pictures, status;
+    uint64_t sequence;
     int chunks; /* written, of files not yet whole */
     uint32_t unit;
     ssize_t n;
@@ -608,11 +609,13 @@ on_file(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
 }
 
 static void
-on_job(void *arg, const uint8_t job[MSG_JOB], int status, const char *text)
+on_job(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
+       const char *text)
 {
     struct heard *h = arg;
 
     (void)job;
+    h->sequence = sequence;
     ck_assert_msg(status == 0, "%s", text);
     h->jobs++;
 }
@@ -629,12 +632,13 @@ on_rows(void *arg, const struct action_rows *key, int status, const char *text)
 }
 
 static void
-on_picture(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, int status,
-           const char *text)
+on_picture(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+           uint32_t frame, int status, const char *text)
 {
     struct heard *h = arg;
 
     (void)job;
+    ck_assert_uint_eq(sequence, 5);
     (void)frame;
     ck_assert_msg(status == 0, "%s", text);
     h->pictures++;
@@ -681,11 +685,13 @@ on_broken(void *arg, int status, const char *text)
 }
 
 static void
-on_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t bytes)
+on_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+         uint64_t bytes)
 {
     struct heard *h = arg;
 
     (void)job;
+    h->sequence = sequence;
     h->filed++;
     h->size = bytes;
 }
@@ -1010,7 +1016,7 @@ START_TEST(job_becomes_a_picture)
     run(&loop, s);
     ck_assert_int_eq(h.status, 76);
     put_unit(s, job, 1, 3, 3);
-    store_write_picture(s, job, 0);
+    store_write_picture(s, job, 5, 0);
     from.what = MSG_WHAT_PICTURE;
     read_all(s, &from, buf, sizeof buf, &h);
     run(&loop, s);
@@ -1194,7 +1200,7 @@ START_TEST(a_job_goes_on_in_another_life)
     wire_floats_get(px, row, 3);
     ck_assert_float_eq(px[0], 2);
     put_unit(s, kept_job, 1, 3, 3);
-    store_write_picture(s, kept_job, 0);
+    store_write_picture(s, kept_job, 5, 0);
     store_settle(s, 5, 44);
     close_kept(&loop, s);
     ck_assert_int_eq(h.pictures, 1);
@@ -1212,6 +1218,7 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
                                             .params = "-ab 0",
                                             .frames = &kept_frame,
                                             .nframes = 1 },
+                                  .sequence = 6,
                                   .state = 4,
                                   .status = 70,
                                   .text = "it was too late",
@@ -1226,6 +1233,7 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
     store_end_job(s, &end, "{ }", 3);
     close_kept(&loop, s);
     ck_assert_int_eq(h.filed, 1);
+    ck_assert_uint_eq(h.sequence, 6);
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(recover(s, &job, NULL), 0);
     ck_assert_uint_eq(job.state, 4);

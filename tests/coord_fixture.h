@@ -128,14 +128,15 @@ carry_out(struct fixture *f)
         } else if (a.type == ACT_SETTLE)
             coord_settled(f->c, f->now_ms, a.conn, a.request);
         else if (a.type == ACT_JOB_OPEN && !f->stuck)
-            coord_job_opened(f->c, f->now_ms, a.job, 0, NULL);
+            coord_job_opened(f->c, f->now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_PUT_ROWS) {
             f->rows = a.rows;
             if (a.rows.len <= sizeof f->code)
                 memcpy(f->code, a.rows.pixels, a.rows.len);
             coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
         } else if (a.type == ACT_WRITE_PICTURE)
-            coord_picture_written(f->c, f->now_ms, a.job, a.frame, 0, NULL);
+            coord_picture_written(f->c, f->now_ms, a.job, a.sequence, a.frame,
+                                  0, NULL);
         else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
             snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
                      strstr(a.text, "pixels="));

@@ -114,13 +114,14 @@ carry_out(void)
         else if (a.type == ACT_CLOSE)
             f.closed[a.conn] = true;
         else if (a.type == ACT_JOB_OPEN)
-            coord_job_opened(f.c, f.now_ms, a.job, 0, NULL);
+            coord_job_opened(f.c, f.now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_PUT_ROWS && a.rows.last)
             f.kept_rays = a.rows.counts->rays;
         if (a.type == ACT_PUT_ROWS && !f.slow_disk)
             coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
         else if (a.type == ACT_WRITE_PICTURE)
-            coord_picture_written(f.c, f.now_ms, a.job, a.frame, 0, NULL);
+            coord_picture_written(f.c, f.now_ms, a.job, a.sequence, a.frame, 0,
+                                  NULL);
     }
     ck_assert(!l->failed);
     actions_clear(l);

@@ -263,7 +263,7 @@ job_opened(void *arg, struct event *e)
     struct cluster *c = arg;
 
     (void)e;
-    coord_job_opened(c->coord, now_ms(c), c->job, 0, NULL);
+    coord_job_opened(c->coord, now_ms(c), c->job, c->sequence, 0, NULL);
     coordinate(c);
 }
 
@@ -283,7 +283,8 @@ picture_written(void *arg, struct event *e)
 {
     struct cluster *c = arg;
 
-    coord_picture_written(c->coord, now_ms(c), c->job, (uint32_t)e->n, 0, NULL);
+    coord_picture_written(c->coord, now_ms(c), c->job, c->sequence,
+                          (uint32_t)e->n, 0, NULL);
     coordinate(c);
 }
 
@@ -313,6 +314,7 @@ carry_out(struct cluster *c, const struct action *a)
             printf("%10.6f %s\n", 1e-6 * (double)c->events.now_us, a->text);
         break;
     case ACT_JOB_OPEN:
+        c->sequence = a->sequence;
         later(c, c->spec->disk_us, 0, 0, job_opened);
         break;
     case ACT_PUT_ROWS:

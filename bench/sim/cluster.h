@@ -82,6 +82,7 @@ struct cluster {
     struct coord *coord;
     struct host *hosts;
     uint8_t job[MSG_JOB];
+    uint64_t sequence; /* of the job, as the coordinator numbers it */
     uint64_t next_conn, client;
     uint64_t coord_busy_us, coord_out_us, disk_us, start_us, random;
     bool over;

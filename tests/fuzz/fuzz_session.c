@@ -50,11 +50,12 @@ carry_out(struct session *s)
             s->open[a.conn - 1] = false;
         }
         if (a.type == ACT_JOB_OPEN)
-            coord_job_opened(s->coord, s->now_ms, a.job, 0, NULL);
+            coord_job_opened(s->coord, s->now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_PUT_ROWS)
             coord_rows_stored(s->coord, s->now_ms, &a.rows, 0, NULL);
         else if (a.type == ACT_WRITE_PICTURE)
-            coord_picture_written(s->coord, s->now_ms, a.job, a.frame, 0, NULL);
+            coord_picture_written(s->coord, s->now_ms, a.job, a.sequence,
+                                  a.frame, 0, NULL);
     }
     if (l->failed)
         abort();

@@ -26,7 +26,7 @@ struct entry {
     struct msg_counts counts;
     struct saved_unit unit;
     char worker[16];
-    uint64_t conn;
+    uint64_t conn, sequence;
     uint32_t request, frame;
     uint32_t nbottom;
     size_t nline;
@@ -79,7 +79,7 @@ put_opened(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     job->kept.opened = true;
     job->kept.job = e->job;
-    coord_job_opened(s->coord, s->net.now_ms, job->id, 0, NULL);
+    coord_job_opened(s->coord, s->net.now_ms, job->id, e->sequence, 0, NULL);
 }
 
 static void
@@ -101,7 +101,7 @@ put_end(struct sim *s, struct sim_job *job, const struct entry *e)
     k->stats = calloc(1, e->len + 1);
     SIM_CHECK(&s->net, k->stats != NULL);
     memcpy(k->stats, e->bytes, e->len);
-    coord_job_filed(s->coord, s->net.now_ms, job->id, e->len);
+    coord_job_filed(s->coord, s->net.now_ms, job->id, e->sequence, e->len);
 }
 
 static void
@@ -211,7 +211,8 @@ put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     SIM_CHECK(&s->net, !job->frames[e->frame].written);
     job->frames[e->frame].written = true;
-    coord_picture_written(s->coord, s->net.now_ms, job->id, e->frame, 0, NULL);
+    coord_picture_written(s->coord, s->net.now_ms, job->id, e->sequence,
+                          e->frame, 0, NULL);
 }
 
 /* --- what is to be written --- */
@@ -224,6 +225,7 @@ keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
     SIM_CHECK(&s->net, coord_saved(s->coord, a->job, &e->job));
     snprintf(e->text, sizeof e->text, "%s", e->job.text);
     e->state = a->status;
+    e->sequence = a->sequence;
     e->len = a->len;
     if (a->len)
         memcpy(e->bytes, a->bytes, a->len);
@@ -286,7 +288,9 @@ sim_disk(struct sim *s, const struct action *a, int job)
         keep_rows(s, job, &a->rows);
         break;
     default:
-        later(s, job, 0, put_picture)->frame = a->frame;
+        e = later(s, job, 0, put_picture);
+        e->frame = a->frame;
+        e->sequence = a->sequence;
     }
 }
 
