@@ -95,6 +95,7 @@ struct reading {
     bool told;          /* what ended the reading */
     bool octree;        /* a file is one: after a failure it is in pieces */
     bool within;        /* what an octree names is being read */
+    bool beside;        /* it is in the octree's folder */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
 };
@@ -157,22 +158,25 @@ static int read_text_file(struct compiled *c, const char *file,
 /* Where an octree's scene file is: in the folder of the octree, in ours, or
  * along RAYPATH; malloc'd. */
 static char *
-find_scene_file(const struct reading *r, const char *name,
-                struct rad_error *err)
+find_scene_file(struct reading *r, const char *name, struct rad_error *err)
 {
     char *path = NULL;
 
     if (name[0] != '/' && asprintf(&path, "%s/%s", r->folder, name) < 0)
         path = NULL;
-    if (path && access(path, R_OK) == 0)
+    if (path && access(path, R_OK) == 0) {
+        r->beside = true;
         return path;
+    }
     free(path);
     if (access(name, R_OK) == 0)
         return strdup(name);
     return paths_find(&r->c->paths, name, err);
 }
 
-/* A scene file, or "!command", that an octree names. */
+/* A scene file, or "!command", that an octree names.  As with Radiance a command
+ * is run in our folder, for which oconv was given it, whatever the octree's is;
+ * but in that one where the files before it were found there. */
 static int
 read_named(void *arg, const char *name, struct rad_error *err)
 {
@@ -186,9 +190,12 @@ read_named(void *arg, const char *name, struct rad_error *err)
     if (name[0] == '!' && !r->c->commands)
         return refuse_command(name + 1, err);
     if (name[0] == '!') {
+        if (!r->beside)
+            r->folder = ".";
         rc =
             rad_parse_text(r->c->scene, name, strlen(name), "octree", &io, err);
         r->told = rc != 0;
+        r->folder = folder;
         return rc;
     }
     path = find_scene_file(r, name, err);

@@ -320,7 +320,7 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
 
     if (p->o.output)
         rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
-    if (rc == 0 && p->rif.exposure > 0 &&
+    if (rc == 0 && p->rif.exposure > 0 && p->rif.exposure != 1 &&
         !picfile_is_png(name, (enum picfile_format)p->o.format)) {
         rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
         picture = exposed;

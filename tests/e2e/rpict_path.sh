@@ -13,7 +13,6 @@ export PATH RADD_RPICT_OPTIONS
 [ "$(command -v rpict)" = "$folder/rpict" ] || fail "PATH finds another"
 
 cp "$scenes/room.rad" .
-printf '!cat room.rad\n' >scene.rad
 "$top_builddir/radscene" freeze room.rad >room.oct
 opts='-ds .3 -dt .07 -dc .7 -dr 1 -ss 1 -st .1 -ab 0'
 opts="$opts -av .01 .01 .01 -lr 8 -lw 1e-4"
@@ -57,11 +56,19 @@ status 0 "ROPT='-x 16 -y 16'" rpict '\$ROPT' -vf vf -o e.unf room.oct
 is e.unf 16 12
 [ ! -s out ] || fail "-o, and something on standard output"
 
-# an octree that is not frozen is a list of files, with commands
-if command -v oconv >/dev/null; then
-    oconv scene.rad >list.oct
-    status 0 rpict $vw -x 16 -y 16 list.oct ">f.unf"
-fi
+# an octree that is not frozen is a list of files and commands, of our folder
+# wherever it is itself
+mkdir octrees
+{
+    printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000'
+    printf '!grep ^void room.rad\000bare.rad\000\000'
+    printf '\000\000\000\020\000' # 16 objects
+} >octrees/list.oct
+grep -v ^void room.rad >bare.rad
+status 0 rpict $vw -x 16 -y 16 -ps 1 -pj 0 octrees/list.oct ">f.unf"
+status 0 rpict $vw -x 16 -y 16 -ps 1 -pj 0 room.oct ">g.unf"
+[ "$(tail -c 400 f.unf | cksum)" = "$(tail -c 400 g.unf | cksum)" ] ||
+    fail "an octree elsewhere, of files and commands here"
 
 # --- rad's recovery: view and size are the file's, which is made anew
 head -c 700 a.unf >part.unf
