@@ -584,10 +584,10 @@ add_file(struct line *l, const struct submit_options *o,
          const struct rif_zone *z)
 {
     bool rules = o->quality < 0;
-    int times = l->j->raw || !rules ? 1 : rif_oversample(&l->j->rif);
+    int times = l->j->raw ? 1 : rif_oversample(&l->j->rif);
     int rc = add_resolution(l, l->j->raw ? rif_oversample(&l->j->rif) : 1);
 
-    if (rc == 0 && times > 1)
+    if (rc == 0 && rules)
         rc = add(l, format(l->j, "--oversample=%d", times));
     if (rc == 0)
         rc = add_rendering(l, z, rules);

@@ -61,6 +61,11 @@ in_header bright_south.hdr "EXPOSURE=8.000000e+00"
 [ ! -e bright_Zl.hdr ] || fail "--view does not choose"
 "$top_builddir/raderr" bright_south.hdr room_south.hdr >change
 grep -q '^max 0$' change || fail "an exposure is more than a factor: $(cat change)"
+run --view=south room.rif "render=-av .045 .045 .045" PIC=third "EXP= 3"
+in_header third_south.hdr "EXPOSURE=3.000000e+00"
+"$top_builddir/raderr" third_south.hdr room_south.hdr |
+    awk '$1 == "max" && $2 < .02 { ok = 1 } END { exit !ok }' ||
+    fail "an exposure of 3 loses more than steps of the format"
 run --oversample=1 --view=1 -o raw.hdr room.rif QUAL=Med
 "$top_builddir/raderr" raw.hdr room_south.hdr | grep -q '^max 0$' &&
     fail "QUALITY=Med does not filter"
