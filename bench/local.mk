@@ -17,8 +17,9 @@ BENCH_VIEW =
 
 # AMBIENT_FLAGS are options of bench/ambient, rendering options among them.
 AMBIENT_FLAGS =
-.PHONY: bench bench-ambient bench-kernel bench-hosts bench-sim bench-error
-bench: bench-ambient bench-kernel bench-sim bench-hosts bench-error
+.PHONY: bench bench-ambient bench-kernel bench-hosts bench-sim bench-error \
+	bench-eta
+bench: bench-ambient bench-kernel bench-sim bench-hosts bench-error bench-eta
 bench-kernel: bench/kernel$(EXEEXT)
 	$(MKDIR_P) bench/results
 	bench/kernel$(EXEEXT) $(BENCH_SCENE) $(BENCH_VIEW) \
@@ -45,6 +46,13 @@ dist_noinst_SCRIPTS += bench/speed-error.sh
 EXTRA_DIST += bench/speed-error.awk bench/speed-error.gnuplot
 bench-error: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) raderr$(EXEEXT)
 	$(srcdir)/bench/speed-error.sh $(ERROR_FLAGS) .
+
+# What is said of a job beforehand, against what comes; ETA_FLAGS are options of
+# bench/eta.sh.
+ETA_FLAGS =
+dist_noinst_SCRIPTS += bench/eta.sh
+bench-eta: radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) raderr$(EXEEXT)
+	$(srcdir)/bench/eta.sh $(ETA_FLAGS) .
 
 # The scheduler with simulated hosts; SIM_FLAGS are options of bench/sim/sim,
 # a statistics file among them.

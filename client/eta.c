@@ -17,8 +17,12 @@
  * with other jobs.  Reports tell of rays in lumps. */
 static const double LEAST_MEMORY_S = 5, MOST_MEMORY_S = 60;
 
-/* of the picture, before its share tells anything by itself */
-static const double ENOUGH = .1;
+/* of the picture, and of time, before its share tells anything by itself: it
+ * may be that it begins with sky */
+static const double ENOUGH = .1, ENOUGH_S = 3;
+
+/* While a trial is under way that will know better. */
+static const double ENOUGH_AWAITED = .3;
 
 /* What is left at least, in rays that came: a trial may have foreseen too
  * little. */
@@ -30,7 +34,7 @@ take_pace(struct eta *e, const struct eta_look *look)
     double dt = look->elapsed_s - e->last_s, memory_s, keep;
 
     if (look->rays < e->last_rays || dt < 0) { /* the job began again */
-        *e = (struct eta){ .foreseen = e->foreseen };
+        *e = (struct eta){ .foreseen = e->foreseen, .awaited = e->awaited };
         dt = look->elapsed_s;
     }
     if (look->working && dt > 0 && look->rays > 0) {
@@ -66,7 +70,10 @@ eta_take(struct eta *e, const struct eta_look *look)
         return -1;
     by_share = eta_by_share(e, d);
     if (!(e->foreseen > 0))
-        return d >= ENOUGH ? by_share : -1;
+        return d >= (e->awaited ? ENOUGH_AWAITED : ENOUGH) &&
+                       e->work_s >= ENOUGH_S
+                   ? by_share
+                   : -1;
     left =
         fmax(e->foreseen - e->last_rays, LEAST_LEFT * e->last_rays * (1 - d)) /
         e->rate;
@@ -80,4 +87,5 @@ void
 eta_foresee(struct eta *e, double rays)
 {
     e->foreseen = rays;
+    e->awaited = true;
 }

@@ -26,6 +26,7 @@ struct eta_look {
 /* All 0: of a job that has not begun. */
 struct eta {
     double foreseen;          /* rays of the whole job; 0: not known */
+    bool awaited;             /* a trial is under way, which will know better */
     double work_s;            /* that was worked, since rays came */
     double rate;              /* rays a second */
     double last_s, last_rays; /* of the last report */
@@ -34,7 +35,7 @@ struct eta {
 /* Take a report.  Seconds that are left, < 0: not known. */
 double eta_take(struct eta *e, const struct eta_look *look);
 
-/* A trial says how many rays the whole job will take. */
+/* A trial says how many rays the whole job will take; 0: it is under way. */
 void eta_foresee(struct eta *e, double rays);
 
 /* Seconds that are left by the picture's share alone, which is too long at

@@ -1,10 +1,11 @@
 /* foresee.h - a short trial of a job's scene while the job is under way
  *
- * The trial of --dry-run with less effort, on a thread of radsubmit's own at
- * the priority of workers.  It tells how many rays the job will take, long
- * before what the workers do tells (eta.h).  The job pays for it where both are
- * on one machine, so it is begun for none that is soon over: what it takes is a
- * few hundredths of what it is told about.
+ * The trial of --dry-run with less effort, on a thread of radsubmit's own.  It
+ * tells how many rays the job will take, long before what the workers do tells
+ * (eta.h).  The job pays for it where both are on one machine, so it is begun
+ * for none that is soon over: what it takes is a few hundredths of what it is
+ * told about.  It has the priority of radsubmit, for beside workers that keep
+ * all processors busy it would come too late at a lower one, and cost as much.
  * Thread: one, but for foresee's own. */
 #ifndef RADD_CLIENT_FORESEE_H
 #define RADD_CLIENT_FORESEE_H

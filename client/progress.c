@@ -12,7 +12,7 @@
 
 /* A trial takes about a second of a processor: not for a job that is over in a
  * few. */
-static const double SHORT_S = 2, LONG_S = 10;
+static const double SHORT_S = 2, LONG_S = 5;
 
 void
 progress_init(struct progress *p, FILE *to, bool always, bool never)

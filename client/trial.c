@@ -2,12 +2,13 @@
  *
  * A pixel costs what its rays do and, while the cache is not full, records: the
  * first pixels of a picture take a hundred times as long as the last.  With t
- * the time (or the rays), n pixels and R records, t = a n + b R: b is fitted to
- * the doublings of strewn pixels, and a is that of the windows, where pixels
- * are the sampler's and their neighbours have warmed what they need.
+ * the time (or the rays), n pixels and R records, t = a n + b R: a is measured
+ * in windows, which are traced twice, so that the second time makes no records;
+ * then b is fitted to the doublings of strewn pixels.
  * Records grow evenly with the logarithm of the pixels once every surface has
  * some: each doubling asks for what lies between.  Measured on an office, a
- * drafting room and a box, from 256 pixels to 260 000.  */
+ * drafting room and a box, from 256 pixels to 260 000.  Fine caches of one
+ * bounce are not so far after a trial: their windows tell.  */
 #include "config.h"
 
 #include "trial.h"
@@ -116,6 +117,23 @@ try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
         t->step[t->nsteps++] = look(n, ctx, begin);
 }
 
+/* Once more over a window: pixels alone. */
+static int
+again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
+      const struct rad_window *w, struct rad_pixel **rows)
+{
+    struct rad_counts before = ctx->counts;
+    double begin = cpu_seconds();
+    int rc = rad_frame_window(f, ctx, w, rows, NULL, NULL);
+
+    t->again_cpu_s += cpu_seconds() - begin;
+    t->again_primary +=
+        (double)(ctx->counts.primary_rays - before.primary_rays);
+    t->again_rays += (double)(ctx->counts.rays - before.rays);
+    ctx->counts = before; /* no pixel is in doubt twice */
+    return rc;
+}
+
 static int
 try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
             const struct trial_effort *e, struct rad_error *err)
@@ -138,14 +156,14 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
         rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
         for (int i = 0; rc == 0 && i < w.height; i++)
             rad_rough_row(&t->rough, rows[i], w.width, i, t->psample);
+        if (rc == 0)
+            rc = again(t, f, ctx, &w, rows);
         t->pixels += (double)w.width * w.height;
         if (k >= e->windows && cpu_seconds() - begin > seconds)
             break;
     }
     free(pixels);
-    t->cpu_s = cpu_seconds() - begin;
     t->primary = (double)(ctx->counts.primary_rays - before.primary_rays);
-    t->rays = (double)(ctx->counts.rays - before.rays);
     t->records = (double)(ctx->counts.ambient_values - before.ambient_values);
     return rc;
 }
@@ -244,18 +262,22 @@ trial_run(struct trial *t, const struct trial_scene *scene,
 
 /* --- what follows --- */
 
-/* t = a n + b R of the strewn pixels, by least squares over what each doubling
- * added, relative to its size; the first, which fills the cache, is left out
- * where there are others. */
-struct fit {
-    double a, b;
-};
-
-static struct fit
-fit_steps(const struct trial *t, bool time)
+/* Time or rays of a pixel whose records are there. */
+static double
+cost_of_pixel(const struct trial *t, bool time)
 {
-    double nn = 0, nr = 0, rr = 0, nt = 0, rt = 0, det;
-    struct fit f = { 0, 0 };
+    double sum = time ? t->again_cpu_s : t->again_rays;
+
+    return t->again_primary > 0 ? sum / t->again_primary : 0;
+}
+
+/* Time or rays of a record, where a pixel takes a: b of t = a n + b R by least
+ * squares over what each doubling of strewn pixels added, relative to its size;
+ * the first, which fills the cache, is left out where there are others. */
+static double
+cost_of_record(const struct trial *t, bool time, double a)
+{
+    double rr = 0, rt = 0;
 
     for (int i = t->nsteps > 3 ? 1 : 0; i < t->nsteps; i++) {
         struct trial_step zero = { 0, 0, 0, 0 };
@@ -264,23 +286,10 @@ fit_steps(const struct trial *t, bool time)
         double y = time ? s->cpu_s - p->cpu_s : s->rays - p->rays;
         double w = y > 0 ? 1 / (y * y) : 0;
 
-        nn += w * n * n;
-        nr += w * n * r;
         rr += w * r * r;
-        nt += w * n * y;
-        rt += w * r * y;
+        rt += w * r * (y - a * n);
     }
-    det = nn * rr - nr * nr;
-    if (det > 1e-9 * nn * rr) {
-        f.a = (nt * rr - rt * nr) / det;
-        f.b = (rt * nn - nt * nr) / det;
-    }
-    if (!(f.a > 0 && f.b > 0)) {
-        /* pixels alone, or records alone */
-        f.a = rr > 0 ? 0 : nn > 0 ? nt / nn : 0;
-        f.b = rr > 0 ? rt / rr : 0;
-    }
-    return f;
+    return rr > 0 && rt > 0 ? rt / rr : 0;
 }
 
 /* Records that come with each further doubling of the pixels. */
@@ -296,6 +305,35 @@ records_a_doubling(const struct trial *t)
     return (t->step[last].records - t->step[first].records) / octaves;
 }
 
+/* Does each doubling still make nearly twice as many records as the one before?
+ * Then their number does not grow with the logarithm yet. */
+static bool
+unsaturated(const struct trial *t)
+{
+    const struct trial_step *s = &t->step[t->nsteps - 1];
+
+    if (t->nsteps > 1 && s->pixels < 2 * s[-1].pixels)
+        s--; /* the trial ended within a doubling */
+    return s - t->step >= 2 &&
+           s->records - s[-1].records > 1.7 * (s[-1].records - s[-2].records);
+}
+
+/* Records that are still to come, of so many pixels and primary rays: evenly
+ * with each doubling of these; before it comes to that, as dense as in the
+ * windows. */
+static double
+records_to_come(const struct trial *t, double pixels, double primary)
+{
+    const struct trial_step *last = &t->step[t->nsteps - 1];
+    double more = 0;
+
+    if (primary > last->pixels)
+        more = records_a_doubling(t) * log2(primary / last->pixels);
+    if (unsaturated(t) && t->pixels > 0)
+        more = fmax(more, pixels * t->records / t->pixels - last->records);
+    return more;
+}
+
 static double
 field(const struct trial_step *s, bool time)
 {
@@ -308,14 +346,11 @@ static double
 total(const struct trial *t, bool time, double primary, double more_records)
 {
     const struct trial_step *last = &t->step[t->nsteps - 1];
-    struct fit f = fit_steps(t, time);
-    double strewn = field(last, time) - f.a * last->pixels;
-    double windows = (time ? t->cpu_s : t->rays) - f.b * t->records;
-    double a = t->primary > 0 ? windows / t->primary : 0, records;
+    double a = cost_of_pixel(t, time);
+    double strewn = field(last, time) - a * last->pixels;
+    double records =
+        (strewn > 0 ? strewn : 0) + cost_of_record(t, time, a) * more_records;
 
-    if (!(a > .2 * f.a))
-        a = .2 * f.a; /* windows in which little but records was made */
-    records = (strewn > 0 ? strewn : 0) + f.b * more_records;
     if (t->small.pixels > 0 && field(&t->small, time) > 0) {
         /* the first ones lie deep, where hemispheres are small anyhow; those
          * that come late are asked for by primary rays and have all samples */
@@ -347,11 +382,10 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
 {
     const struct trial_step *last = &t->step[t->nsteps - 1];
     struct rad_doubt doubt = doubt_of(t);
-    double more = 0, records;
+    double more, records;
 
     p->primary_rays = t->pixels > 0 ? pixels * t->primary / t->pixels : pixels;
-    if (p->primary_rays > last->pixels)
-        more = records_a_doubling(t) * log2(p->primary_rays / last->pixels);
+    more = records_to_come(t, pixels, p->primary_rays);
     records = last->records + more;
     if (t->small.records > 0)
         records *= t->full.records / t->small.records;

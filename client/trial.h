@@ -26,8 +26,10 @@ struct trial {
         double pixels, rays, cpu_s, records;
     } step[40];
     int nsteps;
-    /* of windows */
-    double pixels, primary, rays, cpu_s, records;
+    /* of windows; what their pixels take the second time, when all records that
+     * they ask for are there */
+    double pixels, primary, records;
+    double again_primary, again_rays, again_cpu_s;
     /* of the first of the strewn pixels, where the above was measured with
      * smaller hemispheres than are asked for; pixels 0: it was not */
     struct trial_step full, small;

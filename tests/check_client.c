@@ -708,7 +708,7 @@ END_TEST
 START_TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
-    struct progress_report r = { 1, .5, 1000, 1, true };
+    struct progress_report r = { 10, .5, 1000, 1, true };
     FILE *f = tmpfile();
     char buf[200];
 
@@ -720,7 +720,7 @@ START_TEST(progress_is_silent_where_nobody_looks)
     progress_clear(&p);
     rewind(f);
     ck_assert_ptr_nonnull(fgets(buf, sizeof buf, f));
-    ck_assert_str_eq(buf, " 50 %  1.00 k rays/s  0:01 left  1 worker\n");
+    ck_assert_str_eq(buf, " 50 %  100 rays/s  0:10 left  1 worker\n");
     fclose(f);
 }
 END_TEST

@@ -1,10 +1,12 @@
-/* check_eta.c - the time that is left, by reports that jobs made
+/* check_eta.c - the time that is left, by reports that jobs made, and what a
+ * trial foresees
  *
  * Reports of real jobs on two processors that others used as well, with what a
  * short trial had foreseen. */
 #include "config.h"
 
 #include "eta.h"
+#include "trial.h"
 #include "unit.h"
 
 #include <math.h>
@@ -112,10 +114,15 @@ START_TEST(nothing_is_said_before_something_is_known)
     ck_assert_double_lt(eta_take(&e, &look), 0);
     look = (struct eta_look){ 2, .05, 100, true };
     ck_assert_double_lt(eta_take(&e, &look), 0);
+    look = (struct eta_look){ 2.5, .25, 200, true }; /* it may be sky */
+    ck_assert_double_lt(eta_take(&e, &look), 0);
     /* without a trial the share tells, late */
     look = (struct eta_look){ 4, .25, 300, true };
     ck_assert_double_eq_tol(eta_take(&e, &look), 9, 1e-9);
-    look = (struct eta_look){ 4, .25, 300, false }; /* paused */
+    eta_foresee(&e, 0); /* one is under way that will know better */
+    look = (struct eta_look){ 4, .25, 300, true };
+    ck_assert_double_lt(eta_take(&e, &look), 0);
+    look = (struct eta_look){ 4, .4, 300, false }; /* paused */
     ck_assert_double_lt(eta_take(&e, &look), 0);
 }
 END_TEST
@@ -189,6 +196,53 @@ START_TEST(a_trial_that_foresaw_too_little_is_no_end)
 }
 END_TEST
 
+/* A trial of 256 strewn pixels and 1000 of windows, of a picture of 100 000: a
+ * pixel takes 5 rays and a record 100. */
+static struct trial
+tried(double r64, double r128, double r256)
+{
+    struct trial t = { .step = { { .pixels = 64, .records = r64 },
+                                 { .pixels = 128, .records = r128 },
+                                 { .pixels = 256, .records = r256 } },
+                       .nsteps = 3,
+                       .pixels = 1000,
+                       .primary = 1000,
+                       .records = 100,
+                       .again_primary = 1000,
+                       .again_rays = 5000,
+                       .again_cpu_s = .05 };
+
+    for (int i = 0; i < t.nsteps; i++) {
+        t.step[i].rays = 5 * t.step[i].pixels + 100 * t.step[i].records;
+        t.step[i].cpu_s = t.step[i].rays * 1e-5;
+    }
+    return t;
+}
+
+START_TEST(records_grow_with_each_doubling)
+{
+    struct trial t = tried(1000, 1100, 1200);
+    struct prediction p;
+
+    trial_predict(&t, 1e5, &p);
+    ck_assert_double_eq_tol(p.primary_rays, 1e5, 1e-6);
+    ck_assert_double_eq_tol(p.ambient_values, 1200 + 100 * log2(1e5 / 256), 1);
+    ck_assert_double_eq_tol(p.rays, 5e5 + 100 * p.ambient_values, 200);
+    ck_assert_double_eq_tol(p.cpu_s, p.rays * 1e-5, 1e-2);
+}
+END_TEST
+
+START_TEST(a_cache_that_is_far_from_full_is_as_dense_as_in_windows)
+{
+    struct trial t = tried(64, 128, 256);
+    struct prediction p;
+
+    trial_predict(&t, 1e5, &p);
+    ck_assert_double_eq_tol(p.ambient_values, 1e5 / 10, 1);
+    ck_assert_double_eq_tol(p.rays, 5e5 + 100 * 1e4, 1e4);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -202,6 +256,8 @@ main(void)
     tcase_add_test(tc, more_workers_are_seen);
     tcase_add_test(tc, a_job_may_begin_again);
     tcase_add_test(tc, a_trial_that_foresaw_too_little_is_no_end);
+    tcase_add_test(tc, records_grow_with_each_doubling);
+    tcase_add_test(tc, a_cache_that_is_far_from_full_is_as_dense_as_in_windows);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

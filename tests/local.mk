@@ -391,6 +391,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_left.sh \
 	tests/e2e/submit_false_colour.sh \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
@@ -454,6 +455,7 @@ TESTS += \
 	tests/e2e/submit_dry_run.sh \
 	tests/e2e/submit_error.sh \
 	tests/e2e/submit_interrupt.sh \
+	tests/e2e/submit_left.sh \
 	tests/e2e/submit_false_colour.sh \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \

@@ -1,0 +1,63 @@
+#!/bin/sh
+# submit_left.sh - the time left is said once it is known, early, and a trial
+# that is at work for it holds up no end
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+# Half a minute at least; the first tenth of the picture takes long.
+slow="--local --threads=1 -vf $scenes/room.vf -x 900 -y 675 -ab 2 -aa .1
+-ar 128 -ad 1024 -as 256 -ps 2 --oversample=1"
+
+ended() # NAME STATUS
+{
+    kill -INT $pid
+    wait $pid
+    status=$?
+    [ $status -eq "$2" ] || fail "$1: exit status $status: $(cat $1.err)"
+    check_nothing_left "$1"
+}
+
+# A background process of a shell starts with interrupts ignored; this one
+# does not.
+interruptible()
+{
+    exec python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$@"
+}
+
+start() # NAME OPTIONS...
+{
+    name=$1
+    shift
+    # shellcheck disable=SC2086 # options are words
+    interruptible "$radsubmit" $slow "$@" -o "$name.hdr" "$scenes/room.rad" \
+        2>"$name.err" &
+    pid=$!
+}
+
+start said --progress=always
+until_true 60 grep -q ' left ' said.err || fail "no time left: $(cat said.err)"
+grep ' left ' said.err | grep -qv '  [0-9][0-9:]*:[0-9][0-9] left  1 worker$' &&
+    fail "another form: $(cat said.err)"
+grep -q '?' said.err && fail "a question: $(cat said.err)"
+sed -n 's/^ *\([0-9]*\) %.*/\1/p' said.err | head -n 1 | grep -qx 0 ||
+    fail "it began late: $(cat said.err)"
+grep '^ *0 %' said.err | head -n 1 | grep -q left &&
+    fail "said before anything is known: $(cat said.err)"
+grep ' left ' said.err | head -n 1 | grep -q '^ *[0-9] %' ||
+    fail "said late: $(cat said.err)"
+ended said 75
+
+# interrupted while the trial is at work, mostly
+start early --progress=always
+until_true 60 grep -q '^ *0 %' early.err || fail "no progress: $(cat early.err)"
+sleep 2.5
+ended early 75
+
+# nobody looks: nothing is said
+start silent --progress=never
+sleep 3
+grep -q '%' silent.err && fail "it talks: $(cat silent.err)"
+ended silent 75
+finish
