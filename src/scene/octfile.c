@@ -186,7 +186,7 @@ rad_octfile_is(const void *start, size_t len)
     const char *p = start, *end = p + len;
     char line[MAX_LINE];
 
-    if (len < 2 || memcmp(p, "#?", 2) != 0)
+    if (!rad_octin_begins(p, len))
         return false;
     while (p < end && *p != '\n') {
         const char *nl = memchr(p, '\n', (size_t)(end - p));

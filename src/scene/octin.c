@@ -134,6 +134,13 @@ not_of(struct rad_octin *f, const char *format)
     return f->rc;
 }
 
+bool
+rad_octin_begins(const char *start, size_t len)
+{
+    return (len >= 2 && memcmp(start, "#?", 2) == 0) ||
+           (len >= 6 && memcmp(start, "oconv ", 6) == 0);
+}
+
 int
 rad_octin_header(struct rad_octin *f, const char *format)
 {
@@ -142,7 +149,7 @@ rad_octin_header(struct rad_octin *f, const char *format)
 
     if (get_line(f, line, sizeof line))
         return f->rc;
-    if (strncmp(line, "#?", 2) != 0)
+    if (!rad_octin_begins(line, strlen(line)))
         return not_of(f, format);
     do {
         if (get_line(f, line, sizeof line))

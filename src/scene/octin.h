@@ -46,6 +46,10 @@ int rad_octin_string(struct rad_octin *f, char *buf, size_t size);
 /* An index or count of 0 to max, else the failure and 0. */
 int32_t rad_octin_index(struct rad_octin *f, int32_t max, const char *what);
 
+/* May a file that starts so have a header?  Old ones begin with the command
+ * that made the octree and not with "#?". */
+bool rad_octin_begins(const char *start, size_t len);
+
 /* The text to its empty line; it must say that it is of that format. */
 int rad_octin_header(struct rad_octin *f, const char *format);
 

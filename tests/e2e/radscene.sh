@@ -73,6 +73,12 @@ expect 0 '' sh -c "$radscene info - <good.oct"
 same "$(cat info)"
 expect 0 '' $radscene freeze good.oct
 cmp out good.oct || failed=1
+# an old one begins with the command
+{ echo 'oconv -f good.rad' && sed 1d good.oct; } >old.oct
+expect 0 '' $radscene info old.oct
+same "$(cat info)"
+expect 0 '' sh -c "$radscene info - <old.oct"
+same "$(cat info)"
 head -c 300 good.oct >cut.oct
 expect 65 'cut.oct: truncated at byte 300' $radscene check cut.oct
 head -c 5 good.oct >cut.oct
