@@ -34,7 +34,7 @@ bench-ambient: bench/ambient$(EXEEXT)
 # The ways to share a picture on emulated workstations; HOSTS_FLAGS are options
 # of bench/hosts.sh.
 HOSTS_FLAGS =
-dist_noinst_SCRIPTS += bench/hosts.sh
+dist_noinst_SCRIPTS += bench/hosts.sh bench/quality.sh
 EXTRA_DIST += bench/hosts.awk bench/stats.awk
 bench-hosts: bench/sim/sim$(EXEEXT) radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
 	$(srcdir)/bench/hosts.sh $(HOSTS_FLAGS) . $(BENCH_SCENE) $(BENCH_VIEW)

@@ -3,6 +3,7 @@
 
 #include "dryrun.h"
 #include "figure.h"
+#include "quality.h"
 
 #include "picture/filter.h"
 #include "wordlist.h"
@@ -147,10 +148,12 @@ samples_a_side(const struct msg_spec *spec)
 
 void
 dryrun_print(const struct msg_spec *spec, const struct prediction *p,
-             const struct dryrun_cluster *c)
+             int quality, const struct dryrun_cluster *c)
 {
     char text[FIGURE_TEXT];
     int n = samples_a_side(spec);
+    double least, most;
+    int len;
 
     printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
            figure(text, (double)spec->bundle_bytes / 1e6, 3));
@@ -184,6 +187,12 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
     printf("\n");
     if (p->error.all > 0)
         printf("error    about %s %%\n", figure(text, 100 * p->error.all, 2));
+    if (quality >= 0 && quality_promise(quality, &least, &most)) {
+        const char *word = quality_word(quality, &len);
+
+        printf("quality  %.*s, which left %g to %g %% on six scenes\n", len,
+               word, least, most);
+    }
 }
 
 char *

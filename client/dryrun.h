@@ -30,9 +30,10 @@ int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
                    const struct msg_frame *frames, uint32_t nframes,
                    const struct trial_effort *effort, struct rad_error *err);
 
-/* For people, on stdout. */
+/* For people, on stdout.  quality: the number of --quality's word, where all of
+ * its set holds, else -1. */
 void dryrun_print(const struct msg_spec *spec, const struct prediction *p,
-                  const struct dryrun_cluster *c);
+                  int quality, const struct dryrun_cluster *c);
 
 /* The same as JSON, to be freed; NULL: out of memory.  options are those of
  * the picture that is written (rad_filter_options()). */

@@ -24,18 +24,25 @@ static const struct {
     { "-ds", { ".4",   ".3",   ".2",   ".1",   ".05" } },
     { "-dt", { ".2",   ".1",   ".05",  ".02",  "0" } },
     { "-dc", { ".3",   ".5",   ".75",  ".9",   "1" } },
-    { "-dr", { "1",    "1",    "2",    "3",    "4" } },
+    { "-dr", { "2",    "2",    "3",    "3",    "4" } },
     { "-dp", { "64",   "256",  "512",  "1024", "4096" } },
-    { "-st", { ".3",   ".15",  ".1",   ".03",  "0" } },
-    { "-ab", { "1",    "2",    "4",    "5",    "6" } },
-    { "-aa", { ".5",   ".5",   ".3",   ".2",   ".1" } },
-    { "-ar", { "8",    "16",   "32",   "64",   "128" } },
-    { "-ad", { "32",   "64",   "128",  "512",  "2048" } },
-    { "-as", { "0",    "16",   "32",   "128",  "512" } },
-    { "-lr", { "4",    "6",    "8",    "10",   "12" } },
-    { "-lw", { ".02",  ".005", "5e-4", "2e-4", "5e-5" } },
+    { "-st", { ".2",   ".15",  ".1",   ".03",  "0" } },
+    { "-ab", { "4",    "5",    "6",    "7",    "8" } },
+    { "-aa", { ".5",   ".4",   ".25",  ".18",  ".1" } },
+    { "-ar", { "16",   "24",   "48",   "96",   "128" } },
+    { "-ad", { "64",   "192",  "384",  "1024", "4096" } },
+    { "-as", { "16",   "48",   "96",   "256",  "1024" } },
+    { "-lr", { "8",    "8",    "10",   "12",   "14" } },
+    { "-lw", { ".002", ".001", "2e-4", "1e-4", "2e-5" } },
 };
 /* clang-format on */
+
+static const int oversample[QUALITIES] = { 1, 2, 2, 3, 4 };
+
+/* bench/quality.sh; of `reference` there is nothing to compare it with. */
+static const double promise[QUALITIES][2] = {
+    { 8, 28 }, { 4, 16 }, { 2, 13 }, { 1, 13 }, { 0, 0 }
+};
 
 enum { ROWS = sizeof table / sizeof table[0] };
 
@@ -46,6 +53,31 @@ quality_bit(const char *option)
         if (strcmp(table[i].option, option) == 0)
             return (quality_given)1 << i;
     return 0;
+}
+
+int
+quality_oversample(int quality)
+{
+    return oversample[quality];
+}
+
+bool
+quality_promise(int quality, double *least, double *most)
+{
+    *least = promise[quality][0];
+    *most = promise[quality][1];
+    return *most > 0;
+}
+
+const char *
+quality_word(int quality, int *len)
+{
+    const char *word = QUALITY_WORDS;
+
+    for (; quality > 0; quality--)
+        word += strcspn(word, "|") + 1;
+    *len = (int)strcspn(word, "|");
+    return word;
 }
 
 int

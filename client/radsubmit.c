@@ -826,7 +826,8 @@ run_dry(struct program *p)
         return rc;
     warn_of_scene(p);
     fill_spec(p);
-    dryrun_print(&p->job.spec, &p->prediction, &c);
+    dryrun_print(&p->job.spec, &p->prediction,
+                 p->o.quality_whole ? p->o.quality : -1, &c);
     if (fflush(stdout) != 0)
         return rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
     if (!p->o.stats)

@@ -96,7 +96,8 @@ static const struct option own[] = {
     FLAG("--stamp", stamp,
          "the day, the host and the job in the picture's header"),
     INT("--oversample", oversample, 1, RAD_MAX_OVERSAMPLE, "N",
-        "trace N by N samples a pixel, and filter them down (1)"),
+        "trace N by N samples a pixel, and filter them down (by --quality; "
+        "2 for a .png without it, else 1)"),
     REAL("--clamp", clamp, RAD_MIN_CLAMP, RAD_MAX_CLAMP, "FACTOR",
          "most weight of a sample, times the mean of those about it (any)"),
     TEXT("--preview", preview, "FILE.png", "picture so far, while rendering"),
@@ -174,7 +175,6 @@ set_defaults(struct submit_options *o)
     rad_params_init(&o->params);
     rad_view_init(&o->view);
     o->wait_s = 60;
-    o->oversample = 1;
     o->quality = o->tone = o->bits = -1;
     show_init(&o->show);
     o->order = ORDER_NONE;
@@ -575,13 +575,31 @@ check_show(struct submit_options *o, struct rad_error *err)
     return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
 }
 
+/* What nobody said of --oversample goes by --quality; without that, what is for
+ * the eye alone has smooth edges. */
+static void
+choose_oversample(struct submit_options *o)
+{
+    if (o->oversample > 0)
+        return;
+    if (o->quality >= 0)
+        o->oversample = quality_oversample(o->quality);
+    else
+        o->oversample =
+            picfile_is_png(o->output, (enum picfile_format)o->format) ? 2 : 1;
+}
+
 /* From here on -x and -y are those of what is traced, as in the job. */
 static int
 count_samples(struct submit_options *o, struct rad_error *err)
 {
-    int n = o->oversample, most = RAD_MAX_RES / n;
-    bool wide = o->params.xres > most;
+    int n, most;
+    bool wide;
 
+    choose_oversample(o);
+    n = o->oversample;
+    most = RAD_MAX_RES / n;
+    wide = o->params.xres > most;
     if (o->clamp > 0 && n < 2)
         return rad_fail(err, RAD_EUSAGE,
                         "--clamp is for the samples of --oversample=2 or more");
@@ -650,6 +668,8 @@ submit_options_parse(struct submit_options *o, struct words *w,
     rc = take_options(&c);
     if (rc >= 0 && o->quality >= 0) {
         int bad = quality_apply(o->quality, c.given, &o->params, err);
+
+        o->quality_whole = c.given == 0 && o->oversample == 0;
 
         rc = bad < 0 ? bad : rc;
     }

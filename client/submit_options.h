@@ -41,6 +41,7 @@ struct submit_options {
     int oversample;       /* --oversample: params' -x and -y count samples */
     double clamp;         /* --clamp; 0: off */
     int quality;          /* --quality: the word's number; -1: none */
+    bool quality_whole;   /* and nothing of its set was given otherwise */
     int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
     /* files; NULL where not given */

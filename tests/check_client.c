@@ -94,7 +94,7 @@ START_TEST(options_of_both_kinds_mix)
     int rc =
         parse(&o, &w,
               "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
-              "--partition=window --order random --windows=64 -o a.png "
+              "--partition=window --order random --windows=64 -o a.hdr "
               "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
               &err);
 
@@ -113,7 +113,7 @@ START_TEST(options_of_both_kinds_mix)
     ck_assert_double_eq(o.wait_s, 2.5);
     ck_assert(o.no_share);
     ck_assert(o.same_bits);
-    ck_assert_str_eq(o.output, "a.png");
+    ck_assert_str_eq(o.output, "a.hdr");
     ck_assert_str_eq(o.depth, "d.z");
     ck_assert_int_eq(o.nscenes, 2);
     ck_assert_str_eq(o.scenes[1], "b.rad");
@@ -172,6 +172,34 @@ START_TEST(quality_is_for_what_was_not_said)
     ck_assert_ptr_nonnull(
         strstr(params_of("-ab 0 --quality=high s.rad"), "-ab 0 "));
     ck_assert_ptr_nonnull(strstr(params_of(plain), "-aa 0.3 "));
+}
+END_TEST
+
+START_TEST(samples_go_by_quality_or_by_what_the_picture_is_for)
+{
+    static const struct {
+        const char *line;
+        int oversample;
+    } rows[] = { { "a.rad", 1 },
+                 { "-o x.hdr a.rad", 1 },
+                 { "-o x.png a.rad", 2 },
+                 { "--format=png a.rad", 2 },
+                 { "-o x.png --format=hdr a.rad", 1 },
+                 { "-o x.png --oversample=1 a.rad", 1 },
+                 { "-o x.hdr --preview=x.png a.rad", 1 },
+                 { "--quality=draft -o x.png a.rad", 1 },
+                 { "--quality=low a.rad", 2 },
+                 { "--quality=medium a.rad", 2 },
+                 { "--quality=high a.rad", 3 },
+                 { "--oversample=4 --quality=high a.rad", 4 } };
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, rows[_i].line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.oversample, rows[_i].oversample);
+    ck_assert_int_eq(o.params.xres, 512 * rows[_i].oversample);
+    words_release(&w);
 }
 END_TEST
 
@@ -800,6 +828,8 @@ add_tests(TCase *tc)
     tcase_add_test(tc, tables_have_any_length);
     tcase_add_test(tc, a_dash_is_standard_output);
     tcase_add_test(tc, quality_is_for_what_was_not_said);
+    tcase_add_loop_test(
+        tc, samples_go_by_quality_or_by_what_the_picture_is_for, 0, 12);
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);
     tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));

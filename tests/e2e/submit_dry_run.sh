@@ -43,6 +43,18 @@ check_close ambient_values
 needs=$(sed -n '/"needs"/,/]/p' dry.json)
 [ "$needs" = "$(sed -n '/"needs"/,/]/p' real.json)" ] || fail "other needs"
 
+# what a quality promises, where all of its set holds
+# shellcheck disable=SC2086
+{
+    "$radsubmit" --dry-run --quality=low $view "$room" >said || fail "a quality"
+    grep -qE '^quality  low, which left [0-9.]+ to [0-9.]+ % on six' said ||
+        fail "no promise: $(cat said)"
+    "$radsubmit" --dry-run --quality=low -aa .1 $view "$room" >said
+    grep -q '^quality' said && fail "a promise of another set"
+    "$radsubmit" --dry-run --quality=reference -ab 1 -ad 16 $view "$room" >said
+    grep -q '^quality' said && fail "a promise of what was not measured"
+}
+
 # an animation costs what its frames do
 printf 'rview -vp %s 0 1\n' 0 .1 .2 >views
 # shellcheck disable=SC2086

@@ -106,7 +106,7 @@ grep -q "warning: log.rad:1: brightfunc 'half': no value in 200 places" stderr |
 # where it goes
 "$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr
 same stdout.hdr one.hdr "standard output and -o differ"
-render out.png --threads=1 -z out.z --stats=stats.json --preview=preview.png
+render out.png --oversample=1 --threads=1 -z out.z --stats=stats.json --preview=preview.png
 head -c 8 out.png | od -An -c | grep -q 'P   N   G' || fail "out.png is no PNG"
 cmp out.png preview.png || fail "the last preview is not the picture"
 [ "$(wc -c <out.z)" -eq $((120 * 90 * 4)) ] || fail "out.z has not a float a pixel"
