@@ -744,10 +744,14 @@ submit_options_help(FILE *to)
 void
 submit_options_defaults(const struct submit_options *o, FILE *to)
 {
+    struct submit_options chosen = *o;
     char text[32];
 
     rad_view_print_defaults(&o->view, print_line, to);
     rad_params_print_defaults(&o->params, print_line, to);
+    choose_oversample(&chosen);
+    snprintf(text, sizeof text, "--oversample %d", chosen.oversample);
+    fprintf(to, "%-31s # samples a side of a pixel\n", text);
     snprintf(text, sizeof text, "-t %d", o->report_s);
     fprintf(to, "%-31s # time between reports\n", text);
     fprintf(to, "%-31s # warning messages\n", o->quiet ? "-w-" : "-w+");

@@ -61,8 +61,10 @@ check_quality() # PAGE
             $1 == ".It" && $2 == "Fl" && $4 == "Ta" {
                 split($0, cell, " Ta ")
                 rows++
-                if (value["-" $3] + 0 != cell[column + 1] + 0)
-                    print "-" $3 " of " word " is " value["-" $3] ", not " \
+                name = "-" $3
+                gsub(/\\/, "", name)
+                if (value[name] + 0 != cell[column + 1] + 0)
+                    print name " of " word " is " value[name] ", not " \
                         cell[column + 1]
             }
             END { if (!rows) print "no table of " word }' \
