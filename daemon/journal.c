@@ -312,6 +312,7 @@ modernise(struct journal *j, struct rad_error *err)
     int rc = exec(j, "PRAGMA cache_spill = OFF; BEGIN IMMEDIATE", err);
 
     j->in_transaction = rc == 0;
+    j->old = true;
     return rc == 0 ? exec(j, since_4, err) : rc;
 }
 
@@ -496,6 +497,12 @@ journal_take_over(struct journal *j, struct rad_error *err)
     sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
     sqlite3_snprintf(sizeof text, text, "PRAGMA user_version = %d", SCHEMA);
     return exec(j, text, err);
+}
+
+bool
+journal_is_old(const struct journal *j)
+{
+    return j->old;
 }
 
 /* --- transactions --- */

@@ -36,6 +36,8 @@ int journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
 /* All that an earlier version left is taken up: it is of this one, and one that
  * knows less does not begin on it. */
 int journal_take_over(struct journal *j, struct rad_error *err);
+/* Did one leave it? */
+bool journal_is_old(const struct journal *j);
 
 /* --- putting --- */
 

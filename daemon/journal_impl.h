@@ -50,6 +50,7 @@ struct journal {
     sqlite3_stmt *stmt[NSQL];
     struct wire_out out;
     bool had_log; /* before it was opened */
+    bool old;     /* of an earlier version */
     bool in_transaction;
     int undone;    /* SQLite gave the transaction up, for this; 0: it did not */
     int wal_pages; /* in the log */

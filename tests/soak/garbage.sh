@@ -19,8 +19,8 @@ else
 fi
 flood=$top_builddir/tests/flood
 growth_kib=16384
-# and for each job that ended meanwhile and is remembered, for a minute at least
-job_kib=64
+# and for each job that ended meanwhile and is remembered
+job_kib=24
 remembered()
 {
     "$radctl" --coordinator="$sock" jobs --json | grep -c '"state"'
