@@ -18,9 +18,18 @@ actions_init(struct action_list *l)
     wire_out_init(&l->scratch, MSG_FRAME_MAX);
 }
 
+static void
+free_texts(struct action_list *l)
+{
+    while (l->ntexts > 0)
+        free(l->texts[--l->ntexts]);
+}
+
 void
 actions_release(struct action_list *l)
 {
+    free_texts(l);
+    free(l->texts);
     free(l->v);
     rad_arena_release(&l->mem);
     wire_out_release(&l->scratch);
@@ -30,6 +39,7 @@ void
 actions_clear(struct action_list *l)
 {
     l->n = 0;
+    free_texts(l);
     rad_arena_rewind(&l->mem, (struct rad_arena_mark){ 0 });
 }
 
@@ -107,6 +117,38 @@ actions_send_kept(struct action_list *l, uint64_t conn, const uint8_t *kept,
         return;
     a->bytes = kept;
     a->len = len;
+}
+
+bool
+actions_own(struct action_list *l, char *text)
+{
+    if (l->ntexts == l->cap_texts) {
+        size_t cap = l->cap_texts ? 2 * l->cap_texts : 4;
+        char **v = realloc(l->texts, cap * sizeof *v);
+
+        if (!v) {
+            free(text);
+            l->failed = true;
+            return false;
+        }
+        l->texts = v;
+        l->cap_texts = cap;
+    }
+    l->texts[l->ntexts++] = text;
+    return true;
+}
+
+char *
+actions_take(struct action_list *l, const uint8_t *text)
+{
+    for (size_t i = 0; i < l->ntexts; i++)
+        if ((const uint8_t *)l->texts[i] == text) {
+            char *taken = l->texts[i];
+
+            l->texts[i] = l->texts[--l->ntexts];
+            return taken;
+        }
+    return NULL;
 }
 
 void

@@ -41,7 +41,7 @@ enum action_type {
     ACT_DRAINED,       /* text, status: to keep whether that worker is drained,
                         * 1 or 0 */
     ACT_JOB_END,       /* job, bytes: it is over; keep how, and bytes as its
-                        * statistics; then coord_job_filed */
+                        * statistics (actions_take); then coord_job_filed */
     ACT_KEEP_UNIT,     /* job, unit: remember it some time, before any of its
                         * rows */
     ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
@@ -139,6 +139,8 @@ struct action_list {
     size_t n, cap;
     struct rad_arena mem;
     struct wire_out scratch; /* where messages are packed */
+    char **texts;            /* that it owns, see actions_own() */
+    size_t ntexts, cap_texts;
     bool failed;             /* memory is out: the daemon must end */
 };
 
@@ -168,6 +170,14 @@ void actions_send_bytes(struct action_list *l, uint64_t conn,
 uint8_t *actions_keep(struct action_list *l, const uint8_t *bytes, size_t len);
 void actions_send_kept(struct action_list *l, uint64_t conn,
                        const uint8_t *kept, size_t len);
+
+/* Take a text, malloc'd, that is too long to be copied: it is freed with the
+ * actions, unless actions_take() got it.  False: memory is out; it is freed,
+ * and l->failed is set. */
+bool actions_own(struct action_list *l, char *text);
+/* The text that begins there is the caller's from now on; NULL: it was not the
+ * list's. */
+char *actions_take(struct action_list *l, const uint8_t *text);
 
 void actions_session(struct action_list *l, uint64_t conn,
                      enum msg_session session, unsigned version);

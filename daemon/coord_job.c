@@ -362,14 +362,14 @@ file_text(struct coord *c, struct job *job)
     struct action *a;
 
     job->filing = NULL;
+    if (!actions_own(&c->actions, text))
+        return;
     a = actions_add_job(&c->actions, ACT_JOB_END, 0, job->id);
-    if (a) {
-        a->sequence = job->sequence;
-        a->len = strlen(text);
-        a->bytes = rad_arena_dup(&c->actions.mem, (uint8_t *)text, a->len);
-        c->actions.failed |= !a->bytes;
-    }
-    free(text);
+    if (!a)
+        return;
+    a->sequence = job->sequence;
+    a->len = strlen(text);
+    a->bytes = (uint8_t *)text;
 }
 
 /* The next piece of its statistics; with the last it is filed. */

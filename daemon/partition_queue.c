@@ -24,7 +24,7 @@
 struct guess {
     float sum; /* of what its neighbours took, 1: the usual */
     uint32_t n;
-    uint32_t rank;  /* random, each once in a frame */
+    uint32_t rank;  /* random, each once, and by frames */
     uint32_t place; /* in the heap; PARTITION_NONE: it has gone out */
 };
 
@@ -131,11 +131,11 @@ queue_new(struct partition *p, uint64_t seed, bool fresh)
                 break;
         rank_frame(q, rad_key_branch(rad_mix64(seed), frame), first, end);
     }
+    /* nothing is guessed yet, so ranks are the order, and what is in order is a
+     * heap */
     for (uint32_t u = 0; u < p->total; u++)
-        put_at(q, u, u);
+        put_at(q, q->guess[u].rank, u);
     q->n = p->total;
-    for (uint32_t i = q->n / 2; i-- > 0;)
-        sift_down(p, i);
     q->fresh = fresh;
     return true;
 }

@@ -8,6 +8,7 @@
 #include "log.h"
 #include "service.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -104,8 +105,12 @@ end_job(struct radcoord *r, const struct action *a)
 {
     struct saved_job saved;
 
+    char *stats = actions_take(coord_actions(r->coord), a->bytes);
+
     if (coord_saved(r->coord, a->job, &saved))
-        store_end_job(r->store, &saved, a->bytes, a->len);
+        store_end_job(r->store, &saved, stats, a->len);
+    else
+        free(stats);
 }
 
 static void

@@ -19,6 +19,9 @@
 #define MOST_JOBS 20000 /* of all users, that are not over */
 #define FULL_MS   3000  /* an answer waits for room on the disk */
 
+/* Of statistics that are whole, in a tick: well below a millisecond. */
+#define TELL_BYTES ((size_t)4 * MSG_MAX_CHUNK)
+
 static void
 reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
              const char *text)
@@ -497,15 +500,13 @@ on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
     reply_settled(c, conn, m->request);
 }
 
-/* Text as CHUNKs. */
+/* Bytes at to end of a text, as CHUNKs. */
 static void
 send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
-          const char *text)
+          const char *text, size_t total, size_t at, size_t end)
 {
-    size_t total = strlen(text);
-
-    for (size_t at = 0; at < total; at += MSG_MAX_CHUNK) {
-        size_t n = total - at < MSG_MAX_CHUNK ? total - at : MSG_MAX_CHUNK;
+    for (; at < end; at += MSG_MAX_CHUNK) {
+        size_t n = end - at < MSG_MAX_CHUNK ? end - at : MSG_MAX_CHUNK;
         struct msg m = { .type = MSG_CHUNK,
                          .request = request,
                          .chunk = { NULL, at, total, (const uint8_t *)text + at,
@@ -518,7 +519,9 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
 /* Statistics that somebody waits for. */
 struct coord_telling {
     struct coord_telling *next;
-    struct stats_text *text;
+    struct stats_text *text; /* NULL: it is whole */
+    char *whole;
+    size_t len, sent; /* of that [bytes] */
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job */
     uint32_t request;
@@ -531,6 +534,7 @@ drop_telling(struct coord_conn *conn, struct coord_telling **at)
 
     *at = t->next;
     stats_free(t->text);
+    free(t->whole);
     free(t);
     conn->answers--;
 }
@@ -549,9 +553,21 @@ request_tells(const struct coord *c, const struct job *job)
 {
     for (const struct coord_conn *i = c->conns; i; i = i->next)
         for (const struct coord_telling *t = i->telling; t; t = t->next)
-            if (t->sequence == job->sequence)
+            if (t->text && t->sequence == job->sequence)
                 return true;
     return false;
+}
+
+/* The next of what is whole; likewise. */
+static bool
+send_more(struct coord *c, const struct coord_conn *conn,
+          struct coord_telling *t)
+{
+    size_t end = t->len - t->sent < TELL_BYTES ? t->len : t->sent + TELL_BYTES;
+
+    send_text(c, conn, t->request, t->whole, t->len, t->sent, end);
+    t->sent = end;
+    return end < t->len;
 }
 
 /* The next piece; false: there is none any more. */
@@ -559,22 +575,23 @@ static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
     const struct job *job = told_of(c, t);
-    int rc = job ? stats_more(t->text, job, STATS_PIECE) : 0;
-    char *text;
+    int rc;
 
+    if (t->whole)
+        return send_more(c, conn, t);
     if (!job) {
         coord_reply_failed(c, conn, t->request, t->job, EX_NOINPUT,
                            "no such job");
         return false;
     }
-    if (rc == 1) {
-        text = stats_take(t->text);
-        t->text = NULL;
-        send_text(c, conn, t->request, text);
-        free(text);
-    }
+    rc = stats_more(t->text, job, STATS_PIECE);
     c->actions.failed |= rc < 0;
-    return rc == 0;
+    if (rc != 1)
+        return rc == 0;
+    t->whole = stats_take(t->text);
+    t->text = NULL;
+    t->len = strlen(t->whole);
+    return send_more(c, conn, t);
 }
 
 /* Of few units at once, of many with the time. */

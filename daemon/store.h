@@ -146,8 +146,9 @@ void store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
                      int32_t priority);
 /* An admin drained the worker, or had enough of that. */
 void store_put_drained(struct store *s, const char *worker, bool drained);
-void store_end_job(struct store *s, const struct saved_job *saved,
-                   const void *stats, size_t len);
+/* Takes its statistics, malloc'd and of len bytes. */
+void store_end_job(struct store *s, const struct saved_job *saved, char *stats,
+                   size_t len);
 void store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
                      const struct saved_unit *unit);
 void store_put_rows(struct store *s, const struct action_rows *rows);

@@ -287,23 +287,19 @@ end_done(struct task *t)
 }
 
 void
-store_end_job(struct store *s, const struct saved_job *saved, const void *stats,
+store_end_job(struct store *s, const struct saved_job *saved, char *stats,
               size_t len)
 {
     struct saved_task *o =
         s->journal ? new_saved_task(s, saved, end_run, end_done) : NULL;
 
     give_up_opening(s, saved->spec.job);
-    if (!o)
-        return;
-    o->stats = malloc(len + 1);
-    o->stats_len = len;
-    if (!o->stats) {
-        free_saved(o);
-        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+    if (!o) {
+        free(stats);
         return;
     }
-    memcpy(o->stats, stats, len);
+    o->stats = stats;
+    o->stats_len = len;
     store_push_lasting(s, &o->task);
 }
 

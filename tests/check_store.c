@@ -1230,7 +1230,7 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
 
     memcpy(from.job, kept_job, MSG_JOB);
     make_kept(&loop, &s, &h);
-    store_end_job(s, &end, "{ }", 3);
+    store_end_job(s, &end, strdup("{ }"), 3);
     close_kept(&loop, s);
     ck_assert_int_eq(h.filed, 1);
     ck_assert_uint_eq(h.sequence, 6);
