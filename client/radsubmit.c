@@ -241,6 +241,8 @@ foresee(struct program *p)
 static void
 on_progress(void *arg, const struct msg_progress *m)
 {
+    bool lost =
+        m->state == MSG_STATE_CANCELLED || m->state == MSG_STATE_FAILED;
     struct program *p = arg;
     struct progress_report r = { .elapsed_s = m->elapsed_s,
                                  .done = share_done(m),
@@ -249,13 +251,15 @@ on_progress(void *arg, const struct msg_progress *m)
                                  .working = m->state == MSG_STATE_RUNNING &&
                                             m->workers > 0 };
 
-    say_held(p, m->state == MSG_STATE_HELD);
-    say_paused(p, m->state == MSG_STATE_PAUSED);
+    if (!lost) { /* then it does not go on */
+        say_held(p, m->state == MSG_STATE_HELD);
+        say_paused(p, m->state == MSG_STATE_PAUSED);
+    }
     say_waiting(p, m);
     say_left(p, &r, m->state == MSG_STATE_RUNNING);
     note_wonder(p, m);
     foresee(p);
-    if (m->state != MSG_STATE_CANCELLED) /* how far it got is said anyway */
+    if (!lost) /* how far it got is said anyway */
         progress_update(&p->progress, &r);
     p->elapsed_s = m->elapsed_s;
     p->error = m->error;

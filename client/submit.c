@@ -42,6 +42,7 @@ struct submit {
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
     bool connected;    /* at some time */
     bool asked; /* SUBMIT has gone out, so the job may be there */
+    bool known; /* it is: accepted, or it waits for room on the disk */
     bool accepted, met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
@@ -87,7 +88,7 @@ interrupted(struct submit *s)
 
     if (s->cancelled || s->cb->alive || !s->asked)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
-    if (s->accepted)
+    if (s->known)
         return left_behind(s);
     msg_job_format(s->job->spec->job, hex);
     return rad_fail(s->err, RAD_ETEMPFAIL,
@@ -105,6 +106,15 @@ is_ours(const struct submit *s, const uint8_t *job)
            memcmp(job, none, MSG_JOB) == 0;
 }
 
+/* The coordinator has named the job: now its id is of use. */
+static void
+note_known(struct submit *s)
+{
+    if (!s->known && s->cb->accepted)
+        s->cb->accepted(s->cb->arg);
+    s->known = true;
+}
+
 /* --- what may come at any time --- */
 
 static int
@@ -115,6 +125,8 @@ take(struct submit *s, const struct msg *m)
         if (!is_ours(s, m->progress.job))
             return 0;
         s->last = m->progress;
+        if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
+            note_known(s);
         if (m->progress.workers > 0)
             s->met_worker = true;
         if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
@@ -145,6 +157,8 @@ take(struct submit *s, const struct msg *m)
     }
 }
 
+static int cancel(struct submit *s);
+
 /* Wait for the next message, for ms at most.  1 and *m (taken already), 0, or
  * a failure; an interrupt is one while the job need not be cancelled. */
 static int
@@ -152,7 +166,7 @@ next(struct submit *s, int ms, const struct msg **m)
 {
     int rc;
 
-    if (*s->where.wake > (s->accepted ? 1 : 0))
+    if (*s->where.wake > (s->known ? 1 : 0))
         return interrupted(s);
     rc = link_recv(s->link, ms, m, s->err);
     if (rc == 1) {
@@ -170,9 +184,12 @@ await(struct submit *s, uint16_t type, const struct msg **m)
 {
     int rc;
 
-    do
+    do {
+        /* it waits for room, and nobody waits for it any more */
+        if (*s->where.wake == 1 && s->known && !s->accepted)
+            return cancel(s);
         rc = next(s, LOOK_MS, m);
-    while (rc == 0 || (rc == 1 && (*m)->type != type));
+    } while (rc == 0 || (rc == 1 && (*m)->type != type));
     return rc < 0 ? rc : 0;
 }
 
@@ -244,12 +261,10 @@ send_job(struct submit *s)
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = await(s, MSG_ACCEPT, &answer)) < 0)
         return rc;
-    if (!s->accepted) {
+    if (!s->accepted)
         s->start_ms = now_ms(s);
-        if (s->cb->accepted)
-            s->cb->accepted(s->cb->arg);
-    }
     s->accepted = true;
+    note_known(s);
     return 0;
 }
 

@@ -32,8 +32,8 @@ struct submit_callbacks {
     /* Is the coordinator worth calling again?  An embedded one's processes may
      * have ended.  NULL: always. */
     bool (*alive)(void *arg);
-    /* The coordinator has the scene and the job, for the first time.  NULL:
-     * nobody asks. */
+    /* The coordinator has the scene and the job, for the first time; the job
+     * may wait for room on its disk.  NULL: nobody asks. */
     void (*accepted)(void *arg);
     /* Is nobody at the job for longer than a user can explain?  Then the
      * coordinator is asked, and reason() told what it says, "" for nothing.

@@ -60,6 +60,7 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
 struct found {
     char address[LONGEST];
     char key[LONGEST];
+    bool has_address, has_key; /* of the file that is read */
 };
 
 static int
@@ -71,10 +72,14 @@ take_pair(void *arg, const char *section, const char *name, const char *value,
     char *to = ours && strcmp(name, "coordinator") == 0 ? f->address
                : ours && strcmp(name, "key") == 0       ? f->key
                                                         : NULL;
+    bool *has = to == f->address ? &f->has_address : &f->has_key;
     struct target parsed;
 
     if (!to)
         return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", name);
+    if (*has)
+        return rad_fail(err, RAD_ECONFIG, "'%s' is there twice", name);
+    *has = true;
     if (strlen(value) >= LONGEST)
         return rad_fail(err, RAD_ECONFIG, "'%s': longer than %d bytes", name,
                         LONGEST - 1);
@@ -89,7 +94,7 @@ take_pair(void *arg, const char *section, const char *name, const char *value,
 static int
 read_file(struct found *known, const char *path, struct rad_error *err)
 {
-    struct found f = { "", "" };
+    struct found f = { .address = "" };
     FILE *in = fopen(path, "re");
     int rc;
 
@@ -155,7 +160,7 @@ int
 target_find(struct target *a, const char *given, const char *key,
             struct rad_error *err)
 {
-    struct found f = { "", "" };
+    struct found f = { .address = "" };
     char path[4096];
     int rc = 0;
 

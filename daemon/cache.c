@@ -181,10 +181,12 @@ evict(struct cache *c)
     return true;
 }
 
-static unsigned
+/* Figures that differ where the bytes do: rounded to whole MiB a full cache of
+ * small files seems to have room. */
+static double
 mib(uint64_t bytes)
 {
-    return (unsigned)((bytes + (1 << 20) - 1) >> 20);
+    return (double)bytes / (1 << 20);
 }
 
 /* Is there room for so many bytes, if all goes that may?  Nothing goes for what
@@ -197,13 +199,13 @@ check_room(const struct cache *c, uint64_t bytes, struct rad_error *err)
 
     if (used > c->limit || bytes > c->limit - used)
         return rad_fail(err, RAD_EFULL,
-                        "no room in the cache: %u MiB more are needed, %u are "
-                        "in use, and it may have %u (cache_mib)",
+                        "no room in the cache: %.4g MiB more are needed, %.4g "
+                        "are in use, and it may have %.4g (cache_mib)",
                         mib(bytes), mib(used), mib(c->limit));
     if (room < UINT64_MAX - c->unused && bytes > room + c->unused)
         return rad_fail(err, RAD_EFULL,
-                        "no room on the disk: %u MiB more are needed, and %u "
-                        "are free",
+                        "no room on the disk: %.4g MiB more are needed, and "
+                        "%.4g are free",
                         mib(bytes), mib(room + c->unused));
     return 0;
 }

@@ -111,24 +111,43 @@ set_named(const struct conf_table *t, void *settings, const char *name,
 struct filling {
     const struct conf_table *table;
     void *settings;
+    bool set[MAX_KEYS]; /* by the file so far */
 };
+
+/* Which of two values somebody means nobody can know. */
+static int
+note_set(struct filling *f, const char *name, struct rad_error *err)
+{
+    const struct conf_key *keys = f->table->keys;
+
+    for (int i = 0; keys[i].name && i < MAX_KEYS; i++) {
+        if (strcmp(keys[i].name, name) != 0)
+            continue;
+        if (f->set[i])
+            return rad_fail(err, RAD_ECONFIG, "'%s' is there twice", name);
+        f->set[i] = true;
+    }
+    return 0;
+}
 
 static int
 take_pair(void *arg, const char *section, const char *name, const char *value,
           struct rad_error *err)
 {
     struct filling *f = arg;
+    int rc;
 
     if (section[0] && strcmp(section, f->table->program) != 0)
         return rad_fail(err, RAD_ECONFIG, "unknown section '%s'", section);
-    return set_named(f->table, f->settings, name, value, err);
+    rc = note_set(f, name, err);
+    return rc < 0 ? rc : set_named(f->table, f->settings, name, value, err);
 }
 
 int
 conf_read(const struct conf_table *t, void *settings, const char *path,
           struct rad_error *err)
 {
-    struct filling f = { t, settings };
+    struct filling f = { .table = t, .settings = settings };
     FILE *file = fopen(path, "re");
     int rc;
 

@@ -21,6 +21,7 @@
 #include <string.h>
 
 #define PROGRESS_MS 500
+#define FULL_TELL_MS 60000 /* least time between lines of a full disk */
 #define LEASE_MS    60000
 #define KEPT_JOBS   100 /* that are over */
 
@@ -461,6 +462,23 @@ say_held(struct coord *c, const struct coord_conn *conn)
     actions_send(&c->actions, conn->id, &m);
 }
 
+/* A disk about as full as may be has room and has none by turns: the log tells
+ * it once a minute, by pairs of lines, and then that it is full if it stays. */
+static void
+log_fullness(struct coord *c)
+{
+    if (c->full && !c->full_told &&
+        (c->full_told_ms == 0 || c->now_ms - c->full_told_ms >= FULL_TELL_MS)) {
+        actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
+                    c->full_text);
+        c->full_told = true;
+        c->full_told_ms = c->now_ms;
+    } else if (!c->full && c->full_told) {
+        actions_log(&c->actions, ACT_INFO, "disk has room, jobs go on");
+        c->full_told = false;
+    }
+}
+
 void
 coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
 {
@@ -469,11 +487,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     rad_text_print(c->full_text, sizeof c->full_text, "no room on the disk: %s",
                    text);
     wire_clean(c->full_text);
-    if (full)
-        actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
-                    text);
-    else
-        actions_log(&c->actions, ACT_INFO, "disk has room, jobs go on");
+    log_fullness(c);
     for (size_t i = 0; i < c->njobs; i++)
         c->jobs[i]->held = full || c->jobs[i]->waits;
     c->progress_ms = 0; /* those who watch hear of it at the next tick */
@@ -532,6 +546,7 @@ void
 coord_tick(struct coord *c, uint64_t now_ms)
 {
     c->now_ms = now_ms;
+    log_fullness(c);
     sched_tick(c);
     request_tick(c);
     look_after_uploads(c);

@@ -224,18 +224,18 @@ void
 coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
 {
     static const char *const whys[GONE_NWHYS] = {
-        [GONE_MANY] = "keep_jobs",
-        [GONE_OLD] = "keep_days",
-        [GONE_LARGE] = "keep_mib",
-        [GONE_BEFORE] = "a restart",
-        [GONE_DELETED] = "radctl delete",
+        [GONE_MANY] = "forgotten for keep_jobs",
+        [GONE_OLD] = "forgotten for keep_days",
+        [GONE_LARGE] = "forgotten for keep_mib",
+        [GONE_BEFORE] = "forgotten at a restart",
+        [GONE_DELETED] = "deleted by radctl",
     };
     char when[COORD_TIME];
 
     coord_time_text(g->gone_ms, when);
     /* short enough for a cell of a table */
-    snprintf(text, MSG_MAX_TEXT + 1, "forgotten for %s on %s%s",
-             g->why < GONE_NWHYS ? whys[g->why] : "?", when,
+    snprintf(text, MSG_MAX_TEXT + 1, "%s on %s%s",
+             g->why < GONE_NWHYS ? whys[g->why] : "forgotten", when,
              g->fetched ? "" : ", not fetched");
 }
 

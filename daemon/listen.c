@@ -23,7 +23,8 @@
 
 #define BACKLOG  64
 #define AT_ONCE  64  /* connections that are taken in a turn of the loop */
-#define AGAIN_MS 100 /* after a shortage */
+#define AGAIN_MS 100   /* after a shortage */
+#define TELL_MS  60000 /* least time between lines that tell of one */
 
 /* Descriptors that connections leave for files, children and the like, where
  * there are many; else a quarter. */
@@ -39,8 +40,9 @@ struct listener {
     int fd;
     int most; /* descriptors above this are not for connections */
     bool local;
-    bool told; /* that it waits */
-    struct log_limit waits; /* lines that say so */
+    bool waits;          /* somebody does, since the last that was taken */
+    bool told;           /* that it waits, ever; */
+    uint64_t told_ms;    /* then when */
     struct listener_conf conf;
     struct gate *gate; /* of TCP */
     struct address at;
@@ -163,11 +165,15 @@ go_on(uv_timer_t *again)
 static void
 wait_for_some(struct listener *l, const char *why)
 {
-    unsigned dropped; /* who connects and goes can make it say so at each turn */
+    uint64_t now_ms = uv_now(l->again.loop);
 
-    if (!l->told && log_allowed(&l->waits, uv_now(l->again.loop), &dropped))
+    /* who connects and goes can make it begin to wait at each turn */
+    if (!l->waits && (!l->told || now_ms - l->told_ms >= TELL_MS)) {
         log_warn("connections wait on=%s: %s", l->text, why);
-    l->told = true;
+        l->told = true;
+        l->told_ms = now_ms;
+    }
+    l->waits = true;
     uv_poll_stop(&l->poll);
     uv_timer_start(&l->again, go_on, AGAIN_MS, 0);
 }
@@ -212,7 +218,7 @@ on_ready(uv_poll_t *poll, int status, int events)
         }
         if (fd < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
             return;
-        l->told = false;
+        l->waits = false;
         if (fd >= 0) /* else that one is gone already */
             take_one(l, fd);
     }

@@ -127,6 +127,8 @@ struct coord {
     uint64_t uploads_ms; /* when those that wait were looked at last */
     bool full;           /* the disk is: jobs are held */
     char full_text[MSG_MAX_TEXT + 1];
+    bool full_told;        /* the log has it that the disk is full now */
+    uint64_t full_told_ms; /* when it last said so; 0: never */
     struct action_list actions;
     uint64_t now_ms;
     struct coord_conn *conns;

@@ -209,10 +209,13 @@ int
 service_lock_dir(const char *path, struct rad_error *err)
 {
     char lock[PATH_MAX];
+    struct stat st;
     int fd;
 
     if (snprintf(lock, sizeof lock, "%s/lock", path) >= (int)sizeof lock)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    if (lstat(lock, &st) == 0 && !S_ISREG(st.st_mode))
+        return rad_fail(err, RAD_EDATA, "'%s' is no file", lock);
     fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
         return rad_fail(err, errno == EACCES ? RAD_EPERM : RAD_ECANTCREAT,

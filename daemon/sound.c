@@ -146,9 +146,12 @@ sounds_require(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
                const char *path, struct rad_error *err)
 {
     bool damaged;
+    struct stat st;
 
     if (sounds_check(s, digest, path, &damaged))
         return 0;
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
+        return rad_fail(err, RAD_EDATA, "'%s' is no file", path);
     if (damaged)
         return rad_fail(err, RAD_EDATA, "'%s' is damaged: its hash is another",
                         path);

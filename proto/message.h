@@ -267,6 +267,7 @@ struct msg_fault {
 #define MSG_STATE_WAITING   0
 #define MSG_STATE_RUNNING   1
 #define MSG_STATE_PAUSED    2
+#define MSG_STATE_FAILED    4
 #define MSG_STATE_CANCELLED 5
 #define MSG_STATE_HELD      6
 

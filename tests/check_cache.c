@@ -157,15 +157,22 @@ START_TEST(the_order_outlives_the_process)
 }
 END_TEST
 
+#define FULL_TEXT                                                              \
+    "no room in the cache: 0.00293 MiB more are needed, 0.001953 are in use, " \
+    "and it may have 0.003906 (cache_mib)"
+
 START_TEST(nothing_goes_for_what_does_not_fit)
 {
+    struct rad_error err = { 0 };
+
     for (int i = 0; i < 3; i++)
         make_file(i, 10 + i);
     c = cache_new(&blobs, 4 * KIB, NULL);
     ck_assert_int_eq(use(job_a, 0, 2, 2 * KIB), 0);
     ck_assert_int_eq(use(job_b, 3, 3, 3 * KIB), RAD_EFULL);
     ck_assert_int_eq(use(job_b, 3, 3, UINT64_MAX), RAD_EFULL);
-    ck_assert_int_eq(cache_expect(c, 3 * KIB, NULL), RAD_EFULL);
+    ck_assert_int_eq(cache_expect(c, 3 * KIB, &err), RAD_EFULL);
+    ck_assert_str_eq(err.what, FULL_TEXT);
     ck_assert_int_eq(cache_expect(c, UINT64_MAX, NULL), RAD_EFULL);
     ck_assert(is_there(0) && is_there(1) && is_there(2));
     cache_leave(c, job_a);

@@ -511,6 +511,11 @@ START_TEST(coordinator_comes_from_the_first_place_that_names_one)
     ck_assert_int_eq(target_find(&t, NULL, NULL, &err), RAD_ECONFIG);
     ck_assert_ptr_nonnull(strstr(err.what, "cordinator"));
     ck_assert_ptr_nonnull(strstr(err.where, "radsubmit.conf:2"));
+    err = (struct rad_error){ 0 };
+    file_with("radd/radsubmit.conf", "key = /a\nkey = /b\n");
+    ck_assert_int_eq(target_find(&t, NULL, NULL, &err), RAD_ECONFIG);
+    ck_assert_ptr_nonnull(strstr(err.where, "radsubmit.conf:2"));
+    ck_assert_str_eq(err.what, "'key' is there twice");
 }
 END_TEST
 

@@ -171,6 +171,8 @@ static const struct {
     { "host_name = x\n\nthreads = 65\n", ":3", "'threads': 65 is not within" },
     { "threads = 3x\n", ":1", "bad number '3x'" },
     { "loud = perhaps\n", ":1", "expected yes or no" },
+    { "threads = 3\n[radd]\nloud = yes\nthreads = 3\n", ":4",
+      "'threads' is there twice" },
     { "thread = 3\n", ":1", "unknown key 'thread'" },
     { "hidden = 3\n", ":1", "unknown key 'hidden'" },
     { "threads = 1\nhost_name = misspelt\n", ":2",

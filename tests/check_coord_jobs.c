@@ -553,6 +553,24 @@ START_TEST(frames_are_fetched_when_they_are_there)
 }
 END_TEST
 
+/* It is nearly full: room comes and goes twice a second. */
+START_TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
+{
+    for (int i = 0; i < 60; i++) {
+        coord_fullness(f.c, f.now_ms, i % 2 == 0, "cannot write 'x'");
+        wait_s(&f, 1);
+    }
+    ck_assert_int_eq(f.full_logs, 1);
+    ck_assert_int_eq(f.room_logs, 1);
+    coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
+    wait_s(&f, 70); /* and stays full */
+    ck_assert_int_eq(f.full_logs, 2);
+    coord_fullness(f.c, f.now_ms, false, "");
+    wait_s(&f, 1);
+    ck_assert_int_eq(f.room_logs, 2);
+}
+END_TEST
+
 START_TEST(a_full_disk_holds_jobs)
 {
     f.have = false;
@@ -823,6 +841,7 @@ main(void)
     tcase_add_test(tc, long_statistics_are_told_in_pieces);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
     tcase_add_test(tc, a_full_disk_holds_jobs);
+    tcase_add_test(tc, a_disk_that_is_full_by_turns_is_told_now_and_then);
     tcase_add_loop_test(tc, cancel_is_answered_whatever_the_job_is_at, 0,
                         2 * N_ELEM(states));
     tcase_add_test(tc, an_answer_comes_as_soon_as_there_is_room);

@@ -48,6 +48,7 @@ struct fixture {
     int hang_logs;
     int exclude_logs;
     int break_logs, unlogged; /* of connections that it closed */
+    int full_logs, room_logs; /* that the disk is full, and has room again */
     unsigned version[CONNS];
     int peers[CONNS]; /* JOB_PEERS that came */
     int seeds[CONNS]; /* SEEDs, before any UNIT of theirs */
@@ -145,6 +146,8 @@ carry_out(struct fixture *f)
         if (l->v[i].type == ACT_LOG) {
             f->differ_logs += !!strstr(l->v[i].text, "duplicate differs");
             f->hang_logs += !!strstr(l->v[i].text, "worker hangs");
+            f->full_logs += !!strstr(l->v[i].text, "disk full");
+            f->room_logs += !!strstr(l->v[i].text, "disk has room");
             f->exclude_logs += !!strstr(l->v[i].text, "worker excluded");
             f->break_logs += !!strstr(l->v[i].text, "connection closed");
             sscanf(l->v[i].text, "connections closed and not logged n=%d",

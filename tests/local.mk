@@ -409,6 +409,7 @@ EXTRA_DIST += \
 	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
+	tests/e2e/steer_lib.sh \
 	tests/e2e/faults.sh \
 	tests/scenes
 TESTS += \

@@ -220,8 +220,11 @@ check_reference(struct checker *c, const struct rad_object *o)
 static void
 check_alias(struct checker *c, const struct rad_object *o)
 {
-    if (o->nstrings == 0 ? o->modifier == RAD_VOID
-                         : strcmp(o->strings[0], "void") == 0)
+    bool nothing = o->nstrings == 0 ? o->modifier == RAD_VOID
+                                    : strcmp(o->strings[0], "void") == 0;
+
+    /* of a line of text its reader has told, by the name that it looked for */
+    if (nothing && o->line == 0)
         report(c, o, RAD_EDATA, "alias of nothing");
     check_reference(c, o);
 }

@@ -279,8 +279,11 @@ read_alias(struct reader *r, struct rad_object *o, struct rad_error *err)
         return rc;
     ref = rad_scene_find_modifier(r->parser->scene, r->lex.word, INT32_MAX);
     if (ref == RAD_VOID) {
-        rad_fail(&now, RAD_EDATA, "alias '%s' of undefined modifier '%s'",
-                 o->name, r->lex.word);
+        if (strcmp(r->lex.word, "void") == 0)
+            rad_fail(&now, RAD_EDATA, "alias '%s' of nothing", o->name);
+        else
+            rad_fail(&now, RAD_EDATA, "alias '%s' of undefined modifier '%s'",
+                     o->name, r->lex.word);
         if (o->modifier == MODIFIER_INHERIT)
             o->modifier = RAD_VOID;
         return survive(r, r->lex.line, &now, err);

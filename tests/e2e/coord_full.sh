@@ -126,12 +126,10 @@ is_over()
         grep -q '"state": "cancelled"' jobs.json
 }
 until_true 30 is_over || fail "it is not cancelled: $(cat jobs.json)"
-# and that is kept
-has_gone_on()
-{
-    [ "$(grep -c 'jobs are held' c.log)" -eq "$(grep -c 'disk has room' c.log)" ]
-}
-until_true 30 has_gone_on || fail "there is room, but nothing goes on"
+# and that is kept, as what comes after it is
+# shellcheck disable=SC2086
+timeout 60 "$radsubmit" --coordinator="$sock" $view -x 40 -y 30 -o small.hdr \
+    "$room" 2>small.err || fail "there is room, but nothing goes on"
 
 # a coordinator that ends while it is full loses nothing
 fill
@@ -192,6 +190,41 @@ if [ $FULL_TMPFS = yes ]; then
         2>after.err || fail "after: $(cat after.err)"
     says_held after && fail "a job is held for another's want"
     cmp alone.hdr after.hdr || fail "the picture beside one that waits differs"
+    # who goes away from one that waits is told that it stays; an interrupt
+    # cancels it
+    for signal in TERM INT; do
+        : >stays.err
+        # shellcheck disable=SC2086
+        (trap - INT && exec python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --coordinator="$sock" \
+            --name=stays $view -x 2000 -y 1500 -o stays.hdr "$room") \
+            2>stays.err &
+        stays=$!
+        until_true 30 grep -q '^radsubmit: job ' stays.err ||
+            fail "a job that waits has no id: $(cat stays.err)"
+        until_true 30 says_held stays || fail "stays: $(cat stays.err)"
+        id=$(sed -n 's/^radsubmit: job //p' stays.err)
+        kill -$signal $stays
+        wait $stays
+        [ $? -eq 75 ] || fail "SIG$signal: $(cat stays.err)"
+        case $signal in
+        TERM)
+            grep -q "the job stays, and goes on when the .*'s disk has room:" \
+                stays.err || fail "it is not said: $(cat stays.err)"
+            "$radctl" --coordinator="$sock" cancel "$id" || fail "cancel it"
+            ;;
+        INT)
+            grep -q '^radsubmit: cancelled: ' stays.err ||
+                fail "not cancelled: $(cat stays.err)"
+            grep -q 'goes on' stays.err &&
+                fail "a job that is cancelled goes on: $(cat stays.err)"
+            "$radctl" --coordinator="$sock" job "$id" | grep -q cancelled ||
+                fail "it is there: $("$radctl" --coordinator="$sock" jobs)"
+            ;;
+        esac
+    done
+
     # paused meanwhile, it is so when it has its room, in another life too
     id=$(sed -n 's/^radsubmit: job //p' more.err)
     "$radctl" --coordinator="$sock" pause "$id" || fail "it cannot be paused"

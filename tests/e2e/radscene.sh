@@ -335,4 +335,16 @@ expect 65 'other.rad: not a file of ambient records' \
 expect 64 'there are no ambient records without' \
     sh -c "$radscene rays -I -af cell.amb cell.rad <rays"
 cmp cell.amb first.amb || failed=1
+# an alias is told of once, by the name that is not there
+echo 'void alias b foo' >alias.rad
+expect 65 "alias.rad:1: alias 'b' of undefined modifier 'foo'" \
+    $radscene check alias.rad
+echo 'void alias b void' >void.rad
+expect 65 "void.rad:1: alias 'b' of nothing" $radscene check void.rad
+for f in alias.rad void.rad; do
+    [ "$($radscene check $f 2>&1 | grep -c .)" -eq 1 ] || {
+        echo "FAIL: of $f: $($radscene check $f 2>&1)"
+        failed=1
+    }
+done
 exit $failed

@@ -110,6 +110,10 @@ damage()
         rm "$1"
         mkfifo "$1"
         ;;
+    "a folder")
+        rm "$1"
+        mkdir "$1"
+        ;;
     writable) chmod 777 "$1" ;;
     "another user's")
         [ "$(id -u)" -eq 0 ] && chown 12345 "$1" && chmod 755 "$1"

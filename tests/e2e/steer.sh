@@ -4,30 +4,8 @@
 # are those of one process
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/steer_lib.sh"
 set -u
-
-ctl()
-{
-    "$radctl" --coordinator="$sock" "$@"
-}
-
-# submit NAME [OPTIONS]: in the background; its process is $job, its id $id
-submit()
-{
-    name=$1
-    shift
-    "$radsubmit" --coordinator="$sock" --name="$name" --stats="$name.json" \
-        -vf "$scenes/room.vf" -ps 1 -dj 1 -ab 0 -o "$name.hdr" "$@" \
-        "$scenes/room.rad" 2>"$name.err" &
-    job=$!
-    until_true 30 is_new "$name" || fail "$name: no job: $(cat "$name.err")"
-    id=$(sed -n "s/.*job new job=\([0-9a-f]*\) .* name=$name\$/\1/p" c.log)
-}
-
-is_new()
-{
-    grep -q "job new .* name=$1\$" c.log
-}
 
 # said WORDS JOB [MORE]: how often the log has it
 said()
@@ -47,12 +25,6 @@ more_said()
 at_rest()
 {
     [ "$(ctl --json workers | grep -c '"units": 0,')" -eq 3 ]
-}
-
-# total NAME FILE
-total()
-{
-    sed -n "/\"totals\"/,\$s/.*\"$1\": \([0-9]*\).*/\1/p" "$2" | head -1
 }
 
 # A child stands still while it is asked to give back, so that it has something.
@@ -133,12 +105,12 @@ wait $low_job || fail "low: $(cat low.err)"
     fail "alone: $(cat alone.err)"
 for name in paused low; do
     cmp "$name.hdr" alone.hdr || fail "$name: another picture"
-    [ "$(total primary_rays $name.json)" = \
-        "$(total primary_rays alone.json)" ] || fail "$name: other primary rays"
-    echo "$name: $(total rays $name.json) rays, alone $(total rays alone.json)"
+    [ "$(total $name.json primary_rays)" = \
+        "$(total alone.json primary_rays)" ] || fail "$name: other primary rays"
+    echo "$name: $(total $name.json rays) rays, alone $(total alone.json rays)"
 done
 # pixels that were under way, at most; a restart has lost more of the first
-[ "$(total rays low.json)" -le $(($(total rays alone.json) * 102 / 100)) ] ||
+[ "$(total low.json rays)" -le $(($(total alone.json rays) * 102 / 100)) ] ||
     fail "low: rays were traced again"
 cluster_stop
 finish

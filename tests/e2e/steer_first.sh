@@ -4,29 +4,8 @@
 # its rays are those of one process
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
+. "$top_srcdir/tests/e2e/steer_lib.sh"
 set -u
-
-ctl()
-{
-    "$radctl" --coordinator="$sock" "$@"
-}
-
-# submit NAME [OPTIONS]: in the background; its process is $job, its id $id
-submit()
-{
-    name=$1
-    shift
-    "$radsubmit" --coordinator="$sock" --name="$name" --stats="$name.json" \
-        -vf "$scenes/room.vf" -ps 1 -dj 1 -o "$name.hdr" "$@" \
-        "$scenes/room.rad" 2>"$name.err" &
-    job=$!
-    until_true 30 grep -q "job new .* name=$name\$" c.log ||
-        {
-            fail "$name: no job: $(cat "$name.err")"
-            finish
-        }
-    id=$(sed -n "s/.*job new job=\([0-9a-f]*\) .* name=$name\$/\1/p" c.log)
-}
 
 # ticks WORKER...: processor time that their children used
 ticks()
@@ -64,12 +43,6 @@ at_rest()
 before_units()
 {
     ! grep -q "unit out job=$id" c.log
-}
-
-# total NAME FILE
-total()
-{
-    sed -n "/\"totals\"/,\$s/.*\"$1\": \([0-9]*\).*/\1/p" "$2" | head -1
 }
 
 coord_options=--log-level=debug
@@ -120,9 +93,9 @@ wait "$job" || fail "estimated: $(cat estimated.err)"
     -ps 1 -dj 1 $size -o alone.hdr "$scenes/room.rad" 2>alone.err ||
     fail "alone: $(cat alone.err)"
 cmp estimated.hdr alone.hdr || fail "another picture"
-[ "$(total primary_rays estimated.json)" = \
-    "$(total primary_rays alone.json)" ] || fail "other primary rays"
-echo "estimated: $(total rays estimated.json) rays," \
-    "alone $(total rays alone.json)"
+[ "$(total estimated.json primary_rays)" = \
+    "$(total alone.json primary_rays)" ] || fail "other primary rays"
+echo "estimated: $(total estimated.json rays) rays," \
+    "alone $(total alone.json rays)"
 cluster_stop
 finish
