@@ -64,9 +64,9 @@ night 2 5 -ab 1 -aa .15 -ar 64 -ad 512 -as 128 -ps 1 -dj .7 -ds .1
 day 1 5 --quality=high -ab 4
 virtual 2 15 --quality=high -ab 4 -dr 2
 mirror 1 5 --quality=high -ab 3
-room 1 0 900 --quality=medium --oversample=1
+room 1 0 1400 --quality=medium --oversample=2
 room 2 0 240 --quality=high --oversample=2
-room 2 0 400 --quality=medium --oversample=1 -S 1 --views=VIEWS
+room 2 0 400 --quality=high --oversample=1 -S 1 --views=VIEWS
 JOBS
 }
 

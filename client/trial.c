@@ -2,9 +2,11 @@
  *
  * A pixel costs what its rays do and, while the cache is not full, records: the
  * first pixels of a picture take a hundred times as long as the last.  With t
- * the time (or the rays), n pixels and R records, t = a n + b R: a is measured
- * in windows, which are traced twice, so that the second time makes no records;
- * then b is fitted to the doublings of strewn pixels.
+ * the time (or the rays), n pixels and R records, t = a n + b R: b is fitted to
+ * the doublings of strewn pixels, and a is that of the windows, where pixels
+ * are the sampler's and their neighbours have warmed what they need.  Windows
+ * are traced twice: the second time makes no records, which tells a where a
+ * short trial has too few windows and pixels to part it from b.
  * Records grow evenly with the logarithm of the pixels once every surface has
  * some: each doubling asks for what lies between.  Measured on an office, a
  * drafting room and a box, from 256 pixels to 260 000.  Fine caches of one
@@ -164,6 +166,8 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     }
     free(pixels);
     t->primary = (double)(ctx->counts.primary_rays - before.primary_rays);
+    t->rays = (double)(ctx->counts.rays - before.rays);
+    t->cpu_s = cpu_seconds() - begin - t->again_cpu_s;
     t->records = (double)(ctx->counts.ambient_values - before.ambient_values);
     return rc;
 }
@@ -262,6 +266,45 @@ trial_run(struct trial *t, const struct trial_scene *scene,
 
 /* --- what follows --- */
 
+/* t = a n + b R of the strewn pixels, by least squares over what each doubling
+ * added, relative to its size; the first, which fills the cache, is left out
+ * where there are others. */
+struct fit {
+    double a, b;
+};
+
+static struct fit
+fit_steps(const struct trial *t, bool time)
+{
+    double nn = 0, nr = 0, rr = 0, nt = 0, rt = 0, det;
+    struct fit f = { 0, 0 };
+
+    for (int i = t->nsteps > 3 ? 1 : 0; i < t->nsteps; i++) {
+        struct trial_step zero = { 0, 0, 0, 0 };
+        const struct trial_step *s = &t->step[i], *p = i ? s - 1 : &zero;
+        double n = s->pixels - p->pixels, r = s->records - p->records;
+        double y = time ? s->cpu_s - p->cpu_s : s->rays - p->rays;
+        double w = y > 0 ? 1 / (y * y) : 0;
+
+        nn += w * n * n;
+        nr += w * n * r;
+        rr += w * r * r;
+        nt += w * n * y;
+        rt += w * r * y;
+    }
+    det = nn * rr - nr * nr;
+    if (det > 1e-9 * nn * rr) {
+        f.a = (nt * rr - rt * nr) / det;
+        f.b = (rt * nn - nt * nr) / det;
+    }
+    if (!(f.a > 0 && f.b > 0)) {
+        /* pixels alone, or records alone */
+        f.a = rr > 0 ? 0 : nn > 0 ? nt / nn : 0;
+        f.b = rr > 0 ? rt / rr : 0;
+    }
+    return f;
+}
+
 /* Time or rays of a pixel whose records are there. */
 static double
 cost_of_pixel(const struct trial *t, bool time)
@@ -340,16 +383,47 @@ field(const struct trial_step *s, bool time)
     return time ? s->cpu_s : s->rays;
 }
 
+/* What is paid for a strewn pixel, for a primary ray of the picture and for a
+ * record, in time or rays. */
+struct price {
+    double strewn, primary, record;
+};
+
+/* By many windows, which count as they were the first time, less their records:
+ * so what of the cache comes faster than strewn pixels tell is in it. */
+static struct price
+price_by_windows(const struct trial *t, bool time)
+{
+    struct fit f = fit_steps(t, time);
+    double windows = (time ? t->cpu_s : t->rays) - f.b * t->records;
+    double a = t->primary > 0 ? windows / t->primary : 0;
+
+    if (!(a > .2 * f.a))
+        a = .2 * f.a; /* windows in which little but records was made */
+    return (struct price){ f.a, a, f.b };
+}
+
+/* In a few windows most records are such as they would share with their
+ * neighbours: they count as they were the second time. */
+static struct price
+price_by_second_time(const struct trial *t, bool time)
+{
+    double a = cost_of_pixel(t, time);
+
+    return (struct price){ a, a, cost_of_record(t, time, a) };
+}
+
 /* Time or rays of the picture: records as they were measured and are to come,
  * pixels as in the windows. */
 static double
 total(const struct trial *t, bool time, double primary, double more_records)
 {
+    const double MANY = 5000; /* primary rays in windows */
     const struct trial_step *last = &t->step[t->nsteps - 1];
-    double a = cost_of_pixel(t, time);
-    double strewn = field(last, time) - a * last->pixels;
-    double records =
-        (strewn > 0 ? strewn : 0) + cost_of_record(t, time, a) * more_records;
+    struct price p = t->primary < MANY ? price_by_second_time(t, time)
+                                       : price_by_windows(t, time);
+    double strewn = field(last, time) - p.strewn * last->pixels;
+    double records = (strewn > 0 ? strewn : 0) + p.record * more_records;
 
     if (t->small.pixels > 0 && field(&t->small, time) > 0) {
         /* the first ones lie deep, where hemispheres are small anyhow; those
@@ -361,7 +435,7 @@ total(const struct trial *t, bool time, double primary, double more_records)
             first = records;
         records = more * first + fmax(more, t->samples) * (records - first);
     }
-    return records + a * primary;
+    return records + p.primary * primary;
 }
 
 /* Doubt of the picture, from that of smaller hemispheres: with more samples

@@ -28,7 +28,7 @@ struct trial {
     int nsteps;
     /* of windows; what their pixels take the second time, when all records that
      * they ask for are there */
-    double pixels, primary, records;
+    double pixels, primary, rays, cpu_s, records;
     double again_primary, again_rays, again_cpu_s;
     /* of the first of the strewn pixels, where the above was measured with
      * smaller hemispheres than are asked for; pixels 0: it was not */
