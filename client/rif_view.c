@@ -190,6 +190,47 @@ is_named(const struct rif_value *value, const char *name)
            (value->text[n] == '\0' || isspace((unsigned char)value->text[n]));
 }
 
+/* "a, b, c": the names of the file's views, as far as there is room. */
+static void
+list_names(const struct rif *r, char *text, size_t room)
+{
+    size_t at = 0;
+    int n = 1;
+
+    text[0] = '\0';
+    for (const struct rif_value *i = r->first[RIF_VIEW]; i; i = i->next, n++) {
+        size_t len = strcspn(i->text, " \t\n");
+        const char *comma = n > 1 ? ", " : "";
+
+        if (at + len + sizeof ", 65536, ..." > room) {
+            snprintf(text + at, room - at, "%s...", comma);
+            return;
+        }
+        if (i->text[0] == '-')
+            at += (size_t)snprintf(text + at, room - at, "%s%d", comma, n);
+        else
+            at += (size_t)snprintf(text + at, room - at, "%s%.*s", comma,
+                                   (int)len, i->text);
+    }
+}
+
+/* What is wrong with a name that is none of the file's views and has no options
+ * behind it, unless it is a standard view's. */
+static int
+unknown(const struct rif *r, const char *which, struct rad_error *why)
+{
+    char names[120], type;
+    int side[3];
+
+    if (which[0] == '-' || which[strcspn(which, " \t\n")] ||
+        standard(which, strlen(which), side, &type))
+        return 0;
+    list_names(r, names, sizeof names);
+    return rad_fail(why, RAD_EDATA,
+                    "none of the file's views (%s), nor of rad's standard views",
+                    names[0] ? names : "it names none");
+}
+
 /* One that the command line asks for, of the file or not. */
 static int
 choose(struct rif *r, const struct rif_zone *z, const char *which,
@@ -208,8 +249,11 @@ choose(struct rif *r, const struct rif_zone *z, const char *which,
             return rc;
         }
     v->name = which[0] == '-' ? "0" : which;
-    rc = number >= 0 ? rad_fail(&why, RAD_EDATA, "%d views are there", n - 1)
-                     : set_words(r, z, v, which, &why);
+    if (number >= 0)
+        rc = rad_fail(&why, RAD_EDATA, "%d view%s there", n - 1,
+                      n == 2 ? " is" : "s are");
+    else if ((rc = unknown(r, which, &why)) == 0)
+        rc = set_words(r, z, v, which, &why);
     if (rc == RAD_EDATA)
         return rad_fail(err, RAD_EUSAGE, "option '--view': '%.60s': %s", which,
                         why.what);

@@ -5,8 +5,10 @@
 
 #include "outname.h"
 #include "output.h"
+#include "picfile.h"
 
 #include "base/files.h"
+#include "picture/number.h"
 
 #include <errno.h>
 #include <math.h>
@@ -247,8 +249,26 @@ check_oconv(struct rifjob *j, struct rad_error *err)
     return 0;
 }
 
-/* -e of pfilt multiplies the exposure; -r .6 is what is done; how -x, -y and -p
- * size a picture RESOLUTION says. */
+/* -e of pfilt multiplies the exposure. */
+static int
+take_factor(struct rifjob *j, const char *value, struct rad_error *err)
+{
+    bool stops = value[0] == '+' || value[0] == '-';
+    double e;
+
+    if (!rad_parse_real(value, &e) || !(stops || e > 0))
+        return rif_fail(&j->rif, RIF_PFILT, err,
+                        "-e: expected stops with a sign, or a factor above 0");
+    if (j->exposure == 0)
+        return note(j, RIF_PFILT,
+                    "'-e' is not done: there is no EXPOSURE to multiply", err);
+    j->exposure *= stops ? exp2(e) : e;
+    if (!(j->exposure >= 1e-20 && j->exposure <= 1e20))
+        return rif_fail(&j->rif, RIF_PFILT, err, "-e: out of range");
+    return 0;
+}
+
+/* -r .6 is what is done; how -x, -y and -p size a picture RESOLUTION says. */
 static int
 check_pfilt(struct rifjob *j, struct rad_error *err)
 {
@@ -259,28 +279,21 @@ check_pfilt(struct rifjob *j, struct rad_error *err)
         return n;
     if ((rc = check_program(j, RIF_PFILT, words, n, err)) < 0)
         return rc;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n && rc == 0; i++) {
         const char *word = words[i], *value = i + 1 < n ? words[i + 1] : "";
 
-        if (strcmp(word, "-1") == 0 ||
-            (i == 0 && word[0] != '-')) /* the program */
-            continue;
-        if (strcmp(word, "-e") == 0 && j->exposure > 0) {
-            double e = strtod(value, NULL);
-
-            j->exposure *= value[0] == '+' || value[0] == '-' ? exp2(e) : e;
+        if (word[0] != '-' || strcmp(word, "-1") == 0)
+            continue; /* the program, or what follows an option */
+        if (strcmp(word, "-e") == 0) {
+            rc = take_factor(j, value, err);
             i++;
-        } else if (strcmp(word, "-r") == 0 && strtod(value, NULL) == .6) {
-            i++;
-        } else {
+        } else if (strcmp(word, "-r") != 0 || strtod(value, NULL) != .6) {
             snprintf(text, sizeof text,
                      "'%.40s' is not done: the filter is pfilt's -r .6", word);
-            return note(j, RIF_PFILT, text, err);
+            rc = note(j, RIF_PFILT, text, err);
         }
     }
-    if (j->exposure != 0 && !(j->exposure >= 1e-20 && j->exposure <= 1e20))
-        return rif_fail(&j->rif, RIF_PFILT, err, "-e: out of range");
-    return 0;
+    return rc;
 }
 
 static int
@@ -485,8 +498,8 @@ add_report(struct line *l)
     n = rif_split(r, text, &words, l->err);
     if (n < 0)
         return n;
-    minutes = n > 0 ? strtod(words[0], NULL) : -1;
-    if (n > 2 || !(minutes >= 0 && minutes <= 1e6))
+    if (n < 1 || n > 2 || !rad_parse_real(words[0], &minutes) ||
+        !(minutes >= 0 && minutes <= 1e6))
         return rif_fail(r, RIF_REPORT, l->err,
                         "expected minutes, and perhaps a file");
     rc = add_pair(l, "-t", format(l->j, "%d", (int)(60 * minutes)));
@@ -514,15 +527,16 @@ pattern(struct rifjob *j, const char *root, const char *suffix)
 }
 
 static int
-add_outputs(struct line *l)
+add_outputs(struct line *l, enum picfile_format as)
 {
     struct rifjob *j = l->j;
+    const char *suffix = as == PICFILE_PNG ? "_%s.png" : "_%s.hdr";
     const char *picture = rif_text(&j->rif, RIF_PICTURE);
     const char *depth = rif_text(&j->rif, RIF_ZFILE);
     int rc;
 
     picture = picture ? picture : root_name(j);
-    rc = picture ? add_pair(l, "-o", pattern(j, picture, "_%s.hdr"))
+    rc = picture ? add_pair(l, "-o", pattern(j, picture, suffix))
                  : no_memory(l->err);
     if (rc == 0 && depth)
         rc = add_pair(l, "-z", pattern(j, depth, "_%s.zbf"));
@@ -594,7 +608,7 @@ add_file(struct line *l, const struct submit_options *o,
     if (rc == 0)
         rc = add_report(l);
     if (rc == 0 && !o->detach)
-        rc = add_outputs(l);
+        rc = add_outputs(l, (enum picfile_format)o->format);
     return rc;
 }
 
@@ -617,6 +631,51 @@ make_line(struct line *l, const struct submit_options *o, const struct words *w,
     return rc < 0 ? rc : add_words(l, j->scenes, j->nscenes);
 }
 
+/* Are these options wrong by themselves? */
+static bool
+is_faulty(struct rifjob *j, char *const *list, int n)
+{
+    struct rad_error why = { 0 };
+    struct line l = { .j = j, .err = &why };
+    struct submit_options parsed;
+    struct words words = { 0 };
+    int rc = add(&l, "radsubmit");
+
+    if (rc == 0)
+        rc = add_words(&l, list, n);
+    if (rc == 0)
+        rc = add(&l, "--");
+    if (rc == 0)
+        rc = add_words(&l, j->scenes, j->nscenes);
+    if (rc == 0)
+        rc = words_init(&words, l.n, l.list, &why);
+    if (rc == 0)
+        rc = submit_options_parse(&parsed, &words, &why);
+    words_release(&words);
+    return rc < 0;
+}
+
+/* Of options that are wrong, the line of the file that they come from; 0: they
+ * are not of one alone. */
+static int
+faulty_line(struct rifjob *j, const struct rif_view *v)
+{
+    static const enum rif_var of[] = { RIF_RENDER, RIF_RPICT };
+
+    if (v->line > 0 && is_faulty(j, v->words, v->nwords))
+        return v->line;
+    for (int i = 0; i < 2; i++)
+        for (const struct rif_value *a = j->rif.first[of[i]]; a; a = a->next) {
+            struct rad_error why = { 0 };
+            char **words;
+            int n = rif_split(&j->rif, a->text, &words, &why);
+
+            if (n > 0 && is_faulty(j, words, n))
+                return a->line;
+        }
+    return 0;
+}
+
 /* Parse the line of a view; what was parsed replaces *o and *w where it is the
  * first. */
 static int
@@ -636,7 +695,12 @@ take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
     if (rc == 0)
         rc = submit_options_parse(&parsed, &words, err);
     if (rc < 0) {
-        rad_error_where(err, "%s", j->rif.name);
+        int line = faulty_line(j, v);
+
+        if (line > 0)
+            rad_error_where(err, "%s:%d", j->rif.name, line);
+        else
+            rad_error_where(err, "%s", j->rif.name);
         words_release(&words);
         return rc;
     }

@@ -103,10 +103,12 @@ grep -q 'radsubmit: done' said || fail "REPORT's file: $(cat said)"
 [ "$(wc -c <dist_south.zbf)" = $((53 * 40 * 4)) ] || fail "ZFILE"
 run --view=south --exposure=4 -o b.png room.rif QUA=Low
 cmp -s a.png b.png || fail "EXPOSURE of a .png is not --exposure"
+run --view=south --format=png room.rif QUA=Low PIC=screen
+cmp -s a.png screen_south.png || fail "--format=png gives no .png's name"
 
 # what is not done is said, a line each
-run --dry-run room.rif RAW=x "pf=-m .1" "oconv=myoconv -f" "EXP=1" >dry
-for word in 'RAWFILE: ' "pfilt: '-m' is not done" \
+run --dry-run room.rif RAW=x "pf=-m .1 -r 1 -e 2" "oconv=myoconv -f" "EXP=1" >dry
+for word in 'RAWFILE: ' "pfilt: '-m' is not done" "pfilt: '-r' is not done" \
     "oconv: 'myoconv' is not run"; do
     grep -qF "radsubmit: room.rif: $word" err ||
         fail "not said: $word: $(cat err)"
@@ -115,6 +117,8 @@ grep -q '^picture' dry || fail "no dry run"
 grep -v '^EXP' room.rif >dark.rif
 run --view=south dark.rif
 grep -q 'EXPOSURE: not given' err || fail "not said: $(cat err)"
+run --dry-run dark.rif "pf=-e 2" >dry
+grep -q "'-e' is not done: there is no EXPOSURE" err || fail "-e: $(cat err)"
 header dark_south.hdr | grep -q EXPOSURE && fail "an exposure from nowhere"
 
 # an octree as it is; surfaces of illum=, until mkillum's octree is there
@@ -154,10 +158,24 @@ refused 65 "room.rif: PGMAP: photon maps are not supported" room.rif "PG=a 1"
 refused 65 "oconv: -i: files cannot be added" room.rif "oco=-i a.oct"
 refused 65 "RESOLUTION: expected columns" room.rif RES=none
 refused 65 "room.rif: EXPOSURE: expected stops" room.rif EXP=0
+refused 65 "room.rif: pfilt: -e: expected stops" room.rif "pf=-e none"
+refused 65 "room.rif: REPORT: expected minutes" room.rif "REP=often said"
+{
+    cat room.rif
+    echo 'view= east -vp 1 1 1 -vq 3'
+} >bad.rif
+refused 64 "bad.rif:14: unknown option '-vq'" bad.rif
+{
+    cat room.rif
+    echo 'render= -dt none'
+} >bad.rif
+refused 64 "bad.rif:14: option '-dt'" bad.rif
 refused 64 "'PIC' after 'room.rif': expected VARIABLE=value" room.rif PIC
 refused 64 "unknown variable 'foo'" room.rif foo=1
 refused 64 "no %s for the view's name" -o one.hdr room.rif
-refused 64 "option '--view': 'nowhere'" --view=nowhere room.rif
+refused 64 "option '--view': 'nowhere': none of the file's views (south, Zl)" \
+    --view=nowhere room.rif
+refused 64 "option '--view': '3': 2 views are there" --view=3 room.rif
 refused 64 "--view is for a .rif file" --view=X room.rad
 refused 64 "option '-S': the views are those of" -S 1 -o a%d.hdr room.rif
 refused 64 "is the file of variables" --view=X -o room.rif room.rif
