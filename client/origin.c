@@ -21,9 +21,30 @@ static const char *const others[] = { "#?",        "FORMAT=",    "VIEW=",
                                       "EXPOSURE=", "PIXASPECT=", "COLORCORR=",
                                       "PRIMARIES=" };
 
+/* From command lines of these programs, wherever they are installed, Radiance's
+ * readers of headers take a view. */
+static const char *const viewers[] = { "rpict", "rview", "rvu", "rpiece",
+                                       "pinterp" };
+
+static bool
+is_of_viewer(const char *line)
+{
+    const char *name = line, *end = line + strcspn(line, " \t");
+
+    for (const char *p = line; p < end; p++)
+        if (*p == '/' || *p == '\\')
+            name = p + 1;
+    for (size_t i = 0; i < sizeof viewers / sizeof viewers[0]; i++)
+        if (strncmp(name, viewers[i], strlen(viewers[i])) == 0)
+            return true;
+    return false;
+}
+
 static bool
 is_of_others(const char *line)
 {
+    if (is_of_viewer(line))
+        return true;
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         if (strncmp(line, others[i], strlen(others[i])) == 0)
             return true;

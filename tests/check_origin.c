@@ -34,7 +34,7 @@ START_TEST(an_octree_brings_its_own_lines)
 {
     static const char octree[] =
         "#?RADIANCE\noconv -f room.rad\n\tindented\nFORMAT=Radiance_octree\n"
-        "VIEW= -vtv\nSOFTWARE= RADIANCE 6\n\n\0binary";
+        "VIEW= -vtv\nrpict -vf a.vf\n/usr/bin/rvu -vp 1 2 3\nSOFTWARE= RADIANCE 6\n\n\0binary";
     const char *scenes[] = { "check_origin.oct" };
 
     put(scenes[0], octree, sizeof octree);
