@@ -116,7 +116,12 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
     if (used == 0)
         used = file_option("--mean", &t->mean, argc, argv);
     if (used == 0)
-        return rad_fail(err, RAD_EUSAGE, "unknown or incomplete option '%.80s'",
+        return rad_fail(err, RAD_EUSAGE,
+                        "unknown or incomplete option '%.80s'; see raderr "
+                        "--help",
+                        argv[0]);
+    if (*(used == 2 ? argv[1] : strchr(argv[0], '=') + 1) == '\0')
+        return rad_fail(err, RAD_EUSAGE, "option '%.80s': empty value",
                         argv[0]);
     return used;
 }
@@ -173,7 +178,8 @@ check_task(const struct task *t, struct rad_error *err)
     if (t->mean && (t->metric.block > 1 || t->metric.clip > 0))
         return rad_fail(err, RAD_EUSAGE, "--mean goes with -d only");
     if (!t->false_colour && !t->mean && t->nfiles != 2)
-        return rad_fail(err, RAD_EUSAGE, "expected two pictures, got %d",
+        return rad_fail(err, RAD_EUSAGE,
+                        "expected two pictures, got %d; see raderr --help",
                         t->nfiles);
     if (check_names(t, err) < 0)
         return err->code;
@@ -447,8 +453,6 @@ main(int argc, char **argv)
     if (rc < 0) {
         rad_error_format(&err, text, sizeof text);
         fprintf(stderr, "raderr: %s\n", text);
-        if (rc == RAD_EUSAGE)
-            fputs(usage_text, stderr);
     }
     return rad_exit_status(rc);
 }

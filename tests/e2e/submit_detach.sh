@@ -128,6 +128,11 @@ until_true 60 "$radctl" fetch "$id" --frame=1 -o second.hdr ||
     fail "the second frame is never to be fetched"
 "$radctl" fetch "$id" --frame=0 -o first.hdr || fail "the first frame"
 cmp -s first.hdr second.hdr && fail "two frames of two views are one"
+png=$("$radsubmit" --detach --format=png $view "$room" 2>stderr) ||
+    fail "--detach --format=png: $(cat stderr)"
+"$radctl" job "$png" | grep -q '2 x 2 samples' ||
+    fail "--detach --format=png: $("$radctl" job "$png")"
+"$radctl" cancel "$png" 2>stderr || "$radctl" delete "$png" 2>stderr
 expect 64 "no such frame" "a third frame" "$radctl" fetch "$id" --frame=2
 "$radctl" fetch "$id" -o all%02d.hdr || fail "all frames"
 cmp first.hdr all00.hdr && cmp second.hdr all01.hdr ||
