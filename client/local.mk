@@ -110,7 +110,11 @@ radctl_SOURCES = \
 	client/radctl.c
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(LIBDAEMON) $(LIBRAD)
-radsubmit_SOURCES = client/radsubmit.c
+radsubmit_SOURCES = \
+	client/program.h \
+	client/program_files.c \
+	client/program_say.c \
+	client/radsubmit.c
 radsubmit_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_LIBEXECDIR='"$(pkglibexecdir)"'
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radsubmit_LDADD = $(LIBCLIENT) $(LIBRAD)

@@ -1,0 +1,101 @@
+/* program.h - what radsubmit's files share: one run of it
+ *
+ *   radsubmit.c       the parts put together, from the command line to the end
+ *   program_say.c     what a person is told meanwhile, on standard error
+ *   program_files.c   what is written, and whether it can be
+ *
+ * Thread: the main one; a scene is compiled on another, which has p->scene,
+ * p->frames and p->err for itself until it is done. */
+#ifndef RADD_CLIENT_PROGRAM_H
+#define RADD_CLIENT_PROGRAM_H
+
+#include "compile.h"
+#include "foresee.h"
+#include "frames.h"
+#include "jobspec.h"
+#include "progress.h"
+#include "records.h"
+#include "rifjob.h"
+#include "submit_options.h"
+#include "target.h"
+#include "trial.h"
+
+#include <uv.h>
+
+struct program {
+    struct submit_options o;
+    struct words words;
+    struct frames frames;
+    int nsaid;         /* of the notes in */
+    struct rifjob rif; /* where the scene is a file of rad's variables */
+    struct compiled scene;
+    struct records records; /* -af */
+    struct cargo cargo;
+    struct jobspec job;
+    struct prediction prediction; /* --dry-run */
+    struct local *local;          /* its folder holds the scene's files too */
+    bool embedded;
+    bool unwritten; /* a picture came and could not be written, */
+    char *rescued, *rescued_depth; /* but here; NULL: or nowhere */
+    struct target target;
+    struct progress progress;
+    struct foresee *foresee; /* NULL: no trial was begun */
+    bool held, paused, waiting, left; /* were said */
+    bool wonders;     /* nobody is at the job, and it is not said why */
+    char reason[300]; /* the last that the coordinator gave; "": none */
+    struct progress_alone alone;
+    double elapsed_s, error; /* as last told */
+    struct msg_nan nan;
+    struct msg_fault faults[MSG_FAULTS];
+    uv_loop_t loop;
+    uv_signal_t signals[3];
+    int interrupts;
+    bool watched; /* signals, on the loop */
+    bool compiled;
+    int compile_rc;
+    double compile_s;
+    struct show_last last; /* preview */
+    bool preview_warned;
+    struct rad_error preview; /* why the last one was not written */
+    struct rad_error *err;
+};
+
+/* --- program_say.c --- */
+
+/* A line on standard error; a warning only without -w-. */
+void program_say(void *program, const char *text);
+void program_warn(struct program *p, const char *text);
+
+void program_warn_of_psample(struct program *p);
+void program_warn_of_scene(struct program *p);
+/* What rad would do and this does not; each is said once. */
+void program_warn_of_rif(struct program *p);
+
+/* How far the job is (submit.h), and why nothing happens. */
+void program_on_progress(void *program, const struct msg_progress *m);
+
+/* At the end: pixels and functions that failed, and the last line. */
+void program_warn_of_nan(struct program *p);
+void program_warn_of_faults(struct program *p);
+void program_say_done(struct program *p);
+
+/* --- program_files.c --- */
+
+/* Before anything is sent: can all be written, and read?  RAD_EUSAGE,
+ * RAD_ECANTCREAT. */
+int program_check_outputs(const struct program *p);
+int program_check_ambient(struct program *p);
+
+/* What comes of the job (submit.h). */
+int program_on_preview(void *program, const uint8_t *picture, size_t len,
+                       struct rad_error *err);
+int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
+                     size_t picture_len, const uint8_t *depth, size_t depth_len,
+                     struct rad_error *err);
+int program_on_stats(void *program, const uint8_t *json, size_t len,
+                     struct rad_error *err);
+
+/* What could not be written is not lost. */
+void program_say_where_it_is(const struct program *p);
+
+#endif

@@ -1,0 +1,239 @@
+/* program_files.c - what radsubmit writes, and whether it can; see program.h */
+#include "config.h"
+
+#include "program.h"
+
+#include "expose.h"
+#include "output.h"
+#include "picfile.h"
+#include "rescue.h"
+#include "tell.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int
+write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
+              size_t len, struct rad_error *err)
+{
+    char *name = NULL;
+    uint8_t *exposed = NULL;
+    int rc = 0;
+
+    if (p->o.output)
+        rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
+    if (rc == 0 && p->rif.exposure > 0 && p->rif.exposure != 1 &&
+        !picfile_is_png(name, (enum picfile_format)p->o.format)) {
+        rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
+        picture = exposed;
+    }
+    if (rc == 0)
+        rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
+                           !p->embedded, &p->o.show, err);
+    free(exposed);
+    free(name);
+    return rc;
+}
+
+static int
+write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
+            struct rad_error *err)
+{
+    char *name = NULL;
+    int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
+
+    if (rc == 0)
+        rc = output_write(name, depth, len, !p->embedded, err);
+    free(name);
+    return rc;
+}
+
+/* One that cannot be written holds up no picture: a warning tells of the first,
+ * and the exit status of the last. */
+static void
+note_preview(struct program *p, const struct rad_error *why)
+{
+    bool warned = p->preview_warned;
+    char text[sizeof *why + 80];
+    int n;
+
+    p->preview = *why;
+    p->preview_warned |= why->code != 0;
+    if (why->code == 0 || warned)
+        return;
+    n = snprintf(text, sizeof text,
+                 "warning: no preview, but the job goes on: ");
+    rad_error_format(why, text + n, sizeof text - (size_t)n);
+    program_warn(p, text);
+}
+
+int
+program_on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
+{
+    struct program *p = arg;
+    struct rad_error why = { 0 };
+
+    (void)err;
+    picfile_preview(p->o.preview, picture, len, &p->o.show, &p->last, &why);
+    note_preview(p, &why);
+    return 0;
+}
+
+/* Of a frame that is whole: as its picture is, or would be as PNG. */
+static void
+last_preview(struct program *p, const uint8_t *picture, size_t len)
+{
+    struct rad_error why = { 0 };
+
+    picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
+                  &why);
+    note_preview(p, &why);
+    memset(&p->last, 0, sizeof p->last);
+}
+
+/* The cluster ends with us.  NULL: that is written, or was not asked for. */
+static void
+rescue(struct program *p, uint32_t frame, const uint8_t *picture,
+       size_t picture_len, const uint8_t *depth, size_t depth_len)
+{
+    if (picture)
+        p->rescued =
+            rescue_write(p->job.id, frame, ".hdr", picture, picture_len);
+    if (depth)
+        p->rescued_depth =
+            rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
+}
+
+int
+program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
+         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+{
+    struct program *p = arg;
+    bool there; /* the picture is written */
+    int rc;
+
+    progress_clear(&p->progress); /* it may share the terminal with stdout */
+    rc = write_picture(p, frame, picture, picture_len, err);
+    there = rc == 0;
+    if (rc == 0 && depth)
+        rc = write_depth(p, frame, depth, depth_len, err);
+    p->unwritten = rc < 0;
+    if (p->unwritten && p->embedded)
+        rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
+    if (rc == 0 && p->o.preview)
+        last_preview(p, picture, picture_len);
+    return rc;
+}
+
+/* What could not be written is not lost. */
+void
+program_say_where_it_is(const struct program *p)
+{
+    char hex[MSG_JOB_HEX];
+
+    if (p->rescued)
+        tell(stderr, "radsubmit: the picture is in %s", p->rescued);
+    if (p->rescued_depth)
+        tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
+    if (!p->unwritten || p->embedded)
+        return;
+    msg_job_format(p->job.id, hex);
+    fprintf(stderr,
+            "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
+            p->frames.n > 1 ? "the pictures" : "the picture", hex,
+            p->frames.n > 1 ? " --frame=N, from 0" : "");
+}
+
+int
+program_on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+{
+    struct program *p = arg;
+
+    return output_write(p->o.stats, json, len, !p->embedded, err);
+}
+
+/* -af: is there a use for it, and can it be written?  What was said of rpict's
+ * file holds here: without records there is none, and one that may only be read
+ * is read. */
+int
+program_check_ambient(struct program *p)
+{
+    const char *path = p->o.ambient;
+    char text[600];
+
+    if (!path)
+        return 0;
+    if (p->o.params.ambounce <= 0 || p->o.params.ambacc <= 0) {
+        program_warn(p, "warning: -af: there are no ambient values to keep without "
+                "-ab and -aa");
+        p->o.ambient = NULL;
+        return 0;
+    }
+    p->records.keep = !p->o.detach && !p->o.dry_run;
+    if (p->o.detach)
+        program_warn(p, "warning: -af: the file is read, but nobody waits to add to "
+                "it");
+    if (!p->records.keep || access(path, W_OK) == 0)
+        return 0;
+    if (errno == ENOENT)
+        return output_check(path, p->err);
+    if (access(path, R_OK) == 0) {
+        snprintf(text, sizeof text,
+                 "warning: -af: '%.400s' may only be read: it is not added to",
+                 path);
+        program_warn(p, text);
+        p->records.keep = false;
+    }
+    return 0;
+}
+
+/* A picture that nobody can keep need not be rendered. */
+static int
+check_output(const struct program *p, const char *path, bool of_frame)
+{
+    char *name = NULL;
+    int rc = 0;
+
+    if (!path)
+        return 0;
+    if (of_frame && p->frames.n > 0)
+        rc = frames_name(&p->frames, &p->o, path, 0, &name, p->err);
+    if (rc == 0)
+        rc = output_check(name ? name : path, p->err);
+    free(name);
+    return rc;
+}
+
+static int
+check_formats(const struct program *p)
+{
+    const struct submit_options *o = &p->o;
+    int rc = 0;
+
+    if (o->output && o->format == PICFILE_BY_SUFFIX)
+        rc = picfile_check(o->output, false, p->err);
+    if (rc == 0 && o->preview)
+        rc = picfile_check(o->preview, true, p->err);
+    return rc;
+}
+
+int
+program_check_outputs(const struct program *p)
+{
+    int rc;
+
+    if ((rc = check_formats(p)) < 0)
+        return rc;
+    if ((rc = check_output(p, p->o.output, true)) < 0 ||
+        (rc = check_output(p, p->o.depth, true)) < 0 ||
+        (rc = check_output(p, p->o.preview, false)) < 0 ||
+        (rc = check_output(p, p->o.stats, false)) < 0)
+        return rc;
+    if (!p->o.output && !p->o.detach && !p->o.dry_run && isatty(1))
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "standard output is a terminal: use -o");
+    return 0;
+}

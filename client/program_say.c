@@ -1,0 +1,245 @@
+/* program_say.c - what radsubmit tells a person, and when; see program.h */
+#include "config.h"
+
+#include "program.h"
+
+#include "figure.h"
+#include "tell.h"
+#include "warning.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+void
+program_say(void *arg, const char *text)
+{
+    struct program *p = arg;
+
+    progress_clear(&p->progress);
+    tell(stderr, "radsubmit: %s", text);
+}
+
+/* -w- */
+void
+program_warn(struct program *p, const char *text)
+{
+    if (!p->o.quiet)
+        program_say(p, text);
+}
+
+/* -ps is brought to what the sampler does; 0 is a usual way to program_say 1. */
+void
+program_warn_of_psample(struct program *p)
+{
+    int asked = p->o.psample_asked, taken = p->o.params.psample;
+    char text[80];
+
+    if (asked == 0 || asked == taken)
+        return;
+    snprintf(text, sizeof text,
+             "warning: -ps %d is not within 1 to 16: taken as %d", asked,
+             taken);
+    program_warn(p, text);
+}
+
+/* What rad would do and this does not; each is said once. */
+void
+program_warn_of_rif(struct program *p)
+{
+    for (; p->nsaid < p->rif.nnotes; p->nsaid++)
+        program_warn(p, p->rif.notes[p->nsaid]);
+}
+
+void
+program_warn_of_scene(struct program *p)
+{
+    char text[WARNING_SIZE];
+
+    for (int i = 0; warning_of(&p->scene, i, text); i++)
+        program_warn(p, text);
+    if (warning_dark(&p->scene, text))
+        program_warn(p, text);
+}
+
+/* By estimated cost, which counts whole units; by the rows that have come in
+ * while units are so large that it lags behind. */
+static double
+share_done(const struct msg_progress *m)
+{
+    double cost = m->cost_total > 0 ? m->cost_done / m->cost_total : 0;
+    double rows = m->pixels_total > 0
+                      ? (double)m->pixels_done / (double)m->pixels_total
+                      : 0;
+
+    return cost > rows ? cost : rows;
+}
+
+/* The coordinator cannot go on, and now it can. */
+static void
+say_held(struct program *p, bool held)
+{
+    if (held && !p->held)
+        program_say(p, "the job is held: the coordinator's disk is full");
+    else if (!held && p->held)
+        program_say(p, "the coordinator's disk has room again: the job goes on");
+    p->held = held;
+}
+
+/* Somebody paused it, and somebody has to resume it. */
+static void
+say_paused(struct program *p, bool paused)
+{
+    char text[100], hex[MSG_JOB_HEX];
+
+    msg_job_format(p->job.id, hex);
+    snprintf(text, sizeof text, "the job is paused: radctl resume %s", hex);
+    if (paused && !p->paused)
+        program_say(p, text);
+    else if (!paused && p->paused)
+        program_say(p, "the job goes on");
+    p->paused = paused;
+}
+
+/* Nothing happens, and nobody knows why: program_say it once, not to who has a cluster
+ * of his own, whose workers are on their way. */
+static void
+say_waiting(struct program *p, const struct msg_progress *m)
+{
+    enum { PATIENCE_S = 2 };
+
+    if (p->waiting || p->embedded || m->state != MSG_STATE_WAITING ||
+        m->workers > 0 || m->elapsed_s < PATIENCE_S)
+        return;
+    p->waiting = true;
+    program_say(p, "no worker has begun yet; radctl workers says what they do");
+}
+
+/* All workers left a job that had begun.  Others may be there that --same-bits
+ * does not take. */
+static void
+say_left(struct program *p, const struct progress_report *r, bool running)
+{
+    enum { PATIENCE_S = 5 }; /* they may come back */
+    double alone_s = progress_alone(&p->alone, r, running);
+
+    if (alone_s == 0) {
+        if (p->left && r->workers > 0)
+            program_say(p, "a worker is at the job again");
+        p->left = false;
+    }
+    if (p->left || alone_s < PATIENCE_S)
+        return;
+    p->left = true;
+    program_say(p, "no worker is at the job any more; radctl workers says who is "
+           "there");
+    if (p->o.same_bits)
+        program_say(p, "--same-bits takes none but such as that of the first worker: "
+               "bring one of these back, or cancel the job and submit it "
+               "without");
+}
+
+/* After "no worker": the coordinator may know more. */
+static void
+note_wonder(struct program *p, const struct msg_progress *m)
+{
+    p->wonders = (p->waiting && m->state == MSG_STATE_WAITING &&
+                  m->workers == 0) ||
+                 p->left || m->state == MSG_STATE_HELD;
+    if (!p->wonders)
+        p->reason[0] = '\0'; /* the next time it may be the same */
+}
+
+/* How many rays will it take?  Records that there are already would have to be
+ * tried, too, and a scene that is ready to trace takes room. */
+static void
+foresee(struct program *p)
+{
+    enum { MOST_BYTES = 100000000 };
+    struct foresee_job job = { .scene = p->scene.scene,
+                               .files = compile_files(&p->scene),
+                               .params = &p->o.params,
+                               .frames = p->frames.list,
+                               .nframes = p->frames.n };
+
+    if (p->foresee)
+        progress_foresee(&p->progress, foresee_rays(p->foresee));
+    else if (p->scene.scene && !p->o.ambient &&
+             p->job.spec.bundle_bytes <= MOST_BYTES &&
+             progress_is_long(&p->progress))
+        p->foresee = foresee_begin(&job);
+}
+
+void
+program_on_progress(void *arg, const struct msg_progress *m)
+{
+    bool lost =
+        m->state == MSG_STATE_CANCELLED || m->state == MSG_STATE_FAILED;
+    struct program *p = arg;
+    struct progress_report r = { .elapsed_s = m->elapsed_s,
+                                 .done = share_done(m),
+                                 .rays = m->rays,
+                                 .workers = (int)m->workers,
+                                 .working = m->state == MSG_STATE_RUNNING &&
+                                            m->workers > 0 };
+
+    if (!lost) { /* then it does not go on */
+        say_held(p, m->state == MSG_STATE_HELD);
+        say_paused(p, m->state == MSG_STATE_PAUSED);
+    }
+    say_waiting(p, m);
+    say_left(p, &r, m->state == MSG_STATE_RUNNING);
+    note_wonder(p, m);
+    foresee(p);
+    if (!lost) /* how far it got is said anyway */
+        progress_update(&p->progress, &r);
+    p->elapsed_s = m->elapsed_s;
+    p->error = m->error;
+    p->nan = m->nan;
+    memcpy(p->faults, m->faults, sizeof p->faults);
+}
+
+/* At the end: a pixel that reproduces what is wrong. */
+void
+program_warn_of_nan(struct program *p)
+{
+    const struct msg_nan *n = &p->nan;
+    char text[160];
+
+    if (n->pixels == 0)
+        return;
+    snprintf(text, sizeof text,
+             "warning: %" PRIu64 " pixel%s radiance that is negative or no "
+             "number, which is black; "
+             "first: frame %" PRIu32 ", column %" PRIu32 ", row %" PRIu32,
+             n->pixels, n->pixels == 1 ? " has" : "s have", n->frame, n->x,
+             n->y);
+    program_warn(p, text);
+}
+
+/* The last line. */
+void
+program_say_done(struct program *p)
+{
+    char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
+
+    figure(s, p->elapsed_s, 3);
+    if (p->error > 0)
+        snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
+                 s, figure(percent, 100 * p->error, 2));
+    else
+        snprintf(text, sizeof text, "done in %s s", s);
+    program_say(p, text);
+}
+
+void
+program_warn_of_faults(struct program *p)
+{
+    const struct msg_fault *f = p->faults;
+    char text[WARNING_SIZE];
+
+    for (int i = 0; i < MSG_FAULTS && f[i].count > 0; i++)
+        if (p->scene.scene &&
+            warning_fault(p->scene.scene, f[i].object, f[i].count, text))
+            program_warn(p, text);
+}
