@@ -8,6 +8,7 @@
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static_assert(MSG_MAX_OVERSAMPLE == RAD_MAX_OVERSAMPLE, "one range");
 
@@ -68,6 +69,28 @@ prepare(struct workplace *p, const struct rad_filter_shape *s, int width,
     return rad_filter_new(&p->filter, s, err);
 }
 
+/* Of each pixel the sample nearest to its middle. */
+static int
+pick_rows(struct rows *r, const struct rad_filter_shape *s, struct workplace *p,
+          const struct rad_hdr_info *info, const struct rad_sink *sink,
+          struct rad_error *err)
+{
+    int n = s->oversample, rc = 0;
+
+    for (int y = 0; y < info->height && rc == 0; y++) {
+        rc = rows_read_rgbe(r, rad_filter_middle(s->height, n, y), p->rgbe,
+                            p->work, err);
+        for (int x = 0; x < info->width; x++)
+            memmove(p->rgbe + 4 * (size_t)x,
+                    p->rgbe + 4 * (size_t)rad_filter_middle(s->width, n, x), 4);
+        if (rc == 0)
+            rc = sink->write(
+                sink->arg, p->code,
+                rad_hdr_encode_rgbe(p->rgbe, info->width, p->code), err);
+    }
+    return rc;
+}
+
 static int
 filter_rows(struct rows *r, struct workplace *p, int width,
             const struct rad_sink *sink, struct rad_error *err)
@@ -85,10 +108,10 @@ filter_rows(struct rows *r, struct workplace *p, int width,
     return rc;
 }
 
-int
-filtered_picture(struct rows *r, const struct rad_filter_shape *s,
-                 const struct rad_hdr_info *info, const char *path,
-                 bool durable, struct mark *mark, struct rad_error *err)
+static int
+write_picture(struct rows *r, const struct rad_filter_shape *s, bool pick,
+              const struct rad_hdr_info *info, const char *path, bool durable,
+              struct mark *mark, struct rad_error *err)
 {
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
@@ -100,11 +123,30 @@ filtered_picture(struct rows *r, const struct rad_filter_shape *s,
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
         if (rc == 0)
-            rc = filter_rows(r, &p, info->width, &sink, err);
+            rc = pick ? pick_rows(r, s, &p, info, &sink, err)
+                      : filter_rows(r, &p, info->width, &sink, err);
         rc = rows_close_picture(r, &w, rc, durable, err);
     }
     release(&p);
     return rc;
+}
+
+int
+filtered_picture(struct rows *r, const struct rad_filter_shape *s,
+                 const struct rad_hdr_info *info, const char *path,
+                 bool durable, struct mark *mark, struct rad_error *err)
+{
+    return write_picture(r, s, false, info, path, durable, mark, err);
+}
+
+int
+filtered_preview(struct rows *r, const struct rad_filter_shape *s,
+                 const struct rad_hdr_info *info, const char *path,
+                 struct rad_error *err)
+{
+    bool many = (double)s->width * s->height > FILTERED_PREVIEW;
+
+    return write_picture(r, s, many, info, path, false, NULL, err);
 }
 
 /* Take the distances of a row of pixels out of those of samples, in place. */

@@ -24,6 +24,14 @@ int filtered_picture(struct rows *r, const struct rad_filter_shape *s,
                      const struct rad_hdr_info *info, const char *path,
                      bool durable, struct mark *mark, struct rad_error *err);
 
+/* A picture of what is there, for somebody who watches.  Of more samples than
+ * that, which would keep the store's thread for more than about half a second,
+ * each pixel is the one nearest to its middle. */
+#define FILTERED_PREVIEW (1 << 25)
+int filtered_preview(struct rows *r, const struct rad_filter_shape *s,
+                     const struct rad_hdr_info *info, const char *path,
+                     struct rad_error *err);
+
 /* As rows_depth(): of each pixel that of the sample nearest to its middle, of
  * several the last. */
 int filtered_depth(struct rows *r, const struct rad_filter_shape *s,

@@ -640,7 +640,7 @@ shape_of(const struct folder_job *j, const struct frame_rows *f,
 /* A picture of the rows so far. */
 static int
 write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
-           bool durable, struct mark *mark, struct rad_error *err)
+           bool preview, bool durable, struct mark *mark, struct rad_error *err)
 {
     struct rad_hdr_info info = { .origin = j->origin,
                                  .software = "radd " PACKAGE_VERSION,
@@ -669,6 +669,8 @@ write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
     info.width = rad_filter_side(f->width, j->oversample);
     info.height = rad_filter_side(f->height, j->oversample);
     info.pixaspect = rad_filter_pixaspect(&shape, info.pixaspect);
+    if (preview)
+        return filtered_preview(f->rows, &shape, &info, path, err);
     return filtered_picture(f->rows, &shape, &info, path, durable, mark, err);
 }
 
@@ -704,8 +706,8 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     if (rc < 0)
         return rc;
     folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
-    return write_rgbe(j, r, path, f->durable, marks ? &marks->picture : NULL,
-                      err);
+    return write_rgbe(j, r, path, false, f->durable,
+                      marks ? &marks->picture : NULL, err);
 }
 
 void
@@ -765,7 +767,7 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     if (rc < 0)
         return rad_fail(err, rc, "%s", why.what);
     folder_frame_path(f, id, frame, folder_suffix_of(what), path);
-    return make ? write_rgbe(j, r, path, false, NULL, err) : 0;
+    return make ? write_rgbe(j, r, path, true, false, NULL, err) : 0;
 }
 
 /* --- the whole --- */

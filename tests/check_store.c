@@ -3,6 +3,7 @@
 
 #include "blobs.h"
 #include "disk.h"
+#include "filtered.h"
 #include "picture/hdr.h"
 #include "rows.h"
 #include "service.h"
@@ -1484,6 +1485,63 @@ START_TEST(sounds_of_very_many_files_are_forgotten)
 }
 END_TEST
 
+/* The preview of a frame that holds one bright sample, at x, y, and no other. */
+static struct rad_picture
+preview_of(int width, int height, int oversample, int x, int y)
+{
+    struct rad_filter_shape shape = { width, height, oversample, 0, false };
+    struct rad_hdr_info info = { .program = "check_store",
+                                 .options = "-ab 0",
+                                 .pixaspect = 1,
+                                 .width = rad_filter_side(width, oversample),
+                                 .height = rad_filter_side(height, oversample) };
+    struct rows_open open = { 0 };
+    struct rad_picture pic;
+    unsigned char *bytes;
+    uint8_t bright[4];
+    struct rows r;
+    char path[160];
+    size_t n;
+
+    rad_rgbe(rad_grey(3), bright);
+    snprintf(path, sizeof path, "%s/rows", dir);
+    ck_assert_int_eq(rows_create(&r, &open, path, width, height, ROWS_RGBE,
+                                 false, NULL),
+                     0);
+    ck_assert_int_eq(rows_write(&r, x, y, 1, 1, bright, NULL), 0);
+    snprintf(path, sizeof path, "%s/preview", dir);
+    ck_assert_int_eq(filtered_preview(&r, &shape, &info, path, NULL), 0);
+    rows_remove(&r);
+    bytes = rad_file_read(path, 1 << 24, &n, NULL);
+    ck_assert_ptr_nonnull(bytes);
+    ck_assert_int_eq(rad_hdr_read(bytes, n, 1 << 22, &pic, NULL), 0);
+    free(bytes);
+    ck_assert_int_eq(pic.width, info.width);
+    ck_assert_int_eq(pic.height, info.height);
+    return pic;
+}
+
+/* Of few samples a preview is filtered as the picture will be: the bright one
+ * spreads.  Of very many it costs no more than its own pixels. */
+START_TEST(previews_of_many_samples_are_of_those_in_the_middle)
+{
+    int w = 8 * 1024, h = 8 * 513;
+    struct rad_picture pic = preview_of(80, 40, 8, 36, 20);
+
+    ck_assert_float_gt(pic.L[2 * 10 + 4].r, 0);
+    ck_assert_float_lt(pic.L[2 * 10 + 4].r, 1);
+    ck_assert_float_gt(pic.L[2 * 10 + 3].r, 0);
+    rad_picture_release(&pic);
+    pic = preview_of(w, h, 8, 8 * 700 + 4, 8 * 300 + 4);
+    for (int i = 0; i < pic.width * pic.height; i++) {
+        bool middle = i == 300 * pic.width + 700;
+
+        ck_assert(middle ? fabsf(pic.L[i].r - 3) < .05f : pic.L[i].r == 0);
+    }
+    rad_picture_release(&pic);
+}
+END_TEST
+
 START_TEST(folders_are_made_and_files_written_whole)
 {
     char deep[160], ports[200], text[100];
@@ -1546,6 +1604,7 @@ main(void)
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
+    tcase_add_test(tc, previews_of_many_samples_are_of_those_in_the_middle);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
