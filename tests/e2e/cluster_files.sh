@@ -93,7 +93,8 @@ hash = bytes.fromhex(sys.argv[2])
 job = os.urandom(16) + hash + text(b'n') + text(b'') + text(b'') + text(b'')
 job += struct.pack('>IQiIBBIIQdI', 0, 0, 0, 128, 0, 0, 0, 1, 1, 0, 0)
 job += struct.pack('>I', 1) + hash + struct.pack('>I', 1) + hash
-link.send(SUBMIT, job + struct.pack('>II', 1, 1))
+job += struct.pack('>II', 1, 1) + text(b'') + struct.pack('>Bd', 0, 0)
+link.send(SUBMIT, job)
 while True:
     kind, body = link.receive()
     if kind == FAILED:
@@ -163,7 +164,8 @@ send(SUBMIT, os.urandom(16) + manifest + text(b"theft") +
      text(b"-x 8 -y 8 -ab 0") + text(b"") + text(b"") +
      struct.pack(">IQiIBBIIQdI", 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0) +
      struct.pack(">I", len(named)) + b"".join(named) +
-     struct.pack(">IIII", 1, 0, 8, 8) + text(view))
+     struct.pack(">IIII", 1, 0, 8, 8) + text(view) +
+     text(b"") + struct.pack(">Bd", 0, 0))
 while True:
     kind, n = struct.unpack(">4xHxxxxxxI", get(16))
     body = get(n)
