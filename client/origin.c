@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* So much of the text may be of an octree, and so much of scene files; the
  * stamp is shorter than the rest. */
@@ -69,12 +70,22 @@ add_line(char *text, size_t room, const char *line)
     return true;
 }
 
+/* Of a pipe nothing is read: the scene came that way. */
+static FILE *
+open_file(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) ? fopen(path, "rb")
+                                                       : NULL;
+}
+
 /* The lines of an octree's header; of a file that is none, nothing. */
 static void
 add_octree(char *text, const char *path)
 {
     char line[OCTREE_BYTES];
-    FILE *f = fopen(path, "rb");
+    FILE *f = open_file(path);
     bool octree = f && fgets(line, sizeof line, f) &&
                   strncmp(line, "#?RADIANCE", 10) == 0;
 

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char text[MSG_MAX_ORIGIN + 1];
@@ -54,6 +55,10 @@ START_TEST(an_octree_that_is_none_is_only_named)
     unlink(scenes[0]);
     ck_assert_str_eq(text, "SCENE= check_origin_none.oct\n");
     origin_text(text, scenes, 1, NULL); /* which is gone */
+    ck_assert_str_eq(text, "SCENE= check_origin_none.oct\n");
+    ck_assert_int_eq(mkfifo(scenes[0], 0600), 0);
+    origin_text(text, scenes, 1, NULL); /* which would wait for a writer */
+    unlink(scenes[0]);
     ck_assert_str_eq(text, "SCENE= check_origin_none.oct\n");
 }
 END_TEST

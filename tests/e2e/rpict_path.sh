@@ -110,6 +110,18 @@ cmp -s walk004.unf saved || fail "-S -r: frame 4 is not made again"
 status 0 rpict @rif.opt -o walk%03d.unf -x 16 -y 16 -S 2 room.oct "<walk.vf"
 grep -q 'nothing is rendered' err || fail "all frames are there: $(cat err)"
 
+# names that look like options, and numbers like octal ones
+cp -- saved ./-a.hdr
+status 0 rpict @rif.opt -r -a.hdr room.oct
+[ -s ./-a.hdr ] || fail "-r -a.hdr: nothing is there"
+status 0 rpict @rif.opt -w0 -o -q%d.hdr -x 16 -y 16 -S 010 room.oct "<walk.vf"
+[ -s ./-q10.hdr ] || fail "-S 010 does not begin with frame 10"
+: >./-q10.hdr
+status 0 rpict @rif.opt -w0 -o -q%d.hdr -x 16 -y 16 -S 10 -r 10 room.oct \
+    "<walk.vf"
+[ -s ./-q10.hdr ] || fail "-r 10: a frame of that name is not made again"
+status 0 rpict @rif.opt -x 16 -y 16 -S 08 room.oct "<walk.vf"
+
 # --- rad -N: one view on standard input, the picture on standard output
 status 0 rpict -S 1 -PP pfabc -x 16 -y 16 @rif.opt -ps 1 room.oct \
     "<vf >persist.unf"
