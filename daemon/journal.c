@@ -18,6 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
@@ -390,6 +391,61 @@ make_private(const char *path, struct rad_error *err)
     return 0;
 }
 
+static int
+sync_file(const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDWR | O_CLOEXEC), rc;
+
+    if (fd < 0)
+        return disk_fail(err, errno, "open", path);
+    rc = disk_sync(fd, path, err);
+    close(fd);
+    return rc;
+}
+
+/* A database without a job at path, which nobody else sees yet. */
+static int
+make_at(const char *path, struct rad_error *err)
+{
+    struct journal j = { 0 };
+    int rc = make_private(path, err);
+
+    if (rc < 0)
+        return rc;
+    if (sqlite3_open_v2(path, &j.db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
+        rc = j.db ? journal_failed(&j, sqlite3_errcode(j.db), err)
+                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (rc == 0)
+        rc = exec(&j, "PRAGMA journal_mode = OFF", err);
+    if (rc == 0)
+        rc = make(&j, err);
+    sqlite3_close(j.db);
+    return rc == 0 ? sync_file(path, err) : rc;
+}
+
+/* Where there is none, put a whole database there: of one that is made in its
+ * place a loss of power may leave a part, which is not told from one that was
+ * damaged. */
+static int
+make_whole(const char *path, struct rad_error *err)
+{
+    char made[DISK_PATH_MAX + 8];
+    struct stat st;
+    int rc;
+
+    if (stat(path, &st) == 0 && st.st_size > 0)
+        return 0;
+    snprintf(made, sizeof made, "%s.new", path);
+    if (unlink(made) < 0 && errno != ENOENT)
+        return disk_fail(err, errno, "remove", made);
+    rc = make_at(made, err);
+    if (rc == 0 && rename(made, path) < 0)
+        rc = disk_fail(err, errno, "rename", made);
+    if (rc < 0)
+        unlink(made);
+    return rc == 0 ? disk_sync_dir_of(path, err) : rc;
+}
+
 int
 journal_open(struct journal **out, const char *path, enum journal_how how,
              struct rad_error *err)
@@ -408,7 +464,7 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
     wire_out_init(&j->out, MSG_FRAME_MAX);
     j->out.version = JOURNAL_LAYOUT;
     j->had_log = has_log(path);
-    if (how == JOURNAL_MAKE && make_private(path, err) < 0) {
+    if (how == JOURNAL_MAKE && make_whole(path, err) < 0) {
         journal_close(j);
         return err->code;
     }

@@ -4,6 +4,7 @@
 #include "blobs.h"
 #include "disk.h"
 #include "filtered.h"
+#include "journal.h"
 #include "picture/hdr.h"
 #include "rows.h"
 #include "service.h"
@@ -1485,6 +1486,33 @@ START_TEST(sounds_of_very_many_files_are_forgotten)
 }
 END_TEST
 
+/* What a loss of power leaves of one that was being made is in nobody's way, and
+ * one that has its name is whole, whatever becomes of its log. */
+START_TEST(a_database_gets_its_name_when_it_is_whole)
+{
+    char path[160], made[170], log[170];
+    struct journal *j;
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    snprintf(made, sizeof made, "%s.new", path);
+    snprintf(log, sizeof log, "%s-wal", path);
+    f = fopen(made, "w");
+    ck_assert_ptr_nonnull(f);
+    fputs("half a database", f);
+    fclose(f);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    journal_close(j);
+    ck_assert_int_ne(access(made, F_OK), 0);
+    f = fopen(log, "w");
+    ck_assert_ptr_nonnull(f);
+    fputs("half a log", f);
+    fclose(f);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
+    journal_close(j);
+}
+END_TEST
+
 /* The preview of a frame that holds one bright sample, at x, y, and no other. */
 static struct rad_picture
 preview_of(int width, int height, int oversample, int x, int y)
@@ -1604,6 +1632,7 @@ main(void)
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
+    tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
     tcase_add_test(tc, previews_of_many_samples_are_of_those_in_the_middle);
     suite_add_tcase(s, tc);
     return unit_run(s);

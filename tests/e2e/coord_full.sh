@@ -184,7 +184,8 @@ if [ $FULL_TMPFS = yes ]; then
         -o more.hdr "$room" 2>more.err &
     more=$!
     until_true 30 says_held more || fail "more: it is not held: $(cat more.err)"
-    is_held || fail "radctl does not say that it is held: $(cat jobs.json)"
+    until_true 30 is_held ||
+        fail "radctl does not say that it is held: $(cat jobs.json)"
     # shellcheck disable=SC2086
     "$radsubmit" --coordinator="$sock" $view -o after.hdr "$room" \
         2>after.err || fail "after: $(cat after.err)"
