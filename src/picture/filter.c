@@ -352,7 +352,7 @@ bool
 rad_filter_pull(struct rad_filter *f, struct rad_rgb *out)
 {
     int row = f->pulled, middle, y0, y1, c = 0;
-    double all;
+    double all = 1; /* of the kernel, where it is filled */
     bool even;
 
     if (row == f->rows)
