@@ -108,7 +108,7 @@ while [ $i -lt "$rounds" ]; do
     i=$((i + 1))
 done
 for name in queries submits uploads offers; do
-    until_true 20 grep -q ready $name.out || fail "no flood of $name"
+    until_true 120 grep -q ready $name.out || fail "no flood of $name"
 done
 # shellcheck disable=SC2046 # two words
 set -- $(limit user_jobs)
