@@ -450,11 +450,6 @@ int
 journal_open(struct journal **out, const char *path, enum journal_how how,
              struct rad_error *err)
 {
-    static const int flags[] = {
-        [JOURNAL_MAKE] = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
-        [JOURNAL_OPEN] = SQLITE_OPEN_READWRITE,
-        [JOURNAL_READ] = SQLITE_OPEN_READWRITE,
-    };
     struct journal *j = calloc(1, sizeof *j);
     int rc;
 
@@ -468,7 +463,8 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
         journal_close(j);
         return err->code;
     }
-    rc = sqlite3_open_v2(path, &j->db, flags[how] | SQLITE_OPEN_NOMUTEX, NULL);
+    rc = sqlite3_open_v2(path, &j->db,
+                         SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
     if (rc != SQLITE_OK)
         rc = j->db ? journal_failed(j, rc, err)
                    : rad_fail(err, RAD_ENOMEM, "out of memory");
