@@ -3,6 +3,8 @@
 
 #include "show.h"
 
+#include "words.h"
+
 #include "picture/number.h"
 #include "picture/png.h"
 
@@ -68,26 +70,10 @@ show_exposure(struct show *s, const char *text, struct rad_error *err)
                     text, MOST_STOPS);
 }
 
-/* The place of the word in words, which '|' parts; -1: it is none of them. */
-static int
-place(const char *words, const char *word)
-{
-    size_t n = strlen(word);
-
-    for (int i = 0; words; i++) {
-        size_t len = strcspn(words, "|");
-
-        if (len == n && strncmp(words, word, n) == 0)
-            return i;
-        words = words[len] ? words + len + 1 : NULL;
-    }
-    return -1;
-}
-
 int
 show_tone(struct show *s, const char *word, struct rad_error *err)
 {
-    int i = place(SHOW_TONES, word);
+    int i = words_place(SHOW_TONES, word);
 
     if (i < 0)
         return rad_fail(err, RAD_EUSAGE,
@@ -100,7 +86,7 @@ show_tone(struct show *s, const char *word, struct rad_error *err)
 int
 show_bits(struct show *s, const char *word, struct rad_error *err)
 {
-    int i = place(SHOW_BITS, word);
+    int i = words_place(SHOW_BITS, word);
 
     if (i < 0)
         return rad_fail(err, RAD_EUSAGE,

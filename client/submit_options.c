@@ -196,17 +196,11 @@ static int
 take_word(int *field, const struct option *opt, const char *text,
           struct rad_error *err)
 {
-    size_t len = strlen(text);
-    const char *word = opt->words;
+    int i = words_place(opt->words, text);
 
-    for (int i = 0; word; i++) {
-        size_t n = strcspn(word, "|");
-
-        if (n == len && strncmp(word, text, n) == 0) {
-            *field = i;
-            return 0;
-        }
-        word = word[n] ? word + n + 1 : NULL;
+    if (i >= 0) {
+        *field = i;
+        return 0;
     }
     return rad_fail(err, RAD_EUSAGE, "option '%s': '%.40s' is none of %s",
                     opt->name, text, opt->words);

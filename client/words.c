@@ -192,3 +192,18 @@ words_expand(struct words *w, int at, struct rad_error *err)
     }
     return 0;
 }
+
+int
+words_place(const char *words, const char *word)
+{
+    size_t len = strlen(word);
+
+    for (int i = 0; words; i++) {
+        size_t n = strcspn(words, "|");
+
+        if (n == len && strncmp(words, word, n) == 0)
+            return i;
+        words = words[n] ? words + n + 1 : NULL;
+    }
+    return -1;
+}

@@ -33,4 +33,7 @@ void words_release(struct words *w);
  * is not set, a file that is too long or one that names itself. */
 int words_expand(struct words *w, int at, struct rad_error *err);
 
+/* The place of the word in words, "a|b|c"; -1: it is none of them. */
+int words_place(const char *words, const char *word);
+
 #endif
