@@ -17,8 +17,8 @@
 #include "base/files.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "client/compile.h"
-#include "light/ambient.h"
+#include "compile/compile.h"
+#include "light/indirect/ambient.h"
 #include "picture/view.h"
 #include "scene/parse.h"
 

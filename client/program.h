@@ -9,16 +9,16 @@
 #ifndef RADD_CLIENT_PROGRAM_H
 #define RADD_CLIENT_PROGRAM_H
 
-#include "compile.h"
-#include "foresee.h"
-#include "frames.h"
-#include "jobspec.h"
-#include "progress.h"
-#include "records.h"
-#include "rifjob.h"
-#include "submit_options.h"
-#include "target.h"
-#include "trial.h"
+#include "compile/compile.h"
+#include "trial/foresee.h"
+#include "job/frames.h"
+#include "job/jobspec.h"
+#include "link/progress.h"
+#include "records/records.h"
+#include "rif/rifjob.h"
+#include "job/submit_options.h"
+#include "link/target.h"
+#include "trial/trial.h"
 
 #include <uv.h>
 

@@ -3,11 +3,11 @@
 
 #include "program.h"
 
-#include "expose.h"
-#include "output.h"
-#include "picfile.h"
-#include "rescue.h"
-#include "tell.h"
+#include "show/expose.h"
+#include "base/output.h"
+#include "show/picfile.h"
+#include "link/rescue.h"
+#include "link/tell.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -3,9 +3,9 @@
 
 #include "program.h"
 
-#include "figure.h"
-#include "tell.h"
-#include "warning.h"
+#include "job/figure.h"
+#include "link/tell.h"
+#include "compile/warning.h"
 
 #include <inttypes.h>
 #include <stdio.h>

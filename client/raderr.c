@@ -1,14 +1,14 @@
 /* raderr.c - how far a picture is from another */
 #include "config.h"
 
-#include "inputs.h"
-#include "outname.h"
-#include "output.h"
-#include "picfile.h"
-#include "picture/falsecolour.h"
-#include "picture/metric.h"
-#include "picture/number.h"
-#include "picture/png.h"
+#include "compile/inputs.h"
+#include "show/outname.h"
+#include "base/output.h"
+#include "show/picfile.h"
+#include "tone/falsecolour.h"
+#include "image/metric.h"
+#include "image/number.h"
+#include "image/png.h"
 
 #include <stdio.h>
 #include <stdlib.h>

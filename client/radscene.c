@@ -1,15 +1,15 @@
 /* radscene.c - looks at scenes: check, info, needs, freeze, rays */
 #include "config.h"
 
-#include "compile.h"
-#include "geom/overlap.h"
+#include "compile/compile.h"
+#include "scene/oct/overlap.h"
 #include "rays.h"
 #include "scene/meshfile.h"
-#include "scene/octfile.h"
-#include "shade/material.h"
-#include "tell.h"
-#include "warning.h"
-#include "words.h"
+#include "scene/oct/octfile.h"
+#include "trace/material.h"
+#include "link/tell.h"
+#include "compile/warning.h"
+#include "ctl/words.h"
 
 #include <errno.h>
 #include <math.h>

@@ -10,14 +10,14 @@
 
 #include "program.h"
 
-#include "apart.h"
-#include "command.h"
-#include "dryrun.h"
-#include "local.h"
-#include "output.h"
-#include "picfile.h"
-#include "submit.h"
-#include "tell.h"
+#include "compile/apart.h"
+#include "compile/command.h"
+#include "trial/dryrun.h"
+#include "link/local.h"
+#include "base/output.h"
+#include "show/picfile.h"
+#include "link/submit.h"
+#include "link/tell.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -2,12 +2,12 @@
 #include "config.h"
 
 #include "rays.h"
-#include "ambfile.h"
-#include "amblist.h"
+#include "records/ambfile.h"
+#include "records/amblist.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "shade/ray.h"
+#include "light/indirect/ambient.h"
+#include "trace/ray.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -10,10 +10,10 @@
 #define RADD_CLIENT_RAYS_H
 
 #include "base/files.h"
-#include "picture/params.h"
+#include "base/params.h"
 #include "scene/scene.h"
-#include "shade/job.h"
-#include "words.h"
+#include "trace/job.h"
+#include "ctl/words.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -32,7 +32,7 @@ int rays_options(struct rays_options *o, struct words *w,
                  struct rad_error *err);
 
 /* Trace what `in` has.  The scene is checked; `files` are those it needs.
- * `faults` gets which of its objects' functions had no value (shade/job.h).
+ * `faults` gets which of its objects' functions had no value (trace/job.h).
  * With -af the file's records are read first, and after the last ray written
  * with those that were made; digest, compile_digest()'s, is needed for it
  * alone. RAD_EDATA with "stdin:LINE" for a line that is not six finite numbers,

@@ -1,7 +1,7 @@
 /* codec.c - see codec.h */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@
 #ifndef CODEC_H
 #define CODEC_H
 
-#include "message.h"
+#include "proto/message.h"
 
 struct codec {
     struct wire_out *out; /* what is written to; NULL: it is read */
@@ -76,6 +76,6 @@ void msg_get_counts(struct wire_in *in, struct msg_counts *counts);
 /* Every body's. */
 #define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
     void msg_code_##body(struct codec *c, struct msg_##body *b);
-#include "message.def"
+#include "proto/message.def"
 
 #endif

@@ -4,7 +4,7 @@
  * that a sum does not depend on the order; so are faults by the first few. */
 #include "config.h"
 
-#include "message.h"
+#include "proto/message.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* frame.c - see frame.h */
 #include "config.h"
 
-#include "frame.h"
+#include "proto/frame.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 #ifndef FRAME_H
 #define FRAME_H
 
-#include "message.h"
+#include "proto/message.h"
 
 #define MSG_MAGIC     0x52414444u /* "RADD" */
 #define MSG_HEADER    16

@@ -7,12 +7,6 @@ libproto_a_SOURCES = \
 	proto/counts.c \
 	proto/frame.c \
 	proto/frame.h \
-	proto/inifile.c \
-	proto/inifile.h \
-	proto/keyfile.c \
-	proto/keyfile.h \
-	proto/keyorder.c \
-	proto/keyorder.h \
 	proto/message.c \
 	proto/message.def \
 	proto/message.h \
@@ -23,10 +17,6 @@ libproto_a_SOURCES = \
 	proto/msg_sharing.c \
 	proto/msg_store.c \
 	proto/msg_work.c \
-	proto/output.c \
-	proto/output.h \
-	proto/tls.c \
-	proto/tls.h \
 	proto/wire.c \
 	proto/wire.h
 

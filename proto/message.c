@@ -4,10 +4,10 @@
  * messages are in a file of their own, msg_<group>.c. */
 #include "config.h"
 
-#include "message.h"
+#include "proto/message.h"
 
-#include "codec.h"
-#include "frame.h"
+#include "proto/codec.h"
+#include "proto/frame.h"
 
 #include <stdlib.h>
 
@@ -44,17 +44,17 @@ struct row {
                                                                                \
         msg_code_##body(&c, &m->lower);                                        \
     }
-#include "message.def"
+#include "proto/message.def"
 
 enum {
 #define MSG(NAME, lower, body, number, since, bytes, limit, at) ROW_##NAME,
-#include "message.def"
+#include "proto/message.def"
 };
 
 static const struct row rows[] = {
 #define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
     { number, #NAME, since, bytes, limit, at, pack_##lower, unpack_##lower },
-#include "message.def"
+#include "proto/message.def"
 };
 
 #define NROWS (sizeof rows / sizeof rows[0])
@@ -64,7 +64,7 @@ static const struct row rows[] = {
 static const uint8_t row_at[] = {
 #define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
     [number] = ROW_##NAME + 1,
-#include "message.def"
+#include "proto/message.def"
 };
 
 static const struct row *

@@ -13,7 +13,7 @@
 #define MESSAGE_H
 
 #include "base/error.h"
-#include "wire.h"
+#include "proto/wire.h"
 
 /* Versions of the protocol: the current one, and the oldest that is spoken
  * besides.  A struct msg is always of the current one; what the other side of a
@@ -61,7 +61,7 @@
 enum msg_type {
 #define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
     MSG_##NAME = number,
-#include "message.def"
+#include "proto/message.def"
 };
 
 /* Where a message arrives: who reads it, and in which state. */
@@ -231,7 +231,7 @@ struct msg_spec {
                           * as that has for it */
     uint8_t oversample; /* samples a side of each pixel of the picture that is
                          * written, which is filtered down from what is
-                         * rendered (picture/filter.h); 0 or 1: none */
+                         * rendered (image/filter.h); 0 or 1: none */
     double clamp;       /* most weight of a sample, times that of those about
                          * it; 0: any.  Else oversample is 2 at least */
     struct msg_hashes files; /* all of the bundle, the manifest among them */
@@ -273,7 +273,7 @@ struct msg_fault {
 
 struct msg_progress {
     const uint8_t *job; /* zero: of one that is not accepted yet */
-    uint8_t state;      /* enum job_state of daemon/job.h: 0 waiting,
+    uint8_t state;      /* enum job_state of daemon/desk/job.h: 0 waiting,
                          * 1 running, 2 paused, 3 done, 4 failed,
                          * 5 cancelled; or MSG_STATE_HELD: the coordinator has
                          * no room on its disk */
@@ -371,7 +371,7 @@ struct msg_ready {
     uint16_t threads;
 };
 
-/* How far pixels may be off: sums of src/shade/job.h and src/picture/doubt.h.
+/* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h.
  * None is negative, and each below 1e100. */
 struct msg_doubt {
     double pixels, variance, known, all; /* of indirect light */
@@ -386,7 +386,7 @@ struct msg_counts {
     struct msg_fault faults[MSG_FAULTS];
     double cpu_s;  /* processor time of the render threads */
     double wall_s; /* from taking the unit to its last row; of a strict unit,
-                    * that of its passes (daemon/strict.h) */
+                    * that of its passes (daemon/strict/strict.h) */
     struct msg_doubt doubt;
 };
 
@@ -664,7 +664,7 @@ struct msg_job_peers {
 };
 
 /* To whom a worker sends ambient records, where there are too many workers for
- * all to be linked (daemon/ring.h): each has a place on a ring, or one on it
+ * all to be linked (daemon/links/ring.h): each has a place on a ring, or one on it
  * speaks for it. */
 struct msg_ring_link {
     uint32_t offset; /* so many places on; 0: one that has none */
@@ -712,7 +712,7 @@ struct msg_peer_hello {
     const uint8_t *token;
 };
 
-/* A batch of ambient records, opaque here (daemon/ambshare.c packs them). */
+/* A batch of ambient records, opaque here (src/light/indirect/ambshare.c packs them). */
 struct msg_ambient {
     uint32_t to;    /* child to radd: the GIVE that it answers, 0: all peers */
     uint32_t count; /* records */
@@ -740,7 +740,7 @@ struct msg {
     union {
 #define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
     struct msg_##body name;
-#include "message.def"
+#include "proto/message.def"
     };
     /* scratch of the unpacked list; see msg_release() */
     void *list;

@@ -4,7 +4,7 @@
  * See "jobs" in message.h. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 #include "base/hex.h"
 #include "base/text.h"

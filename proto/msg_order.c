@@ -3,7 +3,7 @@
  * FETCH to KEY in message.def, and ANSWER. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 void
 msg_code_fetch(struct codec *c, struct msg_fetch *b)

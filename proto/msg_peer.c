@@ -4,7 +4,7 @@
  * See "peers" in message.h and message.def. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 #define PEER_MIN  26 /* bytes of a peer with empty strings, in any version */
 #define MAX_PEERS 4096

@@ -4,7 +4,7 @@
  * See "session" in message.h and message.def. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 unsigned
 msg_common_version(unsigned min, unsigned max)

@@ -3,7 +3,7 @@
  * See "sharing a picture" in message.h. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 #include "base/bits.h"
 

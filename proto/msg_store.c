@@ -3,7 +3,7 @@
  * See "store" in message.h and message.def. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 void
 msg_code_hashes(struct codec *c, struct msg_hashes *b)

@@ -4,7 +4,7 @@
  * See "work" in message.h and message.def. */
 #include "config.h"
 
-#include "codec.h"
+#include "proto/codec.h"
 
 void
 msg_code_ready(struct codec *c, struct msg_ready *b)

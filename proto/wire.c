@@ -1,7 +1,7 @@
 /* wire.c - see wire.h */
 #include "config.h"
 
-#include "wire.h"
+#include "proto/wire.h"
 
 #include "base/text.h"
 

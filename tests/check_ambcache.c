@@ -6,7 +6,7 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambcache.h"
+#include "light/indirect/ambcache.h"
 #include "world.h"
 
 #include <pthread.h>

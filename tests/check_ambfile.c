@@ -1,8 +1,8 @@
 /* check_ambfile.c - tests of client/ambfile */
 #include "config.h"
 
-#include "ambfile.h"
-#include "ambshare.h"
+#include "records/ambfile.h"
+#include "light/indirect/ambshare.h"
 #include "base/files.h"
 #include "world.h"
 

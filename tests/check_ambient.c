@@ -3,8 +3,8 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/gradient.h"
+#include "light/indirect/ambient.h"
+#include "light/indirect/gradient.h"
 #include "lambert.h"
 #include "world.h"
 

@@ -1,8 +1,8 @@
 /* check_ambshare.c - ambient records on the wire */
 #include "config.h"
 
-#include "ambseen.h"
-#include "ambshare.h"
+#include "worker/ambseen.h"
+#include "light/indirect/ambshare.h"
 
 #include "unit.h"
 

@@ -2,7 +2,7 @@
  * scattering data, and the materials that use them */
 #include "config.h"
 
-#include "scene/bsdf.h"
+#include "scene/bsdf/bsdf.h"
 #include "world.h"
 
 #include <math.h>

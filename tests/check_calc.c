@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "base/xform.h"
-#include "scene/calc.h"
+#include "scene/calc/calc.h"
 #include "unit.h"
 
 #include <math.h>

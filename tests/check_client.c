@@ -1,16 +1,16 @@
 /* check_client.c - tests of the modules that the clients are made of */
 #include "config.h"
 
-#include "figure.h"
-#include "message.h"
-#include "outname.h"
-#include "output.h"
-#include "progress.h"
-#include "submit_options.h"
-#include "table.h"
-#include "target.h"
+#include "job/figure.h"
+#include "proto/message.h"
+#include "show/outname.h"
+#include "base/output.h"
+#include "link/progress.h"
+#include "job/submit_options.h"
+#include "ctl/table.h"
+#include "link/target.h"
 #include "unit.h"
-#include "words.h"
+#include "ctl/words.h"
 
 #include <limits.h>
 #include <stdio.h>

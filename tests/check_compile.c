@@ -3,9 +3,9 @@
  * Each test works in a folder of its own, which is removed at its end. */
 #include "config.h"
 
-#include "command.h"
-#include "compile.h"
-#include "scene/octfile.h"
+#include "compile/command.h"
+#include "compile/compile.h"
+#include "scene/oct/octfile.h"
 #include "unit.h"
 
 #include <errno.h>

@@ -1,9 +1,9 @@
 /* check_conf.c - settings from a file and a command line, and addresses */
 #include "config.h"
 
-#include "address.h"
-#include "conf.h"
-#include "log.h"
+#include "net/address.h"
+#include "ground/conf.h"
+#include "ground/log.h"
 
 #include "unit.h"
 

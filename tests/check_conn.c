@@ -1,8 +1,8 @@
 /* check_conn.c - messages over a socket pair, good bytes and bad */
 #include "config.h"
 
-#include "conn.h"
-#include "log.h"
+#include "net/conn.h"
+#include "ground/log.h"
 
 #include "unit.h"
 

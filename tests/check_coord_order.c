@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
-#include "report.h"
+#include "front/report.h"
 
 START_TEST(a_paused_job_gets_no_units)
 {

@@ -8,9 +8,9 @@
  * A message has a coordinator of its own: the log has a limit on such lines. */
 #include "config.h"
 
-#include "frame.h"
-#include "keyfile.h"
-#include "tls.h"
+#include "proto/frame.h"
+#include "net/keyfile.h"
+#include "net/tls.h"
 
 #include "unit.h"
 

@@ -1,7 +1,7 @@
 /* check_data.c - tests of src/scene/data: grids and pictures as functions */
 #include "config.h"
 
-#include "picture/hdr.h"
+#include "image/hdr.h"
 #include "scene/data.h"
 #include "unit.h"
 

@@ -1,9 +1,9 @@
 /* check_estimate.c - random pixels that tell what a part of a picture costs */
 #include "config.h"
 
-#include "jobtext.h"
+#include "machine/jobtext.h"
 #include "picture/estimate.h"
-#include "pool.h"
+#include "child/pool.h"
 #include "scene/parse.h"
 
 #include "unit.h"

@@ -5,8 +5,8 @@
  * short trial had foreseen. */
 #include "config.h"
 
-#include "eta.h"
-#include "trial.h"
+#include "trial/eta.h"
+#include "trial/trial.h"
 #include "unit.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* check_falsecolour.c - scales of false colour, their divisions and legends */
 #include "config.h"
 
-#include "picture/falsecolour.h"
-#include "picture/legend.h"
+#include "tone/falsecolour.h"
+#include "tone/legend.h"
 
 #include "unit.h"
 

@@ -2,8 +2,8 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "picture/filter.h"
-#include "picture/hdr.h"
+#include "image/filter.h"
+#include "image/hdr.h"
 #include "unit.h"
 
 #include <math.h>

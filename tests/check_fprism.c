@@ -1,9 +1,9 @@
-/* check_fprism.c - tests of src/scene/calcprism.c: light through panes of
+/* check_fprism.c - tests of src/scene/calc/calcprism.c: light through panes of
  * prisms
  */
 #include "config.h"
 
-#include "scene/calc.h"
+#include "scene/calc/calc.h"
 #include "unit.h"
 
 #include <math.h>

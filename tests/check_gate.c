@@ -2,11 +2,11 @@
  * messages go by TLS */
 #include "config.h"
 
-#include "conn.h"
-#include "dial.h"
-#include "gate.h"
-#include "listen.h"
-#include "log.h"
+#include "net/conn.h"
+#include "net/dial.h"
+#include "net/gate.h"
+#include "net/listen.h"
+#include "ground/log.h"
 
 #include "unit.h"
 

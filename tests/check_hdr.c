@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "picture/hdr.h"
+#include "image/hdr.h"
 #include "picture/quincunx.h"
 #include "unit.h"
 

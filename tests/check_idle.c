@@ -1,8 +1,8 @@
 /* check_idle.c - when a worker may work: hours, and nobody at the machine */
 #include "config.h"
 
-#include "daemon/hours.h"
-#include "daemon/idle.h"
+#include "radd/hours.h"
+#include "radd/idle.h"
 
 #include "unit.h"
 

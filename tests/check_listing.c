@@ -2,7 +2,7 @@
  * of what makes them shorter */
 #include "coord_fixture.h"
 
-#include "listing.h"
+#include "front/listing.h"
 
 enum { JOBS = 3000 };
 

@@ -7,7 +7,7 @@
  * they were recorded when it was the only one. */
 #include "config.h"
 
-#include "frame.h"
+#include "proto/frame.h"
 #include "unit.h"
 
 #include <float.h>

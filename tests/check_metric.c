@@ -1,9 +1,9 @@
 /* check_metric.c - comparing pictures, false colour */
 #include "config.h"
 
-#include "picture/falsecolour.h"
-#include "picture/metric.h"
-#include "picture/png.h"
+#include "tone/falsecolour.h"
+#include "image/metric.h"
+#include "image/png.h"
 #include "unit.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "geom/octree.h"
-#include "scene/octfile.h"
+#include "scene/oct/octree.h"
+#include "scene/oct/octfile.h"
 #include "scene/parse.h"
 #include "unit.h"
 

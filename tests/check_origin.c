@@ -1,7 +1,7 @@
 /* Where a picture is from, in its header. */
 #include "config.h"
 
-#include "origin.h"
+#include "show/origin.h"
 
 #include "unit.h"
 

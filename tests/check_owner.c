@@ -1,8 +1,8 @@
 /* check_owner.c - tests of daemon/owner: one person is one owner */
 #include "config.h"
 
-#include "conn.h"
-#include "owner.h"
+#include "net/conn.h"
+#include "front/owner.h"
 #include "unit.h"
 
 #include <pwd.h>

@@ -3,8 +3,8 @@
 
 #include "base/files.h"
 #include "base/rng.h"
-#include "picture/number.h"
-#include "picture/params.h"
+#include "image/number.h"
+#include "base/params.h"
 #include "unit.h"
 
 #include <math.h>

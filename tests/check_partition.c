@@ -1,7 +1,7 @@
 /* check_partition.c - units cover each pixel once and go out in order */
 #include "config.h"
 
-#include "partition.h"
+#include "partition/partition.h"
 #include "unit.h"
 
 #include <string.h>

@@ -1,12 +1,12 @@
 /* check_pool.c - threads that render give the pixels that one alone gives */
 #include "config.h"
 
-#include "fingerprint.h"
-#include "jobtext.h"
-#include "light/ambient.h"
-#include "pool_impl.h"
+#include "radd/fingerprint.h"
+#include "machine/jobtext.h"
+#include "light/indirect/ambient.h"
+#include "child/pool_impl.h"
 #include "scene/parse.h"
-#include "team.h"
+#include "team/team.h"
 
 #include "hook.h"
 #include "unit.h"

@@ -1,11 +1,11 @@
 /* check_prism.c - tests of src/shade/prism.c, and of the images that
- * src/light/image.c makes of light sources in prisms
+ * src/light/direct/image.c makes of light sources in prisms
  *
  * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,
  * and so does its image, times the prism's coefficient. */
 #include "config.h"
 
-#include "light/source.h"
+#include "light/direct/source.h"
 #include "world.h"
 
 #include <stdio.h>

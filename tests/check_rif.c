@@ -3,8 +3,8 @@
  * Options and positions of views are what rad(1) says, worked by hand. */
 #include "config.h"
 
-#include "outname.h"
-#include "rif_view.h"
+#include "show/outname.h"
+#include "rif/rif_view.h"
 #include "unit.h"
 
 #include <stdio.h>

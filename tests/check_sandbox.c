@@ -4,7 +4,7 @@
  * done, with 1 where it was refused, or by SIGSYS. */
 #include "config.h"
 
-#include "daemon/sandbox.h"
+#include "child/sandbox.h"
 
 #include "unit.h"
 

@@ -3,8 +3,8 @@
 
 #include "base/parts.h"
 #include "base/rng.h"
-#include "jobtext.h"
-#include "light/ambient.h"
+#include "machine/jobtext.h"
+#include "light/indirect/ambient.h"
 #include "picture/seed.h"
 
 #include "world.h"

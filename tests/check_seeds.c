@@ -8,8 +8,8 @@
  * RADD_RECORD=FOLDER/tests/golden records them, as it does recorded frames. */
 #include "config.h"
 
-#include "frame.h"
-#include "message.h"
+#include "proto/frame.h"
+#include "proto/message.h"
 #include "picture/quincunx.h"
 #include "unit.h"
 

@@ -1,8 +1,8 @@
 /* check_shell.c - what both daemons' shells have in common */
 #include "config.h"
 
-#include "children.h"
-#include "shell.h"
+#include "radd/children.h"
+#include "machine/shell.h"
 #include "unit.h"
 
 #include <uv.h>

@@ -1,15 +1,15 @@
 /* check_store.c - files by hash, rows and pictures on disk */
 #include "config.h"
 
-#include "blobs.h"
-#include "disk.h"
-#include "filtered.h"
-#include "journal.h"
-#include "picture/hdr.h"
-#include "rows.h"
-#include "service.h"
-#include "sound.h"
-#include "store.h"
+#include "store/blobs.h"
+#include "ground/disk.h"
+#include "folder/filtered.h"
+#include "journal/journal.h"
+#include "image/hdr.h"
+#include "folder/rows.h"
+#include "ground/service.h"
+#include "store/sound.h"
+#include "store/store.h"
 
 #include "unit.h"
 

@@ -9,8 +9,8 @@
  * RADD_STRICT_SEED=n replays one seed, RADD_STRICT_RUNS=n tries that many. */
 #include "config.h"
 
-#include "strict.h"
-#include "frame.h"
+#include "strict/strict.h"
+#include "proto/frame.h"
 #include "unit.h"
 
 #include <math.h>

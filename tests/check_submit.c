@@ -5,8 +5,8 @@
  * whether the client said what it should have. */
 #include "config.h"
 
-#include "frame.h"
-#include "submit.h"
+#include "proto/frame.h"
+#include "link/submit.h"
 #include "unit.h"
 
 #include <signal.h>

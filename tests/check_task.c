@@ -2,7 +2,7 @@
  * and ended when the disk fails */
 #include "config.h"
 
-#include "task.h"
+#include "ground/task.h"
 #include "unit.h"
 
 #include <pthread.h>

@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "analytic.h"
-#include "team.h"
+#include "team/team.h"
 #include "unit.h"
 
 #include <pthread.h>

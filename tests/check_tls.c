@@ -4,7 +4,7 @@
  * Strangers are made with OpenSSL itself. */
 #include "config.h"
 
-#include "tls.h"
+#include "net/tls.h"
 
 #include "unit.h"
 

@@ -2,11 +2,11 @@
  * choose among them */
 #include "config.h"
 
-#include "picture/png.h"
-#include "picture/primaries.h"
-#include "picture/screen.h"
-#include "picture/srgb.h"
-#include "show.h"
+#include "image/png.h"
+#include "tone/primaries.h"
+#include "tone/screen.h"
+#include "image/srgb.h"
+#include "show/show.h"
 #include "unit.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "unit.h"
-#include "wire.h"
+#include "proto/wire.h"
 
 #include <string.h>
 

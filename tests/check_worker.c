@@ -1,10 +1,10 @@
 /* check_worker.c - a worker's side of the protocol, one event at a time */
 #include "config.h"
 
-#include "frame.h"
-#include "lossy.h"
+#include "proto/frame.h"
+#include "ground/lossy.h"
 #include "unit.h"
-#include "worker.h"
+#include "worker/worker.h"
 
 #include <string.h>
 #include <sysexits.h>

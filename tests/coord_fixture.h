@@ -6,13 +6,13 @@
 #ifndef RADD_TESTS_COORD_FIXTURE_H
 #define RADD_TESTS_COORD_FIXTURE_H
 
-#include "coord.h"
-#include "frame.h"
-#include "sched.h"
-#include "stats.h"
+#include "queue/coord.h"
+#include "proto/frame.h"
+#include "sched/sched.h"
+#include "front/stats.h"
 #include "unit.h"
 
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <jansson.h>
 #include <stdio.h>

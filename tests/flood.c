@@ -23,11 +23,11 @@
  * each time.  Exits with 0 when it has done so, 69 when nobody listens. */
 #include "config.h"
 
-#include "address.h"
-#include "frame.h"
-#include "keyfile.h"
-#include "message.h"
-#include "tls.h"
+#include "net/address.h"
+#include "proto/frame.h"
+#include "net/keyfile.h"
+#include "proto/message.h"
+#include "net/tls.h"
 
 #include <errno.h>
 #include <netinet/tcp.h>

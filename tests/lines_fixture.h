@@ -7,10 +7,10 @@
 #ifndef RADD_TESTS_LINES_FIXTURE_H
 #define RADD_TESTS_LINES_FIXTURE_H
 
-#include "frame.h"
+#include "proto/frame.h"
 #include "picture/quincunx.h"
-#include "sched.h"
-#include "stats.h"
+#include "sched/sched.h"
+#include "front/stats.h"
 #include "unit.h"
 
 #include <jansson.h>

@@ -328,7 +328,7 @@ tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
 
 # radd with the hooks of tests/hook.h: not to be installed
 check_PROGRAMS += tests/radd-hooked
-tests_radd_hooked_SOURCES = daemon/radd.c daemon/pool_unit.c tests/hook.c \
+tests_radd_hooked_SOURCES = daemon/radd/radd.c daemon/child/pool_unit.c tests/hook.c \
 	tests/hook.h
 tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
@@ -647,7 +647,7 @@ tests_check_seed_SOURCES = tests/check_seed.c tests/unit.h tests/world.h
 tests_check_seed_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_seed_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_pool_SOURCES = daemon/pool_unit.c tests/check_pool.c tests/hook.h \
+tests_check_pool_SOURCES = daemon/child/pool_unit.c tests/check_pool.c tests/hook.h \
 	tests/unit.h
 tests_check_pool_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_check_pool_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -2,8 +2,8 @@
 #ifndef RADD_TESTS_PARTS_H
 #define RADD_TESTS_PARTS_H
 
-#include "geom/octree.h"
-#include "scene/octfile.h"
+#include "scene/oct/octree.h"
+#include "scene/oct/octfile.h"
 #include "scene/parse.h"
 #include "scene/part.h"
 

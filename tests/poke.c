@@ -5,7 +5,7 @@
  * after 20 s, 69 if there is nobody. */
 #include "config.h"
 
-#include "address.h"
+#include "net/address.h"
 
 #include <errno.h>
 #include <poll.h>

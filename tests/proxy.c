@@ -18,8 +18,8 @@
  * Ends with SIGTERM. */
 #include "config.h"
 
-#include "daemon/address.h"
-#include "daemon/conn.h"
+#include "net/address.h"
+#include "net/conn.h"
 
 #include <fcntl.h>
 #include <signal.h>

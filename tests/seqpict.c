@@ -10,10 +10,10 @@
  * --oversample and --clamp filter the whole picture down as radsubmit's do. */
 #include "config.h"
 
-#include "compile.h"
-#include "picture/filter.h"
+#include "compile/compile.h"
+#include "image/filter.h"
 #include "picture/frame.h"
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -8,10 +8,10 @@
  * A pixel is a line of red, green, blue, linear, 1 is white. */
 #include "config.h"
 
-#include "show.h"
+#include "show/show.h"
 
 #include "base/files.h"
-#include "picture/primaries.h"
+#include "tone/primaries.h"
 
 #include <limits.h>
 #include <math.h>

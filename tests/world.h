@@ -5,8 +5,8 @@
 #include "base/vec.h"
 #include "scene/parse.h"
 #include "scene/part.h"
-#include "shade/job.h"
-#include "shade/ray.h"
+#include "trace/job.h"
+#include "trace/ray.h"
 #include "unit.h"
 
 #include <string.h>

@@ -6,7 +6,7 @@
 #include "host.h"
 
 #include "base/rng.h"
-#include "frame.h"
+#include "proto/frame.h"
 
 #include <math.h>
 #include <stdio.h>

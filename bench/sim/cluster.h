@@ -1,8 +1,8 @@
 /* cluster.h - a coordinator, hosts and the network between them, in virtual
  * time
  *
- * The coordinator is the real one (daemon/coord.c), and what a job's child
- * decides is decided by the real machine (daemon/strict.c).  Played are: time,
+ * The coordinator is the real one (daemon/queue/coord.c), and what a job's child
+ * decides is decided by the real machine (daemon/strict/strict.c).  Played are: time,
  * links, the disk, and rendering, which takes as long as the map says.  Every
  * message is packed and unpacked by the real codec, so that its bytes count.
  * A run is a function of its spec.
@@ -10,10 +10,10 @@
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
-#include "coord.h"
+#include "queue/coord.h"
 #include "event.h"
 #include "map.h"
-#include "strict.h"
+#include "strict/strict.h"
 
 struct cluster_spec {
     const struct map *map;

@@ -3,7 +3,7 @@
 
 #include "host_impl.h"
 
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "map.h"
 
-#include "costs.h"
+#include "trial/costs.h"
 #include "event.h"
 
 #include <math.h>

@@ -9,7 +9,7 @@
 #ifndef SIM_MAP_H
 #define SIM_MAP_H
 
-#include "message.h"
+#include "proto/message.h"
 #include "picture/quincunx.h"
 
 /* A window that was measured; its sides are in pixels of the map. */

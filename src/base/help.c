@@ -1,7 +1,7 @@
 /* help.c - see help.h */
 #include "config.h"
 
-#include "help.h"
+#include "base/help.h"
 
 #include <stdio.h>
 #include <string.h>

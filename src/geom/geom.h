@@ -5,7 +5,7 @@
  * this ray meet first, and does anything opaque stand in its way.  Only this
  * folder knows where a primitive's data lies.
  * Sources (`source` surfaces) are at infinity and have no place here: see
- * light/source.h.
+ * light/direct/source.h.
  * An instance or a mesh is one primitive that holds a transform and points to
  * what it is a copy of, which all copies share (place.h).
  * Points are double[3] in world space.  No absolute epsilon: a hit carries the

@@ -3,7 +3,7 @@
  * Two parts, relative and as root mean squares over the picture's pixels, each
  * of them taken with its surroundings of about 5 by 5 pixels, as the eye does:
  *   ambient   records of the cache that overlap do not say quite the same
- *             (struct rad_doubt in shade/job.h): noise of their hemispheres,
+ *             (struct rad_doubt in trace/job.h): noise of their hemispheres,
  *             and what extrapolation leaves
  *   sampling  pixels that were traced on base lines do not lie on a line:
  *             noise of area lights and gloss, edges that were missed
@@ -14,7 +14,7 @@
 #define RAD_PICTURE_DOUBT_H
 
 #include "picture/quincunx.h"
-#include "shade/job.h"
+#include "trace/job.h"
 
 /* Of base lines: squares of second differences, each at most ROUGHEST. */
 struct rad_rough {

@@ -12,7 +12,7 @@
 #include "picture/paint.h"
 #include "picture/quincunx.h"
 #include "picture/view.h"
-#include "shade/ray.h"
+#include "trace/ray.h"
 
 struct rad_frame {
     const struct rad_job *job;

@@ -9,7 +9,7 @@
 #include "picture/paint.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/source.h"
+#include "light/direct/source.h"
 #include "shade/emitter.h"
 
 #include <stdlib.h>

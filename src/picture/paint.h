@@ -13,7 +13,7 @@
 
 #include "picture/quincunx.h"
 #include "picture/view.h"
-#include "shade/ray.h"
+#include "trace/ray.h"
 
 /* A circle is a polygon of so many corners, within 1.3 % of its radius. */
 enum { RAD_PAINT_CORNERS = 16 };

@@ -20,8 +20,8 @@
 #include "base/parts.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "shade/material.h"
+#include "light/indirect/ambient.h"
+#include "trace/material.h"
 
 #include <math.h>
 #include <stdatomic.h>

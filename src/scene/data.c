@@ -6,7 +6,7 @@
 
 #include "scene/data.h"
 #include "base/color.h"
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <ctype.h>
 #include <float.h>

@@ -48,7 +48,7 @@ int rad_data_dims(const struct rad_data *d);
  * where a coordinate is none. */
 double rad_data_value(const struct rad_data *d, const double at[]);
 
-/* Decode a picture file (picture/hdr.h says which).  NULL and *err on failure.
+/* Decode a picture file (image/hdr.h says which).  NULL and *err on failure.
  */
 struct rad_pict *rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes,
                                 size_t len, struct rad_error *err);

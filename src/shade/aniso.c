@@ -3,8 +3,8 @@
 
 #include "shade/aniso.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
 #include "shade/gloss.h"
 
 #include <float.h>

@@ -7,8 +7,8 @@
 #ifndef RAD_SHADE_ANISO_H
 #define RAD_SHADE_ANISO_H
 
-#include "shade/expr.h"
-#include "shade/material.h"
+#include "pattern/expr.h"
+#include "trace/material.h"
 
 int rad_aniso_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,

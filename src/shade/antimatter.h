@@ -7,7 +7,7 @@
 #ifndef RAD_SHADE_ANTIMATTER_H
 #define RAD_SHADE_ANTIMATTER_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_antimatter_prepare(struct rad_job *job, int32_t index,
                            const struct rad_files *files, const void **data,

@@ -4,8 +4,8 @@
 #include "shade/ashik.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
 #include "shade/aniso.h"
 #include "shade/gloss.h"
 

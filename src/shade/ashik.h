@@ -10,7 +10,7 @@
 #ifndef RAD_SHADE_ASHIK_H
 #define RAD_SHADE_ASHIK_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_ashik_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,

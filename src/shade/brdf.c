@@ -3,11 +3,11 @@
 
 #include "shade/brdf.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
 #include "scene/data.h"
-#include "shade/expr.h"
-#include "shade/stored.h"
+#include "pattern/expr.h"
+#include "pattern/stored.h"
 
 #include <string.h>
 

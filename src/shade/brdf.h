@@ -12,7 +12,7 @@
 #ifndef RAD_SHADE_BRDF_H
 #define RAD_SHADE_BRDF_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_brdf_prepare(struct rad_job *job, int32_t index,
                      const struct rad_files *files, const void **data,

@@ -1,6 +1,6 @@
 /* emitter.c - what a ray sees that meets a light, illum, glow or spotlight
  *
- * Direct light is gathered by aiming at sources (light/source.h), so a ray
+ * Direct light is gathered by aiming at sources (light/direct/source.h), so a ray
  * that meets one by chance must not count it again: indirect diffuse and
  * glossy rays see black there, and so does a shadow ray that aims elsewhere.
  * Seen by the eye, in mirrors and through glass, sources are bright.
@@ -10,7 +10,7 @@
 
 #include "shade/emitter.h"
 #include "base/vec.h"
-#include "light/source.h"
+#include "light/direct/source.h"
 
 #include <string.h>
 

@@ -6,8 +6,8 @@
 #ifndef RAD_SHADE_EMITTER_H
 #define RAD_SHADE_EMITTER_H
 
-#include "light/spot.h"
-#include "shade/material.h"
+#include "light/direct/spot.h"
+#include "trace/material.h"
 
 struct rad_emitter {
     enum rad_otype type;

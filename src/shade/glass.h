@@ -5,7 +5,7 @@
 #ifndef RAD_SHADE_GLASS_H
 #define RAD_SHADE_GLASS_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_glass_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,

@@ -4,7 +4,7 @@
 #include "shade/gloss.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "shade/material.h"
+#include "trace/material.h"
 
 /* --- lobes ---------------------------------------------------------------- */
 

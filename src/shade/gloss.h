@@ -11,7 +11,7 @@
 #ifndef RAD_SHADE_GLOSS_H
 #define RAD_SHADE_GLOSS_H
 
-#include "shade/ray.h"
+#include "trace/ray.h"
 
 /* A hit on a rough surface.  The normal is on the side that the ray comes from,
  * whether r->n is so or not. */

@@ -9,7 +9,7 @@
 
 #include "shade/mirror.h"
 #include "base/vec.h"
-#include "light/source.h"
+#include "light/direct/source.h"
 
 #include <string.h>
 

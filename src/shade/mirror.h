@@ -1,13 +1,13 @@
 /* mirror.h - mirrors that relay light sources
  *
  * A mirror is a surface of one colour that reflects one ray, and shows light
- * sources to direct light (light/virtual.h).  One string argument names a
+ * sources to direct light (light/direct/virtual.h).  One string argument names a
  * material that all other rays see in its place.
  * Source: Radiance's reference manual, "mirror". */
 #ifndef RAD_SHADE_MIRROR_H
 #define RAD_SHADE_MIRROR_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_mirror_prepare(struct rad_job *job, int32_t index,
                        const struct rad_files *files, const void **data,

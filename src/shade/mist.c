@@ -26,7 +26,7 @@
 #include "base/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/source.h"
+#include "light/direct/source.h"
 
 #include <stddef.h>
 #include <string.h>

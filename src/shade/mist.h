@@ -10,7 +10,7 @@
 #ifndef RAD_SHADE_MIST_H
 #define RAD_SHADE_MIST_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 struct rad_mist;
 

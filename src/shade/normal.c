@@ -10,8 +10,8 @@
 
 #include "shade/normal.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
 #include "shade/gloss.h"
 
 /* Square roughness up to which a surface is a mirror: Radiance's bound. */

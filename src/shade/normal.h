@@ -9,7 +9,7 @@
 #ifndef RAD_SHADE_NORMAL_H
 #define RAD_SHADE_NORMAL_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_normal_prepare(struct rad_job *job, int32_t index,
                        const struct rad_files *files, const void **data,

@@ -3,8 +3,8 @@
 
 #include "shade/prism.h"
 #include "base/vec.h"
-#include "light/source.h"
-#include "shade/expr.h"
+#include "light/direct/source.h"
+#include "pattern/expr.h"
 
 struct prism {
     int ways;

@@ -2,13 +2,13 @@
  *
  * Expressions give a coefficient and the direction in which a ray goes on from
  * the surface, once or twice.  Flat ones relay light sources as mirrors do
- * (light/virtual.h): to a ray that looks for a relayed source they see the
+ * (light/direct/virtual.h): to a ray that looks for a relayed source they see the
  * direction to it (DxA, DyA, DzA), and to all others a zero vector.
  * Source: Radiance's reference manual, "prism1". */
 #ifndef RAD_SHADE_PRISM_H
 #define RAD_SHADE_PRISM_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_prism_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,

@@ -10,11 +10,11 @@
 #include "shade/scatter.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
-#include "scene/bsdf.h"
-#include "shade/expr.h"
-#include "shade/stored.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
+#include "scene/bsdf/bsdf.h"
+#include "pattern/expr.h"
+#include "pattern/stored.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* scatter.h - BSDF and aBSDF: scattering by data from XML files
  *
- * What a file holds for a pair of directions (scene/bsdf.h) is turned by an up
+ * What a file holds for a pair of directions (scene/bsdf/bsdf.h) is turned by an up
  * vector, and added to Lambertian parts of the material's own.  Patterns act on
  * all but the scattered reflection.
  * A BSDF of a thickness stands in for geometry that is there as well: eyes and
@@ -9,12 +9,12 @@
  * An aBSDF looks for a narrow peak straight ahead: that is followed by one
  * ray, so that one sees through, and cast as a shadow.
  * Source: Radiance's reference manual, "BSDF", "aBSDF"; Ward, Kurt & Bonneel
- * 2012 (scene/bsdf.h); Ward et al. 2021, Modeling specular transmission of
+ * 2012 (scene/bsdf/bsdf.h); Ward et al. 2021, Modeling specular transmission of
  * complex fenestration systems with data-driven BSDFs (peak extraction). */
 #ifndef RAD_SHADE_SCATTER_H
 #define RAD_SHADE_SCATTER_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_scatter_prepare(struct rad_job *job, int32_t index,
                         const struct rad_files *files, const void **data,

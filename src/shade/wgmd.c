@@ -6,10 +6,10 @@
 
 #include "shade/wgmd.h"
 #include "base/vec.h"
-#include "light/ambient.h"
-#include "light/source.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
 #include "shade/aniso.h"
-#include "shade/expr.h"
+#include "pattern/expr.h"
 #include "shade/gloss.h"
 
 #include <stdlib.h>

@@ -14,7 +14,7 @@
 #ifndef RAD_SHADE_WGMD_H
 #define RAD_SHADE_WGMD_H
 
-#include "shade/material.h"
+#include "trace/material.h"
 
 int rad_wgmd_prepare(struct rad_job *job, int32_t index,
                      const struct rad_files *files, const void **data,

@@ -14,7 +14,7 @@
 #include "stage.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "shade/ray.h"
+#include "trace/ray.h"
 #include "../lambert.h"
 
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #include "base/vec.h"
 #include "picture/frame.h"
 #include "scene/parse.h"
-#include "shade/ray.h"
+#include "trace/ray.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #ifndef RADD_TESTS_STAGE_H
 #define RADD_TESTS_STAGE_H
 
-#include "shade/job.h"
+#include "trace/job.h"
 
 struct stage {
     struct rad_scene *scene;

@@ -1,13 +1,13 @@
 /* fuzz_ambfile.c - any bytes as a file of ambient records */
 #include "config.h"
 
-#include "ambfile.h"
+#include "records/ambfile.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "ambshare.h"
+#include "light/indirect/ambshare.h"
 
 #include <stdio.h>
 #include <stdlib.h>

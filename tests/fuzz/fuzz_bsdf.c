@@ -1,5 +1,5 @@
 /* fuzz_bsdf.c - XML files of scattering data, and looking them up */
-#include "scene/bsdf.h"
+#include "scene/bsdf/bsdf.h"
 
 #include <math.h>
 #include <stdint.h>

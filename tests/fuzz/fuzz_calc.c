@@ -1,7 +1,7 @@
 /* fuzz_calc.c - function files, and expressions that use them
  *
  * Up to the first NUL a file of definitions, behind it an expression. */
-#include "scene/calc.h"
+#include "scene/calc/calc.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,9 +4,9 @@
  * that can be looked at. */
 #include "config.h"
 
-#include "address.h"
-#include "conf.h"
-#include "hours.h"
+#include "net/address.h"
+#include "ground/conf.h"
+#include "radd/hours.h"
 
 #include <stdio.h>
 #include <stdlib.h>

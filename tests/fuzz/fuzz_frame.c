@@ -4,7 +4,7 @@
  * second the size of the pieces. */
 #include "config.h"
 
-#include "frame.h"
+#include "proto/frame.h"
 #include "steps.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* fuzz_hdr.c - Radiance pictures, to look at and as data */
 #include "config.h"
 
-#include "picture/hdr.h"
+#include "image/hdr.h"
 #include "scene/data.h"
 
 #include <stdlib.h>

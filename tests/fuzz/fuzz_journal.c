@@ -3,9 +3,9 @@
  * It is read as at the start of radcoord, and its jobs are taken up. */
 #include "config.h"
 
-#include "disk.h"
-#include "journal.h"
-#include "recover.h"
+#include "ground/disk.h"
+#include "journal/journal.h"
+#include "queue/recover.h"
 #include "steps.h"
 
 #include <fcntl.h>

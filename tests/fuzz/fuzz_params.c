@@ -3,7 +3,7 @@
  * What is taken must be printed and taken again to the same parameters. */
 #include "config.h"
 
-#include "picture/params.h"
+#include "base/params.h"
 
 #include <stdlib.h>
 #include <string.h>

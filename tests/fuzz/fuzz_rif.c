@@ -3,7 +3,7 @@
  * What is taken has words, options and views that can be asked for. */
 #include "config.h"
 
-#include "rif_view.h"
+#include "rif/rif_view.h"
 
 #include <stdlib.h>
 #include <string.h>

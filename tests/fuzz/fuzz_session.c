@@ -5,8 +5,8 @@
  * action on a connection that it closed. */
 #include "config.h"
 
-#include "coord.h"
-#include "frame.h"
+#include "queue/coord.h"
+#include "proto/frame.h"
 #include "steps.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
  * the bytes cannot know the secret. */
 #include "config.h"
 
-#include "tls.h"
+#include "net/tls.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,9 +6,9 @@
  * connection that is closed. */
 #include "config.h"
 
-#include "frame.h"
+#include "proto/frame.h"
 #include "steps.h"
-#include "worker.h"
+#include "worker/worker.h"
 
 #include <stdlib.h>
 #include <string.h>

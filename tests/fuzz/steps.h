@@ -7,7 +7,7 @@
 #ifndef RADD_TESTS_FUZZ_STEPS_H
 #define RADD_TESTS_FUZZ_STEPS_H
 
-#include "message.h"
+#include "proto/message.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,12 +2,13 @@
  * and its pictures and primary rays are those of one sampler alone
  *
  * RADD_SIM_SEED=n replays one seed and tells what happens; RADD_SIM_RUNS=n
- * tries that many, from RADD_SIM_FIRST on. */
+ * tries that many, from RADD_SIM_FIRST on.  With RADD_SIM_DIGEST each seed says
+ * the digest of what was decided: a change that only moves code leaves it. */
 #include "config.h"
 
 #include "cluster.h"
 
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -240,6 +241,9 @@ run(uint64_t seed, bool verbose)
     sim_init(&s, seed);
     s.net.verbose = verbose;
     sim_run(&s);
+    if (getenv("RADD_SIM_DIGEST"))
+        printf("%llu %016llx\n", (unsigned long long)seed,
+               (unsigned long long)s.digest);
     for (int i = 0; i < s.njobs; i++)
         check_job(&s, &s.job[i]);
     if (verbose)

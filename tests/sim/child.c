@@ -9,11 +9,11 @@
 
 #include "cluster.h"
 #include "fibre.h"
-#include "strict.h"
+#include "strict/strict.h"
 
 #include "base/rng.h"
 #include "picture/facts.h"
-#include "picture/hdr.h"
+#include "image/hdr.h"
 
 #include <stdio.h>
 #include <stdlib.h>

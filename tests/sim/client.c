@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "cluster.h"
-#include "sched.h"
+#include "sched/sched.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 
 #include "cluster.h"
 
-#include "peer.h"
-#include "sched.h"
+#include "worker/peer.h"
+#include "sched/sched.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,6 +124,44 @@ coord_action(struct sim *s, const struct action *a)
     }
 }
 
+/* Actions as the machines decided on them, all but their words for the log: two
+ * programs that decide alike have one digest for each seed (FNV-1a). */
+static void
+digest_bytes(struct sim *s, const void *bytes, size_t len)
+{
+    const uint8_t *b = bytes;
+
+    for (size_t i = 0; b && i < len; i++)
+        s->digest = (s->digest ^ b[i]) * UINT64_C(1099511628211);
+}
+
+static void
+digest_number(struct sim *s, uint64_t n)
+{
+    digest_bytes(s, &n, sizeof n);
+}
+
+static void
+digest_action(struct sim *s, int node, const struct action *a)
+{
+    const struct action_rows *r = &a->rows;
+
+    if (a->type == ACT_LOG)
+        return;
+    digest_number(s, (uint64_t)node << 32 | (uint64_t)a->type);
+    digest_number(s, s->net.now_ms);
+    digest_number(s, a->conn);
+    digest_number(s, (uint64_t)a->request << 32 | (uint32_t)a->status);
+    digest_bytes(s, a->bytes, a->len);
+    digest_bytes(s, a->job, MSG_JOB);
+    digest_bytes(s, a->hash, MSG_HASH);
+    digest_bytes(s, a->text, a->text ? strlen(a->text) : 0);
+    if (a->type == ACT_PUT_ROWS) {
+        digest_number(s, (uint64_t)r->unit << 32 | r->attempt);
+        digest_number(s, (uint64_t)r->row << 32 | r->rows);
+    }
+}
+
 /* Actions may cause events that add actions: those come after. */
 void
 sim_coord_actions(struct sim *s)
@@ -137,6 +175,7 @@ sim_coord_actions(struct sim *s)
             s->late += !!strstr(a.text, "unit late");
             SIM_CHECK(&s->net, !strstr(a.text, "duplicate differs"));
         }
+        digest_action(s, NODE_COORD, &a);
         coord_action(s, &a);
     }
     SIM_CHECK(&s->net, !l->failed);
@@ -331,6 +370,7 @@ sim_worker_actions(struct sim *s, int i)
     for (size_t k = 0; k < l->n; k++) {
         struct action a = l->v[k];
 
+        digest_action(s, NODE_WORKER + i, &a);
         worker_action(s, i, &a);
     }
     SIM_CHECK(&s->net, !l->failed);

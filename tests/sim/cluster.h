@@ -8,10 +8,10 @@
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
-#include "coord.h"
+#include "queue/coord.h"
 #include "net.h"
 #include "picture/quincunx.h"
-#include "worker.h"
+#include "worker/worker.h"
 
 enum {
     SIM_WORKERS = 16,
@@ -145,6 +145,7 @@ enum { SIM_FAULTS = 3 };
 
 struct sim {
     struct net net; /* first: events and ops find the rest from it */
+    uint64_t digest; /* of all actions, see digest_action() */
     struct coord *coord;
     bool store[SIM_JOBS * SIM_FILES];
     struct sim_worker worker[SIM_WORKERS];

@@ -6,9 +6,9 @@
 
 #include "cluster.h"
 
-#include "picture/hdr.h"
-#include "recover.h"
-#include "sched.h"
+#include "image/hdr.h"
+#include "queue/recover.h"
+#include "sched/sched.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #ifndef SIM_NET_H
 #define SIM_NET_H
 
-#include "frame.h"
+#include "proto/frame.h"
 
 struct net;
 

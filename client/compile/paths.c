@@ -1,0 +1,198 @@
+/* paths.c - see paths.h */
+#include "config.h"
+
+#include "compile/paths.h"
+
+#include <pwd.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DEFAULT_RAYPATH ":/usr/local/lib/ray"
+
+static int
+out_of_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+int
+paths_init(struct paths *p, struct rad_error *err)
+{
+    const char *path = getenv("RAYPATH");
+
+    memset(p, 0, sizeof *p);
+    p->raypath = strdup(path ? path : DEFAULT_RAYPATH);
+    return p->raypath ? 0 : out_of_memory(err);
+}
+
+void
+paths_release(struct paths *p)
+{
+    for (int i = 0; i < p->n; i++)
+        free(p->folders[i]);
+    free(p->folders);
+    inputs_release(&p->inputs);
+    free(p->raypath);
+    memset(p, 0, sizeof *p);
+}
+
+char *
+paths_folder_of(const char *file)
+{
+    const char *slash = strrchr(file, '/');
+
+    if (!slash)
+        return strdup(".");
+    return strndup(file, slash == file ? 1 : (size_t)(slash - file));
+}
+
+int
+paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
+{
+    char *folder = paths_folder_of(scene_file), **more;
+
+    if (!folder)
+        return out_of_memory(err);
+    for (int i = 0; i < p->n; i++)
+        if (strcmp(p->folders[i], folder) == 0) {
+            free(folder);
+            return 0;
+        }
+    more = strcmp(folder, ".") == 0
+               ? NULL
+               : realloc(p->folders, ((size_t)p->n + 1) * sizeof *more);
+    if (!more) {
+        int rc = strcmp(folder, ".") == 0 ? 0 : out_of_memory(err);
+
+        free(folder);
+        return rc;
+    }
+    p->folders = more;
+    p->folders[p->n++] = folder;
+    return 0;
+}
+
+/* A pipe or a device may have no end, and its bytes come once. */
+static bool
+readable(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) &&
+           access(path, R_OK) == 0;
+}
+
+/* folder[0..len)/name if that can be read, malloc'd.  An empty folder is the
+ * current one. */
+static char *
+try_folder(const char *folder, size_t len, const char *name)
+{
+    char *path;
+    int n = len ? asprintf(&path, "%.*s/%s", (int)len, folder, name)
+                : asprintf(&path, "%s", name);
+
+    if (n < 0)
+        return NULL;
+    if (readable(path))
+        return path;
+    free(path);
+    return NULL;
+}
+
+/* In entry[0..len), where that is relative from each of the scene's folders
+ * first. */
+static char *
+try_entry(const struct paths *p, const char *entry, size_t len,
+          const char *name)
+{
+    bool here = len == 0 || (len == 1 && entry[0] == '.');
+    char *path = NULL, *folder;
+
+    for (int i = 0; i < p->n && !path && entry[0] != '/'; i++) {
+        int n =
+            here ? asprintf(&folder, "%s", p->folders[i])
+                 : asprintf(&folder, "%s/%.*s", p->folders[i], (int)len, entry);
+
+        if (n < 0)
+            return NULL;
+        path = try_folder(folder, (size_t)n, name);
+        free(folder);
+    }
+    return path ? path : try_folder(entry, len, name);
+}
+
+/* ~/name, ~user/name */
+static char *
+try_home(const char *name)
+{
+    size_t n = strcspn(name + 1, "/");
+    char *user = strndup(name + 1, n);
+    const char *home = NULL;
+
+    if (!user)
+        return NULL;
+    if (n == 0) {
+        home = getenv("HOME");
+    } else {
+        const struct passwd *pw = getpwnam(user);
+
+        home = pw ? pw->pw_dir : NULL;
+    }
+    free(user);
+    name += 1 + n;
+    name += *name == '/';
+    return home ? try_folder(home, strlen(home), name) : NULL;
+}
+
+char *
+paths_find(const struct paths *p, const char *name, struct rad_error *err)
+{
+    const char *entry = p->raypath;
+    char *path = NULL;
+
+    if (name[0] == '/')
+        path = try_folder("", 0, name);
+    else if (name[0] == '~')
+        path = try_home(name);
+    else if (name[0] == '.')
+        path = try_entry(p, "", 0, name);
+    else
+        for (;;) {
+            size_t len = strcspn(entry, ":");
+
+            path = try_entry(p, entry, len, name);
+            if (path || entry[len] == '\0')
+                break;
+            entry += len + 1;
+        }
+    if (!path)
+        rad_fail(err, RAD_ENOINPUT, "cannot find file '%s'", name);
+    return path;
+}
+
+static unsigned char *
+read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    struct paths *p = arg;
+    char *path = paths_find(p, name, err);
+    unsigned char *bytes = NULL;
+
+    if (!path)
+        return NULL;
+    if (inputs_add(&p->inputs, "a file of the scene", path, err) == 0)
+        bytes = rad_file_read(path, PATHS_MAX_FILE, len, err);
+    free(path);
+    return bytes;
+}
+
+struct rad_files
+paths_files(struct paths *p)
+{
+    struct rad_files files = { read_file, p };
+
+    return files;
+}

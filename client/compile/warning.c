@@ -1,0 +1,220 @@
+/* warning.c - see warning.h */
+#include "config.h"
+
+#include "compile/warning.h"
+
+#include "compile/compile.h"
+#include "scene/part.h"
+#include "trace/material.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_KEPT 8
+
+struct warnings {
+    int n; /* of them MOST_KEPT at most are here */
+    char text[MOST_KEPT][WARNING_SIZE];
+};
+
+/* Surfaces of instances and meshes that would be light sources elsewhere. */
+static int32_t
+lights_within(const struct compiled *c)
+{
+    const struct rad_scene *s = c->scene;
+    int32_t n = 0;
+
+    for (int32_t i = rad_scene_own(s); i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
+                        ? rad_material_of(s, o->modifier)
+                        : RAD_VOID;
+
+        n += m != RAD_VOID && rad_material_lights(&s->objects[m]);
+    }
+    return n;
+}
+
+static bool
+warn_of_octree(const struct compiled *c, char text[WARNING_SIZE])
+{
+    int32_t n = c->octree.left_out;
+
+    if (n == 0)
+        return false;
+    snprintf(text, WARNING_SIZE,
+             "warning: full cubes of the octree lack %" PRId32 " surface%s, "
+             "%d a cube being Radiance's limit: its programs may miss %s "
+             "there; our own rendering is not affected",
+             n, n == 1 ? "" : "s", RAD_OCTREE_MAX_SET, n == 1 ? "it" : "them");
+    return true;
+}
+
+static bool
+warn_of_lights(const struct compiled *c, char text[WARNING_SIZE])
+{
+    int32_t n = lights_within(c);
+
+    if (n == 0)
+        return false;
+    snprintf(text, WARNING_SIZE,
+             "warning: %" PRId32 " surface%s of instances and meshes %s of a "
+             "light source's material: seen, but no source of light, as in "
+             "Radiance",
+             n, n == 1 ? "" : "s", n == 1 ? "is" : "are");
+    return true;
+}
+
+/* Can something of this material be bright by itself? */
+static bool
+may_shine(const struct rad_scene *s, int32_t material)
+{
+    if (material == RAD_VOID)
+        return false;
+    switch (s->objects[material].type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+    case RAD_GLOW:
+        return true;
+    default: /* a mixture may be of one that does */
+        return rad_otype_class(s->objects[material].type) == RAD_CLASS_MIXTURE;
+    }
+}
+
+/* Is there a light source of this name?  What relays it may stand before it,
+ * with a '>' behind each. */
+static bool
+is_light(const struct rad_scene *s, const char *name)
+{
+    const char *last = strrchr(name, '>');
+
+    if (last)
+        name = last + 1;
+    for (int32_t i = 0; i < rad_scene_own(s); i++) {
+        const struct rad_object *o = &s->objects[i];
+        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE &&
+                            strcmp(o->name, name) == 0
+                        ? rad_material_of(s, o->modifier)
+                        : RAD_VOID;
+
+        if (m != RAD_VOID && rad_material_lights(&s->objects[m]))
+            return true;
+    }
+    return false;
+}
+
+/* Of the first mist that names a source that is not there. */
+static bool
+warn_of_mists(const struct compiled *c, char text[WARNING_SIZE])
+{
+    const struct rad_scene *s = c->scene;
+    struct rad_error err = { 0 };
+    char where[WARNING_SIZE - 10];
+
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        for (int k = 0; o->type == RAD_MIST && k < o->nstrings; k++) {
+            if (is_light(s, o->strings[k]))
+                continue;
+            rad_scene_fail(s, o, &err, RAD_EDATA, "no light source '%.40s'",
+                           o->strings[k]);
+            rad_error_format(&err, where, sizeof where);
+            snprintf(text, WARNING_SIZE, "warning: %s", where);
+            return true;
+        }
+    }
+    return false;
+}
+
+void
+warning_keep(struct compiled *c, const struct rad_error *err)
+{
+    char text[WARNING_SIZE - 10];
+
+    if (!c->warnings)
+        c->warnings = calloc(1, sizeof *c->warnings);
+    if (!c->warnings || c->warnings->n++ >= MOST_KEPT)
+        return;
+    rad_error_format(err, text, sizeof text);
+    snprintf(c->warnings->text[c->warnings->n - 1], WARNING_SIZE, "warning: %s",
+             text);
+}
+
+/* The i-th of those that were kept; the last says how many there were. */
+static bool
+kept(const struct compiled *c, int i, char text[WARNING_SIZE])
+{
+    int n = c->warnings ? c->warnings->n : 0;
+
+    if (i >= n || i > MOST_KEPT)
+        return false;
+    if (i < MOST_KEPT)
+        memcpy(text, c->warnings->text[i], WARNING_SIZE);
+    else
+        snprintf(text, WARNING_SIZE,
+                 "warning: %d more of these: radscene check tells them all",
+                 n - MOST_KEPT);
+    return true;
+}
+
+bool
+warning_of(const struct compiled *c, int i, char text[WARNING_SIZE])
+{
+    static bool (*const warnings[])(
+        const struct compiled *,
+        char[WARNING_SIZE]) = { warn_of_octree, warn_of_lights, warn_of_mists };
+
+    if (kept(c, i, text))
+        return true;
+    for (int before = 0; kept(c, before, text); before++)
+        i--;
+    for (size_t k = 0; k < sizeof warnings / sizeof warnings[0]; k++)
+        if (warnings[k](c, text) && i-- == 0)
+            return true;
+    return false;
+}
+
+bool
+warning_dark(const struct compiled *c, char text[WARNING_SIZE])
+{
+    const struct rad_scene *s = c->scene;
+    int32_t surfaces = 0;
+
+    for (int32_t i = 0; i < s->nobjects; i++) {
+        const struct rad_object *o = &s->objects[i];
+
+        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+            continue;
+        surfaces++;
+        if (may_shine(s, rad_material_of(s, o->modifier)))
+            return false;
+    }
+    snprintf(text, WARNING_SIZE, "warning: %s",
+             surfaces == 0 ? "the scene has no surface"
+                           : "no surface of the scene gives light: what -av "
+                             "does not light is black");
+    return true;
+}
+
+bool
+warning_fault(const struct rad_scene *scene, uint32_t object, uint64_t count,
+              char text[WARNING_SIZE])
+{
+    struct rad_error what = { 0 };
+    char place[WARNING_SIZE];
+
+    if (object >= (uint32_t)scene->nobjects)
+        return false;
+    rad_scene_fail(scene, &scene->objects[object], &what, RAD_EDATA,
+                   "no value in %" PRIu64
+                   " place%s (domain error, division by zero or missing "
+                   "argument), passed over there",
+                   count, count == 1 ? "" : "s");
+    rad_error_format(&what, place, sizeof place);
+    snprintf(text, WARNING_SIZE, "warning: %.*s", WARNING_SIZE - 12, place);
+    return true;
+}

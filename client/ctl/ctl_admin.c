@@ -1,0 +1,159 @@
+/* ctl_admin.c - radctl's commands for administrators: workers, keys, and the
+ * state folder of a coordinator of this machine */
+#include "config.h"
+
+#include "ctl/ctl.h"
+#include "ctl/keyctl.h"
+#include "journal/statecheck.h"
+#include "ctl/table.h"
+#include "link/tell.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* A message that names a worker. */
+static int
+steer(struct ctl *c)
+{
+    struct msg m = { .type = (uint16_t)c->command->number };
+    const struct msg *answer;
+
+    m.drain.name = c->arg;
+    return ctl_ask(c, &m, MSG_ANSWER, &answer);
+}
+
+int
+ctl_run_worker(struct ctl *c)
+{
+    int rc = ctl_each(c, steer);
+
+    return rc < 0 ? rc : ctl_done(c);
+}
+
+/* The answer to an order about keys. */
+static int
+print_keys(struct ctl *c, const struct key_order *order, const char *text,
+           size_t len)
+{
+    json_error_t why;
+    json_t *root = json_loadb(text, len, 0, &why);
+    int rc;
+
+    if (!root)
+        return rad_fail(c->err, RAD_EPROTO, "the answer is no JSON: %s",
+                        why.text);
+    if (order->what == MSG_KEY_LIST)
+        ctl_filter(c, root, "name");
+    rc = keyctl_print(order, root, c->json, c->err);
+    json_decref(root);
+    return rc;
+}
+
+/* key: in the file itself, if one is named, else by the coordinator */
+static int
+run_key_file(struct ctl *c, const struct key_order *order)
+{
+    char *text;
+    int rc = key_order_run(c->keys, order, (int64_t)time(NULL), &text, c->err);
+
+    if (rc == 0)
+        rc = print_keys(c, order, text, strlen(text));
+    if (text)
+        explicit_bzero(text, strlen(text));
+    free(text);
+    return rc;
+}
+
+int
+ctl_run_key(struct ctl *c)
+{
+    struct msg m = { .type = MSG_KEY };
+    const struct msg *answer;
+    struct key_order order;
+    int rc = keyctl_parse(&order, c->arg, c->name, c->expires, c->err);
+
+    if (rc < 0)
+        return rc;
+    if (c->keys)
+        return run_key_file(c, &order);
+    m.key = (struct msg_key){ (uint8_t)order.what, order.name,
+                              (uint64_t)order.expires };
+    rc = ctl_ask(c, &m, MSG_ANSWER, &answer);
+    return rc < 0 ? rc
+                  : print_keys(c, &order, (const char *)answer->answer.text,
+                               answer->answer.len);
+}
+
+static void
+tell_finding(void *arg, bool problem, const char *text)
+{
+    struct ctl *c = arg;
+    char *clean;
+
+    if (!c->problems) {
+        tell(stdout, "%s: %s", problem ? "problem" : "to be made again", text);
+    } else if (problem && (clean = strdup(text)) != NULL) {
+        rad_text_clean(clean); /* a file's name may be no UTF-8 */
+        json_array_append_new(c->problems, json_string(clean));
+        free(clean);
+    }
+}
+
+/* The first word: of what nobody could read none can say that it is sound. */
+static const char *
+verdict(const struct statecheck *found)
+{
+    return found->problems ? "damaged" : found->denied ? "not known" : "sound";
+}
+
+static void
+print_check(struct ctl *c, const struct statecheck *found)
+{
+    uint32_t problems = found->problems + found->denied;
+    json_t *root;
+
+    if (!c->problems && found->redo > 0)
+        printf("the rows of %u unit%s will be made again: is the disk sound?\n",
+               found->redo, found->redo == 1 ? "" : "s");
+    if (!c->problems) {
+        printf("%s: %u job%s, %u of them not over; %u problem%s\n",
+               verdict(found), found->jobs, found->jobs == 1 ? "" : "s",
+               found->open, problems, problems == 1 ? "" : "s");
+        return;
+    }
+    root = json_pack("{s:b,s:i,s:i,s:i,s:O}", "sound", problems == 0, "jobs",
+                     (int)found->jobs, "open", (int)found->open, "redo",
+                     (int)found->redo, "problems", c->problems);
+    table_print_json(stdout, root);
+    json_decref(root);
+}
+
+/* check: of a folder of this machine */
+int
+ctl_run_check(struct ctl *c)
+{
+    struct statecheck found;
+    int rc;
+
+    c->problems = c->json ? json_array() : NULL;
+    rc = statecheck_run(c->arg, &found, tell_finding, c, c->err);
+    if (rc == 0)
+        print_check(c, &found);
+    json_decref(c->problems);
+    if (rc == 0 && found.problems > 0)
+        rc = rad_fail(c->err, RAD_EDATA,
+                      "'%s' is damaged: put a backup in its place, or move it "
+                      "away to begin without its jobs",
+                      c->arg);
+    else if (rc == 0 && found.denied > 0)
+        rc = rad_fail(c->err, RAD_EPERM,
+                      "'%s': rights are not as radcoord needs them, or not all "
+                      "of it may be read: ask as root or as the user that "
+                      "radcoord runs as",
+                      c->arg);
+    return rc;
+}

@@ -1,0 +1,301 @@
+/* ctl_job.c - radctl's commands about one job */
+#include "config.h"
+
+#include "ctl/ctl.h"
+#include "link/fetch.h"
+#include "show/outname.h"
+#include "base/output.h"
+#include "image/number.h"
+#include "show/picfile.h"
+#include "ctl/table.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+enum {
+    ANSWER_MS = 4500,
+    AT_ONCE = 8 /* requests under way: the disk is waited for once */
+};
+
+/* A message that names a job. */
+static int
+steer(struct ctl *c)
+{
+    struct msg m = { .type = (uint16_t)c->command->number };
+    const struct msg *answer;
+    uint8_t job[MSG_JOB];
+    int rc = ctl_find_job(c, job);
+
+    if (rc < 0)
+        return rc;
+    m.cancel.job = job; /* these messages share a struct */
+    return ctl_ask(c, &m, MSG_ANSWER, &answer);
+}
+
+/* One more answer of those that are due, to requests up to c->request.  A job
+ * that another has ended or deleted meanwhile is no failure. */
+static int
+take_answer(struct ctl *c, uint32_t first, unsigned *done)
+{
+    const struct msg *m;
+    int rc;
+
+    for (;;) {
+        rc = link_recv(c->link, ANSWER_MS, &m, c->err);
+        if (rc < 0)
+            return rc;
+        if (rc == 0)
+            return rad_fail(c->err, RAD_EUNAVAIL,
+                            "the coordinator does not answer");
+        if (m->request < first || m->request > c->request)
+            continue;
+        if (m->type == MSG_ANSWER)
+            ++*done;
+        if (m->type == MSG_FAILED && m->failed.status != EX_USAGE &&
+            m->failed.status != EX_NOINPUT)
+            return rad_fail(c->err, link_code(m->failed.status), "%s",
+                            m->failed.text);
+        if (m->type == MSG_ANSWER || m->type == MSG_FAILED)
+            return 0;
+    }
+}
+
+/* The command's message for the job of each row, some at a time. */
+static int
+steer_rows(struct ctl *c, const json_t *rows, unsigned *done)
+{
+    uint32_t first = c->request + 1, answered = 0;
+    size_t n = json_array_size(rows), sent = 0;
+    uint8_t job[MSG_JOB];
+    int rc = 0;
+
+    while (rc == 0 && answered < n) {
+        while (rc == 0 && sent < n && sent - answered < AT_ONCE) {
+            struct msg m = { .type = (uint16_t)c->command->number,
+                             .request = ++c->request,
+                             .cancel = { job } };
+            const char *id = json_string_value(
+                json_object_get(json_array_get(rows, sent++), "job"));
+
+            if (!id || !msg_job_parse(id, job))
+                return rad_fail(c->err, RAD_EPROTO,
+                                "the coordinator's answer names no job");
+            rc = link_send(c->link, &m, c->err);
+        }
+        if (rc == 0)
+            rc = take_answer(c, first, done);
+        answered++;
+    }
+    return rc;
+}
+
+/* cancel --all, delete --all: one's own jobs, or those of --user */
+static int
+steer_all(struct ctl *c)
+{
+    bool cancel = c->command->number == MSG_CANCEL;
+    struct msg_page ask = { .what = MSG_ROWS_JOBS,
+                            .mine = !c->user,
+                            .state = cancel ? "open" : "over" };
+    unsigned done = 0;
+    json_t *rows;
+    int rc;
+
+    if (link_version(c->link) < msg_since(MSG_PAGE))
+        return rad_fail(c->err, RAD_EPROTO,
+                        "the coordinator is too old for '--all'");
+    if ((rc = ctl_rows(c, &ask, &rows)) < 0)
+        return rc;
+    rc = steer_rows(c, rows, &done);
+    json_decref(rows);
+    if (rc == 0 && c->json)
+        printf("{ \"ok\": true, \"jobs\": %u }\n", done);
+    else if (rc == 0)
+        printf("%u job%s %s\n", done, done == 1 ? "" : "s",
+               cancel ? "cancelled" : "deleted");
+    return rc;
+}
+
+int
+ctl_run_job(struct ctl *c)
+{
+    int rc = c->all ? steer_all(c) : ctl_each(c, steer);
+
+    return rc < 0 || c->all ? rc : ctl_done(c);
+}
+
+int
+ctl_run_priority(struct ctl *c)
+{
+    struct msg m = { .type = MSG_PRIORITY };
+    const struct msg *answer;
+    uint8_t job[MSG_JOB];
+    int n, rc;
+
+    if (!c->name || !rad_parse_int(c->name, &n) || n < -MSG_MOST_PRIORITY ||
+        n > MSG_MOST_PRIORITY)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "priority: '%.80s' is no whole number from %d to %d",
+                        c->name ? c->name : "", -MSG_MOST_PRIORITY,
+                        MSG_MOST_PRIORITY);
+    if ((rc = ctl_find_job(c, job)) < 0)
+        return rc;
+    m.priority.job = job;
+    m.priority.priority = n;
+    rc = ctl_ask(c, &m, MSG_ANSWER, &answer);
+    return rc < 0 ? rc : ctl_done(c);
+}
+
+/* A file of a job, whole; the caller frees its bytes. */
+static int
+fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
+           enum msg_what what, struct fetched *f)
+{
+    const struct msg *m;
+    int rc =
+        fetch_start(c->link, job, (uint32_t)frame, what, ++c->request, c->err);
+
+    while (rc == 0) {
+        rc = link_recv(c->link, INT_MAX, &m, c->err);
+        if (rc == 1)
+            rc = m->request == c->request ? fetch_take(f, m, c->err) : 0;
+    }
+    return rc < 0 ? rc : 0;
+}
+
+/* The first frame that is not black says how this one is shown, as when all of
+ * them came together. */
+static int
+look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
+{
+    int rc = 0;
+
+    for (int i = 0; rc == 0 && i < frame && show_waits(&c->show); i++) {
+        struct fetched f = { 0 };
+
+        rc = fetch_file(c, job, i, MSG_WHAT_PICTURE, &f);
+        if (rc == 0)
+            rc = picfile_look(f.bytes, f.len, &c->show, c->err);
+        free(f.bytes);
+    }
+    return rc;
+}
+
+/* Path NULL: to standard output. */
+static int
+fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
+              const char *path)
+{
+    struct fetched f = { 0 };
+    int rc = 0;
+
+    if (picfile_is_png(path, PICFILE_BY_SUFFIX))
+        rc = look_at_first(c, job, frame);
+    if (rc == 0)
+        rc = fetch_file(c, job, frame, MSG_WHAT_PICTURE, &f);
+    if (rc == 0)
+        rc = picfile_write(path, PICFILE_BY_SUFFIX, f.bytes, f.len, true,
+                           &c->show, c->err);
+    free(f.bytes);
+    return rc;
+}
+
+/* The pictures of a job, as many as the coordinator says it has, to names with
+ * their numbers. */
+static int
+fetch_all(struct ctl *c, const uint8_t job[MSG_JOB])
+{
+    const struct msg *answer;
+    int rc = ctl_query(c, MSG_QUERY_JOB, c->arg, &answer);
+    json_t *state = rc < 0 ? NULL : ctl_parse(c, answer);
+    json_int_t n = json_integer_value(json_object_get(state, "frames"));
+
+    json_decref(state);
+    if (!state)
+        return c->err->code;
+    for (int i = 0; i < n && rc == 0; i++) {
+        char *name = NULL;
+
+        rc = outname_frame(&name, c->output, i, true, c->err);
+        if (rc == 0)
+            rc = fetch_picture(c, job, i, name);
+        free(name);
+    }
+    return rc;
+}
+
+/* Has the output's name a place for the frame's number? */
+static bool
+is_numbered(const char *output)
+{
+    char *name = NULL;
+    bool numbered = output && outname_frame(&name, output, 0, true, NULL) == 0;
+
+    free(name);
+    return numbered;
+}
+
+int
+ctl_run_fetch(struct ctl *c)
+{
+    uint8_t job[MSG_JOB];
+    int rc;
+
+    if (c->output && (rc = output_check(c->output, c->err)) < 0)
+        return rc;
+    if ((rc = ctl_find_job(c, job)) < 0)
+        return rc;
+    if (c->frame < 0 && is_numbered(c->output))
+        rc = fetch_all(c, job);
+    else
+        rc = fetch_picture(c, job, c->frame < 0 ? 0 : c->frame, c->output);
+    return rc < 0 || !c->output ? rc : ctl_done(c);
+}
+
+/* What the queue knows of a job, into its statistics. */
+static int
+add_state(struct ctl *c, json_t *stats)
+{
+    const struct msg *answer;
+    json_t *state;
+    int rc = ctl_query(c, MSG_QUERY_JOB, c->arg, &answer);
+
+    if (rc < 0)
+        return rc;
+    state = ctl_parse(c, answer);
+    if (!state)
+        return c->err->code;
+    json_object_update_missing(stats, state);
+    json_decref(state);
+    return 0;
+}
+
+/* job: for people a summary, as JSON the statistics so far and the state. */
+int
+ctl_run_job_report(struct ctl *c)
+{
+    struct fetched f = { 0 };
+    uint8_t job[MSG_JOB];
+    json_t *stats = NULL;
+    int rc;
+
+    if (!c->json)
+        return ctl_run_query(c);
+    if ((rc = ctl_find_job(c, job)) < 0)
+        return rc;
+    rc = fetch_file(c, job, 0, MSG_WHAT_STATS, &f);
+    if (rc == 0) {
+        stats = json_loadb((const char *)f.bytes, f.len, 0, NULL);
+        rc = stats ? add_state(c, stats)
+                   : rad_fail(c->err, RAD_EPROTO, "the statistics are no JSON");
+    }
+    if (rc == 0) {
+        table_print_json(stdout, stats);
+    }
+    json_decref(stats);
+    free(f.bytes);
+    return rc;
+}

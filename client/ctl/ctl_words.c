@@ -1,0 +1,188 @@
+/* ctl_words.c - radctl's answers about one thing, as people read them
+ *
+ * Members of the coordinator's JSON (radd.stats(5) has their meanings) become
+ * lines of a name and a value with its unit.  What says nothing is left out: a
+ * count of repeated units that is 0, an exit status of success. */
+#include "config.h"
+
+#include "ctl/ctl.h"
+#include "job/figure.h"
+#include "link/tell.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+enum { NAME_COLUMNS = 11 };
+
+static void
+put(FILE *to, const char *name, const char *value)
+{
+    tell(to, "%-*s  %s", NAME_COLUMNS, name, value);
+}
+
+static const char *
+text_of(const json_t *root, const char *key)
+{
+    const char *text = json_string_value(json_object_get(root, key));
+
+    return text ? text : "";
+}
+
+static double
+number_of(const json_t *root, const char *key)
+{
+    return json_number_value(json_object_get(root, key));
+}
+
+static void
+put_text(FILE *to, const json_t *root, const char *key, const char *name)
+{
+    const char *text = text_of(root, key);
+
+    if (text[0])
+        put(to, name, text);
+}
+
+static const char *
+plural(double n)
+{
+    return n == 1 ? "" : "s";
+}
+
+const char *
+ctl_span(char text[CTL_SPAN], double s)
+{
+    char figures[FIGURE_TEXT];
+    double min = floor(s / 60), h = floor(min / 60), days = floor(h / 24);
+
+    if (s < 60)
+        snprintf(text, CTL_SPAN, "%s s", figure(figures, s, 2));
+    else if (h < 1)
+        snprintf(text, CTL_SPAN, "%.0f min", min);
+    else if (days < 1)
+        snprintf(text, CTL_SPAN, "%.0f h %.0f min", h, min - 60 * h);
+    else
+        snprintf(text, CTL_SPAN, "%.0f day%s %.0f h", days, plural(days),
+                 h - 24 * days);
+    return text;
+}
+
+/* --- status --- */
+
+/* An epoch is the time when that life of the coordinator began, in
+ * milliseconds, or a bit later if the clock was put back. */
+static void
+put_start(FILE *to, double epoch)
+{
+    time_t s = (time_t)(epoch / 1000);
+    char at[40], ago[CTL_SPAN], line[100];
+    struct tm tm;
+
+    if (!(epoch > 0) || epoch > 1e15 || !localtime_r(&s, &tm) ||
+        strftime(at, sizeof at, "%Y-%m-%d %H:%M:%S", &tm) == 0)
+        return;
+    snprintf(line, sizeof line, "%s, %s ago", at,
+             ctl_span(ago, fmax(0, difftime(time(NULL), s))));
+    put(to, "since", line);
+}
+
+void
+ctl_tell_status(FILE *to, const json_t *status)
+{
+    double workers = number_of(status, "workers");
+    double threads = number_of(status, "threads");
+    double jobs = number_of(status, "jobs");
+    double kept = number_of(status, "jobs_kept") - jobs;
+    double slow = number_of(status, "slow_turns");
+    char line[200], worst[FIGURE_TEXT];
+
+    put_text(to, status, "program", "program");
+    put_start(to, number_of(status, "epoch"));
+    if (workers > 0)
+        snprintf(line, sizeof line, "%.0f, with %.0f thread%s", workers,
+                 threads, plural(threads));
+    else
+        snprintf(line, sizeof line, "none");
+    put(to, "workers", line);
+    snprintf(line, sizeof line, "%.0f open, %.0f over and kept", jobs,
+             fmax(0, kept));
+    put(to, "jobs", line);
+    if (slow > 0) {
+        snprintf(line, sizeof line,
+                 "everybody had to wait %.0f time%s, for %s ms at most", slow,
+                 plural(slow),
+                 figure(worst, number_of(status, "longest_turn_ms"), 2));
+        put(to, "delays", line);
+    }
+}
+
+/* --- job --- */
+
+static void
+put_picture(FILE *to, const json_t *job)
+{
+    double frames = number_of(job, "frames");
+    double n = number_of(job, "oversample");
+    char line[200], from[60] = "", many[80] = "";
+
+    if (n > 1)
+        snprintf(from, sizeof from, " of %.0f x %.0f samples a pixel", n, n);
+    if (frames > 1)
+        snprintf(many, sizeof many, "%.0f frames (%.0f ready) of ", frames,
+                 number_of(job, "frames_ready"));
+    snprintf(line, sizeof line, "%s%.0f x %.0f%s", many,
+             number_of(job, "width"), number_of(job, "height"), from);
+    put(to, "picture", line);
+}
+
+/* What it took so far. */
+static void
+put_work(FILE *to, const json_t *job)
+{
+    double rays = number_of(job, "rays");
+    double again = number_of(job, "units_redone");
+    char line[200], time[CTL_SPAN], millions[FIGURE_TEXT];
+
+    snprintf(line, sizeof line, "%s since it was submitted",
+             ctl_span(time, number_of(job, "elapsed_s")));
+    put(to, "time", line);
+    if (rays > 0) {
+        snprintf(line, sizeof line, "%s million",
+                 figure(millions, rays / 1e6, 3));
+        put(to, "rays", line);
+    }
+    if (again > 0) {
+        snprintf(line, sizeof line, "%.0f part%s of the picture, after a loss",
+                 again, plural(again));
+        put(to, "made again", line);
+    }
+}
+
+void
+ctl_tell_job(FILE *to, const json_t *job)
+{
+    double status = number_of(job, "status");
+    char line[40];
+
+    put_text(to, job, "job", "job");
+    put_text(to, job, "name", "name");
+    put_text(to, job, "owner", "owner");
+    put_text(to, job, "state", "state");
+    if (strcmp(text_of(job, "text"), text_of(job, "state")) != 0)
+        put_text(to, job, "text", "note");
+    if (status != 0) {
+        snprintf(line, sizeof line, "%.0f", status);
+        put(to, "exit status", line);
+    }
+    /* rounded down: 100 is all */
+    snprintf(line, sizeof line, "%.0f %%", floor(100 * number_of(job, "done")));
+    put(to, "done", line);
+    put_picture(to, job);
+    snprintf(line, sizeof line, "%.0f", number_of(job, "workers"));
+    put(to, "workers", line);
+    snprintf(line, sizeof line, "%.0f", number_of(job, "priority"));
+    put(to, "priority", line);
+    put_work(to, job);
+}

@@ -1,0 +1,16 @@
+# radctl
+radctl_SOURCES = \
+	client/ctl/ctl.c \
+	client/ctl/ctl.h \
+	client/ctl/ctl_admin.c \
+	client/ctl/ctl_job.c \
+	client/ctl/ctl_list.c \
+	client/ctl/ctl_words.c \
+	client/ctl/radctl.c
+libclient_a_SOURCES += \
+	client/ctl/keyctl.c \
+	client/ctl/keyctl.h \
+	client/ctl/table.c \
+	client/ctl/table.h \
+	client/ctl/words.c \
+	client/ctl/words.h

@@ -1,0 +1,461 @@
+/* radctl.c - look at and steer a running cluster; see radctl(1)
+ *
+ * The command line, the table of commands and the connection; what a command
+ * says to the coordinator, and does with the answer, is in ctl_*.c. */
+#include "config.h"
+
+#include "ctl/ctl.h"
+#include "show/picfile.h"
+#include "image/number.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+enum { CONNECT_MS = 3000 };
+
+static const struct ctl_command commands[] = {
+    { "status", NULL, "coordinator, workers and jobs in short", ctl_run_query,
+      MSG_QUERY_STATUS },
+    { "workers", NULL, "one line a worker", ctl_run_list, MSG_QUERY_WORKERS },
+    { "jobs", NULL, "one line a job", ctl_run_list, MSG_QUERY_JOBS },
+    { "limits", NULL, "what a user may have, and has", ctl_run_limits,
+      MSG_QUERY_LIMITS },
+    { "job", "ID", "all about a job", ctl_run_job_report, MSG_QUERY_JOB },
+    { "cancel", "ID...", "end jobs", ctl_run_job, MSG_CANCEL },
+    { "delete", "ID...", "forget jobs that are over, with their pictures",
+      ctl_run_job, MSG_DELETE },
+    { "pause", "ID...", "let jobs rest, at once", ctl_run_job, MSG_PAUSE },
+    { "resume", "ID...", "go on with paused jobs", ctl_run_job, MSG_RESUME },
+    { "priority", "ID N", "give a job another priority",
+      ctl_run_priority, MSG_PRIORITY },
+    { "fetch", "ID", "get a finished picture", ctl_run_fetch, 0 },
+    { "drain", "WORKER...", "give workers no more work", ctl_run_worker,
+      MSG_DRAIN },
+    { "undrain", "WORKER...", "give them work again", ctl_run_worker,
+      MSG_UNDRAIN },
+    { "forget", "WORKER...", "list no more workers that are gone",
+      ctl_run_worker, MSG_FORGET },
+    { "key", "add NAME | retire NAME | list", "of hosts and users", ctl_run_key,
+      MSG_KEY },
+    { "check", "STATE-DIR", "is a coordinator's state folder sound?",
+      ctl_run_check, 0 },
+};
+enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
+
+/* A user who said it to a coordinator would be hung up on. */
+static bool
+for_admins(const struct ctl_command *command)
+{
+    return command->run == ctl_run_worker || command->run == ctl_run_key;
+}
+
+/* --- command line --- */
+
+static void
+help(void)
+{
+    puts("usage: radctl [options] COMMAND [ARGUMENT]\n"
+         "Look at and steer a running cluster.\n");
+    for (int i = 0; i < NCOMMANDS; i++) {
+        char head[80];
+        int n = snprintf(head, sizeof head, "%s %s", commands[i].name,
+                         commands[i].arg ? commands[i].arg : "");
+
+        printf("  %-16s%s%s\n", head, n > 16 ? "\n                    " : "  ",
+               commands[i].help);
+    }
+    puts("\n"
+         "  --coordinator=HOST:PORT|SOCKET\n"
+         "                    the coordinator (this machine's)\n"
+         "  --key=FILE        what to show a coordinator over the network\n"
+         "  --json            print answers as JSON\n"
+         "  --keys=FILE       edit this key file, not the coordinator's\n"
+         "  --expires=DATE    when a new key ends: 2027-01-31, at 00:00 UTC\n"
+         "  --user=NAME       jobs, keys or limits of that user\n"
+         "  --state=STATE     jobs, workers or keys in that state\n"
+         "  --limit=N         so many rows at most; of jobs the newest\n"
+         "  --all             cancel or delete all jobs of yours, or --user's\n"
+         "  -o FILE           where fetch writes (standard output)\n"
+         "  --frame=N         picture of an animation to fetch, from 0; all of them\n"
+         "                    where FILE has a %d\n"
+         "  --tone=" SHOW_TONES "\n"
+         "                    how a .png shows light\n"
+         "  --exposure=[first,|each,]auto|+-STOPS|FACTOR\n"
+         "                    of a .png\n"
+         "  --bits=" SHOW_BITS "        of a channel of a .png\n"
+         "  --false-colour[=SCALE][,...]\n"
+         "                    a .png of luminance in colours, as radsubmit's\n"
+         "  --help            this text\n"
+         "  --version         the version");
+}
+
+/* The value of an option called name at argv[*i]: after '=' or the next word.
+ * 1 if it is that option, 0 if not. */
+static int
+option_value(const char *name, char *argv[], int *i, const char **value,
+             struct rad_error *err)
+{
+    size_t n = strlen(name);
+
+    if (strncmp(argv[*i], name, n) != 0)
+        return 0;
+    if (argv[*i][n] == '=' && name[1] == '-') {
+        *value = argv[*i] + n + 1;
+        return 1;
+    }
+    if (argv[*i][n] != '\0')
+        return 0;
+    *value = argv[*i + 1];
+    if (!*value)
+        return rad_fail(err, RAD_EUSAGE, "option '%s': missing value", name);
+    ++*i;
+    return 1;
+}
+
+static int
+take_option(struct ctl *c, char *argv[], int *i)
+{
+    const char *text;
+    int rc;
+
+    if (strcmp(argv[*i], "--json") == 0) {
+        c->json = true;
+        return 0;
+    }
+    if (strcmp(argv[*i], "--all") == 0) {
+        c->all = true;
+        return 0;
+    }
+    if (strcmp(argv[*i], "--false-colour") == 0) {
+        c->false_colour = "";
+        return 0;
+    }
+    if ((rc = option_value("--coordinator", argv, i, &c->coordinator,
+                           c->err)) != 0 ||
+        (rc = option_value("--key", argv, i, &c->key, c->err)) != 0 ||
+        (rc = option_value("--keys", argv, i, &c->keys, c->err)) != 0 ||
+        (rc = option_value("--expires", argv, i, &c->expires, c->err)) != 0 ||
+        (rc = option_value("--user", argv, i, &c->user, c->err)) != 0 ||
+        (rc = option_value("--state", argv, i, &c->state, c->err)) != 0 ||
+        (rc = option_value("--tone", argv, i, &c->tone, c->err)) != 0 ||
+        (rc = option_value("--exposure", argv, i, &c->exposure, c->err)) != 0 ||
+        (rc = option_value("--bits", argv, i, &c->bits, c->err)) != 0 ||
+        (rc = option_value("--false-colour", argv, i, &c->false_colour,
+                           c->err)) != 0 ||
+        (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
+        return rc < 0 ? rc : 0;
+    if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
+        if (rc > 0 && (!rad_parse_int(text, &c->frame) || c->frame < 0))
+            rc = rad_fail(c->err, RAD_EUSAGE,
+                          "option '--frame': '%s' is no whole number from 0",
+                          text);
+        return rc < 0 ? rc : 0;
+    }
+    if ((rc = option_value("--limit", argv, i, &text, c->err)) != 0) {
+        if (rc > 0 && (!rad_parse_int(text, &c->limit) || c->limit < 1))
+            rc = rad_fail(c->err, RAD_EUSAGE,
+                          "option '--limit': '%s' is no whole number from 1",
+                          text);
+        return rc < 0 ? rc : 0;
+    }
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "unknown option '%s'; see radctl --help", argv[*i]);
+}
+
+static int
+find_command(struct ctl *c, const char *name)
+{
+    for (int i = 0; i < NCOMMANDS; i++)
+        if (strcmp(commands[i].name, name) == 0)
+            c->command = &commands[i];
+    if (c->command)
+        return 0;
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "unknown command '%s'; see radctl --help", name);
+}
+
+/* Can that be what the command takes?  An empty id would be how all jobs begin,
+ * and so that of one that is alone. */
+static int
+check_arg(const struct ctl *c, const char *arg)
+{
+    const char *kind = c->command->arg;
+    size_t n = strlen(arg);
+
+    if (n == 0)
+        return rad_fail(c->err, RAD_EUSAGE, "command '%s': empty %s",
+                        c->command->name, kind);
+    if (strncmp(kind, "ID", 2) == 0 &&
+        (n > 2 * MSG_JOB || strspn(arg, "0123456789abcdefABCDEF") != n))
+        return rad_fail(c->err, RAD_EUSAGE, "'%.80s' is no job's id", arg);
+    if (n > MSG_MAX_NAME && strncmp(kind, "WORKER", 6) == 0)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "'%.80s' is no worker's name: at most %d bytes are "
+                        "allowed",
+                        arg, MSG_MAX_NAME);
+    return 0;
+}
+
+/* Options about lists go with those alone. */
+static int
+check_list_options(const struct ctl *c)
+{
+    bool list = c->command->run == ctl_run_list ||
+                (c->command->run == ctl_run_key && c->arg &&
+                 strcmp(c->arg, "list") == 0);
+    bool workers = c->command->number == MSG_QUERY_WORKERS && list;
+
+    if (c->all && c->command->number != MSG_CANCEL &&
+        c->command->number != MSG_DELETE)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--all goes with cancel and delete alone");
+    if (c->all && c->nargs > 0)
+        return rad_fail(c->err, RAD_EUSAGE, "command '%s': --all or %s",
+                        c->command->name, c->command->arg);
+    if ((c->state || c->limit) && !list)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--state and --limit go with jobs, workers and key "
+                        "list alone");
+    if (c->user && (!list || workers) && !c->all &&
+        c->command->run != ctl_run_limits)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--user goes with jobs, limits, key list and --all "
+                        "alone");
+    if (c->user && (!c->user[0] || strlen(c->user) > MSG_MAX_NAME))
+        return rad_fail(c->err, RAD_EUSAGE, "'%.80s' is no user's name",
+                        c->user);
+    return ctl_check_list(c);
+}
+
+/* How a picture is shown is for one that is shown. */
+static int
+check_show(struct ctl *c)
+{
+    const char *given = c->tone       ? "--tone"
+                        : c->exposure ? "--exposure"
+                        : c->bits     ? "--bits"
+                                      : NULL;
+    int rc = 0;
+
+    if (given && c->false_colour)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "%s is no matter of --false-colour: leave one of them "
+                        "out",
+                        given);
+    if (c->false_colour)
+        given = "--false-colour";
+    if (given && (c->command->run != ctl_run_fetch ||
+                  !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "%s is for fetch with -o FILE.png", given);
+    if (c->tone)
+        rc = show_tone(&c->show, c->tone, c->err);
+    if (rc == 0 && c->bits)
+        rc = show_bits(&c->show, c->bits, c->err);
+    if (c->false_colour)
+        return show_false(&c->show, c->false_colour, c->err);
+    return rc == 0 && c->exposure ? show_exposure(&c->show, c->exposure, c->err)
+                                  : rc;
+}
+
+static int
+check_words(struct ctl *c)
+{
+    int rc;
+
+    bool output = c->output != NULL;
+
+    if (!c->command)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "no command given; see radctl --help");
+    if (c->command->arg && !c->arg && !c->all)
+        return rad_fail(c->err, RAD_EUSAGE, "command '%s': missing %s",
+                        c->command->name, c->command->arg);
+    if (c->output && strcmp(c->output, "-") == 0)
+        c->output = NULL;
+    if (c->command->run != ctl_run_fetch && (output || c->frame >= 0))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "-o and --frame go with fetch alone");
+    if (c->command->run != ctl_run_key && (c->keys || c->expires))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--keys and --expires go with key alone");
+    if (c->command->run == ctl_run_fetch && c->json && !c->output)
+        return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
+    for (int i = 0; i < c->nargs; i++)
+        if ((rc = check_arg(c, c->args[i])) < 0)
+            return rc;
+    if ((rc = check_list_options(c)) < 0 || (rc = check_show(c)) < 0)
+        return rc;
+    return c->output ? picfile_check(c->output, false, c->err) : 0;
+}
+
+static bool
+takes_many(const struct ctl_command *command)
+{
+    return strstr(command->arg, "...") != NULL;
+}
+
+/* The command's words come to stand together, at argv's start. */
+static void
+take_arg(struct ctl *c, char *argv[], int i)
+{
+    c->args = argv;
+    c->args[c->nargs++] = argv[i];
+    c->arg = c->args[0];
+}
+
+/* Is it the second word of `priority`, which may begin with a minus? */
+static bool
+takes_number(const struct ctl *c)
+{
+    return c->command && c->command->run == ctl_run_priority && c->arg &&
+           !c->name;
+}
+
+static bool
+is_number(const char *word)
+{
+    return word[word[0] == '-'] >= '0' && word[word[0] == '-'] <= '9';
+}
+
+/* Options and words may mix. */
+static int
+take_words(struct ctl *c, int argc, char *argv[])
+{
+    int rc = 0;
+
+    for (int i = 1; i < argc && rc == 0; i++) {
+        if (takes_number(c) && is_number(argv[i]))
+            c->name = argv[i];
+        else if (argv[i][0] == '-' && argv[i][1] != '\0')
+            rc = take_option(c, argv, &i);
+        else if (!c->command)
+            rc = find_command(c, argv[i]);
+        else if (c->command->arg && (!c->arg || takes_many(c->command)))
+            take_arg(c, argv, i);
+        else if (c->command->run == ctl_run_key && !c->name)
+            c->name = argv[i];
+        else
+            rc = rad_fail(c->err, RAD_EUSAGE, "unexpected word '%s'", argv[i]);
+    }
+    return rc < 0 ? rc : check_words(c);
+}
+
+static bool
+asks_for(int argc, char *argv[], const char *option)
+{
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], option) == 0)
+            return true;
+    return false;
+}
+
+/* --- connection --- */
+
+/* As an administrator where the coordinator lets us, else as a user. */
+static int
+connect_to(struct ctl *c, const struct target *to)
+{
+    struct link_where where = { &c->loop, &c->wake };
+    struct rad_error refused = { 0 };
+    int rc = RAD_EPERM;
+
+    c->local = to->local;
+    c->admin = link_may_be_admin(to);
+    if (c->admin)
+        rc = link_open(&c->link, &where, to, MSG_ROLE_ADMIN, CONNECT_MS,
+                       &refused);
+    if (rc == RAD_EPERM && (to->local || refused.code == 0)) {
+        c->admin = false;
+        return link_open(&c->link, &where, to, MSG_ROLE_USER, CONNECT_MS,
+                         c->err);
+    }
+    if (rc < 0)
+        *c->err = refused;
+    return rc;
+}
+
+/* Nobody said where the coordinator is, and it is not on this machine. */
+static void
+say_unnamed(struct ctl *c)
+{
+    snprintf(c->err->where, sizeof c->err->where,
+             "no coordinator is named by --coordinator, RADD_COORDINATOR or "
+             "radsubmit.conf%s",
+             c->command->run == ctl_run_key ? " (--keys edits a key file)"
+                                            : "");
+}
+
+/* What was printed is out. */
+static int
+end_output(struct ctl *c)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return 0;
+    return rad_fail(c->err, RAD_EIO, "cannot write: %s", strerror(errno));
+}
+
+static int
+run(struct ctl *c)
+{
+    struct target to;
+    bool named;
+    int rc;
+
+    if (c->keys || c->command->run == ctl_run_check) { /* without coordinator */
+        rc = c->command->run(c);
+        return rc < 0 ? rc : end_output(c);
+    }
+    rc = target_find(&to, c->coordinator, c->key, c->err);
+    if (rc < 0)
+        return rc;
+    named = rc > 0;
+    if (!named)
+        target_default(&to);
+    if (uv_loop_init(&c->loop) != 0)
+        return rad_fail(c->err, RAD_ENOMEM, "out of memory");
+    c->start_ms = uv_now(&c->loop);
+    rc = connect_to(c, &to);
+    if (rc == RAD_EUNAVAIL && !named)
+        say_unnamed(c);
+    if (rc == 0 && !c->admin && for_admins(c->command))
+        rc = rad_fail(c->err, RAD_EPERM, "command '%s' is for administrators",
+                      c->command->name);
+    if (rc == 0)
+        rc = c->command->run(c);
+    link_close(c->link);
+    uv_loop_close(&c->loop);
+    return rc < 0 ? rc : end_output(c);
+}
+
+int
+main(int argc, char *argv[])
+{
+    struct rad_error err = { 0 };
+    struct ctl c = { .frame = -1, .err = &err };
+    char text[600];
+    int rc;
+
+    if (asks_for(argc, argv, "--help")) {
+        help();
+        return EX_OK;
+    }
+    if (asks_for(argc, argv, "--version")) {
+        puts("radctl (radd) " PACKAGE_VERSION);
+        return EX_OK;
+    }
+    show_init(&c.show);
+    rc = take_words(&c, argc, argv);
+    if (rc == 0)
+        rc = run(&c);
+    if (rc == 0)
+        return EX_OK;
+    rad_error_format(&err, text, sizeof text);
+    fflush(stdout);
+    fprintf(stderr, "radctl: %s\n", text);
+    /* exit() would wait for a resolver that still looks for the host */
+    _exit(rad_exit_status(rc));
+}

@@ -1,0 +1,178 @@
+/* jobspec.c - see jobspec.h */
+#include "config.h"
+
+#include "job/jobspec.h"
+
+#include "trial/costs.h"
+#include "show/origin.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+int
+jobspec_name(struct jobspec *j, struct rad_error *err)
+{
+    if (getrandom(j->id, sizeof j->id, 0) == (ssize_t)sizeof j->id)
+        return 0;
+    return rad_fail(err, RAD_EINTERNAL, "no random numbers: %s",
+                    strerror(errno));
+}
+
+/* The types that the scene uses, blanks between. */
+static void
+list_needs(struct jobspec *j, const struct rad_scene *scene)
+{
+    bool needs[RAD_NOTYPES] = { false };
+    size_t used = 0;
+
+    rad_scene_needs(scene, needs);
+    for (int t = 0; t < RAD_NOTYPES; t++)
+        if (needs[t] && used < sizeof j->needs)
+            used += (size_t)snprintf(j->needs + used, sizeof j->needs - used,
+                                     "%s%s", used ? " " : "",
+                                     rad_otype_name((enum rad_otype)t));
+}
+
+static uint8_t
+choose_partition(const struct submit_options *o)
+{
+    bool windows = o->windows > 0 || o->order != ORDER_NONE;
+
+    if (o->partition == PARTITION_AUTO && windows)
+        return MSG_PART_WINDOW;
+    return (uint8_t)o->partition; /* the same words in the same order */
+}
+
+int
+jobspec_read_costs(struct jobspec *j, const struct submit_options *o,
+                   const struct frames *frames, struct rad_error *err)
+{
+    struct costs c;
+    int rc;
+
+    if (!o->costs)
+        return 0;
+    rc = costs_read(&c, o->costs, err);
+    if (rc < 0)
+        return rc;
+    rc = costs_of_lines(&c, frames->list, frames->n, o->params.psample,
+                        &j->costs, &j->ncosts, err);
+    if (rc < 0)
+        rad_error_where(err, "%s", o->costs);
+    costs_release(&c);
+    return rc;
+}
+
+/* The largest of any frame. */
+static void
+note_sizes(struct msg_spec *s, const struct frames *frames)
+{
+    for (uint32_t i = 0; i < frames->n; i++) {
+        const struct msg_frame *f = &frames->list[i];
+
+        s->width = f->width > s->width ? f->width : s->width;
+        s->height = f->height > s->height ? f->height : s->height;
+    }
+}
+
+int
+jobspec_add_frames(struct jobspec *j, const struct frames *frames,
+                   struct compiled *scene, const char *folder,
+                   struct rad_error *err)
+{
+    const struct msg_spec list = { .nframes = frames->n,
+                                   .frames = frames->list,
+                                   .ncosts = j->ncosts,
+                                   .costs = j->costs };
+    const struct rad_bundle *b = &scene->bundle;
+    struct wire_out out;
+    int rc;
+
+    if (frames->n == 1)
+        return 0;
+    wire_out_init(&out, MSG_MAX_VIEWS);
+    rc = msg_views_pack(&out, &list);
+    if (rc == RAD_ENOMEM)
+        rad_fail(err, rc, "out of memory");
+    else if (rc < 0)
+        rc = rad_fail(err, RAD_EUSAGE, "the views take more than %u MiB",
+                      MSG_MAX_VIEWS >> 20);
+    else
+        rc = compile_add(scene, RAD_BUNDLE_VIEWS, out.buf, out.len, folder,
+                         err);
+    wire_out_release(&out);
+    if (rc < 0)
+        return rc;
+    rad_sha_from_hex(
+        rad_bundle_find(b, RAD_BUNDLE_FILE, RAD_BUNDLE_VIEWS)->hash, j->views);
+    j->spec.views = j->views;
+    note_sizes(&j->spec, frames);
+    return 0;
+}
+
+/* The lines of the pictures' headers, with --stamp those that are of today. */
+static void
+tell_origin(struct jobspec *j, const struct submit_options *o)
+{
+    char host[256] = "";
+    struct origin_stamp stamp = { time(NULL), host, j->id };
+
+    if (o->stamp)
+        gethostname(host, sizeof host - 1);
+    origin_text(j->origin, (const char *const *)o->scenes, o->nscenes,
+                o->stamp ? &stamp : NULL);
+}
+
+void
+jobspec_fill(struct jobspec *j, const struct submit_options *o,
+             const struct frames *frames, const struct compiled *scene,
+             const struct cargo *cargo)
+{
+    struct msg_spec *s = &j->spec;
+
+    rad_params_format(&o->params, j->params, sizeof j->params);
+    rad_filter_options(&o->params, o->oversample, o->clamp, j->options);
+    list_needs(j, scene->scene);
+    tell_origin(j, o);
+    s->job = j->id;
+    s->manifest = cargo->hashes;
+    s->name = o->name ? o->name : o->scenes[0];
+    s->params = j->params;
+    s->origin = j->origin;
+    s->needs = j->needs;
+    s->estimate = o->estimate ? o->estimate : "uniform";
+    s->costs = j->costs;
+    s->ncosts = j->ncosts;
+    s->seed = o->params.seed;
+    s->priority = o->priority;
+    s->memory_mib = (uint32_t)o->memory_mib;
+    s->oversample = (uint8_t)o->oversample;
+    s->clamp = o->clamp;
+    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
+               (o->no_share ? 0 : MSG_JOB_SHARE) |
+               (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
+               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
+               (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
+               (s->views ? MSG_JOB_VIEWS : 0);
+    s->partition = choose_partition(o);
+    /* the same words in the same order */
+    s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
+    s->windows = (uint32_t)o->windows;
+    s->objects = (uint32_t)scene->scene->nobjects;
+    s->bundle_bytes = rad_bundle_bytes(&scene->bundle) + cargo->manifest_len;
+    s->files.n = cargo->n;
+    s->files.hash = cargo->hashes;
+    s->nframes = frames->n;
+    s->frames = frames->list;
+}
+
+void
+jobspec_release(struct jobspec *j)
+{
+    free(j->costs);
+    j->costs = NULL;
+}

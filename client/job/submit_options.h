@@ -1,0 +1,99 @@
+/* submit_options.h - radsubmit's command line
+ *
+ * Words with one dash are rpict's (src/base/params.h and view.h, and those
+ * that name files); words with two are ours, "--name=value" or "--name value".
+ * They may stand in any order before the first scene file; "--" ends them.
+ * Everything that can be said wrong about a command line alone is said here,
+ * before any file but option and view files is opened.  */
+#ifndef RADD_CLIENT_SUBMIT_OPTIONS_H
+#define RADD_CLIENT_SUBMIT_OPTIONS_H
+
+#include "base/error.h"
+#include "base/params.h"
+#include "picture/view.h"
+#include "show/show.h"
+#include "ctl/words.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS,
+                   SUBMIT_RPICT /* --rpict-path */ };
+
+/* the order of the words in the tables of submit_options.c */
+enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
+enum submit_partition {
+    PARTITION_AUTO,
+    PARTITION_STATIC,
+    PARTITION_SCANBAR,
+    PARTITION_WINDOW
+};
+enum submit_order {
+    ORDER_NONE = -1, /* was asked for */
+    ORDER_FORWARD,
+    ORDER_BACKWARD,
+    ORDER_RANDOM,
+    ORDER_COST
+};
+
+struct submit_options {
+    struct rad_params params;
+    int oversample;       /* --oversample: params' -x and -y count samples */
+    double clamp;         /* --clamp; 0: off */
+    int quality;          /* --quality: the word's number; -1: none */
+    bool quality_whole;   /* and nothing of its set was given otherwise */
+    int psample_asked;    /* what -ps said; 0: nothing, or 0 */
+    struct rad_view view; /* as given; rad_view_setup() has accepted it */
+    /* files; NULL where not given */
+    const char *output, *depth;
+    const char *ambient; /* -af */
+    const char *views;   /* --views; NULL with -S: stdin */
+    bool no_clobber;     /* frames whose pictures are there are left out */
+    bool rpict_status;   /* exit as rpict does */
+    int first_frame;     /* -S: number of the first view; 0: one picture */
+    int format;          /* enum picfile_format */
+    struct show show;    /* of a .png */
+    const char *exposure; /* as asked for; NULL: not */
+    const char *false_colour; /* its scale; NULL: not asked for */
+    int tone, bits;       /* the words' numbers; -1: not asked for */
+    const char *stats, *preview;
+    /* where */
+    const char *coordinator;
+    const char *key; /* file */
+    bool local;
+    int workers, threads; /* of an embedded cluster; 0: not said */
+    double wait_s;
+    /* how */
+    int partition, order; /* enum submit_partition, submit_order */
+    int windows;          /* 0: by the picture's size */
+    const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
+    const char *costs;    /* the file that --estimate named; or NULL */
+    bool commands; /* of octrees are run, too */
+    bool stamp;    /* the day, the host and the job in the header */
+    bool no_balance, no_share, same_bits, fresh_frames, detach, dry_run;
+    int priority;
+    int memory_mib; /* most that its process on a worker may have; 0: any */
+    const char *name;
+    int progress;       /* enum submit_progress */
+    int report_s;       /* -t: seconds from one line of it to the next; 0: no
+                         * matter */
+    bool quiet;         /* -w-: no warnings */
+    const char *errors; /* -e: file for what else stderr gets */
+    const char *rif_view; /* --view: the one of a .rif file; NULL: all */
+    /* what */
+    char *const *scenes; /* nscenes names, "-" is stdin */
+    int nscenes;
+};
+
+/* Defaults, then the words of w, which must outlive *o.  Returns an enum
+ * submit_wish; a negative code and a message for what is wrong. */
+int submit_options_parse(struct submit_options *o, struct words *w,
+                         struct rad_error *err);
+
+/* --help. */
+void submit_options_help(FILE *to);
+
+/* rpict's -defaults, with what *o has changed. */
+void submit_options_defaults(const struct submit_options *o, FILE *to);
+
+#endif

@@ -1,0 +1,183 @@
+/* progress.c - see progress.h */
+#include "config.h"
+
+#include "link/progress.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+/* long enough to hide that results come a unit at a time */
+#define RATE_TIME_CONSTANT_S 4.0
+
+/* A trial takes about a second of a processor: not for a job that is over in a
+ * few. */
+static const double SHORT_S = 2, LONG_S = 5;
+
+void
+progress_init(struct progress *p, FILE *to, bool always, bool never)
+{
+    memset(p, 0, sizeof *p);
+    p->terminal = isatty(fileno(to)) == 1;
+    p->to = !never && (always || p->terminal) ? to : NULL;
+    p->last_s = p->said_s = -1;
+}
+
+void
+progress_every(struct progress *p, FILE *to, double every_s)
+{
+    p->to = to;
+    p->terminal = false;
+    p->every_s = every_s;
+}
+
+/* Is it too soon for another line? */
+static bool
+too_soon(struct progress *p, double now_s)
+{
+    double since_s = p->said_s < 0 ? now_s : now_s - p->said_s;
+
+    /* reports come half a second apart, more or less; a job may begin again */
+    if (since_s >= 0 && since_s < p->every_s - .25)
+        return true;
+    p->said_s = now_s;
+    return false;
+}
+
+static void
+format_rate(char *buf, size_t size, double rate)
+{
+    static const char *const unit[] = { "", "k ", "M ", "G " };
+    int k = 0;
+
+    while (rate >= 999.5 && k < 3) {
+        rate /= 1000;
+        k++;
+    }
+    /* three digits, whatever the unit */
+    snprintf(buf, size, "  %.*f %srays/s",
+             rate >= 99.95 || k == 0 ? 0
+             : rate >= 9.995         ? 1
+                                     : 2,
+             rate, unit[k]);
+}
+
+static void
+format_left(char *buf, size_t size, double s)
+{
+    long t;
+
+    if (!(s >= 0) || s > 3.6e8) /* a hundred thousand hours: nobody knows */
+        return;
+    t = lround(s);
+    if (t < 3600)
+        snprintf(buf, size, "  %ld:%02ld left", t / 60, t % 60);
+    else
+        snprintf(buf, size, "  %ld:%02ld:%02ld left", t / 3600, t / 60 % 60,
+                 t % 60);
+}
+
+void
+progress_format(char *buf, size_t size, const struct progress_report *r,
+                double rays_per_s, double left_s)
+{
+    char rate[40] = "", left[40] = "", workers[40] = "  no worker";
+    double done = r->done < 0 ? 0 : r->done > 1 ? 1 : r->done;
+    bool over = done >= 1, working = r->workers > 0;
+
+    if (r->rays > 0 && (working || over))
+        format_rate(rate, sizeof rate, rays_per_s);
+    if (working && !over)
+        format_left(left, sizeof left, left_s);
+    if (over)
+        workers[0] = '\0'; /* they have gone on to other jobs */
+    else if (working)
+        snprintf(workers, sizeof workers, "  %d worker%s", r->workers,
+                 r->workers == 1 ? "" : "s");
+    /* rounded down: 100 % is said when all is done and not before */
+    snprintf(buf, size, "%3d %%%s%s%s", (int)(done * 100), rate, left, workers);
+}
+
+static void
+take_rate(struct progress *p, const struct progress_report *r)
+{
+    double dt = r->elapsed_s - p->last_s, keep;
+
+    if (p->last_s < 0 || p->last_rays == 0) {
+        /* rays are told a unit at a time: the first ones began long ago */
+        p->rate = r->elapsed_s > 0 ? (double)r->rays / r->elapsed_s : 0;
+    } else if (r->rays < p->last_rays) {
+        p->rate = 0; /* the job began again */
+    } else if (dt > 0) {
+        keep = exp(-dt / RATE_TIME_CONSTANT_S);
+        p->rate =
+            keep * p->rate + (1 - keep) * (double)(r->rays - p->last_rays) / dt;
+    } else {
+        return;
+    }
+    p->last_s = r->elapsed_s;
+    p->last_rays = r->rays;
+}
+
+void
+progress_update(struct progress *p, const struct progress_report *r)
+{
+    char line[160];
+    double left_s;
+    const struct eta_look look = { .elapsed_s = r->elapsed_s,
+                                   .done = r->done,
+                                   .rays = (double)r->rays,
+                                   .working = r->working };
+
+    if (!p->to)
+        return;
+    take_rate(p, r);
+    left_s = eta_take(&p->eta, &look);
+    p->done = r->done;
+    if (r->done >= 1 && r->elapsed_s > 0) /* nothing is under way: the mean */
+        p->rate = (double)r->rays / r->elapsed_s;
+    if (too_soon(p, r->elapsed_s))
+        return;
+    progress_format(line, sizeof line, r, p->rate, left_s);
+    if (p->terminal)
+        fprintf(p->to, "\r%s\033[K", line);
+    else
+        fprintf(p->to, "%s\n", line);
+    fflush(p->to);
+    p->shown = p->terminal;
+}
+
+bool
+progress_is_long(const struct progress *p)
+{
+    return p->to && p->eta.work_s > SHORT_S &&
+           eta_by_share(&p->eta, p->done) > LONG_S;
+}
+
+void
+progress_foresee(struct progress *p, double rays)
+{
+    eta_foresee(&p->eta, rays);
+}
+
+double
+progress_alone(struct progress_alone *a, const struct progress_report *r,
+               bool working)
+{
+    double since_s = r->elapsed_s - a->last_s;
+
+    since_s = since_s < 0 ? 0 : since_s > 1 ? 1 : since_s;
+    a->last_s = r->elapsed_s;
+    a->for_s = working && r->workers == 0 ? a->for_s + since_s : 0;
+    return a->for_s;
+}
+
+void
+progress_clear(struct progress *p)
+{
+    if (!p->shown)
+        return;
+    fputs("\r\033[K", p->to);
+    fflush(p->to);
+    p->shown = false;
+}

@@ -1,0 +1,743 @@
+/* submit.c - see submit.h
+ *
+ * One function a step, each of which waits for the answer it needs; what else
+ * arrives meanwhile goes through take().  Any step that fails with
+ * RAD_EUNAVAIL starts the whole conversation again on a new connection: every
+ * step may be said twice. */
+#include "config.h"
+
+#include "link/submit.h"
+
+#include "link/fetch.h"
+#include "job/figure.h"
+#include "proto/frame.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    CONNECT_MS = 5000,
+    BACKOFF_MS = 500,
+    BACKOFF_MAX_MS = 30000,
+    COME_MS = 10,       /* how often workers that are to come are looked for */
+    LOOK_MS = 500,      /* how often a quiet wait looks around */
+    PREVIEW_MS = 1000,  /* least time between previews ... */
+    PREVIEW_SHARE = 10, /* ... and this many times what one takes */
+    REASON_MS = 10000,  /* least time between questions for a reason */
+    CANCEL_MS = 5000    /* a coordinator that is slow to cancel is left */
+};
+
+struct submit {
+    const struct submit_job *job;
+    const struct submit_callbacks *cb;
+    struct link_where where;
+    struct link *link;
+    struct rad_error *err;
+    uint32_t request;  /* of the last request that we sent */
+    uint64_t start_ms; /* when we began; then, when the job was accepted */
+    uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
+    bool connected;    /* at some time */
+    bool asked; /* SUBMIT has gone out, so the job may be there */
+    bool known; /* it is: accepted, or it waits for room on the disk */
+    bool accepted, met_worker, done, cancelled;
+    bool fetching;      /* a FAILED that answers this request is fetch()'s */
+    bool over;          /* the job itself has failed */
+    uint32_t delivered; /* frames */
+    struct msg_progress last; /* its job id is not kept */
+    uint64_t preview_due_ms;
+    uint64_t reason_due_ms; /* when to ask again why nobody is at the job */
+};
+
+static uint64_t
+now_ms(const struct submit *s)
+{
+    uv_update_time(s->where.loop);
+    return uv_now(s->where.loop);
+}
+
+/* The job stays with the coordinator, and what becomes of it there. */
+static int
+left_behind(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(s->job->spec->job, hex);
+    if (s->last.state == MSG_STATE_PAUSED)
+        return rad_fail(s->err, RAD_ETEMPFAIL,
+                        "interrupted; the job stays, paused: radctl resume %s, "
+                        "then radctl fetch %s -o FILE",
+                        hex, hex);
+    if (s->last.state == MSG_STATE_HELD)
+        return rad_fail(s->err, RAD_ETEMPFAIL,
+                        "interrupted; the job stays, and goes on when the "
+                        "coordinator's disk has room: radctl fetch %s -o FILE",
+                        hex);
+    return rad_fail(s->err, RAD_ETEMPFAIL,
+                    "interrupted; the job goes on: radctl fetch %s -o FILE",
+                    hex);
+}
+
+static int
+interrupted(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+
+    if (s->cancelled || s->cb->alive || !s->asked)
+        return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
+    if (s->known)
+        return left_behind(s);
+    msg_job_format(s->job->spec->job, hex);
+    return rad_fail(s->err, RAD_ETEMPFAIL,
+                    "interrupted; the coordinator may have the job: radctl "
+                    "job %s",
+                    hex);
+}
+
+static bool
+is_ours(const struct submit *s, const uint8_t *job)
+{
+    static const uint8_t none[MSG_JOB];
+
+    return memcmp(job, s->job->spec->job, MSG_JOB) == 0 ||
+           memcmp(job, none, MSG_JOB) == 0;
+}
+
+/* The coordinator has named the job: now its id is of use. */
+static void
+note_known(struct submit *s)
+{
+    if (!s->known && s->cb->accepted)
+        s->cb->accepted(s->cb->arg);
+    s->known = true;
+}
+
+/* --- what may come at any time --- */
+
+static int
+take(struct submit *s, const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_PROGRESS:
+        if (!is_ours(s, m->progress.job))
+            return 0;
+        s->last = m->progress;
+        if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
+            note_known(s);
+        if (m->progress.workers > 0)
+            s->met_worker = true;
+        if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
+            m->progress.state == MSG_STATE_PAUSED)
+            s->wait_ms = now_ms(s); /* none is to be had meanwhile */
+        if (s->cb->progress)
+            s->cb->progress(s->cb->arg, &m->progress);
+        return 0;
+    case MSG_RECORDS:
+        if (s->cb->records && is_ours(s, m->records.job))
+            s->cb->records(s->cb->arg, &m->records);
+        return 0;
+    case MSG_DONE:
+        s->done |= is_ours(s, m->done.job);
+        return 0;
+    case MSG_FAILED:
+        if (!is_ours(s, m->failed.job) ||
+            (s->fetching && m->request == s->request) ||
+            (s->cancelled && s->done)) /* it was over before CANCEL came */
+            return 0;
+        s->over = true;
+        if (s->cancelled)
+            return interrupted(s);
+        return rad_fail(s->err, link_code(m->failed.status), "%s",
+                        m->failed.text);
+    default:
+        return 0;
+    }
+}
+
+static int cancel(struct submit *s);
+
+/* Wait for the next message, for ms at most.  1 and *m (taken already), 0, or
+ * a failure; an interrupt is one while the job need not be cancelled. */
+static int
+next(struct submit *s, int ms, const struct msg **m)
+{
+    int rc;
+
+    if (*s->where.wake > (s->known ? 1 : 0))
+        return interrupted(s);
+    rc = link_recv(s->link, ms, m, s->err);
+    if (rc == 1) {
+        int taken = take(s, *m);
+
+        if (taken < 0)
+            return taken;
+    }
+    return rc;
+}
+
+/* Wait for a message of that type. */
+static int
+await(struct submit *s, uint16_t type, const struct msg **m)
+{
+    int rc;
+
+    do {
+        /* it waits for room, and nobody waits for it any more */
+        if (*s->where.wake == 1 && s->known && !s->accepted)
+            return cancel(s);
+        rc = next(s, LOOK_MS, m);
+    } while (rc == 0 || (rc == 1 && (*m)->type != type));
+    return rc < 0 ? rc : 0;
+}
+
+/* --- the scene goes out --- */
+
+static int
+send_file(struct submit *s, const uint8_t hash[MSG_HASH])
+{
+    struct msg m = { .type = MSG_CHUNK };
+    unsigned char *bytes;
+    size_t len;
+    uint64_t at = 0;
+    int rc = cargo_read(s->job->cargo, hash, &bytes, &len, s->err);
+
+    if (rc < 0)
+        return rc;
+    do {
+        m.chunk.hash = hash;
+        m.chunk.offset = at;
+        m.chunk.total = len;
+        m.chunk.data = bytes + at;
+        m.chunk.len = len - at < MSG_MAX_CHUNK ? len - at : MSG_MAX_CHUNK;
+        rc = link_send(s->link, &m, s->err);
+        at += m.chunk.len;
+        if (rc == 0 && *s->where.wake > 0)
+            rc = interrupted(s);
+    } while (rc == 0 && at < len);
+    free(bytes);
+    return rc;
+}
+
+/* Offer everything, send what is wanted, wait until it is stored. */
+static int
+send_scene(struct submit *s)
+{
+    struct msg offer = { .type = MSG_OFFER, .request = ++s->request };
+    const struct msg *m;
+    uint8_t *wanted;
+    uint32_t n;
+    int rc;
+
+    offer.offer.n = s->job->cargo->n;
+    offer.offer.hash = s->job->cargo->hashes;
+    if ((rc = link_send(s->link, &offer, s->err)) < 0 ||
+        (rc = await(s, MSG_WANT, &m)) < 0)
+        return rc;
+    n = m->want.n;
+    wanted = malloc((size_t)n * MSG_HASH + 1);
+    if (!wanted)
+        return rad_fail(s->err, RAD_ENOMEM, "out of memory");
+    memcpy(wanted, m->want.hash, (size_t)n * MSG_HASH);
+    for (uint32_t i = 0; i < n && rc == 0; i++)
+        rc = send_file(s, wanted + (size_t)i * MSG_HASH);
+    for (uint32_t i = 0; i < n && rc == 0; i++)
+        rc = await(s, MSG_HAVE, &m);
+    free(wanted);
+    return rc;
+}
+
+static int
+send_job(struct submit *s)
+{
+    struct msg m = { .type = MSG_SUBMIT, .request = ++s->request };
+    const struct msg *answer;
+    int rc;
+
+    m.submit = *s->job->spec;
+    s->asked = true;
+    if ((rc = link_send(s->link, &m, s->err)) < 0 ||
+        (rc = await(s, MSG_ACCEPT, &answer)) < 0)
+        return rc;
+    if (!s->accepted)
+        s->start_ms = now_ms(s);
+    s->accepted = true;
+    note_known(s);
+    return 0;
+}
+
+/* --- pictures come in --- */
+
+/* 0 and the bytes, which the caller frees whatever is returned. */
+static int
+fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
+{
+    const struct msg *m;
+    int rc;
+
+    *f = (struct fetched){ 0 };
+    s->fetching = true;
+    rc = fetch_start(s->link, s->job->spec->job, frame, what, ++s->request,
+                     s->err);
+    while (rc == 0) {
+        rc = next(s, LOOK_MS, &m);
+        if (rc == 1)
+            rc = m->request == s->request ? fetch_take(f, m, s->err) : 0;
+    }
+    s->fetching = false;
+    return rc < 0 ? rc : 0;
+}
+
+static int
+deliver_frame(struct submit *s)
+{
+    struct fetched picture = { 0 }, depth = { 0 };
+    bool wanted = s->job->spec->flags & MSG_JOB_DEPTH;
+    int rc = fetch(s, s->delivered, MSG_WHAT_PICTURE, &picture);
+
+    if (rc == 0 && wanted)
+        rc = fetch(s, s->delivered, MSG_WHAT_DEPTH, &depth);
+    if (rc == 0)
+        rc = s->cb->frame(s->cb->arg, s->delivered, picture.bytes, picture.len,
+                          wanted ? depth.bytes : NULL, depth.len, s->err);
+    free(picture.bytes);
+    free(depth.bytes);
+    if (rc == 0)
+        s->delivered++;
+    return rc;
+}
+
+/* 1, or 0 where there is none to be had: the job goes on without. */
+static int
+fetch_preview(struct submit *s, struct fetched *f)
+{
+    struct rad_error *err = s->err;
+    struct rad_error why = { 0 };
+    int rc;
+
+    s->err = &why;
+    rc = fetch(s, s->delivered, MSG_WHAT_PREVIEW, f);
+    s->err = err;
+    if (rc == 0 || (!s->over && rc != RAD_EUNAVAIL && rc != RAD_EPROTO))
+        return rc < 0 ? 0 : 1;
+    if (err)
+        *err = why;
+    return rc;
+}
+
+static int
+preview(struct submit *s)
+{
+    uint64_t begin = now_ms(s), end;
+    struct fetched f;
+    int rc;
+
+    if (!s->cb->preview || begin < s->preview_due_ms ||
+        s->last.pixels_done == 0)
+        return 0;
+    rc = fetch_preview(s, &f);
+    if (rc == 1)
+        rc = s->cb->preview(s->cb->arg, f.bytes, f.len, s->err);
+    free(f.bytes);
+    end = now_ms(s);
+    s->preview_due_ms = end + PREVIEW_MS + PREVIEW_SHARE * (end - begin);
+    return rc;
+}
+
+/* Text of the job's row, as radctl jobs shows it. */
+static int
+ask_reason(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
+    const struct msg *answer;
+    const char *text;
+    json_t *row;
+    int rc;
+
+    msg_job_format(s->job->spec->job, hex);
+    m.query.what = MSG_QUERY_JOB;
+    m.query.text = hex;
+    s->fetching = true; /* a refusal is no end of the job */
+    rc = link_send(s->link, &m, s->err);
+    do
+        rc = rc < 0 ? rc : next(s, LOOK_MS, &answer);
+    while (rc == 0 || (rc == 1 && answer->request != s->request && !s->done));
+    s->fetching = false;
+    if (rc < 0 || answer->request != s->request || answer->type != MSG_ANSWER)
+        return rc < 0 ? rc : 0;
+    row = json_loadb((const char *)answer->answer.text, answer->answer.len, 0,
+                     NULL);
+    text = json_string_value(json_object_get(row, "text"));
+    s->cb->reason(s->cb->arg, text ? text : "");
+    json_decref(row);
+    return 0;
+}
+
+/* Nobody is at the job: the coordinator may know why. */
+static int
+reason(struct submit *s)
+{
+    if (!s->cb->reason || s->done || s->cancelled ||
+        !s->cb->wonders(s->cb->arg) || now_ms(s) < s->reason_due_ms)
+        return 0;
+    s->reason_due_ms = now_ms(s) + REASON_MS;
+    return ask_reason(s);
+}
+
+static int
+deliver_stats(struct submit *s)
+{
+    struct fetched f;
+    int rc;
+
+    if (!s->cb->stats)
+        return 0;
+    rc = fetch(s, 0, MSG_WHAT_STATS, &f);
+    if (rc == 0)
+        rc = s->cb->stats(s->cb->arg, f.bytes, f.len, s->err);
+    free(f.bytes);
+    return rc;
+}
+
+/* --- while it renders --- */
+
+static void
+say_what_it_got(struct submit *s)
+{
+    const struct msg_progress *p = &s->last;
+    uint32_t nframes = s->job->spec->nframes;
+    char text[200], seconds[FIGURE_TEXT], written[60] = "no picture is written";
+
+    if (!s->met_worker) {
+        s->cb->say(s->cb->arg, "cancelled: nothing was rendered yet");
+        return;
+    }
+    if (nframes > 1)
+        snprintf(written, sizeof written,
+                 "%" PRIu32 " of %" PRIu32 " pictures are written",
+                 s->delivered, nframes);
+    snprintf(text, sizeof text,
+             "cancelled: %.0f %% of the pixels were rendered in %s s; %s",
+             p->pixels_total ? floor(100. * (double)p->pixels_done /
+                                     (double)p->pixels_total)
+                             : 0,
+             figure(seconds, p->elapsed_s, 3), written);
+    s->cb->say(s->cb->arg, text);
+}
+
+/* Tell the coordinator and wait, not for long, until it has ended the job. */
+static int
+cancel(struct submit *s)
+{
+    struct msg m = { .type = MSG_CANCEL, .request = ++s->request };
+    const struct msg *answer;
+    uint64_t until = now_ms(s) + CANCEL_MS;
+    int rc;
+
+    s->cancelled = true;
+    m.cancel.job = s->job->spec->job;
+    rc = link_send(s->link, &m, s->err);
+    while (rc >= 0 && now_ms(s) < until) {
+        rc = next(s, LOOK_MS, &answer);
+        if (rc == 1 && answer->type == MSG_ANSWER &&
+            answer->request == s->request)
+            break;
+    }
+    say_what_it_got(s);
+    return interrupted(s);
+}
+
+static int
+no_worker(struct submit *s)
+{
+    struct rad_error *err = s->err;
+    struct rad_error ignored = { 0 };
+
+    s->err = &ignored;
+    cancel(s);
+    s->err = err;
+    return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s%s",
+                    s->job->wait_s,
+                    s->cb->alive ? "" /* they are our own */
+                                 : ": --wait=S waits longer, --detach leaves "
+                                   "the job to the coordinator");
+}
+
+static bool
+waited_since(struct submit *s, uint64_t ms)
+{
+    return (double)(now_ms(s) - ms) >= 1000 * s->job->wait_s;
+}
+
+/* For a coordinator, or workers of our own. */
+static bool
+waited(struct submit *s)
+{
+    return waited_since(s, s->start_ms);
+}
+
+/* For a worker, since the job could have one. */
+static bool
+waited_for_worker(struct submit *s)
+{
+    return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
+}
+
+/* Take pictures until the last is there. */
+static int
+watch(struct submit *s)
+{
+    const struct msg *m;
+    int rc;
+
+    while (s->delivered < s->job->spec->nframes) {
+        if (*s->where.wake == 1)
+            return cancel(s);
+        if (s->done || s->last.frames_ready > s->delivered) {
+            if ((rc = deliver_frame(s)) < 0)
+                return rc;
+            continue;
+        }
+        if (waited_for_worker(s))
+            return no_worker(s);
+        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0 ||
+            (rc = reason(s)) < 0)
+            return rc;
+        if (rc == 0 && s->cb->alive && !s->cb->alive(s->cb->arg))
+            return rad_fail(s->err, RAD_EINTERNAL,
+                            "the cluster on this machine has ended");
+    }
+    while (!s->done) /* the last frame may be ready before the job is */
+        if ((rc = next(s, LOOK_MS, &m)) < 0)
+            return rc;
+    return deliver_stats(s);
+}
+
+/* --- connections come and go --- */
+
+static void
+on_pause_over(uv_timer_t *t)
+{
+    *(bool *)t->data = true;
+}
+
+static void
+on_pause_closed(uv_handle_t *h)
+{
+    h->data = NULL;
+}
+
+/* Let ms go by, or an interrupt come. */
+static void
+pause_for(struct submit *s, uint64_t ms)
+{
+    uv_timer_t timer;
+    bool over = false;
+    int wake = *s->where.wake;
+
+    uv_timer_init(s->where.loop, &timer);
+    timer.data = &over;
+    uv_update_time(s->where.loop);
+    uv_timer_start(&timer, on_pause_over, ms, 0);
+    while (!over && *s->where.wake == wake)
+        uv_run(s->where.loop, UV_RUN_ONCE);
+    uv_close((uv_handle_t *)&timer, on_pause_closed);
+    while (timer.data)
+        uv_run(s->where.loop, UV_RUN_ONCE);
+}
+
+/* --- workers of our own --- */
+
+static int
+count_workers(struct submit *s, const struct msg_answer *answer, int *n)
+{
+    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
+    const json_t *w;
+    size_t i;
+
+    *n = 0;
+    if (!json_is_array(root)) {
+        json_decref(root);
+        return rad_fail(s->err, RAD_EPROTO,
+                        "the coordinator's answer is no list of workers");
+    }
+    json_array_foreach(root, i, w)
+    {
+        const char *state = json_string_value(json_object_get(w, "state"));
+
+        *n += state && strcmp(state, "gone") != 0;
+    }
+    json_decref(root);
+    return 0;
+}
+
+static int
+ask_workers(struct submit *s, int *n)
+{
+    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
+    const struct msg *answer;
+    int rc;
+
+    m.query.what = MSG_QUERY_WORKERS;
+    m.query.text = "";
+    if ((rc = link_send(s->link, &m, s->err)) < 0 ||
+        (rc = await(s, MSG_ANSWER, &answer)) < 0)
+        return rc;
+    return count_workers(s, &answer->answer, n);
+}
+
+/* Until all that are expected are there, or --wait is over. */
+static int
+await_workers(struct submit *s)
+{
+    int n = 0, rc = 0;
+
+    if (!s->cb->expected || s->accepted)
+        return 0;
+    while (!waited(s) && (rc = ask_workers(s, &n)) == 0 &&
+           n < s->cb->expected(s->cb->arg))
+        pause_for(s, COME_MS);
+    return rc;
+}
+
+static int
+converse(struct submit *s)
+{
+    int rc;
+
+    s->done = false;
+    s->last.frames_ready = 0;
+    if ((rc = send_scene(s)) < 0 || (rc = await_workers(s)) < 0 ||
+        (rc = send_job(s)) < 0 || s->job->detach)
+        return rc;
+    return watch(s);
+}
+
+/* --- trying again --- */
+
+/* 0 if trying again is of use. */
+static int
+may_retry(struct submit *s, const struct rad_error *why)
+{
+    if (*s->where.wake > 0)
+        return interrupted(s);
+    if (s->cb->alive && !s->cb->alive(s->cb->arg))
+        return rad_fail(s->err, RAD_EINTERNAL,
+                        "the cluster on this machine has ended: %s", why->what);
+    if (!s->accepted && waited(s))
+        return rad_fail(s->err, RAD_EUNAVAIL, "%s", why->what);
+    return 0;
+}
+
+/* How long to wait before the n-th next try, with up to a quarter of jitter,
+ * so that many clients do not all call at once; not beyond --wait. */
+static uint64_t
+backoff_ms(struct submit *s, int n)
+{
+    uint64_t ms = BACKOFF_MAX_MS, r;
+    double left;
+
+    if (n < 6)
+        ms = (uint64_t)BACKOFF_MS << n;
+    if (uv_random(NULL, NULL, &r, sizeof r, 0, NULL) == 0)
+        ms += r % (ms / 4);
+    left = 1000 * s->job->wait_s - (double)(now_ms(s) - s->start_ms);
+    if (!s->accepted && (double)ms > left)
+        ms = left > 0 ? (uint64_t)left + 1 : 0;
+    return ms;
+}
+
+/* Does the job fit into one message, with its frames, as version 1 has it? */
+static bool
+fits_message(const struct msg_spec *spec)
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = *spec };
+    struct wire_out out;
+    bool fits;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    fits = msg_pack_as(1, &out, &m) == 0;
+    wire_out_release(&out);
+    return fits;
+}
+
+/* Does the coordinator know all that the job asks for?  A limit that it cannot
+ * pass on is no reason to do without the picture, a file that stays empty is.
+ */
+static int
+check_version(struct submit *s)
+{
+    if (link_version(s->link) < 2 && !fits_message(s->job->spec))
+        return rad_fail(s->err, RAD_EPROTO,
+                        "the coordinator at '%s' is too old for an animation "
+                        "of %" PRIu32 " frames: it speaks protocol version %u",
+                        s->job->to.text, s->job->spec->nframes,
+                        link_version(s->link));
+    if (link_version(s->link) < 2 && s->job->spec->oversample > 1)
+        return rad_fail(s->err, RAD_EPROTO,
+                        "the coordinator at '%s' is too old for --oversample: "
+                        "it speaks protocol version %u",
+                        s->job->to.text, link_version(s->link));
+    if (!(s->job->spec->flags & MSG_JOB_RECORDS) ||
+        link_version(s->link) >= msg_since(MSG_RECORDS))
+        return 0;
+    return rad_fail(s->err, RAD_EPROTO,
+                    "the coordinator at '%s' is too old for -af: it speaks "
+                    "protocol version %u",
+                    s->job->to.text, link_version(s->link));
+}
+
+/* One connection's life. */
+static int
+attempt(struct submit *s, int *failures)
+{
+    int rc = link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
+                       CONNECT_MS, s->err);
+
+    if (rc < 0)
+        return rc;
+    if (s->connected)
+        s->cb->say(s->cb->arg, "connected again");
+    s->connected = true;
+    *failures = 0;
+    rc = check_version(s);
+    if (rc == 0)
+        rc = converse(s);
+    link_close(s->link);
+    s->link = NULL;
+    return rc;
+}
+
+int
+submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
+           const struct submit_callbacks *cb, struct rad_error *err)
+{
+    struct submit s = { .job = job, .cb = cb };
+    struct rad_error why;
+    int rc, failures = 0;
+    char text[sizeof why.what + 40];
+
+    s.where = (struct link_where){ loop, interrupts };
+    s.start_ms = now_ms(&s);
+    for (;;) {
+        why = (struct rad_error){ 0 };
+        s.err = &why;
+        rc = attempt(&s, &failures);
+        s.err = err;
+        if (rc != RAD_EUNAVAIL || s.cancelled)
+            break;
+        if ((rc = may_retry(&s, &why)) < 0)
+            return rc;
+        if (failures == 0) {
+            snprintf(text, sizeof text, "%s; trying again", why.what);
+            cb->say(cb->arg, text);
+        }
+        pause_for(&s, backoff_ms(&s, failures++));
+    }
+    if (rc < 0 && err)
+        *err = why;
+    return rc;
+}

@@ -1,0 +1,191 @@
+/* target.c - see target.h */
+#include "config.h"
+
+#include "link/target.h"
+
+#include "net/inifile.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* radcoord's defaults; see radcoord.conf(5) */
+#define DEFAULT_PORT   "7420"
+#define DEFAULT_SOCKET "/run/radd/radcoord.sock"
+
+enum { LONGEST = sizeof((struct target *)0)->text };
+
+int
+target_parse(struct target *a, const char *text, struct rad_error *err)
+{
+    const char *host = text, *end, *port;
+    int n;
+
+    memset(a, 0, sizeof *a);
+    if (strlen(text) >= sizeof a->text)
+        return rad_fail(err, RAD_EUSAGE, "coordinator's address is too long");
+    strcpy(a->text, text);
+    if (strchr(text, '/')) {
+        a->local = true;
+        if (strlen(text) >= sizeof a->path)
+            return rad_fail(err, RAD_EUSAGE,
+                            "socket path '%s' is longer than %zu bytes", text,
+                            sizeof a->path - 1);
+        strcpy(a->path, text);
+        return 0;
+    }
+    if (text[0] == '[' && (end = strchr(text, ']')) != NULL) {
+        host = text + 1;
+        port = end + 1;
+    } else {
+        port = end = text + strcspn(text, ":");
+    }
+    n = (int)(end - host);
+    if (n == 0 || (size_t)n >= sizeof a->host ||
+        (*port != ':' && *port != '\0') || strlen(port) >= sizeof a->port ||
+        (*port == ':' &&
+         (port[1] == '\0' || port[1 + strspn(port + 1, "0123456789")] != '\0' ||
+          atoi(port + 1) < 1 || atoi(port + 1) > 65535)))
+        return rad_fail(err, RAD_EUSAGE,
+                        "bad coordinator address '%s': expected HOST:PORT or "
+                        "a socket's path",
+                        text);
+    snprintf(a->host, sizeof a->host, "%.*s", n, host);
+    strcpy(a->port, *port ? port + 1 : DEFAULT_PORT);
+    return 0;
+}
+
+/* What the files name. */
+struct found {
+    char address[LONGEST];
+    char key[LONGEST];
+    bool has_address, has_key; /* of the file that is read */
+};
+
+static int
+take_pair(void *arg, const char *section, const char *name, const char *value,
+          struct rad_error *err)
+{
+    struct found *f = arg;
+    bool ours = section[0] == '\0' || strcmp(section, "radsubmit") == 0;
+    char *to = ours && strcmp(name, "coordinator") == 0 ? f->address
+               : ours && strcmp(name, "key") == 0       ? f->key
+                                                        : NULL;
+    bool *has = to == f->address ? &f->has_address : &f->has_key;
+    struct target parsed;
+
+    if (!to)
+        return rad_fail(err, RAD_ECONFIG, "unknown key '%s'", name);
+    if (*has)
+        return rad_fail(err, RAD_ECONFIG, "'%s' is there twice", name);
+    *has = true;
+    if (strlen(value) >= LONGEST)
+        return rad_fail(err, RAD_ECONFIG, "'%s': longer than %d bytes", name,
+                        LONGEST - 1);
+    if (to == f->address && value[0] && target_parse(&parsed, value, err) < 0)
+        return err->code = RAD_ECONFIG;
+    strcpy(to, value);
+    return 0;
+}
+
+/* What the file names, where nothing is known yet; an absent one names
+ * nothing. */
+static int
+read_file(struct found *known, const char *path, struct rad_error *err)
+{
+    struct found f = { .address = "" };
+    FILE *in = fopen(path, "re");
+    int rc;
+
+    if (!in) {
+        if (errno == ENOENT || errno == ENOTDIR || errno == EACCES)
+            return 0;
+        return rad_fail(err, RAD_ECONFIG, "cannot open '%s': %s", path,
+                        strerror(errno));
+    }
+    rc = inifile_read(in, path, take_pair, &f, err);
+    fclose(in);
+    if (rc < 0)
+        return rc;
+    if (!known->address[0])
+        memcpy(known->address, f.address, LONGEST);
+    if (!known->key[0])
+        memcpy(known->key, f.key, LONGEST);
+    return 0;
+}
+
+/* The user's file; false if there is no home to look in. */
+static bool
+user_file(char *path, size_t size)
+{
+    const char *base = getenv("XDG_CONFIG_HOME"), *below = "";
+    int n;
+
+    if (!base || base[0] != '/') {
+        base = getenv("HOME");
+        below = "/.config";
+    }
+    if (!base || base[0] == '\0')
+        return false;
+    n = snprintf(path, size, "%s%s/radd/radsubmit.conf", base, below);
+    return n > 0 && (size_t)n < size;
+}
+
+#define SYSTEM_FILE RADD_SYSCONFDIR "/radd/radsubmit.conf"
+
+int
+target_note(struct inputs *in, struct rad_error *err)
+{
+    char path[4096];
+    int rc = 0;
+
+    if (user_file(path, sizeof path))
+        rc = inputs_add(in, "the configuration", path, err);
+    return rc == 0 ? inputs_add(in, "the configuration", SYSTEM_FILE, err) : rc;
+}
+
+/* The first of the option and the variable that is there. */
+static void
+take_named(char to[LONGEST], const char *given, const char *variable)
+{
+    const char *env = getenv(variable);
+
+    if (!given && env)
+        given = env;
+    snprintf(to, LONGEST, "%s", given ? given : "");
+}
+
+int
+target_find(struct target *a, const char *given, const char *key,
+            struct rad_error *err)
+{
+    struct found f = { .address = "" };
+    char path[4096];
+    int rc = 0;
+
+    if ((given && strlen(given) >= LONGEST) || (key && strlen(key) >= LONGEST))
+        return rad_fail(err, RAD_EUSAGE,
+                        "coordinator's address or key file is too long");
+    take_named(f.address, given, "RADD_COORDINATOR");
+    take_named(f.key, key, "RADD_KEY");
+    if (!f.address[0] || (!f.key[0] && !strchr(f.address, '/'))) {
+        if (user_file(path, sizeof path))
+            rc = read_file(&f, path, err);
+        if (rc == 0)
+            rc = read_file(&f, SYSTEM_FILE, err);
+    }
+    if (rc < 0 || (!f.address[0] && !given))
+        return rc;
+    rc = target_parse(a, f.address, err);
+    if (rc < 0)
+        return rc;
+    memcpy(a->key, f.key, sizeof a->key);
+    return 1;
+}
+
+void
+target_default(struct target *a)
+{
+    target_parse(a, DEFAULT_SOCKET, NULL);
+}

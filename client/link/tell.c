@@ -1,0 +1,21 @@
+/* tell.c - see tell.h */
+#include "config.h"
+
+#include "link/tell.h"
+
+#include "base/text.h"
+
+#include <stdarg.h>
+
+void
+tell(FILE *to, const char *fmt, ...)
+{
+    char line[8192];
+    va_list ap;
+
+    va_start(ap, fmt);
+    rad_text_vprint(line, sizeof line, fmt, ap);
+    va_end(ap);
+    rad_text_clean(line);
+    fprintf(to, "%s\n", line);
+}

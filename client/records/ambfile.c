@@ -1,0 +1,514 @@
+/* ambfile.c - see ambfile.h */
+#include "config.h"
+
+#include "records/ambfile.h"
+#include "light/indirect/ambshare.h"
+#include "base/files.h"
+#include "base/vec.h"
+#include "base/output.h"
+#include "image/hdr.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define OUR_FORMAT     "radd_ambient"
+#define RADIANCE       "Radiance_ambval"
+#define RADIANCE_MAGIC 0x0231
+#define RADIANCE_BYTES 67
+#define DIRECTION_UNIT 11584.5
+#define LARGEST_FILE   (SIZE_MAX / 4)
+
+/* --- options --- */
+
+/* The options that records depend on: not how pixels are placed, and not the
+ * seed, by which any records would do as well. */
+static void
+options_text(const struct ambfile *a, char text[RAD_PARAMS_TEXT])
+{
+    struct rad_params p = a->params, usual;
+
+    rad_params_init(&usual);
+    p.xres = usual.xres;
+    p.yres = usual.yres;
+    p.pixaspect = usual.pixaspect;
+    p.pixjitter = usual.pixjitter;
+    p.psample = usual.psample;
+    p.maxdiff = usual.maxdiff;
+    p.motion = usual.motion;
+    p.aperture = usual.aperture;
+    p.directvis = usual.directvis;
+    p.seed = usual.seed;
+    rad_params_format(&p, text, RAD_PARAMS_TEXT);
+}
+
+/* The words of an option in a Radiance file's header, as it would print ours;
+ * false: records do not depend on it, or it is none that we know. */
+static bool
+radiance_value(const struct rad_params *p, const char *name, char value[96])
+{
+    const struct {
+        const char *name;
+        double value;
+    } real[] = { { "-ds", p->srcsizerat }, { "-dt", p->shadthresh },
+                 { "-dc", p->shadcert },   { "-ss", p->specjitter },
+                 { "-st", p->specthresh }, { "-lw", p->minweight } };
+    const struct {
+        const char *name;
+        int value;
+    } whole[] = { { "-ab", p->ambounce },    { "-ad", p->ambdiv },
+                  { "-as", p->ambssamp },    { "-ar", p->ambres },
+                  { "-dr", p->directrelay }, { "-lr", p->maxdepth } };
+
+    for (size_t i = 0; i < sizeof real / sizeof *real; i++)
+        if (strcmp(name, real[i].name) == 0) {
+            snprintf(value, 96, "%g", real[i].value);
+            return true;
+        }
+    for (size_t i = 0; i < sizeof whole / sizeof *whole; i++)
+        if (strcmp(name, whole[i].name) == 0) {
+            snprintf(value, 96, "%d", whole[i].value);
+            return true;
+        }
+    return false;
+}
+
+/* Compare what a line of a Radiance file's header says of options. */
+static int
+check_line(const struct ambfile *a, char *line, struct rad_error *err)
+{
+    char *save = NULL, *word, *next;
+
+    for (word = strtok_r(line, " ", &save); word; word = next) {
+        char value[96];
+
+        next = strtok_r(NULL, " ", &save);
+        if (!next || !radiance_value(&a->params, word, value))
+            continue;
+        if (strcmp(next, value) != 0)
+            return rad_fail(err, RAD_EDATA, "was made with %s %.40s, not %s",
+                            word, next, value);
+    }
+    return 0;
+}
+
+/* --- headers --- */
+
+struct header {
+    char *format, *scene, *options; /* values, NULL where there is none */
+    char *text;                     /* owns them */
+    size_t len;                     /* in the file, the empty line with it */
+};
+
+static int
+bad_file(struct rad_error *err)
+{
+    return rad_fail(err, RAD_EDATA, "not a file of ambient records");
+}
+
+/* Copy the header's text, which ends with an empty line. */
+static int
+copy_header(struct header *h, const char *bytes, size_t len,
+            struct rad_error *err)
+{
+    size_t n = 0;
+
+    while (n + 1 < len && n < 65536 && bytes[n] != '\0' &&
+           !(bytes[n] == '\n' && bytes[n + 1] == '\n'))
+        n++;
+    if (n + 1 >= len || bytes[n] != '\n' || bytes[n + 1] != '\n' || n < 10 ||
+        memcmp(bytes, "#?RADIANCE", 10) != 0)
+        return bad_file(err);
+    h->text = malloc(n + 1);
+    if (!h->text)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    memcpy(h->text, bytes, n);
+    h->text[n] = '\0';
+    h->len = n + 2;
+    return 0;
+}
+
+static char *
+value_of(char *line, const char *name)
+{
+    size_t n = strlen(name);
+
+    return strncmp(line, name, n) == 0 ? line + n : NULL;
+}
+
+/* Its values, and what the other lines say of options where that counts: what
+ * is in a file of ours stands in OPTIONS. */
+static int
+read_header(const struct ambfile *a, struct header *h, struct rad_error *err)
+{
+    bool ours = strstr(h->text, "\nFORMAT=" OUR_FORMAT) != NULL;
+    char *save = NULL;
+
+    for (char *line = strtok_r(h->text, "\n", &save); line;
+         line = strtok_r(NULL, "\n", &save)) {
+        char *v;
+
+        if ((v = value_of(line, "FORMAT=")))
+            h->format = v;
+        else if ((v = value_of(line, "SCENE=")))
+            h->scene = v;
+        else if ((v = value_of(line, "OPTIONS=")))
+            h->options = v;
+        else if ((v = value_of(line, "NCOMP=")) && strcmp(v, "3") != 0)
+            return rad_fail(err, RAD_EDATA, "has %.20s channels, not 3", v);
+        else if (!ours && check_line(a, line, err) < 0)
+            return err ? err->code : RAD_EDATA;
+    }
+    return 0;
+}
+
+/* Name the first word that differs. */
+static int
+options_differ(const char *theirs, const char *ours, struct rad_error *err)
+{
+    const char *name = ours;
+    size_t i = 0;
+
+    for (; theirs[i] != '\0' && theirs[i] == ours[i]; i++)
+        if (ours[i] == ' ' && ours[i + 1] == '-' &&
+            (ours[i + 2] < '0' || ours[i + 2] > '9'))
+            name = ours + i + 1;
+    return rad_fail(err, RAD_EDATA, "was made with other options: %.*s differs",
+                    (int)strcspn(name, " "), name);
+}
+
+static int
+fits(struct ambfile *a, const struct header *h, struct rad_error *err)
+{
+    char options[RAD_PARAMS_TEXT];
+
+    if (h->format && strcmp(h->format, RADIANCE) == 0) {
+        a->format = AMBFILE_RADIANCE;
+        return 0;
+    }
+    if (!h->format || strcmp(h->format, OUR_FORMAT) != 0 || !h->scene ||
+        !h->options)
+        return bad_file(err);
+    a->format = AMBFILE_OURS;
+    if (strcmp(h->scene, a->scene) != 0)
+        return rad_fail(err, RAD_EDATA, "belongs to another scene");
+    options_text(a, options);
+    return strcmp(h->options, options) == 0
+               ? 0
+               : options_differ(h->options, options, err);
+}
+
+/* --- Radiance's records --- */
+
+/* A number that is not finite stays none. */
+static void
+put_flt(struct wire_out *out, double v)
+{
+    int e, m = (int)(frexp(v, &e) * 0x7fffffff);
+
+    if (e < -128 || m == 0)
+        m = e = 0;
+    wire_put_i32(out, m);
+    wire_put_u8(out, (uint8_t)(e > 127 ? 127 : e));
+}
+
+static double
+get_flt(struct wire_in *in)
+{
+    int32_t m = wire_get_i32(in);
+    int8_t e = (int8_t)wire_get_u8(in);
+
+    if (m == 0)
+        return 0;
+    return ldexp((m + (m > 0 ? .5 : -.5)) / 0x7fffffff, e);
+}
+
+static void
+put_direction(struct wire_out *out, const float v[3])
+{
+    uint32_t code = 0, c[3];
+
+    for (int k = 0; k < 3; k++) {
+        c[k] = (uint32_t)(fabs((double)v[k]) * DIRECTION_UNIT + .5);
+        code |= (uint32_t)(v[k] < 0) << k;
+    }
+    bool x_first = c[0] <= c[1];
+    uint32_t first = x_first ? c[0] : c[1], other = x_first ? c[1] : c[0];
+    bool z_second = c[2] <= other;
+    uint32_t second = z_second ? c[2] : other;
+
+    code |= (uint32_t)x_first << 3 | (uint32_t)z_second << 4 | first << 5 |
+            second << 18;
+    wire_put_u32(out, code);
+}
+
+static void
+get_direction(struct wire_in *in, double v[3])
+{
+    uint32_t code = wire_get_u32(in);
+    int first = code >> 3 & 1 ? 0 : 1, other = 1 - first;
+    int second = code >> 4 & 1 ? 2 : other, last = code >> 4 & 1 ? other : 2;
+
+    v[first] = (code >> 5 & 0x1fff) / DIRECTION_UNIT;
+    v[second] = (code >> 18 & 0x1fff) / DIRECTION_UNIT;
+    v[last] =
+        sqrt(rad_most(1 - v[first] * v[first] - v[second] * v[second], 0));
+    for (int k = 0; k < 3; k++)
+        if (code >> k & 1)
+            v[k] = -v[k];
+}
+
+static void
+put_record(struct wire_out *out, const struct rad_ambrec *rec)
+{
+    uint8_t rgbe[4];
+
+    wire_put_u8(out, (uint8_t)rec->level);
+    put_flt(out, (double)rec->weight);
+    for (int k = 0; k < 3; k++)
+        put_flt(out, rec->p[k]);
+    put_direction(out, rec->n);
+    put_direction(out, rec->u);
+    for (int k = 0; k < 2; k++)
+        put_flt(out, (double)rec->radius[k]);
+    for (int k = 0; k < 2; k++)
+        put_flt(out, (double)rec->gpos[k]);
+    for (int k = 0; k < 2; k++)
+        put_flt(out, (double)rec->gdir[k]);
+    wire_put_u32(out, rec->corral);
+    rad_rgbe(rad_rgb_scale(rec->E, (float)(1 / M_PI)), rgbe);
+    wire_put_bytes(out, rgbe, sizeof rgbe);
+}
+
+/* Directions are rounded to 1e-4: made upright on each other again. */
+static void
+set_frame(struct rad_ambrec *rec, const double n[3], double u[3])
+{
+    rad_madd(u, u, -rad_dot(u, n), n);
+    rad_normalize(u);
+    for (int k = 0; k < 3; k++) {
+        rec->n[k] = (float)n[k];
+        rec->u[k] = (float)u[k];
+    }
+}
+
+static void
+get_pair(struct wire_in *in, float v[2])
+{
+    v[0] = (float)get_flt(in);
+    v[1] = (float)get_flt(in);
+}
+
+static void
+get_record(struct wire_in *in, struct rad_ambrec *rec)
+{
+    double n[3], u[3];
+    uint8_t rgbe[4] = { 0 };
+
+    rec->level = wire_get_u8(in);
+    rec->weight = (float)get_flt(in);
+    for (int k = 0; k < 3; k++)
+        rec->p[k] = get_flt(in);
+    get_direction(in, n);
+    get_direction(in, u);
+    rad_normalize(n);
+    set_frame(rec, n, u);
+    get_pair(in, rec->radius);
+    get_pair(in, rec->gpos);
+    get_pair(in, rec->gdir);
+    rec->corral = wire_get_u32(in);
+    wire_get_bytes(in, rgbe, sizeof rgbe, sizeof rgbe);
+    rec->E = rad_rgb_scale(rad_rgbe_radiance(rgbe), (float)M_PI);
+}
+
+/* --- reading --- */
+
+static int
+parse_records(const struct ambfile *a, struct wire_in *in, ambfile_take *take,
+              void *arg, struct rad_error *err)
+{
+    bool ours = a->format == AMBFILE_OURS;
+    size_t size = ours ? AMBSHARE_BYTES : RADIANCE_BYTES;
+
+    if (!ours && wire_get_u16(in) != RADIANCE_MAGIC)
+        return bad_file(err);
+    if (wire_left(in) % size != 0)
+        return rad_fail(err, RAD_EDATA, "ends in the middle of a record");
+    while (wire_left(in) > 0) {
+        struct rad_ambrec rec = { .level = 0 };
+
+        if (!ours)
+            get_record(in, &rec);
+        if (ours ? ambshare_unpack(in, &rec) : ambshare_sound(&rec))
+            take(arg, &rec);
+    }
+    return 0;
+}
+
+int
+ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
+              ambfile_take *take, void *arg, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    struct header h = { 0 };
+    struct wire_in in;
+
+    if (copy_header(&h, bytes, len, &why) == 0 &&
+        read_header(a, &h, &why) == 0 && fits(a, &h, &why) == 0) {
+        wire_in_init(&in, (const char *)bytes + h.len, len - h.len);
+        parse_records(a, &in, take, arg, &why);
+    }
+    free(h.text);
+    if (err && err->code == 0)
+        *err = why;
+    return why.code;
+}
+
+struct load {
+    struct rad_ambient *amb;
+    size_t refused;
+};
+
+static void
+take_record(void *arg, const struct rad_ambrec *rec)
+{
+    struct load *l = arg;
+
+    l->refused += !rad_ambient_insert(l->amb, rec);
+}
+
+int
+ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
+             struct rad_error *err)
+{
+    struct load l = { .amb = amb };
+    unsigned char *bytes;
+    size_t len;
+    int rc;
+
+    if (access(path, F_OK) != 0 && errno == ENOENT)
+        return 0;
+    bytes = rad_file_read(path, LARGEST_FILE, &len, err);
+    if (!bytes)
+        return err ? err->code : RAD_ENOINPUT;
+    rc = ambfile_parse(a, bytes, len, take_record, &l, err);
+    free(bytes);
+    if (rc == 0 && l.refused > 0)
+        rc = rad_fail(err, RAD_EDATA, "%zu records do not fit the scene",
+                      l.refused);
+    if (rc)
+        rad_error_where(err, "%s", path);
+    return rc;
+}
+
+/* --- writing --- */
+
+static void
+put_header(const struct ambfile *a, FILE *f)
+{
+    const struct rad_params *p = &a->params;
+    char options[RAD_PARAMS_TEXT];
+
+    fprintf(f, "#?RADIANCE\nSOFTWARE=radd %s\n", PACKAGE_VERSION);
+    if (a->format == AMBFILE_OURS) {
+        options_text(a, options);
+        fprintf(f, "SCENE=%s\nOPTIONS=%s\nFORMAT=" OUR_FORMAT "\n\n", a->scene,
+                options);
+        return;
+    }
+    fprintf(f, "radscene -av %g %g %g -aw %d -aa %g", (double)p->ambval.r,
+            (double)p->ambval.g, (double)p->ambval.b, p->ambvwt, p->ambacc);
+    fprintf(f, " -ab %d -ad %d -as %d -ar %d -dr %d", p->ambounce, p->ambdiv,
+            p->ambssamp, p->ambres, p->directrelay);
+    fprintf(f, " -ds %g -dt %g -dc %g -ss %g -st %g", p->srcsizerat,
+            p->shadthresh, p->shadcert, p->specjitter, p->specthresh);
+    fprintf(f, " -lr %d -lw %g\nNCOMP=3\nFORMAT=" RADIANCE "\n\n%c%c",
+            p->maxdepth, p->minweight, RADIANCE_MAGIC >> 8,
+            RADIANCE_MAGIC & 0xff);
+}
+
+/* Where records come from: at most max of the next; 0: there are no more. */
+struct source {
+    const struct rad_ambient *amb; /* NULL: list */
+    uint64_t cursor;
+    struct wire_in list;
+};
+
+static size_t
+next_records(struct source *s, struct rad_ambrec *rec, size_t max)
+{
+    size_t n = 0;
+
+    if (s->amb)
+        return rad_ambient_list(s->amb, &s->cursor, rec, max);
+    while (n < max && wire_left(&s->list) >= AMBSHARE_BYTES)
+        n += ambshare_unpack(&s->list, &rec[n]);
+    return n;
+}
+
+static int
+format_all(const struct ambfile *a, struct source *s, FILE *f,
+           struct rad_error *err)
+{
+    struct rad_ambrec rec[64];
+    struct wire_out out;
+    bool bad;
+    size_t n;
+
+    put_header(a, f);
+    wire_out_init(&out, sizeof rec / sizeof *rec * AMBSHARE_BYTES);
+    while ((n = next_records(s, rec, sizeof rec / sizeof *rec)) > 0 &&
+           !out.bad) {
+        out.len = 0;
+        for (size_t i = 0; i < n; i++)
+            if (a->format == AMBFILE_OURS)
+                ambshare_pack(&out, &rec[i]);
+            else
+                put_record(&out, &rec[i]);
+        fwrite(out.buf, 1, out.len, f);
+    }
+    bad = out.bad;
+    wire_out_release(&out);
+    if (bad)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return ferror(f)
+               ? rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno))
+               : 0;
+}
+
+int
+ambfile_format(const struct ambfile *a, const struct rad_ambient *amb, FILE *f,
+               struct rad_error *err)
+{
+    struct source s = { .amb = amb };
+
+    return format_all(a, &s, f, err);
+}
+
+int
+ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
+                    FILE *f, struct rad_error *err)
+{
+    struct source s = { .amb = NULL };
+
+    wire_in_init(&s.list, list, len);
+    return format_all(a, &s, f, err);
+}
+
+int
+ambfile_save(const struct ambfile *a, const char *path,
+             const struct rad_ambient *amb, struct rad_error *err)
+{
+    struct output out;
+    int rc = output_open(&out, path, true, err);
+
+    if (rc)
+        return rc;
+    rc = ambfile_format(a, amb, out.file, err);
+    if (rc) {
+        output_abort(&out);
+        return rc;
+    }
+    return output_commit(&out, err);
+}

@@ -1,0 +1,155 @@
+/* picfile.c - see picfile.h */
+#include "config.h"
+
+#include "show/picfile.h"
+
+#include "show/outname.h"
+
+#include "tone/primaries.h"
+
+#include <limits.h>
+#include <string.h>
+
+/* formats that somebody who asks for them does not get */
+static const char *const others[] = { ".bmp", ".exr", ".gif",  ".jpeg",
+                                      ".jpg", ".pdf", ".pfm",  ".ppm",
+                                      ".tga", ".tif", ".tiff", ".webp" };
+static const char *const rgbe[] = { ".hdr", ".pic" };
+
+static bool
+ends_in(const char *path, const char *const *suffix, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (outname_suffix(path, suffix[i]))
+            return true;
+    return false;
+}
+
+int
+picfile_check(const char *path, bool always_png, struct rad_error *err)
+{
+    if (!ends_in(path, others, sizeof others / sizeof others[0]) &&
+        !(always_png && ends_in(path, rgbe, sizeof rgbe / sizeof rgbe[0])))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%s': that format is not written there: use a name in %s",
+                    path, always_png ? ".png" : ".hdr, .pic or .png");
+}
+
+static int
+put(void *arg, const void *data, size_t len, struct rad_error *err)
+{
+    (void)err; /* a failure shows at the commit */
+    (void)!fwrite(data, 1, len, arg);
+    return 0;
+}
+
+bool
+picfile_is_png(const char *path, enum picfile_format format)
+{
+    return format == PICFILE_PNG || (format == PICFILE_BY_SUFFIX && path &&
+                                     outname_suffix(path, ".png"));
+}
+
+/* A picture and what its header says of the view. */
+struct seen {
+    struct rad_picture pic;
+    struct rad_view view;
+    const struct rad_view *known; /* &view, or NULL */
+};
+
+static int
+see(struct seen *s, const uint8_t *hdr, size_t n, struct rad_error *err)
+{
+    int rc;
+
+    memset(s, 0, sizeof *s);
+    if ((rc = rad_hdr_read(hdr, n, INT_MAX, &s->pic, err)) < 0)
+        return rc;
+    rad_primaries_convert(&s->pic);
+    rad_view_init(&s->view);
+    if (rad_view_read(&s->view, (const char *)hdr, n, NULL) > 0 &&
+        rad_view_setup(&s->view, NULL) == 0)
+        s->known = &s->view;
+    return 0;
+}
+
+/* How a picture gets into a PNG's bytes. */
+typedef int picfile_fn(void *arg, const struct seen *s,
+                       const struct rad_sink *sink, struct rad_error *err);
+
+static int
+write_png(const char *path, const uint8_t *hdr, size_t n, bool durable,
+          picfile_fn *fn, void *arg, struct rad_error *err)
+{
+    struct seen s;
+    struct output out = { 0 };
+    struct rad_sink sink = { .write = put };
+    int rc = see(&s, hdr, n, err);
+
+    if (rc == 0)
+        rc = output_open(&out, path, durable, err);
+    if (rc == 0) {
+        sink.arg = out.file;
+        rc = fn(arg, &s, &sink, err);
+        if (rc == 0)
+            rc = output_commit(&out, err);
+        else
+            output_abort(&out);
+    }
+    rad_picture_release(&s.pic);
+    return rc;
+}
+
+static int
+whole(void *arg, const struct seen *s, const struct rad_sink *sink,
+      struct rad_error *err)
+{
+    return show_picture(arg, &s->pic, s->known, sink, err);
+}
+
+int
+picfile_write(const char *path, enum picfile_format format, const uint8_t *hdr,
+              size_t n, bool durable, struct show *show, struct rad_error *err)
+{
+    if (picfile_is_png(path, format))
+        return write_png(path, hdr, n, durable, whole, show, err);
+    return output_write(path, hdr, n, durable, err);
+}
+
+struct preview {
+    const struct show *show;
+    struct show_last *last;
+};
+
+static int
+part(void *arg, const struct seen *s, const struct rad_sink *sink,
+     struct rad_error *err)
+{
+    struct preview *p = arg;
+
+    return show_preview(p->show, p->last, &s->pic, s->known, sink, err);
+}
+
+int
+picfile_preview(const char *path, const uint8_t *hdr, size_t n,
+                const struct show *show, struct show_last *last,
+                struct rad_error *err)
+{
+    struct preview p = { show, last };
+
+    return write_png(path, hdr, n, false, part, &p, err);
+}
+
+int
+picfile_look(const uint8_t *hdr, size_t n, struct show *show,
+             struct rad_error *err)
+{
+    struct seen s;
+    int rc = see(&s, hdr, n, err);
+
+    if (rc == 0)
+        rc = show_fit(show, &s.pic, s.known, err);
+    rad_picture_release(&s.pic);
+    return rc;
+}

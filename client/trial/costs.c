@@ -1,0 +1,509 @@
+/* costs.c - see costs.h */
+#include "config.h"
+
+#include "trial/costs.h"
+
+#include "base/files.h"
+#include "picture/quincunx.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST = 512 << 20 /* bytes of statistics */ };
+
+/* No more could be sent; and all of them are kept. */
+#define MOST_ROWS ((uint64_t)MSG_MAX_COSTS * RAD_QUINCUNX_MAX_YSTEP)
+
+/* Seconds beyond all doubt, and far from what a float cannot hold. */
+#define MOST_CPU_S 1e15
+
+/* One unit as the file has it. */
+struct unit {
+    json_int_t frame, x, y, width, height;
+    double rays, cpu_s, start_s;
+    double cost; /* one of the first two, for all units the same */
+    const char *worker;
+};
+
+/* Lines below a worker's first that are looked at to know what that would have
+ * taken with records in the cache. */
+enum { LINES_AFTER = 5 };
+
+static int
+no_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+static int
+unpack_unit(const json_t *json, struct unit *u, struct rad_error *err)
+{
+    json_int_t rays;
+
+    u->worker = "";
+    if (json_unpack((json_t *)json, "{s:I,s:I,s:I,s:I,s:I,s:I,s:F,s?F,s?s}",
+                    "frame", &u->frame, "x", &u->x, "y", &u->y, "width",
+                    &u->width, "height", &u->height, "rays", &rays, "cpu_s",
+                    &u->cpu_s, "start_s", &u->start_s, "worker",
+                    &u->worker) != 0)
+        return rad_fail(err, RAD_EDATA, "no statistics: a unit lacks a number");
+    u->rays = (double)rays;
+    if (u->frame < 0 || u->x < 0 || u->y < 0 || u->width < 1 || u->height < 1 ||
+        u->width > MSG_MAX_SIDE || u->height > MSG_MAX_SIDE ||
+        u->x > MSG_MAX_SIDE - u->width || u->y > MSG_MAX_SIDE - u->height ||
+        rays < 0 || !(u->cpu_s >= 0 && u->cpu_s <= MOST_CPU_S))
+        return rad_fail(err, RAD_EDATA, "no statistics: an impossible unit");
+    return 0;
+}
+
+/* ystep from the former job's rendering options. */
+static int
+read_ystep(const char *options, int *ystep, struct rad_error *err)
+{
+    const char *at = strstr(options, "-ps ");
+    char *end;
+    long psample;
+    int xstep;
+
+    if (!at || (at > options && at[-1] != ' '))
+        return rad_fail(err, RAD_EDATA, "no statistics: no -ps in its options");
+    psample = strtol(at + 4, &end, 10);
+    if (end == at + 4 || psample < 1 || psample > 16)
+        return rad_fail(err, RAD_EDATA, "no statistics: a wrong -ps");
+    rad_quincunx_steps((int)psample, &xstep, ystep);
+    return 0;
+}
+
+/* The frame of a unit; numbers of frames count on from the first. */
+static struct costs_frame *
+frame_of(const struct costs *c, json_int_t first, json_int_t number)
+{
+    if (number - first >= (json_int_t)c->nframes)
+        return NULL;
+    return &c->frames[number - first];
+}
+
+/* Frames are as large as their units reach; pixels[k] is how many the units
+ * of frame k have. */
+static int
+measure_frames(struct costs *c, const struct unit *u, size_t n,
+               json_int_t first, uint64_t *pixels, struct rad_error *err)
+{
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        if (!f)
+            return rad_fail(err, RAD_EDATA,
+                            "no statistics: a unit of frame %lld, after %u "
+                            "from %lld",
+                            (long long)u[i].frame, c->nframes,
+                            (long long)first);
+        if (u[i].x + u[i].width > f->width)
+            f->width = (uint32_t)(u[i].x + u[i].width);
+        if (u[i].y + u[i].height > f->height)
+            f->height = (uint32_t)(u[i].y + u[i].height);
+        pixels[f - c->frames] += (uint64_t)u[i].width * (uint64_t)u[i].height;
+    }
+    return 0;
+}
+
+/* Each frame must have as many pixels as its units. */
+static int
+make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
+{
+    uint64_t rows = 0;
+
+    for (uint32_t k = 0; k < c->nframes; k++) {
+        struct costs_frame *f = &c->frames[k];
+
+        if (pixels[k] == 0 || pixels[k] != (uint64_t)f->width * f->height)
+            return rad_fail(err, RAD_EDATA,
+                            "statistics of a job that was not done");
+        rows += f->height;
+        if (rows > MOST_ROWS)
+            return rad_fail(err, RAD_EDATA, "statistics of too many rows");
+        f->row = calloc(f->height, sizeof *f->row);
+        if (!f->row)
+            return no_memory(err);
+    }
+    return 0;
+}
+
+/* By rays as soon as one unit has no time, so that all count the same. */
+static void
+weigh(struct unit *u, size_t n)
+{
+    bool by_rays = false;
+
+    for (size_t i = 0; i < n; i++)
+        by_rays |= u[i].cpu_s == 0;
+    for (size_t i = 0; i < n; i++)
+        u[i].cost = by_rays ? u[i].rays : u[i].cpu_s;
+}
+
+static void
+spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
+{
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        for (json_int_t y = u[i].y; y < u[i].y + u[i].height; y++)
+            f->row[y] += u[i].cost / (double)u[i].height;
+    }
+}
+
+/* Keep them where they are windows. */
+static int
+keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
+             struct rad_error *err)
+{
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        if (f->window || u[i].width == f->width)
+            continue;
+        f->window = calloc(n, sizeof *f->window);
+        if (!f->window)
+            return no_memory(err);
+    }
+    for (size_t i = 0; i < n; i++) {
+        struct costs_frame *f = frame_of(c, first, u[i].frame);
+
+        if (f->window)
+            f->window[f->nwindows++] =
+                (struct costs_window){ (uint32_t)u[i].x, (uint32_t)u[i].y,
+                                       (uint32_t)u[i].width,
+                                       (uint32_t)u[i].height, u[i].cost };
+    }
+    return 0;
+}
+
+/* --- lines --- */
+
+static struct rad_quincunx
+sampler_of(uint32_t width, uint32_t height, int ystep)
+{
+    return (struct rad_quincunx){ .width = (int)width,
+                                  .height = (int)height,
+                                  .ystep = ystep };
+}
+
+/* The frame's lines took these seconds. */
+static int
+read_lines(const json_t *list, double *line, size_t n, struct rad_error *err)
+{
+    if (!json_is_array(list) || json_array_size(list) != n)
+        return rad_fail(err, RAD_EDATA, "no statistics: a line_s of not %zu",
+                        n);
+    for (size_t i = 0; i < n; i++) {
+        const json_t *s = json_array_get(list, i);
+
+        line[i] = json_number_value(s);
+        if (!json_is_number(s) || !(line[i] >= 0 && line[i] <= MOST_CPU_S))
+            return rad_fail(err, RAD_EDATA,
+                            "no statistics: an impossible line_s");
+    }
+    return 0;
+}
+
+static int
+compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The median of the lines that follow line i; 0: there are none. */
+static double
+lines_after(const double *line, size_t n, size_t i)
+{
+    double v[LINES_AFTER];
+    size_t k = 0;
+
+    while (k < LINES_AFTER && i + 1 + k < n) {
+        v[k] = line[i + 1 + k];
+        k++;
+    }
+    qsort(v, k, sizeof *v, compare_doubles);
+    return k > 0 ? v[k / 2] : 0;
+}
+
+/* A worker's first line, wherever it lies, is traced with no ambient record
+ * near: what it took more than those that follow belongs to all lines, since
+ * the next job's workers will begin elsewhere. */
+static void
+level_first(double *line, size_t n, size_t i)
+{
+    double own = lines_after(line, n, i), more = line[i] - own;
+
+    if (own == 0 || more <= 0)
+        return;
+    line[i] = own;
+    for (size_t k = 0; k < n; k++)
+        line[k] += more / (double)n;
+}
+
+static void
+put_rows(struct costs_frame *f, const struct rad_quincunx *q,
+         const double *line)
+{
+    int n = rad_quincunx_nbases(q), y = 0;
+
+    for (int i = 0; i < n; i++) {
+        int base = rad_quincunx_base_row(q, i), rows = base + 1 - y;
+
+        for (; y <= base; y++)
+            f->row[y] = line[i] / rows;
+    }
+}
+
+/* By worker, each one's earliest unit first. */
+static int
+compare_starts(const void *a, const void *b)
+{
+    const struct unit *x = a, *y = b;
+    int by_name = strcmp(x->worker, y->worker);
+
+    return by_name ? by_name
+                   : (x->start_s > y->start_s) - (x->start_s < y->start_s);
+}
+
+/* What frame k's lines took; u is sorted. */
+static int
+take_lines(struct costs *c, uint32_t k, const json_t *list,
+           const struct unit *u, size_t nunits, json_int_t first,
+           struct rad_error *err)
+{
+    struct costs_frame *f = &c->frames[k];
+    struct rad_quincunx q = sampler_of(f->width, f->height, c->ystep);
+    size_t n = (size_t)rad_quincunx_nbases(&q);
+    double *line = malloc(n * sizeof *line);
+    int rc = line ? read_lines(list, line, n, err) : no_memory(err);
+
+    for (size_t i = 0; i < nunits && rc == 0; i++)
+        if (u[i].frame - first == k &&
+            (i == 0 || strcmp(u[i].worker, u[i - 1].worker) != 0))
+            level_first(line, n, (size_t)((u[i].y + c->ystep - 1) / c->ystep));
+    if (rc == 0)
+        put_rows(f, &q, line);
+    free(line);
+    return rc;
+}
+
+static int
+take_all_lines(struct costs *c, const json_t *frames, struct unit *u, size_t n,
+               json_int_t first, struct rad_error *err)
+{
+    int rc = 0;
+
+    if (!json_is_array(frames) || json_array_size(frames) != c->nframes)
+        return rad_fail(err, RAD_EDATA,
+                        "no statistics: line_s is not of %u frames",
+                        c->nframes);
+    qsort(u, n, sizeof *u, compare_starts);
+    for (uint32_t k = 0; k < c->nframes && rc == 0; k++)
+        rc = take_lines(c, k, json_array_get(frames, k), u, n, first, err);
+    return rc;
+}
+
+static int
+take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
+           struct rad_error *err)
+{
+    uint64_t *pixels = calloc(c->nframes, sizeof *pixels);
+    json_int_t first = n > 0 ? u[0].frame : 0;
+    int rc;
+
+    for (size_t i = 0; i < n; i++)
+        if (u[i].frame < first)
+            first = u[i].frame;
+    weigh(u, n);
+    c->frames = calloc(c->nframes, sizeof *c->frames);
+    rc = pixels && c->frames ? 0 : no_memory(err);
+    if (rc == 0)
+        rc = measure_frames(c, u, n, first, pixels, err);
+    if (rc == 0)
+        rc = make_rows(c, pixels, err);
+    if (rc == 0 && line_s)
+        rc = take_all_lines(c, line_s, u, n, first, err);
+    else if (rc == 0)
+        spread(c, u, n, first);
+    if (rc == 0)
+        rc = keep_windows(c, u, n, first, err);
+    free(pixels);
+    return rc;
+}
+
+static int
+take_list(struct costs *c, const json_t *list, const json_t *line_s,
+          struct rad_error *err)
+{
+    size_t n = json_array_size(list);
+    struct unit *u = calloc(n + 1, sizeof *u);
+    int rc = u ? 0 : no_memory(err);
+
+    for (size_t i = 0; i < n && rc == 0; i++)
+        rc = unpack_unit(json_array_get(list, i), &u[i], err);
+    if (rc == 0)
+        rc = take_units(c, u, n, line_s, err);
+    free(u);
+    return rc;
+}
+
+static int
+take_root(struct costs *c, const json_t *root, struct rad_error *err)
+{
+    const char *options;
+    json_t *units, *line_s = NULL;
+    int frames, rc;
+
+    if (json_unpack((json_t *)root, "{s:s,s:{s:i},s:o,s?o}", "options",
+                    &options, "picture", "frames", &frames, "units", &units,
+                    "line_s", &line_s) != 0 ||
+        !json_is_array(units))
+        return rad_fail(err, RAD_EDATA,
+                        "no statistics: it lacks options, picture or units");
+    if (frames < 1 || frames > MSG_MAX_FRAMES)
+        return rad_fail(err, RAD_EDATA, "no statistics: %d frames", frames);
+    c->nframes = (uint32_t)frames;
+    if ((rc = read_ystep(options, &c->ystep, err)) < 0)
+        return rc;
+    return take_list(c, units, line_s, err);
+}
+
+int
+costs_parse(struct costs *c, const char *text, size_t len,
+            struct rad_error *err)
+{
+    json_error_t what;
+    json_t *root;
+    int rc;
+
+    memset(c, 0, sizeof *c);
+    root = json_loadb(text, len, 0, &what);
+    if (!root)
+        return rad_fail(err, RAD_EDATA, "line %d: no statistics: %s", what.line,
+                        what.text);
+    rc = take_root(c, root, err);
+    json_decref(root);
+    return rc;
+}
+
+int
+costs_read(struct costs *c, const char *path, struct rad_error *err)
+{
+    size_t len;
+    unsigned char *text;
+    int rc;
+
+    memset(c, 0, sizeof *c);
+    text = rad_file_read(path, LONGEST, &len, err);
+    if (!text)
+        return err->code;
+    rc = costs_parse(c, (const char *)text, len, err);
+    if (rc < 0)
+        rad_error_where(err, "%s", path);
+    free(text);
+    return rc;
+}
+
+void
+costs_release(struct costs *c)
+{
+    for (uint32_t k = 0; c->frames && k < c->nframes; k++) {
+        free(c->frames[k].row);
+        free(c->frames[k].window);
+    }
+    free(c->frames);
+    memset(c, 0, sizeof *c);
+}
+
+/* Is it the same picture, as far as its lines are concerned? */
+static int
+check_fit(const struct costs *c, const struct msg_frame *frames,
+          uint32_t nframes, int psample, struct rad_error *err)
+{
+    int xstep, ystep;
+
+    rad_quincunx_steps(psample, &xstep, &ystep);
+    if (c->nframes != nframes)
+        return rad_fail(err, RAD_EDATA, "statistics of %u frames, not %u",
+                        c->nframes, nframes);
+    for (uint32_t k = 0; k < nframes; k++)
+        if (c->frames[k].width != frames[k].width ||
+            c->frames[k].height != frames[k].height)
+            return rad_fail(err, RAD_EDATA,
+                            "statistics of %u by %u pixels, not %u by %u",
+                            c->frames[k].width, c->frames[k].height,
+                            frames[k].width, frames[k].height);
+    if (c->ystep != ystep)
+        return rad_fail(err, RAD_EDATA,
+                        "statistics with another -ps: base lines are %d rows "
+                        "apart, not %d",
+                        c->ystep, ystep);
+    return 0;
+}
+
+static uint64_t
+count_lines(const struct msg_frame *frames, uint32_t nframes, int ystep)
+{
+    uint64_t n = 0;
+
+    for (uint32_t k = 0; k < nframes; k++) {
+        struct rad_quincunx q =
+            sampler_of(frames[k].width, frames[k].height, ystep);
+
+        n += (uint64_t)rad_quincunx_nbases(&q);
+    }
+    return n;
+}
+
+/* One frame's lines, appended at `to`; returns the end. */
+static uint8_t *
+put_frame(uint8_t *to, const struct costs_frame *f,
+          const struct rad_quincunx *q)
+{
+    int lines = rad_quincunx_nbases(q), row = 0;
+
+    for (int i = 0; i < lines; i++, to += sizeof(float)) {
+        double sum = 0;
+        float cost;
+
+        for (; row <= rad_quincunx_base_row(q, i); row++)
+            sum += f->row[row];
+        cost = (float)sum;
+        wire_floats_put(to, &cost, 1);
+    }
+    return to;
+}
+
+int
+costs_of_lines(const struct costs *c, const struct msg_frame *frames,
+               uint32_t nframes, int psample, uint8_t **bytes, uint32_t *n,
+               struct rad_error *err)
+{
+    uint64_t lines = count_lines(frames, nframes, c->ystep);
+    int rc = check_fit(c, frames, nframes, psample, err);
+    uint8_t *to;
+
+    if (rc < 0)
+        return rc;
+    if (lines > MSG_MAX_COSTS)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a statistics file serves pictures of at most %u base "
+                        "lines, not %llu",
+                        MSG_MAX_COSTS, (unsigned long long)lines);
+    *bytes = to = malloc(lines * sizeof(float));
+    if (!to)
+        return no_memory(err);
+    for (uint32_t k = 0; k < nframes; k++) {
+        struct rad_quincunx q =
+            sampler_of(frames[k].width, frames[k].height, c->ystep);
+
+        to = put_frame(to, &c->frames[k], &q);
+    }
+    *n = (uint32_t)lines;
+    return 0;
+}

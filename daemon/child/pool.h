@@ -1,0 +1,122 @@
+/* pool.h - the threads that render
+ *
+ * T threads, each with a rad_ctx of its own, take units from one queue and
+ * leave rows in another, which the loop empties; those that find no unit help
+ * with one that another began (team.h), which changes no pixel.  The queues
+ * are locked once per unit and per piece of rows, never per ray; the only call
+ * into the loop from a render thread is uv_async_send().
+ * Strict units (strict.h) are rendered in passes, each the work of one team; a
+ * thread that finds nothing better asks for the next.  Their machine is touched
+ * under the pool's lock, once a pass.
+ * Thread: all calls on the loop's. */
+#ifndef RADD_DAEMON_POOL_H
+#define RADD_DAEMON_POOL_H
+
+#include "child/estimate.h"
+#include "picture/seed.h"
+#include "strict/strict.h"
+
+#include <uv.h>
+
+struct pool_unit {
+    uint32_t unit, attempt;
+    uint32_t frame; /* index */
+    struct rad_window window;
+};
+
+/* Rows of a unit, each piece following the last; or the end of it all.  The
+ * height of a strict unit is what it was when its rows were begun. */
+struct pool_rows {
+    struct pool_rows *next;
+    struct pool_unit unit;
+    uint32_t row, rows; /* from the top of the unit */
+    int channels;       /* 3, or 4 with the distance; 1: coded */
+    bool last;          /* counts are the unit's */
+    struct msg_counts counts;
+    struct rad_error err; /* code is not 0: the unit failed, no rows */
+    size_t bytes;         /* of pixels: floats, or coded (rad_hdr_encode_row) */
+    uint32_t pixels[];
+};
+
+struct pool;
+
+/* rows is borrowed for the call. */
+typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
+
+/* Something changed with strict units: pool_tick() is due, and there may be
+ * messages; also told before rows are handed on, which what they have to say of
+ * the unit must not follow. */
+typedef void pool_news_fn(void *arg);
+
+/* Start nthreads threads.  job, frames and strict (NULL: there will be no
+ * strict units) must outlive the pool.  coded: rows leave as in a picture file.
+ * NULL and *err on failure. */
+struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
+                      const struct rad_frame *frames, struct strict *strict,
+                      int nthreads, bool coded, pool_rows_fn *fn,
+                      pool_news_fn *news, void *arg, struct rad_error *err);
+
+/* Queue a unit that is a window, which must lie in its frame. */
+bool pool_push(struct pool *p, const struct pool_unit *u);
+
+/* The machine of the strict units, to be told something: the threads wait until
+ * it is put back, and do what it wants then.  Messages that it gives out are
+ * taken by pool_message(). */
+struct strict *pool_strict(struct pool *p);
+void pool_strict_done(struct pool *p);
+
+/* strict_tick(), of a pool that has that machine, and strict_message(). */
+uint64_t pool_tick(struct pool *p, uint64_t now_ms);
+const struct msg *pool_message(struct pool *p, bool room);
+
+/* strict_error(); 0 without that machine. */
+int pool_error(struct pool *p);
+
+/* Forget a unit: it is dropped, or stops within a few pixels; rows of it may
+ * still come. */
+void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
+
+/* Have the threads make an estimate, before they begin another unit; it is the
+ * pool's until fn gets it, with the pool's arg, when it is done: then it is
+ * fn's, to be freed. */
+typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
+bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
+
+/* Have the threads seed the cache, before they begin anything else; it is the
+ * pool's until fn, which hears that it is done, with the pool's arg.  One at a
+ * time. */
+typedef void pool_seed_fn(void *arg);
+void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
+
+/* Something comes first: seeding and estimates that are under way end within a
+ * pixel, or a record, of each thread; their callers hear of it. */
+void pool_rest(struct pool *p);
+
+/* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
+ * threads do. */
+#define POOL_UNSENT (8u << 20)
+void pool_sent(struct pool *p, size_t n);
+
+/* What the threads did so far, summed. */
+struct pool_tally {
+    double busy_s;             /* on units that they have left, and as below */
+    double wait_base_line_s;   /* of that, and of units that they are at, asleep
+                                * until the line above was ready; or without
+                                * work while strict units waited for their top */
+    uint64_t rays_under_way;   /* of units that are not done */
+    uint64_t pixels_under_way; /* of these, as strict_pixels() says */
+    struct msg_counts dropped; /* as strict_dropped() says */
+    struct msg_counts seeded;  /* of pool_seed() */
+};
+struct pool_tally pool_tally(struct pool *p);
+
+/* Is a thread at one pixel since it used that much of a processor?  *x and *y
+ * get the pixel.  limit_s: 0 is no limit.  To be asked now and then: what a
+ * thread used is counted from the first time that it was seen there. */
+bool pool_stuck(struct pool *p, double limit_s, int *x, int *y);
+
+/* Stop at the next bars, wait for the threads, free.  The loop must run once
+ * more for the last handle. */
+void pool_free(struct pool *p);
+
+#endif

@@ -1,0 +1,142 @@
+/* pool_thread.c - what a thread of the pool does next
+ *
+ * A thread takes a unit from the queue and renders it as the first member of
+ * its team (team.h); a thread that finds the queue empty joins a team that has
+ * lines left to begin.  So with many units each has a thread to itself, and
+ * one unit, or the last ones, have all of them.
+ * Of strict units a team makes but a pass; what comes next is strict_pass.c's
+ * to say.  What waits for nobody comes before what is traced ahead, and a
+ * thread rather helps with the truth, or with base lines, than begins what
+ * comes after them: others may wait for those. */
+#include "config.h"
+
+#include "child/pool_impl.h"
+
+struct pool_stint
+pool_stint_begin(struct renderer *by)
+{
+    by->ctx.counts = (struct rad_counts){ 0 };
+    return (struct pool_stint){ pool_seconds(CLOCK_THREAD_CPUTIME_ID),
+                                pool_seconds(CLOCK_MONOTONIC) };
+}
+
+double
+pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s)
+{
+    double cpu = pool_seconds(CLOCK_THREAD_CPUTIME_ID) - s->cpu;
+    double wall = pool_seconds(CLOCK_MONOTONIC) - s->wall;
+
+    uv_mutex_lock(&by->pool->mu);
+    by->pool->busy_s += wall;
+    return cpu;
+}
+
+/* What a thread finds to do: one of them. */
+struct work {
+    struct rad_seed *seed;
+    struct estimating *estimate;
+    struct active *help;
+    struct queued *window;
+    struct strict_pass *pass;
+};
+
+/* A unit that has lines left to begin, in a pass as urgent as `least`. */
+static struct active *
+find_open_locked(const struct pool *p, enum strict_rank least)
+{
+    struct active *u = p->active;
+
+    while (u && (u->rank > least || !team_open(u->team)))
+        u = u->next;
+    return u;
+}
+
+static struct queued *
+take_queued_locked(struct pool *p)
+{
+    struct queued *q = p->todo;
+
+    if (q) {
+        p->todo = q->next;
+        if (!p->todo)
+            p->todo_end = &p->todo;
+    }
+    return q;
+}
+
+/* Strict work as urgent as `least`: to be begun, or helped with. */
+static bool
+find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
+{
+    if (p->strict && !(w->pass = strict_next(p->strict, least))) {
+        w->help = find_open_locked(p, least);
+        if (strict_error(p->strict) < 0)
+            uv_async_send(&p->async);
+    }
+    return w->pass || w->help;
+}
+
+static bool
+find_locked(struct pool *p, struct work *w)
+{
+    *w = (struct work){ 0 };
+    if (p->seed && !atomic_load(&p->seed_stop)) {
+        /* what others are at is wanted for what comes next */
+        if (!rad_seed_open(p->seed))
+            return false;
+        w->seed = p->seed;
+        p->seeding++;
+        return true;
+    }
+    if ((w->estimate = first_find_estimate_locked(p)))
+        w->estimate->members++;
+    else if (!find_strict_locked(p, STRICT_TRUTH, w) &&
+             !(w->window = take_queued_locked(p)) &&
+             !find_strict_locked(p, STRICT_LINES, w) &&
+             !find_strict_locked(p, STRICT_AHEAD, w) &&
+             !(w->help = find_open_locked(p, STRICT_AHEAD)))
+        return false;
+    if (w->help)
+        w->help->members++;
+    return true;
+}
+
+/* Wait for something to do; false when it is time to end. */
+static bool
+find_work(struct pool *p, struct work *w)
+{
+    bool found = false;
+
+    uv_mutex_lock(&p->mu);
+    while (!atomic_load(&p->stopping) && !(found = find_locked(p, w))) {
+        pool_settle_waits_locked(p);
+        p->idle++;
+        uv_cond_wait(&p->work, &p->mu);
+        pool_settle_waits_locked(p);
+        p->idle--;
+    }
+    uv_mutex_unlock(&p->mu);
+    return found;
+}
+
+void
+pool_run_thread(void *arg)
+{
+    struct renderer *by = arg;
+    struct work w;
+
+    while (find_work(by->pool, &w)) {
+        if (w.seed) {
+            first_work_on_seed(by, w.seed);
+            continue;
+        }
+        if (w.estimate) {
+            first_work_on_estimate(by, w.estimate);
+            continue;
+        }
+        if (!w.help)
+            w.help = active_begin(by->pool, w.window, w.pass);
+        if (w.help)
+            active_work(by, w.help);
+    }
+}

@@ -1,0 +1,382 @@
+/* pool_unit.c - one unit, or a pass of a strict one: its team, its rows
+ *
+ * The member that leaves last says that the unit is done, and what its members
+ * counted. */
+#include "config.h"
+
+#include "child/pool_impl.h"
+#include "machine/counted.h"
+#include "image/hdr.h"
+#ifdef RADD_TEST_HOOKS
+#include "tests/hook.h"
+#endif
+
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+/* rows are sent when so many bytes of them are done */
+#define PIECE_BYTES (64u << 10)
+
+/* Coded rows take so little that many wait in a piece: not for longer [s], so
+ * that a preview shows them. */
+#define PIECE_AGE .25
+
+/* --- rows --- */
+
+static void
+put_done_locked(struct pool *p, struct pool_rows *rows, size_t bytes)
+{
+    p->unsent += bytes;
+    *p->done_end = rows;
+    p->done_end = &rows->next;
+    uv_async_send(&p->async);
+}
+
+/* Hand a piece to the loop; waits while too much is under way. */
+static void
+put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
+{
+    uv_mutex_lock(&p->mu);
+    while (p->unsent > POOL_UNSENT && !atomic_load(&p->stopping))
+        uv_cond_wait(&p->room, &p->mu);
+    put_done_locked(p, rows, bytes);
+    uv_mutex_unlock(&p->mu);
+}
+
+/* Put a row at `to` as it is to leave; returns its bytes. */
+static size_t
+put_row(void *to, const struct rad_pixel *from, int width, int channels)
+{
+    float *p = to;
+
+    if (channels == 1)
+        return rad_hdr_encode_pixels(from, width, to);
+    for (int x = 0; x < width; x++, p += channels) {
+        p[0] = from[x].L.r;
+        p[1] = from[x].L.g;
+        p[2] = from[x].L.b;
+        if (channels == 4)
+            p[3] = from[x].z;
+    }
+    return (size_t)((char *)p - (char *)to);
+}
+
+/* The most that a row takes, and what putting it there takes to work in. */
+static size_t
+row_room(const struct active *u)
+{
+    size_t width = (size_t)u->unit.window.width;
+
+    if (u->channels == 1)
+        return RAD_HDR_ROW_BYTES(width);
+    return width * (size_t)u->channels * sizeof(float);
+}
+
+/* Begin a piece at `row` of the unit; NULL: memory is out, which ends it. */
+static struct pool_rows *
+new_piece(struct active *u, int row)
+{
+    size_t left = (size_t)(u->unit.window.height - row) * row_room(u);
+    size_t most = PIECE_BYTES + row_room(u);
+    struct pool_rows *p;
+
+    /* the pixels are written before they are read */
+    p = malloc(sizeof *p + (left < most ? left : most));
+    if (!p) {
+        rad_fail(&u->err, RAD_ENOMEM, "out of memory");
+        team_stop(u->team);
+        return NULL;
+    }
+    memset(p, 0, sizeof *p);
+    u->piece_wall0 = pool_seconds(CLOCK_MONOTONIC);
+    p->unit = u->unit;
+    p->row = (uint32_t)row;
+    p->channels = u->channels;
+    return p;
+}
+
+static bool
+trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    const struct active *u = arg;
+    bool seen =
+        rad_frame_pixel(&u->pool->frames[u->unit.frame], ctx, x, y, out);
+
+#ifdef RADD_TEST_HOOKS
+    test_hook_pixel(u->pool->job->scene, x, y);
+#endif
+    return seen;
+}
+
+/* What is no number stays the lender's to trace: a fact is black and does not
+ * say so, and it may be used though the loan was taken back meanwhile. */
+static bool
+trace_lent(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    uint64_t unsound = ctx->counts.unsound_rays;
+
+    return trace(arg, ctx, x, y, out) && ctx->counts.unsound_rays == unsound;
+}
+
+static void
+paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+      struct rad_pixel *row)
+{
+    const struct active *u = arg;
+
+    rad_frame_paint_row(&u->pool->frames[u->unit.frame], ctx, x0, x1, y, row);
+}
+
+static uint64_t
+count(void *arg, const struct rad_ctx *ctx)
+{
+    (void)arg;
+    return ctx->counts.rays;
+}
+
+static void
+send_piece(struct active *u)
+{
+    put_done(u->pool, u->piece, u->piece->bytes);
+    u->piece = NULL;
+}
+
+static bool
+is_full(const struct active *u)
+{
+    return u->piece->bytes > PIECE_BYTES ||
+           (u->channels == 1 &&
+            pool_seconds(CLOCK_MONOTONIC) - u->piece_wall0 > PIECE_AGE);
+}
+
+/* A row is done: into the piece with it.  A full piece goes out when there is
+ * another row: the last one waits for the counts, and which that is a strict
+ * unit does not know. */
+static void
+on_row(void *arg, int row, const struct rad_pixel *pixels)
+{
+    struct active *u = arg;
+
+    if (u->piece && is_full(u))
+        send_piece(u);
+    if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
+        return;
+    rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
+                  u->pool->job->params.psample);
+    u->piece->bytes += put_row((char *)u->piece->pixels + u->piece->bytes,
+                               pixels, u->unit.window.width, u->channels);
+    u->piece->rows++;
+}
+
+static void
+free_active(struct active *u)
+{
+    if (u) {
+        team_free(u->team);
+        free(u->piece);
+        free(u);
+    }
+}
+
+static void
+send_failure(struct pool *p, const struct pool_unit *unit,
+             const struct rad_error *err)
+{
+    struct pool_rows *r = calloc(1, sizeof *r);
+
+    if (!r)
+        _exit(EX_OSERR); /* the unit would never end */
+    r->unit = *unit;
+    r->err = *err;
+    put_done(p, r, 0);
+}
+
+/* Nobody works on the unit any more, and nobody knows of it: send the rest. */
+static void
+end_active(struct active *u)
+{
+    if (u->err.code < 0) {
+        send_failure(u->pool, &u->unit, &u->err);
+    } else if (u->whole) {
+        u->piece->last = true;
+        u->piece->counts = u->counts;
+        send_piece(u);
+    } else if (u->piece) {
+        send_piece(u); /* of a window that was revoked */
+    }
+    free_active(u);
+}
+
+/* --- teams --- */
+
+static struct team *
+new_team(struct active *u)
+{
+    const struct rad_frame *f = &u->pool->frames[u->unit.frame];
+    const struct rad_window all = { 0, 0, f->width, f->height };
+    const struct strict_pass *pass = u->pass;
+    struct team_spec spec = { .mode = u->mode,
+                              .trace = trace,
+                              .paint = paint,
+                              .count = count,
+                              .arg = u,
+                              .nthreads = u->pool->nthreads };
+
+    rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
+    if (u->mode == TEAM_TRUTH)
+        spec.rows = on_row;
+    if (!pass) {
+        spec.last = rad_quincunx_nbases(&spec.sampler);
+        return team_new(&spec);
+    }
+    strict_describe(pass, &spec);
+    if (pass->loan)
+        spec.trace = trace_lent;
+    if (pass->true_top)
+        spec.bottom = pool_on_bottom;
+    if (pass->earlier)
+        spec.nthreads = 1;
+    if (spec.nthreads > spec.last - spec.first)
+        spec.nthreads = spec.last - spec.first;
+    return team_new(&spec);
+}
+
+/* NULL: memory is out. */
+static struct active *
+new_active(struct pool *p, const struct pool_unit *unit,
+           struct strict_pass *pass)
+{
+    struct active *u = calloc(1, sizeof *u);
+
+    if (!u)
+        return NULL;
+    u->pool = p;
+    u->unit = *unit;
+    u->pass = pass;
+    u->rank = pass ? pass->rank : STRICT_AHEAD;
+    u->mode = pass ? pass->mode : TEAM_TRUTH;
+    u->row0 = pass ? unit->window.y : 0;
+    u->wall0 = pool_seconds(CLOCK_MONOTONIC);
+    u->channels = p->coded ? 1 : p->frames[unit->frame].depth ? 4 : 3;
+    u->team = new_team(u);
+    if (!u->team) {
+        free_active(u);
+        return NULL;
+    }
+    return u;
+}
+
+/* A pass ends.  Where it ended early another thread may go on with the unit as
+ * soon as the lock is free: what rows there are go before that one's. */
+static void
+leave_pass_locked(struct active *u)
+{
+    pool_end_pass_locked(u);
+    if (u->whole || !u->piece || u->err.code < 0)
+        return;
+    put_done_locked(u->pool, u->piece, u->piece->bytes);
+    u->piece = NULL;
+}
+
+/* The last member has left. */
+static void
+leave_locked(struct active *u)
+{
+    struct pool *p = u->pool;
+    struct active **at = &p->active;
+
+    while (*at != u)
+        at = &(*at)->next;
+    *at = u->next;
+    p->wait_s += team_waited(u->team);
+    u->counts.wall_s = pool_seconds(CLOCK_MONOTONIC) - u->wall0;
+    u->counts.doubt.rough = u->rough.sum;
+    u->counts.doubt.nrough = u->rough.n;
+    if (u->pass)
+        leave_pass_locked(u);
+    else
+        u->whole = team_done(u->team);
+}
+
+void
+active_work(struct renderer *by, struct active *u)
+{
+    struct pool *p = by->pool;
+    struct pool_stint stint = pool_stint_begin(by);
+    double cpu;
+    bool last;
+
+    team_work(u->team, &by->ctx);
+    cpu = pool_stint_end_and_lock(by, &stint);
+    counted_add(&u->counts, &by->ctx.counts, cpu);
+    last = --u->members == 0;
+    if (last)
+        leave_locked(u);
+    uv_mutex_unlock(&p->mu);
+    if (last)
+        end_active(u);
+}
+
+/* Where the rows of a pass's unit are. */
+static struct pool_unit
+unit_of_pass(const struct pool *p, const struct strict_pass *pass)
+{
+    const struct rad_frame *f = &p->frames[pass->frame];
+    const struct rad_window all = { 0, 0, f->width, f->height };
+    struct rad_quincunx q;
+    int y, end;
+
+    rad_frame_sampler(f, &all, &q);
+    y = team_line_row(&q, pass->least - 1);
+    end = rad_quincunx_base_row(&q, pass->last - 1) + 1;
+    return (struct pool_unit){ .unit = pass->unit,
+                               .attempt = pass->attempt,
+                               .frame = pass->frame,
+                               .window = { 0, y, f->width, end - y } };
+}
+
+/* Memory is out. */
+static void
+fail_begin(struct pool *p, const struct pool_unit *unit,
+           struct strict_pass *pass)
+{
+    struct msg_counts none = { 0 };
+    struct rad_error err = { 0 };
+
+    rad_fail(&err, RAD_ENOMEM, "out of memory");
+    send_failure(p, unit, &err);
+    if (!pass)
+        return;
+    uv_mutex_lock(&p->mu);
+    strict_ended(p->strict, pass, false, NULL, NULL, &none, NULL);
+    uv_mutex_unlock(&p->mu);
+}
+
+struct active *
+active_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
+{
+    struct pool_unit unit = window ? window->unit : unit_of_pass(p, pass);
+    struct active *u = new_active(p, &unit, pass);
+
+    free(window);
+    if (!u) {
+        fail_begin(p, &unit, pass);
+        return NULL;
+    }
+    u->members = 1;
+    uv_mutex_lock(&p->mu);
+    u->next = p->active;
+    p->active = u;
+    if (atomic_load(&p->stopping))
+        team_stop(u->team);
+    if (u->pass) {
+        pool_look_locked(p);      /* it may be stopped, or split, by now */
+        uv_async_send(&p->async); /* others may wait for what it makes */
+    }
+    if (!p->todo)
+        uv_cond_broadcast(&p->work); /* those who wait can help */
+    uv_mutex_unlock(&p->mu);
+    return u;
+}

@@ -1,0 +1,239 @@
+/* render_load.c - a job's child reads what it is to render
+ *
+ * All files come from the cache, by the names that the bundle's manifest has
+ * for them.  The cache has those of others' jobs, too, and a hash is no right to
+ * a file: the coordinator looked at its user's right to those that the job
+ * names, and no others are taken, the manifest among them. */
+#include "config.h"
+
+#include "child/render_impl.h"
+
+#include "store/blobs.h"
+#include "machine/jobtext.h"
+#include "scene/bundle.h"
+#include "scene/oct/octfile.h"
+#include "scene/part.h"
+#include "machine/views.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LARGEST_MANIFEST (64u << 20)
+
+static int
+read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
+              struct rad_error *err)
+{
+    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    unsigned char *text;
+    size_t len;
+    int rc;
+
+    rad_sha_to_hex(hash, name);
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, name);
+    text = rad_file_read(path, LARGEST_MANIFEST, &len, err);
+    if (!text)
+        return err->code;
+    rc = rad_bundle_parse(bundle, (const char *)text, len, err);
+    free(text);
+    return rc;
+}
+
+/* The job names these n files, sorted.  Nothing is opened before it is known to
+ * be one of them: errors would tell which files others have. */
+static int
+read_own(struct render *r, const uint8_t *manifest, const uint8_t *files,
+         size_t n, struct rad_bundle *bundle, struct rad_error *err)
+{
+    uint8_t hash[RAD_SHA_BYTES];
+    int rc;
+
+    if (!rad_sha_among(files, n, manifest))
+        return rad_fail(err, RAD_ENOINPUT,
+                        "the manifest is none of the job's files");
+    rc = read_manifest(r, manifest, bundle, err);
+    for (int i = 0; rc == 0 && i < bundle->n; i++) {
+        rad_sha_from_hex(bundle->entries[i].hash, hash);
+        if (!rad_sha_among(files, n, hash))
+            rc = rad_fail(err, RAD_ENOINPUT,
+                          "file '%s' is none of the job's files",
+                          bundle->entries[i].name);
+    }
+    return rc;
+}
+
+static int
+load_bundle(struct render *r, const struct msg_spec *spec,
+            struct rad_bundle *bundle, struct rad_error *err)
+{
+    size_t len = (size_t)spec->files.n * MSG_HASH;
+    uint8_t *sorted = malloc(len + 1);
+    int rc;
+
+    if (!sorted)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (len > 0)
+        memcpy(sorted, spec->files.hash, len);
+    rc = read_own(r, spec->manifest, sorted,
+                  rad_sha_unique(sorted, spec->files.n), bundle, err);
+    free(sorted);
+    return rc;
+}
+
+/* Those that the job begins with, if there are any. */
+static int
+load_records(struct render *r, const struct rad_bundle *bundle,
+             struct rad_error *err)
+{
+    struct rad_bundle_dir where = { bundle, r->files_dir };
+    struct rad_files files = rad_bundle_files(&where);
+    struct rad_ambrec recs[RENDER_BATCH];
+    unsigned char *bytes;
+    size_t len;
+    int rc;
+
+    r->loaded = 0;
+    if (!r->job->ambient ||
+        !rad_bundle_find(bundle, RAD_BUNDLE_FILE, RAD_BUNDLE_RECORDS))
+        return 0;
+    bytes = files.read(files.arg, RAD_BUNDLE_RECORDS, &len, err);
+    if (!bytes)
+        return err->code;
+    rc = ambshare_load(r->job->ambient, bytes, len, err);
+    free(bytes);
+    while (rad_ambient_list(r->job->ambient, &r->loaded, recs, RENDER_BATCH))
+        ;
+    return rc;
+}
+
+static int
+load_job(struct render *r, const struct rad_bundle *bundle,
+         const struct msg_spec *spec, struct rad_error *err)
+{
+    const struct rad_bundle_entry *e =
+        rad_bundle_find(bundle, RAD_BUNDLE_SCENE, NULL);
+    struct rad_bundle_dir where = { bundle, r->files_dir };
+    struct rad_files files = rad_bundle_files(&where);
+    struct rad_params params;
+    char path[BLOBS_PATH_MAX];
+    int rc = jobtext_params(spec->params, &params, err);
+
+    if (rc < 0)
+        return rc;
+    if (!e)
+        return rad_fail(err, RAD_EDATA, "the bundle has no scene");
+    params.seed = spec->seed;
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
+    r->scene = rad_octfile_load(path, err);
+    if (r->scene && !rad_scene_include(r->scene, &files, NULL, NULL, err))
+        r->job = rad_job_new(r->scene, &params, &files, err);
+    return r->job ? load_records(r, bundle, err) : err->code;
+}
+
+static int
+load_frames(struct render *r, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    bool depth = spec->flags & MSG_JOB_DEPTH;
+    struct rad_view before;
+
+    r->frames = calloc(spec->nframes + 1, sizeof *r->frames);
+    if (!r->frames)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+        struct rad_view view;
+        int rc = jobtext_view(f->view, &view, err);
+
+        if (rc == 0)
+            rc = rad_frame_init(&r->frames[i], r->job, &view, f->number, depth,
+                                err);
+        if (rc < 0)
+            return rc;
+        r->nframes = i + 1;
+        if (i > 0 && (rc = rad_frame_move(&r->frames[i], &before, err)) < 0)
+            return rc;
+        before = view;
+        if (r->frames[i].width != (int)f->width ||
+            r->frames[i].height != (int)f->height)
+            return rad_fail(
+                err, RAD_EDATA, "frame %u is %dx%d by its view, not %ux%u", i,
+                r->frames[i].width, r->frames[i].height, f->width, f->height);
+    }
+    return 0;
+}
+
+/* The machine of strict units, where there may be some. */
+static int
+load_strict(struct render *r, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    struct rad_quincunx *q;
+    bool painted = false;
+
+    if (spec->partition == MSG_PART_WINDOW)
+        return 0;
+    q = calloc(r->nframes + 1, sizeof *q);
+    if (q) {
+        for (uint32_t i = 0; i < r->nframes; i++) {
+            const struct rad_frame *f = &r->frames[i];
+            const struct rad_window all = { 0, 0, f->width, f->height };
+
+            rad_frame_sampler(f, &all, &q[i]);
+            painted |= f->paint.n > 0;
+        }
+        r->strict = strict_new(q, r->nframes, painted, r->id);
+        free(q);
+    }
+    return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+int
+render_load(struct render *r, const struct msg_spec *spec,
+            struct rad_error *err)
+{
+    struct rad_bundle bundle;
+    struct msg_spec whole = *spec;
+    struct views views = { 0 };
+    int rc;
+
+    rad_bundle_init(&bundle);
+    rc = load_bundle(r, spec, &bundle, err);
+    if (rc == 0)
+        rc = load_job(r, &bundle, spec, err);
+    if (rc == 0)
+        rc = views_read(&views, r->files_dir, &whole, err);
+    if (rc == 0)
+        rc = load_frames(r, &whole, err);
+    views_release(&views);
+    rad_bundle_release(&bundle);
+    if (rc == 0)
+        rc = load_strict(r, spec, err);
+    if (rc < 0)
+        return rc;
+    r->frame = r->nframes;
+    r->pool = pool_new(&r->loop, r->job, r->frames, r->strict, r->nthreads,
+                       spec->flags & MSG_JOB_CODED, render_on_rows,
+                       render_on_news, r, err);
+    return r->pool ? 0 : err->code;
+}
+
+/* Free all that render_load() made. */
+void
+render_unload(struct render *r)
+{
+    pool_free(r->pool);
+    r->pool = NULL;
+    strict_free(r->strict);
+    r->strict = NULL;
+    for (uint32_t i = 0; i < r->nframes; i++)
+        rad_frame_release(&r->frames[i]);
+    r->nframes = 0;
+    free(r->frames);
+    r->frames = NULL;
+    rad_job_free(r->job);
+    r->job = NULL;
+    rad_scene_free(r->scene);
+    r->scene = NULL;
+}

@@ -1,0 +1,228 @@
+/* render_units.c - what a job's child is given to do
+ *
+ * Units, what others know of strict ones, and estimates: looked at here, for
+ * they come from the network, and handed to the pool. */
+#include "config.h"
+
+#include "child/render_impl.h"
+
+#include "child/estimate.h"
+#include "ground/log.h"
+
+/* The most that a row takes in a message: as a base line with its densities, or
+ * as facts with a bit for each. */
+static size_t
+row_bytes(const struct rad_frame *f, const struct msg_unit *u)
+{
+    const struct rad_window w = { 0, 0, (int)u->width, 1 };
+    size_t pixels = (size_t)u->width * (f->depth ? 16 : 12);
+    size_t bits = rad_facts_stride((int)u->width), densities;
+    struct rad_quincunx q;
+
+    rad_frame_sampler(f, &w, &q);
+    densities = rad_quincunx_ndensity(&q);
+    return pixels + (bits > densities ? bits : densities);
+}
+
+static int
+check_unit(const struct render *r, const struct msg_unit *u,
+           struct rad_error *err)
+{
+    const struct rad_frame *f;
+
+    if (u->frame >= r->nframes)
+        return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", u->unit,
+                        u->frame, r->nframes);
+    f = &r->frames[u->frame];
+    if (u->width < 1 || u->height < 1 || u->width > (uint32_t)f->width ||
+        u->height > (uint32_t)f->height ||
+        u->x > (uint32_t)f->width - u->width ||
+        u->y > (uint32_t)f->height - u->height)
+        return rad_fail(err, RAD_EPROTO, "unit %u lies outside the picture",
+                        u->unit);
+    /* what else is in its message takes far less than this */
+    if (row_bytes(f, u) > MSG_MAX - 1024)
+        return rad_fail(err, RAD_EDATA, "a row of %u pixels is too wide",
+                        u->width);
+    return 0;
+}
+
+/* A unit of another frame than the last, where nothing is to be kept: begin as
+ * with a new job. */
+static int
+begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
+{
+    const struct msg_spec *spec = &r->start.job_start;
+    int rc;
+
+    if (r->frame != r->nframes && r->frame != frame &&
+        spec->flags & MSG_JOB_FRESH_FRAMES) {
+        render_keep_tally(r);
+        render_unload(r);
+        rc = render_load(r, spec, err);
+        if (rc < 0)
+            return rc;
+        render_records_again(r);
+        render_begin_seed(r, frame);
+    }
+    r->frame = frame;
+    return 0;
+}
+
+static int
+push_window(struct render *r, const struct msg_unit *u, struct rad_error *err)
+{
+    struct pool_unit unit = { .unit = u->unit,
+                              .attempt = u->attempt,
+                              .frame = u->frame,
+                              .window = { (int)u->x, (int)u->y, (int)u->width,
+                                          (int)u->height } };
+
+    if (!pool_push(r->pool, &unit))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return 0;
+}
+
+static int
+push_strict(struct render *r, const struct msg_unit *u, struct rad_error *err)
+{
+    int rc;
+
+    if (!r->strict)
+        return rad_fail(err, RAD_EPROTO, "unit %u is strict, the job is not",
+                        u->unit);
+    rc = strict_unit(pool_strict(r->pool), u, err);
+    pool_strict_done(r->pool);
+    return rc;
+}
+
+void
+render_take_unit(struct render *r, const struct msg_unit *u)
+{
+    struct rad_error err = { 0 };
+    int rc = check_unit(r, u, &err);
+
+    r->twin |= u->flags & MSG_UNIT_TWIN;
+    if (rc == 0)
+        rc = begin_frame(r, u->frame, &err);
+    if (rc == 0)
+        rc = u->mode == MSG_MODE_STRICT ? push_strict(r, u, &err)
+                                        : push_window(r, u, &err);
+    if (rc < 0)
+        render_fail(r, &err);
+}
+
+/* Facts and base lines come before the unit that needs them: those of a later
+ * frame than what there was begin it, so that they are not forgotten then.
+ * Those of an earlier one are late. */
+static int
+begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
+{
+    uint32_t frame;
+
+    if (m->type == MSG_FACTS)
+        frame = m->facts.frame;
+    else if (m->type == MSG_BASE_LINE)
+        frame = m->base_line.frame;
+    else if (m->type == MSG_LOAN)
+        frame = m->loan.frame;
+    else
+        return 0;
+    if (frame >= r->nframes || (r->frame != r->nframes && frame < r->frame))
+        return 0;
+    return begin_frame(r, frame, err);
+}
+
+/* Another worker made it: one that is wrong is not the job's fault. */
+static void
+take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
+{
+    if (strict_loan(s, m, err) != RAD_EPROTO)
+        return;
+    log_warn("loan refused: %s", err->what);
+    *err = (struct rad_error){ 0 };
+}
+
+/* What the machine of the strict units is to know. */
+void
+render_take_strict(struct render *r, const struct msg *m)
+{
+    struct rad_error err = { 0 };
+    struct strict *s;
+
+    if (!r->strict)
+        return;
+    if (begin_lines(r, m, &err) < 0) {
+        render_fail(r, &err);
+        return;
+    }
+    s = pool_strict(r->pool);
+    switch (m->type) {
+    case MSG_SPLIT:
+        strict_split(s, m->split.unit, m->split.attempt);
+        break;
+    case MSG_YIELD:
+        strict_yield(s, m->yield.unit, m->yield.attempt);
+        break;
+    case MSG_LEND:
+        strict_lend(s, &m->lend);
+        break;
+    case MSG_LOAN:
+        r->twin = true;
+        take_loan(s, &m->loan, &err);
+        break;
+    case MSG_BACK:
+        strict_back(s, &m->back);
+        break;
+    case MSG_TWIN:
+        r->twin = true;
+        strict_twin(s, m->twin.unit, m->twin.attempt);
+        break;
+    case MSG_FACTS:
+        strict_facts(s, &m->facts);
+        break;
+    default:
+        strict_base_line(s, &m->base_line);
+    }
+    pool_strict_done(r->pool);
+    if (err.code < 0)
+        render_fail(r, &err);
+}
+
+/* --- estimates --- */
+
+/* What was traced goes first: it need not be traced again. */
+static void
+on_estimated(void *arg, struct estimate *e, double wall_s)
+{
+    struct render *r = arg;
+    struct msg m = { .type = MSG_FACTS };
+    struct msg_facts *f;
+
+    while (r->link && r->strict && (f = estimate_facts(e))) {
+        m.facts = *f;
+        m.facts.job = r->id;
+        conn_send(r->link, &m);
+    }
+    m = (struct msg){ .type = MSG_ESTIMATED };
+    estimate_result(e, &m.estimated);
+    m.estimated.job = r->id;
+    m.estimated.counts.wall_s = wall_s;
+    if (r->link)
+        conn_send(r->link, &m);
+    estimate_free(e);
+}
+
+void
+render_take_estimate(struct render *r, const struct msg_estimate *m)
+{
+    struct rad_error err = { 0 };
+    struct estimate *e = estimate_new(r->frames, r->nframes, m, &err);
+
+    if (e && !pool_estimate(r->pool, e, on_estimated)) {
+        estimate_free(e);
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+    }
+    if (err.code)
+        render_fail(r, &err);
+}

@@ -1,0 +1,82 @@
+/* duplicate.c - rows that came twice must be the same
+ *
+ * Without the ambient cache a pixel is a function of scene and options, so two
+ * attempts at a unit, on machines that compute alike, give the same bytes.
+ * Where they do not, a machine is broken or we are: worth a line in the log,
+ * although the first stays.  A hash of each row that counted is kept until the
+ * job is over, 8 bytes a row. */
+#include "config.h"
+
+#include "sched/sched.h"
+
+#include "image/hdr.h"
+#include "machine/rowsum.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Bytes of the row that begins there; coded ones were looked at before. */
+static size_t
+row_bytes(const struct msg_result *m, size_t at)
+{
+    if (m->channels == 1)
+        return rad_hdr_row_bytes(m->pixels + at, m->len - at, (int)m->width);
+    return (size_t)m->width * m->channels * 4;
+}
+
+void
+duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
+               uint32_t height)
+{
+    struct job_unit *u = &job->units[m->unit];
+    size_t at = 0;
+
+    if (!job->exact)
+        return;
+    if (!u->hash) {
+        u->hash = calloc(height, sizeof *u->hash);
+        u->nhash = u->hash ? height : 0; /* it can do without */
+    }
+    u->hashed = job->workers[index].fingerprint;
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
+        size_t n = row_bytes(m, at);
+
+        u->hash[m->row + i] = rowsum_hash(m->pixels + at, n);
+        at += n;
+    }
+}
+
+void
+duplicate_check(struct coord *c, struct job *job, uint32_t index,
+                const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+    size_t at = 0, n;
+
+    /* in an earlier life of the coordinator, that kept nothing of it, the
+     * number may have been another unit's */
+    if (!u->hash || m->attempt < job_first_attempt(job) ||
+        u->hashed != job->workers[index].fingerprint || m->attempt == u->lead)
+        return;
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++, at += n) {
+        uint64_t kept = u->hash[m->row + i];
+
+        n = row_bytes(m, at);
+        if (kept == 0 || kept == rowsum_hash(m->pixels + at, n))
+            continue;
+        actions_log(&c->actions, ACT_ERR,
+                    "duplicate differs job=%s unit=%u row=%u worker=%s "
+                    "first=%s",
+                    job->hex, m->unit, m->row + i, job->workers[index].name,
+                    job->workers[u->worker].name);
+        return;
+    }
+}
+
+void
+duplicate_forget(struct job_unit *u)
+{
+    free(u->hash);
+    u->hash = NULL;
+    u->nhash = 0;
+}

@@ -1,0 +1,715 @@
+/* job.c - see job.h */
+#include "config.h"
+
+#include "desk/job.h"
+
+#include "machine/jobtext.h"
+#include "links/ring.h"
+#include "front/stats.h"
+#include "sched/survey.h"
+
+#include "image/filter.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* see job_count_frames() and job_weight() */
+#define WINDOWS_A_FRAME 4
+#define ROWS_A_FRAME    1024
+#define FRAMES_A_JOB    400
+
+static const char *
+copy_str(struct rad_arena *mem, const char *s, bool *ok)
+{
+    const char *p = rad_arena_strndup(mem, s, strlen(s));
+
+    if (!p)
+        *ok = false;
+    return p;
+}
+
+static const uint8_t *
+copy_bytes(struct rad_arena *mem, const uint8_t *src, size_t n, bool *ok)
+{
+    const uint8_t *p = rad_arena_dup(mem, src, n);
+
+    if (!p)
+        *ok = false;
+    return p;
+}
+
+/* Own everything that the message lent, but the id. */
+static bool
+copy_spec(struct rad_arena *mem, struct msg_spec *s,
+          const struct msg_spec *from)
+{
+    struct msg_frame *f = rad_arena_calloc(mem, from->nframes, sizeof *f);
+    bool ok = f != NULL;
+
+    *s = *from;
+    s->manifest = copy_bytes(mem, from->manifest, MSG_HASH, &ok);
+    s->name = copy_str(mem, from->name, &ok);
+    s->params = copy_str(mem, from->params, &ok);
+    s->origin = copy_str(mem, from->origin ? from->origin : "", &ok);
+    s->needs = copy_str(mem, from->needs, &ok);
+    s->estimate = copy_str(mem, from->estimate, &ok);
+    if (from->ncosts > 0)
+        s->costs = copy_bytes(mem, from->costs, (size_t)from->ncosts * 4, &ok);
+    if (from->flags & MSG_JOB_VIEWS)
+        s->views = copy_bytes(mem, from->views, MSG_HASH, &ok);
+    s->files.hash = copy_bytes(mem, from->files.hash,
+                               (size_t)from->files.n * MSG_HASH, &ok);
+    for (uint32_t i = 0; ok && i < from->nframes; i++) {
+        f[i] = from->frames[i];
+        f[i].view = copy_str(mem, from->frames[i].view, &ok);
+    }
+    s->frames = f;
+    return ok;
+}
+
+static void
+measure_frames(struct job *job)
+{
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        const struct msg_frame *f = &job->spec.frames[i];
+
+        job->frames_bytes += MSG_FRAME_BYTES + strlen(f->view);
+        job->frames[i].pixels_left = (uint64_t)f->width * f->height;
+        job->pixels_total += job->frames[i].pixels_left;
+    }
+}
+
+uint64_t
+job_count_frames(const struct msg_spec *spec)
+{
+    uint64_t sum = 0;
+
+    for (uint32_t i = 0; i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+        uint64_t pixels = (uint64_t)f->width * f->height;
+        uint64_t n = spec->windows < pixels ? spec->windows : pixels;
+
+        n /= WINDOWS_A_FRAME;
+        if (n < f->height / ROWS_A_FRAME)
+            n = f->height / ROWS_A_FRAME;
+        sum += n > 0 ? n : 1;
+    }
+    return sum;
+}
+
+uint32_t
+job_weight(const struct job *job)
+{
+    uint64_t n = job->filed ? job->spec.nframes : job->frames_counted;
+
+    return 1 + (uint32_t)(n / FRAMES_A_JOB);
+}
+
+struct job *
+job_new(const struct msg_spec *spec, const char *owner)
+{
+    struct job *job = calloc(1, sizeof *job);
+
+    if (!job)
+        return NULL;
+    rad_arena_init(&job->mem);
+    memcpy(job->id, spec->job, MSG_JOB);
+    msg_job_format(job->id, job->hex);
+    snprintf(job->owner, sizeof job->owner, "%s", owner);
+    job->frames = calloc(spec->nframes, sizeof *job->frames);
+    if (!job->frames || !copy_spec(&job->mem, &job->spec, spec)) {
+        job_free(job);
+        return NULL;
+    }
+    job->spec.job = job->id;
+    measure_frames(job);
+    job->frames_counted = job_count_frames(spec);
+    job->cost_total = (double)job->pixels_total;
+    return job;
+}
+
+struct job_size
+job_size(const struct job *job)
+{
+    const struct msg_frame *f = &job->spec.frames[0];
+    int n = job->spec.oversample > 1 ? job->spec.oversample : 1;
+
+    return (struct job_size){ (uint32_t)rad_filter_side((int)f->width, n),
+                              (uint32_t)rad_filter_side((int)f->height, n),
+                              (uint32_t)n };
+}
+
+uint8_t
+job_channels(const struct job *job)
+{
+    if (job->spec.flags & MSG_JOB_CODED)
+        return 1;
+    return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
+}
+
+/* What is needed while it is worked on, and to tell of that. */
+static void
+free_work(struct job *job)
+{
+    stats_free(job->filing);
+    partition_free(job->partition);
+    for (uint32_t i = 0; i < job->nunits; i++) {
+        free(job->units[i].go);
+        free(job->units[i].hash);
+    }
+    free(job->units);
+    free(job->out);
+    survey_free(job->survey);
+    shared_free(job->shared);
+    ring_free(job->ring);
+    free(job->index);
+    free(job->suspects);
+    for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)
+        free(job->frames[i].line_s);
+    free(job->workers);
+}
+
+void
+job_free(struct job *job)
+{
+    if (!job)
+        return;
+    free_work(job);
+    free(job->frames);
+    rad_arena_release(&job->mem);
+    free(job);
+}
+
+/* What it was submitted with, without the costs of its lines, which may be of
+ * 32 MiB.  Without memory for a copy they stay. */
+static void
+drop_costs(struct job *job)
+{
+    struct msg_spec less = job->spec, copy;
+    struct rad_arena mem;
+
+    if (job->spec.ncosts == 0)
+        return;
+    less.ncosts = 0;
+    less.costs = NULL;
+    rad_arena_init(&mem);
+    if (!copy_spec(&mem, &copy, &less)) {
+        rad_arena_release(&mem);
+        return;
+    }
+    rad_arena_release(&job->mem);
+    job->mem = mem;
+    job->spec = copy;
+}
+
+void
+job_lighten(struct job *job, uint64_t now_ms)
+{
+    job_progress(job, now_ms, &job->last);
+    job->filed = true;
+    free_work(job);
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        job->frames[i].line_s = NULL;
+        job->frames[i].nlines = 0;
+    }
+    job->filing = NULL;
+    job->partition = NULL;
+    job->survey = NULL;
+    job->shared = NULL;
+    job->ring = NULL;
+    job->units = NULL;
+    job->out = job->suspects = job->index = NULL;
+    job->workers = NULL;
+    job->nunits = job->cap_units = job->nout = job->cap_out = 0;
+    job->nsuspects = job->cap_suspects = job->nindex = 0;
+    job->nworkers = job->cap_workers = 0;
+    drop_costs(job);
+}
+
+bool
+job_over(const struct job *job)
+{
+    return job->state >= JOB_DONE;
+}
+
+const char *
+job_state_name(enum job_state state)
+{
+    static const char *const name[] = { "waiting", "running", "paused",
+                                        "done",    "failed",  "cancelled" };
+
+    return name[state];
+}
+
+const char *
+job_is(const struct job *job)
+{
+    return job->held && !job_over(job) ? "held" : job_state_name(job->state);
+}
+
+int
+job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
+                   struct rad_error *err)
+{
+    struct rad_params params;
+    int rc = jobtext_params(from->params, &params, err);
+
+    *spec = (struct partition_spec){
+        .kind = from->partition,
+        .order = from->order,
+        .windows = from->windows,
+        .seed = from->seed,
+        .strict = true,
+        .balance = !(from->flags & MSG_JOB_NO_BALANCE),
+        .fresh = from->flags & MSG_JOB_FRESH_FRAMES,
+        .ncosts = from->ncosts,
+        .nframes = from->nframes,
+        .frames = from->frames,
+    };
+    if (rc == 0)
+        spec->psample = params.psample;
+    return rc;
+}
+
+/* The job's partition; NULL with *err. */
+static struct partition *
+make_partition(const struct job *job, bool single, struct rad_error *err)
+{
+    const struct msg_spec *s = &job->spec;
+    struct partition_spec spec;
+    struct partition *p = NULL;
+    float *costs = malloc(s->ncosts ? s->ncosts * sizeof *costs : 1);
+
+    if (!costs)
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+    else if (job_partition_spec(s, &spec, err) == 0) {
+        if (s->ncosts > 0)
+            wire_floats_get(costs, s->costs, s->ncosts);
+        spec.costs = costs;
+        spec.single = single;
+        p = partition_new(&spec, err);
+    }
+    free(costs);
+    return p;
+}
+
+/* Where lines are shared, what of them is to be remembered. */
+static bool
+make_shared(struct job *job)
+{
+    const struct msg_spec *s = &job->spec;
+    struct rad_params params;
+
+    if (!partition_is_strict(job->partition))
+        return true;
+    if (jobtext_params(s->params, &params, NULL) != 0)
+        return false; /* it was read before */
+    job->shared = shared_new(s->frames, s->nframes, params.psample,
+                             s->flags & MSG_JOB_DEPTH ? 4 : 3);
+    return job->shared != NULL;
+}
+
+/* Is the cache off? */
+static bool
+is_exact(const struct job *job)
+{
+    struct rad_params p;
+
+    return jobtext_params(job->spec.params, &p, NULL) == 0 &&
+           (p.ambounce == 0 || p.ambacc == 0);
+}
+
+int
+job_split(struct job *job, bool single, struct rad_error *err)
+{
+    struct partition *p = make_partition(job, single, err);
+
+    if (!p)
+        return err->code;
+    job->partition = p;
+    job->cost_total = partition_cost_total(p);
+    job->exact = is_exact(job);
+    if (!job_grow_units(job) || !make_shared(job)) {
+        job->partition = NULL;
+        partition_free(p);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    return 0;
+}
+
+bool
+job_grow_units(struct job *job)
+{
+    uint32_t n = partition_total(job->partition);
+
+    if (n > job->cap_units) {
+        uint32_t cap = n > 2 * job->cap_units ? n : 2 * job->cap_units;
+        struct job_unit *v = realloc(job->units, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->units = v;
+        job->cap_units = cap;
+    }
+    for (; job->nunits < n; job->nunits++) {
+        struct job_unit *u = &job->units[job->nunits];
+
+        memset(u, 0, sizeof *u);
+        u->worker = u->crasher = JOB_NOBODY;
+        u->attempt = job_first_attempt(job);
+    }
+    return true;
+}
+
+uint32_t
+job_first_attempt(const struct job *job)
+{
+    return job->lives << 16;
+}
+
+void
+job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_worker *jw = &job->workers[u->worker];
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    partition_done(job->partition, unit, (double)u->counts.rays);
+    u->done = true;
+    u->end_ms = end_ms;
+    if (end_ms > job->last_ms)
+        job->last_ms = end_ms;
+    jw->units++;
+    jw->setbacks = 0;
+    jw->rays += u->counts.rays - u->lent.rays;
+    jw->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
+    job->rays += u->counts.rays - u->lent.rays;
+    u->counts.nan.frame = job->spec.frames[a.frame].number;
+    msg_nan_add(&job->nan, &u->counts.nan);
+    msg_faults_add(job->faults, u->counts.faults);
+    msg_doubt_add(&job->doubt, &u->counts.doubt);
+    job_see_work(job);
+    job->units_done++;
+    job->cost_done += partition_cost(job->partition, unit);
+    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
+}
+
+void
+job_add_costs(struct job *job, const struct msg_line_costs *m)
+{
+    struct job_frame *f;
+    uint32_t n;
+
+    if (!job->shared || m->frame >= job->spec.nframes)
+        return;
+    n = shared_nlines(job->shared, m->frame);
+    if (m->nlines > n || m->line > n - m->nlines)
+        return;
+    f = &job->frames[m->frame];
+    if (!f->line_s)
+        f->line_s = calloc(n, sizeof *f->line_s);
+    f->nlines = n;
+    for (uint32_t i = 0; f->line_s && i < m->nlines; i++)
+        f->line_s[m->line + i] += 1e-9 * (double)m->cpu_ns[i];
+}
+
+void
+job_count_ready(struct job *job)
+{
+    while (job->frames_ready < job->spec.nframes &&
+           job->frames[job->frames_ready].written)
+        job->frames_ready++;
+}
+
+static bool
+list_out(struct job *job, uint32_t unit)
+{
+    if (job->nout == job->cap_out) {
+        uint32_t cap = job->cap_out ? 2 * job->cap_out : 64;
+        uint32_t *v = realloc(job->out, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->out = v;
+        job->cap_out = cap;
+    }
+    job->units[unit].slot = job->nout;
+    job->out[job->nout++] = unit;
+    return true;
+}
+
+struct job_go *
+job_go_add(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->ngos == JOB_MAX_GOES)
+        return NULL;
+    if (!u->go) {
+        u->go = malloc(JOB_MAX_GOES * sizeof *u->go);
+        if (!u->go)
+            return NULL;
+        if (!list_out(job, unit)) {
+            free(u->go);
+            u->go = NULL;
+            return NULL;
+        }
+    }
+    memset(&u->go[u->ngos], 0, sizeof *u->go);
+    return &u->go[u->ngos++];
+}
+
+bool
+job_go_works(const struct job_go *go)
+{
+    return !go->parked && !go->delivered;
+}
+
+void
+job_go_remove(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    *go = u->go[--u->ngos];
+    if (u->ngos > 0)
+        return;
+    free(u->go);
+    u->go = NULL;
+    job->out[u->slot] = job->out[--job->nout];
+    job->units[job->out[u->slot]].slot = u->slot;
+}
+
+struct job_go *
+job_go_of(const struct job *job, uint32_t unit, uint32_t worker)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker == worker)
+            return &u->go[i];
+    return NULL;
+}
+
+struct job_go *
+job_go_find(const struct job *job, uint32_t unit, uint32_t worker,
+            uint32_t attempt)
+{
+    struct job_go *go = job_go_of(job, unit, worker);
+
+    return go && go->attempt == attempt ? go : NULL;
+}
+
+static int
+by_number(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+uint32_t
+job_median_ms(const struct job *job)
+{
+    uint32_t v[JOB_DURATIONS], n = job->ndurations;
+
+    if (n > JOB_DURATIONS)
+        n = JOB_DURATIONS;
+    if (n == 0)
+        return 0;
+    memcpy(v, job->durations, n * sizeof *v);
+    qsort(v, n, sizeof *v, by_number);
+    return v[n / 2];
+}
+
+uint32_t
+job_worker_find(const struct job *job, const char *name)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (strcmp(job->workers[i].name, name) == 0)
+            return i;
+    return JOB_NOBODY;
+}
+
+uint32_t
+job_worker_add(struct job *job, const char *name)
+{
+    uint32_t i = job_worker_find(job, name);
+    struct job_worker *w;
+
+    if (i != JOB_NOBODY)
+        return i;
+    if (job->nworkers == job->cap_workers) {
+        uint32_t cap = job->cap_workers ? 2 * job->cap_workers : 8;
+
+        w = realloc(job->workers, cap * sizeof *w);
+        if (!w)
+            return JOB_NOBODY;
+        job->workers = w;
+        job->cap_workers = cap;
+    }
+    w = &job->workers[job->nworkers];
+    memset(w, 0, sizeof *w);
+    snprintf(w->name, sizeof w->name, "%s", name);
+    return job->nworkers++;
+}
+
+uint32_t
+job_waiting(const struct job *job)
+{
+    return partition_waiting(job->partition) + job->nsuspects;
+}
+
+bool
+job_suspect_add(struct job *job, uint32_t unit)
+{
+    if (job->nsuspects == job->cap_suspects) {
+        uint32_t cap = job->cap_suspects ? 2 * job->cap_suspects : 16;
+        uint32_t *v = realloc(job->suspects, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->suspects = v;
+        job->cap_suspects = cap;
+    }
+    job->suspects[job->nsuspects++] = unit;
+    return true;
+}
+
+bool
+job_suspect_remove(struct job *job, uint32_t unit)
+{
+    for (uint32_t i = 0; i < job->nsuspects; i++)
+        if (job->suspects[i] == unit) {
+            job->suspects[i] = job->suspects[--job->nsuspects];
+            return true;
+        }
+    return false;
+}
+
+uint32_t
+job_active(const struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += job->workers[i].state != JW_GONE;
+    return n;
+}
+
+struct msg_tally
+job_tally(const struct job_worker *w)
+{
+    struct msg_tally t = w->past;
+
+    t.ambient_sent += w->tally.ambient_sent;
+    t.ambient_received += w->tally.ambient_received;
+    t.ambient_redundant += w->tally.ambient_redundant;
+    t.bytes_in += w->tally.bytes_in;
+    t.bytes_out += w->tally.bytes_out;
+    t.base_line_bytes += w->tally.base_line_bytes;
+    t.base_line_pixels += w->tally.base_line_pixels;
+    t.busy_s += w->tally.busy_s;
+    t.wait_base_line_s += w->tally.wait_base_line_s;
+    msg_counts_add(&t.dropped, &w->tally.dropped);
+    msg_counts_add(&t.seeded, &w->tally.seeded);
+    if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
+        t.peak_rss_bytes = w->tally.peak_rss_bytes;
+    return t;
+}
+
+/* Those that are in no unit. */
+static uint64_t
+rays_aside(const struct msg_tally *t)
+{
+    return t->dropped.rays + t->seeded.rays;
+}
+
+/* The sum a + b, of which b does not bring it above `most`. */
+static uint64_t
+add_up_to(uint64_t a, uint64_t b, uint64_t most)
+{
+    uint64_t room = most > a ? most - a : 0;
+
+    return a + (b < room ? b : room);
+}
+
+void
+job_see_work(struct job *job)
+{
+    uint64_t rays = job->rays, pixels = job->pixels_done;
+    uint64_t most = job->pixels_total > 0 ? job->pixels_total - 1 : 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+
+        rays += rays_aside(&w->tally) + rays_aside(&w->past);
+        if (w->state != JW_READY)
+            continue;
+        rays += w->tally.rays_under_way;
+        pixels = add_up_to(pixels, w->tally.pixels_under_way, most);
+    }
+    if (rays > job->rays_seen)
+        job->rays_seen = rays;
+    if (pixels > job->pixels_seen)
+        job->pixels_seen = pixels;
+}
+
+/* Cost of units counts when they are done: until then the pixels that they are
+ * past stand for it. */
+static double
+cost_seen(const struct job *job)
+{
+    double share;
+
+    if (job_over(job) || job->pixels_total == 0)
+        return job->cost_done;
+    share = (double)job->pixels_seen / (double)job->pixels_total;
+    return fmax(job->cost_done, share * job->cost_total);
+}
+
+struct rad_error_estimate
+job_error(const struct job *job)
+{
+    const struct msg_doubt *m = &job->doubt;
+    const struct rad_doubt d = { m->pixels, m->variance, m->known, m->all };
+    const struct rad_rough r = { m->rough, m->nrough };
+    struct rad_params params;
+
+    if (jobtext_params(job->spec.params, &params, NULL) != 0)
+        params.psample = 1; /* it was read before */
+    return rad_doubt_error(&d, &r, params.psample);
+}
+
+void
+job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
+{
+    uint64_t until = job_over(job) ? job->end_ms : now_ms;
+
+    if (job->filed) {
+        *p = job->last;
+        p->job = job->id;
+        return;
+    }
+    *p = (struct msg_progress){
+        .job = job->id,
+        .state =
+            job->held && !job_over(job) ? MSG_STATE_HELD : (uint8_t)job->state,
+        .pixels_done = job->pixels_done,
+        .pixels_total = job->pixels_total,
+        .units_done = job->units_done,
+        .units_total = job->partition ? partition_total(job->partition) : 0,
+        .units_redone = job->units_redone,
+        .cost_done = cost_seen(job),
+        .cost_total = job->cost_total,
+        .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
+        .workers = job_active(job),
+        .frames_ready = job->frames_ready,
+        .elapsed_s = (double)(until - job->submit_ms) / 1000,
+        .nan = job->nan,
+        .error = job_error(job).all,
+    };
+    memcpy(p->faults, job->faults, sizeof p->faults);
+}

@@ -1,0 +1,359 @@
+/* job.h - what the coordinator knows about one job
+ *
+ * Plain data that coord.c and sched.c change and stats.c and report.c read.
+ * Units are numbers of the job's partition; a worker of the job keeps its
+ * index for the job's life, gone or not, so that what it did stays counted.
+ * Thread: one. */
+#ifndef DAEMON_JOB_H
+#define DAEMON_JOB_H
+
+#include "picture/doubt.h"
+#include "base/arena.h"
+#include "partition/partition.h"
+#include "lines/shared.h"
+
+struct coord_owner;
+struct coord_worker;
+struct ring;
+struct stats_text;
+struct survey;
+
+/* As in msg_progress. */
+enum job_state {
+    JOB_WAITING, /* not stored whole yet, or no unit went out yet */
+    JOB_RUNNING,
+    JOB_PAUSED,
+    JOB_DONE,
+    JOB_FAILED,
+    JOB_CANCELLED
+};
+
+/* A unit fails its job when it brought down the children of two workers, or,
+ * where there is but one worker, that worker's child this often. */
+#define JOB_MAX_CRASHES 3
+
+/* A worker that loses its child so often in a row, for reasons of its own (its
+ * memory, its disk, somebody who kills it), has no more part in the job. */
+#define JOB_MAX_SETBACKS 5
+
+#define JOB_NOBODY UINT32_MAX
+
+#define JOB_DURATIONS 63 /* that are remembered */
+
+#define JOB_MAX_HOLDERS 5  /* twins at one unit */
+#define JOB_MAX_GOES    13 /* these, and those that have columns of it */
+
+/* One worker's go at a unit. */
+struct job_go {
+    uint32_t worker, attempt;
+    uint32_t lines;  /* that it has of the unit */
+    uint8_t end;     /* enum msg_end */
+    bool parked;     /* it can do nothing but wait for the base line above */
+    bool delivered;  /* all rows came, and are on their way to the disk */
+    bool counted;    /* its work is among what was finished */
+    bool dropped;    /* rows of it came and were dropped */
+    bool spent;      /* it came to its end, and its rows did not count */
+    bool still;      /* it was here already when its worker came back */
+    bool twin;       /* it knows that others have the unit */
+    bool split;      /* it was asked to give lines away, and has not answered */
+    bool yielded;    /* it was asked to give all back, likewise; it is parked */
+    bool top_sent;   /* the base line above, whole, by us */
+    bool makes_top;  /* it traces the base line above, which is kept for it */
+    uint64_t out_ms; /* handed out */
+    uint64_t parked_ms, split_ms, yield_ms;
+    /* columns of the unit's last line */
+    uint32_t lender; /* attempt that lends it [x, x + n), which is all that it
+                      * has; 0: it has the unit */
+    uint32_t x, n;
+    uint32_t loans;      /* that it lends and are not back */
+    bool lent;           /* it lent some once, so may be PARKED again */
+    bool blocked;        /* parked for want of what it lends */
+    bool lent_all;       /* it had nothing else left then */
+    uint64_t blocked_ms; /* when that was */
+    bool lends;          /* it was asked to lend, and has not answered */
+    uint64_t lend_ms;    /* when; or not to be asked again before */
+    double line_left;    /* part of the last line that it has not done; below 0:
+                          * not known */
+    uint64_t line_ms;    /* when that was so */
+};
+
+struct job_unit {
+    uint32_t attempt;     /* the latest; or what those of this life follow */
+    uint32_t tries;       /* how often it went out */
+    uint32_t lead;        /* the one whose rows count; 0: whose come first */
+    uint32_t worker;      /* of that one, or of the latest */
+    uint32_t next_row;    /* rows of it that came */
+    uint32_t stored_rows; /* of those, kept */
+    uint64_t row_ms;      /* when the last of them came */
+    uint32_t slot;        /* in the job's list of units that are out */
+    struct job_go *go;    /* JOB_MAX_GOES of them; NULL: not out */
+    uint8_t ngos;
+    uint8_t crashes;
+    uint8_t faults;   /* attempts that left no base line */
+    uint8_t losses;   /* how often its worker went, and was not still at it */
+    uint64_t out_ms;  /* when it went to that worker; 0: in an earlier life */
+    uint32_t crasher; /* worker of the first crash */
+    bool whole;       /* has nothing to give away */
+    bool given_back;  /* its worker had to: who gets it next redoes nothing */
+    bool done;
+    uint64_t *hash; /* of its rows that count; NULL: not known */
+    uint32_t nhash;
+    uint64_t hashed; /* fingerprint of whoever made them */
+    uint64_t end_ms;
+    struct msg_counts counts; /* of the attempt that was accepted, and lent */
+    struct msg_counts lent;   /* of others, for columns that it lent */
+};
+
+enum job_worker_state {
+    JW_GONE,    /* no connection, or not told of the job */
+    JW_LOADING, /* JOB-START sent */
+    JW_READY
+};
+
+struct job_worker {
+    char name[MSG_MAX_NAME + 1];
+    struct coord_worker *worker; /* of that name */
+    enum job_worker_state state;
+    uint32_t threads;
+    uint32_t in_flight; /* units of this job that it works on */
+    uint32_t held;      /* threads, as counted for the job's owner */
+    uint32_t lines;     /* of these units */
+    uint32_t given;     /* units that it began apart (sched.c) */
+    uint32_t parked;    /* units that wait for a base line */
+    uint64_t since_ms;  /* the two are as they are since then */
+    uint64_t work_ms;   /* time with something in flight */
+    double speed;       /* of all its threads, relative to the others' */
+    uint32_t seed_first, seed_last; /* its part, until it gets it */
+    bool seeds;            /* it got that part */
+    uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
+    uint64_t rest_ms;      /* told to leave the two then, and given nothing
+                            * since; 0: it was not */
+    uint32_t load_crashes; /* children that died before READY */
+    uint32_t setbacks;     /* children lost for reasons of its own, since it
+                            * last finished a unit */
+    bool took_part;        /* it was READY once */
+    bool late;             /* others do its work until it is heard of */
+    uint64_t keep_ms;      /* until then units that it lost wait for it; 0:
+                            * none do */
+    uint8_t passed;    /* so often it had room, and the job nothing for it of
+                        * what waited */
+    uint64_t ask_ms;   /* not again before that */
+    bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
+                        * a child */
+    bool no_room;      /* at that worker for its files: it is not started there
+                        * before that says so */
+    uint64_t ready_ms; /* first READY */
+    double load_s;
+    uint64_t fingerprint;
+    uint64_t rays;          /* of its accepted units */
+    uint64_t surveyed_rays; /* of its part of the estimate */
+    double cpu_s;
+    uint32_t units;         /* accepted */
+    struct msg_tally tally; /* of its present child; job is not kept */
+    struct msg_tally past;  /* summed over earlier children */
+    struct msg_counts paid; /* by PAIDs of its present child, and what was to
+                             * come in others but did not */
+    bool tallied;           /* in this life */
+};
+
+struct job_frame {
+    uint64_t pixels_left; /* in units that are not done */
+    uint64_t rows_pixels; /* pixels kept so far */
+    double *line_s;       /* what was spent on each line in this life of the
+                           * coordinator: processor time; NULL: nothing known */
+    uint32_t nlines;      /* so many */
+    bool untold;          /* not all of it is said: a worker is of version 1, or
+                           * lost a unit that it had spent something on */
+    bool writing, written;
+    bool fetched; /* with written: its owner has it */
+};
+
+struct job {
+    uint8_t id[MSG_JOB];
+    char hex[MSG_JOB_HEX];
+    char owner[MSG_MAX_NAME + 1];
+    struct msg_spec spec; /* all it points at lies in mem */
+    uint64_t frames_counted; /* see job_count_frames() */
+    size_t frames_bytes;  /* that its list of frames would take in a message */
+    struct rad_arena mem;
+    uint64_t sequence; /* order of submission */
+    enum job_state state;
+    bool held;      /* for want of room on the disk */
+    bool waits;     /* held alone, before it was opened: text says why */
+    uint32_t lives; /* of the coordinator, that it has seen end */
+    bool restored;  /* from an earlier life, and no worker was ready since */
+    struct stats_text *filing; /* its statistics, on their way to the store */
+    bool stats_kept; /* the store has these */
+    bool filed; /* over; but for what follows only the store knows of it */
+    struct msg_progress last; /* of one that is filed */
+    uint64_t kept_bytes;      /* on the disk, once it is over */
+    uint32_t unfetched;  /* frames that are written, and not fetched */
+    uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
+    bool opened;              /* bundle and room for rows are there */
+    bool asked_open;
+    uint32_t nfound;   /* files that were seen in the store before that */
+    uint64_t found_ms; /* when the last of them was */
+    int status;        /* of sysexits.h, with JOB_FAILED */
+    char text[MSG_MAX_TEXT + 1];
+
+    struct partition *partition; /* NULL until the first worker is ready */
+    struct job_unit *units;      /* partition_total of them */
+    uint32_t nunits, cap_units;
+    uint32_t *out; /* units that somebody has */
+    uint32_t nout, cap_out;
+    bool exact;    /* a pixel is a function: there is no ambient cache */
+    uint32_t late; /* units that are out for too long, and may have twins */
+    struct coord_owner *payer; /* whom it belongs to, at the coordinator */
+    uint32_t served;       /* the last search for a unit that looked at it */
+    struct survey *survey; /* NULL: costs are not estimated, or are by now */
+    struct shared *shared; /* NULL: lines are not shared */
+    struct ring *ring; /* NULL: each worker is linked with all, or none is */
+    uint64_t base_line_bytes; /* that the coordinator sent */
+    uint64_t late_rays;       /* facts of lines that were done, or came again */
+    uint32_t *suspects; /* units that crashed a child: out of the partition's
+                         * queue, each to go to another worker alone */
+    uint32_t nsuspects, cap_suspects;
+    struct job_frame *frames;
+    uint32_t frames_ready; /* the first so many are written */
+    struct job_worker *workers;
+    uint32_t nworkers, cap_workers;
+    uint32_t *index; /* of a worker here, by its number at the coordinator */
+    uint32_t nindex;
+    uint32_t threads;   /* of all workers that are ready */
+    uint64_t work_ms;   /* of all workers, when that was last looked at */
+    double speed;       /* of all workers that are there */
+    double pace;        /* cost done in a ms, for a speed of 1; 0: not known */
+    double finished;    /* cost of units that were finished, or traced ahead;
+                         * of all attempts */
+    uint32_t nfinished; /* how many these were */
+    double workload;    /* ms of those workers, times their speed */
+    uint32_t
+        durations[JOB_DURATIONS]; /* of the last units that were done [ms] */
+    uint32_t ndurations;
+
+    uint32_t units_done, units_redone;
+    uint64_t pixels_done, pixels_total;
+    double cost_done, cost_total;
+    uint64_t rays;              /* of units that are done */
+    uint64_t estimate_ms;       /* that the estimate took */
+    struct msg_counts surveyed; /* and its rays */
+    uint64_t rays_seen;   /* and of those under way; what is lost stays in */
+    uint64_t pixels_seen; /* pixels_done, and those that units under way are
+                           * past; likewise, and never all */
+    struct msg_nan nan;   /* frame: its number */
+    struct msg_fault faults[MSG_FAULTS];
+    struct msg_doubt doubt; /* of units that are done */
+    uint64_t sent_bytes;    /* of the bundle, by radsubmit */
+
+    uint64_t offer_ms;  /* its radsubmit began to send */
+    uint64_t submit_ms; /* SUBMIT came */
+    uint64_t open_ms;   /* accepted */
+    uint64_t seed_ms;   /* parts were given out (seeding.h) */
+    uint64_t first_ms;  /* first unit went out; 0: none yet */
+    uint64_t last_ms;   /* last row was kept */
+    uint64_t end_ms;
+};
+
+/* Its frames, as the limit of a user's counts them: in many windows a frame
+ * counts as one for each four that were asked for, as far as it has pixels, and
+ * as one for each 1024 rows: windows and lines are what takes memory. */
+uint64_t job_count_frames(const struct msg_spec *spec);
+
+/* How many of the jobs that are kept it counts as: it holds memory until it is
+ * forgotten, about 1 MiB for each 400 frames so counted, and from
+ * job_lighten() on 80 KiB for each 400 frames. */
+uint32_t job_weight(const struct job *job);
+
+/* Copies all that spec lends.  NULL when memory is out. */
+struct job *job_new(const struct msg_spec *spec, const char *owner);
+
+/* Pixels of the first frame as they are written, and samples a side of each. */
+struct job_size {
+    uint32_t width, height, oversample;
+};
+struct job_size job_size(const struct job *job);
+
+/* Channels of the rows that its workers send, as a RESULT has them. */
+uint8_t job_channels(const struct job *job);
+void job_free(struct job *job);
+
+/* Of one that is over keep how it ended, and which of its frames there are; the
+ * store tells the rest. */
+void job_lighten(struct job *job, uint64_t now_ms);
+
+/* Is it over, one way or the other? */
+bool job_over(const struct job *job);
+
+/* "running". */
+const char *job_state_name(enum job_state state);
+const char *job_is(const struct job *job); /* the same, or "held" */
+
+/* How a job is to be split, but for single and the values of costs; RAD_EDATA
+ * when its options are no options. */
+int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
+                       struct rad_error *err);
+
+/* Lay out the units; single as in partition_spec. */
+int job_split(struct job *job, bool single, struct rad_error *err);
+
+/* The worker of that name, JOB_NOBODY if it never was one; job_worker_add
+ * makes it one (JOB_NOBODY when memory is out). */
+uint32_t job_worker_find(const struct job *job, const char *name);
+uint32_t job_worker_add(struct job *job, const char *name);
+
+/* Attempts are numbered anew in each life of the coordinator, from here on. */
+uint32_t job_first_attempt(const struct job *job);
+
+/* All rows of a unit are kept: count it. */
+void job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
+
+/* Add what was spent on lines, if the job has these.  Without memory the
+ * statistics go without. */
+void job_add_costs(struct job *job, const struct msg_line_costs *m);
+
+/* Frames are delivered in order: count the first ones without a gap. */
+void job_count_ready(struct job *job);
+
+/* Make job->units as long as the partition has units; false: memory is out. */
+bool job_grow_units(struct job *job);
+
+/* Add a holder to a unit, or remove one; NULL when there are too many or memory
+ * is out. */
+struct job_go *job_go_add(struct job *job, uint32_t unit);
+void job_go_remove(struct job *job, uint32_t unit, struct job_go *go);
+
+/* Has it something to do for the unit? */
+bool job_go_works(const struct job_go *go);
+
+/* The go of that worker, or of that worker and attempt; NULL: none. */
+struct job_go *job_go_of(const struct job *job, uint32_t unit, uint32_t worker);
+struct job_go *job_go_find(const struct job *job, uint32_t unit,
+                           uint32_t worker, uint32_t attempt);
+
+/* The median of the durations [ms]; 0 before any unit was done. */
+uint32_t job_median_ms(const struct job *job);
+
+/* Units that may go out: waiting ones and suspects. */
+uint32_t job_waiting(const struct job *job);
+
+/* Put a unit among the suspects, or take it out (false: it was none). */
+bool job_suspect_add(struct job *job, uint32_t unit);
+bool job_suspect_remove(struct job *job, uint32_t unit);
+
+/* Workers that were told of the job and are still there. */
+uint32_t job_active(const struct job *job);
+
+/* Bring rays_seen and pixels_seen up to date. */
+void job_see_work(struct job *job);
+
+/* Sum of a worker's tallies, but for rays_under_way and pixels_under_way, which
+ * are 0. */
+struct msg_tally job_tally(const struct job_worker *w);
+
+/* How far the units that are done may be off. */
+struct rad_error_estimate job_error(const struct job *job);
+
+void job_progress(const struct job *job, uint64_t now_ms,
+                  struct msg_progress *p);
+
+#endif

@@ -1,0 +1,9 @@
+# jobs, their units and what becomes of these: rows that come, workers that go
+libdaemon_a_SOURCES += \
+	daemon/desk/duplicate.c \
+	daemon/desk/hold.c \
+	daemon/desk/job.c \
+	daemon/desk/job.h \
+	daemon/desk/loss.c \
+	daemon/desk/result.c \
+	daemon/desk/speed.c

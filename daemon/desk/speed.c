@@ -1,0 +1,180 @@
+/* speed.c - how fast workers are, and how long a unit will take
+ *
+ * A worker's speed is what it does of a job in the time in which it had
+ * something to do, by our own clock: rays, where enough of them are known, else
+ * its threads times what earlier jobs showed.  Only ratios matter.  The pace of
+ * a job is the cost, in the units of its partition, that a speed of 1 works off
+ * in a millisecond.
+ * The workers' own counts are used to share work, never to decide that a worker
+ * is late; and bounded, so that a wrong one costs time and nothing else. */
+#include "config.h"
+
+#include "sched/sched.h"
+
+#include <math.h>
+
+/* A worker's rays tell its speed after so much work. */
+#define ENOUGH_MS 500
+
+/* Part of a unit that is left, at least, as long as nothing is heard of it. */
+#define LEAST_LEFT .25
+
+/* What the base lines of a unit cost, which are made first, over the cost of
+ * its bars.  Office at night, -ps 4. */
+#define LINES_FIRST .75
+
+/* Threads differ by no more, whatever they count. */
+#define MOST_RATIO 64.0
+
+static double
+clamp(double v)
+{
+    if (!(v > 1 / MOST_RATIO))
+        return 1 / MOST_RATIO;
+    return v < MOST_RATIO ? v : MOST_RATIO;
+}
+
+void
+speed_touch(const struct coord *c, struct job_worker *jw)
+{
+    uint64_t ms = c->now_ms - jw->since_ms;
+
+    if (jw->in_flight > 0)
+        jw->work_ms += ms;
+    jw->since_ms = c->now_ms;
+}
+
+void
+speed_finished(struct job *job, uint32_t unit)
+{
+    job->finished += partition_cost(job->partition, unit);
+    job->nfinished++;
+}
+
+/* Rays of a thread in a ms of work; 0: not known yet. */
+static double
+measured(const struct job_worker *jw)
+{
+    double rays = (double)jw->rays + (double)jw->tally.dropped.rays +
+                  (double)jw->past.dropped.rays +
+                  (double)jw->tally.seeded.rays + (double)jw->past.seeded.rays;
+
+    if (jw->state == JW_READY)
+        rays += (double)jw->tally.rays_under_way;
+    if (jw->work_ms < ENOUGH_MS || !(rays > 0) || jw->threads == 0)
+        return 0;
+    return rays / (double)jw->work_ms / jw->threads;
+}
+
+/* The mean over workers whose speed was measured; 0: there are none. */
+static double
+mean_measured(const struct job *job)
+{
+    double sum = 0;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        double v = measured(&job->workers[i]);
+
+        sum += v;
+        n += v > 0;
+    }
+    return n ? sum / n : 0;
+}
+
+/* Cost of the rows that came of units that are not done: at the beginning of a
+ * job all that is known. */
+static double
+under_way(const struct job *job)
+{
+    double sum = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        const struct job_unit *u = &job->units[job->out[i]];
+        struct partition_area a;
+
+        if (u->next_row == 0 || !job_go_works(&u->go[0]))
+            continue;
+        partition_area(job->partition, job->out[i], &a);
+        sum += partition_cost(job->partition, job->out[i]) * u->next_row /
+               a.height;
+    }
+    return sum;
+}
+
+void
+speed_measure(const struct coord *c, struct job *job)
+{
+    double mean = mean_measured(job), done;
+
+    if (!job->partition)
+        return;
+    job->speed = job->workload = 0;
+    job->work_ms = job->threads = 0;
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+        double v = measured(jw);
+
+        speed_touch(c, jw);
+        jw->speed = jw->threads *
+                    (v > 0 ? clamp(v / mean) : clamp(jw->worker->relative));
+        job->workload += (double)jw->work_ms * jw->speed;
+        job->work_ms += jw->work_ms;
+        if (jw->state == JW_READY)
+            job->threads += jw->threads;
+        if (jw->state != JW_GONE)
+            job->speed += jw->speed;
+    }
+    done = job->finished + under_way(job);
+    if (job->workload > 0 && done > 0)
+        job->pace = done / job->workload;
+}
+
+void
+speed_keep(const struct coord *c, struct job *job)
+{
+    double mean;
+
+    speed_measure(c, job);
+    mean = mean_measured(job);
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        double v = measured(&job->workers[i]);
+        struct coord_worker *w = job->workers[i].worker;
+
+        if (v > 0) /* half of it, since jobs differ */
+            w->relative = clamp((w->relative + v / mean) / 2);
+    }
+}
+
+double
+speed_cost(const struct job *job, uint32_t index, double ms)
+{
+    return job->pace * job->workers[index].speed * ms;
+}
+
+double
+speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
+              const struct job_go *go)
+{
+    const struct job_worker *jw = &job->workers[go->worker];
+    const struct job_unit *u = &job->units[unit];
+    double cost = partition_cost(job->partition, unit), rate, ms, past;
+    struct partition_area a;
+    double part;
+
+    if (job->pace <= 0) /* nothing is known: by cost alone, and long */
+        return 1e9 * cost / partition_cost_total(job->partition);
+    rate = speed_cost(job, go->worker, 1) / (jw->in_flight ? jw->in_flight : 1);
+    ms = cost / rate;
+    if (u->lead == go->attempt && u->next_row > 0) {
+        /* at its own pace: parts of a picture differ */
+        partition_area(job->partition, unit, &a);
+        part = (double)u->next_row / a.height;
+        return (double)(c->now_ms - go->out_ms) * (1 - part) /
+               (part + LINES_FIRST);
+    }
+    /* what is over its time may well take as long again; and it may have waited
+     * for another unit of its worker: it never needs nothing */
+    past = fabs(ms - (double)(c->now_ms - go->out_ms));
+    return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
+}

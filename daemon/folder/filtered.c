@@ -1,0 +1,193 @@
+/* filtered.c - see filtered.h */
+#include "config.h"
+
+#include "folder/filtered.h"
+
+#include "machine/jobtext.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static_assert(MSG_MAX_OVERSAMPLE == RAD_MAX_OVERSAMPLE, "one range");
+
+#define ALL_AROUND (360 - 1e-6) /* degrees */
+
+int
+filtered_shape(struct rad_filter_shape *s, int width, int height,
+               int oversample, double clamp, const char *view,
+               struct rad_error *err)
+{
+    struct rad_view v;
+    int rc = jobtext_view(view, &v, err);
+
+    if (rc < 0)
+        return rc;
+    *s = (struct rad_filter_shape){ .width = width,
+                                    .height = height,
+                                    .oversample = oversample,
+                                    .clamp = clamp,
+                                    .around = v.type == 'c' &&
+                                              v.horiz >= ALL_AROUND };
+    return 0;
+}
+
+/* What filtering takes to work in. */
+struct workplace {
+    struct rad_filter *filter;
+    uint8_t *rgbe;       /* a row of samples */
+    void *work;          /* rows_read_rgbe()'s */
+    struct rad_rgb *row; /* of pixels */
+    uint8_t *code;
+};
+
+static void
+release(struct workplace *p)
+{
+    rad_filter_free(p->filter);
+    free(p->rgbe);
+    free(p->work);
+    free(p->row);
+    free(p->code);
+}
+
+static int
+prepare(struct workplace *p, const struct rad_filter_shape *s, int width,
+        struct rad_error *err)
+{
+    size_t samples = (size_t)s->width;
+
+    *p = (struct workplace){
+        .rgbe = malloc(4 * samples),
+        .work = malloc(ROWS_WORK_BYTES(samples)),
+        .row = malloc((size_t)width * sizeof *p->row),
+        .code = malloc(RAD_HDR_ROW_BYTES(width)),
+    };
+    if (!p->rgbe || !p->work || !p->row || !p->code)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return rad_filter_new(&p->filter, s, err);
+}
+
+/* Of each pixel the sample nearest to its middle. */
+static int
+pick_rows(struct rows *r, const struct rad_filter_shape *s, struct workplace *p,
+          const struct rad_hdr_info *info, const struct rad_sink *sink,
+          struct rad_error *err)
+{
+    int n = s->oversample, rc = 0;
+
+    for (int y = 0; y < info->height && rc == 0; y++) {
+        rc = rows_read_rgbe(r, rad_filter_middle(s->height, n, y), p->rgbe,
+                            p->work, err);
+        for (int x = 0; x < info->width; x++)
+            memmove(p->rgbe + 4 * (size_t)x,
+                    p->rgbe + 4 * (size_t)rad_filter_middle(s->width, n, x), 4);
+        if (rc == 0)
+            rc = sink->write(
+                sink->arg, p->code,
+                rad_hdr_encode_rgbe(p->rgbe, info->width, p->code), err);
+    }
+    return rc;
+}
+
+static int
+filter_rows(struct rows *r, struct workplace *p, int width,
+            const struct rad_sink *sink, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (int y = 0; y < r->height && rc == 0; y++) {
+        rc = rows_read_rgbe(r, y, p->rgbe, p->work, err);
+        if (rc == 0)
+            rad_filter_push(p->filter, p->rgbe);
+        while (rc == 0 && rad_filter_pull(p->filter, p->row))
+            rc = sink->write(sink->arg, p->code,
+                             rad_hdr_encode_row(p->row, width, p->code), err);
+    }
+    return rc;
+}
+
+static int
+write_picture(struct rows *r, const struct rad_filter_shape *s, bool pick,
+              const struct rad_hdr_info *info, const char *path, bool durable,
+              struct mark *mark, struct rad_error *err)
+{
+    struct disk_file w;
+    struct rad_sink sink = { disk_file_write, &w };
+    struct workplace p;
+    int rc = prepare(&p, s, info->width, err);
+
+    if (rc == 0)
+        rc = disk_file_open(&w, path, mark, err);
+    if (rc == 0) {
+        rc = rad_hdr_write_header(info, &sink, err);
+        if (rc == 0)
+            rc = pick ? pick_rows(r, s, &p, info, &sink, err)
+                      : filter_rows(r, &p, info->width, &sink, err);
+        rc = rows_close_picture(r, &w, rc, durable, err);
+    }
+    release(&p);
+    return rc;
+}
+
+int
+filtered_picture(struct rows *r, const struct rad_filter_shape *s,
+                 const struct rad_hdr_info *info, const char *path,
+                 bool durable, struct mark *mark, struct rad_error *err)
+{
+    return write_picture(r, s, false, info, path, durable, mark, err);
+}
+
+int
+filtered_preview(struct rows *r, const struct rad_filter_shape *s,
+                 const struct rad_hdr_info *info, const char *path,
+                 struct rad_error *err)
+{
+    bool many = (double)s->width * s->height > FILTERED_PREVIEW;
+
+    return write_picture(r, s, many, info, path, false, NULL, err);
+}
+
+/* Take the distances of a row of pixels out of those of samples, in place. */
+static void
+thin_out(const struct rad_filter_shape *s, int width, float *samples)
+{
+    for (int x = 0; x < width; x++) {
+        int at = rad_filter_middle(s->width, s->oversample, x);
+
+        samples[x] = samples[4 * (size_t)at + 3];
+    }
+}
+
+int
+filtered_depth(struct rows *r, const struct rad_filter_shape *s,
+               const char *path, bool durable, struct mark *mark,
+               struct rad_error *err)
+{
+    int width = rad_filter_side(s->width, s->oversample);
+    int height = rad_filter_side(s->height, s->oversample), rc;
+    struct disk_file w;
+    float *row;
+
+    if (r->kind != ROWS_DISTANCES)
+        return rad_fail(err, RAD_EDATA, "the job has no depth");
+    row = malloc(rows_bytes(r, r->width));
+    if (!row)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = disk_file_open(&w, path, mark, err);
+    if (rc < 0) {
+        free(row);
+        return rc;
+    }
+    for (int y = 0; y < height && rc == 0; y++) {
+        rc = rows_read(r, rad_filter_middle(s->height, s->oversample, y), row,
+                       err);
+        thin_out(s, width, row);
+        if (rc == 0)
+            rc = disk_file_write(&w, row, (size_t)width * sizeof *row, err);
+    }
+    rc = rows_close_picture(r, &w, rc, durable, err);
+    free(row);
+    return rc;
+}

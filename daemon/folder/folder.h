@@ -1,0 +1,113 @@
+/* folder.h - the files of jobs: rows as they come, and pictures
+ *
+ * DIR/jobs/ID/room     room that is kept for frames whose rows have no file yet
+ * DIR/jobs/ID/N.rows   pixels of frame N (rows.h), from the first that comes
+ *                      until its picture is there
+ * DIR/jobs/ID/N.hdr    the picture, N.z its distances
+ * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
+ * DIR/jobs/ID/new      until the database knows the job: nobody was told that
+ *                      it is accepted
+ * DIR/jobs/ID.gone     what was the folder of a job that is forgotten, empty,
+ *                      until the database does not know it any more
+ *
+ * All calls do I/O and may wait for the disk; what writes may be called again
+ * after RAD_EFULL.
+ * Thread: one at a time. */
+#ifndef DAEMON_FOLDER_H
+#define DAEMON_FOLDER_H
+
+#include "store/blobs.h"
+#include "ground/disk.h"
+#include "machine/action.h"
+#include "folder/rows.h"
+#include "machine/saved.h"
+
+struct folder_job;
+
+/* Zeroed but for dir, durable and looks. */
+struct folder {
+    char dir[BLOBS_DIR_MAX]; /* of all: that in which jobs/ lies */
+    bool durable;
+    bool looks;              /* takes up jobs, and changes nothing */
+    struct folder_job *jobs; /* that are not over */
+    struct rows_open opened; /* of their rows */
+};
+
+/* Make dir/jobs.  What is not durable and was there goes. */
+int folder_init(struct folder *f, struct rad_error *err);
+void folder_release(struct folder *f);
+
+/* Make the job's folder and room for its rows; durable: they last, and the
+ * folder is new until folder_noted().  RAD_EFULL when there is not so much room
+ * now, RAD_EDATA when there never will be. */
+int folder_make(struct folder *f, const struct msg_spec *spec,
+                struct rad_error *err);
+/* Go on with the files that are there: RAD_EDATA for those that are missing, or
+ * not as long as they should be, RAD_EPERM for those that are denied to us.
+ * over: only its pictures and statistics are looked for. */
+int folder_take_up(struct folder *f, const struct saved_job *s, bool over,
+                   struct rad_error *err);
+/* Read what is finished of the job, and compare it with its marks; fn gets the
+ * error of each file that is another.  RAD_ENOMEM. */
+int folder_compare(struct folder *f, const struct saved_job *s, bool over,
+                   void (*fn)(void *arg, const struct rad_error *why),
+                   void *arg, struct rad_error *err);
+bool folder_is_there(const struct folder *f, const uint8_t job[MSG_JOB]);
+/* Is it one that goes on? */
+bool folder_is_open(struct folder *f, const uint8_t job[MSG_JOB]);
+/* The database knows it. */
+void folder_noted(const struct folder *f, const uint8_t job[MSG_JOB]);
+bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
+/* It is over: rows that are left go. */
+void folder_rest(struct folder *f, const uint8_t job[MSG_JOB]);
+/* All of it goes: at once, or not at all; but of its files so many at a time as
+ * take no long while, and true tells that there are more.  Its name as one that
+ * is gone stays until the other is called, too. */
+bool folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
+bool folder_is_going(const struct folder *f, const uint8_t job[MSG_JOB]);
+void folder_forgotten(const struct folder *f, const uint8_t job[MSG_JOB]);
+/* Bytes that its files take. */
+uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
+
+/* pixels is n bytes, of floats or coded; line, which may be NULL, what goes
+ * with coded ones: floats of the last row.  Where sum is not NULL it gets their
+ * rowsum(), as they are in the file.  RAD_EPROTO when they do not lie in the
+ * picture. */
+int folder_put_rows(struct folder *f, const struct action_rows *key,
+                    const void *pixels, size_t n, const float *line,
+                    uint64_t *sum, struct rad_error *err);
+/* Row y, as in a BASE_LINE; of coded ones it must have been put as a line. */
+int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
+                    uint32_t frame, uint32_t y, uint8_t *pixels,
+                    struct rad_error *err);
+/* rowsum() of the first rows of an area, as they are in the file; line: that of
+ * the last of them was put, too. */
+int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
+               const struct partition_area *a, uint32_t rows, bool line,
+               uint64_t *sum, struct rad_error *err);
+/* What was written to rows lasts. */
+int folder_sync(struct folder *f, struct rad_error *err);
+
+/* Write a frame's picture, and its distances; marks, which may be NULL, gets
+ * their marks. */
+int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
+                   struct saved_frame *marks, struct rad_error *err);
+/* It is noted that they are there: its rows go. */
+void folder_drop_rows(struct folder *f, const uint8_t job[MSG_JOB],
+                      uint32_t frame);
+int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,
+                 size_t len, struct mark *mark, struct rad_error *err);
+
+/* The file to read for what is asked for; a preview is made first if make. */
+int folder_find(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
+                enum msg_what what, bool make, char path[DISK_PATH_MAX],
+                struct rad_error *err);
+
+/* Call fn for each job that has a folder, until it returns other than 0; going:
+ * one that is being forgotten. */
+typedef int folder_fn(void *arg, const uint8_t job[MSG_JOB], bool going,
+                      struct rad_error *err);
+int folder_each(const struct folder *f, folder_fn *fn, void *arg,
+                struct rad_error *err);
+
+#endif

@@ -1,0 +1,222 @@
+/* folder_take.c - the folders of jobs of earlier lives
+ *
+ * What is finished is held against its marks.  Of a job that is not over each
+ * frame that rows are noted of has its file; another may have one, if it was
+ * begun, and what is left of the job's room is made to fit what is left of its
+ * frames. */
+#include "config.h"
+
+#include "folder/folder_impl.h"
+
+#include "folder/room.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* --- what is finished --- */
+
+/* A finished file of the job, and its mark. */
+typedef int finished_fn(void *arg, const struct mark *m, const char *path,
+                        struct rad_error *err);
+
+/* Call fn for the picture that is said to be there, and its distances. */
+static int
+each_of_frame(const struct folder *f, const struct saved_job *s, uint32_t i,
+              finished_fn *fn, void *arg, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    folder_frame_path(f, s->spec.job, i, folder_suffix_of(MSG_WHAT_PICTURE),
+                      path);
+    rc = fn(arg, &s->frames[i].picture, path, err);
+    if (rc < 0 || !(s->spec.flags & MSG_JOB_DEPTH))
+        return rc;
+    folder_frame_path(f, s->spec.job, i, folder_suffix_of(MSG_WHAT_DEPTH),
+                      path);
+    return fn(arg, &s->frames[i].depth, path, err);
+}
+
+/* Likewise for all that is finished of the job. */
+static int
+each_finished(const struct folder *f, const struct saved_job *s, bool over,
+              finished_fn *fn, void *arg, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int rc = 0;
+
+    for (uint32_t i = 0; i < s->spec.nframes && rc == 0; i++)
+        if (s->frames[i].written)
+            rc = each_of_frame(f, s, i, fn, arg, err);
+    if (rc < 0 || !over)
+        return rc;
+    folder_stats_path(f, s->spec.job, path);
+    return fn(arg, &s->stats, path, err);
+}
+
+static int
+look_at_size(void *arg, const struct mark *m, const char *path,
+             struct rad_error *err)
+{
+    (void)arg;
+    return mark_look(m, path, false, err);
+}
+
+struct comparison {
+    void (*fn)(void *arg, const struct rad_error *why);
+    void *arg;
+};
+
+static int
+look_at_bytes(void *arg, const struct mark *m, const char *path,
+              struct rad_error *err)
+{
+    const struct comparison *c = arg;
+    struct rad_error why = { 0 };
+    int rc = mark_look(m, path, true, &why);
+
+    if (rc == RAD_ENOMEM)
+        return rad_fail(err, rc, "%s", why.what);
+    if (rc < 0)
+        c->fn(c->arg, &why);
+    return 0;
+}
+
+int
+folder_compare(struct folder *f, const struct saved_job *s, bool over,
+               void (*fn)(void *arg, const struct rad_error *why), void *arg,
+               struct rad_error *err)
+{
+    struct comparison c = { fn, arg };
+
+    return each_finished(f, s, over, look_at_bytes, &c, err);
+}
+
+/* --- rows --- */
+
+/* Which frames have a file of rows, and which must have one. */
+struct found {
+    bool *there, *noted;
+};
+
+static int
+look_for_rows(const struct folder *f, const struct saved_job *s,
+              struct found *to, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX], *end;
+    struct dirent *e;
+    DIR *d;
+
+    for (uint32_t i = 0; i < s->nunits; i++)
+        to->noted[s->units[i].area.frame] |= s->units[i].stored > 0;
+    folder_job_path(f, s->spec.job, path);
+    d = disk_open_dir(path);
+    if (!d)
+        return errno == ENOENT ? 0 : disk_fail(err, errno, "open", path);
+    while ((e = readdir(d)) != NULL) {
+        unsigned long n = strtoul(e->d_name, &end, 10);
+
+        if (end > e->d_name && strcmp(end, ".rows") == 0 && n < s->spec.nframes)
+            to->there[n] = true;
+    }
+    closedir(d);
+    return 0;
+}
+
+/* What nothing is noted of may be half made, and is made anew. */
+static int
+take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
+          struct rad_error *err)
+{
+    struct frame_rows *r = &j->frames[i];
+    struct rad_error why = { 0 };
+    char path[DISK_PATH_MAX];
+
+    r->rows = calloc(1, sizeof *r->rows);
+    if (!r->rows)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    folder_frame_path(f, j->id, i, ".rows", path);
+    if (rows_open(r->rows, &f->opened, path, r->width, r->height, j->kind,
+                  &why) == 0) {
+        r->state = FRAME_BEGUN;
+        return 0;
+    }
+    free(r->rows);
+    r->rows = NULL;
+    if (noted || why.code != RAD_EDATA)
+        return rad_fail(err, why.code, "%s", why.what);
+    if (!f->looks)
+        unlink(path);
+    return 0;
+}
+
+static int
+take_frames(struct folder *f, struct folder_job *j, const struct saved_job *s,
+            const struct found *found, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
+        struct frame_rows *r = &j->frames[i];
+
+        if (s->frames[i].written)
+            r->state = FRAME_WRITTEN;
+        else if (found->there[i] || found->noted[i])
+            rc = take_rows(f, j, i, found->noted[i], err);
+        if (r->state == FRAME_EMPTY)
+            j->room += folder_frame_bytes(j, r);
+    }
+    return rc;
+}
+
+static int
+take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
+          struct rad_error *err)
+{
+    struct found found = { calloc(j->nframes + 1, sizeof(bool)),
+                           calloc(j->nframes + 1, sizeof(bool)) };
+    char path[DISK_PATH_MAX];
+    int rc;
+
+    if (!found.there || !found.noted)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    else
+        rc = look_for_rows(f, s, &found, err);
+    if (rc == 0)
+        rc = take_frames(f, j, s, &found, err);
+    free(found.there);
+    free(found.noted);
+    if (rc < 0 || f->looks)
+        return rc;
+    /* without room for all of it the job is held when it needs more */
+    folder_room_path(f, j->id, path);
+    rc = room_set(path, j->room, NULL);
+    return rc == RAD_EFULL ? 0 : rc;
+}
+
+int
+folder_take_up(struct folder *f, const struct saved_job *s, bool over,
+               struct rad_error *err)
+{
+    struct folder_job *j = folder_new_job(f, &s->spec, err);
+    char path[DISK_PATH_MAX];
+    int rc = 0;
+
+    if (!j)
+        return RAD_ENOMEM;
+    folder_job_path(f, s->spec.job, path);
+    if (access(path, R_OK | W_OK | X_OK) < 0)
+        rc = mark_missing(path, errno, err);
+    if (rc == 0)
+        rc = each_finished(f, s, over, look_at_size, NULL, err);
+    if (rc == 0 && !over)
+        rc = take_open(f, j, s, err);
+    if (rc < 0 || over)
+        folder_free_job(j);
+    else
+        folder_add_job(f, j);
+    return rc;
+}

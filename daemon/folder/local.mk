@@ -1,0 +1,16 @@
+# files of jobs: rows as they come, pictures
+libdaemon_a_SOURCES += \
+	daemon/folder/filtered.c \
+	daemon/folder/filtered.h \
+	daemon/folder/folder.c \
+	daemon/folder/folder.h \
+	daemon/folder/folder_impl.h \
+	daemon/folder/folder_take.c \
+	daemon/folder/mark.c \
+	daemon/folder/mark.h \
+	daemon/folder/room.c \
+	daemon/folder/room.h \
+	daemon/folder/rowcheck.c \
+	daemon/folder/rowcheck.h \
+	daemon/folder/rows.c \
+	daemon/folder/rows.h

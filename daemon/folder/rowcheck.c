@@ -1,0 +1,115 @@
+/* rowcheck.c - see rowcheck.h */
+#include "config.h"
+
+#include "folder/rowcheck.h"
+
+/* Nobody had it, so rows of that attempt that are still to come are late. */
+static void
+make_new(struct saved_unit *u)
+{
+    u->worker = "";
+    u->fingerprint = 0;
+    u->stored = 0;
+    u->sum = 0;
+    u->done = false;
+    u->end_ms = 0;
+    u->bottom = NULL;
+    u->nbottom = 0;
+}
+
+struct check {
+    struct folder *f;
+    const struct saved_job *saved;
+    struct saved_unit *units;
+    rowcheck_fn *damaged;
+    void *arg;
+    struct rad_error *err;
+};
+
+/* Are the rows what they were, and is the base line that they end with there,
+ * too?  Where each pixel is traced one that was kept leaves no densities: then
+ * the sum alone says whether it was. */
+static int
+look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
+{
+    *sound = *line = false;
+    for (int with = u->nbottom > 0; with < 2 && !*sound; with++) {
+        uint64_t sum;
+        int rc = folder_sum(c->f, c->saved->spec.job, &u->area, u->stored, with,
+                            &sum, c->err);
+
+        if (rc < 0)
+            return rc;
+        *sound = sum == u->sum;
+        *line = *sound && with;
+    }
+    return 0;
+}
+
+static int
+strike(const struct check *c, struct saved_unit *u)
+{
+    make_new(u);
+    return c->damaged(c->arg, c->saved, u, c->err);
+}
+
+/* The unit that ends where u begins, if it is done. */
+static struct saved_unit *
+done_above(const struct check *c, const struct saved_unit *u)
+{
+    const struct partition_area *a = &u->area;
+
+    for (uint32_t i = 0; i < c->saved->nunits; i++) {
+        const struct partition_area *b = &c->units[i].area;
+
+        if (c->units[i].done && b->frame == a->frame && b->x == a->x &&
+            b->width == a->width && b->y + b->height == a->y)
+            return &c->units[i];
+    }
+    return NULL;
+}
+
+/* What is made again begins at a base line.  Of a unit that came to its end
+ * after the one below none was kept: then it is made again as well. */
+static int
+strike_above(const struct check *c, const struct saved_unit *u)
+{
+    struct saved_unit *above;
+    bool sound, line;
+    int rc = 0;
+
+    while (rc == 0 && (above = done_above(c, u)) != NULL) {
+        rc = look(c, above, &sound, &line);
+        if (rc < 0 || line)
+            break;
+        rc = strike(c, above);
+        u = above;
+    }
+    return rc;
+}
+
+int
+rowcheck_job(struct folder *f, const struct saved_job *saved,
+             struct saved_unit *units, rowcheck_fn *damaged, void *arg,
+             struct rad_error *err)
+{
+    const struct check c = { f, saved, units, damaged, arg, err };
+    bool sound, line;
+    int rc = 0;
+
+    for (uint32_t i = 0; i < saved->nunits && rc == 0; i++) {
+        units[i] = saved->units[i];
+        if (units[i].stored == 0 ||
+            saved->frames[units[i].area.frame].written)
+            continue;
+        rc = look(&c, &units[i], &sound, &line);
+        if (rc == 0 && !sound)
+            rc = strike(&c, &units[i]);
+    }
+    if (saved->spec.partition == MSG_PART_WINDOW) /* has no base lines */
+        return rc;
+    for (uint32_t i = 0; i < saved->nunits && rc == 0; i++)
+        if (saved->units[i].done && !units[i].done)
+            rc = strike_above(&c, &units[i]);
+    return rc;
+}

@@ -1,0 +1,623 @@
+/* rows.c - see rows.h */
+#include "config.h"
+
+#include "folder/rows.h"
+
+#include "machine/rowsum.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+/* Coded bytes that are copied at a time, but for long rows. */
+#define COPY_BYTES (64u << 10)
+
+/* Bytes of pixels that coded rows are taken apart to at a time, but for long
+ * rows: runs may stand for a hundred times what they take. */
+#define DECODE_BYTES (256u << 10)
+
+size_t
+rows_bytes(const struct rows *r, int w)
+{
+    if (r->kind == ROWS_RGBE)
+        return 4 * (size_t)w;
+    return (size_t)w * (size_t)r->kind * sizeof(float);
+}
+
+/* The file's name and what lies in it. */
+static int
+describe(struct rows *r, struct rows_open *among, const char *path, int width,
+         int height, enum rows_kind kind, struct rad_error *err)
+{
+    memset(r, 0, sizeof *r);
+    r->among = among;
+    r->fd = -1;
+    if (strlen(path) >= sizeof r->path)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    memcpy(r->path, path, strlen(path) + 1);
+    r->width = width;
+    r->height = height;
+    r->kind = kind;
+    return 0;
+}
+
+/* Of the pixels.  Coded rows take what they take. */
+static off_t
+pixels_size(const struct rows *r)
+{
+    if (r->kind == ROWS_CODED)
+        return 0;
+    return (off_t)rows_bytes(r, r->width) * r->height;
+}
+
+static off_t
+line_at(const struct rows *r, int y)
+{
+    return pixels_size(r) + (off_t)ROWS_LINE_BYTES(r->width) * y;
+}
+
+static off_t
+whole_size(const struct rows *r)
+{
+    return r->kind == ROWS_RGBE ? line_at(r, r->height) : pixels_size(r);
+}
+
+/* --- open files --- */
+
+/* Close it, and take it from its place. */
+static void
+close_one(struct rows *r)
+{
+    struct rows **v = r->among->file;
+    int i = 0;
+
+    if (r->fd < 0)
+        return;
+    while (v[i] != r)
+        i++;
+    memmove(v + i, v + i + 1, (ROWS_OPEN - 1 - (size_t)i) * sizeof *v);
+    v[ROWS_OPEN - 1] = NULL;
+    close(r->fd);
+    r->fd = -1;
+}
+
+static int
+sync_one(struct rows *r, struct rad_error *err)
+{
+    int rc = r->dirty ? disk_sync_data(r->fd, r->path, err) : 0;
+
+    r->dirty = false;
+    return rc;
+}
+
+/* Make room for one more, and put it first. */
+static int
+note_open(struct rows *r, int fd, struct rad_error *err)
+{
+    struct rows **v = r->among->file, *oldest = v[ROWS_OPEN - 1];
+    int rc = 0;
+
+    if (oldest) {
+        if (oldest->durable && oldest->dirty)
+            rc = syncs_add(&r->among->closed, oldest->path, false, err);
+        oldest->dirty = false;
+        close_one(oldest);
+    }
+    memmove(v + 1, v, (ROWS_OPEN - 1) * sizeof *v);
+    v[0] = r;
+    r->fd = fd;
+    return rc;
+}
+
+static int
+use(struct rows *r, struct rad_error *err)
+{
+    struct rows **v = r->among->file;
+    int i = 0, fd;
+
+    if (r->fd < 0) {
+        fd = open(r->path, O_RDWR | O_CLOEXEC);
+        return fd < 0 ? disk_fail(err, errno, "open", r->path)
+                      : note_open(r, fd, err);
+    }
+    while (v[i] != r)
+        i++;
+    memmove(v + 1, v, (size_t)i * sizeof *v);
+    v[0] = r;
+    return 0;
+}
+
+int
+rows_sync(struct rows_open *among, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (int i = 0; i < ROWS_OPEN && among->file[i]; i++)
+        if (among->file[i]->dirty)
+            syncs_begin(among->file[i]->fd);
+    if (among->closed.n > 0)
+        rc = syncs_settle(&among->closed, err);
+    for (int i = 0; i < ROWS_OPEN && among->file[i] && rc == 0; i++)
+        rc = sync_one(among->file[i], err);
+    return rc;
+}
+
+/* --- files --- */
+
+static int
+make_room(const struct rows *r, int fd, bool durable, struct rad_error *err)
+{
+    int number = durable ? posix_fallocate(fd, 0, pixels_size(r)) : 0;
+
+    if (number == 0 && ftruncate(fd, whole_size(r)) < 0)
+        number = errno;
+    return number == 0 ? 0 : disk_fail(err, number, "make room for", r->path);
+}
+
+int
+rows_create(struct rows *r, struct rows_open *among, const char *path,
+            int width, int height, enum rows_kind kind, bool durable,
+            struct rad_error *err)
+{
+    int rc = describe(r, among, path, width, height, kind, err), fd;
+
+    if (rc < 0)
+        return rc;
+    r->durable = durable;
+    if (durable && kind == ROWS_CODED)
+        return rad_fail(err, RAD_EINTERNAL, "coded rows do not last");
+    fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return disk_fail(err, errno, "create", path);
+    rc = make_room(r, fd, durable, err);
+    close(fd);
+    if (rc < 0)
+        unlink(r->path);
+    return rc;
+}
+
+int
+rows_open(struct rows *r, struct rows_open *among, const char *path, int width,
+          int height, enum rows_kind kind, struct rad_error *err)
+{
+    int rc = describe(r, among, path, width, height, kind, err);
+    struct stat st;
+
+    if (rc < 0)
+        return rc;
+    r->durable = true;
+    if (stat(path, &st) < 0 || access(path, R_OK | W_OK) < 0)
+        return mark_missing(path, errno, err);
+    if (!S_ISREG(st.st_mode) || st.st_size != whole_size(r))
+        return rad_fail(err, RAD_EDATA,
+                        "rows '%s' have %lld bytes, expected %lld", path,
+                        (long long)st.st_size, (long long)whole_size(r));
+    return 0;
+}
+
+static int
+check_place(const struct rows *r, int x, int y, int w, int h,
+            struct rad_error *err)
+{
+    if (x >= 0 && y >= 0 && w >= 1 && h >= 1 && w <= r->width - x &&
+        h <= r->height - y)
+        return 0;
+    return rad_fail(err, RAD_EPROTO,
+                    "pixels %d,%d %dx%d do not lie in a picture of %dx%d", x, y,
+                    w, h, r->width, r->height);
+}
+
+int
+rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
+           struct rad_error *err)
+{
+    int step = h, rc = check_place(r, x, y, w, h, err);
+
+    if (rc == 0)
+        rc = use(r, err);
+    r->dirty |= rc == 0;
+    if (w < r->width) /* not contiguous in the file */
+        step = 1;
+    for (int k = 0; k < h && rc == 0; k += step) {
+        off_t at =
+            (off_t)rows_bytes(r, r->width) * (y + k) + (off_t)rows_bytes(r, x);
+
+        rc = disk_write_at(r->fd,
+                           (const char *)pixels + rows_bytes(r, w) * (size_t)k,
+                           rows_bytes(r, w) * (size_t)step, at, r->path, err);
+    }
+    return rc;
+}
+
+static int
+damaged(int h, struct rad_error *err)
+{
+    return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
+}
+
+/* Note where rows lie that will be written at the end of the file. */
+static int
+place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+           struct rad_error *err)
+{
+    size_t at = 0;
+
+    if (!r->place)
+        r->place = calloc((size_t)r->height, sizeof *r->place);
+    if (!r->place)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_row_bytes(code + at, n - at, r->width);
+
+        if (row == 0 || row > RAD_HDR_CODED_BYTES(r->width))
+            break;
+        r->place[y + k] = (struct rows_place){ r->end + at, row };
+        at += row;
+        if (k + 1 == h && at == n)
+            return 0;
+    }
+    memset(r->place + y, 0, (size_t)h * sizeof *r->place);
+    return damaged(h, err);
+}
+
+static int
+append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+             struct rad_error *err)
+{
+    int rc = use(r, err);
+
+    if (rc == 0)
+        rc = place_rows(r, y, h, code, n, err);
+    if (rc == 0)
+        rc = disk_write_at(r->fd, code, n, (off_t)r->end, r->path, err);
+    if (rc == 0)
+        r->end += n;
+    return rc;
+}
+
+/* Are those n bytes h rows of w pixels? */
+static int
+check_code(int w, int h, const uint8_t *code, size_t n, struct rad_error *err)
+{
+    size_t at = 0;
+
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_row_bytes(code + at, n - at, w);
+
+        if (row == 0)
+            return damaged(h, err);
+        at += row;
+    }
+    return at == n ? 0 : damaged(h, err);
+}
+
+/* Decode h rows of w pixels to rgbe; *code goes beyond them. */
+static int
+decode_rows(int w, int h, const uint8_t **code, const uint8_t *end,
+            uint8_t *rgbe, struct rad_error *err)
+{
+    for (int k = 0; k < h; k++) {
+        size_t row = rad_hdr_decode_row(*code, (size_t)(end - *code), w,
+                                        rgbe + 4 * (size_t)w * (size_t)k);
+
+        if (row == 0)
+            return damaged(h, err);
+        *code += row;
+    }
+    return 0;
+}
+
+/* A few rows at a time; some are written if the disk fails at later ones. */
+static int
+write_decoded(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
+              size_t n, uint64_t *sum, struct rad_error *err)
+{
+    size_t bytes = rows_bytes(r, w);
+    int most = bytes < DECODE_BYTES ? (int)(DECODE_BYTES / bytes) : 1, rc = 0;
+    const uint8_t *end = code + n;
+    uint8_t *rgbe = malloc(bytes * (size_t)(h < most ? h : most));
+    uint64_t all = 0;
+
+    if (!rgbe)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int k = 0; k < h && rc == 0; k += most) {
+        int rows = h - k < most ? h - k : most;
+
+        rc = decode_rows(w, rows, &code, end, rgbe, err);
+        if (rc == 0)
+            rc = rows_write(r, x, y + k, w, rows, rgbe, err);
+        if (rc == 0 && sum)
+            all ^= rowsum(rgbe, bytes, (uint32_t)(y + k), (uint32_t)rows);
+    }
+    if (rc == 0 && sum)
+        *sum = all;
+    free(rgbe);
+    return rc;
+}
+
+int
+rows_write_coded(struct rows *r, int x, int y, int w, int h,
+                 const uint8_t *code, size_t n, uint64_t *sum,
+                 struct rad_error *err)
+{
+    int rc = check_place(r, x, y, w, h, err);
+
+    if (rc < 0)
+        return rc;
+    if (r->kind == ROWS_CODED && w == r->width)
+        return append_coded(r, y, h, code, n, err);
+    if (r->kind != ROWS_RGBE)
+        return rad_fail(err, RAD_EPROTO, "no coded rows are wanted");
+    rc = check_code(w, h, code, n, err);
+    if (rc == 0)
+        rc = write_decoded(r, x, y, w, h, code, n, sum, err);
+    return rc;
+}
+
+/* Is there such a line? */
+static int
+use_line(struct rows *r, int y, struct rad_error *err)
+{
+    if (r->kind != ROWS_RGBE || y < 0 || y >= r->height)
+        return rad_fail(err, RAD_EDATA, "there is no line of row %d", y);
+    return use(r, err);
+}
+
+int
+rows_write_line(struct rows *r, int y, const float *line, struct rad_error *err)
+{
+    int rc = use_line(r, y, err);
+
+    if (rc < 0)
+        return rc;
+    r->dirty = true;
+    return disk_write_at(r->fd, line, ROWS_LINE_BYTES(r->width), line_at(r, y),
+                         r->path, err);
+}
+
+int
+rows_read_line(struct rows *r, int y, float *line, struct rad_error *err)
+{
+    int rc = use_line(r, y, err);
+
+    if (rc < 0)
+        return rc;
+    return disk_read_at(r->fd, line, ROWS_LINE_BYTES(r->width), line_at(r, y),
+                        r->path, err);
+}
+
+int
+rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
+               struct rad_error *err)
+{
+    int rc;
+
+    if (x < 0 || y < 0 || w < 1 || w > r->width - x || y >= r->height)
+        return rad_fail(err, RAD_EDATA,
+                        "pixels %d,%d %dx1 do not lie in a picture of %dx%d", x,
+                        y, w, r->width, r->height);
+    rc = use(r, err);
+    if (rc < 0)
+        return rc;
+    return disk_read_at(r->fd, pixels, rows_bytes(r, w),
+                        (off_t)rows_bytes(r, r->width) * y +
+                            (off_t)rows_bytes(r, x),
+                        r->path, err);
+}
+
+int
+rows_read(struct rows *r, int y, void *pixels, struct rad_error *err)
+{
+    return rows_read_part(r, 0, y, r->width, pixels, err);
+}
+
+/* A coded row; what has not come is black. */
+static int
+read_coded(struct rows *r, int y, uint8_t *rgbe, uint8_t *code,
+           struct rad_error *err)
+{
+    const struct rows_place *p = r->place ? &r->place[y] : NULL;
+    int rc;
+
+    if (!p || p->n == 0) {
+        memset(rgbe, 0, 4 * (size_t)r->width);
+        return 0;
+    }
+    rc = use(r, err);
+    if (rc == 0)
+        rc = disk_read_at(r->fd, code, p->n, (off_t)p->at, r->path, err);
+    if (rc == 0 && rad_hdr_decode_row(code, p->n, r->width, rgbe) != p->n)
+        rc = damaged(1, err);
+    return rc;
+}
+
+int
+rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
+               struct rad_error *err)
+{
+    const float *p = work;
+    int rc;
+
+    if (r->kind == ROWS_CODED)
+        return read_coded(r, y, rgbe, work, err);
+    if (r->kind == ROWS_RGBE)
+        return rows_read(r, y, rgbe, err);
+    rc = rows_read(r, y, work, err);
+    for (int x = 0; x < r->width && rc == 0; x++, p += r->kind)
+        rad_rgbe(rad_rgb(p[0], p[1], p[2]), rgbe + 4 * (size_t)x);
+    return rc;
+}
+
+void
+rows_release(struct rows *r)
+{
+    close_one(r);
+    r->dirty = false;
+    free(r->place);
+    r->place = NULL;
+    r->end = 0;
+}
+
+void
+rows_remove(struct rows *r)
+{
+    rows_release(r);
+    unlink(r->path);
+}
+
+/* What encoding a picture takes to work in. */
+struct encoder {
+    void *pixels; /* a row as in the file */
+    struct rad_rgb *line;
+    uint8_t *code;
+};
+
+static size_t
+encode_row(const struct rows *r, const struct encoder *e)
+{
+    const float *p = e->pixels;
+
+    if (r->kind == ROWS_RGBE)
+        return rad_hdr_encode_rgbe(e->pixels, r->width, e->code);
+    for (int x = 0; x < r->width; x++, p += r->kind)
+        e->line[x] = rad_rgb(p[0], p[1], p[2]);
+    return rad_hdr_encode_row(e->line, r->width, e->code);
+}
+
+static int
+encode_rows(struct rows *r, const struct rad_sink *sink,
+            const struct encoder *e, struct rad_error *err)
+{
+    for (int y = 0; y < r->height; y++) {
+        int rc = rows_read(r, y, e->pixels, err);
+
+        if (rc == 0)
+            rc = sink->write(sink->arg, e->code, encode_row(r, e), err);
+        if (rc < 0)
+            return rc;
+    }
+    return 0;
+}
+
+/* Copy coded rows from row y on that lie one behind the other; what has not
+ * come is black.  Returns how many, or a code. */
+static int
+copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
+          const uint8_t *black, size_t nblack, struct rad_error *err)
+{
+    const struct rows_place *p = r->place ? &r->place[y] : NULL;
+    size_t n = p ? p->n : 0;
+    int k = 1, rc;
+
+    if (n == 0) {
+        rc = sink->write(sink->arg, black, nblack, err);
+        return rc < 0 ? rc : 1;
+    }
+    for (; y + k < r->height && p[k].n > 0 && p[k].at == p[0].at + n &&
+           n + p[k].n <= COPY_BYTES;
+         k++)
+        n += p[k].n;
+    rc = use(r, err);
+    if (rc == 0)
+        rc = disk_read_at(r->fd, code, n, (off_t)p->at, r->path, err);
+    if (rc == 0)
+        rc = sink->write(sink->arg, code, n, err);
+    return rc < 0 ? rc : k;
+}
+
+/* line is a black row. */
+static int
+copy_coded(struct rows *r, const struct rad_sink *sink,
+           const struct rad_rgb *line, struct rad_error *err)
+{
+    size_t room = RAD_HDR_ROW_BYTES(r->width), nblack;
+    uint8_t *code = malloc(COPY_BYTES + room), *black = malloc(room);
+    int rc = 0;
+
+    if (!code || !black) {
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    } else {
+        nblack = rad_hdr_encode_row(line, r->width, black);
+        for (int y = 0; y < r->height && rc >= 0; y += rc)
+            rc = copy_rows(r, y, sink, code, black, nblack, err);
+    }
+    free(code);
+    free(black);
+    return rc < 0 ? rc : 0;
+}
+
+int
+rows_close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
+                   struct rad_error *err)
+{
+    rc = disk_file_close(w, rc, false, err);
+    if (rc == 0 && durable)
+        rc = syncs_add(&r->among->closed, w->path, true, err);
+    return rc;
+}
+
+int
+rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
+             bool durable, struct mark *mark, struct rad_error *err)
+{
+    struct disk_file w;
+    struct rad_sink sink = { disk_file_write, &w };
+    struct encoder e = { .pixels = malloc(rows_bytes(r, r->width)),
+                         .line = calloc((size_t)r->width, sizeof *e.line),
+                         .code = malloc(RAD_HDR_ROW_BYTES(r->width)) };
+    int rc;
+
+    if (!e.pixels || !e.line || !e.code)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    else
+        rc = disk_file_open(&w, path, mark, err);
+    if (rc == 0) {
+        rc = rad_hdr_write_header(info, &sink, err);
+        if (rc == 0 && r->kind == ROWS_CODED)
+            rc = copy_coded(r, &sink, e.line, err);
+        else if (rc == 0)
+            rc = encode_rows(r, &sink, &e, err);
+        rc = rows_close_picture(r, &w, rc, durable, err);
+    }
+    free(e.pixels);
+    free(e.line);
+    free(e.code);
+    return rc;
+}
+
+int
+rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
+           struct rad_error *err)
+{
+    struct disk_file w;
+    float *pixels;
+    int rc;
+
+    if (r->kind != ROWS_DISTANCES)
+        return rad_fail(err, RAD_EDATA, "the job has no depth");
+    pixels = malloc(rows_bytes(r, r->width));
+    if (!pixels)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = disk_file_open(&w, path, mark, err);
+    if (rc < 0) {
+        free(pixels);
+        return rc;
+    }
+    for (int y = 0; y < r->height && rc == 0; y++) {
+        rc = rows_read(r, y, pixels, err);
+        for (int x = 0; x < r->width; x++)
+            pixels[x] = pixels[4 * (size_t)x + 3];
+        if (rc == 0)
+            rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
+                                 err);
+    }
+    rc = rows_close_picture(r, &w, rc, durable, err);
+    free(pixels);
+    return rc;
+}

@@ -1,0 +1,337 @@
+/* report.c - see report.h */
+#include "config.h"
+
+#include "front/report.h"
+
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define MOST_WHOLE 1000 /* rows of a list that is told whole */
+#define LIST_LABEL 80   /* bytes of a job's name in the list of jobs */
+
+static double
+since(const struct coord *c, uint64_t ms)
+{
+    return c->now_ms > ms ? (double)(c->now_ms - ms) / 1000 : 0;
+}
+
+/* Is there a job that the worker cannot take now? */
+static bool
+lacks_room(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        uint32_t index = sched_index(c->jobs[i], w);
+
+        if (!job_over(c->jobs[i]) && index != JOB_NOBODY &&
+            c->jobs[i]->workers[index].no_room)
+            return true;
+    }
+    return false;
+}
+
+const char *
+report_worker_state(const struct coord *c, const struct coord_worker *w)
+{
+    if (w->conn == 0)
+        return "gone";
+    if (w->drained || w->leaving)
+        return w->in_flight ? "draining" : "drained";
+    if (w->in_flight)
+        return "working";
+    if (w->loading)
+        return "loading";
+    return lacks_room(c, w) ? "no room" : "idle";
+}
+
+json_t *
+report_worker(const struct coord *c, const struct coord_worker *w)
+{
+    return json_pack("{s:s,s:s,s:I,s:I,s:s,s:s,s:f,s:s}", "name", w->name,
+                     "state", report_worker_state(c, w), "threads",
+                     (json_int_t)w->threads, "units", (json_int_t)w->in_flight,
+                     "address", w->address, "program", w->program, "since_s",
+                     since(c, w->since_ms), "text",
+                     lacks_room(c, w) ? w->no_room : "");
+}
+
+static json_t *
+all_workers(const struct coord *c)
+{
+    json_t *list = json_array();
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        if (!w->forgotten)
+            json_array_append_new(list, report_worker(c, w));
+    return list;
+}
+
+/* Nobody works on it though there are workers: of --same-bits. */
+static bool
+lacks_bits(const struct job *job)
+{
+    bool others = false;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        others |= job->workers[i].excluded && job->workers[i].worker->conn != 0;
+    return others && job->spec.flags & MSG_JOB_SAME_BITS &&
+           job_active(job) == 0;
+}
+
+/* All workers are of version 1, and its list of frames is too long for them. */
+static bool
+lacks_words(const struct coord *c, const struct job *job)
+{
+    bool some = false;
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next) {
+        if (w->conn != 0 && sched_can_tell(job, w))
+            return false;
+        some |= w->conn != 0;
+    }
+    return some;
+}
+
+/* A worker that cannot take the job for want of room, where none is at it. */
+static const struct coord_worker *
+without_room(const struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers && job_active(job) == 0; i++)
+        if (job->workers[i].no_room)
+            return job->workers[i].worker;
+    return NULL;
+}
+
+/* Of a job that could be worked at: nobody is there who may. */
+static const char *
+lacks_workers(const struct coord *c, const struct job *job)
+{
+    bool some = false;
+
+    if (job->state != JOB_WAITING && job->state != JOB_RUNNING)
+        return NULL;
+    for (const struct coord_worker *w = c->workers; w; w = w->next) {
+        if (w->conn == 0)
+            continue;
+        if ((!w->drained && !w->leaving) || w->in_flight > 0)
+            return NULL;
+        some = true;
+    }
+    return some ? "all workers are drained" : "no worker is there";
+}
+
+/* Why it is over, or gets nowhere; in buf, if that has to be made up. */
+static const char *
+why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
+{
+    const struct coord_worker *full = without_room(job);
+    const char *nobody = lacks_workers(c, job);
+    char when[COORD_TIME];
+    uint32_t first = 0;
+
+    if (coord_unfetched(c, job) && !job->text[0]) {
+        coord_time_text(job->end_ms + c->keep.unfetched_ms, when);
+        snprintf(buf, MSG_MAX_TEXT + 1, "not fetched; kept until %s", when);
+        return buf;
+    }
+    if (job_over(job))
+        return job->text;
+    if (job->held)
+        return job->waits ? job->text : c->full_text;
+    if (nobody)
+        return nobody;
+    if (full) {
+        rad_text_print(buf, MSG_MAX_TEXT + 1, "worker %s: %s", full->name,
+                       full->no_room);
+        return buf;
+    }
+    if (lacks_words(c, job))
+        return "workers of protocol version 1 take no job of so many frames";
+    if (!lacks_bits(job))
+        return job->text;
+    while (first + 1 < job->nworkers && !job->workers[first].took_part)
+        first++;
+    snprintf(buf, MSG_MAX_TEXT + 1,
+             "--same-bits: no worker here has the arithmetic of the first, %s",
+             job->workers[first].name);
+    return buf;
+}
+
+json_t *
+report_job(const struct coord *c, const struct job *job, size_t label)
+{
+    char name[MSG_MAX_LABEL + 1];
+    char text[MSG_MAX_TEXT + 1];
+    struct msg_progress p;
+    struct job_size size = job_size(job);
+    double done, rows;
+
+    job_progress(job, c->now_ms, &p);
+    rad_text_print(name, label + 1, "%s", job->spec.name);
+    /* the cost is that of whole units: of a single one rows tell more */
+    done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
+    rows =
+        p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
+    if (rows > done)
+        done = rows;
+    return json_pack(
+        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+        "s:f,s:s,s:i}",
+        "job", job->hex, "name", name, "owner", job->owner, "state",
+        job_is(job), "priority", (int)job->spec.priority, "done", done,
+        "frames", (json_int_t)job->spec.nframes, "frames_ready",
+        (json_int_t)p.frames_ready, "width",
+        (json_int_t)size.width, "height", (json_int_t)size.height,
+        "oversample", (json_int_t)size.oversample, "units_done",
+        (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
+        "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
+        "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
+        why(c, job, text), "status", job->status);
+}
+
+json_t *
+report_gone(const struct coord *c, const struct saved_gone *g)
+{
+    char hex[MSG_JOB_HEX], text[MSG_MAX_TEXT + 1];
+
+    msg_job_format(g->job, hex);
+    coord_gone_text(g, text);
+    return json_pack("{s:s,s:s,s:s,s:s,s:i,s:i,s:b,s:f,s:i,s:s}", "job", hex,
+                     "name", g->name, "owner", g->owner, "state", "forgotten",
+                     "priority", 0, "done", 0, "fetched", g->fetched,
+                     "elapsed_s", since(c, g->gone_ms), "workers", 0, "text",
+                     text);
+}
+
+static json_t *
+all_jobs(const struct coord *c)
+{
+    json_t *list = json_array();
+
+    for (size_t i = 0; i < c->njobs; i++)
+        json_array_append_new(list, report_job(c, c->jobs[i], LIST_LABEL));
+    return list;
+}
+
+static json_t *
+status_of(const struct coord *c)
+{
+    json_int_t workers = 0, threads = 0, jobs = 0;
+    struct coord_pace pace = { 0 };
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        if (w->conn != 0) {
+            workers++;
+            threads += w->threads;
+        }
+    for (size_t i = 0; i < c->njobs; i++)
+        jobs += !job_over(c->jobs[i]);
+    if (c->env.pace)
+        c->env.pace(c->env.arg, &pace);
+    return json_pack(
+        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:f}", "program", c->env.program,
+        "epoch", (json_int_t)(c->env.epoch & INT64_MAX), "workers", workers,
+        "threads", threads, "jobs", jobs, "jobs_kept", (json_int_t)c->njobs,
+        "slow_turns", (json_int_t)pace.slow, "longest_turn_ms", pace.longest_ms,
+        "longest_turn_cpu_ms", pace.longest_cpu_ms);
+}
+
+/* The job whose id begins with text; *status says why there is none. */
+static const struct job *
+find_prefix(const struct coord *c, const char *text, int *status)
+{
+    const struct job *found = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        if (strncmp(c->jobs[i]->hex, text, strlen(text)) != 0)
+            continue;
+        if (found) {
+            *status = EX_USAGE;
+            return NULL;
+        }
+        found = c->jobs[i];
+    }
+    *status = found ? 0 : EX_NOINPUT;
+    return found;
+}
+
+static char *
+message(const char *fmt, const char *text)
+{
+    char buf[256];
+
+    snprintf(buf, sizeof buf, fmt, text);
+    return strdup(buf);
+}
+
+static char *
+query_job(const struct coord *c, const char *text, int *status, json_t **root)
+{
+    const struct job *job = find_prefix(c, text, status);
+    const struct saved_gone *gone;
+    char why[MSG_MAX_TEXT + 1];
+
+    if (job) {
+        *root = report_job(c, job, MSG_MAX_LABEL);
+        return NULL;
+    }
+    gone = *status == EX_NOINPUT && text[0] ? coord_find_gone(c, text) : NULL;
+    if (gone) {
+        coord_gone_text(gone, why);
+        return strdup(why);
+    }
+    return message(*status == EX_USAGE ? "several jobs begin with '%s'"
+                                       : "no job '%s'",
+                   text);
+}
+
+/* A whole list, as version 1 asks for it, where that is not too long for the
+ * loop and for one answer. */
+static char *
+query_whole(const struct coord *c, enum msg_topic what, int *status,
+            json_t **root)
+{
+    bool jobs = what == MSG_QUERY_JOBS;
+
+    if ((jobs ? c->njobs : c->nworkers) > MOST_WHOLE) {
+        *status = EX_PROTOCOL;
+        return message("too many %s for one answer: a newer radctl asks for "
+                       "pages of them",
+                       jobs ? "jobs" : "workers");
+    }
+    *root = jobs ? all_jobs(c) : all_workers(c);
+    return NULL;
+}
+
+char *
+report_query(const struct coord *c, enum msg_topic what, const char *text,
+             int *status)
+{
+    json_t *root = NULL;
+    char *out = NULL;
+
+    *status = 0;
+    switch (what) {
+    case MSG_QUERY_STATUS:
+        root = status_of(c);
+        break;
+    case MSG_QUERY_WORKERS:
+    case MSG_QUERY_JOBS:
+        out = query_whole(c, what, status, &root);
+        break;
+    case MSG_QUERY_JOB:
+        out = query_job(c, text, status, &root);
+        break;
+    case MSG_QUERY_LIMITS: /* quota.h */
+    case MSG_NQUERY:
+        break;
+    }
+    if (!root)
+        return out;
+    out = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    json_decref(root);
+    return out;
+}

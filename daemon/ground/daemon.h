@@ -1,0 +1,100 @@
+/* daemon.h - what both daemons do to start, to live and to end
+ *
+ * Settings, log, loop, tick, signals, reload, the pipe of an embedded cluster,
+ * and what systemd wants to hear.
+ * Thread: main's. */
+#ifndef RADD_DAEMON_DAEMON_H
+#define RADD_DAEMON_DAEMON_H
+
+#include "ground/conf.h"
+#include "ground/service.h"
+
+#include <stddef.h>
+#include <uv.h>
+
+/* First in each daemon's settings. */
+struct daemon_settings {
+    char ports_file[CONF_TEXT];
+    char log_level[CONF_TEXT];
+    bool embedded; /* in a cluster of radsubmit's own: no waiting for the disk,
+                    * and no life longer than that of whoever holds the other
+                    * end of the pipe */
+    int lifetime_fd;
+};
+
+/* Their rows, last in each daemon's table. */
+#define DAEMON_FIELD(f) offsetof(struct daemon_settings, f)
+#define DAEMON_KEYS                                                            \
+    { "ports_file",                                                            \
+      CONF_TEXT_KEY,                                                           \
+      DAEMON_FIELD(ports_file),                                                \
+      0,                                                                       \
+      0,                                                                       \
+      "",                                                                      \
+      "FILE",                                                                  \
+      "gets the sockets in use, one a line",                                   \
+      false },                                                                 \
+        { "log_level", CONF_TEXT_KEY, DAEMON_FIELD(log_level),    0,   0,      \
+          "info",      "LEVEL",       "err, warn, info or debug", true },      \
+        { "embedded", CONF_BOOL_KEY, DAEMON_FIELD(embedded), 0, 0, "no", NULL, \
+          NULL,       false },                                                 \
+        { "lifetime_fd",                                                       \
+          CONF_INT_KEY,                                                        \
+          DAEMON_FIELD(lifetime_fd),                                           \
+          -1,                                                                  \
+          1 << 20,                                                             \
+          "-1",                                                                \
+          NULL,                                                                \
+          NULL,                                                                \
+          false },                                                             \
+    {                                                                          \
+        NULL, 0, 0, 0, 0, NULL, NULL, NULL, false                              \
+    }
+
+struct daemon_ops {
+    /* Open what it serves with; an error ends it with that code. */
+    int (*start)(void *arg, struct rad_error *err);
+    void (*tick)(void *arg); /* every DAEMON_TICK_MS */
+    void (*term)(void *arg); /* the first SIGTERM or SIGINT, and later ones
+                              * until daemon_stop() */
+    void (*reloaded)(void *arg);
+    /* Close what is open and wait until nothing is left to do. */
+    void (*finish)(void *arg);
+    /* Free: the loop has ended. */
+    void (*release)(void *arg);
+};
+#define DAEMON_TICK_MS 100
+
+struct daemon {
+    const struct conf_table *table;
+    struct daemon_settings *set;
+    void *loaded; /* the settings as they were read, see conf_reload() */
+    const struct daemon_ops *ops;
+    void *arg;
+    int argc;
+    char **argv;
+    uv_loop_t loop;
+    uv_work_t first_work; /* that starts the pool's threads */
+    uv_timer_t ticker;
+    uv_signal_t sigterm, sigint, sighup;
+    struct service_lifetime lifetime;
+    int notify;           /* systemd's socket */
+    uint64_t watchdog_ms; /* systemd waits so long for a sign of life; 0: not */
+    uint64_t fed_ms;      /* when it got the last */
+    bool stopping;
+    int status;
+};
+
+/* What both daemons' texts must be (conf_table.check_text). */
+int daemon_check_text(const char *name, const char *value,
+                      struct rad_error *err);
+
+/* The whole life; table, set, ops and arg are set.  Returns the exit status. */
+int daemon_run(struct daemon *d, int argc, char *argv[]);
+
+/* End it with that exit status. */
+void daemon_stop(struct daemon *d, int status);
+
+uint64_t daemon_now(const struct daemon *d);
+
+#endif

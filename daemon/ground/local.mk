@@ -1,0 +1,20 @@
+# what any daemon stands on: settings, log, loop, disk
+libdaemon_a_SOURCES += \
+	daemon/ground/conf.c \
+	daemon/ground/conf.h \
+	daemon/ground/daemon.c \
+	daemon/ground/daemon.h \
+	daemon/ground/disk.c \
+	daemon/ground/disk.h \
+	daemon/ground/log.c \
+	daemon/ground/log.h \
+	daemon/ground/lossy.c \
+	daemon/ground/lossy.h \
+	daemon/ground/service.c \
+	daemon/ground/service.h \
+	daemon/ground/syncs.c \
+	daemon/ground/syncs.h \
+	daemon/ground/task.c \
+	daemon/ground/task.h \
+	daemon/ground/turns.c \
+	daemon/ground/turns.h

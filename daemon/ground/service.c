@@ -1,0 +1,288 @@
+/* service.c - see service.h */
+#include "config.h"
+
+#include "ground/service.h"
+
+#include "base/output.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <malloc.h>
+#include <openssl/crypto.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+void
+service_raise_descriptors(void)
+{
+    struct rlimit limit;
+
+    if (getrlimit(RLIMIT_NOFILE, &limit) < 0)
+        return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+int
+service_notify_open(void)
+{
+    const char *path = getenv("NOTIFY_SOCKET");
+    struct sockaddr_un to = { .sun_family = AF_UNIX };
+    size_t n;
+    int fd;
+
+    if (!path || !path[0] || strlen(path) >= sizeof to.sun_path)
+        return -1;
+    n = strlen(path);
+    memcpy(to.sun_path, path, n);
+    if (to.sun_path[0] == '@') /* the abstract namespace */
+        to.sun_path[0] = '\0';
+    fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0 &&
+        connect(fd, (struct sockaddr *)&to,
+                (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n)) < 0) {
+        close(fd);
+        fd = -1;
+    }
+    return fd;
+}
+
+void
+service_notify(int fd, const char *state)
+{
+    if (fd >= 0)
+        send(fd, state, strlen(state), MSG_NOSIGNAL);
+}
+
+uint64_t
+service_watchdog_ms(void)
+{
+    const char *usec = getenv("WATCHDOG_USEC"), *pid = getenv("WATCHDOG_PID");
+
+    if (!usec || (pid && strtol(pid, NULL, 10) != (long)getpid()))
+        return 0;
+    return strtoull(usec, NULL, 10) / 1000;
+}
+
+bool
+service_credential(const char *name, char *path, size_t size)
+{
+    const char *dir = getenv("CREDENTIALS_DIRECTORY");
+    bool any = false;
+    FILE *f;
+    int c;
+
+    if (!dir || snprintf(path, size, "%s/%s", dir, name) >= (int)size)
+        dir = NULL;
+    f = dir ? fopen(path, "re") : NULL;
+    any = dir && !f && errno != ENOENT; /* who reads it says what it lacks */
+    while (f && !any && (c = getc(f)) != EOF)
+        any = !isspace(c);
+    if (f)
+        fclose(f);
+    if (!any)
+        path[0] = '\0';
+    return any;
+}
+
+_Noreturn void
+service_out_of_memory(void)
+{
+    static const char text[] = "out of memory\n";
+
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        _exit(EX_IOERR);
+    _exit(EX_OSERR);
+}
+
+static void *
+need(void *p)
+{
+    if (!p)
+        service_out_of_memory();
+    return p;
+}
+
+static void *
+need_malloc(size_t n)
+{
+    return need(malloc(n));
+}
+
+static void *
+need_realloc(void *p, size_t n)
+{
+    p = realloc(p, n);
+    return n > 0 ? need(p) : p;
+}
+
+static void *
+need_calloc(size_t n, size_t size)
+{
+    return need(calloc(n, size));
+}
+
+/* libcrypto's, which tells where it stands */
+static void *
+crypto_malloc(size_t n, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    return n > 0 ? need_malloc(n) : NULL;
+}
+
+static void *
+crypto_realloc(void *p, size_t n, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    return need_realloc(p, n);
+}
+
+static void
+crypto_free(void *p, const char *file, int line)
+{
+    (void)file;
+    (void)line;
+    free(p);
+}
+
+void
+service_catch_no_memory(void)
+{
+    CRYPTO_set_mem_functions(crypto_malloc, crypto_realloc, crypto_free);
+    uv_replace_allocator(need_malloc, need_realloc, need_calloc, free);
+}
+
+int
+service_ports_file(const char *path, const char *const lines[], int n,
+                   struct rad_error *err)
+{
+    struct output out;
+    int rc = output_open(&out, path, false, err);
+
+    if (rc < 0)
+        return rc;
+    for (int i = 0; i < n; i++)
+        fprintf(out.file, "%s\n", lines[i]);
+    return output_commit(&out, err);
+}
+
+int
+service_make_dir(const char *path, int mode, struct rad_error *err)
+{
+    char part[PATH_MAX];
+    size_t n = strlen(path);
+
+    if (n == 0 || n >= sizeof part)
+        return rad_fail(err, RAD_ECANTCREAT, "bad folder name '%s'", path);
+    memcpy(part, path, n + 1);
+    for (char *p = part + 1;; p++) {
+        char c = *p;
+        struct stat st;
+
+        if (c != '/' && c != '\0')
+            continue;
+        *p = '\0';
+        if (mkdir(part, c ? 0755 : (mode_t)mode) < 0 && errno != EEXIST)
+            return rad_fail(err, RAD_ECANTCREAT, "cannot make folder '%s': %s",
+                            part, strerror(errno));
+        if (stat(part, &st) < 0 || !S_ISDIR(st.st_mode))
+            return rad_fail(err, RAD_ECANTCREAT, "'%s' is no folder", part);
+        if (c == '\0')
+            return 0;
+        *p = c;
+    }
+}
+
+int
+service_lock_dir(const char *path, struct rad_error *err)
+{
+    char lock[PATH_MAX];
+    struct stat st;
+    int fd;
+
+    if (snprintf(lock, sizeof lock, "%s/lock", path) >= (int)sizeof lock)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
+    if (lstat(lock, &st) == 0 && !S_ISREG(st.st_mode))
+        return rad_fail(err, RAD_EDATA, "'%s' is no file", lock);
+    fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (fd < 0)
+        return rad_fail(err, errno == EACCES ? RAD_EPERM : RAD_ECANTCREAT,
+                        "cannot open '%s': %s", lock, strerror(errno));
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0)
+        return fd;
+    close(fd);
+    return rad_fail(err, RAD_ECANTCREAT, "another process uses folder '%s'",
+                    path);
+}
+
+static void
+lifetime_event(uv_poll_t *poll, int status, int events)
+{
+    struct service_lifetime *l = poll->data;
+    char byte;
+    int fd;
+
+    (void)events;
+    uv_fileno((uv_handle_t *)poll, &fd);
+    /* nothing is ever written: what can be read is the end */
+    if (status < 0 || read(fd, &byte, 1) <= 0) {
+        uv_poll_stop(poll);
+        l->end(l->arg);
+    }
+}
+
+int
+service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
+                       void (*end)(void *arg), void *arg, struct rad_error *err)
+{
+    int rc;
+
+    if (fd < 0)
+        return 0;
+    fcntl(fd, F_SETFD, FD_CLOEXEC);
+    l->end = end;
+    l->arg = arg;
+    l->poll.data = l;
+    rc = uv_poll_init(loop, &l->poll, fd);
+    if (rc == 0)
+        rc = uv_poll_start(&l->poll, UV_READABLE | UV_DISCONNECT,
+                           lifetime_event);
+    if (rc < 0)
+        return rad_fail(err, RAD_EUSAGE, "cannot watch descriptor %d: %s", fd,
+                        uv_strerror(rc));
+    uv_unref((uv_handle_t *)&l->poll);
+    return 0;
+}
+
+/* glibc raises the limit above which a piece is mapped by itself with each that
+ * is freed; then the heap keeps what it once needed, for one small piece may
+ * lie behind all of it. */
+#define MAPPED_BYTES (128 << 10)
+
+void
+service_return_memory(void)
+{
+#ifdef M_MMAP_THRESHOLD
+    mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES);
+#endif
+}
+
+void
+service_trim_memory(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}

@@ -1,0 +1,601 @@
+/* journal.c - see journal.h
+ *
+ * The specification of a job is kept as its SUBMIT, counts and progress as they
+ * travel, so there is one codec for each, and it is fuzzed.  Numbers that have
+ * no sign are kept as SQLite's integers of the same bits.  Putting is in
+ * journal_put.c, reading in journal_read.c. */
+#include "config.h"
+
+#include "journal/journal.h"
+
+#include "journal/journal_impl.h"
+
+#include "ground/disk.h"
+#include "proto/frame.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define APPLICATION 0x72616464 /* "radd" */
+#define SCHEMA      5          /* since finished files have marks */
+#define SCHEMA_ALSO 3          /* and 4: taken over as they are read */
+#define WAL_PAGES   1000       /* in the log before it is carried over */
+
+/* As it was up to version 4. */
+static const char schema_4[] =
+    "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"
+    "CREATE TABLE job ("
+    " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
+    " spec BLOB NOT NULL, epoch INTEGER NOT NULL, state INTEGER NOT NULL,"
+    " status INTEGER NOT NULL, text TEXT NOT NULL, offer_ms INTEGER NOT NULL,"
+    " submit_ms INTEGER NOT NULL, open_ms INTEGER NOT NULL,"
+    " end_ms INTEGER NOT NULL, sent_bytes INTEGER NOT NULL,"
+    " kept_bytes INTEGER NOT NULL, progress BLOB);"
+    "CREATE TABLE unit ("
+    " job INTEGER NOT NULL, unit INTEGER NOT NULL, frame INTEGER NOT NULL,"
+    " x INTEGER NOT NULL, y INTEGER NOT NULL, width INTEGER NOT NULL,"
+    " height INTEGER NOT NULL, attempt INTEGER NOT NULL,"
+    " tries INTEGER NOT NULL, worker TEXT NOT NULL,"
+    " fingerprint INTEGER NOT NULL, stored INTEGER NOT NULL DEFAULT 0,"
+    " sum INTEGER NOT NULL DEFAULT 0,"
+    " done INTEGER NOT NULL DEFAULT 0, end_ms INTEGER NOT NULL DEFAULT 0,"
+    " counts BLOB, bottom BLOB, PRIMARY KEY (job, unit)) WITHOUT ROWID;"
+    "CREATE TABLE frame (job INTEGER NOT NULL, frame INTEGER NOT NULL,"
+    " PRIMARY KEY (job, frame)) WITHOUT ROWID;";
+
+/* What version 5 has more.  Marks of what was written before are not known. */
+static const char since_4[] =
+    "ALTER TABLE job ADD COLUMN stats_size INTEGER;"
+    "ALTER TABLE job ADD COLUMN stats_hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN size INTEGER;"
+    "ALTER TABLE frame ADD COLUMN hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN depth_size INTEGER;"
+    "ALTER TABLE frame ADD COLUMN depth_hash BLOB;"
+    "ALTER TABLE frame ADD COLUMN fetched INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job ADD COLUMN priority INTEGER;"
+    "CREATE TABLE drained (worker TEXT PRIMARY KEY) WITHOUT ROWID;"
+    "CREATE TABLE gone ("
+    " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
+    " name TEXT NOT NULL, why INTEGER NOT NULL, fetched INTEGER NOT NULL,"
+    " end_ms INTEGER NOT NULL, gone_ms INTEGER NOT NULL);";
+
+#define N_OF_JOB "(SELECT n FROM job WHERE id = ?1)"
+
+static const char *const sql[NSQL] = {
+    [SQL_BEGIN] = "BEGIN IMMEDIATE",
+    [SQL_COMMIT] = "COMMIT",
+    [SQL_PUT_LIFE] = "INSERT INTO life VALUES (?1, ?2)",
+    [SQL_LAST_LIFE] = "SELECT ifnull(max(epoch), 0) FROM life",
+    [SQL_PUT_JOB] =
+        "INSERT INTO job (id, owner, spec, epoch, state, status,"
+        " text, offer_ms, submit_ms, open_ms, end_ms, sent_bytes, kept_bytes)"
+        " VALUES (?1, ?2, ?3, (SELECT ifnull(max(epoch), 0) FROM life),"
+        " ?4, 0, '', ?5, ?6, ?7, 0, ?8, 0) ON CONFLICT (id) DO NOTHING",
+    [SQL_PUT_STATE] = "UPDATE job SET state = ?2, priority = ?3"
+                      " WHERE id = ?1",
+    [SQL_PUT_DRAINED] = "INSERT INTO drained VALUES (?1) ON CONFLICT DO"
+                        " NOTHING",
+    [SQL_DROP_DRAINED] = "DELETE FROM drained WHERE worker = ?1",
+    [SQL_DRAINED] = "SELECT worker FROM drained ORDER BY worker",
+    [SQL_PUT_END] =
+        "UPDATE job SET state = ?2, status = ?3, text = ?4,"
+        " end_ms = ?5, kept_bytes = ?6, progress = ?7, stats_size = ?8,"
+        " stats_hash = ?9 WHERE id = ?1",
+    [SQL_PUT_UNIT] =
+        "INSERT INTO unit (job, unit, frame, x, y, width, height, attempt,"
+        " tries, worker, fingerprint) VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5,"
+        " ?6, ?7, ?8, ?9, ?10, ?11)"
+        " ON CONFLICT DO UPDATE SET frame = ?3, x = ?4, y = ?5, width = ?6,"
+        " height = ?7, tries = ?9, worker = ?10, fingerprint = ?11,"
+        " stored = CASE attempt WHEN ?8 THEN stored ELSE 0 END,"
+        " sum = CASE attempt WHEN ?8 THEN sum ELSE 0 END,"
+        " done = CASE attempt WHEN ?8 THEN done ELSE 0 END, attempt = ?8",
+    /* exclusive or of sums is what SQLite has no word for; the first rows of
+     * an attempt begin anew */
+    [SQL_PUT_ROWS] = "UPDATE unit SET attempt = ?3, stored = ?4, done = ?5,"
+                     " end_ms = ?6, counts = ?7, bottom = ?8,"
+                     " sum = CASE ?4 WHEN ?10 THEN ?9"
+                     " ELSE (sum | ?9) - (sum & ?9) END"
+                     " WHERE job = " N_OF_JOB " AND unit = ?2",
+    [SQL_PUT_FRAME] =
+        "INSERT INTO frame (job, frame, size, hash, depth_size, depth_hash)"
+        " VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO UPDATE"
+        " SET size = ?3, hash = ?4, depth_size = ?5, depth_hash = ?6",
+    [SQL_DROP_UNITS] = "DELETE FROM unit WHERE job = " N_OF_JOB,
+    [SQL_DROP_FRAMES] = "DELETE FROM frame WHERE job = " N_OF_JOB,
+    [SQL_DROP_JOB] = "DELETE FROM job WHERE id = ?1",
+    [SQL_PUT_FETCHED] = "UPDATE frame SET fetched = 1"
+                        " WHERE job = " N_OF_JOB " AND frame = ?2",
+    [SQL_GONES] = "SELECT id, owner, name, why, fetched, end_ms, gone_ms"
+                  " FROM gone ORDER BY n",
+    [SQL_PUT_GONE] = "INSERT INTO gone (id, owner, name, why, fetched, end_ms,"
+                     " gone_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
+                     " ON CONFLICT (id) DO NOTHING",
+    [SQL_DROP_GONES] =
+        "DELETE FROM gone WHERE owner = ?1 AND n <= (SELECT n FROM gone"
+        " WHERE owner = ?1 ORDER BY n DESC LIMIT 1 OFFSET ?2)",
+    [SQL_MARKS] = "SELECT size, hash, depth_size, depth_hash FROM frame"
+                  " WHERE job = " N_OF_JOB " AND frame = ?2",
+    [SQL_STATS_MARK] = "SELECT stats_size, stats_hash FROM job WHERE id = ?1",
+    [SQL_HAS] = "SELECT 1 FROM job WHERE id = ?1",
+    [SQL_HAS_GONE] = "SELECT 1 FROM gone WHERE id = ?1",
+    [SQL_JOBS] =
+        "SELECT n, id, owner, spec, epoch, state, status, text, offer_ms,"
+        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress, stats_size,"
+        " stats_hash, priority FROM job ORDER BY n",
+    [SQL_LIVES] = "SELECT count(*) FROM life WHERE epoch > ?1",
+    [SQL_UNITS] =
+        "SELECT unit, frame, x, y, width, height, attempt, tries, worker,"
+        " fingerprint, stored, done, end_ms, counts, bottom, sum"
+        " FROM unit WHERE job = ?1 ORDER BY unit",
+    [SQL_FRAMES] = "SELECT frame, size, hash, depth_size, depth_hash, fetched"
+                   " FROM frame WHERE job = ?1 ORDER BY frame",
+};
+
+/* --- errors --- */
+
+static int
+code_of(struct journal *j, int rc)
+{
+    int number = sqlite3_system_errno(j->db);
+
+    if (rc == SQLITE_IOERR_NOMEM)
+        return RAD_ENOMEM;
+    switch (rc & 0xff) {
+    case SQLITE_FULL:
+        return RAD_EFULL;
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+        return RAD_EPERM;
+    case SQLITE_NOMEM:
+        return RAD_ENOMEM;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return RAD_ETEMPFAIL;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_SCHEMA:
+    case SQLITE_MISMATCH:
+    case SQLITE_ERROR: /* a table is not as it was made */
+    case SQLITE_CONSTRAINT:
+        return RAD_EDATA;
+    case SQLITE_CANTOPEN:
+        return disk_code(number);
+    case SQLITE_IOERR:
+        return rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC
+                   ? RAD_EIO
+                   : disk_code(number);
+    default:
+        return RAD_EIO;
+    }
+}
+
+int
+journal_failed(struct journal *j, int rc, struct rad_error *err)
+{
+    int code = code_of(j, rc);
+
+    /* for want of room or memory SQLite may undo all that went before */
+    if (j->in_transaction && sqlite3_get_autocommit(j->db))
+        j->undone = code;
+    return rad_fail(err, code, "database: %s", sqlite3_errmsg(j->db));
+}
+
+static int
+exec(struct journal *j, const char *text, struct rad_error *err)
+{
+    int rc = sqlite3_exec(j->db, text, NULL, NULL, NULL);
+
+    return rc == SQLITE_OK ? 0 : journal_failed(j, rc, err);
+}
+
+/* --- statements --- */
+
+/* The statement, ready to be bound; NULL with *err. */
+sqlite3_stmt *
+journal_statement(struct journal *j, enum journal_sql what,
+                  struct rad_error *err)
+{
+    int rc;
+
+    if (!j->stmt[what]) {
+        rc = sqlite3_prepare_v3(j->db, sql[what], -1, SQLITE_PREPARE_PERSISTENT,
+                                &j->stmt[what], NULL);
+        if (rc != SQLITE_OK) {
+            journal_failed(j, rc, err);
+            return NULL;
+        }
+    }
+    sqlite3_reset(j->stmt[what]);
+    sqlite3_clear_bindings(j->stmt[what]);
+    return j->stmt[what];
+}
+
+/* Run it, without rows. */
+int
+journal_run(struct journal *j, sqlite3_stmt *s, struct rad_error *err)
+{
+    int rc = sqlite3_step(s);
+
+    if (rc == SQLITE_DONE || rc == SQLITE_ROW)
+        rc = 0;
+    else
+        rc = journal_failed(j, rc, err);
+    sqlite3_reset(s);
+    return rc;
+}
+
+static int
+run_plain(struct journal *j, enum journal_sql what, struct rad_error *err)
+{
+    sqlite3_stmt *s = journal_statement(j, what, err);
+
+    return s ? journal_run(j, s, err) : err->code;
+}
+
+/* One that writes, in a transaction; NULL with *err. */
+sqlite3_stmt *
+journal_writer(struct journal *j, enum journal_sql what, struct rad_error *err)
+{
+    if (!j->in_transaction) {
+        if (run_plain(j, SQL_BEGIN, err) < 0)
+            return NULL;
+        j->in_transaction = true;
+    }
+    return journal_statement(j, what, err);
+}
+
+/* --- opening --- */
+
+static int
+one_number(struct journal *j, const char *text, sqlite3_int64 *n,
+           struct rad_error *err)
+{
+    sqlite3_stmt *s;
+    int rc = sqlite3_prepare_v2(j->db, text, -1, &s, NULL);
+
+    if (rc != SQLITE_OK)
+        return journal_failed(j, rc, err);
+    rc = sqlite3_step(s);
+    if (rc == SQLITE_ROW) {
+        *n = sqlite3_column_int64(s, 0);
+        rc = 0;
+    } else {
+        rc = journal_failed(j, rc, err);
+    }
+    sqlite3_finalize(s);
+    return rc;
+}
+
+static int
+make(struct journal *j, struct rad_error *err)
+{
+    char text[80];
+    int rc = exec(j, "BEGIN IMMEDIATE", err);
+
+    sqlite3_snprintf(sizeof text, text,
+                     "PRAGMA application_id = %d; PRAGMA user_version = %d",
+                     APPLICATION, SCHEMA);
+    if (rc == 0)
+        rc = exec(j, schema_4, err);
+    if (rc == 0)
+        rc = exec(j, since_4, err);
+    if (rc == 0)
+        rc = exec(j, text, err);
+    return rc == 0 ? exec(j, "COMMIT", err) : rc;
+}
+
+/* Not damaged, but not to be read either. */
+static int
+check_version(sqlite3_int64 version, struct rad_error *err)
+{
+    if (version >= SCHEMA_ALSO && version <= SCHEMA)
+        return 0;
+    return rad_fail(err, RAD_EUNSUPPORTED,
+                    "database: of version %lld, made by %s radcoord, where "
+                    "this one's is %d: let that one finish its jobs, then "
+                    "move the folder away",
+                    (long long)version,
+                    version < SCHEMA ? "an older" : "a newer", SCHEMA);
+}
+
+/* In a transaction that lasts with all else that taking it up brings, or is
+ * dropped by whoever only reads: an older radcoord can go on with it until it
+ * is taken up. */
+static int
+modernise(struct journal *j, struct rad_error *err)
+{
+    int rc = exec(j, "PRAGMA cache_spill = OFF; BEGIN IMMEDIATE", err);
+
+    j->in_transaction = rc == 0;
+    j->old = true;
+    return rc == 0 ? exec(j, since_4, err) : rc;
+}
+
+static int
+look(struct journal *j, enum journal_how how, struct rad_error *err)
+{
+    sqlite3_int64 tables, application, version;
+    int rc = one_number(j, "SELECT count(*) FROM sqlite_master", &tables, err);
+
+    if (rc == 0 && tables == 0 && how == JOURNAL_MAKE)
+        return make(j, err);
+    if (rc == 0)
+        rc = one_number(j, "PRAGMA application_id", &application, err);
+    if (rc == 0)
+        rc = one_number(j, "PRAGMA user_version", &version, err);
+    if (rc == 0 && (tables == 0 || application != APPLICATION))
+        rc = rad_fail(err, RAD_EDATA, "database: not one of radcoord");
+    if (rc == 0)
+        rc = check_version(version, err);
+    return rc == 0 && version < SCHEMA ? modernise(j, err) : rc;
+}
+
+static int
+on_wal(void *arg, sqlite3 *db, const char *name, int pages)
+{
+    struct journal *j = arg;
+
+    (void)db;
+    (void)name;
+    j->wal_pages = pages;
+    return SQLITE_OK;
+}
+
+/* Exclusive: no other process may write, and there is no shared memory file
+ * that would not be synced with the rest. */
+static int
+set_up(struct journal *j, enum journal_how how, struct rad_error *err)
+{
+    int rc = exec(j, "PRAGMA locking_mode = EXCLUSIVE", err);
+
+    if (rc == 0 && how != JOURNAL_READ)
+        rc = exec(j,
+                  "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
+                  "PRAGMA wal_autocheckpoint = 0;"
+                  "PRAGMA journal_size_limit = 4194304",
+                  err);
+    if (j->had_log) /* which stays as it is unless this is taken over */
+        sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
+    if (rc == 0)
+        rc = exec(j, "PRAGMA temp_store = MEMORY; PRAGMA trusted_schema = OFF",
+                  err);
+    if (rc == 0)
+        sqlite3_wal_hook(j->db, on_wal, j);
+    return rc == 0 ? look(j, how, err) : rc;
+}
+
+static bool
+has_log(const char *path)
+{
+    char log[DISK_PATH_MAX + 8];
+
+    snprintf(log, sizeof log, "%s-wal", path);
+    return access(log, F_OK) == 0;
+}
+
+/* SQLite would make it readable to all. */
+static int
+make_private(const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+
+    if (fd < 0)
+        return disk_fail(err, errno, "create", path);
+    close(fd);
+    return 0;
+}
+
+static int
+sync_file(const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDWR | O_CLOEXEC), rc;
+
+    if (fd < 0)
+        return disk_fail(err, errno, "open", path);
+    rc = disk_sync(fd, path, err);
+    close(fd);
+    return rc;
+}
+
+/* A database without a job at path, which nobody else sees yet. */
+static int
+make_at(const char *path, struct rad_error *err)
+{
+    struct journal j = { 0 };
+    int rc = make_private(path, err);
+
+    if (rc < 0)
+        return rc;
+    if (sqlite3_open_v2(path, &j.db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
+        rc = j.db ? journal_failed(&j, sqlite3_errcode(j.db), err)
+                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (rc == 0)
+        rc = exec(&j, "PRAGMA journal_mode = OFF", err);
+    if (rc == 0)
+        rc = make(&j, err);
+    sqlite3_close(j.db);
+    return rc == 0 ? sync_file(path, err) : rc;
+}
+
+/* Where there is none, put a whole database there: of one that is made in its
+ * place a loss of power may leave a part, which is not told from one that was
+ * damaged. */
+static int
+make_whole(const char *path, struct rad_error *err)
+{
+    char made[DISK_PATH_MAX + 8];
+    struct stat st;
+    int rc;
+
+    if (stat(path, &st) == 0 && st.st_size > 0)
+        return 0;
+    snprintf(made, sizeof made, "%s.new", path);
+    if (unlink(made) < 0 && errno != ENOENT)
+        return disk_fail(err, errno, "remove", made);
+    rc = make_at(made, err);
+    if (rc == 0 && rename(made, path) < 0)
+        rc = disk_fail(err, errno, "rename", made);
+    if (rc < 0)
+        unlink(made);
+    return rc == 0 ? disk_sync_dir_of(path, err) : rc;
+}
+
+int
+journal_open(struct journal **out, const char *path, enum journal_how how,
+             struct rad_error *err)
+{
+    struct journal *j = calloc(1, sizeof *j);
+    int rc;
+
+    *out = NULL;
+    if (!j)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    wire_out_init(&j->out, MSG_FRAME_MAX);
+    j->out.version = JOURNAL_LAYOUT;
+    j->had_log = has_log(path);
+    if (how == JOURNAL_MAKE && make_whole(path, err) < 0) {
+        journal_close(j);
+        return err->code;
+    }
+    rc = sqlite3_open_v2(path, &j->db,
+                         SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
+    if (rc != SQLITE_OK)
+        rc = j->db ? journal_failed(j, rc, err)
+                   : rad_fail(err, RAD_ENOMEM, "out of memory");
+    else
+        rc = set_up(j, how, err);
+    if (rc == RAD_EUNSUPPORTED)
+        rad_error_where(err, "%.200s", path);
+    if (rc < 0) {
+        journal_close(j);
+        return rc;
+    }
+    *out = j;
+    return 0;
+}
+
+void
+journal_close(struct journal *j)
+{
+    if (!j)
+        return;
+    for (int i = 0; i < NSQL; i++)
+        sqlite3_finalize(j->stmt[i]);
+    sqlite3_close(j->db);
+    wire_out_release(&j->out);
+    free(j);
+}
+
+int
+journal_check(struct journal *j, struct rad_error *err)
+{
+    sqlite3_stmt *s;
+    int rc =
+        sqlite3_prepare_v2(j->db, "PRAGMA integrity_check(1)", -1, &s, NULL);
+    const char *text;
+
+    if (rc != SQLITE_OK)
+        return journal_failed(j, rc, err);
+    rc = sqlite3_step(s);
+    text = rc == SQLITE_ROW ? (const char *)sqlite3_column_text(s, 0) : NULL;
+    if (rc != SQLITE_ROW)
+        rc = journal_failed(j, rc, err);
+    else if (!text || strcmp(text, "ok") != 0)
+        rc = rad_fail(err, RAD_EDATA, "database: %.200s", text ? text : "?");
+    else
+        rc = 0;
+    sqlite3_finalize(s);
+    return rc;
+}
+
+int
+journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
+                   struct rad_error *err)
+{
+    sqlite3_stmt *s = journal_writer(j, SQL_LAST_LIFE, err);
+    uint64_t last;
+    int rc;
+
+    if (!s)
+        return err->code;
+    rc = sqlite3_step(s);
+    if (rc != SQLITE_ROW) {
+        rc = journal_failed(j, rc, err);
+        sqlite3_reset(s);
+        return rc;
+    }
+    last = (uint64_t)sqlite3_column_int64(s, 0);
+    sqlite3_reset(s);
+    *epoch = now_ms > last ? now_ms : last + 1;
+    s = journal_writer(j, SQL_PUT_LIFE, err);
+    if (!s)
+        return err->code;
+    sqlite3_bind_int64(s, 1, (sqlite3_int64)*epoch);
+    sqlite3_bind_int64(s, 2, (sqlite3_int64)now_ms);
+    return journal_run(j, s, err);
+}
+
+int
+journal_take_over(struct journal *j, struct rad_error *err)
+{
+    char text[80];
+
+    sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
+    sqlite3_snprintf(sizeof text, text, "PRAGMA user_version = %d", SCHEMA);
+    return exec(j, text, err);
+}
+
+bool
+journal_is_old(const struct journal *j)
+{
+    return j->old;
+}
+
+/* --- transactions --- */
+
+/* Carry what is in the log over into the database.  For want of room it may
+ * stay there. */
+static int
+check_point(struct journal *j, struct rad_error *err)
+{
+    int rc;
+
+    if (j->wal_pages < WAL_PAGES)
+        return 0;
+    rc = sqlite3_wal_checkpoint_v2(j->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL,
+                                   NULL);
+    if (rc == SQLITE_OK || rc == SQLITE_BUSY || code_of(j, rc) == RAD_EFULL)
+        return 0;
+    return journal_failed(j, rc, err);
+}
+
+int
+journal_commit(struct journal *j, struct rad_error *err)
+{
+    int rc;
+
+    if (j->undone)
+        return rad_fail(err, j->undone, "database: what was noted is undone");
+    if (!j->in_transaction)
+        return 0;
+    rc = run_plain(j, SQL_COMMIT, err);
+    if (rc < 0)
+        return rc;
+    j->in_transaction = false;
+    return check_point(j, err);
+}
+
+void
+journal_rollback(struct journal *j)
+{
+    if (j->in_transaction)
+        sqlite3_exec(j->db, "ROLLBACK", NULL, NULL, NULL);
+    j->in_transaction = false;
+    j->undone = 0;
+}

@@ -1,0 +1,71 @@
+/* journal_impl.h - what the parts of the journal share; for them alone
+ *
+ *   journal.c       the database: schema, statements, transactions
+ *   journal_put.c   putting
+ *   journal_read.c  reading */
+#ifndef DAEMON_JOURNAL_IMPL_H
+#define DAEMON_JOURNAL_IMPL_H
+
+#include "journal/journal.h"
+
+#include <sqlite3.h>
+
+#define JOURNAL_LAYOUT 2 /* version of the protocol whose bytes are kept */
+
+/* The statements; their words are in journal.c. */
+enum journal_sql {
+    SQL_BEGIN,
+    SQL_COMMIT,
+    SQL_PUT_LIFE,
+    SQL_LAST_LIFE,
+    SQL_PUT_JOB,
+    SQL_PUT_STATE,
+    SQL_PUT_DRAINED,
+    SQL_DROP_DRAINED,
+    SQL_DRAINED,
+    SQL_PUT_END,
+    SQL_PUT_UNIT,
+    SQL_PUT_ROWS,
+    SQL_PUT_FRAME,
+    SQL_DROP_UNITS,
+    SQL_DROP_FRAMES,
+    SQL_DROP_JOB,
+    SQL_PUT_FETCHED,
+    SQL_PUT_GONE,
+    SQL_GONES,
+    SQL_DROP_GONES,
+    SQL_MARKS,
+    SQL_STATS_MARK,
+    SQL_HAS,
+    SQL_HAS_GONE,
+    SQL_JOBS,
+    SQL_LIVES,
+    SQL_UNITS,
+    SQL_FRAMES,
+    NSQL
+};
+
+struct journal {
+    sqlite3 *db;
+    sqlite3_stmt *stmt[NSQL];
+    struct wire_out out;
+    bool had_log; /* before it was opened */
+    bool old;     /* of an earlier version */
+    bool in_transaction;
+    int undone;    /* SQLite gave the transaction up, for this; 0: it did not */
+    int wal_pages; /* in the log */
+};
+
+/* What SQLite's code means, as an error. */
+int journal_failed(struct journal *j, int rc, struct rad_error *err);
+
+/* The statement, ready to be bound; NULL with *err. */
+sqlite3_stmt *journal_statement(struct journal *j, enum journal_sql what,
+                                struct rad_error *err);
+/* One that writes, in a transaction; likewise. */
+sqlite3_stmt *journal_writer(struct journal *j, enum journal_sql what,
+                             struct rad_error *err);
+/* Run it, without rows. */
+int journal_run(struct journal *j, sqlite3_stmt *s, struct rad_error *err);
+
+#endif

@@ -1,0 +1,11 @@
+# the database of the state folder
+libdaemon_a_SOURCES += \
+	daemon/journal/journal.c \
+	daemon/journal/journal.h \
+	daemon/journal/journal_impl.h \
+	daemon/journal/journal_put.c \
+	daemon/journal/journal_read.c \
+	daemon/journal/statecheck.c \
+	daemon/journal/statecheck.h \
+	daemon/journal/statedir.c \
+	daemon/journal/statedir.h

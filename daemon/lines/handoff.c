@@ -1,0 +1,486 @@
+/* handoff.c - facts and base lines on their way between workers
+ *
+ * What holds a unit back is the base line above it.  Whoever makes that sends
+ * it straight to the worker that waits (NEXT_HOLDER told it to whom), and a
+ * copy here.  The copy serves one that gets the unit later, and one whose link
+ * is broken: a parked unit whose top has been here whole for a moment is sent
+ * it.
+ * Facts are kept as long as their line is not done, and passed on to whoever
+ * else has it: so nothing is traced twice because a worker went, or gave lines
+ * away, or has a twin. */
+#include "config.h"
+
+#include "links/ring.h"
+
+#include <string.h>
+
+#define LINK_MS 100  /* a link between workers has brought it by then */
+#define KEEP_MS 5000 /* whoever has not made a base line by then is stuck */
+
+/* Lines [*first, *last) of a unit; its frame. */
+static uint32_t
+lines_of_unit(const struct job *job, uint32_t unit, uint32_t *first,
+              uint32_t *last)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    partition_unit_lines(job->partition, unit, first, last);
+    return a.frame;
+}
+
+/* The unit that has a line; PARTITION_NONE: none, or there is no such line. */
+static uint32_t
+unit_at(const struct job *job, uint32_t frame, uint32_t line)
+{
+    return line < partition_lines(job->partition, frame)
+               ? partition_line_unit(job->partition, frame, line)
+               : PARTITION_NONE;
+}
+
+static uint64_t
+conn_of(const struct job *job, const struct job_go *go)
+{
+    return job->workers[go->worker].worker->conn;
+}
+
+/* --- out --- */
+
+/* Without colours above it a unit's first bar cannot be traced ahead.  Those of
+ * a base line that another worker has, or is about to get, come from there: it
+ * makes base lines first, and what two make is for nothing.  But a line that
+ * nobody has the one below makes, and until it is there nobody gets it. */
+uint8_t
+handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
+
+    if (flags == 0 && partition_unit_bars(job->partition, unit) &&
+        job->workers[go->worker].worker->version >= 2)
+        flags |= MSG_UNIT_BARS;
+    if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
+        unit_at(job, frame, first - 1) != PARTITION_NONE)
+        return flags;
+    go->makes_top = true;
+    partition_keep_line(job->partition, frame, first - 1, true);
+    return flags | MSG_UNIT_TOP;
+}
+
+/* The line that the holder of a unit makes for whoever gets it. */
+static bool
+makes(const struct job *job, uint32_t unit, const struct job_go *go,
+      uint32_t frame, uint32_t line)
+{
+    uint32_t first, last;
+
+    return go->makes_top && lines_of_unit(job, unit, &first, &last) == frame &&
+           first == line + 1;
+}
+
+void
+handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
+                 struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    if (!go->makes_top)
+        return;
+    go->makes_top = false;
+    partition_keep_line(job->partition, frame, first - 1, false);
+    c->stirred = true;
+}
+
+static void
+send_facts(struct coord *c, const struct job *job, uint32_t frame,
+           uint32_t line, const struct job_go *go)
+{
+    const struct shared_facts *at = NULL;
+    struct msg m = { .type = MSG_FACTS };
+
+    while (shared_get_facts(job->shared, frame, line, &at, &m.facts)) {
+        m.facts.job = job->id;
+        actions_send(&c->actions, conn_of(job, go), &m);
+    }
+}
+
+/* What is here of a base line. */
+static void
+send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
+          struct job_go *go)
+{
+    uint32_t x = 0, first = 0;
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    while (shared_get_base(job->shared, frame, line, x, first, &m.base_line)) {
+        m.base_line.job = job->id;
+        x += m.base_line.n;
+        first += m.base_line.ndensity;
+        actions_send(&c->actions, conn_of(job, go), &m);
+        if (c->actions.n > 0)
+            job->base_line_bytes += c->actions.v[c->actions.n - 1].len;
+    }
+    go->top_sent = shared_whole_ms(job->shared, frame, line) != 0;
+}
+
+/* Tell the holders of one unit who waits for its bottom. */
+static void
+send_next_holder(struct coord *c, struct job *job, uint32_t above,
+                 uint32_t frame, uint32_t line, const struct job_go *below)
+{
+    const struct job_unit *u = &job->units[above];
+    struct msg m = { .type = MSG_NEXT_HOLDER,
+                     .next_holder = { job->id, frame, line,
+                                      job->workers[below->worker].name } };
+
+    for (uint8_t i = 0; i < u->ngos; i++) {
+        if (u->go[i].lender)
+            continue;
+        ring_need(c, job, u->go[i].worker, below->worker);
+        actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
+    }
+}
+
+/* The unit, which just got a holder or an end, and its neighbours hear of each
+ * other. */
+static void
+introduce(struct coord *c, struct job *job, uint32_t unit,
+          const struct job_go *go)
+{
+    uint32_t first, last, other;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    other = first > 0 ? unit_at(job, frame, first - 1) : PARTITION_NONE;
+    if (other != PARTITION_NONE && job->units[unit].ngos == 1)
+        send_next_holder(c, job, other, frame, first - 1, go);
+    other = unit_at(job, frame, last);
+    if (other != PARTITION_NONE && job->units[other].ngos > 0) {
+        struct msg m = { .type = MSG_NEXT_HOLDER };
+        const struct job_go *below = &job->units[other].go[0];
+
+        m.next_holder =
+            (struct msg_next_holder){ job->id, frame, last - 1,
+                                      job->workers[below->worker].name };
+        ring_need(c, job, go->worker, below->worker);
+        actions_send(&c->actions, conn_of(job, go), &m);
+    }
+}
+
+uint64_t
+handoff_top_ms(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    return first > 0 ? shared_whole_ms(job->shared, frame, first - 1) : 0;
+}
+
+void
+handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0)
+        send_facts(c, job, frame, first - 1, go);
+    for (uint32_t i = first; i < last; i++)
+        send_facts(c, job, frame, i, go);
+    if (first > 0)
+        send_base(c, job, frame, first - 1, go);
+    introduce(c, job, unit, go);
+}
+
+/* Its child has the facts. */
+void
+handoff_back(struct coord *c, struct job *job, uint32_t index)
+{
+    for (uint32_t i = 0; i < job->nout; i++) {
+        uint32_t unit = job->out[i], first, last;
+        uint32_t frame = lines_of_unit(job, unit, &first, &last);
+        struct job_go *go = job_go_of(job, unit, index);
+
+        if (!go || !go->still)
+            continue;
+        if (first > 0)
+            send_base(c, job, frame, first - 1, go);
+        introduce(c, job, unit, go);
+    }
+}
+
+/* --- in --- */
+
+/* A guess of the top of the unit below, with which its first bar can be traced
+ * too. */
+static void
+pass_below(struct coord *c, const struct job *job, uint32_t from,
+           const struct msg *pass)
+{
+    const struct msg_facts *m = &pass->facts;
+    uint32_t below = unit_at(job, m->frame, m->line + 1), first, last;
+    const struct job_unit *u;
+
+    if (below == PARTITION_NONE || !shared_of_base(job->shared, m))
+        return;
+    partition_unit_lines(job->partition, below, &first, &last);
+    u = &job->units[below];
+    for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
+        if (u->go[i].worker != from && !u->go[i].top_sent && !u->go[i].lender)
+            actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
+}
+
+/* Does it want facts of the line?  Not who has but columns of it. */
+static bool
+needs(const struct job *job, uint32_t unit, const struct job_go *go,
+      uint32_t line)
+{
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return !go->lender && line + 1 >= first && line < last;
+}
+
+/* To whoever else has the line now. */
+static void
+pass_on(struct coord *c, const struct job *job, uint32_t from,
+        const struct msg_facts *m)
+{
+    uint32_t unit = unit_at(job, m->frame, m->line);
+    const struct job_unit *u;
+    struct msg pass = { .type = MSG_FACTS, .facts = *m };
+
+    if (unit == PARTITION_NONE)
+        return;
+    u = &job->units[unit];
+    pass.facts.job = job->id;
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker != from && needs(job, unit, &u->go[i], m->line))
+            actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
+    if (job_go_of(job, unit, from))
+        pass_below(c, job, from, &pass);
+}
+
+/* The job of a message about lines that a worker may say; NULL: it is ignored,
+ * as is all about a frame that is done. */
+static struct job *
+job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
+               uint32_t *index)
+{
+    struct job *job = sched_job_of(c, w, id, index);
+
+    if (!job || !job->shared || job->workers[*index].state == JW_GONE)
+        return NULL;
+    return job;
+}
+
+/* Facts of a line that nobody has: whoever makes it sends them when it is done.
+ */
+static void
+top_facts(struct coord *c, struct job *job, uint32_t index,
+          const struct msg_facts *m)
+{
+    uint32_t below = unit_at(job, m->frame, m->line + 1);
+    struct job_go *go =
+        below != PARTITION_NONE ? job_go_of(job, below, index) : NULL;
+
+    if (go && makes(job, below, go, m->frame, m->line) &&
+        shared_of_base(job->shared, m))
+        handoff_top_made(c, job, below, go);
+}
+
+void
+handoff_facts(struct coord *c, struct coord_worker *w,
+              const struct msg_facts *m)
+{
+    uint32_t index, unit;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (!shared_facts_fit(job->shared, m)) {
+        coord_break(c, w->conn, "FACTS that fit no line");
+        return;
+    }
+    unit = unit_at(job, m->frame, m->line);
+    if (unit != PARTITION_NONE && job->units[unit].done) {
+        if (!(m->flags & MSG_FACTS_ESTIMATE))
+            job->late_rays += m->npixels;
+        return;
+    }
+    job->late_rays += shared_put_facts(job->shared, m);
+    pass_on(c, job, index, m);
+    if (unit == PARTITION_NONE)
+        top_facts(c, job, index, m);
+}
+
+/* Two workers of which neither can be dialled have no link. */
+static bool
+can_link(const struct job *job, const struct job_unit *above,
+         const struct job_go *below)
+{
+    const struct coord_worker *b = job->workers[below->worker].worker;
+
+    for (uint8_t i = 0; i < above->ngos; i++) {
+        const struct coord_worker *a = job->workers[above->go[i].worker].worker;
+
+        if (a == b || a->address[0] != '\0' || b->address[0] != '\0')
+            return true;
+    }
+    return false;
+}
+
+/* The top of a unit is here whole: those that wait for it get it, unless they
+ * just have it from another worker. */
+static void
+offer_top(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    uint32_t first, last, above;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+    uint64_t whole_ms;
+
+    if (first == 0)
+        return;
+    whole_ms = shared_whole_ms(job->shared, frame, first - 1);
+    above = unit_at(job, frame, first - 1);
+    if (whole_ms == 0 || above == PARTITION_NONE)
+        return;
+    for (uint8_t i = 0; i < u->ngos; i++) {
+        struct job_go *go = &u->go[i];
+
+        if (go->parked_ms != 0 && !go->delivered && !go->top_sent &&
+            (c->now_ms - whole_ms >= LINK_MS ||
+             !can_link(job, &job->units[above], go)))
+            send_base(c, job, frame, first - 1, go);
+    }
+}
+
+/* What waited for nothing but its top has work again, be it the rest of a bar
+ * that could not be traced ahead. */
+static void
+top_is_here(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    offer_top(c, job, unit);
+    u->whole = false; /* it begins at its first line again */
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].parked && !u->go[i].blocked)
+            sched_unpark(c, job, unit, &u->go[i]);
+}
+
+/* One that has the unit, or had it last while nobody has it now. */
+static bool
+may_make(const struct job *job, uint32_t unit, uint32_t index)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    return job_go_of(job, unit, index) || (u->ngos == 0 && u->worker == index);
+}
+
+void
+handoff_base_line(struct coord *c, struct coord_worker *w,
+                  const struct msg_base_line *m)
+{
+    uint32_t index, unit, below;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (!shared_base_fits(job->shared, m)) {
+        coord_break(c, w->conn, "a BASE_LINE that fits no line");
+        return;
+    }
+    unit = unit_at(job, m->frame, m->line);
+    below = unit_at(job, m->frame, m->line + 1);
+    if (unit == PARTITION_NONE || !may_make(job, unit, index) ||
+        (below != PARTITION_NONE && job->units[below].done))
+        return;
+    if (m->line + 1 < partition_lines(job->partition, m->frame) &&
+        shared_put_base(job->shared, m, c->now_ms) && below != PARTITION_NONE)
+        top_is_here(c, job, below);
+}
+
+static bool
+has_work_to_come(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    return first == 0 || shared_whole_ms(job->shared, frame, first - 1) != 0;
+}
+
+void
+handoff_parked(struct coord *c, struct coord_worker *w,
+               const struct msg_attempt *m)
+{
+    uint32_t index;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+    struct job_go *go;
+
+    if (!job || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || go->lender || go->parked || go->delivered ||
+        (go->parked_ms != 0 && !go->lent))
+        return;
+    sched_log_unit(c, job, m->unit, go, "unit parked");
+    go->lends = false; /* it has nothing to lend */
+    handoff_top_made(c, job, m->unit, go);
+    if (!go->counted) {
+        speed_finished(job, m->unit);
+        go->counted = true;
+    }
+    go->blocked = go->loans > 0;
+    if (go->blocked && !go->lent_all)
+        go->blocked_ms = c->now_ms;
+    go->lent_all |= go->blocked;
+    if (!go->blocked &&
+        has_work_to_come(job, m->unit)) /* which is on its way to it */
+        go->parked_ms = c->now_ms;
+    else
+        sched_park(c, job, go);
+    offer_top(c, job, m->unit);
+}
+
+/* --- done --- */
+
+bool
+handoff_complete(const struct job *job, uint32_t unit)
+{
+    uint32_t first, last, frame, below;
+
+    if (!job->shared)
+        return true;
+    frame = lines_of_unit(job, unit, &first, &last);
+    below = unit_at(job, frame, last);
+    return last == partition_lines(job->partition, frame) ||
+           (below != PARTITION_NONE && job->units[below].done) ||
+           shared_whole_ms(job->shared, frame, last - 1) != 0;
+}
+
+void
+handoff_done(struct job *job, uint32_t unit)
+{
+    uint32_t first, last;
+    uint32_t frame = lines_of_unit(job, unit, &first, &last);
+
+    for (uint32_t i = first; i < last; i++)
+        shared_drop_facts(job->shared, frame, i);
+    if (first > 0)
+        shared_drop_base(job->shared, frame, first - 1);
+}
+
+void
+handoff_tick(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
+        offer_top(c, job, job->out[i]);
+        for (uint8_t k = 0; k < u->ngos; k++)
+            if (c->now_ms - u->go[k].out_ms >= KEEP_MS)
+                handoff_top_made(c, job, job->out[i], &u->go[k]);
+    }
+}

@@ -1,0 +1,397 @@
+/* lending.c - columns of a line for one that has nothing
+ *
+ * Whoever has the most time left at its last line, and can give no lines, lends
+ * columns of it (LEND, LOAN): the idle worker traces them and nothing else, and
+ * can lend on.  It does so for the lender's rows, which wait for that alone; so
+ * nothing is traced twice.  When it is through (PAID), is lost or late, the
+ * lender has them again (BACK). */
+#include "config.h"
+
+#include "sched/sched.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Less is not worth the messages [ms of its worker]. */
+#define LEAST_LOAN_MS 10
+
+/* A LEND is answered by then, if it can be at once. */
+#define LEND_MS 5
+
+/* Columns that are lent are late after so many times what they should take, and
+ * so long, if somebody waits for them; where nothing is known of that, after
+ * so long. */
+#define LATE_LOANS      3
+#define LATE_LOAN_MS    400
+#define UNKNOWN_LOAN_MS 3000
+
+/* May columns of a line be lent? */
+static bool
+lends(const struct job *job)
+{
+    return partition_kind(job->partition) != MSG_PART_STATIC ||
+           !(job->spec.flags & MSG_JOB_NO_BALANCE);
+}
+
+/* Does the worker know of them? */
+static bool
+knows_loans(const struct job *job, uint32_t index)
+{
+    return job->workers[index].worker->version >= 2;
+}
+
+static double
+thread_speed(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->speed / (jw->threads ? jw->threads : 1);
+}
+
+/* How long a thread of the worker takes for a line of the unit [ms]; 0: not
+ * known. */
+static double
+line_time(const struct job *job, uint32_t unit, uint32_t index)
+{
+    double speed = job->pace * thread_speed(job, index);
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    if (!(speed > 0))
+        return 0;
+    return partition_cost(job->partition, unit) / (last - first) / speed;
+}
+
+/* How long a go will be at what it could lend some of [ms].  What takes longer
+ * than it should may well take as long again. */
+static double
+lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
+            const struct job_go *go)
+{
+    double ms;
+
+    if (go->line_left < 0 || go->line_ms == 0)
+        return speed_left_ms(c, job, unit, go);
+    ms = go->line_left * line_time(job, unit, go->worker);
+    return fabs(ms - (double)(c->now_ms - go->line_ms));
+}
+
+/* Can it give no lines? */
+static bool
+may_lend(const struct coord *c, const struct job *job, uint32_t unit,
+         const struct job_go *go)
+{
+    uint32_t first, last;
+
+    partition_unit_lines(job->partition, unit, &first, &last);
+    return job_go_works(go) && !go->split && !go->lends && !go->lent_all &&
+           c->now_ms >= go->lend_ms &&
+           (job->units[unit].whole || last - first == 1 ||
+            !balance_splits(job)) &&
+           knows_loans(job, go->worker);
+}
+
+/* Whoever may lend and has the most time left; NULL: nobody. */
+static struct job_go *
+longest(const struct coord *c, const struct job *job, uint32_t *unit)
+{
+    struct job_go *best = NULL;
+    double most = LEAST_LOAN_MS;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
+        if (u->crashes > 0 || u->ngos >= JOB_MAX_GOES - 1)
+            continue;
+        for (uint8_t k = 0; k < u->ngos; k++) {
+            double ms;
+
+            if (!may_lend(c, job, job->out[i], &u->go[k]))
+                continue;
+            ms = lendable_ms(c, job, job->out[i], &u->go[k]);
+            if (ms >= most) {
+                most = ms;
+                best = &u->go[k];
+                *unit = job->out[i];
+            }
+        }
+    }
+    return best;
+}
+
+/* LENDs that will be answered yet.  One that cannot lend at once does later. */
+static uint32_t
+count_lending(const struct coord *c, const struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        const struct job_unit *u = &job->units[job->out[i]];
+
+        for (uint8_t k = 0; k < u->ngos; k++)
+            n += u->go[k].lends && c->now_ms - u->go[k].lend_ms < LEND_MS;
+    }
+    return n;
+}
+
+/* An idle worker that may get columns of the unit; JOB_NOBODY: none. */
+static uint32_t
+idle_for(const struct job *job, uint32_t unit)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (balance_is_idle(job, i) && knows_loans(job, i) &&
+            (unit == PARTITION_NONE || !job_go_of(job, unit, i)))
+            return i;
+    return JOB_NOBODY;
+}
+
+/* Ask for columns until as many are on their way as workers are idle. */
+void
+lending_ask(struct coord *c, struct job *job, uint32_t idle)
+{
+    uint32_t asked = count_lending(c, job), unit = 0;
+    uint32_t index = idle_for(job, PARTITION_NONE);
+    struct job_go *go;
+
+    if (index == JOB_NOBODY || !lends(job))
+        return;
+    while (asked < idle && (go = longest(c, job, &unit))) {
+        double mine = thread_speed(job, index);
+        double part = mine / (mine + thread_speed(job, go->worker));
+        struct msg m = { .type = MSG_LEND,
+                         .lend = { job->id, unit, go->attempt,
+                                   (uint16_t)(65535 * part) } };
+
+        go->lends = true;
+        go->lend_ms = c->now_ms;
+        asked++;
+        sched_log_unit(c, job, unit, go, "unit lend");
+        actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
+    }
+}
+
+/* Columns are with whoever lent them again. */
+static void
+send_back(struct coord *c, const struct coord_worker *to,
+          const struct msg_back *back)
+{
+    struct msg m = { .type = MSG_BACK, .back = *back };
+
+    if (to->conn != 0)
+        actions_send(&c->actions, to->conn, &m);
+}
+
+static struct job_go *
+go_of_attempt(const struct job *job, uint32_t unit, uint32_t attempt)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == attempt)
+            return &u->go[i];
+    return NULL;
+}
+
+void
+lending_ended(struct coord *c, struct job *job, uint32_t unit,
+              const struct job_go *loan)
+{
+    struct job_go *to = go_of_attempt(job, unit, loan->lender);
+    uint32_t first, last;
+
+    if (!to)
+        return;
+    to->loans--;
+    if (to->delivered)
+        return;
+    partition_unit_lines(job->partition, unit, &first, &last);
+    send_back(c, job->workers[to->worker].worker,
+              &(struct msg_back){ job->id, unit, to->attempt, last - 1, loan->x,
+                                  loan->n });
+    if (to->blocked && to->parked)
+        sched_unpark(c, job, unit, to);
+    to->blocked = false;
+}
+
+/* What the loan should take [ms]: by what the unit costs, or longer if the
+ * lender took longer for what it kept of the line.  0: not known. */
+static double
+loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
+          const struct job_go *loan)
+{
+    double line = line_time(job, unit, loan->worker), took = 0;
+
+    /* it may lend again after a wait for its top, when LEND and PARKED crossed
+     */
+    if (lender->line_left > 0 && lender->blocked_ms > lender->line_ms)
+        took = (double)(lender->blocked_ms - lender->line_ms) /
+               lender->line_left * thread_speed(job, lender->worker) /
+               thread_speed(job, loan->worker);
+    return loan->line_left * (took > line ? took : line);
+}
+
+/* Until its lender waits a loan is not late, unless there is no hope for it. */
+static bool
+is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
+             const struct job_go *loan)
+{
+    const struct job_go *lender = go_of_attempt(job, unit, loan->lender);
+    double ms = (double)(c->now_ms - loan->out_ms), due;
+
+    if (!lender || job->workers[loan->worker].worker->hangs)
+        return true;
+    if (!lender->blocked || !lender->parked)
+        return false;
+    due = loan_time(job, unit, lender, loan);
+    return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
+}
+
+void
+lending_tick(struct coord *c, struct job *job)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
+
+        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
+            struct job_go *go = &job->units[unit].go[k];
+
+            if (!go->lender || !is_late_loan(c, job, unit, go))
+                continue;
+            sched_log_unit(c, job, unit, go, "loan late");
+            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+            sched_release(c, job, unit, go);
+        }
+    }
+}
+
+/* Does it lie in the unit's last line, and in what the lender has? */
+static bool
+loan_fits(const struct job *job, const struct job_go *go,
+          const struct msg_loan *m)
+{
+    struct partition_area a;
+    uint32_t first, last;
+
+    partition_area(job->partition, m->unit, &a);
+    partition_unit_lines(job->partition, m->unit, &first, &last);
+    return m->frame == a.frame && m->line == last - 1 &&
+           shared_loan_fits(job->shared, m) &&
+           (!go->lender || (m->x >= go->x && m->x + m->n <= go->x + go->n));
+}
+
+/* What was lent to one goes on to another in pieces from the right, so that
+ * each has its columns together. */
+static bool
+is_whole_end(const struct job_go *go, const struct msg_loan *m)
+{
+    return !go->lender || (m->n < go->n && m->x + m->n == go->x + go->n);
+}
+
+/* How much of the line each of the two has now. */
+static void
+note_left(const struct coord *c, struct job_go *go, unsigned part)
+{
+    go->line_left = part / 65535.;
+    go->line_ms = c->now_ms;
+}
+
+/* Columns of go's for an idle worker. */
+static void
+lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
+        const struct msg_loan *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+    struct job_go *to = sched_hold(c, job, index, m->unit, u->attempt + 1);
+    struct job_go *go = go_of_attempt(job, m->unit, attempt);
+    struct msg pass = { .type = MSG_LOAN, .loan = *m };
+    uint32_t root = go->lender ? go->lender : attempt;
+
+    if (!to) {
+        c->actions.failed = true;
+        return;
+    }
+    u->attempt++;
+    to->twin = to->dropped = true; /* it has no rows, and never leads */
+    to->lender = root;
+    sched_shrunk(job, m->unit, to);
+    to->x = m->x;
+    to->n = m->n;
+    note_left(c, to, m->given);
+    if (go->lender)
+        go->n -= m->n;
+    go = go_of_attempt(job, m->unit, root);
+    if (go)
+        go->loans++;
+    sched_log_unit(c, job, m->unit, to, "loan out");
+    pass.loan.job = job->id;
+    pass.loan.attempt = to->attempt;
+    actions_send(&c->actions, job->workers[index].worker->conn, &pass);
+}
+
+void
+lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
+{
+    const struct msg_back back = { m->job,  m->unit, m->attempt,
+                                   m->line, m->x,    m->n };
+    struct job_go *go;
+    uint32_t index, to;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job || !job->shared || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || go->delivered) { /* it shall not wait for ever */
+        send_back(c, w, &back);
+        return;
+    }
+    if (!loan_fits(job, go, m)) {
+        coord_break(c, w->conn, "a LOAN that fits no line");
+        return;
+    }
+    go->lends = false;
+    go->lent = true;
+    note_left(c, go, m->left);
+    to = job->units[m->unit].ngos < JOB_MAX_GOES ? idle_for(job, m->unit)
+                                                 : JOB_NOBODY;
+    if (to != JOB_NOBODY && is_whole_end(go, m))
+        lend_to(c, job, to, go->attempt, m);
+    else
+        send_back(c, w, &back);
+}
+
+/* What it cost is the unit's, but for black pixels: whoever lends makes those.
+ * One that was taken back just before is in no unit. */
+void
+lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
+{
+    struct job *job = coord_find_job(c, m->job);
+    uint32_t index = job ? sched_index(job, w) : JOB_NOBODY;
+    struct msg_counts counts = m->counts;
+    struct job_worker *jw;
+    struct job_go *go;
+
+    if (index == JOB_NOBODY)
+        return;
+    jw = &job->workers[index];
+    msg_counts_add(&jw->paid, &m->counts);
+    go = !job_over(job) && m->unit < job->nunits
+             ? job_go_find(job, m->unit, index, m->attempt)
+             : NULL;
+    counts.primary_rays = 0; /* of whoever uses them */
+    counts.wall_s = 0;       /* while the unit's own went on */
+    counts.nan = (struct msg_nan){ 0 };
+    if (!go || !go->lender) {
+        memset(counts.faults, 0, sizeof counts.faults);
+        msg_counts_add(&jw->past.dropped, &counts);
+        job_see_work(job);
+        return;
+    }
+    sched_log_unit(c, job, m->unit, go, "loan paid");
+    sched_late(job, index, false);
+    msg_counts_add(&job->units[m->unit].lent, &counts);
+    jw->rays += counts.rays;
+    jw->cpu_s += counts.cpu_s;
+    job->rays += counts.rays;
+    job_see_work(job);
+    sched_release(c, job, m->unit, go);
+}

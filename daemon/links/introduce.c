@@ -1,0 +1,79 @@
+/* introduce.c - workers of a job are named to each other, so that one dials
+ *
+ * Each pair has a token of its own, which neither uses for anything else.  Who
+ * is to be linked with whom, where that is not all with all, is ring.h's. */
+#include "config.h"
+
+#include "sched/sched.h"
+
+/* Tell one worker of one peer. */
+static void
+send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
+          const struct coord_worker *about, struct msg_peer peer)
+{
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job, 1, &peer } };
+
+    peer.name = about->name;
+    peer.version =
+        (uint16_t)(about->version < to->version ? about->version : to->version);
+    actions_send(&c->actions, to->conn, &m);
+}
+
+bool
+sched_link(struct coord *c, const struct job *job, const struct coord_worker *a,
+           const struct coord_worker *b, uint32_t give)
+{
+    bool dial = a->address[0] != '\0'; /* the second, where that is possible */
+    uint8_t token[MSG_TOKEN];
+
+    if (!dial && b->address[0] == '\0')
+        return false;
+    c->env.random(c->env.arg, token, sizeof token);
+    send_peer(c, a, job->id, b,
+              (struct msg_peer){ .address = dial ? "" : b->address,
+                                 .token = token,
+                                 .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
+    send_peer(c, b, job->id, a,
+              (struct msg_peer){ .address = dial ? a->address : "",
+                                 .token = token,
+                                 .flags = dial ? MSG_PEER_DIAL : 0 });
+    return true;
+}
+
+void
+sched_introduce(struct coord *c, const struct job *job,
+                const struct coord_worker *w)
+{
+    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *o = job->workers[i].worker;
+
+        if (o != w && o->conn != 0 && job->workers[i].state == JW_READY &&
+            sched_link(c, job, o, w, give))
+            give = 0;
+    }
+}
+
+void
+sched_unlink(struct coord *c, const struct job *job,
+             const struct coord_worker *to, const struct coord_worker *about)
+{
+    static const uint8_t none[MSG_TOKEN];
+
+    send_peer(c, to, job->id, about,
+              (struct msg_peer){
+                  .address = "", .token = none, .flags = MSG_PEER_DROP });
+}
+
+void
+sched_drop_peer(struct coord *c, const struct job *job,
+                const struct coord_worker *w)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *o = job->workers[i].worker;
+
+        if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
+            sched_unlink(c, job, o, w);
+    }
+}

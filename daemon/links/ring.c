@@ -1,0 +1,870 @@
+/* ring.c - see ring.h */
+#include "config.h"
+
+#include "links/ring.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ALL_LINKED 64 /* workers of a job, but for coord_env.all_linked */
+
+/* With 2, 3, 4 and 8, 1000 places are 10, 13, 15 and 22 links apart from each
+ * other, each way, and records pass 5.0, 4.2, 3.7 and 2.9 of them. */
+#define RADIX 4
+
+#define REBUILD_MS 2000 /* places change no sooner after they did */
+#define LINE_LINKS 16   /* of a worker, beside those of the ring */
+#define FEWEST     4    /* have fewer links on a ring than all have with all */
+
+#define HOPELESS 2    /* links in a row that never came about */
+#define SAME_MS  1000 /* the other end says that the link of before is gone */
+
+/* Of few, two that are hopeless are tried again, later each time; by then who
+ * dials has given up (peer.c), and records would be lost no more. */
+#define LATER_MS  30000
+#define LATEST_MS (16 * LATER_MS)
+#define TRY_MS    12000
+
+enum pair_kind {
+    PAIR_RING,
+    PAIR_GUEST,
+    PAIR_LINES,
+    PAIR_STALE /* of the ring of before: for what is under way there */
+};
+
+struct pair {
+    uint32_t a, b; /* workers of the job, a < b */
+    uint8_t kind;
+    uint32_t sequence; /* of those for lines */
+};
+
+/* Two whose link broke, or never came about. */
+struct broken {
+    uint32_t a, b;      /* workers of the job, a < b */
+    unsigned times;     /* in a row that it never did */
+    uint64_t linked_ms; /* when it was made last; 0: before */
+    uint64_t again_ms;  /* when it is to be; 0: it is, or nobody asks for it */
+    uint64_t later_ms;  /* after so long, the last time; 0: there was none */
+    bool tried;         /* it was, and what comes of it is not known */
+};
+
+struct ring {
+    bool direct;  /* a ring of few, and all are linked with all */
+    bool changed; /* since places were given */
+    bool stale;   /* there are links of before */
+    uint64_t built_ms;
+    uint32_t generation;
+    uint32_t *member; /* by place; JOB_NOBODY: it has gone */
+    uint32_t nmembers;
+    uint32_t cap;                     /* of what is by worker: */
+    uint32_t *place, *host, *nguests; /* JOB_NOBODY: none */
+    bool *out;                        /* may have no place, for lack of links */
+    struct broken *broken;
+    size_t nbroken;
+    struct pair *pair; /* in the order of a and b */
+    size_t npairs, cap_pairs;
+    uint32_t sequence;
+};
+
+bool
+ring_link(uint32_t places, uint32_t i, uint32_t *offset, uint32_t *below)
+{
+    uint64_t power = 1, at;
+
+    for (uint32_t k = i / (RADIX - 1); k > 0 && power < places; k--)
+        power *= RADIX;
+    at = power * (i % (RADIX - 1) + 1);
+    if (at >= places)
+        return false;
+    *offset = (uint32_t)at;
+    *below = (uint32_t)power;
+    return true;
+}
+
+void
+ring_free(struct ring *r)
+{
+    if (!r)
+        return;
+    free(r->member);
+    free(r->place);
+    free(r->host);
+    free(r->nguests);
+    free(r->out);
+    free(r->broken);
+    free(r->pair);
+    free(r);
+}
+
+/* --- who may have a place --- */
+
+static bool
+knows_rings(const struct coord_worker *w)
+{
+    return w->version >= msg_since(MSG_RING);
+}
+
+static bool
+is_here(const struct job *job, uint32_t i)
+{
+    return job->workers[i].state == JW_READY && job->workers[i].worker->conn;
+}
+
+static bool
+may_have_place(const struct job *job, uint32_t i)
+{
+    const struct coord_worker *w = job->workers[i].worker;
+
+    return is_here(job, i) && knows_rings(w) && w->address[0] != '\0';
+}
+
+static bool
+shares_records(const struct job *job)
+{
+    return job->spec.flags & MSG_JOB_SHARE;
+}
+
+bool
+ring_wanted(const struct coord *c, const struct job *job)
+{
+    uint32_t most = c->env.all_linked ? c->env.all_linked : ALL_LINKED, n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *w = job->workers[i].worker;
+
+        n += job->workers[i].state != JW_GONE && w->conn != 0 &&
+             knows_rings(w) && w->address[0] != '\0';
+    }
+    return (job->ring && !job->ring->direct) || n > most;
+}
+
+/* --- pairs --- */
+
+static int
+by_workers(const void *x, const void *y)
+{
+    const struct pair *p = x, *q = y;
+
+    if (p->a != q->a)
+        return p->a < q->a ? -1 : 1;
+    return (p->b > q->b) - (p->b < q->b);
+}
+
+static struct pair
+pair_of(uint32_t a, uint32_t b, enum pair_kind kind)
+{
+    return (struct pair){ a < b ? a : b, a < b ? b : a, (uint8_t)kind, 0 };
+}
+
+static struct pair *
+find_pair(const struct ring *r, uint32_t a, uint32_t b)
+{
+    struct pair key = pair_of(a, b, PAIR_RING);
+
+    return r->npairs > 0
+               ? bsearch(&key, r->pair, r->npairs, sizeof key, by_workers)
+               : NULL;
+}
+
+static bool
+room_for_pairs(struct ring *r, size_t n)
+{
+    struct pair *p;
+
+    if (n <= r->cap_pairs)
+        return true;
+    p = realloc(r->pair, 2 * n * sizeof *p);
+    if (!p)
+        return false;
+    r->pair = p;
+    r->cap_pairs = 2 * n;
+    return true;
+}
+
+static void
+remove_pair(struct ring *r, size_t i)
+{
+    memmove(&r->pair[i], &r->pair[i + 1],
+            (--r->npairs - i) * sizeof r->pair[0]);
+}
+
+/* Neither is to have anything to do with the other. */
+static void
+drop(struct coord *c, const struct job *job, const struct pair *p)
+{
+    const uint32_t end[2] = { p->a, p->b };
+
+    for (int i = 0; i < 2; i++)
+        if (job->workers[end[i]].worker->conn != 0 &&
+            job->workers[end[i]].state != JW_GONE)
+            sched_unlink(c, job, job->workers[end[i]].worker,
+                         job->workers[end[!i]].worker);
+}
+
+/* --- pairs that have no link --- */
+
+static struct broken *
+find_broken(const struct ring *r, uint32_t a, uint32_t b)
+{
+    for (size_t i = 0; i < r->nbroken; i++)
+        if (r->broken[i].a == (a < b ? a : b) &&
+            r->broken[i].b == (a < b ? b : a))
+            return &r->broken[i];
+    return NULL;
+}
+
+/* The link of two is gone, or never was there; NULL: memory is out. */
+static struct broken *
+note_broken(struct ring *r, uint32_t a, uint32_t b, bool was)
+{
+    struct broken *p = find_broken(r, a, b);
+
+    if (!p) {
+        p = realloc(r->broken, (r->nbroken + 1) * sizeof *p);
+        if (!p)
+            return NULL;
+        r->broken = p;
+        p += r->nbroken++;
+        *p = (struct broken){ .a = a < b ? a : b, .b = a < b ? b : a };
+    }
+    p->times = was ? 0 : p->times + 1;
+    return p;
+}
+
+/* A worker that is new, or comes again, may be another machine. */
+static void
+forget_broken(struct ring *r, uint32_t index)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < r->nbroken; i++)
+        if (r->broken[i].a != index && r->broken[i].b != index)
+            r->broken[n++] = r->broken[i];
+    r->nbroken = n;
+}
+
+static bool
+is_hopeless(const struct ring *r, uint32_t a, uint32_t b)
+{
+    const struct broken *p = find_broken(r, a, b);
+
+    return p && p->times >= HOPELESS;
+}
+
+static size_t
+count_hopeless(const struct ring *r, uint32_t index)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < r->nbroken; i++)
+        n += r->broken[i].times >= HOPELESS &&
+             (r->broken[i].a == index || r->broken[i].b == index);
+    return n;
+}
+
+/* On a ring any two may come to need a link; so of two that can have none one
+ * has no place: the one that lacks more links. */
+static void
+find_out(struct ring *r)
+{
+    memset(r->out, 0, r->cap * sizeof *r->out);
+    for (size_t i = 0; i < r->nbroken; i++) {
+        const struct broken *p = &r->broken[i];
+
+        if (p->times < HOPELESS || r->out[p->a] || r->out[p->b])
+            continue;
+        if (count_hopeless(r, p->a) > count_hopeless(r, p->b))
+            r->out[p->a] = true;
+        else
+            r->out[p->b] = true;
+    }
+}
+
+/* sched_link(), of which is known when. */
+static bool
+link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
+         uint32_t give)
+{
+    struct broken *p = find_broken(job->ring, a, b);
+
+    if (p) {
+        p->linked_ms = c->now_ms;
+        p->again_ms = 0;
+    }
+    return sched_link(c, job, job->workers[a].worker, job->workers[b].worker,
+                      give);
+}
+
+/* Make known a pair that is not; the first gives the second what it has. */
+static bool
+introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
+          enum pair_kind kind, uint32_t give)
+{
+    struct ring *r = job->ring;
+    struct pair p = pair_of(a, b, kind);
+    size_t i = r->npairs;
+
+    if (!room_for_pairs(r, r->npairs + 1)) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (!link_two(c, job, a, b, give))
+        return false;
+    while (i > 0 && by_workers(&r->pair[i - 1], &p) > 0)
+        i--;
+    memmove(&r->pair[i + 1], &r->pair[i], (r->npairs++ - i) * sizeof p);
+    p.sequence = r->sequence++;
+    r->pair[i] = p;
+    return true;
+}
+
+/* --- what workers are told --- */
+
+/* Its links on the ring, and for whom it speaks. */
+static uint32_t
+list_links(const struct job *job, uint32_t index, struct msg_ring_link *v)
+{
+    const struct ring *r = job->ring;
+    uint32_t offset, below, n = 0;
+
+    for (uint32_t i = 0; r->place[index] != JOB_NOBODY &&
+                         ring_link(r->nmembers, i, &offset, &below);
+         i++) {
+        uint32_t to = r->member[(r->place[index] + offset) % r->nmembers];
+
+        if (to != JOB_NOBODY)
+            v[n++] =
+                (struct msg_ring_link){ offset, below, job->workers[to].name };
+    }
+    for (uint32_t i = 0; i < r->cap; i++)
+        if (r->host[i] == index || r->host[index] == i)
+            v[n++] = (struct msg_ring_link){ 0, 0, job->workers[i].name };
+    return n;
+}
+
+static void
+send_ring(struct coord *c, const struct job *job, uint32_t index)
+{
+    const struct ring *r = job->ring;
+    const struct coord_worker *w = job->workers[index].worker;
+    struct msg_ring_link *v;
+    struct msg m = { .type = MSG_RING };
+
+    if (w->conn == 0 || !knows_rings(w))
+        return;
+    /* no more than a digit for each bit of a place, and guests */
+    v = calloc(32 * RADIX + (size_t)r->nguests[index] + 1, sizeof *v);
+    if (!v) {
+        c->actions.failed = true;
+        return;
+    }
+    m.ring.job = job->id;
+    m.ring.generation = r->generation;
+    m.ring.places = r->place[index] != JOB_NOBODY ? r->nmembers : 0;
+    m.ring.direct = r->direct;
+    m.ring.nlinks = list_links(job, index, v);
+    m.ring.links = v;
+    actions_send(&c->actions, w->conn, &m);
+    free(v);
+}
+
+/* --- guests --- */
+
+/* One on the ring who speaks for few, and with whom there was no trouble if
+ * there is one. */
+static uint32_t
+best_host(const struct job *job, uint32_t guest)
+{
+    const struct ring *r = job->ring;
+    uint32_t best = JOB_NOBODY;
+    unsigned least = HOPELESS;
+
+    for (uint32_t i = 0; i < r->nmembers; i++) {
+        uint32_t m = r->member[i];
+        const struct broken *b =
+            m != JOB_NOBODY ? find_broken(r, guest, m) : NULL;
+        unsigned times = b ? b->times : 0;
+
+        if (m == JOB_NOBODY || m == guest || times > least || times >= HOPELESS)
+            continue;
+        if (best == JOB_NOBODY || times < least ||
+            r->nguests[m] < r->nguests[best])
+            best = m;
+        least = times;
+    }
+    return best;
+}
+
+static void
+be_guest(struct ring *r, uint32_t guest, uint32_t host)
+{
+    if (r->host[guest] != JOB_NOBODY)
+        r->nguests[r->host[guest]]--;
+    r->host[guest] = host;
+    if (host != JOB_NOBODY)
+        r->nguests[host]++;
+}
+
+/* Find somebody who speaks for it. */
+static void
+take_in(struct coord *c, struct job *job, uint32_t guest, uint32_t give)
+{
+    struct ring *r = job->ring;
+    uint32_t host = best_host(job, guest);
+    struct pair *old;
+
+    r->changed |= may_have_place(job, guest) && !r->out[guest];
+    if (host == JOB_NOBODY)
+        return;
+    old = find_pair(r, host, guest);
+    if (old) /* a link of another kind, which the new one replaces */
+        remove_pair(r, (size_t)(old - r->pair));
+    if (!introduce(c, job, host, guest, PAIR_GUEST, give))
+        return;
+    be_guest(r, guest, host);
+    send_ring(c, job, host);
+    send_ring(c, job, guest);
+}
+
+/* --- places --- */
+
+/* Room for what is by worker. */
+static bool
+grow(struct ring *r, uint32_t n)
+{
+    uint32_t **of[] = { &r->place, &r->host, &r->nguests };
+
+    for (int i = 0; i < 3 && n > r->cap; i++) {
+        uint32_t *v = realloc(*of[i], n * sizeof *v);
+
+        if (!v)
+            return false;
+        *of[i] = v;
+    }
+    if (n > r->cap) {
+        bool *out = realloc(r->out, n * sizeof *out);
+
+        if (!out)
+            return false;
+        r->out = out;
+    }
+    for (; r->cap < n; r->cap++) {
+        r->out[r->cap] = false;
+        r->place[r->cap] = r->host[r->cap] = JOB_NOBODY;
+        r->nguests[r->cap] = 0;
+    }
+    return true;
+}
+
+/* Give places to all that may have one but `except`, and hosts to those that
+ * are guests or may never have one. */
+static bool
+give_places(struct job *job, uint32_t except)
+{
+    struct ring *r = job->ring;
+    uint32_t *member = realloc(r->member, (r->cap + 1) * sizeof *member);
+
+    if (!member)
+        return false;
+    r->member = member;
+    r->nmembers = 0;
+    find_out(r);
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        r->place[i] = JOB_NOBODY;
+        if (i == except || r->out[i] || !may_have_place(job, i))
+            continue;
+        be_guest(r, i, JOB_NOBODY);
+        r->place[i] = r->nmembers;
+        member[r->nmembers++] = i;
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (r->place[i] == JOB_NOBODY && i != except && is_here(job, i) &&
+            (r->host[i] == JOB_NOBODY || r->place[r->host[i]] == JOB_NOBODY ||
+             is_hopeless(r, i, r->host[i])))
+            be_guest(r, i, best_host(job, i));
+    return true;
+}
+
+/* All pairs that are to be linked for records, in their order; NULL: no
+ * memory. */
+static struct pair *
+list_wanted(const struct job *job, size_t *n)
+{
+    const struct ring *r = job->ring;
+    uint32_t offset, below, per = 0;
+    struct pair *v;
+
+    while (ring_link(r->nmembers, per, &offset, &below))
+        per++;
+    v = calloc((size_t)r->nmembers * per + r->cap + 1, sizeof *v);
+    *n = 0;
+    for (uint32_t p = 0; v && p < r->nmembers; p++)
+        for (uint32_t i = 0; ring_link(r->nmembers, i, &offset, &below); i++)
+            v[(*n)++] = pair_of(
+                r->member[p], r->member[(p + offset) % r->nmembers], PAIR_RING);
+    for (uint32_t i = 0; v && i < job->nworkers; i++)
+        if (r->host[i] != JOB_NOBODY)
+            v[(*n)++] = pair_of(r->host[i], i, PAIR_GUEST);
+    if (v)
+        qsort(v, *n, sizeof *v, by_workers);
+    return v;
+}
+
+/* A pair that is there and not wanted: what it is being given still comes, and
+ * what is under way. */
+static void
+spare(struct coord *c, const struct job *job, struct pair *to, size_t *n,
+      const struct pair *p)
+{
+    if (p->kind == PAIR_STALE) {
+        drop(c, job, p);
+        return;
+    }
+    to[*n] = *p;
+    to[(*n)++].kind = p->kind == PAIR_RING ? PAIR_STALE : PAIR_LINES;
+}
+
+/* Have the pairs that are wanted, and keep those of them that are there. */
+static bool
+relink(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    size_t nwanted, i = 0, n = 0;
+    struct pair *wanted = list_wanted(job, &nwanted), *to;
+
+    to = wanted ? calloc(nwanted + r->npairs + 1, sizeof *to) : NULL;
+    for (size_t k = 0; to && k < nwanted; k++) {
+        if (n > 0 && by_workers(&wanted[k], &to[n - 1]) == 0)
+            continue; /* from both sides */
+        while (i < r->npairs && by_workers(&r->pair[i], &wanted[k]) < 0)
+            spare(c, job, to, &n, &r->pair[i++]);
+        if (i < r->npairs && by_workers(&r->pair[i], &wanted[k]) == 0)
+            i++;
+        else if (!link_two(c, job, wanted[k].a, wanted[k].b, 0))
+            continue;
+        to[n++] = wanted[k];
+    }
+    while (to && i < r->npairs)
+        spare(c, job, to, &n, &r->pair[i++]);
+    free(wanted);
+    if (!to)
+        return false;
+    free(r->pair);
+    r->pair = to;
+    r->npairs = r->cap_pairs = n;
+    return true;
+}
+
+static void
+rebuild(struct coord *c, struct job *job, uint32_t except)
+{
+    struct ring *r = job->ring;
+
+    r->changed = false;
+    r->stale = true;
+    r->built_ms = c->now_ms;
+    c->env.random(c->env.arg, &r->generation, sizeof r->generation);
+    if (!grow(r, job->nworkers) || !give_places(job, except) ||
+        !relink(c, job)) {
+        c->actions.failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (r->place[i] != JOB_NOBODY || r->host[i] != JOB_NOBODY)
+            send_ring(c, job, i);
+    actions_log(&c->actions, ACT_DEBUG, "ring job=%s places=%u links=%zu",
+                job->hex, r->nmembers, r->npairs);
+}
+
+/* There were few, and all that are ready are linked with all. */
+static bool
+begin(struct coord *c, struct job *job, uint32_t newcomer)
+{
+    struct ring *r = job->ring = calloc(1, sizeof *r);
+
+    if (!r || !grow(r, job->nworkers))
+        return false;
+    for (uint32_t a = 0; a < job->nworkers; a++)
+        for (uint32_t b = a + 1; b < job->nworkers; b++) {
+            if (a == newcomer || b == newcomer || !is_here(job, a) ||
+                !is_here(job, b))
+                continue;
+            if (!room_for_pairs(r, r->npairs + 1))
+                return false;
+            r->pair[r->npairs++] =
+                pair_of(a, b, shares_records(job) ? PAIR_RING : PAIR_LINES);
+        }
+    if (shares_records(job))
+        rebuild(c, job, newcomer);
+    return true;
+}
+
+void
+ring_join(struct coord *c, struct job *job, uint32_t index)
+{
+    if (job->ring && job->ring->direct) {
+        ring_free(job->ring);
+        job->ring = NULL;
+    }
+    if ((!job->ring && !begin(c, job, index)) ||
+        !grow(job->ring, job->nworkers)) {
+        c->actions.failed = true;
+        return;
+    }
+    if (!shares_records(job))
+        return;
+    if (job->ring->nmembers == 0)
+        rebuild(c, job, JOB_NOBODY);
+    if (job->ring->place[index] == JOB_NOBODY)
+        take_in(c, job, index, MSG_PEER_GIVE);
+}
+
+void
+ring_left(struct coord *c, struct job *job, uint32_t index)
+{
+    struct ring *r = job->ring;
+
+    if (r && r->direct) {
+        forget_broken(r, index);
+        ring_of_few(c, job);
+        return;
+    }
+    if (!r || index >= r->cap)
+        return;
+    for (size_t i = r->npairs; i-- > 0;)
+        if (r->pair[i].a == index || r->pair[i].b == index) {
+            drop(c, job, &r->pair[i]);
+            remove_pair(r, i);
+        }
+    if (r->place[index] != JOB_NOBODY)
+        r->member[r->place[index]] = JOB_NOBODY;
+    r->place[index] = JOB_NOBODY;
+    be_guest(r, index, JOB_NOBODY);
+    forget_broken(r, index);
+    for (uint32_t i = 0; i < r->cap; i++)
+        if (r->host[i] == index) {
+            be_guest(r, i, JOB_NOBODY);
+            take_in(c, job, i, 0);
+        }
+    r->changed = true;
+}
+
+/* What was under way has come. */
+static void
+drop_stale(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    size_t n = 0;
+
+    for (size_t i = 0; i < r->npairs; i++)
+        if (r->pair[i].kind == PAIR_STALE)
+            drop(c, job, &r->pair[i]);
+        else
+            r->pair[n++] = r->pair[i];
+    r->npairs = n;
+    r->stale = false;
+}
+
+/* All have a place, or none. */
+static bool
+give_all_or_none(struct job *job)
+{
+    struct ring *r = job->ring;
+    uint32_t here = 0;
+
+    if (!grow(r, job->nworkers) || !give_places(job, JOB_NOBODY))
+        return false;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        here += is_here(job, i);
+    if (here == r->nmembers && here >= FEWEST)
+        return true;
+    r->nmembers = 0;
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        r->place[i] = JOB_NOBODY;
+        be_guest(r, i, JOB_NOBODY);
+    }
+    return true;
+}
+
+void
+ring_of_few(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += is_here(job, i);
+    if (!shares_records(job) || (!r && n < FEWEST))
+        return;
+    if (!r)
+        r = job->ring = calloc(1, sizeof *r);
+    if (!r || !give_all_or_none(job)) {
+        c->actions.failed = true;
+        return;
+    }
+    r->direct = true;
+    c->env.random(c->env.arg, &r->generation, sizeof r->generation);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_here(job, i))
+            send_ring(c, job, i);
+}
+
+/* Of few, try those that had no link again.  Only who sends something finds
+ * that there is none: so after a while the ring is given a chance, till it
+ * does. */
+static void
+link_again(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    bool changed = false;
+
+    for (size_t i = 0; i < r->nbroken; i++) {
+        struct broken *p = &r->broken[i];
+
+        if (p->again_ms != 0 && c->now_ms >= p->again_ms &&
+            is_here(job, p->a) && is_here(job, p->b)) {
+            link_two(c, job, p->a, p->b, 0);
+            p->tried = true;
+        } else if (p->tried && c->now_ms - p->linked_ms >= TRY_MS) {
+            p->tried = false;
+            p->times = HOPELESS - 1;
+            changed = true;
+        }
+    }
+    if (changed)
+        ring_of_few(c, job);
+}
+
+void
+ring_tick(struct coord *c, struct job *job)
+{
+    struct ring *r = job->ring;
+    uint32_t waiting = 0;
+
+    if (!r || !shares_records(job))
+        return;
+    if (r->direct) {
+        link_again(c, job);
+        return;
+    }
+    if (r->stale && c->now_ms - r->built_ms >= REBUILD_MS)
+        drop_stale(c, job);
+    if (!r->changed)
+        return;
+    for (uint32_t i = 0; i < r->cap; i++)
+        waiting += r->host[i] != JOB_NOBODY && may_have_place(job, i);
+    if (2 * waiting > r->nmembers || c->now_ms - r->built_ms >= REBUILD_MS)
+        rebuild(c, job, JOB_NOBODY);
+}
+
+/* --- links that are made, and lost, one by one --- */
+
+/* Of those that a worker has for lines the oldest goes if there are many. */
+static void
+make_room(struct coord *c, struct job *job, uint32_t index)
+{
+    struct ring *r = job->ring;
+    size_t oldest = 0, n = 0;
+
+    for (size_t i = 0; i < r->npairs; i++) {
+        const struct pair *p = &r->pair[i];
+
+        if (p->kind != PAIR_LINES || (p->a != index && p->b != index))
+            continue;
+        if (n++ == 0 || p->sequence < r->pair[oldest].sequence)
+            oldest = i;
+    }
+    if (n < LINE_LINKS)
+        return;
+    drop(c, job, &r->pair[oldest]);
+    remove_pair(r, oldest);
+}
+
+void
+ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
+{
+    struct ring *r = job->ring;
+
+    struct pair *p;
+
+    /* one that knows no rings would send all its records there */
+    if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b) ||
+        !knows_rings(job->workers[a].worker) ||
+        !knows_rings(job->workers[b].worker))
+        return;
+    p = find_pair(r, a, b);
+    if (p && p->kind == PAIR_STALE)
+        p->kind = PAIR_LINES;
+    if (p)
+        return;
+    make_room(c, job, a);
+    make_room(c, job, b);
+    introduce(c, job, a, b, PAIR_LINES, 0);
+}
+
+/* Few are linked with all: at once the first time, for what was lost may come
+ * back; later, if that was for nothing.  Then what is not urgent does not go
+ * round, either, since it would end there. */
+static void
+unlinked_of_few(struct coord *c, struct job *job, uint32_t a, uint32_t b,
+                bool was)
+{
+    struct ring *r = job->ring;
+    struct broken *p = find_broken(r, a, b);
+
+    if (p && (p->again_ms != 0 ||
+              (p->linked_ms != 0 && c->now_ms - p->linked_ms < SAME_MS)))
+        return;
+    p = note_broken(r, a, b, was);
+    if (!p) {
+        c->actions.failed = true;
+        return;
+    }
+    p->tried = false;
+    if (was)
+        p->later_ms = 0;
+    if (p->times < HOPELESS) {
+        link_two(c, job, a, b, 0);
+        return;
+    }
+    p->later_ms = p->later_ms == 0              ? LATER_MS
+                  : 2 * p->later_ms < LATEST_MS ? 2 * p->later_ms
+                                                : LATEST_MS;
+    p->again_ms = c->now_ms + p->later_ms;
+    if (r->nmembers > 0)
+        ring_of_few(c, job);
+}
+
+void
+ring_unlinked(struct coord *c, struct job *job, uint32_t index,
+              const struct msg_unlinked *m)
+{
+    struct ring *r = job->ring;
+    uint32_t other = job_worker_find(job, m->name), guest;
+    struct pair *p;
+
+    if (!r || other == JOB_NOBODY || other == index || index >= r->cap ||
+        other >= r->cap || !is_here(job, index) || !is_here(job, other))
+        return;
+    if (r->direct) {
+        unlinked_of_few(c, job, index, other, m->was);
+        return;
+    }
+    p = find_pair(r, index, other);
+    if (!p || p->kind == PAIR_LINES || p->kind == PAIR_STALE)
+        return;
+    guest = p->kind != PAIR_GUEST     ? JOB_NOBODY
+            : r->host[index] == other ? index
+                                      : other;
+    remove_pair(r, (size_t)(p - r->pair));
+    if (!note_broken(r, index, other, m->was)) {
+        c->actions.failed = true;
+        return;
+    }
+    if (guest == JOB_NOBODY) {
+        r->changed = true;
+        return;
+    }
+    be_guest(r, guest, JOB_NOBODY);
+    take_in(c, job, guest, 0);
+}

@@ -1,0 +1,13 @@
+/* counted.h - what the renderer counts, as messages tell it */
+#ifndef RADD_DAEMON_COUNTED_H
+#define RADD_DAEMON_COUNTED_H
+
+#include "proto/message.h"
+#include "trace/job.h"
+
+/* Add c, which took cpu_s of processor time.  Of doubt only that of indirect
+ * light: the renderer knows no rows. */
+void counted_add(struct msg_counts *sum, const struct rad_counts *c,
+                 double cpu_s);
+
+#endif

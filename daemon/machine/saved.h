@@ -1,0 +1,78 @@
+/* saved.h - what a store remembers of a job, and gives back after a restart
+ *
+ * Plain data between the scheduler, which says what is to be kept and takes it
+ * up again (recover.h), and the store, which keeps it (journal.h).  What
+ * pointers lead to is the giver's.
+ * Times are those of the coordinator's clock, see coord.h.
+ * Thread: any. */
+#ifndef DAEMON_SAVED_H
+#define DAEMON_SAVED_H
+
+#include "folder/mark.h"
+#include "partition/partition.h"
+
+/* A unit that went out: its latest attempt, and what is kept of its rows. */
+struct saved_unit {
+    uint32_t unit;
+    struct partition_area area;
+    uint32_t attempt;     /* whose rows count */
+    uint32_t tries;       /* how often it went out */
+    const char *worker;   /* of that attempt; "": it never went out */
+    uint64_t fingerprint; /* of that worker */
+    uint32_t stored;      /* rows of it that are kept, from its top */
+    uint64_t sum;         /* rowsum() of these; put: of those that came now, */
+    uint32_t now;         /* so many */
+    bool done;            /* all of them; then the rest is known */
+    uint64_t end_ms;
+    struct msg_counts counts;
+    const uint8_t *bottom; /* densities of its last base line */
+    uint32_t nbottom;      /* 0: a window, or the last of its frame */
+};
+
+/* A frame of a job. */
+struct saved_frame {
+    bool written;               /* its picture is there */
+    bool fetched;               /* and its owner has it */
+    struct mark picture, depth; /* with written; depth: of what has distances */
+};
+
+struct saved_job {
+    struct msg_spec spec;
+    const char *owner;
+    uint64_t sequence; /* of the job in this life; not kept */
+    uint32_t lives; /* of the coordinator since it was submitted, before this */
+    uint8_t state;  /* enum job_state: paused, over, or any other */
+    int status;     /* of one that is over */
+    const char *text;
+    uint64_t offer_ms, submit_ms, open_ms, end_ms, sent_bytes;
+    uint64_t kept_bytes;      /* of one that is over: what its folder holds */
+    struct msg_progress last; /* of one that is over */
+    struct mark stats;        /* likewise */
+    const struct saved_frame *frames; /* by index */
+    uint32_t nunits;          /* of one that is not over */
+    const struct saved_unit *units; /* by number */
+};
+
+/* Why a job that was over is forgotten. */
+enum gone_why {
+    GONE_MANY,   /* its owner has more of them than are kept */
+    GONE_OLD,    /* it was over for longer than is kept */
+    GONE_LARGE,  /* its owner's took more room than they may */
+    GONE_BEFORE, /* radcoord ended as it was being forgotten */
+    GONE_DELETED, /* somebody said so */
+    GONE_NWHYS
+};
+
+/* What is remembered of it, for a while. */
+#define SAVED_GONES 100 /* of each owner, the last so many */
+struct saved_gone {
+    uint8_t job[MSG_JOB];
+    char owner[MSG_MAX_NAME + 1];
+    char name[MSG_MAX_NAME + 1]; /* or as much of it as fits */
+    enum gone_why why;
+    bool fetched; /* there was no picture that nobody has */
+    uint64_t end_ms, gone_ms;
+    uint64_t sequence; /* in this life: its place in a list of jobs */
+};
+
+#endif

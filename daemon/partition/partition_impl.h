@@ -1,0 +1,93 @@
+/* partition_impl.h - what partition.c shares with the two ways to partition
+ *
+ * Private to partition*.c. */
+#ifndef DAEMON_PARTITION_IMPL_H
+#define DAEMON_PARTITION_IMPL_H
+
+#include "partition/partition.h"
+
+enum partition_state { PART_WAITING, PART_OUT, PART_DONE };
+
+struct partition_unit {
+    struct partition_area area;
+    enum partition_state state;
+    uint32_t first, last; /* lines, where they are shared */
+    bool bars;            /* see partition_unit_bars() */
+    uint32_t keeper;      /* see partition_keep() */
+    double cost;
+};
+
+struct partition_window;
+struct partition_queue;
+struct partition_lines;
+
+struct partition {
+    struct partition_unit *unit;
+    uint32_t total, cap;
+    uint32_t waiting; /* units in state PART_WAITING */
+    uint32_t undone;  /* units that are not done */
+    uint32_t *back;   /* units that came back, a stack */
+    uint32_t nback, cap_back;
+    double cost_total;
+    enum msg_partition kind;
+    char choice[160];
+    struct partition_window *window; /* one of the two */
+    struct partition_queue *queue;   /* of windows by what is measured */
+    struct partition_lines *lines;
+};
+
+/* A new unit, waiting; PARTITION_NONE when memory is out. */
+uint32_t partition_add(struct partition *p, const struct partition_area *area);
+
+/* Does it wait, for nobody in particular?  What is kept for one worker is among
+ * those that came back, and goes out from there. */
+static inline bool
+partition_is_free(const struct partition *p, uint32_t unit)
+{
+    return p->unit[unit].state == PART_WAITING &&
+           p->unit[unit].keeper == PARTITION_NONE;
+}
+
+/* Put a waiting unit before the others; false when memory is out. */
+bool partition_back(struct partition *p, uint32_t unit);
+
+/* --- partition_window.c --- */
+
+int window_check(const struct partition_spec *spec, struct rad_error *err);
+bool window_new(struct partition *p, const struct partition_spec *spec);
+void window_free(struct partition_window *w);
+void window_set_costs(struct partition *p, const double *cost);
+/* The next of those that never went out. */
+bool window_next(struct partition *p, uint32_t *unit);
+
+/* --- partition_queue.c --- */
+
+/* All units, which are windows, by what those beside them took, and at random
+ * where that is not known.  False: memory is out. */
+bool queue_new(struct partition *p, uint64_t seed, bool fresh);
+void queue_free(struct partition *p);
+bool queue_next(struct partition *p, uint32_t *unit);
+void queue_measured(struct partition *p, uint32_t unit, double cost);
+
+/* --- partition_lines.c --- */
+
+/* Of all frames. */
+uint64_t lines_of(const struct partition_spec *spec);
+int lines_check(const struct partition_spec *spec, struct rad_error *err);
+bool lines_new(struct partition *p, const struct partition_spec *spec);
+void lines_free(struct partition_lines *s);
+void lines_set_costs(struct partition *p, const double *cost);
+void lines_part(const struct partition *p, uint32_t part,
+                struct partition_area *area);
+uint32_t lines_parts(const struct partition *p);
+/* Lines that are in no unit, of the frames that may begin. */
+uint32_t lines_free_count(const struct partition *p);
+/* Cut a new unit for a worker. */
+bool lines_next(struct partition *p, const struct partition_who *who,
+                uint32_t *unit);
+void lines_done(struct partition *p, uint32_t unit);
+/* Cut that very unit, which must be the next by number. */
+bool lines_restore(struct partition *p, uint32_t unit,
+                   const struct partition_area *area);
+
+#endif

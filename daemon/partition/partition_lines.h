@@ -1,0 +1,93 @@
+/* partition_lines.h - what partition_lines.c shares with the ways to hand lines
+ * out
+ *
+ * Private to partition_lines.c, partition_region.c (scanbar, auto) and
+ * partition_run.c (static). */
+#ifndef DAEMON_PARTITION_LINES_H
+#define DAEMON_PARTITION_LINES_H
+
+#include "partition/partition_impl.h"
+
+struct frame {
+    uint32_t width, height;
+    uint32_t first;    /* of its lines among all */
+    uint32_t n;        /* lines */
+    uint32_t nfree;    /* of them in no unit */
+    uint32_t nkept;    /* of those, kept back */
+    uint32_t undone;   /* lines that are not done */
+    uint32_t next;     /* where the next region begins */
+    uint32_t taken;    /* lines from the top that are in units, or more */
+    double cost, left; /* of all its lines, and of those that are free */
+};
+
+/* One that asked for a unit. */
+struct asker {
+    bool began, absent;
+    uint32_t frame, line; /* the one below its last */
+    uint32_t own;         /* static: it has no free line of its own before */
+    double from, to;      /* static: its part of each frame's cost */
+};
+
+struct partition_lines {
+    enum msg_partition kind;
+    bool balance, fresh;
+    int ystep;
+    uint32_t nframes, nlines;
+    struct frame *frame;
+    uint32_t *unit;        /* by line of all frames: PARTITION_NONE, free */
+    float *cost;           /* likewise */
+    bool *kept;            /* likewise */
+    double left;           /* cost of all free lines */
+    uint32_t lo;           /* frames before have no free line */
+    uint32_t nfree, nkept; /* of all frames */
+    struct asker *who;
+    uint32_t nwho, cap_who;
+    uint32_t most; /* workers that took part at a time */
+};
+
+static inline bool
+line_is_free(const struct partition_lines *s, const struct frame *f,
+             uint32_t line)
+{
+    return line < f->n && s->unit[f->first + line] == PARTITION_NONE &&
+           !s->kept[f->first + line];
+}
+
+static inline double
+line_cost(const struct partition_lines *s, const struct frame *f, uint32_t line)
+{
+    return s->cost[f->first + line];
+}
+
+/* --- partition_lines.c --- */
+
+/* Of lines [first, last). */
+double lines_cost(const struct partition_lines *s, const struct frame *f,
+                  uint32_t first, uint32_t last);
+/* Where the stretch of free lines that begins at line ends. */
+uint32_t lines_stretch(const struct partition_lines *s, const struct frame *f,
+                       uint32_t line);
+/* May the lines of that frame go out? */
+bool lines_may_begin(const struct partition_lines *s, uint32_t frame);
+/* NULL when memory is out. */
+struct asker *lines_asker(struct partition_lines *s, uint32_t worker);
+/* Make a unit of lines [first, last), which are free, for w.  False: memory is
+ * out. */
+bool lines_cut(struct partition *p, uint32_t frame, uint32_t first,
+               uint32_t last, struct asker *w, uint32_t *unit);
+
+/* --- partition_region.c --- */
+
+/* Say what was chosen, and why. */
+void regions_choose(struct partition *p);
+/* Cut the next unit for a worker; false: there is none for it, or memory is
+ * out; here and below. */
+bool regions_next(struct partition *p, struct asker *w,
+                  const struct partition_who *who, uint32_t *unit);
+
+/* --- partition_run.c --- */
+
+bool runs_next(struct partition *p, struct asker *w,
+               const struct partition_who *who, uint32_t *unit);
+
+#endif

@@ -1,0 +1,400 @@
+/* coord_conn.c - who is connected to the coordinator, and as what
+ *
+ * Each connection has a number from the shell, and a session which says what
+ * may come on it; what it may become is known when it opens, what it is by its
+ * HELLO.  A worker has one connection: a new one of its name replaces the old.
+ */
+#include "config.h"
+
+#include "net/address.h"
+#include "net/keyfile.h"
+#include "front/request.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define MOST_THREADS 4096 /* of one worker */
+
+static const char crowded[] =
+    "too many connections of this user: close some, or try again later (limit "
+    "user_connections)";
+
+/* The low bits count up in the shell, and are a host's in the simulation. */
+static size_t
+slot_of(uint64_t id)
+{
+    return (size_t)(id ^ id >> 16) % COORD_CONNS;
+}
+
+struct coord_conn *
+coord_find_conn(const struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = c->by_id[slot_of(id)];
+
+    while (conn && conn->id != id)
+        conn = conn->chain;
+    return conn;
+}
+
+/* Forget a connection that is closed, or about to be. */
+static void
+drop_conn(struct coord *c, struct coord_conn *conn)
+{
+    struct coord_conn **link = &c->conns;
+
+    while (*link != conn)
+        link = &(*link)->next;
+    *link = conn->next;
+    link = &c->by_id[slot_of(conn->id)];
+    while (*link != conn)
+        link = &(*link)->chain;
+    *link = conn->chain;
+    if (conn->worker) {
+        conn->worker->conn = 0;
+        conn->worker->since_ms = c->now_ms;
+        sched_worker_gone(c, conn->worker);
+    }
+    request_release(conn);
+    uploads_closed(&c->uploads, conn->id);
+    free(conn);
+}
+
+void
+coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (!conn)
+        return;
+    actions_log(&c->actions, conn->worker ? ACT_WARN : ACT_DEBUG,
+                "connection lost peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+    drop_conn(c, conn);
+    sched_run(c);
+}
+
+/* Say that we close it.  Who is no worker yet, or never will be, can have that
+ * as often as it likes. */
+static void
+log_break(struct coord *c, const struct coord_conn *conn,
+          enum action_level level, const char *why)
+{
+    unsigned dropped = 0;
+
+    if (!conn->worker && !log_allowed(&c->breaks, c->now_ms, &dropped))
+        return;
+    if (dropped > 0)
+        actions_log(&c->actions, ACT_WARN,
+                    "connections closed and not logged n=%u", dropped);
+    actions_log(&c->actions, level,
+                "connection closed peer=%s name=%s why=%s", conn->address,
+                conn->worker ? conn->worker->name : "", why);
+}
+
+static void
+end_conn(struct coord *c, uint64_t id, enum action_level level, const char *why)
+{
+    struct coord_conn *conn = coord_find_conn(c, id);
+
+    if (!conn)
+        return;
+    log_break(c, conn, level, why);
+    actions_session(&c->actions, id, MSG_NSESSION, conn->version);
+    actions_close(&c->actions, id);
+    drop_conn(c, conn);
+}
+
+void
+coord_break(struct coord *c, uint64_t id, const char *why)
+{
+    end_conn(c, id, ACT_WARN, why);
+}
+
+void
+coord_part(struct coord *c, uint64_t id, const char *why)
+{
+    end_conn(c, id, ACT_INFO, why);
+}
+
+/* Connections of whoever has this one, where that may do no more than use the
+ * cluster: all of them, or those alone that have said who they are; and the
+ * oldest that has not, or NULL. */
+static unsigned
+count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
+           const struct coord_conn **oldest)
+{
+    unsigned n = 0;
+
+    *oldest = NULL;
+    if (conn->roles != 1u << MSG_ROLE_USER)
+        return 0;
+    for (const struct coord_conn *i = c->conns; i; i = i->next) {
+        bool is_new = i->session == MSG_AT_COORD_NEW;
+
+        if (i->roles != conn->roles || strcmp(i->owner, conn->owner) != 0)
+            continue;
+        n += !(greeted && is_new);
+        if (is_new)
+            *oldest = i; /* they begin with the newest */
+    }
+    return n;
+}
+
+/* Before one more: nobody takes all that a process can have of them. */
+static void
+make_room(struct coord *c, const struct coord_conn *conn)
+{
+    const struct coord_conn *oldest;
+
+    if (count_user(c, conn, false, &oldest) >= c->limits.conns && oldest)
+        coord_break(c, oldest->id, crowded);
+}
+
+void
+coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
+             const struct coord_peer *peer)
+{
+    struct coord_conn *conn = calloc(1, sizeof *conn);
+    struct coord_owner *payer = coord_owner_of(c, peer->owner);
+
+    c->now_ms = now_ms;
+    if (!conn || !payer) {
+        free(conn);
+        c->actions.failed = true;
+        return;
+    }
+    conn->id = id;
+    conn->session = MSG_AT_COORD_NEW;
+    conn->version = MSG_VERSION;
+    conn->roles = peer->roles;
+    conn->payer = payer;
+    snprintf(conn->address, sizeof conn->address, "%s", peer->address);
+    snprintf(conn->owner, sizeof conn->owner, "%s", peer->owner);
+    snprintf(conn->name, sizeof conn->name, "%s", peer->name ? peer->name : "");
+    make_room(c, conn);
+    conn->next = c->conns;
+    c->conns = conn;
+    conn->chain = c->by_id[slot_of(id)];
+    c->by_id[slot_of(id)] = conn;
+}
+
+void
+coord_reply_failed(struct coord *c, const struct coord_conn *conn,
+                   uint32_t request, const uint8_t *job, int status,
+                   const char *text)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .request = request,
+                     .failed = { job, (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+static void
+refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
+       const char *text)
+{
+    struct msg m = { .type = MSG_REFUSE,
+                     .request = request,
+                     .refuse = { (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+    coord_break(c, conn->id, text);
+}
+
+struct coord_worker *
+coord_worker_of(struct coord *c, const char *name)
+{
+    struct coord_worker *w, **link = &c->workers;
+
+    for (; (w = *link) != NULL; link = &w->next)
+        if (strcmp(w->name, name) == 0)
+            return w;
+    w = calloc(1, sizeof *w);
+    if (w) {
+        snprintf(w->name, sizeof w->name, "%s", name);
+        w->id = c->nworkers++;
+        w->relative = 1;
+        w->priority = w->rank = INT64_MIN;
+        w->since_ms = c->now_ms; /* of an earlier life: gone since then */
+        *link = w;
+    }
+    return w;
+}
+
+static bool
+has_part(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++)
+        for (uint32_t k = 0; k < c->jobs[i]->nworkers; k++)
+            if (c->jobs[i]->workers[k].worker == w)
+                return true;
+    return false;
+}
+
+void
+coord_drop_forgotten(struct coord *c)
+{
+    struct coord_worker *w, **link = &c->workers;
+
+    while ((w = *link) != NULL) {
+        if (!w->forgotten || has_part(c, w)) {
+            link = &w->next;
+        } else {
+            *link = w->next;
+            free(w);
+        }
+    }
+}
+
+/* Where peers dial a worker: as it says, but one that listens on all of its
+ * addresses has that by which it came. */
+static void
+note_address(struct coord_worker *w, const struct coord_conn *conn,
+             const char *said)
+{
+    const char *from = conn->address, *colon = strrchr(from, ':');
+    bool named = colon && strncmp(from, "uid:", 4) != 0;
+
+    if (strncmp(said, "tcp ", 4) == 0 && address_is_wildcard(said + 4))
+        snprintf(w->address, sizeof w->address, "tcp %.*s:%s",
+                 named ? (int)(colon - from) : 9, named ? from : "127.0.0.1",
+                 strrchr(said, ':') + 1);
+    else
+        snprintf(w->address, sizeof w->address, "%s", said);
+}
+
+/* It called again before the old connection was known to be dead; or two hosts
+ * have one name, and then both should hear of it. */
+static void
+replace(struct coord *c, const struct coord_worker *w,
+        const struct coord_conn *by)
+{
+    char why[MSG_MAX_TEXT + 1];
+    struct msg m = { .type = MSG_BYE, .bye = { why } };
+
+    snprintf(why, sizeof why, "replaced by a connection of that name from %s",
+             by->address);
+    actions_send(&c->actions, w->conn, &m);
+    coord_break(c, w->conn, why);
+}
+
+static bool
+join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
+{
+    struct coord_worker *w = coord_worker_of(c, m->name);
+
+    if (!w) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (w->conn != 0)
+        replace(c, w, conn);
+    w->conn = conn->id;
+    w->version = conn->version;
+    w->threads = m->threads;
+    w->fingerprint = m->fingerprint;
+    w->since_ms = c->now_ms;
+    w->progress_ms = c->now_ms; /* none of this connection is old */
+    w->leaving = w->alone = w->hangs = w->forgotten = false;
+    snprintf(w->program, sizeof w->program, "%s", m->program);
+    note_address(w, conn, m->address);
+    conn->worker = w;
+    return true;
+}
+
+/* what it takes, by role */
+static const char *const not_allowed[] = {
+    [MSG_ROLE_WORKER] =
+        "this role is not allowed from there: workers need a key 'worker:NAME' "
+        "or, on the Unix socket, to be root or the coordinator's own user",
+    [MSG_ROLE_USER] = "this role is not allowed from there: users need a key "
+                      "'user:NAME' or 'admin:NAME'",
+    [MSG_ROLE_ADMIN] =
+        "this role is not allowed from there: administrators need a key "
+        "'admin:NAME' or, on the Unix socket, to be root or the coordinator's "
+        "own user",
+};
+
+/* Why a HELLO is not welcome; NULL: it is. */
+static const char *
+hello_fault(const struct coord *c, const struct coord_conn *conn,
+            const struct msg_hello *m, char text[MSG_MAX_TEXT + 1], int *status)
+{
+    const struct coord_conn *oldest;
+
+    *status = EX_PROTOCOL;
+    if (msg_common_version(m->min, m->max) == 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "protocol versions %u to %u are not spoken here, only %u to "
+                 "%u",
+                 m->min, m->max, MSG_VERSION_MIN, MSG_VERSION);
+        return text;
+    }
+    *status = EX_NOPERM;
+    if (!(conn->roles >> m->role & 1))
+        return not_allowed[m->role];
+    if (m->role != MSG_ROLE_WORKER) {
+        *status = EX_TEMPFAIL;
+        return count_user(c, conn, true, &oldest) < c->limits.conns ? NULL
+                                                                    : crowded;
+    }
+    if (conn->name[0] && strcmp(conn->name, m->name) != 0) {
+        snprintf(text, MSG_MAX_TEXT + 1,
+                 "the key is that of a worker called '%s'", conn->name);
+        return text;
+    }
+    *status = EX_CONFIG;
+    if (!key_name_valid(m->name, strlen(m->name)))
+        return "a worker's name needs letters, digits, '.', '_' or '-'";
+    if (m->threads < 1 || m->threads > MOST_THREADS)
+        return "a worker needs 1 to 4096 threads";
+    return NULL;
+}
+
+/* A worker has a name, and everybody else is somebody. */
+static void
+log_hello(struct coord *c, const struct coord_conn *conn,
+          const struct msg_hello *m)
+{
+    if (m->role == MSG_ROLE_WORKER)
+        actions_log(&c->actions, ACT_INFO,
+                    "hello peer=%s role=worker name=%s threads=%u protocol=%u",
+                    conn->address, m->name, m->threads, conn->version);
+    else
+        actions_log(&c->actions, ACT_INFO,
+                    "hello peer=%s role=%s owner=%s protocol=%u", conn->address,
+                    key_role_name(m->role), conn->owner, conn->version);
+}
+
+void
+coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    static const enum msg_session session[] = {
+        [MSG_ROLE_WORKER] = MSG_AT_COORD_WORKER,
+        [MSG_ROLE_USER] = MSG_AT_COORD_USER,
+        [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
+    };
+    struct msg welcome = { .type = MSG_WELCOME,
+                           .request = m->request,
+                           .welcome = { 0, c->env.epoch, c->env.program } };
+    char text[MSG_MAX_TEXT + 1];
+    int status;
+    const char *fault = hello_fault(c, conn, &m->hello, text, &status);
+
+    if (fault) {
+        refuse(c, conn, m->request, status, fault);
+        return;
+    }
+    conn->version = msg_common_version(m->hello.min, m->hello.max);
+    welcome.welcome.version = (uint16_t)conn->version;
+    if (m->hello.role == MSG_ROLE_WORKER && !join_worker(c, conn, &m->hello))
+        return;
+    conn->session = session[m->hello.role];
+    log_hello(c, conn, &m->hello);
+    actions_session(&c->actions, conn->id, conn->session, conn->version);
+    actions_send(&c->actions, conn->id, &welcome);
+}

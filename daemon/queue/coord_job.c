@@ -1,0 +1,511 @@
+/* coord_job.c - the life of a job, as far as it is not the scheduler's
+ *
+ * A job waits until its bundle is stored and there is room for its rows; then
+ * it is accepted.  It is over when every frame's picture is written, when it
+ * failed, or when it was cancelled; it is then remembered, without its place
+ * in the queue, for a while (struct coord_keep). */
+#include "config.h"
+
+#include "base/text.h"
+#include "front/request.h"
+#include "sched/sched.h"
+#include "front/stats.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define LOOK_FILES 512 /* of a job at once */
+#define LINGER_MS  2000 /* a job that is over is whole */
+
+struct job *
+coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
+{
+    for (size_t i = 0; i < c->njobs; i++)
+        if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
+            return c->jobs[i];
+    return NULL;
+}
+
+/* Another job may have been given the id of one that was deleted. */
+static struct job *
+find_same(const struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence)
+{
+    struct job *job = coord_find_job(c, id);
+
+    return job && job->sequence == sequence ? job : NULL;
+}
+
+void
+coord_send_progress(struct coord *c, const struct coord_conn *conn,
+                    const struct job *job)
+{
+    struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
+
+    job_progress(job, c->now_ms, &m.progress);
+    actions_send(&c->actions, conn->id, &m);
+}
+
+/* The last words to one who watches the job. */
+void
+coord_send_end(struct coord *c, const struct coord_conn *conn,
+               const struct job *job)
+{
+    struct msg m = { .type = MSG_DONE,
+                     .request = conn->watch_request,
+                     .done = { job->id, job->spec.nframes } };
+
+    coord_send_progress(c, conn, job);
+    if (job->state == JOB_DONE)
+        actions_send(&c->actions, conn->id, &m);
+    else
+        coord_reply_failed(c, conn, conn->watch_request, job->id, job->status,
+                           job->text);
+}
+
+void
+coord_send_accept(struct coord *c, const struct coord_conn *conn,
+                  const struct job *job, bool again)
+{
+    struct msg m = { .type = MSG_ACCEPT,
+                     .request = conn->watch_request,
+                     .accept = { job->id, again } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+struct coord_owner *
+coord_owner_of(struct coord *c, const char *name)
+{
+    struct coord_owner *o = c->owners;
+
+    while (o && strcmp(o->name, name) != 0)
+        o = o->next;
+    if (o)
+        return o;
+    o = calloc(1, sizeof *o);
+    if (!o)
+        return NULL;
+    snprintf(o->name, sizeof o->name, "%s", name);
+    o->next = c->owners;
+    return c->owners = o;
+}
+
+/* Into the first n jobs, which are in order: by priority, then as they came. */
+static void
+put_in_order(struct coord *c, struct job *job, size_t n)
+{
+    for (; n > 0; n--) {
+        const struct job *o = c->jobs[n - 1];
+
+        if (o->spec.priority > job->spec.priority ||
+            (o->spec.priority == job->spec.priority &&
+             o->sequence < job->sequence))
+            break;
+        c->jobs[n] = c->jobs[n - 1];
+    }
+    c->jobs[n] = job;
+}
+
+bool
+coord_add_job(struct coord *c, struct job *job)
+{
+    size_t i = c->njobs;
+
+    if (c->njobs == c->cap_jobs) {
+        size_t cap = c->cap_jobs ? 2 * c->cap_jobs : 16;
+        struct job **v = realloc(c->jobs, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        c->jobs = v;
+        c->cap_jobs = cap;
+    }
+    job->payer = coord_owner_of(c, job->owner);
+    if (!job->payer)
+        return false;
+    job->sequence = ++c->sequence;
+    job->held = c->full;
+    put_in_order(c, job, i);
+    c->njobs++;
+    return true;
+}
+
+void
+coord_set_priority(struct coord *c, struct job *job, int32_t priority)
+{
+    size_t i = 0, end = c->njobs - 1;
+
+    while (c->jobs[i] != job)
+        i++;
+    memmove(&c->jobs[i], &c->jobs[i + 1], (end - i) * sizeof *c->jobs);
+    job->spec.priority = priority;
+    put_in_order(c, job, end);
+    for (struct coord_worker *w = c->workers; w; w = w->next)
+        yield_rate(c, w);
+}
+
+static void go_on_filing(struct coord *c, struct job *job);
+
+static const uint8_t *
+next_file(const struct job *job)
+{
+    return job->spec.files.hash + (size_t)job->nfound * MSG_HASH;
+}
+
+static bool
+lacks_files(const struct job *job)
+{
+    return !job->asked_open && !job_over(job);
+}
+
+/* Once its files are all there, ask for room for its rows; workers load it
+ * meanwhile.  What its owner did not send is not there, whoever else did: who
+ * knows no more than a hash gets no picture of what has it.  Files that were
+ * seen are not looked for again, for each that comes is a reason to look.  To
+ * look at one takes some microseconds: of very many the rest has its turn
+ * later.
+ */
+void
+coord_try_open(struct coord *c, struct job *job)
+{
+    const struct msg_hashes *f = &job->spec.files;
+    struct action *a;
+
+    if (!lacks_files(job))
+        return;
+    for (uint32_t i = 0; i < LOOK_FILES && job->nfound < f->n; i++) {
+        const uint8_t *hash = next_file(job);
+
+        if (!known_has(&job->payer->files, hash) ||
+            !c->env.has_file(c->env.arg, hash))
+            return;
+        job->nfound++;
+        job->found_ms = c->now_ms;
+    }
+    if (job->nfound < f->n)
+        return;
+    if (!known_name(&job->payer->files, f))
+        c->actions.failed = true;
+    job->asked_open = c->stirred = true;
+    a = actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
+    if (a)
+        a->sequence = job->sequence;
+}
+
+void
+coord_file_came(struct coord *c, const struct coord_owner *owner,
+                const uint8_t hash[MSG_HASH])
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (job->payer == owner && lacks_files(job) &&
+            job->nfound < job->spec.files.n &&
+            memcmp(next_file(job), hash, MSG_HASH) == 0)
+            coord_try_open(c, job);
+    }
+}
+
+/* Where nothing came of a job for too long, nothing will. */
+static void
+end_stalled(struct coord *c, struct job *job)
+{
+    char text[MSG_MAX_TEXT + 1];
+
+    if (c->full) /* they would come if there were room */
+        job->found_ms = c->now_ms;
+    if (c->now_ms - job->found_ms < c->limits.upload_ms)
+        return;
+    snprintf(text, sizeof text,
+             "files of the scene did not come for %" PRIu64
+             " s: submit it again",
+             c->limits.upload_ms / 1000);
+    coord_job_ends(c, job, JOB_FAILED, EX_TEMPFAIL, text);
+}
+
+/* Once the store tells of a job that is over, nothing but its end and its frames
+ * are needed here.  What its workers tell of it last still comes for a moment,
+ * and goes to those who fetch its statistics now. */
+static void
+lighten(struct coord *c, struct job *job)
+{
+    if (!job->stats_kept || job->filed || c->now_ms - job->end_ms < LINGER_MS ||
+        request_tells(c, job))
+        return;
+    job_lighten(job, c->now_ms);
+    coord_drop_forgotten(c);
+}
+
+void
+coord_jobs_tick(struct coord *c)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        if (c->jobs[i]->filing)
+            go_on_filing(c, c->jobs[i]);
+        lighten(c, c->jobs[i]);
+        if (!lacks_files(c->jobs[i]))
+            continue;
+        if (c->jobs[i]->nfound % LOOK_FILES == 0)
+            coord_try_open(c, c->jobs[i]);
+        if (lacks_files(c->jobs[i]))
+            end_stalled(c, c->jobs[i]);
+    }
+    if (c->stirred)
+        sched_run(c);
+}
+
+/* What the store was to do for a job was done, or it failed with that status,
+ * which ends it.  The job if it goes on; NULL. */
+static struct job *
+stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence, int status,
+       const char *text)
+{
+    struct job *job = find_same(c, id, sequence);
+
+    if (!job || job_over(job))
+        return NULL;
+    if (status == 0)
+        return job;
+    coord_job_ends(c, job, JOB_FAILED, status, text);
+    return NULL;
+}
+
+void
+coord_keep_state(struct coord *c, const struct job *job)
+{
+    struct action *a;
+
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    a = actions_add_job(&c->actions, ACT_JOB_STATE, 0, job->id);
+    if (!a)
+        return;
+    a->status = (int)job->state;
+    a->priority = job->spec.priority;
+}
+
+void
+coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                uint64_t sequence, const char *text)
+{
+    struct job *job = find_same(c, id, sequence);
+
+    c->now_ms = now_ms;
+    if (!job || job_over(job))
+        return;
+    job->waits = job->held = true;
+    rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
+                   text);
+    wire_clean(job->text);
+    actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
+                job->hex, text);
+    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+}
+
+/* It has its room now.  What was done to it meanwhile the store had no place
+ * for. */
+static void
+wait_no_more(struct coord *c, struct job *job)
+{
+    job->waits = false;
+    job->held = c->full;
+    job->text[0] = '\0';
+    actions_log(&c->actions, ACT_INFO, "job has room job=%s", job->hex);
+    coord_keep_state(c, job);
+}
+
+void
+coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                 uint64_t sequence, int status, const char *text)
+{
+    struct job *job;
+
+    c->now_ms = now_ms;
+    job = stored(c, id, sequence, status, text);
+    if (!job)
+        return;
+    if (job->waits)
+        wait_no_more(c, job);
+    job->opened = true;
+    job->open_ms = now_ms;
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch == job)
+            coord_send_accept(c, conn, job, false);
+    sched_run(c);
+}
+
+void
+coord_drop_job(struct coord *c, const struct job *gone)
+{
+    size_t i = 0;
+    struct job *job;
+
+    while (c->jobs[i] != gone)
+        i++;
+    job = c->jobs[i];
+    if (job->asked_open)
+        known_unname(&job->payer->files, c->now_ms, &job->spec.files);
+    job_free(job);
+    memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
+    c->njobs--;
+    coord_drop_forgotten(c);
+}
+
+/* The store learns how the job ended, if it knows it at all. */
+static void
+file_text(struct coord *c, struct job *job)
+{
+    char *text = stats_take(job->filing);
+    struct action *a;
+
+    job->filing = NULL;
+    if (!actions_own(&c->actions, text))
+        return;
+    a = actions_add_job(&c->actions, ACT_JOB_END, 0, job->id);
+    if (!a)
+        return;
+    a->sequence = job->sequence;
+    a->len = strlen(text);
+    a->bytes = (uint8_t *)text;
+}
+
+/* The next piece of its statistics; with the last it is filed. */
+static void
+go_on_filing(struct coord *c, struct job *job)
+{
+    int rc = stats_more(job->filing, job, STATS_PIECE);
+
+    if (rc < 0)
+        c->actions.failed = true;
+    else if (rc == 1)
+        file_text(c, job);
+}
+
+static void
+file_job(struct coord *c, struct job *job)
+{
+    if (!c->env.keeps || !job->asked_open)
+        return;
+    job->filing = stats_begin(job, c->now_ms);
+    if (job->filing)
+        go_on_filing(c, job);
+    else
+        c->actions.failed = true;
+}
+
+void
+coord_job_ends(struct coord *c, struct job *job, enum job_state state,
+               int status, const char *text)
+{
+    if (job_over(job))
+        return;
+    job->state = state;
+    job->status = status;
+    job->end_ms = c->now_ms;
+    c->keep_due = true;
+    rad_text_print(job->text, sizeof job->text, "%s", text ? text : "");
+    wire_clean(job->text); /* JSON wants UTF-8 */
+    actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
+                job->hex, job_state_name(state), job->text);
+    if (job->nan.pixels > 0)
+        actions_log(&c->actions, ACT_WARN,
+                    "pixels are no numbers job=%s pixels=%" PRIu64
+                    " frame=%u x=%u y=%u",
+                    job->hex, job->nan.pixels, job->nan.frame, job->nan.x,
+                    job->nan.y);
+    for (int i = 0; i < MSG_FAULTS && job->faults[i].count > 0; i++)
+        actions_log(&c->actions, ACT_WARN,
+                    "function has no value job=%s object=%u times=%" PRIu64,
+                    job->hex, job->faults[i].object, job->faults[i].count);
+    sched_job_over(c, job);
+    file_job(c, job);
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch == job) {
+            coord_send_end(c, conn, job);
+            conn->watch = NULL;
+        }
+}
+
+void
+coord_picture_written(struct coord *c, uint64_t now_ms,
+                      const uint8_t id[MSG_JOB], uint64_t sequence,
+                      uint32_t frame, int status, const char *text)
+{
+    struct job *job;
+
+    c->now_ms = now_ms;
+    job = stored(c, id, sequence, status, text);
+    if (!job || frame >= job->spec.nframes || !job->frames[frame].writing)
+        return;
+    job->frames[frame].writing = false;
+    job->frames[frame].written = true;
+    job->unfetched++;
+    job_count_ready(job);
+    if (job->frames_ready == job->spec.nframes)
+        coord_job_ends(c, job, JOB_DONE, 0, NULL);
+    coord_forget_old(c);
+}
+
+void
+coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                uint64_t sequence, uint64_t bytes)
+{
+    struct job *job = find_same(c, id, sequence);
+
+    c->now_ms = now_ms;
+    if (job) {
+        job->kept_bytes = bytes;
+        job->stats_kept = c->env.keeps;
+    }
+    c->keep_due = true;
+    coord_forget_old(c);
+}
+
+uint8_t *
+coord_files(const struct coord *c, size_t *n)
+{
+    size_t all = 0, at = 0;
+    uint8_t *list;
+
+    for (size_t i = 0; i < c->njobs; i++)
+        all += c->jobs[i]->spec.files.n;
+    list = malloc((all + c->uploads.n) * MSG_HASH + 1);
+    if (!list)
+        return NULL;
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct msg_hashes *f = &c->jobs[i]->spec.files;
+
+        if (f->n > 0)
+            memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
+        at += f->n;
+    }
+    *n = at + uploads_waiting(&c->uploads, list + at * MSG_HASH);
+    return list;
+}
+
+bool
+coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
+            struct saved_job *out)
+{
+    const struct job *job = coord_find_job(c, id);
+
+    if (!job)
+        return false;
+    *out = (struct saved_job){ .spec = job->spec,
+                               .owner = job->owner,
+                               .sequence = job->sequence,
+                               .lives = job->lives,
+                               .state = (uint8_t)job->state,
+                               .status = job->status,
+                               .text = job->text,
+                               .offer_ms = job->offer_ms,
+                               .submit_ms = job->submit_ms,
+                               .open_ms = c->now_ms,
+                               .end_ms = job->end_ms,
+                               .sent_bytes = job->sent_bytes };
+    job_progress(job, c->now_ms, &out->last);
+    return true;
+}

@@ -1,0 +1,274 @@
+/* coord_keep.c - how long jobs that are over are remembered, and what is still
+ * said of those that were forgotten
+ *
+ * Each owner's are counted by themselves, so nobody's jobs take another's
+ * pictures.  What an owner has not fetched is kept for unfetched_ms, whatever
+ * the other limits say; that it does not grow for ever quota.c sees to, which
+ * takes no further job then.  Of the rest the oldest go, one at a time, while
+ * there are too many, or they are too old, or all of the owner's take too much
+ * room. */
+#include "config.h"
+
+#include "base/text.h"
+#include "sched/sched.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define FETCH_MS 60000 /* in which a user gets all of a job that is done */
+#define FETCHING 64    /* jobs of a user for which that is waited */
+#define LOOK_MS  1000  /* between looks where nothing happened */
+
+static uint64_t
+since(const struct coord *c, uint64_t ms)
+{
+    return c->now_ms > ms ? c->now_ms - ms : 0;
+}
+
+/* --- what is kept --- */
+
+bool
+coord_unfetched(const struct coord *c, const struct job *job)
+{
+    return job_over(job) && job->state != JOB_CANCELLED && job->unfetched > 0 &&
+           since(c, job->end_ms) < c->keep.unfetched_ms;
+}
+
+/* Somebody is just getting it: after the pictures come distances and
+ * statistics. */
+static bool
+is_being_fetched(const struct coord *c, const struct job *job)
+{
+    return job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS;
+}
+
+/* Why the oldest of an owner's has to go; GONE_NWHYS: it need not. */
+static enum gone_why
+reason(const struct coord *c, const struct coord_kept *k)
+{
+    uint64_t age = k->oldest ? since(c, k->oldest->end_ms) : 0;
+
+    if (!k->oldest)
+        return GONE_NWHYS;
+    if (k->jobs > c->keep.jobs || (k->jobs > 1 && k->weight > c->keep.jobs))
+        return GONE_MANY;
+    if (c->keep.ms > 0 && age >= c->keep.ms)
+        return GONE_OLD;
+    if (c->keep.bytes > 0 && k->bytes > c->keep.bytes && age >= FETCH_MS)
+        return GONE_LARGE;
+    return GONE_NWHYS;
+}
+
+static void
+count_kept(struct coord *c)
+{
+    for (struct coord_owner *o = c->owners; o; o = o->next)
+        o->kept = (struct coord_kept){ 0 };
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+        struct coord_kept *k = &job->payer->kept;
+
+        if (!job_over(job))
+            continue;
+        k->bytes += job->kept_bytes;
+        if (coord_unfetched(c, job))
+            continue;
+        if (is_being_fetched(c, job)) {
+            k->fetching++;
+            if (!k->fetched || job->fetched_ms < k->fetched->fetched_ms)
+                k->fetched = job;
+            continue;
+        }
+        k->jobs++;
+        k->weight += job_weight(job);
+        if (!k->oldest || job->end_ms < k->oldest->end_ms)
+            k->oldest = job;
+    }
+}
+
+/* Small jobs may be fetched by the hundred in a minute: of too many the one that
+ * was fetched the longest ago counts as got. */
+static bool
+forget_one(struct coord *c, const struct coord_kept *k)
+{
+    enum gone_why why = reason(c, k);
+
+    if (why != GONE_NWHYS)
+        coord_forget_job(c, k->oldest, why);
+    else if (k->fetching > FETCHING && k->fetching + k->jobs > c->keep.jobs)
+        coord_forget_job(c, k->fetched, GONE_MANY);
+    else
+        return false;
+    return true;
+}
+
+void
+coord_forget_old(struct coord *c)
+{
+    bool again = c->keep_due || since(c, c->keep_ms) >= LOOK_MS;
+
+    c->keep_due = false;
+    while (again) {
+        c->keep_ms = c->now_ms;
+        count_kept(c);
+        again = false;
+        for (struct coord_owner *o = c->owners; o; o = o->next) {
+            again |= forget_one(c, &o->kept);
+        }
+    }
+}
+
+void
+coord_set_keep(struct coord *c, const struct coord_keep *keep)
+{
+    c->keep = *keep;
+    c->keep_due = true;
+    coord_forget_old(c);
+}
+
+/* --- what is fetched --- */
+
+void
+coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
+              const uint8_t id[MSG_JOB], uint32_t frame)
+{
+    const struct coord_conn *to = coord_find_conn(c, conn);
+    struct job *job = coord_find_job(c, id);
+    struct action *a;
+
+    c->now_ms = now_ms;
+    if (!to || !job || frame >= job->spec.nframes ||
+        strcmp(to->owner, job->owner) != 0 || !job->frames[frame].written)
+        return;
+    job->fetched_ms = now_ms;
+    if (job->frames[frame].fetched)
+        return;
+    job->frames[frame].fetched = true;
+    job->unfetched--;
+    c->keep_due = true;
+    a = c->env.keeps ? actions_add_job(&c->actions, ACT_JOB_FETCHED, 0, id)
+                     : NULL;
+    if (a)
+        a->frame = frame;
+}
+
+/* --- what is forgotten --- */
+
+static void
+drop_gone(struct coord *c, size_t i)
+{
+    memmove(c->gones + i, c->gones + i + 1,
+            (c->ngones - i - 1) * sizeof *c->gones);
+    c->ngones--;
+}
+
+/* No more of an owner than are kept. */
+static void
+limit_gones(struct coord *c, const char *owner)
+{
+    size_t n = 0;
+
+    for (size_t i = c->ngones; i-- > 0;)
+        if (strcmp(c->gones[i].owner, owner) == 0 && ++n > SAVED_GONES)
+            drop_gone(c, i);
+}
+
+void
+coord_recall_gone(struct coord *c, const struct saved_gone *g)
+{
+    if (g->why == GONE_DELETED)
+        return; /* whoever did that knows it */
+    if (c->ngones == c->cap_gones) {
+        size_t cap = c->cap_gones ? 2 * c->cap_gones : 16;
+        struct saved_gone *v = realloc(c->gones, cap * sizeof *v);
+
+        if (!v)
+            return; /* it is for the user's information */
+        c->gones = v;
+        c->cap_gones = cap;
+    }
+    c->gones[c->ngones] = *g;
+    if (c->gones[c->ngones].sequence == 0)
+        c->gones[c->ngones].sequence = ++c->sequence;
+    c->ngones++;
+    limit_gones(c, g->owner);
+}
+
+const struct saved_gone *
+coord_find_gone(const struct coord *c, const char *hex)
+{
+    for (size_t i = c->ngones; i-- > 0;) {
+        char text[MSG_JOB_HEX];
+
+        msg_job_format(c->gones[i].job, text);
+        if (strncmp(text, hex, strlen(hex)) == 0)
+            return &c->gones[i];
+    }
+    return NULL;
+}
+
+void
+coord_time_text(uint64_t ms, char text[COORD_TIME])
+{
+    time_t s = (time_t)(ms / 1000);
+    struct tm tm;
+
+    if (!gmtime_r(&s, &tm) ||
+        strftime(text, COORD_TIME, "%Y-%m-%d %H:%M UTC", &tm) == 0)
+        snprintf(text, COORD_TIME, "?");
+}
+
+void
+coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
+{
+    static const char *const whys[GONE_NWHYS] = {
+        [GONE_MANY] = "forgotten for keep_jobs",
+        [GONE_OLD] = "forgotten for keep_days",
+        [GONE_LARGE] = "forgotten for keep_mib",
+        [GONE_BEFORE] = "forgotten at a restart",
+        [GONE_DELETED] = "deleted by radctl",
+    };
+    char when[COORD_TIME];
+
+    coord_time_text(g->gone_ms, when);
+    /* short enough for a cell of a table */
+    snprintf(text, MSG_MAX_TEXT + 1, "%s on %s%s",
+             g->why < GONE_NWHYS ? whys[g->why] : "forgotten", when,
+             g->fetched ? "" : ", not fetched");
+}
+
+/* How it is remembered. */
+static struct saved_gone
+gone_of(const struct coord *c, const struct job *job, enum gone_why why)
+{
+    struct saved_gone g = { .why = why,
+                            .fetched = job->unfetched == 0,
+                            .end_ms = job->end_ms,
+                            .gone_ms = c->now_ms,
+                            .sequence = job->sequence };
+
+    memcpy(g.job, job->id, MSG_JOB);
+    snprintf(g.owner, sizeof g.owner, "%s", job->owner);
+    rad_text_print(g.name, sizeof g.name, "%s", job->spec.name);
+    return g;
+}
+
+void
+coord_forget_job(struct coord *c, const struct job *job, enum gone_why why)
+{
+    struct saved_gone gone = gone_of(c, job, why);
+    struct action *a = actions_add(&c->actions, ACT_JOB_FORGET, 0);
+    char text[MSG_MAX_TEXT + 1];
+
+    if (a)
+        a->gone = rad_arena_dup(&c->actions.mem, &gone, sizeof gone);
+    if (a && !a->gone)
+        c->actions.failed = true;
+    coord_gone_text(&gone, text);
+    actions_log(&c->actions, ACT_INFO, "job forgotten job=%s owner=%s why=%s",
+                job->hex, job->owner, text);
+    coord_recall_gone(c, &gone);
+    coord_drop_job(c, job);
+}

@@ -1,0 +1,303 @@
+/* recover.c - see recover.h */
+#include "config.h"
+
+#include "queue/recover.h"
+
+#include "sched/sched.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Workers that lost the coordinator for a few seconds are back by then. */
+#define RETURN_MS 10000
+
+struct recovery {
+    struct coord *c;
+    struct job *job;
+    const struct saved_job *s;
+    recover_row_fn *row;
+    void *arg;
+    struct rad_error *err;
+};
+
+static int
+no_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+static int
+damaged(const struct recovery *r, const char *what, uint32_t number)
+{
+    return rad_fail(r->err, RAD_EDATA, "job %s: %s %u does not fit",
+                    r->job->hex, what, number);
+}
+
+/* --- units --- */
+
+/* The index of the worker that had the unit, gone for now; JOB_NOBODY for none,
+ * or when memory is out. */
+static uint32_t
+worker_of(const struct recovery *r, const struct saved_unit *s)
+{
+    struct coord_worker *w =
+        s->worker[0] ? coord_worker_of(r->c, s->worker) : NULL;
+    uint32_t index = w ? sched_add_worker(r->job, w) : JOB_NOBODY;
+
+    if (index != JOB_NOBODY && s->fingerprint) {
+        r->job->workers[index].fingerprint = s->fingerprint;
+        r->job->workers[index].took_part = true;
+    }
+    return index;
+}
+
+static void
+count_rows(struct job *job, const struct saved_unit *s)
+{
+    uint64_t pixels = (uint64_t)s->stored * s->area.width;
+
+    job->pixels_done += pixels;
+    job->frames[s->area.frame].rows_pixels += pixels;
+}
+
+static bool
+fits(const struct job *job, const struct saved_unit *s)
+{
+    return s->area.frame < job->spec.nframes && s->stored <= s->area.height &&
+           s->done == (s->stored == s->area.height) &&
+           partition_restore(job->partition, s->unit, &s->area);
+}
+
+static int
+take_unit(const struct recovery *r, const struct saved_unit *s)
+{
+    struct job *job = r->job;
+    struct job_unit *u;
+
+    if (!fits(job, s))
+        return damaged(r, "unit", s->unit);
+    if (!job_grow_units(job))
+        return no_memory(r->err);
+    u = &job->units[s->unit];
+    u->worker = worker_of(r, s);
+    if (u->worker == JOB_NOBODY && (s->worker[0] || s->stored > 0))
+        return s->worker[0] ? no_memory(r->err) : damaged(r, "unit", s->unit);
+    u->lead = s->attempt;
+    if (s->attempt > u->attempt)
+        u->attempt = s->attempt;
+    u->tries = s->tries;
+    job->units_redone += s->tries > 1 ? s->tries - 1 : 0;
+    u->next_row = u->stored_rows = s->stored;
+    count_rows(job, s);
+    if (s->done) {
+        u->counts = s->counts;
+        job_unit_done(job, s->unit, s->end_ms);
+    }
+    return 0;
+}
+
+/* Those that are not done wait, the first of them in front. */
+static void
+queue_units(const struct recovery *r)
+{
+    struct job *job = r->job;
+
+    for (uint32_t i = r->s->nunits; i-- > 0;)
+        if (!r->s->units[i].done)
+            partition_lost(job->partition, r->s->units[i].unit);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        loss_keep(r->c, job, i, RETURN_MS);
+}
+
+/* --- base lines --- */
+
+/* Does anybody need the bottom of that unit, which is done? */
+static bool
+is_needed(const struct job *job, const struct saved_unit *s, uint32_t *line)
+{
+    uint32_t first, last, below;
+
+    partition_unit_lines(job->partition, s->unit, &first, &last);
+    *line = last - 1;
+    if (last == partition_lines(job->partition, s->area.frame))
+        return false;
+    below = partition_line_unit(job->partition, s->area.frame, last);
+    return below == PARTITION_NONE || !job->units[below].done;
+}
+
+static int
+put_bottom(const struct recovery *r, const struct saved_unit *s)
+{
+    struct job *job = r->job;
+    uint8_t channels = job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
+    uint32_t y = s->area.y + s->area.height - 1, line;
+    struct msg_base_line m = { .frame = s->area.frame,
+                               .n = s->area.width,
+                               .ndensity = s->nbottom,
+                               .channels = channels,
+                               .density = s->bottom };
+    uint8_t *pixels;
+    bool whole = false;
+
+    if (!is_needed(job, s, &line))
+        return 0;
+    if (s->nbottom != shared_ndensity(job->shared, s->area.frame))
+        return damaged(r, "the base line of unit", s->unit);
+    pixels = malloc((size_t)s->area.width * channels * 4);
+    if (!pixels)
+        return no_memory(r->err);
+    m.line = line;
+    m.pixels = pixels;
+    if (r->row(r->arg, job->id, s->area.frame, y, pixels))
+        whole = shared_put_base(job->shared, &m, r->c->now_ms);
+    free(pixels);
+    return whole ? 0 : damaged(r, "the base line of unit", s->unit);
+}
+
+/* --- frames --- */
+
+static int
+take_frames(const struct recovery *r)
+{
+    struct job *job = r->job;
+
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        struct job_frame *f = &job->frames[i];
+
+        f->written = r->s->frames[i].written;
+        f->fetched = r->s->frames[i].fetched;
+        job->unfetched += f->written && !f->fetched;
+        if (f->written && f->pixels_left > 0)
+            return damaged(r, "frame", job->spec.frames[i].number);
+        if (!f->written && f->pixels_left == 0)
+            result_frame_done(r->c, job, i);
+    }
+    job_count_ready(job);
+    return 0;
+}
+
+/* --- the job --- */
+
+static int
+take_units(const struct recovery *r)
+{
+    const struct saved_job *s = r->s;
+    int rc = 0;
+
+    /* how many workers there are matters to no picture */
+    if (s->nunits > 0)
+        rc = job_split(r->job, false, r->err);
+    for (uint32_t i = 0; i < s->nunits && rc == 0; i++)
+        rc = take_unit(r, &s->units[i]);
+    if (rc < 0)
+        return rc;
+    queue_units(r);
+    for (uint32_t i = 0; i < s->nunits && rc == 0; i++)
+        if (s->units[i].done && r->job->shared)
+            rc = put_bottom(r, &s->units[i]);
+    return rc;
+}
+
+/* It goes on. */
+static int
+take_up(const struct recovery *r)
+{
+    struct job *job = r->job;
+    int rc = take_units(r);
+
+    if (rc == 0)
+        rc = take_frames(r);
+    if (rc < 0)
+        return rc;
+    job->restored = r->s->nunits > 0;
+    if (r->s->nunits > 0)
+        job->first_ms = job->open_ms;
+    job->state = r->s->state == JOB_PAUSED ? JOB_PAUSED
+                 : job->first_ms           ? JOB_RUNNING
+                                           : JOB_WAITING;
+    actions_log(&r->c->actions, ACT_INFO,
+                "job goes on job=%s owner=%s units=%u pixels=%llu of=%llu",
+                job->hex, job->owner, job->units_done,
+                (unsigned long long)job->pixels_done,
+                (unsigned long long)job->pixels_total);
+    if (job->frames_ready == job->spec.nframes) /* only that was not kept */
+        coord_job_ends(r->c, job, JOB_DONE, 0, NULL);
+    return 0;
+}
+
+/* It is over, and is remembered. */
+static void
+take_filed(const struct recovery *r)
+{
+    const struct saved_job *s = r->s;
+    struct job *job = r->job;
+
+    job->filed = true;
+    job->state = (enum job_state)s->state;
+    job->status = s->status;
+    snprintf(job->text, sizeof job->text, "%s", s->text);
+    job->last = s->last;
+    job->kept_bytes = s->kept_bytes;
+    for (uint32_t i = 0; i < job->spec.nframes; i++) {
+        job->frames[i].written = s->frames[i].written;
+        job->frames[i].fetched = s->frames[i].fetched;
+        job->unfetched += s->frames[i].written && !s->frames[i].fetched;
+    }
+    job_count_ready(job);
+}
+
+/* The clock may have been set back meanwhile. */
+static uint64_t
+not_after(uint64_t now_ms, uint64_t ms)
+{
+    return ms < now_ms ? ms : now_ms;
+}
+
+static void
+take_times(struct job *job, uint64_t now_ms, const struct saved_job *s)
+{
+    job->offer_ms = not_after(now_ms, s->offer_ms);
+    job->submit_ms = not_after(now_ms, s->submit_ms);
+    job->open_ms = not_after(now_ms, s->open_ms);
+    job->end_ms = not_after(now_ms, s->end_ms);
+    job->sent_bytes = s->sent_bytes;
+}
+
+int
+recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
+            recover_row_fn *row, void *arg, struct rad_error *err)
+{
+    struct recovery r = { .c = c, .s = s, .row = row, .arg = arg, .err = err };
+
+    c->now_ms = now_ms;
+    r.job = job_new(&s->spec, s->owner);
+    if (!r.job || !coord_add_job(c, r.job)) {
+        job_free(r.job);
+        return no_memory(err);
+    }
+    take_times(r.job, now_ms, s);
+    r.job->lives = s->lives + 1;
+    r.job->opened = r.job->asked_open = true;
+    if (!known_name(&r.job->payer->files, &r.job->spec.files))
+        return no_memory(err);
+    if (s->state >= JOB_DONE) {
+        take_filed(&r);
+        return 0;
+    }
+    return take_up(&r);
+}
+
+int
+recover_drained(struct coord *c, uint64_t now_ms, const char *name,
+                struct rad_error *err)
+{
+    struct coord_worker *w;
+
+    c->now_ms = now_ms;
+    w = coord_worker_of(c, name);
+    if (!w)
+        return no_memory(err);
+    w->drained = true;
+    return 0;
+}

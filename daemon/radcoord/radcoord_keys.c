@@ -1,0 +1,114 @@
+/* radcoord_keys.c - the coordinator daemon's key file; see radcoord_impl.h */
+#include "config.h"
+
+#include "radcoord/radcoord_impl.h"
+
+#include "net/keyorder.h"
+#include "ground/log.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Why the key of a connection is no longer good; then its worker's friends
+ * hear of it, too. */
+static const char *
+key_fault(void *arg, const char *id)
+{
+    struct radcoord *r = arg;
+    const char *fault = keyring_fault(r->keys, id);
+    struct key k;
+
+    if (fault && key_id_parse(id, &k) && k.role == MSG_ROLE_WORKER)
+        coord_expel(r->coord, radcoord_now(r), k.name);
+    return fault;
+}
+
+/* Take the file over as it is now, and let those go whose key it ends. */
+static int
+reload_keys(struct radcoord *r, struct rad_error *err)
+{
+    int rc = keyring_reload(r->keys, err);
+
+    if (rc < 0)
+        return rc;
+    shell_drop_keys(&r->shell, key_fault, r);
+    keyring_settle(r->keys);
+    return 0;
+}
+
+void
+radcoord_reload_keys(struct radcoord *r)
+{
+    struct rad_error err = { 0 };
+    char text[600];
+
+    if (reload_keys(r, &err) == 0)
+        return;
+    rad_error_format(&err, text, sizeof text);
+    log_err("keys not reloaded: %s", text);
+}
+
+/* Every second: the file may have changed, a key may have come to its end. */
+void
+radcoord_tick_keys(struct radcoord *r)
+{
+    if (!keyring_has_file(r->keys) || radcoord_now(r) - r->keys_ms < 1000)
+        return;
+    r->keys_ms = radcoord_now(r);
+    if (keyring_changed(r->keys)) {
+        log_info("key file changed");
+        radcoord_reload_keys(r);
+    } else {
+        shell_drop_keys(&r->shell, key_fault, r);
+    }
+}
+
+static int
+order_key(struct radcoord *r, const struct msg_key *m, const char *by,
+          char **json, struct rad_error *err)
+{
+    struct key_order order = { (enum msg_key_order)m->what, m->name,
+                               (int64_t)m->expires };
+    int rc;
+
+    if (!keyring_has_file(r->keys))
+        return rad_fail(err, RAD_ENOINPUT,
+                        "the coordinator was started without a key file");
+    rc = key_order_run(keyring_path(r->keys), &order, (int64_t)time(NULL), json,
+                       err);
+    if (rc < 0 || m->what == MSG_KEY_LIST)
+        return rc;
+    log_info("key %s name=%s by=%s",
+             m->what == MSG_KEY_ADD ? "added" : "retired", m->name, by);
+    return reload_keys(r, err);
+}
+
+/* An admin's order.  One that retires its own key hears no answer. */
+void
+radcoord_do_key(struct radcoord *r, const struct action *a)
+{
+    struct msg m = { .type = MSG_ANSWER, .request = a->request };
+    struct rad_error err = { 0 };
+    struct conn *c;
+    char *json = NULL;
+    int rc = order_key(r, &a->key, a->text, &json, &err);
+
+    c = shell_conn(&r->shell, a->conn);
+    if (rc == 0) {
+        m.answer.text = (const uint8_t *)json;
+        m.answer.len = strlen(json);
+    } else {
+        m.type = MSG_FAILED;
+        m.failed = (struct msg_failed){ .status = (uint16_t)rad_exit_status(rc),
+                                        .text = err.what };
+        if (a->key.what != MSG_KEY_LIST)
+            log_warn("key file not changed name=%s why=%s", a->key.name,
+                     err.what);
+    }
+    if (c)
+        conn_send(c, &m);
+    if (json)
+        explicit_bzero(json, strlen(json));
+    free(json);
+}

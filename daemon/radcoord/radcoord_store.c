@@ -1,0 +1,293 @@
+/* radcoord_store.c - from the store to the machine; see radcoord_impl.h */
+#include "config.h"
+
+#include "radcoord/radcoord_impl.h"
+
+#include "ground/log.h"
+#include "queue/recover.h"
+
+#include <string.h>
+
+/* --- what the disk has done --- */
+
+static void
+settled(struct radcoord *r)
+{
+    uint64_t since_ns = uv_hrtime();
+
+    shell_run(&r->shell);
+    shell_store_progress(&r->shell);
+    turns_note(&r->turns, "stored", uv_hrtime() - since_ns);
+}
+
+static void
+file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
+          const char *text)
+{
+    struct radcoord *r = arg;
+
+    if (status == 0)
+        coord_file_stored(r->coord, radcoord_now(r), conn, hash);
+    else
+        coord_file_failed(r->coord, radcoord_now(r), conn, hash, status, text);
+    settled(r);
+}
+
+static void
+job_done(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
+         const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_job_opened(r->coord, radcoord_now(r), job, sequence, status, text);
+    settled(r);
+}
+
+static void
+submit_read(void *arg, uint64_t conn, const struct msg *m, int status,
+            const char *text)
+{
+    struct radcoord *r = arg;
+
+    if (status == 0)
+        coord_message(r->coord, radcoord_now(r), conn, m);
+    else
+        radcoord_refuse_submit(r, conn, m, status, text);
+    settled(r);
+}
+
+static void
+job_waits(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+          const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_job_waits(r->coord, radcoord_now(r), job, sequence, text);
+    shell_run(&r->shell);
+}
+
+static void
+rows_done(void *arg, const struct action_rows *key, int status,
+          const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_rows_stored(r->coord, radcoord_now(r), key, status, text);
+    settled(r);
+}
+
+static void
+picture_done(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+             uint32_t frame, int status, const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_picture_written(r->coord, radcoord_now(r), job, sequence, frame,
+                          status, text);
+    settled(r);
+}
+
+static void
+chunk_done(void *arg)
+{
+    struct radcoord *r = arg;
+
+    shell_store_progress(&r->shell);
+}
+
+static void
+job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+          uint64_t bytes)
+{
+    struct radcoord *r = arg;
+
+    coord_job_filed(r->coord, radcoord_now(r), job, sequence, bytes);
+    settled(r);
+}
+
+static void
+request_kept(void *arg, uint64_t conn, uint32_t request)
+{
+    struct radcoord *r = arg;
+
+    coord_settled(r->coord, radcoord_now(r), conn, request);
+    settled(r);
+}
+
+static void
+disk_full(void *arg, bool full, const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_fullness(r->coord, radcoord_now(r), full, text);
+    shell_run(&r->shell);
+}
+
+/* Nothing is acknowledged from now on: what senders hear nothing of they send
+ * again to the next life. */
+static void
+store_broken(void *arg, int status, const char *text)
+{
+    struct radcoord *r = arg;
+
+    log_err("ending, for nothing can be kept any more why=%s", text);
+    daemon_stop(&r->daemon, status);
+}
+
+static void
+files_known(void *arg, const struct action_look *l)
+{
+    struct radcoord *r = arg;
+
+    coord_looked(r->coord, radcoord_now(r), l);
+    shell_run(&r->shell);
+}
+
+static void
+pace(void *arg, struct coord_pace *out)
+{
+    const struct radcoord *r = arg;
+    const struct turns_seen *s = &r->turns.seen;
+
+    *out = (struct coord_pace){ s->slow, s->longest_ms, s->longest_cpu_ms };
+}
+
+static uint64_t
+unread(void *arg, const char *owner)
+{
+    const struct radcoord *r = arg;
+
+    return fair_unread(&r->fair, owner);
+}
+
+static void
+sent(void *arg, uint64_t id, const struct store_source *whole)
+{
+    struct radcoord *r = arg;
+
+    coord_sent(r->coord, id);
+    if (whole && !whole->file && whole->what == MSG_WHAT_PICTURE) {
+        coord_fetched(r->coord, radcoord_now(r), id, whole->job, whole->frame);
+        shell_run(&r->shell);
+    }
+}
+
+static void
+recall_gone(void *arg, const struct saved_gone *g)
+{
+    struct radcoord *r = arg;
+
+    coord_recall_gone(r->coord, g);
+}
+
+static const struct store_handler store_handler = { .gone = recall_gone,
+                                                    .looked = files_known,
+                                                    .file = file_done,
+                                                    .job = job_done,
+                                                    .submit = submit_read,
+                                                    .waits = job_waits,
+                                                    .rows = rows_done,
+                                                    .picture = picture_done,
+                                                    .progress = chunk_done,
+                                                    .broken = store_broken,
+                                                    .filed = job_filed,
+                                                    .settled = request_kept,
+                                                    .fullness = disk_full };
+
+static bool
+has_file(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct radcoord *r = arg;
+
+    return store_has_file(r->store, hash);
+}
+
+static bool
+look(void *arg, const struct action_look *l)
+{
+    struct radcoord *r = arg;
+
+    return store_look(r->store, l);
+}
+
+/* --- jobs of earlier lives --- */
+
+static bool
+read_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
+         uint8_t *pixels)
+{
+    struct radcoord *r = arg;
+
+    return store_read_row(r->store, job, frame, y, pixels);
+}
+
+static int
+recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
+{
+    struct radcoord *r = arg;
+    struct saved_job as = *saved;
+    char owner[OWNER_TEXT];
+
+    owners_of_saved(saved->owner, owner);
+    as.owner = owner;
+    return recover_job(r->coord, radcoord_now(r), &as, read_row, r, err);
+}
+
+static int
+recover_worker(void *arg, const char *name, struct rad_error *err)
+{
+    struct radcoord *r = arg;
+
+    return recover_drained(r->coord, radcoord_now(r), name, err);
+}
+
+int
+radcoord_open_store(struct radcoord *r, struct rad_error *err)
+{
+    struct coord_env env = { .has_file = has_file,
+                             .random = shell_random,
+                             .arg = r,
+                             .look = look,
+                             .pace = pace,
+                             .unread = unread,
+                             .program = "radcoord " PACKAGE_VERSION,
+                             .keeps = !r->set.common.embedded };
+    uint64_t epoch;
+
+    r->store = store_open(&r->daemon.loop, r->set.state,
+                          !r->set.common.embedded, &store_handler, r, err);
+    if (!r->store)
+        return err->code;
+    r->shell.store = r->store;
+    r->transfers = transfers_new(r->store, sent, r);
+    r->coord = coord_new(&env);
+    if (!r->transfers || !r->coord)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (store_recover(r->store, radcoord_now(r), &epoch, recover_one, r, err) <
+            0 ||
+        store_read_drained(r->store, recover_worker, r, err) < 0)
+        return err->code;
+    coord_set_epoch(r->coord, epoch);
+    radcoord_apply(r);
+    return 0;
+}
+
+/* --- files that nobody needs --- */
+
+/* At first, and now and then: files that no job names have no use, but that of
+ * one whose user has sent them and has yet to say so. */
+void
+radcoord_tick_files(struct radcoord *r)
+{
+    uint64_t period_ms = UINT64_C(250) * (unsigned)r->set.upload_s;
+    uint8_t *list;
+    size_t n;
+
+    if (r->set.common.embedded ||
+        (r->sweep_ms > 0 && radcoord_now(r) - r->sweep_ms < period_ms))
+        return;
+    r->sweep_ms = radcoord_now(r);
+    list = coord_files(r->coord, &n);
+    if (list)
+        store_sweep(r->store, list, n, r->set.upload_s);
+}

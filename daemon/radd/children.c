@@ -1,0 +1,376 @@
+/* children.c - see children.h */
+#include "config.h"
+
+#include "radd/children.h"
+
+#include "ground/log.h"
+#include "child/render.h"
+#include "ground/service.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* A process that cannot be started now, for there are too many or too little
+ * memory, is tried again so often. */
+#define AGAIN_MS  250
+#define AGAIN_FOR 120
+
+/*  waits -> runs -> exited: settle() looks for the end of its link, too
+ *      \-----------/           */
+struct child {
+    uv_process_t *process; /* NULL: none was started */
+    uv_timer_t again;      /* while it waits for one */
+    int tries;
+    int link; /* the process's end until it has it; -1 */
+    unsigned memory_mib;
+    struct child *next;
+    struct children *all;
+    uint64_t id;
+    bool exited;    /* the process has */
+    bool link_gone; /* nothing more will come from it */
+    bool silent;    /* nobody wants to know */
+    struct child_end how;
+    char text[160];
+};
+
+/* A child's folder is the root, so that it holds no other one in use: names
+ * must not depend on ours. */
+static void
+absolute(const char *path, char out[CHILDREN_PATH_MAX])
+{
+    size_t n = 0;
+
+    if (path[0] != '/' && getcwd(out, CHILDREN_PATH_MAX))
+        n = strlen(out);
+    snprintf(out + n, CHILDREN_PATH_MAX - n, "%s%s", n > 0 ? "/" : "", path);
+}
+
+/* What the loader, the C library and sanitizers look at before main(), and what
+ * the form of lines in the log depends on.  All else is none of a scene's
+ * business: whoever started radd may have put secrets there. */
+static const char *const passed_on[CHILDREN_MAX_ENV] = {
+    "LD_LIBRARY_PATH", "LD_PRELOAD",     "GLIBC_TUNABLES",
+    "ASAN_OPTIONS",    "LSAN_OPTIONS",   "TSAN_OPTIONS",
+    "UBSAN_OPTIONS",   "JOURNAL_STREAM", "TZ",
+};
+
+void
+children_environment(char *const *from, char *to[CHILDREN_MAX_ENV + 1])
+{
+    size_t n = 0;
+
+    for (; *from; from++)
+        for (size_t i = 0; i < CHILDREN_MAX_ENV && n < CHILDREN_MAX_ENV; i++) {
+            size_t len = strlen(passed_on[i]);
+
+            if (strncmp(*from, passed_on[i], len) == 0 && (*from)[len] == '=')
+                to[n++] = *from;
+        }
+    to[n] = NULL;
+}
+
+void
+children_init(struct children *all, struct shell *shell,
+              const struct children_conf *conf, child_ended_fn *ended,
+              void *arg)
+{
+    all->shell = shell;
+    all->conf = *conf;
+    absolute(conf->files_dir, all->files_dir);
+    all->conf.files_dir = all->files_dir;
+    all->ended = ended;
+    all->arg = arg;
+    all->list = NULL;
+    all->held = false;
+}
+
+static void
+free_handle(uv_handle_t *h)
+{
+    free(h);
+}
+
+static void
+free_child(uv_handle_t *h)
+{
+    free(h->data);
+}
+
+static struct child *
+find(struct children *all, uint64_t id)
+{
+    struct child *c = all->list;
+
+    while (c && c->id != id)
+        c = c->next;
+    return c;
+}
+
+/* Both ends have been seen: tell of it and forget it. */
+static void
+settle(struct child *c)
+{
+    struct children *all = c->all;
+    struct child **at = &all->list;
+
+    if (!c->exited || !c->link_gone)
+        return;
+    while (*at != c)
+        at = &(*at)->next;
+    *at = c->next;
+    if (!c->silent)
+        all->ended(all->arg, c->id, c->how, c->text);
+    if (c->process)
+        uv_close((uv_handle_t *)c->process, free_handle);
+    uv_close((uv_handle_t *)&c->again, free_child);
+}
+
+static void
+on_exit_cb(uv_process_t *process, int64_t status, int signum)
+{
+    struct child *c = process->data;
+
+    c->exited = true;
+    if (!c->text[0])
+        c->how = (struct child_end){ (int)status, signum };
+    if (!c->text[0] && signum)
+        snprintf(c->text, sizeof c->text, "killed by signal %d", signum);
+    else if (!c->text[0])
+        snprintf(c->text, sizeof c->text, "exit status %d", (int)status);
+    settle(c);
+}
+
+/* Of two where 0 is none. */
+static unsigned
+lower_limit(int radds, uint32_t jobs)
+{
+    if (radds <= 0 || jobs == 0)
+        return radds > 0 ? (unsigned)radds : jobs;
+    return (unsigned)radds < jobs ? (unsigned)radds : jobs;
+}
+
+static int
+start(struct child *c)
+{
+    struct children *all = c->all;
+    char threads[16], memory[16], nice[16], pixel[16];
+    char *args[] = { (char *)"radd",
+                     (char *)RENDER_CHILD_OPTION,
+                     (char *)all->conf.files_dir,
+                     threads,
+                     memory,
+                     nice,
+                     pixel,
+                     (char *)(all->conf.sandboxed ? RENDER_SANDBOXED : ""),
+                     NULL };
+    uv_stdio_container_t fds[] = {
+        { .flags = UV_IGNORE },
+        { .flags = UV_INHERIT_FD, .data.fd = 2 },
+        { .flags = UV_INHERIT_FD, .data.fd = 2 },
+        { .flags = UV_INHERIT_FD, .data.fd = c->link },
+    };
+    char *env[CHILDREN_MAX_ENV + 1];
+    uv_process_options_t o = { .exit_cb = on_exit_cb,
+                               .file = "/proc/self/exe",
+                               .args = args,
+                               .env = env,
+                               .cwd = "/",
+                               .stdio = fds,
+                               .stdio_count = RENDER_LINK_FD + 1 };
+
+    snprintf(threads, sizeof threads, "%d", all->conf.threads);
+    snprintf(memory, sizeof memory, "%u", c->memory_mib);
+    snprintf(pixel, sizeof pixel, "%d", all->conf.pixel_s);
+    snprintf(nice, sizeof nice, "%d", all->conf.nice);
+    children_environment(environ, env);
+    return uv_spawn(all->shell->loop, c->process, &o);
+}
+
+static void
+drop_link(struct child *c)
+{
+    if (c->link >= 0)
+        close(c->link);
+    c->link = -1;
+}
+
+static void
+give_up(struct child *c, int rc)
+{
+    c->exited = true;
+    c->how = (struct child_end){ EX_OSERR, 0 };
+    snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
+    drop_link(c); /* our end of which sees that, and tells */
+}
+
+static bool
+may_pass(int rc)
+{
+    return rc == UV_EAGAIN || rc == UV_ENOMEM || rc == UV_EMFILE ||
+           rc == UV_ENFILE;
+}
+
+static void try_start(uv_timer_t *again);
+
+/* What was sent to it meanwhile is in its link. */
+static void
+start_or_wait(struct child *c)
+{
+    int rc;
+
+    c->process = malloc(sizeof *c->process);
+    if (!c->process)
+        service_out_of_memory();
+    rc = start(c);
+    c->process->data = c;
+    if (rc == 0) {
+        log_debug("child started pid=%d", c->process->pid);
+        drop_link(c);
+        return;
+    }
+    uv_close((uv_handle_t *)c->process, free_handle);
+    c->process = NULL;
+    if (!may_pass(rc) || c->tries >= AGAIN_FOR) {
+        give_up(c, rc);
+        return;
+    }
+    if (c->tries++ == 0)
+        log_warn("child waits for a process why=%s", uv_strerror(rc));
+    uv_timer_start(&c->again, try_start, AGAIN_MS, 0);
+}
+
+static void
+try_start(uv_timer_t *again)
+{
+    start_or_wait(again->data);
+}
+
+/* Its link, as a stream of ours; NULL: there is none. */
+static uv_stream_t *
+open_link(struct child *c)
+{
+    uv_stream_t *stream = conn_stream_new(c->all->shell->loop, true);
+    uv_os_sock_t ends[2];
+    int rc;
+
+    if (!stream)
+        service_out_of_memory(); /* the machine would wait for ever */
+    rc = uv_socketpair(SOCK_STREAM, 0, ends, UV_NONBLOCK_PIPE, 0);
+    if (rc == 0) {
+        c->link = ends[1];
+        rc = uv_pipe_open((uv_pipe_t *)stream, ends[0]);
+        if (rc < 0)
+            close(ends[0]);
+    }
+    if (rc == 0)
+        return stream;
+    give_up(c, rc);
+    conn_stream_close(stream);
+    return NULL;
+}
+
+void
+children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
+{
+    struct child *c = calloc(1, sizeof *c);
+    uv_stream_t *stream;
+    char name[32];
+
+    if (!c)
+        service_out_of_memory(); /* the machine would wait for ever */
+    c->all = all;
+    c->id = id;
+    c->link = -1;
+    c->how = (struct child_end){ -1, -1 };
+    c->memory_mib = lower_limit(all->conf.memory_mib, memory_mib);
+    uv_timer_init(all->shell->loop, &c->again);
+    c->again.data = c;
+    c->next = all->list;
+    all->list = c;
+    stream = open_link(c);
+    if (!stream) {
+        shell_gone(all->shell, id, c->text);
+        return;
+    }
+    snprintf(name, sizeof name, "child:%llu",
+             (unsigned long long)(id & ~ACT_OWN_CONN));
+    if (!shell_add(all->shell, id, stream, NULL, MSG_AT_PARENT_NEW, name))
+        shell_gone(all->shell, id, "out of memory");
+    else /* it may take its time */
+        conn_live(shell_conn(all->shell, id), false);
+    if (all->held)
+        children_hold(all, true);
+    if (!c->exited)
+        start_or_wait(c);
+}
+
+static void
+kill_child(struct child *c)
+{
+    if (c->exited)
+        return;
+    if (c->process) {
+        uv_process_kill(c->process, SIGKILL);
+        return;
+    }
+    uv_timer_stop(&c->again);
+    drop_link(c);
+    c->exited = true;
+}
+
+void
+children_kill(struct children *all, uint64_t id)
+{
+    struct child *c = find(all, id);
+
+    if (!c)
+        return;
+    c->silent = true;
+    c->link_gone = true;
+    shell_remove(all->shell, id);
+    kill_child(c);
+    settle(c);
+}
+
+bool
+children_closed(struct children *all, uint64_t id, const char *why)
+{
+    struct child *c = find(all, id);
+
+    if (!c)
+        return false;
+    c->link_gone = true;
+    /* a child that dies closes its link first: how it died says more */
+    if (!c->exited && strcmp(why, CONN_BROKE_PROTOCOL) == 0)
+        snprintf(c->text, sizeof c->text, "it broke the protocol");
+    kill_child(c); /* without a link it is of no use */
+    settle(c);
+    return true;
+}
+
+void
+children_hold(struct children *all, bool held)
+{
+    all->held = held;
+    for (struct child *c = all->list; c; c = c->next)
+        if (shell_conn(all->shell, c->id))
+            conn_pause(shell_conn(all->shell, c->id), held);
+}
+
+void
+children_kill_all(struct children *all)
+{
+    for (struct child *c = all->list; c; c = c->next) {
+        c->silent = true;
+        c->link_gone = true;
+        kill_child(c);
+        if (!c->process) /* no exit of which would tell */
+            settle(c);
+    }
+}

@@ -1,0 +1,11 @@
+# the worker daemon: the shell around the worker
+radd_SOURCES = daemon/radd/radd.c
+libdaemon_a_SOURCES += \
+	daemon/radd/children.c \
+	daemon/radd/children.h \
+	daemon/radd/fingerprint.c \
+	daemon/radd/fingerprint.h \
+	daemon/radd/hours.c \
+	daemon/radd/hours.h \
+	daemon/radd/idle.c \
+	daemon/radd/idle.h

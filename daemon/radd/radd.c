@@ -1,0 +1,728 @@
+/* radd.c - the worker daemon: the shell around worker.h
+ *
+ * Everything here carries bytes: what is decided is decided in worker.c, and
+ * what is rendered is rendered in children (render.c). */
+#include "config.h"
+
+#include "radd/children.h"
+#include "ground/daemon.h"
+#include "net/dial.h"
+#include "radd/hours.h"
+#include "radd/idle.h"
+#include "net/keyfile.h"
+#include "net/listen.h"
+#include "ground/log.h"
+#include "child/render.h"
+#include "child/sandbox.h"
+#include "machine/shell.h"
+#include "store/store.h"
+#include "worker/worker.h"
+
+#include <sched.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <time.h>
+
+#define MAX_THREADS 1024
+
+struct settings {
+    struct daemon_settings common;
+    char coordinator[CONF_TEXT];
+    char name[CONF_TEXT];
+    char listen[CONF_TEXT];
+    char cache[CONF_TEXT];
+    char key[CONF_TEXT];
+    char sandbox[CONF_TEXT];
+    int threads;
+    int memory_mib;
+    int nice;
+    int pixel_s;
+    int load_s;
+    int cache_mib;
+    char hours[CONF_TEXT];
+    bool idle_only;
+};
+
+#define FIELD(f) offsetof(struct settings, f)
+static const struct conf_key keys[] = {
+    { "coordinator", CONF_TEXT_KEY, FIELD(coordinator), 0, 0,
+      "/run/radd/radcoord.sock", "HOST:PORT|PATH", "whom to work for", false },
+    { "key", CONF_TEXT_KEY, FIELD(key), 0, 0, "", "FILE",
+      "this host's key, for a coordinator over the network", false },
+    { "name", CONF_TEXT_KEY, FIELD(name), 0, 0, "", "NAME",
+      "of this worker, unlike all others (its key's, or the host's name)",
+      false },
+    { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, "127.0.0.1:" RADD_PORT,
+      "ADDR:PORT|PATH", "where other workers dial", false },
+    { "cache", CONF_TEXT_KEY, FIELD(cache), 0, 0, "/var/cache/radd", "DIR",
+      "folder of the scenes' files", false },
+    { "cache_mib", CONF_INT_KEY, FIELD(cache_mib), 0, 1 << 30, "0", "N",
+      "most that these take [MiB]; 0: a tenth of the disk", true },
+    { "threads", CONF_INT_KEY, FIELD(threads), 0, MAX_THREADS, "0", "N",
+      "that render; 0: one a processor", false },
+    { "memory_mib", CONF_INT_KEY, FIELD(memory_mib), 0, 1 << 24, "0", "N",
+      "most memory of a job's process [MiB]; 0: no limit", true },
+    { "nice", CONF_INT_KEY, FIELD(nice), 0, 19, "19", "N",
+      "how much a job's process gives way to others", true },
+    { "pixel_s", CONF_INT_KEY, FIELD(pixel_s), 0, 1 << 24, "600", "N",
+      "most processor time of a pixel [s]; 0: no limit", true },
+    { "load_s", CONF_INT_KEY, FIELD(load_s), 1, 1 << 20, "3600", "N",
+      "longest that a job's process may load, or say nothing [s]", true },
+    { "hours", CONF_TEXT_KEY, FIELD(hours), 0, 0, "", "TIMES",
+      "when to work, as 'mon-fri 19:00-07:00, sat, sun' (always)", true },
+    { "idle_only", CONF_BOOL_KEY, FIELD(idle_only), 0, 0, "no", "yes|no",
+      "work only while nobody uses the machine", true },
+    { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
+      "required: render nothing where the kernel has no seccomp", false },
+    DAEMON_KEYS,
+};
+
+static uint64_t
+cache_bytes_of(const struct settings *s)
+{
+    return (uint64_t)s->cache_mib << 20;
+}
+
+static bool
+needs_sandbox(const struct settings *s)
+{
+    return strcmp(s->sandbox, "required") == 0;
+}
+
+static int
+check_text(const char *name, const char *value, struct rad_error *err)
+{
+    char host[ADDRESS_TEXT], port[8];
+    struct hours hours;
+    bool local;
+
+    if (strcmp(name, "name") == 0 && strlen(value) > MSG_MAX_NAME)
+        return rad_fail(err, RAD_ECONFIG, "longer than %d bytes", MSG_MAX_NAME);
+    if (strcmp(name, "name") == 0 && value[0] &&
+        !key_name_valid(value, strlen(value)))
+        return rad_fail(err, RAD_ECONFIG,
+                        "'%s': a worker's name needs letters, digits, '.', '_' "
+                        "or '-'",
+                        value);
+    if (strcmp(name, "sandbox") == 0 && strcmp(value, "auto") != 0 &&
+        strcmp(value, "required") != 0)
+        return rad_fail(err, RAD_ECONFIG,
+                        "expected auto or required, got '%s'", value);
+    if (strcmp(name, "hours") == 0)
+        return hours_parse(value, &hours, err);
+    if (strcmp(name, "coordinator") == 0 && value[0])
+        return address_split(value, host, port, &local, err);
+    if (strcmp(name, "listen") == 0 && value[0])
+        return address_split(value, host, port, &local, err);
+    return daemon_check_text(name, value, err);
+}
+
+static int
+check_settings(const void *settings, struct rad_error *err)
+{
+    const struct settings *s = settings;
+
+    if (s->idle_only && s->nice == 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "idle_only needs nice above 0: what gives way is told "
+                        "from what others use by that");
+    if (!s->listen[0] || !s->coordinator[0])
+        return rad_fail(err, RAD_EUSAGE, "'%s' is not set",
+                        s->listen[0] ? "coordinator" : "listen");
+    return 0;
+}
+
+static const struct conf_table table = {
+    .program = "radd",
+    .synopsis = "[--coordinator=HOST:PORT|PATH] [--threads=N] ...",
+    .about = "Render on this machine for a cluster, see radd(8); it stays in "
+             "the foreground.",
+    .file = SYSCONFDIR "/radd/radd.conf",
+    .private_key = "embedded",
+    .keys = keys,
+    .size = sizeof(struct settings),
+    .check_text = check_text,
+    .check = check_settings,
+};
+
+struct radd {
+    struct settings set;
+    struct daemon daemon;
+    struct listener *peers;
+    struct dialler *dialler;
+    struct dial_key key; /* this host's; id empty: none */
+    struct store *store;
+    struct shell shell;
+    struct children children;
+    struct hours hours; /* by set.hours */
+    struct idle idle;
+    uint64_t hours_ms; /* when it was last asked whether to work */
+    struct worker *worker;
+};
+
+static uint64_t
+now(struct radd *r)
+{
+    return daemon_now(&r->daemon);
+}
+
+/* Rows that are not acknowledged [bytes]. */
+#define KEPT_HIGH ((size_t)64 << 20)
+
+/* --- from connections and children to the machine --- */
+
+/* Children make what goes to the coordinator.  While it takes less than that
+ * they are not read, and their threads wait as soon as their own room is full;
+ * they go on when half of it has left. */
+static void
+balance_flow(struct radd *r)
+{
+    const struct conn *coord = shell_conn(&r->shell, worker_coord(r->worker));
+    size_t waits = coord ? conn_queued(coord) : 0;
+    size_t kept = worker_kept(r->worker);
+    bool held = r->children.held;
+
+    if (!held && (waits > CONN_HIGH || kept > KEPT_HIGH))
+        held = true;
+    else if (held && waits < CONN_HIGH / 2 && kept < KEPT_HIGH / 2)
+        held = false;
+    if (held == r->children.held)
+        return;
+    log_info(held ? "children wait kept=%zu queued=%zu"
+                  : "children go on kept=%zu queued=%zu",
+             kept, waits);
+    children_hold(&r->children, held);
+    worker_hold(r->worker, held);
+}
+
+static void
+on_message(void *arg, uint64_t id, const struct msg *m)
+{
+    struct radd *r = arg;
+
+    worker_message(r->worker, now(r), id, m);
+    balance_flow(r);
+}
+
+static void
+on_closed(void *arg, uint64_t id, const char *why)
+{
+    struct radd *r = arg;
+
+    if (!children_closed(&r->children, id, why))
+        worker_closed(r->worker, now(r), id, why);
+}
+
+static void
+on_written(void *arg, uint64_t id, size_t n)
+{
+    struct radd *r = arg;
+
+    worker_written(r->worker, now(r), id, n);
+}
+
+static uint64_t
+progress(void *arg)
+{
+    struct radd *r = arg;
+
+    return worker_progress(r->worker);
+}
+
+static struct action_list *
+actions(void *arg)
+{
+    struct radd *r = arg;
+
+    return worker_actions(r->worker);
+}
+
+static void
+out_of_memory(void *arg)
+{
+    struct radd *r = arg;
+
+    log_err("out of memory");
+    daemon_stop(&r->daemon, EX_OSERR);
+}
+
+/* By whoever looks after the machine, or by its kernel for want of memory. */
+static bool
+killed_from_outside(int signum)
+{
+    return signum == SIGKILL || signum == SIGTERM || signum == SIGINT ||
+           signum == SIGHUP;
+}
+
+static void
+on_child_ended(void *arg, uint64_t id, struct child_end how, const char *text)
+{
+    struct radd *r = arg;
+    bool local = how.signal > 0 ? killed_from_outside(how.signal)
+                                : worker_status_is_local(how.status);
+
+    worker_child_ended(r->worker, now(r), id, local, text);
+    shell_run(&r->shell);
+}
+
+static void
+on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
+           const char *peer, const char *why)
+{
+    struct radd *r = arg;
+
+    if (!stream) {
+        shell_gone(&r->shell, id, why);
+        return;
+    }
+    if (!shell_add(&r->shell, id, stream, tls, MSG_AT_DIALLER, peer)) {
+        shell_gone(&r->shell, id, "out of memory");
+        return;
+    }
+    worker_opened(r->worker, now(r), id);
+    shell_run(&r->shell);
+}
+
+static void
+on_peer(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
+{
+    struct radd *r = arg;
+    uint64_t id = shell_new_id(&r->shell);
+
+    if (!shell_add(&r->shell, id, stream, tls, MSG_AT_PEER_NEW, peer)) {
+        log_err("connection refused peer=%s: out of memory", peer);
+        return;
+    }
+    worker_accepted(r->worker, now(r), id);
+    shell_run(&r->shell);
+}
+
+/* --- keys --- */
+
+/* The key of a worker's file; one of another role if it has none, for the
+ * coordinator to refuse.  The file is read at each dial, so a new key needs no
+ * restart. */
+static int
+read_key(struct radd *r, struct rad_error *err)
+{
+    struct keyfile f;
+    const struct key *k;
+    int rc;
+
+    if (!r->set.key[0])
+        return 0;
+    if ((rc = keyfile_load(&f, r->set.key, err)) < 0)
+        return rc;
+    k = keyfile_choice(&f, MSG_ROLE_WORKER, (int64_t)time(NULL));
+    if (k) {
+        key_id(k, r->key.id);
+        memcpy(r->key.secret, k->secret, KEY_SECRET);
+        if (!r->set.name[0])
+            snprintf(r->set.name, sizeof r->set.name, "%s", k->name);
+    } else {
+        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", r->set.key);
+    }
+    keyfile_release(&f);
+    return rc;
+}
+
+static void
+dial_coordinator(struct radd *r, uint64_t id)
+{
+    struct rad_error err = { 0 };
+    char text[600];
+
+    if (read_key(r, &err) < 0) { /* the one that it had may do */
+        rad_error_format(&err, text, sizeof text);
+        log_err("key not read: %s", text);
+    }
+    dial(r->dialler, r->set.coordinator, id, r->key.id[0] ? &r->key : NULL);
+}
+
+static void
+dial_peer(struct radd *r, const struct action *a)
+{
+    struct dial_key key;
+    bool made =
+        tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
+
+    dial(r->dialler, a->text, a->conn, made ? &key : NULL);
+    explicit_bzero(&key, sizeof key);
+}
+
+struct wanted {
+    const char *id;
+    uint8_t *secret;
+};
+
+static bool
+fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
+{
+    struct wanted *w = arg;
+    struct dial_key key;
+    bool same;
+
+    same = tls_peer_key(job, MSG_JOB, token, MSG_TOKEN, key.id, key.secret) &&
+           strcmp(key.id, w->id) == 0;
+    if (same)
+        memcpy(w->secret, key.secret, TLS_SECRET);
+    explicit_bzero(&key, sizeof key);
+    return same;
+}
+
+/* A peer comes with the key that the coordinator gave it and us, perhaps to it
+ * before us. */
+static const char *
+find_peer(void *arg, const char *id, uint8_t *secret)
+{
+    struct radd *r = arg;
+    struct wanted w = { id, secret };
+
+    if (worker_peer_token(r->worker, fits, &w))
+        return NULL;
+    return strncmp(id, "peer:", 5) == 0 ? TLS_LATER : "unknown key";
+}
+
+/* --- from the machine --- */
+
+static void
+on_action(void *arg, const struct action *a)
+{
+    struct radd *r = arg;
+
+    switch (a->type) {
+    case ACT_DIAL:
+        if (a->token)
+            dial_peer(r, a);
+        else
+            dial_coordinator(r, a->conn);
+        break;
+    case ACT_SPAWN:
+        children_spawn(&r->children, a->conn, a->memory_mib);
+        break;
+    case ACT_KILL:
+        children_kill(&r->children, a->conn);
+        break;
+    case ACT_STOP:
+        daemon_stop(&r->daemon, a->status);
+        break;
+    default:
+        log_err("action unknown type=%d", (int)a->type);
+        break;
+    }
+}
+
+static const struct shell_ops ops = {
+    .message = on_message,
+    .closed = on_closed,
+    .written = on_written,
+    .action = on_action,
+    .actions = actions,
+    .progress = progress,
+    .failed = out_of_memory,
+};
+
+/* --- the cache --- */
+
+static void
+file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
+          const char *text)
+{
+    struct radd *r = arg;
+
+    (void)conn;
+    if (status == 0)
+        worker_file_stored(r->worker, now(r), hash);
+    else
+        worker_file_failed(r->worker, now(r), hash, status, text);
+    shell_run(&r->shell);
+    shell_store_progress(&r->shell);
+}
+
+static void
+chunk_done(void *arg)
+{
+    struct radd *r = arg;
+
+    shell_store_progress(&r->shell);
+}
+
+static void
+store_broken(void *arg, int status, const char *text)
+{
+    struct radd *r = arg;
+
+    log_err("ending why=%s", text);
+    daemon_stop(&r->daemon, status);
+}
+
+static void
+files_known(void *arg, const struct action_look *l)
+{
+    struct radd *r = arg;
+
+    worker_looked(r->worker, now(r), l);
+    shell_run(&r->shell);
+}
+
+static const struct store_handler store_handler = { .looked = files_known,
+                                                    .broken = store_broken,
+                                                    .file = file_done,
+                                                    .progress = chunk_done };
+
+static bool
+look(void *arg, const struct action_look *l)
+{
+    struct radd *r = arg;
+
+    return store_look(r->store, l);
+}
+
+static void
+leave(void *arg, const uint8_t job[MSG_JOB])
+{
+    struct radd *r = arg;
+
+    store_leave(r->store, job);
+}
+
+static bool
+has_file(void *arg, const uint8_t hash[MSG_HASH])
+{
+    struct radd *r = arg;
+
+    return store_has_file(r->store, hash);
+}
+
+/* --- start and end --- */
+
+/* May it work now? */
+static bool
+may_work(struct radd *r)
+{
+    time_t t = time(NULL);
+    struct tm tm;
+
+    if (!localtime_r(&t, &tm) ||
+        !hours_open(&r->hours, tm.tm_wday, 60 * tm.tm_hour + tm.tm_min))
+        return false;
+    return !r->set.idle_only || !idle_look(&r->idle, now(r));
+}
+
+/* Every few seconds, or at once. */
+static void
+look_at_clock(struct radd *r, bool at_once)
+{
+    if (!at_once && now(r) - r->hours_ms < IDLE_LOOK_MS)
+        return;
+    r->hours_ms = now(r);
+    worker_allow(r->worker, now(r), may_work(r));
+}
+
+static void
+on_tick(void *arg)
+{
+    struct radd *r = arg;
+
+    look_at_clock(r, false);
+    worker_tick(r->worker, now(r));
+    balance_flow(r);
+    shell_run(&r->shell);
+}
+
+static void
+on_term(void *arg)
+{
+    struct radd *r = arg;
+
+    worker_drain(r->worker, now(r));
+    shell_run(&r->shell);
+}
+
+static void
+on_reload(void *arg)
+{
+    struct radd *r = arg;
+
+    r->children.conf.memory_mib = r->set.memory_mib;
+    r->children.conf.nice = r->set.nice;
+    r->children.conf.pixel_s = r->set.pixel_s;
+    if (!r->set.common.embedded)
+        store_limit(r->store, cache_bytes_of(&r->set), NULL);
+    worker_set_limits(r->worker, (unsigned)r->set.load_s);
+    hours_parse(r->set.hours, &r->hours, NULL);
+    look_at_clock(r, true);
+    shell_run(&r->shell);
+}
+
+static int
+processors(void)
+{
+    cpu_set_t set;
+
+    if (sched_getaffinity(0, sizeof set, &set) < 0)
+        return 1;
+    return CPU_COUNT(&set) > 0 ? CPU_COUNT(&set) : 1;
+}
+
+static int
+open_socket(struct radd *r, struct rad_error *err)
+{
+    struct listener_conf conf = { .fn = on_peer,
+                                  .find = find_peer,
+                                  .anywhere = r->set.key[0] != '\0',
+                                  .arg = r };
+    const char *line;
+
+    r->peers = listener_open(&r->daemon.loop, r->set.listen, &conf, err);
+    if (!r->peers)
+        return err->code;
+    line = listener_text(r->peers);
+    log_info("listening on=%s", line);
+    if (r->set.common.ports_file[0])
+        return service_ports_file(r->set.common.ports_file, &line, 1, err);
+    return 0;
+}
+
+static int
+make_worker(struct radd *r, struct rad_error *err)
+{
+    struct children_conf conf = { .files_dir = store_files_dir(r->store),
+                                  .threads = r->set.threads,
+                                  .memory_mib = r->set.memory_mib,
+                                  .nice = r->set.nice,
+                                  .pixel_s = r->set.pixel_s,
+                                  .sandboxed = needs_sandbox(&r->set) };
+    struct worker_env env = { .has_file = has_file,
+                              .random = shell_random,
+                              .arg = r,
+                              .look = look,
+                              .leave = leave,
+                              .program = "radd " PACKAGE_VERSION,
+                              .name = r->set.name,
+                              .coordinator = r->set.coordinator,
+                              .address = listener_text(r->peers),
+                              .threads = (unsigned)r->set.threads,
+                              .load_s = (unsigned)r->set.load_s };
+
+    children_init(&r->children, &r->shell, &conf, on_child_ended, r);
+    r->worker = worker_new(&env);
+    if (!r->worker)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return 0;
+}
+
+/* Say once what children will lack; RAD_EPERM where that is too much. */
+static int
+check_sandbox(const struct radd *r, struct rad_error *err)
+{
+    bool refuse;
+    const char *lacks = sandbox_lacks(&refuse);
+
+    if (lacks && refuse && needs_sandbox(&r->set))
+        return rad_fail(err, RAD_EPERM,
+                        "sandbox is required, and the kernel lacks %s", lacks);
+    if (lacks)
+        log_warn("sandbox incomplete lacks=%s", lacks);
+    return 0;
+}
+
+/* Over the network it takes a key. */
+static int
+check_coordinator(const struct radd *r, struct rad_error *err)
+{
+    char host[ADDRESS_TEXT], port[8];
+    bool local;
+    int rc = address_split(r->set.coordinator, host, port, &local, err);
+
+    if (rc < 0 || local || r->key.id[0])
+        return rc;
+    return rad_fail(err, RAD_EPERM,
+                    "a coordinator at '%s' asks for a key: use --key, or a "
+                    "Unix socket on its own machine",
+                    r->set.coordinator);
+}
+
+static int
+start(void *arg, struct rad_error *err)
+{
+    struct radd *r = arg;
+    size_t n = MSG_MAX_NAME + 1;
+    int rc;
+
+    shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    rc = check_sandbox(r, err);
+    if (rc < 0)
+        return rc;
+    if (!r->set.threads)
+        r->set.threads = processors();
+    r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
+    if (!r->dialler)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (!r->set.key[0]) /* systemd's, if it has one */
+        service_credential("key", r->set.key, sizeof r->set.key);
+    if ((rc = read_key(r, err)) < 0 || (rc = check_coordinator(r, err)) < 0)
+        return rc;
+    if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
+        return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
+    r->store = store_open(&r->daemon.loop, r->set.cache,
+                          !r->set.common.embedded, &store_handler, r, err);
+    if (!r->store)
+        return err->code;
+    r->shell.store = r->store;
+    if (!r->set.common.embedded) /* whose cache goes with it */
+        rc = store_limit(r->store, cache_bytes_of(&r->set), err);
+    if (rc == 0)
+        rc = open_socket(r, err);
+    if (rc == 0)
+        rc = make_worker(r, err);
+    if (rc < 0)
+        return rc;
+    hours_parse(r->set.hours, &r->hours, NULL);
+    look_at_clock(r, true);
+    worker_start(r->worker, now(r));
+    shell_run(&r->shell);
+    return 0;
+}
+
+static void
+finish(void *arg)
+{
+    struct radd *r = arg;
+
+    listener_close(r->peers);
+    dialler_close(r->dialler);
+    children_kill_all(&r->children);
+    shell_close(&r->shell);
+    while (r->store && !store_idle(r->store))
+        uv_run(&r->daemon.loop, UV_RUN_ONCE);
+}
+
+static void
+release(void *arg)
+{
+    struct radd *r = arg;
+
+    worker_free(r->worker);
+    dialler_free(r->dialler);
+    explicit_bzero(&r->key, sizeof r->key);
+    store_close(r->store);
+}
+
+static const struct daemon_ops daemon_ops = { start,     on_tick, on_term,
+                                              on_reload, finish,  release };
+
+int
+main(int argc, char *argv[])
+{
+    static struct radd r = { .daemon = { .table = &table,
+                                         .set = &r.set.common,
+                                         .ops = &daemon_ops,
+                                         .arg = &r } };
+
+    if (argc > 1 && strcmp(argv[1], RENDER_CHILD_OPTION) == 0)
+        return render_main(argc, argv);
+    return daemon_run(&r.daemon, argc, argv);
+}

@@ -1,0 +1,336 @@
+/* balance.c - giving away what one has, to one that has nothing
+ *
+ * A worker that is idle, while nothing is free or waits: whoever has the most
+ * work left is asked to give half of the lines that it has not begun (SPLIT,
+ * GAVE); these are a new unit, which waits.  Where no lines can be given,
+ * columns are lent (lending.c).  A unit that is very late gets a twin, another
+ * worker that does all of it, before what waits in other jobs. */
+#include "config.h"
+
+#include "sched/sched.h"
+
+/* Less is not worth the messages [ms of its worker]. */
+#define LEAST_SPLIT_MS 40
+
+/* A SPLIT that was not answered: nothing is given. */
+#define SPLIT_LOST_MS 2000
+
+/* A unit is late after so many times the median, but not before the
+ * coordinator's lease. */
+#define LATE_MEDIANS 10
+
+/* One that waited is late when it has had its base line for so long. */
+#define STUCK_MS 5000
+
+bool
+balance_splits(const struct job *job)
+{
+    enum msg_partition kind = partition_kind(job->partition);
+
+    return kind == MSG_PART_AUTO ||
+           (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
+}
+
+bool
+balance_is_idle(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == JW_READY && sched_takes_units(jw->worker) &&
+           (jw->worker->in_flight == 0 ||
+            jw->worker->priority < job->spec.priority) &&
+           !jw->worker->alone;
+}
+
+/* --- splitting --- */
+
+/* The holder that may be asked and has the most time left; NULL: none. */
+static struct job_go *
+richest(const struct coord *c, const struct job *job, uint32_t *unit)
+{
+    struct job_go *best = NULL;
+    double most = LEAST_SPLIT_MS;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+        uint32_t first, last;
+        double ms;
+
+        partition_unit_lines(job->partition, job->out[i], &first, &last);
+        if (u->whole || u->ngos != 1 || !job_go_works(&u->go[0]) ||
+            u->go[0].split || last - first < 2)
+            continue;
+        ms = speed_left_ms(c, job, job->out[i], &u->go[0]);
+        if (ms >= most) {
+            most = ms;
+            best = &u->go[0];
+            *unit = job->out[i];
+        }
+    }
+    return best;
+}
+
+/* SPLITs that are not answered; what is older than it should be is given up. */
+static uint32_t
+count_asked(const struct coord *c, struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        struct job_unit *u = &job->units[job->out[i]];
+
+        for (uint8_t k = 0; k < u->ngos; k++) {
+            if (!u->go[k].split)
+                continue;
+            if (c->now_ms - u->go[k].split_ms >= SPLIT_LOST_MS)
+                u->whole = true; /* and an answer still counts */
+            else
+                n++;
+        }
+    }
+    return n;
+}
+
+/* Ask until as many answers are on their way as workers are idle.  Returns how
+ * many will get nothing so. */
+static uint32_t
+ask(struct coord *c, struct job *job, uint32_t idle)
+{
+    uint32_t asked = count_asked(c, job), unit = 0;
+    struct job_go *go;
+
+    while (asked < idle && (go = richest(c, job, &unit))) {
+        go->split = true;
+        go->split_ms = c->now_ms;
+        asked++;
+        sched_log_unit(c, job, unit, go, "unit split");
+        sched_send_attempt(c, job, MSG_SPLIT, unit, go);
+    }
+    return asked < idle ? idle - asked : 0;
+}
+
+/* Has another worker the unit, too? */
+static bool
+has_twin(const struct job_unit *u, const struct job_go *go)
+{
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (&u->go[i] != go && !u->go[i].lender)
+            return true;
+    return false;
+}
+
+bool
+balance_shrink(struct coord *c, struct job *job, uint32_t unit,
+               struct job_go *go, uint32_t height)
+{
+    uint32_t given = height >= job->units[unit].next_row
+                         ? partition_give(job->partition, unit, height)
+                         : PARTITION_NONE;
+
+    if (given == PARTITION_NONE)
+        return false;
+    if (!job_grow_units(job))
+        c->actions.failed = true;
+    sched_shrunk(job, unit, go);
+    sched_keep_unit(c, job, unit);
+    sched_keep_unit(c, job, given);
+    return true;
+}
+
+void
+balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+{
+    struct partition_area a;
+    struct job_unit *u;
+    struct job_go *go;
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+
+    if (!job || m->unit >= job->nunits)
+        return;
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || !(go->split || go->yielded || go->still)) /* asked before */
+        return;
+    go->split = false;
+    partition_area(job->partition, m->unit, &a);
+    u = &job->units[m->unit];
+    actions_log(&c->actions, ACT_DEBUG,
+                "unit gave job=%s unit=%u attempt=%u height=%u of=%u", job->hex,
+                m->unit, m->attempt, m->height, a.height);
+    if (m->height == 0) {
+        loss_given_back(c, job, m->unit, go);
+        return;
+    }
+    if (m->height == a.height) {
+        u->whole = true;
+        return;
+    }
+    if (go->loans > 0) /* of what was its last line */
+        loss_end_loans(c, job, m->unit, go->attempt);
+    if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
+        sched_send_attempt(c, job, MSG_REVOKE, m->unit, go);
+        loss_of(c, job, m->unit, go);
+        return;
+    }
+    if (!balance_shrink(c, job, m->unit, go, m->height))
+        coord_break(c, w->conn, "a GAVE that fits no lines");
+}
+
+/* --- twins --- */
+
+/* Does the holder take too long?  One that waits for the base line above does
+ * not; but with that at hand it has next to nothing to do. */
+static bool
+is_slow(const struct coord *c, const struct job *job, uint32_t unit,
+        const struct job_go *go, uint64_t lease_ms)
+{
+    const struct coord_worker *w = job->workers[go->worker].worker;
+    uint64_t top_ms;
+
+    if (c->now_ms - go->out_ms < (w->hangs ? c->lease_ms : lease_ms))
+        return false;
+    if (!go->parked)
+        return true;
+    top_ms = handoff_top_ms(job, unit);
+    return top_ms != 0 && c->now_ms - top_ms >= STUCK_MS &&
+           c->now_ms - go->parked_ms >= STUCK_MS;
+}
+
+/* Is it late, whatever its cost says? */
+static bool
+is_late(const struct coord *c, const struct job *job, uint32_t unit,
+        uint64_t lease_ms)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (!u->go[i].lender && !u->go[i].spent &&
+            (u->go[i].delivered || !is_slow(c, job, unit, &u->go[i], lease_ms)))
+            return false;
+    return true;
+}
+
+/* May it have a twin because it is late? */
+static bool
+wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
+           uint64_t lease_ms)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    return u->ngos < JOB_MAX_HOLDERS && u->crashes == 0 &&
+           is_late(c, job, unit, lease_ms);
+}
+
+static uint64_t
+lease_of(const struct coord *c, const struct job *job)
+{
+    uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
+
+    return ms > c->lease_ms ? ms : c->lease_ms;
+}
+
+/* Whose rows did not count does nothing for it any more, and may try again. */
+static void
+release_spent(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t k = u->ngos; k-- > 0;)
+        if (u->go[k].spent && !u->go[k].delivered)
+            sched_release(c, job, unit, &u->go[k]);
+}
+
+/* A worker that has work, and whose PINGs say that it gets nowhere. */
+static void
+look_at_workers(struct coord *c)
+{
+    for (struct coord_worker *w = c->workers; w; w = w->next) {
+        bool hangs;
+
+        if (w->in_flight == 0)
+            w->progress_ms = c->now_ms;
+        hangs = c->now_ms - w->progress_ms >= c->lease_ms;
+        if (hangs && !w->hangs)
+            actions_log(&c->actions, ACT_WARN,
+                        "worker hangs worker=%s units=%u", w->name,
+                        w->in_flight);
+        w->hangs = hangs;
+    }
+}
+
+void
+balance_look(struct coord *c)
+{
+    look_at_workers(c);
+    for (size_t k = 0; k < c->njobs; k++) {
+        struct job *job = c->jobs[k];
+        uint64_t lease;
+
+        job->late = 0;
+        if (job_over(job) || job->nout == 0)
+            continue;
+        lease = lease_of(c, job);
+        for (uint32_t i = 0; i < job->nout; i++)
+            if (is_late(c, job, job->out[i], lease)) {
+                release_spent(c, job, job->out[i]);
+                job->late += wants_twin(c, job, job->out[i], lease);
+            }
+    }
+}
+
+/* Those that have a late unit: what else they would get, others do. */
+static void
+leave_out(struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (!u->go[i].lender)
+            sched_late(job, u->go[i].worker, true);
+}
+
+bool
+balance_late(struct coord *c, struct job *job, uint32_t index)
+{
+    uint64_t lease = lease_of(c, job), longest = 0;
+    uint32_t unit = 0;
+
+    for (uint32_t i = 0; i < job->nout; i++) {
+        uint64_t ms = c->now_ms - job->units[job->out[i]].go[0].out_ms;
+
+        if (ms <= longest || job_go_of(job, job->out[i], index) ||
+            !wants_twin(c, job, job->out[i], lease))
+            continue;
+        longest = ms;
+        unit = job->out[i];
+    }
+    if (longest == 0)
+        return false;
+    job->late--;
+    actions_log(&c->actions, ACT_INFO,
+                "unit late job=%s unit=%u worker=%s s=%llu", job->hex, unit,
+                job->workers[job->units[unit].go[0].worker].name,
+                (unsigned long long)longest / 1000);
+    leave_out(job, unit);
+    sched_hand_out(c, job, index, unit);
+    return true;
+}
+
+void
+balance_run(struct coord *c)
+{
+    for (size_t k = 0; k < c->njobs; k++) {
+        struct job *job = c->jobs[k];
+        uint32_t idle = 0;
+
+        if (job_over(job) || job->state == JOB_PAUSED || !job->shared ||
+            job->survey || job->nout == 0 || job_waiting(job) > 0)
+            continue;
+        for (uint32_t i = 0; i < job->nworkers; i++)
+            idle += balance_is_idle(job, i);
+        if (idle > 0 && balance_splits(job))
+            idle = ask(c, job, idle);
+        if (idle > 0)
+            lending_ask(c, job, idle);
+    }
+}

@@ -1,0 +1,299 @@
+/* survey.c - see survey.h
+ *
+ * With --estimate=NNa or NNb the workers trace NN random pixels of each line,
+ * or window, before the first unit goes out, and count rays (a) or tests of
+ * intersection (b).  The parts go out in chunks; when none is left, one that
+ * somebody has not answered goes out again.  Which pixels are traced depends
+ * on the part alone, so the costs are the same whoever answers first.  Where
+ * children die of it there is no estimate; the units will tell which it was.
+ * A worker that something else comes first for (yield.c) answers with what it
+ * has traced, as facts, and its chunk is begun anew. */
+#include "config.h"
+
+#include "sched/survey.h"
+
+#include "sched/sched.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_RAYS       10000
+#define MOST_PARTS      40000 /* in a chunk: it must fit a message */
+#define CHUNKS_A_WORKER 4
+#define MOST_CRASHES    2    /* of children at a chunk */
+#define LATE_MS         2000 /* and another is asked too */
+#define LEAVING_MS      5000 /* until a worker that leaves has answered */
+
+struct chunk {
+    uint32_t first, n; /* parts */
+    uint32_t holders, crashes;
+    bool done;
+    uint64_t out_ms; /* to the last of them */
+};
+
+struct survey {
+    uint32_t rays;
+    bool tests;  /* count them, else rays */
+    bool failed; /* there will be no estimate */
+    uint32_t nchunks, left;
+    struct chunk *chunk;
+    double *cost;      /* by part */
+    uint64_t begin_ms; /* first ESTIMATE; 0: none yet */
+};
+
+/* "5a", "20b"; anything else asks for no survey. */
+static bool
+wanted(const char *text, uint32_t *rays, bool *tests)
+{
+    char *end;
+    unsigned long n = strtoul(text, &end, 10);
+
+    if (text[0] < '0' || text[0] > '9' || n < 1 || n > MOST_RAYS ||
+        (strcmp(end, "a") != 0 && strcmp(end, "b") != 0))
+        return false;
+    *rays = (uint32_t)n;
+    *tests = *end == 'b';
+    return true;
+}
+
+void
+survey_free(struct survey *s)
+{
+    if (!s)
+        return;
+    free(s->chunk);
+    free(s->cost);
+    free(s);
+}
+
+int
+survey_begin(struct job *job, uint32_t workers, struct rad_error *err)
+{
+    uint32_t rays, n = partition_parts(job->partition), size;
+    struct survey *s;
+    bool tests;
+
+    if (job->spec.ncosts > 0 || !wanted(job->spec.estimate, &rays, &tests))
+        return 0;
+    size = n / (CHUNKS_A_WORKER * (workers ? workers : 1));
+    size = size < 1 ? 1 : size > MOST_PARTS ? MOST_PARTS : size;
+    job->survey = s = calloc(1, sizeof *s);
+    if (!s)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    s->rays = rays;
+    s->tests = tests;
+    s->nchunks = s->left = (n + size - 1) / size;
+    s->chunk = calloc(s->nchunks, sizeof *s->chunk);
+    s->cost = calloc(n, sizeof *s->cost);
+    if (!s->chunk || !s->cost)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < s->nchunks; i++) {
+        s->chunk[i].first = i * size;
+        s->chunk[i].n = n - i * size < size ? n - i * size : size;
+    }
+    return 0;
+}
+
+/* --- out --- */
+
+/* One that nobody has, else one that is late; NULL: there is none. */
+static struct chunk *
+choose(struct survey *s, uint64_t now_ms)
+{
+    struct chunk *late = NULL;
+
+    for (uint32_t i = 0; i < s->nchunks; i++) {
+        struct chunk *k = &s->chunk[i];
+
+        if (!k->done && k->holders == 0)
+            return k;
+        if (!k->done && now_ms - k->out_ms >= LATE_MS)
+            late = k;
+    }
+    return late;
+}
+
+static void
+send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
+           const struct chunk *k)
+{
+    const struct survey *s = job->survey;
+    struct msg_area *v = rad_arena_alloc(&c->actions.mem, k->n * sizeof *v);
+    struct msg m = { .type = MSG_ESTIMATE };
+
+    if (!v) {
+        c->actions.failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < k->n; i++) {
+        struct partition_area a;
+
+        partition_part(job->partition, k->first + i, &a);
+        v[i] = (struct msg_area){ a.frame, a.x, a.y, a.width, a.height };
+    }
+    m.estimate = (struct msg_estimate){ job->id, (uint32_t)(k - s->chunk),
+                                        s->rays, k->n, v };
+    actions_send(&c->actions, jw->worker->conn, &m);
+}
+
+/* The units may go out, whatever is known of their costs. */
+static void
+end_survey(struct coord *c, struct job *job)
+{
+    job->estimate_ms = c->now_ms - job->survey->begin_ms;
+    survey_free(job->survey);
+    job->survey = NULL;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        job->workers[i].surveying = 0;
+    sched_begin(c, job);
+}
+
+bool
+survey_has(const struct coord *c, const struct job *job, uint32_t index)
+{
+    return job->workers[index].surveying || job->survey->failed ||
+           choose(job->survey, c->now_ms);
+}
+
+bool
+survey_give(struct coord *c, struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+    struct survey *s = job->survey;
+    struct chunk *k;
+
+    if (s->failed) { /* only now, for there is one to share the units */
+        end_survey(c, job);
+        return true;
+    }
+    k = jw->surveying ? NULL : choose(s, c->now_ms);
+    if (!k)
+        return false;
+    k->holders++;
+    k->out_ms = c->now_ms;
+    jw->rest_ms = 0;
+    jw->surveying = (uint32_t)(k - s->chunk) + 1;
+    if (s->begin_ms == 0)
+        s->begin_ms = c->now_ms;
+    if (job->state == JOB_WAITING)
+        job->state = JOB_RUNNING;
+    send_chunk(c, job, jw, k);
+    return true;
+}
+
+/* Others may have its chunk. */
+static void
+let_others(struct job *job, const struct job_worker *jw)
+{
+    if (job->survey && jw->surveying && jw->rest_ms == 0)
+        job->survey->chunk[jw->surveying - 1].holders--;
+}
+
+void
+survey_rest(struct job *job, uint32_t index)
+{
+    let_others(job, &job->workers[index]);
+}
+
+void
+survey_lost(struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+
+    let_others(job, jw);
+    jw->surveying = 0;
+}
+
+bool
+survey_tells(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+        const struct job_worker *jw;
+
+        if (!job->survey || index == JOB_NOBODY)
+            continue;
+        jw = &job->workers[index];
+        if (jw->surveying && w->version >= msg_since(MSG_REST) &&
+            (jw->rest_ms == 0 || c->now_ms - jw->rest_ms < LEAVING_MS))
+            return true;
+    }
+    return false;
+}
+
+/* --- back --- */
+
+void
+survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
+{
+    if (!job->survey || ++job->survey->chunk[chunk].crashes < MOST_CRASHES)
+        return;
+    actions_log(&c->actions, ACT_WARN, "estimate given up job=%s", job->hex);
+    job->survey->failed = true;
+}
+
+/* What a part costs, from what the pixels did that were traced of it. */
+static double
+scaled(const struct survey *s, const struct job *job, uint32_t part,
+       const struct msg_cost *cost)
+{
+    struct partition_area a;
+    double pixels, traced = s->rays;
+
+    partition_part(job->partition, part, &a);
+    pixels = (double)a.width * a.height;
+    if (traced > pixels)
+        traced = pixels;
+    return (double)(s->tests ? cost->tests : cost->rays) * pixels / traced;
+}
+
+static void
+finish(struct coord *c, struct job *job)
+{
+    partition_set_costs(job->partition, job->survey->cost);
+    job->cost_total = partition_cost_total(job->partition);
+    end_survey(c, job);
+    actions_log(&c->actions, ACT_INFO, "job estimated job=%s ms=%llu", job->hex,
+                (unsigned long long)job->estimate_ms);
+}
+
+static void
+count_rays(struct job *job, uint32_t index, const struct msg_counts *counts)
+{
+    msg_rays_add(&job->surveyed, counts);
+    job->workers[index].surveyed_rays += counts->rays;
+}
+
+void
+survey_estimated(struct coord *c, struct coord_worker *w,
+                 const struct msg_estimated *m)
+{
+    uint32_t index;
+    struct job *job = sched_job_of(c, w, m->job, &index);
+    const struct job_worker *jw;
+    struct chunk *k;
+
+    if (!job)
+        return;
+    jw = &job->workers[index];
+    if (!job->survey || jw->surveying == 0 || jw->surveying - 1 != m->id) {
+        count_rays(job, index, &m->counts); /* late: it was done, though */
+        return;
+    }
+    k = &job->survey->chunk[m->id];
+    if (m->ncosts != k->n && (m->ncosts > 0 || jw->rest_ms == 0)) {
+        coord_break(c, w->conn, "an ESTIMATED that fits no ESTIMATE");
+        return;
+    }
+    survey_lost(job, index);
+    count_rays(job, index, &m->counts);
+    if (k->done || m->ncosts == 0)
+        return;
+    for (uint32_t i = 0; i < k->n; i++)
+        job->survey->cost[k->first + i] =
+            scaled(job->survey, job, k->first + i, &m->costs[i]);
+    k->done = true;
+    if (--job->survey->left == 0)
+        finish(c, job);
+}

@@ -1,0 +1,246 @@
+/* yield.c - who gives back what, for something that comes first
+ *
+ * A unit may be a third of what a worker does of a picture, so nothing waits
+ * for its end: it goes back (YIELD, GAVE), rows and facts being kept, when its
+ * job is paused, when its worker is to leave, when the worker may have some of
+ * a job of higher priority, and when its owner has more of the workers than
+ * another with a job as urgent.  It is looked at every tick.
+ * A unit that was told to go back takes its worker's time no more: it counts
+ * as parked.  A window has nothing that could be kept: it is taken back, and
+ * begun anew.  What comes before the units, records of parts of space
+ * (seeding.c) and estimates (survey.c), ends as well (REST).  A worker of
+ * version 1 comes to the end of it all. */
+#include "config.h"
+
+#include "sched/sched.h"
+
+/* A child that has not answered by then is at a pixel that takes for ever. */
+#define LOST_MS    30000
+#define LEAVING_MS 5000 /* the same, where its worker is to leave */
+
+/* A job that had nothing for a worker, though something waits, is not asked
+ * again before that, then twice as long, and so on. */
+#define PASSED_MS  1000
+#define MOST_TIMES 6
+
+void
+yield_rate(const struct coord *c, struct coord_worker *w)
+{
+    w->priority = INT64_MIN;
+    for (size_t i = 0; w->in_flight > 0 && i < c->njobs; i++) {
+        uint32_t index = sched_index(c->jobs[i], w);
+
+        if (index == JOB_NOBODY || c->jobs[i]->workers[index].in_flight == 0)
+            continue;
+        w->priority = c->jobs[i]->spec.priority;
+        return;
+    }
+}
+
+void
+yield_passed(const struct coord *c, struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+
+    if (!job->partition || job_waiting(job) == 0)
+        return;
+    jw->ask_ms = c->now_ms + ((uint64_t)PASSED_MS << jw->passed);
+    if (jw->passed < MOST_TIMES)
+        jw->passed++;
+}
+
+/* Has the job something for the worker, as far as one can tell? */
+static bool
+has_some_for(const struct coord *c, const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    if (sched_idle_job(job) || !job->opened || jw->state != JW_READY)
+        return false;
+    return (job->survey && survey_has(c, job, index)) ||
+           (!job->survey && job_waiting(job) > 0 && !jw->late &&
+            c->now_ms >= jw->ask_ms);
+}
+
+/* The priority of what the worker is at, or could be. */
+static int64_t
+rank_of(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+        uint32_t index = sched_index(job, w);
+
+        if (job->spec.priority <= w->priority)
+            break;
+        if (index != JOB_NOBODY && has_some_for(c, job, index))
+            return job->spec.priority;
+    }
+    return w->priority;
+}
+
+static bool
+may_yield(const struct job *job, const struct job_go *go)
+{
+    const struct coord_worker *w = job->workers[go->worker].worker;
+
+    return w->conn != 0 && !go->delivered && !go->yielded &&
+           job->workers[go->worker].state == JW_READY &&
+           (!partition_is_strict(job->partition) ||
+            w->version >= msg_since(MSG_YIELD));
+}
+
+/* The holder is gone from the list then, unless it is to answer. */
+static void
+give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    if (!partition_is_strict(job->partition)) {
+        loss_taken(c, job, unit, go);
+        return;
+    }
+    sched_log_unit(c, job, unit, go, "unit yield");
+    if (!go->parked)
+        sched_park(c, job, go);
+    go->yielded = true;
+    go->yield_ms = c->now_ms;
+    sched_send_attempt(c, job, MSG_YIELD, unit, go);
+}
+
+/* Leave what comes before the units. */
+static void
+rest(struct coord *c, struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+    struct msg m = { .type = MSG_REST, .rest = { job->id } };
+
+    if (jw->rest_ms != 0 || jw->state != JW_READY || jw->worker->conn == 0 ||
+        (!jw->seeds && !jw->surveying) ||
+        jw->worker->version < msg_since(MSG_REST))
+        return;
+    survey_rest(job, index);
+    jw->rest_ms = c->now_ms;
+    actions_send(&c->actions, jw->worker->conn, &m);
+}
+
+/* All that the worker has of the job. */
+static void
+give_all_back(struct coord *c, struct job *job, uint32_t index)
+{
+    rest(c, job, index);
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = i < job->nout ? job->out[i] : 0;
+        struct job_unit *u = &job->units[unit];
+
+        for (uint8_t k = i < job->nout ? u->ngos : 0; k-- > 0;)
+            if (k < u->ngos && u->go[k].worker == index &&
+                may_yield(job, &u->go[k]))
+                give_back(c, job, unit, &u->go[k]);
+    }
+}
+
+static bool
+is_unanswered(const struct coord *c, const struct job *job,
+              const struct job_go *go)
+{
+    const struct coord_worker *w;
+
+    if (!go->yielded || go->delivered)
+        return false;
+    w = job->workers[go->worker].worker;
+    return c->now_ms - go->yield_ms >=
+           (sched_takes_units(w) ? LOST_MS : LEAVING_MS);
+}
+
+/* Where a child does not answer, what it has is lost.  One walk over what is
+ * out, whoever has it: there may be thousands of units, and many workers. */
+static void
+give_up(struct coord *c, struct job *job)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = i < job->nout ? job->out[i] : 0;
+        struct job_unit *u = &job->units[unit];
+
+        for (uint8_t k = i < job->nout ? u->ngos : 0; k-- > 0;)
+            if (k < u->ngos && is_unanswered(c, job, &u->go[k]))
+                loss_taken(c, job, unit, &u->go[k]);
+    }
+}
+
+bool
+yield_wanted(const struct job *job, uint32_t index)
+{
+    const struct coord_worker *w = job->workers[index].worker;
+
+    return job->state == JOB_PAUSED || !sched_takes_units(w) ||
+           job->spec.priority < w->rank;
+}
+
+static void
+look_at_job(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *jw = &job->workers[i];
+
+        if (jw->in_flight == 0 && jw->parked == 0 && !jw->seeds &&
+            !jw->surveying)
+            continue;
+        if (yield_wanted(job, i))
+            give_all_back(c, job, i);
+    }
+    give_up(c, job);
+}
+
+/* --- owners --- */
+
+/* The job that another owner than that of `job`, with more of the workers, has
+ * on this one, so that it may have it; NULL: none. */
+static struct job *
+richer(const struct coord *c, const struct job *job,
+       const struct coord_worker *w)
+{
+    struct job *has = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *o = c->jobs[i];
+        uint32_t index = sched_index(o, w);
+
+        if (index == JOB_NOBODY || o->workers[index].in_flight == 0)
+            continue;
+        if (o->spec.priority != job->spec.priority || o->payer == job->payer)
+            return NULL;
+        has = o;
+    }
+    if (!has || !partition_is_strict(has->partition) ||
+        job->payer->threads + 2 * w->threads > has->payer->threads)
+        return NULL;
+    return has;
+}
+
+/* Owners share the workers equally, whoever came first: one that has less gets
+ * some of those that do the same for another. */
+static void
+share(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct coord_worker *w = job->workers[i].worker;
+        struct job *other;
+
+        if (!has_some_for(c, job, i) || job->survey || !sched_takes_units(w) ||
+            !(other = richer(c, job, w)))
+            continue;
+        give_all_back(c, other, sched_index(other, w));
+        sched_serve(c, w);
+    }
+}
+
+void
+yield_look(struct coord *c)
+{
+    for (struct coord_worker *w = c->workers; w; w = w->next)
+        w->rank = w->conn != 0 ? rank_of(c, w) : INT64_MIN;
+    for (size_t i = 0; i < c->njobs; i++)
+        if (!job_over(c->jobs[i]) && c->jobs[i]->partition)
+            look_at_job(c, c->jobs[i]);
+    for (size_t i = 0; i < c->njobs && !c->full; i++)
+        if (!job_over(c->jobs[i]) && c->jobs[i]->partition)
+            share(c, c->jobs[i]);
+}

@@ -1,0 +1,16 @@
+# the coordinator's state folder: files by hash, jobs, rows
+libdaemon_a_SOURCES += \
+	daemon/store/blobs.c \
+	daemon/store/blobs.h \
+	daemon/store/sound.c \
+	daemon/store/sound.h \
+	daemon/store/store.c \
+	daemon/store/store.h \
+	daemon/store/store_arrive.c \
+	daemon/store/store_files.c \
+	daemon/store/store_impl.h \
+	daemon/store/store_jobs.c \
+	daemon/store/store_read.c \
+	daemon/store/store_recover.c \
+	daemon/store/store_rows.c \
+	daemon/store/store_submit.c

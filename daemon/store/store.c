@@ -1,0 +1,268 @@
+/* store.c - see store.h
+ *
+ * Each request is a task that owns copies of all it needs.  The arriving files,
+ * the job folders and the journal are the pool thread's; the loop never looks
+ * at them once the jobs of earlier lives are recovered.
+ *
+ * What is noted in the journal is so before: files, then their names, then the
+ * note.  What is removed is so after, but a folder that is forgotten, which
+ * disappears at once: of that the journal may know a little longer. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include "ground/log.h"
+#include "ground/service.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+/* --- tasks --- */
+
+void *
+store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
+               void (*done)(struct task *t))
+{
+    struct task *t = calloc(1, size);
+
+    if (t) {
+        t->run = run;
+        t->done = done;
+    } else {
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+    }
+    return t;
+}
+
+void
+store_free_task(struct task *t)
+{
+    free(t);
+}
+
+void
+store_push_lasting(struct store *s, struct task *t)
+{
+    t->writes = t->lasts = true;
+    task_push(&s->queue, t);
+}
+
+struct settle_task {
+    struct task task;
+    struct store *store;
+    uint64_t conn;
+    uint32_t request;
+};
+
+static int
+nothing_run(struct task *t)
+{
+    (void)t;
+    return 0;
+}
+
+static void
+settle_done(struct task *t)
+{
+    struct settle_task *w = (struct settle_task *)t;
+    struct store *s = w->store;
+
+    if (!is_mute(s, t))
+        s->handler->settled(s->arg, w->conn, w->request);
+    free(w);
+}
+
+void
+store_settle(struct store *s, uint64_t conn, uint32_t request)
+{
+    struct settle_task *w =
+        store_new_task(s, sizeof *w, nothing_run, settle_done);
+
+    if (!w)
+        return;
+    w->store = s;
+    w->conn = conn;
+    w->request = request;
+    store_push_lasting(s, &w->task);
+}
+
+int
+store_refuse(const struct store *s, const struct rad_error *why,
+             struct rad_error *err)
+{
+    if (why->code == RAD_EDATA || why->code == RAD_ENOINPUT)
+        rad_fail(err, RAD_EDATA, "%.230s; 'radctl check' tells more",
+                 why->what);
+    else
+        *err = *why;
+    if (err->code == RAD_EDATA)
+        rad_error_where(err, "state folder '%.200s' is damaged", s->dir);
+    else if (why->code == RAD_EIO || why->code == RAD_EPERM)
+        rad_error_where(err, "state folder '%.200s'", s->dir);
+    return err->code;
+}
+
+/* --- opening and end --- */
+
+/* One fdatasync for all rows that a group of tasks wrote to a file, one commit
+ * for all that they noted. */
+static int
+settle(void *arg, struct rad_error *err)
+{
+    struct store *s = arg;
+    int rc;
+
+    if (!s->durable)
+        return 0;
+    rc = folder_sync(&s->folder, err);
+    if (rc == 0 && s->journal)
+        rc = journal_commit(s->journal, err);
+    if (rc < 0 && s->journal)
+        journal_rollback(s->journal);
+    return rc;
+}
+
+/* Of a full disk somebody should hear; the rest passes by itself. */
+static void
+on_lack(void *arg, enum task_lack what, const char *text)
+{
+    struct store *s = arg;
+    bool full = what == TASK_LACKS_ROOM;
+
+    if (what == TASK_LACKS_MEANS)
+        log_warn("work waits why=%s", text);
+    else if (!s->full && !full)
+        log_info("work goes on");
+    if (full != s->full)
+        s->handler->fullness(s->arg, full, text);
+    s->full = full;
+}
+
+static void
+on_broken(void *arg, const struct rad_error *err)
+{
+    struct store *s = arg;
+
+    s->handler->broken(s->arg, rad_exit_status(err->code), err->what);
+}
+
+/* With a journal what is acknowledged is kept, or the daemon ends. */
+static const struct task_ops plain_ops = { settle, on_lack, NULL };
+static const struct task_ops journal_ops = { settle, on_lack, on_broken };
+
+static int
+open_journal(struct store *s, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    struct rad_error why = { 0 };
+    enum journal_how how;
+    int rc = statedir_how(s->dir, &how, &why);
+
+    snprintf(path, sizeof path, "%s/" STATEDIR_DATABASE, s->dir);
+    if (rc == 0)
+        rc = journal_open(&s->journal, path, how, &why);
+    if (rc == 0)
+        rc = journal_check(s->journal, &why);
+    if (rc == 0 && how == JOURNAL_MAKE)
+        rc = disk_sync_dir(s->dir, &why);
+    return rc == 0 ? 0 : store_refuse(s, &why, err);
+}
+
+static int
+open_jobs(struct store *s, struct rad_error *err)
+{
+    int rc;
+
+    memcpy(s->folder.dir, s->dir, sizeof s->dir);
+    s->folder.durable = s->durable;
+    rc = s->durable ? open_journal(s, err) : 0;
+    return rc == 0 ? folder_init(&s->folder, err) : rc;
+}
+
+static int
+open_dirs(struct store *s, const char *dir, struct rad_error *err)
+{
+    char files[BLOBS_DIR_MAX];
+    int rc;
+
+    if (snprintf(s->dir, sizeof s->dir, "%s", dir) >= (int)sizeof s->dir ||
+        snprintf(files, sizeof files, "%s/files", dir) >= (int)sizeof files)
+        return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
+    rc = service_make_dir(dir, 0700, err);
+    if (rc == 0 && s->handler->job)
+        rc = statedir_check_owner(dir, err);
+    if (rc == 0)
+        rc = s->lock = service_lock_dir(dir, err);
+    if (rc >= 0) /* jobs first: one that is refused stays as it is */
+        rc = s->handler->job ? open_jobs(s, err) : 0;
+    return rc == 0 ? blobs_open(&s->blobs, files, s->durable, err) : rc;
+}
+
+struct store *
+store_open(uv_loop_t *loop, const char *dir, bool durable,
+           const struct store_handler *handler, void *arg,
+           struct rad_error *err)
+{
+    struct store *s = calloc(1, sizeof *s);
+    struct rad_error why = { 0 };
+
+    if (!s) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    s->handler = handler;
+    s->arg = arg;
+    s->durable = durable;
+    s->lock = -1;
+    task_queue_init(&s->queue, loop, &plain_ops, s);
+    if (open_dirs(s, dir, &why) < 0) {
+        if (err)
+            *err = why;
+        store_close(s);
+        return NULL;
+    }
+    s->queue.gather = durable && handler->job;
+    if (s->journal)
+        s->queue.ops = &journal_ops;
+    return s;
+}
+
+bool
+store_idle(const struct store *s)
+{
+    return task_queue_idle(&s->queue);
+}
+
+size_t
+store_backlog(const struct store *s)
+{
+    return s->backlog;
+}
+
+void
+store_end(struct store *s)
+{
+    s->ending = true;
+    task_queue_end(&s->queue);
+}
+
+void
+store_close(struct store *s)
+{
+    if (!s)
+        return;
+    task_queue_release(&s->queue);
+    store_release_arriving(s);
+    cache_free(s->cache);
+    if (s->journal) /* what did not last is nobody's */
+        journal_rollback(s->journal);
+    journal_close(s->journal);
+    folder_release(&s->folder);
+    sounds_release(&s->sounds);
+    if (s->lock >= 0)
+        close(s->lock);
+    free(s);
+}

@@ -1,0 +1,266 @@
+/* store_files.c - the store's files by hash: are they sound, are they needed
+ *
+ * Whether a file is what its name says is the loop's to know (sound.h); reading
+ * it may take long and is a task's.  So store_look() asks first what is known,
+ * and pushes a task only for the rest.  What is found to be damaged is removed
+ * on the loop when the task is done: whoever needs it sends it again.
+ * Files go when no job needs them and nobody has asked for them for a while,
+ * which their times tell. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include "ground/log.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <time.h>
+#include <unistd.h>
+
+struct look_task {
+    struct task task;
+    struct store *store;
+    struct action_look look;
+    int8_t *found; /* of each file, as sounds_read(); 2: it was known */
+    uint8_t hash[];
+};
+
+/* What cannot be had now may be later: this is no failure of the task's. */
+static void
+use_files(struct look_task *l)
+{
+    struct rad_error err = { 0 };
+    int rc = cache_use(l->store->cache, l->look.job, &l->look.files,
+                       l->look.bytes, &err);
+
+    l->look.status = rc < 0 ? rad_exit_status(rc) : 0;
+    snprintf(l->look.why, sizeof l->look.why, "%s", err.what);
+}
+
+static int
+look_run(struct task *t)
+{
+    struct look_task *l = (struct look_task *)t;
+    char path[BLOBS_PATH_MAX];
+
+    if (l->store->cache)
+        use_files(l);
+
+    for (uint32_t i = 0; i < l->look.nlook; i++)
+        if (l->found[i] != 2) {
+            path_of(l->store, l->hash + (size_t)i * MSG_HASH, path);
+            l->found[i] =
+                (int8_t)sounds_read(l->hash + (size_t)i * MSG_HASH, path);
+        }
+    return 0;
+}
+
+static void
+remove_damaged(const char *path)
+{
+    unlink(path);
+    log_warn("file removed path=%s: it is damaged", path);
+}
+
+static void
+look_done(struct task *t)
+{
+    struct look_task *l = (struct look_task *)t;
+    struct store *s = l->store;
+    char path[BLOBS_PATH_MAX];
+
+    for (uint32_t i = 0; i < l->look.nlook; i++) {
+        const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
+
+        path_of(s, hash, path);
+        if (l->found[i] == 1)
+            sounds_note(&s->sounds, hash, path);
+        else if (l->found[i] == 0)
+            remove_damaged(path);
+    }
+    s->handler->looked(s->arg, &l->look);
+    free(l->found);
+    free(l);
+}
+
+static struct look_task *
+new_look(struct store *s, const struct action_look *from)
+{
+    size_t n = from->files.n, bytes = n * MSG_HASH;
+    struct look_task *l =
+        store_new_task(s, sizeof *l + bytes, look_run, look_done);
+
+    if (!l)
+        return NULL;
+    l->found = calloc(n + 1, sizeof *l->found);
+    if (!l->found) {
+        free(l);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return NULL;
+    }
+    l->store = s;
+    l->look = *from;
+    if (n > 0)
+        memcpy(l->hash, from->files.hash, bytes);
+    l->look.files.hash = l->hash;
+    return l;
+}
+
+bool
+store_look(struct store *s, const struct action_look *from)
+{
+    struct look_task *l = new_look(s, from);
+    char path[BLOBS_PATH_MAX];
+    bool known = !s->cache;
+
+    if (!l)
+        return false; /* the daemon ends */
+    for (uint32_t i = 0; i < from->nlook; i++) {
+        const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
+
+        path_of(s, hash, path);
+        if (sounds_known(&s->sounds, hash, path))
+            l->found[i] = 2;
+        else
+            known = false;
+    }
+    if (!known) {
+        task_push(&s->queue, &l->task);
+        return false;
+    }
+    free(l->found);
+    free(l);
+    return true;
+}
+
+/* --- files of a worker's jobs --- */
+
+struct cache_task {
+    struct task task;
+    struct store *store;
+    uint64_t limit;
+    uint8_t job[MSG_JOB];
+};
+
+static int
+limit_run(struct task *t)
+{
+    struct cache_task *w = (struct cache_task *)t;
+
+    cache_set_limit(w->store->cache, w->limit);
+    return 0;
+}
+
+int
+store_limit(struct store *s, uint64_t bytes, struct rad_error *err)
+{
+    struct cache_task *w;
+
+    if (!s->cache) {
+        s->cache = cache_new(&s->blobs, bytes, err);
+        return s->cache ? 0 : RAD_ENOMEM;
+    }
+    w = store_new_task(s, sizeof *w, limit_run, store_free_task);
+    if (!w)
+        return 0; /* the daemon ends */
+    w->store = s;
+    w->limit = bytes;
+    task_push(&s->queue, &w->task);
+    return 0;
+}
+
+static int
+leave_run(struct task *t)
+{
+    struct cache_task *w = (struct cache_task *)t;
+
+    cache_leave(w->store->cache, w->job);
+    return 0;
+}
+
+void
+store_leave(struct store *s, const uint8_t job[MSG_JOB])
+{
+    struct cache_task *w =
+        s->cache ? store_new_task(s, sizeof *w, leave_run, store_free_task)
+                 : NULL;
+
+    if (!w)
+        return;
+    w->store = s;
+    memcpy(w->job, job, MSG_JOB);
+    task_push(&s->queue, &w->task);
+}
+
+/* --- files that nobody needs any more --- */
+
+struct sweep_task {
+    struct task task;
+    struct store *store;
+    uint8_t *hashes;
+    size_t n;
+    long age_s;
+    unsigned removed;
+};
+
+static int
+sweep_run(struct task *t)
+{
+    struct sweep_task *w = (struct sweep_task *)t;
+
+    w->n = rad_sha_unique(w->hashes, w->n);
+    w->removed =
+        blobs_sweep(&w->store->blobs, w->hashes, w->n, time(NULL) - w->age_s);
+    return 0;
+}
+
+static void
+sweep_done(struct task *t)
+{
+    struct sweep_task *w = (struct sweep_task *)t;
+
+    if (w->removed > 0)
+        log_info("files removed n=%u: no job needs them", w->removed);
+    free(w->hashes);
+    free(w);
+}
+
+void
+store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s)
+{
+    struct sweep_task *w = store_new_task(s, sizeof *w, sweep_run, sweep_done);
+
+    if (!w) {
+        free(hashes);
+        return;
+    }
+    w->store = s;
+    w->hashes = hashes;
+    w->n = n;
+    w->age_s = age_s;
+    task_push(&s->queue, &w->task);
+}
+
+const char *
+store_files_dir(const struct store *s)
+{
+    return s->blobs.dir;
+}
+
+bool
+store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
+{
+    char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    bool damaged, there;
+
+    rad_sha_to_hex(hash, name);
+    blobs_path(&s->blobs, name, path);
+    there = sounds_check(&s->sounds, hash, path, &damaged);
+    if (damaged)
+        remove_damaged(path);
+    if (there && s->handler->job) /* a coordinator's, which sweeps */
+        blobs_touch(&s->blobs, name);
+    return there;
+}

@@ -1,0 +1,413 @@
+/* store_jobs.c - jobs of the store: kept, over, forgotten
+ *
+ * What is kept of a job points at much (its SUBMIT, its owner, a text), so a
+ * task has copies of it all: the specification is packed and unpacked, which
+ * copies exactly what the wire can carry.
+ * The end is two tasks: one notes it, and when that lasts another removes the
+ * rows that are left and counts the bytes.  Forgetting is two as well: the
+ * folder goes at once, also while the disk is full, for that makes room; then
+ * the journal's entry, which may have to wait. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include "proto/frame.h"
+#include "machine/views.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+struct job_task *
+store_new_job_task(struct store *s, const uint8_t *id,
+                   int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct job_task *j = store_new_task(s, sizeof *j, run, done);
+
+    if (!j)
+        return NULL;
+    j->store = s;
+    memcpy(j->id, id, MSG_JOB);
+    return j;
+}
+
+/* A job that is to be kept, or how it ended, with all that it points at. */
+struct saved_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct saved_job saved;
+    struct wire_out bytes; /* its SUBMIT */
+    struct msg msg;        /* and that unpacked */
+    char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
+    char *stats;
+    size_t stats_len;
+    struct saved_task *next; /* [loop] of those that are being opened */
+    atomic_bool over;        /* that job is, before it was opened */
+};
+
+static void
+free_saved(struct saved_task *o)
+{
+    wire_out_release(&o->bytes);
+    msg_release(&o->msg);
+    free(o->stats);
+    free(o);
+}
+
+static struct saved_task *
+new_saved_task(struct store *s, const struct saved_job *from,
+               int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = from->spec };
+    struct saved_task *o = store_new_task(s, sizeof *o, run, done);
+
+    if (!o)
+        return NULL;
+    o->store = s;
+    memcpy(o->id, from->spec.job, MSG_JOB);
+    wire_out_init(&o->bytes, MSG_FRAME_MAX);
+    if (msg_pack(&o->bytes, &m) != 0 ||
+        msg_unpack(&o->msg, MSG_SUBMIT, 0, o->bytes.buf + MSG_HEADER,
+                   o->bytes.len - MSG_HEADER, NULL) != 0) {
+        free_saved(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return NULL;
+    }
+    o->saved = *from;
+    o->saved.spec = o->msg.submit;
+    o->saved.last.job = o->id;
+    snprintf(o->owner, sizeof o->owner, "%s", from->owner ? from->owner : "");
+    snprintf(o->text, sizeof o->text, "%s", from->text ? from->text : "");
+    o->saved.owner = o->owner;
+    o->saved.text = o->text;
+    return o;
+}
+
+static int
+open_run(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    struct msg_spec whole = o->saved.spec;
+    struct views views = { 0 };
+    int rc;
+
+    if (atomic_load(&o->over) && !folder_is_there(&s->folder, o->id))
+        return rad_fail(&t->err, RAD_ETEMPFAIL, "the job is over");
+    rc = views_read(&views, s->blobs.dir, &whole, &t->err);
+    if (rc == 0)
+        rc = folder_make(&s->folder, &whole, &t->err);
+    views_release(&views);
+    if (rc == 0 && s->journal)
+        rc = journal_put_job(s->journal, &o->saved, &t->err);
+    return rc;
+}
+
+static int
+noted_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_noted(&j->store->folder, j->id);
+    return 0;
+}
+
+/* Others go on meanwhile. */
+static void
+open_waits(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+
+    if (!s->ending)
+        s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
+}
+
+static void
+open_done(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    struct saved_task **at = &s->opening;
+    struct job_task *noted;
+
+    while (*at != o)
+        at = &(*at)->next;
+    *at = o->next;
+    noted = t->code == 0 && s->journal
+                ? store_new_job_task(s, o->id, noted_run, store_free_task)
+                : NULL;
+    if (noted)
+        task_push(&s->queue, &noted->task);
+    if (!is_mute(s, t))
+        s->handler->job(s->arg, o->id, o->saved.sequence, status_of(t),
+                        failure(t));
+    free_saved(o);
+}
+
+void
+store_open_job(struct store *s, const uint8_t job[MSG_JOB],
+               const struct saved_job *saved)
+{
+    struct saved_job named = *saved;
+    struct saved_task *o;
+
+    named.spec.job = job;
+    o = new_saved_task(s, &named, open_run, open_done);
+    if (!o)
+        return;
+    o->next = s->opening;
+    s->opening = o;
+    if (s->journal)
+        o->task.waits = open_waits;
+    store_push_lasting(s, &o->task);
+}
+
+/* One that waits for room, and all that writes with it, need not any longer. */
+static void
+give_up_opening(struct store *s, const uint8_t *id)
+{
+    for (struct saved_task *o = s->opening; o; o = o->next)
+        if (memcmp(o->id, id, MSG_JOB) == 0)
+            atomic_store(&o->over, true);
+}
+
+static int
+state_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    return journal_put_state(j->store->journal, j->id, j->state, j->priority,
+                             &t->err);
+}
+
+void
+store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
+                int32_t priority)
+{
+    struct job_task *j =
+        s->journal ? store_new_job_task(s, job, state_run, store_free_task)
+                   : NULL;
+
+    if (!j)
+        return;
+    j->state = state;
+    j->priority = priority;
+    store_push_lasting(s, &j->task);
+}
+
+/* --- workers --- */
+
+struct worker_task {
+    struct task task;
+    struct store *store;
+    char name[MSG_MAX_NAME + 1];
+    bool drained;
+};
+
+static int
+drained_run(struct task *t)
+{
+    struct worker_task *w = (struct worker_task *)t;
+
+    return journal_put_drained(w->store->journal, w->name, w->drained, &t->err);
+}
+
+void
+store_put_drained(struct store *s, const char *worker, bool drained)
+{
+    struct worker_task *w =
+        s->journal ? store_new_task(s, sizeof *w, drained_run, store_free_task)
+                   : NULL;
+
+    if (!w)
+        return;
+    w->store = s;
+    snprintf(w->name, sizeof w->name, "%s", worker);
+    w->drained = drained;
+    store_push_lasting(s, &w->task);
+}
+
+/* --- the end of a job --- */
+
+static int
+rest_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_rest(&j->store->folder, j->id);
+    j->bytes = folder_bytes(&j->store->folder, j->id);
+    return 0;
+}
+
+static void
+rest_done(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+    struct store *s = j->store;
+
+    s->handler->filed(s->arg, j->id, j->sequence, j->bytes);
+    free(j);
+}
+
+static int
+end_run(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    int rc;
+
+    if (!folder_is_there(&s->folder, o->id))
+        return 0; /* forgotten while this was held */
+    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
+                      &o->saved.stats, &t->err);
+    /* what is left when the rows have gone */
+    o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
+    return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
+}
+
+static void
+end_done(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+    struct job_task *j;
+
+    if (!is_mute(s, t)) {
+        j = store_new_job_task(s, o->id, rest_run, rest_done);
+        if (j) {
+            j->sequence = o->saved.sequence;
+            task_push(&s->queue, &j->task);
+        }
+    }
+    free_saved(o);
+}
+
+void
+store_end_job(struct store *s, const struct saved_job *saved, char *stats,
+              size_t len)
+{
+    struct saved_task *o =
+        s->journal ? new_saved_task(s, saved, end_run, end_done) : NULL;
+
+    give_up_opening(s, saved->spec.job);
+    if (!o) {
+        free(stats);
+        return;
+    }
+    o->stats = stats;
+    o->stats_len = len;
+    store_push_lasting(s, &o->task);
+}
+
+static int
+fetched_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    return journal_put_fetched(j->store->journal, j->id, j->frame, &t->err);
+}
+
+void
+store_note_fetched(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
+{
+    struct job_task *j =
+        s->journal ? store_new_job_task(s, job, fetched_run, store_free_task)
+                   : NULL;
+
+    if (!j)
+        return;
+    j->frame = frame;
+    store_push_lasting(s, &j->task);
+}
+
+struct forget_task {
+    struct task task;
+    struct store *store;
+    struct saved_gone gone;
+};
+
+static struct forget_task *
+new_forget(struct store *s, const struct saved_gone *gone,
+           int (*run)(struct task *t), void (*done)(struct task *t))
+{
+    struct forget_task *f = store_new_task(s, sizeof *f, run, done);
+
+    if (!f)
+        return NULL;
+    f->store = s;
+    f->gone = *gone;
+    return f;
+}
+
+static int
+forget_run(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t;
+    struct folder *folder = &f->store->folder;
+    bool more = folder_forget(folder, f->gone.job);
+
+    if (!more && !f->store->journal)
+        folder_forgotten(folder, f->gone.job);
+    return more;
+}
+
+static int
+strike_run(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t;
+
+    return journal_forget(f->store->journal, &f->gone, &t->err);
+}
+
+static int
+forgotten_run(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t;
+
+    folder_forgotten(&f->store->folder, f->gone.job);
+    return 0;
+}
+
+static void
+strike_done(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t, *last;
+
+    last = t->code == 0
+               ? new_forget(f->store, &f->gone, forgotten_run, store_free_task)
+               : NULL;
+    if (last)
+        task_push(&f->store->queue, &last->task);
+    free(f);
+}
+
+/* Others have their turn between the pieces of a folder of many files. */
+static void
+forget_done(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t, *strike;
+    struct store *s = f->store;
+
+    if (t->code > 0) {
+        task_push(&s->queue, &f->task);
+        return;
+    }
+    strike =
+        s->journal ? new_forget(s, &f->gone, strike_run, strike_done) : NULL;
+    if (strike)
+        store_push_lasting(s, &strike->task);
+    free(f);
+}
+
+void
+store_forget_job(struct store *s, const struct saved_gone *gone)
+{
+    struct forget_task *f = new_forget(s, gone, forget_run, forget_done);
+
+    if (f) /* also while the disk is full: it makes room */
+        task_push(&s->queue, &f->task);
+}

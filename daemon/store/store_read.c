@@ -1,0 +1,179 @@
+/* store_read.c - reading back what is in the store, piece by piece
+ *
+ * A read is a task in the same queue as what writes, so it finds what was asked
+ * to be written before it, unless that is held because the disk is full.  The
+ * file is opened anew for each piece: nothing stays open for a reader that does
+ * not come back.
+ * What is finished of a job is hashed as it is read and held against its mark:
+ * who fetches it never has all of what a disk has spoilt. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+struct read_task {
+    struct task task;
+    struct store *store;
+    struct store_reading *reading;
+    uint64_t size;
+    void *buf;
+    size_t cap, got;
+    store_read_fn *fn;
+    void *arg;
+};
+
+static int
+source_path(struct read_task *r, char path[DISK_PATH_MAX])
+{
+    const struct store_source *from = &r->reading->from;
+    char part[BLOBS_PATH_MAX];
+
+    if (!from->file)
+        return folder_find(&r->store->folder, from->job, from->frame,
+                           from->what, r->reading->offset == 0, path,
+                           &r->task.err);
+    path_of(r->store, from->hash, part);
+    snprintf(path, DISK_PATH_MAX, "%s", part);
+    return 0;
+}
+
+/* What the file is to be, if that is known. */
+static int
+begin(struct read_task *r)
+{
+    struct store_reading *g = r->reading;
+    struct rad_error *err = &r->task.err;
+    int rc;
+
+    if (g->from.file || g->from.what == MSG_WHAT_PREVIEW || !r->store->journal)
+        return 0; /* files of scenes are checked by who gets them */
+    store_reading_release(g); /* of a try that a shortage ended */
+    rc = journal_find_mark(r->store->journal, g->from.job, g->from.frame,
+                           g->from.what, &g->mark, err);
+    if (rc == 0 && g->mark.known)
+        rc = rad_sha_init(&g->sha, err);
+    g->hashing = rc == 0 && g->mark.known;
+    return rc;
+}
+
+/* Go on with the digest; after the last bytes it must be the mark's. */
+static int
+hash(struct read_task *r, const char *path)
+{
+    struct store_reading *g = r->reading;
+
+    if (!g->hashing)
+        return 0;
+    rad_sha_update(&g->sha, r->buf, r->got);
+    if (g->offset + r->got < r->size)
+        return 0;
+    g->hashing = false;
+    return mark_check_sha(&g->mark, &g->sha, path, &r->task.err);
+}
+
+static int
+read_piece(struct read_task *r, int fd, const char *path)
+{
+    struct rad_error *err = &r->task.err;
+    struct stat st;
+    ssize_t n;
+    int rc;
+
+    if (fstat(fd, &st) < 0)
+        return disk_fail(err, errno, "look at", path);
+    r->size = (uint64_t)st.st_size;
+    rc = r->reading->mark.known
+             ? mark_check_size(&r->reading->mark, r->size, path, err)
+             : 0;
+    if (rc < 0)
+        return rc;
+    n = pread(fd, r->buf, r->cap, (off_t)r->reading->offset);
+    if (n < 0)
+        return disk_fail(err, errno, "read", path);
+    if (n == 0 && r->reading->offset < r->size)
+        return rad_fail(err, RAD_EDATA, "'%s' became shorter", path);
+    r->got = (size_t)n;
+    return hash(r, path);
+}
+
+static int
+read_run(struct task *t)
+{
+    struct read_task *r = (struct read_task *)t;
+    char path[DISK_PATH_MAX];
+    int fd, rc = source_path(r, path);
+
+    if (rc == 0 && r->reading->offset == 0)
+        rc = begin(r);
+    if (rc < 0)
+        return rc;
+    fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return mark_missing(path, errno, &t->err);
+    rc = read_piece(r, fd, path);
+    close(fd);
+    return rc;
+}
+
+/* It is the coordinator's disk that failed, and nothing of who asks. */
+static int
+status_for_reader(const struct read_task *r)
+{
+    int code = r->task.code;
+
+    if (r->reading->from.file)
+        return EX_NOINPUT;
+    return code == RAD_EDATA || code == RAD_EPERM ? EX_IOERR
+                                                  : rad_exit_status(code);
+}
+
+static void
+read_done(struct task *t)
+{
+    struct read_task *r = (struct read_task *)t;
+    char text[sizeof t->err.what + 40];
+
+    if (t->code < 0) {
+        snprintf(text, sizeof text, "%s%s",
+                 t->code == RAD_EDATA ? "spoilt at the coordinator: " : "",
+                 t->err.what);
+        r->fn(r->arg, -1, 0, status_for_reader(r), text);
+    } else {
+        r->reading->offset += r->got;
+        r->fn(r->arg, (ssize_t)r->got, r->size, 0, "");
+    }
+    free(r);
+}
+
+void
+store_read(struct store *s, struct store_reading *reading, void *buf,
+           size_t cap, store_read_fn *fn, void *arg)
+{
+    struct read_task *r = store_new_task(s, sizeof *r, read_run, read_done);
+
+    if (!r)
+        return;
+    r->store = s;
+    r->reading = reading;
+    r->buf = buf;
+    r->cap = cap;
+    r->fn = fn;
+    r->arg = arg;
+    task_push(&s->queue, &r->task);
+}
+
+void
+store_reading_release(struct store_reading *r)
+{
+    if (r->hashing)
+        rad_sha_release(&r->sha);
+    r->hashing = false;
+}

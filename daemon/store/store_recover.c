@@ -1,0 +1,199 @@
+/* store_recover.c - jobs of earlier lives are taken up
+ *
+ * Before anything else, so on the loop's thread and without tasks.  The journal
+ * says what there is; each job's scene and rows are held against what is noted
+ * of them, and pictures by their size.  What is gone or damaged is an error,
+ * for it is not to be had again; but rows that are damaged are struck, and made
+ * again.  Nothing is removed before all is found to be sound, and then only
+ * what is to go by statedir.h. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include "base/text.h"
+#include "desk/job.h"
+#include "ground/log.h"
+#include "folder/rowcheck.h"
+#include "machine/views.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All that is needed of the store while it recovers. */
+struct recovery {
+    struct store *s;
+    uint64_t now_ms;
+    journal_job_fn *fn;
+    void *arg;
+};
+
+/* Its scene is there, and is what it was. */
+static int
+check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (uint32_t i = 0; i < spec->files.n && rc == 0; i++) {
+        const uint8_t *hash = spec->files.hash + (size_t)i * MSG_HASH;
+        char path[BLOBS_PATH_MAX];
+
+        path_of(s, hash, path);
+        rc = sounds_require(&s->sounds, hash, path, err);
+    }
+    return rc;
+}
+
+/* Rows that are not what they were are made again. */
+static int
+drop_damaged(void *arg, const struct saved_job *saved,
+             const struct saved_unit *unit, struct rad_error *err)
+{
+    struct store *s = arg;
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(saved->spec.job, hex);
+    log_warn("rows damaged job=%s frame=%u unit=%u: they are made again", hex,
+             unit->area.frame, unit->unit);
+    return journal_put_rows(s->journal, saved->spec.job, unit, err);
+}
+
+/* One that goes on, as far as its rows are sound. */
+static int
+recover_open(struct recovery *r, const struct saved_job *saved,
+             struct rad_error *err)
+{
+    struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
+    struct saved_job sound = *saved;
+    int rc;
+
+    if (!units)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    sound.units = units;
+    rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
+    if (rc == 0)
+        rc = r->fn(r->arg, &sound, err);
+    free(units);
+    return rc;
+}
+
+/* The last life ended as it was being forgotten. */
+static int
+forget_now(struct recovery *r, const struct saved_job *saved,
+           struct rad_error *err)
+{
+    struct saved_gone gone = { .why = GONE_BEFORE,
+                               .end_ms = saved->end_ms,
+                               .gone_ms = r->now_ms };
+
+    memcpy(gone.job, saved->spec.job, MSG_JOB);
+    snprintf(gone.owner, sizeof gone.owner, "%s", saved->owner);
+    rad_text_print(gone.name, sizeof gone.name, "%s", saved->spec.name);
+    return journal_forget(r->s->journal, &gone, err);
+}
+
+static int
+recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
+{
+    struct recovery *r = arg;
+    struct folder *folder = &r->s->folder;
+    bool over = saved->state >= JOB_DONE;
+    struct saved_job whole = *saved;
+    struct views views = { 0 };
+    int rc = 0;
+
+    if (over && folder_is_going(folder, saved->spec.job))
+        return forget_now(r, saved, err);
+    if (!over)
+        rc = check_files(r->s, &saved->spec, err);
+    if (rc == 0)
+        rc = views_read(&views, r->s->blobs.dir, &whole.spec, err);
+    if (rc == 0)
+        rc = folder_take_up(folder, &whole, over, err);
+    if (rc == 0)
+        rc = over ? r->fn(r->arg, &whole, err) : recover_open(r, &whole, err);
+    views_release(&views);
+    return rc;
+}
+
+/* All folders of jobs are known, or to go. */
+static int
+check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
+           struct rad_error *err)
+{
+    struct store *s = arg;
+    enum statedir_fate fate;
+    int rc = statedir_fate(s->journal, &s->folder, job, going, &fate, err);
+
+    return rc == 0 && fate == STATEDIR_UNKNOWN ? statedir_unknown(job, err)
+                                               : rc;
+}
+
+/* Remove what is to go, now that this is noted. */
+static int
+tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
+{
+    struct store *s = arg;
+    enum statedir_fate fate;
+    int rc = statedir_fate(s->journal, &s->folder, job, going, &fate, err);
+
+    if (rc < 0)
+        return rc;
+    if (fate == STATEDIR_TO_GO) {
+        while (folder_forget(&s->folder, job))
+            ;
+        folder_forgotten(&s->folder, job);
+    } else {
+        folder_noted(&s->folder, job);
+        if (!folder_is_open(&s->folder, job))
+            folder_rest(&s->folder, job);
+    }
+    return 0;
+}
+
+int
+store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
+              store_job_fn *fn, void *arg, struct rad_error *err)
+{
+    struct recovery r = { .s = s, .now_ms = now_ms, .fn = fn, .arg = arg };
+    struct rad_error why = { 0 };
+    int rc;
+
+    *epoch = now_ms;
+    if (!s->journal)
+        return 0;
+    rc = journal_begin_life(s->journal, now_ms, epoch, &why);
+    if (rc == 0 && s->handler->gone)
+        rc = journal_read_gone(s->journal, s->handler->gone, s->arg, &why);
+    if (rc == 0)
+        rc = journal_read(s->journal, recover_one, &r, &why);
+    if (rc == 0)
+        rc = folder_each(&s->folder, check_fate, s, &why);
+    if (rc == 0 && journal_is_old(s->journal))
+        rc = statedir_make_private(s->dir, &why);
+    if (rc == 0)
+        rc = journal_take_over(s->journal, &why);
+    if (rc == 0)
+        rc = journal_commit(s->journal, &why);
+    if (rc == 0)
+        rc = folder_each(&s->folder, tidy, s, &why);
+    return rc == 0 ? 0 : store_refuse(s, &why, err);
+}
+
+int
+store_read_drained(struct store *s, store_worker_fn *fn, void *arg,
+                   struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    if (!s->journal || journal_read_drained(s->journal, fn, arg, &why) == 0)
+        return 0;
+    return store_refuse(s, &why, err);
+}
+
+bool
+store_read_row(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame,
+               uint32_t y, uint8_t *pixels)
+{
+    return folder_read_row(&s->folder, job, frame, y, pixels, NULL) == 0;
+}

@@ -1,0 +1,234 @@
+/* store_rows.c - what a job's units bring: rows, and pictures made of them
+ *
+ * Rows go to the job's folder first and are then noted, so that the journal
+ * never knows of rows that are not there.  A picture likewise: its file, the
+ * note, and only when that lasts do the frame's rows go. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+/* What a piece of rows, and a picture, count for in the backlog beside the
+ * bytes of rows: of small frames it is not bytes that the disk is busy with,
+ * and all that is asked for waits behind what is in the queue. */
+#define ROWS_WEIGHT    (128u << 10)
+#define PICTURE_WEIGHT (1u << 20)
+
+/* --- units and rows --- */
+
+struct unit_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct saved_unit unit;
+    char worker[MSG_MAX_NAME + 1];
+};
+
+static int
+unit_run(struct task *t)
+{
+    struct unit_task *u = (struct unit_task *)t;
+
+    return journal_put_unit(u->store->journal, u->id, &u->unit, &t->err);
+}
+
+void
+store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
+                const struct saved_unit *unit)
+{
+    struct unit_task *u =
+        s->journal ? store_new_task(s, sizeof *u, unit_run, store_free_task)
+                   : NULL;
+
+    if (!u)
+        return;
+    u->store = s;
+    memcpy(u->id, job, MSG_JOB);
+    u->unit = *unit;
+    snprintf(u->worker, sizeof u->worker, "%s", unit->worker);
+    u->unit.worker = u->worker;
+    store_push_lasting(s, &u->task);
+}
+
+struct rows_task {
+    struct task task;
+    struct store *store;
+    struct action_rows key;
+    struct msg_counts counts;
+    void *pixels; /* floats, or coded bytes */
+    uint8_t *bottom;
+    float *line; /* NULL: none is to be kept */
+    size_t bytes;
+};
+
+static int
+note_rows(struct rows_task *r, uint64_t sum)
+{
+    const struct action_rows *k = &r->key;
+    struct saved_unit u = { .unit = k->unit,
+                            .attempt = k->attempt,
+                            .stored = k->row + k->rows,
+                            .now = k->rows,
+                            .sum = sum,
+                            .done = k->last,
+                            .end_ms = k->now_ms,
+                            .counts = r->counts,
+                            .bottom = r->bottom,
+                            .nbottom = k->nbottom };
+
+    return journal_put_rows(r->store->journal, k->job, &u, &r->task.err);
+}
+
+static int
+rows_run(struct task *t)
+{
+    struct rows_task *r = (struct rows_task *)t;
+    bool noted = r->store->journal;
+    uint64_t sum = 0;
+    int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, r->bytes,
+                             r->line, noted ? &sum : NULL, &t->err);
+
+    return rc == 0 && noted ? note_rows(r, sum) : rc;
+}
+
+static void
+free_rows(struct rows_task *r)
+{
+    free(r->pixels);
+    free(r->bottom);
+    free(r->line);
+    free(r);
+}
+
+static void
+rows_done(struct task *t)
+{
+    struct rows_task *r = (struct rows_task *)t;
+    struct store *s = r->store;
+
+    s->backlog -= r->bytes + ROWS_WEIGHT;
+    if (!is_mute(s, t))
+        s->handler->rows(s->arg, &r->key, status_of(t), failure(t));
+    free_rows(r);
+}
+
+/* Only another life needs it. */
+static bool
+copy_line(struct rows_task *r, const uint8_t *line)
+{
+    size_t n = 3 * (size_t)r->key.width;
+
+    if (!line || !r->store->journal)
+        return true;
+    r->line = malloc(n * sizeof *r->line);
+    if (r->line)
+        wire_floats_get(r->line, line, n);
+    return r->line;
+}
+
+/* Own what the action lends; false: memory is out. */
+static bool
+copy_rows(struct rows_task *r, const struct action_rows *rows)
+{
+    size_t n = (size_t)rows->rows * rows->width * rows->channels;
+
+    r->key = *rows;
+    r->key.pixels = NULL;
+    r->key.counts = NULL;
+    r->key.bottom = NULL;
+    r->key.line = NULL;
+    if (rows->counts)
+        r->counts = *rows->counts;
+    r->bytes = rows->channels == 1 ? rows->len : n * sizeof(float);
+    r->pixels = malloc(r->bytes + 1);
+    r->bottom = malloc(rows->nbottom + 1);
+    if (!r->pixels || !r->bottom || !copy_line(r, rows->line))
+        return false;
+    if (rows->channels == 1)
+        memcpy(r->pixels, rows->pixels, r->bytes);
+    else
+        wire_floats_get(r->pixels, rows->pixels, n);
+    if (rows->nbottom > 0)
+        memcpy(r->bottom, rows->bottom, rows->nbottom);
+    return true;
+}
+
+void
+store_put_rows(struct store *s, const struct action_rows *rows)
+{
+    struct rows_task *r = store_new_task(s, sizeof *r, rows_run, rows_done);
+
+    if (!r)
+        return;
+    r->store = s;
+    if (!copy_rows(r, rows)) {
+        free_rows(r);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return;
+    }
+    s->backlog += r->bytes + ROWS_WEIGHT;
+    store_push_lasting(s, &r->task);
+}
+
+/* --- pictures --- */
+
+static int
+picture_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+    struct store *s = p->store;
+    struct saved_frame f = { .written = true };
+    int rc = folder_picture(&s->folder, p->id, p->frame, s->journal ? &f : NULL,
+                            &t->err);
+
+    if (rc == 0 && s->journal)
+        rc = journal_put_frame(s->journal, p->id, p->frame, &f, &t->err);
+    return rc;
+}
+
+static int
+rows_gone_run(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t;
+
+    folder_drop_rows(&p->store->folder, p->id, p->frame);
+    return 0;
+}
+
+static void
+picture_done(struct task *t)
+{
+    struct job_task *p = (struct job_task *)t, *gone;
+    struct store *s = p->store;
+
+    s->backlog -= PICTURE_WEIGHT;
+    if (t->code == 0) {
+        gone = store_new_job_task(s, p->id, rows_gone_run, store_free_task);
+        if (gone) {
+            gone->frame = p->frame;
+            task_push(&s->queue, &gone->task);
+        }
+    }
+    if (!is_mute(s, t))
+        s->handler->picture(s->arg, p->id, p->sequence, p->frame, status_of(t),
+                            failure(t));
+    free(p);
+}
+
+void
+store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
+                    uint64_t sequence, uint32_t frame)
+{
+    struct job_task *p = store_new_job_task(s, job, picture_run, picture_done);
+
+    if (!p)
+        return;
+    p->sequence = sequence;
+    p->frame = frame;
+    s->backlog += PICTURE_WEIGHT;
+    store_push_lasting(s, &p->task);
+}

@@ -1,0 +1,91 @@
+/* store_submit.c - the frames of a job that is submitted
+ *
+ * They are in a file of the job (views.h).  Reading it is a task behind those
+ * that wrote it; the whole message is then handed back.  One at a time for a
+ * connection: what waits is bounded by their number. */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include "proto/frame.h"
+#include "machine/views.h"
+
+#include <stdlib.h>
+#include <sysexits.h>
+
+struct submit_task {
+    struct task task;
+    struct store *store;
+    uint64_t conn;
+    struct wire_out bytes; /* the SUBMIT */
+    struct msg msg;        /* and that unpacked */
+    struct views views;
+    struct submit_task *next; /* [loop] of those that are being read */
+};
+
+static void
+free_submit(struct submit_task *o)
+{
+    wire_out_release(&o->bytes);
+    msg_release(&o->msg);
+    views_release(&o->views);
+    free(o);
+}
+
+static int
+submit_run(struct task *t)
+{
+    struct submit_task *o = (struct submit_task *)t;
+
+    return views_read(&o->views, o->store->blobs.dir, &o->msg.submit, &t->err);
+}
+
+static void
+submit_done(struct task *t)
+{
+    struct submit_task *o = (struct submit_task *)t;
+    struct store *s = o->store;
+    struct submit_task **at = &s->submitting;
+
+    while (*at != o)
+        at = &(*at)->next;
+    *at = o->next;
+    if (!s->ending)
+        s->handler->submit(s->arg, o->conn, &o->msg, status_of(t), failure(t));
+    free_submit(o);
+}
+
+static bool
+is_reading(const struct store *s, uint64_t conn)
+{
+    for (const struct submit_task *o = s->submitting; o; o = o->next)
+        if (o->conn == conn)
+            return true;
+    return false;
+}
+
+bool
+store_read_submit(struct store *s, uint64_t conn, const struct msg *m)
+{
+    struct submit_task *o;
+
+    if (is_reading(s, conn))
+        return false;
+    o = store_new_task(s, sizeof *o, submit_run, submit_done);
+    if (!o)
+        return true; /* the store said so */
+    o->store = s;
+    o->conn = conn;
+    wire_out_init(&o->bytes, MSG_FRAME_MAX);
+    if (msg_pack(&o->bytes, m) != 0 ||
+        msg_unpack(&o->msg, MSG_SUBMIT, m->request, o->bytes.buf + MSG_HEADER,
+                   o->bytes.len - MSG_HEADER, NULL) != 0) {
+        free_submit(o);
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+        return true;
+    }
+    o->next = s->submitting;
+    s->submitting = o;
+    task_push(&s->queue, &o->task);
+    return true;
+}

@@ -1,0 +1,11 @@
+# the child's strict units: what is done next
+libdaemon_a_SOURCES += \
+	daemon/strict/strict.c \
+	daemon/strict/strict.h \
+	daemon/strict/strict_edge.c \
+	daemon/strict/strict_facts.c \
+	daemon/strict/strict_impl.h \
+	daemon/strict/strict_loan.c \
+	daemon/strict/strict_out.c \
+	daemon/strict/strict_pass.c \
+	daemon/strict/strict_unit.c

@@ -1,0 +1,351 @@
+/* strict_facts.c - the facts of the strict units' lines
+ *
+ * Facts belong to a line, not to a unit: they stay while a unit here covers the
+ * line, or while they wait to be sent.  So what one unit traced ahead of
+ * another's last line serves when that line comes here, and a unit that is
+ * split leaves its facts to the next. */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Bytes of facts that no unit here asks for. */
+#define SPARE_FACTS (64u << 20)
+
+/* By another unit than that, or to be sent? */
+static bool
+is_needed_but_for(const struct strict *s, uint32_t frame, int line,
+                  const struct strict_unit *by)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (u != by && covers(u, frame, line))
+            return true;
+    return out_has_facts(s, frame, line);
+}
+
+static bool
+facts_needed(const struct strict *s, uint32_t frame, int line)
+{
+    return is_needed_but_for(s, frame, line, NULL);
+}
+
+struct rad_facts *
+facts_at(const struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+
+    if (!f->facts)
+        return NULL;
+    return atomic_load_explicit(&f->facts[line], memory_order_relaxed);
+}
+
+/* Room for the facts of a frame's lines; teams look there for new ones. */
+bool
+facts_make_table(struct strict *s, uint32_t frame)
+{
+    struct frame *f = &s->frames[frame];
+
+    if (!f->facts)
+        f->facts = calloc((size_t)f->nlines, sizeof *f->facts);
+    if (!f->facts)
+        s->error = RAD_ENOMEM;
+    return f->facts;
+}
+
+/* Facts of a line, new ones if there are none; NULL: memory is out. */
+static struct rad_facts *
+facts_make(struct strict *s, uint32_t frame, int line)
+{
+    struct frame *f = &s->frames[frame];
+    struct rad_facts *facts = facts_at(s, frame, line);
+
+    if (facts)
+        return facts;
+    if (facts_make_table(s, frame))
+        facts = rad_facts_new(f->q.width, team_line_rows(&f->q, line));
+    if (!facts) {
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    /* pairs with the loads of a team that looks for new facts */
+    atomic_store_explicit(&f->facts[line], facts, memory_order_release);
+    return facts;
+}
+
+bool
+facts_make_all(struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+        if (!facts_make(s, u->frame, i))
+            return false;
+    return true;
+}
+
+bool
+facts_have_all(const struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first; i < u->last; i++)
+        if (!facts_at(s, u->frame, i))
+            return false;
+    return true;
+}
+
+static void
+early_unlink(struct strict *s, struct early **at)
+{
+    struct early *e = *at;
+
+    *at = e->next;
+    if (!*at)
+        s->early_end = at;
+    s->early_bytes -= e->bytes;
+    free(e);
+}
+
+static void
+early_forget(struct strict *s, uint32_t frame, int line)
+{
+    struct early **at = &s->early;
+
+    while (*at && ((*at)->frame != frame || (*at)->line != line))
+        at = &(*at)->next;
+    if (*at)
+        early_unlink(s, at);
+}
+
+void
+facts_drop(struct strict *s, uint32_t frame, int line)
+{
+    struct rad_facts *facts = facts_at(s, frame, line);
+
+    if (!facts || facts_needed(s, frame, line))
+        return;
+    early_forget(s, frame, line);
+    atomic_store_explicit(&s->frames[frame].facts[line], NULL,
+                          memory_order_relaxed);
+    rad_facts_free(facts);
+}
+
+/* New facts of a line that no unit here has; the oldest such go if there are
+ * too many. */
+static void
+early_add(struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+    struct early *e = calloc(1, sizeof *e);
+
+    if (!e) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    e->frame = frame;
+    e->line = line;
+    e->bytes = (size_t)f->q.width * (size_t)team_line_rows(&f->q, line) *
+               (sizeof(struct rad_pixel) + 1);
+    *s->early_end = e;
+    s->early_end = &e->next;
+    s->early_bytes += e->bytes;
+    while (s->early != e && s->early_bytes > SPARE_FACTS) {
+        uint32_t old_frame = s->early->frame;
+        int old_line = s->early->line;
+
+        early_unlink(s, &s->early);
+        facts_drop(s, old_frame, old_line);
+    }
+}
+
+/* With many frames, do not keep what those that are done had. */
+void
+facts_drop_table(struct strict *s, uint32_t frame)
+{
+    struct frame *f = &s->frames[frame];
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (u->frame == frame)
+            return; /* its pass may look there */
+    for (int i = 0; f->facts && i < f->nlines; i++)
+        if (facts_at(s, frame, i))
+            return;
+    free((void *)f->facts);
+    f->facts = NULL;
+}
+
+/* Those of a line that go with the unit; NULL: there are none. */
+static const struct rad_facts *
+facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, line);
+
+    return facts && !is_needed_but_for(s, u->frame, line, u) ? facts : NULL;
+}
+
+/* Of these, what nobody was told of. */
+static uint64_t
+untold(const struct strict *s, const struct strict_unit *u, int line)
+{
+    const struct rad_facts *facts = facts_of_alone(s, u, line);
+
+    return facts ? rad_facts_fresh(facts) + rad_facts_late(facts) : 0;
+}
+
+uint64_t
+facts_untold(const struct strict *s, const struct strict_unit *u)
+{
+    uint64_t n = 0;
+
+    for (int i = u->make_top ? u->first - 1 : u->first; i < u->last; i++)
+        n += untold(s, u, i);
+    return n;
+}
+
+uint64_t
+facts_late(const struct strict *s, const struct strict_unit *u)
+{
+    const struct rad_facts *facts = facts_of_alone(s, u, u->first);
+
+    return facts ? rad_facts_late(facts) : 0;
+}
+
+uint64_t
+facts_unused(const struct strict *s, const struct strict_unit *u)
+{
+    uint64_t n = u->make_top ? untold(s, u, u->first - 1) : 0;
+
+    for (int i = u->first; i < u->last; i++) {
+        const struct rad_facts *facts = facts_at(s, u->frame, i);
+
+        n += facts ? rad_facts_unused(facts) : 0;
+        n += facts ? rad_facts_doubled(facts) : 0;
+    }
+    return n;
+}
+
+static bool
+facts_fit(const struct strict *s, const struct msg_facts *m)
+{
+    const struct frame *f;
+
+    if (m->frame >= s->nframes)
+        return false;
+    f = frame_of(s, m->frame);
+    return m->line < (uint32_t)f->nlines && m->width == (uint32_t)f->q.width &&
+           m->channels == channels_of(f);
+}
+
+/* A line that is gone over to see whether facts are all that it wants. */
+struct trial {
+    const struct rad_facts *facts;
+    bool lacks;
+};
+
+static void
+try_fact(void *arg, int x, int y, struct rad_pixel *out)
+{
+    struct trial *t = arg;
+
+    (void)y;
+    if (!rad_facts_get(t->facts, x, rad_facts_rows(t->facts) - 1, out)) {
+        *out = (struct rad_pixel){ .z = 0 };
+        t->lacks = true;
+    }
+}
+
+/* Are all facts there that a guess wants of a base line of which nothing else
+ * is known? */
+static bool
+facts_suffice(struct strict *s, uint32_t frame, int line)
+{
+    const struct frame *f = frame_of(s, frame);
+    struct trial t = { facts_at(s, frame, line), false };
+    struct rad_quincunx q = f->q;
+    struct rad_pixel *pixels;
+    uint8_t *density;
+
+    if (!t.facts)
+        return false;
+    pixels = malloc((size_t)q.width * sizeof *pixels);
+    density = malloc(f->ndensity + 1);
+    q.trace = try_fact;
+    q.arg = &t;
+    if (pixels && density) {
+        rad_quincunx_guess(&q, density);
+        rad_quincunx_base(&q, line, density, pixels);
+    } else {
+        s->error = RAD_ENOMEM;
+    }
+    free(pixels);
+    free(density);
+    return !s->error && !t.lacks;
+}
+
+/* With the colours of the base line above a unit, which another worker has, the
+ * first bar can be traced, too. */
+void
+facts_use_above(struct strict *s, struct strict_unit *u)
+{
+    if (u->first == 0 || u->loan || u->make_top || u->knows_top ||
+        unit_has_top(s, u) || unit_above(s, u) ||
+        !facts_suffice(s, u->frame, u->first - 1))
+        return;
+    u->knows_top = true;
+    u->ahead_done = u->ahead_done && u->ahead_guessed;
+}
+
+static void
+use_above(struct strict *s, const struct msg_facts *m)
+{
+    const struct frame *f = frame_of(s, m->frame);
+    int line = (int)m->line;
+
+    if ((int)(m->row + m->rows) < team_line_rows(&f->q, line))
+        return;
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (!u->gone && u->frame == m->frame && u->first - 1 == line)
+            facts_use_above(s, u);
+}
+
+void
+strict_facts(struct strict *s, const struct msg_facts *m)
+{
+    unsigned origin = RAD_FACT_FOREIGN;
+    struct rad_facts *facts;
+    size_t n = (size_t)m->npixels * m->channels;
+    float *pixels;
+
+    if (!facts_fit(s, m))
+        return;
+    facts = facts_at(s, m->frame, (int)m->line);
+    if (!facts && (facts = facts_make(s, m->frame, (int)m->line)) &&
+        !facts_needed(s, m->frame, (int)m->line))
+        early_add(s, m->frame, (int)m->line);
+    pixels = malloc(n * sizeof *pixels + 1);
+    if (facts && pixels) {
+        if (m->flags & MSG_FACTS_ESTIMATE)
+            origin |= RAD_FACT_ESTIMATE;
+        wire_floats_get(pixels, m->pixels, n);
+        rad_facts_import(facts, (int)m->row, (int)m->rows, m->channels, origin,
+                         m->bitmap, pixels, m->npixels);
+        use_above(s, m);
+    }
+    free(pixels);
+}
+
+static void
+release_frame(struct frame *f)
+{
+    for (int i = 0; f->facts && i < f->nlines; i++)
+        rad_facts_free(
+            atomic_load_explicit(&f->facts[i], memory_order_relaxed));
+    free((void *)f->facts);
+}
+
+void
+facts_release(struct strict *s)
+{
+    while (s->early)
+        early_unlink(s, &s->early);
+    for (uint32_t i = 0; i < s->nframes; i++)
+        release_frame(&s->frames[i]);
+}

@@ -1,0 +1,203 @@
+/* strict_loan.c - columns that are lent, and that others lend
+ *
+ * The lender leaves them out of what it traces, and needs their facts for its
+ * rows.  Whoever gets them has no unit but these columns of one line. */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool
+loan_is_out(const struct strict_unit *u)
+{
+    return (u->lent.base | u->lent.bar) != 0;
+}
+
+void
+loan_free(struct loan *l)
+{
+    if (!l)
+        return;
+    free(l->pixels);
+    free(l->bytes);
+    free(l);
+}
+
+/* --- lending --- */
+
+void
+strict_lend(struct strict *s, const struct msg_lend *m)
+{
+    struct strict_unit *u = unit_find(s, m->unit, m->attempt);
+
+    if (!u)
+        return;
+    u->lend = (m->part + 1) / 65536.;
+    if (u->pass && u->pass->keeps)
+        u->pass->lend = u->lend;
+}
+
+void
+strict_lent(struct strict *s, struct strict_pass *p,
+            const struct team_loan *loan)
+{
+    struct strict_unit *u = p->of;
+    uint64_t blocks =
+        team_blocks_of(&frame_of(s, u->frame)->q, loan->x, loan->n);
+
+    p->lend = u->lend = 0;
+    u->lent.bar |= blocks;
+    u->lent.base |= loan->base ? blocks : 0;
+    u->lent.ever |= blocks;
+    if (!u->gone)
+        out_loan(s, u, loan);
+}
+
+void
+strict_blocked(struct strict *s, struct strict_pass *p, int finished)
+{
+    struct strict_unit *u = p->of;
+
+    (void)s;
+    u->blocked = loan_is_out(u); /* they may have come back just now */
+    u->lent.ever = UINT64_MAX;   /* nothing but that is left */
+    u->parked = false;
+    if (p->mode == TEAM_TRUTH && finished > u->out)
+        u->out = finished;
+}
+
+void
+strict_back(struct strict *s, const struct msg_back *m)
+{
+    struct strict_unit *u = unit_find(s, m->unit, m->attempt);
+    uint64_t blocks;
+    bool blocked;
+
+    if (!u || m->line + 1 != (uint32_t)u->last)
+        return;
+    if (m->x > (uint32_t)frame_of(s, u->frame)->q.width)
+        return;
+    blocks = m->n == 0 ? UINT64_MAX
+                       : team_blocks_of(&frame_of(s, u->frame)->q, (int)m->x,
+                                        (int)m->n);
+    blocks &= u->lent.base | u->lent.bar;
+    u->lent.base &= ~blocks;
+    u->lent.bar &= ~blocks;
+    blocked = u->blocked;
+    u->blocked = false;
+    if (blocked)
+        pass_make_way(s);
+    if (u->parked)
+        out_resumed(s, u); /* it may have said so when BACK was on its way */
+    u->parked = false;     /* it may come to wait for something else */
+    if (u->pass)
+        u->pass->back |= blocks;
+}
+
+/* --- what others lend --- */
+
+static bool
+loan_fits(const struct strict *s, const struct msg_loan *m)
+{
+    const struct frame *f;
+    uint32_t ndensity;
+
+    if (m->frame >= s->nframes)
+        return false;
+    f = frame_of(s, m->frame);
+    ndensity = m->flags & MSG_LOAN_LINE ? (uint32_t)f->ndensity : 0;
+    return m->line >= 1 && m->line < (uint32_t)f->nlines &&
+           m->channels == channels_of(f) && m->ndensity == ndensity &&
+           team_blocks_of(&f->q, (int)m->x, (int)m->n) != 0;
+}
+
+static void
+get_pixels(struct rad_pixel *to, const uint8_t *from, uint32_t n, int channels)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        float v[4] = { 0 };
+
+        wire_floats_get(v, from, (size_t)channels);
+        from += (size_t)channels * sizeof(float);
+        to[i] = (struct rad_pixel){ { v[0], v[1], v[2] }, v[3] };
+    }
+}
+
+/* What the message lends for as long as it lasts; NULL: memory is out. */
+static struct loan *
+copy_loan(const struct msg_loan *m)
+{
+    bool base = m->flags & MSG_LOAN_LINE;
+    size_t bits = (m->n + 7) / 8;
+    struct loan *l = calloc(1, sizeof *l);
+
+    if (!l)
+        return NULL;
+    l->pixels = malloc(2 * (size_t)m->n * sizeof *l->pixels);
+    l->bytes = malloc(bits + m->ndensity);
+    if (!l->pixels || !l->bytes) {
+        loan_free(l);
+        return NULL;
+    }
+    memcpy(l->bytes, m->wanted, bits);
+    if (m->ndensity > 0)
+        memcpy(l->bytes + bits, m->density, m->ndensity);
+    get_pixels(l->pixels, m->top, m->n, m->channels);
+    if (!base)
+        get_pixels(l->pixels + m->n, m->bottom, m->n, m->channels);
+    l->is =
+        (struct team_loan){ .line = (int)m->line,
+                            .x = (int)m->x,
+                            .n = (int)m->n,
+                            .base = base,
+                            .top = l->pixels,
+                            .density = m->ndensity > 0 ? l->bytes + bits : NULL,
+                            .bottom = base ? NULL : l->pixels + m->n,
+                            .wanted = l->bytes };
+    return l;
+}
+
+int
+strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
+{
+    struct strict_unit *u, **at = &s->units;
+
+    if (unit_find(s, m->unit, m->attempt))
+        return 0;
+    if (!loan_fits(s, m)) {
+        out_paid(
+            s, &(struct strict_unit){ .unit = m->unit, .attempt = m->attempt });
+        return rad_fail(err, RAD_EPROTO, "a loan of unit %u fits no line",
+                        m->unit);
+    }
+    u = calloc(1, sizeof *u);
+    if (u)
+        u->loan = copy_loan(m);
+    if (u) {
+        u->first = (int)m->line;
+        u->last = u->first + 1;
+    }
+    if (!u || !u->loan || !unit_count_lines(u)) {
+        unit_free(u);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    u->unit = m->unit;
+    u->attempt = m->attempt;
+    u->frame = m->frame;
+    while (*at)
+        at = &(*at)->next;
+    *at = u;
+    return 0;
+}
+
+void
+loan_end(struct strict *s, struct strict_unit *u)
+{
+    u->spent.speculative_rays += facts_late(s, u);
+    out_facts(s, &s->urgent, u, u->first);
+    out_line_costs(s, u);
+    out_paid(s, u);
+    u->over = true;
+}

@@ -1,0 +1,499 @@
+/* strict_out.c - what the strict units have to say
+ *
+ * It is of two kinds: what others may wait for is sent at once, the facts of
+ * parked units, which only a lost worker makes needed, when there is room;
+ * these are dropped when the top comes first. */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A copy, in no queue; NULL: memory is out. */
+static struct item *
+copy_of(struct strict *s, const struct item *it)
+{
+    struct item *copy = malloc(sizeof *copy);
+
+    if (!copy) {
+        s->error = RAD_ENOMEM;
+        return NULL;
+    }
+    *copy = *it;
+    copy->next = NULL;
+    return copy;
+}
+
+/* NULL: memory is out. */
+static struct item *
+push(struct strict *s, struct queue *q, const struct item *it)
+{
+    struct item *copy = copy_of(s, it);
+
+    if (!copy)
+        return NULL;
+    if (q->last)
+        q->last->next = copy;
+    else
+        q->first = copy;
+    q->last = copy;
+    return copy;
+}
+
+static struct item *
+push_first(struct strict *s, struct queue *q, const struct item *it)
+{
+    struct item *copy = copy_of(s, it);
+
+    if (!copy)
+        return NULL;
+    copy->next = q->first;
+    q->first = copy;
+    if (!q->last)
+        q->last = copy;
+    return copy;
+}
+
+static struct item *
+pop(struct queue *q)
+{
+    struct item *it = q->first;
+
+    if (it) {
+        q->first = it->next;
+        if (!q->first)
+            q->last = NULL;
+    }
+    return it;
+}
+
+static void
+item_free(struct item *it)
+{
+    if (!it)
+        return;
+    free(it->bytes);
+    free(it->cpu_ns);
+    free(it);
+}
+
+void
+out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
+          int line)
+{
+    const struct rad_facts *facts = facts_at(s, u->frame, line);
+    struct item it = { .kind = ITEM_FACTS,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .frame = u->frame,
+                       .line = line };
+
+    if (!facts || rad_facts_fresh(facts) == 0)
+        return;
+    for (const struct item *i = q->first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == u->frame && i->line == line &&
+            i->row == 0)
+            return;
+    push(s, q, &it);
+}
+
+/* Lazy ones are of units that are there. */
+bool
+out_has_facts(const struct strict *s, uint32_t frame, int line)
+{
+    for (const struct item *i = s->urgent.first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == frame && i->line == line)
+            return true;
+    return false;
+}
+
+void
+out_forget(struct strict *s, const struct strict_unit *u)
+{
+    struct item **at = &s->lazy.first, *it, *last = NULL;
+
+    while ((it = *at)) {
+        if (it->unit == u->unit && it->attempt == u->attempt) {
+            *at = it->next;
+            item_free(it);
+        } else {
+            last = it;
+            at = &it->next;
+        }
+    }
+    s->lazy.last = last;
+}
+
+void
+out_parked(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_PARKED,
+                       .unit = u->unit,
+                       .attempt = u->attempt };
+
+    push(s, &s->urgent, &it);
+}
+
+void
+out_resumed(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_RESUMED,
+                       .unit = u->unit,
+                       .attempt = u->attempt };
+
+    push(s, &s->urgent, &it);
+}
+
+void
+out_paid(struct strict *s, const struct strict_unit *u)
+{
+    struct item it = { .kind = ITEM_PAID,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .counts = u->spent };
+
+    push(s, &s->urgent, &it);
+}
+
+/* Without memory nobody learns of it. */
+void
+out_line_costs(struct strict *s, const struct strict_unit *u)
+{
+    int from = u->first > 0 ? 0 : 1;
+    size_t n = (size_t)(u->nlines - from);
+    struct item it = { .kind = ITEM_LINE_COSTS,
+                       .frame = u->frame,
+                       .line = u->first - 1 + from,
+                       .nlines = (uint32_t)n,
+                       .cpu_ns = malloc(n * sizeof *it.cpu_ns) };
+
+    if (!it.cpu_ns)
+        return;
+    memcpy(it.cpu_ns, u->cpu_ns + from, n * sizeof *it.cpu_ns);
+    if (!push(s, &s->urgent, &it))
+        free(it.cpu_ns);
+}
+
+void
+out_gave(struct strict *s, const struct strict_unit *u, int last)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct item it = { .kind = ITEM_GAVE,
+                       .unit = u->unit,
+                       .attempt = u->attempt,
+                       .height =
+                           (uint32_t)(row_of(f, last) - row_of(f, u->first)) };
+
+    push(s, &s->urgent, &it);
+}
+
+static uint8_t *
+put_pixels(uint8_t *to, const struct rad_pixel *from, uint32_t n, int channels)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float v[4] = { from[i].L.r, from[i].L.g, from[i].L.b, from[i].z };
+
+        wire_floats_put(to, v, (size_t)channels);
+        to += (size_t)channels * sizeof(float);
+    }
+    return to;
+}
+
+/* Fill the bytes of a piece; false: memory is out. */
+static bool
+fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
+           const uint8_t *density)
+{
+    int channels = channels_of(frame_of(s, it->frame));
+    uint8_t *to;
+
+    it->bytes = to = malloc(it->ndensity + it->n * sizeof(float) * 4 + 1);
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return false;
+    }
+    memcpy(to, density + it->first, it->ndensity);
+    to += it->ndensity;
+    put_pixels(to, pixels + it->x, it->n, channels);
+    return true;
+}
+
+/* What a LOAN points to; false: memory is out. */
+static bool
+fill_loan(struct strict *s, struct item *it, const struct team_loan *loan)
+{
+    struct msg_loan *m = &it->loan;
+    size_t floats = (size_t)m->n * m->channels * sizeof(float);
+    size_t bits = (m->n + 7) / 8;
+    uint8_t *to = malloc(m->ndensity + bits + 2 * floats + 1);
+
+    it->bytes = to;
+    if (!to) {
+        s->error = RAD_ENOMEM;
+        return false;
+    }
+    m->density = to;
+    if (m->ndensity > 0)
+        memcpy(to, loan->density, m->ndensity);
+    m->wanted = to += m->ndensity;
+    memcpy(to, loan->wanted, bits);
+    m->top = to += bits;
+    to = put_pixels(to, loan->top, m->n, m->channels);
+    m->bottom = to;
+    if (loan->bottom)
+        put_pixels(to, loan->bottom, m->n, m->channels);
+    return true;
+}
+
+void
+out_loan(struct strict *s, const struct strict_unit *u,
+         const struct team_loan *loan)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct item it = { .kind = ITEM_LOAN };
+
+    it.loan =
+        (struct msg_loan){ .job = s->job,
+                           .unit = u->unit,
+                           .attempt = u->attempt,
+                           .frame = u->frame,
+                           .line = (uint32_t)loan->line,
+                           .x = (uint32_t)loan->x,
+                           .n = (uint32_t)loan->n,
+                           .given = (uint16_t)(65535 * loan->given),
+                           .left = (uint16_t)(65535 * loan->left),
+                           .flags = loan->base ? MSG_LOAN_LINE : 0,
+                           .channels = (uint8_t)channels_of(f),
+                           .ndensity =
+                               loan->density ? (uint32_t)f->ndensity : 0 };
+    if (fill_loan(s, &it, loan) && !push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
+/* The last of a queue, if that piece continues it; else NULL. */
+static struct item *
+continued(const struct queue *q, const struct item *it)
+{
+    struct item *last = q->last;
+
+    return last && last->kind == ITEM_PIECE && last->frame == it->frame &&
+                   last->line == it->line && last->x + last->n == it->x &&
+                   last->first + last->ndensity == it->first
+               ? last
+               : NULL;
+}
+
+/* Where all is known already a line's pieces come faster than they go out: then
+ * they are one. */
+void
+out_piece(struct strict *s, const struct strict_pass *p, int columns,
+          size_t densities, const struct rad_pixel *pixels,
+          const uint8_t *density)
+{
+    struct item it = { .kind = ITEM_PIECE,
+                       .frame = p->frame,
+                       .line = p->last - 1,
+                       .x = (uint32_t)p->sent_columns,
+                       .n = (uint32_t)(columns - p->sent_columns),
+                       .first = (uint32_t)p->sent_densities,
+                       .ndensity = (uint32_t)(densities - p->sent_densities) };
+    struct item *last = continued(&s->urgent, &it);
+
+    if (last) {
+        it.x = last->x;
+        it.n += last->n;
+        it.first = last->first;
+        it.ndensity += last->ndensity;
+    }
+    if (!fill_piece(s, &it, pixels, density))
+        return;
+    if (last) {
+        free(last->bytes);
+        it.next = last->next;
+        *last = it;
+        return;
+    }
+    if (!push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
+/* Many bottoms may become true at a time, of which others wait but for the
+ * last. */
+void
+out_bottom(struct strict *s, const struct strict_unit *u,
+           const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct queue *q = &s->urgent;
+    struct item it = { .kind = ITEM_PIECE,
+                       .frame = u->frame,
+                       .line = u->last - 1,
+                       .n = (uint32_t)f->q.width,
+                       .ndensity = (uint32_t)f->ndensity };
+
+    if (!fill_piece(s, &it, pixels, density))
+        return;
+    if (!(unit_below(s, u) ? push(s, q, &it) : push_first(s, q, &it)))
+        free(it.bytes);
+}
+
+static bool
+room_for(struct strict *s, size_t bitmap, size_t floats)
+{
+    if (s->bitmap_room < bitmap) {
+        free(s->bitmap);
+        s->bitmap = malloc(bitmap);
+        s->bitmap_room = s->bitmap ? bitmap : 0;
+    }
+    if (s->floats_room < floats) {
+        free(s->floats);
+        free(s->bytes);
+        s->floats = malloc(floats * sizeof *s->floats);
+        s->bytes = malloc(floats * sizeof *s->floats);
+        s->floats_room = s->floats && s->bytes ? floats : 0;
+    }
+    if (!s->bitmap || !s->floats_room)
+        s->error = RAD_ENOMEM;
+    return !s->error;
+}
+
+/* The next rows' facts of an item into the message; false: there are no more.
+ */
+static bool
+say_facts(struct strict *s, struct item *it)
+{
+    const struct frame *f = frame_of(s, it->frame);
+    struct rad_facts *facts = facts_at(s, it->frame, it->line);
+    size_t width = (size_t)f->q.width, stride = rad_facts_stride(f->q.width);
+    size_t channels = (size_t)channels_of(f);
+    size_t most = (MSG_MAX - 256) / (stride + width * channels * sizeof(float));
+
+    while (facts && it->row < rad_facts_rows(facts)) {
+        int left = rad_facts_rows(facts) - it->row;
+        int n = most < 1 ? 1 : (size_t)left < most ? left : (int)most;
+        int row = it->row;
+        size_t count;
+
+        if (!room_for(s, (size_t)n * stride, (size_t)n * width * channels))
+            return false;
+        it->row += n;
+        count = rad_facts_export(facts, row, n, (int)channels, 0, s->bitmap,
+                                 s->floats);
+        if (count == 0)
+            continue;
+        wire_floats_put(s->bytes, s->floats, count * channels);
+        s->msg.type = MSG_FACTS;
+        s->msg.facts = (struct msg_facts){ .job = s->job,
+                                           .frame = it->frame,
+                                           .line = (uint32_t)it->line,
+                                           .row = (uint32_t)row,
+                                           .rows = (uint32_t)n,
+                                           .width = (uint32_t)width,
+                                           .channels = (uint8_t)channels,
+                                           .bitmap = s->bitmap,
+                                           .pixels = s->bytes,
+                                           .npixels = (uint32_t)count };
+        return true;
+    }
+    return false;
+}
+
+static void
+say_piece(struct strict *s, const struct item *it)
+{
+    s->msg.type = MSG_BASE_LINE;
+    s->msg.base_line = (struct msg_base_line){
+        .job = s->job,
+        .frame = it->frame,
+        .line = (uint32_t)it->line,
+        .x = it->x,
+        .n = it->n,
+        .first = it->first,
+        .ndensity = it->ndensity,
+        .channels = (uint8_t)channels_of(frame_of(s, it->frame)),
+        .density = it->bytes,
+        .pixels = it->bytes + it->ndensity
+    };
+}
+
+/* Put an item into the message; false: there is nothing (more) to say. */
+static bool
+say(struct strict *s, struct item *it)
+{
+    switch (it->kind) {
+    case ITEM_FACTS:
+        return say_facts(s, it);
+    case ITEM_PIECE:
+        say_piece(s, it);
+        break;
+    case ITEM_PARKED:
+        s->msg.type = MSG_PARKED;
+        s->msg.parked = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_RESUMED:
+        s->msg.type = MSG_RESUMED;
+        s->msg.resumed = (struct msg_attempt){ s->job, it->unit, it->attempt };
+        break;
+    case ITEM_PAID:
+        s->msg.type = MSG_PAID;
+        s->msg.paid =
+            (struct msg_paid){ s->job, it->unit, it->attempt, it->counts };
+        break;
+    case ITEM_LINE_COSTS:
+        s->msg.type = MSG_LINE_COSTS;
+        s->msg.line_costs =
+            (struct msg_line_costs){ s->job, it->frame, (uint32_t)it->line,
+                                     it->nlines, it->cpu_ns };
+        break;
+    case ITEM_LOAN:
+        s->msg.type = MSG_LOAN;
+        s->msg.loan = it->loan;
+        break;
+    case ITEM_GAVE:
+        s->msg.type = MSG_GAVE;
+        s->msg.gave =
+            (struct msg_gave){ s->job, it->unit, it->attempt, it->height };
+        break;
+    }
+    return true;
+}
+
+const struct msg *
+strict_message(struct strict *s, bool room)
+{
+    struct queue *q;
+
+    item_free(s->saying);
+    s->saying = NULL;
+    while ((q = s->urgent.first         ? &s->urgent
+                : room && s->lazy.first ? &s->lazy
+                                        : NULL)) {
+        struct item *it = q->first;
+        bool said = say(s, it);
+
+        if (said && it->kind == ITEM_FACTS)
+            return &s->msg; /* there may be more of it */
+        pop(q);
+        if (said) {
+            s->saying = it;
+            return &s->msg;
+        }
+        facts_drop(s, it->frame, it->line);
+        item_free(it);
+    }
+    return NULL;
+}
+
+void
+out_release(struct strict *s)
+{
+    struct item *it;
+
+    while ((it = pop(&s->urgent)) || (it = pop(&s->lazy)))
+        item_free(it);
+    item_free(s->saying);
+    free(s->bitmap);
+    free(s->bytes);
+    free(s->floats);
+}

@@ -1,0 +1,644 @@
+/* strict_pass.c - what is done for a strict unit next
+ *
+ * The most urgent pass is chosen over all units; the one that is under way is
+ * told to end when its guess becomes the truth, or others wait for something
+ * else. */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Pixels of a unit whose facts are kept in case that it gets a twin. */
+#define MOST_KEPT (1 << 22)
+
+/* Is the base line above gone over ahead, too? */
+static bool
+goes_above(const struct strict_unit *u)
+{
+    return u->make_top || u->knows_top;
+}
+
+static bool
+top_is_guessed(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return !goes_above(u) && a && a->guess;
+}
+
+/* Is its bottom still to be made, which others may wait for? */
+static bool
+owes_bottom(const struct strict *s, const struct strict_unit *u)
+{
+    return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
+}
+
+/* Is the bottom, to be had before the bars, of use to others? */
+static bool
+wants_true_lines(const struct strict *s, const struct strict_unit *u)
+{
+    if (!owes_bottom(s, u))
+        return false;
+    /* over facts it takes no time, and those who wait need not wait until the
+     * rows are out; TRUTH makes the bottom of a single line first */
+    return u->ahead_done || u->last - u->first > 1;
+}
+
+/* What to do for a unit next; false: nothing. */
+static bool
+next_rank(const struct strict *s, const struct strict_unit *u,
+          enum strict_rank *rank)
+{
+    if (u->pass || u->gone || u->blocked)
+        return false;
+    if (u->loan)
+        *rank = STRICT_LOAN;
+    else if (unit_has_top(s, u))
+        *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
+    else if (!u->lines_done)
+        *rank = STRICT_LINES;
+    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
+        *rank = STRICT_AHEAD;
+    else
+        return false;
+    return true;
+}
+
+bool
+pass_waits(const struct strict *s, const struct strict_unit *u)
+{
+    enum strict_rank rank;
+
+    return !u->pass && !u->gone && !next_rank(s, u, &rank);
+}
+
+bool
+strict_waits(const struct strict *s)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (!u->blocked && pass_waits(s, u))
+            return true;
+    return false;
+}
+
+/* Of units that are made from true tops those come first that others may wait
+ * for. */
+static bool
+comes_before(const struct strict *s, enum strict_rank rank,
+             const struct strict_unit *u, enum strict_rank than_rank,
+             const struct strict_unit *than)
+{
+    if (rank != than_rank)
+        return rank < than_rank;
+    if (rank == STRICT_TRUTH && owes_bottom(s, u) != owes_bottom(s, than))
+        return owes_bottom(s, u);
+    if (u->frame != than->frame)
+        return u->frame < than->frame;
+    return u->first < than->first;
+}
+
+static struct strict_unit *
+choose(const struct strict *s, enum strict_rank *rank)
+{
+    struct strict_unit *best = NULL;
+    enum strict_rank r;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (next_rank(s, u, &r) &&
+            (!best || comes_before(s, r, u, *rank, best))) {
+            best = u;
+            *rank = r;
+        }
+    return best;
+}
+
+/* May a thread leave the pass for what is due?  For a bottom TRUTH, too, whose
+ * own is out, if it finds all that it traced when it goes on. */
+static bool
+gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
+{
+    if (p->stop)
+        return false;
+    return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
+                            !owes_bottom(s, p->of));
+}
+
+/* What others wait for is due: have a thread leave what is not, the least
+ * urgent of it. */
+void
+pass_make_way(struct strict *s)
+{
+    enum strict_rank rank;
+    const struct strict_unit *due = choose(s, &rank);
+    bool for_bottom = due && rank <= STRICT_TRUTH && owes_bottom(s, due);
+    struct strict_pass *last = NULL;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (u->pass && gives_way(s, u->pass, for_bottom) &&
+            (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
+            last = u->pass;
+    if (last)
+        last->stop = true;
+}
+
+/* Its bottom was guessed from these densities: then it is true, since a base
+ * line needs nothing else of the one above. */
+static bool
+guess_holds(const struct strict *s, const struct strict_unit *u,
+            const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+
+    return u->guess && u->guess_above && !s->painted && !u->bottom_done &&
+           u->last < f->nlines &&
+           memcmp(u->guess_above, density, f->ndensity) == 0;
+}
+
+/* The unit's bottom, which was a guess; NULL: memory is out. */
+static const struct edge *
+make_guess_true(struct strict *s, struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct edge *e = edge_make(s, u->frame, u->last - 1);
+
+    if (!e)
+        return NULL;
+    for (int x = 0; x < f->q.width; x++)
+        edge_pixel(e, x, &u->guess[x]);
+    for (size_t d = 0; d < f->ndensity; d++)
+        edge_density(e, f, d, u->guess_density[d]);
+    u->bottom_done = true;
+    out_bottom(s, u, u->guess, u->guess_density);
+    return e;
+}
+
+/* An edge is there; returns that of a unit below whose bottom is true now,
+ * too. */
+static const struct edge *
+top_came(struct strict *s, const struct edge *e, bool *idle)
+{
+    struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
+    const struct edge *next = NULL;
+
+    for (; u; u = u->same_first) {
+        if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
+            continue;
+        out_forget(s, u);
+        if (!u->pass)
+            *idle = true;
+        else if (!u->pass->true_top)
+            u->pass->stop = true;
+        if (guess_holds(s, u, e->density))
+            next = make_guess_true(s, u);
+    }
+    return next;
+}
+
+void
+pass_top_came(struct strict *s, const struct edge *e)
+{
+    bool idle = false;
+
+    while (e)
+        e = top_came(s, e, &idle);
+    if (idle)
+        pass_make_way(s);
+}
+
+bool
+strict_has_work(const struct strict *s)
+{
+    enum strict_rank rank;
+
+    return !s->error && choose(s, &rank);
+}
+
+/* Copy what there is of a top: pixels may be NULL. */
+static bool
+copy_top(const struct strict *s, struct strict_pass *p,
+         const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    size_t n = (size_t)f->q.width * sizeof *p->top;
+
+    if (pixels) {
+        p->top = malloc(n);
+        if (!p->top)
+            return false;
+        memcpy(p->top, pixels, n);
+    }
+    if (f->ndensity > 0) {
+        p->top_density = malloc(f->ndensity);
+        if (!p->top_density)
+            return false;
+        memcpy(p->top_density, density, f->ndensity);
+    }
+    return true;
+}
+
+/* The top of a pass, as it is known. */
+static bool
+set_top(struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of, *a = unit_above(s, u);
+    const struct edge *e = edge_find(s, u->frame, p->first - 1);
+
+    if (u->loan)
+        return true;
+    p->top_known = p->first > 0 ? 0 : TEAM_SURE;
+    if (p->first < u->first && !u->make_top)
+        return true; /* with densities it might want more */
+    /* of a line that is another's only the base line is made, not the bar */
+    if (e && e->missing == 0) {
+        p->top_known = TEAM_SURE;
+        return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
+                        e->density);
+    }
+    if (p->first == u->first && a && a->guess) {
+        p->top_known = a->guess_known;
+        return copy_top(s, p, a->guess, a->guess_density);
+    }
+    return true;
+}
+
+static void
+pass_free(struct strict_pass *p)
+{
+    if (!p)
+        return;
+    free(p->top);
+    free(p->top_density);
+    free(p->record);
+    free(p);
+}
+
+static enum team_mode
+mode_of(enum strict_rank rank)
+{
+    return rank == STRICT_TRUTH   ? TEAM_TRUTH
+           : rank == STRICT_LOAN  ? TEAM_LOAN
+           : rank == STRICT_AHEAD ? TEAM_AHEAD
+                                  : TEAM_LINES;
+}
+
+/* What is traced under a true top is of use if others come to the unit before
+ * its end; they do not to a whole frame, nor to much as long as there is less.
+ */
+static bool
+may_get_help(const struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    int64_t rows = row_of(f, u->last) - row_of(f, u->first);
+
+    return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
+}
+
+/* The line before which LINES makes bars, too: none, or all.  Nobody waits for
+ * the last line of a frame. */
+static int
+filled_until(const struct strict *s, const struct strict_unit *u)
+{
+    bool bars = u->bars || u->last == frame_of(s, u->frame)->nlines;
+
+    return bars && !u->lines_done && !u->make_top ? u->last : u->first;
+}
+
+/* What the pass records of its lines, or has to hold them against.  Without
+ * memory it goes without. */
+static void
+set_chain(const struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of;
+    size_t n = frame_of(s, u->frame)->ndensity;
+
+    if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
+        return;
+    if (p->rank != STRICT_TRUE_LINES || u->chain_first > p->first ||
+        u->chain_last < p->last - 1) {
+        p->record = malloc((size_t)(p->last - p->first) * n);
+        return;
+    }
+    p->earlier = u->chain + (size_t)(p->first - u->chain_first) * n;
+    p->filled = p->first; /* bars are there, or want lines that are left out */
+}
+
+static struct strict_pass *
+pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
+{
+    struct strict_pass *p = calloc(1, sizeof *p);
+    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT ||
+                 may_get_help(s, u);
+
+    if (!p)
+        return NULL;
+    p->of = u;
+    p->unit = u->unit;
+    p->attempt = u->attempt;
+    p->frame = u->frame;
+    p->rank = rank;
+    p->mode = mode_of(rank);
+    p->true_top = rank <= STRICT_TRUTH;
+    p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
+    p->last = u->last;
+    p->filled = filled_until(s, u);
+    p->least = u->first + 1;
+    p->end = u->end;
+    p->out = u->out;
+    p->sent_columns = u->sent_columns;
+    p->sent_densities = u->sent_densities;
+    p->lent = u->lent;
+    p->loan = u->loan ? &u->loan->is : NULL;
+    if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
+        !set_top(s, p)) {
+        pass_free(p);
+        return NULL;
+    }
+    p->facts = frame_of(s, u->frame)->facts;
+    set_chain(s, p);
+    p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
+    p->keeps = facts_have_all(s, u);
+    p->lend = p->keeps ? u->lend : 0;
+    return p;
+}
+
+struct strict_pass *
+strict_next(struct strict *s, enum strict_rank least)
+{
+    enum strict_rank rank = STRICT_AHEAD;
+    struct strict_unit *u = s->error ? NULL : choose(s, &rank);
+    struct strict_pass *p;
+
+    if (!u || rank > least)
+        return NULL;
+    p = pass_new(s, u, rank);
+    if (!p)
+        s->error = RAD_ENOMEM;
+    u->pass = p;
+    u->waiting = false;
+    if (u->parked)
+        out_resumed(s, u);
+    u->parked = false; /* it may come to wait again */
+    return p;
+}
+
+void
+strict_bottom(struct strict *s, struct strict_pass *p, int columns,
+              size_t densities, const struct rad_pixel *pixels,
+              const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, p->frame);
+    bool all = columns == f->q.width && densities == f->ndensity;
+    struct edge *e;
+
+    if (!p->true_top || p->of->gone || p->of->bottom_done ||
+        p->last == f->nlines || columns < p->sent_columns ||
+        densities < p->sent_densities ||
+        (columns - p->sent_columns < f->q.xstep && !all) ||
+        (p->sent_columns == f->q.width && p->sent_densities == f->ndensity) ||
+        !(e = edge_make(s, p->frame, p->last - 1)))
+        return;
+    out_piece(s, p, columns, densities, pixels, density);
+    for (int x = p->sent_columns; x < columns; x++)
+        edge_pixel(e, x, &pixels[x]);
+    for (size_t d = p->sent_densities; d < densities; d++)
+        edge_density(e, f, d, density[d]);
+    p->sent_columns = p->of->sent_columns = columns;
+    p->sent_densities = p->of->sent_densities = densities;
+    if (!all)
+        return;
+    p->of->bottom_done = true;
+    pass_top_came(s, e);
+}
+
+/* LINES or AHEAD is done: its bottom is a guess for the unit below. */
+static void
+keep_guess(struct strict *s, struct strict_pass *p,
+           const struct rad_pixel *pixels, const uint8_t *density)
+{
+    struct strict_unit *u = p->of;
+    const struct frame *f = frame_of(s, u->frame);
+    size_t n = (size_t)f->q.width * sizeof *u->guess;
+
+    if (!u->guess) {
+        u->guess = malloc(n);
+        u->guess_density = malloc(f->ndensity + 1);
+    }
+    if (!u->guess || !u->guess_density) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(u->guess, pixels, n);
+    if (f->ndensity > 0)
+        memcpy(u->guess_density, density, f->ndensity);
+    free(u->guess_above);
+    u->guess_above = NULL;
+    if (f->ndensity == 0) {
+        u->guess_above = calloc(1, 1); /* none are needed */
+    } else if (p->first == u->first) {
+        u->guess_above = p->top_density;
+        p->top_density = NULL;
+    }
+}
+
+static void
+end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density)
+{
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    if (p->mode == TEAM_AHEAD) {
+        u->ahead_done = true;
+        u->ahead_guessed = p->top || p->first < u->first;
+    }
+    u->lines_done = true;
+    u->guess_known = p->top_known + p->last - p->first;
+    if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
+        !unit_below(s, u))
+        out_facts(s, &s->urgent, u, u->last - 1);
+    if (pixels)
+        keep_guess(s, p, pixels, density);
+}
+
+/* TRUTH is made: what the unit cost. */
+static void
+end_truth(struct strict *s, struct strict_pass *p,
+          const struct rad_pixel *pixels, const uint8_t *density,
+          struct msg_counts *total)
+{
+    const struct strict_unit *u = p->of;
+    const struct frame *f = frame_of(s, u->frame);
+
+    strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
+    p->of->over = true;
+    out_line_costs(s, u);
+    *total = u->spent;
+    total->speculative_rays = facts_unused(s, u);
+    /* a unit below that made its top may have them still */
+    for (int i = u->first; i < u->last; i++)
+        if (facts_at(s, u->frame, i))
+            rad_facts_settle(facts_at(s, u->frame, i));
+}
+
+/* Forget the unit and, if it is done, the top that it needed.  One that was
+ * revoked may come again, and its top may have come already: before it. */
+static void
+end_unit(struct strict *s, struct strict_unit *u, bool over)
+{
+    uint32_t frame = u->frame;
+    int top = u->first - 1;
+
+    unit_drop(s, u);
+    if (over)
+        edge_drop(s, frame, top);
+}
+
+/* Lend what is asked for, if that can be. */
+static void
+look_lend(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    size_t width = (size_t)frame_of(s, p->frame)->q.width;
+    struct team_loan loan = { .wanted = malloc((width + 7) / 8) };
+
+    if (loan.wanted && team_lend(t, p->lend, &loan))
+        strict_lent(s, p, &loan);
+    free(loan.wanted);
+}
+
+void
+strict_describe(const struct strict_pass *p, struct team_spec *spec)
+{
+    spec->mode = p->mode;
+    spec->end = p->end;
+    spec->first = p->first;
+    spec->last = p->last;
+    spec->true_top = p->true_top;
+    spec->top_known = p->top_known;
+    spec->filled = p->filled;
+    spec->record = p->record;
+    spec->earlier = p->earlier;
+    spec->cpu_ns = p->cpu_ns;
+    spec->top = p->top;
+    spec->top_density = p->top_density;
+    spec->facts = p->facts;
+    spec->out = p->out;
+    spec->lent = p->lent;
+    spec->loan = p->loan;
+}
+
+int
+strict_least(const struct strict_pass *p)
+{
+    return p->least > p->out ? p->least : p->out + 1;
+}
+
+void
+strict_look(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    struct team_bottom b;
+
+    if (p->stop)
+        team_stop(t);
+    if (p->split)
+        strict_shrunk(s, p, team_shrink(t, strict_least(p)));
+    if (p->back)
+        team_back(t, p->back);
+    p->back = 0;
+    if (p->lend > 0)
+        look_lend(s, p, t);
+    if (!p->true_top)
+        return;
+    team_bottom(t, &b);
+    if (b.pixels)
+        strict_bottom(s, p, b.columns, b.ndensity, b.pixels, b.density);
+}
+
+void
+strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
+{
+    struct strict_unit *u = p->of;
+    int last;
+
+    if (!u->yield || u->gone || team_done(t) || (last = team_cut(t)) < 0)
+        return;
+    u->lent = (struct team_blocks){ 0 };
+    u->blocked = false;
+    p->last = last;
+    unit_give_lines(s, u, last);
+    p->sent_columns = p->sent_densities = 0;
+}
+
+/* A pass of TRUTH ends early: what it handed on is out, and whoever goes on
+ * counts all primary rays. */
+static void
+keep_out(struct strict_unit *u, const struct strict_pass *p)
+{
+    if (p->mode != TEAM_TRUTH)
+        return;
+    u->spent.primary_rays = 0;
+    if (p->stop && p->finished > u->out)
+        u->out = p->finished;
+}
+
+/* How many lines a pass of LINES has left with their bars. */
+static void
+keep_filled(struct strict_unit *u, const struct strict_pass *p)
+{
+    int end = p->finished < p->filled ? p->finished : p->filled;
+
+    if (p->mode == TEAM_LINES && end > u->filled)
+        u->filled = end;
+}
+
+/* The densities that a pass has left, if there are none of more lines. */
+static void
+keep_chain(struct strict_unit *u, struct strict_pass *p)
+{
+    if (!p->record || p->finished <= p->first || p->finished < u->chain_last)
+        return;
+    free(u->chain);
+    u->chain = p->record;
+    u->chain_first = p->first;
+    u->chain_last = p->finished;
+    p->record = NULL;
+}
+
+bool
+strict_ended(struct strict *s, struct strict_pass *p, bool done,
+             const struct rad_pixel *pixels, const uint8_t *density,
+             const struct msg_counts *spent, struct msg_counts *total)
+{
+    struct strict_unit *u = p->of;
+    bool over = done && !u->gone && p->mode == TEAM_TRUTH;
+    bool paid = done && p->mode == TEAM_LOAN;
+
+    msg_counts_add(&u->spent, spent);
+    if (!done)
+        keep_out(u, p);
+    keep_filled(u, p);
+    unit_made(u, &p->made);
+    keep_chain(u, p);
+    if (over)
+        end_truth(s, p, pixels, density, total);
+    else if (paid && !u->gone)
+        loan_end(s, u);
+    else if (done && !p->stop)
+        end_ahead(s, u, p, pixels, density);
+    u->pass = NULL;
+    pass_free(p);
+    if (!u->gone)
+        unit_say_top(s, u);
+    if (paid)
+        unit_drop(s, u);
+    else if (over || u->gone)
+        end_unit(s, u, over);
+    else if (u->yield)
+        unit_hand_back(s, u);
+    else if (u->split)
+        unit_split_idle(s, u);
+    for (u = s->units; u; u = u->next)
+        unit_park(s, u);
+    return over;
+}

@@ -1,0 +1,546 @@
+/* strict_unit.c - the strict units of a child, and what is told of them */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A unit has waited so long for its top before its facts go out: short waits
+ * cost no traffic. */
+#define PARK_MS 200
+
+/* While a pass is under way others may wait for its facts, or for a piece of
+ * its bottom, or for columns that it can lend: so often it is looked at. */
+#define LOOK_MS 10
+
+/* The line whose first row it is, or nlines for the height; -1: none. */
+static int
+line_from_row(const struct frame *f, uint32_t row)
+{
+    int i = row == 0 ? 0 : (int)((row - 1) / (uint32_t)f->q.ystep) + 1;
+
+    if (row == (uint32_t)f->q.height)
+        return f->nlines;
+    return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
+}
+
+struct strict_unit *
+unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = s->units;
+
+    while (u && (u->unit != unit || u->attempt != attempt || u->gone))
+        u = u->next;
+    return u;
+}
+
+/* Units whose first line, or the one after the last, may be that line. */
+static struct strict_unit **
+first_slot(struct strict *s, uint32_t frame, int line)
+{
+    return &s->by_first[slot_of(frame, line)];
+}
+
+static struct strict_unit **
+last_slot(struct strict *s, uint32_t frame, int line)
+{
+    return &s->by_last[slot_of(frame, line)];
+}
+
+static void
+link_first(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = first_slot(s, u->frame, u->first);
+
+    while (*at)
+        at = &(*at)->same_first;
+    *at = u;
+}
+
+static void
+link_last(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = last_slot(s, u->frame, u->last);
+
+    while (*at)
+        at = &(*at)->same_last;
+    *at = u;
+}
+
+static void
+unlink_first(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = first_slot(s, u->frame, u->first);
+
+    while (*at != u)
+        at = &(*at)->same_first;
+    *at = u->same_first;
+    u->same_first = NULL;
+}
+
+static void
+unlink_last(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = last_slot(s, u->frame, u->last);
+
+    while (*at != u)
+        at = &(*at)->same_last;
+    *at = u->same_last;
+    u->same_last = NULL;
+}
+
+static void
+free_guess(struct strict_unit *u)
+{
+    free(u->guess);
+    free(u->guess_density);
+    free(u->guess_above);
+    u->guess = NULL;
+    u->guess_density = u->guess_above = NULL;
+}
+
+void
+unit_free(struct strict_unit *u)
+{
+    if (!u)
+        return;
+    free_guess(u);
+    free(u->chain);
+    free(u->cpu_ns);
+    loan_free(u->loan);
+    free(u);
+}
+
+bool
+unit_count_lines(struct strict_unit *u)
+{
+    u->nlines = u->last - u->first + 1;
+    u->cpu_ns = calloc((size_t)u->nlines, sizeof *u->cpu_ns);
+    return u->cpu_ns;
+}
+
+/* Forget a unit that has no pass, its facts and its top. */
+void
+unit_drop(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = &s->units;
+
+    while (*at != u)
+        at = &(*at)->next;
+    *at = u->next;
+    if (!u->over) {
+        msg_counts_add(&s->dropped, &u->spent);
+        s->dropped.speculative_rays += facts_untold(s, u);
+    }
+    if (!u->loan) {
+        unlink_first(s, u);
+        unlink_last(s, u);
+    }
+    out_forget(s, u);
+    for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
+        facts_drop(s, u->frame, i);
+    facts_drop_table(s, u->frame);
+    unit_free(u);
+}
+
+bool
+unit_has_top(const struct strict *s, const struct strict_unit *u)
+{
+    const struct edge *e;
+
+    if (u->first == 0)
+        return true;
+    e = edge_find(s, u->frame, u->first - 1);
+    return e && e->missing == 0;
+}
+
+/* The unit here whose bottom is this one's top; NULL: none. */
+struct strict_unit *
+unit_above(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
+
+    while (a && (a->gone || a->frame != u->frame || a->last != u->first))
+        a = a->same_last;
+    return a;
+}
+
+struct strict_unit *
+unit_below(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
+
+    while (b && (b->gone || b->frame != u->frame || b->first != u->last))
+        b = b->same_first;
+    return b;
+}
+
+uint64_t
+strict_rays(const struct strict *s)
+{
+    uint64_t n = 0;
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        n += u->gone ? 0 : u->spent.rays;
+    return n;
+}
+
+static uint64_t
+most(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+/* Each pass goes over the same lines again. */
+void
+unit_made(struct strict_unit *u, const struct team_made *made)
+{
+    u->made.base = most(u->made.base, made->base);
+    u->made.bars = most(u->made.bars, made->bars);
+}
+
+static uint64_t
+pixels_of(const struct strict *s, const struct strict_unit *u)
+{
+    const struct frame *f = frame_of(s, u->frame);
+    struct team_made made = { 0 };
+    struct strict_unit now = { .made = u->made };
+    int begin = row_of(f, u->first);
+    uint64_t all, out;
+
+    if (u->gone || u->over || u->loan)
+        return 0;
+    if (u->pass)
+        made = u->pass->made;
+    unit_made(&now, &made);
+    all = (uint64_t)(row_of(f, u->last) - begin) * (uint64_t)f->q.width;
+    out = made.out;
+    if (u->out > u->first)
+        out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
+    /* it may have given lines away, or made the one above */
+    if (now.made.base + now.made.bars < all)
+        all = now.made.base + now.made.bars;
+    return all > out ? all - out : 0;
+}
+
+uint64_t
+strict_pixels(const struct strict *s)
+{
+    uint64_t n = 0;
+
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        n += pixels_of(s, u);
+    return n;
+}
+
+void
+strict_dropped(const struct strict *s, struct msg_counts *out)
+{
+    *out = s->dropped;
+    out->primary_rays = 0;
+    out->nan = (struct msg_nan){ 0 };
+    memset(out->faults, 0, sizeof out->faults);
+}
+
+static int
+read_lines(const struct strict *s, const struct msg_unit *m,
+           struct strict_unit *u, struct rad_error *err)
+{
+    const struct frame *f;
+    uint32_t end = m->y + m->height;
+
+    if (m->frame >= s->nframes)
+        return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", m->unit,
+                        m->frame, s->nframes);
+    f = frame_of(s, m->frame);
+    if (m->height < 1 || m->y >= (uint32_t)f->q.height || end < m->y ||
+        end > (uint32_t)f->q.height || m->x != 0 ||
+        m->width != (uint32_t)f->q.width)
+        return rad_fail(err, RAD_EPROTO, "unit %u is not within the frame",
+                        m->unit);
+    u->first = line_from_row(f, m->y);
+    u->last = line_from_row(f, end);
+    if (u->first < 0 || u->last <= u->first)
+        return rad_fail(err, RAD_EPROTO, "unit %u is no run of lines", m->unit);
+    return 0;
+}
+
+int
+strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
+{
+    struct strict_unit *u, **at = &s->units;
+    int rc;
+
+    if (unit_find(s, m->unit, m->attempt))
+        return 0;
+    u = calloc(1, sizeof *u);
+    if (!u)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = read_lines(s, m, u, err);
+    if (rc == 0 && !unit_count_lines(u))
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (rc < 0) {
+        free(u);
+        return rc;
+    }
+    u->unit = m->unit;
+    u->attempt = m->attempt;
+    u->frame = m->frame;
+    u->end = (enum team_end)m->end;
+    u->make_top = m->flags & MSG_UNIT_TOP && u->first > 0;
+    u->twin = m->flags & MSG_UNIT_TWIN;
+    u->bars = m->flags & MSG_UNIT_BARS;
+    while (*at)
+        at = &(*at)->next;
+    *at = u;
+    link_first(s, u);
+    link_last(s, u);
+    facts_use_above(s, u);
+    if (u->first > 0 && unit_has_top(s, u)) /* it came before the unit */
+        pass_make_way(s);
+    return 0;
+}
+
+void
+strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = unit_find(s, unit, attempt);
+
+    if (!u)
+        return;
+    if (u->pass) {
+        u->gone = true;
+        u->pass->stop = true;
+    } else {
+        unit_drop(s, u);
+    }
+}
+
+void
+unit_give_lines(struct strict *s, struct strict_unit *u, int last)
+{
+    int end = u->last;
+
+    if (last < end) {
+        /* and the base line above, which whoever gets them would make */
+        for (int i = last - 1; i < end; i++)
+            out_facts(s, &s->urgent, u, i);
+        unlink_last(s, u);
+        u->last = last;
+        link_last(s, u);
+        u->bottom_done = false;
+        u->lent.ever = 0;
+        u->sent_columns = 0;
+        u->sent_densities = 0;
+        /* it was that of another line */
+        free_guess(u);
+        for (int i = last; i < end; i++)
+            facts_drop(s, u->frame, i);
+    }
+    out_gave(s, u, last < end ? last : end);
+}
+
+/* Give half of the bars that are left of a unit that no team is at. */
+void
+unit_split_idle(struct strict *s, struct strict_unit *u)
+{
+    int from = u->filled > u->first ? u->filled : u->first;
+
+    if (u->lines_done && u->ahead_done)
+        from = u->last;
+    if (from < u->out) /* of rows that are out one must be its last */
+        from = u->out;
+    u->split = false;
+    unit_give_lines(s, u, u->last - (u->last - from) / 2);
+}
+
+/* What is not told of it by now is: whoever gets it traces none of that again.
+ * What was lent of it is not its affair any more. */
+void
+unit_hand_back(struct strict *s, struct strict_unit *u)
+{
+    if (u->loan) {
+        loan_end(s, u);
+    } else {
+        for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+            out_facts(s, &s->urgent, u, i);
+        out_line_costs(s, u);
+        out_gave(s, u, u->first);
+    }
+    unit_drop(s, u);
+}
+
+/* Rows that went with a pass before cannot be its last: then all of it goes
+ * back, for whoever gets it has facts of these, too. */
+void
+strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = unit_find(s, unit, attempt);
+
+    if (!u)
+        return;
+    u->split = false;
+    if (u->pass) {
+        u->yield = true;
+        u->pass->stop = true;
+    } else {
+        unit_hand_back(s, u);
+    }
+}
+
+/* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
+ * is made again, through its facts. */
+void
+strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = unit_find(s, unit, attempt);
+
+    if (!u || u->loan || u->yield)
+        return;
+    if (loan_is_out(u)) { /* of its last line, which is begun */
+        unit_give_lines(s, u, u->last);
+    } else if (!u->pass) {
+        unit_split_idle(s, u);
+    } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
+        u->split = true;
+        u->pass->stop = true;
+    } else {
+        u->split = true;
+        u->pass->split = true;
+    }
+}
+
+void
+strict_shrunk(struct strict *s, struct strict_pass *p, int last)
+{
+    struct strict_unit *u = p->of;
+
+    p->split = false;
+    if (!u->split)
+        return;
+    u->split = false;
+    p->last = last;
+    unit_give_lines(s, u, last);
+    p->sent_columns = u->sent_columns; /* it may have another bottom now */
+    p->sent_densities = u->sent_densities;
+}
+
+/* What it made of the base line above, once that is all that a guess wants:
+ * until then nobody else begins there. */
+void
+unit_say_top(struct strict *s, const struct strict_unit *u)
+{
+    if (u->make_top && u->lines_done)
+        out_facts(s, &s->urgent, u, u->first - 1);
+}
+
+/* What others at the unit need of its facts. */
+static void
+push_twin_facts(struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first; i < u->last; i++)
+        out_facts(s, &s->urgent, u, i);
+}
+
+void
+strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = unit_find(s, unit, attempt);
+
+    if (!u || u->twin)
+        return;
+    u->twin = true;
+    if (facts_make_all(s, u))
+        push_twin_facts(s, u);
+}
+
+/* The unit above is here and gets on with its work: it comes soon enough. */
+static bool
+is_near(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return a && !pass_waits(s, a);
+}
+
+/* Say so at once: its thread has room for another. */
+void
+unit_park(struct strict *s, struct strict_unit *u)
+{
+    if (u->gone || u->parked || !pass_waits(s, u) ||
+        (!u->blocked && is_near(s, u)))
+        return;
+    u->parked = true;
+    u->lend = 0; /* nothing is left to lend */
+    out_parked(s, u);
+}
+
+/* Its facts go out too, where the wait gets long. */
+static void
+park_facts(struct strict *s, struct strict_unit *u)
+{
+    u->kept = true;
+    for (int i = u->first; i < u->last; i++)
+        out_facts(s, &s->lazy, u, i);
+}
+
+/* Do the unit's facts go out when it has waited for long? */
+static bool
+will_keep(const struct strict *s, const struct strict_unit *u)
+{
+    return u->waiting && u->parked && !u->kept && !is_near(s, u);
+}
+
+/* Does somebody wait for what its pass has by now? */
+static bool
+is_awaited(const struct strict *s, const struct strict_unit *u)
+{
+    bool bottom = u->pass->true_top && !u->bottom_done &&
+                  u->last < frame_of(s, u->frame)->nlines;
+
+    return !u->gone && (bottom || u->twin || u->pass->lend > 0);
+}
+
+/* When to look at a unit again; the time that it waits is known. */
+static uint64_t
+due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
+{
+    uint64_t due = STRICT_NEVER;
+
+    if (u->pass)
+        return is_awaited(s, u) ? now_ms + LOOK_MS : due;
+    if (will_keep(s, u))
+        due = u->since_ms + PARK_MS;
+    return due;
+}
+
+static void
+tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
+{
+    bool waiting = pass_waits(s, u);
+
+    if (u->twin && !u->gone)
+        push_twin_facts(s, u);
+    if (waiting && !u->waiting)
+        u->since_ms = now_ms;
+    u->waiting = waiting;
+    unit_park(s, u);
+    if (will_keep(s, u) && now_ms - u->since_ms >= PARK_MS)
+        park_facts(s, u);
+}
+
+uint64_t
+strict_tick(struct strict *s, uint64_t now_ms)
+{
+    uint64_t due = STRICT_NEVER;
+
+    for (struct strict_unit *u = s->units; u; u = u->next) {
+        uint64_t at;
+
+        tick_unit(s, u, now_ms);
+        at = due_ms(s, u, now_ms);
+        due = at < due ? at : due;
+    }
+    return due;
+}

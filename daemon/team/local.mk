@@ -1,0 +1,8 @@
+# threads that go over one unit together
+libdaemon_a_SOURCES += \
+	daemon/team/team.c \
+	daemon/team/team.h \
+	daemon/team/team_impl.h \
+	daemon/team/team_lend.c \
+	daemon/team/team_member.c \
+	daemon/team/team_sweep.c

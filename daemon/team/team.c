@@ -1,0 +1,372 @@
+/* team.c - a team's set-up and end, its lines' order, what is asked of it */
+#include "config.h"
+
+#include "team/team_impl.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+int
+team_line_row(const struct rad_quincunx *q, int i)
+{
+    return i > 0 ? rad_quincunx_base_row(q, i - 1) + 1 : 0;
+}
+
+int
+team_line_rows(const struct rad_quincunx *q, int i)
+{
+    return rad_quincunx_base_row(q, i) + 1 - team_line_row(q, i);
+}
+
+/* Hand on the rows of line i: its bar's and its own. */
+static void
+hand_on(struct team *t, int i)
+{
+    int row = team_line_row(&t->spec.sampler, i);
+    int end = row + team_line_rows(&t->spec.sampler, i);
+
+    if (t->spec.mode != TEAM_TRUTH || i < t->spec.out)
+        return;
+    for (; row < end; row++) {
+        t->spec.rows(t->spec.arg, row, row_at(t, row));
+        team_add(t, &t->out, 1);
+    }
+}
+
+/* Where a pass has the densities after line i. */
+static size_t
+recorded(const struct team *t, int i)
+{
+    return (size_t)(i - t->spec.first) * t->ndensity;
+}
+
+static bool
+is_as_earlier(const struct team *t, int i)
+{
+    return t->spec.earlier && memcmp(t->spec.earlier + recorded(t, i),
+                                     line_at(t, i)->density, t->ndensity) == 0;
+}
+
+/* Line i came out as in the earlier pass: leave out all others but the last. */
+static void
+skip_to_last_locked(struct team *t, int i)
+{
+    int last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    struct line *above = line_at(t, last - 2);
+
+    if (last - 2 <= i)
+        return;
+    memcpy(above->density, t->spec.earlier + recorded(t, last - 2),
+           t->ndensity);
+    atomic_store(&above->ready, t->ndensity + 1);
+    t->begun = t->finished = last - 1;
+}
+
+/* Line i is done.  If it was the one that all others waited to come after,
+ * hand on what is complete, unless another member is at it. */
+void
+line_finish(struct team *t, int i, uint64_t primary)
+{
+    bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
+
+    if (t->spec.record)
+        memcpy(t->spec.record + recorded(t, i), line_at(t, i)->density,
+               t->ndensity);
+    uv_mutex_lock(&t->mu);
+    line_at(t, i)->primary = primary;
+    line_at(t, i)->done = true;
+    if (!t->handing_on) {
+        t->handing_on = true;
+        while (t->finished < t->begun && line_at(t, t->finished)->done) {
+            uv_mutex_unlock(&t->mu);
+            hand_on(t, t->finished);
+            uv_mutex_lock(&t->mu);
+            t->primary += line_at(t, t->finished)->primary;
+            t->finished++;
+            uv_cond_broadcast(&t->moved);
+        }
+        t->handing_on = false;
+    }
+    if (alike)
+        skip_to_last_locked(t, i);
+    uv_mutex_unlock(&t->mu);
+}
+
+static bool
+is_open_locked(const struct team *t)
+{
+    return t->begun < atomic_load_explicit(&t->last, memory_order_relaxed) &&
+           !is_stopped(t);
+}
+
+/* What of the line is not the member's to trace. */
+static void
+begin_blocks_locked(struct team *t, int i)
+{
+    const struct team_spec *spec = &t->spec;
+    struct team_blocks away = { 0 };
+
+    if (i == spec->last - 1)
+        away = t->lent;
+    if (spec->loan) {
+        away.bar |=
+            ~team_blocks_of(&spec->sampler, spec->loan->x, spec->loan->n);
+        away.base |= spec->loan->base ? away.bar : UINT64_MAX;
+    }
+    atomic_store(&line_at(t, i)->taken[PART_BASE], away.base);
+    atomic_store(&line_at(t, i)->taken[PART_BAR], away.bar);
+}
+
+/* The next line to begin, once its buffers are free; -1: there is none. */
+int
+line_begin(struct team *t)
+{
+    int i = -1;
+
+    uv_mutex_lock(&t->mu);
+    while (is_open_locked(t) && t->begun > t->finished + t->nlines - 2)
+        uv_cond_wait(&t->moved, &t->mu);
+    if (is_open_locked(t)) {
+        i = t->begun++;
+        line_at(t, i)->done = false;
+        atomic_store(&line_at(t, i)->ready, 0);
+        atomic_store_explicit(&line_at(t, i)->shown, 0, memory_order_relaxed);
+        begin_blocks_locked(t, i);
+    }
+    uv_mutex_unlock(&t->mu);
+    return i;
+}
+
+bool
+team_open(struct team *t)
+{
+    bool open;
+
+    uv_mutex_lock(&t->mu);
+    open = is_open_locked(t) && !t->spec.earlier;
+    uv_mutex_unlock(&t->mu);
+    return open;
+}
+
+void
+team_stop(struct team *t)
+{
+    atomic_store(&t->stopped, true);
+    uv_mutex_lock(&t->mu);
+    uv_cond_broadcast(&t->moved);
+    for (int i = 0; i < t->nlines; i++)
+        uv_cond_signal(&t->lines[i].moved);
+    uv_mutex_unlock(&t->mu);
+}
+
+int
+team_shrink(struct team *t, int least)
+{
+    int last, keep;
+
+    uv_mutex_lock(&t->mu);
+    last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    keep = last - (last - t->begun + 1) / 2; /* it is at another, too */
+    if (keep == t->begun && t->spec.mode != TEAM_TRUTH)
+        keep++; /* that one was not painted as the bottom */
+    if (keep < least)
+        keep = least;
+    if (keep < last) {
+        last = keep;
+        atomic_store_explicit(&t->last, last, memory_order_relaxed);
+        uv_cond_broadcast(&t->moved);
+    }
+    uv_mutex_unlock(&t->mu);
+    return last;
+}
+
+int
+team_cut(struct team *t)
+{
+    if (t->spec.mode != TEAM_TRUTH || t->finished <= t->spec.first ||
+        t->finished <= t->spec.out)
+        return -1;
+    t->begun = t->finished;
+    atomic_store_explicit(&t->last, t->finished, memory_order_relaxed);
+    return t->finished;
+}
+
+void
+team_bottom(struct team *t, struct team_bottom *b)
+{
+    int last;
+
+    memset(b, 0, sizeof *b);
+    uv_mutex_lock(&t->mu);
+    last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    if (t->begun == last) {
+        struct line *l = line_at(t, last - 1);
+
+        b->pixels =
+            row_at(t, rad_quincunx_base_row(&t->spec.sampler, last - 1));
+        b->density = l->density;
+        b->columns = atomic_load_explicit(&l->shown, memory_order_acquire);
+        b->ndensity = atomic_load(&l->ready);
+        if (b->ndensity > t->ndensity)
+            b->ndensity = t->ndensity;
+    }
+    uv_mutex_unlock(&t->mu);
+}
+
+uint64_t
+team_rays(const struct team *t)
+{
+    return atomic_load_explicit(&t->rays, memory_order_relaxed);
+}
+
+double
+team_waited(struct team *t)
+{
+    double s;
+
+    uv_mutex_lock(&t->mu);
+    s = t->waited_s;
+    uv_mutex_unlock(&t->mu);
+    return s;
+}
+
+struct team_made
+team_made(const struct team *t)
+{
+    return (struct team_made){
+        atomic_load_explicit(&t->base, memory_order_relaxed),
+        atomic_load_explicit(&t->bars, memory_order_relaxed),
+        atomic_load_explicit(&t->out, memory_order_relaxed),
+    };
+}
+
+bool
+team_done(const struct team *t)
+{
+    return t->finished == atomic_load(&t->last);
+}
+
+uint64_t
+team_primary(const struct team *t)
+{
+    return t->primary;
+}
+
+/* They are written before they are read, and to clear them takes as long as a
+ * pass over facts; but what borrows columns looks beyond them, too. */
+static struct rad_pixel *
+make_pixels(const struct team *t, size_t n)
+{
+    return t->spec.loan ? calloc(n, sizeof *t->pixels)
+                        : malloc(n * sizeof *t->pixels);
+}
+
+/* Every buffer; the lines' densities and pixels lie one after the other. */
+static bool
+make_buffers(struct team *t)
+{
+    size_t width = (size_t)t->spec.sampler.width, n = (size_t)t->nlines;
+    size_t early = t->spec.nthreads > 1 && t->ndensity > 0 ? n : 0;
+
+    t->lines = calloc(n, sizeof *t->lines);
+    t->density = calloc(n + 1, t->ndensity + 1);
+    t->pixels = make_pixels(t, (early + n + (size_t)t->nslots) * width);
+    if (early > 0)
+        t->known = calloc(early * width, sizeof *t->known);
+    if (!t->lines || !t->density || !t->pixels || (early > 0 && !t->known))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        uv_cond_init(&t->lines[i].moved);
+        t->lines[i].density = t->density + (i + 1) * (t->ndensity + 1);
+        t->lines[i].sampled = t->pixels + i * width;
+        if (early > 0) {
+            t->lines[i].early = t->pixels + (n + i) * width;
+            t->lines[i].known = t->known + i * width;
+        }
+    }
+    t->slots = t->pixels + (n + early) * width;
+    return true;
+}
+
+static void
+put_loan(struct team *t, const struct team_loan *loan)
+{
+    int above = rad_quincunx_base_row(&t->spec.sampler, loan->line - 1);
+
+    if (loan->density)
+        memcpy(t->density, loan->density, t->ndensity);
+    memcpy(row_at(t, above) + loan->x, loan->top,
+           (size_t)loan->n * sizeof *loan->top);
+}
+
+static void
+put_top(struct team *t)
+{
+    const struct team_spec *spec = &t->spec;
+    int above = spec->first - 1;
+
+    if (spec->loan) {
+        put_loan(t, spec->loan);
+        return;
+    }
+    if (spec->first == 0) {
+        rad_quincunx_start(&spec->sampler, t->density);
+        return;
+    }
+    if (spec->top_density)
+        memcpy(t->density, spec->top_density, t->ndensity);
+    else if (t->ndensity > 0)
+        rad_quincunx_guess(&spec->sampler, t->density);
+    if (spec->top)
+        memcpy(row_at(t, rad_quincunx_base_row(&spec->sampler, above)),
+               spec->top, (size_t)spec->sampler.width * sizeof *spec->top);
+}
+
+struct team *
+team_new(const struct team_spec *spec)
+{
+    struct team *t = calloc(1, sizeof *t);
+
+    assert(spec->first >= 0 && spec->first < spec->last &&
+           spec->last <= rad_quincunx_nbases(&spec->sampler));
+    assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
+                                    : spec->facts != NULL);
+    assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
+    assert(!spec->earlier || (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
+                              spec->filled <= spec->first));
+    if (!t)
+        return NULL;
+    uv_mutex_init(&t->mu);
+    uv_cond_init(&t->moved);
+    t->spec = *spec;
+    t->last = spec->last;
+    t->lent = spec->lent;
+    t->begun = t->finished = spec->first;
+    t->ndensity = rad_quincunx_ndensity(&spec->sampler);
+    /* each member's line, one above the first and one to begin meanwhile */
+    t->nlines = 2 * spec->nthreads + 2;
+    t->nslots = t->nlines * spec->sampler.ystep + 1;
+    if (!make_buffers(t)) {
+        team_free(t);
+        return NULL;
+    }
+    put_top(t);
+    return t;
+}
+
+void
+team_free(struct team *t)
+{
+    if (!t)
+        return;
+    uv_mutex_destroy(&t->mu);
+    uv_cond_destroy(&t->moved);
+    for (int i = 0; i < t->nlines && t->slots; i++)
+        uv_cond_destroy(&t->lines[i].moved);
+    free(t->lines);
+    free(t->density);
+    free(t->known);
+    free(t->pixels);
+    free(t);
+}

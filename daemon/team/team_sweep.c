@@ -1,0 +1,176 @@
+/* team_sweep.c - blocks of columns of a line, and tracing a line ahead by them
+ *
+ * Who has a block traces all that begins in it.  Blocks are taken from the end
+ * that the team's spec says; where another worker's facts are met, in the
+ * middle of the widest gap left, so that workers at the same line meet late and
+ * seldom. */
+#include "config.h"
+
+#include "team/team_impl.h"
+
+/* A line that is traced ahead in blocks of gaps or of columns. */
+struct sweep {
+    struct member *m;
+    enum part part;
+    int row, rows; /* of the line, that the blocks have */
+    int nblocks;   /* at most 64 */
+    int columns;   /* of a block, but for the last */
+    uint64_t done; /* blocks begun or not worth it */
+    int at, step;  /* the block that comes next, and which way then */
+};
+
+/* Begin where the spec says. */
+static void
+start_sweep(struct sweep *s, struct member *m, enum part part)
+{
+    int n = team_line_rows(&m->q, m->i), columns = team_block_columns(&m->q);
+    enum team_end end = m->team->spec.end;
+    bool middle = end >= TEAM_MIDDLE_RIGHTWARDS;
+
+    s->m = m;
+    s->part = part;
+    s->row = part == PART_BASE ? n - 1 : 0;
+    s->rows = part == PART_BASE ? 1 : n - 1;
+    s->columns = columns;
+    s->nblocks = (m->q.width + columns - 1) / columns;
+    s->done = m->mine[part];
+    s->step = end == TEAM_FROM_RIGHT || end == TEAM_MIDDLE_LEFTWARDS ? -1 : 1;
+    s->at = s->step > 0 ? 0 : s->nblocks - 1;
+    if (middle)
+        s->at = s->nblocks / 2 - (s->step < 0 && s->nblocks > 1);
+}
+
+/* Is there nothing to do in block b: begun here, or by another worker? */
+static bool
+is_taken(struct sweep *s, int b)
+{
+    int x = b * s->columns, left = s->m->q.width - x;
+    const struct rad_facts *f = facts_of(s->m);
+
+    return s->done >> b & 1 ||
+           rad_facts_met(f, s->row, s->rows, x,
+                         left < s->columns ? left : s->columns);
+}
+
+/* The middle of the longest run of blocks that are not taken; -1: none. */
+static int
+widest_gap(struct sweep *s)
+{
+    int best = -1, most = 0, run = 0;
+
+    for (int b = 0; b < s->nblocks; b++) {
+        run = is_taken(s, b) ? 0 : run + 1;
+        if (run > most) {
+            most = run;
+            best = b;
+        }
+    }
+    return most > 0 ? best - most / 2 : -1;
+}
+
+/* The next block; -1: all are taken, or the team is stopped. */
+static int
+next_block(struct sweep *s)
+{
+    while (!is_stopped(s->m->team)) {
+        int b = s->at;
+
+        if (b < 0 || b >= s->nblocks || is_taken(s, b))
+            b = widest_gap(s);
+        if (b < 0)
+            break;
+        s->done |= UINT64_C(1) << b;
+        s->at = b + s->step;
+        if (sweep_claim(s->m, s->part, b))
+            return b;
+    }
+    return -1;
+}
+
+/* Is the block the member's to trace?  Not if it is lent. */
+bool
+sweep_claim(struct member *m, enum part part, int b)
+{
+    uint64_t bit = UINT64_C(1) << b;
+
+    if (!(m->mine[part] & bit) &&
+        atomic_fetch_or(&line_at(m->team, m->i)->taken[part], bit) & bit)
+        return false;
+    m->mine[part] |= bit;
+    return true;
+}
+
+/* Trace base line i ahead; false: stopped. */
+bool
+sweep_line(struct member *m)
+{
+    const struct rad_quincunx *q = &m->q;
+    struct team *t = m->team;
+    int ngaps = rad_quincunx_ngaps(q, m->i), b;
+    bool truth = m->truth;
+    struct sweep s;
+
+    if (!member_wait(m, t->ndensity))
+        return false;
+    m->truth = false;
+    start_sweep(&s, m, PART_BASE);
+    while ((b = next_block(&s)) >= 0) {
+        int end = (b + 1) * s.columns;
+
+        for (int g = b * s.columns / q->xstep; g < ngaps; g++) {
+            int x = rad_quincunx_gap_begin(q, m->i, g);
+
+            if (x >= end || is_stopped(t))
+                break;
+            if (x >= b * s.columns)
+                rad_quincunx_gap(q, m->i, g, density_above(m),
+                                 line_at(t, m->i)->sampled);
+            member_tell_rays(m);
+        }
+    }
+    m->truth = truth;
+    return !is_stopped(t);
+}
+
+/* Trace those blocks ahead of the bar whose rows those are; false: stopped. */
+bool
+sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
+{
+    bool truth = m->truth;
+    struct sweep s;
+    int b;
+
+    if (team_line_rows(&m->q, m->i) == 1)
+        return true;
+    m->truth = false;
+    start_sweep(&s, m, PART_BAR);
+    s.done |= ~blocks;
+    while ((b = next_block(&s)) >= 0) {
+        struct rad_quincunx_fill fill = { b * s.columns, 0 };
+        int end = fill.x + s.columns;
+
+        member_fill(m, rows, &fill, end < m->q.width ? end : m->q.width);
+    }
+    m->truth = truth;
+    return !is_stopped(m->team);
+}
+
+int
+team_block_columns(const struct rad_quincunx *q)
+{
+    int columns = (q->width + MOST_BLOCKS - 1) / MOST_BLOCKS;
+
+    return columns > q->xstep ? columns : q->xstep;
+}
+
+uint64_t
+team_blocks_of(const struct rad_quincunx *q, int x, int n)
+{
+    int columns = team_block_columns(q), end = x + n;
+    int first = x / columns, last = (end + columns - 1) / columns;
+
+    if (n <= 0 || x % columns != 0 || end > q->width ||
+        (end % columns != 0 && end != q->width))
+        return 0;
+    return (UINT64_MAX >> (MOST_BLOCKS - last)) & ~((UINT64_C(1) << first) - 1);
+}

@@ -1,0 +1,588 @@
+/* relay.c - how what workers share passes through one
+ *
+ * Between the coordinator and a job's child messages only pass, if they are
+ * about what the child has.  Base lines take the shortest way: a child's base
+ * lines go to the coordinator, and at once to the peer that waits for them; the
+ * coordinator says who that is (NEXT_HOLDER), often before a line is begun,
+ * sometimes when it is made already, and changes its mind.  So what was made is
+ * kept, put together, and sent from its beginning to whoever is named later, or
+ * is linked later.  The coordinator has a copy of all: the oldest lines may go
+ * when there are too many. Unlike ambient records base lines are never dropped
+ * on a link that lives. */
+#include "config.h"
+
+#include "worker/peer.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_BYTES   ((size_t)64 << 20) /* of kept lines of a job */
+#define MOST_LINES   65536              /* kept, or known by name */
+#define MOST_COLUMNS 16384              /* in one BASE_LINE */
+#define BUCKETS      256
+
+struct rline {
+    struct rline *next;    /* the newer one */
+    struct rline *chained; /* in its bucket */
+    uint32_t frame, line;
+    uint8_t channels;
+    uint32_t nx, nd; /* columns and densities that are there */
+    uint8_t *pixels, *density;
+    size_t pixels_room, density_room;
+    char name[MSG_MAX_NAME + 1]; /* who waits for it; "": nobody */
+    uint32_t to;                 /* peer that the next two are of; 0: none */
+    uint32_t sent_x, sent_d;
+};
+
+struct relay {
+    struct rline *first, **end; /* the oldest first */
+    struct rline *bucket[BUCKETS];
+    uint32_t n;
+    size_t bytes;
+};
+
+/* --- the table --- */
+
+static struct rline **
+bucket_of(struct relay *r, uint32_t frame, uint32_t line)
+{
+    return &r->bucket[(frame * 31 + line) % BUCKETS];
+}
+
+static struct rline *
+find_line(struct relay *r, uint32_t frame, uint32_t line)
+{
+    struct rline *l = *bucket_of(r, frame, line);
+
+    while (l && (l->frame != frame || l->line != line))
+        l = l->chained;
+    return l;
+}
+
+static void
+drop_oldest(struct relay *r)
+{
+    struct rline *l = r->first, **at = bucket_of(r, l->frame, l->line);
+
+    while (*at != l)
+        at = &(*at)->chained;
+    *at = l->chained;
+    r->first = l->next;
+    if (!r->first)
+        r->end = &r->first;
+    r->n--;
+    r->bytes -= l->pixels_room + l->density_room;
+    free(l->pixels);
+    free(l->density);
+    free(l);
+}
+
+/* The line, made if need be; NULL when memory is out. */
+static struct rline *
+make_line(struct wjob *job, uint32_t frame, uint32_t line)
+{
+    struct relay *r = job->relay;
+    struct rline *l, **at;
+
+    if (!r) {
+        r = calloc(1, sizeof *r);
+        if (!r)
+            return NULL;
+        r->end = &r->first;
+        job->relay = r;
+    }
+    l = find_line(r, frame, line);
+    if (l)
+        return l;
+    if (r->n == MOST_LINES)
+        drop_oldest(r);
+    l = calloc(1, sizeof *l);
+    if (!l)
+        return NULL;
+    l->frame = frame;
+    l->line = line;
+    at = bucket_of(r, frame, line);
+    l->chained = *at;
+    *at = l;
+    *r->end = l;
+    r->end = &l->next;
+    r->n++;
+    return l;
+}
+
+void
+relay_release(struct wjob *job)
+{
+    while (job->relay && job->relay->first)
+        drop_oldest(job->relay);
+    free(job->relay);
+    job->relay = NULL;
+}
+
+/* --- pieces --- */
+
+/* Room for so many bytes; false when memory is out. */
+static bool
+grow(struct relay *r, uint8_t **v, size_t *room, size_t n)
+{
+    uint8_t *p;
+
+    if (n <= *room)
+        return true;
+    n = n < 2 * *room ? 2 * *room : n;
+    p = realloc(*v, n);
+    if (!p)
+        return false;
+    r->bytes += n - *room;
+    *v = p;
+    *room = n;
+    return true;
+}
+
+/* Put a piece to those that are there; one that leaves a gap is ignored. */
+static bool
+put(struct relay *r, struct rline *l, const struct msg_base_line *m)
+{
+    uint32_t nx = m->x + m->n, nd = m->first + m->ndensity;
+    size_t pixel = m->channels * 4u;
+
+    if (m->x > l->nx || m->first > l->nd ||
+        (l->channels != 0 && l->channels != m->channels))
+        return true;
+    if (!grow(r, &l->pixels, &l->pixels_room, nx * pixel) ||
+        !grow(r, &l->density, &l->density_room, nd))
+        return false;
+    l->channels = m->channels;
+    if (m->n > 0)
+        memcpy(l->pixels + m->x * pixel, m->pixels, m->n * pixel);
+    if (m->ndensity > 0)
+        memcpy(l->density + m->first, m->density, m->ndensity);
+    l->nx = nx > l->nx ? nx : l->nx;
+    l->nd = nd > l->nd ? nd : l->nd;
+    return true;
+}
+
+/* The piece from column *x and density *first on, which then stand behind it;
+ * false: there is none. */
+static bool
+piece(const struct wjob *job, const struct rline *l, uint32_t *x,
+      uint32_t *first, struct msg_base_line *m)
+{
+    uint32_t n = l->nx - *x;
+
+    if (n == 0 && *first == l->nd)
+        return false;
+    n = n < MOST_COLUMNS ? n : MOST_COLUMNS;
+    *m = (struct msg_base_line){ .job = job->id,
+                                 .frame = l->frame,
+                                 .line = l->line,
+                                 .x = *x,
+                                 .n = n,
+                                 .first = *first,
+                                 .ndensity = l->nd - *first,
+                                 .channels = l->channels,
+                                 .density = l->density + *first,
+                                 .pixels =
+                                     l->pixels + (size_t)*x * l->channels * 4 };
+    *x += n;
+    *first = l->nd;
+    return true;
+}
+
+/* --- to peers --- */
+
+/* Send what has not been sent to whoever waits for the line, if it is linked
+ * now. */
+static void
+flush(struct worker *w, struct wjob *job, struct rline *l)
+{
+    struct wpeer *p = l->name[0] ? peer_linked(job, l->name) : NULL;
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    if (!p)
+        return;
+    if (l->to != p->id) {
+        l->to = p->id;
+        l->sent_x = l->sent_d = 0;
+    }
+    while (piece(job, l, &l->sent_x, &l->sent_d, &m.base_line))
+        peer_send(w, job, p, &m);
+}
+
+void
+relay_linked(struct worker *w, struct wjob *job, const char *name)
+{
+    for (struct rline *l = job->relay ? job->relay->first : NULL; l;
+         l = l->next)
+        if (strcmp(l->name, name) == 0)
+            flush(w, job, l);
+}
+
+static void
+next_holder(struct worker *w, struct wjob *job, const struct msg_next_holder *m)
+{
+    struct rline *l = make_line(job, m->frame, m->line);
+
+    if (!l) {
+        w->actions.failed = true;
+        return;
+    }
+    snprintf(l->name, sizeof l->name, "%s", m->name);
+    flush(w, job, l);
+}
+
+/* --- from the child --- */
+
+static void
+made(struct worker *w, struct wjob *job, const struct msg_base_line *m)
+{
+    struct rline *l = make_line(job, m->frame, m->line);
+
+    if (!l || !put(job->relay, l, m)) {
+        w->actions.failed = true;
+        return;
+    }
+    flush(w, job, l);
+    while (job->relay->bytes > MOST_BYTES && job->relay->first->next)
+        drop_oldest(job->relay);
+}
+
+void
+relay_repeat(struct worker *w, const struct wjob *job)
+{
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    for (struct rline *l = job->relay ? job->relay->first : NULL; l;
+         l = l->next) {
+        uint32_t x = 0, first = 0;
+
+        while (piece(job, l, &x, &first, &m.base_line))
+            actions_send(&w->actions, w->coord, &m);
+    }
+}
+
+/* --- to the child --- */
+
+/* The child knows the frame, and looks closer. */
+bool
+relay_fits(const struct wjob *job, const struct msg_base_line *m)
+{
+    return m->frame < job->nframes && m->channels == job->channels &&
+           m->line + 1 < job->height && m->x + m->n <= job->width &&
+           m->first + m->ndensity <= job->width;
+}
+
+/* --- down --- */
+
+/* TWIN, SPLIT and YIELD, about a unit that the child has. */
+static void
+on_attempt(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->twin.job);
+
+    if (job && worker_find_unit(job, m->twin.unit, m->twin.attempt))
+        worker_send_child(w, job, m);
+}
+
+/* FACTS, BASE_LINE, ESTIMATE, SEED and REST, each of which begins with the job. */
+static void
+to_child(struct worker *w, const struct msg *m, const uint8_t *id, size_t len)
+{
+    struct wjob *job = worker_find_job(w, id);
+
+    if (!job || job->state != WJOB_READY)
+        return; /* the coordinator will hear of the lost child */
+    job->bytes_in += len;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_lend(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->lend.job);
+
+    if (job && worker_find_unit(job, m->lend.unit, m->lend.attempt))
+        worker_send_child(w, job, m);
+}
+
+/* Columns that another worker lends are a unit like others, until PAID. */
+static void
+on_loan(struct worker *w, const struct msg *m)
+{
+    const struct msg_loan *l = &m->loan;
+    struct wjob *job = worker_find_job(w, l->job);
+
+    w->progress++;
+    if (!job || job->state != WJOB_READY || l->frame >= job->nframes ||
+        l->channels != job->channels ||
+        worker_find_unit(job, l->unit, l->attempt))
+        return;
+    if (!wjob_add_unit(job, l->unit, l->attempt)) {
+        w->actions.failed = true;
+        return;
+    }
+    worker_find_unit(job, l->unit, l->attempt)->loan = true;
+    job->bytes_in += (size_t)l->n * l->channels * 8;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_back(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->back.job);
+    struct wunit *u =
+        job ? worker_find_unit(job, m->back.unit, m->back.attempt) : NULL;
+
+    if (!u)
+        return;
+    u->parked = false;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_facts(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->facts.job,
+             (size_t)m->facts.npixels * m->facts.channels * 4);
+}
+
+static void
+on_base_line(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->base_line.job,
+             (size_t)m->base_line.n * m->base_line.channels * 4);
+}
+
+static void
+on_estimate(struct worker *w, const struct msg *m)
+{
+    w->progress++;
+    to_child(w, m, m->estimate.job, 0);
+}
+
+static void
+on_seed(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->seed.job, 0);
+}
+
+static void
+on_rest(struct worker *w, const struct msg *m)
+{
+    to_child(w, m, m->rest.job, 0);
+}
+
+static void
+on_next_holder(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->next_holder.job);
+
+    if (job)
+        next_holder(w, job, &m->next_holder);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct worker *w, const struct msg *m);
+} downwards[] = {
+    { MSG_TWIN, on_attempt },
+    { MSG_SPLIT, on_attempt },
+    { MSG_YIELD, on_attempt },
+    { MSG_LEND, on_lend },
+    { MSG_LOAN, on_loan },
+    { MSG_BACK, on_back },
+    { MSG_FACTS, on_facts },
+    { MSG_BASE_LINE, on_base_line },
+    { MSG_NEXT_HOLDER, on_next_holder },
+    { MSG_ESTIMATE, on_estimate },
+    { MSG_SEED, on_seed },
+    { MSG_REST, on_rest },
+};
+
+void
+relay_down(struct worker *w, const struct msg *m)
+{
+    for (size_t i = 0; i < sizeof downwards / sizeof downwards[0]; i++)
+        if (downwards[i].type == m->type)
+            downwards[i].handle(w, m);
+}
+
+/* --- up --- */
+
+/* Up to the coordinator, if it is there: what gets lost with it costs time. */
+static void
+pass_up(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+
+    out->len = 0;
+    if (!w->welcome)
+        return;
+    if (msg_pack(out, m) != 0) {
+        w->actions.failed = true;
+        return;
+    }
+    w->progress++;
+    job->bytes_out += out->len;
+    if (m->type == MSG_BASE_LINE)
+        job->base_line_bytes += out->len;
+    actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
+}
+
+static void
+child_facts(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_FACTS, .facts = m->facts };
+
+    pass.facts.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+static void
+child_parked(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_PARKED, .parked = m->parked };
+    struct wunit *u = worker_find_unit(job, m->parked.unit, m->parked.attempt);
+
+    if (!u)
+        return; /* revoked meanwhile */
+    u->parked = true;
+    pass.parked.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+/* If the child dies now it may be of that. */
+static void
+child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wunit *u =
+        worker_find_unit(job, m->resumed.unit, m->resumed.attempt);
+
+    (void)w;
+    if (u)
+        u->parked = false;
+}
+
+/* Even if it was revoked meanwhile: what it cost is told nowhere else, but in
+ * sum, for that this may not arrive.  A child's sums begin at zero, which the
+ * coordinator is to know before it hears of the first. */
+static void
+child_paid(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_PAID, .paid = m->paid };
+    struct wunit *u = worker_find_unit(job, m->paid.unit, m->paid.attempt);
+
+    if (u && u->loan)
+        wjob_drop_unit(job, u->unit, u->attempt);
+    pass.paid.job = job->id;
+    if (job->tally.busy_s == 0)
+        worker_send_tally(w, job);
+    msg_counts_add(w->welcome ? &job->paid : &job->unpaid, &m->paid.counts);
+    pass_up(w, job, &pass);
+}
+
+static void
+child_line_costs(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_LINE_COSTS, .line_costs = m->line_costs };
+
+    pass.line_costs.job = job->id;
+    if (w->version >= msg_since(MSG_LINE_COSTS))
+        pass_up(w, job, &pass);
+}
+
+static void
+child_gave(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_GAVE, .gave = m->gave };
+    struct wunit *u = worker_find_unit(job, m->gave.unit, m->gave.attempt);
+
+    if (!u)
+        return;
+    u->height = m->gave.height;
+    if (u->height == 0)
+        wjob_drop_unit(job, u->unit, u->attempt);
+    pass.gave.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+/* The child has all again that it lent of the unit. */
+static void
+give_back(struct worker *w, struct wjob *job, struct wunit *u)
+{
+    const struct msg m = { .type = MSG_BACK,
+                           .back = { .job = job->id,
+                                     .unit = u->unit,
+                                     .attempt = u->attempt,
+                                     .line = u->line } };
+
+    u->lends = false;
+    u->parked = false;
+    worker_send_child(w, job, &m);
+}
+
+void
+relay_cut(struct worker *w)
+{
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        for (uint32_t i = 0; i < job->nunits; i++)
+            if (job->units[i].lends)
+                give_back(w, job, &job->units[i]);
+}
+
+static void
+child_loan(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_LOAN, .loan = m->loan };
+    struct wunit *u = worker_find_unit(job, m->loan.unit, m->loan.attempt);
+
+    if (!u)
+        return;
+    u->lends = true;
+    u->line = m->loan.line;
+    pass.loan.job = job->id;
+    if (w->welcome)
+        pass_up(w, job, &pass);
+    else
+        give_back(w, job, u); /* there is nobody to lend to */
+}
+
+static void
+child_base_line(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_BASE_LINE, .base_line = m->base_line };
+
+    pass.base_line.job = job->id;
+    job->base_line_pixels += m->base_line.n;
+    pass_up(w, job, &pass);
+    made(w, job, &pass.base_line);
+}
+
+static void
+child_estimated(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_ESTIMATED, .estimated = m->estimated };
+
+    pass.estimated.job = job->id;
+    pass_up(w, job, &pass);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
+} upwards[] = {
+    { MSG_FACTS, child_facts },         { MSG_PARKED, child_parked },
+    { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
+    { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
+    { MSG_PAID, child_paid },           { MSG_LINE_COSTS, child_line_costs },
+    { MSG_RESUMED, child_resumed },
+};
+
+void
+relay_up(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    for (size_t i = 0; i < sizeof upwards / sizeof upwards[0]; i++)
+        if (upwards[i].type == m->type)
+            upwards[i].handle(w, job, m);
+}

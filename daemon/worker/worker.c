@@ -1,0 +1,396 @@
+/* worker.c - see worker.h
+ *
+ * A job at a worker goes from fetching its files to loading (a child was
+ * started) to ready.  Its units are with the child in the order in which they
+ * came; when the child dies, the first of them, one per thread, are named as
+ * suspects.
+ *
+ * When the coordinator is lost, the children go on and results are kept.  When
+ * it is back, be it in another life, and starts the job again, rows that it has
+ * not acknowledged are sent first, then which units are not finished (STILL),
+ * then READY; those that it has handed to others meanwhile it takes back. Until
+ * then nothing new is sent either: it would come before what is kept. */
+#include "config.h"
+
+#include "worker/worker.h"
+
+#include "worker/peer.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define FIRST_DELAY_MS 500
+#define LAST_DELAY_MS  30000
+#define LONG_TICK_MS   1000 /* longer is no tick: the process was stopped */
+#define STEADY_MS      10000 /* a connection that lasted as long was a good one */
+
+/* --- small things --- */
+
+uint64_t
+worker_new_conn(struct worker *w)
+{
+    return ACT_OWN_CONN | ++w->next_conn;
+}
+
+struct wjob *
+worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB])
+{
+    struct wjob *job = w->jobs;
+
+    while (job && memcmp(job->id, id, MSG_JOB) != 0)
+        job = job->next;
+    return job;
+}
+
+static struct wjob *
+find_child(const struct worker *w, uint64_t conn)
+{
+    struct wjob *job = w->jobs;
+
+    while (job && job->child != conn)
+        job = job->next;
+    return conn ? job : NULL;
+}
+
+void
+worker_send_coord(struct worker *w, const struct msg *m)
+{
+    if (w->welcome)
+        actions_send(&w->actions, w->coord, m);
+}
+
+void
+worker_send_tally(struct worker *w, struct wjob *job)
+{
+    struct msg m = { .type = MSG_TALLY, .tally = job->tally };
+
+    m.tally.job = job->id;
+    m.tally.bytes_in = job->bytes_in;
+    m.tally.bytes_out = job->bytes_out;
+    m.tally.base_line_bytes = job->base_line_bytes;
+    m.tally.base_line_pixels = job->base_line_pixels;
+    m.tally.paid = job->paid;
+    msg_counts_add(&m.tally.dropped, &job->unpaid);
+    worker_send_coord(w, &m);
+}
+
+void
+worker_send_child_bytes(struct worker *w, struct wjob *job,
+                        const uint8_t *bytes, size_t len)
+{
+    lossy_sent(&job->to_child, len);
+    actions_send_bytes(&w->actions, job->child, bytes, len);
+}
+
+void
+worker_send_child(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+
+    out->len = 0;
+    if (msg_pack(out, m) != 0)
+        w->actions.failed = true;
+    else
+        worker_send_child_bytes(w, job, out->buf, out->len);
+}
+
+void
+worker_stop(struct worker *w, int status, const char *text)
+{
+    struct action *a;
+
+    if (w->stopped)
+        return;
+    w->stopped = true;
+    a = actions_add(&w->actions, ACT_STOP, 0);
+    if (!a)
+        return;
+    a->status = status;
+    a->text = rad_arena_strndup(&w->actions.mem, text, strlen(text));
+    if (!a->text)
+        w->actions.failed = true;
+}
+
+/* --- the connection to the coordinator --- */
+
+static void
+dial(struct worker *w)
+{
+    struct action *a;
+
+    w->coord = worker_new_conn(w);
+    a = actions_add(&w->actions, ACT_DIAL, w->coord);
+    if (a)
+        a->text = "";
+}
+
+/* Wait longer each time, up to half as long again by chance, so that workers
+ * do not come back all at once. */
+static void
+dial_later(struct worker *w)
+{
+    uint16_t jitter;
+
+    if (w->delay_ms == 0 ||
+        (w->welcome && w->now_ms - w->welcome_ms >= STEADY_MS))
+        w->delay_ms = FIRST_DELAY_MS;
+    w->env.random(w->env.arg, &jitter, sizeof jitter);
+    w->dial_ms = w->now_ms + w->delay_ms + w->delay_ms * jitter / 131072;
+    w->delay_ms *= 2;
+    if (w->delay_ms > LAST_DELAY_MS)
+        w->delay_ms = LAST_DELAY_MS;
+}
+
+/* That it ends the connection after a BYE or REFUSE is no news. */
+static void
+lost_coord(struct worker *w, const char *why)
+{
+    if (!w->parted)
+        actions_log(&w->actions, ACT_WARN, "coordinator %s at=%s why=%s",
+                    w->welcome ? "lost" : "not reached", w->env.coordinator,
+                    why);
+    w->parted = false;
+    dial_later(w);
+    w->coord = 0;
+    w->opened = w->welcome = false;
+    w->nasked = 0;
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        job->started = false;
+    relay_cut(w);
+    while (w->away && w->jobs) /* the machine is somebody else's now */
+        wjob_end(w, w->jobs);
+    if (w->draining)
+        worker_stop(w, 0, "");
+}
+
+static void
+say_hello(struct worker *w)
+{
+    struct msg m = { .type = MSG_HELLO,
+                     .hello = { .min = MSG_VERSION_MIN,
+                                .max = MSG_VERSION,
+                                .role = MSG_ROLE_WORKER,
+                                .name = w->env.name,
+                                .program = w->env.program,
+                                .address = w->env.address,
+                                .threads = (uint16_t)w->env.threads } };
+
+    w->opened = true;
+    actions_session(&w->actions, w->coord, MSG_AT_DIALLER, MSG_VERSION);
+    actions_send(&w->actions, w->coord, &m);
+}
+
+/* --- public --- */
+
+struct worker *
+worker_new(const struct worker_env *env)
+{
+    struct worker *w = calloc(1, sizeof *w);
+
+    if (!w)
+        return NULL;
+    w->env = *env;
+    actions_init(&w->actions);
+    return w;
+}
+
+void
+worker_free(struct worker *w)
+{
+    if (!w)
+        return;
+    w->env.leave = NULL; /* the files have nobody to leave them to */
+    while (w->jobs)
+        wjob_end(w, w->jobs);
+    peer_release_callers(w);
+    free(w->asked);
+    actions_release(&w->actions);
+    free(w);
+}
+
+struct action_list *
+worker_actions(struct worker *w)
+{
+    return &w->actions;
+}
+
+void
+worker_start(struct worker *w, uint64_t now_ms)
+{
+    w->now_ms = now_ms;
+    if (!w->away)
+        dial(w);
+}
+
+void
+worker_opened(struct worker *w, uint64_t now_ms, uint64_t conn)
+{
+    w->now_ms = now_ms;
+    if (conn == w->coord)
+        say_hello(w);
+    else
+        peer_opened(w, conn);
+}
+
+void
+worker_accepted(struct worker *w, uint64_t now_ms, uint64_t conn)
+{
+    w->now_ms = now_ms;
+    peer_accepted(w, conn);
+}
+
+void
+worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn, const char *why)
+{
+    w->now_ms = now_ms;
+    if (conn == w->coord)
+        lost_coord(w, why);
+    else
+        peer_closed(w, conn);
+}
+
+void
+worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
+               const struct msg *m)
+{
+    struct wjob *job;
+
+    w->now_ms = now_ms;
+    if (conn == w->coord) {
+        worker_from_coord(w, m);
+        return;
+    }
+    job = find_child(w, conn);
+    if (job)
+        worker_from_child(w, job, m);
+    else
+        peer_message(w, conn, m);
+}
+
+void
+worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
+                   const char *text)
+{
+    struct wjob *job = find_child(w, conn);
+
+    w->now_ms = now_ms;
+    if (!job)
+        return;
+    actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
+                text);
+    job->child = 0;
+    lossy_release(&job->to_child);
+    lossy_init(&job->to_child);
+    wjob_send_lost(w, job, local, text);
+}
+
+bool
+worker_status_is_local(int status)
+{
+    switch (status) {
+    case EX_NOINPUT:
+    case EX_OSERR:
+    case EX_OSFILE:
+    case EX_CANTCREAT:
+    case EX_IOERR:
+    case EX_TEMPFAIL:
+    case EX_NOPERM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+void
+worker_set_limits(struct worker *w, unsigned load_s)
+{
+    w->env.load_s = load_s;
+}
+
+void
+worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
+{
+    struct wjob *job = find_child(w, conn);
+
+    w->now_ms = now_ms;
+    if (job) {
+        lossy_written(&job->to_child, n);
+        peer_feed_child(w, job);
+    } else {
+        peer_written(w, conn, n);
+    }
+}
+
+void
+worker_drain(struct worker *w, uint64_t now_ms)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+    w->now_ms = now_ms;
+    if (w->draining || !w->welcome) {
+        worker_stop(w, 0, "");
+        return;
+    }
+    w->draining = true;
+    worker_send_coord(w, &m);
+}
+
+void
+worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+    w->now_ms = now_ms;
+    if (w->away != allowed)
+        return;
+    w->away = !allowed;
+    actions_log(&w->actions, ACT_INFO,
+                allowed ? "work begins" : "work ends: what is left goes back");
+    if (allowed)
+        w->dial_ms = now_ms;
+    else if (!w->draining)
+        worker_send_coord(w, &m);
+}
+
+void
+worker_tick(struct worker *w, uint64_t now_ms)
+{
+    uint64_t ms = w->tick_ms ? now_ms - w->tick_ms : 0;
+
+    w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
+    w->tick_ms = w->now_ms = now_ms;
+    worker_watch_children(w);
+    wjob_watch_room(w);
+    if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
+        dial(w);
+    peer_tick(w);
+}
+
+size_t
+worker_kept(const struct worker *w)
+{
+    size_t n = 0;
+
+    for (const struct wjob *job = w->jobs; job; job = job->next)
+        n += job->kept_bytes;
+    return n;
+}
+
+void
+worker_hold(struct worker *w, bool held)
+{
+    w->held = held;
+}
+
+uint64_t
+worker_coord(const struct worker *w)
+{
+    return w->coord;
+}
+
+uint64_t
+worker_progress(const struct worker *w)
+{
+    return w->progress;
+}

@@ -1,0 +1,254 @@
+/* worker_coord.c - what a worker does when the coordinator speaks
+ *
+ * One handler per message, found in a table.  What workers share only passes
+ * through (relay.c). */
+#include "config.h"
+
+#include "worker/peer.h"
+#include "worker/spread.h"
+
+#include <string.h>
+#include <sysexits.h>
+
+static void
+on_welcome(struct worker *w, const struct msg *m)
+{
+    unsigned version = m->welcome.version;
+
+    if (msg_common_version(version, version) == 0) {
+        actions_log(&w->actions, ACT_ERR,
+                    "the coordinator speaks protocol version %u, not %u to %u",
+                    version, MSG_VERSION_MIN, MSG_VERSION);
+        worker_stop(w, EX_PROTOCOL, "the coordinator speaks another version");
+        return;
+    }
+    w->welcome = true;
+    w->version = version;
+    w->welcome_ms = w->now_ms;
+    actions_session(&w->actions, w->coord, MSG_AT_WORKER, version);
+    actions_log(&w->actions, ACT_INFO,
+                "welcome program=%s epoch=%llu protocol=%u", m->welcome.program,
+                (unsigned long long)m->welcome.epoch, version);
+    /* the answer to a TALLY of a job that is over is JOB-END */
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        worker_send_tally(w, job);
+    if (w->draining || w->away) {
+        struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
+
+        worker_send_coord(w, &drain);
+    }
+}
+
+/* For good, unless it says that later may be better.  A status that is none
+ * of sysexits.h breaks the protocol. */
+static void
+on_refuse(struct worker *w, const struct msg *m)
+{
+    int status = m->refuse.status;
+
+    w->parted = true;
+    actions_log(&w->actions, ACT_ERR, "refused by the coordinator why=%s",
+                m->refuse.text);
+    if (status < EX__BASE || status > EX__MAX)
+        status = EX_PROTOCOL;
+    if (status != EX_TEMPFAIL)
+        worker_stop(w, status, m->refuse.text);
+}
+
+static void
+on_bye(struct worker *w, const struct msg *m)
+{
+    bool wished = w->draining || w->away;
+
+    w->parted = true;
+    actions_log(&w->actions, wished ? ACT_INFO : ACT_WARN,
+                "let go by the coordinator why=%s", m->bye.text);
+    if (w->draining)
+        worker_stop(w, 0, "");
+}
+
+static void
+on_chunk(struct worker *w, const struct msg *m)
+{
+    struct action *a;
+
+    if (!worker_takes_chunk(w, &m->chunk))
+        return;
+    a = actions_add(&w->actions, ACT_PUT_CHUNK, w->coord);
+    if (a)
+        a->chunk = m->chunk;
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_FETCHING && wjob_needs_file(job, m->chunk.hash))
+            job->bytes_in += m->chunk.len;
+}
+
+/* Columns that another lends are traced for nothing: it has them again.  A
+ * coordinator of version 1 may have given all other units away, too. */
+static void
+give_up(struct worker *w, struct wjob *job)
+{
+    bool all = w->version < msg_since(MSG_STILL);
+
+    for (size_t i = job->nunits; i-- > 0;)
+        if (all || job->units[i].loan)
+            wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
+}
+
+/* What its child is at. */
+static void
+say_still(struct worker *w, const struct wjob *job)
+{
+    for (size_t i = 0; i < job->nunits; i++) {
+        const struct wunit *u = &job->units[i];
+        struct msg still = { .type = MSG_STILL,
+                             .still = { job->id, u->unit, u->attempt,
+                                        u->height } };
+        struct msg parked = { .type = MSG_PARKED,
+                              .parked = { job->id, u->unit, u->attempt } };
+
+        worker_send_coord(w, &still);
+        if (u->parked)
+            worker_send_coord(w, &parked);
+    }
+}
+
+/* The coordinator, which was away, starts a job that is here already. */
+static void
+resume_job(struct worker *w, struct wjob *job)
+{
+    struct msg ready = { .type = MSG_READY, .ready = job->ready };
+
+    give_up(w, job);
+    /* a unit is nothing without its base line */
+    if ((job->kept || job->nunits > 0) && w->welcome)
+        relay_repeat(w, job);
+    for (const struct wkept *k = job->kept; k; k = k->next)
+        actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
+    say_still(w, job);
+    worker_send_coord(w, &ready);
+}
+
+static void
+on_job_start(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_start.job);
+
+    /* rows that are coded, for a coordinator that takes none any more: an
+     * earlier version is in its place */
+    if (job && job->flags & ~m->job_start.flags & MSG_JOB_CODED) {
+        wjob_end(w, job);
+        job = NULL;
+    }
+    if (!job)
+        job = wjob_new(w, m);
+    if (!job) {
+        w->actions.failed = true;
+        return;
+    }
+    job->started = true;
+    spread_release(job); /* places are given to who is ready */
+    if (job->state == WJOB_READY)
+        resume_job(w, job);
+    else if (job->state != WJOB_LOADING)
+        wjob_look(w, job);
+}
+
+static void
+on_job_end(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_end.job);
+
+    if (!job)
+        return;
+    actions_log(&w->actions, ACT_INFO, "job end job=%s", job->hex);
+    wjob_end(w, job);
+}
+
+static void
+on_unit(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->unit.job);
+
+    if (!job || job->state != WJOB_READY)
+        return; /* the coordinator will hear of the lost child */
+    if (!wjob_add_unit(job, m->unit.unit, m->unit.attempt)) {
+        w->actions.failed = true;
+        return;
+    }
+    job->units[job->nunits - 1].height = m->unit.height;
+    w->progress++;
+    worker_send_child(w, job, m);
+}
+
+static void
+on_revoke(struct worker *w, const struct msg *m)
+{
+    const struct msg_attempt *r = &m->revoke;
+    struct wjob *job = worker_find_job(w, r->job);
+
+    if (job && wjob_has_unit(job, r->unit, r->attempt))
+        wjob_revoke_unit(w, job, r->unit, r->attempt);
+}
+
+static void
+on_ack(struct worker *w, const struct msg *m)
+{
+    const struct msg_ack *a = &m->ack;
+    struct wjob *job = worker_find_job(w, a->job);
+
+    if (!job)
+        return;
+    for (struct wkept **link = &job->kept; *link; link = &(*link)->next)
+        if ((*link)->unit == a->unit && (*link)->attempt == a->attempt &&
+            (*link)->row == a->row) {
+            wjob_drop_kept(job, link);
+            return;
+        }
+}
+
+static void
+on_job_peers(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->job_peers.job);
+
+    if (job)
+        peer_introduce(w, job, &m->job_peers);
+}
+
+static void
+on_ring(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->ring.job);
+
+    if (job)
+        spread_set(w, job, &m->ring);
+}
+
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct worker *w, const struct msg *m);
+} coord_handlers[] = {
+    { MSG_UNIT, on_unit },
+    { MSG_ACK, on_ack },
+    { MSG_WELCOME, on_welcome },
+    { MSG_REFUSE, on_refuse },
+    { MSG_BYE, on_bye },
+    { MSG_CHUNK, on_chunk },
+    { MSG_JOB_START, on_job_start },
+    { MSG_JOB_END, on_job_end },
+    { MSG_REVOKE, on_revoke },
+    { MSG_JOB_PEERS, on_job_peers },
+    { MSG_RING, on_ring },
+};
+
+void
+worker_from_coord(struct worker *w, const struct msg *m)
+{
+    for (size_t i = 0; i < sizeof coord_handlers / sizeof coord_handlers[0];
+         i++)
+        if (coord_handlers[i].type == m->type) {
+            coord_handlers[i].handle(w, m);
+            return;
+        }
+    relay_down(w, m);
+}

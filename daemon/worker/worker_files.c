@@ -1,0 +1,292 @@
+/* worker_files.c - files that a worker's jobs need
+ *
+ * A file is asked for once, however many jobs need it; `asked` holds those that
+ * have not come.  A job starts its child when nothing is missing.
+ *
+ * Where its files find no room here, or what comes cannot be written, a job
+ * fails for no reason of its own: the coordinator is told (ROOM) and gives it
+ * to others.  Then we look again, after a while that grows, and say when it may
+ * be given to us.
+ *
+ * Of a job that ends, files may still come, or never will, if the coordinator
+ * heard of its end before it heard of the WANT: those count as lapsed, and are
+ * asked for again should another job need them.  What comes twice is ignored,
+ * as all is that was not asked for. */
+#include "config.h"
+
+#include "worker/worker_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define FIRST_LOOK_MS 1000
+#define LAST_LOOK_MS  30000
+
+static struct wasked *
+find_asked(const struct worker *w, const uint8_t *hash)
+{
+    for (uint32_t i = 0; i < w->nasked; i++)
+        if (memcmp(w->asked[i].hash, hash, MSG_HASH) == 0)
+            return &w->asked[i];
+    return NULL;
+}
+
+static bool
+add_asked(struct worker *w, const uint8_t *hash)
+{
+    if (w->nasked == w->cap_asked) {
+        uint32_t cap = w->cap_asked ? 2 * w->cap_asked : 64;
+        struct wasked *v = realloc(w->asked, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        w->asked = v;
+        w->cap_asked = cap;
+    }
+    w->asked[w->nasked] = (struct wasked){ .state = WASKED_WANTED };
+    memcpy(w->asked[w->nasked++].hash, hash, MSG_HASH);
+    return true;
+}
+
+/* False: it was not asked for. */
+static bool
+forget_asked(struct worker *w, const uint8_t *hash)
+{
+    struct wasked *a = find_asked(w, hash);
+
+    if (a)
+        *a = w->asked[--w->nasked];
+    return a != NULL;
+}
+
+/* Is it to be asked for now? */
+static bool
+is_news(struct worker *w, const uint8_t *hash)
+{
+    struct wasked *a = find_asked(w, hash);
+
+    if (!a && !add_asked(w, hash))
+        w->actions.failed = true;
+    if (a && !a->lapsed)
+        return false;
+    if (a)
+        a->lapsed = false;
+    return true;
+}
+
+static void
+want(struct worker *w, const uint8_t *hashes, uint32_t n)
+{
+    struct msg m = { .type = MSG_WANT, .want = { n, hashes } };
+
+    if (n > 0)
+        worker_send_coord(w, &m);
+}
+
+/* Ask for what is missing and was not asked for; start the child when nothing
+ * is.  While the coordinator is away nothing is asked for: it will start the
+ * job again. */
+static void
+fetch(struct worker *w, struct wjob *job)
+{
+    uint8_t *news =
+        rad_arena_alloc(&w->actions.mem, (size_t)job->nfiles * MSG_HASH + 1);
+    uint32_t n = 0;
+
+    if (!news) {
+        w->actions.failed = true;
+        return;
+    }
+    job->state = WJOB_FETCHING;
+    job->look_delay_ms = 0;
+    job->nmissing = 0;
+    for (uint32_t i = 0; i < job->nfiles; i++) {
+        const uint8_t *hash = job->files + (size_t)i * MSG_HASH;
+
+        if (w->env.has_file(w->env.arg, hash))
+            continue;
+        job->nmissing++;
+        if (job->started && is_news(w, hash))
+            memcpy(news + (size_t)n++ * MSG_HASH, hash, MSG_HASH);
+    }
+    want(w, news, n);
+    if (job->nmissing == 0)
+        wjob_spawn(w, job);
+}
+
+/* How often the job names that file. */
+static uint32_t
+times_named(const struct wjob *job, const uint8_t *hash)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nfiles; i++)
+        n += memcmp(job->files + (size_t)i * MSG_HASH, hash, MSG_HASH) == 0;
+    return n;
+}
+
+bool
+wjob_needs_file(const struct wjob *job, const uint8_t *hash)
+{
+    return times_named(job, hash) > 0;
+}
+
+/* --- room --- */
+
+static void
+say_room(struct worker *w, const struct wjob *job, bool has, const char *text)
+{
+    struct msg m = { .type = MSG_ROOM, .room = { job->id, has, text } };
+
+    worker_send_coord(w, &m);
+}
+
+static void
+look_later(const struct worker *w, struct wjob *job)
+{
+    if (job->look_delay_ms == 0)
+        job->look_delay_ms = FIRST_LOOK_MS;
+    job->look_ms = w->now_ms + job->look_delay_ms;
+    job->look_delay_ms *= 2;
+    if (job->look_delay_ms > LAST_LOOK_MS)
+        job->look_delay_ms = LAST_LOOK_MS;
+}
+
+/* Can the coordinator be told?  One of version 1 goes on to wait for READY. */
+static bool
+knows_room(const struct worker *w)
+{
+    return w->version >= msg_since(MSG_ROOM);
+}
+
+/* Not now. */
+static void
+refuse(struct worker *w, struct wjob *job, const char *text)
+{
+    bool told = job->state == WJOB_NO_ROOM;
+
+    job->state = WJOB_NO_ROOM;
+    look_later(w, job);
+    if (told)
+        return;
+    actions_log(&w->actions, ACT_WARN, "job refused job=%s why=%s", job->hex,
+                text);
+    if (knows_room(w))
+        say_room(w, job, false, text);
+    if (w->env.leave) /* what it has of the job may go for others */
+        w->env.leave(w->env.arg, job->id);
+}
+
+/* There is room again: the coordinator decides whether it is ours now. */
+static void
+offer_again(struct worker *w, struct wjob *job)
+{
+    actions_log(&w->actions, ACT_INFO, "room again job=%s", job->hex);
+    job->state = WJOB_IDLE;
+    say_room(w, job, true, "");
+    if (w->env.leave)
+        w->env.leave(w->env.arg, job->id);
+}
+
+/* Are its files known, and room for the others? */
+static void
+look(struct worker *w, struct wjob *job)
+{
+    struct action_look l = { .nlook = job->nfiles,
+                             .files = { job->nfiles, job->files },
+                             .bytes = job->bundle_bytes };
+
+    memcpy(l.job, job->id, MSG_JOB);
+    if (!w->env.look || w->env.look(w->env.arg, &l))
+        worker_looked(w, w->now_ms, &l);
+}
+
+void
+wjob_look(struct worker *w, struct wjob *job)
+{
+    job->state = WJOB_FETCHING;
+    look(w, job);
+}
+
+void
+worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
+{
+    struct wjob *job = worker_find_job(w, l->job);
+
+    w->now_ms = now_ms;
+    if (!job)
+        return;
+    if (job->state != WJOB_FETCHING && job->state != WJOB_NO_ROOM)
+        return;
+    if (l->status != 0)
+        refuse(w, job, l->why);
+    else if (job->state == WJOB_FETCHING || !knows_room(w))
+        fetch(w, job);
+    else
+        offer_again(w, job);
+}
+
+void
+wjob_watch_room(struct worker *w)
+{
+    for (struct wjob *job = w->jobs; job; job = job->next)
+        if (job->state == WJOB_NO_ROOM && w->now_ms >= job->look_ms) {
+            job->look_ms = UINT64_MAX; /* until it has looked */
+            look(w, job);
+        }
+}
+
+/* --- what comes --- */
+
+bool
+worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk)
+{
+    struct wasked *a = find_asked(w, chunk->hash);
+
+    if (!a || (a->state == WASKED_WANTED && chunk->offset > 0))
+        return false; /* of one that was given up */
+    a->state = WASKED_COMES;
+    return true;
+}
+
+void
+wjob_lapse_files(struct worker *w)
+{
+    for (uint32_t i = 0; i < w->nasked; i++)
+        w->asked[i].lapsed = true;
+}
+
+void
+worker_file_stored(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH])
+{
+    w->now_ms = now_ms;
+    forget_asked(w, hash);
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        uint32_t n = job->state == WJOB_FETCHING ? times_named(job, hash) : 0;
+
+        if (n == 0)
+            continue;
+        job->nmissing -= n < job->nmissing ? n : job->nmissing;
+        if (job->nmissing == 0)
+            fetch(w, job); /* none of them is gone again */
+    }
+}
+
+void
+worker_file_failed(struct worker *w, uint64_t now_ms,
+                   const uint8_t hash[MSG_HASH], int status, const char *text)
+{
+    w->now_ms = now_ms;
+    if (!forget_asked(w, hash))
+        return; /* the rest of one that failed */
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        if (job->state != WJOB_FETCHING || !wjob_needs_file(job, hash))
+            continue;
+        if (status == EX_PROTOCOL) /* the coordinator has not what it says */
+            wjob_send_lost(w, job, true, text);
+        else
+            refuse(w, job, text);
+    }
+}

@@ -1,0 +1,246 @@
+/* worker_job.c - the jobs of a worker: their units, results and children
+ *
+ * A unit is with the child from when it came until its last rows are there; a
+ * result is kept, as the frame that it goes out in, until the coordinator has
+ * acknowledged it.  So results outlive their units and the connection, but not
+ * the job: those of units that are given up go with them. */
+#include "config.h"
+
+#include "worker/peer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- units and results of a job --- */
+
+void
+wjob_drop_kept(struct wjob *job, struct wkept **link)
+{
+    struct wkept *k = *link;
+
+    job->kept_bytes -= k->len;
+    *link = k->next;
+    if (!*link)
+        job->kept_tail = link;
+    free(k->bytes);
+    free(k);
+}
+
+struct wunit *
+worker_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    for (size_t i = 0; i < job->nunits; i++)
+        if (job->units[i].unit == unit && job->units[i].attempt == attempt)
+            return &job->units[i];
+    return NULL;
+}
+
+bool
+wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    return worker_find_unit(job, unit, attempt) != NULL;
+}
+
+void
+wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    for (size_t i = 0; i < job->nunits; i++)
+        if (job->units[i].unit == unit && job->units[i].attempt == attempt) {
+            memmove(job->units + i, job->units + i + 1,
+                    (job->nunits - i - 1) * sizeof *job->units);
+            job->nunits--;
+            return;
+        }
+}
+
+bool
+wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
+{
+    if (job->nunits == job->cap_units) {
+        size_t cap = job->cap_units ? 2 * job->cap_units : 16;
+        struct wunit *v = realloc(job->units, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->units = v;
+        job->cap_units = cap;
+    }
+    job->units[job->nunits++] =
+        (struct wunit){ .unit = unit, .attempt = attempt };
+    return true;
+}
+
+void
+wjob_drop_units(struct wjob *job)
+{
+    for (struct wkept **link = &job->kept; *link;)
+        if (wjob_has_unit(job, (*link)->unit, (*link)->attempt))
+            wjob_drop_kept(job, link);
+        else
+            link = &(*link)->next;
+    job->nunits = 0;
+}
+
+void
+wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
+                 uint32_t attempt)
+{
+    struct msg m = { .type = MSG_REVOKE, .revoke = { job->id, unit, attempt } };
+
+    for (struct wkept **link = &job->kept; *link;)
+        if ((*link)->unit == unit && (*link)->attempt == attempt)
+            wjob_drop_kept(job, link);
+        else
+            link = &(*link)->next;
+    wjob_drop_unit(job, unit, attempt);
+    worker_send_child(w, job, &m);
+}
+
+bool
+wjob_keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
+          size_t len)
+{
+    struct wkept *k = calloc(1, sizeof *k);
+
+    if (!k || !(k->bytes = malloc(len))) {
+        free(k);
+        return false;
+    }
+    k->unit = r->unit;
+    k->attempt = r->attempt;
+    k->row = r->row;
+    k->rows = r->rows;
+    memcpy(k->bytes, bytes, len);
+    k->len = len;
+    job->kept_bytes += len;
+    *job->kept_tail = k;
+    job->kept_tail = &k->next;
+    return true;
+}
+
+/* --- jobs and their children --- */
+
+static void
+free_job(struct wjob *job)
+{
+    while (job->kept)
+        wjob_drop_kept(job, &job->kept);
+    lossy_release(&job->to_child);
+    relay_release(job);
+    free(job->start);
+    free(job->files);
+    free(job->units);
+    free(job);
+}
+
+void
+wjob_kill_child(struct worker *w, struct wjob *job)
+{
+    if (job->child == 0)
+        return;
+    actions_add(&w->actions, ACT_KILL, job->child);
+    job->child = 0;
+    lossy_release(&job->to_child);
+    lossy_init(&job->to_child);
+}
+
+void
+wjob_end(struct worker *w, struct wjob *job)
+{
+    struct wjob **link = &w->jobs;
+
+    while (*link != job)
+        link = &(*link)->next;
+    *link = job->next;
+    wjob_kill_child(w, job);
+    peer_release_job(w, job);
+    if (job->state == WJOB_FETCHING)
+        wjob_lapse_files(w);
+    if (w->env.leave)
+        w->env.leave(w->env.arg, job->id);
+    free_job(job);
+}
+
+/* What of the pictures a worker looks at. */
+static void
+note_frames(struct wjob *job, const struct msg_spec *spec)
+{
+    job->nframes = spec->nframes;
+    job->flags = spec->flags;
+    job->memory_mib = spec->memory_mib;
+    job->channels = spec->flags & MSG_JOB_DEPTH ? 4 : 3;
+    job->width = spec->width;
+    job->height = spec->height;
+    for (uint32_t i = 0; spec->frames && i < spec->nframes; i++) {
+        const struct msg_frame *f = &spec->frames[i];
+
+        job->width = f->width > job->width ? f->width : job->width;
+        job->height = f->height > job->height ? f->height : job->height;
+    }
+}
+
+struct wjob *
+wjob_new(struct worker *w, const struct msg *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+    const struct msg_spec *spec = &m->job_start;
+    size_t nbytes = (size_t)spec->files.n * MSG_HASH;
+    struct wjob *job = calloc(1, sizeof *job);
+
+    if (!job)
+        return NULL;
+    job->kept_tail = &job->kept;
+    lossy_init(&job->to_child);
+    out->len = 0;
+    job->files = malloc(nbytes ? nbytes : 1);
+    note_frames(job, spec);
+    if (!job->files || msg_pack(out, m) != 0 ||
+        !(job->start = malloc(out->len))) {
+        free_job(job);
+        return NULL;
+    }
+    memcpy(job->id, spec->job, MSG_JOB);
+    msg_job_format(job->id, job->hex);
+    memcpy(job->start, out->buf, out->len);
+    job->start_len = out->len;
+    if (nbytes)
+        memcpy(job->files, spec->files.hash, nbytes);
+    job->nfiles = spec->files.n;
+    job->bundle_bytes = spec->bundle_bytes;
+    job->next = w->jobs;
+    w->jobs = job;
+    return job;
+}
+
+void
+wjob_spawn(struct worker *w, struct wjob *job)
+{
+    struct action *a;
+
+    job->child = worker_new_conn(w);
+    job->state = WJOB_LOADING;
+    job->heard_ms = w->awake_ms;
+    job->tally = (struct msg_tally){ 0 };
+    job->paid = job->unpaid = (struct msg_counts){ 0 };
+    actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);
+    a = actions_add_job(&w->actions, ACT_SPAWN, job->child, job->id);
+    if (a)
+        a->memory_mib = job->memory_mib;
+    worker_send_child_bytes(w, job, job->start, job->start_len);
+}
+
+void
+wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
+{
+    uint32_t list[64];
+    struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
+
+    for (size_t i = 0; !local && i < job->nunits &&
+                       m.lost.nunits < w->env.threads && m.lost.nunits < 64;
+         i++)
+        if (!job->units[i].parked)
+            list[m.lost.nunits++] = job->units[i].unit;
+    worker_send_coord(w, &m);
+    wjob_drop_units(job);
+    job->state = WJOB_IDLE;
+}

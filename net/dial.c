@@ -1,0 +1,275 @@
+/* dial.c - see dial.h
+ *
+ * Names are looked up on libuv's pool: a resolver may take its time.  A name
+ * may have addresses of IPv6 and IPv4, and the coordinator listen at one kind
+ * alone: where an address does not answer the next one is looked up and tried.
+ */
+#include "config.h"
+
+#include "net/dial.h"
+
+#include "net/conn.h"
+#include "net/handshake.h"
+#include "ground/service.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct dialling {
+    struct dialling *next;
+    struct dialler *dialler;
+    uv_work_t lookup;
+    uv_connect_t connect;
+    uv_timer_t timer; /* of connecting */
+    bool looking, connecting;
+    uint64_t id;
+    bool with_key;
+    struct dial_key key;
+    struct address to;
+    unsigned nth; /* of the name's addresses: the one that is tried */
+    uv_stream_t *stream;
+    struct handshake *shake;
+    struct rad_error err; /* of the look-up */
+    char refused[64];     /* why the first address did not answer; or "" */
+    char text[ADDRESS_TEXT];
+};
+
+struct dialler {
+    uv_loop_t *loop;
+    struct tls_ctx *tls;
+    dial_fn *fn;
+    void *arg;
+    struct dialling *first;
+    bool closed;
+};
+
+struct dialler *
+dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg)
+{
+    struct dialler *d = calloc(1, sizeof *d);
+
+    if (!d)
+        return NULL;
+    *d = (struct dialler){ .loop = loop, .fn = fn, .arg = arg };
+    d->tls = tls_client();
+    if (d->tls)
+        return d;
+    free(d);
+    return NULL;
+}
+
+void
+dialler_free(struct dialler *d)
+{
+    if (!d)
+        return;
+    tls_ctx_free(d->tls);
+    free(d);
+}
+
+static void
+timer_closed(uv_handle_t *h)
+{
+    struct dialling *g = h->data; /* which h is in */
+
+    explicit_bzero(g, sizeof *g);
+    free(g);
+}
+
+/* Nobody waits for it any more: its handles go, at last itself. */
+static void
+let_go(struct dialling *g)
+{
+    struct dialling **link = &g->dialler->first;
+
+    while (*link != g)
+        link = &(*link)->next;
+    *link = g->next;
+    uv_timer_stop(&g->timer);
+    if (g->shake)
+        handshake_cancel(g->shake);
+    else if (g->stream)
+        conn_stream_close(g->stream); /* its connect request is cancelled */
+    g->shake = NULL;
+    g->stream = NULL;
+    if (!g->connecting)
+        uv_close((uv_handle_t *)&g->timer, timer_closed);
+}
+
+static void
+give_up(struct dialling *g, const char *why)
+{
+    struct dialler *d = g->dialler;
+
+    d->fn(d->arg, g->id, NULL, NULL, g->text, why);
+    let_go(g);
+}
+
+static void
+hand_over(struct dialling *g, uv_stream_t *stream, struct tls *tls)
+{
+    struct dialler *d = g->dialler;
+
+    g->stream = NULL;
+    d->fn(d->arg, g->id, stream, tls, g->text, NULL);
+    let_go(g);
+}
+
+void
+dialler_close(struct dialler *d)
+{
+    if (!d)
+        return;
+    d->closed = true;
+    for (struct dialling *g = d->first, *next; g; g = next) {
+        next = g->next;
+        if (!g->looking)
+            let_go(g);
+    }
+}
+
+static void
+shaken(void *arg, uv_stream_t *stream, struct tls *tls,
+       const struct rad_error *why)
+{
+    struct dialling *g = arg;
+
+    g->shake = NULL;
+    if (stream)
+        hand_over(g, stream, tls);
+    else
+        give_up(g, why->what);
+}
+
+static void try_address(struct dialling *g);
+
+/* This address does not answer: another one may. */
+static void
+try_next(struct dialling *g, int status)
+{
+    if (g->nth++ == 0)
+        snprintf(g->refused, sizeof g->refused, "%s", uv_strerror(status));
+    conn_stream_close(g->stream);
+    g->stream = NULL;
+    try_address(g);
+}
+
+static void
+connected(uv_connect_t *req, int status)
+{
+    struct dialling *g = req->data;
+    struct dialler *d = g->dialler;
+    uv_stream_t *stream = g->stream;
+
+    g->connecting = false;
+    if (!stream) { /* let go of meanwhile */
+        uv_close((uv_handle_t *)&g->timer, timer_closed);
+        return;
+    }
+    uv_timer_stop(&g->timer);
+    if (status < 0) {
+        try_next(g, status);
+    } else if (address_is_local(&g->to)) {
+        hand_over(g, stream, NULL);
+    } else {
+        g->stream = NULL; /* it is the handshake's */
+        g->shake =
+            handshake_new(stream, tls_dial(d->tls, g->key.id, g->key.secret),
+                          HANDSHAKE_MS, shaken, g);
+        if (!g->shake)
+            give_up(g, "out of memory");
+    }
+}
+
+static void
+look_up(uv_work_t *work)
+{
+    struct dialling *g = work->data;
+
+    g->err.code = 0;
+    address_resolve(g->text, g->nth, &g->to, &g->err);
+}
+
+static void
+on_timer(uv_timer_t *timer)
+{
+    give_up(timer->data, "took too long");
+}
+
+static void
+start_connect(struct dialling *g)
+{
+    bool local = address_is_local(&g->to);
+    int rc = 0;
+
+    g->stream = conn_stream_new(g->dialler->loop, local);
+    if (!g->stream) {
+        give_up(g, "out of memory");
+        return;
+    }
+    g->connect.data = g;
+    g->connecting = true;
+    if (local)
+        uv_pipe_connect(&g->connect, (uv_pipe_t *)g->stream,
+                        g->to.sa.un.sun_path, connected);
+    else
+        rc = uv_tcp_connect(&g->connect, (uv_tcp_t *)g->stream, &g->to.sa.any,
+                            connected);
+    if (rc < 0) {
+        g->connecting = false;
+        try_next(g, rc);
+        return;
+    }
+    uv_timer_start(&g->timer, on_timer, HANDSHAKE_MS, 0);
+}
+
+static void
+looked_up(uv_work_t *work, int status)
+{
+    struct dialling *g = work->data;
+
+    (void)status; /* never cancelled */
+    g->looking = false;
+    if (g->dialler->closed)
+        let_go(g);
+    else if (g->err.code)
+        give_up(g, g->nth > 0 ? g->refused : g->err.what);
+    else if (!g->with_key && !address_is_local(&g->to))
+        give_up(g, "there is no key to show there");
+    else
+        start_connect(g);
+}
+
+/* Look the next address up and connect. */
+static void
+try_address(struct dialling *g)
+{
+    g->looking = true;
+    uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
+}
+
+void
+dial(struct dialler *d, const char *text, uint64_t id,
+     const struct dial_key *key)
+{
+    struct dialling *g = calloc(1, sizeof *g);
+
+    if (!g)
+        service_out_of_memory(); /* whoever asked would wait for ever */
+    if (strncmp(text, "tcp ", 4) == 0)
+        text += 4;
+    else if (strncmp(text, "unix ", 5) == 0)
+        text += 5;
+    snprintf(g->text, sizeof g->text, "%s", text);
+    g->dialler = d;
+    g->id = id;
+    g->with_key = key != NULL;
+    if (key)
+        g->key = *key;
+    g->next = d->first;
+    d->first = g;
+    uv_timer_init(d->loop, &g->timer);
+    g->timer.data = g->lookup.data = g;
+    try_address(g);
+}

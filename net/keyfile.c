@@ -1,0 +1,628 @@
+/* keyfile.c - see keyfile.h
+ *
+ * The file's text is kept beside what it says, so that a change leaves the
+ * comments of whoever looks after it alone: a new key is a line at the end, a
+ * retired one gets its line replaced. */
+#include "config.h"
+
+#include "net/keyfile.h"
+
+#include "base/hex.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define RETIRED "retired"
+
+static const char *const roles[] = { [MSG_ROLE_WORKER] = "worker",
+                                     [MSG_ROLE_USER] = "user",
+                                     [MSG_ROLE_ADMIN] = "admin" };
+enum { NROLES = sizeof roles / sizeof roles[0] };
+
+/* --- words --- */
+
+const char *
+key_role_name(enum msg_role role)
+{
+    return (unsigned)role < NROLES && roles[role] ? roles[role] : "?";
+}
+
+static bool
+is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+bool
+key_name_valid(const char *s, size_t n)
+{
+    if (n < 1 || n > MSG_MAX_NAME)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!is_digit(s[i]) && !(s[i] >= 'a' && s[i] <= 'z') &&
+            !(s[i] >= 'A' && s[i] <= 'Z') && !memchr("._-", s[i], 3))
+            return false;
+    return true;
+}
+
+/* "kN" of n bytes, without leading zeros; 0: it is none. */
+static uint32_t
+parse_number(const char *s, size_t n)
+{
+    uint32_t number = 0;
+
+    if (n < 2 || n > 7 || s[0] != 'k' || s[1] == '0')
+        return 0;
+    for (size_t i = 1; i < n; i++) {
+        if (!is_digit(s[i]))
+            return 0;
+        number = number * 10 + (uint32_t)(s[i] - '0');
+    }
+    return number; /* at most six digits */
+}
+
+/* An id of n bytes. */
+static bool
+parse_id(const char *s, size_t n, struct key *k)
+{
+    const char *colon = memchr(s, ':', n), *name, *second;
+    size_t nrole = colon ? (size_t)(colon - s) : 0, nname;
+
+    memset(k, 0, sizeof *k);
+    for (int r = 0; r < NROLES && colon; r++)
+        if (roles[r] && strlen(roles[r]) == nrole &&
+            memcmp(s, roles[r], nrole) == 0)
+            k->role = (enum msg_role)r;
+    if (k->role == 0)
+        return false;
+    name = colon + 1;
+    nname = n - nrole - 1;
+    second = memchr(name, ':', nname);
+    if (second) {
+        size_t nnumber = nname - (size_t)(second - name) - 1;
+
+        nname = (size_t)(second - name);
+        k->number = parse_number(second + 1, nnumber);
+        if (k->number == 0)
+            return false;
+    }
+    if (!key_name_valid(name, nname))
+        return false;
+    memcpy(k->name, name, nname);
+    return true;
+}
+
+bool
+key_id_parse(const char *id, struct key *k)
+{
+    return parse_id(id, strlen(id), k);
+}
+
+void
+key_id(const struct key *k, char id[KEY_ID])
+{
+    snprintf(id, KEY_ID, "%s:%s:k%u", key_role_name(k->role), k->name,
+             k->number);
+}
+
+static bool
+parse_secret(const char *s, size_t n, struct key *k)
+{
+    if (n == strlen(RETIRED) && memcmp(s, RETIRED, n) == 0) {
+        k->retired = true;
+        return true;
+    }
+    return n == 2 * KEY_SECRET && rad_hex_read(s, KEY_SECRET, k->secret);
+}
+
+/* --- dates --- */
+
+/* n digits as a number; false: other characters. */
+static bool
+digits(const char *s, int n, int *value)
+{
+    *value = 0;
+    for (int i = 0; i < n; i++) {
+        if (!is_digit(s[i]))
+            return false;
+        *value = *value * 10 + (s[i] - '0');
+    }
+    return true;
+}
+
+static bool
+parse_date(const char *s, size_t n, int64_t *expires)
+{
+    struct tm tm = { 0 }, back;
+    char text[KEY_DATE] = "";
+    time_t t;
+
+    if (n != 10 && n != 20)
+        return false;
+    memcpy(text, s, n); /* what follows a digit is a character or the NUL */
+    if (!digits(text, 4, &tm.tm_year) || text[4] != '-' ||
+        !digits(text + 5, 2, &tm.tm_mon) || text[7] != '-' ||
+        !digits(text + 8, 2, &tm.tm_mday))
+        return false;
+    if (n == 20 && (text[10] != 'T' || !digits(text + 11, 2, &tm.tm_hour) ||
+                    text[13] != ':' || !digits(text + 14, 2, &tm.tm_min) ||
+                    text[16] != ':' || !digits(text + 17, 2, &tm.tm_sec) ||
+                    text[19] != 'Z'))
+        return false;
+    if (tm.tm_year < 1971) /* and no date is 0, which is for never */
+        return false;
+    tm.tm_year -= 1900;
+    tm.tm_mon--;
+    back = tm;
+    t = timegm(&tm);
+    /* timegm takes 2027-02-31 for a day in March */
+    if (back.tm_mon != tm.tm_mon || back.tm_mday != tm.tm_mday ||
+        back.tm_hour != tm.tm_hour || back.tm_min != tm.tm_min ||
+        back.tm_sec != tm.tm_sec)
+        return false;
+    *expires = (int64_t)t;
+    return true;
+}
+
+int
+key_date_parse(const char *text, int64_t *expires, struct rad_error *err)
+{
+    if (parse_date(text, strlen(text), expires))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%s' is no date: expected 2027-01-31 or "
+                    "2027-01-31T12:00:00Z",
+                    text);
+}
+
+void
+key_date_format(int64_t expires, char text[KEY_DATE])
+{
+    time_t t = (time_t)expires;
+    struct tm tm;
+
+    text[0] = '\0';
+    if (expires != 0 && gmtime_r(&t, &tm))
+        strftime(text, KEY_DATE,
+                 expires % 86400 ? "%Y-%m-%dT%H:%M:%SZ" : "%Y-%m-%d", &tm);
+}
+
+/* --- reading --- */
+
+void
+keyfile_init(struct keyfile *f)
+{
+    *f = (struct keyfile){ 0 };
+}
+
+static void
+free_wiped(void *p, size_t n)
+{
+    if (p)
+        explicit_bzero(p, n);
+    free(p);
+}
+
+void
+keyfile_release(struct keyfile *f)
+{
+    free_wiped(f->v, f->n * sizeof *f->v);
+    free_wiped(f->text, f->len);
+    keyfile_init(f);
+}
+
+/* The next word of a line, *at on behind it; its length, 0 at the end. */
+static size_t
+next_word(const char *line, size_t len, size_t *at, const char **word)
+{
+    size_t n = 0;
+
+    while (*at < len && (line[*at] == ' ' || line[*at] == '\t'))
+        ++*at;
+    *word = line + *at;
+    while (*at < len && line[*at] != ' ' && line[*at] != '\t') {
+        ++*at;
+        n++;
+    }
+    return n;
+}
+
+/* Why a line is no key; NULL: it is one. */
+static const char *
+parse_line(const char *line, size_t len, struct key *k)
+{
+    const char *word;
+    size_t at = 0, n = next_word(line, len, &at, &word);
+
+    if (!parse_id(word, n, k) || k->number == 0)
+        return "expected ROLE:NAME:kN, with ROLE worker, user or admin";
+    n = next_word(line, len, &at, &word);
+    if (!parse_secret(word, n, k))
+        return "expected 64 hexadecimal digits or 'retired'";
+    n = next_word(line, len, &at, &word);
+    if (n > 0 && !parse_date(word, n, &k->expires))
+        return "expected a date as 2027-01-31";
+    if (next_word(line, len, &at, &word) > 0)
+        return "something stands behind the key";
+    return NULL;
+}
+
+static bool
+same_id(const struct key *a, const struct key *b)
+{
+    return a->role == b->role && a->number == b->number &&
+           strcmp(a->name, b->name) == 0;
+}
+
+/* Room for one more key; the old array is wiped. */
+static bool
+grow(struct keyfile *f)
+{
+    struct key *v;
+
+    if (f->n & (f->n - 1)) /* full at powers of two */
+        return true;
+    v = calloc(f->n ? 2 * f->n : 1, sizeof *v);
+    if (!v)
+        return false;
+    if (f->n)
+        memcpy(v, f->v, f->n * sizeof *v);
+    free_wiped(f->v, f->n * sizeof *v);
+    f->v = v;
+    return true;
+}
+
+static int
+take_line(struct keyfile *f, size_t at, size_t len, struct rad_error *err)
+{
+    const char *line = f->text + at, *why;
+    struct key k;
+    size_t blank = 0;
+
+    while (blank < len && (line[blank] == ' ' || line[blank] == '\t'))
+        blank++;
+    if (blank == len || line[blank] == '#')
+        return 0;
+    if (len > KEY_LINE)
+        return rad_fail(err, RAD_ECONFIG, "line longer than %d bytes",
+                        KEY_LINE);
+    why = parse_line(line, len, &k);
+    for (size_t i = 0; !why && i < f->n; i++)
+        if (same_id(&f->v[i], &k))
+            why = "this key is there already";
+    if (!why && f->n == KEY_MOST)
+        why = "too many keys";
+    if (why) {
+        explicit_bzero(&k, sizeof k);
+        return rad_fail(err, RAD_ECONFIG, "%s", why);
+    }
+    if (!grow(f))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    k.at = at;
+    k.len = len;
+    f->v[f->n++] = k;
+    explicit_bzero(&k, sizeof k);
+    return 0;
+}
+
+int
+keyfile_parse(struct keyfile *f, const char *text, size_t len,
+              struct rad_error *err)
+{
+    unsigned number = 0;
+
+    keyfile_init(f);
+    if (len > KEY_MAX_FILE)
+        return rad_fail(err, RAD_ECONFIG, "longer than %u bytes", KEY_MAX_FILE);
+    f->text = malloc(len + 1);
+    if (!f->text)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (len)
+        memcpy(f->text, text, len);
+    f->text[len] = '\0';
+    f->len = len;
+    for (size_t at = 0; at < len;) {
+        const char *end = memchr(f->text + at, '\n', len - at);
+        size_t n = end ? (size_t)(end - f->text) - at : len - at;
+        int rc;
+
+        number++;
+        rc = take_line(f, at, n, err);
+        if (rc < 0) {
+            rad_error_where(err, "line %u", number);
+            keyfile_release(f);
+            return rc;
+        }
+        at += n + 1;
+    }
+    return 0;
+}
+
+/* May only its owner, whom we trust, read the file? */
+static int
+check_mode(const struct stat *st, const char *path, struct rad_error *err)
+{
+    const char *credentials = getenv("CREDENTIALS_DIRECTORY");
+    mode_t shared = st->st_mode & 077;
+    size_t n = credentials ? strlen(credentials) : 0;
+
+    if (!S_ISREG(st->st_mode))
+        return rad_fail(err, RAD_ENOINPUT, "'%s' is no file", path);
+    if (st->st_uid != geteuid() && st->st_uid != 0)
+        return rad_fail(err, RAD_EPERM, "key file '%s' is another user's",
+                        path);
+    if (n > 0 && strncmp(path, credentials, n) == 0 && path[n] == '/' &&
+        st->st_uid == 0 && st->st_gid == 0)
+        shared &= ~(mode_t)040;
+    if (shared)
+        return rad_fail(err, RAD_EPERM,
+                        "key file '%s' is open to others (mode %04o): use "
+                        "chmod 600",
+                        path, (unsigned)(st->st_mode & 07777));
+    return 0;
+}
+
+/* The bytes of an open file; the caller frees and wipes them. */
+static int
+read_all(int fd, const char *path, char **text, size_t *len,
+         struct rad_error *err)
+{
+    char *p = malloc(KEY_MAX_FILE + 1);
+    size_t n = 0;
+    ssize_t got = 1;
+
+    *text = NULL;
+    if (!p)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    while (n <= KEY_MAX_FILE &&
+           (got = read(fd, p + n, KEY_MAX_FILE + 1 - n)) > 0)
+        n += (size_t)got;
+    if (got < 0) {
+        free_wiped(p, n);
+        return rad_fail(err, RAD_EIO, "cannot read '%s': %s", path,
+                        strerror(errno));
+    }
+    *text = p;
+    *len = n;
+    return 0;
+}
+
+int
+keyfile_load_fd(struct keyfile *f, int fd, const char *path,
+                struct rad_error *err)
+{
+    struct stat st;
+    char *text;
+    size_t len = 0;
+    int rc;
+
+    keyfile_init(f);
+    if (fstat(fd, &st) < 0)
+        return rad_fail(err, RAD_EIO, "'%s': %s", path, strerror(errno));
+    if ((rc = check_mode(&st, path, err)) < 0 ||
+        (rc = read_all(fd, path, &text, &len, err)) < 0)
+        return rc;
+    rc = keyfile_parse(f, text, len, err);
+    free_wiped(text, len);
+    if (rc < 0 && err) { /* "line 3" becomes "FILE:3" */
+        unsigned line;
+
+        if (sscanf(err->where, "line %u", &line) == 1)
+            snprintf(err->where, sizeof err->where, "%.200s:%u", path, line);
+        else
+            rad_error_where(err, "%s", path);
+    }
+    return rc;
+}
+
+int
+keyfile_load(struct keyfile *f, const char *path, struct rad_error *err)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK), rc;
+
+    keyfile_init(f);
+    if (fd < 0)
+        return rad_fail(err, errno == EACCES ? RAD_EPERM : RAD_ENOINPUT,
+                        "cannot open key file '%s': %s", path, strerror(errno));
+    rc = keyfile_load_fd(f, fd, path, err);
+    close(fd);
+    return rc;
+}
+
+/* --- what is in it --- */
+
+enum key_state
+key_state(const struct key *k, int64_t now)
+{
+    if (k->retired)
+        return KEY_RETIRED;
+    return k->expires != 0 && now >= k->expires ? KEY_EXPIRED : KEY_VALID;
+}
+
+const char *
+key_state_name(enum key_state s)
+{
+    static const char *const names[] = { "valid", "expired", RETIRED };
+
+    return names[s];
+}
+
+const struct key *
+keyfile_find(const struct keyfile *f, const char *id)
+{
+    struct key k;
+
+    if (!key_id_parse(id, &k) || k.number == 0)
+        return NULL;
+    for (size_t i = 0; i < f->n; i++)
+        if (same_id(&f->v[i], &k))
+            return &f->v[i];
+    return NULL;
+}
+
+const struct key *
+keyfile_best(const struct keyfile *f, enum msg_role role, int64_t now)
+{
+    const struct key *best = NULL;
+
+    for (size_t i = 0; i < f->n; i++)
+        if (f->v[i].role == role && key_state(&f->v[i], now) == KEY_VALID &&
+            (!best || f->v[i].number > best->number))
+            best = &f->v[i];
+    return best;
+}
+
+const struct key *
+keyfile_choice(const struct keyfile *f, enum msg_role role, int64_t now)
+{
+    const struct key *k = keyfile_best(f, role, now);
+
+    if (!k && role == MSG_ROLE_USER)
+        k = keyfile_best(f, MSG_ROLE_ADMIN, now);
+    for (size_t i = f->n; !k && i-- > 0;)
+        if (f->v[i].role == role && !f->v[i].retired)
+            k = &f->v[i];
+    for (size_t i = f->n; !k && i-- > 0;)
+        if (!f->v[i].retired)
+            k = &f->v[i];
+    return k;
+}
+
+void
+key_format(const struct key *k, char line[KEY_LINE + 1])
+{
+    char id[KEY_ID], secret[2 * KEY_SECRET + 1] = RETIRED, date[KEY_DATE];
+
+    key_id(k, id);
+    if (!k->retired)
+        rad_hex_write(k->secret, KEY_SECRET, secret);
+    key_date_format(k->expires, date);
+    snprintf(line, KEY_LINE + 1, "%s %s%s%s", id, secret, date[0] ? " " : "",
+             date);
+    explicit_bzero(secret, sizeof secret);
+}
+
+/* --- changing it --- */
+
+/* Put n bytes in place of `old` at `at`, and read the whole anew. */
+static int
+replace_part(struct keyfile *f, size_t at, size_t old, const char *with,
+             size_t n, struct rad_error *err)
+{
+    size_t len = f->len - old + n;
+    char *text = malloc(len + 1);
+    struct keyfile next;
+    int rc;
+
+    if (!text)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (at)
+        memcpy(text, f->text, at);
+    memcpy(text + at, with, n);
+    if (f->len > at + old)
+        memcpy(text + at + n, f->text + at + old, f->len - at - old);
+    rc = keyfile_parse(&next, text, len, err);
+    free_wiped(text, len);
+    if (rc < 0)
+        return rc;
+    keyfile_release(f);
+    *f = next;
+    return 0;
+}
+
+static bool
+random_bytes(uint8_t *p, size_t n)
+{
+    while (n > 0) {
+        ssize_t got = getrandom(p, n, 0);
+
+        if (got <= 0 && errno != EINTR)
+            return false;
+        if (got > 0) {
+            p += got;
+            n -= (size_t)got;
+        }
+    }
+    return true;
+}
+
+/* The highest number that a name has had. */
+static uint32_t
+last_number(const struct keyfile *f, const struct key *of)
+{
+    uint32_t last = 0;
+
+    for (size_t i = 0; i < f->n; i++)
+        if (f->v[i].role == of->role && strcmp(f->v[i].name, of->name) == 0 &&
+            f->v[i].number > last)
+            last = f->v[i].number;
+    return last;
+}
+
+int
+keyfile_add(struct keyfile *f, const char *name, int64_t expires,
+            struct rad_error *err)
+{
+    bool open_end = f->len > 0 && f->text[f->len - 1] != '\n';
+    char line[KEY_LINE + 3];
+    struct key k;
+    int rc;
+
+    if (!key_id_parse(name, &k) || k.number != 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%.100s' names no key: expected worker:HOST, "
+                        "user:NAME or admin:NAME",
+                        name);
+    k.number = last_number(f, &k) + 1;
+    k.expires = expires;
+    if (k.number > KEY_MAX_NUMBER || f->n >= KEY_MOST)
+        return rad_fail(err, RAD_ECONFIG, "too many keys");
+    if (!random_bytes(k.secret, sizeof k.secret))
+        return rad_fail(err, RAD_EINTERNAL, "no random bytes: %s",
+                        strerror(errno));
+    line[0] = '\n';
+    key_format(&k, line + open_end);
+    strcat(line, "\n");
+    rc = replace_part(f, f->len, 0, line, strlen(line), err);
+    explicit_bzero(&k, sizeof k);
+    explicit_bzero(line, sizeof line);
+    return rc;
+}
+
+int
+keyfile_retire(struct keyfile *f, const char *name, struct rad_error *err)
+{
+    char line[KEY_LINE + 1];
+    struct key which;
+    int found = 0, changed = 0, rc;
+
+    if (!key_id_parse(name, &which))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%.100s' names no key: expected ROLE:NAME or "
+                        "ROLE:NAME:kN",
+                        name);
+    for (size_t i = 0; i < f->n; i++) {
+        struct key *k = &f->v[i];
+
+        if (k->role != which.role || strcmp(k->name, which.name) != 0 ||
+            (which.number != 0 && k->number != which.number))
+            continue;
+        found++;
+        if (k->retired)
+            continue;
+        k->retired = true;
+        key_format(k, line);
+        if ((rc = replace_part(f, k->at, k->len, line, strlen(line), err)) < 0)
+            return rc;
+        changed++;
+    }
+    return found ? changed
+                 : rad_fail(err, RAD_ENOINPUT, "there is no key '%s'", name);
+}

@@ -1,0 +1,379 @@
+/* listen.c - see listen.h
+ *
+ * Connections are taken here and not by libuv, which without descriptors to
+ * take them with comes back at once, over and over, or throws away all that
+ * wait.  Here they wait in the kernel's queue until there are some. */
+#include "config.h"
+
+#include "net/listen.h"
+
+#include "net/conn.h"
+#include "net/gate.h"
+#include "ground/log.h"
+#include "ground/service.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define BACKLOG  64
+#define AT_ONCE  64  /* connections that are taken in a turn of the loop */
+#define AGAIN_MS 100   /* after a shortage */
+#define TELL_MS  60000 /* least time between lines that tell of one */
+
+/* Descriptors that connections leave for files, children and the like, where
+ * there are many; else a quarter. */
+#define SPARE 64
+
+/*   listens <-> waits: there are no descriptors
+ *         \      /
+ *          closed       */
+struct listener {
+    uv_poll_t poll;
+    uv_timer_t again; /* while it waits */
+    int open_handles; /* before it may go */
+    int fd;
+    int most; /* descriptors above this are not for connections */
+    bool local;
+    bool waits;          /* somebody does, since the last that was taken */
+    bool told;           /* that it waits, ever; */
+    uint64_t told_ms;    /* then when */
+    struct listener_conf conf;
+    struct gate *gate; /* of TCP */
+    struct address at;
+    char text[ADDRESS_TEXT + 8];
+};
+
+/* Is somebody serving the socket at a?  0: no file; 1: a dead one; otherwise
+ * RAD_ECANTCREAT. */
+static int
+probe_socket(const struct address *a, struct rad_error *err)
+{
+    const char *path = a->sa.un.sun_path;
+    struct stat st;
+    int fd, rc;
+
+    if (lstat(path, &st) < 0)
+        return 0;
+    if (!S_ISSOCK(st.st_mode))
+        return rad_fail(err, RAD_ECANTCREAT, "'%s' is there and no socket",
+                        path);
+    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return rad_fail(err, RAD_ECANTCREAT, "no socket: %s", strerror(errno));
+    rc = connect(fd, &a->sa.any, sizeof a->sa.un);
+    if (rc < 0 && errno == ECONNREFUSED)
+        rc = 1;
+    else
+        rc = rad_fail(err, RAD_ECANTCREAT, "'%s' is in use", path);
+    close(fd);
+    return rc;
+}
+
+static int
+make_parent(const char *path, struct rad_error *err)
+{
+    char dir[sizeof((struct sockaddr_un *)0)->sun_path + 1];
+    char *slash;
+
+    snprintf(dir, sizeof dir, "%s", path);
+    slash = strrchr(dir, '/');
+    if (!slash || slash == dir)
+        return 0;
+    *slash = '\0';
+    return service_make_dir(dir, 0755, err) < 0 ? RAD_ECANTCREAT : 0;
+}
+
+static int
+bind_socket(int fd, const struct address *a)
+{
+    socklen_t n = a->sa.any.sa_family == AF_UNIX    ? sizeof a->sa.un
+                  : a->sa.any.sa_family == AF_INET6 ? sizeof a->sa.in6
+                                                    : sizeof a->sa.in;
+    int on = 1, off = 0;
+
+    if (a->sa.any.sa_family != AF_UNIX)
+        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (a->sa.any.sa_family == AF_INET6) /* "*" is for IPv4 as well */
+        setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    if (bind(fd, &a->sa.any, n) < 0)
+        return -errno;
+    /* who may do what is decided by SO_PEERCRED, not by mode */
+    if (a->sa.any.sa_family == AF_UNIX && chmod(a->sa.un.sun_path, 0666) < 0)
+        return -errno;
+    return listen(fd, BACKLOG) < 0 ? -errno : 0;
+}
+
+/* The address that the kernel gave (port 0 in the wish). */
+static void
+note_address(struct listener *l)
+{
+    socklen_t n = sizeof l->at.sa;
+    char text[ADDRESS_TEXT];
+
+    if (!l->local)
+        getsockname(l->fd, &l->at.sa.any, &n);
+    address_format(&l->at, text);
+    snprintf(l->text, sizeof l->text, "%s %s", l->local ? "unix" : "tcp", text);
+}
+
+/* --- connections --- */
+
+static void
+take_one(struct listener *l, int fd)
+{
+    uv_stream_t *stream = conn_stream_new(l->poll.loop, l->local);
+    struct address from;
+    char peer[ADDRESS_TEXT];
+    int rc;
+
+    if (!stream) {
+        log_err("connection refused: out of memory");
+        close(fd);
+        return;
+    }
+    rc = l->local ? uv_pipe_open((uv_pipe_t *)stream, fd)
+                  : uv_tcp_open((uv_tcp_t *)stream, fd);
+    if (rc < 0) {
+        close(fd);
+        conn_stream_close(stream);
+        return;
+    }
+    conn_stream_peer(stream, peer, &from);
+    if (l->local)
+        l->conf.fn(l->conf.arg, stream, NULL, peer);
+    else
+        gate_take(l->gate, stream, &from);
+}
+
+static void on_ready(uv_poll_t *poll, int status, int events);
+
+static void
+go_on(uv_timer_t *again)
+{
+    struct listener *l = again->data;
+
+    uv_poll_start(&l->poll, UV_READABLE, on_ready);
+}
+
+/* Nobody is lost by it: they are in the kernel's queue. */
+static void
+wait_for_some(struct listener *l, const char *why)
+{
+    uint64_t now_ms = uv_now(l->again.loop);
+
+    /* who connects and goes can make it begin to wait at each turn */
+    if (!l->waits && (!l->told || now_ms - l->told_ms >= TELL_MS)) {
+        log_warn("connections wait on=%s: %s", l->text, why);
+        l->told = true;
+        l->told_ms = now_ms;
+    }
+    l->waits = true;
+    uv_poll_stop(&l->poll);
+    uv_timer_start(&l->again, go_on, AGAIN_MS, 0);
+}
+
+/* Is there a descriptor for one more connection, and some to spare? */
+static bool
+has_room(const struct listener *l)
+{
+    int fd = dup(l->fd);
+
+    if (fd >= 0)
+        close(fd);
+    return fd >= 0 && fd < l->most;
+}
+
+/* Does trying again at once lead nowhere? */
+static bool
+is_short(int number)
+{
+    return number == EMFILE || number == ENFILE || number == ENOBUFS ||
+           number == ENOMEM;
+}
+
+static void
+on_ready(uv_poll_t *poll, int status, int events)
+{
+    struct listener *l = poll->data;
+
+    (void)status; /* accept4() says the same */
+    (void)events;
+    for (int i = 0; i < AT_ONCE && !uv_is_closing((uv_handle_t *)poll); i++) {
+        int fd;
+
+        if (!has_room(l)) {
+            wait_for_some(l, strerror(EMFILE));
+            return;
+        }
+        fd = accept4(l->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
+        if (fd < 0 && is_short(errno)) {
+            wait_for_some(l, strerror(errno));
+            return;
+        }
+        if (fd < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
+            return;
+        l->waits = false;
+        if (fd >= 0) /* else that one is gone already */
+            take_one(l, fd);
+    }
+}
+
+/* --- the whole --- */
+
+static int
+most_descriptors(void)
+{
+    struct rlimit limit;
+
+    if (getrlimit(RLIMIT_NOFILE, &limit) < 0 || limit.rlim_cur > INT_MAX)
+        return INT_MAX;
+    return (int)limit.rlim_cur -
+           (int)(limit.rlim_cur / 4 < SPARE ? limit.rlim_cur / 4 : SPARE);
+}
+
+static struct listener *
+new_listener(const struct address *a, const struct listener_conf *conf)
+{
+    struct listener *l = calloc(1, sizeof *l);
+
+    if (!l)
+        return NULL;
+    l->fd = -1;
+    l->at = *a;
+    l->local = address_is_local(a);
+    l->conf = *conf;
+    l->most = most_descriptors();
+    if (l->local)
+        return l;
+    l->gate = gate_new(conf->find, conf->arg,
+                       conf->limit_ms ? conf->limit_ms : HANDSHAKE_MS, conf->fn,
+                       conf->arg);
+    if (l->gate)
+        return l;
+    free(l);
+    return NULL;
+}
+
+static int
+new_socket(const struct address *a)
+{
+    return socket(a->sa.any.sa_family,
+                  SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+}
+
+/* The socket, bound; a negative error number, or RAD_ECANTCREAT with *err. */
+static int
+open_socket(struct listener *l, const char *where, struct rad_error *err)
+{
+    const char *path = l->at.sa.un.sun_path;
+    int rc = l->local ? probe_socket(&l->at, err) : 0;
+
+    if (rc < 0 || (l->local && rc == 0 && make_parent(path, err) < 0))
+        return RAD_ECANTCREAT;
+    if (rc == 1)
+        unlink(path);
+    l->fd = new_socket(&l->at);
+    if (l->fd < 0 && errno == EAFNOSUPPORT && where[0] == '*') {
+        address_wildcard_v4(&l->at); /* a kernel without IPv6 */
+        l->fd = new_socket(&l->at);
+    }
+    return l->fd < 0 ? -errno : bind_socket(l->fd, &l->at);
+}
+
+static void
+free_listener(struct listener *l)
+{
+    if (l->fd >= 0)
+        close(l->fd);
+    gate_free(l->gate);
+    free(l);
+}
+
+static void
+on_closed(uv_handle_t *h)
+{
+    struct listener *l = h->data;
+
+    if (--l->open_handles == 0)
+        free_listener(l);
+}
+
+/* A negative error number, and it is gone. */
+static int
+watch(struct listener *l, uv_loop_t *loop)
+{
+    int rc = uv_poll_init(loop, &l->poll, l->fd);
+
+    if (rc < 0) {
+        free_listener(l);
+        return rc;
+    }
+    uv_timer_init(loop, &l->again);
+    l->poll.data = l->again.data = l;
+    l->open_handles = 2;
+    rc = uv_poll_start(&l->poll, UV_READABLE, on_ready);
+    if (rc < 0)
+        listener_close(l);
+    return rc;
+}
+
+struct listener *
+listener_open(uv_loop_t *loop, const char *where,
+              const struct listener_conf *conf, struct rad_error *err)
+{
+    struct address a;
+    struct listener *l;
+    int rc;
+
+    if (address_resolve_listen(where, &a, err) < 0 ||
+        (!conf->anywhere && address_permitted(&a, where, err) < 0))
+        return NULL;
+    l = new_listener(&a, conf);
+    if (!l) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    rc = open_socket(l, where, err);
+    if (rc < 0) {
+        rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
+                 uv_strerror(rc));
+        free_listener(l);
+        return NULL;
+    }
+    note_address(l);
+    rc = watch(l, loop);
+    if (rc == 0)
+        return l;
+    rad_fail(err, RAD_EINTERNAL, "cannot watch '%s': %s", where,
+             uv_strerror(rc));
+    return NULL;
+}
+
+const char *
+listener_text(const struct listener *l)
+{
+    return l->text;
+}
+
+const char *
+listener_address(const struct listener *l)
+{
+    return strchr(l->text, ' ') + 1;
+}
+
+void
+listener_close(struct listener *l)
+{
+    if (!l || uv_is_closing((uv_handle_t *)&l->poll))
+        return;
+    if (l->local)
+        unlink(l->at.sa.un.sun_path);
+    uv_close((uv_handle_t *)&l->poll, on_closed);
+    uv_close((uv_handle_t *)&l->again, on_closed);
+}

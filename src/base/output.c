@@ -1,0 +1,349 @@
+/* output.c - see output.h */
+#include "config.h"
+
+#include "base/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int
+cannot_create(const char *path, const char *why, struct rad_error *err)
+{
+    return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path, why);
+}
+
+/* The folder that path's file is made in; to be freed. */
+static char *
+folder_of(const char *path)
+{
+    char *copy = strdup(path), *folder = NULL;
+
+    if (copy)
+        folder = strdup(dirname(copy));
+    free(copy);
+    return folder;
+}
+
+/* The descriptor of ours that a name stands for, which may be a file's but is
+ * where somebody else has begun to write; -1: none. */
+static int
+own_descriptor(const char *path)
+{
+    static const char *const folders[] = { "/dev/fd/", "/proc/self/fd/" };
+
+    if (strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    for (size_t i = 0; i < sizeof folders / sizeof folders[0]; i++) {
+        size_t n = strlen(folders[i]), digits;
+
+        if (strncmp(path, folders[i], n) != 0)
+            continue;
+        digits = strspn(path + n, "0123456789");
+        if (digits > 0 && digits < 9 && path[n + digits] == '\0')
+            return atoi(path + n);
+    }
+    return -1;
+}
+
+/* What the link at `name` says, from where that is; NULL: it is none. */
+static char *
+read_link(const char *name)
+{
+    char to[PATH_MAX], *folder, *path = NULL;
+    ssize_t n = readlink(name, to, sizeof to - 1);
+
+    if (n < 0)
+        return NULL;
+    to[n] = '\0';
+    if (to[0] == '/')
+        return strdup(to);
+    folder = folder_of(name);
+    if (folder && asprintf(&path, "%s/%s", folder, to) < 0)
+        path = NULL;
+    free(folder);
+    return path;
+}
+
+/* The name that is written or replaced: links are followed, to a file that need
+ * not be there.  To be freed. */
+static char *
+real_name(const char *path)
+{
+    enum { MOST_LINKS = 40 }; /* the kernel's own */
+    char *name = strdup(path), *to;
+
+    for (int i = 0; name && i < MOST_LINKS && own_descriptor(name) < 0; i++) {
+        to = read_link(name);
+        if (!to)
+            break;
+        free(name);
+        name = to;
+    }
+    return name;
+}
+
+/* Does the name, all links followed, stand for something that must be written
+ * as it is? */
+static bool
+in_place(const char *real)
+{
+    struct stat st;
+
+    return own_descriptor(real) >= 0 ||
+           (stat(real, &st) == 0 && !S_ISREG(st.st_mode));
+}
+
+static int
+check_folder(const char *path, struct rad_error *err)
+{
+    char *folder = folder_of(path);
+    struct stat st;
+    int rc = 0;
+
+    if (!folder)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (stat(folder, &st) != 0)
+        rc = cannot_create(
+            path, errno == ENOENT ? "no such folder" : strerror(errno), err);
+    else if (!S_ISDIR(st.st_mode))
+        rc = cannot_create(path, "its folder is a file", err);
+    else if (access(folder, W_OK | X_OK) != 0)
+        rc = cannot_create(path, strerror(errno), err);
+    free(folder);
+    return rc;
+}
+
+int
+output_check(const char *path, struct rad_error *err)
+{
+    struct stat st;
+    char *real;
+    bool there;
+    int rc = 0;
+
+    if (path[0] == '\0' || path[strlen(path) - 1] == '/')
+        return cannot_create(path, "not a file's name", err);
+    there = stat(path, &st) == 0;
+    if (!there && (errno == ELOOP || errno == ENAMETOOLONG))
+        return cannot_create(path, strerror(errno), err);
+    if (there && S_ISDIR(st.st_mode))
+        return cannot_create(path, "is a folder", err);
+    if (there && access(path, W_OK) != 0)
+        return cannot_create(path, strerror(errno), err);
+    real = real_name(path);
+    if (!real)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (!in_place(real))
+        rc = check_folder(real, err);
+    free(real);
+    return rc;
+}
+
+/* The name from the root on, of a file that need not be there; NULL if its
+ * folder is not.  To be freed. */
+static char *
+full_name(const char *path)
+{
+    char *real = realpath(path, NULL), *name, *folder, *base;
+    const char *slash;
+
+    if (real)
+        return real;
+    name = real_name(path);
+    folder = name ? folder_of(name) : NULL;
+    base = folder ? realpath(folder, NULL) : NULL;
+    slash = name ? strrchr(name, '/') : NULL;
+    if (base && asprintf(&real, "%s/%s", base, slash ? slash + 1 : name) < 0)
+        real = NULL;
+    free(base);
+    free(folder);
+    free(name);
+    return real;
+}
+
+/* A file, and no terminal, pipe or descriptor. */
+static bool
+is_file(const char *path)
+{
+    char *real = real_name(path);
+    bool file = real && !in_place(real);
+
+    free(real);
+    return file;
+}
+
+bool
+output_same(const char *a, const char *b)
+{
+    char *fa, *fb;
+    bool same;
+
+    if (!is_file(a) || !is_file(b))
+        return false;
+    fa = full_name(a);
+    fb = full_name(b);
+    same = fa && fb && strcmp(fa, fb) == 0;
+    free(fa);
+    free(fb);
+    return same;
+}
+
+/* Who may read and write the file that is replaced may so the new one: nobody
+ * else, where its group cannot be kept. */
+static void
+keep_mode(int fd, const char *real)
+{
+    mode_t mask = umask(0), mode = 0666 & ~mask;
+    struct stat st;
+
+    umask(mask);
+    if (stat(real, &st) == 0) {
+        mode = st.st_mode & 0777;
+        if (fchown(fd, st.st_uid, st.st_gid) != 0 &&
+            fchown(fd, (uid_t)-1, st.st_gid) != 0)
+            mode &= ~(mode_t)070;
+    }
+    fchmod(fd, mode);
+}
+
+/* The pattern of temporary names beside a file; the longest name is cut for it.
+ * To be freed. */
+static char *
+temp_name(const char *real)
+{
+    static const char suffix[] = ".XXXXXX";
+    const char *slash = strrchr(real, '/'), *base = slash ? slash + 1 : real;
+    size_t kept = strnlen(base, NAME_MAX - (sizeof suffix - 1));
+    char *temp;
+    int n = asprintf(&temp, "%.*s%s", (int)((size_t)(base - real) + kept), real,
+                     suffix);
+
+    return n < 0 ? NULL : temp;
+}
+
+static int
+open_temp(struct output *out, struct rad_error *err)
+{
+    int fd;
+
+    out->temp = temp_name(out->real);
+    if (!out->temp)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    fd = mkstemp(out->temp);
+    if (fd < 0) {
+        free(out->temp);
+        out->temp = NULL;
+        return cannot_create(out->path, strerror(errno), err);
+    }
+    keep_mode(fd, out->real);
+    out->file = fdopen(fd, "wb");
+    if (!out->file) {
+        close(fd);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    return 0;
+}
+
+/* What is there stays: a descriptor is written on from where it stands. */
+static int
+open_in_place(struct output *out, struct rad_error *err)
+{
+    int own = own_descriptor(out->real);
+    int fd = own >= 0 ? dup(own) : open(out->real, O_WRONLY | O_CLOEXEC);
+
+    out->file = fd >= 0 ? fdopen(fd, "wb") : NULL;
+    if (out->file)
+        return 0;
+    if (fd >= 0)
+        close(fd);
+    return cannot_create(out->path, strerror(errno), err);
+}
+
+int
+output_open(struct output *out, const char *path, bool durable,
+            struct rad_error *err)
+{
+    int rc = 0;
+
+    memset(out, 0, sizeof *out);
+    out->durable = durable;
+    if (!path) {
+        out->file = stdout;
+        return 0;
+    }
+    out->path = strdup(path);
+    out->real = real_name(path);
+    if (!out->path || !out->real)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    else if (in_place(out->real))
+        rc = open_in_place(out, err);
+    else
+        rc = open_temp(out, err);
+    if (rc < 0)
+        output_abort(out);
+    return rc;
+}
+
+static void
+release(struct output *out)
+{
+    free(out->path);
+    free(out->real);
+    free(out->temp);
+    memset(out, 0, sizeof *out);
+}
+
+int
+output_commit(struct output *out, struct rad_error *err)
+{
+    int bad = fflush(out->file) != 0 || ferror(out->file);
+
+    if (out->file != stdout) {
+        if (out->durable && out->temp && !bad)
+            bad = fsync(fileno(out->file)) != 0;
+        bad |= fclose(out->file) != 0;
+        out->file = NULL;
+    }
+    if (!bad && out->temp && rename(out->temp, out->real) != 0)
+        bad = 1;
+    if (bad) {
+        rad_fail(err, RAD_EIO, "cannot write '%s': %s",
+                 out->path ? out->path : "standard output", strerror(errno));
+        output_abort(out);
+        return RAD_EIO;
+    }
+    release(out);
+    return 0;
+}
+
+void
+output_abort(struct output *out)
+{
+    if (out->file && out->file != stdout)
+        fclose(out->file);
+    if (out->temp)
+        unlink(out->temp);
+    release(out);
+}
+
+int
+output_write(const char *path, const void *bytes, size_t n, bool durable,
+             struct rad_error *err)
+{
+    struct output out;
+    int rc = output_open(&out, path, durable, err);
+
+    if (rc < 0)
+        return rc;
+    if (n > 0) /* a failure shows at the commit */
+        (void)!fwrite(bytes, 1, n, out.file);
+    return output_commit(&out, err);
+}

@@ -1,0 +1,515 @@
+/* hdrread.c - reading of pictures: coded rows, and files in all their forms;
+ * see hdr.h, and hdrimpl.h for the format of a row */
+#include "config.h"
+
+#include "image/hdrimpl.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST_SIDE = 1 << 24 };
+
+/* Bytes of one coded component of n pixels; 0: it is none. */
+static size_t
+component_bytes(const uint8_t *c, size_t len, int n)
+{
+    size_t at = 0;
+
+    while (n > 0) {
+        int k = at < len ? c[at] : 0;
+        size_t more = k > 128 ? 2 : 1 + (size_t)k;
+
+        k = k > 128 ? k - 128 : k;
+        if (k == 0 || k > n || more > len - at)
+            return 0;
+        at += more;
+        n -= k;
+    }
+    return at;
+}
+
+size_t
+rad_hdr_row_bytes(const uint8_t *code, size_t len, int width)
+{
+    size_t at = 4;
+
+    if (is_flat(width))
+        return len >= 4 * (size_t)width ? 4 * (size_t)width : 0;
+    if (len < 4 || code[0] != 2 || code[1] != 2 ||
+        (code[2] << 8 | code[3]) != width)
+        return 0;
+    for (int i = 0; i < 4; i++) {
+        size_t n = component_bytes(code + at, len - at, width);
+
+        if (n == 0)
+            return 0;
+        at += n;
+    }
+    return at;
+}
+
+void
+rad_picture_release(struct rad_picture *pic)
+{
+    free(pic->L);
+    memset(pic, 0, sizeof *pic);
+}
+
+struct reader {
+    const uint8_t *at, *end;
+    struct rad_error *err;
+    double divide[3]; /* EXPOSURE times COLORCORR */
+    double pixaspect;
+    double chroma[8];   /* PRIMARIES */
+    bool primaries;     /* were given */
+    bool irradiance;    /* -i of a command line in the header */
+    bool xyz;           /* tristimulus values instead of RGB */
+    bool xmajor;        /* scan lines run along y */
+    bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
+    int nscan, nlength; /* scan lines, pixels in each */
+};
+
+static int
+damaged(struct reader *in, const char *what)
+{
+    return rad_fail(in->err, RAD_EDATA, "picture: %s", what);
+}
+
+/* Copy the next line, without its end, into line; longer ones are cut. */
+static int
+get_line(struct reader *in, char *line, size_t size)
+{
+    const uint8_t *stop = memchr(in->at, '\n', (size_t)(in->end - in->at));
+    size_t n;
+
+    if (!stop)
+        return damaged(in, "header ends early");
+    n = (size_t)(stop - in->at);
+    if (n > 0 && in->at[n - 1] == '\r')
+        n--;
+    if (n > size - 1)
+        n = size - 1;
+    memcpy(line, in->at, n);
+    line[n] = '\0';
+    in->at = stop + 1;
+    return 0;
+}
+
+/* A factor of a header line: finite and above 0. */
+static bool
+get_factor(char **text, double *value)
+{
+    double v = strtod(*text, text);
+
+    *value *= v;
+    return v > 0 && v < DBL_MAX;
+}
+
+static bool
+get_colorcorr(struct reader *in, char *text)
+{
+    return get_factor(&text, &in->divide[0]) &&
+           get_factor(&text, &in->divide[1]) &&
+           get_factor(&text, &in->divide[2]);
+}
+
+/* A line that says less than it should is none, as in Radiance. */
+static void
+get_primaries(struct reader *in, char *text)
+{
+    for (int i = 0; i < 8; i++) {
+        char *end;
+
+        in->chroma[i] = strtod(text, &end);
+        if (end == text || !(fabs(in->chroma[i]) < 1e6))
+            return;
+        text = end;
+    }
+    in->primaries = true;
+}
+
+/* Of the line of a program that renders, does it say -i? */
+static void
+get_irradiance(struct reader *in, const char *line)
+{
+    static const char *const programs[] = { "radsubmit ", "rpict ", "rtpict ",
+                                            "rvu " };
+    bool renders = false;
+
+    for (size_t i = 0; i < sizeof programs / sizeof programs[0]; i++)
+        renders |= strncmp(line, programs[i], strlen(programs[i])) == 0;
+    for (const char *at = line; renders && (at = strstr(at, " -i")); at += 3) {
+        char sign = at[3];
+
+        if (sign == ' ' || sign == '\0')
+            in->irradiance = !in->irradiance;
+        else if (strchr("+1yYtT", sign))
+            in->irradiance = true;
+        else if (strchr("-0nNfF", sign))
+            in->irradiance = false;
+    }
+}
+
+static int
+take_header_line(struct reader *in, char *line)
+{
+    char *value = strchr(line, '=');
+    double expo = 1;
+
+    get_irradiance(in, line);
+    if (!value)
+        return 0;
+    *value++ = '\0';
+    if (strcmp(line, "EXPOSURE") == 0) {
+        if (!get_factor(&value, &expo))
+            return damaged(in, "bad EXPOSURE");
+        for (int i = 0; i < 3; i++)
+            in->divide[i] *= expo;
+    } else if (strcmp(line, "COLORCORR") == 0) {
+        if (!get_colorcorr(in, value))
+            return damaged(in, "bad COLORCORR");
+    } else if (strcmp(line, "PIXASPECT") == 0) {
+        if (!get_factor(&value, &in->pixaspect))
+            return damaged(in, "bad PIXASPECT");
+    } else if (strcmp(line, "PRIMARIES") == 0) {
+        get_primaries(in, value);
+    } else if (strcmp(line, "FORMAT") == 0) {
+        value += strspn(value, " \t");
+        value[strcspn(value, " \t")] = '\0';
+        in->xyz = strcmp(value, "32-bit_rle_xyze") == 0;
+        if (!in->xyz && strcmp(value, "32-bit_rle_rgbe") != 0)
+            return rad_fail(in->err, RAD_EDATA,
+                            "picture: format is '%.40s', only "
+                            "32-bit_rle_rgbe and 32-bit_rle_xyze are read",
+                            value);
+    }
+    return 0;
+}
+
+static int
+read_header(struct reader *in)
+{
+    char line[512];
+    bool more;
+    int rc;
+
+    do {
+        if ((rc = get_line(in, line, sizeof line)) < 0)
+            return rc;
+        more = line[0] != '\0';
+        if ((rc = take_header_line(in, line)) < 0)
+            return rc;
+    } while (more);
+    for (int i = 0; i < 3; i++)
+        if (!(in->divide[i] > 0 && in->divide[i] < DBL_MAX))
+            return damaged(in, "EXPOSURE or COLORCORR out of range");
+    if (!(in->pixaspect > 0 && in->pixaspect < DBL_MAX))
+        return damaged(in, "PIXASPECT out of range");
+    return 0;
+}
+
+/* "-Y 480 +X 640": the axis that scan lines step along comes first. */
+static int
+read_resolution(struct reader *in)
+{
+    char line[128], axis[2][3], rest;
+    int n[2], rc;
+
+    if ((rc = get_line(in, line, sizeof line)) < 0)
+        return rc;
+    if (sscanf(line, "%2s %9d %2s %9d %c", axis[0], &n[0], axis[1], &n[1],
+               &rest) != 4)
+        return damaged(in, "bad resolution line");
+    for (int i = 0; i < 2; i++)
+        if ((axis[i][0] != '+' && axis[i][0] != '-') ||
+            (axis[i][1] != 'X' && axis[i][1] != 'Y') || n[i] < 1 ||
+            n[i] > LONGEST_SIDE)
+            return damaged(in, "bad resolution line");
+    if (axis[0][1] == axis[1][1])
+        return damaged(in, "bad resolution line");
+    in->xmajor = axis[0][1] == 'X';
+    in->yup = axis[in->xmajor ? 1 : 0][0] == '+';
+    in->xleft = axis[in->xmajor ? 0 : 1][0] == '-';
+    in->nscan = n[0];
+    in->nlength = n[1];
+    return 0;
+}
+
+/* The oldest pictures do not begin with "#?": what is no picture at all is told
+ * by what follows. */
+static int
+read_head(struct reader *in)
+{
+    bool marked = in->end - in->at >= 2 && memcmp(in->at, "#?", 2) == 0;
+    struct rad_error why = { 0 }, *err = in->err;
+    int rc;
+
+    in->err = &why;
+    rc = read_header(in);
+    if (rc == 0)
+        rc = read_resolution(in);
+    in->err = err;
+    if (rc == 0)
+        return 0;
+    return marked ? rad_fail(err, rc, "%s", why.what)
+                  : damaged(in, "not a Radiance picture");
+}
+
+static int
+decode_component(struct reader *in, uint8_t *component, int n)
+{
+    for (int i = 0; i < n;) {
+        int k;
+
+        if (in->end - in->at < 2)
+            return damaged(in, "ends early");
+        k = *in->at++;
+        if (k > 128) {
+            k &= 127;
+            if (k > n - i)
+                return damaged(in, "run past the end of a row");
+            for (; k > 0; k--)
+                component[4 * i++] = *in->at;
+            in->at++;
+        } else {
+            if (k == 0 || k > n - i)
+                return damaged(in, "bad length of bytes in a row");
+            if (k > in->end - in->at)
+                return damaged(in, "ends early");
+            for (; k > 0; k--)
+                component[4 * i++] = *in->at++;
+        }
+    }
+    return 0;
+}
+
+/* Flat pixels and old runs. */
+static int
+decode_old(struct reader *in, uint8_t *rgbe, int n)
+{
+    int shift = 0;
+
+    for (int i = 0; i < n;) {
+        if (in->end - in->at < 4)
+            return damaged(in, "ends early");
+        if (in->at[0] == 1 && in->at[1] == 1 && in->at[2] == 1) {
+            /* a count beyond 24 bits is beyond any row */
+            long k = shift < 24 ? (long)in->at[3] << shift : LONG_MAX;
+
+            if (i == 0 || (in->at[3] && k > n - i))
+                return damaged(in, "bad old run in a row");
+            for (; in->at[3] && k > 0; k--, i++)
+                memcpy(rgbe + 4 * i, rgbe + 4 * (i - 1), 4);
+            shift += 8;
+        } else {
+            memcpy(rgbe + 4 * i++, in->at, 4);
+            shift = 0;
+        }
+        in->at += 4;
+    }
+    return 0;
+}
+
+static int
+decode_row(struct reader *in, uint8_t *rgbe)
+{
+    int n = in->nlength;
+    int rc;
+
+    if (is_flat(n) || in->end - in->at < 4 || in->at[0] != 2 ||
+        in->at[1] != 2 || in->at[2] > 127)
+        return decode_old(in, rgbe, n);
+    if ((in->at[2] << 8 | in->at[3]) != n)
+        return damaged(in, "a row's length is not the picture's");
+    in->at += 4;
+    for (int c = 0; c < 4; c++)
+        if ((rc = decode_component(in, rgbe + c, n)) < 0)
+            return rc;
+    return 0;
+}
+
+size_t
+rad_hdr_decode_row(const uint8_t *code, size_t len, int width, uint8_t *rgbe)
+{
+    struct reader in = { .at = code, .end = code + len, .nlength = width };
+
+    if (is_flat(width)) {
+        if (len < 4 * (size_t)width)
+            return 0;
+        memcpy(rgbe, code, 4 * (size_t)width);
+        return 4 * (size_t)width;
+    }
+    if (len < 4 || code[0] != 2 || code[1] != 2 || code[2] > 127)
+        return 0;
+    return decode_row(&in, rgbe) < 0 ? 0 : (size_t)(in.at - code);
+}
+
+/* Decode all rows into *rgbe, which grows with them. */
+static int
+decode_rows(struct reader *in, uint8_t **rgbe)
+{
+    size_t row = 4 * (size_t)in->nlength, room = 0;
+
+    for (int y = 0; y < in->nscan; y++) {
+        size_t used = row * (size_t)y;
+        int rc;
+
+        if (used + row > room) {
+            size_t all = row * (size_t)in->nscan;
+            uint8_t *more;
+
+            room = 2 * (used + row) < all ? 2 * (used + row) : all;
+            more = realloc(*rgbe, room);
+            if (!more)
+                return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+            *rgbe = more;
+        }
+        if ((rc = decode_row(in, *rgbe + used)) < 0) {
+            rad_error_where(in->err, "scan line %d of %d", y + 1, in->nscan);
+            return rc;
+        }
+    }
+    return 0;
+}
+
+/* Where in rgbe the pixel in column x of row y lies, in standard order. */
+static const uint8_t *
+pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
+{
+    int w = in->xmajor ? in->nscan : in->nlength;
+    int h = in->xmajor ? in->nlength : in->nscan;
+    int u = in->xleft ? w - 1 - x : x, v = in->yup ? h - 1 - y : y;
+    size_t at = in->xmajor ? (size_t)u * (size_t)h + (size_t)v
+                           : (size_t)v * (size_t)w + (size_t)u;
+
+    return rgbe + 4 * at;
+}
+
+/* Header and pixels, the latter malloc'd in the file's order. */
+static int
+read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
+{
+    int rc;
+
+    *rgbe = NULL;
+    if ((rc = read_head(in)) < 0)
+        return rc;
+    if ((size_t)in->nscan > max_pixels / (size_t)in->nlength)
+        return rad_fail(in->err, RAD_EDATA,
+                        "picture: %d by %d is more than the %zu pixels that "
+                        "are read",
+                        in->nlength, in->nscan, max_pixels);
+    rc = decode_rows(in, rgbe);
+    if (rc < 0) {
+        free(*rgbe);
+        *rgbe = NULL;
+    }
+    return rc;
+}
+
+static struct reader
+start_reader(const uint8_t *data, size_t len, struct rad_error *err)
+{
+    struct reader in = { .at = data,
+                         .end = data + len,
+                         .err = err,
+                         .divide = { 1, 1, 1 },
+                         .pixaspect = 1 };
+
+    return in;
+}
+
+static struct rad_rgb
+within_gamut(struct rad_rgb c)
+{
+    return rad_rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
+}
+
+/* Turn coded pixels into radiance in standard order. */
+static int
+arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
+{
+    int w = in->xmajor ? in->nscan : in->nlength;
+    int h = in->xmajor ? in->nlength : in->nscan;
+
+    pic->L = malloc((size_t)w * (size_t)h * sizeof *pic->L);
+    if (!pic->L)
+        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++) {
+            struct rad_rgb L = rad_rgbe_radiance(pixel_at(in, rgbe, x, y));
+
+            L = rad_rgb((float)(L.r / in->divide[0]),
+                        (float)(L.g / in->divide[1]),
+                        (float)(L.b / in->divide[2]));
+            pic->L[(size_t)y * (size_t)w + (size_t)x] =
+                in->xyz ? within_gamut(rad_xyz_to_rgb(L)) : L;
+        }
+    pic->width = w;
+    pic->height = h;
+    pic->pixaspect = in->pixaspect;
+    pic->irradiance = in->irradiance;
+    pic->other_primaries = in->primaries && !in->xyz;
+    memcpy(pic->chroma, in->chroma, sizeof pic->chroma);
+    return 0;
+}
+
+int
+rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
+             struct rad_picture *pic, struct rad_error *err)
+{
+    struct reader in = start_reader(data, len, err);
+    uint8_t *rgbe;
+    int rc;
+
+    memset(pic, 0, sizeof *pic);
+    rc = read_coded(&in, max_pixels, &rgbe);
+    if (rc == 0)
+        rc = arrange(&in, rgbe, pic);
+    free(rgbe);
+    return rc;
+}
+
+void
+rad_coded_picture_release(struct rad_coded_picture *pic)
+{
+    free(pic->rgbe);
+    memset(pic, 0, sizeof *pic);
+}
+
+int
+rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
+                   struct rad_coded_picture *pic, struct rad_error *err)
+{
+    struct reader in = start_reader(data, len, err);
+    uint8_t *rgbe, *to;
+    int rc;
+
+    memset(pic, 0, sizeof *pic);
+    rc = read_coded(&in, max_pixels, &rgbe);
+    if (rc < 0)
+        return rc;
+    if (in.xyz) {
+        free(rgbe);
+        return rad_fail(err, RAD_EDATA,
+                        "picture: tristimulus values (32-bit_rle_xyze) are "
+                        "not read here");
+    }
+    pic->width = in.xmajor ? in.nscan : in.nlength;
+    pic->height = in.xmajor ? in.nlength : in.nscan;
+    pic->pixaspect = in.pixaspect;
+    to = malloc(4 * (size_t)pic->width * (size_t)pic->height);
+    pic->rgbe = to;
+    for (int y = 0; to && y < pic->height; y++)
+        for (int x = 0; x < pic->width; x++, to += 4)
+            memcpy(to, pixel_at(&in, rgbe, x, y), 4);
+    free(rgbe);
+    if (pic->rgbe)
+        return 0;
+    rad_coded_picture_release(pic);
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}

@@ -1,0 +1,18 @@
+# picture files and pixels
+librad_a_SOURCES += \
+	src/image/filter.c \
+	src/image/filter.h \
+	src/image/hdr.c \
+	src/image/hdr.h \
+	src/image/hdrimpl.h \
+	src/image/hdrread.c \
+	src/image/metric.c \
+	src/image/metric.h \
+	src/image/number.c \
+	src/image/number.h \
+	src/image/png.c \
+	src/image/png.h \
+	src/image/raster.c \
+	src/image/raster.h \
+	src/image/srgb.c \
+	src/image/srgb.h

@@ -1,0 +1,253 @@
+/* source.c - see source.h
+ *
+ * Finding the light sources of a scene, and the distant ones behind it.  Where
+ * they are sampled is in sample.c, what they look like in shape.c, and which
+ * of them a point sees in shadow.c.  */
+#include "config.h"
+
+#include "light/direct/sources.h"
+#include "base/vec.h"
+#include "scene/part.h"
+#include "shade/emitter.h"
+
+#include <float.h>
+
+/* Is the light of obj the emitter's own, without pattern or texture? */
+static bool
+is_plain(const struct rad_job *job, int32_t obj)
+{
+    int32_t first = job->scene->objects[obj].modifier;
+    int32_t mat = rad_material_of(job->scene, first);
+
+    for (int32_t m = first; m != RAD_VOID; m = job->materials[m].next)
+        if (m != mat && job->materials[m].shader)
+            return false;
+    return true;
+}
+
+/* Does any of the cone leave the front of a flat source? */
+static bool
+spot_shines(const struct rad_spot *spot, const double normal[3])
+{
+    double d = rad_dot(spot->aim, normal);
+    double cone = 1 - spot->omega / (2 * M_PI); /* cosine of its half angle */
+
+    return d > 0 || 1 - d * d < cone * cone;
+}
+
+/* Make *src the source that obj, under emitter em, is.  0, 1 if it is none, or
+ * a negative code. */
+static int
+make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
+            const struct rad_emitter *em, struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[obj];
+    bool far = o->type == RAD_SOURCE;
+    bool glow = em->type == RAD_GLOW;
+    int rc;
+
+    if (rad_rgb_black(em->L) || (glow && !far && !(em->radius > 0)))
+        return 1;
+    *src = (struct rad_source){ .obj = obj, .L = em->L, .spot = em->spot };
+    rc = rad_light_shape(src, o, &job->arena);
+    if (rc == RAD_EDATA)
+        return rad_scene_fail(job->scene, o, err, rc,
+                              "a %s cannot be a light source",
+                              rad_otype_name(o->type));
+    if (rc < 0)
+        return rad_fail(err, rc, "out of memory");
+    if (rc > 0)
+        return 1;
+    if (glow) {
+        src->flags |= far ? RAD_LIGHT_SKIP : RAD_LIGHT_NEAR;
+        src->reach = em->radius;
+    }
+    if (em->type == RAD_SPOTLIGHT) {
+        src->flags |= RAD_LIGHT_SPOT;
+        rad_light_set_apex(src);
+        if (src->flags & RAD_LIGHT_FLAT &&
+            !spot_shines(&src->spot, src->normal))
+            src->flags |= RAD_LIGHT_SKIP;
+    }
+    if (em->type == RAD_ILLUM && em->alternate == RAD_VOID)
+        src->flags |= RAD_LIGHT_PASSES;
+    if (is_plain(job, obj))
+        src->flags |= RAD_LIGHT_PLAIN;
+    return 0;
+}
+
+/* What instances and meshes hold is seen, but is no source, as in Radiance. */
+struct rad_sources *
+rad_sources_new(struct rad_job *job, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    struct rad_sources *s = rad_arena_calloc(&job->arena, 1, sizeof *s);
+    size_t emitters = 0;
+
+    for (int32_t i = 0; i < rad_scene_own(scene); i++)
+        if (rad_emitter_of(job, i))
+            emitters++;
+    if (s) {
+        s->list = rad_arena_calloc(&job->arena, emitters, sizeof *s->list);
+        s->distant =
+            rad_arena_calloc(&job->arena, emitters, sizeof *s->distant);
+    }
+    if (!s || !s->list || !s->distant) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    for (int32_t i = 0; i < rad_scene_own(scene); i++) {
+        const struct rad_emitter *em = rad_emitter_of(job, i);
+        struct rad_source *src = &s->list[s->n];
+        int rc = em ? make_source(src, job, i, em, err) : 1;
+
+        if (rc < 0)
+            return NULL;
+        if (rc > 0)
+            continue;
+        if (src->flags & RAD_LIGHT_DISTANT)
+            s->distant[s->ndistant++] = s->n;
+        if (!(src->flags & RAD_LIGHT_SKIP))
+            s->nlit++;
+        s->n++;
+    }
+    for (int32_t n = 0; n < RAD_FEW_SAMPLES; n++)
+        s->share[n] = rad_share_of(n, job->params.shadcert);
+    return s;
+}
+
+int32_t
+rad_sources_count(const struct rad_sources *s)
+{
+    return s->n;
+}
+
+int32_t
+rad_source_object(const struct rad_sources *s, int32_t i)
+{
+    return rad_source_target(s, i);
+}
+
+int32_t
+rad_source_shown(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? -1 : s->virtuals[i - s->n].from;
+}
+
+int32_t
+rad_source_way(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? 0 : s->virtuals[i - s->n].way;
+}
+
+void
+rad_source_toward(const struct rad_sources *s, int32_t i, const double p[3],
+                  double dir[3])
+{
+    const struct rad_virtual *v = i < s->n ? NULL : &s->virtuals[i - s->n];
+    const struct rad_source *src = &s->list[v ? v->root : i];
+
+    rad_copy(dir, v ? v->image : src->centre);
+    if (src->flags & RAD_LIGHT_DISTANT)
+        return;
+    rad_sub(dir, dir, p);
+    rad_normalize(dir);
+}
+
+bool
+rad_source_reaches(const struct rad_sources *s, int32_t i, const double p[3])
+{
+    return i >= s->n || rad_light_reaches(&s->list[i], p);
+}
+
+int32_t
+rad_sources_targets(const struct rad_sources *s)
+{
+    return s->n + s->nvirtuals;
+}
+
+/* What the difference of two unit vectors may be off by. */
+#define ROUNDING (4 * DBL_EPSILON)
+
+/* Does direction dir meet distant source src?  By the chord between dir and its
+ * middle: 1 - cos has no digits left where a source is small.  A ray aimed at
+ * its very edge must, and a level one half of the sky, whatever rounding has
+ * done to them. */
+static bool
+meets(const struct rad_source *src, const double dir[3])
+{
+    double edge = src->radius + ROUNDING, off[3];
+
+    rad_sub(off, dir, src->centre);
+    return rad_dot(off, off) <= edge * edge;
+}
+
+/* The distant source in direction r->dir, or -1.  A light comes before a glow
+ * (the sky behind the sun), and before an illum that may be looked through;
+ * ambient and gloss rays must not see the glow behind such an illum, for it
+ * stands for that glow. */
+static int32_t
+find_behind(const struct rad_sources *s, const struct rad_ray *r)
+{
+    int32_t glow = -1;
+    bool window = false;
+
+    if (r->source >= 0) {
+        const struct rad_source *src = &s->list[r->source];
+
+        if (r->source >= s->n) /* an image, whose mirror it has missed */
+            return -1;
+        return src->flags & RAD_LIGHT_DISTANT && meets(src, r->dir) ? r->source
+                                                                    : -1;
+    }
+    for (int32_t k = 0; k < s->ndistant; k++) {
+        const struct rad_source *src = &s->list[s->distant[k]];
+
+        if (!meets(src, r->dir))
+            continue;
+        if (src->flags & RAD_LIGHT_PASSES)
+            window = true;
+        else if (!(src->flags & RAD_LIGHT_SKIP))
+            return s->distant[k];
+        else if (glow < 0)
+            glow = s->distant[k];
+    }
+    if (window && r->path & (RAD_RAY_AMBIENT | RAD_RAY_SPECULAR))
+        return -1;
+    return glow;
+}
+
+int32_t
+rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    const struct rad_job *job = ctx->job;
+    int32_t i = find_behind(job->sources, r);
+
+    if (i < 0)
+        return RAD_VOID;
+    r->far_source = i;
+    r->hit.t = INFINITY;
+    rad_scale(r->n, -1, r->dir);
+    r->cos_o = 1;
+    r->pert[0] = r->pert[1] = r->pert[2] = 0;
+    r->pattern = rad_grey(1);
+    r->dist = INFINITY;
+    return job->scene->objects[job->sources->list[i].obj].modifier;
+}
+
+void
+rad_source_shape(const struct rad_sources *s, int32_t i,
+                 struct rad_source_shape *shape)
+{
+    const struct rad_source *src = &s->list[i];
+
+    shape->obj = src->obj;
+    shape->distant = src->flags & RAD_LIGHT_DISTANT;
+    shape->flat = src->flags & RAD_LIGHT_FLAT;
+    shape->round = src->flags & RAD_LIGHT_ROUND;
+    shape->direct = !(src->flags & RAD_LIGHT_SKIP);
+    rad_copy(shape->centre, src->centre);
+    for (int k = 0; k < 3; k++)
+        rad_copy(shape->axis[k], src->axis[k]);
+    shape->radius = src->radius;
+}

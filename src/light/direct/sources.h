@@ -1,0 +1,71 @@
+/* sources.h - the list of light sources, for the files of light/ */
+#ifndef RAD_LIGHT_SOURCES_H
+#define RAD_LIGHT_SOURCES_H
+
+#include "light/indirect/sample.h"
+#include "light/direct/source.h"
+#include "light/direct/virtual.h"
+
+#include <math.h>
+
+/* Up to so many samples their share by -dc is in a table: a power for each
+ * point that is lit takes longer than many a shadow ray. */
+#define RAD_FEW_SAMPLES 64
+
+/* Bound of the rounding in a few dozen operations on coordinates, relative to
+ * the largest. */
+#define RAD_LIGHT_ROUNDING 0x1p-46
+
+struct rad_sources {
+    struct rad_source *list;
+    int32_t n;
+    int32_t nlit;     /* that give direct light */
+    int32_t *distant; /* indices of the distant ones, in scene order */
+    int32_t ndistant;
+    struct rad_virtual *virtuals; /* source i >= n is virtuals[i - n] */
+    int32_t nvirtuals;
+    int32_t share[RAD_FEW_SAMPLES]; /* rad_share_of() */
+};
+
+/* Of n samples those whose sum -dt is held against: n to the power of -dc. */
+static inline int32_t
+rad_share_of(int32_t n, double certainty)
+{
+    return (int32_t)rad_least(n, pow(n, certainty) + .5);
+}
+
+static inline double
+rad_largest(const double v[3])
+{
+    return rad_most(fabs(v[0]), rad_most(fabs(v[1]), fabs(v[2])));
+}
+
+/* rad_source_object(), for each shadow ray. */
+static inline int32_t
+rad_source_target(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? s->list[i].obj : s->virtuals[i - s->n].mirror;
+}
+
+/* Is i a distant source, and no image of one? */
+static inline bool
+rad_source_distant(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n && s->list[i].flags & RAD_LIGHT_DISTANT;
+}
+
+/* Image i; NULL: it is a source. */
+static inline const struct rad_virtual *
+rad_source_virtual(const struct rad_sources *s, int32_t i)
+{
+    return i < s->n ? NULL : &s->virtuals[i - s->n];
+}
+
+/* The source that i is, or is an image of. */
+static inline const struct rad_source *
+rad_source_root(const struct rad_sources *s, int32_t i)
+{
+    return &s->list[i < s->n ? i : s->virtuals[i - s->n].root];
+}
+
+#endif

@@ -1,0 +1,86 @@
+/* ambcache.h - the store of ambient records: an octree and a log
+ *
+ * The octree finds the records whose zones may reach a point; the log holds
+ * all of them in the order of their making, for the other workers.  What a
+ * record means is ambient.c's.
+ * Thread: any number may insert, visit and read the log at once; none ever
+ * waits for another (see "Growth" in ambcache.c).  */
+#ifndef RAD_LIGHT_AMBCACHE_H
+#define RAD_LIGHT_AMBCACHE_H
+
+#include "light/indirect/ambient.h"
+
+struct rad_ambcache;
+
+/* For points in the cube at org with this side; those outside count as on its
+ * face. */
+struct rad_ambcache *rad_ambcache_new(const double org[3], double side);
+void rad_ambcache_free(struct rad_ambcache *c);
+
+/* Bounds of the part of space in which a record may serve: beyond `reach` from
+ * its point, beyond `height` before its plane and `behind` behind that, it does
+ * not. */
+struct rad_ambzone {
+    double reach, height, behind;
+};
+
+/* A record as it is kept, with what every look-up wants of it. */
+struct rad_ambitem {
+    struct rad_ambrec rec;
+    float across[3]; /* n x u, the axis of radius[1] */
+    float per[2];    /* 1 / radius */
+};
+
+void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
+
+/* Add a copy of *rec, which must be sound: finite, its normal near enough to
+ * unit length.  False: out of memory. */
+bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
+                         const struct rad_ambzone *zone, bool local);
+/* The same for n of them, which is faster than one after the other. */
+bool rad_ambcache_insert_all(struct rad_ambcache *c,
+                             const struct rad_ambrec *rec,
+                             const struct rad_ambzone *zone, size_t n,
+                             bool local);
+
+/* How records may differ from what is asked for: the same for many look-ups. */
+struct rad_ambfit {
+    double sine;          /* of the angle between the normals; above 1: any */
+    uint8_t turn, weight; /* see ambfind.c */
+};
+
+/* Normals with a cosine of min_cos at least, weights that are no less than
+ * `weight`, which counts as 1.27 beyond that. */
+void rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight);
+
+/* What is asked for: records whose zone includes p, whose normal fits that of
+ * n, and that were made at `level` bounces for a weight that fits. */
+struct rad_ambquery {
+    double p[3], n[3];
+    int level;
+    const struct rad_ambfit *fit;
+};
+
+/* Call fn with every record that meets the query, some at a time, and with some
+ * that nearly do (in the cube about the zone, and up to a seventh of its reach
+ * beyond): it must look for itself.  Small zones come before large ones: `more`
+ * is told how far those reach that were looked at, and says whether larger ones
+ * are wanted, too.  Which records come does not depend on the order in which
+ * they were inserted, but the order in which they come does. */
+typedef void rad_ambcache_fn(void *arg, const struct rad_ambitem *const *found,
+                             int n);
+typedef bool rad_ambcache_more_fn(void *arg, double reach);
+void rad_ambcache_visit(const struct rad_ambcache *c,
+                        const struct rad_ambquery *q, rad_ambcache_fn *fn,
+                        rad_ambcache_more_fn *more, void *arg);
+
+/* Copy records from the log, from position *cursor on, at most max, and move
+ * the cursor; with local_only, those alone that were inserted as local.  Stops
+ * before a record that is still being written.  Position 0 is the start. */
+size_t rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor,
+                         bool local_only, struct rad_ambrec *out, size_t max);
+
+/* Records inserted so far. */
+size_t rad_ambcache_count(const struct rad_ambcache *c);
+
+#endif

@@ -1,0 +1,326 @@
+/* ambfind.c - look-ups in the octree of ambient records; see ambcache.c
+ *
+ * A vector is loaded whole, with places in it that a writer may just be
+ * filling; what comes of those is masked away.  C11 has no word for such a
+ * load, and ThreadSanitizer would report it, so under that only ready places
+ * are read, one by one, which proves all but this.  */
+#include "config.h"
+
+#include "light/indirect/ambtree.h"
+#include "base/vec.h"
+
+#include <stdlib.h>
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+#define WITH_VECTORS 1
+#include <emmintrin.h>
+#endif
+
+/* A query on its way through a cell, in bytes as in a block. */
+struct probe {
+    uint8_t at[3], n[3], weight;
+    uint8_t turn; /* so far may a normal be off along each axis */
+};
+
+/* The steps by which normals with a cosine of that at least differ along each
+ * axis at most: no more than the chord between them. */
+static uint8_t
+turn_byte(double cosine)
+{
+    return (uint8_t)ceil(sqrt(2 - 2 * clamp(cosine, -1, 1)) * NORMAL_STEPS +
+                         1.1);
+}
+
+void
+rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
+{
+    fit->sine = min_cos > 0 ? sqrt(rad_most(1 - min_cos * min_cos, 0)) : 2;
+    fit->turn = turn_byte(min_cos);
+    fit->weight = (uint8_t)weight_steps(weight);
+}
+
+/* The axes that normals within an angle of n can be nearest to, as bits.  Those
+ * of an axis are on its side of four planes, of which one is farther from n
+ * than any other: that far, as a sine, a normal must be off, and a little for
+ * what the lengths of normals are off.  Nor are they more than 55 degrees from
+ * it, so what is beyond 145 does not matter. */
+static inline unsigned
+faces_about(const double n[3], double sine)
+{
+    double slack = M_SQRT2 * sine + 1e-3, at[3], least, middle, most;
+    unsigned faces = 0;
+
+    for (int k = 0; k < 3; k++)
+        at[k] = fabs(n[k]);
+    least = rad_least(at[0], at[1]);
+    most = rad_most(at[0], at[1]);
+    middle = rad_most(least, rad_least(most, at[2]));
+    most = rad_most(most, at[2]);
+    for (int k = 0; k < 3; k++) {
+        double aside = at[k] == most ? middle : most;
+        unsigned below = n[k] < 0;
+
+        faces |= (unsigned)(aside - at[k] <= slack) << (2 * k + below);
+        faces |= (unsigned)((aside + at[k] <= slack && at[k] < .82) || sine > 1)
+                 << (2 * k + !below);
+    }
+    return faces;
+}
+
+/* The places of a block that are ready, as bits. */
+static inline unsigned
+ready_places(const struct block *b)
+{
+    /* acquire: pairs with the release in push */
+    return atomic_load_explicit(&b->ready, memory_order_acquire);
+}
+
+#ifdef WITH_VECTORS
+
+static inline __m128i
+load16(const void *p)
+{
+    return _mm_load_si128(p);
+}
+
+/* How far bytes are apart, or `far` if that is more. */
+static inline __m128i
+apart(__m128i far, const uint8_t *bytes, uint8_t from)
+{
+    __m128i a = load16(bytes), b = _mm_set1_epi8((char)from);
+
+    return _mm_max_epu8(far,
+                        _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a)));
+}
+
+/* The places that may serve, as bits: within whose reach the point is along
+ * each axis, that look the same way, and that were made for as much weight. */
+static inline unsigned
+passing(const struct block *b, const struct probe *q, unsigned ready)
+{
+    const __m128i zero = _mm_setzero_si128();
+    __m128i far = zero, turn = zero, over;
+
+    far = apart(far, b->at[0], q->at[0]);
+    far = apart(far, b->at[1], q->at[1]);
+    far = apart(far, b->at[2], q->at[2]);
+    turn = apart(turn, b->n[0], q->n[0]);
+    turn = apart(turn, b->n[1], q->n[1]);
+    turn = apart(turn, b->n[2], q->n[2]);
+    over = _mm_or_si128(_mm_subs_epu8(far, load16(b->reach)),
+                        _mm_subs_epu8(turn, _mm_set1_epi8((char)q->turn)));
+    over = _mm_or_si128(
+        over, _mm_subs_epu8(_mm_set1_epi8((char)q->weight), load16(b->weight)));
+    return ready & (unsigned)_mm_movemask_epi8(_mm_cmpeq_epi8(over, zero));
+}
+
+#else
+
+static bool
+may_serve(const struct block *b, const struct probe *q, unsigned i)
+{
+    for (int k = 0; k < 3; k++)
+        if (abs(b->at[k][i] - q->at[k]) > b->reach[i] ||
+            abs(b->n[k][i] - q->n[k]) > q->turn)
+            return false;
+    return b->weight[i] >= q->weight;
+}
+
+/* The places that may serve, as bits. */
+static unsigned
+passing(const struct block *b, const struct probe *q, unsigned ready)
+{
+    unsigned pass = 0;
+
+    for (; ready; ready &= ready - 1) {
+        unsigned i = (unsigned)__builtin_ctz(ready);
+
+        pass |= (unsigned)may_serve(b, q, i) << i;
+    }
+    return pass;
+}
+
+#endif
+
+/* All but the last records' addresses. */
+static inline void
+prefetch(const struct block *b)
+{
+    __builtin_prefetch(b);
+    __builtin_prefetch((const char *)b + LINE);
+    __builtin_prefetch((const char *)b + 2 * LINE);
+}
+
+/* What was found and is to be handed on. */
+enum { MOST_FOUND = 4 * LANES };
+
+struct finds {
+    rad_ambcache_fn *fn;
+    void *arg;
+    int n;
+    const struct rad_ambitem *item[MOST_FOUND];
+};
+
+static inline void
+hand_on(struct finds *finds)
+{
+    if (finds->n > 0)
+        finds->fn(finds->arg, finds->item, finds->n);
+    finds->n = 0;
+}
+
+/* Walk a list and find what may serve. */
+static inline void
+scan(const struct block *b, const struct probe *q, struct finds *finds)
+{
+    for (; b; b = b->next) {
+        unsigned pass;
+
+        if (b->next)
+            prefetch(b->next);
+        pass = passing(b, q, ready_places(b));
+        if (finds->n > MOST_FOUND - LANES)
+            hand_on(finds);
+        for (; pass; pass &= pass - 1) {
+            const struct rad_ambitem *item = b->item[__builtin_ctz(pass)];
+
+            __builtin_prefetch(item);
+            __builtin_prefetch((const char *)item + LINE);
+            finds->item[finds->n++] = item;
+        }
+    }
+}
+
+/* The lists of the cells about a point, from the root to the smallest. */
+struct path {
+    int depth; /* of that */
+    const struct block *list[MAX_DEPTH + 1];
+};
+
+static inline void
+descend(const struct cell *cell, const uint64_t number[3], struct path *path)
+{
+    uint64_t x = number[0] << (64 - BITS), y = number[1] << (64 - BITS),
+             z = number[2] << (64 - BITS);
+
+    for (int depth = 0;; depth++) {
+        const struct block *list =
+            atomic_load_explicit(&cell->list, memory_order_acquire);
+        const struct cell *kids =
+            atomic_load_explicit(&cell->kids, memory_order_acquire);
+
+        path->list[depth] = list;
+        path->depth = depth;
+        if (list)
+            prefetch(list);
+        if (!kids || depth == MAX_DEPTH)
+            return;
+        cell = &kids[x >> 63 | y >> 63 << 1 | z >> 63 << 2];
+        x <<= 1;
+        y <<= 1;
+        z <<= 1;
+    }
+}
+
+/* The point as the cell at that depth has it: place_byte(), from the bits of
+ * its number that follow the cell's. */
+static inline void
+aim(struct probe *probe, const uint64_t number[3], int depth)
+{
+    for (int k = 0; k < 3; k++)
+        probe->at[k] = (uint8_t)(STEPS / 2 + (number[k] >> (MAX_DEPTH - depth) &
+                                              (STEPS - 1)));
+}
+
+/* A look-up under way. */
+struct visit {
+    const struct rad_ambcache *c;
+    uint64_t number[3];
+    struct probe probe;
+    bool any; /* something was looked at */
+    rad_ambcache_more_fn *more;
+    struct finds finds;
+};
+
+/* Be ready for lists of that depth; false: enough was found before. */
+static inline bool
+go_on(struct visit *v, int depth)
+{
+    if (v->any &&
+        !v->more(v->finds.arg, v->c->side / (SPAN * cells_across(depth + 1))))
+        return false;
+    v->any = true;
+    aim(&v->probe, v->number, depth);
+    return true;
+}
+
+static inline void
+look_at(struct visit *v, const struct block *list)
+{
+    scan(list, &v->probe, &v->finds);
+    hand_on(&v->finds);
+}
+
+/* Back up along the path. */
+static inline void
+ascend(struct visit *v, const struct path *path)
+{
+    for (int depth = path->depth; depth >= 0; depth--) {
+        if (!path->list[depth])
+            continue;
+        if (!go_on(v, depth))
+            return;
+        look_at(v, path->list[depth]);
+    }
+}
+
+/* The same along several, in step. */
+static void
+ascend_all(struct visit *v, const struct path *path, int n)
+{
+    int depth = 0;
+
+    for (int i = 0; i < n; i++)
+        depth = path[i].depth > depth ? path[i].depth : depth;
+    for (; depth >= 0; depth--) {
+        bool here = false;
+
+        for (int i = 0; i < n; i++) {
+            if (depth > path[i].depth || !path[i].list[depth])
+                continue;
+            if (!here && !go_on(v, depth))
+                return;
+            here = true;
+            look_at(v, path[i].list[depth]);
+        }
+    }
+}
+
+void
+rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
+                   rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
+{
+    const struct cell *root = c->root[root_of(q->level)];
+    unsigned faces = faces_about(q->n, q->fit->sine);
+    struct path path[FACES];
+    struct visit v;
+    int n = 0;
+
+    v.c = c;
+    v.any = false;
+    v.more = more;
+    v.finds.fn = fn;
+    v.finds.arg = arg;
+    v.finds.n = 0;
+    for (int k = 0; k < 3; k++) {
+        v.number[k] = cell_number((q->p[k] - c->org[k]) * c->scale);
+        v.probe.n[k] = normal_byte(q->n[k]);
+    }
+    v.probe.turn = q->fit->turn;
+    v.probe.weight = q->fit->weight;
+    for (; faces; faces &= faces - 1)
+        descend(&root[__builtin_ctz(faces)], v.number, &path[n++]);
+    if (n == 1)
+        ascend(&v, path);
+    else
+        ascend_all(&v, path, n);
+}

@@ -1,0 +1,708 @@
+/* ambient.c - see ambient.h
+ *
+ * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a
+ * record is made of it: E, how it changes as the point moves and the normal
+ * turns, and an elliptic zone in which a linear extrapolation is good
+ * (ambshape.c).
+ *
+ * Where the zones of several records reach, their extrapolations are averaged
+ * with weights that fall to zero at the edges of the zones, in distance and in
+ * angle, so nothing jumps where a zone ends.
+ *
+ * A record serves its own level alone.  One of a lower level holds the light of
+ * more bounces than a deeper ray has left, so that as many bounces as -ab says
+ * would become up to twice as many: with -ab 4 the Cornell box was 1.6 % too
+ * bright however fine the cache.
+ *
+ * Light leaks: a record made in the open, near a wall that does not reach down
+ * to it, must not serve beyond the wall.  A record remembers in which
+ * directions something stood near by at the horizon; asked for from there, it
+ * serves only if a ray toward a place above it passes.
+ *
+ * The cache's cube is the one in which oconv would put the scene, and -ar
+ * counts in it as rpict has it.  */
+#include "config.h"
+
+#include "light/indirect/ambient.h"
+#include "light/indirect/ambcache.h"
+#include "light/indirect/ambshape.h"
+#include "light/indirect/gradient.h"
+#include "light/indirect/hemisphere.h"
+#include "base/vec.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Reflectance that is assumed where the real one must not matter: each bounce
+ * halves the weight of records, and -aw averages radiance, not irradiance. */
+#define MEAN_REFLECTANCE .5
+
+/* A factor beyond which an extrapolation is not believed. */
+#define LEAST_FACTOR   .05f
+#define LARGEST_FACTOR 20.f
+
+/* Zones of the smaller cells suffice if their weights sum to this. */
+#define ENOUGH_WEIGHT .05
+
+/* -aw: luminances are averaged by logarithm, in units of 2^-20, for sums of
+ * integers do not depend on their order. */
+#define LOG_UNIT 0x1p-20
+
+/* Stands for infinity in the positions of what is seen, in sides of the
+ * scene's cube: far enough to be still as the point moves. */
+#define FAR_SIDES 10.
+
+/* Fewest cells along a side: what a picture shows needs gradients. */
+#define SIDE_SHOWN 7
+#define SIDE_DEEP  5
+
+/* What a search for a ray of some weight looks for. */
+struct terms {
+    float weight;
+    float max_angle; /* between the normals [rad], as their chord has it */
+    struct rad_ambfit fit;
+};
+
+#define USUAL_LEVELS 8
+
+struct rad_ambient {
+    const struct rad_job *job;  /* [fixed] */
+    struct rad_ambcache *cache; /* [fixed] */
+    double org[3];              /* [fixed] the cube's corner */
+    struct rad_ambscale scale;  /* [fixed] */
+    /* [fixed] for rays that hemispheres alone have made lighter */
+    struct terms usual[USUAL_LEVELS];
+    _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
+    _Atomic int64_t log_count;
+    uint64_t drained; /* [loop] log position of rad_ambient_drain */
+};
+
+/* Ten degrees and -aa radians; more for rays that weigh little. */
+static void
+set_terms(const struct rad_ambient *amb, float weight, struct terms *t)
+{
+    double angle = M_PI / 18 + amb->scale.ambacc;
+
+    if (weight < .6f)
+        angle = M_PI / 2 - (M_PI / 2 - angle) * pow((double)weight, .13);
+    t->weight = weight;
+    t->max_angle = (float)angle;
+    rad_ambfit_set(&t->fit, rad_most(1 - .5 * angle * angle, 0),
+                   .9 * (double)weight);
+}
+
+struct rad_ambient *
+rad_ambient_new(const struct rad_job *job, struct rad_error *err)
+{
+    struct rad_ambient *amb = calloc(1, sizeof *amb);
+    double lo[3], hi[3], side = 0;
+
+    if (!amb)
+        goto nomem;
+    amb->job = job;
+    rad_geom_bounds(job->geom, lo, hi);
+    for (int k = 0; k < 3; k++)
+        side = rad_most(side, hi[k] - lo[k]);
+    rad_ambscale_set(&amb->scale, side, &job->params);
+    for (int k = 0; k < 3; k++)
+        amb->org[k] = (lo[k] + hi[k] - amb->scale.side) / 2;
+    for (int i = 0; i < USUAL_LEVELS; i++)
+        set_terms(amb, (float)pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
+    amb->cache = rad_ambcache_new(amb->org, amb->scale.side);
+    if (amb->cache)
+        return amb;
+nomem:
+    free(amb);
+    rad_fail(err, RAD_ENOMEM, "out of memory");
+    return NULL;
+}
+
+void
+rad_ambient_free(struct rad_ambient *amb)
+{
+    if (!amb)
+        return;
+    rad_ambcache_free(amb->cache);
+    free(amb);
+}
+
+/* --- records --- */
+
+static bool
+is_finite(const float *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(v[i] >= -3.4e38f && v[i] <= 3.4e38f))
+            return false;
+    return true;
+}
+
+/* Unit length, and perpendicular to w unless w is NULL, to what single
+ * precision and a conversion on the way may lose. */
+static bool
+is_direction(const float v[3], const float *w)
+{
+    double len2 =
+        (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+
+    if (!(fabs(len2 - 1) < 1e-4))
+        return false;
+    return !w || fabs((double)v[0] * w[0] + (double)v[1] * w[1] +
+                      (double)v[2] * w[2]) < 1e-3;
+}
+
+/* Could this be a record of ours?  In the cube, or off it by rounding. */
+static bool
+is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    for (int k = 0; k < 3; k++) {
+        double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->scale.side;
+
+        if (!(off >= -slack && off <= amb->scale.side + slack))
+            return false;
+    }
+    return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
+           rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
+           rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
+           is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
+           rec->weight > 0 && rec->weight <= 2 &&
+           rec->level < amb->job->params.ambounce;
+}
+
+static struct rad_ambzone
+zone_of(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    double reach = rad_ambscale_reach(&amb->scale, rec->level);
+
+    return (struct rad_ambzone){ .reach = rec->radius[1] * reach,
+                                 .height = rec->radius[0] * reach,
+                                 .behind =
+                                     amb->scale.least * amb->scale.ambacc };
+}
+
+/* For -aw, a record that was inserted. */
+static void
+count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    float lum = rad_rgb_lum(rec->E);
+
+    if (!(amb->job->params.ambvwt > 0 && lum > 0))
+        return;
+    atomic_fetch_add_explicit(&amb->log_sum,
+                              (int64_t)floor(log(lum / M_PI) / LOG_UNIT + .5),
+                              memory_order_relaxed);
+    atomic_fetch_add_explicit(&amb->log_count, 1, memory_order_relaxed);
+}
+
+static bool
+insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
+{
+    struct rad_ambzone zone = zone_of(amb, rec);
+
+    if (!is_plausible(amb, rec) ||
+        !rad_ambcache_insert(amb->cache, rec, &zone, local))
+        return false;
+    count_light(amb, rec);
+    return true;
+}
+
+bool
+rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    return insert(amb, rec, false);
+}
+
+void
+rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
+                       size_t n)
+{
+    struct rad_ambzone zone[RAD_AMBIENT_TOGETHER];
+
+    while (n > 0) {
+        size_t most = n < RAD_AMBIENT_TOGETHER ? n : RAD_AMBIENT_TOGETHER;
+        size_t good = 0;
+
+        for (size_t i = 0; i < most; i++)
+            if (is_plausible(amb, &rec[i])) {
+                zone[good] = zone_of(amb, &rec[i]);
+                rec[good++] = rec[i];
+            }
+        if (rad_ambcache_insert_all(amb->cache, rec, zone, good, false))
+            for (size_t i = 0; i < good; i++)
+                count_light(amb, &rec[i]);
+        rec += most;
+        n -= most;
+    }
+}
+
+size_t
+rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out, size_t max)
+{
+    return rad_ambcache_read(amb->cache, &amb->drained, true, out, max);
+}
+
+size_t
+rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
+                 struct rad_ambrec *out, size_t max)
+{
+    return rad_ambcache_read(amb->cache, cursor, false, out, max);
+}
+
+size_t
+rad_ambient_count(const struct rad_ambient *amb)
+{
+    return rad_ambcache_count(amb->cache);
+}
+
+/* --- interpolation --- */
+
+static inline float
+dotf(const float a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The factor by which E of the record changes at displacement u, v in its plane
+ * with normal pn; false: too far to be believed.  The tilt n x pn has the
+ * components -pn.across and pn.u. */
+static inline bool
+extrapolate(const struct rad_ambitem *it, float u, float v, const float pn[3],
+            float *factor)
+{
+    const struct rad_ambrec *rec = &it->rec;
+    float f =
+        1 + rec->gpos[0] * u + rec->gpos[1] * v +
+        (rec->gdir[1] * dotf(pn, rec->u) - rec->gdir[0] * dotf(pn, it->across));
+
+    *factor = f < LARGEST_FACTOR ? f : LARGEST_FACTOR;
+    if (f > LEAST_FACTOR)
+        return true;
+    *factor = LEAST_FACTOR;
+    return false;
+}
+
+/* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
+static unsigned
+part_of_turn(float u, float v)
+{
+    /* tangents of one, two and three parts */
+    const float one = .198912367f, two = .414213562f, three = .668178638f;
+    float x = fabsf(u), y = fabsf(v), lo = x < y ? x : y, hi = x < y ? y : x;
+    unsigned part = (unsigned)(lo > one * hi) + (unsigned)(lo > two * hi) +
+                    (unsigned)(lo > three * hi);
+
+    part = x < y ? 7 - part : part;
+    part = u < 0 ? 15 - part : part;
+    return v < 0 ? 31 - part : part;
+}
+
+/* Is something between the point and the air above the record?  The ray rises
+ * at 20 degrees from the plane of the point, over what is small and does not
+ * matter. */
+static bool
+is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
+              const struct rad_ambrec *rec, struct rad_geom_counts *counts,
+              uint64_t *rays)
+{
+    double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
+    double to[3], rise = tan(M_PI / 9);
+    struct rad_span span = { .tmin = 0 };
+    struct rad_hit hit = { .err = at->err };
+
+    rad_sub(to, rec->p, at->p);
+    double height = rad_dot(to, at->n), d2 = rad_dot(to, to);
+    double along = sqrt(rad_most(d2 - height * height, 0));
+    double up = (rise * along - height) / rad_dot(n, at->n);
+
+    if (!(up > 0))
+        return false; /* the record is high enough itself */
+    rad_madd(span.dir, to, up, n);
+    span.tmax = rad_normalize(span.dir);
+    rad_copy(hit.p, at->p);
+    rad_copy(hit.n, at->n);
+    rad_geom_leave(&hit, span.dir, span.org);
+    ++*rays;
+    return rad_geom_occluded(amb->job->geom, &span, RAD_VOID, NULL, counts);
+}
+
+struct search {
+    const struct rad_ambient *amb;
+    const struct rad_ambplace *at;
+    float n[3], pn[3]; /* of at */
+    float weight9;     /* the least of a record's */
+    float max_angle;
+    float aa, reach; /* relative distance of those that serve, are wanted */
+    float behind;    /* distance behind a record's surface where it serves */
+    double serves;   /* weight of those that make a further one needless */
+    double weight;   /* found so far */
+    double E[3];     /* weighted */
+    /* how they differ: sums of weights squared, and of luminances squared */
+    double weight2, lum2;
+    struct rad_geom_counts *counts;
+    uint64_t *rays;
+};
+
+static inline void
+add_record(struct search *s, const struct rad_ambitem *it)
+{
+    const struct rad_ambrec *rec = &it->rec;
+    float d[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
+    double w, angular, lum;
+
+    for (int k = 0; k < 3; k++)
+        d[k] = (float)(s->at->p[k] - rec->p[k]);
+    u = dotf(d, rec->u);
+    v = dotf(d, it->across);
+    z = dotf(d, rec->n);
+    x = u * it->per[0];
+    y = v * it->per[1];
+    h = z * it->per[0];
+    dist2 = x * x + y * y + h * h; /* in the zone's units */
+    for (int k = 0; k < 3; k++)
+        d[k] = rec->n[k] - s->n[k];
+    /* the chord, which is the angle for small ones */
+    turn2 = dotf(d, d);
+    if (!(dist2 < s->reach * s->reach) | (z < s->behind) | (turn2 >= 2) |
+        (rec->level != s->at->level) | (rec->weight < s->weight9))
+        return;
+    dist = sqrtf(dist2);
+    turn = sqrtf(turn2);
+    if (!(dist < s->reach) | (turn >= s->max_angle))
+        return;
+    if (!extrapolate(it, u, v, s->pn, &factor))
+        return;
+    if (rec->corral && rec->corral >> part_of_turn(u, v) & 1 &&
+        is_walled_off(s->amb, s->at, rec, s->counts, s->rays))
+        return;
+    angular = (double)(1 - turn / s->max_angle);
+    if (dist < s->aa)
+        s->serves += angular * (double)(1 - dist / s->aa);
+    w = angular * (double)(1 - dist / s->reach);
+    s->weight += w;
+    s->weight2 += w * w;
+    lum = (double)(factor * rad_rgb_lum(rec->E));
+    s->lum2 += w * lum * lum;
+    w *= (double)factor;
+    s->E[0] += w * (double)rec->E.r;
+    s->E[1] += w * (double)rec->E.g;
+    s->E[2] += w * (double)rec->E.b;
+}
+
+/* rad_ambcache_fn */
+static void
+add_records(void *arg, const struct rad_ambitem *const *found, int n)
+{
+    for (int i = 0; i < n; i++)
+        add_record(arg, found[i]);
+}
+
+/* Where small zones have given enough, large ones are left out, unless they
+ * could not be much larger. */
+static bool
+want_more(void *arg, double side)
+{
+    const struct search *s = arg;
+
+    return s->serves < ENOUGH_WEIGHT ||
+           side * s->amb->scale.ambacc <= s->amb->scale.least;
+}
+
+/* Find all that serves at s->at. */
+static void
+search_all(struct search *s)
+{
+    const struct rad_ambplace *at = s->at;
+    const struct rad_ambient *amb = s->amb;
+    const struct terms *t = &amb->usual[at->level % USUAL_LEVELS];
+    struct terms others;
+    struct rad_ambquery q = { .level = at->level };
+
+    if ((float)at->weight != t->weight) {
+        set_terms(amb, (float)at->weight, &others);
+        t = &others;
+    }
+    s->weight9 = (float)(.9 * at->weight);
+    s->max_angle = t->max_angle;
+    s->aa = (float)amb->scale.ambacc;
+    s->reach = (float)rad_ambscale_reach(&amb->scale, at->level);
+    s->behind = -(float)(amb->scale.least * amb->scale.ambacc);
+    q.fit = &t->fit;
+    rad_copy(q.p, at->p);
+    rad_copy(q.n, at->n);
+    for (int k = 0; k < 3; k++) {
+        s->n[k] = (float)at->n[k];
+        s->pn[k] = (float)at->pn[k];
+    }
+    rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
+}
+
+static struct rad_rgb
+found(const struct search *s)
+{
+    return rad_rgb((float)(s->E[0] / s->weight), (float)(s->E[1] / s->weight),
+                   (float)(s->E[2] / s->weight));
+}
+
+double
+rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
+                 struct rad_rgb *E, struct rad_geom_counts *counts,
+                 uint64_t *rays)
+{
+    struct search s = { .amb = amb, .at = at, .counts = counts, .rays = rays };
+
+    search_all(&s);
+    if (s.serves > 0)
+        *E = found(&s);
+    return s.serves;
+}
+
+/* Variance of what was found over its square, from what the records differ by;
+ * negative: one record, which differs from none.  Weights w make the variance
+ * of a mean q / (1 - q) times that of the values, q = sum w^2 / (sum w)^2. */
+static double
+variance(const struct search *s)
+{
+    double q = s->weight2 / (s->weight * s->weight);
+    double mean = rad_rgb_lum(found(s));
+
+    if (!(q < .95) || !(mean > 0))
+        return -1;
+    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q);
+}
+
+bool
+rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+{
+    struct rad_ambplace at = { .level = rec->level, .weight = rec->weight };
+    struct rad_geom_counts counts = { 0, 0 };
+    struct rad_rgb E;
+    uint64_t rays = 0;
+
+    if (!is_plausible(amb, rec))
+        return false;
+    rad_copy(at.p, rec->p);
+    at.err = 1e-6 * amb->scale.least;
+    for (int k = 0; k < 3; k++)
+        at.n[k] = at.pn[k] = rec->n[k];
+    return rad_ambient_find(amb, &at, &E, &counts, &rays) > 0;
+}
+
+/* --- making records --- */
+
+/* The weight that a record made here is for: that of a ray which has been
+ * reflected as often, unless this one is much lighter. */
+static float
+record_weight(const struct rad_ambplace *at)
+{
+    double usual = pow(MEAN_REFLECTANCE, at->level);
+
+    return (float)(at->weight < .1 * usual ? 1.25 * at->weight : usual);
+}
+
+/* Sample the hemisphere at a place and keep the result if it is fit to be
+ * kept.  False: no light could be traced. */
+static bool
+make_record(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind, struct rad_rgb *E)
+{
+    struct rad_ambient *amb = ctx->job->ambient;
+    struct rad_ambrec rec = { .level = (uint16_t)at->level };
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind, .store = true };
+    uint64_t unsound = ctx->counts.unsound_rays;
+    struct rad_hemi h;
+    bool ok;
+
+    rec.weight = record_weight(at);
+    plan.weight = rad_ambrec_worth(&rec);
+    plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
+    plan.coef = rad_grey((float)MEAN_REFLECTANCE);
+    plan.far = FAR_SIDES * amb->scale.side;
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok)
+        *E = h.E;
+    /* what a NaN has touched on the way, now black, is not kept */
+    if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
+        float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
+        struct rad_ambitem item;
+        float factor;
+
+        rad_copy(rec.p, at->p);
+        for (int k = 0; k < 3; k++)
+            rec.n[k] = (float)at->n[k];
+        rec.E = h.E;
+        rad_ambrec_shape(&amb->scale, &h, &rec);
+        if (insert(amb, &rec, true))
+            ctx->counts.ambient_values++;
+        rad_ambitem_set(&item, &rec);
+        extrapolate(&item, 0, 0, pn, &factor);
+        *E = rad_rgb_scale(*E, factor);
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* Without a cache: sample for this place alone. */
+static bool
+sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind,
+            const struct rad_rgb *coef, struct rad_rgb *E)
+{
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind,
+                                  .coef = *coef,
+                                  .weight = at->weight };
+    struct rad_hemi h;
+    double turn[2], axis[3];
+    bool ok;
+
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok) {
+        *E = h.E;
+        rad_cross(axis, at->n, at->pn);
+        if (rad_dot(axis, axis) > 0 && rad_rgb_lum(*E) > 0) {
+            rad_hemi_turn(&h, turn);
+            double f =
+                1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
+
+            *E = rad_rgb_scale(*E, (float)rad_most(f, (double)LEAST_FACTOR));
+        }
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* --- use --- */
+
+/* Diffuse bounces on the way to r's hit. */
+static int
+bounces(const struct rad_ray *r)
+{
+    int n = 0;
+
+    for (; r; r = r->parent)
+        if (r->kind & RAD_RAY_AMBIENT)
+            n++;
+    return n;
+}
+
+bool
+rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    struct rad_ambplace at = { .err = r->hit.err,
+                               .level = bounces(r),
+                               .weight = (double)r->weight };
+    struct rad_rgb E;
+
+    rad_copy(at.p, r->hit.p);
+    rad_scale(at.n, r->cos_o < 0 ? -1 : 1, r->n);
+    rad_copy(at.pn, at.n);
+    return rad_ambient_find(ctx->job->ambient, &at, &E, &ctx->counts.geom,
+                            &ctx->counts.rays) > 0;
+}
+
+/* -av, or its mean with the records so far (-aw), times what a surface leaves
+ * of it. */
+static struct rad_rgb
+constant_radiance(const struct rad_job *job)
+{
+    const struct rad_params *par = &job->params;
+    struct rad_rgb av = par->ambval;
+    const struct rad_ambient *amb = job->ambient;
+    double lum = rad_rgb_lum(av), sum, n;
+
+    if (!amb || par->ambvwt <= 0)
+        return av;
+    sum = (double)atomic_load_explicit(&amb->log_sum, memory_order_relaxed) *
+          LOG_UNIT;
+    n = (double)atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    if (!(n > 0))
+        return av;
+    sum += n * log(1 - MEAN_REFLECTANCE);
+    if (!(lum > 0))
+        return rad_grey((float)exp(sum / n));
+    sum += par->ambvwt * log(lum);
+    return rad_rgb_scale(av, (float)(exp(sum / (par->ambvwt + n)) / lum));
+}
+
+/* E at the place, interpolated or sampled; false: neither is possible.  *var
+ * becomes its relative variance, if it is known. */
+static bool
+irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
+           const struct rad_ambplace *at, bool behind,
+           const struct rad_rgb *coef, struct rad_rgb *E, double *var)
+{
+    struct search s = { .amb = ctx->job->ambient,
+                        .at = at,
+                        .counts = &ctx->counts.geom,
+                        .rays = &ctx->counts.rays };
+
+    if (!s.amb)
+        return sample_here(ctx, r, at, behind, coef, E);
+    search_all(&s);
+    if (!(s.serves > 0))
+        return make_record(ctx, r, at, behind, E);
+    *E = found(&s);
+    *var = variance(&s);
+    return true;
+}
+
+/* What a pixel shows of L at r's hit is in doubt with this relative variance;
+ * negative: nobody knows. */
+static void
+doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
+      double var)
+{
+    double lum2 = rad_rgb_lum(L);
+
+    for (; r; r = r->parent)
+        lum2 *= rad_rgb_lum(r->coef);
+    lum2 *= lum2;
+    ctx->doubt.all += lum2;
+    if (var < 0)
+        return;
+    ctx->doubt.known += lum2;
+    ctx->doubt.variance += lum2 * var;
+}
+
+/* Is the surface that r met left out by -ae or -ai? */
+static bool
+left_out(const struct rad_job *job, const struct rad_ray *r)
+{
+    int32_t mod;
+
+    if (!job->noambient || r->hit.obj == RAD_VOID)
+        return false;
+    mod = job->scene->objects[r->hit.obj].modifier;
+    return mod != RAD_VOID && job->noambient[mod];
+}
+
+void
+rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
+                  struct rad_rgb *coef)
+{
+    const struct rad_params *par = &ctx->job->params;
+    struct rad_ambplace at;
+    struct rad_rgb E = { 0, 0, 0 };
+    double var = -1;
+    bool behind = rad_dot(r->n, n) < 0;
+
+    if (par->ambounce > 0 && par->ambdiv > 0 &&
+        (at.level = bounces(r)) < par->ambounce && !left_out(ctx->job, r)) {
+        at.weight = r->weight;
+        rad_copy(at.p, r->hit.p);
+        at.err = r->hit.err;
+        rad_scale(at.n, behind ? -1 : 1, r->n);
+        rad_copy(at.pn, n);
+        if (irradiance(ctx, r, &at, behind, coef, &E, &var)) {
+            *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
+            if (at.level == 0 && ctx->job->ambient)
+                doubt(ctx, r, *coef, var);
+            return;
+        }
+    }
+    *coef = rad_rgb_mul(*coef, constant_radiance(ctx->job));
+}

@@ -1,0 +1,99 @@
+/* ambient.h - cache of indirect irradiance shared by the rays of one job
+ *
+ * A record keeps the indirect irradiance E and its gradients at one surface
+ * point; nearby rays interpolate it instead of sampling the hemisphere again.
+ * E is irradiance [W/m^2], not E/pi.  Points are double[3] in world space,
+ * lengths in scene units, normals of unit length.
+ * Growth: one append-only octree.  Readers never wait; an insertion is a
+ * compare-and-swap on a list head; records are never moved or changed.
+ * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
+ *          Ward & Heckbert 1992 (gradients);
+ *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */
+#ifndef RAD_LIGHT_AMBIENT_H
+#define RAD_LIGHT_AMBIENT_H
+
+#include "trace/ray.h"
+
+struct rad_ambient;
+
+/* One record; also what travels between workers (proto/ packs it field by
+ * field). */
+struct rad_ambrec {
+    double p[3];      /* position */
+    float n[3];       /* unit normal of the side it was made on */
+    float u[3];       /* unit vector of the smaller radius, in the tangent
+                       * plane; the other axis is n x u */
+    float radius[2];  /* validity radii along u and n x u, smaller first
+                       * [scene units] */
+    float weight;     /* ray weight it was made for */
+    uint16_t level;   /* diffuse bounces before it, 0 for a primary ray */
+    struct rad_rgb E; /* indirect irradiance [W/m^2] */
+    float gpos[2];    /* translation gradient of ln E along u, n x u
+                       * [1/unit], the same for all channels */
+    float gdir[2];    /* rotation gradient about u, n x u [1/rad] */
+    uint32_t corral;  /* directions blocked near by (leak plug) */
+};
+
+/* Thread: one thread makes and frees it; any number may find and insert. */
+struct rad_ambient *rad_ambient_new(const struct rad_job *job,
+                                    struct rad_error *err);
+void rad_ambient_free(struct rad_ambient *amb);
+
+/* Insert a record that came from another worker.  False: refused (not finite,
+ * not plausible in this scene, or memory is out), which costs time, not
+ * correctness. */
+bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
+
+/* Insert n of them, RAD_AMBIENT_TOGETHER at a time, which takes half as long as
+ * one after the other; what is refused is left out.  rec[] is overwritten. */
+#define RAD_AMBIENT_TOGETHER 16
+void rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
+                            size_t n);
+
+/* Would the cache have served a new record's place already?  For the
+ * redundancy meter: ask before inserting. */
+bool rad_ambient_covers(const struct rad_ambient *amb,
+                        const struct rad_ambrec *rec);
+
+/* Where indirect light is asked for. */
+struct rad_ambplace {
+    double p[3];   /* point on a surface */
+    double err;    /* bound of its distance from that [scene units] */
+    double n[3];   /* its unit normal, on the side asked for */
+    double pn[3];  /* the same as textures tilt it */
+    int level;     /* diffuse bounces so far, 0 for a primary ray */
+    double weight; /* of the ray, in (0, 1] */
+};
+
+/* Interpolate E at a place; *E is untouched on a miss.  A record made at
+ * another level, whose E has more or fewer bounces, or for a clearly lighter
+ * ray, does not serve.
+ * Returns the summed record weight, 0 on a miss; cannot fail.  Takes no lock.
+ *   counts  of the tests for light leaks; their number is added to *rays */
+double rad_ambient_find(const struct rad_ambient *amb,
+                        const struct rad_ambplace *at, struct rad_rgb *E,
+                        struct rad_geom_counts *counts, uint64_t *rays);
+
+/* Would the cache serve r's hit, on the side that was hit and as its geometry
+ * is: need no record be made where it is shaded?  For a ray that is entered. */
+bool rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r);
+
+/* Records that were made here since the last call, oldest first, at most max;
+ * the loop thread sends them to the other workers.  One thread at a time. */
+size_t rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out,
+                         size_t max);
+
+/* Walk all records, made here or received (a late joiner gets what there is):
+ * call with *cursor = 0 first; returns how many were copied, 0 at the end.
+ * Any number of walks may go on. */
+size_t rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
+                        struct rad_ambrec *out, size_t max);
+size_t rad_ambient_count(const struct rad_ambient *amb);
+
+/* The indirect light at r's hit: coef (in: diffuse reflectance or
+ * transmittance, out: radiance) *= E/pi on the side of unit normal n.  With
+ * -ab 0 that is -av alone. */
+void rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r,
+                       const double n[3], struct rad_rgb *coef);
+
+#endif

@@ -1,0 +1,277 @@
+/* gradient.c - see gradient.h
+ *
+ * An edge from a to b = a + e adds n.(a x b) I / 2 to the irradiance, where
+ *     I = integral over the edge of dt / |r|^2,  r = a + t e, 0 <= t <= 1,
+ * and differentiating twice with respect to the point, for which dr = -dx,
+ *     grad = [ (n x e) I + n.(a x b) G ] / 2
+ *     hess = [ (n x e) G^T + G (n x e)^T + n.(a x b) K ] / 2
+ *     G = 2 integral r / |r|^4,  K = integral of 8 r r^T / |r|^6 - 2 / |r|^4.
+ * With h the foot of the perpendicular on the edge's line and s the length
+ * along it from there, r = h + s e/|e|, every integral is one of
+ *     A_k = integral ds / q^k,  B_k = ... s / q^k,  C_3 = ... s^2 / q^3,
+ * q = h^2 + s^2, which have closed forms.  Only what is in the plane of the
+ * point is wanted, and with the normal along z that is x and y.  */
+#include "config.h"
+
+#include "light/indirect/gradient.h"
+#include "base/angle.h"
+#include "base/vec.h"
+
+/* An edge whose line passes this close to the point, relative to its distance,
+ * is seen end on: it spans no angle worth the cancellation in h. */
+#define END_ON 1e-6
+
+/* The end of an edge. */
+struct corner {
+    const double *p;
+    double q, rcp; /* |p|^2, 1 / q */
+};
+
+static inline struct corner
+corner_at(const double p[3])
+{
+    double q = rad_dot(p, p);
+
+    return (struct corner){ p, q, 1 / q };
+}
+
+static inline void
+add_edge(const struct corner *a, const struct corner *b, double scale,
+         struct rad_slope *sum)
+{
+    double e[3], axb[3];
+
+    rad_sub(e, b->p, a->p);
+    rad_cross(axb, a->p, b->p);
+
+    double len2 = rad_dot(e, e), area2 = rad_dot(axb, axb);
+
+    if (!(area2 > END_ON * END_ON * len2 * rad_least(a->q, b->q)))
+        return;
+
+    double len = sqrt(len2), area = sqrt(area2), per = 1 / len;
+    double x = e[0] * per, y = e[1] * per; /* the edge's unit vector */
+    double s0 = rad_dot(a->p, e) * per, s1 = s0 + len;
+    double hx = a->p[0] - s0 * x, hy = a->p[1] - s0 * y;
+    double rcp = len2 / area2; /* 1 / h^2 */
+    double d = axb[2] * per;   /* the integrals are over s = t len */
+    double A1 = rad_angle(area, rad_dot(a->p, b->p)) * area * rcp * per;
+    double A2 = ((s1 * b->rcp - s0 * a->rcp) + A1) * rcp / 2;
+    double B2 = (a->rcp - b->rcp) / 2;
+    double A3 =
+        ((s1 * b->rcp * b->rcp - s0 * a->rcp * a->rcp) + 3 * A2) * rcp / 4;
+    double B3 = (a->rcp + b->rcp) * B2 / 2;
+    double C3 = A2 - area2 * per * per * A3;
+    double Gx = 2 * (A2 * hx + B2 * x), Gy = 2 * (A2 * hy + B2 * y);
+
+    d *= scale;
+    sum->grad[0] += (d * Gx - scale * A1 * y) / 2;
+    sum->grad[1] += (d * Gy + scale * A1 * x) / 2;
+    d *= 4;
+    A2 /= 4;
+    sum->hess[0] +=
+        d * (A3 * hx * hx + 2 * B3 * hx * x + C3 * x * x - A2) - scale * y * Gx;
+    sum->hess[1] += d * (A3 * hx * hy + B3 * (hx * y + hy * x) + C3 * x * y) +
+                    scale / 2 * (x * Gx - y * Gy);
+    sum->hess[2] +=
+        d * (A3 * hy * hy + 2 * B3 * hy * y + C3 * y * y - A2) + scale * x * Gy;
+}
+
+void
+rad_edge_slope(const double a[3], const double b[3], double scale,
+               struct rad_slope *sum)
+{
+    struct corner from = corner_at(a), to = corner_at(b);
+
+    add_edge(&from, &to, scale, sum);
+}
+
+/* What a cell may count for at most, over the mean. */
+#define MOST_SHARE 4
+
+/* The mean luminance of the cells, of which none counts for more than *most,
+ * about MOST_SHARE times that.  A cell that drew a rare bright sample would
+ * else make all other differences small, so that its record, which is too
+ * bright, would get a larger zone than those without, which are too dark: the
+ * picture would be too bright.  Where most cells are black and some alike the
+ * limit is small, but so is the mean, and their ratio stays. */
+static double
+fair_mean(const struct rad_hemi *h, double *most)
+{
+    int n2 = h->n * h->n;
+    double mean = rad_rgb_lum(h->E) / M_PI;
+
+    for (int pass = 0; pass < 8; pass++) {
+        double sum = 0;
+
+        *most = MOST_SHARE * mean;
+        for (int k = 0; k < n2; k++)
+            sum += rad_least(rad_rgb_lum(h->cell[k].L), *most);
+        mean = sum / n2;
+    }
+    return mean;
+}
+
+/* Luminance of the farthest of three cells, at most `most`. */
+static double
+behind(const struct rad_hemi *h, int a, int b, int c, double most)
+{
+    const struct rad_hemicell *far = &h->cell[a];
+
+    if (h->cell[b].near < far->near)
+        far = &h->cell[b];
+    if (h->cell[c].near < far->near)
+        far = &h->cell[c];
+    return rad_least(rad_rgb_lum(far->L), most);
+}
+
+/* The two triangles of the square of cells above and right of (i, j). */
+static double
+lower(const struct rad_hemi *h, int i, int j, double most)
+{
+    int k = i * h->n + j;
+
+    return behind(h, k, k + 1, k + h->n, most);
+}
+
+static double
+upper(const struct rad_hemi *h, int i, int j, double most)
+{
+    int k = i * h->n + j;
+
+    return behind(h, k + h->n + 1, k + h->n, k + 1, most);
+}
+
+/* What stands at the horizon is nearer by this than what is seen above it. */
+#define STANDS_OUT 2
+
+/* Two neighbours of the mesh's outline, counter-clockwise, and the third corner
+ * of their triangle, whose luminance is `in`. */
+struct rim {
+    int a, b, c;
+    double in;
+};
+
+/* Where what a and b meet stands before what c meets, as a house does that is
+ * seen from afar, their triangle has the luminance of the latter, and the house
+ * would be overlooked.  It covers what is between them and the horizon. */
+static void
+add_rim(const struct rad_hemi *h, const struct rim *r, struct rad_slope *sum,
+        double most)
+{
+    const struct rad_hemicell *a = &h->cell[r->a], *b = &h->cell[r->b];
+    float near = a->near < b->near ? a->near : b->near;
+    double d = r->in - (rad_least(rad_rgb_lum(a->L), most) +
+                        rad_least(rad_rgb_lum(b->L), most)) /
+                           2;
+
+    if (!(near > STANDS_OUT * h->cell[r->c].near) || d == 0)
+        return;
+
+    const double below[2][3] = { { a->p[0], a->p[1], 0 },
+                                 { b->p[0], b->p[1], 0 } };
+
+    rad_edge_slope(a->p, b->p, d, sum);
+    rad_edge_slope(b->p, below[1], d, sum);
+    rad_edge_slope(below[1], below[0], d, sum);
+    rad_edge_slope(below[0], a->p, d, sum);
+}
+
+static void
+sum_rims(const struct rad_hemi *h, struct rad_slope *sum, double most)
+{
+    int n = h->n, last = n - 2, top = (n - 1) * n;
+
+    for (int k = 0; k < n - 1; k++) {
+        const struct rim side[4] = {
+            { k, k + 1, k + n, lower(h, 0, k, most) },
+            { (k + 1) * n, k * n, k * n + 1, lower(h, k, 0, most) },
+            { top + k + 1, top + k, top - n + k + 1, upper(h, last, k, most) },
+            { k * n + n - 1, k * n + n + n - 1, k * n + n + last,
+              upper(h, k, last, most) },
+        };
+
+        for (int i = 0; i < 4; i++)
+            add_rim(h, &side[i], sum, most);
+    }
+}
+
+/* Each edge between two triangles, with the difference of its left one and its
+ * right one.  The mesh's outline has no right side: what lies beyond is taken
+ * to go on as it is, but see add_rim(). */
+static void
+sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
+{
+    int n = h->n;
+
+    for (int i = 0; i < n - 1; i++) {
+        const struct rad_hemicell *cell = &h->cell[i * n];
+        struct corner at = corner_at(cell->p);
+
+        for (int j = 0; j < n - 1; j++, cell++) {
+            struct corner right = corner_at(cell[1].p),
+                          above = corner_at(cell[n].p);
+            double low = lower(h, i, j, most), d;
+
+            d = low - upper(h, i, j, most);
+            if (d != 0)
+                add_edge(&right, &above, d, sum);
+            d = i > 0 ? low - upper(h, i - 1, j, most) : 0;
+            if (d != 0)
+                add_edge(&at, &right, d, sum);
+            d = j > 0 ? upper(h, i, j - 1, most) - low : 0;
+            if (d != 0)
+                add_edge(&at, &above, d, sum);
+            at = right;
+        }
+    }
+}
+
+void
+rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
+{
+    struct rad_slope sum = { .grad = { 0 } };
+    double most, E = M_PI * fair_mean(h, &most);
+
+    sum_edges(h, &sum, most);
+    sum_rims(h, &sum, most);
+    rad_hemi_turn(h, g->turn);
+    for (int k = 0; k < 2; k++)
+        g->move[k] = sum.grad[k] / E;
+    for (int k = 0; k < 3; k++)
+        g->hess[k] = sum.hess[k] / E;
+}
+
+/* Turning the normal by da about axis t adds L da.(n x d) / (n.d) per sample
+ * of direction d, for samples are as dense as n.d. */
+void
+rad_hemi_turn(const struct rad_hemi *h, double turn[2])
+{
+    double n2 = (double)h->n * h->n, scale = M_PI / n2 / rad_rgb_lum(h->E);
+    double mean = rad_rgb_lum(h->E) / M_PI;
+
+    turn[0] = turn[1] = 0;
+    for (int k = 0; k < h->n * h->n; k++) {
+        const double *d = h->cell[k].p;
+        /* a uniform part turns nothing, but low rays would make it noise */
+        double f = (rad_rgb_lum(h->cell[k].L) - mean) / d[2];
+
+        turn[0] -= scale * f * d[1];
+        turn[1] += scale * f * d[0];
+    }
+}
+
+void
+rad_eigen2(const double m[3], double value[2], double vec[2])
+{
+    double mean = (m[0] + m[2]) / 2, half = (m[0] - m[2]) / 2;
+    double root = hypot(half, m[1]), sign = mean < 0 ? -1 : 1;
+    double angle = atan2(m[1], half) / 2; /* of the larger eigenvalue */
+
+    value[0] = mean + sign * root;
+    value[1] = mean - sign * root;
+    if (sign < 0)
+        angle += M_PI / 2;
+    vec[0] = cos(angle);
+    vec[1] = sin(angle);
+}

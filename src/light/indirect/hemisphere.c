@@ -1,0 +1,291 @@
+/* hemisphere.c - see hemisphere.h
+ *
+ * Samples are correlated multi-jittered: the ray of the cell in row i and
+ * column j has the column offset of its row and the row offset of its column,
+ * each a permutation of n finer steps, so that the projections on both axes
+ * are stratified n^2 times and no two neighbours coincide, which would spoil
+ * the gradients.
+ * More samples (-as) go where the cells around a cell differ.  A cell's own
+ * sample has no say in it: else a cell that drew a bright sample would be
+ * averaged down and one that drew a dark one would not, and the result would
+ * be too dark in the mean.  */
+#include "config.h"
+
+#include "light/indirect/hemisphere.h"
+#include "base/angle.h"
+#include "base/rng.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+/* Fewest cells along a side among which differences mean something.  It is
+ * more than any least side of a record: else -as, which may be much larger than
+ * -ad, would be traced for each of the many that -ad makes coarse. */
+#define MIN_SIDE 8
+/* Reflectance assumed for the weight of rays that make a record, which serves
+ * surfaces of any. */
+#define MEAN_REFLECTANCE .5f
+
+/* In the place of -lw 0, which is divided by. */
+#define NO_WEIGHT 1e-20
+
+/* The shortest distance that is told from zero, relative to the longest. */
+#define NEAREST 1e-12
+
+/* Dimensions of the numbers drawn at the hemisphere's own key. */
+enum {
+    DIM_TURN = 0,
+    DIM_ROWS = 0x100000,
+    DIM_COLUMNS = 0x200000,
+    DIM_ROUND = 0x300000,
+    DIM_JITTER = 0x400000
+};
+
+struct sampler {
+    struct rad_ctx *ctx;
+    const struct rad_ray *r;
+    const struct rad_hemi_plan *plan;
+    struct rad_hemi *h;
+    struct rad_rgb coef; /* of one ray, for its weight */
+    enum rad_raykind kind;
+    uint32_t branch; /* class of the rays' branch numbers */
+    uint64_t key;
+    int traced; /* cells whose first ray was */
+};
+
+/* The unit square to the unit disk, keeping relative areas. */
+static void
+square_to_disk(double x, double y, double d[2])
+{
+    double a = 2 * x - 1, b = 2 * y - 1, sine, cosine;
+    int along = !(fabs(a) > fabs(b)); /* the axis that is nearer */
+    double r = along ? b : a, over = along ? a : b;
+
+    if (r == 0) {
+        d[0] = d[1] = 0;
+        return;
+    }
+    rad_sin_cos(M_PI / 4 * (over / r), &sine, &cosine);
+    d[along] = r * cosine;
+    d[!along] = r * sine;
+}
+
+/* Trace the ray through (x, y) of the square; false: it was refused.  d gets
+ * its direction, in the frame of the sampling, *dist how far it went. */
+static bool
+trace(struct sampler *s, double x, double y, uint32_t number, double d[3],
+      struct rad_rgb *L, double *dist)
+{
+    struct rad_ctx *ctx = s->ctx;
+    struct rad_ray ray;
+
+    if (!rad_ray_spawn(ctx, &ray, s->kind, s->r, &s->coef, s->branch | number))
+        return false;
+    square_to_disk(x, y, d);
+    d[2] = sqrt(rad_most(1 - d[0] * d[0] - d[1] * d[1], 0));
+    rad_scale(ray.dir, d[0], s->h->u);
+    rad_madd(ray.dir, ray.dir, d[1], s->h->v);
+    rad_madd(ray.dir, ray.dir, d[2], s->h->w);
+    ctx->counts.ambient_rays++;
+    rad_ray_trace(ctx, &ray);
+    /* roulette has raised the coefficient of a survivor */
+    *L = rad_rgb_scale(ray.L, rad_rgb_max(ray.coef) / rad_rgb_max(s->coef));
+    if (!s->plan->store) {
+        *dist = 1;
+        return true;
+    }
+    *dist = rad_ray_distance(&ray);
+    *dist = *dist < s->plan->far ? *dist : s->plan->far;
+    *dist = rad_most(*dist, NEAREST * s->plan->far);
+    return true;
+}
+
+/* Permutation of 0..n-1 drawn at the given dimensions. */
+static void
+permute(uint64_t key, uint32_t dim, int n, int *perm)
+{
+    for (int i = 0; i < n; i++) {
+        int k = (int)(rad_rand(key, dim + (uint32_t)i) * (i + 1));
+
+        perm[i] = i;
+        perm[i] = perm[k];
+        perm[k] = i;
+    }
+}
+
+/* First ray of each cell. */
+static bool
+sample_cells(struct sampler *s)
+{
+    struct rad_hemi *h = s->h;
+    int n = h->n;
+    int *perm = rad_arena_alloc(&s->ctx->scratch, 2 * (size_t)n * sizeof *perm);
+
+    if (!perm)
+        return false;
+    permute(s->key, DIM_ROWS, n, perm);
+    permute(s->key, DIM_COLUMNS, n, perm + n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            uint32_t number = (uint32_t)(i * n + j);
+            struct rad_hemicell *c = &h->cell[number];
+            uint32_t dim = DIM_JITTER + 2 * number;
+            double x = perm[i] + rad_rand(s->key, dim);
+            double y = perm[n + j] + rad_rand(s->key, dim + 1);
+            double d[3], dist;
+
+            if (!trace(s, (j + x / n) / n, (i + y / n) / n, number, d, &c->L,
+                       &dist))
+                continue;
+            rad_scale(c->p, dist, d);
+            c->near = (float)(1 / dist);
+            s->traced++;
+        }
+    return s->traced > 0;
+}
+
+/* Standard deviation of the luminance of the cells around (i, j). */
+static double
+contrast(const struct rad_hemi *h, int i, int j)
+{
+    double sum = 0, sum2 = 0;
+    int k = 0;
+
+    for (int a = i - 1; a <= i + 1; a++)
+        for (int b = j - 1; b <= j + 1; b++) {
+            if (a < 0 || b < 0 || a >= h->n || b >= h->n || (a == i && b == j))
+                continue;
+            double lum = rad_rgb_lum(h->cell[a * h->n + b].L);
+
+            sum += lum;
+            sum2 += lum * lum;
+            k++;
+        }
+    return sqrt(rad_most(sum2 - sum * sum / k, 0) / k);
+}
+
+/* Put `more` rays into cell (i, j) and renew its mean. */
+static void
+resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
+{
+    int n = s->h->n, got = 1;
+    struct rad_hemicell *c = &s->h->cell[i * n + j];
+    struct rad_rgb sum = c->L;
+
+    for (int k = 0; k < more; k++, ++*number) {
+        uint32_t dim = DIM_JITTER + 2 * *number;
+        double x = rad_rand(s->key, dim), y = rad_rand(s->key, dim + 1);
+        double d[3], dist;
+        struct rad_rgb L;
+
+        if (!trace(s, (j + x) / n, (i + y) / n, *number, d, &L, &dist))
+            continue;
+        sum = rad_rgb_add(sum, L);
+        if (dist * c->near < 1)
+            c->near = (float)(1 / dist);
+        got++;
+    }
+    c->L = rad_rgb_scale(sum, 1.f / (float)got);
+}
+
+/* Share `count` more rays among the cells, as their neighbours differ. */
+static void
+super_sample(struct sampler *s, int count)
+{
+    int n = s->h->n;
+    double total = 0;
+    double *want =
+        rad_arena_alloc(&s->ctx->scratch, (size_t)n * (size_t)n * sizeof *want);
+    uint32_t number = (uint32_t)(n * n);
+
+    if (!want)
+        return;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            total += want[i * n + j] = contrast(s->h, i, j);
+    if (!(total > 0 && total < INFINITY))
+        return;
+    for (int k = 0; k < n * n; k++) {
+        double share = want[k] / total * count;
+        /* rounded up with the probability of the fraction */
+        int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
+
+        if (more > 0)
+            resample_cell(s, k / n, k % n, more, &number);
+    }
+}
+
+static void
+set_frame(struct sampler *s)
+{
+    struct rad_hemi *h = s->h;
+    double phi = 2 * M_PI * rad_rand(s->key, DIM_TURN), a[3], b[3];
+
+    rad_copy(h->w, s->plan->normal);
+    rad_frame(a, b, h->w);
+    rad_scale(h->u, cos(phi), a);
+    rad_madd(h->u, h->u, sin(phi), b);
+    rad_cross(h->v, h->w, h->u);
+}
+
+/* Cells along a side for -ad and the weight.  Without a record to be made,
+ * few enough that each ray is still worth tracing (-lw). */
+static int
+choose_side(const struct rad_params *par, const struct rad_ray *r,
+            const struct rad_hemi_plan *plan, double *weight)
+{
+    *weight = plan->weight;
+    if (!plan->store) {
+        double most = .8 * rad_rgb_max(plan->coef) * r->weight /
+                      (par->ambdiv * par->minweight + NO_WEIGHT);
+
+        *weight = rad_least(*weight, most);
+    }
+    int n = (int)(sqrt(par->ambdiv * *weight) + .5);
+    int least = plan->store ? plan->side : 1;
+
+    return n > least ? n : least;
+}
+
+static void
+set_coef(struct sampler *s)
+{
+    int n2 = s->h->n * s->h->n;
+
+    s->coef = s->plan->store ? rad_grey(MEAN_REFLECTANCE)
+                             : rad_rgb_scale(s->plan->coef, 1.f / (float)n2);
+}
+
+bool
+rad_hemi_sample(struct rad_ctx *ctx, const struct rad_ray *r,
+                const struct rad_hemi_plan *plan, struct rad_hemi *h)
+{
+    const struct rad_params *par = &ctx->job->params;
+    struct sampler s = { .ctx = ctx, .r = r, .plan = plan, .h = h };
+    struct rad_rgb sum = { 0, 0, 0 };
+    double weight;
+    int more, n2;
+
+    if (!(rad_rgb_max(plan->coef) > 0))
+        return false;
+    h->n = choose_side(par, r, plan, &weight);
+    n2 = h->n * h->n;
+    h->cell = rad_arena_calloc(&ctx->scratch, (size_t)n2, sizeof *h->cell);
+    if (!h->cell)
+        return false;
+    s.kind = plan->behind ? RAD_RAY_TAMBIENT : RAD_RAY_RAMBIENT;
+    s.branch = plan->behind ? RAD_BRANCH_TAMBIENT : RAD_BRANCH_RAMBIENT;
+    s.key = rad_key_branch(r->key, s.branch | 0xffffff); /* no ray's own */
+    set_coef(&s);
+    set_frame(&s);
+    if (!sample_cells(&s))
+        return false;
+    h->complete = s.traced == n2;
+    more = (int)(par->ambssamp * weight + .5);
+    if (h->complete && h->n >= MIN_SIDE && more >= 4 * h->n)
+        super_sample(&s, more);
+    for (int k = 0; k < n2; k++)
+        sum = rad_rgb_add(sum, h->cell[k].L);
+    h->E = rad_rgb_scale(sum, (float)(M_PI / n2));
+    return true;
+}

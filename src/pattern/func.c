@@ -1,0 +1,54 @@
+/* func.c - see func.h */
+#include "config.h"
+
+#include "pattern/func.h"
+#include "pattern/effect.h"
+#include "pattern/mixture.h"
+
+/* Where the string arguments of a type are. */
+static const struct layout {
+    enum rad_otype type;
+    unsigned exprs; /* bit by string */
+    int file;
+} layouts[] = {
+    { RAD_BRIGHTFUNC, 01, 1 },
+    { RAD_COLORFUNC, 07, 3 },
+    { RAD_TEXFUNC, 07, 3 },
+    { RAD_MIXFUNC, 04, 3 },
+};
+
+static const struct layout *
+find_layout(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++)
+        if (layouts[i].type == type)
+            return &layouts[i];
+    return NULL;
+}
+
+static bool
+values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
+       double value[3])
+{
+    return rad_expr_values(ctx, &e->expr, r, 0, e->expr.n, value);
+}
+
+int
+rad_func_prepare(struct rad_job *job, int32_t index,
+                 const struct rad_files *files, const void **data,
+                 struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    const struct layout *at = find_layout(o->type);
+    struct rad_effect *e = rad_arena_calloc(&job->arena, 1, sizeof *e);
+    int rc;
+
+    if (!e)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    e->values = values;
+    rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
+    if (rc == 0 && o->type == RAD_MIXFUNC)
+        rc = rad_mixture_parts(job, index, e->part, err);
+    *data = e;
+    return rc;
+}

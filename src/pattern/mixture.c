@@ -1,0 +1,129 @@
+/* mixture.c - see mixture.h */
+#include "config.h"
+
+#include "pattern/mixture.h"
+#include "base/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+int
+rad_mixture_parts(const struct rad_job *job, int32_t index, int32_t part[2],
+                  struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+
+    part[0] = part[1] = RAD_VOID;
+    for (int i = 0; i < 2; i++) {
+        if (strcmp(o->strings[i], "void") == 0)
+            continue;
+        part[i] = rad_scene_find_modifier(job->scene, o->strings[i], index);
+        if (part[i] == RAD_VOID)
+            return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                                  "undefined modifier '%s'", o->strings[i]);
+    }
+    return 0;
+}
+
+static struct rad_rgb
+mix(struct rad_rgb a, struct rad_rgb b, double t)
+{
+    return rad_rgb_add(rad_rgb_scale(a, (float)t),
+                       rad_rgb_scale(b, (float)(1 - t)));
+}
+
+/* The part of r's light that one modifier gives.  True: it is a material. */
+static bool
+shade_part(struct rad_ctx *ctx, struct rad_ray *part, int32_t mod, double coef)
+{
+    if (!(coef > RAD_TINY))
+        return false;
+    part->weight *= (float)coef;
+    part->coef = rad_rgb_scale(part->coef, (float)coef);
+    return rad_ray_shade(ctx, part, mod);
+}
+
+/* Light and distances of a mixture of two materials, the fraction t of fore,
+ * which is r itself: the distances are of the brighter part. */
+static void
+mix_light(struct rad_ray *r, const struct rad_ray *back, double t)
+{
+    float s = (float)t;
+    float fm = s * rad_rgb_lum(r->L_mirror);
+    float bm = (1 - s) * rad_rgb_lum(back->L_mirror);
+    float fd = s * rad_rgb_lum(r->L) - fm;
+    float bd = (1 - s) * rad_rgb_lum(back->L) - bm;
+
+    r->L = mix(r->L, back->L, t);
+    r->L_mirror = mix(r->L_mirror, back->L_mirror, t);
+    if (!(fm > bm))
+        r->mirror_dist = back->mirror_dist;
+    if (!(fd > bd))
+        r->dist = back->dist;
+}
+
+/* Where one part is all there is, as where a function chooses between two
+ * materials: what mixing it with r as it was comes to.  Of two black parts the
+ * second says how far it is, which may be what lies behind it. */
+static bool
+shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod, bool second)
+{
+    double dist = r->dist, mirror_dist = r->mirror_dist;
+    float fm;
+
+    if (!rad_ray_shade(ctx, r, mod))
+        return false;
+    if (second)
+        return true;
+    fm = rad_rgb_lum(r->L_mirror);
+    if (!(fm > 0))
+        r->mirror_dist = mirror_dist;
+    if (!(rad_rgb_lum(r->L) - fm > 0))
+        r->dist = dist;
+    return true;
+}
+
+/* A mist that a ray leaves from inside has charged its part for the way there
+ * already (mist.c), and r will not be charged for both: do so for the other. */
+static void
+charge_alike(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *back)
+{
+    bool charged = rad_rgb_black(r->ext);
+
+    if (charged == rad_rgb_black(back->ext))
+        return;
+    rad_ray_absorb(ctx, charged ? back : r);
+    r->ext = rad_grey(0);
+}
+
+/* A ray is some 400 bytes, and r serves as its own first part. */
+bool
+rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
+                  double t)
+{
+    struct rad_rgb coef = r->coef;
+    float weight = r->weight;
+    struct rad_ray back;
+    bool fore_mat, back_mat;
+
+    t = rad_least(rad_most(t, 0), 1);
+    if (t == 0 || t == 1)
+        return shade_whole(ctx, r, part[t == 0], t == 0);
+    back = *r;
+    fore_mat = shade_part(ctx, r, part[0], t);
+    back_mat = shade_part(ctx, &back, part[1], 1 - t);
+    if (back_mat && !fore_mat && t > RAD_TINY)
+        rad_ray_transmit(ctx, r);
+    else if (fore_mat && !back_mat && 1 - t > RAD_TINY)
+        rad_ray_transmit(ctx, &back);
+    r->weight = weight;
+    r->coef = coef;
+    for (int i = 0; i < 3; i++)
+        r->pert[i] = t * r->pert[i] + (1 - t) * back.pert[i];
+    r->pattern = mix(r->pattern, back.pattern, t);
+    if (!fore_mat && !back_mat)
+        return false;
+    charge_alike(ctx, r, &back);
+    mix_light(r, &back, t);
+    return true;
+}

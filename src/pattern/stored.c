@@ -1,0 +1,100 @@
+/* stored.c - see stored.h */
+#include "config.h"
+
+#include "pattern/stored.h"
+#include "scene/data.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct rad_stored {
+    struct rad_stored *next;
+    rad_stored_parse parse;
+    const char *name;
+    const void *what;
+};
+
+static const void *
+find(const struct rad_job *job, const char *name, rad_stored_parse parse)
+{
+    for (const struct rad_stored *s = job->stored; s; s = s->next)
+        if (s->parse == parse && strcmp(s->name, name) == 0)
+            return s->what;
+    return NULL;
+}
+
+static const void *
+load(struct rad_job *job, const struct rad_object *o,
+     const struct rad_files *files, const char *name, rad_stored_parse parse,
+     struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    const void *what;
+    char *bytes;
+    size_t len;
+
+    if (rad_material_file(job, o, files, name, &bytes, &len, err))
+        return NULL;
+    what = parse(&job->arena, bytes, len, &why);
+    free(bytes);
+    if (!what)
+        rad_material_file_fail(job, o, name, &why, err);
+    return what;
+}
+
+const void *
+rad_stored(struct rad_job *job, const struct rad_object *o,
+           const struct rad_files *files, const char *name,
+           rad_stored_parse parse, struct rad_error *err)
+{
+    const void *what = find(job, name, parse);
+    struct rad_stored *s;
+
+    if (what)
+        return what;
+    what = load(job, o, files, name, parse, err);
+    if (!what)
+        return NULL;
+    s = rad_arena_calloc(&job->arena, 1, sizeof *s);
+    if (s)
+        s->name = rad_arena_strndup(&job->arena, name, strlen(name));
+    if (!s || !s->name) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    s->parse = parse;
+    s->what = what;
+    s->next = job->stored;
+    job->stored = s;
+    return what;
+}
+
+static const void *
+parse_data(struct rad_arena *arena, const char *bytes, size_t len,
+           struct rad_error *err)
+{
+    return rad_data_parse(arena, bytes, len, err);
+}
+
+const struct rad_data *
+rad_stored_data(struct rad_job *job, const struct rad_object *o,
+                const struct rad_files *files, const char *name,
+                struct rad_error *err)
+{
+    return rad_stored(job, o, files, name, parse_data, err);
+}
+
+static const void *
+parse_picture(struct rad_arena *arena, const char *bytes, size_t len,
+              struct rad_error *err)
+{
+    return rad_pict_parse(arena, (const uint8_t *)bytes, len, err);
+}
+
+const struct rad_pict *
+rad_stored_picture(struct rad_job *job, const struct rad_object *o,
+                   const struct rad_files *files, const char *name,
+                   struct rad_error *err)
+{
+    return rad_stored(job, o, files, name, parse_picture, err);
+}

@@ -1,0 +1,164 @@
+/* table.c - see table.h */
+#include "config.h"
+
+#include "pattern/table.h"
+#include "scene/data.h"
+#include "pattern/effect.h"
+#include "pattern/mixture.h"
+#include "pattern/stored.h"
+
+struct table {
+    struct rad_effect effect; /* as many expressions as dimensions */
+    const struct rad_pict *pict;
+    const struct rad_data *data[3]; /* where there is no picture */
+    int ndata;                      /* different ones: 1 or 3 */
+    int nfuncs;
+    struct function {
+        int call;
+        int first; /* of the values that it gets */
+    } func[3];
+};
+
+/* Where the string arguments of a type are, and how many. */
+static const struct layout {
+    enum rad_otype type;
+    int func, nfuncs;
+    int data, ndata; /* ndata 0: one picture */
+    int file, place;
+} layouts[] = {
+    { RAD_BRIGHTDATA, 0, 1, 1, 1, 2, 3 }, { RAD_COLORDATA, 0, 3, 3, 3, 6, 7 },
+    { RAD_COLORPICT, 0, 3, 3, 0, 4, 5 },  { RAD_TEXDATA, 0, 3, 3, 3, 6, 7 },
+    { RAD_MIXDATA, 2, 1, 3, 1, 4, 5 },    { RAD_MIXPICT, 2, 1, 3, 0, 4, 5 },
+};
+
+static const struct layout *
+find_layout(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++)
+        if (layouts[i].type == type)
+            return &layouts[i];
+    return NULL;
+}
+
+/* Find the data or the picture; returns how many coordinates a place has. */
+static int
+read_tables(struct rad_job *job, const struct rad_object *o,
+            const struct rad_files *files, const struct layout *at,
+            struct table *t, struct rad_error *err)
+{
+    if (at->ndata == 0) {
+        t->pict = rad_stored_picture(job, o, files, o->strings[at->data], err);
+        return t->pict ? 2 : RAD_EDATA;
+    }
+    for (int i = 0; i < at->ndata; i++) {
+        const char *name = o->strings[at->data + i];
+
+        t->data[i] = rad_stored_data(job, o, files, name, err);
+        if (!t->data[i])
+            return RAD_EDATA;
+        if (rad_data_dims(t->data[i]) != rad_data_dims(t->data[0]))
+            return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                                  "'%s' has %d dimensions, '%s' has %d", name,
+                                  rad_data_dims(t->data[i]),
+                                  o->strings[at->data],
+                                  rad_data_dims(t->data[0]));
+        if (t->data[i] != t->data[0])
+            t->ndata = at->ndata;
+    }
+    return rad_data_dims(t->data[0]);
+}
+
+/* A function gets all values of the place.  Those of green and blue that take
+ * less than three get their own channel's alone. */
+static int
+find_functions(struct rad_job *job, const struct rad_object *o,
+               const struct layout *at, struct table *t, struct rad_error *err)
+{
+    int most = o->type == RAD_BRIGHTDATA || o->type == RAD_MIXDATA ? 1 : 3;
+
+    t->nfuncs = at->nfuncs;
+    for (int i = 0; i < t->nfuncs; i++) {
+        int k = at->func + i, n = most;
+
+        if (i > 0 && o->type != RAD_TEXDATA &&
+            rad_calc_params(job->calc, t->effect.expr.context, o->strings[k],
+                            NULL) < 3) {
+            t->func[i].first = i;
+            n = 1;
+        }
+        t->func[i].call = rad_expr_function(job, o, &t->effect.expr, k, n, err);
+        if (t->func[i].call < 0)
+            return t->func[i].call;
+    }
+    return 0;
+}
+
+/* What is found at a place. */
+static void
+look_up(const struct table *t, const double place[], double found[3])
+{
+    if (t->pict) {
+        rad_pict_value(t->pict, place[0], place[1], found);
+        return;
+    }
+    for (int i = 0; i < t->ndata; i++)
+        found[i] = rad_data_value(t->data[i], place);
+    if (t->ndata == 1)
+        found[1] = found[2] = found[0];
+}
+
+/* The functions of what is found; false: one cannot be worked out. */
+static bool
+values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
+       double value[3])
+{
+    const struct table *t = (const struct table *)e; /* its first member */
+    double place[RAD_MAX_DATA_DIMS], found[3];
+    struct rad_expr_scope scope;
+
+    rad_expr_begin(ctx, &e->expr, r, &scope);
+    if (!rad_expr_get(ctx, &e->expr, 0, e->expr.n, place))
+        return false;
+    look_up(t, place, found);
+    for (int i = 0; i < t->nfuncs; i++)
+        if (!rad_expr_call(ctx, &e->expr, t->func[i].call,
+                           found + t->func[i].first, &value[i]))
+            return false;
+    return true;
+}
+
+int
+rad_table_prepare(struct rad_job *job, int32_t index,
+                  const struct rad_files *files, const void **data,
+                  struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    const struct layout *at = find_layout(o->type);
+    struct table *t = rad_arena_calloc(&job->arena, 1, sizeof *t);
+    int dims, rc;
+
+    if (!t)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (o->nstrings <= at->file)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "too few string arguments");
+    t->effect.values = values;
+    t->ndata = 1;
+    dims = read_tables(job, o, files, at, t, err);
+    if (dims < 0)
+        return dims;
+    if (o->nstrings < at->place + dims)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "expected an expression for each of %d "
+                              "dimensions",
+                              dims);
+    rc =
+        rad_expr_prepare(job, o, files, at->file,
+                         ((1u << dims) - 1) << at->place, &t->effect.expr, err);
+    if (rc == 0)
+        rc = find_functions(job, o, at, t, err);
+    if (rc == 0 && rad_otype_class(o->type) == RAD_CLASS_MIXTURE)
+        rc = rad_mixture_parts(job, index, t->effect.part, err);
+    *data = t;
+    return rc;
+}

@@ -1,0 +1,110 @@
+/* bsdftree.h - scattering as a tensor tree: what reading one and looking into
+ * one share
+ *
+ * The unit square stands for a hemisphere, mapped so that areas are projected
+ * solid angles over pi.  A tree of rank 4 has two coordinates for light that
+ * comes in (where it goes on to) and two for light that goes out; one of rank 3
+ * has half the distance of the first from the rim, and the second turned so
+ * that light always comes from the same azimuth.  A node divides each
+ * coordinate in two, or is a grid of 2^k values along each.
+ *
+ * Light from one direction meets a slice of the tree.  For drawing from it we
+ * keep, for every cell of the finest resolution, running sums over the 64
+ * blocks of the outgoing square, along Hilbert's curve.
+ * Private to bsdftree.c and bsdftreeread.c. */
+#ifndef RAD_SCENE_BSDFTREE_H
+#define RAD_SCENE_BSDFTREE_H
+
+#include "scene/bsdf/bsdfimpl.h"
+
+#define BLOCK_LOG 3
+#define NBLOCKS   (1 << 2 * BLOCK_LOG)
+
+struct bsdf_node {
+    int lg; /* of a grid: 2^lg values along each coordinate; -1: a branch */
+    union {
+        struct bsdf_node **kid; /* bit i: upper half of coordinate i */
+        float *value;           /* the last coordinate's are neighbours */
+    } u;
+};
+
+/* The light of a cell, over pi, and which fraction of it lies before each block
+ * along the curve. */
+struct bsdf_cell {
+    double total;
+    uint32_t before[NBLOCKS]; /* 2^32 would be all */
+    uint8_t finest, coarsest; /* logs of 1 over a leaf's width */
+};
+
+struct bsdf_slices {
+    int res_log;
+    bool reverse; /* light comes in where the tree has it go out */
+    struct bsdf_cell *cell;
+};
+
+enum { Y, U, V, NCHANNELS };
+
+struct bsdf_tree {
+    int rank;
+    struct bsdf_node *root[NCHANNELS]; /* U and V NULL: grey */
+    int finest;                        /* log of 1 over the smallest leaf */
+    double rest[3];                    /* sharp channels, or Y in all */
+    double rest_y;
+    struct bsdf_slices slices;
+    struct bsdf_slices reverse; /* of rank 4, light passing */
+};
+
+/* A cell of a tree: a node, or a part of a node's grid. */
+struct bsdf_cursor {
+    const struct bsdf_node *n;
+    int left; /* levels that are left of the grid */
+    uint32_t at[4];
+};
+
+static inline struct bsdf_cursor
+rad_tree_start(const struct bsdf_node *root)
+{
+    return (struct bsdf_cursor){ root, root->lg, { 0 } };
+}
+
+static inline bool
+rad_tree_at_leaf(const struct bsdf_cursor *c)
+{
+    return c->left == 0;
+}
+
+/* Into a half along each coordinate. */
+static inline void
+rad_tree_descend(struct bsdf_cursor *c, int rank, unsigned bits)
+{
+    if (c->n->lg < 0) {
+        *c = rad_tree_start(c->n->u.kid[bits]);
+        return;
+    }
+    c->left--;
+    for (int i = 0; i < rank; i++)
+        c->at[i] = c->at[i] << 1 | (bits >> i & 1);
+}
+
+static inline double
+rad_tree_leaf_value(const struct bsdf_cursor *c, int rank)
+{
+    size_t i = 0;
+
+    for (int k = 0; k < rank; k++)
+        i = i << c->n->lg | c->at[k];
+    return (double)c->n->u.value[i];
+}
+
+/* The sharp channels of luminance y at a place. */
+void rad_tree_channels(const struct bsdf_tree *t, double y,
+                       const double place[4], double c[3]);
+
+/* What of luminance y is not in the Lambertian rest. */
+static inline double
+rad_tree_above_rest(const struct bsdf_tree *t, double y)
+{
+    return y > t->rest_y ? y - t->rest_y : 0;
+}
+
+#endif

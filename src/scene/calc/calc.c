@@ -1,0 +1,593 @@
+/* calc.c - programs of functions: their names, and the code they become
+ *
+ * A reference is bound when it is read: to the context's own symbol if there is
+ * one by then, else to the global one, else to a library function, else to a
+ * new symbol of the context, which a later definition may fill. */
+#include "config.h"
+
+#include "scene/calc/calcimpl.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define MAX_CONTEXT 600   /* bytes of a context's name */
+#define MAX_FOLDING 10000 /* steps to find a constant's value */
+
+static int
+no_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory for functions");
+}
+
+/* Make room for one more element behind n. */
+static bool
+reserve(void *array, int32_t n, int32_t *size, size_t each)
+{
+    void **at = array, *more;
+    int32_t want = *size ? 2 * *size : 64;
+
+    if (n < *size)
+        return true;
+    more = realloc(*at, (size_t)want * each);
+    if (!more)
+        return false;
+    *at = more;
+    *size = want;
+    return true;
+}
+
+/* --- names -------------------------------------------------------------- */
+
+static uint64_t
+hash_name(const char *name)
+{
+    uint64_t h = UINT64_C(0xcbf29ce484222325);
+
+    for (; *name; name++)
+        h = (h ^ (unsigned char)*name) * UINT64_C(0x100000001b3);
+    return h ^ h >> 32;
+}
+
+static int32_t *
+find_slot(const struct rad_calc *c, const char *name, uint64_t hash)
+{
+    int32_t mask = c->nslot - 1, i = (int32_t)(hash & (uint64_t)mask);
+
+    for (;; i = (i + 1) & mask) {
+        const struct symbol *s = &c->symbol[c->slot[i]];
+
+        if (c->slot[i] < 0 || (s->hash == hash && strcmp(s->name, name) == 0))
+            return &c->slot[i];
+    }
+}
+
+static int32_t
+lookup(const struct rad_calc *c, const char *name)
+{
+    return c->nslot ? *find_slot(c, name, hash_name(name)) : -1;
+}
+
+static int
+grow_slots(struct rad_calc *c, struct rad_error *err)
+{
+    int32_t n = c->nslot ? 2 * c->nslot : 256;
+    int32_t *more = malloc((size_t)n * sizeof *more);
+
+    if (!more)
+        return no_memory(err);
+    free(c->slot);
+    c->slot = more;
+    c->nslot = n;
+    memset(more, 0xff, (size_t)n * sizeof *more);
+    for (int32_t i = 0; i < c->nsymbol; i++)
+        *find_slot(c, c->symbol[i].name, c->symbol[i].hash) = i;
+    return 0;
+}
+
+static int
+find_library(const char *name)
+{
+    for (int i = 0; i < rad_calc_nlibrary; i++)
+        if (strcmp(rad_calc_library[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+static int32_t
+insert(struct rad_calc *c, const char *name, struct rad_error *err)
+{
+    struct symbol s = { .hash = hash_name(name), .code = -1, .channel = -1 };
+
+    if (c->nsymbol >= RAD_MAX_CALC_CODE)
+        return rad_fail(err, RAD_EDATA, "functions of too many names");
+    if (2 * c->nsymbol >= c->nslot && grow_slots(c, err))
+        return RAD_ENOMEM;
+    s.name = rad_arena_strndup(&c->arena, name, strlen(name));
+    if (!s.name || !reserve(&c->symbol, c->nsymbol, &c->symbol_size, sizeof s))
+        return no_memory(err);
+    s.library = find_library(name);
+    s.kind = s.library >= 0 ? SYM_LIBRARY : SYM_UNDEFINED;
+    *find_slot(c, name, s.hash) = c->nsymbol;
+    c->symbol[c->nsymbol] = s;
+    return c->nsymbol++;
+}
+
+/* A context may hold several levels, `a`b: all of them, without the first,
+ * and so on are looked at. */
+int32_t
+rad_calc_symbol(struct rad_calc *c, const char *context, const char *name,
+                bool defined, struct rad_error *err)
+{
+    char full[MAX_CONTEXT + 256];
+    size_t n = strlen(name);
+    bool own = n > 0 && name[0] == '`', global = n > 1 && name[n - 1] == '`';
+    const char *level = context;
+    int32_t i;
+
+    name += own;
+    n -= own;
+    if (global)
+        level = "";
+    for (;; level += strcspn(level + 1, "`") + 1) {
+        snprintf(full, sizeof full, "%.*s%s", (int)(global ? n - 1 : n), name,
+                 level);
+        i = lookup(c, full);
+        if (i >= 0 || defined || own || global || !*level)
+            break;
+    }
+    if (i >= 0)
+        return i;
+    if (!defined && !own && find_library(full) >= 0)
+        return insert(c, full, err);
+    snprintf(full, sizeof full, "%.*s%s", (int)(global ? n - 1 : n), name,
+             global ? "" : context);
+    return insert(c, full, err);
+}
+
+int
+rad_calc_context(struct rad_calc *c, const char *file, struct rad_error *err)
+{
+    char name[MAX_CONTEXT + 1] = "";
+    size_t n = strlen(file), used = 0;
+
+    if (n > 4 && strcasecmp(file + n - 4, ".cal") == 0)
+        n -= 4;
+    if (strcmp(file, ".") != 0 && n > 0)
+        name[used++] = '`';
+    for (size_t i = file[0] == '`'; used > 0 && i < n; i++) {
+        if (used == MAX_CONTEXT)
+            return rad_fail(err, RAD_EDATA, "name of function file too long");
+        name[used++] =
+            isalnum((unsigned char)file[i]) || file[i] == '.' || file[i] == '`'
+                ? file[i]
+                : '_';
+    }
+    while (used > 0 && name[used - 1] == '`')
+        used--;
+    name[used] = '\0';
+    for (int32_t i = 0; i < c->ncontext; i++)
+        if (strcmp(c->context[i].name, name) == 0)
+            return i;
+    if ((c->ncontext & (c->ncontext - 1)) == 0) {
+        struct context *more =
+            realloc(c->context,
+                    (c->ncontext ? 2 * (size_t)c->ncontext : 1) * sizeof *more);
+
+        if (!more)
+            return no_memory(err);
+        c->context = more;
+    }
+    c->context[c->ncontext].loaded = false;
+    c->context[c->ncontext].name = rad_arena_strndup(&c->arena, name, used);
+    return c->context[c->ncontext].name ? c->ncontext++ : no_memory(err);
+}
+
+int
+rad_calc_loaded(const struct rad_calc *c, int context)
+{
+    return c->context[context].loaded;
+}
+
+void
+rad_calc_offer(struct rad_calc *c, unsigned offer)
+{
+    c->offer = offer;
+}
+
+/* --- code ---------------------------------------------------------------- */
+
+struct emitter {
+    struct rad_calc *c;
+    struct rad_error *err;
+    int rc;
+};
+
+/* Append an instruction; returns where it is (0 after a failure, which is
+ * noted). */
+static int32_t
+put(struct emitter *m, enum op op, int n, int32_t a)
+{
+    struct rad_calc *c = m->c;
+
+    if (m->rc)
+        return 0;
+    if (c->ncode >= RAD_MAX_CALC_CODE)
+        m->rc = rad_fail(m->err, RAD_EDATA, "functions too long");
+    else if (!reserve(&c->code, c->ncode, &c->code_size, sizeof *c->code))
+        m->rc = no_memory(m->err);
+    if (m->rc)
+        return 0;
+    c->code[c->ncode] = (struct ins){ (uint16_t)op, (uint16_t)n, a };
+    return c->ncode++;
+}
+
+/* Let the instruction at pc point to what comes next. */
+static void
+land(struct emitter *m, int32_t pc)
+{
+    if (!m->rc)
+        m->c->code[pc].a = m->c->ncode;
+}
+
+static void
+put_number(struct emitter *m, enum op op, double v)
+{
+    struct rad_calc *c = m->c;
+
+    if (m->rc)
+        return;
+    if (!reserve(&c->number, c->nnumber, &c->number_size, sizeof v)) {
+        m->rc = no_memory(m->err);
+        return;
+    }
+    c->number[c->nnumber] = v;
+    put(m, op, 0, c->nnumber++);
+}
+
+static void put_node(struct emitter *m, const struct node *n);
+
+static void
+put_if(struct emitter *m, const struct node *cond)
+{
+    const struct node *yes = cond->next, *no = yes->next;
+    int32_t unless, jump;
+
+    put_node(m, cond);
+    unless = put(m, OP_UNLESS, 0, 0);
+    put_node(m, yes);
+    jump = put(m, OP_JUMP, 0, 0);
+    land(m, unless);
+    put_node(m, no);
+    land(m, jump);
+}
+
+/* The jumps behind the choices are one chain until its end is known. */
+static void
+put_select(struct emitter *m, const struct node *which, int n)
+{
+    const struct node *kid = which->next;
+    int32_t select, last = -1;
+
+    put_node(m, which);
+    select = put(m, OP_SELECT, n, 0);
+    for (int i = 0; i < n; i++)
+        put(m, OP_ARG_AT, 0, 0);
+    for (int i = 0; i < n && !m->rc; i++, kid = kid->next) {
+        land(m, select + 1 + i);
+        put_node(m, kid);
+        last = put(m, OP_JUMP, 0, last);
+    }
+    while (!m->rc && last >= 0) {
+        int32_t before = m->c->code[last].a;
+
+        land(m, last);
+        last = before;
+    }
+    land(m, select);
+}
+
+/* The first argument, then the others from the last on: so the last fault that
+ * is dropped is the one that Radiance drops. */
+static void
+put_extreme(struct emitter *m, int id, const struct node *call)
+{
+    put_node(m, call->kid);
+    for (int i = call->nkids - 1; i > 0; i--) {
+        const struct node *kid = call->kid;
+
+        for (int k = 0; k < i; k++)
+            kid = kid->next;
+        put_node(m, kid);
+        put(m, OP_LIBRARY, 2, id);
+    }
+}
+
+static void
+put_library(struct emitter *m, int id, const struct node *call)
+{
+    const struct library *lib = &rad_calc_library[id];
+    const struct node *kid = call->kid;
+
+    if (call->nkids < lib->nargs) {
+        m->rc = rad_fail(m->err, RAD_EDATA, "too few arguments for %s()",
+                         lib->name);
+        return;
+    }
+    put(m, OP_CLEAR, 0, 0);
+    switch (id) {
+    case LIB_IF:
+        put_if(m, kid);
+        break;
+    case LIB_SELECT:
+        put_select(m, kid, call->nkids - 1);
+        break;
+    case LIB_MIN:
+    case LIB_MAX:
+        put_extreme(m, id, call);
+        break;
+    case LIB_ATAN2: /* see put_binary() */
+        put_node(m, kid->next);
+        put_node(m, kid);
+        put(m, OP_LIBRARY, 2, id);
+        break;
+    default: /* what is too much is not evaluated */
+        for (int i = 0; i < lib->nargs; i++, kid = kid->next)
+            put_node(m, kid);
+        put(m, OP_LIBRARY, lib->nargs, id);
+    }
+    put(m, OP_CHECK, 0, 0);
+}
+
+static void
+put_call(struct emitter *m, const struct node *call)
+{
+    const struct symbol *s = call->by_param ? NULL : &m->c->symbol[call->ref];
+    int32_t at;
+
+    if (s && s->kind == SYM_LIBRARY) {
+        put_library(m, s->library, call);
+        return;
+    }
+    if (call->nkids > RAD_MAX_CALC_ARGS) {
+        m->rc = rad_fail(m->err, RAD_EDATA, "call with too many arguments");
+        return;
+    }
+    at = put(m, s ? OP_CALL : OP_CALL_PARAM, call->nkids, call->ref);
+    for (int i = 0; i <= call->nkids; i++)
+        put(m, i < call->nkids ? OP_ARG_AT : OP_RESUME, 0, 0);
+    for (const struct node *kid = call->kid; kid; kid = kid->next) {
+        land(m, ++at);
+        put_node(m, kid);
+        put(m, OP_END, 0, 0);
+    }
+    land(m, at + 1);
+}
+
+/* A sum or product of which one side is a number; false: it is none. */
+static bool
+put_with_number(struct emitter *m, const struct node *n)
+{
+    const struct node *a = n->kid, *b = a->next;
+
+    if (b->type != N_NUMBER && n->op != '-') {
+        b = a;
+        a = n->kid->next;
+    }
+    if (b->type != N_NUMBER || n->op == '^')
+        return false;
+    put_node(m, a);
+    put_number(m,
+               n->op == '+'   ? OP_ADD_NUMBER
+               : n->op == '-' ? OP_SUBTRACT_NUMBER
+                              : OP_MULTIPLY_NUMBER,
+               b->number);
+    return true;
+}
+
+/* Of a power and of atan2() the second value is found first, as in Radiance's
+ * programs: a fault in it is dropped by what the first value calls. */
+static void
+put_binary(struct emitter *m, const struct node *n)
+{
+    const struct node *a = n->kid, *b = a->next;
+    int32_t divisor;
+
+    if (n->op == '/') { /* what is over 0 is not evaluated */
+        put_node(m, b);
+        divisor = put(m, OP_DIVISOR, 0, 0);
+        put_node(m, a);
+        put(m, OP_DIVIDE, 0, 0);
+        land(m, divisor);
+        return;
+    }
+    if (put_with_number(m, n))
+        return;
+    if (n->op == '^') {
+        put(m, OP_CLEAR, 0, 0);
+        put_node(m, b);
+        put_node(m, a);
+        put(m, OP_POWER, 0, 0);
+        put(m, OP_CHECK, 0, 0);
+        return;
+    }
+    put_node(m, a);
+    put_node(m, b);
+    put(m,
+        n->op == '+'   ? OP_ADD
+        : n->op == '-' ? OP_SUBTRACT
+                       : OP_MULTIPLY,
+        0, 0);
+}
+
+static void
+put_node(struct emitter *m, const struct node *n)
+{
+    if (m->rc)
+        return;
+    switch (n->type) {
+    case N_NUMBER:
+        put_number(m, OP_NUMBER, n->number);
+        break;
+    case N_CHANNEL:
+        put(m, OP_CHANNEL, 0, n->ref);
+        break;
+    case N_NAME:
+        put(m, OP_VARIABLE, 0, n->ref);
+        break;
+    case N_PARAM:
+        put(m, OP_PARAM, 0, n->ref);
+        break;
+    case N_VALUE:
+        put(m, OP_VALUE, 0, n->ref);
+        break;
+    case N_NEGATE:
+        put_node(m, n->kid);
+        put(m, OP_NEGATE, 0, 0);
+        break;
+    case N_BINARY:
+        put_binary(m, n);
+        break;
+    case N_CALL:
+        put_call(m, n);
+    }
+}
+
+int32_t
+rad_calc_emit(struct rad_calc *c, const struct node *n, struct rad_error *err)
+{
+    struct emitter m = { .c = c, .err = err };
+    int32_t start = c->ncode;
+
+    put_node(&m, n);
+    put(&m, OP_END, 0, 0);
+    return m.rc ? m.rc : start;
+}
+
+/* Does a call of this symbol depend on its arguments alone? */
+static bool
+is_constant(const struct symbol *s)
+{
+    if (s->kind == SYM_LIBRARY)
+        return rad_calc_library[s->library].constant;
+    return s->kind == SYM_FUNCTION && s->constant;
+}
+
+/* May a node with such a kid be a number, too? */
+static bool
+is_settled(const struct rad_calc *c, const struct node *parent,
+           const struct node *kid)
+{
+    if (kid->type == N_NAME && parent->type == N_CALL)
+        return is_constant(&c->symbol[kid->ref]);
+    return kid->type == N_NUMBER;
+}
+
+bool
+rad_calc_reduce(struct rad_calc *c, const struct node *n, double *value)
+{
+    int32_t ncode = c->ncode, nnumber = c->nnumber;
+    int32_t at = rad_calc_emit(c, n, NULL);
+    enum rad_calc_fault fault = RAD_CALC_NAME;
+
+    if (at >= 0)
+        *value = rad_calc_run(c, at, MAX_FOLDING, c->env, &fault);
+    c->ncode = ncode;
+    c->nnumber = nnumber;
+    return fault == RAD_CALC_SOUND && isfinite(*value);
+}
+
+void
+rad_calc_fold(struct rad_calc *c, struct node *n)
+{
+    bool literal = true;
+    double v;
+
+    for (const struct node *kid = n->kid; kid; kid = kid->next) {
+        if (!is_settled(c, n, kid))
+            return;
+        literal = literal && (kid->literal || kid->type == N_NAME);
+    }
+    if (n->type == N_CALL && (n->by_param || !is_constant(&c->symbol[n->ref])))
+        return;
+    if (rad_calc_reduce(c, n, &v))
+        *n = (struct node){ .type = N_NUMBER, .number = v, .literal = literal };
+}
+
+/* Let a library function be called by its name through a parameter. */
+static int
+make_callable(struct rad_calc *c, int id, struct rad_error *err)
+{
+    struct node param[RAD_MAX_CALC_ARGS], call = { .type = N_CALL };
+    int32_t i = insert(c, rad_calc_library[id].name, err), code;
+
+    if (i < 0)
+        return i;
+    call.ref = i;
+    call.nkids = rad_calc_library[id].nargs;
+    call.kid = param;
+    for (int k = 0; k < call.nkids; k++)
+        param[k] =
+            (struct node){ .type = N_PARAM,
+                           .ref = k,
+                           .next = k + 1 < call.nkids ? &param[k + 1] : NULL };
+    code = rad_calc_emit(c, &call, err);
+    c->symbol[i].code = rad_calc_library[id].variadic ? -1 : code;
+    c->symbol[i].end = c->ncode;
+    return code < 0 ? code : 0;
+}
+
+static int
+begin(struct rad_calc *c, struct rad_error *err)
+{
+    int rc = 0, global;
+
+    c->env = rad_calc_env_new(c);
+    if (!c->env)
+        return no_memory(err);
+    for (int id = 0; id < rad_calc_nlibrary && rc == 0; id++)
+        rc = make_callable(c, id, err);
+    global = rc ? rc : rad_calc_context(c, ".", err);
+    if (global < 0)
+        return global;
+    c->standard = true;
+    rc = rad_calc_read(c, global, "(standard functions)", rad_calc_standard,
+                       strlen(rad_calc_standard), err);
+    c->standard = false;
+    return rc;
+}
+
+struct rad_calc *
+rad_calc_new(struct rad_error *err)
+{
+    struct rad_calc *c = calloc(1, sizeof *c);
+
+    if (!c) {
+        no_memory(err);
+        return NULL;
+    }
+    rad_arena_init(&c->arena);
+    if (begin(c, err) < 0) {
+        rad_calc_free(c);
+        return NULL;
+    }
+    return c;
+}
+
+void
+rad_calc_free(struct rad_calc *c)
+{
+    if (!c)
+        return;
+    rad_calc_env_free(c->env);
+    rad_arena_release(&c->arena);
+    free(c->code);
+    free(c->number);
+    free(c->symbol);
+    free(c->slot);
+    free(c->context);
+    free(c);
+}

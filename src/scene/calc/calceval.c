@@ -1,0 +1,551 @@
+/* calceval.c - the machine that runs compiled functions
+ *
+ * Values lie on a stack.  A frame holds the arguments of a call: where their
+ * code is, and the values of those that were needed.  What a piece of code
+ * returns to lies on a third stack: an argument's value is kept in its frame,
+ * a variable's until the next rad_calc_begin().  Nothing is allocated, and C's
+ * own stack does not grow with the depth of calls. */
+#include "config.h"
+
+#include "scene/calc/calcimpl.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define MAX_VALUES    (4 * RAD_MAX_CALC_DEPTH)
+#define MAX_RETURNS   (4 * RAD_MAX_CALC_DEPTH)
+#define LARGEST_WHOLE 16 /* power that is multiplied out */
+#define MAX_KEPT      (8 * RAD_MAX_CALC_DEPTH) /* arguments of all frames */
+
+struct frame {
+    int32_t call;   /* the call's code */
+    int32_t parent; /* frame that its arguments run in, -1: none */
+    int32_t kept;   /* index of the first argument's value */
+    uint32_t known; /* bit i: argument i has been evaluated */
+};
+
+enum { BACK_END, BACK_CALL, BACK_PARAM, BACK_VARIABLE };
+
+struct back {
+    const struct ins *at;
+    int32_t frame;
+    int32_t what; /* parameter or symbol */
+    int32_t kind; /* BACK_* */
+};
+
+struct rad_calc_env {
+    struct rad_calc_input in;
+    const double *call_value; /* of rad_calc_call() */
+    struct prism_rays prism;
+    uint64_t clock;
+    struct known {
+        uint64_t clock;
+        double value;
+    } * known; /* by symbol */
+    int32_t nknown;
+    int32_t nframes, nbacks, nkept;
+    double value[MAX_VALUES];
+    struct frame frame[RAD_MAX_CALC_DEPTH];
+    struct back back[MAX_RETURNS];
+    double kept[MAX_KEPT];
+};
+
+/* What it works on; a variable of rad_calc_run() and of functions that become
+ * part of it, so that it can stay in registers. */
+struct machine {
+    const struct rad_calc *c;
+    struct rad_calc_env *e;
+    double *top;          /* behind the last value */
+    const struct ins *at; /* what is next */
+    int32_t frame;        /* whose parameters are meant, -1: none */
+    enum rad_calc_fault fault;
+};
+
+/* What is next when nothing can go on. */
+static const struct ins halt = { OP_HALT, 0, 0 };
+
+#define PART static inline __attribute__((always_inline))
+
+const char *
+rad_calc_fault_text(enum rad_calc_fault fault)
+{
+    static const char *const text[] = {
+        "no error",
+        "domain or range error, or division by zero",
+        "missing argument",
+        "variable of the ray used in a constant",
+        "function used as a variable, or variable as a function",
+        "calls nested too deeply",
+        "too many steps",
+    };
+
+    return text[fault];
+}
+
+struct rad_calc_env *
+rad_calc_env_new(const struct rad_calc *c)
+{
+    struct rad_calc_env *e = malloc(sizeof *e);
+
+    if (!e)
+        return NULL;
+    e->nknown = c->nsymbol;
+    e->known = calloc((size_t)c->nsymbol + 1, sizeof *e->known);
+    e->clock = 1;
+    e->in = (struct rad_calc_input){ 0 };
+    e->call_value = NULL;
+    e->prism.clock = 0;
+    if (e->known)
+        return e;
+    free(e);
+    return NULL;
+}
+
+void
+rad_calc_env_free(struct rad_calc_env *e)
+{
+    if (!e)
+        return;
+    free(e->known);
+    free(e);
+}
+
+void
+rad_calc_begin(struct rad_calc_env *e, const struct rad_calc_input *in)
+{
+    e->in = *in;
+    e->clock++;
+}
+
+bool
+rad_calc_is_begun(const struct rad_calc_env *e, const struct rad_calc_input *in)
+{
+    return e->in.channel == in->channel && e->in.args == in->args;
+}
+
+PART void
+stop(struct machine *m, enum rad_calc_fault fault)
+{
+    m->fault = fault;
+    m->at = &halt;
+}
+
+PART void
+push(struct machine *m, double v)
+{
+    if (m->top == m->e->value + MAX_VALUES)
+        stop(m, RAD_CALC_DEPTH);
+    else
+        *m->top++ = v;
+}
+
+/* Code never takes more than it put there. */
+PART double
+pop(struct machine *m)
+{
+    return *--m->top;
+}
+
+/* Go on at pc in a frame, and come back to where it is now. */
+PART void
+enter(struct machine *m, int32_t pc, int32_t frame, int kind, int32_t what)
+{
+    struct rad_calc_env *e = m->e;
+
+    if (e->nbacks == MAX_RETURNS) {
+        stop(m, RAD_CALC_DEPTH);
+        return;
+    }
+    e->back[e->nbacks++] = (struct back){ m->at, m->frame, what, kind };
+    m->at = &m->c->code[pc];
+    m->frame = frame;
+}
+
+PART void
+push_channel(struct machine *m, int32_t i)
+{
+    if (m->e->in.channel)
+        push(m, m->e->in.channel[i]);
+    else
+        stop(m, RAD_CALC_NO_CHANNEL);
+}
+
+PART void
+push_value(struct machine *m, int32_t i)
+{
+    if (m->e->call_value)
+        push(m, m->e->call_value[i]);
+    else
+        stop(m, RAD_CALC_NO_ARG);
+}
+
+/* What OP_CLEAR, the number n, arg() and OP_CHECK do; false: they would find a
+ * fault. */
+PART bool
+get_real(struct machine *m, int32_t n)
+{
+    const struct rad_calc_input *in = &m->e->in;
+
+    if (!in->args || n > in->nargs || !isfinite(in->args[n - 1]))
+        return false;
+    m->fault = RAD_CALC_SOUND;
+    push(m, in->args[n - 1]);
+    return true;
+}
+
+/* Variables are evaluated once. */
+PART void
+keep(struct machine *m, int32_t sym, double v)
+{
+    if (sym < m->e->nknown)
+        m->e->known[sym] = (struct known){ m->e->clock, v };
+}
+
+/* Another name of a channel or of a real argument, as most variables are, is
+ * read without ado. */
+PART void
+get_variable(struct machine *m, int32_t sym)
+{
+    const struct symbol *s = &m->c->symbol[sym];
+
+    if (sym < m->e->nknown && m->e->known[sym].clock == m->e->clock)
+        push(m, m->e->known[sym].value);
+    else if (s->channel >= 0)
+        push_channel(m, s->channel);
+    else if (s->real > 0 && get_real(m, s->real))
+        keep(m, sym, m->e->in.args[s->real - 1]);
+    else if (s->kind == SYM_VARIABLE)
+        enter(m, s->code, -1, BACK_VARIABLE, sym);
+    else
+        stop(m, RAD_CALC_NAME);
+}
+
+/* Code of argument i of a frame, or -1. */
+PART int32_t
+argument(const struct machine *m, const struct frame *f, int32_t i)
+{
+    const struct ins *call = &m->c->code[f->call];
+
+    return i < call->n ? call[1 + i].a : -1;
+}
+
+/* Argument i of f, if it is a number, a channel, a value or a parameter alone,
+ * is read where it is, for there is nothing to be kept; false: it is more. */
+PART bool
+get_plain(struct machine *m, const struct frame *f, int32_t i)
+{
+    for (;;) {
+        int32_t pc = argument(m, f, i);
+        const struct ins *in = &m->c->code[pc < 0 ? 0 : pc];
+
+        if (pc < 0 || in[1].op != OP_END)
+            return false;
+        if (in->op == OP_NUMBER) {
+            push(m, m->c->number[in->a]);
+            return true;
+        }
+        if (in->op == OP_CHANNEL) {
+            push_channel(m, in->a);
+            return true;
+        }
+        if (in->op == OP_VALUE) {
+            push_value(m, in->a);
+            return true;
+        }
+        if (in->op != OP_PARAM || f->parent < 0)
+            return false;
+        f = &m->e->frame[f->parent];
+        i = in->a;
+        if (f->known >> i & 1) {
+            push(m, m->e->kept[f->kept + i]);
+            return true;
+        }
+    }
+}
+
+PART void
+get_param(struct machine *m, int32_t i)
+{
+    struct frame *f;
+    int32_t pc;
+
+    if (m->frame < 0) {
+        stop(m, RAD_CALC_NAME);
+        return;
+    }
+    f = &m->e->frame[m->frame];
+    if (f->known >> i & 1) {
+        push(m, m->e->kept[f->kept + i]);
+        return;
+    }
+    if (get_plain(m, f, i))
+        return;
+    pc = argument(m, f, i);
+    if (pc < 0)
+        stop(m, RAD_CALC_NO_ARG);
+    else
+        enter(m, pc, f->parent, BACK_PARAM, i);
+}
+
+/* The symbol that a parameter names: its argument is a bare name, or a bare
+ * parameter of the frame before, and so on. */
+PART int32_t
+named_function(const struct machine *m, int32_t param)
+{
+    for (int32_t f = m->frame; f >= 0; f = m->e->frame[f].parent) {
+        int32_t pc = argument(m, &m->e->frame[f], param);
+        const struct ins *in = pc < 0 ? NULL : &m->c->code[pc];
+
+        if (!in || in[1].op != OP_END)
+            break;
+        if (in->op == OP_VARIABLE)
+            return in->a;
+        if (in->op != OP_PARAM)
+            break;
+        param = in->a;
+    }
+    return -1;
+}
+
+/* Call symbol sym. */
+PART void
+call(struct machine *m, const struct ins *in, int32_t sym)
+{
+    struct rad_calc_env *e = m->e;
+    const struct ins *const code = m->c->code;
+    int32_t n = in->n;
+    const struct symbol *s;
+
+    if (sym < 0 || m->c->symbol[sym].code < 0 ||
+        m->c->symbol[sym].kind == SYM_VARIABLE) {
+        stop(m, RAD_CALC_NAME);
+        return;
+    }
+    s = &m->c->symbol[sym];
+    if (e->nframes == RAD_MAX_CALC_DEPTH || e->nkept + n > MAX_KEPT) {
+        stop(m, RAD_CALC_DEPTH);
+        return;
+    }
+    e->frame[e->nframes] =
+        (struct frame){ (int32_t)(in - code), m->frame, e->nkept, 0 };
+    e->nkept += n;
+    m->at = code + in[1 + n].a; /* of RESUME */
+    enter(m, s->code, e->nframes++, BACK_CALL, 0);
+}
+
+/* A piece is done, its value is on the stack.  False: so is all. */
+PART bool
+leave(struct machine *m)
+{
+    struct rad_calc_env *e = m->e;
+    struct back b = e->back[--e->nbacks];
+    double v = m->top[-1];
+    struct frame *f;
+
+    m->at = b.at;
+    m->frame = b.frame;
+    switch (b.kind) {
+    case BACK_CALL:
+        e->nkept = e->frame[--e->nframes].kept;
+        return true;
+    case BACK_PARAM:
+        f = &e->frame[b.frame];
+        f->known |= UINT32_C(1) << b.what;
+        e->kept[f->kept + b.what] = v;
+        return true;
+    case BACK_VARIABLE:
+        keep(m, b.what, v);
+        return true;
+    default:
+        return false;
+    }
+}
+
+PART void
+spoil(struct machine *m)
+{
+    m->top[-1] = 0;
+    if (m->fault == RAD_CALC_SOUND)
+        m->fault = RAD_CALC_MATH;
+}
+
+/* Skies are full of small whole powers: a few products instead of a logarithm
+ * and an exponential, as exact to some units in the last place. */
+static double
+power(double a, double b)
+{
+    int n = b >= -LARGEST_WHOLE && b <= LARGEST_WHOLE ? (int)b : 0;
+    double product = 1;
+
+    if (n == 0 || n != b)
+        return pow(a, b);
+    for (int k = n < 0 ? -n : n; k > 0; k >>= 1, a *= a)
+        if (k & 1)
+            product *= a;
+    return n < 0 ? 1 / product : product;
+}
+
+/* The stack's top says which: 0 how many there are, else that one. */
+PART void
+choose(struct machine *m, const struct ins *in)
+{
+    double which = pop(m);
+
+    if (!(which >= -.5 && which + .5 < in->n + 1.0)) {
+        push(m, 0);
+        spoil(m);
+        m->at = m->c->code + in->a;
+    } else if ((int)(which + .5) == 0) {
+        push(m, in->n);
+        m->at = m->c->code + in->a;
+    } else {
+        m->at = m->c->code + in[(int)(which + .5)].a;
+    }
+}
+
+PART void
+library(struct machine *m, const struct ins *in)
+{
+    struct rad_calc_env *e = m->e;
+    enum rad_calc_fault fault = m->fault; /* m itself has no address */
+    double *v = m->top - in->n;
+
+    v[0] = in->a == LIB_PRISM
+               ? rad_calc_prism(v, &e->in, e->clock, &e->prism, &fault)
+               : rad_calc_library_value(in->a, v, &e->in, &fault);
+    m->top = v + 1;
+    if (fault > RAD_CALC_MATH)
+        stop(m, fault);
+    else
+        m->fault = fault;
+}
+
+/* Two values become one. */
+#define TWO(m, op) ((m)->top--, (m)->top[-1] op(m)->top[0])
+/* A value and the number of an instruction do. */
+#define ONE(m, op) ((m)->top[-1] op(m)->c->number[in->a])
+
+/* One instruction; false: it was the last. */
+PART bool
+step(struct machine *m, const struct ins *in)
+{
+    switch ((enum op)in->op) {
+    case OP_NUMBER:
+        push(m, m->c->number[in->a]);
+        break;
+    case OP_CHANNEL:
+        push_channel(m, in->a);
+        break;
+    case OP_VARIABLE:
+        get_variable(m, in->a);
+        break;
+    case OP_PARAM:
+        get_param(m, in->a);
+        break;
+    case OP_VALUE:
+        push_value(m, in->a);
+        break;
+    case OP_NEGATE:
+        m->top[-1] = -m->top[-1];
+        break;
+    case OP_ADD:
+        TWO(m, +=);
+        break;
+    case OP_SUBTRACT:
+        TWO(m, -=);
+        break;
+    case OP_MULTIPLY:
+        TWO(m, *=);
+        break;
+    case OP_ADD_NUMBER:
+        ONE(m, +=);
+        break;
+    case OP_SUBTRACT_NUMBER:
+        ONE(m, -=);
+        break;
+    case OP_MULTIPLY_NUMBER:
+        ONE(m, *=);
+        break;
+    case OP_DIVIDE:
+        m->top--;
+        m->top[-1] = m->top[0] / m->top[-1];
+        break;
+    case OP_POWER:
+        m->top--;
+        m->top[-1] = power(m->top[0], m->top[-1]);
+        break;
+    case OP_CLEAR:
+        m->fault = RAD_CALC_SOUND;
+        break;
+    case OP_CHECK:
+        if (m->fault || !isfinite(m->top[-1]))
+            spoil(m);
+        break;
+    case OP_DIVISOR:
+        if (m->top[-1] != 0)
+            break;
+        spoil(m);
+        m->at = m->c->code + in->a;
+        break;
+    case OP_UNLESS:
+        if (!(pop(m) > 0))
+            m->at = m->c->code + in->a;
+        break;
+    case OP_JUMP:
+        m->at = m->c->code + in->a;
+        break;
+    case OP_SELECT:
+        choose(m, in);
+        break;
+    case OP_LIBRARY:
+        library(m, in);
+        break;
+    case OP_CALL:
+    case OP_CALL_PARAM:
+        call(m, in, in->op == OP_CALL ? in->a : named_function(m, in->a));
+        break;
+    case OP_END:
+        return leave(m);
+    case OP_ARG_AT: /* these two are words of calls, and never next */
+    case OP_RESUME:
+    case OP_HALT:
+        return false;
+    }
+    return true;
+}
+
+double
+rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,
+             struct rad_calc_env *e, enum rad_calc_fault *fault)
+{
+    struct machine m = { .c = c, .e = e, .top = e->value, .frame = -1 };
+
+    e->nframes = e->nbacks = e->nkept = 0;
+    enter(&m, pc, -1, BACK_END, 0);
+    for (int32_t left = limit; step(&m, m.at++); left--)
+        if (left == 0) {
+            m.fault = RAD_CALC_STEPS;
+            break;
+        }
+    *fault = m.fault;
+    return m.fault > RAD_CALC_MATH ? 0 : e->value[0];
+}
+
+double
+rad_calc_eval(const struct rad_calc *c, int expression, struct rad_calc_env *e,
+              enum rad_calc_fault *fault)
+{
+    return rad_calc_run(c, expression, RAD_MAX_CALC_STEPS, e, fault);
+}
+
+double
+rad_calc_call(const struct rad_calc *c, int function, const double value[],
+              struct rad_calc_env *e, enum rad_calc_fault *fault)
+{
+    double v;
+
+    e->call_value = value;
+    v = rad_calc_run(c, function, RAD_MAX_CALC_STEPS, e, fault);
+    e->call_value = NULL;
+    return v;
+}

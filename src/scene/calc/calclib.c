@@ -1,0 +1,329 @@
+/* calclib.c - library functions and noise of the function language
+ *
+ * Noise is Perlin's gradient noise of 2002, with the fractal noise of
+ * Radiance beside it: a cube is halved again and again, each new corner the
+ * mean of its neighbours and a random number that shrinks with the cube.
+ * Slopes are differences over 1/2000, not derivatives: pictures depend on it.
+ * Source: Perlin 2002, Improving noise; Radiance's reference manual. */
+#include "config.h"
+
+#include "scene/calc/calcimpl.h"
+
+#include <math.h>
+#include <string.h>
+
+#define STEP .0005 /* of slopes, and of the finest cube */
+
+const struct library rad_calc_library[] = {
+    { "if", 3, false, true, 0 },
+    { "select", 1, true, true, 0 },
+    { "min", 1, true, true, 0 },
+    { "max", 1, true, true, 0 },
+    { "atan2", 2, false, true, 0 },
+    { "arg", 1, false, false, 0 },
+    { "fprism_val", 3, false, false, RAD_CALC_OFFER_AIM },
+    { "rand", 1, false, true, 0 },
+    { "sqrt", 1, false, true, 0 },
+    { "sin", 1, false, true, 0 },
+    { "cos", 1, false, true, 0 },
+    { "tan", 1, false, true, 0 },
+    { "asin", 1, false, true, 0 },
+    { "acos", 1, false, true, 0 },
+    { "atan", 1, false, true, 0 },
+    { "floor", 1, false, true, 0 },
+    { "ceil", 1, false, true, 0 },
+    { "exp", 1, false, true, 0 },
+    { "log", 1, false, true, 0 },
+    { "log10", 1, false, true, 0 },
+    { "erf", 1, false, true, 0 },
+    { "erfc", 1, false, true, 0 },
+    { "noise3", 3, false, true, 0 },
+    { "noise3x", 3, false, true, 0 },
+    { "noise3y", 3, false, true, 0 },
+    { "noise3z", 3, false, true, 0 },
+    { "fnoise3", 3, false, true, 0 },
+    { "source_corr", 2, false, false, 0 },
+    { "source_theta", 1, false, false, 0 },
+    { "source_phi", 1, false, false, 0 },
+};
+const int rad_calc_nlibrary =
+    sizeof rad_calc_library / sizeof rad_calc_library[0];
+
+/* the table's order, behind LIB_PRISM */
+enum {
+    LIB_RAND = LIB_PRISM + 1,
+    LIB_SQRT,
+    LIB_SIN,
+    LIB_COS,
+    LIB_TAN,
+    LIB_ASIN,
+    LIB_ACOS,
+    LIB_ATAN,
+    LIB_FLOOR,
+    LIB_CEIL,
+    LIB_EXP,
+    LIB_LOG,
+    LIB_LOG10,
+    LIB_ERF,
+    LIB_ERFC,
+    LIB_NOISE3,
+    LIB_NOISE3X,
+    LIB_NOISE3Y,
+    LIB_NOISE3Z,
+    LIB_FNOISE3,
+    LIB_CORR,
+    LIB_THETA,
+    LIB_PHI
+};
+
+/* --- noise -------------------------------------------------------------- */
+
+/* Perlin's permutation. */
+static const uint8_t perm[256] = {
+    /* clang-format off */
+    151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225,
+    140, 36, 103, 30, 69, 142, 8, 99, 37, 240, 21, 10, 23, 190, 6, 148,
+    247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32,
+    57, 177, 33, 88, 237, 149, 56, 87, 174, 20, 125, 136, 171, 168, 68, 175,
+    74, 165, 71, 134, 139, 48, 27, 166, 77, 146, 158, 231, 83, 111, 229, 122,
+    60, 211, 133, 230, 220, 105, 92, 41, 55, 46, 245, 40, 244, 102, 143, 54,
+    65, 25, 63, 161, 1, 216, 80, 73, 209, 76, 132, 187, 208, 89, 18, 169,
+    200, 196, 135, 130, 116, 188, 159, 86, 164, 100, 109, 198, 173, 186, 3, 64,
+    52, 217, 226, 250, 124, 123, 5, 202, 38, 147, 118, 126, 255, 82, 85, 212,
+    207, 206, 59, 227, 47, 16, 58, 17, 182, 189, 28, 42, 223, 183, 170, 213,
+    119, 248, 152, 2, 44, 154, 163, 70, 221, 153, 101, 155, 167, 43, 172, 9,
+    129, 22, 39, 253, 19, 98, 108, 110, 79, 113, 224, 232, 178, 185, 112, 104,
+    218, 246, 97, 228, 251, 34, 242, 193, 238, 210, 144, 12, 191, 179, 162, 241,
+    81, 51, 145, 235, 249, 14, 239, 107, 49, 192, 214, 31, 181, 199, 106, 157,
+    184, 84, 204, 176, 115, 121, 50, 45, 127, 4, 150, 254, 138, 236, 205, 93,
+    222, 114, 67, 29, 24, 72, 243, 141, 128, 195, 78, 66, 215, 61, 156, 180,
+    /* clang-format on */
+};
+
+/* The slope that a lattice point has, times the way from it: one of twelve
+ * directions to the edges of a cube (four of them twice). */
+static double
+corner(const int cell[3], const double f[3], int which)
+{
+    int h = 0;
+    double d[3], u, v;
+
+    for (int i = 0; i < 3; i++) {
+        int bit = which >> i & 1;
+
+        h = perm[(h + cell[i] + bit) & 255];
+        d[i] = f[i] - bit;
+    }
+    h &= 15;
+    u = h < 8 ? d[0] : d[1];
+    v = h < 4 ? d[1] : h == 12 || h == 14 ? d[0] : d[2];
+    return (h & 1 ? -u : u) + (h & 2 ? -v : v);
+}
+
+double
+rad_calc_noise(const double p[3])
+{
+    double f[3], s[3], value[8];
+    int cell[3];
+
+    for (int i = 0; i < 3; i++) {
+        /* truncated, and one less below 0, as Radiance does: at whole numbers
+         * below 0 that is the far end of the cell */
+        double whole = trunc(p[i]) - (p[i] < 0);
+
+        if (!(fabs(whole) < 1e9))
+            return 0; /* beyond the lattice: no digits are left to vary */
+        cell[i] = (int)whole;
+        f[i] = p[i] - whole;
+        s[i] = f[i] * f[i] * f[i] * (f[i] * (f[i] * 6 - 15) + 10);
+    }
+    for (int k = 0; k < 8; k++)
+        value[k] = corner(cell, f, k);
+    for (int i = 0, n = 4; i < 3; i++, n /= 2)
+        for (int k = 0; k < n; k++)
+            value[k] = value[2 * k] + s[i] * (value[2 * k + 1] - value[2 * k]);
+    return value[0];
+}
+
+double
+rad_calc_noise_slope(const double p[3], int axis)
+{
+    double q[3] = { p[0], p[1], p[2] };
+
+    q[axis] -= STEP;
+    return (rad_calc_noise(p) - rad_calc_noise(q)) / STEP;
+}
+
+/* A random number in (-1, 1] of a lattice point: an integer hash, in 64 bits
+ * that wrap around. */
+static double
+lattice(const int64_t v[3])
+{
+    uint64_t s =
+        17 * (uint64_t)v[0] + 23 * (uint64_t)v[1] + 29 * (uint64_t)v[2];
+
+    s = s << 13 ^ s;
+    s = s * (s * s * 15731 + 789221) + 1376312589;
+    return 1 - (double)(s & 0x7fffffff) / 1073741824.0;
+}
+
+/* A point between corners: their mean, and a number of its own. */
+static double
+between(double mean, const int64_t v[3], int64_t size)
+{
+    return mean + (double)size * STEP * lattice(v);
+}
+
+/* Take the cube of edge 2*size at beg apart, and keep the octant that `branch`
+ * names: its corners become fval. */
+static void
+subdivide(double fval[8], const int64_t beg[3], int64_t size, int branch)
+{
+    double centre = 0;
+    double next[8];
+    int64_t v[3];
+
+    for (int j = 0; j < 8; j++)
+        centre += .125 * fval[j];
+    for (int k = 0; k < 8; k++) {
+        /* corner k of the octant: bits that differ from `branch` lie in the
+         * middle of the cube along their axes */
+        int mid = k ^ branch, axes = (mid & 1) + (mid >> 1 & 1) + (mid >> 2);
+        double sum = 0;
+
+        for (int i = 0; i < 3; i++)
+            v[i] = beg[i] + (mid >> i & 1      ? size
+                             : branch >> i & 1 ? 2 * size
+                                               : 0);
+        for (int j = 0; j < 8; j++)
+            if (((j ^ branch) & ~mid) == 0)
+                sum += fval[j];
+        next[k] = mid == 0   ? fval[branch]
+                  : mid == 7 ? between(centre, v, size)
+                             : between(sum / (1 << axes), v, size);
+    }
+    memcpy(fval, next, sizeof next);
+}
+
+double
+rad_calc_fractal(const double p[3])
+{
+    int64_t size = (int64_t)(1 / STEP), at[3], beg[3], v[3];
+    double fval[8], mean = 0;
+
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(p[i]) < 1e12))
+            return 0;
+        at[i] = (int64_t)((double)size * p[i]);
+        beg[i] = (int64_t)((double)size * floor(p[i]));
+    }
+    for (int j = 0; j < 8; j++) {
+        for (int i = 0; i < 3; i++)
+            v[i] = beg[i] + (j >> i & 1 ? size : 0);
+        fval[j] = lattice(v);
+    }
+    while ((size >>= 1) > 0) {
+        int branch = 0;
+
+        for (int i = 0; i < 3; i++)
+            branch |= (at[i] > beg[i] + size) << i;
+        subdivide(fval, beg, size, branch);
+        for (int i = 0; i < 3; i++)
+            beg[i] += branch >> i & 1 ? size : 0;
+    }
+    for (int j = 0; j < 8; j++)
+        mean += .125 * fval[j];
+    return mean;
+}
+
+/* --- the table's functions ----------------------------------------------- */
+
+/* A number in [0, 1) that looks random; Radiance's formula, which patterns
+ * are tuned to. */
+static double
+scramble(double x)
+{
+    x *= 1 / (1 + x * x) + 2.71828182845904;
+    x += .785398163397447 - floor(x);
+    x = 1e5 / x;
+    return x - floor(x);
+}
+
+static double
+real_argument(double which, const struct rad_calc_input *in,
+              enum rad_calc_fault *fault)
+{
+    if (!in || !in->args) {
+        *fault = RAD_CALC_NO_CHANNEL;
+        return 0;
+    }
+    if (!(which + .5 >= 1))
+        return in->nargs;
+    if (which + .5 >= in->nargs + 1.0) {
+        *fault = RAD_CALC_NO_ARG;
+        return 0;
+    }
+    return in->args[(int)(which + .5) - 1];
+}
+
+double
+rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
+                       enum rad_calc_fault *fault)
+{
+    switch (id) {
+    case LIB_ARG:
+        return real_argument(v[0], in, fault);
+    case LIB_MIN:
+        return v[1] < v[0] ? v[1] : v[0];
+    case LIB_MAX:
+        return v[0] < v[1] ? v[1] : v[0];
+    case LIB_RAND:
+        return scramble(v[0]);
+    case LIB_SQRT:
+        return sqrt(v[0]);
+    case LIB_SIN:
+        return sin(v[0]);
+    case LIB_COS:
+        return cos(v[0]);
+    case LIB_TAN:
+        return tan(v[0]);
+    case LIB_ASIN:
+        return asin(v[0]);
+    case LIB_ACOS:
+        return acos(v[0]);
+    case LIB_ATAN:
+        return atan(v[0]);
+    case LIB_ATAN2:
+        return atan2(v[1], v[0]);
+    case LIB_FLOOR:
+        return floor(v[0]);
+    case LIB_CEIL:
+        return ceil(v[0]);
+    case LIB_EXP:
+        return exp(v[0]);
+    case LIB_LOG:
+        return log(v[0]);
+    case LIB_LOG10:
+        return log10(v[0]);
+    case LIB_ERF:
+        return erf(v[0]);
+    case LIB_ERFC:
+        return erfc(v[0]);
+    case LIB_NOISE3:
+        return rad_calc_noise(v);
+    case LIB_NOISE3X:
+    case LIB_NOISE3Y:
+    case LIB_NOISE3Z:
+        return rad_calc_noise_slope(v, id - LIB_NOISE3X);
+    case LIB_FNOISE3:
+        return rad_calc_fractal(v);
+    case LIB_CORR:
+        return rad_calc_luminaire(LUMINAIRE_CORR, v, in, fault);
+    case LIB_THETA:
+        return rad_calc_luminaire(LUMINAIRE_THETA, v, in, fault);
+    case LIB_PHI:
+        return rad_calc_luminaire(LUMINAIRE_PHI, v, in, fault);
+    default:
+        return 0;
+    }
+}

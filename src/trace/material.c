@@ -1,0 +1,291 @@
+/* material.c - the table of modifiers, and their compilation
+ *
+ * An alias is gone after compilation: its entry is what it stands for, with
+ * the alias's own modifier behind it.  Modifiers that no surface leads to are
+ * not compiled: they may be of any type, and their files need not exist. */
+#include "config.h"
+
+#include "trace/material.h"
+#include "shade/aniso.h"
+#include "shade/antimatter.h"
+#include "shade/ashik.h"
+#include "shade/brdf.h"
+#include "shade/dielectric.h"
+#include "shade/emitter.h"
+#include "pattern/effect.h"
+#include "pattern/func.h"
+#include "shade/glass.h"
+#include "shade/mirror.h"
+#include "shade/mist.h"
+#include "shade/normal.h"
+#include "shade/prism.h"
+#include "shade/scatter.h"
+#include "pattern/table.h"
+#include "pattern/text.h"
+#include "shade/wgmd.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct rad_shader table[] = {
+    { RAD_PLASTIC, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
+    { RAD_METAL, RAD_MAT_OPAQUE, rad_normal_prepare, rad_normal_shade },
+    { RAD_TRANS, RAD_MAT_TRANSPARENT, rad_normal_prepare, rad_normal_shade },
+    { RAD_PLASTIC2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_METAL2, RAD_MAT_OPAQUE, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_TRANS2, RAD_MAT_TRANSPARENT, rad_aniso_prepare, rad_aniso_shade },
+    { RAD_ASHIK2, RAD_MAT_OPAQUE, rad_ashik_prepare, rad_ashik_shade },
+    { RAD_PLASFUNC, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_METFUNC, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_TRANSFUNC, 0, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_PLASDATA, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_METDATA, RAD_MAT_OPAQUE, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_TRANSDATA, 0, rad_brdf_prepare, rad_brdf_shade },
+    { RAD_BRTDFUNC, 0, rad_brdf_prepare, rad_brtd_shade },
+    { RAD_GLASS, RAD_MAT_TRANSPARENT | RAD_MAT_PASSED, rad_glass_prepare,
+      rad_glass_shade },
+    { RAD_DIELECTRIC, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
+      rad_dielectric_shade },
+    { RAD_INTERFACE, RAD_MAT_TRANSPARENT, rad_dielectric_prepare,
+      rad_dielectric_shade },
+    { RAD_LIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_ILLUM, RAD_MAT_EMITS, rad_emitter_prepare, rad_emitter_shade },
+    { RAD_GLOW, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_SPOTLIGHT, RAD_MAT_EMITS | RAD_MAT_OPAQUE, rad_emitter_prepare,
+      rad_emitter_shade },
+    { RAD_MIRROR, RAD_MAT_OPAQUE, rad_mirror_prepare, rad_mirror_shade },
+    { RAD_WGMDFUNC, 0, rad_wgmd_prepare, rad_wgmd_shade },
+    { RAD_PRISM1, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
+    { RAD_PRISM2, RAD_MAT_OPAQUE, rad_prism_prepare, rad_prism_shade },
+    { RAD_MIST, RAD_MAT_TRANSPARENT | RAD_MAT_PASSED, rad_mist_prepare,
+      rad_mist_shade },
+    { RAD_ANTIMATTER, RAD_MAT_CUTS | RAD_MAT_PASSED, rad_antimatter_prepare,
+      rad_antimatter_shade },
+    { RAD_BRIGHTTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
+    { RAD_COLORTEXT, RAD_MAT_PATTERN, rad_text_prepare, rad_text_shade },
+    { RAD_BRIGHTFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_brighten },
+    { RAD_COLORFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_colour },
+    { RAD_TEXFUNC, RAD_MAT_PATTERN, rad_func_prepare, rad_effect_perturb },
+    { RAD_MIXFUNC, RAD_MAT_MIXTURE, rad_func_prepare, rad_effect_mix },
+    { RAD_BRIGHTDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_brighten },
+    { RAD_COLORDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
+    { RAD_COLORPICT, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
+    { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_perturb },
+    { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },
+    { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },
+    { RAD_BSDF, 0, rad_scatter_prepare, rad_scatter_shade },
+    { RAD_ABSDF, RAD_MAT_TRANSPARENT, rad_scatter_prepare, rad_scatter_shade },
+    { RAD_MIXTEXT, RAD_MAT_MIXTURE, rad_text_prepare, rad_text_mix },
+};
+
+static const struct rad_shader *
+find_shader(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
+        if (table[i].type == type)
+            return &table[i];
+    return NULL;
+}
+
+/* A mixture that nothing modifies counts as a material: what it mixes may be
+ * some. */
+static bool
+is_material(const struct rad_object *o)
+{
+    enum rad_oclass class = rad_otype_class(o->type);
+
+    return class == RAD_CLASS_MATERIAL ||
+           (class == RAD_CLASS_MIXTURE && o->modifier == RAD_VOID);
+}
+
+int32_t
+rad_material_of(const struct rad_scene *scene, int32_t mod)
+{
+    while (mod != RAD_VOID) {
+        const struct rad_object *o = &scene->objects[mod];
+        int32_t target;
+        bool own;
+
+        if (is_material(o))
+            return mod;
+        target = rad_scene_alias(scene, mod, &own);
+        if (own && target != RAD_VOID && is_material(&scene->objects[target]))
+            return target;
+        mod = o->modifier;
+    }
+    return RAD_VOID;
+}
+
+bool
+rad_material_lights(const struct rad_object *m)
+{
+    switch (m->type) {
+    case RAD_LIGHT:
+    case RAD_ILLUM:
+    case RAD_SPOTLIGHT:
+        return true;
+    case RAD_GLOW:
+        return m->nreals == 4 && m->reals[3] > 0;
+    default:
+        return false;
+    }
+}
+
+static int
+compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    const struct rad_object *o = &scene->objects[index];
+    bool own;
+    int32_t target = rad_scene_alias(scene, index, &own);
+
+    if (!own)
+        return 0; /* shader stays NULL: rays go on to the modifier */
+    if (target == RAD_VOID)
+        return rad_scene_fail(scene, o, err, RAD_EDATA,
+                              "undefined modifier '%s'", o->strings[0]);
+    job->materials[index].shader = job->materials[target].shader;
+    job->materials[index].data = job->materials[target].data;
+    job->materials[index].flags = job->materials[target].flags;
+    return 0;
+}
+
+/* What is seen through where a string of the object's, from `first` on, is no
+ * "0"; else it stops shadow rays. */
+static unsigned
+flags_by_strings(const struct rad_object *o, int first, int n)
+{
+    for (int i = first; i < first + n && i < o->nstrings; i++)
+        if (strcmp(o->strings[i], "0") != 0)
+            return RAD_MAT_TRANSPARENT;
+    return RAD_MAT_OPAQUE;
+}
+
+static unsigned
+flags_of(const struct rad_job *job, const struct rad_object *o,
+         const struct rad_shader *shader)
+{
+    unsigned flags;
+
+    switch (o->type) {
+    case RAD_BRTDFUNC: /* what passes */
+        return flags_by_strings(o, 3, 3);
+    case RAD_WGMDFUNC: /* the same, if it is there at all */
+        flags = flags_by_strings(o, 5, 1);
+        return job->params.backvis ? flags : flags & ~(unsigned)RAD_MAT_OPAQUE;
+    case RAD_BSDF: /* a thickness: the geometry behind it */
+        return flags_by_strings(o, 0, 1) & RAD_MAT_TRANSPARENT;
+    default:
+        return shader->flags;
+    }
+}
+
+static int
+compile_modifier(struct rad_job *job, int32_t index,
+                 const struct rad_files *files, struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    struct rad_material *mat = &job->materials[index];
+
+    mat->next = o->modifier;
+    if (o->type == RAD_ALIAS)
+        return compile_alias(job, index, err);
+    mat->shader = find_shader(o->type);
+    if (!mat->shader)
+        return rad_scene_fail(job->scene, o, err, RAD_EUNSUPPORTED,
+                              "not supported");
+    mat->flags = flags_of(job, o, mat->shader);
+    return mat->shader->prepare(job, index, files, &mat->data, err);
+}
+
+int
+rad_material_reals(const struct rad_job *job, int32_t index, int least,
+                   int most, struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+
+    if (o->nreals < least || o->nreals > most)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "expected %d real arguments, got %d",
+                              o->nreals < least ? least : most, o->nreals);
+    return 0;
+}
+
+void *
+rad_material_begin(struct rad_job *job, int32_t index, int least, int most,
+                   size_t size, int *code, struct rad_error *err)
+{
+    void *room;
+
+    *code = rad_material_reals(job, index, least, most, err);
+    if (*code < 0)
+        return NULL;
+    room = rad_arena_calloc(&job->arena, 1, size);
+    if (!room)
+        *code = rad_fail(err, RAD_ENOMEM, "out of memory");
+    return room;
+}
+
+int
+rad_material_file_fail(const struct rad_job *job, const struct rad_object *o,
+                       const char *name, const struct rad_error *why,
+                       struct rad_error *err)
+{
+    char text[512];
+
+    rad_error_format(why, text, sizeof text);
+    if (strstr(text, name))
+        return rad_scene_fail(job->scene, o, err, why->code, "%s", text);
+    return rad_scene_fail(job->scene, o, err, why->code, "'%s': %s", name,
+                          text);
+}
+
+int
+rad_material_file(const struct rad_job *job, const struct rad_object *o,
+                  const struct rad_files *files, const char *name, char **data,
+                  size_t *len, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    *data = NULL;
+    if (files)
+        *data = (char *)files->read(files->arg, name, len, &why);
+    if (*data)
+        return 0;
+    rad_fail(&why, RAD_ENOINPUT, "no file '%s'", name);
+    return rad_material_file_fail(job, o, name, &why, err);
+}
+
+static bool
+is_surface(const struct rad_object *o)
+{
+    return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
+}
+
+int
+rad_materials_compile(struct rad_job *job, const struct rad_files *files,
+                      struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    int32_t n = scene->nobjects;
+    uint8_t *reached;
+    int code = 0;
+
+    reached = calloc((size_t)n + 1, sizeof *reached);
+    while (n > 0 && is_surface(&scene->objects[n - 1]))
+        n--;
+    job->materials =
+        rad_arena_calloc(&job->arena, (size_t)n, sizeof *job->materials);
+    if (!reached || !job->materials) {
+        free(reached);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    rad_scene_reach(scene, reached);
+    for (int32_t i = 0; i < n && code == 0; i++)
+        if (reached[i] && !is_surface(&scene->objects[i]))
+            code = compile_modifier(job, i, files, err);
+    free(reached);
+    return code;
+}

@@ -1,0 +1,515 @@
+/* ray.c - see ray.h
+ *
+ * Which surfaces a ray sees and what its length is follow Radiance's ray
+ * tracing core, so that depth pictures and irradiance agree with rpict's. */
+#include "config.h"
+
+#include "trace/ray.h"
+#include "base/expf.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/direct/source.h"
+#include "shade/antimatter.h"
+#include "trace/material.h"
+#include "shade/mist.h"
+#include "shade/normal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Optical depth beyond which nothing is left: exp(-92) is below what a float
+ * times any sensible radiance can hold. */
+#define OPAQUE_DEPTH 92.0
+
+/* Extinction along the parent's length, for the weight: of the clearest
+ * channel, and only where it is worth an exponential. */
+static float
+medium_weight(const struct rad_ray *parent)
+{
+    const struct rad_rgb *e = &parent->ext;
+    double least = rad_least(e->r, rad_least(e->g, e->b)), depth;
+
+    if (least <= 0)
+        return 1;
+    depth = least * parent->hit.t;
+    return depth <= .1 ? 1 : depth > OPAQUE_DEPTH ? 0 : rad_expf(-depth);
+}
+
+static void
+spawn_primary(const struct rad_ctx *ctx, struct rad_ray *r,
+              enum rad_raykind kind)
+{
+    r->level = 0;
+    r->depth = 0;
+    r->path = (uint16_t)kind;
+    r->source = -1;
+    r->ext = ctx->job->params.cextinction;
+    r->medium = ctx->job->medium;
+}
+
+static void
+spawn_child(struct rad_ray *r, enum rad_raykind kind,
+            const struct rad_ray *parent, uint32_t branch)
+{
+    r->key = rad_key_branch(parent->key, branch);
+    r->depth = parent->depth + 1;
+    r->level = parent->level;
+    r->path = (uint16_t)(parent->path | kind);
+    r->ext = parent->ext;
+    r->medium = parent->medium;
+    if (kind & RAD_RAY_REFL) {
+        if (r->level < INT16_MAX)
+            r->level++;
+        r->source = -1;
+        r->tmax = INFINITY;
+    } else {
+        r->source = parent->source;
+        r->tmax = parent->tmax - parent->hit.t;
+    }
+    r->weight *= parent->weight * medium_weight(parent);
+}
+
+/* Let rays below minweight die at random, and the survivors count for the
+ * dead: -lr 0, or -lr below 0 to bound the reflections too. */
+static bool
+roulette(const struct rad_params *p, struct rad_ray *r)
+{
+    if (p->maxdepth < 0 && r->level > -p->maxdepth)
+        return false;
+    if (r->weight >= p->minweight)
+        return true;
+    if (rad_rand(r->key, RAD_DIM_ROULETTE) > r->weight / p->minweight)
+        return false;
+    r->coef = rad_rgb_scale(r->coef, (float)(p->minweight / r->weight));
+    r->weight = (float)p->minweight;
+    return true;
+}
+
+/* All of a ray but its direction.  False: it cannot exist, or nothing would
+ * come of it. */
+static bool
+begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
+      const struct rad_ray *parent, const struct rad_rgb *coef, uint32_t branch)
+{
+    /* each by itself: what has just been stored cannot be loaded as a whole */
+    r->coef = coef ? rad_rgb(coef->r, coef->g, coef->b) : rad_grey(1);
+    /* coefficients above 1 must not let paths grow */
+    r->weight = rad_rgb_max(r->coef);
+    r->weight = r->weight < 1 ? r->weight : 1;
+    r->kind = (uint16_t)kind;
+    r->parent = parent;
+    r->line = NULL;
+    if (!parent) {
+        spawn_primary(ctx, r, kind);
+    } else {
+        if (!(parent->hit.t < INFINITY) || parent->depth >= RAD_MAX_DEPTH)
+            return false;
+        spawn_child(r, kind, parent, branch);
+    }
+    return r->weight > 0;
+}
+
+/* Is it worth tracing, by -lw and -lr? */
+static bool
+goes_far_enough(const struct rad_params *p, const struct rad_ray *r)
+{
+    if (r->path & RAD_RAY_SHADOW) /* once aimed, a shadow ray goes through */
+        return true;
+    return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
+}
+
+bool
+rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
+              const struct rad_ray *parent, const struct rad_rgb *coef,
+              uint32_t branch)
+{
+    const struct rad_params *p = &ctx->job->params;
+
+    if (!begin(ctx, r, kind, parent, coef, branch))
+        return false;
+    if (p->maxdepth <= 0 && coef && !(r->path & RAD_RAY_SHADOW))
+        return roulette(p, r);
+    return goes_far_enough(p, r);
+}
+
+bool
+rad_ray_go_on(const struct rad_ctx *ctx, struct rad_ray *r)
+{
+    if (!(r->hit.t < INFINITY) || r->depth >= RAD_MAX_DEPTH)
+        return false;
+    r->key = rad_key_branch(r->key, RAD_BRANCH_TRANSMIT);
+    r->depth++;
+    r->kind = RAD_RAY_TRANS;
+    r->path |= RAD_RAY_TRANS;
+    r->tmax -= r->hit.t;
+    r->coef = rad_grey(1);
+    r->weight *= medium_weight(r);
+    return r->weight > 0 && goes_far_enough(&ctx->job->params, r);
+}
+
+void
+rad_ray_clear(struct rad_ray *r)
+{
+    r->hit.obj = RAD_VOID;
+    r->hit.t = INFINITY;
+    r->hit.in = NULL;
+    r->hit.bent = false;
+    r->far_source = -1;
+    r->L = rad_grey(0);
+    r->L_mirror = rad_grey(0);
+    r->dist = INFINITY;
+    r->mirror_dist = INFINITY;
+}
+
+/* Set r->org: where a ray of direction r->dir leaves its parent's hit. */
+static void
+leave_parent(struct rad_ray *r)
+{
+    if (r->parent)
+        rad_geom_leave(&r->parent->hit, r->dir, r->org);
+}
+
+void
+rad_ray_enter(struct rad_ray *r)
+{
+    rad_copy(r->n, r->hit.n);
+    r->cos_o = -rad_dot(r->dir, r->n);
+    if (r->hit.bent)
+        rad_copy(r->pert, r->hit.bend);
+    else
+        r->pert[0] = r->pert[1] = r->pert[2] = 0;
+    r->pattern = rad_grey(1);
+    r->dist = r->hit.t;
+}
+
+/* Negative channels are cut off at 0, the others stay, as in rpict's pictures;
+ * what is not finite anywhere is black. */
+static struct rad_rgb
+made_sound(struct rad_rgb L)
+{
+    L = rad_rgb(L.r < 0 ? 0 : L.r, L.g < 0 ? 0 : L.g, L.b < 0 ? 0 : L.b);
+    return rad_rgb_sound(L) ? L : rad_grey(0);
+}
+
+/* What is not finite is cut off, and counted.  What is negative is so where a
+ * pixel or an ambient record would get it; a ray that comes from such a surface
+ * to another takes from the sum there, as in rpict's pictures. */
+static void
+drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    bool last = !r->parent || r->kind & RAD_RAY_AMBIENT;
+
+    if (last ? !rad_rgb_sound(r->L) : !rad_rgb_bounded(r->L)) {
+        r->L = made_sound(r->L);
+        r->L_mirror =
+            rad_rgb_black(r->L) ? rad_grey(0) : made_sound(r->L_mirror);
+        ctx->counts.unsound_rays++;
+    }
+}
+
+void
+rad_ray_onward(struct rad_ray *r)
+{
+    const struct rad_ray *p = r->parent;
+
+    if (p->line && r->dir[0] == p->dir[0] && r->dir[1] == p->dir[1] &&
+        r->dir[2] == p->dir[2]) {
+        r->line = p->line;
+        r->line_at = p->line_at;
+    }
+}
+
+/* Find what r meets; false: nothing.  `own` is for what lies behind that, where
+ * it is not known yet. */
+static bool
+meet(struct rad_ctx *ctx, struct rad_ray *r, struct rad_line *own)
+{
+    const struct rad_geom *geom = ctx->job->geom;
+    struct rad_span span;
+
+    if (r->line) {
+        switch (rad_geom_beyond(geom, r->line, r->line_at++, &r->parent->hit,
+                                r->org, r->dir, &r->hit)) {
+        case RAD_BEYOND_NONE:
+            return false;
+        case RAD_BEYOND_MET:
+            return true;
+        default:
+            break;
+        }
+    }
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    span.tmin = 0;
+    span.tmax = r->tmax;
+    if (!rad_geom_passes(geom))
+        return rad_geom_nearest(geom, &span, &r->hit, &ctx->counts.geom);
+    r->line = own;
+    r->line_at = 1;
+    return rad_geom_first(geom, &span, &r->hit, own, &ctx->counts.geom);
+}
+
+void
+rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_line own;
+
+    leave_parent(r);
+    rad_ray_clear(r);
+    ctx->counts.rays++;
+    if (meet(ctx, r, &own)) {
+        rad_ray_enter(r);
+        rad_ray_continue(ctx, r);
+    } else if (!(r->tmax < INFINITY)) { /* else the aft plane hides it */
+        int32_t mod = rad_source_behind(ctx, r);
+
+        if (mod != RAD_VOID)
+            rad_ray_shade(ctx, r, mod);
+    }
+    rad_ray_absorb(ctx, r);
+    drop_unsound(ctx, r);
+    r->line = NULL;
+}
+
+void
+rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    const struct rad_job *job = ctx->job;
+    int32_t mod = job->scene->objects[r->hit.obj].modifier;
+
+    r->kind &= (uint16_t)~RAD_RAY_CUT;
+    if ((job->cut && mod != RAD_VOID && job->cut[mod] &&
+         rad_antimatter_hides(ctx, r)) ||
+        !rad_ray_shade(ctx, r, mod))
+        rad_ray_transmit(ctx, r);
+}
+
+/* With -i, what the eye sees directly is replaced by its irradiance: clear
+ * materials let the ray through, emitters are seen as they are. */
+static bool
+shade_irradiance(struct rad_ctx *ctx, const struct rad_material *mat,
+                 struct rad_ray *r)
+{
+    if (mat->flags & RAD_MAT_TRANSPARENT) {
+        rad_ray_transmit(ctx, r);
+        return true;
+    }
+    if (mat->shader->flags & RAD_MAT_EMITS)
+        return mat->shader->shade(ctx, mat, r);
+    r->pattern = rad_grey(1);
+    return rad_normal_irradiance(ctx, r);
+}
+
+bool
+rad_ray_shade(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    const struct rad_job *job = ctx->job;
+    bool irradiance = job->params.irradiance &&
+                      !(r->path & ~(RAD_RAY_PRIMARY | RAD_RAY_TRANS));
+
+    while (mod != RAD_VOID) {
+        const struct rad_material *mat = &job->materials[mod];
+
+        mod = mat->next;
+        if (!mat->shader)
+            continue;
+        if (irradiance &&
+            !(mat->shader->flags &
+              (RAD_MAT_PATTERN | RAD_MAT_CUTS | RAD_MAT_MIXTURE))) {
+            if (shade_irradiance(ctx, mat, r))
+                return true;
+        } else if (mat->shader->shade(ctx, mat, r)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void
+rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_ray tr;
+
+    /* no limit applies: nothing is lost here */
+    if (!begin(ctx, &tr, RAD_RAY_TRANS, r, NULL, RAD_BRANCH_TRANSMIT))
+        return;
+    rad_copy(tr.dir, r->dir);
+    rad_ray_onward(&tr);
+    rad_ray_trace(ctx, &tr);
+    r->L = tr.L;
+    r->L_mirror = tr.L_mirror;
+    r->dist = r->hit.t + tr.dist;
+    r->mirror_dist = r->hit.t + tr.mirror_dist;
+}
+
+void
+rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    const struct rad_rgb *e = &r->ext;
+    double t = r->hit.t;
+    struct rad_rgb T;
+
+    if (e->r <= 0 && e->g <= 0 && e->b <= 0)
+        return;
+    if (r->medium) {
+        rad_mist_participate(ctx, r);
+        return;
+    }
+    /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
+    T.r = e->r > 0 ? rad_expf(-e->r * t) : 1;
+    T.g = e->g == e->r ? T.r : e->g > 0 ? rad_expf(-e->g * t) : 1;
+    T.b = e->b == e->g ? T.g : e->b > 0 ? rad_expf(-e->b * t) : 1;
+    r->L = rad_rgb_mul(r->L, T);
+}
+
+void
+rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    while (mod != RAD_VOID) {
+        const struct rad_material *mat = &ctx->job->materials[mod];
+
+        if (mat->shader) {
+            if (!(mat->shader->flags & (RAD_MAT_PATTERN | RAD_MAT_MIXTURE)))
+                return; /* a second material: rad_scene_check() lets none
+                         * reach a surface */
+            mat->shader->shade(ctx, mat, r);
+        }
+        mod = mat->next;
+    }
+}
+
+double
+rad_ray_normal(const struct rad_ray *r, double norm[3])
+{
+    double cos_n;
+
+    if (!rad_ray_perturbed(r)) {
+        rad_copy(norm, r->n);
+        return r->cos_o;
+    }
+    for (int i = 0; i < 3; i++)
+        norm[i] = r->n[i] + r->pert[i];
+    if (rad_normalize(norm) == 0) {
+        rad_copy(norm, r->n);
+        return r->cos_o;
+    }
+    cos_n = -rad_dot(norm, r->dir);
+    if ((cos_n > 0) != (r->cos_o > 0)) {
+        /* mirror it about the plane across the ray, so that the side that
+         * is seen stays the side that was hit */
+        rad_madd(norm, norm, 2 * cos_n, r->dir);
+        cos_n = -cos_n;
+    }
+    return cos_n;
+}
+
+bool
+rad_ray_bends(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    const struct rad_object *objects = ctx->job->scene->objects;
+    int32_t modifier;
+
+    if (!rad_ray_perturbed(r) || r->hit.obj == RAD_VOID)
+        return false;
+    modifier = objects[r->hit.obj].modifier;
+    return modifier == RAD_VOID || strcmp(objects[modifier].name, "Phong") != 0;
+}
+
+void
+rad_ray_ahead(const struct rad_ctx *ctx, const struct rad_ray *r,
+              double ahead[3])
+{
+    rad_copy(ahead, r->dir);
+    if (!rad_ray_bends(ctx, r))
+        return;
+    rad_sub(ahead, r->dir, r->pert);
+    if (!(rad_dot(ahead, r->n) < -RAD_TINY) || rad_normalize(ahead) == 0)
+        rad_copy(ahead, r->dir);
+}
+
+void
+rad_ray_flip(struct rad_ray *r)
+{
+    rad_scale(r->n, -1, r->n);
+    rad_scale(r->pert, -1, r->pert);
+    r->cos_o = -r->cos_o;
+}
+
+bool
+rad_ray_face(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
+{
+    if (r->cos_o < 0 && !ctx->job->params.backvis) {
+        rad_ray_transmit(ctx, r);
+        return false;
+    }
+    rad_ray_texture(ctx, r, mod);
+    if (r->cos_o < 0)
+        rad_ray_flip(r);
+    return true;
+}
+
+bool
+rad_ray_on_flat(const struct rad_ctx *ctx, const struct rad_ray *r)
+{
+    enum rad_otype type;
+
+    if (r->hit.obj == RAD_VOID)
+        return false;
+    type = ctx->job->scene->objects[r->hit.obj].type;
+    return type == RAD_POLYGON || type == RAD_RING;
+}
+
+bool
+rad_ray_through(const struct rad_ray *r, const double dir[3])
+{
+    return (r->cos_o > 0) != (rad_dot(r->n, dir) > 0);
+}
+
+/* The effective distance of r, of whose radiance `whole` is the whole. */
+static double
+effective(const struct rad_ray *r, struct rad_rgb whole)
+{
+    double d = rad_rgb_lum(r->L_mirror) > .5f * rad_rgb_lum(whole)
+                   ? r->mirror_dist
+                   : r->dist;
+
+    return d < INFINITY ? d : 1e10;
+}
+
+double
+rad_ray_distance(const struct rad_ray *r)
+{
+    return effective(r, r->L);
+}
+
+double
+rad_ray_way_of(const struct rad_ray *child)
+{
+    return effective(child, rad_rgb_mul(child->L, child->coef));
+}
+
+void
+rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
+                   const double n[3], uint64_t key)
+{
+    double lo[3], hi[3], size = 0;
+
+    rad_geom_bounds(ctx->job->geom, lo, hi);
+    for (int i = 0; i < 3; i++)
+        size = rad_most(size, rad_most(fabs(p[i]), hi[i] - lo[i]));
+    r->tmax = INFINITY;
+    r->key = key;
+    rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_ray_clear(r);
+    rad_scale(r->dir, -1, n);
+    rad_copy(r->org, p);
+    rad_copy(r->hit.p, p);
+    rad_copy(r->hit.n, n);
+    r->hit.t = 0;
+    r->hit.err = 1e-6 * size;
+    r->hit.uv[0] = r->hit.uv[1] = 0;
+    r->hit.bent = false;
+    rad_ray_enter(r);
+    rad_normal_irradiance(ctx, r);
+    drop_unsound(ctx, r);
+}
