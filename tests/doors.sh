@@ -1,0 +1,124 @@
+#!/bin/sh
+# doors.sh - the floor plan holds: rooms use what the table says, files of the
+# daemons never call each other in a loop, names say where they are
+#
+# The table of rooms in doc/architecture.md is the plan, from the ground up: a
+# room uses only rooms that its row names, and these stand above its row.  What
+# is held against the plan is #include, in all sources, and calls, by the symbols
+# of the object files; so a function that is handed over by its address is no
+# call of the file that calls it.
+set -u
+top=${top_srcdir:-$(cd "$(dirname "$0")/.." && pwd)}
+build=${top_builddir:-$PWD}
+tmp=$(mktemp -d "${TMPDIR:-/tmp}/doors.XXXXXX") || exit 99
+trap 'rm -rf "$tmp"' EXIT
+bad=0
+
+# what is wrong: a heading, then lines of standard input
+tell()
+{
+    sed 's/^/    /' >"$tmp/wrong"
+    [ -s "$tmp/wrong" ] || return 0
+    echo "$1:"
+    cat "$tmp/wrong"
+    bad=1
+}
+
+# --- the plan: "room user-room ..." ---
+sed -n '/^| room |/,/^$/ s/^| `\([a-z/]*\)` | [^|]* | \([^|]*\) |$/\1 \2/p' \
+    "$top/doc/architecture.md" | tr -d '`,-' >"$tmp/plan"
+[ "$(wc -l <"$tmp/plan")" -gt 20 ] || {
+    echo "no table of rooms in doc/architecture.md"
+    exit 1
+}
+awk '{ for (i = 2; i <= NF; i++) if (!($i in seen)) print $1 " uses " $i
+       seen[$1] = 1 }' "$tmp/plan" |
+    tell "rooms that use one that does not stand above them in the table"
+
+# --- includes ---
+cd "$top" || exit 99
+find src proto net daemon client -name '*.[ch]' -o -name '*.def' -o \
+    -name '*.inc' | sort >"$tmp/files"
+sed 's|/[^/]*$||' "$tmp/files" | sort -u |
+    awk 'NR == FNR { is[$1] = 1; next } !($1 in is)' "$tmp/plan" - |
+    tell "folders that are not in the table"
+# a header is named from the tree's top or from the top of src, daemon, client
+xargs grep -n '^#[[:space:]]*include[[:space:]]*"' <"$tmp/files" |
+    sed 's/^\([^:]*\):\([0-9]*\):[^"]*"\([^"]*\)".*/\1 \2 \3/' |
+    awk -v bad="$tmp/unknown" -v used="$tmp/used" '
+        FILENAME ~ /plan$/ { room[$1] = " " $0 " "; next }
+        FILENAME ~ /files$/ { is[$1] = 1; next }
+        $3 == "config.h" || $3 == "tests/hook.h" { next }
+        {
+            at = ""
+            n = split("src/,daemon/,client/,", root, ",")
+            for (i = 1; i <= n && at == ""; i++)
+                if ((root[i] $3) in is)
+                    at = root[i] $3
+            if (at == "") {
+                print $1 ":" $2 ": no header " $3 >bad
+                next
+            }
+            from = $1; sub("/[^/]*$", "", from)
+            to = at; sub("/[^/]*$", "", to)
+            if (from == to)
+                next
+            print from, to >used
+            if (index(room[from], " " to " ") == 0)
+                print $1 ":" $2 ": " at
+        }' "$tmp/plan" "$tmp/files" - >"$tmp/closed"
+tell "includes that the table does not allow" <"$tmp/closed"
+[ -f "$tmp/unknown" ] &&
+    tell "headers that are not named by room" <"$tmp/unknown"
+sort -u "$tmp/used" | awk '
+    FILENAME ~ /used/ || FILENAME == "-" { used[$1 " " $2] = 1; next }
+    { for (i = 2; i <= NF; i++) if (!(($1 " " $i) in used)) print $1, $i }' \
+    - "$tmp/plan" | tell "doors of the table that nobody uses"
+
+# --- sizes ---
+grep '\.h$' "$tmp/files" | xargs wc -l |
+    awk '$2 != "total" && $1 > 200 { print $2 ": " $1 " lines" }' |
+    tell "headers of more than 200 lines"
+xargs wc -l <"$tmp/files" | awk '$2 != "total" {
+        sub("/[^/]*$", "", $2); lines[$2] += $1; files[$2]++ }
+    END { for (r in lines) if (lines[r] > 4500 || files[r] > 30)
+              print r ": " files[r] " files, " lines[r] " lines" }' | sort |
+    tell "rooms that are too large (30 files, 4500 lines)"
+
+# --- calls, by the objects that this build has ---
+cd "$build" || exit 99
+if ! command -v nm >/dev/null || ! command -v tsort >/dev/null; then
+    echo "no nm or no tsort: calls were not looked at"
+    exit $((bad ? 1 : 77))
+fi
+find daemon net client -name 'lib*_a-*.o' -o -name 'rad*-*.o' |
+    grep -v '/lib[a-z]*_a-.*wordlist' | sort >"$tmp/objects"
+[ -s "$tmp/objects" ] || { echo "no objects in $build"; exit 1; }
+while read -r o; do
+    file=$(echo "$o" | sed 's|/[a-z]*\(_a\)*-|/|; s|\.o$||')
+    nm -P "$o" | sed "s|^|$file |"
+done <"$tmp/objects" >"$tmp/symbols"
+awk '$3 ~ /^[TDBRVC]$/ { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/has"
+awk '$3 == "U" { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/wants"
+awk 'NR == FNR { where[$2] = $1; next }
+     ($2 in where) && where[$2] != $1 { print $1, where[$2] }' \
+    "$tmp/has" "$tmp/wants" | sort -u >"$tmp/calls"
+grep '^\(daemon\|net\)/.* \(daemon\|net\)/' "$tmp/calls" >"$tmp/daemons"
+tsort <"$tmp/daemons" 2>&1 >/dev/null | sed 's/^tsort: *//' |
+    tell "files that call each other in a loop (the files of one, then the next)"
+
+# --- names: a function begins with its file's or its room's name ---
+awk '$3 == "T" && $2 != "main" { print $1, $2 }' "$tmp/symbols" | sort -u |
+    awk '{
+        n = split($1, part, "/")
+        file = part[n]; room = part[n - 1]
+        # of strict/strict_out.c: strict_, out_
+        m = split(file "_" room, word, "_")
+        at_home = index($2, file) == 1
+        for (i = 1; i <= m; i++)
+            at_home = at_home || index($2, word[i] "_") == 1
+        if (!at_home)
+            print $1 ": " $2 }' |
+    tell "functions whose name says neither file nor room"
+
+exit $bad
