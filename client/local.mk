@@ -9,13 +9,14 @@ libclient_a_SOURCES = \
 	client/rays.h \
 	daemon/machine/wordlist.c \
 	daemon/machine/wordlist.h
+include client/common/local.mk
 include client/compile/local.mk
-include client/rif/local.mk
-include client/job/local.mk
-include client/trial/local.mk
 include client/show/local.mk
-include client/link/local.mk
 include client/records/local.mk
+include client/link/local.mk
+include client/job/local.mk
+include client/rif/local.mk
+include client/trial/local.mk
 include client/ctl/local.mk
 
 # what a client links with, before LIBRAD

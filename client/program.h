@@ -13,7 +13,7 @@
 #include "trial/foresee.h"
 #include "job/frames.h"
 #include "job/jobspec.h"
-#include "link/progress.h"
+#include "trial/progress.h"
 #include "records/records.h"
 #include "rif/rifjob.h"
 #include "job/submit_options.h"

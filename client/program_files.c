@@ -7,7 +7,7 @@
 #include "base/output.h"
 #include "show/picfile.h"
 #include "link/rescue.h"
-#include "link/tell.h"
+#include "common/tell.h"
 
 #include <errno.h>
 #include <stdio.h>

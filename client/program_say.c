@@ -3,8 +3,8 @@
 
 #include "program.h"
 
-#include "job/figure.h"
-#include "link/tell.h"
+#include "common/figure.h"
+#include "common/tell.h"
 #include "compile/warning.h"
 
 #include <inttypes.h>

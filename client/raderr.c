@@ -1,8 +1,8 @@
 /* raderr.c - how far a picture is from another */
 #include "config.h"
 
-#include "compile/inputs.h"
-#include "show/outname.h"
+#include "common/inputs.h"
+#include "common/outname.h"
 #include "base/output.h"
 #include "show/picfile.h"
 #include "tone/falsecolour.h"

@@ -7,9 +7,9 @@
 #include "scene/meshfile.h"
 #include "scene/oct/octfile.h"
 #include "trace/material.h"
-#include "link/tell.h"
+#include "common/tell.h"
 #include "compile/warning.h"
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include <errno.h>
 #include <math.h>

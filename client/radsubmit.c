@@ -10,14 +10,14 @@
 
 #include "program.h"
 
-#include "compile/apart.h"
+#include "job/apart.h"
 #include "compile/command.h"
 #include "trial/dryrun.h"
 #include "link/local.h"
 #include "base/output.h"
 #include "show/picfile.h"
 #include "link/submit.h"
-#include "link/tell.h"
+#include "common/tell.h"
 
 #include <errno.h>
 #include <inttypes.h>

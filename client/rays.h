@@ -13,7 +13,7 @@
 #include "base/params.h"
 #include "scene/scene.h"
 #include "trace/job.h"
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include <stdbool.h>
 #include <stdio.h>

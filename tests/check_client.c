@@ -1,16 +1,16 @@
 /* check_client.c - tests of the modules that the clients are made of */
 #include "config.h"
 
-#include "job/figure.h"
+#include "common/figure.h"
 #include "proto/message.h"
-#include "show/outname.h"
+#include "common/outname.h"
 #include "base/output.h"
-#include "link/progress.h"
+#include "trial/progress.h"
 #include "job/submit_options.h"
-#include "ctl/table.h"
+#include "common/table.h"
 #include "link/target.h"
 #include "unit.h"
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* check_costs.c - a former job's statistics as the cost of lines */
 #include "config.h"
 
-#include "trial/costs.h"
+#include "job/costs.h"
 #include "unit.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * Options and positions of views are what rad(1) says, worked by hand. */
 #include "config.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 #include "rif/rif_view.h"
 #include "unit.h"
 

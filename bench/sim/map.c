@@ -3,7 +3,7 @@
 
 #include "map.h"
 
-#include "trial/costs.h"
+#include "job/costs.h"
 #include "event.h"
 
 #include <math.h>

@@ -1,15 +1,11 @@
 # a user's files to an octree and a bundle
 libclient_a_SOURCES += \
-	client/compile/apart.c \
-	client/compile/apart.h \
 	client/compile/cargo.c \
 	client/compile/cargo.h \
 	client/compile/command.c \
 	client/compile/command.h \
 	client/compile/compile.c \
 	client/compile/compile.h \
-	client/compile/inputs.c \
-	client/compile/inputs.h \
 	client/compile/paths.c \
 	client/compile/paths.h \
 	client/compile/warning.c \

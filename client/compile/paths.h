@@ -11,7 +11,7 @@
 #define RADD_CLIENT_PATHS_H
 
 #include "base/files.h"
-#include "compile/inputs.h"
+#include "common/inputs.h"
 
 #define PATHS_MAX_FILE ((size_t)1 << 30) /* bytes of a file read through it */
 

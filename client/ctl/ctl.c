@@ -3,7 +3,7 @@
 
 #include "ctl/ctl.h"
 
-#include "link/tell.h"
+#include "common/tell.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -5,8 +5,8 @@
 #include "ctl/ctl.h"
 #include "ctl/keyctl.h"
 #include "journal/statecheck.h"
-#include "ctl/table.h"
-#include "link/tell.h"
+#include "common/table.h"
+#include "common/tell.h"
 
 #include "base/text.h"
 

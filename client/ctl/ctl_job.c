@@ -3,11 +3,11 @@
 
 #include "ctl/ctl.h"
 #include "link/fetch.h"
-#include "show/outname.h"
+#include "common/outname.h"
 #include "base/output.h"
 #include "image/number.h"
 #include "show/picfile.h"
-#include "ctl/table.h"
+#include "common/table.h"
 
 #include <limits.h>
 #include <stdio.h>

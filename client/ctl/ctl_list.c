@@ -4,8 +4,8 @@
 
 #include "ctl/ctl.h"
 #include "image/number.h"
-#include "ctl/table.h"
-#include "link/tell.h"
+#include "common/table.h"
+#include "common/tell.h"
 
 #include <pwd.h>
 #include <stdio.h>

@@ -6,8 +6,8 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
-#include "job/figure.h"
-#include "link/tell.h"
+#include "common/figure.h"
+#include "common/tell.h"
 
 #include <math.h>
 #include <stdio.h>

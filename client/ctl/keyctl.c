@@ -3,8 +3,8 @@
 
 #include "ctl/keyctl.h"
 
-#include "ctl/table.h"
-#include "link/tell.h"
+#include "common/table.h"
+#include "common/tell.h"
 
 #include <string.h>
 

@@ -9,8 +9,4 @@ radctl_SOURCES = \
 	client/ctl/radctl.c
 libclient_a_SOURCES += \
 	client/ctl/keyctl.c \
-	client/ctl/keyctl.h \
-	client/ctl/table.c \
-	client/ctl/table.h \
-	client/ctl/words.c \
-	client/ctl/words.h
+	client/ctl/keyctl.h

@@ -3,7 +3,7 @@
 
 #include "job/frames.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 
 #include "base/files.h"
 #include "image/filter.h"

@@ -3,7 +3,7 @@
 
 #include "job/jobspec.h"
 
-#include "trial/costs.h"
+#include "job/costs.h"
 #include "show/origin.h"
 
 #include <errno.h>

@@ -1,7 +1,9 @@
-# what a job is asked for: options, views, qualities
+# what a job is asked for: options, views, qualities, costs of its lines
 libclient_a_SOURCES += \
-	client/job/figure.c \
-	client/job/figure.h \
+	client/job/apart.c \
+	client/job/apart.h \
+	client/job/costs.c \
+	client/job/costs.h \
 	client/job/frames.c \
 	client/job/frames.h \
 	client/job/jobspec.c \

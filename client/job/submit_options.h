@@ -12,7 +12,7 @@
 #include "base/params.h"
 #include "picture/view.h"
 #include "show/show.h"
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include <stdbool.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-# talking with a coordinator, another's or one's own
+# talking with a coordinator, another's or one of its own
 libclient_a_SOURCES += \
 	client/link/fetch.c \
 	client/link/fetch.h \
@@ -6,13 +6,9 @@ libclient_a_SOURCES += \
 	client/link/link.h \
 	client/link/local.c \
 	client/link/local.h \
-	client/link/progress.c \
-	client/link/progress.h \
 	client/link/rescue.c \
 	client/link/rescue.h \
 	client/link/submit.c \
 	client/link/submit.h \
 	client/link/target.c \
-	client/link/target.h \
-	client/link/tell.c \
-	client/link/tell.h
+	client/link/target.h

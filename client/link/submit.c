@@ -9,7 +9,7 @@
 #include "link/submit.h"
 
 #include "link/fetch.h"
-#include "job/figure.h"
+#include "common/figure.h"
 #include "proto/frame.h"
 
 #include <inttypes.h>

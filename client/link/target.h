@@ -14,7 +14,7 @@
 #define RADD_CLIENT_TARGET_H
 
 #include "base/error.h"
-#include "compile/inputs.h"
+#include "common/inputs.h"
 
 #include <stdbool.h>
 

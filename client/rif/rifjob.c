@@ -3,7 +3,7 @@
 
 #include "rif/rifjob.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 #include "base/output.h"
 #include "show/picfile.h"
 

@@ -4,8 +4,6 @@ libclient_a_SOURCES += \
 	client/show/expose.h \
 	client/show/origin.c \
 	client/show/origin.h \
-	client/show/outname.c \
-	client/show/outname.h \
 	client/show/picfile.c \
 	client/show/picfile.h \
 	client/show/show.c \

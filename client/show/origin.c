@@ -3,7 +3,7 @@
 
 #include "show/origin.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 
 #include "base/text.h"
 

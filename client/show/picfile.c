@@ -3,7 +3,7 @@
 
 #include "show/picfile.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 
 #include "tone/primaries.h"
 

@@ -3,7 +3,7 @@
 
 #include "show/show.h"
 
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include "image/number.h"
 #include "image/png.h"

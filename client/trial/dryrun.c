@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "trial/dryrun.h"
-#include "job/figure.h"
+#include "common/figure.h"
 #include "job/quality.h"
 
 #include "image/filter.h"

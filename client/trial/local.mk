@@ -1,12 +1,12 @@
-# what a job will cost, from a short trial
+# what a job will take, from a short trial, and how far it is
 libclient_a_SOURCES += \
-	client/trial/costs.c \
-	client/trial/costs.h \
 	client/trial/dryrun.c \
 	client/trial/dryrun.h \
 	client/trial/eta.c \
 	client/trial/eta.h \
 	client/trial/foresee.c \
 	client/trial/foresee.h \
+	client/trial/progress.c \
+	client/trial/progress.h \
 	client/trial/trial.c \
 	client/trial/trial.h

@@ -1,7 +1,7 @@
 /* fuzz_costs.c - any bytes as the statistics of a former job */
 #include "config.h"
 
-#include "trial/costs.h"
+#include "job/costs.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* inputs.c - see inputs.h */
 #include "config.h"
 
-#include "compile/inputs.h"
+#include "common/inputs.h"
 
 #include <stdlib.h>
 #include <string.h>

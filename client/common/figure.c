@@ -1,7 +1,7 @@
 /* figure.c - see figure.h */
 #include "config.h"
 
-#include "job/figure.h"
+#include "common/figure.h"
 
 #include <math.h>
 #include <stdio.h>

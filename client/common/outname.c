@@ -1,7 +1,7 @@
 /* outname.c - see outname.h */
 #include "config.h"
 
-#include "show/outname.h"
+#include "common/outname.h"
 
 #include <stdio.h>
 #include <stdlib.h>

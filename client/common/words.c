@@ -1,7 +1,7 @@
 /* words.c - see words.h */
 #include "config.h"
 
-#include "ctl/words.h"
+#include "common/words.h"
 
 #include <ctype.h>
 #include <errno.h>

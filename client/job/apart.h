@@ -5,7 +5,7 @@
 #define RADD_CLIENT_APART_H
 
 #include "job/frames.h"
-#include "compile/inputs.h"
+#include "common/inputs.h"
 #include "job/submit_options.h"
 
 /* Note the files that the options name and that are read; those that the

@@ -1,7 +1,7 @@
 /* apart.c - see apart.h */
 #include "config.h"
 
-#include "compile/apart.h"
+#include "job/apart.h"
 
 #include "base/output.h"
 #include "link/target.h"

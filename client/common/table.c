@@ -1,10 +1,10 @@
 /* table.c - see table.h */
 #include "config.h"
 
-#include "ctl/table.h"
+#include "common/table.h"
 
 #include "base/text.h"
-#include "link/tell.h"
+#include "common/tell.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* costs.c - see costs.h */
 #include "config.h"
 
-#include "trial/costs.h"
+#include "job/costs.h"
 
 #include "base/files.h"
 #include "picture/quincunx.h"

@@ -1,7 +1,7 @@
 /* tell.c - see tell.h */
 #include "config.h"
 
-#include "link/tell.h"
+#include "common/tell.h"
 
 #include "base/text.h"
 

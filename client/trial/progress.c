@@ -1,7 +1,7 @@
 /* progress.c - see progress.h */
 #include "config.h"
 
-#include "link/progress.h"
+#include "trial/progress.h"
 
 #include <math.h>
 #include <string.h>

@@ -11,7 +11,7 @@
 
 #include "base/arena.h"
 #include "base/error.h"
-#include "compile/inputs.h"
+#include "common/inputs.h"
 
 struct words {
     struct rad_arena arena; /* of list and of the text that came in */
