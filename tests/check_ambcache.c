@@ -203,7 +203,7 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
 {
     struct rad_ambcache *c = filled();
     static int times[RECORDS];
-    int served = 0, nearly = 0, found = 0;
+    int served = 0;
 
     for (int i = 0; i < QUERIES; i++) {
         uint64_t key = rad_key_branch(2, (uint64_t)i);
@@ -212,7 +212,6 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
         struct found f = { .enough = INFINITY };
 
         ask(c, &q, keep, want, &f);
-        found += f.n;
         memset(times, 0, sizeof times);
         for (int k = 0; k < f.n; k++)
             times[(int)f.rec[k]->E.g]++;
@@ -229,7 +228,6 @@ START_TEST(look_up_finds_what_a_search_of_all_finds)
             if (n > 0 && !near)
                 ck_abort_msg("query %d: record %d", i, k);
             served += in;
-            nearly += near;
         }
     }
     ck_assert_int_gt(served, QUERIES / 4); /* of three levels one serves */

@@ -162,7 +162,7 @@ static const struct {
     { "source_corr(5,4)", { .6, 0, .8 }, 50 / (6 * .6 + M_PI * .8) },
     { "source_corr(5,4)",
       { 0, 0, 1 },
-      50 / (6 * sqrt(1 - .999999 * .999999) + M_PI * .999999) },
+      50 / (6 * 1.4142132088e-3 + M_PI * .999999) },
     /* from (2, 1, 0), 1 off the box's side of 3 by 4 */
     { "source_corr(5,3)", { 1, 0, 0 }, 50 * 10 / 12. },
     { "source_theta(180)", { 0, 0, -1 }, 180 },

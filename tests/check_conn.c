@@ -391,7 +391,7 @@ START_TEST(who_is_slow_to_introduce_itself_is_let_go)
     open_ends_of(&e, MSG_AT_COORD_NEW, &hasty);
     for (int i = 0; e.nclosed == 0 && i < 20000; i++) {
         if (_i && n < 10)
-            n += write(e.fd, "RADD\0\1\0\0\0\0" + n, 1);
+            n += write(e.fd, &"RADD\0\1\0\0\0\0"[n], 1);
         run(&e);
         usleep(500);
     }

@@ -499,7 +499,7 @@ START_TEST(long_statistics_are_told_in_pieces)
     struct msg m = usual_submit(job_a);
     struct msg unit = { .type = MSG_RESULT,
                         .result = {
-                            job_a, 0, 1, 0, 1, 1, 3, 1, { .rays = 7 }, pixels } };
+                            job_a, 0, 1, 0, 1, 1, 3, 1, { .rays = 7 }, .pixels = pixels } };
     struct msg fetch = { .type = MSG_FETCH,
                          .fetch = { job_a, 0, MSG_WHAT_STATS } };
     struct msg_chunk last = { 0 };
@@ -798,7 +798,7 @@ START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
 {
     struct msg part = { .type = MSG_RESULT,
                         .result = {
-                            job_a, 0, 1, 0, 4, 8, 3, 0, { 0 }, pixels } };
+                            job_a, 0, 1, 0, 4, 8, 3, 0, { 0 }, .pixels = pixels } };
     struct msg ask = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, "aa" } };
     json_t *root;
 

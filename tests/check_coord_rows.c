@@ -8,7 +8,7 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
 {
     static const uint32_t order[] = { 1, 0, 3, 2 };
     struct msg m = { .type = MSG_RESULT,
-                     .result = { job_a, 0, 1, 0, 4, 4, 3, 1, { 0 }, pixels } };
+                     .result = { job_a, 0, 1, 0, 4, 4, 3, 1, { 0 }, .pixels = pixels } };
 
     submit(&f, ANA, job_a, 0);
     ready(&f, WORKER, job_a);
@@ -70,7 +70,7 @@ START_TEST(coded_rows_that_are_none_end_the_connection)
     struct msg m = usual_submit(job_a);
     struct msg r = { .type = MSG_RESULT,
                      .result = { job_a, 0, 1, 0, coded_rows[_i].rows, 8,
-                                 coded_rows[_i].channels } };
+                                 .channels = coded_rows[_i].channels } };
 
     m.submit.params = "-ps 1";
     m.submit.estimate = "uniform";
@@ -94,7 +94,7 @@ START_TEST(rows_of_version_1_are_coded_here)
     uint8_t bytes[sizeof row], want[4 * 4 * 4];
     struct msg m = { .type = MSG_RESULT,
                      .result = {
-                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, .pixels = bytes } };
 
     for (int i = 0; i < N_ELEM(row); i++)
         row[i] = 1 / (float)(i + 3);
@@ -201,7 +201,7 @@ late_twin(const uint8_t *bytes)
 {
     struct msg m = { .type = MSG_RESULT,
                      .result = {
-                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, bytes } };
+                         job_a, 0, 1, 0, 4, 4, 3, 1, { .rays = 10 }, .pixels = bytes } };
 
     two_are_left();
     wait_s(&f, 61);

@@ -151,8 +151,8 @@ static const char *const clear[] = {
     "trans m 0 0 7 1 1 1 0 0 1 1",
     "trans2 m 4 1 0 0 . 0 8 1 1 1 0 .001 .001 1 1",
     "BRTDfunc m 10 0 0 0 1 1 1 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0",
-    "WGMDfunc m 13 void 0 0 0 inherit 1 0 0 void 1 0 0 . "
-    "0 9 0 0 0 0 0 0 0 0 0",
+    ("WGMDfunc m 13 void 0 0 0 inherit 1 0 0 void 1 0 0 . "
+     "0 9 0 0 0 0 0 0 0 0 0"),
 };
 
 START_TEST(texture_called_phong_turns_nothing_that_passes)

@@ -377,8 +377,8 @@ static const char *const views[] = {
     "VIEW= -vp 0 -4 1.5 -vd 0 1 0 -vu 0 0 1",
     "VIEW= -vta -vp 0 1 2 -vd 0 0 -1 -vu 0 1 0 -vh 270 -vv 270",
     "VIEW= -vp 1e30 -1e30 1e30 -vd -1 1 -1 -vu 0 0 1 -vh 1e-3 -vv 1e-3",
-    "VIEW= -vtl -vp 0 0 1e9 -vd 0 0 -1e-30 -vu 0 1 0 -vh 1e30 -vv 1e30 -vo "
-    "1e30",
+    ("VIEW= -vtl -vp 0 0 1e9 -vd 0 0 -1e-30 -vu 0 1 0 -vh 1e30 -vv 1e30 -vo "
+     "1e30"),
 };
 
 /* Did it render? */

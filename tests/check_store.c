@@ -103,10 +103,10 @@ START_TEST(file_that_came_in_pieces_is_there)
 
     hash_of(text, n, hex);
     ck_assert_int_eq(blobs_open(&b, dir, true, NULL), 0);
-    ck_assert_int_eq(blob_part_open(&p, &b, hex, n, NULL), 0);
-    ck_assert_int_eq(blob_part_write(&p, 0, text, 10, NULL), 0);
+    ck_assert_int_eq(blobs_part_open(&p, &b, hex, n, NULL), 0);
+    ck_assert_int_eq(blobs_part_write(&p, 0, text, 10, NULL), 0);
     ck_assert(!has_blob(&b, hex, NULL));
-    ck_assert_int_eq(blob_part_write(&p, 10, text + 10, n - 10, NULL), 1);
+    ck_assert_int_eq(blobs_part_write(&p, 10, text + 10, n - 10, NULL), 1);
     ck_assert(has_blob(&b, hex, &size));
     ck_assert_uint_eq(size, n);
     ck_assert_int_eq(read_blob(&b, hex, 5, back, n - 5), 0);
@@ -123,8 +123,8 @@ START_TEST(empty_file_is_a_file)
 
     hash_of("", 0, hex);
     ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
-    ck_assert_int_eq(blob_part_open(&p, &b, hex, 0, NULL), 0);
-    ck_assert_int_eq(blob_part_write(&p, 0, NULL, 0, NULL), 1);
+    ck_assert_int_eq(blobs_part_open(&p, &b, hex, 0, NULL), 0);
+    ck_assert_int_eq(blobs_part_write(&p, 0, NULL, 0, NULL), 1);
     ck_assert(has_blob(&b, hex, NULL));
 }
 END_TEST
@@ -150,9 +150,9 @@ START_TEST(wrong_pieces_leave_nothing)
 
     hash_of(wrong[_i].other ? "other" : text, wrong[_i].other ? 5 : 8, hex);
     ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
-    ck_assert_int_eq(blob_part_open(&p, &b, hex, wrong[_i].total, NULL), 0);
+    ck_assert_int_eq(blobs_part_open(&p, &b, hex, wrong[_i].total, NULL), 0);
     ck_assert_int_eq(
-        blob_part_write(&p, wrong[_i].offset, text, wrong[_i].n, &err),
+        blobs_part_write(&p, wrong[_i].offset, text, wrong[_i].n, &err),
         RAD_EPROTO);
     ck_assert_str_ne(err.what, "");
     ck_assert(!has_blob(&b, hex, NULL));
@@ -167,7 +167,7 @@ START_TEST(bad_names_are_refused)
     struct blobs b;
 
     ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
-    ck_assert_int_eq(blob_part_open(&p, &b, "../../etc/passwd", 1, NULL),
+    ck_assert_int_eq(blobs_part_open(&p, &b, "../../etc/passwd", 1, NULL),
                      RAD_EPROTO);
     ck_assert(!rad_sha_valid(".."));
 }

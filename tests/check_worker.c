@@ -201,7 +201,7 @@ static void
 unit(uint32_t number)
 {
     struct msg m = { .type = MSG_UNIT,
-                     .unit = { job_id, number, 1, 0, 0, 0, 4, 4 } };
+                     .unit = { job_id, number, 1, 0, 0, 0, 4, .height = 4 } };
 
     hear(f.coord, &m);
 }
@@ -220,7 +220,7 @@ rows(uint32_t number, uint32_t row)
                                  3,
                                  row == 2,
                                  { .rays = 1 },
-                                 pixels } };
+                                 .pixels = pixels } };
 
     hear(f.child, &m);
 }
@@ -1136,7 +1136,7 @@ START_TEST(what_workers_share_passes_through)
         { .type = MSG_LEND, .lend = { job_id, 3, 1, 9 } },
         { .type = MSG_BACK, .back = { job_id, 3, 1, 1, 0, 6 } },
         { .type = MSG_FACTS,
-          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, .pixels = line_bytes } },
         { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
         { .type = MSG_SEED, .seed = { job_id, 0, 5 } },
     };
@@ -1147,7 +1147,7 @@ START_TEST(what_workers_share_passes_through)
           .loan = { job_id, 3, 1, 0, 1, 0, 6, 1, 2, 0, 3, 0, density, bitmap,
                     line_bytes, line_bytes } },
         { .type = MSG_FACTS,
-          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, line_bytes } },
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, .pixels = line_bytes } },
         { .type = MSG_ESTIMATED,
           .estimated = { job_id, 1, 1, &cost, { .rays = 9 } } },
     };

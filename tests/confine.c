@@ -95,7 +95,10 @@ allow_parts(scmp_filter_ctx f)
 
     for (int i = 0; i < 3 && rc == 0; i++)
         rc = seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(socket), 1,
-                              SCMP_A0(SCMP_CMP_EQ, families[i]));
+                              (struct scmp_arg_cmp){
+                                  .arg = 0,
+                                  .op = SCMP_CMP_EQ,
+                                  .datum_a = families[i] });
     if (rc == 0)
         rc = seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
                               SCMP_A0(SCMP_CMP_MASKED_EQ, spaces, 0));

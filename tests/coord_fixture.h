@@ -240,7 +240,7 @@ result(struct fixture *f, uint64_t conn, const uint8_t *job, uint32_t unit,
 {
     struct msg m = {
         .type = MSG_RESULT,
-        .result = { job, unit, attempt, 0, 4, 4, 3, 1, { .rays = 10 }, pixels }
+        .result = { job, unit, attempt, 0, 4, 4, 3, 1, { .rays = 10 }, .pixels = pixels }
     };
 
     say(f, conn, &m);

@@ -286,7 +286,7 @@ base_line(uint64_t conn, uint32_t frame, uint32_t line)
 {
     struct msg m = { .type = MSG_BASE_LINE,
                      .base_line = { id, frame, line, 0, 7, 0, 1, 3, density,
-                                    pixels } };
+                                    .pixels = pixels } };
 
     say(conn, &m);
     m.base_line.x = 7;
@@ -311,7 +311,7 @@ result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
                                  3,
                                  end,
                                  { .rays = 10 },
-                                 pixels } };
+                                 .pixels = pixels } };
 
     say(conn, &m);
 }

@@ -136,10 +136,10 @@ void first_end_seed(struct pool *p);
 
 /* Begin a window, which is freed, or a pass; the caller is its first member.
  * NULL: memory is out, and the loop hears of it. */
-struct active *active_begin(struct pool *p, struct queued *window,
-                            struct strict_pass *pass);
+struct active *pool_unit_begin(struct pool *p, struct queued *window,
+                               struct strict_pass *pass);
 /* Be a member of the unit's team until there is nothing left to begin. */
-void active_work(struct renderer *by, struct active *u);
+void pool_unit_work(struct renderer *by, struct active *u);
 
 /* --- pool_strict.c --- */
 

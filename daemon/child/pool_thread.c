@@ -135,8 +135,8 @@ pool_run_thread(void *arg)
             continue;
         }
         if (!w.help)
-            w.help = active_begin(by->pool, w.window, w.pass);
+            w.help = pool_unit_begin(by->pool, w.window, w.pass);
         if (w.help)
-            active_work(by, w.help);
+            pool_unit_work(by, w.help);
     }
 }

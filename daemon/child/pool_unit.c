@@ -301,7 +301,7 @@ leave_locked(struct active *u)
 }
 
 void
-active_work(struct renderer *by, struct active *u)
+pool_unit_work(struct renderer *by, struct active *u)
 {
     struct pool *p = by->pool;
     struct pool_stint stint = pool_stint_begin(by);
@@ -355,7 +355,7 @@ fail_begin(struct pool *p, const struct pool_unit *unit,
 }
 
 struct active *
-active_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
+pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
 {
     struct pool_unit unit = window ? window->unit : unit_of_pass(p, pass);
     struct active *u = new_active(p, &unit, pass);

@@ -103,6 +103,17 @@ static const int denied[] = {
 
 #define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 
+/* Argument number n: it is x, it is not x, it is x in the bits of the mask.  All
+ * fields are named, where the library's own macros leave one to the compiler. */
+/* clang-format off */
+#define EQUAL(n, x) \
+    { .arg = (n), .op = SCMP_CMP_EQ, .datum_a = (uint32_t)(x) }
+#define OTHER(n, x) \
+    { .arg = (n), .op = SCMP_CMP_NE, .datum_a = (uint32_t)(x) }
+#define MASKED(n, mask, x) \
+    { .arg = (n), .op = SCMP_CMP_MASKED_EQ, .datum_a = (mask), .datum_b = (x) }
+/* clang-format on */
+
 /* Arguments that are allowed or denied.  A call may have several rows: any that
  * fits decides; the filter's default decides where none does. */
 static const struct rule {
@@ -110,45 +121,36 @@ static const struct rule {
     unsigned with; /* errno; 0: allowed */
     struct scmp_arg_cmp arg;
 } rules[] = {
-    { SCMP_SYS(open), 0, SCMP_A1_64(SCMP_CMP_MASKED_EQ, WRITES, 0) },
-    { SCMP_SYS(openat), 0, SCMP_A2_64(SCMP_CMP_MASKED_EQ, WRITES, 0) },
-    { SCMP_SYS(newfstatat), 0,
-      SCMP_A3_64(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, AT_EMPTY_PATH) },
-    { SCMP_SYS(newfstatat), EACCES,
-      SCMP_A3_64(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, 0) },
-    { SCMP_SYS(mmap), 0, SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0) },
-    { SCMP_SYS(mprotect), 0, SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0) },
-    { SCMP_SYS(clone), 0,
-      SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD) },
-    { SCMP_SYS(ioctl), 0, SCMP_A1_32(SCMP_CMP_EQ, FIONBIO) },
-    { SCMP_SYS(ioctl), 0, SCMP_A1_32(SCMP_CMP_EQ, FIOCLEX) },
-    { SCMP_SYS(ioctl), ENOTTY, SCMP_A1_32(SCMP_CMP_EQ, TCGETS) },
-    { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_GETFL) },
-    { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_SETFL) },
-    { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_GETFD) },
-    { SCMP_SYS(fcntl), 0, SCMP_A1_32(SCMP_CMP_EQ, F_SETFD) },
-    { SCMP_SYS(prctl), 0, SCMP_A0_32(SCMP_CMP_EQ, PR_SET_NAME) },
+    { SCMP_SYS(open), 0, MASKED(1, WRITES, 0) },
+    { SCMP_SYS(openat), 0, MASKED(2, WRITES, 0) },
+    { SCMP_SYS(newfstatat), 0, MASKED(3, AT_EMPTY_PATH, AT_EMPTY_PATH) },
+    { SCMP_SYS(newfstatat), EACCES, MASKED(3, AT_EMPTY_PATH, 0) },
+    { SCMP_SYS(mmap), 0, MASKED(2, PROT_EXEC, 0) },
+    { SCMP_SYS(mprotect), 0, MASKED(2, PROT_EXEC, 0) },
+    { SCMP_SYS(clone), 0, MASKED(0, CLONE_THREAD, CLONE_THREAD) },
+    { SCMP_SYS(ioctl), 0, EQUAL(1, FIONBIO) },
+    { SCMP_SYS(ioctl), 0, EQUAL(1, FIOCLEX) },
+    { SCMP_SYS(ioctl), ENOTTY, EQUAL(1, TCGETS) },
+    { SCMP_SYS(fcntl), 0, EQUAL(1, F_GETFL) },
+    { SCMP_SYS(fcntl), 0, EQUAL(1, F_SETFL) },
+    { SCMP_SYS(fcntl), 0, EQUAL(1, F_GETFD) },
+    { SCMP_SYS(fcntl), 0, EQUAL(1, F_SETFD) },
+    { SCMP_SYS(prctl), 0, EQUAL(0, PR_SET_NAME) },
     /* names of mappings, and what later libraries may try */
-    { SCMP_SYS(prctl), EPERM, SCMP_A0_32(SCMP_CMP_NE, PR_SET_NAME) },
+    { SCMP_SYS(prctl), EPERM, OTHER(0, PR_SET_NAME) },
     /* asking is fine, setting is not */
-    { SCMP_SYS(prlimit64), 0, SCMP_A2_64(SCMP_CMP_EQ, 0) },
-    { SCMP_SYS(prlimit64), EPERM, SCMP_A2_64(SCMP_CMP_NE, 0) },
+    { SCMP_SYS(prlimit64), 0, EQUAL(2, 0) },
+    { SCMP_SYS(prlimit64), EPERM, OTHER(2, 0) },
 };
 
 /* What even a loose filter denies. */
 static const struct rule loose_rules[] = {
-    { SCMP_SYS(open), EACCES,
-      SCMP_A1_64(SCMP_CMP_MASKED_EQ, O_CREAT, O_CREAT) },
-    { SCMP_SYS(open), EACCES,
-      SCMP_A1_64(SCMP_CMP_MASKED_EQ, O_ACCMODE, O_WRONLY) },
-    { SCMP_SYS(open), EACCES,
-      SCMP_A1_64(SCMP_CMP_MASKED_EQ, O_ACCMODE, O_RDWR) },
-    { SCMP_SYS(openat), EACCES,
-      SCMP_A2_64(SCMP_CMP_MASKED_EQ, O_CREAT, O_CREAT) },
-    { SCMP_SYS(openat), EACCES,
-      SCMP_A2_64(SCMP_CMP_MASKED_EQ, O_ACCMODE, O_WRONLY) },
-    { SCMP_SYS(openat), EACCES,
-      SCMP_A2_64(SCMP_CMP_MASKED_EQ, O_ACCMODE, O_RDWR) },
+    { SCMP_SYS(open), EACCES, MASKED(1, O_CREAT, O_CREAT) },
+    { SCMP_SYS(open), EACCES, MASKED(1, O_ACCMODE, O_WRONLY) },
+    { SCMP_SYS(open), EACCES, MASKED(1, O_ACCMODE, O_RDWR) },
+    { SCMP_SYS(openat), EACCES, MASKED(2, O_CREAT, O_CREAT) },
+    { SCMP_SYS(openat), EACCES, MASKED(2, O_ACCMODE, O_WRONLY) },
+    { SCMP_SYS(openat), EACCES, MASKED(2, O_ACCMODE, O_RDWR) },
 };
 
 /* --- seccomp --- */
@@ -184,8 +186,9 @@ add_rules(scmp_filter_ctx f, const struct rule *r, size_t n)
 static int
 add_own_signals(scmp_filter_ctx f)
 {
-    return seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-                            SCMP_A0_32(SCMP_CMP_EQ, (uint32_t)getpid()));
+    struct scmp_arg_cmp own = EQUAL(0, getpid());
+
+    return seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, own);
 }
 
 static int

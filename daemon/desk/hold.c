@@ -47,7 +47,7 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
 }
 
 void
-sched_shrunk(struct job *job, uint32_t unit, struct job_go *go)
+hold_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -59,8 +59,8 @@ sched_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 }
 
 struct job_go *
-sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-           uint32_t attempt)
+hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+         uint32_t attempt)
 {
     struct job_worker *jw = &job->workers[index];
     struct job_go *go = job_go_add(job, unit);
@@ -77,8 +77,7 @@ sched_hold(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
 }
 
 void
-sched_release(struct coord *c, struct job *job, uint32_t unit,
-              struct job_go *go)
+hold_release(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -100,7 +99,7 @@ sched_release(struct coord *c, struct job *job, uint32_t unit,
 }
 
 void
-sched_park(struct coord *c, struct job *job, struct job_go *go)
+hold_park(struct coord *c, struct job *job, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -114,7 +113,7 @@ sched_park(struct coord *c, struct job *job, struct job_go *go)
 }
 
 void
-sched_deliver(struct coord *c, struct job *job, struct job_go *go)
+hold_delivered(struct coord *c, struct job *job, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -132,7 +131,7 @@ sched_deliver(struct coord *c, struct job *job, struct job_go *go)
 }
 
 void
-sched_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+hold_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -146,7 +145,7 @@ sched_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 }
 
 void
-sched_forget_rows(struct job *job, uint32_t unit)
+hold_forget_rows(struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;

@@ -48,12 +48,12 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    sched_forget_rows(job, unit);
+    hold_forget_rows(job, unit);
     u->lead = 0;
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].dropped) {
             sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            sched_release(c, job, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -67,7 +67,7 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].lender == lender) {
             sched_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
-            sched_release(c, job, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -78,7 +78,7 @@ lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     bool led = go->attempt == u->lead || u->lead == 0;
     uint32_t attempt = go->attempt;
 
-    sched_release(c, job, unit, go);
+    hold_release(c, job, unit, go);
     loss_end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
@@ -228,7 +228,7 @@ goes_on(struct coord *c, struct job *job, uint32_t index,
 }
 
 void
-sched_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+loss_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 {
     uint32_t index;
     struct job *job = sched_job_of(c, w, m->job, &index);
@@ -265,7 +265,7 @@ patience(const struct coord *c, const struct job_worker *jw)
 }
 
 void
-sched_worker_gone(struct coord *c, struct coord_worker *w)
+loss_worker_gone(struct coord *c, struct coord_worker *w)
 {
     w->loading = NULL;
     for (size_t i = 0; i < c->njobs; i++) {
@@ -366,7 +366,7 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
 /* A disk that is full is the worker's affair: others go on, or wait with the
  * job until one has room. */
 void
-sched_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
+loss_no_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
 {
     uint32_t index;
     struct job *job = sched_job_of(c, w, m->job, &index);
@@ -398,7 +398,7 @@ has_unit(const struct job *job, uint32_t index, uint32_t unit)
 }
 
 void
-sched_lost(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
+loss_reported(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
 {
     struct job_worker *jw;
     uint32_t index, surveying;

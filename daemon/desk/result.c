@@ -79,7 +79,7 @@ result_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 
     if (!job_suspect_remove(job, unit))
         partition_take(job->partition, unit);
-    go = sched_hold(c, job, index, unit, u->lead);
+    go = hold_add(c, job, index, unit, u->lead);
     if (!go) {
         c->actions.failed = true;
         return false;
@@ -161,7 +161,7 @@ spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     actions_log(&c->actions, ACT_WARN,
                 "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
                 unit, go->attempt, job->workers[go->worker].name);
-    sched_forget_rows(job, unit);
+    hold_forget_rows(job, unit);
     u->lead = 0;
     loss_of(c, job, unit, go);
     if (++u->faults < JOB_MAX_CRASHES)
@@ -189,7 +189,7 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
                 return; /* all its rows are here: the disk is slow */
             u->go[i].dropped = true;
         }
-    sched_forget_rows(job, m->unit);
+    hold_forget_rows(job, m->unit);
     u->lead = 0;
 }
 
@@ -233,11 +233,11 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     if (!go->counted)
         speed_finished(job, unit);
     go->counted = true;
-    sched_deliver(c, job, go);
+    hold_delivered(c, job, go);
     for (uint8_t i = u->ngos; i-- > 0;)
         if (!u->go[i].delivered) {
             sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            sched_release(c, job, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -341,8 +341,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
 }
 
 void
-sched_result(struct coord *c, struct coord_worker *w,
-             const struct msg_result *m)
+result_rows(struct coord *c, struct coord_worker *w, const struct msg_result *m)
 {
     uint32_t index;
     struct job *job = sched_job_of(c, w, m->job, &index);
@@ -387,7 +386,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         } else {
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
         }
-        sched_release(c, job, unit, go);
+        hold_release(c, job, unit, go);
     }
 }
 
@@ -415,7 +414,7 @@ unit_done(struct coord *c, struct job *job, uint32_t unit)
 }
 
 void
-sched_rows_stored(struct coord *c, const struct action_rows *key)
+result_stored(struct coord *c, const struct action_rows *key)
 {
     struct job *job = coord_find_job(c, key->job);
     struct coord_conn *conn = coord_find_conn(c, key->conn);

@@ -367,7 +367,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
     u->whole = false; /* it begins at its first line again */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].parked && !u->go[i].blocked)
-            sched_unpark(c, job, unit, &u->go[i]);
+            hold_unpark(c, job, unit, &u->go[i]);
 }
 
 /* One that has the unit, or had it last while nobody has it now. */
@@ -440,7 +440,7 @@ handoff_parked(struct coord *c, struct coord_worker *w,
         has_work_to_come(job, m->unit)) /* which is on its way to it */
         go->parked_ms = c->now_ms;
     else
-        sched_park(c, job, go);
+        hold_park(c, job, go);
     offer_top(c, job, m->unit);
 }
 

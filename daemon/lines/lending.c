@@ -209,7 +209,7 @@ lending_ended(struct coord *c, struct job *job, uint32_t unit,
               &(struct msg_back){ job->id, unit, to->attempt, last - 1, loan->x,
                                   loan->n });
     if (to->blocked && to->parked)
-        sched_unpark(c, job, unit, to);
+        hold_unpark(c, job, unit, to);
     to->blocked = false;
 }
 
@@ -259,7 +259,7 @@ lending_tick(struct coord *c, struct job *job)
                 continue;
             sched_log_unit(c, job, unit, go, "loan late");
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
-            sched_release(c, job, unit, go);
+            hold_release(c, job, unit, go);
         }
     }
 }
@@ -301,7 +301,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
         const struct msg_loan *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *to = sched_hold(c, job, index, m->unit, u->attempt + 1);
+    struct job_go *to = hold_add(c, job, index, m->unit, u->attempt + 1);
     struct job_go *go = go_of_attempt(job, m->unit, attempt);
     struct msg pass = { .type = MSG_LOAN, .loan = *m };
     uint32_t root = go->lender ? go->lender : attempt;
@@ -313,7 +313,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     u->attempt++;
     to->twin = to->dropped = true; /* it has no rows, and never leads */
     to->lender = root;
-    sched_shrunk(job, m->unit, to);
+    hold_shrunk(job, m->unit, to);
     to->x = m->x;
     to->n = m->n;
     note_left(c, to, m->given);
@@ -393,5 +393,5 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
     job_see_work(job);
-    sched_release(c, job, m->unit, go);
+    hold_release(c, job, m->unit, go);
 }

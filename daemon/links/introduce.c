@@ -20,8 +20,9 @@ send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
 }
 
 bool
-sched_link(struct coord *c, const struct job *job, const struct coord_worker *a,
-           const struct coord_worker *b, uint32_t give)
+introduce_link(struct coord *c, const struct job *job,
+               const struct coord_worker *a, const struct coord_worker *b,
+               uint32_t give)
 {
     bool dial = a->address[0] != '\0'; /* the second, where that is possible */
     uint8_t token[MSG_TOKEN];
@@ -41,8 +42,8 @@ sched_link(struct coord *c, const struct job *job, const struct coord_worker *a,
 }
 
 void
-sched_introduce(struct coord *c, const struct job *job,
-                const struct coord_worker *w)
+introduce_worker(struct coord *c, const struct job *job,
+                 const struct coord_worker *w)
 {
     uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
 
@@ -50,14 +51,15 @@ sched_introduce(struct coord *c, const struct job *job,
         const struct coord_worker *o = job->workers[i].worker;
 
         if (o != w && o->conn != 0 && job->workers[i].state == JW_READY &&
-            sched_link(c, job, o, w, give))
+            introduce_link(c, job, o, w, give))
             give = 0;
     }
 }
 
 void
-sched_unlink(struct coord *c, const struct job *job,
-             const struct coord_worker *to, const struct coord_worker *about)
+introduce_unlink(struct coord *c, const struct job *job,
+                 const struct coord_worker *to,
+                 const struct coord_worker *about)
 {
     static const uint8_t none[MSG_TOKEN];
 
@@ -67,13 +69,13 @@ sched_unlink(struct coord *c, const struct job *job,
 }
 
 void
-sched_drop_peer(struct coord *c, const struct job *job,
-                const struct coord_worker *w)
+introduce_drop(struct coord *c, const struct job *job,
+               const struct coord_worker *w)
 {
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *o = job->workers[i].worker;
 
         if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
-            sched_unlink(c, job, o, w);
+            introduce_unlink(c, job, o, w);
     }
 }

@@ -197,8 +197,8 @@ drop(struct coord *c, const struct job *job, const struct pair *p)
     for (int i = 0; i < 2; i++)
         if (job->workers[end[i]].worker->conn != 0 &&
             job->workers[end[i]].state != JW_GONE)
-            sched_unlink(c, job, job->workers[end[i]].worker,
-                         job->workers[end[!i]].worker);
+            introduce_unlink(c, job, job->workers[end[i]].worker,
+                             job->workers[end[!i]].worker);
 }
 
 /* --- pairs that have no link --- */
@@ -280,7 +280,7 @@ find_out(struct ring *r)
     }
 }
 
-/* sched_link(), of which is known when. */
+/* introduce_link(), of which is known when. */
 static bool
 link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
          uint32_t give)
@@ -291,8 +291,8 @@ link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
         p->linked_ms = c->now_ms;
         p->again_ms = 0;
     }
-    return sched_link(c, job, job->workers[a].worker, job->workers[b].worker,
-                      give);
+    return introduce_link(c, job, job->workers[a].worker,
+                          job->workers[b].worker, give);
 }
 
 /* Make known a pair that is not; the first gives the second what it has. */

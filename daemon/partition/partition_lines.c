@@ -179,7 +179,7 @@ lines_new(struct partition *p, const struct partition_spec *spec)
     }
     s->nfree = s->nlines;
     memset(s->unit, 0xff, n * sizeof *s->unit); /* PARTITION_NONE */
-    regions_choose(p);
+    region_choose(p);
     return first_costs(p, spec);
 }
 
@@ -331,10 +331,10 @@ lines_next(struct partition *p, const struct partition_who *who, uint32_t *unit)
         return false;
     if (who->workers > s->most) {
         s->most = who->workers;
-        regions_choose(p);
+        region_choose(p);
     }
-    return s->kind == MSG_PART_STATIC ? runs_next(p, w, who, unit)
-                                      : regions_next(p, w, who, unit);
+    return s->kind == MSG_PART_STATIC ? run_next(p, w, who, unit)
+                                      : region_next(p, w, who, unit);
 }
 
 void

@@ -79,15 +79,15 @@ bool lines_cut(struct partition *p, uint32_t frame, uint32_t first,
 /* --- partition_region.c --- */
 
 /* Say what was chosen, and why. */
-void regions_choose(struct partition *p);
+void region_choose(struct partition *p);
 /* Cut the next unit for a worker; false: there is none for it, or memory is
  * out; here and below. */
-bool regions_next(struct partition *p, struct asker *w,
-                  const struct partition_who *who, uint32_t *unit);
+bool region_next(struct partition *p, struct asker *w,
+                 const struct partition_who *who, uint32_t *unit);
 
 /* --- partition_run.c --- */
 
-bool runs_next(struct partition *p, struct asker *w,
-               const struct partition_who *who, uint32_t *unit);
+bool run_next(struct partition *p, struct asker *w,
+              const struct partition_who *who, uint32_t *unit);
 
 #endif

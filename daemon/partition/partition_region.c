@@ -62,7 +62,7 @@
 #define MOST_SHARES 4
 
 void
-regions_choose(struct partition *p)
+region_choose(struct partition *p)
 {
     const struct partition_lines *s = p->lines;
 
@@ -283,8 +283,8 @@ has_time(const struct partition_lines *s, const struct frame *f,
 }
 
 bool
-regions_next(struct partition *p, struct asker *w,
-             const struct partition_who *who, uint32_t *unit)
+region_next(struct partition *p, struct asker *w,
+            const struct partition_who *who, uint32_t *unit)
 {
     struct partition_lines *s = p->lines;
     uint32_t frame = s->lo, first;

@@ -140,8 +140,8 @@ longest(const struct partition_lines *s, const struct frame *f, uint32_t *first,
 }
 
 bool
-runs_next(struct partition *p, struct asker *w, const struct partition_who *who,
-          uint32_t *unit)
+run_next(struct partition *p, struct asker *w, const struct partition_who *who,
+         uint32_t *unit)
 {
     struct partition_lines *s = p->lines;
     uint32_t first, last;

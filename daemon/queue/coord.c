@@ -182,19 +182,19 @@ on_ready(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_result(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    sched_result(c, conn->worker, &m->result);
+    result_rows(c, conn->worker, &m->result);
 }
 
 static void
 on_lost(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    sched_lost(c, conn->worker, &m->lost);
+    loss_reported(c, conn->worker, &m->lost);
 }
 
 static void
 on_room(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    sched_room(c, conn->worker, &m->room);
+    loss_no_room(c, conn->worker, &m->room);
 }
 
 static void
@@ -263,7 +263,7 @@ on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_still(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    sched_still(c, conn->worker, &m->still);
+    loss_still(c, conn->worker, &m->still);
 }
 
 static void
@@ -446,7 +446,7 @@ coord_rows_stored(struct coord *c, uint64_t now_ms,
 
     c->now_ms = now_ms;
     if (status == 0)
-        sched_rows_stored(c, key);
+        result_stored(c, key);
     else if (job && job->sequence == key->sequence)
         coord_job_ends(c, job, JOB_FAILED, status, text);
     sched_run(c);
@@ -506,7 +506,7 @@ coord_expel(struct coord *c, uint64_t now_ms, const char *name)
         return;
     for (size_t i = 0; i < c->njobs; i++)
         if (!job_over(c->jobs[i]))
-            sched_drop_peer(c, c->jobs[i], w);
+            introduce_drop(c, c->jobs[i], w);
 }
 
 static void

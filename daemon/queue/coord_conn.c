@@ -54,7 +54,7 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     if (conn->worker) {
         conn->worker->conn = 0;
         conn->worker->since_ms = c->now_ms;
-        sched_worker_gone(c, conn->worker);
+        loss_worker_gone(c, conn->worker);
     }
     request_release(conn);
     uploads_closed(&c->uploads, conn->id);

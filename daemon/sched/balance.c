@@ -131,7 +131,7 @@ balance_shrink(struct coord *c, struct job *job, uint32_t unit,
         return false;
     if (!job_grow_units(job))
         c->actions.failed = true;
-    sched_shrunk(job, unit, go);
+    hold_shrunk(job, unit, go);
     sched_keep_unit(c, job, unit);
     sched_keep_unit(c, job, given);
     return true;
@@ -237,7 +237,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
 
     for (uint8_t k = u->ngos; k-- > 0;)
         if (u->go[k].spent && !u->go[k].delivered)
-            sched_release(c, job, unit, &u->go[k]);
+            hold_release(c, job, unit, &u->go[k]);
 }
 
 /* A worker that has work, and whose PINGs say that it gets nowhere. */

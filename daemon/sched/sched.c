@@ -325,7 +325,7 @@ void
 sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = sched_hold(c, job, index, unit, u->attempt + 1);
+    struct job_go *go = hold_add(c, job, index, unit, u->attempt + 1);
 
     if (!go) {
         c->actions.failed = true;
@@ -340,7 +340,7 @@ sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     u->given_back = false;
     sched_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
     if (u->ngos == 1) {
-        sched_forget_rows(job, unit);
+        hold_forget_rows(job, unit);
         u->lead = u->attempt;
         if (u->worker != index)
             u->losses = 0;
@@ -655,7 +655,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         ring_join(c, job, (uint32_t)(jw - job->workers));
         return;
     }
-    sched_introduce(c, job, w);
+    introduce_worker(c, job, w);
     ring_of_few(c, job);
 }
 
@@ -857,7 +857,7 @@ sched_job_over(struct coord *c, struct job *job)
     while (job->nout > 0) {
         uint32_t unit = job->out[0];
 
-        sched_release(c, job, unit, job->units[unit].go);
+        hold_release(c, job, unit, job->units[unit].go);
     }
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = sched_index(job, w);

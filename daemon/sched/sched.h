@@ -156,32 +156,32 @@ void sched_tick(struct coord *c);
 
 /* Link a worker that just became ready with those that are; the first of them
  * gives it what its cache holds. */
-void sched_introduce(struct coord *c, const struct job *job,
-                     const struct coord_worker *w);
+void introduce_worker(struct coord *c, const struct job *job,
+                      const struct coord_worker *w);
 /* Tell the other workers of a job to have no more to do with this one. */
-void sched_drop_peer(struct coord *c, const struct job *job,
-                     const struct coord_worker *w);
+void introduce_drop(struct coord *c, const struct job *job,
+                    const struct coord_worker *w);
 /* Tell two workers of a job of each other; a may be asked to give b what its
  * cache has (MSG_PEER_GIVE).  False: neither can be dialled. */
-bool sched_link(struct coord *c, const struct job *job,
-                const struct coord_worker *a, const struct coord_worker *b,
-                uint32_t give);
+bool introduce_link(struct coord *c, const struct job *job,
+                    const struct coord_worker *a, const struct coord_worker *b,
+                    uint32_t give);
 /* Tell one to have no more to do with the other. */
-void sched_unlink(struct coord *c, const struct job *job,
-                  const struct coord_worker *to,
-                  const struct coord_worker *about);
+void introduce_unlink(struct coord *c, const struct job *job,
+                      const struct coord_worker *to,
+                      const struct coord_worker *about);
 
 /* Messages of workers. */
 void sched_ready(struct coord *c, struct coord_worker *w,
                  const struct msg_ready *m);
-void sched_result(struct coord *c, struct coord_worker *w,
-                  const struct msg_result *m);
-void sched_lost(struct coord *c, struct coord_worker *w,
-                const struct msg_lost *m);
-void sched_room(struct coord *c, struct coord_worker *w,
-                const struct msg_room *m);
-void sched_still(struct coord *c, struct coord_worker *w,
-                 const struct msg_gave *m);
+void result_rows(struct coord *c, struct coord_worker *w,
+                 const struct msg_result *m);
+void loss_reported(struct coord *c, struct coord_worker *w,
+                   const struct msg_lost *m);
+void loss_no_room(struct coord *c, struct coord_worker *w,
+                  const struct msg_room *m);
+void loss_still(struct coord *c, struct coord_worker *w,
+                const struct msg_gave *m);
 void sched_tally(struct coord *c, struct coord_worker *w,
                  const struct msg_tally *m);
 void handoff_facts(struct coord *c, struct coord_worker *w,
@@ -200,14 +200,14 @@ void survey_estimated(struct coord *c, struct coord_worker *w,
                       const struct msg_estimated *m);
 
 /* A worker went: its units wait again. */
-void sched_worker_gone(struct coord *c, struct coord_worker *w);
+void loss_worker_gone(struct coord *c, struct coord_worker *w);
 
 /* An admin drained a worker, or had enough of that: others may take what was to
  * be its part of a job, or may not. */
 void sched_drained(struct coord *c, struct coord_worker *w);
 
 /* Rows are kept. */
-void sched_rows_stored(struct coord *c, const struct action_rows *key);
+void result_stored(struct coord *c, const struct action_rows *key);
 
 /* Take the units of a job back and tell its workers that it is over. */
 void sched_job_over(struct coord *c, struct job *job);
@@ -285,22 +285,22 @@ void yield_passed(const struct coord *c, struct job *job, uint32_t index);
 /* --- hold.c --- */
 
 /* One more holder of a unit, counted; NULL: there is no room for it. */
-struct job_go *sched_hold(struct coord *c, struct job *job, uint32_t index,
-                          uint32_t unit, uint32_t attempt);
+struct job_go *hold_add(struct coord *c, struct job *job, uint32_t index,
+                        uint32_t unit, uint32_t attempt);
 /* It has fewer lines of it, or but columns. */
-void sched_shrunk(struct job *job, uint32_t unit, struct job_go *go);
+void hold_shrunk(struct job *job, uint32_t unit, struct job_go *go);
 /* It is none any more. */
-void sched_release(struct coord *c, struct job *job, uint32_t unit,
-                   struct job_go *go);
-/* It can do nothing but wait; and now it can again. */
-void sched_park(struct coord *c, struct job *job, struct job_go *go);
-void sched_unpark(struct coord *c, struct job *job, uint32_t unit,
+void hold_release(struct coord *c, struct job *job, uint32_t unit,
                   struct job_go *go);
+/* It can do nothing but wait; and now it can again. */
+void hold_park(struct coord *c, struct job *job, struct job_go *go);
+void hold_unpark(struct coord *c, struct job *job, uint32_t unit,
+                 struct job_go *go);
 /* All of it is here: it takes the worker's time no more. */
-void sched_deliver(struct coord *c, struct job *job, struct job_go *go);
+void hold_delivered(struct coord *c, struct job *job, struct job_go *go);
 
 /* The rows that came of a unit do not count any more. */
-void sched_forget_rows(struct job *job, uint32_t unit);
+void hold_forget_rows(struct job *job, uint32_t unit);
 
 /* --- result.c --- */
 

@@ -99,7 +99,7 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     }
     sched_log_unit(c, job, unit, go, "unit yield");
     if (!go->parked)
-        sched_park(c, job, go);
+        hold_park(c, job, go);
     go->yielded = true;
     go->yield_ms = c->now_ms;
     sched_send_attempt(c, job, MSG_YIELD, unit, go);

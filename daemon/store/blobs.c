@@ -204,8 +204,8 @@ part_path(const struct blob_part *p, char path[BLOBS_PATH_MAX])
 }
 
 int
-blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
-               uint64_t total, struct rad_error *err)
+blobs_part_open(struct blob_part *p, struct blobs *b, const char *hash,
+                uint64_t total, struct rad_error *err)
 {
     int rc;
 
@@ -307,8 +307,8 @@ take(struct blob_part *p, uint64_t offset, const void *data, size_t n,
 }
 
 int
-blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
-                size_t n, struct rad_error *err)
+blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
+                 size_t n, struct rad_error *err)
 {
     int rc = p->state == BLOB_NAMED ? 0 : take(p, offset, data, n, err);
 
@@ -319,12 +319,12 @@ blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
     if (rc == 0)
         p->state = BLOB_CLOSED;
     else if (rc != RAD_EFULL && rc != RAD_ESHORT)
-        blob_part_abort(p);
+        blobs_part_abort(p);
     return rc < 0 ? rc : 1;
 }
 
 void
-blob_part_abort(struct blob_part *p)
+blobs_part_abort(struct blob_part *p)
 {
     char path[BLOBS_PATH_MAX];
 

@@ -79,18 +79,18 @@ struct blob_part {
 };
 
 /* RAD_EPROTO for a bad hash. */
-int blob_part_open(struct blob_part *p, struct blobs *b, const char *hash,
-                   uint64_t total, struct rad_error *err);
+int blobs_part_open(struct blob_part *p, struct blobs *b, const char *hash,
+                    uint64_t total, struct rad_error *err);
 
 /* Append n bytes, which must be those at offset p->got.  Returns 1 when that
  * completed it: the file is there and p closed.  RAD_EPROTO for bytes out of
  * order, too many, or of another hash; RAD_EIO.  After an error p is closed,
  * but after RAD_EFULL and RAD_ESHORT: then the same bytes may be tried again.
  */
-int blob_part_write(struct blob_part *p, uint64_t offset, const void *data,
-                    size_t n, struct rad_error *err);
+int blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
+                     size_t n, struct rad_error *err);
 
 /* Forget it; a closed one is fine. */
-void blob_part_abort(struct blob_part *p);
+void blobs_part_abort(struct blob_part *p);
 
 #endif

@@ -82,7 +82,7 @@ end_arriving(struct store *s, struct arriving **at, bool whole)
         cache_arrived(s->cache, a->hash, a->part.total);
     else if (s->cache)
         cache_given_up(s->cache, a->part.total);
-    blob_part_abort(&a->part);
+    blobs_part_abort(&a->part);
     free(a);
 }
 
@@ -132,11 +132,11 @@ begin_arriving(struct store *s, const struct chunk_task *c,
     if (!a)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rad_sha_to_hex(c->hash, name);
-    rc = blob_part_open(&a->part, &s->blobs, name, c->total, err);
+    rc = blobs_part_open(&a->part, &s->blobs, name, c->total, err);
     if (rc == 0 && s->cache)
         rc = cache_expect(s->cache, c->total, err);
     if (rc < 0) {
-        blob_part_abort(&a->part);
+        blobs_part_abort(&a->part);
         free(a);
         return rc;
     }
@@ -188,7 +188,7 @@ chunk_run(struct task *t)
     else
         rc = fail_if_large(
             c->store, *at,
-            blob_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err),
+            blobs_part_write(&(*at)->part, c->offset, c->data, c->len, &t->err),
             &t->err);
     if (rc != 0 && !is_tried_again(c->store, rc))
         end_arriving(c->store, at, rc > 0);

@@ -66,7 +66,7 @@ skip_to_last_locked(struct team *t, int i)
 /* Line i is done.  If it was the one that all others waited to come after,
  * hand on what is complete, unless another member is at it. */
 void
-line_finish(struct team *t, int i, uint64_t primary)
+team_line_finish(struct team *t, int i, uint64_t primary)
 {
     bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
 
@@ -120,7 +120,7 @@ begin_blocks_locked(struct team *t, int i)
 
 /* The next line to begin, once its buffers are free; -1: there is none. */
 int
-line_begin(struct team *t)
+team_line_begin(struct team *t)
 {
     int i = -1;
 

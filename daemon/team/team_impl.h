@@ -165,9 +165,9 @@ has_bar(const struct team *t, int i)
 /* --- team.c --- */
 
 /* The next line to begin, once its buffers are free; -1: there is none. */
-int line_begin(struct team *t);
+int team_line_begin(struct team *t);
 /* It is done, and wanted so many pixels: hand on what thereby is complete. */
-void line_finish(struct team *t, int i, uint64_t primary);
+void team_line_finish(struct team *t, int i, uint64_t primary);
 
 /* --- team_member.c --- */
 
@@ -186,8 +186,8 @@ bool member_fill(struct member *m, struct rad_pixel *const rows[],
                  struct rad_quincunx_fill *s, int end);
 /* Does the truth want column x of line i's bar, though little is known of the
  * densities? */
-bool bar_is_certain(const struct team *t, int i, struct rad_pixel *const rows[],
-                    int x);
+bool member_bar_is_certain(const struct team *t, int i,
+                           struct rad_pixel *const rows[], int x);
 
 /* --- team_sweep.c --- */
 

@@ -85,7 +85,7 @@ wants_column(const struct lending *l, int x)
     const struct team_loan *loan = l->t->spec.loan;
 
     if (loan ? !is_wanted(loan, x)
-             : l->unsure && !bar_is_certain(l->t, l->i, l->rows, x))
+             : l->unsure && !member_bar_is_certain(l->t, l->i, l->rows, x))
         return false;
     return !knows(l->t, l->i, x, 1, 0, l->bars);
 }

@@ -264,8 +264,8 @@ was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
  * too: it has the same colours there, and no less density.  Where the sampler
  * found nothing in a gap it may have been for lack of densities. */
 bool
-bar_is_certain(const struct team *t, int i, struct rad_pixel *const rows[],
-               int x)
+member_bar_is_certain(const struct team *t, int i,
+                      struct rad_pixel *const rows[], int x)
 {
     int n = team_line_rows(&t->spec.sampler, i);
 
@@ -286,7 +286,7 @@ fill_some(struct member *m, struct rad_pixel *const rows[],
     }
     for (int x = s->x; x < end; x++)
         if (loan ? is_wanted(loan, x)
-                 : bar_is_certain(m->team, m->i, rows, x)) {
+                 : member_bar_is_certain(m->team, m->i, rows, x)) {
             if (s->x < x)
                 *s = (struct rad_quincunx_fill){ x, 0 };
             rad_quincunx_bar_to(&m->q, m->i - 1, rows, s, x + 1);
@@ -587,7 +587,7 @@ do_lines(struct member *m)
 {
     uint64_t since = m->team->spec.cpu_ns ? cpu_ns() : 0;
 
-    while ((m->i = line_begin(m->team)) >= 0) {
+    while ((m->i = team_line_begin(m->team)) >= 0) {
         uint64_t primary = m->primary;
         bool done = do_line(m);
 
@@ -595,7 +595,7 @@ do_lines(struct member *m)
         if (!done)
             return;
         tell_rays(m);
-        line_finish(m->team, m->i, m->primary - primary);
+        team_line_finish(m->team, m->i, m->primary - primary);
     }
 }
 

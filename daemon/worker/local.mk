@@ -15,4 +15,4 @@ libdaemon_a_SOURCES += \
 	daemon/worker/worker_coord.c \
 	daemon/worker/worker_files.c \
 	daemon/worker/worker_impl.h \
-	daemon/worker/worker_job.c
+	daemon/worker/wjob.c

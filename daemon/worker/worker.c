@@ -361,7 +361,7 @@ worker_tick(struct worker *w, uint64_t now_ms)
     w->awake_ms += ms < LONG_TICK_MS ? ms : LONG_TICK_MS;
     w->tick_ms = w->now_ms = now_ms;
     worker_watch_children(w);
-    wjob_watch_room(w);
+    files_watch_room(w);
     if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
         dial(w);
     peer_tick(w);

@@ -78,7 +78,7 @@ on_chunk(struct worker *w, const struct msg *m)
     if (a)
         a->chunk = m->chunk;
     for (struct wjob *job = w->jobs; job; job = job->next)
-        if (job->state == WJOB_FETCHING && wjob_needs_file(job, m->chunk.hash))
+        if (job->state == WJOB_FETCHING && files_need(job, m->chunk.hash))
             job->bytes_in += m->chunk.len;
 }
 
@@ -150,7 +150,7 @@ on_job_start(struct worker *w, const struct msg *m)
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)
-        wjob_look(w, job);
+        files_look(w, job);
 }
 
 static void

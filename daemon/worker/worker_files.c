@@ -127,7 +127,7 @@ times_named(const struct wjob *job, const uint8_t *hash)
 }
 
 bool
-wjob_needs_file(const struct wjob *job, const uint8_t *hash)
+files_need(const struct wjob *job, const uint8_t *hash)
 {
     return times_named(job, hash) > 0;
 }
@@ -203,7 +203,7 @@ look(struct worker *w, struct wjob *job)
 }
 
 void
-wjob_look(struct worker *w, struct wjob *job)
+files_look(struct worker *w, struct wjob *job)
 {
     job->state = WJOB_FETCHING;
     look(w, job);
@@ -228,7 +228,7 @@ worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
 }
 
 void
-wjob_watch_room(struct worker *w)
+files_watch_room(struct worker *w)
 {
     for (struct wjob *job = w->jobs; job; job = job->next)
         if (job->state == WJOB_NO_ROOM && w->now_ms >= job->look_ms) {
@@ -251,7 +251,7 @@ worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk)
 }
 
 void
-wjob_lapse_files(struct worker *w)
+files_lapse(struct worker *w)
 {
     for (uint32_t i = 0; i < w->nasked; i++)
         w->asked[i].lapsed = true;
@@ -282,7 +282,7 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
     if (!forget_asked(w, hash))
         return; /* the rest of one that failed */
     for (struct wjob *job = w->jobs; job; job = job->next) {
-        if (job->state != WJOB_FETCHING || !wjob_needs_file(job, hash))
+        if (job->state != WJOB_FETCHING || !files_need(job, hash))
             continue;
         if (status == EX_PROTOCOL) /* the coordinator has not what it says */
             wjob_send_lost(w, job, true, text);

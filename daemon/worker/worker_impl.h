@@ -2,7 +2,7 @@
  *
  * Private to worker*.c, and to peer.c, relay.c (peer.h) and spread.c:
  *   worker.c        events, and the connection to the coordinator
- *   worker_job.c    jobs, their units, results and children
+ *   wjob.c    jobs, their units, results and children
  *   worker_files.c  files that jobs need
  *   worker_coord.c  messages of the coordinator
  *   worker_child.c  messages of a child */
@@ -150,7 +150,7 @@ void worker_send_tally(struct worker *w, struct wjob *job);
 /* The daemon is to end, with a status of sysexits.h. */
 void worker_stop(struct worker *w, int status, const char *text);
 
-/* --- worker_job.c --- */
+/* --- wjob.c --- */
 
 /* A job that starts here; NULL: memory is out. */
 struct wjob *wjob_new(struct worker *w, const struct msg *m);
@@ -184,14 +184,14 @@ void wjob_drop_kept(struct wjob *job, struct wkept **link);
 
 /* Fetch what is missing, then start the child.  Which files are here may take a
  * while to tell. */
-void wjob_look(struct worker *w, struct wjob *job);
-bool wjob_needs_file(const struct wjob *job, const uint8_t *hash);
+void files_look(struct worker *w, struct wjob *job);
+bool files_need(const struct wjob *job, const uint8_t *hash);
 /* Look again for room, where it is time. */
-void wjob_watch_room(struct worker *w);
+void files_watch_room(struct worker *w);
 /* Is a piece of a file one that is to be kept? */
 bool worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk);
 /* A job that fetched is over: what was asked for may never come. */
-void wjob_lapse_files(struct worker *w);
+void files_lapse(struct worker *w);
 
 /* --- worker_coord.c --- */
 

@@ -1,4 +1,4 @@
-/* worker_job.c - the jobs of a worker: their units, results and children
+/* wjob.c - the jobs of a worker: their units, results and children
  *
  * A unit is with the child from when it came until its last rows are there; a
  * result is kept, as the frame that it goes out in, until the coordinator has
@@ -155,7 +155,7 @@ wjob_end(struct worker *w, struct wjob *job)
     wjob_kill_child(w, job);
     peer_release_job(w, job);
     if (job->state == WJOB_FETCHING)
-        wjob_lapse_files(w);
+        files_lapse(w);
     if (w->env.leave)
         w->env.leave(w->env.arg, job->id);
     free_job(job);
