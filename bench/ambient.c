@@ -20,7 +20,7 @@
 #include "compile/compile.h"
 #include "light/indirect/ambient.h"
 #include "picture/view.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 
 #include <malloc.h>
 #include <math.h>

@@ -18,7 +18,7 @@
 #include "base/vec.h"
 #include "geom/kernel.h"
 #include "picture/view.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "show/picfile.h"
 #include "tone/falsecolour.h"
 #include "image/metric.h"
-#include "image/number.h"
+#include "base/number.h"
 #include "image/png.h"
 
 #include <stdio.h>

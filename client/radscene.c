@@ -2,10 +2,10 @@
 #include "config.h"
 
 #include "compile/compile.h"
-#include "scene/oct/overlap.h"
+#include "scene/overlap.h"
 #include "rays.h"
 #include "scene/meshfile.h"
-#include "scene/oct/octfile.h"
+#include "scene/octfile.h"
 #include "trace/material.h"
 #include "common/tell.h"
 #include "compile/warning.h"

@@ -2,6 +2,8 @@
 noinst_LIBRARIES += libproto.a
 libproto_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(SSL_CFLAGS)
 libproto_a_SOURCES = \
+	proto/ambshare.c \
+	proto/ambshare.h \
 	proto/codec.c \
 	proto/codec.h \
 	proto/counts.c \

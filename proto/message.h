@@ -712,7 +712,7 @@ struct msg_peer_hello {
     const uint8_t *token;
 };
 
-/* A batch of ambient records, opaque here (src/light/indirect/ambshare.c packs them). */
+/* A batch of ambient records, opaque here (proto/ambshare.c packs them). */
 struct msg_ambient {
     uint32_t to;    /* child to radd: the GIVE that it answers, 0: all peers */
     uint32_t count; /* records */

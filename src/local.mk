@@ -8,14 +8,16 @@ include src/base/local.mk
 include src/image/local.mk
 include src/tone/local.mk
 include src/scene/local.mk
+include src/scene/file/local.mk
 include src/scene/calc/local.mk
 include src/scene/bsdf/local.mk
-include src/scene/oct/local.mk
 include src/geom/local.mk
 include src/trace/local.mk
+include src/light/sample/local.mk
 include src/light/direct/local.mk
 include src/light/indirect/local.mk
 include src/pattern/local.mk
+include src/shade/gloss/local.mk
 include src/shade/local.mk
 include src/picture/local.mk
 

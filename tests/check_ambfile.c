@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "records/ambfile.h"
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 #include "base/files.h"
 #include "world.h"
 

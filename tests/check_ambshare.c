@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "worker/ambseen.h"
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 
 #include "unit.h"
 

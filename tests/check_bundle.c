@@ -4,7 +4,7 @@
 #include "base/files.h"
 #include "base/hex.h"
 #include "base/sha.h"
-#include "scene/bundle.h"
+#include "scene/file/bundle.h"
 #include "unit.h"
 
 #include <stdio.h>

@@ -5,7 +5,7 @@
 
 #include "compile/command.h"
 #include "compile/compile.h"
-#include "scene/oct/octfile.h"
+#include "scene/octfile.h"
 #include "unit.h"
 
 #include <errno.h>

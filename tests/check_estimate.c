@@ -4,7 +4,7 @@
 #include "machine/jobtext.h"
 #include "picture/estimate.h"
 #include "child/pool.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 
 #include "unit.h"
 

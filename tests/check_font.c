@@ -1,7 +1,7 @@
 /* check_font.c - tests of src/scene/font */
 #include "config.h"
 
-#include "scene/font.h"
+#include "scene/file/font.h"
 #include "unit.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "picture/frame.h"
 #include "base/rng.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "unit.h"
 
 #include <math.h>

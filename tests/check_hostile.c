@@ -10,8 +10,8 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "scene/oct/octree.h"
-#include "scene/oct/octfile.h"
+#include "scene/octree.h"
+#include "scene/octfile.h"
 #include "scene/part.h"
 #include "wild.h"
 

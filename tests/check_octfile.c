@@ -2,9 +2,9 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "scene/oct/octree.h"
-#include "scene/oct/octfile.h"
-#include "scene/parse.h"
+#include "scene/octree.h"
+#include "scene/octfile.h"
+#include "scene/file/parse.h"
 #include "unit.h"
 
 #include <math.h>

@@ -6,8 +6,8 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "scene/oct/octree.h"
-#include "scene/oct/overlap.h"
+#include "scene/octree.h"
+#include "scene/overlap.h"
 #include "unit.h"
 
 #include <math.h>

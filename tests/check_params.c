@@ -3,7 +3,7 @@
 
 #include "base/files.h"
 #include "base/rng.h"
-#include "image/number.h"
+#include "base/number.h"
 #include "base/params.h"
 #include "unit.h"
 

@@ -1,7 +1,7 @@
 /* check_parse.c - tests of scene/lex, parse, scene and check */
 #include "config.h"
 
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "scene/scene.h"
 #include "unit.h"
 

@@ -5,7 +5,7 @@
 #include "machine/jobtext.h"
 #include "light/indirect/ambient.h"
 #include "child/pool_impl.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "team/team.h"
 
 #include "hook.h"

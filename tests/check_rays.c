@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "rays.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "unit.h"
 
 #include <string.h>

@@ -4,8 +4,8 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/direct/polytree.h"
-#include "light/indirect/sample.h"
+#include "light/sample/polytree.h"
+#include "light/sample/sample.h"
 #include "lambert.h"
 #include "unit.h"
 

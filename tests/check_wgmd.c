@@ -1,4 +1,4 @@
-/* check_wgmd.c - tests of src/shade/wgmd.c: WGMDfunc
+/* check_wgmd.c - tests of src/shade/gloss/wgmd.c: WGMDfunc
  *
  * A square in the plane z = 0 is seen at the origin, in the plane y = 0 from
  * the side of negative x, under one sun that gives 1 W/m^2 across its rays, or

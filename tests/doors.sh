@@ -92,12 +92,12 @@ if ! command -v nm >/dev/null || ! command -v tsort >/dev/null; then
     exit $((bad ? 1 : 77))
 fi
 find daemon net client -name 'lib*_a-*.o' -o -name 'rad*-*.o' |
-    grep -v '/lib[a-z]*_a-.*wordlist' | sort >"$tmp/objects"
-[ -s "$tmp/objects" ] || { echo "no objects in $build"; exit 1; }
-while read -r o; do
-    file=$(echo "$o" | sed 's|/[a-z]*\(_a\)*-|/|; s|\.o$||')
-    nm -P "$o" | sed "s|^|$file |"
-done <"$tmp/objects" >"$tmp/symbols"
+    while read -r o; do
+        file=$(echo "$o" | sed 's|/[a-z]*\(_a\)*-|/|; s|\.o$||')
+        # an object may have outlived its source
+        [ -f "$top/$file.c" ] && nm -P "$o" | sed "s|^|$file |"
+    done >"$tmp/symbols"
+[ -s "$tmp/symbols" ] || { echo "no objects in $build"; exit 1; }
 awk '$3 ~ /^[TDBRVC]$/ { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/has"
 awk '$3 == "U" { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/wants"
 awk 'NR == FNR { where[$2] = $1; next }

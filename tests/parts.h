@@ -2,9 +2,9 @@
 #ifndef RADD_TESTS_PARTS_H
 #define RADD_TESTS_PARTS_H
 
-#include "scene/oct/octree.h"
-#include "scene/oct/octfile.h"
-#include "scene/parse.h"
+#include "scene/octree.h"
+#include "scene/octfile.h"
+#include "scene/file/parse.h"
 #include "scene/part.h"
 
 #include <check.h>

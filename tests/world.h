@@ -3,7 +3,7 @@
 #define RADD_TESTS_WORLD_H
 
 #include "base/vec.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "scene/part.h"
 #include "trace/job.h"
 #include "trace/ray.h"

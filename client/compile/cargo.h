@@ -7,7 +7,7 @@
 #define RADD_CLIENT_CARGO_H
 
 #include "proto/message.h"
-#include "scene/bundle.h"
+#include "scene/file/bundle.h"
 
 struct cargo {
     const struct rad_bundle *bundle; /* borrowed, as is dir */

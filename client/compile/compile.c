@@ -4,8 +4,8 @@
 #include "compile/compile.h"
 
 #include "compile/command.h"
-#include "scene/oct/octfile.h"
-#include "scene/parse.h"
+#include "scene/octfile.h"
+#include "scene/file/parse.h"
 #include "scene/part.h"
 #include "trace/job.h"
 #include "compile/warning.h"

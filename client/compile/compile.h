@@ -9,9 +9,9 @@
 #ifndef RADD_CLIENT_COMPILE_H
 #define RADD_CLIENT_COMPILE_H
 
-#include "scene/oct/octree.h"
+#include "scene/octree.h"
 #include "compile/paths.h"
-#include "scene/bundle.h"
+#include "scene/file/bundle.h"
 #include "scene/scene.h"
 
 struct warnings; /* warning.h */

@@ -5,7 +5,7 @@
 #include "link/fetch.h"
 #include "common/outname.h"
 #include "base/output.h"
-#include "image/number.h"
+#include "base/number.h"
 #include "show/picfile.h"
 #include "common/table.h"
 

@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
-#include "image/number.h"
+#include "base/number.h"
 #include "common/table.h"
 #include "common/tell.h"
 

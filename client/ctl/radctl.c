@@ -6,7 +6,7 @@
 
 #include "ctl/ctl.h"
 #include "show/picfile.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -13,7 +13,7 @@
 
 #include "base/help.h"
 #include "image/filter.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <limits.h>

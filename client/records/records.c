@@ -3,7 +3,7 @@
 
 #include "records/records.h"
 
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 #include "base/files.h"
 #include "base/output.h"
 

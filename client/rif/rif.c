@@ -3,7 +3,7 @@
 
 #include "rif/rif.h"
 
-#include "image/number.h"
+#include "base/number.h"
 
 #include <ctype.h>
 #include <stdio.h>

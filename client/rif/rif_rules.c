@@ -3,7 +3,7 @@
 
 #include "rif/rif_rules.h"
 
-#include "image/number.h"
+#include "base/number.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -9,7 +9,7 @@
 
 #include "rif/rif.h"
 
-#include "scene/oct/octree.h"
+#include "scene/octree.h"
 
 /* The box that the scene is about, in world space. */
 struct rif_zone {

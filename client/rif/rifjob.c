@@ -8,7 +8,7 @@
 #include "show/picfile.h"
 
 #include "base/files.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "common/words.h"
 
-#include "image/number.h"
+#include "base/number.h"
 #include "image/png.h"
 
 #include <math.h>

@@ -9,7 +9,7 @@
 #define RADD_DAEMON_RENDER_IMPL_H
 
 #include "worker/ambseen.h"
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 #include "net/conn.h"
 #include "child/pool.h"
 

@@ -10,8 +10,8 @@
 
 #include "store/blobs.h"
 #include "machine/jobtext.h"
-#include "scene/bundle.h"
-#include "scene/oct/octfile.h"
+#include "scene/file/bundle.h"
+#include "scene/octfile.h"
 #include "scene/part.h"
 #include "machine/views.h"
 

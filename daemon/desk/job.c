@@ -424,6 +424,84 @@ job_count_ready(struct job *job)
         job->frames_ready++;
 }
 
+static bool
+list_out(struct job *job, uint32_t unit)
+{
+    if (job->nout == job->cap_out) {
+        uint32_t cap = job->cap_out ? 2 * job->cap_out : 64;
+        uint32_t *v = realloc(job->out, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->out = v;
+        job->cap_out = cap;
+    }
+    job->units[unit].slot = job->nout;
+    job->out[job->nout++] = unit;
+    return true;
+}
+
+struct job_go *
+job_go_add(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->ngos == JOB_MAX_GOES)
+        return NULL;
+    if (!u->go) {
+        u->go = malloc(JOB_MAX_GOES * sizeof *u->go);
+        if (!u->go)
+            return NULL;
+        if (!list_out(job, unit)) {
+            free(u->go);
+            u->go = NULL;
+            return NULL;
+        }
+    }
+    memset(&u->go[u->ngos], 0, sizeof *u->go);
+    return &u->go[u->ngos++];
+}
+
+bool
+job_go_works(const struct job_go *go)
+{
+    return !go->parked && !go->delivered;
+}
+
+void
+job_go_remove(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    *go = u->go[--u->ngos];
+    if (u->ngos > 0)
+        return;
+    free(u->go);
+    u->go = NULL;
+    job->out[u->slot] = job->out[--job->nout];
+    job->units[job->out[u->slot]].slot = u->slot;
+}
+
+struct job_go *
+job_go_of(const struct job *job, uint32_t unit, uint32_t worker)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker == worker)
+            return &u->go[i];
+    return NULL;
+}
+
+struct job_go *
+job_go_find(const struct job *job, uint32_t unit, uint32_t worker,
+            uint32_t attempt)
+{
+    struct job_go *go = job_go_of(job, unit, worker);
+
+    return go && go->attempt == attempt ? go : NULL;
+}
+
 static int
 by_number(const void *a, const void *b)
 {

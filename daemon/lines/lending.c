@@ -70,21 +70,22 @@ lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
 {
     double ms;
 
-    if (go->lending.line_ms == 0)
+    if (go->line_left < 0 || go->line_ms == 0)
         return speed_left_ms(c, job, unit, go);
-    ms = go->lending.line_left * line_time(job, unit, go->worker);
-    return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
+    ms = go->line_left * line_time(job, unit, go->worker);
+    return fabs(ms - (double)(c->now_ms - go->line_ms));
 }
 
 /* Can it give no lines? */
 static bool
-may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
+may_lend(const struct coord *c, const struct job *job, uint32_t unit,
+         const struct job_go *go)
 {
     uint32_t first, last;
 
     partition_unit_lines(job->partition, unit, &first, &last);
-    return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
-           go->lending.blocked_ms == 0 &&
+    return job_go_works(go) && !go->split && !go->lends && !go->lent_all &&
+           c->now_ms >= go->lend_ms &&
            (job->units[unit].whole || last - first == 1 ||
             !balance_splits(job)) &&
            knows_loans(job, go->worker);
@@ -105,7 +106,7 @@ longest(const struct coord *c, const struct job *job, uint32_t *unit)
         for (uint8_t k = 0; k < u->ngos; k++) {
             double ms;
 
-            if (!may_lend(job, job->out[i], &u->go[k]))
+            if (!may_lend(c, job, job->out[i], &u->go[k]))
                 continue;
             ms = lendable_ms(c, job, job->out[i], &u->go[k]);
             if (ms >= most) {
@@ -128,8 +129,7 @@ count_lending(const struct coord *c, const struct job *job)
         const struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = 0; k < u->ngos; k++)
-            n += u->go[k].lending.asked_ms != 0 &&
-                 c->now_ms - u->go[k].lending.asked_ms < LEND_MS;
+            n += u->go[k].lends && c->now_ms - u->go[k].lend_ms < LEND_MS;
     }
     return n;
 }
@@ -140,7 +140,7 @@ idle_for(const struct job *job, uint32_t unit)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (balance_is_idle(job, i) && knows_loans(job, i) &&
-            (unit == PARTITION_NONE || !go_of_worker(job, unit, i)))
+            (unit == PARTITION_NONE || !job_go_of(job, unit, i)))
             return i;
     return JOB_NOBODY;
 }
@@ -162,7 +162,8 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
                          .lend = { job->id, unit, go->attempt,
                                    (uint16_t)(65535 * part) } };
 
-        go->lending.asked_ms = c->now_ms;
+        go->lends = true;
+        go->lend_ms = c->now_ms;
         asked++;
         sched_log_unit(c, job, unit, go, "unit lend");
         actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
@@ -180,33 +181,36 @@ send_back(struct coord *c, const struct coord_worker *to,
         actions_send(&c->actions, to->conn, &m);
 }
 
-bool
-lending_parked(const struct coord *c, struct job_go *go)
+static struct job_go *
+go_of_attempt(const struct job *job, uint32_t unit, uint32_t attempt)
 {
-    go->lending.asked_ms = 0; /* it has nothing to lend */
-    if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
-        go->lending.blocked_ms = c->now_ms;
-    return go->lending.loans > 0;
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == attempt)
+            return &u->go[i];
+    return NULL;
 }
 
 void
 lending_ended(struct coord *c, struct job *job, uint32_t unit,
               const struct job_go *loan)
 {
-    struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
+    struct job_go *to = go_of_attempt(job, unit, loan->lender);
     uint32_t first, last;
 
     if (!to)
         return;
-    to->lending.loans--;
-    if (to->state == GO_DELIVERED)
+    to->loans--;
+    if (to->delivered)
         return;
     partition_unit_lines(job->partition, unit, &first, &last);
     send_back(c, job->workers[to->worker].worker,
-              &(struct msg_back){ job->id, unit, to->attempt, last - 1,
-                                  loan->lending.x, loan->lending.n });
-    if (to->state == GO_BLOCKED)
-        hold_step(c, job, unit, to, GO_WORKING);
+              &(struct msg_back){ job->id, unit, to->attempt, last - 1, loan->x,
+                                  loan->n });
+    if (to->blocked && to->parked)
+        hold_unpark(c, job, unit, to);
+    to->blocked = false;
 }
 
 /* What the loan should take [ms]: by what the unit costs, or longer if the
@@ -219,36 +223,24 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
 
     /* it may lend again after a wait for its top, when LEND and PARKED crossed
      */
-    if (lender->lending.line_left > 0 &&
-        lender->lending.blocked_ms > lender->lending.line_ms)
-        took = (double)(lender->lending.blocked_ms - lender->lending.line_ms) /
-               lender->lending.line_left * thread_speed(job, lender->worker) /
+    if (lender->line_left > 0 && lender->blocked_ms > lender->line_ms)
+        took = (double)(lender->blocked_ms - lender->line_ms) /
+               lender->line_left * thread_speed(job, lender->worker) /
                thread_speed(job, loan->worker);
-    return loan->lending.line_left * (took > line ? took : line);
+    return loan->line_left * (took > line ? took : line);
 }
 
-/* Has the attempt nothing to do but wait for what it lends, or had nothing else
- * when it was told to give its unit back? */
-static bool
-waits_for_loans(const struct job_go *go)
-{
-    return go->state == GO_BLOCKED ||
-           (go->state == GO_YIELDING && go->lending.blocked_ms != 0);
-}
-
-/* A loan is late only while its lender waits for it, unless its worker hangs.
- */
+/* Until its lender waits a loan is not late, unless there is no hope for it. */
 static bool
 is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
              const struct job_go *loan)
 {
-    const struct job_go *lender =
-        go_of_attempt(job, unit, loan->lending.lender);
+    const struct job_go *lender = go_of_attempt(job, unit, loan->lender);
     double ms = (double)(c->now_ms - loan->out_ms), due;
 
     if (!lender || job->workers[loan->worker].worker->hangs)
         return true;
-    if (!waits_for_loans(lender))
+    if (!lender->blocked || !lender->parked)
         return false;
     due = loan_time(job, unit, lender, loan);
     return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
@@ -263,7 +255,7 @@ lending_tick(struct coord *c, struct job *job)
         for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
             struct job_go *go = &job->units[unit].go[k];
 
-            if (go->origin != GO_LOAN || !is_late_loan(c, job, unit, go))
+            if (!go->lender || !is_late_loan(c, job, unit, go))
                 continue;
             sched_log_unit(c, job, unit, go, "loan late");
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
@@ -284,9 +276,7 @@ loan_fits(const struct job *job, const struct job_go *go,
     partition_unit_lines(job->partition, m->unit, &first, &last);
     return m->frame == a.frame && m->line == last - 1 &&
            shared_loan_fits(job->shared, m) &&
-           (go->origin != GO_LOAN ||
-            (m->x >= go->lending.x &&
-             m->x + m->n <= go->lending.x + go->lending.n));
+           (!go->lender || (m->x >= go->x && m->x + m->n <= go->x + go->n));
 }
 
 /* What was lent to one goes on to another in pieces from the right, so that
@@ -294,17 +284,15 @@ loan_fits(const struct job *job, const struct job_go *go,
 static bool
 is_whole_end(const struct job_go *go, const struct msg_loan *m)
 {
-    return go->origin != GO_LOAN ||
-           (m->n < go->lending.n &&
-            m->x + m->n == go->lending.x + go->lending.n);
+    return !go->lender || (m->n < go->n && m->x + m->n == go->x + go->n);
 }
 
 /* How much of the line each of the two has now. */
 static void
 note_left(const struct coord *c, struct job_go *go, unsigned part)
 {
-    go->lending.line_left = part / 65535.;
-    go->lending.line_ms = c->now_ms;
+    go->line_left = part / 65535.;
+    go->line_ms = c->now_ms;
 }
 
 /* Columns of go's for an idle worker. */
@@ -316,26 +304,24 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     struct job_go *to = hold_add(c, job, index, m->unit, u->attempt + 1);
     struct job_go *go = go_of_attempt(job, m->unit, attempt);
     struct msg pass = { .type = MSG_LOAN, .loan = *m };
-    uint32_t root = go->origin == GO_LOAN ? go->lending.lender : attempt;
+    uint32_t root = go->lender ? go->lender : attempt;
 
     if (!to) {
         c->actions.failed = true;
         return;
     }
     u->attempt++;
-    to->twin = true;
-    to->origin = GO_LOAN;
-    to->rows = GO_DROPPED;
-    to->lending.lender = root;
+    to->twin = to->dropped = true; /* it has no rows, and never leads */
+    to->lender = root;
     hold_shrunk(job, m->unit, to);
-    to->lending.x = m->x;
-    to->lending.n = m->n;
+    to->x = m->x;
+    to->n = m->n;
     note_left(c, to, m->given);
-    if (go->origin == GO_LOAN)
-        go->lending.n -= m->n;
+    if (go->lender)
+        go->n -= m->n;
     go = go_of_attempt(job, m->unit, root);
     if (go)
-        go->lending.loans++;
+        go->loans++;
     sched_log_unit(c, job, m->unit, to, "loan out");
     pass.loan.job = job->id;
     pass.loan.attempt = to->attempt;
@@ -353,8 +339,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
 
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
-    go = go_find(job, m->unit, index, m->attempt);
-    if (!go || go->state == GO_DELIVERED) { /* it shall not wait for ever */
+    go = job_go_find(job, m->unit, index, m->attempt);
+    if (!go || go->delivered) { /* it shall not wait for ever */
         send_back(c, w, &back);
         return;
     }
@@ -362,7 +348,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
         coord_break(c, w->conn, "a LOAN that fits no line");
         return;
     }
-    go->lending.asked_ms = 0;
+    go->lends = false;
+    go->lent = true;
     note_left(c, go, m->left);
     to = job->units[m->unit].ngos < JOB_MAX_GOES ? idle_for(job, m->unit)
                                                  : JOB_NOBODY;
@@ -388,12 +375,12 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     jw = &job->workers[index];
     msg_counts_add(&jw->paid, &m->counts);
     go = !job_over(job) && m->unit < job->nunits
-             ? go_find(job, m->unit, index, m->attempt)
+             ? job_go_find(job, m->unit, index, m->attempt)
              : NULL;
     counts.primary_rays = 0; /* of whoever uses them */
     counts.wall_s = 0;       /* while the unit's own went on */
     counts.nan = (struct msg_nan){ 0 };
-    if (!go || go->origin != GO_LOAN) {
+    if (!go || !go->lender) {
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
         job_see_work(job);

@@ -6,7 +6,7 @@
 
 #include "worker/ambseen.h"
 
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "config.h"
 
 #include "base/params.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <float.h>
 #include <limits.h>

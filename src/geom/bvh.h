@@ -92,7 +92,7 @@ struct rad_met {
     uint32_t number; /* of a mesh's triangle */
 };
 
-/* What one walk through the tree carries (walk.h). */
+/* What one walk through the tree carries (walk.inc). */
 struct rad_walk {
     const struct rad_bvh *bvh;
     const struct rad_prim *prims;    /* NULL: the tree is a mesh's */

@@ -17,7 +17,7 @@ librad_a_SOURCES += \
 	src/geom/prim.h \
 	src/geom/ring.c \
 	src/geom/sphere.c \
-	src/geom/walk.h \
+	src/geom/walk.inc \
 	src/geom/walk_avx2.c \
 	src/geom/walk_avx512.c \
 	src/geom/walk_neon.c \

@@ -450,7 +450,7 @@ carry(const struct rad_walk *w, const struct rad_prim *p, double t,
     }
 }
 
-/* The nearest in the place, against the nearest so far: as in walk.h. */
+/* The nearest in the place, against the nearest so far: as in walk.inc. */
 static void
 meet_nearest(struct rad_walk *w, uint32_t i)
 {

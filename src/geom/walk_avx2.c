@@ -37,7 +37,7 @@ avx2_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(in, out, _CMP_LE_OQ));
 }
 
-#include "geom/walk.h"
+#include "geom/walk.inc"
 
 static bool
 usable(void)

@@ -31,7 +31,7 @@ plain_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     return mask;
 }
 
-#include "geom/walk.h"
+#include "geom/walk.inc"
 
 static bool
 usable(void)

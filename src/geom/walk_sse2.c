@@ -46,7 +46,7 @@ sse2_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
            sse2_half(node, r, limit, enter, 4);
 }
 
-#include "geom/walk.h"
+#include "geom/walk.inc"
 
 static bool
 usable(void)

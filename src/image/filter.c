@@ -9,7 +9,7 @@
 #include "config.h"
 
 #include "image/filter.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdio.h>

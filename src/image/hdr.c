@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "image/hdrimpl.h"
-#include "picture/quincunx.h"
+#include "image/pixel.h"
 
 #include <float.h>
 #include <math.h>

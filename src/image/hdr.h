@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct rad_pixel; /* quincunx.h */
+struct rad_pixel; /* pixel.h */
 
 /* What a picture's header says of it. */
 struct rad_hdr_info {

@@ -8,8 +8,7 @@ librad_a_SOURCES += \
 	src/image/hdrread.c \
 	src/image/metric.c \
 	src/image/metric.h \
-	src/image/number.c \
-	src/image/number.h \
+	src/image/pixel.h \
 	src/image/png.c \
 	src/image/png.h \
 	src/image/raster.c \

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "pattern/table.h"
-#include "scene/data.h"
+#include "scene/file/data.h"
 #include "pattern/effect.h"
 #include "pattern/mixture.h"
 #include "pattern/stored.h"

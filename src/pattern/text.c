@@ -9,8 +9,8 @@
 #include "pattern/text.h"
 #include "base/vec.h"
 #include "base/xform.h"
-#include "scene/font.h"
-#include "scene/oct/octfile.h"
+#include "scene/file/font.h"
+#include "scene/octfile.h"
 #include "pattern/mixture.h"
 
 #include <limits.h>

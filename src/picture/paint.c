@@ -10,7 +10,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/direct/source.h"
-#include "shade/emitter.h"
+#include "light/direct/emitter.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -18,16 +18,11 @@
 #ifndef RAD_PICTURE_QUINCUNX_H
 #define RAD_PICTURE_QUINCUNX_H
 
-#include "base/color.h"
+#include "image/pixel.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-struct rad_pixel {
-    struct rad_rgb L;
-    float z; /* distance, with -z only; else 0 */
-};
 
 /* Trace column x, row y (from the top) of the whole picture. */
 typedef void rad_trace_fn(void *arg, int x, int y, struct rad_pixel *out);

@@ -13,7 +13,7 @@
 
 #include "picture/view.h"
 #include "base/vec.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <ctype.h>
 #include <stdbool.h>

@@ -1,21 +1,21 @@
 # text and files to objects
 librad_a_SOURCES += \
-	src/scene/bundle.c \
-	src/scene/bundle.h \
 	src/scene/check.c \
-	src/scene/data.c \
-	src/scene/data.h \
-	src/scene/font.c \
-	src/scene/font.h \
-	src/scene/lex.c \
-	src/scene/lex.h \
 	src/scene/meshfile.c \
 	src/scene/meshfile.h \
+	src/scene/octfile.c \
+	src/scene/octfile.h \
+	src/scene/octin.c \
+	src/scene/octin.h \
+	src/scene/octreal.h \
+	src/scene/octree.c \
+	src/scene/octree.h \
+	src/scene/octwrite.c \
 	src/scene/otype.c \
 	src/scene/otype.def \
 	src/scene/otype.h \
-	src/scene/parse.c \
-	src/scene/parse.h \
+	src/scene/overlap.c \
+	src/scene/overlap.h \
 	src/scene/part.c \
 	src/scene/part.h \
 	src/scene/reach.c \

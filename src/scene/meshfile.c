@@ -5,7 +5,7 @@
 #include "config.h"
 
 #include "scene/meshfile.h"
-#include "scene/oct/octin.h"
+#include "scene/octin.h"
 
 #include <math.h>
 #include <stdlib.h>

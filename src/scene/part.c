@@ -7,7 +7,7 @@
 #include "config.h"
 
 #include "scene/meshfile.h"
-#include "scene/oct/octfile.h"
+#include "scene/octfile.h"
 #include "scene/part.h"
 
 #include <stdio.h>

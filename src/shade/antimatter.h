@@ -7,7 +7,7 @@
 #ifndef RAD_SHADE_ANTIMATTER_H
 #define RAD_SHADE_ANTIMATTER_H
 
-#include "trace/material.h"
+#include "trace/asks.h"
 
 int rad_antimatter_prepare(struct rad_job *job, int32_t index,
                            const struct rad_files *files, const void **data,
@@ -15,8 +15,5 @@ int rad_antimatter_prepare(struct rad_job *job, int32_t index,
 bool rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                           struct rad_ray *r);
 
-/* Is the surface that r has met, one that antimatter names (job->cut), cut
- * away?  Notes it in r->kind. */
-bool rad_antimatter_hides(const struct rad_ctx *ctx, struct rad_ray *r);
 
 #endif

@@ -5,16 +5,11 @@
 #ifndef RAD_SHADE_GLASS_H
 #define RAD_SHADE_GLASS_H
 
-#include "trace/material.h"
+#include "trace/asks.h"
 
 int rad_glass_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,
                       struct rad_error *err);
-/* What glass without a pattern or texture lets pass, where it is hit in
- * direction dir and both its sides are there.  False: it is none. */
-bool rad_glass_plain(const struct rad_job *job, const struct rad_hit *hit,
-                     const double dir[3], struct rad_rgb *T);
-
 bool rad_glass_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                      struct rad_ray *r);
 

@@ -1,30 +1,16 @@
 # materials
 librad_a_SOURCES += \
-	src/shade/aniso.c \
-	src/shade/aniso.h \
 	src/shade/antimatter.c \
 	src/shade/antimatter.h \
-	src/shade/ashik.c \
-	src/shade/ashik.h \
-	src/shade/brdf.c \
-	src/shade/brdf.h \
+	src/shade/compile.c \
 	src/shade/dielectric.c \
 	src/shade/dielectric.h \
-	src/shade/emitter.c \
-	src/shade/emitter.h \
+	src/shade/families.c \
 	src/shade/glass.c \
 	src/shade/glass.h \
-	src/shade/gloss.c \
-	src/shade/gloss.h \
 	src/shade/mirror.c \
 	src/shade/mirror.h \
 	src/shade/mist.c \
 	src/shade/mist.h \
-	src/shade/normal.c \
-	src/shade/normal.h \
 	src/shade/prism.c \
-	src/shade/prism.h \
-	src/shade/scatter.c \
-	src/shade/scatter.h \
-	src/shade/wgmd.c \
-	src/shade/wgmd.h
+	src/shade/prism.h

@@ -7,15 +7,11 @@
 #ifndef RAD_SHADE_MIRROR_H
 #define RAD_SHADE_MIRROR_H
 
-#include "trace/material.h"
+#include "trace/asks.h"
 
 int rad_mirror_prepare(struct rad_job *job, int32_t index,
                        const struct rad_files *files, const void **data,
                        struct rad_error *err);
-/* Is obj's material a mirror, with no pattern or texture?  Its colour. */
-bool rad_mirror_plain(const struct rad_job *job, int32_t obj,
-                      struct rad_rgb *color);
-
 bool rad_mirror_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                       struct rad_ray *r);
 

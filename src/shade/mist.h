@@ -10,7 +10,7 @@
 #ifndef RAD_SHADE_MIST_H
 #define RAD_SHADE_MIST_H
 
-#include "trace/material.h"
+#include "trace/asks.h"
 
 struct rad_mist;
 
@@ -40,21 +40,6 @@ bool rad_mist_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 /* Once materials and all sources are there: make job->medium, and find the
  * sources that mists name.  0 or RAD_ENOMEM. */
 int rad_mists_resolve(struct rad_job *job, struct rad_error *err);
-
-/* What r's way from its origin to its hit does to r->L.  r->medium is not
- * NULL. */
-void rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r);
-
-/* What *line, found along the span of a shadow ray from r's hit, leaves of the
- * light from its last entry: by r's medium and by the mists whose boundaries
- * the others are.  False: something else is there, and nothing done. */
-bool rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
-                    const struct rad_span *span, const struct rad_line *line,
-                    struct rad_rgb *T);
-
-/* The same of r's medium alone, for a shadow ray of length t. */
-struct rad_rgb rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r,
-                             double t);
 
 /* Make *link the inside of a dielectric that is met in medium m, and return
  * what a ray in there has for its medium. */

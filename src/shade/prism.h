@@ -8,7 +8,7 @@
 #ifndef RAD_SHADE_PRISM_H
 #define RAD_SHADE_PRISM_H
 
-#include "trace/material.h"
+#include "trace/asks.h"
 
 int rad_prism_prepare(struct rad_job *job, int32_t index,
                       const struct rad_files *files, const void **data,
@@ -16,12 +16,5 @@ int rad_prism_prepare(struct rad_job *job, int32_t index,
 bool rad_prism_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                      struct rad_ray *r);
 
-/* How many directions the material has, 1 or 2. */
-int rad_prism_ways(const struct rad_material *mat);
-
-/* The direction, of any length, in which way number `way` sends r on from its
- * hit; false: none that brings any light. */
-bool rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
-                   const struct rad_ray *r, int way, double dir[3]);
 
 #endif

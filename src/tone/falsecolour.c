@@ -4,7 +4,7 @@
 #include "tone/falsecolour.h"
 
 #include "tone/legend.h"
-#include "image/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdio.h>

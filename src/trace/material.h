@@ -1,6 +1,6 @@
 /* material.h - what the modifiers of a scene do to a ray
  *
- * Every modifier type has one row in the table of material.c: how to compile
+ * Every modifier type has one row in the table of shade/families.c: how to compile
  * its arguments once, and what it does to a ray.  A family of materials lives
  * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, mirror.c,
  * mist.c, antimatter.c, text.c, func.c); expr.c evaluates the functions that

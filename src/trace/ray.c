@@ -8,11 +8,7 @@
 #include "base/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "light/direct/source.h"
-#include "shade/antimatter.h"
-#include "trace/material.h"
-#include "shade/mist.h"
-#include "shade/normal.h"
+#include "trace/asks.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "stage.h"
 #include "base/vec.h"
 #include "picture/frame.h"
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 #include "trace/ray.h"
 
 #include <stdarg.h>

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 
 #include <stdio.h>
 #include <stdlib.h>

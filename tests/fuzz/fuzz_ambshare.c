@@ -1,7 +1,7 @@
 /* fuzz_ambshare.c - any bytes as a batch of ambient records */
 #include "config.h"
 
-#include "light/indirect/ambshare.h"
+#include "proto/ambshare.h"
 
 #include <assert.h>
 #include <math.h>

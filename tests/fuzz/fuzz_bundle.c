@@ -1,7 +1,7 @@
 /* fuzz_bundle.c - any bytes as a bundle's manifest */
 #include "config.h"
 
-#include "scene/bundle.h"
+#include "scene/file/bundle.h"
 
 #include <stdlib.h>
 #include <string.h>

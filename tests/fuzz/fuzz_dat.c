@@ -1,5 +1,5 @@
 /* fuzz_dat.c - data files, and values of what came of them */
-#include "scene/data.h"
+#include "scene/file/data.h"
 
 #include <math.h>
 #include <stdlib.h>

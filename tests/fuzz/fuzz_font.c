@@ -1,7 +1,7 @@
 /* fuzz_font.c - font files, and lines set with what came of them
  *
  * Up to the first NUL a font file, behind it a byte of spacing and a line. */
-#include "scene/font.h"
+#include "scene/file/font.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "image/hdr.h"
-#include "scene/data.h"
+#include "scene/file/data.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* fuzz_octfile.c - any bytes as an octree file, with its tree and without */
 #include "config.h"
 
-#include "scene/oct/octfile.h"
+#include "scene/octfile.h"
 
 #include <stdlib.h>
 

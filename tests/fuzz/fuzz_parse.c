@@ -1,7 +1,7 @@
 /* fuzz_parse.c - any bytes as scene text, parsed and checked */
 #include "config.h"
 
-#include "scene/parse.h"
+#include "scene/file/parse.h"
 
 #include <stdlib.h>
 

@@ -9,9 +9,8 @@
 #include "light/direct/image.h"
 #include "base/vec.h"
 #include "scene/part.h"
-#include "shade/emitter.h"
-#include "shade/mirror.h"
-#include "shade/prism.h"
+#include "light/direct/emitter.h"
+#include "trace/asks.h"
 
 #include <stdlib.h>
 #include <string.h>

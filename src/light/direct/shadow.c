@@ -28,7 +28,7 @@
 #include "light/direct/way.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "shade/mist.h"
+#include "trace/asks.h"
 
 #include <string.h>
 

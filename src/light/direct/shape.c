@@ -7,8 +7,8 @@
  * in the cylinder, as rpict takes them.  */
 #include "config.h"
 
-#include "light/direct/polytree.h"
-#include "light/indirect/sample.h"
+#include "light/sample/polytree.h"
+#include "light/sample/sample.h"
 #include "base/vec.h"
 
 /* How far a quadrilateral's corners may be off a parallelogram's, relative to

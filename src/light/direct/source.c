@@ -8,7 +8,7 @@
 #include "light/direct/sources.h"
 #include "base/vec.h"
 #include "scene/part.h"
-#include "shade/emitter.h"
+#include "light/direct/emitter.h"
 
 #include <float.h>
 

@@ -13,7 +13,7 @@
 #ifndef RAD_LIGHT_SOURCE_H
 #define RAD_LIGHT_SOURCE_H
 
-#include "trace/ray.h"
+#include "trace/asks.h"
 
 struct rad_sources; /* [fixed] once rad_sources_new() returns */
 
@@ -46,17 +46,6 @@ bool rad_source_reaches(const struct rad_sources *s, int32_t i,
  * rad_source_reaches() is true of. */
 void rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
                      rad_brdf_fn *brdf, void *data);
-
-/* Did a ray that left the scene meet a distant source?  Sets r->far_source and
- * the shading fields (infinitely far, facing the ray) and returns the source's
- * modifier, or RAD_VOID.  A ray aimed at a source (r->source) meets that one
- * alone.  What -dv hides, and what must not be counted twice, is for the
- * emitting material to say. */
-int32_t rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r);
-
-/* A shadow ray aims at a source, or at the image of one in a mirror (see
- * virtual.h): how many are there together?  The sources come first. */
-int32_t rad_sources_targets(const struct rad_sources *s);
 
 /* The object that is source number i, or the mirror that shows image i. */
 int32_t rad_source_object(const struct rad_sources *s, int32_t i);

@@ -2,7 +2,7 @@
 #ifndef RAD_LIGHT_SOURCES_H
 #define RAD_LIGHT_SOURCES_H
 
-#include "light/indirect/sample.h"
+#include "light/sample/sample.h"
 #include "light/direct/source.h"
 #include "light/direct/virtual.h"
 

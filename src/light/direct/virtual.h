@@ -13,7 +13,7 @@
 #define RAD_LIGHT_VIRTUAL_H
 
 #include "base/vec.h"
-#include "light/indirect/sample.h"
+#include "light/sample/sample.h"
 #include "light/direct/source.h"
 
 /* Images of all real sources in all mirrors at most. */

@@ -3,7 +3,7 @@
 
 #include "light/direct/way.h"
 #include "base/vec.h"
-#include "shade/glass.h"
+#include "trace/asks.h"
 
 #include <float.h>
 

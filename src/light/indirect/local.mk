@@ -9,12 +9,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambpool.h \
 	src/light/indirect/ambshape.c \
 	src/light/indirect/ambshape.h \
-	src/light/indirect/ambshare.c \
-	src/light/indirect/ambshare.h \
 	src/light/indirect/ambtree.h \
 	src/light/indirect/gradient.c \
 	src/light/indirect/gradient.h \
 	src/light/indirect/hemisphere.c \
-	src/light/indirect/hemisphere.h \
-	src/light/indirect/sample.c \
-	src/light/indirect/sample.h
+	src/light/indirect/hemisphere.h

@@ -1,0 +1,112 @@
+/* ambshare.c - see ambshare.h */
+#include "config.h"
+
+#include "proto/ambshare.h"
+
+#include <math.h>
+
+/* A unit vector of floats: each component is rounded to 2^-24 of itself, so
+ * the square of its length is off by at most about 2^-23; what is off by more
+ * than this was not made by normalizing. */
+#define UNIT_TOLERANCE 1e-5
+
+static void
+put_floats(struct wire_out *out, const float *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        wire_put_f32(out, v[i]);
+}
+
+static void
+get_floats(struct wire_in *in, float *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        v[i] = wire_get_f32(in);
+}
+
+void
+ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec)
+{
+    const float E[3] = { rec->E.r, rec->E.g, rec->E.b };
+
+    for (int i = 0; i < 3; i++)
+        wire_put_f64(out, rec->p[i]);
+    put_floats(out, rec->n, 3);
+    put_floats(out, rec->u, 3);
+    put_floats(out, rec->radius, 2);
+    put_floats(out, E, 3);
+    put_floats(out, rec->gpos, 2);
+    put_floats(out, rec->gdir, 2);
+    wire_put_u32(out, rec->corral);
+    wire_put_f32(out, rec->weight);
+    wire_put_u16(out, rec->level);
+}
+
+static bool
+all_finite(const float *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(v[i]))
+            return false;
+    return true;
+}
+
+static bool
+is_unit(const float v[3])
+{
+    double len2 =
+        (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+
+    return fabs(len2 - 1) <= UNIT_TOLERANCE;
+}
+
+bool
+ambshare_sound(const struct rad_ambrec *r)
+{
+    return isfinite(r->p[0]) && isfinite(r->p[1]) && isfinite(r->p[2]) &&
+           is_unit(r->n) && is_unit(r->u) && all_finite(r->radius, 2) &&
+           r->radius[0] > 0 && r->radius[1] > 0 && rad_rgb_sound(r->E) &&
+           all_finite(r->gpos, 2) && all_finite(r->gdir, 2) && r->weight > 0 &&
+           r->weight <= 1;
+}
+
+bool
+ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
+{
+    float E[3];
+
+    for (int i = 0; i < 3; i++)
+        rec->p[i] = wire_get_f64(in);
+    get_floats(in, rec->n, 3);
+    get_floats(in, rec->u, 3);
+    get_floats(in, rec->radius, 2);
+    get_floats(in, E, 3);
+    rec->E = rad_rgb(E[0], E[1], E[2]);
+    get_floats(in, rec->gpos, 2);
+    get_floats(in, rec->gdir, 2);
+    rec->corral = wire_get_u32(in);
+    rec->weight = wire_get_f32(in);
+    rec->level = wire_get_u16(in);
+    return !in->bad && ambshare_sound(rec);
+}
+
+int
+ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
+              struct rad_error *err)
+{
+    struct rad_ambrec rec;
+    struct wire_in in;
+    size_t refused = 0;
+
+    if (len % AMBSHARE_BYTES != 0)
+        return rad_fail(err, RAD_EDATA,
+                        "the ambient records end in the middle of one");
+    wire_in_init(&in, bytes, len);
+    while (wire_left(&in) > 0)
+        if (!ambshare_unpack(&in, &rec) || !rad_ambient_insert(amb, &rec))
+            refused++;
+    return refused == 0
+               ? 0
+               : rad_fail(err, RAD_EDATA,
+                          "%zu ambient records do not fit the scene", refused);
+}

@@ -1,0 +1,115 @@
+/* contour.c - see contour.h
+ *
+ * On a circle of radius R about c with unit normal n, let e1 be the direction
+ * of c within its plane and e2 = n x e1, so that with q = |c within the plane|
+ *     r = c + R (cos t e1 + sin t e2),
+ *     r x dr = R ((c x e2) cos t - (c x e1) sin t + R n) dt,
+ *     |r|^2 = A + B cos t,  A = c.c + R^2,  B = 2 R q.
+ * The three integrals of 1, cos t and sin t over that denominator are
+ * elementary.  Over the whole circle that of the sine vanishes, and with
+ * D = sqrt(A^2 - B^2) the others are 2 pi / D and -2 pi B / (D (A + D)), so
+ * that F = -pi R^2 / D ((1 - 2 q^2 / (A + D)) n + 2 (c.n) / (A + D) q e1),
+ * which for a face parallel or perpendicular to the disk are the factors in
+ * Howell, A catalog of radiation heat transfer configuration factors, B-13 and
+ * B-12.  */
+#include "config.h"
+
+#include "light/sample/contour.h"
+#include "base/vec.h"
+
+/* B / A below which the integral of cos is summed as a series: what is left out
+ * is the fifth power of that. */
+#define NEARLY_ROUND 2e-3
+
+void
+rad_contour_edge(double F[3], const double a[3], const double b[3])
+{
+    double c[3], sine, angle;
+
+    rad_cross(c, b, a);
+    sine = rad_normalize(c);
+    if (!(sine > 0))
+        return; /* seen from along the edge */
+    angle = atan2(sine, rad_dot(a, b));
+    rad_madd(F, F, angle / 2, c);
+}
+
+/* Antiderivative of 1 / (A + B cos t), without a step where tan t/2 has one. */
+static double
+inverse(double A, double B, double t)
+{
+    double root = sqrt((A - B) * (A + B)),
+           turns = floor((t + M_PI) / (2 * M_PI));
+    double half = t / 2 - M_PI * turns;
+
+    return 2 / root *
+           (atan2(sqrt(A - B) * sin(half), sqrt(A + B) * cos(half)) +
+            M_PI * turns);
+}
+
+/* Antiderivative of cos t / (A + B cos t). */
+static double
+cosine(double A, double B, double t)
+{
+    double x = B / A, s, s3, c2, c4;
+
+    if (x > NEARLY_ROUND)
+        return (t - A * inverse(A, B, t)) / B;
+    /* of cos, cos^2, cos^3, cos^4 in turn */
+    s = sin(t);
+    s3 = s - s * s * s / 3;
+    c2 = t / 2 + sin(2 * t) / 4;
+    c4 = 3 * t / 8 + sin(2 * t) / 4 + sin(4 * t) / 32;
+    return (s - x * (c2 - x * (s3 - x * c4))) / A;
+}
+
+void
+rad_contour_arc(double F[3], const double c[3], const double normal[3],
+                double radius, const double middle[3], double delta,
+                double sign)
+{
+    double e1[3], e2[3], w1[3], w2[3], q, A, B, at, from, to;
+
+    rad_madd(e1, c, -rad_dot(c, normal), normal);
+    q = rad_normalize(e1);
+    if (!(q > 1e-12 * radius)) { /* on the axis any direction will do */
+        rad_copy(e1, middle);
+        q = 0;
+    }
+    rad_cross(e2, normal, e1);
+    A = rad_dot(c, c) + radius * radius;
+    B = 2 * radius * q;
+    at = atan2(rad_dot(middle, e2), rad_dot(middle, e1));
+    from = at - delta;
+    to = at + delta;
+    rad_cross(w1, c, e1);
+    rad_cross(w2, c, e2);
+    double one = inverse(A, B, to) - inverse(A, B, from);
+    double cos_part = cosine(A, B, to) - cosine(A, B, from);
+    double sin_part = B > 0 ? -log((A + B * cos(to)) / (A + B * cos(from))) / B
+                            : (cos(from) - cos(to)) / A;
+    double k = -sign * radius / 2;
+
+    rad_madd(F, F, k * cos_part, w2);
+    rad_madd(F, F, -k * sin_part, w1);
+    rad_madd(F, F, k * radius * one, normal);
+}
+
+void
+rad_contour_circle(double F[3], const double c[3], const double normal[3],
+                   double radius, double sign)
+{
+    double h = rad_dot(c, normal), side[3], q2, q, D, sum, k;
+
+    rad_madd(side, c, -h, normal);
+    q2 = rad_dot(side, side);
+    q = sqrt(q2);
+    /* A - B and A + B are the squared distances to the nearest and the farthest
+     * place of the circle */
+    D = sqrt((h * h + (q - radius) * (q - radius)) *
+             (h * h + (q + radius) * (q + radius)));
+    sum = q2 + h * h + radius * radius + D;
+    k = -sign * M_PI * radius * radius / D;
+    rad_madd(F, F, k * (1 - 2 * q2 / sum), normal);
+    rad_madd(F, F, k * (2 * h / sum), side);
+}

@@ -1,0 +1,251 @@
+/* polytree.c - see polytree.h
+ *
+ * Ears are cut in the plane of the two larger components of the normal.  A
+ * corner is an ear if it turns left and no other corner lies strictly inside
+ * its triangle; corners that coincide, as along a seam, do not block each
+ * other.  If rounding leaves no ear, the corner with the largest triangle is
+ * cut, so the loop ends for any input.  */
+#include "config.h"
+
+#include "light/sample/polytree.h"
+#include "base/vec.h"
+
+#include <string.h>
+
+void
+rad_triangle_moments(struct rad_moments *m, const double p0[3],
+                     const double e1[3], const double e2[3])
+{
+    double n[3];
+
+    /* p = p0 + s e1 + t e2: var(s) = var(t) = 1/18, cov(s, t) = -1/36 */
+    for (int k = 0; k < 3; k++) {
+        m->c[k] = p0[k] + (e1[k] + e2[k]) / 3;
+        m->a[k] = (e1[k] - e2[k] / 2) / sqrt(18);
+        m->b[k] = e2[k] / sqrt(24);
+    }
+    rad_copy(m->aim, m->c);
+    rad_cross(n, e1, e2);
+    m->area = sqrt(rad_dot(n, n)) / 2;
+}
+
+struct corners {
+    const double *v; /* the polygon's points */
+    int ax, ay;      /* the plane's axes, right-handed about the normal */
+    int *next;       /* ring of the corners that are left */
+    int *prev;
+};
+
+/* Twice the signed area of corners i, j, k in the plane. */
+static double
+turn(const struct corners *c, int i, int j, int k)
+{
+    const double *a = c->v + 3 * i, *b = c->v + 3 * j, *d = c->v + 3 * k;
+
+    return (b[c->ax] - a[c->ax]) * (d[c->ay] - a[c->ay]) -
+           (b[c->ay] - a[c->ay]) * (d[c->ax] - a[c->ax]);
+}
+
+static bool
+is_ear(const struct corners *c, int j)
+{
+    int i = c->prev[j], k = c->next[j];
+
+    if (!(turn(c, i, j, k) > 0))
+        return false;
+    for (int q = c->next[k]; q != i; q = c->next[q])
+        if (turn(c, i, j, q) > 0 && turn(c, j, k, q) > 0 &&
+            turn(c, k, i, q) > 0)
+            return false;
+    return true;
+}
+
+/* The next corner to cut, starting the search at `at`. */
+static int
+find_ear(const struct corners *c, int at)
+{
+    int j = at, best = at;
+    double most = -INFINITY;
+
+    do {
+        double area = turn(c, c->prev[j], j, c->next[j]);
+
+        /* a corner with no area may always go */
+        if (area == 0 || is_ear(c, j))
+            return j;
+        if (area > most) {
+            most = area;
+            best = j;
+        }
+        j = c->next[j];
+    } while (j != at);
+    return best;
+}
+
+/* Leaf i from corners j's triangle; false if it has no area. */
+static bool
+make_leaf(struct rad_polytree *leaf, const struct corners *c, int j)
+{
+    const double *p0 = c->v + 3 * c->prev[j];
+
+    memset(leaf, 0, sizeof *leaf);
+    rad_copy(leaf->p0, p0);
+    rad_sub(leaf->e1, c->v + 3 * j, p0);
+    rad_sub(leaf->e2, c->v + 3 * c->next[j], p0);
+    rad_triangle_moments(&leaf->m, leaf->p0, leaf->e1, leaf->e2);
+    return leaf->m.area > 0;
+}
+
+/* Cut all ears into leaves; returns their number, at most n - 2. */
+static int
+cut_ears(struct corners *c, int n, struct rad_polytree *leaves)
+{
+    int nleaves = 0, at = 0;
+
+    for (int left = n; left >= 3; left--) {
+        int j = find_ear(c, at);
+
+        if (make_leaf(&leaves[nleaves], c, j))
+            nleaves++;
+        c->next[c->prev[j]] = c->next[j];
+        c->prev[c->next[j]] = c->prev[j];
+        /* not the neighbour: fans of slivers sample badly */
+        at = c->next[c->next[j]];
+    }
+    return nleaves;
+}
+
+/* Moments of two patches together, about the normal's plane: the in-plane
+ * covariance, whose Cholesky factors are a and b. */
+static void
+join_moments(struct rad_moments *m, const struct rad_moments *p,
+             const struct rad_moments *q)
+{
+    double w[2] = { p->area / (p->area + q->area), 0 };
+    double cov[3][3], d[3];
+
+    w[1] = 1 - w[0];
+    rad_sub(d, p->c, q->c);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            cov[i][j] = w[0] * (p->a[i] * p->a[j] + p->b[i] * p->b[j]) +
+                        w[1] * (q->a[i] * q->a[j] + q->b[i] * q->b[j]) +
+                        w[0] * w[1] * d[i] * d[j];
+    for (int i = 0; i < 3; i++)
+        m->c[i] = w[0] * p->c[i] + w[1] * q->c[i];
+    m->area = p->area + q->area;
+    /* rank two: pivot on the largest variance, then on what is left */
+    memset(m->a, 0, sizeof m->a);
+    memset(m->b, 0, sizeof m->b);
+    for (int step = 0; step < 2; step++) {
+        double *axis = step ? m->b : m->a;
+        int k = 0;
+
+        for (int i = 1; i < 3; i++)
+            if (cov[i][i] > cov[k][k])
+                k = i;
+        if (!(cov[k][k] > 0))
+            break;
+        for (int i = 0; i < 3; i++)
+            axis[i] = cov[i][k] / sqrt(cov[k][k]);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                cov[i][j] -= axis[i] * axis[j];
+    }
+}
+
+bool
+rad_polytree_has(const struct rad_polytree *t, const double p[3],
+                 const double normal[3])
+{
+    double q[3], h[3], s[3];
+
+    if (t->kid[0])
+        return rad_polytree_has(t->kid[0], p, normal) ||
+               rad_polytree_has(t->kid[1], p, normal);
+    rad_sub(q, p, t->p0);
+    rad_cross(h, t->e1, q);
+    rad_cross(s, q, t->e2);
+    double u = rad_dot(h, normal), v = rad_dot(s, normal);
+
+    return u >= 0 && v >= 0 && u + v <= 2 * t->m.area;
+}
+
+/* Group leaves[0..n) under one node taken from *spare; ends with the node's
+ * aim: its centroid if a triangle has it, else the largest triangle's. */
+static const struct rad_polytree *
+group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
+      const double normal[3])
+{
+    struct rad_polytree *node;
+    const struct rad_polytree *big = leaves;
+    double lo[3], hi[3];
+    int axis = 0;
+
+    if (n == 1)
+        return leaves;
+    rad_copy(lo, leaves[0].m.c);
+    rad_copy(hi, leaves[0].m.c);
+    for (int i = 1; i < n; i++)
+        for (int k = 0; k < 3; k++) {
+            lo[k] = fmin(lo[k], leaves[i].m.c[k]);
+            hi[k] = fmax(hi[k], leaves[i].m.c[k]);
+        }
+    for (int k = 1; k < 3; k++)
+        if (hi[k] - lo[k] > hi[axis] - lo[axis])
+            axis = k;
+    /* insertion sort: lights have few corners */
+    for (int i = 1; i < n; i++)
+        for (int j = i; j > 0 && leaves[j].m.c[axis] < leaves[j - 1].m.c[axis];
+             j--) {
+            struct rad_polytree t = leaves[j];
+
+            leaves[j] = leaves[j - 1];
+            leaves[j - 1] = t;
+        }
+    node = (*spare)++;
+    memset(node, 0, sizeof *node);
+    node->kid[0] = group(leaves, n / 2, spare, normal);
+    node->kid[1] = group(leaves + n / 2, n - n / 2, spare, normal);
+    join_moments(&node->m, &node->kid[0]->m, &node->kid[1]->m);
+    for (int i = 0; i < n; i++) {
+        if (rad_polytree_has(&leaves[i], node->m.c, normal)) {
+            rad_copy(node->m.aim, node->m.c);
+            return node;
+        }
+        if (leaves[i].m.area > big->m.area)
+            big = &leaves[i];
+    }
+    rad_copy(node->m.aim, big->m.c);
+    return node;
+}
+
+const struct rad_polytree *
+rad_polytree_new(const double *v, int n, const double normal[3],
+                 struct rad_arena *arena)
+{
+    struct rad_polytree *nodes, *spare;
+    struct corners c = { .v = v };
+    int k = 0, nleaves;
+
+    nodes = rad_arena_calloc(arena, 2 * (size_t)n, sizeof *nodes);
+    c.next = rad_arena_calloc(arena, (size_t)n, sizeof *c.next);
+    c.prev = rad_arena_calloc(arena, (size_t)n, sizeof *c.prev);
+    if (!nodes || !c.next || !c.prev)
+        return NULL;
+    for (int i = 1; i < 3; i++)
+        if (fabs(normal[i]) > fabs(normal[k]))
+            k = i;
+    /* so that counter-clockwise about the normal turns left */
+    c.ax = (k + (normal[k] > 0 ? 1 : 2)) % 3;
+    c.ay = (k + (normal[k] > 0 ? 2 : 1)) % 3;
+    for (int i = 0; i < n; i++) {
+        c.next[i] = (i + 1) % n;
+        c.prev[i] = (i + n - 1) % n;
+    }
+    nleaves = cut_ears(&c, n, nodes);
+    if (nleaves == 0)
+        return nodes; /* no area: a leaf of zeros */
+    spare = nodes + nleaves;
+    return group(nodes, nleaves, &spare, normal);
+}

@@ -1,0 +1,360 @@
+/* data.c - see data.h
+ *
+ * Places and values are floats, as in Radiance, so that a place that is meant
+ * to be on a grid line is on the same side of it. */
+#include "config.h"
+
+#include "scene/file/data.h"
+#include "base/color.h"
+#include "image/hdr.h"
+
+#include <ctype.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_WORD 63 /* bytes of a number */
+
+struct axis {
+    float org, len;  /* place of the first, and from it to the last */
+    const float *at; /* places, NULL: evenly spaced */
+    int32_t n;       /* at least 2; 1 in pictures only */
+};
+
+struct rad_data {
+    int dims;
+    struct axis axis[RAD_MAX_DATA_DIMS];
+    float *value; /* the last dimension's are neighbours */
+};
+
+struct rad_pict {
+    struct axis x, y;
+    uint8_t *rgbe; /* the top row first */
+};
+
+/* Where a coordinate lies: between values i and i + 1, and their weights. */
+struct place {
+    int32_t i;
+    double w[2];
+};
+
+/* --- reading ------------------------------------------------------------- */
+
+struct reader {
+    const char *p, *end;
+    int line;
+    struct rad_error *err;
+};
+
+static int
+bad(const struct reader *in, const char *what)
+{
+    return rad_fail(in->err, RAD_EDATA, "line %d: %s", in->line, what);
+}
+
+static void
+skip_blanks(struct reader *in)
+{
+    while (in->p < in->end && (isspace((unsigned char)*in->p) || *in->p == '#'))
+        if (*in->p == '#')
+            while (in->p < in->end && *in->p != '\n')
+                in->p++;
+        else if (*in->p++ == '\n')
+            in->line++;
+}
+
+/* Digits, a point and an exponent: what strtod() takes besides is no number. */
+static bool
+is_decimal(const char *word)
+{
+    return word[strspn(word, "0123456789.eE+-")] == '\0';
+}
+
+static int
+read_word(struct reader *in, char word[MAX_WORD + 1])
+{
+    size_t n = 0;
+
+    skip_blanks(in);
+    if (in->p == in->end)
+        return bad(in, "data file ends early");
+    while (in->p < in->end && !isspace((unsigned char)*in->p) && *in->p != '#')
+        if (n < MAX_WORD)
+            word[n++] = *in->p++;
+        else
+            return bad(in, "word too long");
+    word[n] = '\0';
+    return 0;
+}
+
+static int
+read_real(struct reader *in, float *value)
+{
+    char word[MAX_WORD + 1], *rest;
+    int rc = read_word(in, word);
+    double v;
+
+    if (rc)
+        return rc;
+    v = strtod(word, &rest);
+    if (*rest || rest == word || !is_decimal(word))
+        return bad(in, "expected a number");
+    if (!(fabs(v) <= (double)FLT_MAX))
+        return bad(in, "number out of range");
+    *value = (float)v;
+    return 0;
+}
+
+/* A count of at least `least`.  Each of what it counts takes two bytes of the
+ * file, so more than are left is an error before anything is allocated. */
+static int
+read_count(struct reader *in, int32_t least, int32_t *n)
+{
+    char word[MAX_WORD + 1];
+    int rc = read_word(in, word);
+    long v;
+
+    if (rc)
+        return rc;
+    if (word[strspn(word, "0123456789")])
+        return bad(in, "expected a whole number");
+    v = strlen(word) > 9 ? INT32_MAX : strtol(word, NULL, 10);
+    if (v < least)
+        return bad(in, least == 1 ? "no dimensions" : "fewer than 2 points");
+    if (v > (in->end - in->p) / 2 + 1)
+        return bad(in, "fewer numbers than it says");
+    *n = (int32_t)v;
+    return 0;
+}
+
+/* Places rise or fall from first to last; equal ones count as falling. */
+static int
+read_places(struct reader *in, struct rad_arena *arena, struct axis *a)
+{
+    float *at = rad_arena_alloc(arena, (size_t)a->n * sizeof *at);
+    int rc;
+
+    if (!at)
+        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < a->n; i++) {
+        if ((rc = read_real(in, &at[i])))
+            return rc;
+        if (i >= 2 && (at[i - 2] < at[i - 1]) != (at[i - 1] < at[i]))
+            return bad(in, "places neither rise nor fall");
+    }
+    a->at = at;
+    a->org = at[0];
+    a->len = at[a->n - 1] - at[0];
+    return 0;
+}
+
+static int
+read_axis(struct reader *in, struct rad_arena *arena, struct axis *a)
+{
+    float end;
+    int rc;
+
+    if ((rc = read_real(in, &a->org)) || (rc = read_real(in, &end)) ||
+        (rc = read_count(in, 2, &a->n)))
+        return rc;
+    a->len = end - a->org;
+    if (a->len == 0)
+        rc = read_places(in, arena, a);
+    if (rc == 0 && !(fabsf(a->len) <= FLT_MAX))
+        rc = bad(in, "places too far apart");
+    return rc;
+}
+
+static int
+read_values(struct reader *in, struct rad_arena *arena, struct rad_data *d)
+{
+    size_t n = 1, most = (size_t)(in->end - in->p) / 2 + 1;
+    int rc = 0;
+
+    for (int k = 0; k < d->dims; k++) {
+        if ((size_t)d->axis[k].n > most / n)
+            return bad(in, "fewer values than points");
+        n *= (size_t)d->axis[k].n;
+    }
+    d->value = rad_arena_alloc(arena, n * sizeof *d->value);
+    if (!d->value)
+        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+    for (size_t i = 0; i < n && rc == 0; i++)
+        rc = read_real(in, &d->value[i]);
+    return rc;
+}
+
+struct rad_data *
+rad_data_parse(struct rad_arena *arena, const char *text, size_t len,
+               struct rad_error *err)
+{
+    struct reader in = { text, text + len, 1, err };
+    struct rad_data *d = rad_arena_calloc(arena, 1, sizeof *d);
+    int32_t dims;
+    int rc;
+
+    if (!d) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    rc = read_count(&in, 1, &dims);
+    if (rc == 0 && dims > RAD_MAX_DATA_DIMS)
+        rc = rad_fail(err, RAD_EDATA, "line %d: %d dimensions, at most %d",
+                      in.line, (int)dims, RAD_MAX_DATA_DIMS);
+    if (rc == 0)
+        d->dims = (int)dims;
+    for (int k = 0; k < d->dims && rc == 0; k++)
+        rc = read_axis(&in, arena, &d->axis[k]);
+    if (rc == 0)
+        rc = read_values(&in, arena, d);
+    return rc == 0 ? d : NULL;
+}
+
+int
+rad_data_dims(const struct rad_data *d)
+{
+    return d->dims;
+}
+
+/* --- interpolation ------------------------------------------------------- */
+
+/* The last i whose place is not beyond x, by bisection. */
+static int32_t
+find_place(const struct axis *a, double x)
+{
+    int32_t lo = 0, hi = a->n;
+
+    while (hi - lo > 1) {
+        int32_t mid = lo + (hi - lo) / 2;
+
+        if (a->len > 0 ? x >= (double)a->at[mid] : x < (double)a->at[mid])
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return lo;
+}
+
+/* Set the weights of values i and i + 1 at x, in steps from the first value.
+ * Up to one step beyond the ends they are those of the straight line; from
+ * there they fall.  Beyond the last value they begin to fall from a third of
+ * what they were, as they do in Radiance's pictures. */
+static void
+weigh(struct place *at, double x)
+{
+    double beyond = x - at->i;
+
+    if (beyond > 2) {
+        at->w[0] = -1 / (1 + beyond);
+        at->w[1] = -2 * at->w[0];
+    } else if (beyond < -1) {
+        at->w[1] = 1 / beyond;
+        at->w[0] = -2 * at->w[1];
+    } else {
+        at->w[0] = 1 - beyond;
+        at->w[1] = beyond;
+    }
+}
+
+static struct place
+locate(const struct axis *a, double x)
+{
+    struct place at = { 0, { 1, 0 } };
+    int32_t last = a->n - 2;
+
+    if (last < 0)
+        return at; /* the only one there is, everywhere */
+    if (!a->at) {
+        x = (x - (double)a->org) / (double)a->len * (a->n - 1);
+        at.i = x >= last ? last : x > 0 ? (int32_t)x : 0;
+    } else {
+        at.i = find_place(a, x);
+        if (at.i > last)
+            at.i = last;
+        x = at.i + (x - (double)a->at[at.i]) /
+                       ((double)a->at[at.i + 1] - (double)a->at[at.i]);
+    }
+    weigh(&at, x);
+    return at;
+}
+
+/* The corners of the cell, one after the other: bit k of `corner` is set for
+ * the upper value along axis k.  A weight of 0 hides what it weighs. */
+double
+rad_data_value(const struct rad_data *d, const double at[])
+{
+    struct place place[RAD_MAX_DATA_DIMS];
+    double sum = 0;
+
+    for (int k = 0; k < d->dims; k++)
+        place[k] = locate(&d->axis[k], at[k]);
+    for (int corner = 0; corner < 1 << d->dims; corner++) {
+        size_t i = 0;
+        double w = 1;
+
+        for (int k = 0; k < d->dims; k++) {
+            int upper = corner >> k & 1;
+
+            i = i * (size_t)d->axis[k].n + (size_t)(place[k].i + upper);
+            w *= place[k].w[upper];
+        }
+        if (w != 0)
+            sum += w * (double)d->value[i];
+    }
+    return sum;
+}
+
+/* --- pictures ------------------------------------------------------------ */
+
+struct rad_pict *
+rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
+               struct rad_error *err)
+{
+    struct rad_pict *p = rad_arena_calloc(arena, 1, sizeof *p);
+    struct rad_coded_picture pic = { 0 };
+    double w, h;
+
+    if (!p) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    if (rad_hdr_read_coded(bytes, len, RAD_MAX_DATA_PIXELS, &pic, err) < 0)
+        return NULL;
+    w = pic.width;
+    h = pic.height * pic.pixaspect;
+    p->x.n = pic.width;
+    p->y.n = pic.height;
+    p->x.len = (float)(w <= h ? 1 : w / h);
+    p->y.len = (float)(w <= h ? h / w : 1);
+    p->rgbe = rad_arena_dup(arena, pic.rgbe,
+                            4 * (size_t)pic.width * (size_t)pic.height);
+    rad_coded_picture_release(&pic);
+    if (p->rgbe)
+        return p;
+    rad_fail(err, RAD_ENOMEM, "out of memory");
+    return NULL;
+}
+
+void
+rad_pict_value(const struct rad_pict *p, double x, double y, double rgb[3])
+{
+    struct place px = locate(&p->x, x), py = locate(&p->y, y);
+
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        int right = corner & 1, up = corner >> 1;
+        double w = px.w[right] * py.w[up];
+        struct rad_rgb L;
+        size_t row;
+
+        if (w == 0)
+            continue;
+        row = (size_t)(p->y.n - 1 - py.i - up);
+        L = rad_rgbe_radiance(
+            p->rgbe + 4 * (row * (size_t)p->x.n + (size_t)(px.i + right)));
+        rgb[0] += w * (double)L.r;
+        rgb[1] += w * (double)L.g;
+        rgb[2] += w * (double)L.b;
+    }
+}

@@ -1,0 +1,376 @@
+/* lex.c - see lex.h
+ *
+ * A million triangles are nine million numbers, so the common ones are
+ * converted here: with at most 19 significant digits that fit 53 bits, and a
+ * power of ten up to 22, one multiplication or division of two exact doubles
+ * rounds correctly (Clinger 1990, How to read floating point numbers
+ * accurately).  strtod() gets the rest.
+ *
+ * Nearly all words and numbers lie whole in the buffer: those are taken where
+ * they are, up to the NUL behind it.  What does not (it goes on in the next
+ * buffer, has quotes, or is wrong) is read from its beginning, one character
+ * after the other, by the code that knows all cases. */
+#include "config.h"
+
+#include "scene/file/lex.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define END (-1) /* of the text, or of what could be read */
+
+void
+rad_lex_init(struct rad_lex *lex, const struct rad_stream *in)
+{
+    lex->in = *in;
+    lex->line = 1;
+    lex->rc = 0;
+    lex->eof = false;
+    lex->pos = lex->len = 0;
+    lex->buf[0] = '\0';
+    lex->word[0] = '\0';
+}
+
+/* The next buffer.  Text has no NUL: a file that does is not worth a guess at
+ * what its words could mean. */
+static bool
+refill(struct rad_lex *lex, struct rad_error *err)
+{
+    long n;
+
+    if (lex->eof || lex->rc)
+        return false;
+    n = lex->in.read(lex->in.arg, lex->buf, sizeof lex->buf - 1, err);
+    lex->pos = 0;
+    lex->len = n > 0 ? (size_t)n : 0;
+    lex->eof = n == 0;
+    if (n < 0)
+        lex->rc = (int)n;
+    else if (n > 0 && memchr(lex->buf, 0, (size_t)n))
+        lex->rc = rad_fail(err, RAD_EDATA,
+                           "not a scene description: it has binary data");
+    if (lex->rc)
+        lex->len = 0;
+    lex->buf[lex->len] = '\0';
+    return lex->len > 0;
+}
+
+static int
+peek(struct rad_lex *lex, struct rad_error *err)
+{
+    if (lex->pos == lex->len && !refill(lex, err))
+        return END;
+    return lex->buf[lex->pos];
+}
+
+static int
+next(struct rad_lex *lex, struct rad_error *err)
+{
+    int c = peek(lex, err);
+
+    if (c != END) {
+        lex->pos++;
+        lex->line += c == '\n';
+    }
+    return c;
+}
+
+static bool
+is_space(int c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static int
+skip_space(struct rad_lex *lex, struct rad_error *err)
+{
+    do {
+        const unsigned char *p = lex->buf + lex->pos;
+
+        for (; is_space(*p); p++)
+            lex->line += *p == '\n';
+        lex->pos = (size_t)(p - lex->buf);
+        if (*p)
+            return *p;
+    } while (peek(lex, err) != END);
+    return END;
+}
+
+/* Skip white space and comments; returns the character after them. */
+static int
+skip_comments(struct rad_lex *lex, struct rad_error *err)
+{
+    int c;
+
+    while ((c = skip_space(lex, err)) == '#')
+        while ((c = next(lex, err)) != '\n' && c != END)
+            ;
+    return c;
+}
+
+int
+rad_lex_next(struct rad_lex *lex, struct rad_error *err)
+{
+    int c = skip_comments(lex, err);
+
+    if (lex->rc)
+        return lex->rc;
+    if (c == END)
+        return RAD_TOKEN_END;
+    if (c != '!')
+        return RAD_TOKEN_WORD;
+    next(lex, err);
+    return RAD_TOKEN_COMMAND;
+}
+
+static int
+unexpected_end(struct rad_lex *lex, const char *what, struct rad_error *err)
+{
+    if (lex->rc)
+        return lex->rc;
+    return rad_fail(err, RAD_EDATA, "text ends where %s is expected", what);
+}
+
+/* Take a word that lies whole and without quotes in the buffer. */
+static bool
+take_word(struct rad_lex *lex)
+{
+    const unsigned char *first = lex->buf + lex->pos, *p = first;
+    size_t n;
+
+    while (*p > ' ' && *p != '"' && *p != '\'')
+        p++;
+    n = (size_t)(p - first);
+    if (!is_space(*p) || n > RAD_MAX_WORD)
+        return false;
+    memcpy(lex->word, first, n);
+    lex->word[n] = '\0';
+    lex->pos += n;
+    return true;
+}
+
+int
+rad_lex_word(struct rad_lex *lex, const char *what, struct rad_error *err)
+{
+    size_t n = 0;
+    int quote = 0, c = skip_space(lex, err), line = lex->line;
+
+    if (c == END)
+        return unexpected_end(lex, what, err);
+    if (take_word(lex))
+        return 0;
+    for (; c != END; c = peek(lex, err)) {
+        if (!quote && is_space(c))
+            break;
+        next(lex, err);
+        if (c == quote) {
+            quote = 0;
+        } else if (!quote && (c == '"' || c == '\'')) {
+            quote = c;
+        } else if (n == RAD_MAX_WORD) {
+            lex->word[24] = '\0';
+            return rad_fail(err, RAD_EDATA,
+                            "word of more than %d bytes: '%s...'", RAD_MAX_WORD,
+                            lex->word);
+        } else {
+            lex->word[n++] = (char)c;
+        }
+    }
+    lex->word[n] = '\0';
+    if (lex->rc)
+        return lex->rc;
+    if (quote)
+        return rad_fail(err, RAD_EDATA,
+                        "the quote %c opened in line %d is not closed", quote,
+                        line);
+    return 0;
+}
+
+static int
+number_word(struct rad_lex *lex, const char *what, struct rad_error *err)
+{
+    if (skip_comments(lex, err) == END)
+        return unexpected_end(lex, what, err);
+    return rad_lex_word(lex, what, err);
+}
+
+int
+rad_lex_count(struct rad_lex *lex, const char *what, int max, int *n,
+              struct rad_error *err)
+{
+    int rc = number_word(lex, what, err);
+    const char *p = lex->word;
+    long v = 0;
+
+    if (rc)
+        return rc;
+    p += *p == '+';
+    if (*p < '0' || *p > '9')
+        return rad_fail(err, RAD_EDATA, "expected %s, got '%s'", what,
+                        lex->word);
+    for (; *p >= '0' && *p <= '9'; p++)
+        if (v <= max)
+            v = 10 * v + (*p - '0');
+    if (*p)
+        return rad_fail(err, RAD_EDATA, "expected %s, got '%s'", what,
+                        lex->word);
+    if (v > max)
+        return rad_fail(err, RAD_EDATA, "%s is %s, at most %d is possible",
+                        what, lex->word, max);
+    *n = (int)v;
+    return 0;
+}
+
+/* What a number's characters say: mantissa * 10^exponent. */
+struct decimal {
+    uint64_t mantissa; /* leading 19 significant digits at most */
+    int digits;        /* significant digits in it */
+    int exponent;
+    bool negative;
+    bool inexact; /* digits were left out, or the exponent is beyond all */
+};
+
+static const char *
+scan_digits(const char *p, struct decimal *d, bool fraction)
+{
+    for (; *p >= '0' && *p <= '9'; p++) {
+        if (d->digits == 19) {
+            d->inexact = d->inexact || *p != '0';
+            d->exponent += !fraction;
+            continue;
+        }
+        d->mantissa = 10 * d->mantissa + (uint64_t)(*p - '0');
+        d->digits += d->mantissa != 0;
+        d->exponent -= fraction;
+    }
+    return p;
+}
+
+static const char *
+scan_exponent(const char *p, struct decimal *d)
+{
+    bool minus = *p == '-';
+    int e = 0;
+
+    p += *p == '-' || *p == '+';
+    if (*p < '0' || *p > '9')
+        return NULL;
+    for (; *p >= '0' && *p <= '9'; p++)
+        if (e < 100000)
+            e = 10 * e + (*p - '0');
+    d->exponent += minus ? -e : e;
+    return p;
+}
+
+/* False: these characters are no number. */
+static bool
+scan_decimal(const char *p, struct decimal *d)
+{
+    const char *first;
+
+    memset(d, 0, sizeof *d);
+    d->negative = *p == '-';
+    p += *p == '-' || *p == '+';
+    first = p;
+    p = scan_digits(p, d, false);
+    if (*p == '.') {
+        first++;
+        p = scan_digits(p + 1, d, true);
+    }
+    if (p == first)
+        return false;
+    if (*p == 'e' || *p == 'E')
+        p = scan_exponent(p + 1, d);
+    return p && *p == '\0';
+}
+
+/* True: *x is the double nearest to d. */
+static bool
+convert_exactly(const struct decimal *d, double *x)
+{
+    static const double ten[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,
+                                  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                  1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+                                  1e18, 1e19, 1e20, 1e21, 1e22 };
+    double m = (double)d->mantissa;
+
+    if (d->mantissa == 0 && !d->inexact) {
+        *x = d->negative ? -0. : 0.;
+        return true;
+    }
+    if (d->inexact || d->mantissa > UINT64_C(1) << 53 || d->exponent < -22 ||
+        d->exponent > 22)
+        return false;
+    m = d->exponent < 0 ? m / ten[-d->exponent] : m * ten[d->exponent];
+    *x = d->negative ? -m : m;
+    return true;
+}
+
+/* Take a number that lies whole in the buffer, without exponent and of so few
+ * digits that none need be left out. */
+static bool
+take_real(struct rad_lex *lex, double *x)
+{
+    const unsigned char *p = lex->buf + lex->pos, *first, *point = NULL;
+    struct decimal d = { .negative = *p == '-' };
+
+    p += *p == '-' || *p == '+';
+    for (first = p; (*p >= '0' && *p <= '9') || (*p == '.' && !point); p++)
+        if (*p == '.')
+            point = p;
+        else
+            d.mantissa = 10 * d.mantissa + (uint64_t)(*p - '0');
+    d.digits = (int)(p - first) - (point != NULL);
+    if (d.digits < 1 || d.digits > 18 || !is_space(*p))
+        return false;
+    d.exponent = point ? (int)(point + 1 - p) : 0;
+    if (!convert_exactly(&d, x))
+        return false;
+    lex->pos = (size_t)(p - lex->buf);
+    return true;
+}
+
+int
+rad_lex_real(struct rad_lex *lex, double *x, struct rad_error *err)
+{
+    struct decimal d;
+    int rc;
+
+    if (skip_comments(lex, err) == END)
+        return unexpected_end(lex, "a real argument", err);
+    if (take_real(lex, x))
+        return 0;
+    rc = rad_lex_word(lex, "a real argument", err);
+    if (rc)
+        return rc;
+    if (!scan_decimal(lex->word, &d))
+        return rad_fail(err, RAD_EDATA, "expected a real argument, got '%s'",
+                        lex->word);
+    if (!convert_exactly(&d, x))
+        *x = strtod(lex->word, NULL);
+    if (!isfinite(*x))
+        return rad_fail(err, RAD_EDATA, "number '%s' is too large", lex->word);
+    return 0;
+}
+
+int
+rad_lex_line(struct rad_lex *lex, char *buf, size_t size, struct rad_error *err)
+{
+    size_t n = 0;
+    int c;
+
+    while ((c = next(lex, err)) != END) {
+        if (c == '\r' && peek(lex, err) == '\n')
+            continue;
+        if (c == '\n' && (n == 0 || buf[n - 1] != '\\'))
+            break;
+        if (n + 1 == size)
+            return rad_fail(err, RAD_EDATA, "command of more than %zu bytes",
+                            size - 1);
+        buf[n++] = (char)c;
+    }
+    buf[n] = '\0';
+    return lex->rc;
+}

@@ -1,0 +1,168 @@
+/* compile.c - a scene made ready to render: rad_job_new(); see trace/job.h */
+#include "config.h"
+
+#include "light/direct/source.h"
+#include "light/direct/virtual.h"
+#include "light/indirect/ambient.h"
+#include "scene/calc/calc.h"
+#include "shade/mist.h"
+#include "trace/material.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What intersection must know of surface i's material. */
+static uint8_t
+surface_flags(const struct rad_job *job, int32_t i)
+{
+    const struct rad_scene *scene = job->scene;
+    int32_t mod = scene->objects[i].modifier;
+    int32_t m = rad_material_of(scene, mod);
+    unsigned flags, onesided = 0;
+
+    if (m == RAD_VOID)
+        return RAD_SURF_NOMATERIAL | RAD_SURF_PASSED;
+    flags = job->materials[m].flags;
+    if (scene->objects[m].type == RAD_MIRROR && scene->objects[m].nstrings > 0)
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* another material's place */
+    if (job->cut && job->cut[mod])
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* not everywhere */
+    if (!job->params.backvis && flags & RAD_MAT_OPAQUE &&
+        !(flags & RAD_MAT_EMITS))
+        onesided = RAD_SURF_ONESIDED;
+    return (uint8_t)((flags & RAD_MAT_OPAQUE ? RAD_SURF_OPAQUE : 0) |
+                     (flags & RAD_MAT_TRANSPARENT ? RAD_SURF_TRANSPARENT : 0) |
+                     onesided | (flags & RAD_MAT_PASSED ? RAD_SURF_PASSED : 0));
+}
+
+static int
+compile_geometry(struct rad_job *job, struct rad_error *err)
+{
+    int32_t n = job->scene->nobjects;
+    uint8_t *surf = calloc(n > 0 ? (size_t)n : 1, sizeof *surf);
+
+    if (!surf)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < n; i++) {
+        enum rad_otype type = job->scene->objects[i].type;
+
+        if (rad_otype_class(type) == RAD_CLASS_SURFACE)
+            surf[i] = surface_flags(job, i);
+    }
+    job->geom = rad_geom_new(job->scene, surf, err);
+    free(surf);
+    return job->geom ? 0 : RAD_EDATA;
+}
+
+/* Is the name one of those between blanks? */
+static bool
+is_listed(const char *list, const char *name)
+{
+    size_t n = strlen(name);
+
+    for (const char *at = list; n > 0 && (at = strstr(at, name)) != NULL;
+         at += n)
+        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == '\0'))
+            return true;
+    return false;
+}
+
+/* -ae -ai: which modifiers' surfaces get the ambient value alone.  As in
+ * Radiance all modifiers of a name are meant, and one that is not there is
+ * none. */
+static int
+compile_ambient_list(struct rad_job *job, struct rad_error *err)
+{
+    const struct rad_scene *scene = job->scene;
+    bool include = job->params.amblisted == RAD_AMB_INCLUDE;
+
+    if (job->params.amblisted == RAD_AMB_ALL || job->params.ambounce <= 0)
+        return 0;
+    job->noambient = rad_arena_calloc(&job->arena, (size_t)scene->nobjects + 1,
+                                      sizeof *job->noambient);
+    if (!job->noambient)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int32_t i = 0; i < scene->nobjects; i++)
+        job->noambient[i] =
+            is_listed(job->params.amblist, scene->objects[i].name) != include;
+    return 0;
+}
+
+static int
+compile(struct rad_job *job, const struct rad_files *files,
+        struct rad_error *err)
+{
+    const struct rad_params *p = &job->params;
+    int code = rad_materials_compile(job, files, err);
+
+    if (code < 0 || (code = compile_geometry(job, err)) < 0)
+        return code;
+    job->sources = rad_sources_new(job, err);
+    if (!job->sources)
+        return RAD_EDATA;
+    code = rad_virtuals_make(job, err);
+    if (code < 0 || (code = rad_mists_resolve(job, err)) < 0)
+        return code;
+    if ((code = compile_ambient_list(job, err)) < 0)
+        return code;
+    if (p->ambounce > 0 && p->ambacc > 0) {
+        job->ambient = rad_ambient_new(job, err);
+        if (!job->ambient)
+            return RAD_ENOMEM;
+    }
+    return 0;
+}
+
+struct rad_job *
+rad_job_new(const struct rad_scene *scene, const struct rad_params *params,
+            const struct rad_files *files, struct rad_error *err)
+{
+    struct rad_job *job = calloc(1, sizeof *job);
+
+    if (!job) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    job->scene = scene;
+    job->params = *params;
+    rad_arena_init(&job->arena);
+    if (compile(job, files, err) < 0) {
+        rad_job_free(job);
+        return NULL;
+    }
+    return job;
+}
+
+int
+rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
+              struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    struct rad_job *job = calloc(1, sizeof *job);
+    int code;
+
+    if (!job)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    job->scene = scene;
+    rad_params_init(&job->params);
+    rad_arena_init(&job->arena);
+    code = rad_materials_compile(job, files, &why);
+    if (code < 0 && why.code < 0)
+        code = why.code; /* a file that is missing is no wrong datum */
+    if (code < 0 && err)
+        *err = why;
+    rad_job_free(job);
+    return code < 0 ? code : 0;
+}
+
+void
+rad_job_free(struct rad_job *job)
+{
+    if (!job)
+        return;
+    rad_ambient_free(job->ambient);
+    rad_geom_free(job->geom);
+    rad_calc_free(job->calc);
+    rad_arena_release(&job->arena);
+    free(job);
+}

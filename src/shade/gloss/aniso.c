@@ -1,0 +1,226 @@
+/* aniso.c - see aniso.h */
+#include "config.h"
+
+#include "shade/gloss/aniso.h"
+#include "base/vec.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
+#include "shade/gloss/gloss.h"
+
+#include <float.h>
+
+struct aniso {
+    enum rad_otype type;
+    struct rad_rgb color;
+    double spec, au, av, trans, tspec; /* as given */
+    struct rad_expr expr;              /* of u */
+};
+
+/* A hit on such a surface. */
+struct aniso_hit {
+    const struct aniso *m;
+    struct rad_gloss gloss;
+    struct rad_rgb color; /* with the patterns */
+    struct rad_rgb spec_color;
+    double rdiff, tdiff, tspec, trans; /* parts of the light; trans is
+                                        * tdiff + tspec */
+    double cos_n;                      /* -dir.norm, at least .001 */
+    double ahead[3];                   /* where tspec goes on */
+    bool flat;
+};
+
+int
+rad_aniso_prepare(struct rad_job *job, int32_t index,
+                  const struct rad_files *files, const void **data,
+                  struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    int n = o->type == RAD_TRANS2 ? 8 : 6;
+    int code;
+    struct aniso *m =
+        rad_material_begin(job, index, n, n, sizeof *m, &code, err);
+
+    if (!m)
+        return code;
+    m->type = o->type;
+    m->color =
+        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    m->spec = o->reals[3];
+    m->au = o->reals[4];
+    m->av = o->reals[5];
+    m->trans = n == 8 ? o->reals[6] : 0;
+    m->tspec = n == 8 ? o->reals[7] : 0;
+    *data = m;
+    return rad_expr_prepare(job, o, files, 3, 07, &m->expr, err);
+}
+
+static struct rad_rgb
+scaled(struct rad_rgb c, double s)
+{
+    return rad_rgb_scale(c, (float)s);
+}
+
+/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+static void
+brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
+{
+    const struct aniso_hit *hit = data;
+    const struct rad_gloss *g = &hit->gloss;
+    double cos_l = rad_dot(g->norm, ldir), part, lobe;
+
+    *coef = rad_grey(0);
+    if (fabs(cos_l) <= RAD_TINY)
+        return;
+    part = cos_l > 0 ? hit->rdiff : hit->tdiff;
+    if (part > RAD_TINY)
+        *coef = scaled(hit->color, part * fabs(cos_l) * omega / M_PI);
+    if (cos_l > 0 && hit->m->spec > RAD_TINY) {
+        /* the light's extent: -dj 0 sends all its samples to its centre */
+        double spread = (1 - g->ctx->job->params.srcjitter) * omega;
+
+        lobe = rad_gloss_brdf(g, ldir, hit->flat ? spread / (4 * M_PI) : 0);
+        if (lobe > RAD_TINY)
+            *coef = rad_rgb_add(*coef,
+                                scaled(hit->spec_color, lobe * cos_l * omega));
+    } else if (cos_l < 0 && hit->tspec > RAD_TINY) {
+        lobe = rad_gloss_btdf(g, hit->ahead, hit->cos_n, ldir, omega);
+        if (lobe > RAD_TINY)
+            *coef = rad_rgb_add(*coef,
+                                scaled(hit->color, lobe * hit->tspec * omega));
+    }
+}
+
+bool
+rad_aniso_frame(double u[3], double v[3], const double norm[3],
+                const double along[3])
+{
+    double len2 = rad_dot(along, along);
+
+    rad_cross(v, norm, along);
+    /* what is left of a parallel vector is rounding */
+    if (!(rad_dot(v, v) > 64 * DBL_EPSILON * DBL_EPSILON * len2) ||
+        rad_normalize(v) == 0) {
+        rad_frame(u, v, norm);
+        return false;
+    }
+    rad_cross(u, v, norm);
+    return true;
+}
+
+static void
+take_along(double along[3], const struct rad_expr *e, const struct rad_ray *r,
+           bool sound)
+{
+    if (sound)
+        rad_expr_outward(e, r, along);
+    else
+        along[0] = along[1] = along[2] = 0;
+}
+
+void
+rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+                const struct rad_ray *r, double along[3])
+{
+    take_along(along, e, r, rad_expr_values(ctx, e, r, first, 3, along));
+}
+
+void
+rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+              const struct rad_ray *r, double along[3])
+{
+    take_along(along, e, r, rad_expr_get(ctx, e, first, 3, along));
+}
+
+/* Lay the roughness along u.  Without a direction it is the same in all. */
+static void
+orient(struct aniso_hit *hit)
+{
+    struct rad_gloss *g = &hit->gloss;
+    const struct aniso *m = hit->m;
+    double along[3];
+
+    rad_aniso_along(g->ctx, &m->expr, 0, g->r, along);
+    g->au = m->au;
+    g->av = m->av;
+    if (!rad_aniso_frame(g->u, g->v, g->norm, along))
+        g->au = g->av = sqrt((m->au * m->au + m->av * m->av) / 2);
+}
+
+/* Split the light into its parts. */
+static void
+divide(struct aniso_hit *hit)
+{
+    const struct aniso *m = hit->m;
+
+    hit->trans = m->trans * (1 - m->spec);
+    hit->tspec = hit->trans * m->tspec;
+    hit->tdiff = hit->trans - hit->tspec;
+    hit->rdiff = 1 - hit->trans - m->spec;
+    hit->spec_color = m->type == RAD_METAL2 ? scaled(hit->color, m->spec)
+                                            : rad_grey((float)m->spec);
+}
+
+static void
+enter(struct aniso_hit *hit, struct rad_ctx *ctx, const struct aniso *m,
+      struct rad_ray *r)
+{
+    struct rad_gloss *g = &hit->gloss;
+
+    hit->m = m;
+    g->ctx = ctx;
+    g->r = r;
+    hit->color = rad_rgb_mul(m->color, r->pattern);
+    hit->flat = !rad_ray_perturbed(r) && rad_ray_on_flat(ctx, r);
+    hit->cos_n = rad_ray_normal(r, g->norm);
+    hit->cos_n = rad_most(hit->cos_n, .001); /* brdf() divides by it */
+    rad_ray_ahead(ctx, r, hit->ahead);
+    divide(hit);
+    orient(hit);
+}
+
+/* Follow the lobes that are strong enough (-st); what is not joins the diffuse
+ * light from all around. */
+static void
+add_surroundings(struct aniso_hit *hit)
+{
+    const struct rad_gloss *g = &hit->gloss;
+    double thresh = g->ctx->job->params.specthresh + RAD_TINY;
+    struct rad_rgb coef = scaled(hit->color, hit->tspec);
+    double back[3], part = hit->tdiff;
+
+    if (hit->m->spec > thresh)
+        rad_gloss_reflect(g, &hit->spec_color);
+    if (hit->tspec > thresh)
+        rad_gloss_transmit(g, hit->ahead, &coef);
+    if (hit->rdiff > RAD_TINY) {
+        coef = scaled(hit->color, hit->rdiff);
+        if (hit->m->spec > RAD_TINY && !(hit->m->spec > thresh))
+            coef = rad_rgb_add(coef, hit->spec_color);
+        rad_ambient_apply(g->ctx, g->r, g->norm, &coef);
+        g->r->L = rad_rgb_add(g->r->L, coef);
+    }
+    if (hit->tdiff > RAD_TINY) {
+        if (hit->tspec > RAD_TINY && !(hit->tspec > thresh))
+            part = hit->trans;
+        coef = scaled(hit->color, part);
+        rad_scale(back, -1, g->norm);
+        rad_ambient_apply(g->ctx, g->r, back, &coef);
+        g->r->L = rad_rgb_add(g->r->L, coef);
+    }
+}
+
+bool
+rad_aniso_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+                struct rad_ray *r)
+{
+    struct aniso_hit hit;
+
+    if (r->path & RAD_RAY_SHADOW)
+        return true;
+    if (!rad_ray_face(ctx, r, mat->next))
+        return true;
+    enter(&hit, ctx, mat->data, r);
+    add_surroundings(&hit);
+    rad_direct(ctx, r, brdf, &hit, hit.trans > RAD_TINY);
+    return true;
+}

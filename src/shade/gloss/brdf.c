@@ -1,0 +1,385 @@
+/* brdf.c - see brdf.h */
+#include "config.h"
+
+#include "shade/gloss/brdf.h"
+#include "base/vec.h"
+#include "light/indirect/ambient.h"
+#include "light/direct/source.h"
+#include "scene/file/data.h"
+#include "pattern/expr.h"
+#include "pattern/stored.h"
+
+#include <string.h>
+
+struct brdf {
+    enum rad_otype type;
+    struct rad_rgb color;
+    double rdiff, rspec, trans, tdiff, tspec; /* parts of the light */
+    struct rad_rgb front, back, through; /* BRTDfunc: diffuse reflectance of
+                                          * both sides, transmittance */
+    struct rad_expr expr;         /* BRTDfunc: what is mirrored, what passes */
+    int function[3];              /* by channel; -1: nothing */
+    bool shines;                  /* there is one */
+    const struct rad_data *data;  /* what the function is applied to, NULL */
+    int place[RAD_MAX_DATA_DIMS]; /* functions: where to look it up */
+};
+
+/* A hit on such a surface. */
+struct brdf_hit {
+    struct rad_ctx *ctx;
+    struct rad_ray *r;
+    const struct brdf *m;
+    struct rad_rgb color;        /* with the patterns */
+    struct rad_rgb rdiff, tdiff; /* reflected and passed diffusely */
+    double norm[3]; /* as textures tilt it, on the side of the ray */
+    double cos_n;   /* -dir.norm */
+    struct rad_expr_scope scope;
+};
+
+/* --- compiling ------------------------------------------------------------ */
+
+static struct rad_rgb
+color_at(const struct rad_object *o, int i)
+{
+    return rad_rgb((float)o->reals[i], (float)o->reals[i + 1],
+                   (float)o->reals[i + 2]);
+}
+
+/* One function for all channels; how many strings name functions of light is
+ * n, from `first` on, and "0" is none where there are several. */
+static int
+compile_functions(struct rad_job *job, const struct rad_object *o, int first,
+                  int n, struct brdf *m, struct rad_error *err)
+{
+    int nargs = m->data ? 5 : 4;
+
+    for (int k = 0; k < 3; k++) {
+        const char *name = o->strings[first + k % n];
+        int same = 0;
+
+        while (strcmp(o->strings[first + same % n], name) != 0)
+            same++;
+        if (n > 1 && strcmp(name, "0") == 0) {
+            m->function[k] = -1;
+            continue;
+        }
+        m->shines = true;
+        m->function[k] = same < k ? m->function[same]
+                                  : rad_expr_function(job, o, &m->expr,
+                                                      first + k, nargs, err);
+        if (m->function[k] < 0)
+            return m->function[k];
+    }
+    return 0;
+}
+
+static int
+prepare_brtd(struct rad_job *job, const struct rad_object *o,
+             const struct rad_files *files, struct brdf *m,
+             struct rad_error *err)
+{
+    int rc = rad_expr_prepare(job, o, files, 9, 077, &m->expr, err);
+
+    m->front = color_at(o, 0);
+    m->back = color_at(o, 3);
+    m->through = color_at(o, 6);
+    m->color = rad_grey(1);
+    m->rspec = m->tspec = 1;
+    return rc ? rc : compile_functions(job, o, 6, 3, m, err);
+}
+
+/* The data file behind the function's name, and a function for each of its
+ * dimensions behind the function file. */
+static int
+prepare_data(struct rad_job *job, const struct rad_object *o,
+             const struct rad_files *files, struct brdf *m,
+             struct rad_error *err)
+{
+    int n;
+
+    m->data = rad_stored_data(job, o, files, o->strings[1], err);
+    if (!m->data)
+        return RAD_EDATA;
+    n = rad_data_dims(m->data);
+    if (o->nstrings < 3 + n)
+        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
+                              "'%s' has %d dimensions, which need as many "
+                              "functions",
+                              o->strings[1], n);
+    for (int i = 0; i < n; i++) {
+        m->place[i] = rad_expr_function(job, o, &m->expr, 3 + i, 4, err);
+        if (m->place[i] < 0)
+            return m->place[i];
+    }
+    return 0;
+}
+
+static bool
+has_data(enum rad_otype type)
+{
+    return type == RAD_PLASDATA || type == RAD_METDATA || type == RAD_TRANSDATA;
+}
+
+static bool
+is_trans(enum rad_otype type)
+{
+    return type == RAD_TRANSFUNC || type == RAD_TRANSDATA;
+}
+
+static int
+prepare_simple(struct rad_job *job, const struct rad_object *o,
+               const struct rad_files *files, struct brdf *m,
+               struct rad_error *err)
+{
+    bool data = has_data(o->type);
+    int rc = rad_expr_prepare(job, o, files, data ? 2 : 1, 0, &m->expr, err);
+
+    m->color = color_at(o, 0);
+    m->rspec = o->reals[3];
+    if (is_trans(o->type)) {
+        m->trans = o->reals[4] * (1 - m->rspec);
+        m->tspec = m->trans * o->reals[5];
+        m->tdiff = m->trans - m->tspec;
+    }
+    m->rdiff = 1 - m->trans - m->rspec;
+    if (rc == 0 && data)
+        rc = prepare_data(job, o, files, m, err);
+    return rc ? rc : compile_functions(job, o, 0, 1, m, err);
+}
+
+int
+rad_brdf_prepare(struct rad_job *job, int32_t index,
+                 const struct rad_files *files, const void **data,
+                 struct rad_error *err)
+{
+    const struct rad_object *o = &job->scene->objects[index];
+    int least = o->type == RAD_BRTDFUNC ? 9 : is_trans(o->type) ? 6 : 4;
+    int code;
+    struct brdf *m =
+        rad_material_begin(job, index, least, INT32_MAX, sizeof *m, &code, err);
+
+    if (!m)
+        return code;
+    m->type = o->type;
+    *data = m;
+    if (o->type == RAD_BRTDFUNC)
+        return prepare_brtd(job, o, files, m, err);
+    return prepare_simple(job, o, files, m, err);
+}
+
+/* --- light sources -------------------------------------------------------- */
+
+/* The value at the place that the functions give, as arg[0]; false: none. */
+static bool
+look_up(struct brdf_hit *hit, double arg[5])
+{
+    double at[RAD_MAX_DATA_DIMS];
+
+    for (int i = 0; i < rad_data_dims(hit->m->data); i++)
+        if (!rad_expr_call(hit->ctx, &hit->m->expr, hit->m->place[i], arg + 1,
+                           &at[i]))
+            return false;
+    arg[0] = rad_data_value(hit->m->data, at);
+    return true;
+}
+
+/* What the functions give for a light of omega at ldir; false: no value. */
+static bool
+scatter(struct brdf_hit *hit, const double ldir[3], double omega,
+        struct rad_rgb *f)
+{
+    const struct brdf *m = hit->m;
+    double arg[5], v[3];
+    const double *args = m->data ? arg : arg + 1;
+
+    rad_expr_resume(hit->ctx, &hit->scope);
+    rad_expr_inward(&hit->scope, ldir, arg + 1);
+    arg[4] = omega;
+    if (m->data && !look_up(hit, arg))
+        return false;
+    for (int k = 0; k < 3; k++) {
+        int same = 0;
+
+        while (m->function[same] != m->function[k])
+            same++;
+        if (m->function[k] < 0)
+            v[k] = 0;
+        else if (same < k)
+            v[k] = v[same];
+        else if (!rad_expr_call(hit->ctx, &m->expr, m->function[k], args,
+                                &v[k]))
+            return false;
+    }
+    *f = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
+    return true;
+}
+
+/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+static void
+brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
+{
+    struct brdf_hit *hit = data;
+    const struct brdf *m = hit->m;
+    double cos_l = rad_dot(hit->norm, ldir), part;
+    bool metal = m->type == RAD_METFUNC || m->type == RAD_METDATA;
+    bool tinted = cos_l > 0 ? metal : is_trans(m->type);
+    struct rad_rgb f;
+
+    *coef = rad_grey(0);
+    if (fabs(cos_l) <= RAD_TINY)
+        return;
+    *coef = rad_rgb_scale(cos_l > 0 ? hit->rdiff : hit->tdiff,
+                          (float)(fabs(cos_l) * omega / M_PI));
+    part = cos_l > 0 ? m->rspec : m->tspec;
+    if (part <= RAD_TINY || !scatter(hit, ldir, omega, &f) ||
+        rad_rgb_lum(f) <= RAD_TINY)
+        return;
+    if (tinted)
+        f = rad_rgb_mul(f, hit->color);
+    f = rad_rgb_scale(f, (float)(part * fabs(cos_l) * omega));
+    *coef = rad_rgb_add(*coef, f);
+}
+
+/* --- other light ---------------------------------------------------------- */
+
+static void
+add_ambient(struct brdf_hit *hit, bool behind, struct rad_rgb coef)
+{
+    double norm[3];
+
+    rad_scale(norm, behind ? -1 : 1, hit->norm);
+    rad_ambient_apply(hit->ctx, hit->r, norm, &coef);
+    hit->r->L = rad_rgb_add(hit->r->L, coef);
+}
+
+static void
+enter(struct brdf_hit *hit, struct rad_ctx *ctx, const struct brdf *m,
+      struct rad_ray *r)
+{
+    hit->ctx = ctx;
+    hit->r = r;
+    hit->m = m;
+    hit->color = rad_rgb_mul(m->color, r->pattern);
+    hit->cos_n = rad_ray_normal(r, hit->norm);
+    if (r->cos_o < 0) {
+        rad_scale(hit->norm, -1, hit->norm);
+        hit->cos_n = -hit->cos_n;
+    }
+    rad_expr_begin(ctx, &m->expr, r, &hit->scope);
+    rad_expr_set_normal(ctx, &hit->scope, hit->norm, hit->cos_n);
+    rad_expr_set_color(ctx, &hit->scope, hit->color);
+}
+
+bool
+rad_brdf_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+               struct rad_ray *r)
+{
+    const struct brdf *m = mat->data;
+    struct brdf_hit hit;
+
+    if (r->path & RAD_RAY_SHADOW)
+        return true;
+    if (!rad_ray_face(ctx, r, mat->next))
+        return true;
+    enter(&hit, ctx, m, r);
+    hit.rdiff = rad_rgb_scale(hit.color, (float)m->rdiff);
+    hit.tdiff = rad_rgb_scale(hit.color, (float)m->tdiff);
+    if (m->trans < 1 - RAD_TINY)
+        add_ambient(&hit, false,
+                    rad_rgb_scale(hit.color, (float)(1 - m->trans)));
+    if (m->trans > RAD_TINY)
+        add_ambient(&hit, true, rad_rgb_scale(hit.color, (float)m->trans));
+    rad_direct(ctx, r, brdf, &hit, m->trans > RAD_TINY);
+    return true;
+}
+
+/* The values of three expressions as a colour; false: there is none. */
+static bool
+color_of(struct brdf_hit *hit, int first, struct rad_rgb *c)
+{
+    double v[3];
+
+    rad_expr_resume(hit->ctx, &hit->scope);
+    if (!rad_expr_get(hit->ctx, &hit->m->expr, first, 3, v))
+        return false;
+    *c = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
+    return true;
+}
+
+/* pert points to r->n's side, whichever the ray comes from. */
+static void
+turn_ahead(const struct rad_ray *r, double dir[3])
+{
+    rad_madd(dir, r->dir, r->cos_o < 0 ? 1 : -1, r->pert);
+    if (rad_normalize(dir) == 0)
+        rad_copy(dir, r->dir);
+}
+
+static void
+let_pass(struct brdf_hit *hit)
+{
+    struct rad_ray *r = hit->r, tr;
+    bool straight =
+        !rad_ray_perturbed(r) || r->path & (RAD_RAY_SHADOW | RAD_RAY_AMBIENT);
+    struct rad_rgb coef;
+
+    if (!color_of(hit, 3, &coef) ||
+        !rad_ray_spawn(hit->ctx, &tr, RAD_RAY_TRANS, r, &coef,
+                       RAD_BRANCH_TRANSMIT))
+        return;
+    rad_copy(tr.dir, r->dir);
+    if (!straight && rad_ray_bends(hit->ctx, r))
+        turn_ahead(r, tr.dir);
+    rad_ray_trace(hit->ctx, &tr);
+    r->L = rad_rgb_add(r->L, rad_rgb_mul(tr.L, tr.coef));
+    if (straight && rad_rgb_lum(hit->rdiff) + rad_rgb_lum(hit->tdiff) < 1)
+        r->dist = r->hit.t + rad_ray_way_of(&tr);
+}
+
+static void
+mirror(struct brdf_hit *hit)
+{
+    struct rad_ray *r = hit->r, lr;
+    bool plain = !rad_ray_perturbed(r) || r->path & RAD_RAY_AMBIENT;
+    struct rad_rgb coef;
+
+    if (!color_of(hit, 0, &coef) ||
+        !rad_ray_spawn(hit->ctx, &lr, RAD_RAY_REFLECTED, r, &coef,
+                       RAD_BRANCH_REFLECT))
+        return;
+    rad_madd(lr.dir, r->dir, 2 * hit->cos_n, hit->norm);
+    rad_normalize(lr.dir);
+    rad_ray_trace(hit->ctx, &lr);
+    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
+    r->L = rad_rgb_add(r->L, r->L_mirror);
+    r->mirror_dist = r->hit.t;
+    if (plain && rad_ray_on_flat(hit->ctx, r))
+        r->mirror_dist += rad_ray_way_of(&lr);
+}
+
+bool
+rad_brtd_shade(struct rad_ctx *ctx, const struct rad_material *mat,
+               struct rad_ray *r)
+{
+    const struct brdf *m = mat->data;
+    bool reflects, passes;
+    struct brdf_hit hit;
+
+    rad_ray_texture(ctx, r, mat->next);
+    enter(&hit, ctx, m, r);
+    hit.rdiff = rad_rgb_mul(hit.color, r->cos_o > 0 ? m->front : m->back);
+    hit.tdiff = rad_rgb_mul(hit.color, m->through);
+    reflects = rad_rgb_max(hit.rdiff) > RAD_TINY;
+    passes = rad_rgb_max(hit.tdiff) > RAD_TINY;
+    let_pass(&hit);
+    if (r->path & RAD_RAY_SHADOW) /* the rest of it casts a shadow */
+        return true;
+    mirror(&hit);
+    if (reflects)
+        add_ambient(&hit, false, hit.rdiff);
+    if (passes)
+        add_ambient(&hit, true, hit.tdiff);
+    if (reflects || passes || m->shines)
+        rad_direct(ctx, r, brdf, &hit, true);
+    return true;
+}
