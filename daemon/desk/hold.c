@@ -1,19 +1,19 @@
-/* hold.c - who has what
+/* hold.c - which worker has which units
  *
- * A worker's go at a unit, from when it goes out to it until it is done or
- * lost, and what of that its threads are at. */
+ * Attempts at units from when they begin until they are over, and how many of
+ * them, in which state, a worker has in a job and in all (go.c). */
 #include "config.h"
 
 #include "sched/sched.h"
 
-/* Lines that a holder is at. */
+/* Lines that the attempt has. */
 static uint32_t
 lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 {
     uint32_t first, last;
 
     partition_unit_lines(job->partition, unit, &first, &last);
-    return go->lender ? 1 : last - first;
+    return go->origin == GO_LOAN ? 1 : last - first;
 }
 
 static void
@@ -47,11 +47,37 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
 }
 
 void
+hold_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
+          enum go_state to)
+{
+    struct job_worker *jw = &job->workers[go->worker];
+    enum go_state from = go->state;
+    bool waited = go_waits(go), waits;
+
+    speed_touch(c, jw);
+    go_step(go, to);
+    waits = go_waits(go);
+    if (waited && waits)
+        return;
+    jw->parked += waits - waited;
+    jw->worker->parked += waits - waited;
+    jw->worker->delivered += (to == GO_DELIVERED) - (from == GO_DELIVERED);
+    if (from == GO_WORKING)
+        less_in_flight(c, job, jw, go);
+    if (to == GO_WORKING)
+        more_in_flight(job, unit, go);
+    else
+        c->stirred = true;
+    if (waits)
+        go->parked_ms = c->now_ms;
+}
+
+void
 hold_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
-    if (!job_go_works(go))
+    if (!go_works(go))
         return;
     jw->lines -= go->lines;
     go->lines = lines_of(job, unit, go);
@@ -62,86 +88,26 @@ struct job_go *
 hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
          uint32_t attempt)
 {
-    struct job_worker *jw = &job->workers[index];
-    struct job_go *go = job_go_add(job, unit);
+    struct job_go *go = go_add(job, unit);
 
     if (!go)
         return NULL;
-    speed_touch(c, jw);
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    go->line_left = -1;
-    more_in_flight(job, unit, go);
+    hold_step(c, job, unit, go, GO_WORKING);
     return go;
 }
 
 void
 hold_release(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
-    struct job_worker *jw = &job->workers[go->worker];
-
-    speed_touch(c, jw);
-    if (go->lender)
+    if (go->origin == GO_LOAN)
         lending_ended(c, job, unit, go);
-    if (go->delivered) {
-        jw->worker->delivered--;
-    } else if (go->parked) {
-        jw->parked--;
-        jw->worker->parked--;
-    } else {
-        less_in_flight(c, job, jw, go);
-    }
-    c->stirred = true;
+    hold_step(c, job, unit, go, GO_OVER);
     if (job->shared)
         handoff_top_made(c, job, unit, go);
-    job_go_remove(job, unit, go);
-}
-
-void
-hold_park(struct coord *c, struct job *job, struct job_go *go)
-{
-    struct job_worker *jw = &job->workers[go->worker];
-
-    speed_touch(c, jw);
-    go->parked = true;
-    go->parked_ms = c->now_ms;
-    jw->parked++;
-    jw->worker->parked++;
-    less_in_flight(c, job, jw, go);
-    c->stirred = true;
-}
-
-void
-hold_delivered(struct coord *c, struct job *job, struct job_go *go)
-{
-    struct job_worker *jw = &job->workers[go->worker];
-
-    speed_touch(c, jw);
-    if (go->parked) {
-        jw->parked--;
-        jw->worker->parked--;
-    } else {
-        less_in_flight(c, job, jw, go);
-    }
-    go->parked = false;
-    go->delivered = true;
-    jw->worker->delivered++;
-    c->stirred = true;
-}
-
-void
-hold_unpark(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
-{
-    struct job_worker *jw = &job->workers[go->worker];
-
-    if (go->yielded)
-        return;
-    speed_touch(c, jw);
-    go->parked = false;
-    jw->parked--;
-    jw->worker->parked--;
-    more_in_flight(job, unit, go);
+    go_remove(job, unit, go);
 }
 
 void

@@ -9,6 +9,7 @@
 
 #include "picture/doubt.h"
 #include "base/arena.h"
+#include "desk/go.h"
 #include "partition/partition.h"
 #include "lines/shared.h"
 
@@ -40,43 +41,6 @@ enum job_state {
 
 #define JOB_DURATIONS 63 /* that are remembered */
 
-#define JOB_MAX_HOLDERS 5  /* twins at one unit */
-#define JOB_MAX_GOES    13 /* these, and those that have columns of it */
-
-/* One worker's go at a unit. */
-struct job_go {
-    uint32_t worker, attempt;
-    uint32_t lines;  /* that it has of the unit */
-    uint8_t end;     /* enum msg_end */
-    bool parked;     /* it can do nothing but wait for the base line above */
-    bool delivered;  /* all rows came, and are on their way to the disk */
-    bool counted;    /* its work is among what was finished */
-    bool dropped;    /* rows of it came and were dropped */
-    bool spent;      /* it came to its end, and its rows did not count */
-    bool still;      /* it was here already when its worker came back */
-    bool twin;       /* it knows that others have the unit */
-    bool split;      /* it was asked to give lines away, and has not answered */
-    bool yielded;    /* it was asked to give all back, likewise; it is parked */
-    bool top_sent;   /* the base line above, whole, by us */
-    bool makes_top;  /* it traces the base line above, which is kept for it */
-    uint64_t out_ms; /* handed out */
-    uint64_t parked_ms, split_ms, yield_ms;
-    /* columns of the unit's last line */
-    uint32_t lender; /* attempt that lends it [x, x + n), which is all that it
-                      * has; 0: it has the unit */
-    uint32_t x, n;
-    uint32_t loans;      /* that it lends and are not back */
-    bool lent;           /* it lent some once, so may be PARKED again */
-    bool blocked;        /* parked for want of what it lends */
-    bool lent_all;       /* it had nothing else left then */
-    uint64_t blocked_ms; /* when that was */
-    bool lends;          /* it was asked to lend, and has not answered */
-    uint64_t lend_ms;    /* when; or not to be asked again before */
-    double line_left;    /* part of the last line that it has not done; below 0:
-                          * not known */
-    uint64_t line_ms;    /* when that was so */
-};
-
 struct job_unit {
     uint32_t attempt;     /* the latest; or what those of this life follow */
     uint32_t tries;       /* how often it went out */
@@ -86,7 +50,8 @@ struct job_unit {
     uint32_t stored_rows; /* of those, kept */
     uint64_t row_ms;      /* when the last of them came */
     uint32_t slot;        /* in the job's list of units that are out */
-    struct job_go *go;    /* JOB_MAX_GOES of them; NULL: not out */
+    struct job_go *go;    /* attempts that are not over, room for
+                           * JOB_MAX_GOES; NULL: the unit is not out */
     uint8_t ngos;
     uint8_t crashes;
     uint8_t faults;   /* attempts that left no base line */
@@ -316,19 +281,6 @@ void job_count_ready(struct job *job);
 
 /* Make job->units as long as the partition has units; false: memory is out. */
 bool job_grow_units(struct job *job);
-
-/* Add a holder to a unit, or remove one; NULL when there are too many or memory
- * is out. */
-struct job_go *job_go_add(struct job *job, uint32_t unit);
-void job_go_remove(struct job *job, uint32_t unit, struct job_go *go);
-
-/* Has it something to do for the unit? */
-bool job_go_works(const struct job_go *go);
-
-/* The go of that worker, or of that worker and attempt; NULL: none. */
-struct job_go *job_go_of(const struct job *job, uint32_t unit, uint32_t worker);
-struct job_go *job_go_find(const struct job *job, uint32_t unit,
-                           uint32_t worker, uint32_t attempt);
 
 /* The median of the durations [ms]; 0 before any unit was done. */
 uint32_t job_median_ms(const struct job *job);

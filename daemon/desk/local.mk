@@ -1,6 +1,8 @@
 # jobs, their units and what becomes of these: rows that come, workers that go
 libdaemon_a_SOURCES += \
 	daemon/desk/duplicate.c \
+	daemon/desk/go.c \
+	daemon/desk/go.h \
 	daemon/desk/hold.c \
 	daemon/desk/job.c \
 	daemon/desk/job.h \

@@ -51,7 +51,7 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
     hold_forget_rows(job, unit);
     u->lead = 0;
     for (uint8_t i = u->ngos; i-- > 0;)
-        if (u->go[i].dropped) {
+        if (u->go[i].rows != GO_MAY_LEAD) {
             sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
             hold_release(c, job, unit, &u->go[i]);
         }
@@ -65,7 +65,7 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
     struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = u->ngos; i-- > 0;)
-        if (u->go[i].lender == lender) {
+        if (u->go[i].lending.lender == lender) {
             sched_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
             hold_release(c, job, unit, &u->go[i]);
         }
@@ -134,7 +134,7 @@ take_all_back(struct coord *c, struct job *job, uint32_t index)
 
         if (i >= job->nout)
             continue; /* the list has become shorter */
-        go = job_go_of(job, job->out[i], index);
+        go = go_of_worker(job, job->out[i], index);
         if (!go)
             continue;
         if (job->units[job->out[i]].losses < UINT8_MAX)
@@ -175,10 +175,10 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
-        struct job_go *go = job_go_of(job, unit, index);
+        struct job_go *go = go_of_worker(job, unit, index);
         struct partition_area a;
 
-        if (!go || go->still)
+        if (!go || go->origin == GO_RESUMED)
             continue;
         partition_area(job->partition, unit, &a);
         if (job->units[unit].next_row < a.height)
@@ -196,12 +196,12 @@ go_again(struct coord *c, struct job *job, uint32_t index,
          const struct msg_gave *m)
 {
     const struct job_unit *u = &job->units[m->unit];
-    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+    struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
     if (!go && !u->done && u->ngos == 0 && u->lead != 0 &&
         u->lead == m->attempt && u->worker == index &&
         result_revive(c, job, index, m->unit))
-        go = job_go_find(job, m->unit, index, m->attempt);
+        go = go_find(job, m->unit, index, m->attempt);
     return go;
 }
 
@@ -218,7 +218,7 @@ goes_on(struct coord *c, struct job *job, uint32_t index,
     go = m->height <= a.height ? go_again(c, job, index, m) : NULL;
     if (!go)
         return false;
-    go->still = true;
+    go->origin = GO_RESUMED;
     job->units[m->unit].losses = 0;
     sched_log_unit(c, job, m->unit, go, "unit still");
     if (m->height == a.height || balance_shrink(c, job, m->unit, go, m->height))
@@ -296,7 +296,7 @@ suspect(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     u->crashes++;
     if (u->crashes == 1)
         u->crasher = index;
-    loss_of(c, job, unit, job_go_of(job, unit, index));
+    loss_of(c, job, unit, go_of_worker(job, unit, index));
     if (u->crashes == 1 ||
         (u->crasher == index && u->crashes < JOB_MAX_CRASHES))
         return true;
@@ -394,7 +394,7 @@ loss_no_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
 static bool
 has_unit(const struct job *job, uint32_t index, uint32_t unit)
 {
-    return unit < job->nunits && job_go_of(job, unit, index);
+    return unit < job->nunits && go_of_worker(job, unit, index);
 }
 
 void

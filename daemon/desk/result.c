@@ -179,15 +179,15 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
 {
     struct job_unit *u = &job->units[m->unit];
 
-    if (m->row != 0 || go->dropped || u->next_row == 0 ||
+    if (m->row != 0 || go->rows != GO_MAY_LEAD || u->next_row == 0 ||
         c->now_ms - u->row_ms <
             (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS))
         return;
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].attempt == u->lead) {
-            if (u->go[i].delivered)
+            if (u->go[i].state == GO_DELIVERED)
                 return; /* all its rows are here: the disk is slow */
-            u->go[i].dropped = true;
+            u->go[i].rows = GO_DROPPED;
         }
     hold_forget_rows(job, m->unit);
     u->lead = 0;
@@ -200,7 +200,7 @@ counts(struct coord *c, struct job *job, uint32_t index,
        const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+    struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
     if (u->done || job->workers[index].state == JW_GONE)
         return false;
@@ -210,14 +210,15 @@ counts(struct coord *c, struct job *job, uint32_t index,
                m->row + m->rows > u->stored_rows;
     if (u->lead != m->attempt)
         overtake(c, job, go, m);
-    if (u->lead == 0 && m->row == 0 && !go->dropped) {
+    if (u->lead == 0 && m->row == 0 && go->rows == GO_MAY_LEAD) {
         u->lead = m->attempt;
         u->worker = index;
         u->out_ms = go->out_ms;
         sched_keep_unit(c, job, m->unit);
     }
     if (u->lead != m->attempt) {
-        go->dropped = true;
+        if (go->rows == GO_MAY_LEAD)
+            go->rows = GO_DROPPED;
         return false;
     }
     return m->row + m->rows > u->stored_rows;
@@ -230,12 +231,10 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_unit *u = &job->units[unit];
 
-    if (!go->counted)
-        speed_finished(job, unit);
-    go->counted = true;
-    hold_delivered(c, job, go);
+    speed_finished(job, unit, go);
+    hold_step(c, job, unit, go, GO_DELIVERED);
     for (uint8_t i = u->ngos; i-- > 0;)
-        if (!u->go[i].delivered) {
+        if (u->go[i].state != GO_DELIVERED) {
             sched_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
             hold_release(c, job, unit, &u->go[i]);
         }
@@ -254,10 +253,11 @@ is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 static void
 note_end(struct job *job, uint32_t index, const struct msg_result *m)
 {
-    struct job_go *go = job_go_find(job, m->unit, index, m->attempt);
+    struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
-    if (m->last && go && go->dropped && m->attempt != job->units[m->unit].lead)
-        go->spent = true;
+    if (m->last && go && go->rows == GO_DROPPED &&
+        m->attempt != job->units[m->unit].lead)
+        go->rows = GO_SPENT;
 }
 
 /* Are the rows the unit's last because lines of it were given away, of which we
@@ -317,7 +317,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     }
     if (u->ngos == 0 && !result_revive(c, job, index, m->unit))
         return;
-    go = job_go_find(job, m->unit, index, m->attempt);
+    go = go_find(job, m->unit, index, m->attempt);
     if (gave_before(job, index, m, &a) &&
         balance_shrink(c, job, m->unit, go, m->row + m->rows))
         partition_area(job->partition, m->unit, &a);
@@ -381,8 +381,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         if (go->attempt == u->lead) {
             job->durations[job->ndurations++ % JOB_DURATIONS] =
                 (uint32_t)(c->now_ms - go->out_ms);
-            if (!go->counted)
-                speed_finished(job, unit);
+            speed_finished(job, unit, go);
         } else {
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
         }

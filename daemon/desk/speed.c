@@ -45,8 +45,11 @@ speed_touch(const struct coord *c, struct job_worker *jw)
 }
 
 void
-speed_finished(struct job *job, uint32_t unit)
+speed_finished(struct job *job, uint32_t unit, struct job_go *go)
 {
+    if (go->counted)
+        return;
+    go->counted = true;
     job->finished += partition_cost(job->partition, unit);
     job->nfinished++;
 }
@@ -93,7 +96,7 @@ under_way(const struct job *job)
         const struct job_unit *u = &job->units[job->out[i]];
         struct partition_area a;
 
-        if (u->next_row == 0 || !job_go_works(&u->go[0]))
+        if (u->next_row == 0 || !go_works(&u->go[0]))
             continue;
         partition_area(job->partition, job->out[i], &a);
         sum += partition_cost(job->partition, job->out[i]) * u->next_row /

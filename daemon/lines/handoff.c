@@ -63,7 +63,7 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)
         return flags;
-    go->makes_top = true;
+    go->handoff.makes_top = true;
     partition_keep_line(job->partition, frame, first - 1, true);
     return flags | MSG_UNIT_TOP;
 }
@@ -75,7 +75,8 @@ makes(const struct job *job, uint32_t unit, const struct job_go *go,
 {
     uint32_t first, last;
 
-    return go->makes_top && lines_of_unit(job, unit, &first, &last) == frame &&
+    return go->handoff.makes_top &&
+           lines_of_unit(job, unit, &first, &last) == frame &&
            first == line + 1;
 }
 
@@ -86,9 +87,9 @@ handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
-    if (!go->makes_top)
+    if (!go->handoff.makes_top)
         return;
-    go->makes_top = false;
+    go->handoff.makes_top = false;
     partition_keep_line(job->partition, frame, first - 1, false);
     c->stirred = true;
 }
@@ -122,7 +123,7 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
         if (c->actions.n > 0)
             job->base_line_bytes += c->actions.v[c->actions.n - 1].len;
     }
-    go->top_sent = shared_whole_ms(job->shared, frame, line) != 0;
+    go->handoff.top_sent = shared_whole_ms(job->shared, frame, line) != 0;
 }
 
 /* Tell the holders of one unit who waits for its bottom. */
@@ -136,7 +137,7 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
                                       job->workers[below->worker].name } };
 
     for (uint8_t i = 0; i < u->ngos; i++) {
-        if (u->go[i].lender)
+        if (u->go[i].origin == GO_LOAN)
             continue;
         ring_need(c, job, u->go[i].worker, below->worker);
         actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
@@ -199,9 +200,9 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nout; i++) {
         uint32_t unit = job->out[i], first, last;
         uint32_t frame = lines_of_unit(job, unit, &first, &last);
-        struct job_go *go = job_go_of(job, unit, index);
+        struct job_go *go = go_of_worker(job, unit, index);
 
-        if (!go || !go->still)
+        if (!go || go->origin != GO_RESUMED)
             continue;
         if (first > 0)
             send_base(c, job, frame, first - 1, go);
@@ -226,7 +227,8 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
     partition_unit_lines(job->partition, below, &first, &last);
     u = &job->units[below];
     for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
-        if (u->go[i].worker != from && !u->go[i].top_sent && !u->go[i].lender)
+        if (u->go[i].worker != from && !u->go[i].handoff.top_sent &&
+            u->go[i].origin != GO_LOAN)
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
@@ -238,7 +240,7 @@ needs(const struct job *job, uint32_t unit, const struct job_go *go,
     uint32_t first, last;
 
     partition_unit_lines(job->partition, unit, &first, &last);
-    return !go->lender && line + 1 >= first && line < last;
+    return go->origin != GO_LOAN && line + 1 >= first && line < last;
 }
 
 /* To whoever else has the line now. */
@@ -257,7 +259,7 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].worker != from && needs(job, unit, &u->go[i], m->line))
             actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
-    if (job_go_of(job, unit, from))
+    if (go_of_worker(job, unit, from))
         pass_below(c, job, from, &pass);
 }
 
@@ -282,7 +284,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 {
     uint32_t below = unit_at(job, m->frame, m->line + 1);
     struct job_go *go =
-        below != PARTITION_NONE ? job_go_of(job, below, index) : NULL;
+        below != PARTITION_NONE ? go_of_worker(job, below, index) : NULL;
 
     if (go && makes(job, below, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
@@ -349,7 +351,8 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++) {
         struct job_go *go = &u->go[i];
 
-        if (go->parked_ms != 0 && !go->delivered && !go->top_sent &&
+        if (go->parked_ms != 0 && go->state != GO_DELIVERED &&
+            !go->handoff.top_sent &&
             (c->now_ms - whole_ms >= LINK_MS ||
              !can_link(job, &job->units[above], go)))
             send_base(c, job, frame, first - 1, go);
@@ -366,8 +369,8 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
     offer_top(c, job, unit);
     u->whole = false; /* it begins at its first line again */
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].parked && !u->go[i].blocked)
-            hold_unpark(c, job, unit, &u->go[i]);
+        if (u->go[i].state == GO_PARKED)
+            hold_step(c, job, unit, &u->go[i], GO_WORKING);
 }
 
 /* One that has the unit, or had it last while nobody has it now. */
@@ -376,7 +379,8 @@ may_make(const struct job *job, uint32_t unit, uint32_t index)
 {
     const struct job_unit *u = &job->units[unit];
 
-    return job_go_of(job, unit, index) || (u->ngos == 0 && u->worker == index);
+    return go_of_worker(job, unit, index) ||
+           (u->ngos == 0 && u->worker == index);
 }
 
 void
@@ -421,26 +425,19 @@ handoff_parked(struct coord *c, struct coord_worker *w,
 
     if (!job || m->unit >= job->nunits)
         return;
-    go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->lender || go->parked || go->delivered ||
-        (go->parked_ms != 0 && !go->lent))
+    go = go_find(job, m->unit, index, m->attempt);
+    if (!go || go->origin == GO_LOAN || go->state != GO_WORKING ||
+        (go->parked_ms != 0 && go->lending.line_ms == 0))
         return;
     sched_log_unit(c, job, m->unit, go, "unit parked");
-    go->lends = false; /* it has nothing to lend */
     handoff_top_made(c, job, m->unit, go);
-    if (!go->counted) {
-        speed_finished(job, m->unit);
-        go->counted = true;
-    }
-    go->blocked = go->loans > 0;
-    if (go->blocked && !go->lent_all)
-        go->blocked_ms = c->now_ms;
-    go->lent_all |= go->blocked;
-    if (!go->blocked &&
-        has_work_to_come(job, m->unit)) /* which is on its way to it */
-        go->parked_ms = c->now_ms;
+    speed_finished(job, m->unit, go);
+    if (lending_parked(c, go))
+        hold_step(c, job, m->unit, go, GO_BLOCKED);
+    else if (!has_work_to_come(job, m->unit))
+        hold_step(c, job, m->unit, go, GO_PARKED);
     else
-        hold_park(c, job, go);
+        go->parked_ms = c->now_ms; /* its work is on its way to it */
     offer_top(c, job, m->unit);
 }
 

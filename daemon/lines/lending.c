@@ -70,22 +70,21 @@ lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
 {
     double ms;
 
-    if (go->line_left < 0 || go->line_ms == 0)
+    if (go->lending.line_ms == 0)
         return speed_left_ms(c, job, unit, go);
-    ms = go->line_left * line_time(job, unit, go->worker);
-    return fabs(ms - (double)(c->now_ms - go->line_ms));
+    ms = go->lending.line_left * line_time(job, unit, go->worker);
+    return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
 }
 
 /* Can it give no lines? */
 static bool
-may_lend(const struct coord *c, const struct job *job, uint32_t unit,
-         const struct job_go *go)
+may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
 {
     uint32_t first, last;
 
     partition_unit_lines(job->partition, unit, &first, &last);
-    return job_go_works(go) && !go->split && !go->lends && !go->lent_all &&
-           c->now_ms >= go->lend_ms &&
+    return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
+           go->lending.blocked_ms == 0 &&
            (job->units[unit].whole || last - first == 1 ||
             !balance_splits(job)) &&
            knows_loans(job, go->worker);
@@ -106,7 +105,7 @@ longest(const struct coord *c, const struct job *job, uint32_t *unit)
         for (uint8_t k = 0; k < u->ngos; k++) {
             double ms;
 
-            if (!may_lend(c, job, job->out[i], &u->go[k]))
+            if (!may_lend(job, job->out[i], &u->go[k]))
                 continue;
             ms = lendable_ms(c, job, job->out[i], &u->go[k]);
             if (ms >= most) {
@@ -129,7 +128,8 @@ count_lending(const struct coord *c, const struct job *job)
         const struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = 0; k < u->ngos; k++)
-            n += u->go[k].lends && c->now_ms - u->go[k].lend_ms < LEND_MS;
+            n += u->go[k].lending.asked_ms != 0 &&
+                 c->now_ms - u->go[k].lending.asked_ms < LEND_MS;
     }
     return n;
 }
@@ -140,7 +140,7 @@ idle_for(const struct job *job, uint32_t unit)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (balance_is_idle(job, i) && knows_loans(job, i) &&
-            (unit == PARTITION_NONE || !job_go_of(job, unit, i)))
+            (unit == PARTITION_NONE || !go_of_worker(job, unit, i)))
             return i;
     return JOB_NOBODY;
 }
@@ -162,8 +162,7 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
                          .lend = { job->id, unit, go->attempt,
                                    (uint16_t)(65535 * part) } };
 
-        go->lends = true;
-        go->lend_ms = c->now_ms;
+        go->lending.asked_ms = c->now_ms;
         asked++;
         sched_log_unit(c, job, unit, go, "unit lend");
         actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
@@ -181,36 +180,33 @@ send_back(struct coord *c, const struct coord_worker *to,
         actions_send(&c->actions, to->conn, &m);
 }
 
-static struct job_go *
-go_of_attempt(const struct job *job, uint32_t unit, uint32_t attempt)
+bool
+lending_parked(const struct coord *c, struct job_go *go)
 {
-    const struct job_unit *u = &job->units[unit];
-
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].attempt == attempt)
-            return &u->go[i];
-    return NULL;
+    go->lending.asked_ms = 0; /* it has nothing to lend */
+    if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
+        go->lending.blocked_ms = c->now_ms;
+    return go->lending.loans > 0;
 }
 
 void
 lending_ended(struct coord *c, struct job *job, uint32_t unit,
               const struct job_go *loan)
 {
-    struct job_go *to = go_of_attempt(job, unit, loan->lender);
+    struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
     uint32_t first, last;
 
     if (!to)
         return;
-    to->loans--;
-    if (to->delivered)
+    to->lending.loans--;
+    if (to->state == GO_DELIVERED)
         return;
     partition_unit_lines(job->partition, unit, &first, &last);
     send_back(c, job->workers[to->worker].worker,
-              &(struct msg_back){ job->id, unit, to->attempt, last - 1, loan->x,
-                                  loan->n });
-    if (to->blocked && to->parked)
-        hold_unpark(c, job, unit, to);
-    to->blocked = false;
+              &(struct msg_back){ job->id, unit, to->attempt, last - 1,
+                                  loan->lending.x, loan->lending.n });
+    if (to->state == GO_BLOCKED)
+        hold_step(c, job, unit, to, GO_WORKING);
 }
 
 /* What the loan should take [ms]: by what the unit costs, or longer if the
@@ -223,24 +219,36 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
 
     /* it may lend again after a wait for its top, when LEND and PARKED crossed
      */
-    if (lender->line_left > 0 && lender->blocked_ms > lender->line_ms)
-        took = (double)(lender->blocked_ms - lender->line_ms) /
-               lender->line_left * thread_speed(job, lender->worker) /
+    if (lender->lending.line_left > 0 &&
+        lender->lending.blocked_ms > lender->lending.line_ms)
+        took = (double)(lender->lending.blocked_ms - lender->lending.line_ms) /
+               lender->lending.line_left * thread_speed(job, lender->worker) /
                thread_speed(job, loan->worker);
-    return loan->line_left * (took > line ? took : line);
+    return loan->lending.line_left * (took > line ? took : line);
 }
 
-/* Until its lender waits a loan is not late, unless there is no hope for it. */
+/* Has the attempt nothing to do but wait for what it lends, or had nothing else
+ * when it was told to give its unit back? */
+static bool
+waits_for_loans(const struct job_go *go)
+{
+    return go->state == GO_BLOCKED ||
+           (go->state == GO_YIELDING && go->lending.blocked_ms != 0);
+}
+
+/* A loan is late only while its lender waits for it, unless its worker hangs.
+ */
 static bool
 is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
              const struct job_go *loan)
 {
-    const struct job_go *lender = go_of_attempt(job, unit, loan->lender);
+    const struct job_go *lender =
+        go_of_attempt(job, unit, loan->lending.lender);
     double ms = (double)(c->now_ms - loan->out_ms), due;
 
     if (!lender || job->workers[loan->worker].worker->hangs)
         return true;
-    if (!lender->blocked || !lender->parked)
+    if (!waits_for_loans(lender))
         return false;
     due = loan_time(job, unit, lender, loan);
     return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
@@ -255,7 +263,7 @@ lending_tick(struct coord *c, struct job *job)
         for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
             struct job_go *go = &job->units[unit].go[k];
 
-            if (!go->lender || !is_late_loan(c, job, unit, go))
+            if (go->origin != GO_LOAN || !is_late_loan(c, job, unit, go))
                 continue;
             sched_log_unit(c, job, unit, go, "loan late");
             sched_send_attempt(c, job, MSG_REVOKE, unit, go);
@@ -276,7 +284,9 @@ loan_fits(const struct job *job, const struct job_go *go,
     partition_unit_lines(job->partition, m->unit, &first, &last);
     return m->frame == a.frame && m->line == last - 1 &&
            shared_loan_fits(job->shared, m) &&
-           (!go->lender || (m->x >= go->x && m->x + m->n <= go->x + go->n));
+           (go->origin != GO_LOAN ||
+            (m->x >= go->lending.x &&
+             m->x + m->n <= go->lending.x + go->lending.n));
 }
 
 /* What was lent to one goes on to another in pieces from the right, so that
@@ -284,15 +294,17 @@ loan_fits(const struct job *job, const struct job_go *go,
 static bool
 is_whole_end(const struct job_go *go, const struct msg_loan *m)
 {
-    return !go->lender || (m->n < go->n && m->x + m->n == go->x + go->n);
+    return go->origin != GO_LOAN ||
+           (m->n < go->lending.n &&
+            m->x + m->n == go->lending.x + go->lending.n);
 }
 
 /* How much of the line each of the two has now. */
 static void
 note_left(const struct coord *c, struct job_go *go, unsigned part)
 {
-    go->line_left = part / 65535.;
-    go->line_ms = c->now_ms;
+    go->lending.line_left = part / 65535.;
+    go->lending.line_ms = c->now_ms;
 }
 
 /* Columns of go's for an idle worker. */
@@ -304,24 +316,26 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     struct job_go *to = hold_add(c, job, index, m->unit, u->attempt + 1);
     struct job_go *go = go_of_attempt(job, m->unit, attempt);
     struct msg pass = { .type = MSG_LOAN, .loan = *m };
-    uint32_t root = go->lender ? go->lender : attempt;
+    uint32_t root = go->origin == GO_LOAN ? go->lending.lender : attempt;
 
     if (!to) {
         c->actions.failed = true;
         return;
     }
     u->attempt++;
-    to->twin = to->dropped = true; /* it has no rows, and never leads */
-    to->lender = root;
+    to->twin = true;
+    to->origin = GO_LOAN;
+    to->rows = GO_DROPPED;
+    to->lending.lender = root;
     hold_shrunk(job, m->unit, to);
-    to->x = m->x;
-    to->n = m->n;
+    to->lending.x = m->x;
+    to->lending.n = m->n;
     note_left(c, to, m->given);
-    if (go->lender)
-        go->n -= m->n;
+    if (go->origin == GO_LOAN)
+        go->lending.n -= m->n;
     go = go_of_attempt(job, m->unit, root);
     if (go)
-        go->loans++;
+        go->lending.loans++;
     sched_log_unit(c, job, m->unit, to, "loan out");
     pass.loan.job = job->id;
     pass.loan.attempt = to->attempt;
@@ -339,8 +353,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
 
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
-    go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || go->delivered) { /* it shall not wait for ever */
+    go = go_find(job, m->unit, index, m->attempt);
+    if (!go || go->state == GO_DELIVERED) { /* it shall not wait for ever */
         send_back(c, w, &back);
         return;
     }
@@ -348,8 +362,7 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
         coord_break(c, w->conn, "a LOAN that fits no line");
         return;
     }
-    go->lends = false;
-    go->lent = true;
+    go->lending.asked_ms = 0;
     note_left(c, go, m->left);
     to = job->units[m->unit].ngos < JOB_MAX_GOES ? idle_for(job, m->unit)
                                                  : JOB_NOBODY;
@@ -375,12 +388,12 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     jw = &job->workers[index];
     msg_counts_add(&jw->paid, &m->counts);
     go = !job_over(job) && m->unit < job->nunits
-             ? job_go_find(job, m->unit, index, m->attempt)
+             ? go_find(job, m->unit, index, m->attempt)
              : NULL;
     counts.primary_rays = 0; /* of whoever uses them */
     counts.wall_s = 0;       /* while the unit's own went on */
     counts.nan = (struct msg_nan){ 0 };
-    if (!go || !go->lender) {
+    if (!go || go->origin != GO_LOAN) {
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
         job_see_work(job);

@@ -57,8 +57,8 @@ richest(const struct coord *c, const struct job *job, uint32_t *unit)
         double ms;
 
         partition_unit_lines(job->partition, job->out[i], &first, &last);
-        if (u->whole || u->ngos != 1 || !job_go_works(&u->go[0]) ||
-            u->go[0].split || last - first < 2)
+        if (u->whole || u->ngos != 1 || !go_works(&u->go[0]) ||
+            u->go[0].split_ms != 0 || last - first < 2)
             continue;
         ms = speed_left_ms(c, job, job->out[i], &u->go[0]);
         if (ms >= most) {
@@ -80,7 +80,7 @@ count_asked(const struct coord *c, struct job *job)
         struct job_unit *u = &job->units[job->out[i]];
 
         for (uint8_t k = 0; k < u->ngos; k++) {
-            if (!u->go[k].split)
+            if (u->go[k].split_ms == 0)
                 continue;
             if (c->now_ms - u->go[k].split_ms >= SPLIT_LOST_MS)
                 u->whole = true; /* and an answer still counts */
@@ -100,7 +100,6 @@ ask(struct coord *c, struct job *job, uint32_t idle)
     struct job_go *go;
 
     while (asked < idle && (go = richest(c, job, &unit))) {
-        go->split = true;
         go->split_ms = c->now_ms;
         asked++;
         sched_log_unit(c, job, unit, go, "unit split");
@@ -114,7 +113,7 @@ static bool
 has_twin(const struct job_unit *u, const struct job_go *go)
 {
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (&u->go[i] != go && !u->go[i].lender)
+        if (&u->go[i] != go && u->go[i].origin != GO_LOAN)
             return true;
     return false;
 }
@@ -148,10 +147,11 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 
     if (!job || m->unit >= job->nunits)
         return;
-    go = job_go_find(job, m->unit, index, m->attempt);
-    if (!go || !(go->split || go->yielded || go->still)) /* asked before */
+    go = go_find(job, m->unit, index, m->attempt);
+    if (!go || (go->split_ms == 0 && go->state != GO_YIELDING &&
+                go->origin != GO_RESUMED)) /* which was asked before */
         return;
-    go->split = false;
+    go->split_ms = 0;
     partition_area(job->partition, m->unit, &a);
     u = &job->units[m->unit];
     actions_log(&c->actions, ACT_DEBUG,
@@ -165,7 +165,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
         u->whole = true;
         return;
     }
-    if (go->loans > 0) /* of what was its last line */
+    if (go->lending.loans > 0) /* of what was its last line */
         loss_end_loans(c, job, m->unit, go->attempt);
     if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
         sched_send_attempt(c, job, MSG_REVOKE, m->unit, go);
@@ -189,7 +189,7 @@ is_slow(const struct coord *c, const struct job *job, uint32_t unit,
 
     if (c->now_ms - go->out_ms < (w->hangs ? c->lease_ms : lease_ms))
         return false;
-    if (!go->parked)
+    if (!go_waits(go))
         return true;
     top_ms = handoff_top_ms(job, unit);
     return top_ms != 0 && c->now_ms - top_ms >= STUCK_MS &&
@@ -204,8 +204,9 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].lender && !u->go[i].spent &&
-            (u->go[i].delivered || !is_slow(c, job, unit, &u->go[i], lease_ms)))
+        if (u->go[i].origin != GO_LOAN && u->go[i].rows != GO_SPENT &&
+            (u->go[i].state == GO_DELIVERED ||
+             !is_slow(c, job, unit, &u->go[i], lease_ms)))
             return false;
     return true;
 }
@@ -236,7 +237,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
     struct job_unit *u = &job->units[unit];
 
     for (uint8_t k = u->ngos; k-- > 0;)
-        if (u->go[k].spent && !u->go[k].delivered)
+        if (u->go[k].rows == GO_SPENT && u->go[k].state != GO_DELIVERED)
             hold_release(c, job, unit, &u->go[k]);
 }
 
@@ -285,7 +286,7 @@ leave_out(struct job *job, uint32_t unit)
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].lender)
+        if (u->go[i].origin != GO_LOAN)
             sched_late(job, u->go[i].worker, true);
 }
 
@@ -298,7 +299,7 @@ balance_late(struct coord *c, struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nout; i++) {
         uint64_t ms = c->now_ms - job->units[job->out[i]].go[0].out_ms;
 
-        if (ms <= longest || job_go_of(job, job->out[i], index) ||
+        if (ms <= longest || go_of_worker(job, job->out[i], index) ||
             !wants_twin(c, job, job->out[i], lease))
             continue;
         longest = ms;

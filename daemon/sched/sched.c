@@ -813,7 +813,8 @@ drain_parked(struct coord *c, struct job *job)
         for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
             struct job_go *go = &job->units[unit].go[k];
 
-            if (!go->parked || go->yielded || go->top_sent ||
+            if (!go_waits(go) || go->state == GO_YIELDING ||
+                go->handoff.top_sent ||
                 c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
                 sched_takes_units(job->workers[go->worker].worker))
                 continue;

@@ -284,20 +284,17 @@ void yield_passed(const struct coord *c, struct job *job, uint32_t index);
 
 /* --- hold.c --- */
 
-/* One more holder of a unit, counted; NULL: there is no room for it. */
+/* Begin an attempt at a unit; NULL: there is no room for it. */
 struct job_go *hold_add(struct coord *c, struct job *job, uint32_t index,
                         uint32_t unit, uint32_t attempt);
-/* It has fewer lines of it, or but columns. */
+/* The attempt is in another state now. */
+void hold_step(struct coord *c, struct job *job, uint32_t unit,
+               struct job_go *go, enum go_state to);
+/* It has fewer lines of the unit now, or columns of one line. */
 void hold_shrunk(struct job *job, uint32_t unit, struct job_go *go);
-/* It is none any more. */
+/* End the attempt and free it, which moves another of the unit's. */
 void hold_release(struct coord *c, struct job *job, uint32_t unit,
                   struct job_go *go);
-/* It can do nothing but wait; and now it can again. */
-void hold_park(struct coord *c, struct job *job, struct job_go *go);
-void hold_unpark(struct coord *c, struct job *job, uint32_t unit,
-                 struct job_go *go);
-/* All of it is here: it takes the worker's time no more. */
-void hold_delivered(struct coord *c, struct job *job, struct job_go *go);
 
 /* The rows that came of a unit do not count any more. */
 void hold_forget_rows(struct job *job, uint32_t unit);
@@ -410,6 +407,8 @@ void lending_ask(struct coord *c, struct job *job, uint32_t idle);
  */
 void lending_ended(struct coord *c, struct job *job, uint32_t unit,
                    const struct job_go *loan);
+/* An attempt has nothing left to do.  True: but to wait for what it lends. */
+bool lending_parked(const struct coord *c, struct job_go *go);
 /* Take back what is lent for too long. */
 void lending_tick(struct coord *c, struct job *job);
 
@@ -437,8 +436,8 @@ void survey_crashed(struct coord *c, struct job *job, uint32_t chunk);
 
 /* Bring a worker's times up to date; before its units change. */
 void speed_touch(const struct coord *c, struct job_worker *jw);
-/* A unit's cost was worked off by a worker. */
-void speed_finished(struct job *job, uint32_t unit);
+/* The worker of an attempt has worked off the cost of its unit; counts once. */
+void speed_finished(struct job *job, uint32_t unit, struct job_go *go);
 /* Speeds of all workers of a job, and its pace. */
 void speed_measure(const struct coord *c, struct job *job);
 /* Remember them after the job. */

@@ -83,7 +83,8 @@ may_yield(const struct job *job, const struct job_go *go)
 {
     const struct coord_worker *w = job->workers[go->worker].worker;
 
-    return w->conn != 0 && !go->delivered && !go->yielded &&
+    return w->conn != 0 && go->state != GO_DELIVERED &&
+           go->state != GO_YIELDING &&
            job->workers[go->worker].state == JW_READY &&
            (!partition_is_strict(job->partition) ||
             w->version >= msg_since(MSG_YIELD));
@@ -98,9 +99,7 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         return;
     }
     sched_log_unit(c, job, unit, go, "unit yield");
-    if (!go->parked)
-        hold_park(c, job, go);
-    go->yielded = true;
+    hold_step(c, job, unit, go, GO_YIELDING);
     go->yield_ms = c->now_ms;
     sched_send_attempt(c, job, MSG_YIELD, unit, go);
 }
@@ -143,7 +142,7 @@ is_unanswered(const struct coord *c, const struct job *job,
 {
     const struct coord_worker *w;
 
-    if (!go->yielded || go->delivered)
+    if (go->state != GO_YIELDING)
         return false;
     w = job->workers[go->worker].worker;
     return c->now_ms - go->yield_ms >=

@@ -649,10 +649,11 @@ describe(const struct sim *s)
                     "  unit %u frame %u rows %u to %u, %u here:", job->out[k],
                     a.frame, a.y, a.y + a.height, u->next_row);
             for (uint8_t g = 0; g < u->ngos; g++)
-                fprintf(stderr, " %s attempt %u%s%s",
+                fprintf(stderr, " %s attempt %u %s%s%s",
                         job->workers[u->go[g].worker].name, u->go[g].attempt,
-                        u->go[g].parked ? " parked" : "",
-                        u->go[g].top_sent ? " top sent" : "");
+                        go_state_name(u->go[g].state),
+                        u->go[g].origin == GO_LOAN ? " loan" : "",
+                        u->go[g].handoff.top_sent ? " top sent" : "");
             fprintf(stderr, "\n");
         }
     }

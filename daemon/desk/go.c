@@ -1,0 +1,162 @@
+/* go.c - see go.h
+ *
+ *                  UNIT, LOAN, STILL, or rows of an attempt that was lost
+ *                                    |
+ *                                    v
+ *     base line above            WORKING             a loan came back
+ *     came  .----------------^  |   |   |  ^----------------.
+ *           |       PARKED      |   |   |      PARKED       |
+ *         PARKED <--------------'   |   '------------> BLOCKED
+ *           |                       | YIELD                 |
+ *           '-------- YIELD ----> YIELDING <---- YIELD -----'
+ *
+ *     from each of the four:  all rows came   -> DELIVERED
+ *     from each of the five:  rows are kept, the unit was given back (GAVE),
+ *                             taken (REVOKE), paid (PAID), or its worker or
+ *                             its child is gone -> OVER
+ *
+ * A message that crosses another may name a state that is past: it is then
+ * ignored (PARKED of an attempt that waits already, GAVE without YIELD).  A
+ * worker's counts in_flight, parked and delivered are the attempts that are
+ * WORKING; PARKED, BLOCKED or YIELDING; DELIVERED (hold.c). */
+#include "config.h"
+
+#include "desk/go.h"
+
+#include "desk/job.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BIT(state) (1U << (state))
+
+static const unsigned permitted[GO_STATES] = {
+    [GO_OVER] = BIT(GO_WORKING),
+    [GO_WORKING] = BIT(GO_PARKED) | BIT(GO_BLOCKED) | BIT(GO_YIELDING) |
+                   BIT(GO_DELIVERED) | BIT(GO_OVER),
+    [GO_PARKED] =
+        BIT(GO_WORKING) | BIT(GO_YIELDING) | BIT(GO_DELIVERED) | BIT(GO_OVER),
+    [GO_BLOCKED] =
+        BIT(GO_WORKING) | BIT(GO_YIELDING) | BIT(GO_DELIVERED) | BIT(GO_OVER),
+    [GO_YIELDING] = BIT(GO_DELIVERED) | BIT(GO_OVER),
+    [GO_DELIVERED] = BIT(GO_OVER),
+};
+
+bool
+go_permits(enum go_state from, enum go_state to)
+{
+    return permitted[from] & BIT(to);
+}
+
+void
+go_step(struct job_go *go, enum go_state to)
+{
+    assert(go_permits(go->state, to));
+    go->state = to;
+}
+
+const char *
+go_state_name(enum go_state state)
+{
+    static const char *const name[GO_STATES] = { "over",     "working",
+                                                 "parked",   "blocked",
+                                                 "yielding", "delivered" };
+
+    return name[state];
+}
+
+bool
+go_works(const struct job_go *go)
+{
+    return go->state == GO_WORKING;
+}
+
+bool
+go_waits(const struct job_go *go)
+{
+    return go->state == GO_PARKED || go->state == GO_BLOCKED ||
+           go->state == GO_YIELDING;
+}
+
+static bool
+list_out(struct job *job, uint32_t unit)
+{
+    if (job->nout == job->cap_out) {
+        uint32_t cap = job->cap_out ? 2 * job->cap_out : 64;
+        uint32_t *v = realloc(job->out, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->out = v;
+        job->cap_out = cap;
+    }
+    job->units[unit].slot = job->nout;
+    job->out[job->nout++] = unit;
+    return true;
+}
+
+struct job_go *
+go_add(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->ngos == JOB_MAX_GOES)
+        return NULL;
+    if (!u->go) {
+        u->go = malloc(JOB_MAX_GOES * sizeof *u->go);
+        if (!u->go)
+            return NULL;
+        if (!list_out(job, unit)) {
+            free(u->go);
+            u->go = NULL;
+            return NULL;
+        }
+    }
+    memset(&u->go[u->ngos], 0, sizeof *u->go);
+    return &u->go[u->ngos++];
+}
+
+void
+go_remove(struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    *go = u->go[--u->ngos];
+    if (u->ngos > 0)
+        return;
+    free(u->go);
+    u->go = NULL;
+    job->out[u->slot] = job->out[--job->nout];
+    job->units[job->out[u->slot]].slot = u->slot;
+}
+
+struct job_go *
+go_of_worker(const struct job *job, uint32_t unit, uint32_t worker)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker == worker)
+            return &u->go[i];
+    return NULL;
+}
+
+struct job_go *
+go_of_attempt(const struct job *job, uint32_t unit, uint32_t attempt)
+{
+    const struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == attempt)
+            return &u->go[i];
+    return NULL;
+}
+
+struct job_go *
+go_find(const struct job *job, uint32_t unit, uint32_t worker, uint32_t attempt)
+{
+    struct job_go *go = go_of_worker(job, unit, worker);
+
+    return go && go->attempt == attempt ? go : NULL;
+}
