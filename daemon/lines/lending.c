@@ -227,17 +227,8 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
     return loan->lending.line_left * (took > line ? took : line);
 }
 
-/* Has the attempt nothing to do but wait for what it lends, or had nothing else
- * when it was told to give its unit back? */
-static bool
-waits_for_loans(const struct job_go *go)
-{
-    return go->state == GO_BLOCKED ||
-           (go->state == GO_YIELDING && go->lending.blocked_ms != 0);
-}
-
-/* A loan is late only while its lender waits for it, unless its worker hangs.
- */
+/* A loan is late only while its lender waits for it, unless its worker hangs.  A
+ * lender that is to give its unit back waits no more: its loans end with it. */
 static bool
 is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
              const struct job_go *loan)
@@ -248,7 +239,7 @@ is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
 
     if (!lender || job->workers[loan->worker].worker->hangs)
         return true;
-    if (!waits_for_loans(lender))
+    if (lender->state != GO_BLOCKED)
         return false;
     due = loan_time(job, unit, lender, loan);
     return ms >= (due > 0 ? LATE_LOAN_MS + LATE_LOANS * due : UNKNOWN_LOAN_MS);
