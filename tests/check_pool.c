@@ -340,8 +340,8 @@ give_part(struct cluster *c, int i, int to, uint8_t end, uint8_t flags)
 
     m.height = (uint32_t)(rad_quincunx_base_row(&c->q, part->last - 1) + 1 - y);
     part->rows[to] = 0;
-    ck_assert_int_eq(strict_unit(pool_strict(c->child[to].pool), &m, NULL), 0);
-    pool_strict_done(c->child[to].pool);
+    ck_assert_int_eq(strict_unit(pool_lock_strict(c->child[to].pool), &m, NULL), 0);
+    pool_unlock_strict(c->child[to].pool);
 }
 
 /* Somebody has less to do from now on: another gets the rest. */
@@ -383,12 +383,12 @@ on_children_news(void *arg)
             if (&c->child[i] == from ||
                 (m->type != MSG_BASE_LINE && m->type != MSG_FACTS))
                 continue;
-            s = pool_strict(to);
+            s = pool_lock_strict(to);
             if (m->type == MSG_FACTS)
                 strict_facts(s, &m->facts);
             else
                 strict_base_line(s, &m->base_line);
-            pool_strict_done(to);
+            pool_unlock_strict(to);
         }
     }
 }
@@ -532,8 +532,8 @@ split_any(struct cluster *c)
     int unit = any(c, c->nparts);
 
     for (int i = 0; i < c->nchildren && !c->part[unit].twin; i++) {
-        strict_split(pool_strict(c->child[i].pool), (uint32_t)unit, 1);
-        pool_strict_done(c->child[i].pool);
+        strict_split(pool_lock_strict(c->child[i].pool), (uint32_t)unit, 1);
+        pool_unlock_strict(c->child[i].pool);
     }
 }
 
@@ -620,9 +620,9 @@ START_TEST(rows_of_a_pass_that_ends_early_go_first)
     while (!atomic_load(&gate.reached))
         uv_sleep(1);
     give_part(&c, 1, 0, 0, 0);
-    top_of(&c, pool_strict(p), 19);
+    top_of(&c, pool_lock_strict(p), 19);
     p->unsent = POOL_UNSENT + 1;
-    pool_strict_done(p);
+    pool_unlock_strict(p);
     atomic_store(&gate.row, 0);
     r = first_done(p);
     ck_assert_ptr_nonnull(r);

@@ -4,6 +4,7 @@ libdaemon_a_SOURCES += \
 	daemon/child/estimate.h \
 	daemon/child/pool.c \
 	daemon/child/pool.h \
+	daemon/child/pool_clock.c \
 	daemon/child/pool_first.c \
 	daemon/child/pool_impl.h \
 	daemon/child/pool_strict.c \
@@ -14,6 +15,7 @@ libdaemon_a_SOURCES += \
 	daemon/child/render_impl.h \
 	daemon/child/render_load.c \
 	daemon/child/render_records.c \
+	daemon/child/render_tell.c \
 	daemon/child/render_units.c \
 	daemon/child/sandbox.c \
 	daemon/child/sandbox.h

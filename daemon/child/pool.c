@@ -6,15 +6,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-double
-pool_seconds(clockid_t clock)
-{
-    struct timespec t;
-
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void
 on_async(uv_async_t *async)
 {

@@ -59,11 +59,11 @@ struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
 /* Queue a unit that is a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);
 
-/* The machine of the strict units, to be told something: the threads wait until
- * it is put back, and do what it wants then.  Messages that it gives out are
+/* Lock the pool and take the machine of the strict units, to tell it something:
+ * the threads wait until the pool is unlocked, and do what it wants then.  Messages that it gives out are
  * taken by pool_message(). */
-struct strict *pool_strict(struct pool *p);
-void pool_strict_done(struct pool *p);
+struct strict *pool_lock_strict(struct pool *p);
+void pool_unlock_strict(struct pool *p);
 
 /* strict_tick(), of a pool that has that machine, and strict_message(). */
 uint64_t pool_tick(struct pool *p, uint64_t now_ms);

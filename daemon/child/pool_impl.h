@@ -2,6 +2,7 @@
  *
  * Private to pool*.c:
  *   pool.c         set-up and end, what the loop asks of it
+ *   pool_clock.c   what threads take
  *   pool_thread.c  what a thread does next
  *   pool_first.c   what comes before the first unit: seeding, estimates
  *   pool_unit.c    one unit: its team, its rows
@@ -104,18 +105,18 @@ struct pool_stint {
     double cpu, wall;
 };
 
-/* --- pool.c --- */
+/* --- pool_clock.c --- */
 
 double pool_seconds(clockid_t clock);
+struct pool_stint pool_stint_begin(struct renderer *by);
+/* Locks the pool, too, for what was counted meanwhile; returns the processor
+ * time that it took [s]. */
+double pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s);
 
 /* --- pool_thread.c --- */
 
 /* What a thread of the pool runs; arg is its struct renderer. */
 void pool_run_thread(void *arg);
-struct pool_stint pool_stint_begin(struct renderer *by);
-/* Locks the pool, too, for what was counted meanwhile; returns the processor
- * time that it took [s]. */
-double pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s);
 
 /* --- pool_first.c --- */
 

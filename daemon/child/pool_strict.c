@@ -71,14 +71,14 @@ pool_end_pass_locked(struct active *u)
 }
 
 struct strict *
-pool_strict(struct pool *p)
+pool_lock_strict(struct pool *p)
 {
     uv_mutex_lock(&p->mu);
     return p->strict;
 }
 
 void
-pool_strict_done(struct pool *p)
+pool_unlock_strict(struct pool *p)
 {
     pool_changed_locked(p);
     uv_mutex_unlock(&p->mu);

@@ -12,25 +12,6 @@
 
 #include "child/pool_impl.h"
 
-struct pool_stint
-pool_stint_begin(struct renderer *by)
-{
-    by->ctx.counts = (struct rad_counts){ 0 };
-    return (struct pool_stint){ pool_seconds(CLOCK_THREAD_CPUTIME_ID),
-                                pool_seconds(CLOCK_MONOTONIC) };
-}
-
-double
-pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s)
-{
-    double cpu = pool_seconds(CLOCK_THREAD_CPUTIME_ID) - s->cpu;
-    double wall = pool_seconds(CLOCK_MONOTONIC) - s->wall;
-
-    uv_mutex_lock(&by->pool->mu);
-    by->pool->busy_s += wall;
-    return cpu;
-}
-
 /* What a thread finds to do: one of them. */
 struct work {
     struct rad_seed *seed;

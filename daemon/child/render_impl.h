@@ -1,6 +1,7 @@
 /* render_impl.h - what the parts of a job's child share; for them alone
  *
- *   render.c          the process, its link to radd, what is said there
+ *   render.c          the process, its link to radd, what is heard there
+ *   render_tell.c     what is said there
  *   render_load.c     scene, frames and what renders them, from the cache
  *   render_units.c    units, facts, base lines and estimates that come
  *   render_records.c  ambient records that come and go
@@ -60,13 +61,20 @@ struct render {
     int status;
 };
 
-/* --- render.c --- */
+/* --- render_tell.c --- */
 
+/* Leave with that status when what was said is out. */
+void render_end(struct render *r, int status);
 /* The job cannot go on here: say why, and leave. */
 void render_fail(struct render *r, const struct rad_error *err);
 /* The pool's: rows are there; something changed with strict units. */
 void render_on_rows(void *arg, const struct pool_rows *p);
 void render_on_news(void *arg);
+/* Tell what was done so far, now, or from now on whenever it is more. */
+void render_send_tally(struct render *r);
+void render_begin_tallies(struct render *r);
+/* What strict units have to say. */
+void render_send_news(struct render *r);
 /* The pool is about to be freed, and another will follow: what was done so far
  * counts. */
 void render_keep_tally(struct render *r);

@@ -91,8 +91,8 @@ push_strict(struct render *r, const struct msg_unit *u, struct rad_error *err)
     if (!r->strict)
         return rad_fail(err, RAD_EPROTO, "unit %u is strict, the job is not",
                         u->unit);
-    rc = strict_unit(pool_strict(r->pool), u, err);
-    pool_strict_done(r->pool);
+    rc = strict_unit(pool_lock_strict(r->pool), u, err);
+    pool_unlock_strict(r->pool);
     return rc;
 }
 
@@ -156,7 +156,7 @@ render_take_strict(struct render *r, const struct msg *m)
         render_fail(r, &err);
         return;
     }
-    s = pool_strict(r->pool);
+    s = pool_lock_strict(r->pool);
     switch (m->type) {
     case MSG_SPLIT:
         strict_split(s, m->split.unit, m->split.attempt);
@@ -184,7 +184,7 @@ render_take_strict(struct render *r, const struct msg *m)
     default:
         strict_base_line(s, &m->base_line);
     }
-    pool_strict_done(r->pool);
+    pool_unlock_strict(r->pool);
     if (err.code < 0)
         render_fail(r, &err);
 }

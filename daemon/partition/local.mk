@@ -8,4 +8,5 @@ libdaemon_a_SOURCES += \
 	daemon/partition/partition_queue.c \
 	daemon/partition/partition_region.c \
 	daemon/partition/partition_run.c \
+	daemon/partition/partition_table.c \
 	daemon/partition/partition_window.c

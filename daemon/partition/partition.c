@@ -1,12 +1,11 @@
 /* partition.c - see partition.h
  *
- * What windows and lines have in common: the table of units, and the stack of
- * those that came back. */
+ * What the scheduler asks, handed to windows or to lines. */
 #include "config.h"
 
 #include "partition/partition.h"
 
-#include "partition/partition_impl.h"
+#include "partition/partition_lines.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,97 +36,11 @@ partition_check(const struct partition_spec *spec, struct rad_error *err)
     return by_lines(spec) ? lines_check(spec, err) : window_check(spec, err);
 }
 
-uint32_t
-partition_add(struct partition *p, const struct partition_area *area)
-{
-    struct partition_unit *u;
-
-    if (p->total == p->cap) {
-        uint32_t cap = p->cap ? 2 * p->cap : 64;
-
-        u = realloc(p->unit, cap * sizeof *u);
-        if (!u)
-            return PARTITION_NONE;
-        p->unit = u;
-        p->cap = cap;
-    }
-    u = &p->unit[p->total];
-    memset(u, 0, sizeof *u);
-    u->area = *area;
-    u->keeper = PARTITION_NONE;
-    p->waiting++;
-    p->undone++;
-    return p->total++;
-}
-
-bool
-partition_back(struct partition *p, uint32_t unit)
-{
-    if (p->nback == p->cap_back) {
-        uint32_t cap = p->cap_back ? 2 * p->cap_back : 64;
-        uint32_t *v = realloc(p->back, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        p->back = v;
-        p->cap_back = cap;
-    }
-    p->back[p->nback++] = unit;
-    return true;
-}
-
 static void
 drop_back(struct partition *p, uint32_t i)
 {
     p->nback--;
     memmove(p->back + i, p->back + i + 1, (p->nback - i) * sizeof *p->back);
-}
-
-struct partition *
-partition_new(const struct partition_spec *spec, struct rad_error *err)
-{
-    struct partition *p;
-
-    if (partition_check(spec, err) != 0)
-        return NULL;
-    p = calloc(1, sizeof *p);
-    if (!p || !(by_lines(spec) ? lines_new(p, spec) : window_new(p, spec))) {
-        partition_free(p);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
-        return NULL;
-    }
-    return p;
-}
-
-void
-partition_free(struct partition *p)
-{
-    if (!p)
-        return;
-    window_free(p->window);
-    queue_free(p);
-    lines_free(p->lines);
-    free(p->unit);
-    free(p->back);
-    free(p);
-}
-
-bool
-partition_is_strict(const struct partition *p)
-{
-    return p->lines != NULL;
-}
-
-uint32_t
-partition_total(const struct partition *p)
-{
-    return p->total;
-}
-
-uint32_t
-partition_waiting(const struct partition *p)
-{
-    return p->waiting + (p->lines ? lines_free_count(p) : 0);
 }
 
 /* --- costs --- */
@@ -181,6 +94,75 @@ partition_set_costs(struct partition *p, const double *cost)
     free(v);
 }
 
+/* Costs as given, else a line's pixels; windows without any have none.  False:
+ * memory is out. */
+static bool
+set_first_costs(struct partition *p, const struct partition_spec *spec)
+{
+    double *cost;
+
+    if (!p->lines && spec->ncosts == 0)
+        return true;
+    cost = p->lines ? lines_first_costs(p->lines, spec)
+                    : window_first_costs(p, spec);
+    if (cost)
+        partition_set_costs(p, cost);
+    free(cost);
+    return cost != NULL;
+}
+
+/* --- set-up and end --- */
+
+struct partition *
+partition_new(const struct partition_spec *spec, struct rad_error *err)
+{
+    struct partition *p;
+
+    if (partition_check(spec, err) != 0)
+        return NULL;
+    p = calloc(1, sizeof *p);
+    if (!p || !(by_lines(spec) ? lines_new(p, spec) : window_new(p, spec)) ||
+        !set_first_costs(p, spec)) {
+        partition_free(p);
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    if (p->lines)
+        region_choose(p);
+    return p;
+}
+
+void
+partition_free(struct partition *p)
+{
+    if (!p)
+        return;
+    window_free(p->window);
+    queue_free(p);
+    lines_free(p->lines);
+    free(p->unit);
+    free(p->back);
+    free(p);
+}
+
+bool
+partition_is_strict(const struct partition *p)
+{
+    return p->lines != NULL;
+}
+
+uint32_t
+partition_total(const struct partition *p)
+{
+    return p->total;
+}
+
+uint32_t
+partition_waiting(const struct partition *p)
+{
+    return p->waiting + (p->lines ? lines_free_count(p) : 0);
+}
+
 /* --- units --- */
 
 /* The last that came back, of those that are kept for that worker, or for none;
@@ -207,12 +189,29 @@ next_back(struct partition *p, uint32_t worker, uint32_t *unit)
     return next_kept(p, worker, unit) || next_kept(p, PARTITION_NONE, unit);
 }
 
+/* Cut a unit for a worker. */
+static bool
+next_lines(struct partition *p, const struct partition_who *who, uint32_t *unit)
+{
+    struct partition_lines *s = p->lines;
+    struct asker *w = lines_asker(s, who->worker);
+
+    if (!w || s->nfree == 0)
+        return false;
+    if (who->workers > s->most) {
+        s->most = who->workers;
+        region_choose(p);
+    }
+    return s->kind == MSG_PART_STATIC ? run_next(p, w, who, unit)
+                                      : region_next(p, w, who, unit);
+}
+
 bool
 partition_next(struct partition *p, const struct partition_who *who,
                uint32_t *unit)
 {
     if (!next_back(p, who->worker, unit) &&
-        !(p->lines ? lines_next(p, who, unit) : window_next(p, unit)))
+        !(p->lines ? next_lines(p, who, unit) : window_next(p, unit)))
         return false;
     p->unit[*unit].state = PART_OUT;
     p->waiting--;

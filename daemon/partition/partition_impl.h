@@ -36,6 +36,8 @@ struct partition {
     struct partition_lines *lines;
 };
 
+/* --- partition_table.c --- */
+
 /* A new unit, waiting; PARTITION_NONE when memory is out. */
 uint32_t partition_add(struct partition *p, const struct partition_area *area);
 
@@ -56,6 +58,9 @@ bool partition_back(struct partition *p, uint32_t unit);
 int window_check(const struct partition_spec *spec, struct rad_error *err);
 bool window_new(struct partition *p, const struct partition_spec *spec);
 void window_free(struct partition_window *w);
+/* What units cost by the lines' costs that are given; as lines_first_costs(). */
+double *window_first_costs(const struct partition *p,
+                           const struct partition_spec *spec);
 void window_set_costs(struct partition *p, const double *cost);
 /* The next of those that never went out. */
 bool window_next(struct partition *p, uint32_t *unit);
@@ -76,15 +81,15 @@ uint64_t lines_of(const struct partition_spec *spec);
 int lines_check(const struct partition_spec *spec, struct rad_error *err);
 bool lines_new(struct partition *p, const struct partition_spec *spec);
 void lines_free(struct partition_lines *s);
+/* What lines cost, as given or by their pixels; malloc'd, NULL: memory is out. */
+double *lines_first_costs(const struct partition_lines *s,
+                          const struct partition_spec *spec);
 void lines_set_costs(struct partition *p, const double *cost);
 void lines_part(const struct partition *p, uint32_t part,
                 struct partition_area *area);
 uint32_t lines_parts(const struct partition *p);
 /* Lines that are in no unit, of the frames that may begin. */
 uint32_t lines_free_count(const struct partition *p);
-/* Cut a new unit for a worker. */
-bool lines_next(struct partition *p, const struct partition_who *who,
-                uint32_t *unit);
 void lines_done(struct partition *p, uint32_t unit);
 /* Cut that very unit, which must be the next by number. */
 bool lines_restore(struct partition *p, uint32_t unit,

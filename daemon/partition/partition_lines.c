@@ -119,16 +119,13 @@ lines_set_costs(struct partition *p, const double *cost)
     set_cost(p->lines, cost);
 }
 
-/* Costs as given, else a line's pixels. */
-static bool
-first_costs(struct partition *p, const struct partition_spec *spec)
+double *
+lines_first_costs(const struct partition_lines *s,
+                  const struct partition_spec *spec)
 {
-    struct partition_lines *s = p->lines;
     double *cost = malloc(s->nlines * sizeof *cost);
 
-    if (!cost)
-        return false;
-    for (uint32_t i = 0; i < s->nframes; i++) {
+    for (uint32_t i = 0; cost && i < s->nframes; i++) {
         const struct frame *f = &s->frame[i];
 
         for (uint32_t k = 0; k < f->n; k++) {
@@ -139,9 +136,7 @@ first_costs(struct partition *p, const struct partition_spec *spec)
                                      : (double)rows * f->width;
         }
     }
-    partition_set_costs(p, cost);
-    free(cost);
-    return true;
+    return cost;
 }
 
 bool
@@ -179,8 +174,7 @@ lines_new(struct partition *p, const struct partition_spec *spec)
     }
     s->nfree = s->nlines;
     memset(s->unit, 0xff, n * sizeof *s->unit); /* PARTITION_NONE */
-    region_choose(p);
-    return first_costs(p, spec);
+    return true;
 }
 
 void
@@ -320,22 +314,6 @@ partition_set_absent(struct partition *p, uint32_t worker, bool absent)
 }
 
 /* --- units --- */
-
-bool
-lines_next(struct partition *p, const struct partition_who *who, uint32_t *unit)
-{
-    struct partition_lines *s = p->lines;
-    struct asker *w = lines_asker(s, who->worker);
-
-    if (!w || s->nfree == 0)
-        return false;
-    if (who->workers > s->most) {
-        s->most = who->workers;
-        region_choose(p);
-    }
-    return s->kind == MSG_PART_STATIC ? run_next(p, w, who, unit)
-                                      : region_next(p, w, who, unit);
-}
 
 void
 lines_done(struct partition *p, uint32_t unit)

@@ -220,26 +220,23 @@ cost_of(const struct rad_quincunx *q, const float *line,
     return sum;
 }
 
-static void
-given_costs(struct partition *p, const struct partition_spec *spec)
+double *
+window_first_costs(const struct partition *p, const struct partition_spec *spec)
 {
     struct rad_quincunx q = { 0 };
     double *cost = malloc(p->total * sizeof *cost);
     const float *line = spec->costs;
     uint32_t u = 0;
 
-    if (!cost)
-        return;
     rad_quincunx_steps(spec->psample, &q.xstep, &q.ystep);
-    for (uint32_t f = 0; f < spec->nframes; f++) {
+    for (uint32_t f = 0; cost && f < spec->nframes; f++) {
         q.width = (int)spec->frames[f].width;
         q.height = (int)spec->frames[f].height;
         for (; u < p->total && p->unit[u].area.frame == f; u++)
             cost[u] = cost_of(&q, line, &p->unit[u].area);
         line += rad_quincunx_nbases(&q);
     }
-    partition_set_costs(p, cost);
-    free(cost);
+    return cost;
 }
 
 static const char *
@@ -271,10 +268,8 @@ window_new(struct partition *p, const struct partition_spec *spec)
     if (!w->order)
         return false;
     order_all(p);
-    if (spec->ncosts > 0)
-        given_costs(p, spec);
-    else if (spec->order == MSG_ORDER_COST &&
-             !queue_new(p, spec->seed, spec->fresh))
+    if (spec->ncosts == 0 && spec->order == MSG_ORDER_COST &&
+        !queue_new(p, spec->seed, spec->fresh))
         return false;
     p->kind = MSG_PART_WINDOW;
     snprintf(p->choice, sizeof p->choice, "%s", why(spec));

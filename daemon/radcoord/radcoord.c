@@ -16,19 +16,6 @@
 
 /* --- from the connections to the machine --- */
 
-void
-radcoord_refuse_submit(struct radcoord *r, uint64_t id, const struct msg *m,
-                       int status, const char *text)
-{
-    struct conn *c = shell_conn(&r->shell, id);
-    struct msg failed = { .type = MSG_FAILED,
-                          .request = m->request,
-                          .failed = { m->submit.job, (uint16_t)status, text } };
-
-    if (c)
-        conn_send(c, &failed);
-}
-
 /* The machine is told of a job when all that it has to know of it is there. */
 static void
 read_submit(struct radcoord *r, uint64_t id, const struct msg *m)

@@ -167,3 +167,16 @@ radcoord_listen(struct radcoord *r, struct rad_error *err)
         return service_ports_file(r->set.common.ports_file, lines, n, err);
     return 0;
 }
+
+void
+radcoord_refuse_submit(struct radcoord *r, uint64_t id, const struct msg *m,
+                       int status, const char *text)
+{
+    struct conn *c = shell_conn(&r->shell, id);
+    struct msg failed = { .type = MSG_FAILED,
+                          .request = m->request,
+                          .failed = { m->submit.job, (uint16_t)status, text } };
+
+    if (c)
+        conn_send(c, &failed);
+}

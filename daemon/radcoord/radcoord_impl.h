@@ -66,11 +66,6 @@ radcoord_now(struct radcoord *r)
     return daemon_now(&r->daemon) + r->clock_ms;
 }
 
-/* --- radcoord.c --- */
-
-void radcoord_refuse_submit(struct radcoord *r, uint64_t id,
-                            const struct msg *m, int status, const char *text);
-
 /* --- radcoord_conf.c --- */
 
 extern const struct conf_table radcoord_table;
@@ -83,6 +78,10 @@ void radcoord_apply(struct radcoord *r);
 /* The connection is of that login, or NULL: it cannot be found. */
 void radcoord_on_login(void *arg, uv_stream_t *stream, const char *owner);
 int radcoord_listen(struct radcoord *r, struct rad_error *err);
+
+/* FAILED, in answer to a SUBMIT. */
+void radcoord_refuse_submit(struct radcoord *r, uint64_t id,
+                            const struct msg *m, int status, const char *text);
 
 /* --- radcoord_keys.c --- */
 

@@ -13,4 +13,5 @@ libdaemon_a_SOURCES += \
 	daemon/store/store_read.c \
 	daemon/store/store_recover.c \
 	daemon/store/store_rows.c \
-	daemon/store/store_submit.c
+	daemon/store/store_submit.c \
+	daemon/store/store_task.c

@@ -1,7 +1,8 @@
 /* store_impl.h - what the files of the store share
  *
  * Private to store*.c:
- *   store.c          opening, the queue of tasks, the end
+ *   store.c          opening, the end
+ *   store_task.c     requests as tasks of the queue
  *   store_arrive.c   files that connections send
  *   store_files.c    files that are there, and those that nobody needs
  *   store_jobs.c     jobs: kept, over, forgotten
@@ -74,7 +75,7 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
     blobs_path(&s->blobs, name, path);
 }
 
-/* --- store.c --- */
+/* --- store_task.c --- */
 
 /* Room for a task; NULL when memory is out, and then the handler knows that the
  * store does not answer. */
@@ -84,6 +85,9 @@ void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
 void store_free_task(struct task *t);
 /* To be kept: it may be held, and is done when it lasts. */
 void store_push_lasting(struct store *s, struct task *t);
+
+/* --- store.c --- */
+
 /* The folder cannot be taken up; the tool is named to whoever has to deal with
  * it.  Returns why->code. */
 int store_refuse(const struct store *s, const struct rad_error *why,

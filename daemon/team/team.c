@@ -7,18 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-int
-team_line_row(const struct rad_quincunx *q, int i)
-{
-    return i > 0 ? rad_quincunx_base_row(q, i - 1) + 1 : 0;
-}
-
-int
-team_line_rows(const struct rad_quincunx *q, int i)
-{
-    return rad_quincunx_base_row(q, i) + 1 - team_line_row(q, i);
-}
-
 /* Hand on the rows of line i: its bar's and its own. */
 static void
 hand_on(struct team *t, int i)

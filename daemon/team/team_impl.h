@@ -2,8 +2,10 @@
  *
  * Private to team*.c:
  *   team.c         set-up and end, which line is next, what is asked of a team
- *   team_member.c  what a member does: a base line, then the bar above it
- *   team_sweep.c   blocks of columns, and a line traced ahead by them
+ *   team_line.c    what a member does: a base line, then the bar above it
+ *   team_member.c  how a member traces, waits and tells
+ *   team_blocks.c  the rows of a line, and its blocks of columns
+ *   team_sweep.c   a line traced ahead by blocks
  *   team_lend.c    columns that are lent to another team
  *
  * What a line needs from the one above:
@@ -171,11 +173,17 @@ void team_line_finish(struct team *t, int i, uint64_t primary);
 
 /* --- team_member.c --- */
 
+/* A member of the team, at no line yet. */
+void member_init(struct member *m, struct team *t, struct rad_ctx *ctx);
 /* Wait until `need` densities of the line above are final, or it is painted;
  * false: stopped. */
 bool member_wait(const struct member *m, size_t need);
+/* Densities of the line that are final from now on: wake who waits for them. */
+void member_publish(struct team *t, struct line *l, size_t ready);
 /* Let others see the rays that are new, if they are many; called often. */
 void member_tell_rays(struct member *m);
+/* Let others see all of them. */
+void member_tell_all(struct member *m);
 /* Are the colours above its bar sampled with too little known of the densities?
  */
 bool member_is_unsure(const struct member *m);

@@ -154,23 +154,3 @@ sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
     m->truth = truth;
     return !is_stopped(m->team);
 }
-
-int
-team_block_columns(const struct rad_quincunx *q)
-{
-    int columns = (q->width + MOST_BLOCKS - 1) / MOST_BLOCKS;
-
-    return columns > q->xstep ? columns : q->xstep;
-}
-
-uint64_t
-team_blocks_of(const struct rad_quincunx *q, int x, int n)
-{
-    int columns = team_block_columns(q), end = x + n;
-    int first = x / columns, last = (end + columns - 1) / columns;
-
-    if (n <= 0 || x % columns != 0 || end > q->width ||
-        (end % columns != 0 && end != q->width))
-        return 0;
-    return (UINT64_MAX >> (MOST_BLOCKS - last)) & ~((UINT64_C(1) << first) - 1);
-}

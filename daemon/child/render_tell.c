@@ -1,0 +1,260 @@
+/* render_tell.c - what a job's child tells radd: rows, what units have to say,
+ * tallies, and that it cannot go on */
+#include "config.h"
+
+#include "child/render_impl.h"
+
+#include "net/conn.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+/* how often the coordinator hears of rays while units are under way */
+#define TALLY_MS 500
+/* and at least, so that radd knows that the loop runs */
+#define SIGN_OF_LIFE_MS 10000
+
+/* Whose limit it was where memory is out: the job's own is the same everywhere
+ * and fails it, radd's or the machine's is not. */
+static int
+blame_limit(const struct render *r, int code, char *text, size_t size)
+{
+    size_t n = strlen(text);
+    uint32_t own = r->start.job_start.memory_mib;
+
+    if (code != RAD_ENOMEM && code != UV_ENOMEM)
+        return code;
+    if (own > 0 && own == r->memory_mib) {
+        snprintf(text + n, size - n,
+                 ", and the job may have %u MiB (--memory-mib)", own);
+        return RAD_EDATA;
+    }
+    if (r->memory_mib > 0)
+        snprintf(text + n, size - n,
+                 ", and a job's process may have %u MiB here (memory_mib)",
+                 r->memory_mib);
+    return RAD_ENOMEM;
+}
+
+static void
+send_failed(struct render *r, const struct rad_error *err)
+{
+    struct msg m = { .type = MSG_FAILED };
+    char text[MSG_MAX_TEXT + 1];
+    int code;
+
+    rad_error_format(err, text, sizeof text);
+    code = blame_limit(r, err->code, text, sizeof text);
+    m.failed.job = r->id;
+    m.failed.status = (uint16_t)rad_exit_status(code);
+    m.failed.text = text;
+    if (r->link)
+        conn_send(r->link, &m);
+}
+
+/* Leave when what was said is out. */
+void
+render_end(struct render *r, int status)
+{
+    if (r->ended)
+        return;
+    r->ended = true;
+    r->status = status;
+    uv_timer_stop(&r->drain);
+    uv_timer_stop(&r->teller);
+    uv_timer_stop(&r->ticker);
+    conn_finish(r->link);
+    r->link = NULL;
+}
+
+void
+render_fail(struct render *r, const struct rad_error *err)
+{
+    send_failed(r, err);
+    render_end(r, rad_exit_status(err->code));
+}
+
+/* What the child did so far. */
+static struct pool_tally
+tally_of(const struct render *r)
+{
+    struct pool_tally all = r->past, now;
+
+    if (!r->pool)
+        return all;
+    now = pool_tally(r->pool);
+    all.busy_s += now.busy_s;
+    all.wait_base_line_s += now.wait_base_line_s;
+    all.rays_under_way = now.rays_under_way;
+    all.pixels_under_way = now.pixels_under_way;
+    msg_counts_add(&all.dropped, &now.dropped);
+    msg_counts_add(&all.seeded, &now.seeded);
+    return all;
+}
+
+void
+render_keep_tally(struct render *r)
+{
+    r->past = tally_of(r);
+    r->past.rays_under_way = r->past.pixels_under_way = 0;
+}
+
+void
+render_send_tally(struct render *r)
+{
+    struct msg m = { .type = MSG_TALLY };
+    struct pool_tally did = tally_of(r);
+    struct rusage use;
+
+    r->told_rays = did.rays_under_way + did.seeded.rays;
+    r->told_dropped = did.dropped.rays;
+    r->told_ms = uv_now(&r->loop);
+
+    getrusage(RUSAGE_SELF, &use);
+    m.tally.job = r->id;
+    m.tally.ambient_sent = r->sent;
+    m.tally.ambient_received = r->received;
+    m.tally.ambient_redundant = r->redundant;
+    m.tally.peak_rss_bytes = (uint64_t)use.ru_maxrss * 1024;
+    m.tally.busy_s = did.busy_s;
+    m.tally.wait_base_line_s = did.wait_base_line_s;
+    m.tally.rays_under_way = did.rays_under_way;
+    m.tally.pixels_under_way = did.pixels_under_way;
+    m.tally.dropped = did.dropped;
+    m.tally.seeded = did.seeded;
+    m.tally.seeded.primary_rays = 0;
+    memset(&m.tally.seeded.nan, 0, sizeof m.tally.seeded.nan);
+    memset(m.tally.seeded.faults, 0, sizeof m.tally.seeded.faults);
+    conn_send(r->link, &m);
+}
+
+/* A pixel that takes so long never ends: say so, and no more. */
+static void
+watch(struct render *r)
+{
+    struct rad_error err = { 0 };
+    int x, y;
+
+    if (!r->link || !pool_stuck(r->pool, r->pixel_s, &x, &y))
+        return;
+    rad_fail(&err, RAD_EINTERNAL,
+             "the pixel at x %d, y %d took more than %d s of a processor", x, y,
+             r->pixel_s);
+    send_failed(r, &err);
+    /* its thread would never be joined: radd ends this process */
+    uv_timer_stop(&r->drain);
+    uv_timer_stop(&r->teller);
+    uv_timer_stop(&r->ticker);
+}
+
+static void
+on_teller(uv_timer_t *timer)
+{
+    struct render *r = timer->data;
+    struct pool_tally did = tally_of(r);
+
+    if (r->link && (did.rays_under_way + did.seeded.rays != r->told_rays ||
+                    uv_now(&r->loop) - r->told_ms >= SIGN_OF_LIFE_MS))
+        render_send_tally(r);
+    watch(r);
+}
+
+void
+render_begin_tallies(struct render *r)
+{
+    uv_timer_start(&r->teller, on_teller, TALLY_MS, TALLY_MS);
+}
+
+void
+render_on_rows(void *arg, const struct pool_rows *p)
+{
+    struct render *r = arg;
+    struct msg m = { .type = MSG_RESULT };
+    uint8_t *floats = NULL;
+
+    if (!r->link)
+        return;
+    if (p->err.code) {
+        render_fail(r, &p->err);
+        return;
+    }
+    if (p->channels > 1) {
+        floats = malloc(p->bytes + 1);
+        if (!floats)
+            _exit(EX_OSERR); /* radd hands the unit to somebody else */
+        wire_floats_put(floats, (const float *)p->pixels,
+                        p->bytes / sizeof(float));
+    }
+    m.result.job = r->id;
+    m.result.unit = p->unit.unit;
+    m.result.attempt = p->unit.attempt;
+    m.result.row = p->row;
+    m.result.rows = p->rows;
+    m.result.width = (uint32_t)p->unit.window.width;
+    m.result.channels = (uint8_t)p->channels;
+    m.result.last = p->last;
+    m.result.counts = p->counts;
+    m.result.pixels = floats ? floats : (const uint8_t *)p->pixels;
+    m.result.len = p->bytes;
+    if (p->last && r->records)
+        render_drain(
+            r); /* after the last unit's rows nobody would wait for them */
+    if (p->last)
+        render_send_tally(r);
+    conn_send(r->link, &m);
+    free(floats);
+}
+
+/* What strict units have to say. */
+void
+render_send_news(struct render *r)
+{
+    struct rad_error err = { 0 };
+    const struct msg *m;
+
+    while (r->link && r->strict &&
+           (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD))) {
+        /* it may be of columns that are all that the job waits for */
+        if (m->type == MSG_PAID && r->records)
+            render_drain(r);
+        /* the worker may be let go for it */
+        if (m->type == MSG_GAVE && m->gave.height == 0)
+            render_send_tally(r);
+        conn_send(r->link, m);
+    }
+    if (!r->link || !r->strict)
+        return;
+    if (tally_of(r).dropped.rays != r->told_dropped)
+        render_send_tally(r);
+    if (pool_error(r->pool) < 0) {
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        render_fail(r, &err);
+    }
+}
+
+static void
+on_ticker(uv_timer_t *timer)
+{
+    render_on_news(timer->data);
+}
+
+/* Something changed with strict units, or time has passed for them. */
+void
+render_on_news(void *arg)
+{
+    struct render *r = arg;
+    uint64_t now = uv_now(&r->loop), due;
+
+    if (!r->link || !r->strict)
+        return;
+    due = pool_tick(r->pool, now);
+    if (due == STRICT_NEVER)
+        uv_timer_stop(&r->ticker);
+    else
+        uv_timer_start(&r->ticker, on_ticker, due > now ? due - now : 0, 0);
+    render_send_news(r);
+}

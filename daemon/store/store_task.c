@@ -1,0 +1,74 @@
+/* store_task.c - requests to the store as tasks of its queue */
+#include "config.h"
+
+#include "store/store_impl.h"
+
+#include <stdlib.h>
+#include <sysexits.h>
+
+void *
+store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
+               void (*done)(struct task *t))
+{
+    struct task *t = calloc(1, size);
+
+    if (t) {
+        t->run = run;
+        t->done = done;
+    } else {
+        s->handler->broken(s->arg, EX_OSERR, "out of memory");
+    }
+    return t;
+}
+
+void
+store_free_task(struct task *t)
+{
+    free(t);
+}
+
+void
+store_push_lasting(struct store *s, struct task *t)
+{
+    t->writes = t->lasts = true;
+    task_push(&s->queue, t);
+}
+
+struct settle_task {
+    struct task task;
+    struct store *store;
+    uint64_t conn;
+    uint32_t request;
+};
+
+static int
+nothing_run(struct task *t)
+{
+    (void)t;
+    return 0;
+}
+
+static void
+settle_done(struct task *t)
+{
+    struct settle_task *w = (struct settle_task *)t;
+    struct store *s = w->store;
+
+    if (!is_mute(s, t))
+        s->handler->settled(s->arg, w->conn, w->request);
+    free(w);
+}
+
+void
+store_settle(struct store *s, uint64_t conn, uint32_t request)
+{
+    struct settle_task *w =
+        store_new_task(s, sizeof *w, nothing_run, settle_done);
+
+    if (!w)
+        return;
+    w->store = s;
+    w->conn = conn;
+    w->request = request;
+    store_push_lasting(s, &w->task);
+}
