@@ -49,7 +49,7 @@ UNIT_TESTS = \
 	tests/check_handoff \
 	tests/check_back \
 	tests/check_owner \
-	tests/check_go \
+	tests/check_states \
 	tests/check_parked \
 	tests/check_yield \
 	tests/check_balance \
@@ -521,9 +521,9 @@ tests_check_back_SOURCES = tests/check_back.c \
 tests_check_back_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_back_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_go_SOURCES = tests/check_go.c tests/unit.h
-tests_check_go_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
-tests_check_go_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_states_SOURCES = tests/check_states.c tests/unit.h
+tests_check_states_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_states_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_parked_SOURCES = tests/check_parked.c \
 	tests/lines_fixture.h tests/unit.h

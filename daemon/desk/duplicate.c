@@ -33,15 +33,15 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
 
     if (!job->exact)
         return;
-    if (!u->hash) {
-        u->hash = calloc(height, sizeof *u->hash);
-        u->nhash = u->hash ? height : 0; /* it can do without */
+    if (!u->hashes.row) {
+        u->hashes.row = calloc(height, sizeof *u->hashes.row);
+        u->hashes.n = u->hashes.row ? height : 0; /* it can do without */
     }
-    u->hashed = job->workers[index].fingerprint;
-    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++) {
+    u->hashes.fingerprint = job->workers[index].fingerprint;
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n; i++) {
         size_t n = row_bytes(m, at);
 
-        u->hash[m->row + i] = rowsum_hash(m->pixels + at, n);
+        u->hashes.row[m->row + i] = rowsum_hash(m->pixels + at, n);
         at += n;
     }
 }
@@ -55,11 +55,13 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
 
     /* in an earlier life of the coordinator, that kept nothing of it, the
      * number may have been another unit's */
-    if (!u->hash || m->attempt < job_first_attempt(job) ||
-        u->hashed != job->workers[index].fingerprint || m->attempt == u->lead)
+    if (!u->hashes.row || m->attempt < job_first_attempt(job) ||
+        u->hashes.fingerprint != job->workers[index].fingerprint ||
+        m->attempt == u->lead)
         return;
-    for (uint32_t i = 0; i < m->rows && m->row + i < u->nhash; i++, at += n) {
-        uint64_t kept = u->hash[m->row + i];
+    for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n;
+         i++, at += n) {
+        uint64_t kept = u->hashes.row[m->row + i];
 
         n = row_bytes(m, at);
         if (kept == 0 || kept == rowsum_hash(m->pixels + at, n))
@@ -76,7 +78,7 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
 void
 duplicate_forget(struct job_unit *u)
 {
-    free(u->hash);
-    u->hash = NULL;
-    u->nhash = 0;
+    free(u->hashes.row);
+    u->hashes.row = NULL;
+    u->hashes.n = 0;
 }

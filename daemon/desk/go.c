@@ -113,6 +113,8 @@ go_add(struct job *job, uint32_t unit)
             return NULL;
         }
     }
+    if (u->state != UNIT_OUT)
+        unit_step(u, UNIT_OUT);
     memset(&u->go[u->ngos], 0, sizeof *u->go);
     return &u->go[u->ngos++];
 }

@@ -157,7 +157,7 @@ free_work(struct job *job)
     partition_free(job->partition);
     for (uint32_t i = 0; i < job->nunits; i++) {
         free(job->units[i].go);
-        free(job->units[i].hash);
+        free(job->units[i].hashes.row);
     }
     free(job->units);
     free(job->out);
@@ -331,7 +331,7 @@ job_split(struct job *job, bool single, struct rad_error *err)
     job->partition = p;
     job->cost_total = partition_cost_total(p);
     job->exact = is_exact(job);
-    if (!job_grow_units(job) || !make_shared(job)) {
+    if (!unit_grow(job) || !make_shared(job)) {
         job->partition = NULL;
         partition_free(p);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
@@ -339,62 +339,10 @@ job_split(struct job *job, bool single, struct rad_error *err)
     return 0;
 }
 
-bool
-job_grow_units(struct job *job)
-{
-    uint32_t n = partition_total(job->partition);
-
-    if (n > job->cap_units) {
-        uint32_t cap = n > 2 * job->cap_units ? n : 2 * job->cap_units;
-        struct job_unit *v = realloc(job->units, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        job->units = v;
-        job->cap_units = cap;
-    }
-    for (; job->nunits < n; job->nunits++) {
-        struct job_unit *u = &job->units[job->nunits];
-
-        memset(u, 0, sizeof *u);
-        u->worker = u->crasher = JOB_NOBODY;
-        u->attempt = job_first_attempt(job);
-    }
-    return true;
-}
-
 uint32_t
 job_first_attempt(const struct job *job)
 {
     return job->lives << 16;
-}
-
-void
-job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
-{
-    struct job_unit *u = &job->units[unit];
-    struct job_worker *jw = &job->workers[u->worker];
-    struct partition_area a;
-
-    partition_area(job->partition, unit, &a);
-    partition_done(job->partition, unit, (double)u->counts.rays);
-    u->done = true;
-    u->end_ms = end_ms;
-    if (end_ms > job->last_ms)
-        job->last_ms = end_ms;
-    jw->units++;
-    jw->setbacks = 0;
-    jw->rays += u->counts.rays - u->lent.rays;
-    jw->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
-    job->rays += u->counts.rays - u->lent.rays;
-    u->counts.nan.frame = job->spec.frames[a.frame].number;
-    msg_nan_add(&job->nan, &u->counts.nan);
-    msg_faults_add(job->faults, u->counts.faults);
-    msg_doubt_add(&job->doubt, &u->counts.doubt);
-    job_see_work(job);
-    job->units_done++;
-    job->cost_done += partition_cost(job->partition, unit);
-    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
 }
 
 void
@@ -416,11 +364,17 @@ job_add_costs(struct job *job, const struct msg_line_costs *m)
         f->line_s[m->line + i] += 1e-9 * (double)m->cpu_ns[i];
 }
 
+bool
+job_frame_written(const struct job_frame *f)
+{
+    return f->state >= FRAME_WRITTEN;
+}
+
 void
 job_count_ready(struct job *job)
 {
     while (job->frames_ready < job->spec.nframes &&
-           job->frames[job->frames_ready].written)
+           job_frame_written(&job->frames[job->frames_ready]))
         job->frames_ready++;
 }
 
@@ -447,68 +401,9 @@ job_median_ms(const struct job *job)
 }
 
 uint32_t
-job_worker_find(const struct job *job, const char *name)
-{
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (strcmp(job->workers[i].name, name) == 0)
-            return i;
-    return JOB_NOBODY;
-}
-
-uint32_t
-job_worker_add(struct job *job, const char *name)
-{
-    uint32_t i = job_worker_find(job, name);
-    struct job_worker *w;
-
-    if (i != JOB_NOBODY)
-        return i;
-    if (job->nworkers == job->cap_workers) {
-        uint32_t cap = job->cap_workers ? 2 * job->cap_workers : 8;
-
-        w = realloc(job->workers, cap * sizeof *w);
-        if (!w)
-            return JOB_NOBODY;
-        job->workers = w;
-        job->cap_workers = cap;
-    }
-    w = &job->workers[job->nworkers];
-    memset(w, 0, sizeof *w);
-    snprintf(w->name, sizeof w->name, "%s", name);
-    return job->nworkers++;
-}
-
-uint32_t
 job_waiting(const struct job *job)
 {
     return partition_waiting(job->partition) + job->nsuspects;
-}
-
-bool
-job_suspect_add(struct job *job, uint32_t unit)
-{
-    if (job->nsuspects == job->cap_suspects) {
-        uint32_t cap = job->cap_suspects ? 2 * job->cap_suspects : 16;
-        uint32_t *v = realloc(job->suspects, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        job->suspects = v;
-        job->cap_suspects = cap;
-    }
-    job->suspects[job->nsuspects++] = unit;
-    return true;
-}
-
-bool
-job_suspect_remove(struct job *job, uint32_t unit)
-{
-    for (uint32_t i = 0; i < job->nsuspects; i++)
-        if (job->suspects[i] == unit) {
-            job->suspects[i] = job->suspects[--job->nsuspects];
-            return true;
-        }
-    return false;
 }
 
 uint32_t
@@ -517,29 +412,8 @@ job_active(const struct job *job)
     uint32_t n = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++)
-        n += job->workers[i].state != JW_GONE;
+        n += part_is_here(&job->workers[i]);
     return n;
-}
-
-struct msg_tally
-job_tally(const struct job_worker *w)
-{
-    struct msg_tally t = w->past;
-
-    t.ambient_sent += w->tally.ambient_sent;
-    t.ambient_received += w->tally.ambient_received;
-    t.ambient_redundant += w->tally.ambient_redundant;
-    t.bytes_in += w->tally.bytes_in;
-    t.bytes_out += w->tally.bytes_out;
-    t.base_line_bytes += w->tally.base_line_bytes;
-    t.base_line_pixels += w->tally.base_line_pixels;
-    t.busy_s += w->tally.busy_s;
-    t.wait_base_line_s += w->tally.wait_base_line_s;
-    msg_counts_add(&t.dropped, &w->tally.dropped);
-    msg_counts_add(&t.seeded, &w->tally.seeded);
-    if (w->tally.peak_rss_bytes > t.peak_rss_bytes)
-        t.peak_rss_bytes = w->tally.peak_rss_bytes;
-    return t;
 }
 
 /* Those that are in no unit. */
@@ -568,7 +442,7 @@ job_see_work(struct job *job)
         const struct job_worker *w = &job->workers[i];
 
         rays += rays_aside(&w->tally) + rays_aside(&w->past);
-        if (w->state != JW_READY)
+        if (w->state != PART_READY)
             continue;
         rays += w->tally.rays_under_way;
         pixels = add_up_to(pixels, w->tally.pixels_under_way, most);

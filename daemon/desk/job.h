@@ -9,7 +9,8 @@
 
 #include "picture/doubt.h"
 #include "base/arena.h"
-#include "desk/go.h"
+#include "desk/part.h"
+#include "desk/unit.h"
 #include "partition/partition.h"
 #include "lines/shared.h"
 
@@ -37,88 +38,14 @@ enum job_state {
  * memory, its disk, somebody who kills it), has no more part in the job. */
 #define JOB_MAX_SETBACKS 5
 
-#define JOB_NOBODY UINT32_MAX
-
 #define JOB_DURATIONS 63 /* that are remembered */
 
-struct job_unit {
-    uint32_t attempt;     /* the latest; or what those of this life follow */
-    uint32_t tries;       /* how often it went out */
-    uint32_t lead;        /* the one whose rows count; 0: whose come first */
-    uint32_t worker;      /* of that one, or of the latest */
-    uint32_t next_row;    /* rows of it that came */
-    uint32_t stored_rows; /* of those, kept */
-    uint64_t row_ms;      /* when the last of them came */
-    uint32_t slot;        /* in the job's list of units that are out */
-    struct job_go *go;    /* attempts that are not over, room for
-                           * JOB_MAX_GOES; NULL: the unit is not out */
-    uint8_t ngos;
-    uint8_t crashes;
-    uint8_t faults;   /* attempts that left no base line */
-    uint8_t losses;   /* how often its worker went, and was not still at it */
-    uint64_t out_ms;  /* when it went to that worker; 0: in an earlier life */
-    uint32_t crasher; /* worker of the first crash */
-    bool whole;       /* has nothing to give away */
-    bool given_back;  /* its worker had to: who gets it next redoes nothing */
-    bool done;
-    uint64_t *hash; /* of its rows that count; NULL: not known */
-    uint32_t nhash;
-    uint64_t hashed; /* fingerprint of whoever made them */
-    uint64_t end_ms;
-    struct msg_counts counts; /* of the attempt that was accepted, and lent */
-    struct msg_counts lent;   /* of others, for columns that it lent */
-};
-
-enum job_worker_state {
-    JW_GONE,    /* no connection, or not told of the job */
-    JW_LOADING, /* JOB-START sent */
-    JW_READY
-};
-
-struct job_worker {
-    char name[MSG_MAX_NAME + 1];
-    struct coord_worker *worker; /* of that name */
-    enum job_worker_state state;
-    uint32_t threads;
-    uint32_t in_flight; /* units of this job that it works on */
-    uint32_t held;      /* threads, as counted for the job's owner */
-    uint32_t lines;     /* of these units */
-    uint32_t given;     /* units that it began apart (sched.c) */
-    uint32_t parked;    /* units that wait for a base line */
-    uint64_t since_ms;  /* the two are as they are since then */
-    uint64_t work_ms;   /* time with something in flight */
-    double speed;       /* of all its threads, relative to the others' */
-    uint32_t seed_first, seed_last; /* its part, until it gets it */
-    bool seeds;            /* it got that part */
-    uint32_t surveying;    /* areas that it estimates, from 1; 0: none */
-    uint64_t rest_ms;      /* told to leave the two then, and given nothing
-                            * since; 0: it was not */
-    uint32_t load_crashes; /* children that died before READY */
-    uint32_t setbacks;     /* children lost for reasons of its own, since it
-                            * last finished a unit */
-    bool took_part;        /* it was READY once */
-    bool late;             /* others do its work until it is heard of */
-    uint64_t keep_ms;      /* until then units that it lost wait for it; 0:
-                            * none do */
-    uint8_t passed;    /* so often it had room, and the job nothing for it of
-                        * what waited */
-    uint64_t ask_ms;   /* not again before that */
-    bool excluded;     /* --same-bits: of another fingerprint; or it cannot keep
-                        * a child */
-    bool no_room;      /* at that worker for its files: it is not started there
-                        * before that says so */
-    uint64_t ready_ms; /* first READY */
-    double load_s;
-    uint64_t fingerprint;
-    uint64_t rays;          /* of its accepted units */
-    uint64_t surveyed_rays; /* of its part of the estimate */
-    double cpu_s;
-    uint32_t units;         /* accepted */
-    struct msg_tally tally; /* of its present child; job is not kept */
-    struct msg_tally past;  /* summed over earlier children */
-    struct msg_counts paid; /* by PAIDs of its present child, and what was to
-                             * come in others but did not */
-    bool tallied;           /* in this life */
+/* Each follows the one before, and nothing else. */
+enum frame_state {
+    FRAME_OPEN,    /* units of it are not done */
+    FRAME_WRITING, /* all its rows are kept, and its picture is being written */
+    FRAME_WRITTEN,
+    FRAME_FETCHED /* its owner has it */
 };
 
 struct job_frame {
@@ -127,10 +54,9 @@ struct job_frame {
     double *line_s;       /* what was spent on each line in this life of the
                            * coordinator: processor time; NULL: nothing known */
     uint32_t nlines;      /* so many */
-    bool untold;          /* not all of it is said: a worker is of version 1, or
-                           * lost a unit that it had spent something on */
-    bool writing, written;
-    bool fetched; /* with written: its owner has it */
+    bool untold;          /* not all of line_s is said: a worker is of version
+                           * 1, or lost a unit that it had spent something on */
+    enum frame_state state;
 };
 
 struct job {
@@ -261,26 +187,18 @@ int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
 /* Lay out the units; single as in partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
 
-/* The worker of that name, JOB_NOBODY if it never was one; job_worker_add
- * makes it one (JOB_NOBODY when memory is out). */
-uint32_t job_worker_find(const struct job *job, const char *name);
-uint32_t job_worker_add(struct job *job, const char *name);
-
 /* Attempts are numbered anew in each life of the coordinator, from here on. */
 uint32_t job_first_attempt(const struct job *job);
-
-/* All rows of a unit are kept: count it. */
-void job_unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
 
 /* Add what was spent on lines, if the job has these.  Without memory the
  * statistics go without. */
 void job_add_costs(struct job *job, const struct msg_line_costs *m);
 
+/* The frame's picture is there, fetched or not. */
+bool job_frame_written(const struct job_frame *f);
+
 /* Frames are delivered in order: count the first ones without a gap. */
 void job_count_ready(struct job *job);
-
-/* Make job->units as long as the partition has units; false: memory is out. */
-bool job_grow_units(struct job *job);
 
 /* The median of the durations [ms]; 0 before any unit was done. */
 uint32_t job_median_ms(const struct job *job);
@@ -288,19 +206,11 @@ uint32_t job_median_ms(const struct job *job);
 /* Units that may go out: waiting ones and suspects. */
 uint32_t job_waiting(const struct job *job);
 
-/* Put a unit among the suspects, or take it out (false: it was none). */
-bool job_suspect_add(struct job *job, uint32_t unit);
-bool job_suspect_remove(struct job *job, uint32_t unit);
-
 /* Workers that were told of the job and are still there. */
 uint32_t job_active(const struct job *job);
 
 /* Bring rays_seen and pixels_seen up to date. */
 void job_see_work(struct job *job);
-
-/* Sum of a worker's tallies, but for rays_under_way and pixels_under_way, which
- * are 0. */
-struct msg_tally job_tally(const struct job_worker *w);
 
 /* How far the units that are done may be off. */
 struct rad_error_estimate job_error(const struct job *job);

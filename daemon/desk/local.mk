@@ -7,5 +7,9 @@ libdaemon_a_SOURCES += \
 	daemon/desk/job.c \
 	daemon/desk/job.h \
 	daemon/desk/loss.c \
+	daemon/desk/part.c \
+	daemon/desk/part.h \
 	daemon/desk/result.c \
-	daemon/desk/speed.c
+	daemon/desk/speed.c \
+	daemon/desk/unit.c \
+	daemon/desk/unit.h

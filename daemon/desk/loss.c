@@ -33,9 +33,9 @@ loss_others_may(const struct coord *c, const struct job *job,
         uint32_t i = sched_index(job, o);
 
         if (o != w && sched_takes_units(o) &&
-            (i == JOB_NOBODY ||
-             (!job->workers[i].excluded && !job->workers[i].no_room &&
-              (late || !job->workers[i].late))))
+            (i == JOB_NOBODY || (job->workers[i].state != PART_EXCLUDED &&
+                                 job->workers[i].state != PART_NO_ROOM &&
+                                 (late || !job->workers[i].late))))
             return true;
     }
     return false;
@@ -82,8 +82,8 @@ lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     loss_end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
-    if (u->ngos == 0 && (u->crashes == 0 || !job_suspect_add(job, unit)))
-        partition_lost(job->partition, unit);
+    if (u->ngos == 0)
+        unit_wait(job, unit);
 }
 
 void
@@ -149,8 +149,8 @@ loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
     for (uint32_t i = 0; job->partition && i < job->nunits; i++) {
         const struct job_unit *u = &job->units[i];
 
-        if (!u->done && u->ngos == 0 && u->lead != 0 && u->worker == index &&
-            u->losses <= MOST_LOSSES)
+        if (u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
+            u->worker == index && u->losses <= MOST_LOSSES)
             partition_keep(job->partition, i, index);
     }
     job->workers[index].keep_ms = c->now_ms + ms;
@@ -198,7 +198,7 @@ go_again(struct coord *c, struct job *job, uint32_t index,
     const struct job_unit *u = &job->units[m->unit];
     struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
-    if (!go && !u->done && u->ngos == 0 && u->lead != 0 &&
+    if (!go && u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
         u->lead == m->attempt && u->worker == index &&
         result_revive(c, job, index, m->unit))
         go = go_find(job, m->unit, index, m->attempt);
@@ -235,16 +235,17 @@ loss_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     struct msg no = { .type = MSG_REVOKE,
                       .revoke = { m->job, m->unit, m->attempt } };
 
-    if (job &&
-        (job->workers[index].state != JW_LOADING || !goes_on(c, job, index, m)))
+    if (job && (job->workers[index].state != PART_LOADING ||
+                !goes_on(c, job, index, m)))
         actions_send(&c->actions, w->conn, &no);
 }
 
 void
-loss_all(struct coord *c, struct job *job, uint32_t index)
+loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
 {
     take_all_back(c, job, index);
-    job->workers[index].state = JW_GONE;
+    if (part_is_here(&job->workers[index]))
+        part_step(&job->workers[index], to);
     ring_left(c, job, index);
     if (job->partition)
         partition_set_absent(job->partition, index, true);
@@ -259,7 +260,7 @@ patience(const struct coord *c, const struct job_worker *jw)
 {
     if (jw->worker->leaving)
         return 0;
-    if (jw->state == JW_READY)
+    if (jw->state == PART_READY)
         return KEEP_MS;
     return jw->keep_ms > c->now_ms ? jw->keep_ms - c->now_ms : 0;
 }
@@ -273,12 +274,14 @@ loss_worker_gone(struct coord *c, struct coord_worker *w)
         uint32_t index = sched_index(job, w);
         uint64_t ms;
 
-        if (index != JOB_NOBODY) /* it may come back another */
-            job->workers[index].no_room = false;
-        if (index == JOB_NOBODY || job->workers[index].state == JW_GONE)
+        if (index != JOB_NOBODY &&
+            job->workers[index].state == PART_NO_ROOM) /* it may come back
+                                                        * another */
+            part_step(&job->workers[index], PART_GONE);
+        if (index == JOB_NOBODY || !part_is_here(&job->workers[index]))
             continue;
         ms = patience(c, &job->workers[index]);
-        loss_all(c, job, index);
+        loss_all(c, job, index, PART_GONE);
         if (!job_over(job))
             loss_keep(c, job, index, ms);
     }
@@ -314,15 +317,16 @@ static bool
 ready_worker(const struct job *job)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].state == JW_READY)
+        if (job->workers[i].state == PART_READY)
             return true;
     return false;
 }
 
-/* A child died before it was ready; false: the job cannot go on. */
+/* A child died before it was ready: *to is what becomes of its worker's part.
+ * False: the job cannot go on. */
 static bool
 crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
-                const char *why)
+                const char *why, enum part_state *to)
 {
     uint32_t workers = 0;
     char text[MSG_MAX_TEXT + 1];
@@ -334,7 +338,7 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         return true;
     /* as long as others can, or may, it is this worker and not the scene */
     if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
-        jw->excluded = true;
+        *to = PART_EXCLUDED;
         return true;
     }
     snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
@@ -342,16 +346,16 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* A child died at its units, and not of them; false: the job cannot go on. */
+/* A child died at its units, and not of them; as crashed_loading(). */
 static bool
 setback(struct coord *c, struct job *job, struct job_worker *jw,
-        const char *why)
+        const char *why, enum part_state *to)
 {
     char text[MSG_MAX_TEXT + 1];
 
     if (++jw->setbacks < JOB_MAX_SETBACKS)
         return true;
-    jw->excluded = true;
+    *to = PART_EXCLUDED;
     actions_log(&c->actions, ACT_WARN,
                 "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
                 why);
@@ -375,20 +379,22 @@ loss_no_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
     if (!job)
         return;
     jw = &job->workers[index];
-    if (!m->has && jw->state != JW_LOADING)
+    if (!m->has && jw->state != PART_LOADING)
         return;
     actions_log(&c->actions, m->has ? ACT_INFO : ACT_WARN,
                 m->has ? "worker has room again job=%s worker=%s%s"
                        : "worker has no room job=%s worker=%s why=%s",
                 job->hex, w->name, m->text);
-    jw->no_room = !m->has;
-    if (m->has)
+    if (m->has) {
+        if (jw->state == PART_NO_ROOM)
+            part_step(jw, PART_GONE);
         return;
+    }
     rad_text_print(w->no_room, sizeof w->no_room, "%s", m->text);
     rad_text_clean(w->no_room);
     if (w->loading == job)
         w->loading = NULL;
-    loss_all(c, job, index);
+    loss_all(c, job, index, PART_NO_ROOM);
 }
 
 static bool
@@ -400,6 +406,7 @@ has_unit(const struct job *job, uint32_t index, uint32_t unit)
 void
 loss_reported(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
 {
+    enum part_state to = PART_GONE;
     struct job_worker *jw;
     uint32_t index, surveying;
     struct job *job = sched_job_of(c, w, m->job, &index);
@@ -411,17 +418,17 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
     if (w->loading == job)
         w->loading = NULL;
     jw = &job->workers[index];
-    if (jw->state == JW_LOADING && !crashed_loading(c, job, jw, m->text))
+    if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m->text, &to))
         return;
-    if (jw->state == JW_READY && m->nunits == 0 && !jw->surveying &&
-        !setback(c, job, jw, m->text))
+    if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
+        !setback(c, job, jw, m->text, &to))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
             !suspect(c, job, index, m->units[i], m->text))
             return;
     surveying = jw->surveying;
-    loss_all(c, job, index);
+    loss_all(c, job, index, to);
     if (surveying)
         survey_crashed(c, job, surveying - 1);
 }

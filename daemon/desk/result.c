@@ -77,8 +77,7 @@ result_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     struct job_unit *u = &job->units[unit];
     struct job_go *go;
 
-    if (!job_suspect_remove(job, unit))
-        partition_take(job->partition, unit);
+    unit_take(job, unit);
     go = hold_add(c, job, index, unit, u->lead);
     if (!go) {
         c->actions.failed = true;
@@ -202,7 +201,7 @@ counts(struct coord *c, struct job *job, uint32_t index,
     struct job_unit *u = &job->units[m->unit];
     struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
-    if (u->done || job->workers[index].state == JW_GONE)
+    if (u->state == UNIT_DONE || !part_is_here(&job->workers[index]))
         return false;
     if (!go)
         return u->ngos == 0 && u->lead != 0 && m->attempt == u->lead &&
@@ -246,7 +245,7 @@ static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
     return m->attempt < job_first_attempt(job) ||
-           job->workers[index].state != JW_READY;
+           job->workers[index].state != PART_READY;
 }
 
 /* One whose rows did not count is at its end. */
@@ -268,7 +267,7 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
             const struct partition_area *a)
 {
     return m->last && m->row + m->rows < a->height &&
-           job->workers[index].state == JW_LOADING &&
+           job->workers[index].state == PART_LOADING &&
            job->units[m->unit].ngos == 1;
 }
 
@@ -362,7 +361,7 @@ result_frame_done(struct coord *c, struct job *job, uint32_t frame)
     struct action *a =
         actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
 
-    job->frames[frame].writing = true;
+    job->frames[frame].state = FRAME_WRITING;
     if (!a)
         return;
     a->sequence = job->sequence;
@@ -390,7 +389,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
 }
 
 static void
-unit_done(struct coord *c, struct job *job, uint32_t unit)
+finish(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
@@ -400,9 +399,9 @@ unit_done(struct coord *c, struct job *job, uint32_t unit)
                 job->hex, unit, job->workers[u->worker].name);
     if (u->ngos > 0)
         release_all(c, job, unit);
-    else if (!job_suspect_remove(job, unit))
-        partition_take(job->partition, unit); /* the worker went just now */
-    job_unit_done(job, unit, c->now_ms);
+    else
+        unit_take(job, unit); /* the worker went just now */
+    unit_done(job, unit, c->now_ms);
     if (job->shared)
         handoff_done(job, unit);
     if (job->frames[a.frame].pixels_left > 0)
@@ -426,11 +425,12 @@ result_stored(struct coord *c, const struct action_rows *key)
     if (conn && conn->worker)
         sched_send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
                        key->rows);
-    if (u->done || u->lead != key->attempt || u->stored_rows != key->row)
+    if (u->state == UNIT_DONE || u->lead != key->attempt ||
+        u->stored_rows != key->row)
         return;
     u->stored_rows += key->rows;
     job->pixels_done += pixels;
     job->frames[key->frame].rows_pixels += pixels;
     if (key->last)
-        unit_done(c, job, key->unit);
+        finish(c, job, key->unit);
 }

@@ -62,7 +62,7 @@ measured(const struct job_worker *jw)
                   (double)jw->past.dropped.rays +
                   (double)jw->tally.seeded.rays + (double)jw->past.seeded.rays;
 
-    if (jw->state == JW_READY)
+    if (jw->state == PART_READY)
         rays += (double)jw->tally.rays_under_way;
     if (jw->work_ms < ENOUGH_MS || !(rays > 0) || jw->threads == 0)
         return 0;
@@ -123,9 +123,9 @@ speed_measure(const struct coord *c, struct job *job)
                     (v > 0 ? clamp(v / mean) : clamp(jw->worker->relative));
         job->workload += (double)jw->work_ms * jw->speed;
         job->work_ms += jw->work_ms;
-        if (jw->state == JW_READY)
+        if (jw->state == PART_READY)
             job->threads += jw->threads;
-        if (jw->state != JW_GONE)
+        if (part_is_here(jw))
             job->speed += jw->speed;
     }
     done = job->finished + under_way(job);

@@ -27,7 +27,7 @@ lacks_room(const struct coord *c, const struct coord_worker *w)
         uint32_t index = sched_index(c->jobs[i], w);
 
         if (!job_over(c->jobs[i]) && index != JOB_NOBODY &&
-            c->jobs[i]->workers[index].no_room)
+            c->jobs[i]->workers[index].state == PART_NO_ROOM)
             return true;
     }
     return false;
@@ -76,7 +76,8 @@ lacks_bits(const struct job *job)
     bool others = false;
 
     for (uint32_t i = 0; i < job->nworkers; i++)
-        others |= job->workers[i].excluded && job->workers[i].worker->conn != 0;
+        others |= job->workers[i].state == PART_EXCLUDED &&
+                  job->workers[i].worker->conn != 0;
     return others && job->spec.flags & MSG_JOB_SAME_BITS &&
            job_active(job) == 0;
 }
@@ -100,7 +101,7 @@ static const struct coord_worker *
 without_room(const struct job *job)
 {
     for (uint32_t i = 0; i < job->nworkers && job_active(job) == 0; i++)
-        if (job->workers[i].no_room)
+        if (job->workers[i].state == PART_NO_ROOM)
             return job->workers[i].worker;
     return NULL;
 }
@@ -183,13 +184,13 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         "job", job->hex, "name", name, "owner", job->owner, "state",
         job_is(job), "priority", (int)job->spec.priority, "done", done,
         "frames", (json_int_t)job->spec.nframes, "frames_ready",
-        (json_int_t)p.frames_ready, "width",
-        (json_int_t)size.width, "height", (json_int_t)size.height,
-        "oversample", (json_int_t)size.oversample, "units_done",
-        (json_int_t)p.units_done, "units_total", (json_int_t)p.units_total,
-        "units_redone", (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
-        "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
-        why(c, job, text), "status", job->status);
+        (json_int_t)p.frames_ready, "width", (json_int_t)size.width, "height",
+        (json_int_t)size.height, "oversample", (json_int_t)size.oversample,
+        "units_done", (json_int_t)p.units_done, "units_total",
+        (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
+        "rays", (json_int_t)p.rays, "workers", (json_int_t)p.workers,
+        "elapsed_s", p.elapsed_s, "text", why(c, job, text), "status",
+        job->status);
 }
 
 json_t *

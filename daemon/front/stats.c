@@ -73,7 +73,7 @@ sum_counts(const struct job *job)
 
     t.speculative_rays += job->late_rays;
     for (uint32_t i = 0; i < n; i++)
-        if (job->units[i].done)
+        if (job->units[i].state == UNIT_DONE)
             msg_counts_add(&t, &job->units[i].counts);
     return t;
 }
@@ -89,7 +89,7 @@ totals(const struct job *job)
     uint32_t took_part = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
-        struct msg_tally w = job_tally(&job->workers[i]);
+        struct msg_tally w = part_tally(&job->workers[i]);
 
         msg_counts_add(&t, &w.dropped);
         dropped += w.dropped.rays;
@@ -128,7 +128,7 @@ workers(const struct job *job)
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *w = &job->workers[i];
-        struct msg_tally t = job_tally(w);
+        struct msg_tally t = part_tally(w);
         double wait = t.wait_base_line_s, work = t.busy_s - wait;
         double busy = work > w->cpu_s ? work : w->cpu_s;
         double idle =
@@ -269,7 +269,8 @@ put_units(struct stats_text *t, const struct job *job, uint32_t *left)
     uint32_t n = job->partition ? partition_total(job->partition) : 0;
 
     for (; t->unit<n && * left> 0; t->unit++, --*left)
-        if (job->units[t->unit].done && !put_entry(t, unit(job, t->unit)))
+        if (job->units[t->unit].state == UNIT_DONE &&
+            !put_entry(t, unit(job, t->unit)))
             return false;
     if (t->unit < n)
         return true;

@@ -271,7 +271,7 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
 {
     struct job *job = sched_job_of(c, w, id, index);
 
-    if (!job || !job->shared || job->workers[*index].state == JW_GONE)
+    if (!job || !job->shared || !part_is_here(&job->workers[*index]))
         return NULL;
     return job;
 }
@@ -305,7 +305,7 @@ handoff_facts(struct coord *c, struct coord_worker *w,
         return;
     }
     unit = unit_at(job, m->frame, m->line);
-    if (unit != PARTITION_NONE && job->units[unit].done) {
+    if (unit != PARTITION_NONE && job->units[unit].state == UNIT_DONE) {
         if (!(m->flags & MSG_FACTS_ESTIMATE))
             job->late_rays += m->npixels;
         return;
@@ -399,7 +399,7 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
     unit = unit_at(job, m->frame, m->line);
     below = unit_at(job, m->frame, m->line + 1);
     if (unit == PARTITION_NONE || !may_make(job, unit, index) ||
-        (below != PARTITION_NONE && job->units[below].done))
+        (below != PARTITION_NONE && job->units[below].state == UNIT_DONE))
         return;
     if (m->line + 1 < partition_lines(job->partition, m->frame) &&
         shared_put_base(job->shared, m, c->now_ms) && below != PARTITION_NONE)
@@ -453,7 +453,7 @@ handoff_complete(const struct job *job, uint32_t unit)
     frame = lines_of_unit(job, unit, &first, &last);
     below = unit_at(job, frame, last);
     return last == partition_lines(job->partition, frame) ||
-           (below != PARTITION_NONE && job->units[below].done) ||
+           (below != PARTITION_NONE && job->units[below].state == UNIT_DONE) ||
            shared_whole_ms(job->shared, frame, last - 1) != 0;
 }
 

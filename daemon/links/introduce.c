@@ -50,7 +50,7 @@ introduce_worker(struct coord *c, const struct job *job,
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *o = job->workers[i].worker;
 
-        if (o != w && o->conn != 0 && job->workers[i].state == JW_READY &&
+        if (o != w && o->conn != 0 && job->workers[i].state == PART_READY &&
             introduce_link(c, job, o, w, give))
             give = 0;
     }
@@ -75,7 +75,7 @@ introduce_drop(struct coord *c, const struct job *job,
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *o = job->workers[i].worker;
 
-        if (o != w && o->conn != 0 && job->workers[i].state != JW_GONE)
+        if (o != w && o->conn != 0 && part_is_here(&job->workers[i]))
             introduce_unlink(c, job, o, w);
     }
 }

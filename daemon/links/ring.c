@@ -107,7 +107,7 @@ knows_rings(const struct coord_worker *w)
 static bool
 is_here(const struct job *job, uint32_t i)
 {
-    return job->workers[i].state == JW_READY && job->workers[i].worker->conn;
+    return job->workers[i].state == PART_READY && job->workers[i].worker->conn;
 }
 
 static bool
@@ -132,8 +132,8 @@ ring_wanted(const struct coord *c, const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *w = job->workers[i].worker;
 
-        n += job->workers[i].state != JW_GONE && w->conn != 0 &&
-             knows_rings(w) && w->address[0] != '\0';
+        n += part_is_here(&job->workers[i]) && w->conn != 0 && knows_rings(w) &&
+             w->address[0] != '\0';
     }
     return (job->ring && !job->ring->direct) || n > most;
 }
@@ -196,7 +196,7 @@ drop(struct coord *c, const struct job *job, const struct pair *p)
 
     for (int i = 0; i < 2; i++)
         if (job->workers[end[i]].worker->conn != 0 &&
-            job->workers[end[i]].state != JW_GONE)
+            part_is_here(&job->workers[end[i]]))
             introduce_unlink(c, job, job->workers[end[i]].worker,
                              job->workers[end[!i]].worker);
 }
@@ -840,7 +840,7 @@ ring_unlinked(struct coord *c, struct job *job, uint32_t index,
               const struct msg_unlinked *m)
 {
     struct ring *r = job->ring;
-    uint32_t other = job_worker_find(job, m->name), guest;
+    uint32_t other = part_find(job, m->name), guest;
     struct pair *p;
 
     if (!r || other == JOB_NOBODY || other == index || index >= r->cap ||

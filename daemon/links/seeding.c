@@ -14,7 +14,7 @@ begins(const struct job *job, uint32_t i)
 {
     const struct job_worker *jw = &job->workers[i];
 
-    return jw->state != JW_GONE && sched_takes_units(jw->worker) &&
+    return part_is_here(jw) && sched_takes_units(jw->worker) &&
            jw->worker->version >= msg_since(MSG_SEED);
 }
 

@@ -295,7 +295,7 @@ on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct job *job = coord_find_job(c, m->failed.job);
     char text[MSG_MAX_TEXT + 1], why[401];
 
-    if (!job || job_worker_find(job, conn->worker->name) == JOB_NOBODY)
+    if (!job || part_find(job, conn->worker->name) == JOB_NOBODY)
         return;
     rad_text_print(why, sizeof why, "%s", m->failed.text);
     snprintf(text, sizeof text, "%s (worker %s)", why, conn->worker->name);

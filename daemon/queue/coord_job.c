@@ -17,7 +17,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define LOOK_FILES 512 /* of a job at once */
+#define LOOK_FILES 512  /* of a job at once */
 #define LINGER_MS  2000 /* a job that is over is whole */
 
 struct job *
@@ -226,9 +226,9 @@ end_stalled(struct coord *c, struct job *job)
     coord_job_ends(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* Once the store tells of a job that is over, nothing but its end and its frames
- * are needed here.  What its workers tell of it last still comes for a moment,
- * and goes to those who fetch its statistics now. */
+/* Once the store tells of a job that is over, nothing but its end and its
+ * frames are needed here.  What its workers tell of it last still comes for a
+ * moment, and goes to those who fetch its statistics now. */
 static void
 lighten(struct coord *c, struct job *job)
 {
@@ -260,8 +260,8 @@ coord_jobs_tick(struct coord *c)
 /* What the store was to do for a job was done, or it failed with that status,
  * which ends it.  The job if it goes on; NULL. */
 static struct job *
-stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence, int status,
-       const char *text)
+stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
+       int status, const char *text)
 {
     struct job *job = find_same(c, id, sequence);
 
@@ -438,10 +438,10 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
 
     c->now_ms = now_ms;
     job = stored(c, id, sequence, status, text);
-    if (!job || frame >= job->spec.nframes || !job->frames[frame].writing)
+    if (!job || frame >= job->spec.nframes ||
+        job->frames[frame].state != FRAME_WRITING)
         return;
-    job->frames[frame].writing = false;
-    job->frames[frame].written = true;
+    job->frames[frame].state = FRAME_WRITTEN;
     job->unfetched++;
     job_count_ready(job);
     if (job->frames_ready == job->spec.nframes)

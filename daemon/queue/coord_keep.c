@@ -88,8 +88,8 @@ count_kept(struct coord *c)
     }
 }
 
-/* Small jobs may be fetched by the hundred in a minute: of too many the one that
- * was fetched the longest ago counts as got. */
+/* Small jobs may be fetched by the hundred in a minute: of too many the one
+ * that was fetched the longest ago counts as got. */
 static bool
 forget_one(struct coord *c, const struct coord_kept *k)
 {
@@ -140,12 +140,13 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
 
     c->now_ms = now_ms;
     if (!to || !job || frame >= job->spec.nframes ||
-        strcmp(to->owner, job->owner) != 0 || !job->frames[frame].written)
+        strcmp(to->owner, job->owner) != 0 ||
+        !job_frame_written(&job->frames[frame]))
         return;
     job->fetched_ms = now_ms;
-    if (job->frames[frame].fetched)
+    if (job->frames[frame].state == FRAME_FETCHED)
         return;
-    job->frames[frame].fetched = true;
+    job->frames[frame].state = FRAME_FETCHED;
     job->unfetched--;
     c->keep_due = true;
     a = c->env.keeps ? actions_add_job(&c->actions, ACT_JOB_FETCHED, 0, id)

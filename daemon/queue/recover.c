@@ -77,7 +77,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
 
     if (!fits(job, s))
         return damaged(r, "unit", s->unit);
-    if (!job_grow_units(job))
+    if (!unit_grow(job))
         return no_memory(r->err);
     u = &job->units[s->unit];
     u->worker = worker_of(r, s);
@@ -92,7 +92,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     count_rows(job, s);
     if (s->done) {
         u->counts = s->counts;
-        job_unit_done(job, s->unit, s->end_ms);
+        unit_done(job, s->unit, s->end_ms);
     }
     return 0;
 }
@@ -123,7 +123,7 @@ is_needed(const struct job *job, const struct saved_unit *s, uint32_t *line)
     if (last == partition_lines(job->partition, s->area.frame))
         return false;
     below = partition_line_unit(job->partition, s->area.frame, last);
-    return below == PARTITION_NONE || !job->units[below].done;
+    return below == PARTITION_NONE || job->units[below].state != UNIT_DONE;
 }
 
 static int
@@ -157,6 +157,15 @@ put_bottom(const struct recovery *r, const struct saved_unit *s)
 
 /* --- frames --- */
 
+static void
+take_frame(struct job *job, uint32_t frame, const struct saved_frame *s)
+{
+    if (!s->written)
+        return;
+    job->frames[frame].state = s->fetched ? FRAME_FETCHED : FRAME_WRITTEN;
+    job->unfetched += !s->fetched;
+}
+
 static int
 take_frames(const struct recovery *r)
 {
@@ -165,12 +174,10 @@ take_frames(const struct recovery *r)
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         struct job_frame *f = &job->frames[i];
 
-        f->written = r->s->frames[i].written;
-        f->fetched = r->s->frames[i].fetched;
-        job->unfetched += f->written && !f->fetched;
-        if (f->written && f->pixels_left > 0)
+        take_frame(job, i, &r->s->frames[i]);
+        if (job_frame_written(f) && f->pixels_left > 0)
             return damaged(r, "frame", job->spec.frames[i].number);
-        if (!f->written && f->pixels_left == 0)
+        if (!job_frame_written(f) && f->pixels_left == 0)
             result_frame_done(r->c, job, i);
     }
     job_count_ready(job);
@@ -239,11 +246,8 @@ take_filed(const struct recovery *r)
     snprintf(job->text, sizeof job->text, "%s", s->text);
     job->last = s->last;
     job->kept_bytes = s->kept_bytes;
-    for (uint32_t i = 0; i < job->spec.nframes; i++) {
-        job->frames[i].written = s->frames[i].written;
-        job->frames[i].fetched = s->frames[i].fetched;
-        job->unfetched += s->frames[i].written && !s->frames[i].fetched;
-    }
+    for (uint32_t i = 0; i < job->spec.nframes; i++)
+        take_frame(job, i, &s->frames[i]);
     job_count_ready(job);
 }
 

@@ -36,7 +36,7 @@ balance_is_idle(const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
-    return jw->state == JW_READY && sched_takes_units(jw->worker) &&
+    return jw->state == PART_READY && sched_takes_units(jw->worker) &&
            (jw->worker->in_flight == 0 ||
             jw->worker->priority < job->spec.priority) &&
            !jw->worker->alone;
@@ -128,7 +128,7 @@ balance_shrink(struct coord *c, struct job *job, uint32_t unit,
 
     if (given == PARTITION_NONE)
         return false;
-    if (!job_grow_units(job))
+    if (!unit_grow(job))
         c->actions.failed = true;
     hold_shrunk(job, unit, go);
     sched_keep_unit(c, job, unit);

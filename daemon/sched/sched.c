@@ -96,7 +96,7 @@ may_take_part(const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
-    return jw->state != JW_GONE && !jw->late && sched_takes_units(jw->worker);
+    return part_is_here(jw) && !jw->late && sched_takes_units(jw->worker);
 }
 
 void
@@ -157,7 +157,7 @@ sched_add_worker(struct job *job, struct coord_worker *w)
         job->nindex = n;
     }
     if (job->index[w->id] == JOB_NOBODY) {
-        uint32_t i = job_worker_add(job, w->name);
+        uint32_t i = part_add(job, w->name);
 
         job->index[w->id] = i;
         if (i != JOB_NOBODY)
@@ -190,7 +190,7 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
         c->actions.failed = true;
         return;
     }
-    job->workers[i].state = JW_LOADING;
+    part_step(&job->workers[i], PART_LOADING);
     job->workers[i].threads = w->threads;
     w->loading = job;
     if (job->partition)
@@ -403,7 +403,7 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
         who.share = job->workers[index].speed / job->speed;
     if (!partition_next(job->partition, &who, unit))
         return false;
-    if (job_grow_units(job))
+    if (unit_grow(job))
         return true;
     c->actions.failed = true;
     return false;
@@ -416,7 +416,7 @@ is_left_out(const struct job *job, uint32_t index)
     bool others = false;
 
     for (uint32_t i = 0; i < job->nworkers && !others; i++)
-        others = job->workers[i].state == JW_READY && may_take_part(job, i);
+        others = job->workers[i].state == PART_READY && may_take_part(job, i);
     return job->workers[index].late && others;
 }
 
@@ -430,7 +430,7 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     if (runs_empty(c, job, w, index) || is_left_out(job, index))
         return false;
     if (find_suspect(c, job, index, &unit)) {
-        job_suspect_remove(job, unit);
+        unit_take(job, unit);
         w->alone = true;
     } else if (!has_room(job, w, index) ||
                !next_unit(c, job, w, index, &unit)) {
@@ -480,7 +480,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
 static bool
 is_new_to(const struct job *job, uint32_t index)
 {
-    return index == JOB_NOBODY || job->workers[index].state == JW_GONE;
+    return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
 }
 
 /* Can a look at the job come to anything for the worker?  Jobs that it does not
@@ -494,8 +494,7 @@ may_look(const struct job *job, const struct coord_worker *w)
     if (!is_new_to(job, index))
         return true;
     return !w->loading &&
-           (index == JOB_NOBODY ||
-            (!job->workers[index].excluded && !job->workers[index].no_room));
+           (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
 }
 
 /* The next job to look at, in this search: the highest priority first, of
@@ -528,7 +527,7 @@ awaits(const struct coord *c, const struct coord_worker *w,
     uint32_t index = sched_index(job, w);
 
     return index != JOB_NOBODY && job->opened && sched_can_balance(job) &&
-           job->workers[index].state == JW_READY && w->in_flight == 0 &&
+           job->workers[index].state == PART_READY && w->in_flight == 0 &&
            c->now_ms - w->free_ms < AWAIT_MS;
 }
 
@@ -542,7 +541,7 @@ recall(struct coord *c, struct coord_worker *w)
         uint32_t index = sched_index(job, w);
 
         if (job_over(job) || index == JOB_NOBODY ||
-            job->workers[index].state != JW_GONE ||
+            job->workers[index].state != PART_GONE ||
             job->workers[index].keep_ms <= c->now_ms)
             continue;
         if (job->state == JOB_PAUSED || !sched_takes_units(w))
@@ -572,7 +571,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
         if (is_new_to(job, index)) {
             start_job(c, job, w);
         } else if (!taken && job->opened &&
-                   job->workers[index].state == JW_READY) {
+                   job->workers[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;
             if (w->in_flight == 0)
@@ -642,7 +641,7 @@ static void
 worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
              struct job_worker *jw, const struct msg_ready *m)
 {
-    jw->state = JW_READY;
+    part_step(jw, PART_READY);
     jw->load_s = m->load_s;
     jw->fingerprint = w->fingerprint = m->fingerprint;
     jw->threads = w->threads = m->threads;
@@ -671,7 +670,7 @@ set_speeds(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++)
         others |= may_take_part(job, i);
     for (uint32_t i = 0; v && i < job->nworkers; i++)
-        if (job->workers[i].state != JW_GONE &&
+        if (part_is_here(&job->workers[i]) &&
             (!others || may_take_part(job, i)))
             v[i] = job->workers[i].speed;
     if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
@@ -715,15 +714,14 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
     if (w->loading == job)
         w->loading = NULL;
     jw = &job->workers[index];
-    if (jw->state != JW_LOADING)
+    if (jw->state != PART_LOADING)
         return;
     if (!same_bits(job, m->fingerprint)) {
-        jw->excluded = true;
         actions_log(&c->actions, ACT_WARN,
                     "worker excluded job=%s worker=%s why=--same-bits, and its "
                     "arithmetic differs from that of the job's first worker",
                     job->hex, jw->name);
-        loss_all(c, job, index);
+        loss_all(c, job, index, PART_EXCLUDED);
         send_job_end(c, w->conn, job->id);
         return;
     }
@@ -775,7 +773,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     sched_late(job, index, false);
     jw = &job->workers[index];
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
-        jw->past = job_tally(jw);
+        jw->past = part_tally(jw);
         memset(&jw->tally, 0, sizeof jw->tally);
         memset(&jw->paid, 0, sizeof jw->paid);
     }
@@ -867,7 +865,8 @@ sched_job_over(struct coord *c, struct job *job)
             w->loading = NULL;
         if (index == JOB_NOBODY)
             continue;
-        job->workers[index].state = JW_GONE;
+        if (part_is_here(&job->workers[index]))
+            part_step(&job->workers[index], PART_GONE);
         if (w->conn != 0)
             send_job_end(c, w->conn, job->id);
     }

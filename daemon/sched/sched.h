@@ -320,8 +320,9 @@ void loss_given_back(struct coord *c, struct job *job, uint32_t unit,
 void loss_end_loans(struct coord *c, struct job *job, uint32_t unit,
                     uint32_t lender);
 
-/* A worker has no part in the job any more. */
-void loss_all(struct coord *c, struct job *job, uint32_t index);
+/* A worker loses its part in the job, which is in that state then. */
+void loss_all(struct coord *c, struct job *job, uint32_t index,
+              enum part_state to);
 
 /* Units that a worker lost wait for it that long, while its connection is to be
  * made again. */

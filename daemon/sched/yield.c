@@ -55,7 +55,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
-    if (sched_idle_job(job) || !job->opened || jw->state != JW_READY)
+    if (sched_idle_job(job) || !job->opened || jw->state != PART_READY)
         return false;
     return (job->survey && survey_has(c, job, index)) ||
            (!job->survey && job_waiting(job) > 0 && !jw->late &&
@@ -85,7 +85,7 @@ may_yield(const struct job *job, const struct job_go *go)
 
     return w->conn != 0 && go->state != GO_DELIVERED &&
            go->state != GO_YIELDING &&
-           job->workers[go->worker].state == JW_READY &&
+           job->workers[go->worker].state == PART_READY &&
            (!partition_is_strict(job->partition) ||
             w->version >= msg_since(MSG_YIELD));
 }
@@ -111,7 +111,7 @@ rest(struct coord *c, struct job *job, uint32_t index)
     struct job_worker *jw = &job->workers[index];
     struct msg m = { .type = MSG_REST, .rest = { job->id } };
 
-    if (jw->rest_ms != 0 || jw->state != JW_READY || jw->worker->conn == 0 ||
+    if (jw->rest_ms != 0 || jw->state != PART_READY || jw->worker->conn == 0 ||
         (!jw->seeds && !jw->surveying) ||
         jw->worker->version < msg_since(MSG_REST))
         return;

@@ -636,10 +636,13 @@ describe(const struct sim *s)
                 job->hex, job_state_name(job->state), job->spec.partition,
                 job->spec.flags, job->partition ? job_waiting(job) : 0);
         for (uint32_t k = 0; k < job->nworkers; k++)
-            fprintf(stderr, "  %s: state %d%s%s\n", job->workers[k].name,
-                    (int)job->workers[k].state,
-                    job->workers[k].late ? " late" : "",
-                    job->workers[k].excluded ? " excluded" : "");
+            fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
+                    part_state_name(job->workers[k].state),
+                    job->workers[k].late ? " late" : "");
+        for (uint32_t k = 0; k < job->nunits; k++)
+            if (job->units[k].state != UNIT_OUT)
+                fprintf(stderr, "  unit %u %s\n", k,
+                        unit_state_name(job->units[k].state));
         for (uint32_t k = 0; k < job->nout; k++) {
             const struct job_unit *u = &job->units[job->out[k]];
             struct partition_area a;

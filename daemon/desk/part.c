@@ -1,0 +1,115 @@
+/* part.c - see part.h
+ *
+ *                    JOB_START               READY
+ *            GONE -------------> LOADING -------------> READY
+ *            ^  ^                |  |  |                |  |
+ *            |  '----------------'--|--|----------------'  |
+ *            |     its connection or its child is gone     |
+ *            |                      |  |                   |
+ *            '--- ROOM (has) --- NO_ROOM '-> EXCLUDED <----'
+ *                 or gone
+ *
+ * When the job is over whoever is LOADING or READY is GONE. */
+#include "config.h"
+
+#include "desk/part.h"
+
+#include "desk/job.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BIT(state) (1U << (state))
+
+static const unsigned permitted[PART_STATES] = {
+    [PART_GONE] = BIT(PART_LOADING),
+    [PART_NO_ROOM] = BIT(PART_GONE),
+    [PART_EXCLUDED] = 0,
+    [PART_LOADING] = BIT(PART_READY) | BIT(PART_GONE) | BIT(PART_NO_ROOM) |
+                     BIT(PART_EXCLUDED),
+    [PART_READY] = BIT(PART_GONE) | BIT(PART_EXCLUDED),
+};
+
+bool
+part_permits(enum part_state from, enum part_state to)
+{
+    return permitted[from] & BIT(to);
+}
+
+void
+part_step(struct job_worker *jw, enum part_state to)
+{
+    assert(part_permits(jw->state, to));
+    jw->state = to;
+}
+
+const char *
+part_state_name(enum part_state state)
+{
+    static const char *const name[PART_STATES] = { "gone", "no-room",
+                                                   "excluded", "loading",
+                                                   "ready" };
+
+    return name[state];
+}
+
+bool
+part_is_here(const struct job_worker *jw)
+{
+    return jw->state == PART_LOADING || jw->state == PART_READY;
+}
+
+uint32_t
+part_find(const struct job *job, const char *name)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (strcmp(job->workers[i].name, name) == 0)
+            return i;
+    return JOB_NOBODY;
+}
+
+uint32_t
+part_add(struct job *job, const char *name)
+{
+    uint32_t i = part_find(job, name);
+    struct job_worker *w;
+
+    if (i != JOB_NOBODY)
+        return i;
+    if (job->nworkers == job->cap_workers) {
+        uint32_t cap = job->cap_workers ? 2 * job->cap_workers : 8;
+
+        w = realloc(job->workers, cap * sizeof *w);
+        if (!w)
+            return JOB_NOBODY;
+        job->workers = w;
+        job->cap_workers = cap;
+    }
+    w = &job->workers[job->nworkers];
+    memset(w, 0, sizeof *w);
+    snprintf(w->name, sizeof w->name, "%s", name);
+    return job->nworkers++;
+}
+
+struct msg_tally
+part_tally(const struct job_worker *jw)
+{
+    struct msg_tally t = jw->past;
+
+    t.ambient_sent += jw->tally.ambient_sent;
+    t.ambient_received += jw->tally.ambient_received;
+    t.ambient_redundant += jw->tally.ambient_redundant;
+    t.bytes_in += jw->tally.bytes_in;
+    t.bytes_out += jw->tally.bytes_out;
+    t.base_line_bytes += jw->tally.base_line_bytes;
+    t.base_line_pixels += jw->tally.base_line_pixels;
+    t.busy_s += jw->tally.busy_s;
+    t.wait_base_line_s += jw->tally.wait_base_line_s;
+    msg_counts_add(&t.dropped, &jw->tally.dropped);
+    msg_counts_add(&t.seeded, &jw->tally.seeded);
+    if (jw->tally.peak_rss_bytes > t.peak_rss_bytes)
+        t.peak_rss_bytes = jw->tally.peak_rss_bytes;
+    return t;
+}

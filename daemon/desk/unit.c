@@ -1,0 +1,156 @@
+/* unit.c - see unit.h
+ *
+ *             the partition cuts it off        (recovered with all its rows)
+ *                       |        .---------------------------------.
+ *                       v        |                                 |
+ *     lost, given  -> WAITING ---+-> OUT --- its rows are kept --> DONE
+ *     back    .-------^----------.  ^ |
+ *             |                     | |
+ *             '-- OUT --crashed--> SUSPECT
+ *
+ * A unit that is OUT has attempts (go.c), but while its last ones end.  When it
+ * is lost while rows of it are on their way to the disk, and all turn out to be
+ * kept, it is taken out of its queue again and is DONE. */
+#include "config.h"
+
+#include "desk/unit.h"
+
+#include "desk/job.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BIT(state) (1U << (state))
+
+static const unsigned permitted[UNIT_STATES] = {
+    [UNIT_WAITING] = BIT(UNIT_OUT) | BIT(UNIT_DONE),
+    [UNIT_SUSPECT] = BIT(UNIT_OUT),
+    [UNIT_OUT] = BIT(UNIT_WAITING) | BIT(UNIT_SUSPECT) | BIT(UNIT_DONE),
+    [UNIT_DONE] = 0,
+};
+
+bool
+unit_permits(enum unit_state from, enum unit_state to)
+{
+    return permitted[from] & BIT(to);
+}
+
+void
+unit_step(struct job_unit *u, enum unit_state to)
+{
+    assert(unit_permits(u->state, to));
+    u->state = to;
+}
+
+const char *
+unit_state_name(enum unit_state state)
+{
+    static const char *const name[UNIT_STATES] = { "waiting", "suspect", "out",
+                                                   "done" };
+
+    return name[state];
+}
+
+bool
+unit_grow(struct job *job)
+{
+    uint32_t n = partition_total(job->partition);
+
+    if (n > job->cap_units) {
+        uint32_t cap = n > 2 * job->cap_units ? n : 2 * job->cap_units;
+        struct job_unit *v = realloc(job->units, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->units = v;
+        job->cap_units = cap;
+    }
+    for (; job->nunits < n; job->nunits++) {
+        struct job_unit *u = &job->units[job->nunits];
+
+        memset(u, 0, sizeof *u);
+        u->worker = u->crasher = JOB_NOBODY;
+        u->attempt = job_first_attempt(job);
+    }
+    return true;
+}
+
+static bool
+add_suspect(struct job *job, uint32_t unit)
+{
+    if (job->nsuspects == job->cap_suspects) {
+        uint32_t cap = job->cap_suspects ? 2 * job->cap_suspects : 16;
+        uint32_t *v = realloc(job->suspects, cap * sizeof *v);
+
+        if (!v)
+            return false;
+        job->suspects = v;
+        job->cap_suspects = cap;
+    }
+    job->suspects[job->nsuspects++] = unit;
+    return true;
+}
+
+static void
+remove_suspect(struct job *job, uint32_t unit)
+{
+    uint32_t i = 0;
+
+    while (job->suspects[i] != unit)
+        i++;
+    job->suspects[i] = job->suspects[--job->nsuspects];
+}
+
+void
+unit_take(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->state == UNIT_SUSPECT)
+        remove_suspect(job, unit);
+    else
+        partition_take(job->partition, unit);
+    unit_step(u, UNIT_OUT);
+}
+
+void
+unit_wait(struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    if (u->crashes > 0 && add_suspect(job, unit)) {
+        unit_step(u, UNIT_SUSPECT);
+        return;
+    }
+    partition_lost(job->partition, unit);
+    unit_step(u, UNIT_WAITING);
+}
+
+void
+unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_worker *jw = &job->workers[u->worker];
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    partition_done(job->partition, unit, (double)u->counts.rays);
+    unit_step(u, UNIT_DONE);
+    u->end_ms = end_ms;
+    if (end_ms > job->last_ms)
+        job->last_ms = end_ms;
+    jw->units++;
+    jw->setbacks = 0;
+    jw->rays += u->counts.rays - u->lent.rays;
+    jw->cpu_s += u->counts.cpu_s - u->lent.cpu_s;
+    job->rays += u->counts.rays - u->lent.rays;
+    u->counts.nan.frame = job->spec.frames[a.frame].number;
+    msg_nan_add(&job->nan, &u->counts.nan);
+    msg_faults_add(job->faults, u->counts.faults);
+    msg_doubt_add(&job->doubt, &u->counts.doubt);
+    job_see_work(job);
+    job->units_done++;
+    job->cost_done += partition_cost(job->partition, unit);
+    job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;
+}

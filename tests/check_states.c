@@ -1,0 +1,220 @@
+/* check_states.c - the states of attempts, units and workers' parts in a job,
+ * and what may follow what */
+#include "config.h"
+
+#include "desk/go.h"
+#include "desk/part.h"
+#include "desk/unit.h"
+#include "unit.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* A machine of the coordinator, by the numbers of its states. */
+struct machine {
+    int states;
+    /* "working: parked blocked": as in the drawing at the head of its file,
+     * which this says again on purpose */
+    const char *steps[8];
+    const char *(*name)(int state);
+    bool (*permits)(int from, int to);
+    int (*step)(int from, int to);
+};
+
+static const char *
+go_name(int state)
+{
+    return go_state_name((enum go_state)state);
+}
+
+static bool
+go_may(int from, int to)
+{
+    return go_permits((enum go_state)from, (enum go_state)to);
+}
+
+static int
+go_does(int from, int to)
+{
+    struct job_go go = { .state = (enum go_state)from };
+
+    go_step(&go, (enum go_state)to);
+    return (int)go.state;
+}
+
+static const char *
+unit_name(int state)
+{
+    return unit_state_name((enum unit_state)state);
+}
+
+static bool
+unit_may(int from, int to)
+{
+    return unit_permits((enum unit_state)from, (enum unit_state)to);
+}
+
+static int
+unit_does(int from, int to)
+{
+    struct job_unit u = { .state = (enum unit_state)from };
+
+    unit_step(&u, (enum unit_state)to);
+    return (int)u.state;
+}
+
+static const char *
+part_name(int state)
+{
+    return part_state_name((enum part_state)state);
+}
+
+static bool
+part_may(int from, int to)
+{
+    return part_permits((enum part_state)from, (enum part_state)to);
+}
+
+static int
+part_does(int from, int to)
+{
+    struct job_worker jw = { .state = (enum part_state)from };
+
+    part_step(&jw, (enum part_state)to);
+    return (int)jw.state;
+}
+
+static const struct machine machines[] = {
+    { GO_STATES,
+      { "over: working", "working: parked blocked yielding delivered over",
+        "parked: working yielding delivered over",
+        "blocked: working yielding delivered over", "yielding: delivered over",
+        "delivered: over" },
+      go_name,
+      go_may,
+      go_does },
+    { UNIT_STATES,
+      { "waiting: out done", "suspect: out", "out: waiting suspect done",
+        "done:" },
+      unit_name,
+      unit_may,
+      unit_does },
+    { PART_STATES,
+      { "gone: loading", "no-room: gone", "excluded:",
+        "loading: ready gone no-room excluded", "ready: gone excluded" },
+      part_name,
+      part_may,
+      part_does },
+};
+
+/* Does a line of steps begin with that state, and have the other? */
+static bool
+says(const char *line, const char *from, const char *to)
+{
+    size_t n = strlen(from);
+    char words[128], word[32];
+
+    if (strncmp(line, from, n) != 0 || line[n] != ':')
+        return false;
+    snprintf(words, sizeof words, "%s ", line + n + 1);
+    snprintf(word, sizeof word, " %s ", to);
+    return strstr(words, word) != NULL;
+}
+
+static bool
+follows(const struct machine *m, int from, int to)
+{
+    for (int i = 0; i < m->states; i++)
+        if (says(m->steps[i], m->name(from), m->name(to)))
+            return true;
+    return false;
+}
+
+/* The signal that ends a process which takes the step; 0: it lives. */
+static int
+signal_of_step(const struct machine *m, int from, int to)
+{
+    int status;
+    pid_t pid = fork();
+
+    ck_assert_int_ge(pid, 0);
+    if (pid == 0) {
+        setrlimit(RLIMIT_CORE, &(struct rlimit){ 0, 0 });
+        if (!freopen("/dev/null", "w", stderr)) /* what assert() says */
+            _exit(1);
+        _exit(m->step(from, to) == to ? 0 : 2);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    if (WIFSIGNALED(status))
+        return WTERMSIG(status);
+    ck_assert_int_eq(WEXITSTATUS(status), 0);
+    return 0;
+}
+
+START_TEST(the_steps_of_the_drawings_and_no_others_can_be_taken)
+{
+    const struct machine *m = &machines[_i];
+
+    for (int from = 0; from < m->states; from++)
+        for (int to = 0; to < m->states; to++) {
+            bool may = follows(m, from, to);
+
+            ck_assert_msg(m->permits(from, to) == may, "%s to %s",
+                          m->name(from), m->name(to));
+            ck_assert_msg(signal_of_step(m, from, to) == (may ? 0 : SIGABRT),
+                          "%s to %s", m->name(from), m->name(to));
+        }
+}
+END_TEST
+
+/* A word that is misspelt in the lists above would permit nothing. */
+START_TEST(the_drawings_name_states_that_there_are)
+{
+    const struct machine *m = &machines[_i];
+    size_t n = 0, words = 0;
+
+    for (int i = 0; i < m->states; i++)
+        for (const char *s = m->steps[i]; *s; s++)
+            words += *s == ' ';
+    for (int from = 0; from < m->states; from++)
+        for (int to = 0; to < m->states; to++)
+            n += follows(m, from, to);
+    ck_assert_uint_eq(n, words);
+}
+END_TEST
+
+START_TEST(an_attempt_works_or_waits_or_neither)
+{
+    static const struct {
+        bool works, waits;
+    } is[GO_STATES] = {
+        [GO_WORKING] = { true, false },    [GO_PARKED] = { false, true },
+        [GO_BLOCKED] = { false, true },    [GO_YIELDING] = { false, true },
+        [GO_DELIVERED] = { false, false },
+    };
+    const struct job_go go = { .state = (enum go_state)_i };
+
+    ck_assert_int_eq(go_works(&go), is[_i].works);
+    ck_assert_int_eq(go_waits(&go), is[_i].waits);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("states");
+    TCase *tc = tcase_create("states");
+
+    tcase_add_loop_test(tc,
+                        the_steps_of_the_drawings_and_no_others_can_be_taken, 0,
+                        N_ELEM(machines));
+    tcase_add_loop_test(tc, the_drawings_name_states_that_there_are, 0,
+                        N_ELEM(machines));
+    tcase_add_loop_test(tc, an_attempt_works_or_waits_or_neither, 0, GO_STATES);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
