@@ -232,7 +232,8 @@ status_for(uint64_t conn)
     return m->type == MSG_FAILED ? m->failed.status : 0;
 }
 
-/* What the store was still at for a job is nothing to the next one of its id. */
+/* What the store was still at for a job is nothing to the next one of its id.
+ */
 START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
 {
     struct action_rows rows = { .unit = 5, .frame = 7, .rows = 1, .width = 8 };
@@ -270,15 +271,15 @@ START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
     submit(&f, ANA, job_a, 0);
     job = coord_find_job(f.c, job_a);
     coord_job_waits(f.c, f.now_ms, job_a, gone, "it is large");
-    ck_assert(!job->waits);
+    ck_assert(job->stage != STAGE_NO_ROOM);
     coord_job_opened(f.c, f.now_ms, job_a, gone, 0, "");
-    ck_assert(!job->opened);
+    ck_assert(job->stage != STAGE_OPEN);
     coord_job_opened(f.c, f.now_ms, job_a, gone, EX_TEMPFAIL, "it is over");
     coord_job_filed(f.c, f.now_ms, job_a, gone, 900);
     ck_assert(!job_over(job));
     ck_assert_uint_eq(job->kept_bytes, 0);
     coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, "");
-    ck_assert(job->opened);
+    ck_assert(job->stage == STAGE_OPEN);
 }
 END_TEST
 

@@ -1,8 +1,9 @@
-/* check_states.c - the states of attempts, units and workers' parts in a job,
- * and what may follow what */
+/* check_states.c - the states of jobs, their units, attempts at these and
+ * workers' parts in a job, and what may follow what */
 #include "config.h"
 
 #include "desk/go.h"
+#include "desk/job.h"
 #include "desk/part.h"
 #include "desk/unit.h"
 #include "unit.h"
@@ -88,6 +89,27 @@ part_does(int from, int to)
     return (int)jw.state;
 }
 
+static const char *
+stage_name(int state)
+{
+    return job_stage_name((enum job_stage)state);
+}
+
+static bool
+stage_may(int from, int to)
+{
+    return job_permits((enum job_stage)from, (enum job_stage)to);
+}
+
+static int
+stage_does(int from, int to)
+{
+    struct job job = { .stage = (enum job_stage)from };
+
+    job_step(&job, (enum job_stage)to);
+    return (int)job.stage;
+}
+
 static const struct machine machines[] = {
     { GO_STATES,
       { "over: working", "working: parked blocked yielding delivered over",
@@ -109,6 +131,12 @@ static const struct machine machines[] = {
       part_name,
       part_may,
       part_does },
+    { JOB_STAGES,
+      { "arriving: opening open filed", "opening: no-room open kept",
+        "no-room: open kept", "open: kept", "kept: filed", "filed:" },
+      stage_name,
+      stage_may,
+      stage_does },
 };
 
 /* Does a line of steps begin with that state, and have the other? */

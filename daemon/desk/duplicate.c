@@ -55,7 +55,7 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
 
     /* in an earlier life of the coordinator, that kept nothing of it, the
      * number may have been another unit's */
-    if (!u->hashes.row || m->attempt < job_first_attempt(job) ||
+    if (!u->hashes.row || m->attempt < unit_first_attempt(job) ||
         u->hashes.fingerprint != job->workers[index].fingerprint ||
         m->attempt == u->lead)
         return;

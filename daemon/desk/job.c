@@ -1,4 +1,17 @@
-/* job.c - see job.h */
+/* job.c - see job.h
+ *
+ *     ARRIVING --all files are here--> OPENING --no room--> NO_ROOM
+ *        |                               | |                 | |
+ *        |                               | '-> OPEN <--room--' |
+ *        |             restart           |      | |            |
+ *        +----------------------------------->--' |            |
+ *        |                               |        |            |
+ *        | restart, and it was over      '---> KEPT <----------'
+ *        |                                      |     over, and the store has
+ *        '----------------------> FILED <-------'     its statistics
+ *
+ * A job that is over while files of it are yet to come stays ARRIVING: the
+ * store does not know it. */
 #include "config.h"
 
 #include "desk/job.h"
@@ -10,6 +23,7 @@
 
 #include "image/filter.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,7 +116,8 @@ job_count_frames(const struct msg_spec *spec)
 uint32_t
 job_weight(const struct job *job)
 {
-    uint64_t n = job->filed ? job->spec.nframes : job->frames_counted;
+    uint64_t n =
+        job->stage == STAGE_FILED ? job->spec.nframes : job->frames_counted;
 
     return 1 + (uint32_t)(n / FRAMES_A_JOB);
 }
@@ -208,7 +223,7 @@ void
 job_lighten(struct job *job, uint64_t now_ms)
 {
     job_progress(job, now_ms, &job->last);
-    job->filed = true;
+    job_step(job, STAGE_FILED);
     free_work(job);
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         job->frames[i].line_s = NULL;
@@ -234,6 +249,46 @@ job_over(const struct job *job)
     return job->state >= JOB_DONE;
 }
 
+#define BIT(stage) (1U << (stage))
+
+static const unsigned permitted[JOB_STAGES] = {
+    [STAGE_ARRIVING] = BIT(STAGE_OPENING) | BIT(STAGE_OPEN) | BIT(STAGE_FILED),
+    [STAGE_OPENING] = BIT(STAGE_NO_ROOM) | BIT(STAGE_OPEN) | BIT(STAGE_KEPT),
+    [STAGE_NO_ROOM] = BIT(STAGE_OPEN) | BIT(STAGE_KEPT),
+    [STAGE_OPEN] = BIT(STAGE_KEPT),
+    [STAGE_KEPT] = BIT(STAGE_FILED),
+    [STAGE_FILED] = 0,
+};
+
+bool
+job_permits(enum job_stage from, enum job_stage to)
+{
+    return permitted[from] & BIT(to);
+}
+
+void
+job_step(struct job *job, enum job_stage to)
+{
+    assert(job_permits(job->stage, to));
+    job->stage = to;
+}
+
+const char *
+job_stage_name(enum job_stage stage)
+{
+    static const char *const name[JOB_STAGES] = { "arriving", "opening",
+                                                  "no-room",  "open",
+                                                  "kept",     "filed" };
+
+    return name[stage];
+}
+
+bool
+job_held(const struct job *job)
+{
+    return !job_over(job) && (job->full || job->stage == STAGE_NO_ROOM);
+}
+
 const char *
 job_state_name(enum job_state state)
 {
@@ -246,7 +301,7 @@ job_state_name(enum job_state state)
 const char *
 job_is(const struct job *job)
 {
-    return job->held && !job_over(job) ? "held" : job_state_name(job->state);
+    return job_held(job) ? "held" : job_state_name(job->state);
 }
 
 int
@@ -337,12 +392,6 @@ job_split(struct job *job, bool single, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
     return 0;
-}
-
-uint32_t
-job_first_attempt(const struct job *job)
-{
-    return job->lives << 16;
 }
 
 void
@@ -484,15 +533,14 @@ job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
 {
     uint64_t until = job_over(job) ? job->end_ms : now_ms;
 
-    if (job->filed) {
+    if (job->stage == STAGE_FILED) {
         *p = job->last;
         p->job = job->id;
         return;
     }
     *p = (struct msg_progress){
         .job = job->id,
-        .state =
-            job->held && !job_over(job) ? MSG_STATE_HELD : (uint8_t)job->state,
+        .state = job_held(job) ? MSG_STATE_HELD : (uint8_t)job->state,
         .pixels_done = job->pixels_done,
         .pixels_total = job->pixels_total,
         .units_done = job->units_done,

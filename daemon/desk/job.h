@@ -30,6 +30,17 @@ enum job_state {
     JOB_CANCELLED
 };
 
+/* How far the store is with a job; drawn at the head of job.c. */
+enum job_stage {
+    STAGE_ARRIVING, /* files of it are yet to come */
+    STAGE_OPENING,  /* the store was asked for room for its rows */
+    STAGE_NO_ROOM,  /* the store waits for that room: text says why */
+    STAGE_OPEN,     /* bundle and room for rows are there */
+    STAGE_KEPT,     /* it is over, and the store has its statistics */
+    STAGE_FILED     /* but for its end and its frames only the store knows it */
+};
+#define JOB_STAGES 6
+
 /* A unit fails its job when it brought down the children of two workers, or,
  * where there is but one worker, that worker's child this often. */
 #define JOB_MAX_CRASHES 3
@@ -69,19 +80,15 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool held;      /* for want of room on the disk */
-    bool waits;     /* held alone, before it was opened: text says why */
+    enum job_stage stage; /* by job_step() alone */
+    bool full;      /* the disk is: it is held as all others are */
     uint32_t lives; /* of the coordinator, that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* its statistics, on their way to the store */
-    bool stats_kept; /* the store has these */
-    bool filed; /* over; but for what follows only the store knows of it */
-    struct msg_progress last; /* of one that is filed */
+    struct msg_progress last; /* with STAGE_FILED */
     uint64_t kept_bytes;      /* on the disk, once it is over */
     uint32_t unfetched;  /* frames that are written, and not fetched */
     uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
-    bool opened;              /* bundle and room for rows are there */
-    bool asked_open;
     uint32_t nfound;   /* files that were seen in the store before that */
     uint64_t found_ms; /* when the last of them was */
     int status;        /* of sysexits.h, with JOB_FAILED */
@@ -175,6 +182,16 @@ void job_lighten(struct job *job, uint64_t now_ms);
 /* Is it over, one way or the other? */
 bool job_over(const struct job *job);
 
+/* May a job pass from one stage to the other? */
+bool job_permits(enum job_stage from, enum job_stage to);
+/* It is in another stage from here on, which must be permitted. */
+void job_step(struct job *job, enum job_stage to);
+/* "opening" */
+const char *job_stage_name(enum job_stage stage);
+
+/* Does it get no units for want of room on the disk? */
+bool job_held(const struct job *job);
+
 /* "running". */
 const char *job_state_name(enum job_state state);
 const char *job_is(const struct job *job); /* the same, or "held" */
@@ -186,9 +203,6 @@ int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
 
 /* Lay out the units; single as in partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
-
-/* Attempts are numbered anew in each life of the coordinator, from here on. */
-uint32_t job_first_attempt(const struct job *job);
 
 /* Add what was spent on lines, if the job has these.  Without memory the
  * statistics go without. */

@@ -7,8 +7,9 @@
 #include <stdio.h>
 #include <sysexits.h>
 
-/* A worker whose connection broke dials again after at most .75 s. */
-#define KEEP_MS 2000
+/* Units wait for a worker whose connection broke for so long: it dials again
+ * after at most .75 s. */
+#define REDIAL_MS 2000
 
 /* What one loses so often without ever coming back to it, others may get at
  * once: a worker that dies of it and is started again would have it for ever.
@@ -186,14 +187,14 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
     }
     /* what it is not at it gets now, if it gets anything */
     loss_keep(c, job, index,
-              sched_takes_units(job->workers[index].worker) ? KEEP_MS : 0);
+              sched_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
 }
 
 /* The worker's go at the unit that it says it is at, if nobody else was given
  * it; NULL. */
 static struct job_go *
-go_again(struct coord *c, struct job *job, uint32_t index,
-         const struct msg_gave *m)
+find_or_revive(struct coord *c, struct job *job, uint32_t index,
+               const struct msg_gave *m)
 {
     const struct job_unit *u = &job->units[m->unit];
     struct job_go *go = go_find(job, m->unit, index, m->attempt);
@@ -206,7 +207,7 @@ go_again(struct coord *c, struct job *job, uint32_t index,
 }
 
 static bool
-goes_on(struct coord *c, struct job *job, uint32_t index,
+take_up(struct coord *c, struct job *job, uint32_t index,
         const struct msg_gave *m)
 {
     struct partition_area a;
@@ -215,7 +216,7 @@ goes_on(struct coord *c, struct job *job, uint32_t index,
     if (!job->partition || m->unit >= job->nunits)
         return false;
     partition_area(job->partition, m->unit, &a);
-    go = m->height <= a.height ? go_again(c, job, index, m) : NULL;
+    go = m->height <= a.height ? find_or_revive(c, job, index, m) : NULL;
     if (!go)
         return false;
     go->origin = GO_RESUMED;
@@ -236,7 +237,7 @@ loss_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
                       .revoke = { m->job, m->unit, m->attempt } };
 
     if (job && (job->workers[index].state != PART_LOADING ||
-                !goes_on(c, job, index, m)))
+                !take_up(c, job, index, m)))
         actions_send(&c->actions, w->conn, &no);
 }
 
@@ -261,7 +262,7 @@ patience(const struct coord *c, const struct job_worker *jw)
     if (jw->worker->leaving)
         return 0;
     if (jw->state == PART_READY)
-        return KEEP_MS;
+        return REDIAL_MS;
     return jw->keep_ms > c->now_ms ? jw->keep_ms - c->now_ms : 0;
 }
 

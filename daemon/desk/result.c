@@ -192,35 +192,39 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
     u->lead = 0;
 }
 
-/* Whose rows of the unit count is decided: do these?  They do not where another
- * attempt leads, and where nobody waits for them. */
-static bool
-counts(struct coord *c, struct job *job, uint32_t index,
-       const struct msg_result *m)
+/* Rows of an attempt came: decide whether they count.  The first whose first
+ * rows come leads. */
+static void
+elect(struct coord *c, struct job *job, struct job_go *go,
+      const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
-    if (u->state == UNIT_DONE || !part_is_here(&job->workers[index]))
-        return false;
-    if (!go)
-        return u->ngos == 0 && u->lead != 0 && m->attempt == u->lead &&
-               u->worker == index && m->row <= u->next_row &&
-               m->row + m->rows > u->stored_rows;
     if (u->lead != m->attempt)
         overtake(c, job, go, m);
     if (u->lead == 0 && m->row == 0 && go->rows == GO_MAY_LEAD) {
         u->lead = m->attempt;
-        u->worker = index;
+        u->worker = go->worker;
         u->out_ms = go->out_ms;
         sched_keep_unit(c, job, m->unit);
     }
-    if (u->lead != m->attempt) {
-        if (go->rows == GO_MAY_LEAD)
-            go->rows = GO_DROPPED;
-        return false;
-    }
-    return m->row + m->rows > u->stored_rows;
+    if (u->lead != m->attempt && go->rows == GO_MAY_LEAD)
+        go->rows = GO_DROPPED;
+}
+
+/* Do the rows count?  They do not where another attempt leads, and where nobody
+ * waits for them.  Without attempts at the unit they are of one that was lost,
+ * and goes on if nobody else began. */
+static bool
+counts(const struct job *job, uint32_t index, const struct msg_result *m)
+{
+    const struct job_unit *u = &job->units[m->unit];
+
+    return u->state != UNIT_DONE && part_is_here(&job->workers[index]) &&
+           u->lead != 0 && u->lead == m->attempt &&
+           m->row + m->rows > u->stored_rows &&
+           (go_find(job, m->unit, index, m->attempt) ||
+            (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
 }
 
 /* All that the worker had to do is done: while the rows go to the disk it can
@@ -244,7 +248,7 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
-    return m->attempt < job_first_attempt(job) ||
+    return m->attempt < unit_first_attempt(job) ||
            job->workers[index].state != PART_READY;
 }
 
@@ -292,7 +296,11 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
         return;
     }
     partition_area(job->partition, m->unit, &a);
-    if (!counts(c, job, index, m)) {
+    u = &job->units[m->unit];
+    go = go_find(job, m->unit, index, m->attempt);
+    if (go && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
+        elect(c, job, go, m);
+    if (!counts(job, index, m)) {
         if (result_fits(job, m, &a))
             duplicate_check(c, job, index, m);
         note_end(job, index, m);
@@ -303,7 +311,6 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
         coord_break(c, w->conn, "a RESULT that fits no unit");
         return;
     }
-    u = &job->units[m->unit];
     if (m->row < u->next_row)
         return; /* on its way to the disk */
     if (m->row > u->next_row) {
@@ -402,6 +409,7 @@ finish(struct coord *c, struct job *job, uint32_t unit)
     else
         unit_take(job, unit); /* the worker went just now */
     unit_done(job, unit, c->now_ms);
+    job_see_work(job);
     if (job->shared)
         handoff_done(job, unit);
     if (job->frames[a.frame].pixels_left > 0)

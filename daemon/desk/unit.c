@@ -52,6 +52,12 @@ unit_state_name(enum unit_state state)
     return name[state];
 }
 
+uint32_t
+unit_first_attempt(const struct job *job)
+{
+    return job->lives << 16;
+}
+
 bool
 unit_grow(struct job *job)
 {
@@ -71,7 +77,7 @@ unit_grow(struct job *job)
 
         memset(u, 0, sizeof *u);
         u->worker = u->crasher = JOB_NOBODY;
-        u->attempt = job_first_attempt(job);
+        u->attempt = unit_first_attempt(job);
     }
     return true;
 }
@@ -149,7 +155,6 @@ unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     msg_nan_add(&job->nan, &u->counts.nan);
     msg_faults_add(job->faults, u->counts.faults);
     msg_doubt_add(&job->doubt, &u->counts.doubt);
-    job_see_work(job);
     job->units_done++;
     job->cost_done += partition_cost(job->partition, unit);
     job->frames[a.frame].pixels_left -= (uint64_t)a.width * a.height;

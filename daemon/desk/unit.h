@@ -61,6 +61,9 @@ void unit_step(struct job_unit *u, enum unit_state to);
 /* "waiting" */
 const char *unit_state_name(enum unit_state state);
 
+/* Attempts are numbered anew in each life of the coordinator, from here on. */
+uint32_t unit_first_attempt(const struct job *job);
+
 /* Make job->units as long as the partition has units; false: memory is out. */
 bool unit_grow(struct job *job);
 
@@ -69,7 +72,7 @@ bool unit_grow(struct job *job);
 void unit_take(struct job *job, uint32_t unit);
 /* Nobody has the unit any more: it waits again. */
 void unit_wait(struct job *job, uint32_t unit);
-/* All its rows are kept: count them. */
+/* All its rows are kept: count them; job_see_work() is due then. */
 void unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
 
 #endif

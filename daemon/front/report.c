@@ -140,8 +140,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     }
     if (job_over(job))
         return job->text;
-    if (job->held)
-        return job->waits ? job->text : c->full_text;
+    if (job_held(job))
+        return job->stage == STAGE_NO_ROOM ? job->text : c->full_text;
     if (nobody)
         return nobody;
     if (full) {

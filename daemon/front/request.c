@@ -217,10 +217,11 @@ on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
         conn->answers++;
 }
 
-/* Does that piece belong to a file that may come?  Whose first piece was
- * refused need not hear of each that follows. */
+/* A piece of a file came; with the first the file is admitted, or refused.
+ * False: the piece is not wanted.  Whose first piece was refused need not hear
+ * of each that follows. */
 static bool
-takes_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
+admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     const struct msg_chunk *k = &m->chunk;
     struct rad_error err = { 0 };
@@ -247,7 +248,7 @@ on_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct action *a;
 
     conn->moved_ms = c->now_ms;
-    if (!takes_chunk(c, conn, m))
+    if (!admit_chunk(c, conn, m))
         return;
     conn->sent_bytes += m->chunk.len;
     a = actions_add(&c->actions, ACT_PUT_CHUNK, conn->id);
@@ -334,7 +335,7 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
     if (!job)
         return;
     conn->watch_request = request;
-    if (job->opened || job_over(job))
+    if (job->stage == STAGE_OPEN || job_over(job))
         coord_send_accept(c, conn, job, true);
     if (job_over(job))
         coord_send_end(c, conn, job);
@@ -641,7 +642,7 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
         return "the job has no distances";
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
-        return job->opened ? NULL : "nothing is rendered yet";
+        return job->open_ms != 0 ? NULL : "nothing is rendered yet";
     if (job_frame_written(&job->frames[m->frame]))
         return NULL;
     if (!job_over(job))
@@ -664,7 +665,7 @@ on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (!job)
         return;
-    if (m->fetch.what == MSG_WHAT_STATS && !job->filed) {
+    if (m->fetch.what == MSG_WHAT_STATS && job->stage != STAGE_FILED) {
         fetch_stats(c, conn, m, job);
         return;
     }

@@ -14,8 +14,8 @@
 
 #include <string.h>
 
-#define LINK_MS 100  /* a link between workers has brought it by then */
-#define KEEP_MS 5000 /* whoever has not made a base line by then is stuck */
+#define LINK_MS  100  /* a link between workers has brought it by then */
+#define STUCK_MS 5000 /* an attempt has made the base line above by then */
 
 /* Lines [*first, *last) of a unit; its frame. */
 static uint32_t
@@ -477,7 +477,7 @@ handoff_tick(struct coord *c, struct job *job)
 
         offer_top(c, job, job->out[i]);
         for (uint8_t k = 0; k < u->ngos; k++)
-            if (c->now_ms - u->go[k].out_ms >= KEEP_MS)
+            if (c->now_ms - u->go[k].out_ms >= STUCK_MS)
                 handoff_top_made(c, job, job->out[i], &u->go[k]);
     }
 }

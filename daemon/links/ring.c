@@ -167,7 +167,7 @@ find_pair(const struct ring *r, uint32_t a, uint32_t b)
 }
 
 static bool
-room_for_pairs(struct ring *r, size_t n)
+make_room_for_pairs(struct ring *r, size_t n)
 {
     struct pair *p;
 
@@ -304,7 +304,7 @@ introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
     struct pair p = pair_of(a, b, kind);
     size_t i = r->npairs;
 
-    if (!room_for_pairs(r, r->npairs + 1)) {
+    if (!make_room_for_pairs(r, r->npairs + 1)) {
         c->actions.failed = true;
         return false;
     }
@@ -589,7 +589,7 @@ begin(struct coord *c, struct job *job, uint32_t newcomer)
             if (a == newcomer || b == newcomer || !is_here(job, a) ||
                 !is_here(job, b))
                 continue;
-            if (!room_for_pairs(r, r->npairs + 1))
+            if (!make_room_for_pairs(r, r->npairs + 1))
                 return false;
             r->pair[r->npairs++] =
                 pair_of(a, b, shares_records(job) ? PAIR_RING : PAIR_LINES);

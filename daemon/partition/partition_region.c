@@ -214,7 +214,8 @@ is_expected(const struct partition_lines *s, const struct frame *f,
  * itself: it was kept back when somebody did, or its worker is gone.  All below
  * wait for it.  False: there is none. */
 static bool
-left_behind(const struct partition_lines *s, struct frame *f, uint32_t *line)
+find_left_behind(const struct partition_lines *s, struct frame *f,
+                 uint32_t *line)
 {
     while (f->taken < f->n && s->unit[f->first + f->taken] != PARTITION_NONE)
         f->taken++;
@@ -259,7 +260,7 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
         w->line != f->next)
         return w->line; /* at f->next it is the next region that follows */
     if (has_many_lines(s, f, who) &&
-        (left_behind(s, f, &line) || lags_behind(s, f, who, &line)))
+        (find_left_behind(s, f, &line) || lags_behind(s, f, who, &line)))
         return line;
     if (begin_region(s, f, who, &line))
         return line;

@@ -489,7 +489,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     wire_clean(c->full_text);
     log_fullness(c);
     for (size_t i = 0; i < c->njobs; i++)
-        c->jobs[i]->held = full || c->jobs[i]->waits;
+        c->jobs[i]->full = full;
     c->progress_ms = 0; /* those who watch hear of it at the next tick */
     sched_run(c);
 }

@@ -127,7 +127,7 @@ coord_add_job(struct coord *c, struct job *job)
     if (!job->payer)
         return false;
     job->sequence = ++c->sequence;
-    job->held = c->full;
+    job->full = c->full;
     put_in_order(c, job, i);
     c->njobs++;
     return true;
@@ -158,7 +158,7 @@ next_file(const struct job *job)
 static bool
 lacks_files(const struct job *job)
 {
-    return !job->asked_open && !job_over(job);
+    return job->stage == STAGE_ARRIVING && !job_over(job);
 }
 
 /* Once its files are all there, ask for room for its rows; workers load it
@@ -189,7 +189,8 @@ coord_try_open(struct coord *c, struct job *job)
         return;
     if (!known_name(&job->payer->files, f))
         c->actions.failed = true;
-    job->asked_open = c->stirred = true;
+    job_step(job, STAGE_OPENING);
+    c->stirred = true;
     a = actions_add_job(&c->actions, ACT_JOB_OPEN, 0, job->id);
     if (a)
         a->sequence = job->sequence;
@@ -232,7 +233,7 @@ end_stalled(struct coord *c, struct job *job)
 static void
 lighten(struct coord *c, struct job *job)
 {
-    if (!job->stats_kept || job->filed || c->now_ms - job->end_ms < LINGER_MS ||
+    if (job->stage != STAGE_KEPT || c->now_ms - job->end_ms < LINGER_MS ||
         request_tells(c, job))
         return;
     job_lighten(job, c->now_ms);
@@ -278,7 +279,7 @@ coord_keep_state(struct coord *c, const struct job *job)
 {
     struct action *a;
 
-    if (!c->env.keeps || !job->asked_open)
+    if (!c->env.keeps || job->stage == STAGE_ARRIVING)
         return;
     a = actions_add_job(&c->actions, ACT_JOB_STATE, 0, job->id);
     if (!a)
@@ -296,7 +297,8 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     c->now_ms = now_ms;
     if (!job || job_over(job))
         return;
-    job->waits = job->held = true;
+    if (job->stage != STAGE_NO_ROOM)
+        job_step(job, STAGE_NO_ROOM);
     rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
                    text);
     wire_clean(job->text);
@@ -310,8 +312,6 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
 static void
 wait_no_more(struct coord *c, struct job *job)
 {
-    job->waits = false;
-    job->held = c->full;
     job->text[0] = '\0';
     actions_log(&c->actions, ACT_INFO, "job has room job=%s", job->hex);
     coord_keep_state(c, job);
@@ -322,15 +322,17 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  uint64_t sequence, int status, const char *text)
 {
     struct job *job;
+    bool waited;
 
     c->now_ms = now_ms;
     job = stored(c, id, sequence, status, text);
     if (!job)
         return;
-    if (job->waits)
-        wait_no_more(c, job);
-    job->opened = true;
+    waited = job->stage == STAGE_NO_ROOM;
+    job_step(job, STAGE_OPEN);
     job->open_ms = now_ms;
+    if (waited)
+        wait_no_more(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job)
             coord_send_accept(c, conn, job, false);
@@ -346,7 +348,7 @@ coord_drop_job(struct coord *c, const struct job *gone)
     while (c->jobs[i] != gone)
         i++;
     job = c->jobs[i];
-    if (job->asked_open)
+    if (job->stage != STAGE_ARRIVING)
         known_unname(&job->payer->files, c->now_ms, &job->spec.files);
     job_free(job);
     memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
@@ -387,7 +389,7 @@ go_on_filing(struct coord *c, struct job *job)
 static void
 file_job(struct coord *c, struct job *job)
 {
-    if (!c->env.keeps || !job->asked_open)
+    if (!c->env.keeps || job->stage == STAGE_ARRIVING)
         return;
     job->filing = stats_begin(job, c->now_ms);
     if (job->filing)
@@ -458,7 +460,8 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     c->now_ms = now_ms;
     if (job) {
         job->kept_bytes = bytes;
-        job->stats_kept = c->env.keeps;
+        if (c->env.keeps)
+            job_step(job, STAGE_KEPT);
     }
     c->keep_due = true;
     coord_forget_old(c);

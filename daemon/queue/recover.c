@@ -93,6 +93,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     if (s->done) {
         u->counts = s->counts;
         unit_done(job, s->unit, s->end_ms);
+        job_see_work(job);
     }
     return 0;
 }
@@ -240,7 +241,7 @@ take_filed(const struct recovery *r)
     const struct saved_job *s = r->s;
     struct job *job = r->job;
 
-    job->filed = true;
+    job_step(job, STAGE_FILED);
     job->state = (enum job_state)s->state;
     job->status = s->status;
     snprintf(job->text, sizeof job->text, "%s", s->text);
@@ -282,13 +283,13 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
     }
     take_times(r.job, now_ms, s);
     r.job->lives = s->lives + 1;
-    r.job->opened = r.job->asked_open = true;
     if (!known_name(&r.job->payer->files, &r.job->spec.files))
         return no_memory(err);
     if (s->state >= JOB_DONE) {
         take_filed(&r);
         return 0;
     }
+    job_step(r.job, STAGE_OPEN);
     return take_up(&r);
 }
 

@@ -108,8 +108,8 @@ check_text(const char *name, const char *value, struct rad_error *err)
                         value);
     if (strcmp(name, "sandbox") == 0 && strcmp(value, "auto") != 0 &&
         strcmp(value, "required") != 0)
-        return rad_fail(err, RAD_ECONFIG,
-                        "expected auto or required, got '%s'", value);
+        return rad_fail(err, RAD_ECONFIG, "expected auto or required, got '%s'",
+                        value);
     if (strcmp(name, "hours") == 0)
         return hours_parse(value, &hours, err);
     if (strcmp(name, "coordinator") == 0 && value[0])
@@ -498,9 +498,9 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 
 /* --- start and end --- */
 
-/* May it work now? */
+/* See whether the machine may work now. */
 static bool
-may_work(struct radd *r)
+judge_work(struct radd *r)
 {
     time_t t = time(NULL);
     struct tm tm;
@@ -518,7 +518,7 @@ look_at_clock(struct radd *r, bool at_once)
     if (!at_once && now(r) - r->hours_ms < IDLE_LOOK_MS)
         return;
     r->hours_ms = now(r);
-    worker_allow(r->worker, now(r), may_work(r));
+    worker_allow(r->worker, now(r), judge_work(r));
 }
 
 static void

@@ -70,9 +70,9 @@ richest(const struct coord *c, const struct job *job, uint32_t *unit)
     return best;
 }
 
-/* SPLITs that are not answered; what is older than it should be is given up. */
+/* Give up SPLITs that were not answered in time.  Returns how many will be. */
 static uint32_t
-count_asked(const struct coord *c, struct job *job)
+expire_splits(const struct coord *c, struct job *job)
 {
     uint32_t n = 0;
 
@@ -96,7 +96,7 @@ count_asked(const struct coord *c, struct job *job)
 static uint32_t
 ask(struct coord *c, struct job *job, uint32_t idle)
 {
-    uint32_t asked = count_asked(c, job), unit = 0;
+    uint32_t asked = expire_splits(c, job), unit = 0;
     struct job_go *go;
 
     while (asked < idle && (go = richest(c, job, &unit))) {
@@ -291,7 +291,7 @@ leave_out(struct job *job, uint32_t unit)
 }
 
 bool
-balance_late(struct coord *c, struct job *job, uint32_t index)
+balance_give_twin(struct coord *c, struct job *job, uint32_t index)
 {
     uint64_t lease = lease_of(c, job), longest = 0;
     uint32_t unit = 0;

@@ -206,7 +206,7 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
  * Not with several threads, which go down the lines one close behind the other,
  * nor at the top of a frame, where all is true and no fact need be kept. */
 static bool
-begins_apart(const struct job *job, struct job_worker *jw, uint32_t unit)
+begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
 {
     uint32_t first, last;
 
@@ -214,17 +214,19 @@ begins_apart(const struct job *job, struct job_worker *jw, uint32_t unit)
     if (jw->threads > 1 || !(job->spec.flags & MSG_JOB_SHARE) || first == 0)
         return false;
     return partition_kind(job->partition) != MSG_PART_SCANBAR ||
-           jw->given++ < APART;
+           jw->given < APART;
 }
 
 /* Where a worker begins its lines: a unit's holders each at another end. */
 static uint8_t
-choose_end(const struct job *job, uint32_t index, uint32_t unit)
+choose_end(struct job *job, uint32_t index, uint32_t unit)
 {
     const struct job_unit *u = &job->units[unit];
 
-    if (u->ngos == 1 && begins_apart(job, &job->workers[index], unit))
+    if (u->ngos == 1 && begins_apart(job, &job->workers[index], unit)) {
+        job->workers[index].given++;
         return (uint8_t)(index % MSG_NEND);
+    }
     for (uint8_t end = 0; end < MSG_NEND; end++) {
         bool taken = false;
 
@@ -452,7 +454,8 @@ sched_can_balance(const struct job *job)
 bool
 sched_idle_job(const struct job *job)
 {
-    return job_over(job) || !job->asked_open || job->state == JOB_PAUSED ||
+    return job_over(job) || job->stage == STAGE_ARRIVING ||
+           job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
             !sched_can_balance(job));
 }
@@ -470,7 +473,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     if (give_unit(c, job, w, index))
         return true;
     if (job->late > 0 && has_room(job, w, index) &&
-        !runs_empty(c, job, w, index) && balance_late(c, job, index))
+        !runs_empty(c, job, w, index) && balance_give_twin(c, job, index))
         return true;
     *done = runs_empty(c, job, w, index);
     return false;
@@ -526,9 +529,9 @@ awaits(const struct coord *c, const struct coord_worker *w,
 {
     uint32_t index = sched_index(job, w);
 
-    return index != JOB_NOBODY && job->opened && sched_can_balance(job) &&
-           job->workers[index].state == PART_READY && w->in_flight == 0 &&
-           c->now_ms - w->free_ms < AWAIT_MS;
+    return index != JOB_NOBODY && job->stage == STAGE_OPEN &&
+           sched_can_balance(job) && job->workers[index].state == PART_READY &&
+           w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
 }
 
 /* A worker that was away may be at units of a job that was paused meanwhile, or
@@ -570,7 +573,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
         job->served = c->serving;
         if (is_new_to(job, index)) {
             start_job(c, job, w);
-        } else if (!taken && job->opened &&
+        } else if (!taken && job->stage == STAGE_OPEN &&
                    job->workers[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;

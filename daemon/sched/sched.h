@@ -387,7 +387,7 @@ void balance_run(struct coord *c);
 /* See which workers hang, and which units are late. */
 void balance_look(struct coord *c);
 /* A late unit for a worker, as a twin; false: there is none. */
-bool balance_late(struct coord *c, struct job *job, uint32_t index);
+bool balance_give_twin(struct coord *c, struct job *job, uint32_t index);
 
 /* A go at a unit has but so many rows of it: the rest is a new unit.  False: it
  * ends at no line. */

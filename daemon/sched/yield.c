@@ -55,7 +55,8 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
-    if (sched_idle_job(job) || !job->opened || jw->state != PART_READY)
+    if (sched_idle_job(job) || job->stage != STAGE_OPEN ||
+        jw->state != PART_READY)
         return false;
     return (job->survey && survey_has(c, job, index)) ||
            (!job->survey && job_waiting(job) > 0 && !jw->late &&

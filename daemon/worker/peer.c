@@ -399,7 +399,7 @@ peer_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    if (m->to == 0 && !spread_goes_direct(w, job)) {
+    if (m->to == 0 && !spread_note_own(w, job)) {
         spread_own(w, job, m);
         return;
     }

@@ -191,7 +191,7 @@ tell_others(struct worker *w, struct wjob *job, const struct msg_ambient *m,
 /* --- from the child and from peers --- */
 
 bool
-spread_goes_direct(struct worker *w, struct wjob *job)
+spread_note_own(struct worker *w, struct wjob *job)
 {
     struct spread *s = job->spread;
     bool hurry;

@@ -23,8 +23,8 @@ void spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m);
 /* A peer was made known, anew or for the first time; or it is linked now. */
 void spread_linked(struct wjob *job, const char *name, bool linked);
 
-/* The job's own child made records: do they go to each peer, by itself? */
-bool spread_goes_direct(struct worker *w, struct wjob *job);
+/* The job's own child made records.  True: they go to each peer by itself. */
+bool spread_note_own(struct worker *w, struct wjob *job);
 
 /* If not. */
 void spread_own(struct worker *w, struct wjob *job,

@@ -72,7 +72,7 @@ on_chunk(struct worker *w, const struct msg *m)
 {
     struct action *a;
 
-    if (!worker_takes_chunk(w, &m->chunk))
+    if (!worker_take_chunk(w, &m->chunk))
         return;
     a = actions_add(&w->actions, ACT_PUT_CHUNK, w->coord);
     if (a)

@@ -60,9 +60,9 @@ forget_asked(struct worker *w, const uint8_t *hash)
     return a != NULL;
 }
 
-/* Is it to be asked for now? */
+/* A file is missing; true: it is to be asked for now, and counts as asked. */
 static bool
-is_news(struct worker *w, const uint8_t *hash)
+ask_anew(struct worker *w, const uint8_t *hash)
 {
     struct wasked *a = find_asked(w, hash);
 
@@ -107,7 +107,7 @@ fetch(struct worker *w, struct wjob *job)
         if (w->env.has_file(w->env.arg, hash))
             continue;
         job->nmissing++;
-        if (job->started && is_news(w, hash))
+        if (job->started && ask_anew(w, hash))
             memcpy(news + (size_t)n++ * MSG_HASH, hash, MSG_HASH);
     }
     want(w, news, n);
@@ -240,7 +240,7 @@ files_watch_room(struct worker *w)
 /* --- what comes --- */
 
 bool
-worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk)
+worker_take_chunk(struct worker *w, const struct msg_chunk *chunk)
 {
     struct wasked *a = find_asked(w, chunk->hash);
 

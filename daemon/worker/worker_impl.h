@@ -189,7 +189,7 @@ bool files_need(const struct wjob *job, const uint8_t *hash);
 /* Look again for room, where it is time. */
 void files_watch_room(struct worker *w);
 /* Is a piece of a file one that is to be kept? */
-bool worker_takes_chunk(struct worker *w, const struct msg_chunk *chunk);
+bool worker_take_chunk(struct worker *w, const struct msg_chunk *chunk);
 /* A job that fetched is over: what was asked for may never come. */
 void files_lapse(struct worker *w);
 

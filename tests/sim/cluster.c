@@ -632,8 +632,9 @@ describe(const struct sim *s)
     for (size_t i = 0; i < s->coord->njobs; i++) {
         const struct job *job = s->coord->jobs[i];
 
-        fprintf(stderr, "job %s %s partition %d flags %x waiting %u\n",
-                job->hex, job_state_name(job->state), job->spec.partition,
+        fprintf(stderr, "job %s %s %s partition %d flags %x waiting %u\n",
+                job->hex, job_state_name(job->state),
+                job_stage_name(job->stage), job->spec.partition,
                 job->spec.flags, job->partition ? job_waiting(job) : 0);
         for (uint32_t k = 0; k < job->nworkers; k++)
             fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
