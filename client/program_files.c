@@ -46,7 +46,7 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
 
     if (rc == 0)
-        rc = output_write(name, depth, len, !p->embedded, err);
+        rc = rad_output_write(name, depth, len, !p->embedded, err);
     free(name);
     return rc;
 }
@@ -152,7 +152,7 @@ program_on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *e
 {
     struct program *p = arg;
 
-    return output_write(p->o.stats, json, len, !p->embedded, err);
+    return rad_output_write(p->o.stats, json, len, !p->embedded, err);
 }
 
 /* -af: is there a use for it, and can it be written?  What was said of rpict's
@@ -179,7 +179,7 @@ program_check_ambient(struct program *p)
     if (!p->records.keep || access(path, W_OK) == 0)
         return 0;
     if (errno == ENOENT)
-        return output_check(path, p->err);
+        return rad_output_check(path, p->err);
     if (access(path, R_OK) == 0) {
         snprintf(text, sizeof text,
                  "warning: -af: '%.400s' may only be read: it is not added to",
@@ -202,7 +202,7 @@ check_output(const struct program *p, const char *path, bool of_frame)
     if (of_frame && p->frames.n > 0)
         rc = frames_name(&p->frames, &p->o, path, 0, &name, p->err);
     if (rc == 0)
-        rc = output_check(name ? name : path, p->err);
+        rc = rad_output_check(name ? name : path, p->err);
     free(name);
     return rc;
 }

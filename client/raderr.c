@@ -241,7 +241,7 @@ write_image(const char *path, const struct rad_image *image,
         rad_png_write(image->rgb, image->width, image->height, 1, &sink, err);
 
     if (rc == 0)
-        rc = output_write(path, png.bytes, png.len, false, err);
+        rc = rad_output_write(path, png.bytes, png.len, false, err);
     free(png.bytes);
     return rc;
 }
@@ -370,7 +370,7 @@ mean_pictures(const struct task *t, struct rad_error *err)
     if (rc == 0)
         rc = encode_mean(&sum, &sink, err);
     if (rc == 0)
-        rc = output_write(t->mean, out.bytes, out.len, false, err);
+        rc = rad_output_write(t->mean, out.bytes, out.len, false, err);
     free(out.bytes);
     free(sum.rgb);
     return rc;

@@ -8,12 +8,16 @@ include daemon/ground/local.mk
 include daemon/machine/local.mk
 include daemon/partition/local.mk
 include daemon/sched/local.mk
+include daemon/users/local.mk
 include daemon/desk/local.mk
 include daemon/lines/local.mk
 include daemon/links/local.mk
 include daemon/queue/local.mk
 include daemon/front/local.mk
+include daemon/check/local.mk
+include daemon/shell/local.mk
 include daemon/radcoord/local.mk
+include daemon/files/local.mk
 include daemon/store/local.mk
 include daemon/folder/local.mk
 include daemon/journal/local.mk

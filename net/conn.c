@@ -3,7 +3,7 @@
 
 #include "net/conn.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <assert.h>
 #include <stddef.h>

@@ -26,9 +26,9 @@
 #define RADD_DAEMON_CONN_H
 
 #include "net/address.h"
-#include "front/fair.h"
+#include "net/fair.h"
 #include "proto/frame.h"
-#include "ground/log.h"
+#include "net/log.h"
 #include "net/tls.h"
 
 #include <stdbool.h>

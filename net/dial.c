@@ -7,10 +7,10 @@
 #include "config.h"
 
 #include "net/dial.h"
+#include "net/log.h"
 
 #include "net/conn.h"
 #include "net/handshake.h"
-#include "ground/service.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -256,7 +256,7 @@ dial(struct dialler *d, const char *text, uint64_t id,
     struct dialling *g = calloc(1, sizeof *g);
 
     if (!g)
-        service_out_of_memory(); /* whoever asked would wait for ever */
+        log_out_of_memory(); /* whoever asked would wait for ever */
     if (strncmp(text, "tcp ", 4) == 0)
         text += 4;
     else if (strncmp(text, "unix ", 5) == 0)

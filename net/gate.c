@@ -4,7 +4,7 @@
 #include "net/gate.h"
 
 #include "net/conn.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,12 +5,12 @@
  * wait.  Here they wait in the kernel's queue until there are some. */
 #include "config.h"
 
+#include "base/output.h"
 #include "net/listen.h"
 
 #include "net/conn.h"
 #include "net/gate.h"
-#include "ground/log.h"
-#include "ground/service.h"
+#include "net/log.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -86,7 +86,7 @@ make_parent(const char *path, struct rad_error *err)
     if (!slash || slash == dir)
         return 0;
     *slash = '\0';
-    return service_make_dir(dir, 0755, err) < 0 ? RAD_ECANTCREAT : 0;
+    return rad_make_dir(dir, 0755, err) < 0 ? RAD_ECANTCREAT : 0;
 }
 
 static int

@@ -15,6 +15,8 @@ libdaemon_a_SOURCES += \
 	net/conn.h \
 	net/dial.c \
 	net/dial.h \
+	net/fair.c \
+	net/fair.h \
 	net/gate.c \
 	net/gate.h \
 	net/handshake.c \
@@ -22,4 +24,6 @@ libdaemon_a_SOURCES += \
 	net/keyring.c \
 	net/keyring.h \
 	net/listen.c \
-	net/listen.h
+	net/listen.h \
+	net/log.c \
+	net/log.h

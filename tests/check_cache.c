@@ -1,7 +1,7 @@
 /* check_cache.c - which files a worker keeps */
 #include "config.h"
 
-#include "worker/cache.h"
+#include "files/cache.h"
 #include "unit.h"
 
 #include <dirent.h>

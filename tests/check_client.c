@@ -569,7 +569,7 @@ END_TEST
 
 START_TEST(outputs_are_whole_or_not_there)
 {
-    struct output out;
+    struct rad_output out;
     struct rad_error err = { 0 };
     struct stat st;
     char path[200], link[200], buf[8] = "";
@@ -578,25 +578,25 @@ START_TEST(outputs_are_whole_or_not_there)
     snprintf(path, sizeof path, "%s", file_with("pic", "old"));
     snprintf(link, sizeof link, "%s/link", folder);
     ck_assert_int_eq(symlink(path, link), 0);
-    ck_assert_int_eq(output_open(&out, link, true, &err), 0);
+    ck_assert_int_eq(rad_output_open(&out, link, true, &err), 0);
     fputs("new", out.file);
     fflush(out.file);
     f = fopen(path, "r");
     ck_assert_str_eq(fgets(buf, sizeof buf, f), "old");
     fclose(f);
-    ck_assert_int_eq(output_commit(&out, &err), 0);
-    output_abort(&out);
+    ck_assert_int_eq(rad_output_commit(&out, &err), 0);
+    rad_output_abort(&out);
     f = fopen(path, "r");
     ck_assert_str_eq(fgets(buf, sizeof buf, f), "new");
     fclose(f);
     ck_assert_int_eq(lstat(link, &st), 0);
     ck_assert(S_ISLNK(st.st_mode));
-    ck_assert_int_eq(output_open(&out, path, false, &err), 0);
+    ck_assert_int_eq(rad_output_open(&out, path, false, &err), 0);
     ck_assert_int_eq(access(out.temp, F_OK), 0);
     snprintf(link, sizeof link, "%s", out.temp);
-    output_abort(&out);
+    rad_output_abort(&out);
     ck_assert_int_ne(access(link, F_OK), 0);
-    ck_assert_int_eq(output_write("/dev/null", "x", 1, true, &err), 0);
+    ck_assert_int_eq(rad_output_write("/dev/null", "x", 1, true, &err), 0);
     ck_assert_int_eq(stat("/dev/null", &st), 0);
     ck_assert(S_ISCHR(st.st_mode));
 }
@@ -611,11 +611,11 @@ START_TEST(outputs_may_have_the_longest_name)
     memset(name, 'a', sizeof name);
     name[NAME_MAX] = '\0';
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    ck_assert_int_eq(output_check(path, &err), 0);
-    ck_assert_int_eq(output_write(path, "x", 1, false, &err), 0);
+    ck_assert_int_eq(rad_output_check(path, &err), 0);
+    ck_assert_int_eq(rad_output_write(path, "x", 1, false, &err), 0);
     ck_assert_int_eq(unlink(path), 0);
     strcat(path, "a");
-    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
+    ck_assert_int_eq(rad_output_check(path, NULL), RAD_ECANTCREAT);
 }
 END_TEST
 
@@ -624,13 +624,13 @@ START_TEST(outputs_that_cannot_be_are_known_before)
     char path[200];
 
     snprintf(path, sizeof path, "%s/no/pic.hdr", folder);
-    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
-    ck_assert_int_eq(output_check(folder, NULL), RAD_ECANTCREAT);
+    ck_assert_int_eq(rad_output_check(path, NULL), RAD_ECANTCREAT);
+    ck_assert_int_eq(rad_output_check(folder, NULL), RAD_ECANTCREAT);
     snprintf(path, sizeof path, "%s/pic.hdr", file_with("plain", ""));
-    ck_assert_int_eq(output_check(path, NULL), RAD_ECANTCREAT);
+    ck_assert_int_eq(rad_output_check(path, NULL), RAD_ECANTCREAT);
     snprintf(path, sizeof path, "%s/pic.hdr", folder);
-    ck_assert_int_eq(output_check(path, NULL), 0);
-    ck_assert_int_eq(output_check("/dev/null", NULL), 0);
+    ck_assert_int_eq(rad_output_check(path, NULL), 0);
+    ck_assert_int_eq(rad_output_check("/dev/null", NULL), 0);
 }
 END_TEST
 

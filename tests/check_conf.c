@@ -3,7 +3,7 @@
 
 #include "net/address.h"
 #include "ground/conf.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 #include "unit.h"
 

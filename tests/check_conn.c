@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "net/conn.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 #include "unit.h"
 

@@ -4,11 +4,13 @@
 
 #include "coord_fixture.h"
 
+#include "queue/coord_keep.h"
+
 /* As the answers of a store name the job; 0: there is none. */
 static uint64_t
 number(const uint8_t *job)
 {
-    const struct job *j = coord_find_job(f.c, job);
+    const struct job *j = desk_find_job(f.c, job);
 
     return j ? j->sequence : 0;
 }
@@ -135,7 +137,7 @@ START_TEST(cancel_is_answered_whatever_the_job_is_at)
     }
     ck_assert_uint_eq(f.last[ADMIN].request, 6);
     ck_assert_uint_eq(f.sent[ADMIN], before + 1); /* once */
-    ck_assert(job_over(coord_find_job(f.c, job_a)));
+    ck_assert(job_over(desk_find_job(f.c, job_a)));
 }
 END_TEST
 
@@ -477,7 +479,7 @@ START_TEST(statistics_in_pieces_are_those_at_once)
     ready(&f, WORKER, job_a);
     for (uint32_t unit = 0; unit < 3; unit++)
         result(&f, WORKER, job_a, unit, 1);
-    job = coord_find_job(f.c, job_a);
+    job = desk_find_job(f.c, job_a);
     whole = stats_json(job, f.now_ms);
     t = stats_begin(job, f.now_ms);
     ck_assert(whole && t);
@@ -615,12 +617,12 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
     carry_out(&f);
     if (until_s[_i] > 0) {
         wait_s(&f, until_s[_i] / 2);
-        ck_assert_ptr_nonnull(coord_find_job(f.c, job_a));
+        ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
         wait_s(&f, until_s[_i]);
         coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900);
     }
-    ck_assert_ptr_null(coord_find_job(f.c, job_a));
-    ck_assert((coord_find_job(f.c, job_b) == NULL) == (_i == 1));
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+    ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
 }
 END_TEST
 
@@ -642,9 +644,9 @@ START_TEST(large_jobs_that_are_over_count_as_several)
         ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
         about(&f, ANA, MSG_CANCEL, job);
         wait_s(&f, 2);
-        ck_assert_ptr_nonnull(coord_find_job(f.c, job));
+        ck_assert_ptr_nonnull(desk_find_job(f.c, job));
     }
-    ck_assert_ptr_null(coord_find_job(f.c, job_a));
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
 }
 END_TEST
 
@@ -662,14 +664,14 @@ START_TEST(what_was_not_fetched_is_kept)
     coord_fetched(f.c, f.now_ms, BOB, job_b, 0); /* not the owner */
     coord_fetched(f.c, f.now_ms, ANA, job_a, 0);
     wait_s(&f, 30);
-    ck_assert_ptr_nonnull(coord_find_job(f.c, job_a));
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
     wait_s(&f, 40);
-    ck_assert_ptr_null(coord_find_job(f.c, job_a));
-    ck_assert_ptr_nonnull(coord_find_job(f.c, job_b));
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_b));
     msg_job_format(job_a, hex);
     ck_assert(coord_find_gone(f.c, hex)->fetched);
     wait_s(&f, 40);
-    ck_assert_ptr_null(coord_find_job(f.c, job_b));
+    ck_assert_ptr_null(desk_find_job(f.c, job_b));
     about(&f, ANA, MSG_CANCEL, job_b);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_NOINPUT);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text,
@@ -696,9 +698,9 @@ START_TEST(few_of_those_just_fetched_are_kept)
     wait_s(&f, 2);
     ck_assert_uint_eq(f.c->njobs, 64);
     id[0] = 0; /* the first was fetched first */
-    ck_assert_ptr_null(coord_find_job(f.c, id));
+    ck_assert_ptr_null(desk_find_job(f.c, id));
     id[0] = 89;
-    ck_assert_ptr_nonnull(coord_find_job(f.c, id));
+    ck_assert_ptr_nonnull(desk_find_job(f.c, id));
     wait_s(&f, 61);
     ck_assert_uint_eq(f.c->njobs, 10);
 }
@@ -716,7 +718,7 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     tear_down();
     set_up_coord(true);
     whole_job(job_a);
-    job = coord_find_job(f.c, job_a);
+    job = desk_find_job(f.c, job_a);
     job_progress(job, f.now_ms, &before);
     coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
     wait_s(&f, 1); /* a worker may tell something yet */

@@ -1,7 +1,7 @@
 /* check_fair.c - who is served next, and who has to read first */
 #include "config.h"
 
-#include "front/fair.h"
+#include "net/fair.h"
 
 #include "unit.h"
 

@@ -6,7 +6,7 @@
 #include "net/dial.h"
 #include "net/gate.h"
 #include "net/listen.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 #include "unit.h"
 

@@ -61,7 +61,7 @@ END_TEST
 static uint32_t
 waiting(void)
 {
-    return job_waiting(coord_find_job(f.c, id));
+    return job_waiting(desk_find_job(f.c, id));
 }
 
 /* Two that make a base line make one of them for nothing. */
@@ -143,7 +143,7 @@ START_TEST(a_line_is_at_hand_until_few_are_left)
     clear();
     attempt(W2, MSG_PARKED, &u[(given + 1) % 2]);
     ck_assert_int_eq(count(W2, MSG_UNIT), 1);
-    ck_assert_int_eq(job_waiting(coord_find_job(f.c, id)), 3);
+    ck_assert_int_eq(job_waiting(desk_find_job(f.c, id)), 3);
 }
 END_TEST
 

@@ -1,7 +1,7 @@
 /* check_known.c - which files of the store a user may know of */
 #include "config.h"
 
-#include "front/known.h"
+#include "users/known.h"
 #include "unit.h"
 
 #include <string.h>

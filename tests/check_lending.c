@@ -22,7 +22,7 @@ one_line_left(enum msg_partition kind, int workers, struct msg_unit *a)
         wait_ms(100);
         finish(s.conn, &s.m.unit);
     }
-    ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
+    ck_assert_uint_eq(desk_find_job(f.c, id)->nout, 1);
 }
 
 /* What ws2 got of it. */
@@ -111,7 +111,7 @@ START_TEST(what_was_lent_is_counted_to_its_unit)
     ck_assert_double_eq(worker_stat("ws2", "rays"), w2 + 50);
     finish(W1, &a); /* with 10 */
     ck_assert(f.done);
-    u = &coord_find_job(f.c, id)->units[a.unit];
+    u = &desk_find_job(f.c, id)->units[a.unit];
     ck_assert_uint_eq(u->counts.rays, 60);
     ck_assert_uint_eq(u->counts.faults[0].count, 3);
     ck_assert_uint_eq(u->counts.nan.pixels, 0); /* the lender made those */
@@ -134,7 +134,7 @@ START_TEST(what_was_taken_back_is_in_no_unit)
     paid(W2, &b, 50); /* which it had not heard */
     finish(W1, &a);
     ck_assert(f.done);
-    ck_assert_uint_eq(coord_find_job(f.c, id)->units[a.unit].counts.rays, 10);
+    ck_assert_uint_eq(desk_find_job(f.c, id)->units[a.unit].counts.rays, 10);
     paid(W2, &b, 7);
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 57);
     ck_assert_double_eq(stat_of("totals", "nan_pixels"), 0);

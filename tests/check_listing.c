@@ -152,7 +152,7 @@ START_TEST(jobs_that_stay_come_once_whatever_else_comes_and_goes)
         while (--last > number) { /* and no others went */
             uint8_t id[MSG_JOB] = { (uint8_t)(last >> 8), (uint8_t)last, 7 };
 
-            ck_assert_ptr_null(coord_find_job(f.c, id));
+            ck_assert_ptr_null(desk_find_job(f.c, id));
         }
     }
     json_decref(all);
@@ -240,7 +240,7 @@ START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
     uint64_t gone;
 
     submit(&f, ANA, job_a, 0);
-    rows.sequence = gone = coord_find_job(f.c, job_a)->sequence;
+    rows.sequence = gone = desk_find_job(f.c, job_a)->sequence;
     memcpy(rows.job, job_a, MSG_JOB);
     about(&f, ANA, MSG_CANCEL, job_a);
     about(&f, ANA, MSG_DELETE, job_a);
@@ -251,8 +251,8 @@ START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
     coord_picture_written(f.c, f.now_ms, job_a, gone, 0, 0, NULL);
     coord_picture_written(f.c, f.now_ms, job_a, gone, 7, 0, NULL);
     coord_picture_written(f.c, f.now_ms, job_a, gone, 0, EX_IOERR, "gone");
-    ck_assert(!job_over(coord_find_job(f.c, job_a)));
-    ck_assert_uint_eq(coord_find_job(f.c, job_a)->frames_ready, 0);
+    ck_assert(!job_over(desk_find_job(f.c, job_a)));
+    ck_assert_uint_eq(desk_find_job(f.c, job_a)->frames_ready, 0);
 }
 END_TEST
 
@@ -265,11 +265,11 @@ START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
 
     f.stuck = true;
     submit(&f, ANA, job_a, 0);
-    gone = coord_find_job(f.c, job_a)->sequence;
+    gone = desk_find_job(f.c, job_a)->sequence;
     about(&f, ANA, MSG_CANCEL, job_a);
     about(&f, ANA, MSG_DELETE, job_a);
     submit(&f, ANA, job_a, 0);
-    job = coord_find_job(f.c, job_a);
+    job = desk_find_job(f.c, job_a);
     coord_job_waits(f.c, f.now_ms, job_a, gone, "it is large");
     ck_assert(job->stage != STAGE_NO_ROOM);
     coord_job_opened(f.c, f.now_ms, job_a, gone, 0, "");
@@ -296,7 +296,7 @@ START_TEST(owner_and_admin_delete_a_job_that_is_over)
     ck_assert_uint_eq(f.c->njobs, 2);
     about(&f, ANA, MSG_DELETE, job_a);
     ck_assert_int_eq(f.last[ANA].type, MSG_ANSWER);
-    ck_assert_ptr_null(coord_find_job(f.c, job_a));
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
     about(&f, ADMIN, MSG_DELETE, job_b);
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
     ck_assert_uint_eq(f.c->njobs, 0);

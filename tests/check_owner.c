@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "net/conn.h"
-#include "front/owner.h"
+#include "users/owner.h"
 #include "unit.h"
 
 #include <pwd.h>

@@ -77,7 +77,7 @@ START_TEST(a_parked_unit_is_work_again_when_its_top_is_there)
     struct job *job;
 
     start(MSG_PART_STATIC, 0, 2);
-    job = coord_find_job(f.c, id);
+    job = desk_find_job(f.c, id);
     w = &job->workers[part_find(job, "ws2")];
     b = *unit_of(W2);
     attempt(W2, MSG_PARKED, &b);

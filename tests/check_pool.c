@@ -1,7 +1,7 @@
 /* check_pool.c - threads that render give the pixels that one alone gives */
 #include "config.h"
 
-#include "radd/fingerprint.h"
+#include "machine/fingerprint.h"
 #include "machine/jobtext.h"
 #include "light/indirect/ambient.h"
 #include "child/pool_impl.h"

@@ -4,10 +4,10 @@
  * time; a child only makes records, and counts what comes. */
 #include "config.h"
 
-#include "queue/coord.h"
+#include "front/coord.h"
+#include "links/ring.h"
 #include "proto/frame.h"
 #include "worker/peer.h"
-#include "links/ring.h"
 #include "unit.h"
 
 #include <stdio.h>

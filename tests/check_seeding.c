@@ -80,7 +80,7 @@ END_TEST
 static double
 total_stat(const char *key)
 {
-    char *text = stats_json(coord_find_job(f.c, job_a), f.now_ms);
+    char *text = stats_json(desk_find_job(f.c, job_a), f.now_ms);
     json_t *root = json_loads(text, 0, NULL);
     double v = json_number_value(
         json_object_get(json_object_get(root, "totals"), key));

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "radd/children.h"
-#include "machine/shell.h"
+#include "shell/shell.h"
 #include "unit.h"
 
 #include <uv.h>

@@ -1,14 +1,15 @@
 /* check_store.c - files by hash, rows and pictures on disk */
 #include "config.h"
 
-#include "store/blobs.h"
+#include "base/output.h"
+#include "files/blobs.h"
 #include "ground/disk.h"
 #include "folder/filtered.h"
 #include "journal/journal.h"
 #include "image/hdr.h"
 #include "folder/rows.h"
 #include "ground/service.h"
-#include "store/sound.h"
+#include "files/sound.h"
 #include "store/store.h"
 
 #include "unit.h"
@@ -917,7 +918,7 @@ put_in(const char *folder, const char *name)
     FILE *f;
 
     snprintf(path, sizeof path, "%s/%s", dir, folder);
-    ck_assert_int_eq(service_make_dir(path, 0700, NULL), 0);
+    ck_assert_int_eq(rad_make_dir(path, 0700, NULL), 0);
     snprintf(path, sizeof path, "%s/%s/%s", dir, folder, name);
     f = fopen(path, "w");
     ck_assert_ptr_nonnull(f);
@@ -1578,8 +1579,8 @@ START_TEST(folders_are_made_and_files_written_whole)
     FILE *f;
 
     snprintf(deep, sizeof deep, "%s/a/b/c", dir);
-    ck_assert_int_eq(service_make_dir(deep, 0700, NULL), 0);
-    ck_assert_int_eq(service_make_dir(deep, 0700, NULL), 0);
+    ck_assert_int_eq(rad_make_dir(deep, 0700, NULL), 0);
+    ck_assert_int_eq(rad_make_dir(deep, 0700, NULL), 0);
     snprintf(ports, sizeof ports, "%s/ports", deep);
     ck_assert_int_eq(service_ports_file(ports, lines, 2, NULL), 0);
     f = fopen(ports, "r");
@@ -1590,7 +1591,7 @@ START_TEST(folders_are_made_and_files_written_whole)
     snprintf(deep, sizeof deep, "%s/ports/x", dir);
     snprintf(ports, sizeof ports, "%s/ports", dir);
     ck_assert_int_eq(service_ports_file(ports, lines, 1, NULL), 0);
-    ck_assert_int_eq(service_make_dir(deep, 0700, &err), RAD_ECANTCREAT);
+    ck_assert_int_eq(rad_make_dir(deep, 0700, &err), RAD_ECANTCREAT);
 }
 END_TEST
 

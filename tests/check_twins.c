@@ -15,7 +15,7 @@ twins(struct msg_unit *a, struct msg_unit *b)
     wait_ms(61000);
     *b = *unit_of(W2);
     ck_assert(b->flags & MSG_UNIT_TWIN);
-    ck_assert_uint_eq(coord_find_job(f.c, id)->nout, 1);
+    ck_assert_uint_eq(desk_find_job(f.c, id)->nout, 1);
 }
 
 START_TEST(the_first_of_twins_whose_rows_come_leads)

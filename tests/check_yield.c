@@ -69,7 +69,7 @@ START_TEST(rows_that_are_out_stay)
     gave(W1, &a, keep);
     base_line(W1, a.frame, line_above(keep));
     result(W1, &a, keep - 1, 1, true);
-    ck_assert_int_eq(coord_find_job(f.c, id)->units[a.unit].state, UNIT_DONE);
+    ck_assert_int_eq(desk_find_job(f.c, id)->units[a.unit].state, UNIT_DONE);
     ck_assert_int_eq(count(W1, MSG_UNIT), 0);
     about_job(ANA, MSG_RESUME);
     ck_assert_uint_eq(first_unit_of(W1)->y, keep);

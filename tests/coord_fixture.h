@@ -6,10 +6,10 @@
 #ifndef RADD_TESTS_COORD_FIXTURE_H
 #define RADD_TESTS_COORD_FIXTURE_H
 
-#include "queue/coord.h"
+#include "desk/desk.h"
+#include "front/coord.h"
+#include "queue/stats.h"
 #include "proto/frame.h"
-#include "sched/sched.h"
-#include "front/stats.h"
 #include "unit.h"
 
 #include "image/hdr.h"
@@ -315,7 +315,7 @@ two_are_left(void)
 static inline double
 worker_stat(const char *key)
 {
-    char *text = stats_json(coord_find_job(f.c, job_a), f.now_ms);
+    char *text = stats_json(desk_find_job(f.c, job_a), f.now_ms);
     json_t *root = json_loads(text, 0, NULL);
     json_t *w = json_array_get(json_object_get(root, "workers"), 0);
     double v = json_number_value(json_object_get(w, key));

@@ -1,7 +1,7 @@
 /* cluster.h - a coordinator, hosts and the network between them, in virtual
  * time
  *
- * The coordinator is the real one (daemon/queue/coord.c), and what a job's child
+ * The coordinator is the real one (daemon/front/coord.c), and what a job's child
  * decides is decided by the real machine (daemon/strict/strict.c).  Played are: time,
  * links, the disk, and rendering, which takes as long as the map says.  Every
  * message is packed and unpacked by the real codec, so that its bytes count.
@@ -10,7 +10,7 @@
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
-#include "queue/coord.h"
+#include "front/coord.h"
 #include "event.h"
 #include "map.h"
 #include "strict/strict.h"

@@ -4,7 +4,7 @@
 
 #include "ctl/ctl.h"
 #include "ctl/keyctl.h"
-#include "journal/statecheck.h"
+#include "check/statecheck.h"
 #include "common/table.h"
 #include "common/tell.h"
 

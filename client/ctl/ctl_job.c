@@ -244,7 +244,7 @@ ctl_run_fetch(struct ctl *c)
     uint8_t job[MSG_JOB];
     int rc;
 
-    if (c->output && (rc = output_check(c->output, c->err)) < 0)
+    if (c->output && (rc = rad_output_check(c->output, c->err)) < 0)
         return rc;
     if ((rc = ctl_find_job(c, job)) < 0)
         return rc;

@@ -58,7 +58,7 @@ apart_outputs(const struct submit_options *o, struct rad_error *err)
     list_outputs(o, out);
     for (int i = 0; i < NOUT; i++)
         for (int k = 0; out[i].path && k < i; k++)
-            if (out[k].path && output_same(out[k].path, out[i].path))
+            if (out[k].path && rad_output_same(out[k].path, out[i].path))
                 return rad_fail(err, RAD_EUSAGE,
                                 "'%s': %s and %s cannot go to one file",
                                 out[i].path, out[k].option, out[i].option);

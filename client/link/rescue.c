@@ -20,7 +20,7 @@ write_in(const char *folder, const char *name, const uint8_t *bytes, size_t n)
     if (!path)
         return NULL;
     sprintf(path, "%s/%s", folder, name);
-    if (output_write(path, bytes, n, true, &err) < 0) {
+    if (rad_output_write(path, bytes, n, true, &err) < 0) {
         free(path);
         return NULL;
     }

@@ -500,15 +500,15 @@ int
 ambfile_save(const struct ambfile *a, const char *path,
              const struct rad_ambient *amb, struct rad_error *err)
 {
-    struct output out;
-    int rc = output_open(&out, path, true, err);
+    struct rad_output out;
+    int rc = rad_output_open(&out, path, true, err);
 
     if (rc)
         return rc;
     rc = ambfile_format(a, amb, out.file, err);
     if (rc) {
-        output_abort(&out);
+        rad_output_abort(&out);
         return rc;
     }
-    return output_commit(&out, err);
+    return rad_output_commit(&out, err);
 }

@@ -88,7 +88,7 @@ records_take(struct records *r, const struct msg_records *m)
 int
 records_write(const struct records *r, bool durable, struct rad_error *err)
 {
-    struct output out;
+    struct rad_output out;
     int rc;
 
     if (!r->keep || r->nfresh == 0)
@@ -97,16 +97,16 @@ records_write(const struct records *r, bool durable, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM,
                         "out of memory: '%s' has no new ambient values",
                         r->path);
-    rc = output_open(&out, r->path, durable, err);
+    rc = rad_output_open(&out, r->path, durable, err);
     if (rc < 0)
         return rc;
     rc = ambfile_format_list(&r->file, r->list.buf, r->list.len, out.file, err);
     if (rc < 0) {
         rad_error_where(err, "%s", r->path);
-        output_abort(&out);
+        rad_output_abort(&out);
         return rc;
     }
-    return output_commit(&out, err);
+    return rad_output_commit(&out, err);
 }
 
 void

@@ -83,19 +83,19 @@ write_png(const char *path, const uint8_t *hdr, size_t n, bool durable,
           picfile_fn *fn, void *arg, struct rad_error *err)
 {
     struct seen s;
-    struct output out = { 0 };
+    struct rad_output out = { 0 };
     struct rad_sink sink = { .write = put };
     int rc = see(&s, hdr, n, err);
 
     if (rc == 0)
-        rc = output_open(&out, path, durable, err);
+        rc = rad_output_open(&out, path, durable, err);
     if (rc == 0) {
         sink.arg = out.file;
         rc = fn(arg, &s, &sink, err);
         if (rc == 0)
-            rc = output_commit(&out, err);
+            rc = rad_output_commit(&out, err);
         else
-            output_abort(&out);
+            rad_output_abort(&out);
     }
     rad_picture_release(&s.pic);
     return rc;
@@ -114,7 +114,7 @@ picfile_write(const char *path, enum picfile_format format, const uint8_t *hdr,
 {
     if (picfile_is_png(path, format))
         return write_png(path, hdr, n, durable, whole, show, err);
-    return output_write(path, hdr, n, durable, err);
+    return rad_output_write(path, hdr, n, durable, err);
 }
 
 struct preview {

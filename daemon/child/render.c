@@ -8,8 +8,8 @@
 #include "child/render_impl.h"
 
 #include "net/conn.h"
-#include "radd/fingerprint.h"
-#include "ground/log.h"
+#include "machine/fingerprint.h"
+#include "net/log.h"
 #include "child/sandbox.h"
 
 #include <signal.h>

@@ -8,12 +8,12 @@
 
 #include "child/render_impl.h"
 
-#include "store/blobs.h"
+#include "files/blobs.h"
 #include "machine/jobtext.h"
 #include "scene/file/bundle.h"
 #include "scene/octfile.h"
 #include "scene/part.h"
-#include "machine/views.h"
+#include "files/views.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "child/render_impl.h"
 
 #include "child/estimate.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 /* The most that a row takes in a message: as a base line with its densities, or
  * as facts with a bit for each. */

@@ -7,7 +7,9 @@
  * job is over, 8 bytes a row. */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "desk/duplicate.h"
+
+#include "desk/job.h"
 
 #include "image/hdr.h"
 #include "machine/rowsum.h"

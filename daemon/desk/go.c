@@ -25,6 +25,8 @@
 
 #include "desk/job.h"
 
+#include "desk/unit.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,28 @@
  * them, in which state, a worker has in a job and in all (go.c). */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "desk/hold.h"
+
+#include "desk/desk.h"
+#include "desk/duplicate.h"
+#include "desk/go.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/unit.h"
+
+void
+hold_rate(const struct coord *c, struct coord_worker *w)
+{
+    w->priority = INT64_MIN;
+    for (size_t i = 0; w->in_flight > 0 && i < c->njobs; i++) {
+        uint32_t index = desk_index(c->jobs[i], w);
+
+        if (index == JOB_NOBODY || c->jobs[i]->workers[index].in_flight == 0)
+            continue;
+        w->priority = c->jobs[i]->spec.priority;
+        return;
+    }
+}
 
 /* Lines that the attempt has. */
 static uint32_t
@@ -39,7 +60,7 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
         job->payer->threads -= jw->held;
     jw->worker->in_flight--;
     if (jw->in_flight == 0)
-        yield_rate(c, jw->worker);
+        hold_rate(c, jw->worker);
     if (jw->worker->in_flight > 0)
         return;
     jw->worker->alone = false;
@@ -100,13 +121,60 @@ hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
 }
 
 void
+hold_top_made(struct coord *c, struct job *job, uint32_t unit,
+                 struct job_go *go)
+{
+    struct partition_area a;
+    uint32_t first, last;
+
+    if (!go->handoff.makes_top)
+        return;
+    partition_area(job->partition, unit, &a);
+    partition_unit_lines(job->partition, unit, &first, &last);
+    go->handoff.makes_top = false;
+    partition_keep_line(job->partition, a.frame, first - 1, false);
+    c->stirred = true;
+}
+
+/* Columns are with whoever lent them again. */
+void
+hold_send_back(struct coord *c, const struct coord_worker *to,
+          const struct msg_back *back)
+{
+    struct msg m = { .type = MSG_BACK, .back = *back };
+
+    if (to->conn != 0)
+        actions_send(&c->actions, to->conn, &m);
+}
+
+static void
+end_loan(struct coord *c, struct job *job, uint32_t unit,
+              const struct job_go *loan)
+{
+    struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
+    uint32_t first, last;
+
+    if (!to)
+        return;
+    to->lending.loans--;
+    if (to->state == GO_DELIVERED)
+        return;
+    partition_unit_lines(job->partition, unit, &first, &last);
+    hold_send_back(c, job->workers[to->worker].worker,
+              &(struct msg_back){ job->id, unit, to->attempt, last - 1,
+                                  loan->lending.x, loan->lending.n });
+    if (to->state == GO_BLOCKED)
+        hold_step(c, job, unit, to, GO_WORKING);
+}
+
+void
 hold_release(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
     if (go->origin == GO_LOAN)
-        lending_ended(c, job, unit, go);
+        end_loan(c, job, unit, go);
     hold_step(c, job, unit, go, GO_OVER);
     if (job->shared)
-        handoff_top_made(c, job, unit, go);
+        hold_top_made(c, job, unit, go);
     go_remove(job, unit, go);
 }
 
@@ -123,4 +191,39 @@ hold_forget_rows(struct job *job, uint32_t unit)
     job->frames[a.frame].rows_pixels -= pixels;
     u->next_row = u->stored_rows = 0;
     duplicate_forget(u);
+}
+
+bool
+hold_shrink(struct coord *c, struct job *job, uint32_t unit,
+               struct job_go *go, uint32_t height)
+{
+    uint32_t given = height >= job->units[unit].next_row
+                         ? partition_give(job->partition, unit, height)
+                         : PARTITION_NONE;
+
+    if (given == PARTITION_NONE)
+        return false;
+    if (!unit_grow(job))
+        c->actions.failed = true;
+    hold_shrunk(job, unit, go);
+    desk_keep_unit(c, job, unit);
+    desk_keep_unit(c, job, given);
+    return true;
+}
+
+bool
+hold_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    struct job_go *go;
+
+    unit_take(job, unit);
+    go = hold_add(c, job, index, unit, u->lead);
+    if (!go) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (u->out_ms != 0)
+        go->out_ms = u->out_ms; /* its lease is no longer for that */
+    return true;
 }

@@ -16,10 +16,11 @@
 
 #include "desk/job.h"
 
+#include "desk/part.h"
+#include "desk/unit.h"
+#include "desk/shared.h"
+
 #include "machine/jobtext.h"
-#include "links/ring.h"
-#include "front/stats.h"
-#include "sched/survey.h"
 
 #include "image/filter.h"
 
@@ -168,7 +169,6 @@ job_channels(const struct job *job)
 static void
 free_work(struct job *job)
 {
-    stats_free(job->filing);
     partition_free(job->partition);
     for (uint32_t i = 0; i < job->nunits; i++) {
         free(job->units[i].go);
@@ -176,9 +176,6 @@ free_work(struct job *job)
     }
     free(job->units);
     free(job->out);
-    survey_free(job->survey);
-    shared_free(job->shared);
-    ring_free(job->ring);
     free(job->index);
     free(job->suspects);
     for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)

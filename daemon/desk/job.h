@@ -12,7 +12,7 @@
 #include "desk/part.h"
 #include "desk/unit.h"
 #include "partition/partition.h"
-#include "lines/shared.h"
+#include "desk/shared.h"
 
 struct coord_owner;
 struct coord_worker;
@@ -80,6 +80,7 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
+    bool ending;    /* what follows from its end is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
     bool full;      /* the disk is: it is held as all others are */
     uint32_t lives; /* of the coordinator, that it has seen end */

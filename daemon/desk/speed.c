@@ -9,9 +9,14 @@
  * is late; and bounded, so that a wrong one costs time and nothing else. */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "desk/speed.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/part.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* A worker's rays tell its speed after so much work. */
 #define ENOUGH_MS 500
@@ -180,4 +185,26 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
      * for another unit of its worker: it never needs nothing */
     past = fabs(ms - (double)(c->now_ms - go->out_ms));
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
+}
+
+/* Static: who is here or on its way takes part, by its speed; drained workers
+ * only where there are no others. */
+void
+speed_share(struct coord *c, struct job *job)
+{
+    double *v = calloc(job->nworkers, sizeof *v);
+    bool others = false;
+
+    speed_measure(c, job);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        others |= desk_may_take_part(job, i);
+    for (uint32_t i = 0; v && i < job->nworkers; i++)
+        if (part_is_here(&job->workers[i]) &&
+            (!others || desk_may_take_part(job, i)))
+            v[i] = job->workers[i].speed;
+    if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
+        c->actions.failed = true;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        partition_set_absent(job->partition, i, !desk_may_take_part(job, i));
+    free(v);
 }

@@ -16,6 +16,7 @@
 #include "desk/unit.h"
 
 #include "desk/job.h"
+#include "desk/part.h"
 
 #include <assert.h>
 #include <stdlib.h>

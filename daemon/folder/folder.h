@@ -16,7 +16,7 @@
 #ifndef DAEMON_FOLDER_H
 #define DAEMON_FOLDER_H
 
-#include "store/blobs.h"
+#include "files/blobs.h"
 #include "ground/disk.h"
 #include "machine/action.h"
 #include "folder/rows.h"

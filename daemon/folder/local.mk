@@ -6,8 +6,6 @@ libdaemon_a_SOURCES += \
 	daemon/folder/folder.h \
 	daemon/folder/folder_impl.h \
 	daemon/folder/folder_take.c \
-	daemon/folder/mark.c \
-	daemon/folder/mark.h \
 	daemon/folder/room.c \
 	daemon/folder/room.h \
 	daemon/folder/rowcheck.c \

@@ -17,7 +17,7 @@
 #define RADD_DAEMON_ROWS_H
 
 #include "ground/disk.h"
-#include "folder/mark.h"
+#include "ground/mark.h"
 #include "ground/syncs.h"
 #include "image/hdr.h"
 

@@ -3,6 +3,7 @@
 
 #include "front/listing.h"
 
+#include "desk/job.h"
 #include "front/report.h"
 
 #include <inttypes.h>

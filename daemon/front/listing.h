@@ -9,7 +9,7 @@
 #ifndef DAEMON_LISTING_H
 #define DAEMON_LISTING_H
 
-#include "sched/sched.h"
+#include "desk/desk.h"
 
 #define LISTING_ROWS  200       /* most of one page */
 #define LISTING_BYTES (1 << 18) /* and where no further row begins */

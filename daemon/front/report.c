@@ -3,6 +3,11 @@
 
 #include "front/report.h"
 
+#include "desk/desk.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "queue/coord_keep.h"
+
 #include "base/text.h"
 
 #include <stdio.h>
@@ -24,7 +29,7 @@ static bool
 lacks_room(const struct coord *c, const struct coord_worker *w)
 {
     for (size_t i = 0; i < c->njobs; i++) {
-        uint32_t index = sched_index(c->jobs[i], w);
+        uint32_t index = desk_index(c->jobs[i], w);
 
         if (!job_over(c->jobs[i]) && index != JOB_NOBODY &&
             c->jobs[i]->workers[index].state == PART_NO_ROOM)
@@ -89,7 +94,7 @@ lacks_words(const struct coord *c, const struct job *job)
     bool some = false;
 
     for (const struct coord_worker *w = c->workers; w; w = w->next) {
-        if (w->conn != 0 && sched_can_tell(job, w))
+        if (w->conn != 0 && desk_can_tell(job, w))
             return false;
         some |= w->conn != 0;
     }
@@ -133,7 +138,7 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     char when[COORD_TIME];
     uint32_t first = 0;
 
-    if (coord_unfetched(c, job) && !job->text[0]) {
+    if (desk_unfetched(c, job) && !job->text[0]) {
         coord_time_text(job->end_ms + c->keep.unfetched_ms, when);
         snprintf(buf, MSG_MAX_TEXT + 1, "not fetched; kept until %s", when);
         return buf;

@@ -5,7 +5,7 @@
 #ifndef DAEMON_REPORT_H
 #define DAEMON_REPORT_H
 
-#include "sched/sched.h"
+#include "desk/desk.h"
 
 #include <jansson.h>
 

@@ -3,11 +3,19 @@
 
 #include "front/request.h"
 
+#include "desk/desk.h"
+#include "desk/job.h"
 #include "front/listing.h"
-#include "front/quota.h"
 #include "front/report.h"
+#include "queue/coord_conn.h"
+#include "queue/coord_job.h"
+#include "queue/coord_keep.h"
+#include "queue/stats.h"
+#include "queue/telling.h"
 #include "sched/sched.h"
-#include "front/stats.h"
+#include "users/known.h"
+#include "queue/quota.h"
+#include "users/uploads.h"
 
 #include "base/text.h"
 
@@ -31,7 +39,7 @@ reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
                      .answer = { (const uint8_t *)text, strlen(text) } };
 
     if (m.answer.len > MSG_MAX - 4)
-        coord_reply_failed(c, conn, request, NULL, EX_SOFTWARE,
+        desk_reply_failed(c, conn, request, NULL, EX_SOFTWARE,
                            "the answer is too long");
     else
         actions_send(&c->actions, conn->id, &m);
@@ -63,16 +71,6 @@ reply_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
     conn->answers++;
 }
 
-static void
-drop_settling(struct coord_conn *conn, struct coord_settling **at)
-{
-    struct coord_settling *s = *at;
-
-    *at = s->next;
-    free(s);
-    conn->answers--;
-}
-
 void
 request_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
 {
@@ -82,7 +80,7 @@ request_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
         at = &(*at)->next;
     if (!*at)
         return; /* the disk was full for too long */
-    drop_settling(conn, at);
+    telling_drop_settling(conn, at);
     reply_answer(c, conn, request, "");
 }
 
@@ -98,15 +96,13 @@ tell_unsettled(struct coord *c, struct coord_conn *conn)
             at = &(*at)->next;
             continue;
         }
-        coord_reply_failed(c, conn, (*at)->request, NULL, EX_TEMPFAIL,
+        desk_reply_failed(c, conn, (*at)->request, NULL, EX_TEMPFAIL,
                            "it is done, but the coordinator's disk is full: a "
                            "restart before there is room would undo it");
-        drop_settling(conn, at);
+        telling_drop_settling(conn, at);
     }
 }
 
-struct coord_telling;
-static void drop_telling(struct coord_conn *conn, struct coord_telling **at);
 static void tell_all(struct coord *c);
 
 void
@@ -115,15 +111,6 @@ request_tick(struct coord *c)
     tell_all(c);
     for (struct coord_conn *conn = c->conns; c->full && conn; conn = conn->next)
         tell_unsettled(c, conn);
-}
-
-void
-request_release(struct coord_conn *conn)
-{
-    while (conn->settling)
-        drop_settling(conn, &conn->settling);
-    while (conn->telling)
-        drop_telling(conn, &conn->telling);
 }
 
 /* --- files --- */
@@ -192,7 +179,7 @@ refused(struct coord *c, const struct coord_conn *conn, const struct msg *m,
 
     if (limit(c, conn, &err) == 0)
         return false;
-    coord_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
+    desk_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
                        err.what);
     return true;
 }
@@ -231,7 +218,7 @@ admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (k->offset != 0)
         return false;
     if (quota_file(c, conn, k->total, &err) != 0) {
-        coord_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
+        desk_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
                            err.what);
         return false;
     }
@@ -280,7 +267,7 @@ reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
     if (g && (conn->session == MSG_AT_COORD_ADMIN ||
               strcmp(conn->owner, g->owner) == 0))
         coord_gone_text(g, text);
-    coord_reply_failed(c, conn, request, id, EX_NOINPUT, text);
+    desk_reply_failed(c, conn, request, id, EX_NOINPUT, text);
 }
 
 /* The job that a request names, if there is one and the sender may steer it;
@@ -289,14 +276,14 @@ static struct job *
 job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
                const uint8_t *id)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job = desk_find_job(c, id);
 
     if (!job) {
         reply_no_job(c, conn, request, id);
         return NULL;
     }
     if (!may_steer(conn, job)) {
-        coord_reply_failed(c, conn, request, id, EX_NOPERM,
+        desk_reply_failed(c, conn, request, id, EX_NOPERM,
                            "the job belongs to another user");
         return NULL;
     }
@@ -359,12 +346,12 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     char name[200]; /* for the log */
     struct job *job;
 
-    if (coord_find_job(c, m->submit.job)) {
+    if (desk_find_job(c, m->submit.job)) {
         attach(c, conn, m->request, m->submit.job);
         return;
     }
     if (submit_fault(c, conn, &m->submit, &err) != 0) {
-        coord_reply_failed(c, conn, m->request, m->submit.job,
+        desk_reply_failed(c, conn, m->request, m->submit.job,
                            rad_exit_status(err.code), err.what);
         return;
     }
@@ -396,7 +383,7 @@ refuse_over(struct coord *c, struct coord_conn *conn, uint32_t request,
 {
     if (!job_over(job))
         return false;
-    coord_reply_failed(c, conn, request, job->id, EX_USAGE, "the job is over");
+    desk_reply_failed(c, conn, request, job->id, EX_USAGE, "the job is over");
     return true;
 }
 
@@ -470,7 +457,7 @@ on_delete(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!job)
         return;
     if (!job_over(job)) {
-        coord_reply_failed(c, conn, m->request, job->id, EX_USAGE,
+        desk_reply_failed(c, conn, m->request, job->id, EX_USAGE,
                            "the job is not over: cancel it first");
         return;
     }
@@ -490,7 +477,7 @@ on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (refuse_over(c, conn, m->request, job))
         return;
     if (quota_priority(m->priority.priority, &err) != 0) {
-        coord_reply_failed(c, conn, m->request, job->id,
+        desk_reply_failed(c, conn, m->request, job->id,
                            rad_exit_status(err.code), err.what);
         return;
     }
@@ -517,46 +504,13 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
     }
 }
 
-/* Statistics that somebody waits for. */
-struct coord_telling {
-    struct coord_telling *next;
-    struct stats_text *text; /* NULL: it is whole */
-    char *whole;
-    size_t len, sent; /* of that [bytes] */
-    uint8_t job[MSG_JOB];
-    uint64_t sequence; /* of the job */
-    uint32_t request;
-};
-
-static void
-drop_telling(struct coord_conn *conn, struct coord_telling **at)
-{
-    struct coord_telling *t = *at;
-
-    *at = t->next;
-    stats_free(t->text);
-    free(t->whole);
-    free(t);
-    conn->answers--;
-}
-
 /* NULL: it was deleted, whatever has its id now. */
 static const struct job *
 told_of(const struct coord *c, const struct coord_telling *t)
 {
-    const struct job *job = coord_find_job(c, t->job);
+    const struct job *job = desk_find_job(c, t->job);
 
     return job && job->sequence == t->sequence ? job : NULL;
-}
-
-bool
-request_tells(const struct coord *c, const struct job *job)
-{
-    for (const struct coord_conn *i = c->conns; i; i = i->next)
-        for (const struct coord_telling *t = i->telling; t; t = t->next)
-            if (t->text && t->sequence == job->sequence)
-                return true;
-    return false;
 }
 
 /* The next of what is whole; likewise. */
@@ -581,7 +535,7 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
     if (t->whole)
         return send_more(c, conn, t);
     if (!job) {
-        coord_reply_failed(c, conn, t->request, t->job, EX_NOINPUT,
+        desk_reply_failed(c, conn, t->request, t->job, EX_NOINPUT,
                            "no such job");
         return false;
     }
@@ -617,7 +571,7 @@ fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
     *at = t;
     conn->answers++;
     if (at == &conn->telling && !tell_more(c, conn, t))
-        drop_telling(conn, at);
+        telling_drop(conn, at);
 }
 
 /* One piece for each connection that waits. */
@@ -626,7 +580,7 @@ tell_all(struct coord *c)
 {
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->telling && !tell_more(c, conn, conn->telling))
-            drop_telling(conn, &conn->telling);
+            telling_drop(conn, &conn->telling);
 }
 
 /* Why a frame cannot be fetched; NULL: it can. */
@@ -671,7 +625,7 @@ on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
     }
     fault = fetch_fault(job, &m->fetch, &status);
     if (fault) {
-        coord_reply_failed(c, conn, m->request, job->id, status, fault);
+        desk_reply_failed(c, conn, m->request, job->id, status, fault);
         return;
     }
     a = actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
@@ -692,7 +646,7 @@ report_limits(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (conn->session != MSG_AT_COORD_ADMIN &&
         strcmp(owner, conn->owner) != 0) {
-        coord_reply_failed(c, conn, m->request, NULL, EX_NOPERM,
+        desk_reply_failed(c, conn, m->request, NULL, EX_NOPERM,
                            "what another user has is for administrators");
         return;
     }
@@ -718,7 +672,7 @@ on_query(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!text)
         c->actions.failed = true;
     else if (status != 0)
-        coord_reply_failed(c, conn, m->request, NULL, status, text);
+        desk_reply_failed(c, conn, m->request, NULL, status, text);
     else
         reply_answer(c, conn, m->request, text);
     free(text);
@@ -765,7 +719,7 @@ worker_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
         w = w->next;
     if (!w) {
         snprintf(text, sizeof text, "no worker '%s'", name);
-        coord_reply_failed(c, conn, request, NULL, EX_NOINPUT, text);
+        desk_reply_failed(c, conn, request, NULL, EX_NOINPUT, text);
     }
     return w;
 }
@@ -806,7 +760,7 @@ on_forget(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (!w)
         return;
     if (w->conn != 0) {
-        coord_reply_failed(c, conn, m->request, NULL, EX_USAGE,
+        desk_reply_failed(c, conn, m->request, NULL, EX_USAGE,
                            "the worker is connected: one that is gone can be "
                            "forgotten");
         return;

@@ -5,7 +5,7 @@
 #ifndef DAEMON_REQUEST_H
 #define DAEMON_REQUEST_H
 
-#include "sched/sched.h"
+#include "desk/desk.h"
 
 /* A message that arrived in MSG_AT_COORD_USER or MSG_AT_COORD_ADMIN. */
 void request_handle(struct coord *c, struct coord_conn *conn,
@@ -23,9 +23,9 @@ void request_settled(struct coord *c, struct coord_conn *conn,
 void request_tick(struct coord *c);
 
 /* Is somebody being told of what the job has in memory? */
-bool request_tells(const struct coord *c, const struct job *job);
+bool telling_of(const struct coord *c, const struct job *job);
 
 /* The connection is gone. */
-void request_release(struct coord_conn *conn);
+void telling_release(struct coord_conn *conn);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "ground/daemon.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -194,7 +194,7 @@ daemon_run(struct daemon *d, int argc, char *argv[])
     d->argv = argv;
     d->loaded = malloc(d->table->size);
     if (!d->loaded)
-        service_out_of_memory();
+        log_out_of_memory();
     memcpy(d->loaded, d->set, d->table->size);
     log_open(d->table->program,
              (enum log_level)log_level_parse(d->set->log_level));

@@ -9,7 +9,7 @@
 #ifndef RADD_DAEMON_DISK_H
 #define RADD_DAEMON_DISK_H
 
-#include "folder/mark.h"
+#include "ground/mark.h"
 
 #include <dirent.h>
 #include <stdbool.h>

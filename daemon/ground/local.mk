@@ -6,10 +6,10 @@ libdaemon_a_SOURCES += \
 	daemon/ground/daemon.h \
 	daemon/ground/disk.c \
 	daemon/ground/disk.h \
-	daemon/ground/log.c \
-	daemon/ground/log.h \
 	daemon/ground/lossy.c \
 	daemon/ground/lossy.h \
+	daemon/ground/mark.c \
+	daemon/ground/mark.h \
 	daemon/ground/service.c \
 	daemon/ground/service.h \
 	daemon/ground/syncs.c \

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "ground/service.h"
+#include "net/log.h"
 
 #include "base/output.h"
 
@@ -95,21 +96,11 @@ service_credential(const char *name, char *path, size_t size)
     return any;
 }
 
-_Noreturn void
-service_out_of_memory(void)
-{
-    static const char text[] = "out of memory\n";
-
-    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
-        _exit(EX_IOERR);
-    _exit(EX_OSERR);
-}
-
 static void *
 need(void *p)
 {
     if (!p)
-        service_out_of_memory();
+        log_out_of_memory();
     return p;
 }
 
@@ -168,41 +159,14 @@ int
 service_ports_file(const char *path, const char *const lines[], int n,
                    struct rad_error *err)
 {
-    struct output out;
-    int rc = output_open(&out, path, false, err);
+    struct rad_output out;
+    int rc = rad_output_open(&out, path, false, err);
 
     if (rc < 0)
         return rc;
     for (int i = 0; i < n; i++)
         fprintf(out.file, "%s\n", lines[i]);
-    return output_commit(&out, err);
-}
-
-int
-service_make_dir(const char *path, int mode, struct rad_error *err)
-{
-    char part[PATH_MAX];
-    size_t n = strlen(path);
-
-    if (n == 0 || n >= sizeof part)
-        return rad_fail(err, RAD_ECANTCREAT, "bad folder name '%s'", path);
-    memcpy(part, path, n + 1);
-    for (char *p = part + 1;; p++) {
-        char c = *p;
-        struct stat st;
-
-        if (c != '/' && c != '\0')
-            continue;
-        *p = '\0';
-        if (mkdir(part, c ? 0755 : (mode_t)mode) < 0 && errno != EEXIST)
-            return rad_fail(err, RAD_ECANTCREAT, "cannot make folder '%s': %s",
-                            part, strerror(errno));
-        if (stat(part, &st) < 0 || !S_ISDIR(st.st_mode))
-            return rad_fail(err, RAD_ECANTCREAT, "'%s' is no folder", part);
-        if (c == '\0')
-            return 0;
-        *p = c;
-    }
+    return rad_output_commit(&out, err);
 }
 
 int

@@ -31,10 +31,7 @@ uint64_t service_watchdog_ms(void);
  * space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
-/* End at once with EX_OSERR: for what cannot fail and has no memory.  Nothing
- * that was acknowledged is lost by it. */
-_Noreturn void service_out_of_memory(void);
-/* The same for what libuv and libcrypto allocate, which abort or crash in
+/* End so (log_out_of_memory()) for what libuv and libcrypto allocate, which abort or crash in
  * places; before their first use. */
 void service_catch_no_memory(void);
 
@@ -43,9 +40,6 @@ void service_catch_no_memory(void);
 int service_ports_file(const char *path, const char *const lines[], int n,
                        struct rad_error *err);
 
-/* Make the folder and those above it, mode 0755 (the last one `mode`); it is
- * fine if it is there.  RAD_ECANTCREAT. */
-int service_make_dir(const char *path, int mode, struct rad_error *err);
 
 /* Take the folder for this process alone, until it ends or closes what is
  * returned; RAD_ECANTCREAT when another has it, RAD_EPERM when the lock is

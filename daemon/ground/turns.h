@@ -9,7 +9,7 @@
 #ifndef RADD_DAEMON_TURNS_H
 #define RADD_DAEMON_TURNS_H
 
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <stdint.h>
 #include <uv.h>

@@ -5,7 +5,5 @@ libdaemon_a_SOURCES += \
 	daemon/journal/journal_impl.h \
 	daemon/journal/journal_put.c \
 	daemon/journal/journal_read.c \
-	daemon/journal/statecheck.c \
-	daemon/journal/statecheck.h \
 	daemon/journal/statedir.c \
 	daemon/journal/statedir.h

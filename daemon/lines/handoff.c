@@ -10,6 +10,16 @@
  * away, or has a twin. */
 #include "config.h"
 
+#include "lines/handoff.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/hold.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "lines/lending.h"
+#include "desk/shared.h"
 #include "links/ring.h"
 
 #include <string.h>
@@ -78,20 +88,6 @@ makes(const struct job *job, uint32_t unit, const struct job_go *go,
     return go->handoff.makes_top &&
            lines_of_unit(job, unit, &first, &last) == frame &&
            first == line + 1;
-}
-
-void
-handoff_top_made(struct coord *c, struct job *job, uint32_t unit,
-                 struct job_go *go)
-{
-    uint32_t first, last;
-    uint32_t frame = lines_of_unit(job, unit, &first, &last);
-
-    if (!go->handoff.makes_top)
-        return;
-    go->handoff.makes_top = false;
-    partition_keep_line(job->partition, frame, first - 1, false);
-    c->stirred = true;
 }
 
 static void
@@ -269,7 +265,7 @@ static struct job *
 job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
                uint32_t *index)
 {
-    struct job *job = sched_job_of(c, w, id, index);
+    struct job *job = desk_job_of(c, w, id, index);
 
     if (!job || !job->shared || !part_is_here(&job->workers[*index]))
         return NULL;
@@ -288,7 +284,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 
     if (go && makes(job, below, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
-        handoff_top_made(c, job, below, go);
+        hold_top_made(c, job, below, go);
 }
 
 void
@@ -301,7 +297,7 @@ handoff_facts(struct coord *c, struct coord_worker *w,
     if (!job)
         return;
     if (!shared_facts_fit(job->shared, m)) {
-        coord_break(c, w->conn, "FACTS that fit no line");
+        verdict_break(c, w->conn, "FACTS that fit no line");
         return;
     }
     unit = unit_at(job, m->frame, m->line);
@@ -393,7 +389,7 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
     if (!job)
         return;
     if (!shared_base_fits(job->shared, m)) {
-        coord_break(c, w->conn, "a BASE_LINE that fits no line");
+        verdict_break(c, w->conn, "a BASE_LINE that fits no line");
         return;
     }
     unit = unit_at(job, m->frame, m->line);
@@ -429,8 +425,8 @@ handoff_parked(struct coord *c, struct coord_worker *w,
     if (!go || go->origin == GO_LOAN || go->state != GO_WORKING ||
         (go->parked_ms != 0 && go->lending.line_ms == 0))
         return;
-    sched_log_unit(c, job, m->unit, go, "unit parked");
-    handoff_top_made(c, job, m->unit, go);
+    desk_log_unit(c, job, m->unit, go, "unit parked");
+    hold_top_made(c, job, m->unit, go);
     speed_finished(job, m->unit, go);
     if (lending_parked(c, go))
         hold_step(c, job, m->unit, go, GO_BLOCKED);
@@ -478,6 +474,6 @@ handoff_tick(struct coord *c, struct job *job)
         offer_top(c, job, job->out[i]);
         for (uint8_t k = 0; k < u->ngos; k++)
             if (c->now_ms - u->go[k].out_ms >= STUCK_MS)
-                handoff_top_made(c, job, job->out[i], &u->go[k]);
+                hold_top_made(c, job, job->out[i], &u->go[k]);
     }
 }

@@ -7,7 +7,16 @@
  * lender has them again (BACK). */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "lines/lending.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "desk/shared.h"
 
 #include <math.h>
 #include <string.h>
@@ -86,7 +95,7 @@ may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
     return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
            go->lending.blocked_ms == 0 &&
            (job->units[unit].whole || last - first == 1 ||
-            !balance_splits(job)) &&
+            !desk_splits(job)) &&
            knows_loans(job, go->worker);
 }
 
@@ -139,7 +148,7 @@ static uint32_t
 idle_for(const struct job *job, uint32_t unit)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (balance_is_idle(job, i) && knows_loans(job, i) &&
+        if (desk_is_idle(job, i) && knows_loans(job, i) &&
             (unit == PARTITION_NONE || !go_of_worker(job, unit, i)))
             return i;
     return JOB_NOBODY;
@@ -164,20 +173,9 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
 
         go->lending.asked_ms = c->now_ms;
         asked++;
-        sched_log_unit(c, job, unit, go, "unit lend");
+        desk_log_unit(c, job, unit, go, "unit lend");
         actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
     }
-}
-
-/* Columns are with whoever lent them again. */
-static void
-send_back(struct coord *c, const struct coord_worker *to,
-          const struct msg_back *back)
-{
-    struct msg m = { .type = MSG_BACK, .back = *back };
-
-    if (to->conn != 0)
-        actions_send(&c->actions, to->conn, &m);
 }
 
 bool
@@ -187,26 +185,6 @@ lending_parked(const struct coord *c, struct job_go *go)
     if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
         go->lending.blocked_ms = c->now_ms;
     return go->lending.loans > 0;
-}
-
-void
-lending_ended(struct coord *c, struct job *job, uint32_t unit,
-              const struct job_go *loan)
-{
-    struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
-    uint32_t first, last;
-
-    if (!to)
-        return;
-    to->lending.loans--;
-    if (to->state == GO_DELIVERED)
-        return;
-    partition_unit_lines(job->partition, unit, &first, &last);
-    send_back(c, job->workers[to->worker].worker,
-              &(struct msg_back){ job->id, unit, to->attempt, last - 1,
-                                  loan->lending.x, loan->lending.n });
-    if (to->state == GO_BLOCKED)
-        hold_step(c, job, unit, to, GO_WORKING);
 }
 
 /* What the loan should take [ms]: by what the unit costs, or longer if the
@@ -256,8 +234,8 @@ lending_tick(struct coord *c, struct job *job)
 
             if (go->origin != GO_LOAN || !is_late_loan(c, job, unit, go))
                 continue;
-            sched_log_unit(c, job, unit, go, "loan late");
-            sched_send_attempt(c, job, MSG_REVOKE, unit, go);
+            desk_log_unit(c, job, unit, go, "loan late");
+            desk_send_attempt(c, job, MSG_REVOKE, unit, go);
             hold_release(c, job, unit, go);
         }
     }
@@ -327,7 +305,7 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
     go = go_of_attempt(job, m->unit, root);
     if (go)
         go->lending.loans++;
-    sched_log_unit(c, job, m->unit, to, "loan out");
+    desk_log_unit(c, job, m->unit, to, "loan out");
     pass.loan.job = job->id;
     pass.loan.attempt = to->attempt;
     actions_send(&c->actions, job->workers[index].worker->conn, &pass);
@@ -340,17 +318,17 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
                                    m->line, m->x,    m->n };
     struct job_go *go;
     uint32_t index, to;
-    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct job *job = desk_job_of(c, w, m->job, &index);
 
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (!go || go->state == GO_DELIVERED) { /* it shall not wait for ever */
-        send_back(c, w, &back);
+        hold_send_back(c, w, &back);
         return;
     }
     if (!loan_fits(job, go, m)) {
-        coord_break(c, w->conn, "a LOAN that fits no line");
+        verdict_break(c, w->conn, "a LOAN that fits no line");
         return;
     }
     go->lending.asked_ms = 0;
@@ -360,7 +338,7 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
     if (to != JOB_NOBODY && is_whole_end(go, m))
         lend_to(c, job, to, go->attempt, m);
     else
-        send_back(c, w, &back);
+        hold_send_back(c, w, &back);
 }
 
 /* What it cost is the unit's, but for black pixels: whoever lends makes those.
@@ -368,8 +346,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
 void
 lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
 {
-    struct job *job = coord_find_job(c, m->job);
-    uint32_t index = job ? sched_index(job, w) : JOB_NOBODY;
+    struct job *job = desk_find_job(c, m->job);
+    uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct msg_counts counts = m->counts;
     struct job_worker *jw;
     struct job_go *go;
@@ -390,8 +368,8 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
         job_see_work(job);
         return;
     }
-    sched_log_unit(c, job, m->unit, go, "loan paid");
-    sched_late(job, index, false);
+    desk_log_unit(c, job, m->unit, go, "loan paid");
+    desk_late(job, index, false);
     msg_counts_add(&job->units[m->unit].lent, &counts);
     jw->rays += counts.rays;
     jw->cpu_s += counts.cpu_s;

@@ -1,6 +1,6 @@
 # what the coordinator does with lines under way: hand-off, lending
 libdaemon_a_SOURCES += \
 	daemon/lines/handoff.c \
+	daemon/lines/handoff.h \
 	daemon/lines/lending.c \
-	daemon/lines/shared.c \
-	daemon/lines/shared.h
+	daemon/lines/lending.h

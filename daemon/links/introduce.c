@@ -4,7 +4,9 @@
  * is to be linked with whom, where that is not all with all, is ring.h's. */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "links/introduce.h"
+
+#include "desk/part.h"
 
 /* Tell one worker of one peer. */
 static void

@@ -1,6 +1,7 @@
 # which workers are linked with which
 libdaemon_a_SOURCES += \
 	daemon/links/introduce.c \
+	daemon/links/introduce.h \
 	daemon/links/ring.c \
 	daemon/links/ring.h \
 	daemon/links/seeding.c \

@@ -3,6 +3,9 @@
 
 #include "links/ring.h"
 
+#include "desk/part.h"
+#include "links/introduce.h"
+
 #include <stdlib.h>
 #include <string.h>
 

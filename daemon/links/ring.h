@@ -18,7 +18,7 @@
 #ifndef DAEMON_RING_H
 #define DAEMON_RING_H
 
-#include "sched/sched.h"
+#include "desk/desk.h"
 
 /* Are there too many to be linked with all, or were there? */
 bool ring_wanted(const struct coord *c, const struct job *job);

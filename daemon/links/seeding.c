@@ -3,6 +3,9 @@
 
 #include "links/seeding.h"
 
+#include "desk/desk.h"
+#include "desk/part.h"
+
 /* Who is ready so much later than the first would make what others have asked
  * for, and made, meanwhile. */
 #define LATE_MS 500
@@ -14,7 +17,7 @@ begins(const struct job *job, uint32_t i)
 {
     const struct job_worker *jw = &job->workers[i];
 
-    return part_is_here(jw) && sched_takes_units(jw->worker) &&
+    return part_is_here(jw) && desk_takes_units(jw->worker) &&
            jw->worker->version >= msg_since(MSG_SEED);
 }
 
@@ -51,7 +54,7 @@ seeding_ready(struct coord *c, struct job *job, uint32_t index)
                      .seed = { job->id, jw->seed_first, jw->seed_last } };
 
     if (jw->seed_first < jw->seed_last && c->now_ms - job->seed_ms < LATE_MS &&
-        !yield_wanted(job, index)) {
+        !desk_gives_way(job, index)) {
         jw->seeds = true;
         jw->rest_ms = 0;
         actions_send(&c->actions, jw->worker->conn, &m);

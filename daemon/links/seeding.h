@@ -7,7 +7,7 @@
 #ifndef RADD_DAEMON_SEEDING_H
 #define RADD_DAEMON_SEEDING_H
 
-#include "sched/sched.h"
+#include "desk/desk.h"
 
 /* The first worker is ready: give out the parts, to all that are on their way.
  * Nothing where there is one alone, or nothing is shared. */

@@ -1,19 +1,15 @@
-# what the pure machines share: actions, and the shell that carries them out
+# what the pure machines share: actions, texts of a job, sums
 libdaemon_a_SOURCES += \
 	daemon/machine/action.c \
 	daemon/machine/action.h \
 	daemon/machine/counted.c \
 	daemon/machine/counted.h \
+	daemon/machine/fingerprint.c \
+	daemon/machine/fingerprint.h \
 	daemon/machine/jobtext.c \
 	daemon/machine/jobtext.h \
 	daemon/machine/rowsum.c \
 	daemon/machine/rowsum.h \
 	daemon/machine/saved.h \
-	daemon/machine/shell.c \
-	daemon/machine/shell.h \
-	daemon/machine/transfer.c \
-	daemon/machine/transfer.h \
-	daemon/machine/views.c \
-	daemon/machine/views.h \
 	daemon/machine/wordlist.c \
 	daemon/machine/wordlist.h

@@ -8,7 +8,7 @@
 #ifndef DAEMON_SAVED_H
 #define DAEMON_SAVED_H
 
-#include "folder/mark.h"
+#include "ground/mark.h"
 #include "partition/partition.h"
 
 /* A unit that went out: its latest attempt, and what is kept of its rows. */

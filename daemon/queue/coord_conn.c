@@ -8,7 +8,12 @@
 
 #include "net/address.h"
 #include "net/keyfile.h"
-#include "front/request.h"
+#include "queue/coord_conn.h"
+
+#include "desk/desk.h"
+#include "queue/telling.h"
+#include "sched/loss.h"
+#include "users/uploads.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,23 +26,6 @@ static const char crowded[] =
     "too many connections of this user: close some, or try again later (limit "
     "user_connections)";
 
-/* The low bits count up in the shell, and are a host's in the simulation. */
-static size_t
-slot_of(uint64_t id)
-{
-    return (size_t)(id ^ id >> 16) % COORD_CONNS;
-}
-
-struct coord_conn *
-coord_find_conn(const struct coord *c, uint64_t id)
-{
-    struct coord_conn *conn = c->by_id[slot_of(id)];
-
-    while (conn && conn->id != id)
-        conn = conn->chain;
-    return conn;
-}
-
 /* Forget a connection that is closed, or about to be. */
 static void
 drop_conn(struct coord *c, struct coord_conn *conn)
@@ -47,7 +35,7 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     while (*link != conn)
         link = &(*link)->next;
     *link = conn->next;
-    link = &c->by_id[slot_of(conn->id)];
+    link = &c->by_id[desk_slot(conn->id)];
     while (*link != conn)
         link = &(*link)->chain;
     *link = conn->chain;
@@ -56,24 +44,22 @@ drop_conn(struct coord *c, struct coord_conn *conn)
         conn->worker->since_ms = c->now_ms;
         loss_worker_gone(c, conn->worker);
     }
-    request_release(conn);
+    telling_release(conn);
     uploads_closed(&c->uploads, conn->id);
     free(conn);
 }
 
 void
-coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
+coord_conn_closed(struct coord *c, uint64_t id, const char *why)
 {
-    struct coord_conn *conn = coord_find_conn(c, id);
+    struct coord_conn *conn = desk_find_conn(c, id);
 
-    c->now_ms = now_ms;
     if (!conn)
         return;
     actions_log(&c->actions, conn->worker ? ACT_WARN : ACT_DEBUG,
                 "connection lost peer=%s name=%s why=%s", conn->address,
                 conn->worker ? conn->worker->name : "", why);
     drop_conn(c, conn);
-    sched_run(c);
 }
 
 /* Say that we close it.  Who is no worker yet, or never will be, can have that
@@ -97,7 +83,7 @@ log_break(struct coord *c, const struct coord_conn *conn,
 static void
 end_conn(struct coord *c, uint64_t id, enum action_level level, const char *why)
 {
-    struct coord_conn *conn = coord_find_conn(c, id);
+    struct coord_conn *conn = desk_find_conn(c, id);
 
     if (!conn)
         return;
@@ -114,9 +100,15 @@ coord_break(struct coord *c, uint64_t id, const char *why)
 }
 
 void
-coord_part(struct coord *c, uint64_t id, const char *why)
+coord_end_conns(struct coord *c)
 {
-    end_conn(c, id, ACT_INFO, why);
+    for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
+        next = conn->next;
+        if (conn->verdict != CONN_STAYS)
+            end_conn(c, conn->id,
+                     conn->verdict == CONN_BREAKS ? ACT_WARN : ACT_INFO,
+                     conn->why);
+    }
 }
 
 /* Connections of whoever has this one, where that may do no more than use the
@@ -154,13 +146,11 @@ make_room(struct coord *c, const struct coord_conn *conn)
 }
 
 void
-coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
-             const struct coord_peer *peer)
+coord_conn_opened(struct coord *c, uint64_t id, const struct coord_peer *peer)
 {
     struct coord_conn *conn = calloc(1, sizeof *conn);
-    struct coord_owner *payer = coord_owner_of(c, peer->owner);
+    struct coord_owner *payer = desk_owner(c, peer->owner);
 
-    c->now_ms = now_ms;
     if (!conn || !payer) {
         free(conn);
         c->actions.failed = true;
@@ -177,20 +167,8 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
     make_room(c, conn);
     conn->next = c->conns;
     c->conns = conn;
-    conn->chain = c->by_id[slot_of(id)];
-    c->by_id[slot_of(id)] = conn;
-}
-
-void
-coord_reply_failed(struct coord *c, const struct coord_conn *conn,
-                   uint32_t request, const uint8_t *job, int status,
-                   const char *text)
-{
-    struct msg m = { .type = MSG_FAILED,
-                     .request = request,
-                     .failed = { job, (uint16_t)status, text } };
-
-    actions_send(&c->actions, conn->id, &m);
+    conn->chain = c->by_id[desk_slot(id)];
+    c->by_id[desk_slot(id)] = conn;
 }
 
 static void

@@ -7,9 +7,21 @@
 #include "config.h"
 
 #include "base/text.h"
-#include "front/request.h"
+#include "queue/coord_job.h"
+
+#include "desk/desk.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/verdict.h"
+#include "desk/shared.h"
+#include "links/ring.h"
+#include "queue/coord_conn.h"
+#include "queue/stats.h"
+#include "queue/telling.h"
 #include "sched/sched.h"
-#include "front/stats.h"
+#include "sched/survey.h"
+#include "users/known.h"
+#include "users/uploads.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -20,20 +32,11 @@
 #define LOOK_FILES 512  /* of a job at once */
 #define LINGER_MS  2000 /* a job that is over is whole */
 
-struct job *
-coord_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
-{
-    for (size_t i = 0; i < c->njobs; i++)
-        if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
-            return c->jobs[i];
-    return NULL;
-}
-
 /* Another job may have been given the id of one that was deleted. */
-static struct job *
-find_same(const struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence)
+struct job *
+coord_same_job(const struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence)
 {
-    struct job *job = coord_find_job(c, id);
+    struct job *job = desk_find_job(c, id);
 
     return job && job->sequence == sequence ? job : NULL;
 }
@@ -61,7 +64,7 @@ coord_send_end(struct coord *c, const struct coord_conn *conn,
     if (job->state == JOB_DONE)
         actions_send(&c->actions, conn->id, &m);
     else
-        coord_reply_failed(c, conn, conn->watch_request, job->id, job->status,
+        desk_reply_failed(c, conn, conn->watch_request, job->id, job->status,
                            job->text);
 }
 
@@ -74,23 +77,6 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
                      .accept = { job->id, again } };
 
     actions_send(&c->actions, conn->id, &m);
-}
-
-struct coord_owner *
-coord_owner_of(struct coord *c, const char *name)
-{
-    struct coord_owner *o = c->owners;
-
-    while (o && strcmp(o->name, name) != 0)
-        o = o->next;
-    if (o)
-        return o;
-    o = calloc(1, sizeof *o);
-    if (!o)
-        return NULL;
-    snprintf(o->name, sizeof o->name, "%s", name);
-    o->next = c->owners;
-    return c->owners = o;
 }
 
 /* Into the first n jobs, which are in order: by priority, then as they came. */
@@ -123,7 +109,7 @@ coord_add_job(struct coord *c, struct job *job)
         c->jobs = v;
         c->cap_jobs = cap;
     }
-    job->payer = coord_owner_of(c, job->owner);
+    job->payer = desk_owner(c, job->owner);
     if (!job->payer)
         return false;
     job->sequence = ++c->sequence;
@@ -144,7 +130,7 @@ coord_set_priority(struct coord *c, struct job *job, int32_t priority)
     job->spec.priority = priority;
     put_in_order(c, job, end);
     for (struct coord_worker *w = c->workers; w; w = w->next)
-        yield_rate(c, w);
+        hold_rate(c, w);
 }
 
 static void go_on_filing(struct coord *c, struct job *job);
@@ -234,7 +220,7 @@ static void
 lighten(struct coord *c, struct job *job)
 {
     if (job->stage != STAGE_KEPT || c->now_ms - job->end_ms < LINGER_MS ||
-        request_tells(c, job))
+        telling_of(c, job))
         return;
     job_lighten(job, c->now_ms);
     coord_drop_forgotten(c);
@@ -254,8 +240,6 @@ coord_jobs_tick(struct coord *c)
         if (lacks_files(c->jobs[i]))
             end_stalled(c, c->jobs[i]);
     }
-    if (c->stirred)
-        sched_run(c);
 }
 
 /* What the store was to do for a job was done, or it failed with that status,
@@ -264,7 +248,7 @@ static struct job *
 stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
        int status, const char *text)
 {
-    struct job *job = find_same(c, id, sequence);
+    struct job *job = coord_same_job(c, id, sequence);
 
     if (!job || job_over(job))
         return NULL;
@@ -288,25 +272,6 @@ coord_keep_state(struct coord *c, const struct job *job)
     a->priority = job->spec.priority;
 }
 
-void
-coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                uint64_t sequence, const char *text)
-{
-    struct job *job = find_same(c, id, sequence);
-
-    c->now_ms = now_ms;
-    if (!job || job_over(job))
-        return;
-    if (job->stage != STAGE_NO_ROOM)
-        job_step(job, STAGE_NO_ROOM);
-    rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
-                   text);
-    wire_clean(job->text);
-    actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
-                job->hex, text);
-    c->progress_ms = 0; /* those who watch hear of it at the next tick */
-}
-
 /* It has its room now.  What was done to it meanwhile the store had no place
  * for. */
 static void
@@ -317,26 +282,36 @@ wait_no_more(struct coord *c, struct job *job)
     coord_keep_state(c, job);
 }
 
-void
-coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                 uint64_t sequence, int status, const char *text)
+bool
+coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
+               int status, const char *text)
 {
-    struct job *job;
+    struct job *job = stored(c, id, sequence, status, text);
     bool waited;
 
-    c->now_ms = now_ms;
-    job = stored(c, id, sequence, status, text);
     if (!job)
-        return;
+        return false;
     waited = job->stage == STAGE_NO_ROOM;
     job_step(job, STAGE_OPEN);
-    job->open_ms = now_ms;
+    job->open_ms = c->now_ms;
     if (waited)
         wait_no_more(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job)
             coord_send_accept(c, conn, job, false);
-    sched_run(c);
+    return true;
+}
+
+void
+coord_free_job(struct job *job)
+{
+    if (!job)
+        return;
+    stats_free(job->filing);
+    survey_free(job->survey);
+    shared_free(job->shared);
+    ring_free(job->ring);
+    job_free(job);
 }
 
 void
@@ -350,7 +325,7 @@ coord_drop_job(struct coord *c, const struct job *gone)
     job = c->jobs[i];
     if (job->stage != STAGE_ARRIVING)
         known_unname(&job->payer->files, c->now_ms, &job->spec.files);
-    job_free(job);
+    coord_free_job(job);
     memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
     c->njobs--;
     coord_drop_forgotten(c);
@@ -398,20 +373,14 @@ file_job(struct coord *c, struct job *job)
         c->actions.failed = true;
 }
 
-void
-coord_job_ends(struct coord *c, struct job *job, enum job_state state,
-               int status, const char *text)
+/* What follows from the verdict on a job. */
+static void
+end_job(struct coord *c, struct job *job)
 {
-    if (job_over(job))
-        return;
-    job->state = state;
-    job->status = status;
-    job->end_ms = c->now_ms;
+    job->ending = false;
     c->keep_due = true;
-    rad_text_print(job->text, sizeof job->text, "%s", text ? text : "");
-    wire_clean(job->text); /* JSON wants UTF-8 */
     actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
-                job->hex, job_state_name(state), job->text);
+                job->hex, job_state_name(job->state), job->text);
     if (job->nan.pixels > 0)
         actions_log(&c->actions, ACT_WARN,
                     "pixels are no numbers job=%s pixels=%" PRIu64
@@ -432,83 +401,37 @@ coord_job_ends(struct coord *c, struct job *job, enum job_state state,
 }
 
 void
-coord_picture_written(struct coord *c, uint64_t now_ms,
-                      const uint8_t id[MSG_JOB], uint64_t sequence,
-                      uint32_t frame, int status, const char *text)
+coord_end_jobs(struct coord *c)
 {
-    struct job *job;
+    for (size_t i = 0; i < c->njobs; i++)
+        if (c->jobs[i]->ending)
+            end_job(c, c->jobs[i]);
+}
 
-    c->now_ms = now_ms;
-    job = stored(c, id, sequence, status, text);
+void
+coord_job_ends(struct coord *c, struct job *job, enum job_state state,
+               int status, const char *text)
+{
+    verdict_job(c, job, state, status, text);
+    if (job->ending)
+        end_job(c, job);
+}
+
+bool
+coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
+                   uint64_t sequence, uint32_t frame, int status,
+                   const char *text)
+{
+    struct job *job = stored(c, id, sequence, status, text);
+
     if (!job || frame >= job->spec.nframes ||
         job->frames[frame].state != FRAME_WRITING)
-        return;
+        return false;
     job->frames[frame].state = FRAME_WRITTEN;
     job->unfetched++;
     job_count_ready(job);
     if (job->frames_ready == job->spec.nframes)
         coord_job_ends(c, job, JOB_DONE, 0, NULL);
-    coord_forget_old(c);
-}
-
-void
-coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                uint64_t sequence, uint64_t bytes)
-{
-    struct job *job = find_same(c, id, sequence);
-
-    c->now_ms = now_ms;
-    if (job) {
-        job->kept_bytes = bytes;
-        if (c->env.keeps)
-            job_step(job, STAGE_KEPT);
-    }
-    c->keep_due = true;
-    coord_forget_old(c);
-}
-
-uint8_t *
-coord_files(const struct coord *c, size_t *n)
-{
-    size_t all = 0, at = 0;
-    uint8_t *list;
-
-    for (size_t i = 0; i < c->njobs; i++)
-        all += c->jobs[i]->spec.files.n;
-    list = malloc((all + c->uploads.n) * MSG_HASH + 1);
-    if (!list)
-        return NULL;
-    for (size_t i = 0; i < c->njobs; i++) {
-        const struct msg_hashes *f = &c->jobs[i]->spec.files;
-
-        if (f->n > 0)
-            memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
-        at += f->n;
-    }
-    *n = at + uploads_waiting(&c->uploads, list + at * MSG_HASH);
-    return list;
-}
-
-bool
-coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
-            struct saved_job *out)
-{
-    const struct job *job = coord_find_job(c, id);
-
-    if (!job)
-        return false;
-    *out = (struct saved_job){ .spec = job->spec,
-                               .owner = job->owner,
-                               .sequence = job->sequence,
-                               .lives = job->lives,
-                               .state = (uint8_t)job->state,
-                               .status = job->status,
-                               .text = job->text,
-                               .offer_ms = job->offer_ms,
-                               .submit_ms = job->submit_ms,
-                               .open_ms = c->now_ms,
-                               .end_ms = job->end_ms,
-                               .sent_bytes = job->sent_bytes };
-    job_progress(job, c->now_ms, &out->last);
     return true;
 }
+

@@ -10,7 +10,11 @@
 #include "config.h"
 
 #include "base/text.h"
-#include "sched/sched.h"
+#include "queue/coord_keep.h"
+
+#include "desk/desk.h"
+#include "desk/job.h"
+#include "queue/coord_job.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,13 +32,6 @@ since(const struct coord *c, uint64_t ms)
 }
 
 /* --- what is kept --- */
-
-bool
-coord_unfetched(const struct coord *c, const struct job *job)
-{
-    return job_over(job) && job->state != JOB_CANCELLED && job->unfetched > 0 &&
-           since(c, job->end_ms) < c->keep.unfetched_ms;
-}
 
 /* Somebody is just getting it: after the pictures come distances and
  * statistics. */
@@ -73,7 +70,7 @@ count_kept(struct coord *c)
         if (!job_over(job))
             continue;
         k->bytes += job->kept_bytes;
-        if (coord_unfetched(c, job))
+        if (desk_unfetched(c, job))
             continue;
         if (is_being_fetched(c, job)) {
             k->fetching++;
@@ -120,22 +117,14 @@ coord_forget_old(struct coord *c)
     }
 }
 
-void
-coord_set_keep(struct coord *c, const struct coord_keep *keep)
-{
-    c->keep = *keep;
-    c->keep_due = true;
-    coord_forget_old(c);
-}
-
 /* --- what is fetched --- */
 
 void
 coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
               const uint8_t id[MSG_JOB], uint32_t frame)
 {
-    const struct coord_conn *to = coord_find_conn(c, conn);
-    struct job *job = coord_find_job(c, id);
+    const struct coord_conn *to = desk_find_conn(c, conn);
+    struct job *job = desk_find_job(c, id);
     struct action *a;
 
     c->now_ms = now_ms;

@@ -3,7 +3,16 @@
 
 #include "queue/recover.h"
 
-#include "sched/sched.h"
+#include "desk/desk.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/unit.h"
+#include "desk/shared.h"
+#include "queue/coord_conn.h"
+#include "queue/coord_job.h"
+#include "sched/loss.h"
+#include "sched/result.h"
+#include "users/known.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +52,7 @@ worker_of(const struct recovery *r, const struct saved_unit *s)
 {
     struct coord_worker *w =
         s->worker[0] ? coord_worker_of(r->c, s->worker) : NULL;
-    uint32_t index = w ? sched_add_worker(r->job, w) : JOB_NOBODY;
+    uint32_t index = w ? desk_add_worker(r->job, w) : JOB_NOBODY;
 
     if (index != JOB_NOBODY && s->fingerprint) {
         r->job->workers[index].fingerprint = s->fingerprint;
@@ -278,7 +287,7 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
     c->now_ms = now_ms;
     r.job = job_new(&s->spec, s->owner);
     if (!r.job || !coord_add_job(c, r.job)) {
-        job_free(r.job);
+        coord_free_job(r.job);
         return no_memory(err);
     }
     take_times(r.job, now_ms, s);

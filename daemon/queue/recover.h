@@ -10,7 +10,7 @@
 #ifndef DAEMON_RECOVER_H
 #define DAEMON_RECOVER_H
 
-#include "queue/coord.h"
+#include "desk/desk.h"
 
 /* Read row y of a frame: width * channels floats as on the wire; false: it
  * cannot be read. */

@@ -5,7 +5,7 @@
 
 #include "radcoord/radcoord_impl.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 #include "ground/service.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "radcoord/radcoord_impl.h"
 
 #include "net/address.h"
-#include "ground/log.h"
+#include "net/log.h"
 #include "ground/service.h"
 
 #include <stdio.h>

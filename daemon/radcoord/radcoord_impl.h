@@ -11,14 +11,14 @@
 #ifndef DAEMON_RADCOORD_IMPL_H
 #define DAEMON_RADCOORD_IMPL_H
 
-#include "queue/coord.h"
+#include "front/coord.h"
 #include "ground/daemon.h"
 #include "net/keyring.h"
 #include "net/listen.h"
-#include "front/owner.h"
-#include "machine/shell.h"
+#include "users/owner.h"
+#include "shell/shell.h"
 #include "store/store.h"
-#include "machine/transfer.h"
+#include "shell/transfer.h"
 #include "ground/turns.h"
 
 #define RADCOORD_LISTEN "127.0.0.1:" RADCOORD_PORT

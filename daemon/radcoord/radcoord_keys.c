@@ -4,7 +4,7 @@
 #include "radcoord/radcoord_impl.h"
 
 #include "net/keyorder.h"
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <stdlib.h>
 #include <string.h>

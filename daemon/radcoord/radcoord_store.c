@@ -3,7 +3,8 @@
 
 #include "radcoord/radcoord_impl.h"
 
-#include "ground/log.h"
+#include "net/log.h"
+#include "queue/coord_keep.h"
 #include "queue/recover.h"
 
 #include <string.h>

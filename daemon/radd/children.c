@@ -3,7 +3,7 @@
 
 #include "radd/children.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 #include "child/render.h"
 #include "ground/service.h"
 
@@ -226,7 +226,7 @@ start_or_wait(struct child *c)
 
     c->process = malloc(sizeof *c->process);
     if (!c->process)
-        service_out_of_memory();
+        log_out_of_memory();
     rc = start(c);
     c->process->data = c;
     if (rc == 0) {
@@ -260,7 +260,7 @@ open_link(struct child *c)
     int rc;
 
     if (!stream)
-        service_out_of_memory(); /* the machine would wait for ever */
+        log_out_of_memory(); /* the machine would wait for ever */
     rc = uv_socketpair(SOCK_STREAM, 0, ends, UV_NONBLOCK_PIPE, 0);
     if (rc == 0) {
         c->link = ends[1];
@@ -283,7 +283,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
     char name[32];
 
     if (!c)
-        service_out_of_memory(); /* the machine would wait for ever */
+        log_out_of_memory(); /* the machine would wait for ever */
     c->all = all;
     c->id = id;
     c->link = -1;

@@ -7,7 +7,7 @@
 #ifndef RADD_DAEMON_CHILDREN_H
 #define RADD_DAEMON_CHILDREN_H
 
-#include "machine/shell.h"
+#include "shell/shell.h"
 
 #include <uv.h>
 

@@ -3,8 +3,6 @@ radd_SOURCES = daemon/radd/radd.c
 libdaemon_a_SOURCES += \
 	daemon/radd/children.c \
 	daemon/radd/children.h \
-	daemon/radd/fingerprint.c \
-	daemon/radd/fingerprint.h \
 	daemon/radd/hours.c \
 	daemon/radd/hours.h \
 	daemon/radd/idle.c \

@@ -11,10 +11,10 @@
 #include "radd/idle.h"
 #include "net/keyfile.h"
 #include "net/listen.h"
-#include "ground/log.h"
+#include "net/log.h"
 #include "child/render.h"
 #include "child/sandbox.h"
-#include "machine/shell.h"
+#include "shell/shell.h"
 #include "store/store.h"
 #include "worker/worker.h"
 

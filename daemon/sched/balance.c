@@ -7,7 +7,18 @@
  * worker that does all of it, before what waits in other jobs. */
 #include "config.h"
 
-#include "sched/sched.h"
+#include "sched/balance.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "lines/handoff.h"
+#include "lines/lending.h"
+#include "sched/handout.h"
+#include "sched/loss.h"
 
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_SPLIT_MS 40
@@ -21,26 +32,6 @@
 
 /* One that waited is late when it has had its base line for so long. */
 #define STUCK_MS 5000
-
-bool
-balance_splits(const struct job *job)
-{
-    enum msg_partition kind = partition_kind(job->partition);
-
-    return kind == MSG_PART_AUTO ||
-           (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
-}
-
-bool
-balance_is_idle(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state == PART_READY && sched_takes_units(jw->worker) &&
-           (jw->worker->in_flight == 0 ||
-            jw->worker->priority < job->spec.priority) &&
-           !jw->worker->alone;
-}
 
 /* --- splitting --- */
 
@@ -102,8 +93,8 @@ ask(struct coord *c, struct job *job, uint32_t idle)
     while (asked < idle && (go = richest(c, job, &unit))) {
         go->split_ms = c->now_ms;
         asked++;
-        sched_log_unit(c, job, unit, go, "unit split");
-        sched_send_attempt(c, job, MSG_SPLIT, unit, go);
+        desk_log_unit(c, job, unit, go, "unit split");
+        desk_send_attempt(c, job, MSG_SPLIT, unit, go);
     }
     return asked < idle ? idle - asked : 0;
 }
@@ -118,24 +109,6 @@ has_twin(const struct job_unit *u, const struct job_go *go)
     return false;
 }
 
-bool
-balance_shrink(struct coord *c, struct job *job, uint32_t unit,
-               struct job_go *go, uint32_t height)
-{
-    uint32_t given = height >= job->units[unit].next_row
-                         ? partition_give(job->partition, unit, height)
-                         : PARTITION_NONE;
-
-    if (given == PARTITION_NONE)
-        return false;
-    if (!unit_grow(job))
-        c->actions.failed = true;
-    hold_shrunk(job, unit, go);
-    sched_keep_unit(c, job, unit);
-    sched_keep_unit(c, job, given);
-    return true;
-}
-
 void
 balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 {
@@ -143,7 +116,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     struct job_unit *u;
     struct job_go *go;
     uint32_t index;
-    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct job *job = desk_job_of(c, w, m->job, &index);
 
     if (!job || m->unit >= job->nunits)
         return;
@@ -168,12 +141,12 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
     if (go->lending.loans > 0) /* of what was its last line */
         loss_end_loans(c, job, m->unit, go->attempt);
     if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
-        sched_send_attempt(c, job, MSG_REVOKE, m->unit, go);
+        desk_send_attempt(c, job, MSG_REVOKE, m->unit, go);
         loss_of(c, job, m->unit, go);
         return;
     }
-    if (!balance_shrink(c, job, m->unit, go, m->height))
-        coord_break(c, w->conn, "a GAVE that fits no lines");
+    if (!hold_shrink(c, job, m->unit, go, m->height))
+        verdict_break(c, w->conn, "a GAVE that fits no lines");
 }
 
 /* --- twins --- */
@@ -287,7 +260,7 @@ leave_out(struct job *job, uint32_t unit)
 
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].origin != GO_LOAN)
-            sched_late(job, u->go[i].worker, true);
+            desk_late(job, u->go[i].worker, true);
 }
 
 bool
@@ -313,7 +286,7 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
                 job->workers[job->units[unit].go[0].worker].name,
                 (unsigned long long)longest / 1000);
     leave_out(job, unit);
-    sched_hand_out(c, job, index, unit);
+    handout_unit(c, job, index, unit);
     return true;
 }
 
@@ -328,8 +301,8 @@ balance_run(struct coord *c)
             job->survey || job->nout == 0 || job_waiting(job) > 0)
             continue;
         for (uint32_t i = 0; i < job->nworkers; i++)
-            idle += balance_is_idle(job, i);
-        if (idle > 0 && balance_splits(job))
+            idle += desk_is_idle(job, i);
+        if (idle > 0 && desk_splits(job))
             idle = ask(c, job, idle);
         if (idle > 0)
             lending_ask(c, job, idle);

@@ -19,95 +19,36 @@
 
 #include "sched/sched.h"
 
+#include "desk/desk.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/unit.h"
+#include "desk/verdict.h"
+#include "lines/handoff.h"
+#include "desk/shared.h"
+#include "links/introduce.h"
 #include "links/ring.h"
 #include "links/seeding.h"
+#include "sched/balance.h"
+#include "sched/handout.h"
+#include "sched/loss.h"
 #include "sched/survey.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define TICK_MS       100
 #define WORTH_MS      50  /* a unit of auto takes at least so long */
-#define APART         8   /* of scanbar's first units */
-#define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 #define AWAIT_MS      300 /* a worker gets what others give away by then */
 
+/* A job that had nothing for a worker, though something waits, is not asked
+ * again before that, then twice as long, and so on. */
+#define PASSED_MS  1000
+#define MOST_TIMES 6
+
 /* --- helpers --- */
-
-bool
-sched_takes_units(const struct coord_worker *w)
-{
-    return w->conn != 0 && !w->drained && !w->leaving;
-}
-
-static void
-send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
-{
-    struct msg m = { .type = MSG_JOB_END, .job_end = { job } };
-
-    actions_send(&c->actions, conn, &m);
-}
-
-void
-sched_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
-               uint32_t unit, uint32_t attempt, uint32_t row, uint32_t rows)
-{
-    struct msg m = { .type = MSG_ACK,
-                     .ack = { job, unit, attempt, row, rows } };
-
-    actions_send(&c->actions, conn, &m);
-}
-
-void
-sched_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                   uint32_t unit, const struct job_go *go)
-{
-    const struct coord_worker *w = job->workers[go->worker].worker;
-    struct msg m = { .type = type, .revoke = { job->id, unit, go->attempt } };
-
-    if (w->conn != 0)
-        actions_send(&c->actions, w->conn, &m);
-}
-
-uint32_t
-sched_index(const struct job *job, const struct coord_worker *w)
-{
-    return w->id < job->nindex ? job->index[w->id] : JOB_NOBODY;
-}
-
-struct job *
-sched_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
-             uint32_t *index)
-{
-    struct job *job = coord_find_job(c, id);
-
-    *index = job && !job_over(job) ? sched_index(job, w) : JOB_NOBODY;
-    if (*index != JOB_NOBODY) {
-        sched_late(job, *index, false);
-        return job;
-    }
-    send_job_end(c, w->conn, id);
-    return NULL;
-}
-
-static bool
-may_take_part(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return part_is_here(jw) && !jw->late && sched_takes_units(jw->worker);
-}
-
-void
-sched_late(struct job *job, uint32_t index, bool late)
-{
-    if (job->workers[index].late == late)
-        return;
-    job->workers[index].late = late;
-    if (job->partition)
-        partition_set_absent(job->partition, index, !may_take_part(job, index));
-}
 
 /* --- handing out --- */
 
@@ -142,46 +83,11 @@ has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
     return w->in_flight < n + has_plenty(job, index, n);
 }
 
-uint32_t
-sched_add_worker(struct job *job, struct coord_worker *w)
-{
-    if (w->id >= job->nindex) {
-        uint32_t n = 2 * w->id + 8;
-        uint32_t *v = realloc(job->index, n * sizeof *v);
-
-        if (!v)
-            return JOB_NOBODY;
-        for (uint32_t i = job->nindex; i < n; i++)
-            v[i] = JOB_NOBODY;
-        job->index = v;
-        job->nindex = n;
-    }
-    if (job->index[w->id] == JOB_NOBODY) {
-        uint32_t i = part_add(job, w->name);
-
-        job->index[w->id] = i;
-        if (i != JOB_NOBODY)
-            job->workers[i].worker = w;
-    }
-    return job->index[w->id];
-}
-
-/* Version 1 knows of no file of frames: it is told of each in a message. */
-bool
-sched_can_tell(const struct job *job, const struct coord_worker *w)
-{
-    const size_t rest = MSG_MAX_LABEL + MSG_MAX_PARAMS + MSG_MAX_NEEDS + 512;
-
-    return w->version >= 2 ||
-           job->frames_bytes + rest + (size_t)job->spec.files.n * MSG_HASH <=
-               MSG_MAX;
-}
-
 static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
-    uint32_t i = sched_add_worker(job, w);
+    uint32_t i = desk_add_worker(job, w);
 
     m.job_start.ncosts = 0; /* for who shares the work out */
     if (w->version < 2)
@@ -196,171 +102,6 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
     if (job->partition)
         partition_set_absent(job->partition, i, false);
     actions_send(&c->actions, w->conn, &m);
-}
-
-/* May the workers of a job each begin their lines at another end?  If all went
- * from left to right they would see the same things at the same time, and each
- * make the same ambient records of these; eight in the office then made 6 to
- * 8 % twice, now 4 to 6 %, and traced 2 % more rays.  With single lines that is
- * so for the first: later pieces of base lines should come as they are made.
- * Not with several threads, which go down the lines one close behind the other,
- * nor at the top of a frame, where all is true and no fact need be kept. */
-static bool
-begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
-{
-    uint32_t first, last;
-
-    partition_unit_lines(job->partition, unit, &first, &last);
-    if (jw->threads > 1 || !(job->spec.flags & MSG_JOB_SHARE) || first == 0)
-        return false;
-    return partition_kind(job->partition) != MSG_PART_SCANBAR ||
-           jw->given < APART;
-}
-
-/* Where a worker begins its lines: a unit's holders each at another end. */
-static uint8_t
-choose_end(struct job *job, uint32_t index, uint32_t unit)
-{
-    const struct job_unit *u = &job->units[unit];
-
-    if (u->ngos == 1 && begins_apart(job, &job->workers[index], unit)) {
-        job->workers[index].given++;
-        return (uint8_t)(index % MSG_NEND);
-    }
-    for (uint8_t end = 0; end < MSG_NEND; end++) {
-        bool taken = false;
-
-        for (uint8_t i = 0; i + 1 < u->ngos; i++)
-            taken |= u->go[i].end == end;
-        if (!taken)
-            return end;
-    }
-    return 0;
-}
-
-static void
-send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
-{
-    bool strict = partition_is_strict(job->partition);
-    struct partition_area a;
-    struct msg m = { .type = MSG_UNIT };
-
-    partition_area(job->partition, unit, &a);
-    m.unit = (struct msg_unit){ .job = job->id,
-                                .unit = unit,
-                                .attempt = go->attempt,
-                                .frame = a.frame,
-                                .x = a.x,
-                                .y = a.y,
-                                .width = a.width,
-                                .height = a.height };
-    if (strict) {
-        m.unit.mode = MSG_MODE_STRICT;
-        m.unit.end = go->end;
-        m.unit.flags = handoff_flags(job, unit, go);
-    }
-    if (strict)
-        handoff_out(c, job, unit, go);
-    actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
-}
-
-/* The others hear that they are not alone with it. */
-static void
-tell_twins(struct coord *c, const struct job *job, uint32_t unit)
-{
-    struct job_unit *u = &job->units[unit];
-
-    for (uint8_t i = 0; i < u->ngos; i++)
-        if (!u->go[i].twin) {
-            u->go[i].twin = true;
-            if (i + 1 < u->ngos) /* the last has it from its UNIT */
-                sched_send_attempt(c, job, MSG_TWIN, unit, &u->go[i]);
-        }
-}
-
-void
-sched_log_unit(struct coord *c, const struct job *job, uint32_t unit,
-               const struct job_go *go, const char *what)
-{
-    struct partition_area a;
-
-    partition_area(job->partition, unit, &a);
-    actions_log(&c->actions, ACT_DEBUG,
-                "%s job=%s unit=%u attempt=%u worker=%s frame=%u x=%u y=%u "
-                "width=%u height=%u",
-                what, job->hex, unit, go->attempt,
-                job->workers[go->worker].name, a.frame, a.x, a.y, a.width,
-                a.height);
-}
-
-void
-sched_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
-{
-    const struct job_unit *u = &job->units[unit];
-    const struct job_worker *jw =
-        u->worker != JOB_NOBODY ? &job->workers[u->worker] : NULL;
-    struct saved_unit *s;
-    struct action *a;
-
-    if (!c->env.keeps)
-        return;
-    a = actions_add_job(&c->actions, ACT_KEEP_UNIT, 0, job->id);
-    s = rad_arena_calloc(&c->actions.mem, 1, sizeof *s);
-    if (!a || !s) {
-        c->actions.failed = true;
-        return;
-    }
-    a->unit = s;
-    s->unit = unit;
-    partition_area(job->partition, unit, &s->area);
-    s->attempt = u->lead;
-    s->tries = u->tries;
-    s->stored = u->stored_rows;
-    s->fingerprint = jw ? jw->fingerprint : 0;
-    s->worker = rad_arena_strndup(&c->actions.mem, jw ? jw->name : "",
-                                  jw ? strlen(jw->name) : 0);
-    if (!s->worker)
-        c->actions.failed = true;
-}
-
-void
-sched_hand_out(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
-{
-    struct job_unit *u = &job->units[unit];
-    struct job_go *go = hold_add(c, job, index, unit, u->attempt + 1);
-
-    if (!go) {
-        c->actions.failed = true;
-        return;
-    }
-    job->workers[index].passed = 0;
-    job->workers[index].rest_ms = 0;
-    u->attempt++;
-    u->tries++;
-    if (u->tries > 1 && u->ngos == 1 && !u->given_back)
-        job->units_redone++; /* a twin is no redoing */
-    u->given_back = false;
-    sched_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
-    if (u->ngos == 1) {
-        hold_forget_rows(job, unit);
-        u->lead = u->attempt;
-        if (u->worker != index)
-            u->losses = 0;
-        u->worker = index;
-        u->out_ms = go->out_ms;
-    } else if (u->next_row == 0) {
-        u->lead = 0; /* whoever is first */
-    }
-    if (u->ngos == 1)
-        sched_keep_unit(c, job, unit);
-    go->end = choose_end(job, index, unit);
-    if (job->first_ms == 0)
-        job->first_ms = c->now_ms;
-    if (job->state == JOB_WAITING)
-        job->state = JOB_RUNNING;
-    if (u->ngos > 1 && job->shared)
-        tell_twins(c, job, unit);
-    send_unit(c, job, unit, &u->go[u->ngos - 1]);
 }
 
 /* A suspect that this worker may try; false: none. */
@@ -418,7 +159,7 @@ is_left_out(const struct job *job, uint32_t index)
     bool others = false;
 
     for (uint32_t i = 0; i < job->nworkers && !others; i++)
-        others = job->workers[i].state == PART_READY && may_take_part(job, i);
+        others = job->workers[i].state == PART_READY && desk_may_take_part(job, i);
     return job->workers[index].late && others;
 }
 
@@ -438,26 +179,8 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
                !next_unit(c, job, w, index, &unit)) {
         return false;
     }
-    sched_hand_out(c, job, index, unit);
+    handout_unit(c, job, index, unit);
     return true;
-}
-
-bool
-sched_can_balance(const struct job *job)
-{
-    return job->partition && partition_is_strict(job->partition) &&
-           job->nout > 0 &&
-           (partition_kind(job->partition) != MSG_PART_STATIC ||
-            !(job->spec.flags & MSG_JOB_NO_BALANCE));
-}
-
-bool
-sched_idle_job(const struct job *job)
-{
-    return job_over(job) || job->stage == STAGE_ARRIVING ||
-           job->state == JOB_PAUSED ||
-           (job->partition && job_waiting(job) == 0 && job->late == 0 &&
-            !sched_can_balance(job));
 }
 
 /* Something of a job that the worker has loaded; *done: it gets nothing else
@@ -492,7 +215,7 @@ is_new_to(const struct job *job, uint32_t index)
 static bool
 may_look(const struct job *job, const struct coord_worker *w)
 {
-    uint32_t index = sched_index(job, w);
+    uint32_t index = desk_index(job, w);
 
     if (!is_new_to(job, index))
         return true;
@@ -513,7 +236,7 @@ fairest(const struct coord *c, const struct coord_worker *w)
 
         if (best && job->spec.priority < best->spec.priority)
             break;
-        if (job->served != c->serving && !sched_idle_job(job) &&
+        if (job->served != c->serving && !desk_idle_job(job) &&
             may_look(job, w) &&
             (!best || job->payer->threads < best->payer->threads))
             best = job;
@@ -527,11 +250,11 @@ static bool
 awaits(const struct coord *c, const struct coord_worker *w,
        const struct job *job)
 {
-    uint32_t index = sched_index(job, w);
+    uint32_t index = desk_index(job, w);
 
-    return index != JOB_NOBODY && job->stage == STAGE_OPEN &&
-           sched_can_balance(job) && job->workers[index].state == PART_READY &&
-           w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
+    return index != JOB_NOBODY && job->stage == STAGE_OPEN && desk_can_balance(job) &&
+           job->workers[index].state == PART_READY && w->in_flight == 0 &&
+           c->now_ms - w->free_ms < AWAIT_MS;
 }
 
 /* A worker that was away may be at units of a job that was paused meanwhile, or
@@ -541,15 +264,27 @@ recall(struct coord *c, struct coord_worker *w)
 {
     for (size_t i = 0; w->conn != 0 && !w->loading && i < c->njobs; i++) {
         struct job *job = c->jobs[i];
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
 
         if (job_over(job) || index == JOB_NOBODY ||
             job->workers[index].state != PART_GONE ||
             job->workers[index].keep_ms <= c->now_ms)
             continue;
-        if (job->state == JOB_PAUSED || !sched_takes_units(w))
+        if (job->state == JOB_PAUSED || !desk_takes_units(w))
             start_job(c, job, w);
     }
+}
+
+static void
+note_passed(const struct coord *c, struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+
+    if (!job->partition || job_waiting(job) == 0)
+        return;
+    jw->ask_ms = c->now_ms + ((uint64_t)PASSED_MS << jw->passed);
+    if (jw->passed < MOST_TIMES)
+        jw->passed++;
 }
 
 /* One unit of the first job that has one for this worker.  While it has, or may
@@ -563,11 +298,11 @@ sched_serve(struct coord *c, struct coord_worker *w)
     struct job *job;
 
     recall(c, w);
-    if (!sched_takes_units(w) || w->alone || c->full)
+    if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
     while (!done && (job = fairest(c, w))) {
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
 
         taken = job->spec.priority < floor || job->spec.priority < w->priority;
         job->served = c->serving;
@@ -578,7 +313,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
             if (serve_job(c, job, w, index, &done))
                 return true;
             if (w->in_flight == 0)
-                yield_passed(c, job, index);
+                note_passed(c, job, index);
             if (awaits(c, w, job))
                 floor = job->spec.priority;
         }
@@ -596,7 +331,7 @@ let_go(struct coord *c, struct coord_worker *w)
         w->delivered > 0 || survey_tells(c, w))
         return;
     actions_send(&c->actions, w->conn, &m);
-    coord_part(c, w->conn, "drained");
+    verdict_part(c, w->conn, "drained");
 }
 
 void
@@ -624,7 +359,7 @@ one_worker_in_all(const struct coord *c)
     uint32_t n = 0;
 
     for (const struct coord_worker *w = c->workers; w; w = w->next)
-        n += sched_takes_units(w);
+        n += desk_takes_units(w);
     return n == 1;
 }
 
@@ -661,34 +396,6 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     ring_of_few(c, job);
 }
 
-/* Static: who is here or on its way takes part, by its speed; drained workers
- * only where there are no others. */
-static void
-set_speeds(struct coord *c, struct job *job)
-{
-    double *v = calloc(job->nworkers, sizeof *v);
-    bool others = false;
-
-    speed_measure(c, job);
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        others |= may_take_part(job, i);
-    for (uint32_t i = 0; v && i < job->nworkers; i++)
-        if (part_is_here(&job->workers[i]) &&
-            (!others || may_take_part(job, i)))
-            v[i] = job->workers[i].speed;
-    if (!v || !partition_set_speeds(job->partition, v, job->nworkers))
-        c->actions.failed = true;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        partition_set_absent(job->partition, i, !may_take_part(job, i));
-    free(v);
-}
-
-void
-sched_begin(struct coord *c, struct job *job)
-{
-    set_speeds(c, job);
-}
-
 /* The first worker is ready: lay out the job; false: it cannot be. */
 static bool
 lay_out(struct coord *c, struct job *job)
@@ -697,11 +404,11 @@ lay_out(struct coord *c, struct job *job)
 
     if (job_split(job, one_worker_in_all(c), &err) != 0 ||
         survey_begin(job, job_active(job), &err) != 0) {
-        coord_job_ends(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         return false;
     }
     if (!job->survey)
-        sched_begin(c, job);
+        speed_share(c, job);
     return true;
 }
 
@@ -710,7 +417,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
 {
     struct job_worker *jw;
     uint32_t index;
-    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct job *job = desk_job_of(c, w, m->job, &index);
 
     if (!job)
         return;
@@ -725,7 +432,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
                     "arithmetic differs from that of the job's first worker",
                     job->hex, jw->name);
         loss_all(c, job, index, PART_EXCLUDED);
-        send_job_end(c, w->conn, job->id);
+        desk_send_job_end(c, w->conn, job->id);
         return;
     }
     if (!job->partition) {
@@ -735,7 +442,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
         seeding_begin(c, job);
     }
     if (job->restored)
-        sched_begin(c, job);
+        speed_share(c, job);
     job->restored = false;
     loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
@@ -765,15 +472,15 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 void
 sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
 {
-    struct job *job = coord_find_job(c, m->job);
-    uint32_t index = job ? sched_index(job, w) : JOB_NOBODY;
+    struct job *job = desk_find_job(c, m->job);
+    uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct job_worker *jw;
 
     if (index == JOB_NOBODY || job_over(job))
-        send_job_end(c, w->conn, m->job);
+        desk_send_job_end(c, w->conn, m->job);
     if (index == JOB_NOBODY)
         return;
-    sched_late(job, index, false);
+    desk_late(job, index, false);
     jw = &job->workers[index];
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
         jw->past = part_tally(jw);
@@ -793,62 +500,15 @@ sched_drained(struct coord *c, struct coord_worker *w)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *job = c->jobs[i];
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
 
         if (!job_over(job) && job->partition && index != JOB_NOBODY)
             partition_set_absent(job->partition, index,
-                                 !may_take_part(job, index));
+                                 !desk_may_take_part(job, index));
     }
 }
 
 /* --- time --- */
-
-/* A worker that gets nothing more gives up what only waits: its facts are here,
- * and another will get them. */
-static void
-drain_parked(struct coord *c, struct job *job)
-{
-    for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = job->out[i];
-
-        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
-            struct job_go *go = &job->units[unit].go[k];
-
-            if (!go_waits(go) || go->state == GO_YIELDING ||
-                go->handoff.top_sent ||
-                c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
-                sched_takes_units(job->workers[go->worker].worker))
-                continue;
-            loss_taken(c, job, unit, go);
-            break; /* the others may have moved */
-        }
-    }
-}
-
-void
-sched_tick(struct coord *c)
-{
-    if (c->now_ms - c->tick_ms < TICK_MS)
-        return;
-    c->tick_ms = c->now_ms;
-    balance_look(c);
-    yield_look(c);
-    for (size_t i = 0; i < c->njobs; i++) {
-        struct job *job = c->jobs[i];
-
-        if (job_over(job) || !job->partition)
-            continue;
-        speed_measure(c, job);
-        loss_tick(c, job);
-        ring_tick(c, job);
-        if (!job->shared)
-            continue;
-        handoff_tick(c, job);
-        lending_tick(c, job);
-        drain_parked(c, job);
-    }
-    sched_run(c);
-}
 
 /* --- end --- */
 
@@ -862,7 +522,7 @@ sched_job_over(struct coord *c, struct job *job)
         hold_release(c, job, unit, job->units[unit].go);
     }
     for (struct coord_worker *w = c->workers; w; w = w->next) {
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
 
         if (w->loading == job)
             w->loading = NULL;
@@ -871,7 +531,7 @@ sched_job_over(struct coord *c, struct job *job)
         if (part_is_here(&job->workers[index]))
             part_step(&job->workers[index], PART_GONE);
         if (w->conn != 0)
-            send_job_end(c, w->conn, job->id);
+            desk_send_job_end(c, w->conn, job->id);
     }
     survey_free(job->survey);
     job->survey = NULL;

@@ -12,7 +12,10 @@
 
 #include "sched/survey.h"
 
-#include "sched/sched.h"
+#include "desk/desk.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -145,7 +148,7 @@ end_survey(struct coord *c, struct job *job)
     job->survey = NULL;
     for (uint32_t i = 0; i < job->nworkers; i++)
         job->workers[i].surveying = 0;
-    sched_begin(c, job);
+    speed_share(c, job);
 }
 
 bool
@@ -209,7 +212,7 @@ survey_tells(const struct coord *c, const struct coord_worker *w)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
         const struct job_worker *jw;
 
         if (!job->survey || index == JOB_NOBODY)
@@ -270,7 +273,7 @@ survey_estimated(struct coord *c, struct coord_worker *w,
                  const struct msg_estimated *m)
 {
     uint32_t index;
-    struct job *job = sched_job_of(c, w, m->job, &index);
+    struct job *job = desk_job_of(c, w, m->job, &index);
     const struct job_worker *jw;
     struct chunk *k;
 
@@ -283,7 +286,7 @@ survey_estimated(struct coord *c, struct coord_worker *w,
     }
     k = &job->survey->chunk[m->id];
     if (m->ncosts != k->n && (m->ncosts > 0 || jw->rest_ms == 0)) {
-        coord_break(c, w->conn, "an ESTIMATED that fits no ESTIMATE");
+        verdict_break(c, w->conn, "an ESTIMATED that fits no ESTIMATE");
         return;
     }
     survey_lost(job, index);

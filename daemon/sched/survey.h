@@ -1,11 +1,36 @@
 /* survey.h - an estimate of what a job's parts cost, under way
  *
- * See survey.c; what the scheduler does with it is in sched.h. */
+ * See survey.c.
+ * Thread: one. */
 #ifndef DAEMON_SURVEY_H
 #define DAEMON_SURVEY_H
+
+#include "desk/desk.h"
 
 struct survey;
 
 void survey_free(struct survey *s);
+
+/* A message of a worker. */
+void survey_estimated(struct coord *c, struct coord_worker *w,
+                      const struct msg_estimated *m);
+
+/* Estimate costs first, if the job wants it; 0 or RAD_ENOMEM. */
+int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
+/* Areas for a worker that is ready, or units if the estimate was given up;
+ * false: there is nothing for it. */
+bool survey_give(struct coord *c, struct job *job, uint32_t index);
+/* Has the estimate anything for the worker, or is it at some of that? */
+bool survey_has(const struct coord *c, const struct job *job, uint32_t index);
+/* The worker is told to answer at once, with what it has; called before rest_ms
+ * is set. */
+void survey_rest(struct job *job, uint32_t index);
+/* Has the worker, which leaves, yet to tell what it has traced? */
+bool survey_tells(const struct coord *c, const struct coord_worker *w);
+/* The worker will not answer. */
+void survey_lost(struct job *job, uint32_t index);
+/* A child died of that chunk of areas: the second time the estimate is given
+ * up, and units go out as without one. */
+void survey_crashed(struct coord *c, struct job *job, uint32_t chunk);
 
 #endif

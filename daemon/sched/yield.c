@@ -12,42 +12,19 @@
  * version 1 comes to the end of it all. */
 #include "config.h"
 
+#include "sched/yield.h"
+
+#include "desk/desk.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "sched/loss.h"
 #include "sched/sched.h"
+#include "sched/survey.h"
 
 /* A child that has not answered by then is at a pixel that takes for ever. */
 #define LOST_MS    30000
 #define LEAVING_MS 5000 /* the same, where its worker is to leave */
-
-/* A job that had nothing for a worker, though something waits, is not asked
- * again before that, then twice as long, and so on. */
-#define PASSED_MS  1000
-#define MOST_TIMES 6
-
-void
-yield_rate(const struct coord *c, struct coord_worker *w)
-{
-    w->priority = INT64_MIN;
-    for (size_t i = 0; w->in_flight > 0 && i < c->njobs; i++) {
-        uint32_t index = sched_index(c->jobs[i], w);
-
-        if (index == JOB_NOBODY || c->jobs[i]->workers[index].in_flight == 0)
-            continue;
-        w->priority = c->jobs[i]->spec.priority;
-        return;
-    }
-}
-
-void
-yield_passed(const struct coord *c, struct job *job, uint32_t index)
-{
-    struct job_worker *jw = &job->workers[index];
-
-    if (!job->partition || job_waiting(job) == 0)
-        return;
-    jw->ask_ms = c->now_ms + ((uint64_t)PASSED_MS << jw->passed);
-    if (jw->passed < MOST_TIMES)
-        jw->passed++;
-}
 
 /* Has the job something for the worker, as far as one can tell? */
 static bool
@@ -55,7 +32,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
 
-    if (sched_idle_job(job) || job->stage != STAGE_OPEN ||
+    if (desk_idle_job(job) || job->stage != STAGE_OPEN ||
         jw->state != PART_READY)
         return false;
     return (job->survey && survey_has(c, job, index)) ||
@@ -69,7 +46,7 @@ rank_of(const struct coord *c, const struct coord_worker *w)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
-        uint32_t index = sched_index(job, w);
+        uint32_t index = desk_index(job, w);
 
         if (job->spec.priority <= w->priority)
             break;
@@ -99,10 +76,10 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         loss_taken(c, job, unit, go);
         return;
     }
-    sched_log_unit(c, job, unit, go, "unit yield");
+    desk_log_unit(c, job, unit, go, "unit yield");
     hold_step(c, job, unit, go, GO_YIELDING);
     go->yield_ms = c->now_ms;
-    sched_send_attempt(c, job, MSG_YIELD, unit, go);
+    desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }
 
 /* Leave what comes before the units. */
@@ -147,7 +124,7 @@ is_unanswered(const struct coord *c, const struct job *job,
         return false;
     w = job->workers[go->worker].worker;
     return c->now_ms - go->yield_ms >=
-           (sched_takes_units(w) ? LOST_MS : LEAVING_MS);
+           (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
 
 /* Where a child does not answer, what it has is lost.  One walk over what is
@@ -165,15 +142,6 @@ give_up(struct coord *c, struct job *job)
     }
 }
 
-bool
-yield_wanted(const struct job *job, uint32_t index)
-{
-    const struct coord_worker *w = job->workers[index].worker;
-
-    return job->state == JOB_PAUSED || !sched_takes_units(w) ||
-           job->spec.priority < w->rank;
-}
-
 static void
 look_at_job(struct coord *c, struct job *job)
 {
@@ -183,7 +151,7 @@ look_at_job(struct coord *c, struct job *job)
         if (jw->in_flight == 0 && jw->parked == 0 && !jw->seeds &&
             !jw->surveying)
             continue;
-        if (yield_wanted(job, i))
+        if (desk_gives_way(job, i))
             give_all_back(c, job, i);
     }
     give_up(c, job);
@@ -201,7 +169,7 @@ richer(const struct coord *c, const struct job *job,
 
     for (size_t i = 0; i < c->njobs; i++) {
         struct job *o = c->jobs[i];
-        uint32_t index = sched_index(o, w);
+        uint32_t index = desk_index(o, w);
 
         if (index == JOB_NOBODY || o->workers[index].in_flight == 0)
             continue;
@@ -224,10 +192,10 @@ share(struct coord *c, struct job *job)
         struct coord_worker *w = job->workers[i].worker;
         struct job *other;
 
-        if (!has_some_for(c, job, i) || job->survey || !sched_takes_units(w) ||
+        if (!has_some_for(c, job, i) || job->survey || !desk_takes_units(w) ||
             !(other = richer(c, job, w)))
             continue;
-        give_all_back(c, other, sched_index(other, w));
+        give_all_back(c, other, desk_index(other, w));
         sched_serve(c, w);
     }
 }

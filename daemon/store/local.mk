@@ -1,9 +1,5 @@
 # the coordinator's state folder: files by hash, jobs, rows
 libdaemon_a_SOURCES += \
-	daemon/store/blobs.c \
-	daemon/store/blobs.h \
-	daemon/store/sound.c \
-	daemon/store/sound.h \
 	daemon/store/store.c \
 	daemon/store/store.h \
 	daemon/store/store_arrive.c \

@@ -9,9 +9,10 @@
  * disappears at once: of that the journal may know a little longer. */
 #include "config.h"
 
+#include "base/output.h"
 #include "store/store_impl.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 #include "ground/service.h"
 
 #include <stdio.h>
@@ -122,7 +123,7 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
     if (snprintf(s->dir, sizeof s->dir, "%s", dir) >= (int)sizeof s->dir ||
         snprintf(files, sizeof files, "%s/files", dir) >= (int)sizeof files)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
-    rc = service_make_dir(dir, 0700, err);
+    rc = rad_make_dir(dir, 0700, err);
     if (rc == 0 && s->handler->job)
         rc = statedir_check_owner(dir, err);
     if (rc == 0)

@@ -19,7 +19,7 @@
 #define RADD_DAEMON_STORE_H
 
 #include "machine/action.h"
-#include "queue/coord.h"
+#include "front/coord.h"
 
 #include <uv.h>
 

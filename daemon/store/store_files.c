@@ -10,7 +10,7 @@
 
 #include "store/store_impl.h"
 
-#include "ground/log.h"
+#include "net/log.h"
 
 #include <stdio.h>
 #include <stdlib.h>

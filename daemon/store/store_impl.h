@@ -15,11 +15,11 @@
 
 #include "store/store.h"
 
-#include "store/blobs.h"
-#include "worker/cache.h"
+#include "files/blobs.h"
+#include "files/cache.h"
 #include "folder/folder.h"
 #include "journal/journal.h"
-#include "store/sound.h"
+#include "files/sound.h"
 #include "journal/statedir.h"
 #include "ground/task.h"
 

@@ -12,7 +12,7 @@
 #include "store/store_impl.h"
 
 #include "proto/frame.h"
-#include "machine/views.h"
+#include "files/views.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

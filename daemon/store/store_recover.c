@@ -12,9 +12,9 @@
 
 #include "base/text.h"
 #include "desk/job.h"
-#include "ground/log.h"
+#include "net/log.h"
 #include "folder/rowcheck.h"
-#include "machine/views.h"
+#include "files/views.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include "store/store_impl.h"
 
 #include "proto/frame.h"
-#include "machine/views.h"
+#include "files/views.h"
 
 #include <stdlib.h>
 #include <sysexits.h>

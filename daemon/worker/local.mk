@@ -2,17 +2,15 @@
 libdaemon_a_SOURCES += \
 	daemon/worker/ambseen.c \
 	daemon/worker/ambseen.h \
-	daemon/worker/cache.c \
-	daemon/worker/cache.h \
 	daemon/worker/peer.c \
 	daemon/worker/peer.h \
 	daemon/worker/relay.c \
 	daemon/worker/spread.c \
 	daemon/worker/spread.h \
+	daemon/worker/wjob.c \
 	daemon/worker/worker.c \
 	daemon/worker/worker.h \
 	daemon/worker/worker_child.c \
 	daemon/worker/worker_coord.c \
 	daemon/worker/worker_files.c \
-	daemon/worker/worker_impl.h \
-	daemon/worker/wjob.c
+	daemon/worker/worker_impl.h

@@ -122,7 +122,7 @@ check_folder(const char *path, struct rad_error *err)
 }
 
 int
-output_check(const char *path, struct rad_error *err)
+rad_output_check(const char *path, struct rad_error *err)
 {
     struct stat st;
     char *real;
@@ -181,7 +181,7 @@ is_file(const char *path)
 }
 
 bool
-output_same(const char *a, const char *b)
+rad_output_same(const char *a, const char *b)
 {
     char *fa, *fb;
     bool same;
@@ -230,7 +230,7 @@ temp_name(const char *real)
 }
 
 static int
-open_temp(struct output *out, struct rad_error *err)
+open_temp(struct rad_output *out, struct rad_error *err)
 {
     int fd;
 
@@ -254,7 +254,7 @@ open_temp(struct output *out, struct rad_error *err)
 
 /* What is there stays: a descriptor is written on from where it stands. */
 static int
-open_in_place(struct output *out, struct rad_error *err)
+open_in_place(struct rad_output *out, struct rad_error *err)
 {
     int own = own_descriptor(out->real);
     int fd = own >= 0 ? dup(own) : open(out->real, O_WRONLY | O_CLOEXEC);
@@ -268,7 +268,7 @@ open_in_place(struct output *out, struct rad_error *err)
 }
 
 int
-output_open(struct output *out, const char *path, bool durable,
+rad_output_open(struct rad_output *out, const char *path, bool durable,
             struct rad_error *err)
 {
     int rc = 0;
@@ -288,12 +288,12 @@ output_open(struct output *out, const char *path, bool durable,
     else
         rc = open_temp(out, err);
     if (rc < 0)
-        output_abort(out);
+        rad_output_abort(out);
     return rc;
 }
 
 static void
-release(struct output *out)
+release(struct rad_output *out)
 {
     free(out->path);
     free(out->real);
@@ -302,7 +302,7 @@ release(struct output *out)
 }
 
 int
-output_commit(struct output *out, struct rad_error *err)
+rad_output_commit(struct rad_output *out, struct rad_error *err)
 {
     int bad = fflush(out->file) != 0 || ferror(out->file);
 
@@ -317,7 +317,7 @@ output_commit(struct output *out, struct rad_error *err)
     if (bad) {
         rad_fail(err, RAD_EIO, "cannot write '%s': %s",
                  out->path ? out->path : "standard output", strerror(errno));
-        output_abort(out);
+        rad_output_abort(out);
         return RAD_EIO;
     }
     release(out);
@@ -325,7 +325,7 @@ output_commit(struct output *out, struct rad_error *err)
 }
 
 void
-output_abort(struct output *out)
+rad_output_abort(struct rad_output *out)
 {
     if (out->file && out->file != stdout)
         fclose(out->file);
@@ -335,15 +335,42 @@ output_abort(struct output *out)
 }
 
 int
-output_write(const char *path, const void *bytes, size_t n, bool durable,
+rad_output_write(const char *path, const void *bytes, size_t n, bool durable,
              struct rad_error *err)
 {
-    struct output out;
-    int rc = output_open(&out, path, durable, err);
+    struct rad_output out;
+    int rc = rad_output_open(&out, path, durable, err);
 
     if (rc < 0)
         return rc;
     if (n > 0) /* a failure shows at the commit */
         (void)!fwrite(bytes, 1, n, out.file);
-    return output_commit(&out, err);
+    return rad_output_commit(&out, err);
+}
+
+int
+rad_make_dir(const char *path, int mode, struct rad_error *err)
+{
+    char part[PATH_MAX];
+    size_t n = strlen(path);
+
+    if (n == 0 || n >= sizeof part)
+        return rad_fail(err, RAD_ECANTCREAT, "bad folder name '%s'", path);
+    memcpy(part, path, n + 1);
+    for (char *p = part + 1;; p++) {
+        char c = *p;
+        struct stat st;
+
+        if (c != '/' && c != '\0')
+            continue;
+        *p = '\0';
+        if (mkdir(part, c ? 0755 : (mode_t)mode) < 0 && errno != EEXIST)
+            return rad_fail(err, RAD_ECANTCREAT, "cannot make folder '%s': %s",
+                            part, strerror(errno));
+        if (stat(part, &st) < 0 || !S_ISDIR(st.st_mode))
+            return rad_fail(err, RAD_ECANTCREAT, "'%s' is no folder", part);
+        if (c == '\0')
+            return 0;
+        *p = c;
+    }
 }

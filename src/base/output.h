@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-struct output {
+struct rad_output {
     FILE *file;
     char *path; /* for messages; NULL: standard output */
     char *real; /* what is written or replaced: path without links */
@@ -24,24 +24,28 @@ struct output {
 
 /* Can path be written?  RAD_ECANTCREAT with the reason.  To be asked before
  * work begins: a picture that nobody can keep need not be rendered. */
-int output_check(const char *path, struct rad_error *err);
+int rad_output_check(const char *path, struct rad_error *err);
 
 /* Do two names stand for one file, of which the second writer would take away
  * what the first wrote?  A terminal, a pipe or /dev/null does not count. */
-bool output_same(const char *a, const char *b);
+bool rad_output_same(const char *a, const char *b);
 
 /* Open for writing; path NULL: standard output.  RAD_ECANTCREAT. */
-int output_open(struct output *out, const char *path, bool durable,
+int rad_output_open(struct rad_output *out, const char *path, bool durable,
                 struct rad_error *err);
 
 /* Give the file its name.  RAD_EIO, and the old file stays. */
-int output_commit(struct output *out, struct rad_error *err);
+int rad_output_commit(struct rad_output *out, struct rad_error *err);
 
 /* Take back what was written; does nothing after a commit. */
-void output_abort(struct output *out);
+void rad_output_abort(struct rad_output *out);
 
 /* All three: the n bytes become the file. */
-int output_write(const char *path, const void *bytes, size_t n, bool durable,
+int rad_output_write(const char *path, const void *bytes, size_t n, bool durable,
                  struct rad_error *err);
+
+/* Make the folder and those above it, mode 0755 (the last one `mode`); it is
+ * fine if it is there.  RAD_ECANTCREAT. */
+int rad_make_dir(const char *path, int mode, struct rad_error *err);
 
 #endif

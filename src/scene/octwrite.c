@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-struct output {
+struct rad_output {
     struct rad_sink out;
     struct rad_error *err;
     int rc;
@@ -19,7 +19,7 @@ struct output {
 };
 
 static void
-flush(struct output *f)
+flush(struct rad_output *f)
 {
     if (!f->rc && f->used)
         f->rc = f->out.write(f->out.arg, f->buf, f->used, f->err);
@@ -27,7 +27,7 @@ flush(struct output *f)
 }
 
 static void
-put_byte(struct output *f, int c)
+put_byte(struct rad_output *f, int c)
 {
     if (f->used == sizeof f->buf)
         flush(f);
@@ -35,7 +35,7 @@ put_byte(struct output *f, int c)
 }
 
 static void
-put_int(struct output *f, int64_t v, int bytes)
+put_int(struct rad_output *f, int64_t v, int bytes)
 {
     if (sizeof f->buf - f->used < 8)
         flush(f);
@@ -45,7 +45,7 @@ put_int(struct output *f, int64_t v, int bytes)
 
 /* With its NUL, or without. */
 static void
-put_text(struct output *f, const char *s, bool nul)
+put_text(struct rad_output *f, const char *s, bool nul)
 {
     for (; *s; s++)
         put_byte(f, *s);
@@ -54,7 +54,7 @@ put_text(struct output *f, const char *s, bool nul)
 }
 
 static void
-put_real(struct output *f, double x)
+put_real(struct rad_output *f, double x)
 {
     struct rad_octreal p = rad_octreal_of(x);
 
@@ -63,7 +63,7 @@ put_real(struct output *f, double x)
 }
 
 static void
-put_start(struct output *f, const struct rad_scene *s,
+put_start(struct rad_output *f, const struct rad_scene *s,
           const struct rad_octree *t)
 {
     char text[64];
@@ -80,7 +80,7 @@ put_start(struct output *f, const struct rad_scene *s,
 }
 
 static void
-put_tree(struct output *f, const struct rad_octree *t, int32_t node)
+put_tree(struct rad_output *f, const struct rad_octree *t, int32_t node)
 {
     const int32_t *set;
     int32_t n;
@@ -101,7 +101,7 @@ put_tree(struct output *f, const struct rad_octree *t, int32_t node)
 }
 
 static void
-put_object(struct output *f, const struct rad_object *o, int place)
+put_object(struct rad_output *f, const struct rad_object *o, int place)
 {
     put_int(f, place, 1);
     put_int(f, o->modifier, 4);
@@ -117,7 +117,7 @@ put_object(struct output *f, const struct rad_object *o, int place)
 /* Only types that are there are listed: programs that know fewer can read
  * what does not use the others. */
 static void
-put_objects(struct output *f, const struct rad_scene *s)
+put_objects(struct rad_output *f, const struct rad_scene *s)
 {
     int place[RAD_NOTYPES], n = 0;
 
@@ -137,7 +137,7 @@ put_objects(struct output *f, const struct rad_scene *s)
 }
 
 static void
-put_exact(struct output *f, const struct rad_scene *s)
+put_exact(struct rad_output *f, const struct rad_scene *s)
 {
     put_text(f, RAD_OCT_EXACT, false);
     for (int32_t i = 0; i < rad_scene_own(s) && !f->rc; i++)
@@ -156,7 +156,7 @@ int
 rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
                   const struct rad_sink *out, struct rad_error *err)
 {
-    struct output *f = malloc(sizeof *f);
+    struct rad_output *f = malloc(sizeof *f);
     int rc;
 
     if (!f)

@@ -5,6 +5,7 @@
 
 #include "ground/disk.h"
 #include "journal/journal.h"
+#include "front/coord.h"
 #include "queue/recover.h"
 #include "steps.h"
 

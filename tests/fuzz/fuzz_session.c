@@ -5,7 +5,7 @@
  * action on a connection that it closed. */
 #include "config.h"
 
-#include "queue/coord.h"
+#include "front/coord.h"
 #include "proto/frame.h"
 #include "steps.h"
 

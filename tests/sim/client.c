@@ -3,7 +3,8 @@
 #include "config.h"
 
 #include "cluster.h"
-#include "sched/sched.h"
+#include "desk/desk.h"
+#include "front/coord.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,12 @@
 #include "cluster.h"
 
 #include "worker/peer.h"
-#include "sched/sched.h"
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/unit.h"
+#include "front/coord.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
-#include "queue/coord.h"
+#include "front/coord.h"
 #include "net.h"
 #include "picture/quincunx.h"
 #include "worker/worker.h"

@@ -7,8 +7,9 @@
 #include "cluster.h"
 
 #include "image/hdr.h"
+#include "desk/desk.h"
+#include "front/coord.h"
 #include "queue/recover.h"
-#include "sched/sched.h"
 
 #include <stdio.h>
 #include <stdlib.h>

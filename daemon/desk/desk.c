@@ -1,0 +1,273 @@
+/* desk.c - what the coordinator's files look up, ask and say; see desk.h */
+#include "config.h"
+
+#include "desk/desk.h"
+
+#include "desk/job.h"
+#include "desk/part.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The low bits count up in the shell, and are a host's in the simulation. */
+size_t
+desk_slot(uint64_t id)
+{
+    return (size_t)(id ^ id >> 16) % COORD_CONNS;
+}
+
+struct coord_conn *
+desk_find_conn(const struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = c->by_id[desk_slot(id)];
+
+    while (conn && conn->id != id)
+        conn = conn->chain;
+    return conn;
+}
+
+void
+desk_reply_failed(struct coord *c, const struct coord_conn *conn,
+                   uint32_t request, const uint8_t *job, int status,
+                   const char *text)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .request = request,
+                     .failed = { job, (uint16_t)status, text } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+struct job *
+desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
+{
+    for (size_t i = 0; i < c->njobs; i++)
+        if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
+            return c->jobs[i];
+    return NULL;
+}
+
+struct coord_owner *
+desk_owner(struct coord *c, const char *name)
+{
+    struct coord_owner *o = c->owners;
+
+    while (o && strcmp(o->name, name) != 0)
+        o = o->next;
+    if (o)
+        return o;
+    o = calloc(1, sizeof *o);
+    if (!o)
+        return NULL;
+    snprintf(o->name, sizeof o->name, "%s", name);
+    o->next = c->owners;
+    return c->owners = o;
+}
+
+uint32_t
+desk_index(const struct job *job, const struct coord_worker *w)
+{
+    return w->id < job->nindex ? job->index[w->id] : JOB_NOBODY;
+}
+
+uint32_t
+desk_add_worker(struct job *job, struct coord_worker *w)
+{
+    if (w->id >= job->nindex) {
+        uint32_t n = 2 * w->id + 8;
+        uint32_t *v = realloc(job->index, n * sizeof *v);
+
+        if (!v)
+            return JOB_NOBODY;
+        for (uint32_t i = job->nindex; i < n; i++)
+            v[i] = JOB_NOBODY;
+        job->index = v;
+        job->nindex = n;
+    }
+    if (job->index[w->id] == JOB_NOBODY) {
+        uint32_t i = part_add(job, w->name);
+
+        job->index[w->id] = i;
+        if (i != JOB_NOBODY)
+            job->workers[i].worker = w;
+    }
+    return job->index[w->id];
+}
+
+/* Version 1 knows of no file of frames: it is told of each in a message. */
+bool
+desk_can_tell(const struct job *job, const struct coord_worker *w)
+{
+    const size_t rest = MSG_MAX_LABEL + MSG_MAX_PARAMS + MSG_MAX_NEEDS + 512;
+
+    return w->version >= 2 ||
+           job->frames_bytes + rest + (size_t)job->spec.files.n * MSG_HASH <=
+               MSG_MAX;
+}
+
+bool
+desk_takes_units(const struct coord_worker *w)
+{
+    return w->conn != 0 && !w->drained && !w->leaving;
+}
+
+bool
+desk_may_take_part(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return part_is_here(jw) && !jw->late && desk_takes_units(jw->worker);
+}
+
+void
+desk_late(struct job *job, uint32_t index, bool late)
+{
+    if (job->workers[index].late == late)
+        return;
+    job->workers[index].late = late;
+    if (job->partition)
+        partition_set_absent(job->partition, index, !desk_may_take_part(job, index));
+}
+
+void
+desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
+{
+    struct msg m = { .type = MSG_JOB_END, .job_end = { job } };
+
+    actions_send(&c->actions, conn, &m);
+}
+
+struct job *
+desk_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
+             uint32_t *index)
+{
+    struct job *job = desk_find_job(c, id);
+
+    *index = job && !job_over(job) ? desk_index(job, w) : JOB_NOBODY;
+    if (*index != JOB_NOBODY) {
+        desk_late(job, *index, false);
+        return job;
+    }
+    desk_send_job_end(c, w->conn, id);
+    return NULL;
+}
+
+void
+desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
+               uint32_t unit, uint32_t attempt, uint32_t row, uint32_t rows)
+{
+    struct msg m = { .type = MSG_ACK,
+                     .ack = { job, unit, attempt, row, rows } };
+
+    actions_send(&c->actions, conn, &m);
+}
+
+void
+desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
+                   uint32_t unit, const struct job_go *go)
+{
+    const struct coord_worker *w = job->workers[go->worker].worker;
+    struct msg m = { .type = type, .revoke = { job->id, unit, go->attempt } };
+
+    if (w->conn != 0)
+        actions_send(&c->actions, w->conn, &m);
+}
+
+void
+desk_log_unit(struct coord *c, const struct job *job, uint32_t unit,
+               const struct job_go *go, const char *what)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    actions_log(&c->actions, ACT_DEBUG,
+                "%s job=%s unit=%u attempt=%u worker=%s frame=%u x=%u y=%u "
+                "width=%u height=%u",
+                what, job->hex, unit, go->attempt,
+                job->workers[go->worker].name, a.frame, a.x, a.y, a.width,
+                a.height);
+}
+
+void
+desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
+{
+    const struct job_unit *u = &job->units[unit];
+    const struct job_worker *jw =
+        u->worker != JOB_NOBODY ? &job->workers[u->worker] : NULL;
+    struct saved_unit *s;
+    struct action *a;
+
+    if (!c->env.keeps)
+        return;
+    a = actions_add_job(&c->actions, ACT_KEEP_UNIT, 0, job->id);
+    s = rad_arena_calloc(&c->actions.mem, 1, sizeof *s);
+    if (!a || !s) {
+        c->actions.failed = true;
+        return;
+    }
+    a->unit = s;
+    s->unit = unit;
+    partition_area(job->partition, unit, &s->area);
+    s->attempt = u->lead;
+    s->tries = u->tries;
+    s->stored = u->stored_rows;
+    s->fingerprint = jw ? jw->fingerprint : 0;
+    s->worker = rad_arena_strndup(&c->actions.mem, jw ? jw->name : "",
+                                  jw ? strlen(jw->name) : 0);
+    if (!s->worker)
+        c->actions.failed = true;
+}
+
+bool
+desk_can_balance(const struct job *job)
+{
+    return job->partition && partition_is_strict(job->partition) &&
+           job->nout > 0 &&
+           (partition_kind(job->partition) != MSG_PART_STATIC ||
+            !(job->spec.flags & MSG_JOB_NO_BALANCE));
+}
+
+bool
+desk_idle_job(const struct job *job)
+{
+    return job_over(job) || job->stage == STAGE_ARRIVING ||
+           job->state == JOB_PAUSED ||
+           (job->partition && job_waiting(job) == 0 && job->late == 0 &&
+            !desk_can_balance(job));
+}
+
+bool
+desk_splits(const struct job *job)
+{
+    enum msg_partition kind = partition_kind(job->partition);
+
+    return kind == MSG_PART_AUTO ||
+           (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
+}
+
+bool
+desk_is_idle(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && desk_takes_units(jw->worker) &&
+           (jw->worker->in_flight == 0 ||
+            jw->worker->priority < job->spec.priority) &&
+           !jw->worker->alone;
+}
+
+bool
+desk_gives_way(const struct job *job, uint32_t index)
+{
+    const struct coord_worker *w = job->workers[index].worker;
+
+    return job->state == JOB_PAUSED || !desk_takes_units(w) ||
+           job->spec.priority < w->rank;
+}
+
+bool
+desk_unfetched(const struct coord *c, const struct job *job)
+{
+    return job_over(job) && job->state != JOB_CANCELLED && job->unfetched > 0 &&
+           (c->now_ms > job->end_ms ? c->now_ms - job->end_ms : 0) < c->keep.unfetched_ms;
+}

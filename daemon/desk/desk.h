@@ -1,0 +1,210 @@
+/* desk.h - what the coordinator knows, and what all of its files look up, ask and
+ * say
+ *
+ * The desk is the lowest floor of the coordinator: these structs are changed by
+ * the files that stand above, each named where it alone does so.
+ * Thread: one. */
+#ifndef DAEMON_DESK_H
+#define DAEMON_DESK_H
+
+#include "desk/env.h"
+#include "desk/job.h"
+#include "net/log.h"
+#include "users/known.h"
+#include "users/uploads.h"
+
+/* A worker that is, or was, connected. */
+struct coord_worker {
+    struct coord_worker *next;
+    char name[MSG_MAX_NAME + 1];
+    char program[MSG_MAX_NAME + 1];
+    char address[MSG_MAX_ADDRESS + 1]; /* where peers dial it */
+    uint64_t conn;                     /* 0: not connected */
+    uint32_t threads;
+    unsigned version; /* of the protocol that it speaks */
+    uint64_t fingerprint;
+    uint64_t since_ms;    /* connected, or gone, since */
+    uint32_t id;          /* from 0, by the order of their first HELLO */
+    uint32_t in_flight;   /* units of all jobs that it works on */
+    uint32_t parked;      /* units that wait for a base line */
+    uint32_t delivered;   /* units whose rows are on their way to the disk */
+    double relative;      /* speed of a thread, by earlier jobs; 1: usual */
+    uint64_t free_ms;     /* when it last came to have none of these */
+    int64_t priority;     /* the highest of jobs whose units these are, */
+    int64_t rank;         /* or could be; INT64_MIN: there are none (yield.c) */
+    uint64_t progress;    /* of its last PING */
+    uint64_t progress_ms; /* when that was new */
+    bool hangs;           /* it has work, and makes no progress */
+    const struct job *loading; /* what its next READY is for */
+    bool forgotten;            /* gone, and not told of any more */
+    bool drained;              /* gets nothing new: an admin's wish */
+    bool leaving;              /* gets nothing new: its own wish */
+    bool alone;        /* has a unit that crashed once: nothing beside it */
+    char no_room[256]; /* why it could not take a job last (job_worker) */
+};
+
+/* A request that is answered when what it did is kept. */
+struct coord_settling {
+    struct coord_settling *next;
+    uint32_t request;
+    uint64_t since_ms;
+};
+
+struct coord_telling;
+
+/* Is the connection to end, when the event is over (verdict.h)? */
+enum coord_verdict {
+    CONN_STAYS,
+    CONN_BREAKS, /* it broke the rules */
+    CONN_PARTS   /* both sides know that it ends */
+};
+
+struct coord_conn {
+    struct coord_conn *next;
+    struct coord_conn *chain; /* the next of coord.by_id */
+    uint64_t id;
+    enum msg_session session;
+    unsigned version; /* of the protocol, since its HELLO */
+    unsigned roles;   /* that it may ask for */
+    char address[MSG_MAX_ADDRESS + 1];
+    char owner[MSG_MAX_NAME + 1];
+    char name[MSG_MAX_NAME + 1]; /* of the worker that it may be; empty: any */
+    struct coord_worker *worker; /* with MSG_AT_COORD_WORKER */
+    const struct job *watch;     /* job whose progress it gets */
+    uint32_t watch_request;      /* request id of its SUBMIT */
+    uint64_t offer_ms;           /* first OFFER since the last SUBMIT; or 0 */
+    uint64_t sent_bytes;         /* CHUNK bytes since then */
+    uint64_t moved_ms;           /* the last OFFER or CHUNK */
+    uint32_t answers;            /* that it is to get, and that take a while */
+    struct coord_owner *payer;
+    struct coord_settling *settling;
+    struct coord_telling *telling;
+    enum coord_verdict verdict;
+    const char *why; /* of a verdict, for the log */
+};
+
+/* What is kept of an owner's jobs that are over. */
+struct coord_kept {
+    uint64_t bytes;            /* of all */
+    uint32_t fetching;         /* that are being fetched */
+    const struct job *fetched; /* the longest ago of these; NULL: there are
+                                * none */
+    /* of those that may be forgotten */
+    uint32_t jobs;
+    uint64_t weight;          /* of these, see job_weight() */
+    const struct job *oldest; /* NULL: there is none */
+};
+
+/* Whom jobs belong to. */
+struct coord_owner {
+    struct coord_owner *next;
+    char name[MSG_MAX_NAME + 1];
+    uint32_t threads;   /* of workers at units of theirs */
+    struct known files; /* of the store that they may know of */
+    struct uploads_sum uploads;
+    struct coord_kept kept; /* as coord_forget_old() last counted */
+};
+
+#define COORD_CONNS 1024 /* a power of 2 */
+
+struct coord {
+    struct coord_env env;
+    struct coord_keep keep;
+    bool keep_due;            /* something happened that it asks for */
+    uint64_t keep_ms;         /* when it was looked after last */
+    struct saved_gone *gones; /* jobs that were forgotten, as they were */
+    size_t ngones, cap_gones;
+    struct coord_limits limits;
+    struct uploads uploads;
+    uint64_t uploads_ms; /* when those that wait were looked at last */
+    bool full;           /* the disk is: jobs are held */
+    char full_text[MSG_MAX_TEXT + 1];
+    bool full_told;        /* the log has it that the disk is full now */
+    uint64_t full_told_ms; /* when it last said so; 0: never */
+    struct action_list actions;
+    uint64_t now_ms;
+    struct coord_conn *conns;
+    struct coord_worker *workers;
+    uint32_t nworkers; /* all that ever were */
+    struct coord_owner *owners;
+    uint32_t serving;  /* counts searches for a unit */
+    struct job **jobs; /* by priority, then as they came */
+    size_t njobs, cap_jobs;
+    uint64_t sequence;
+    uint64_t known_ms;    /* when files that owners know of expired last */
+    uint64_t progress_ms; /* when PROGRESS was sent last */
+    uint64_t tick_ms;     /* when the scheduler looked at the time last */
+    uint64_t lease_ms;    /* a unit that is out for less is not late */
+    bool stirred;         /* somebody may get something since sched_run() */
+    bool verdicts;        /* some wait to be carried out */
+    struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
+    struct log_limit breaks; /* of lines about those that are no worker's */
+};
+
+/* --- look up --- */
+
+/* Place of a connection's chain in coord.by_id. */
+size_t desk_slot(uint64_t id);
+/* The connection of that id, or NULL. */
+struct coord_conn *desk_find_conn(const struct coord *c, uint64_t id);
+/* The job of that id, or NULL. */
+struct job *desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
+/* Whom jobs of that name belong to, who may be new; NULL: memory is out. */
+struct coord_owner *desk_owner(struct coord *c, const char *name);
+/* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
+uint32_t desk_index(const struct job *job, const struct coord_worker *w);
+/* The index of a worker in the job, which it may be new to; JOB_NOBODY when
+ * memory is out. */
+uint32_t desk_add_worker(struct job *job, struct coord_worker *w);
+
+/* The job and the index of w in it, which said something of it; NULL when the
+ * job is over or unknown, and then the worker is told so. */
+struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
+                         const uint8_t *id, uint32_t *index);
+
+/* --- ask --- */
+
+/* May it have more work? */
+bool desk_takes_units(const struct coord_worker *w);
+/* Has that worker of the job a part of what is given out? */
+bool desk_may_take_part(const struct job *job, uint32_t index);
+/* Can that worker be told of the job, whose list of frames may be long? */
+bool desk_can_tell(const struct job *job, const struct coord_worker *w);
+/* Nothing of this job for any worker now. */
+bool desk_idle_job(const struct job *job);
+/* Could a worker that has nothing get some of what others have of it? */
+bool desk_can_balance(const struct job *job);
+/* May its units give lines away? */
+bool desk_splits(const struct job *job);
+/* Has the worker nothing to do, for this job or another that comes before it?
+ */
+bool desk_is_idle(const struct job *job, uint32_t index);
+/* Does something else come first for that worker of the job? */
+bool desk_gives_way(const struct job *job, uint32_t index);
+/* Is it over, and kept for its owner, who has not fetched all of it? */
+bool desk_unfetched(const struct coord *c, const struct job *job);
+
+/* --- say --- */
+
+/* A worker is so late with a unit that another does it: that may well have to
+ * do the rest of its work, too.  Or it is heard of again. */
+void desk_late(struct job *job, uint32_t index, bool late);
+/* What happens to a worker's go at a unit, for those who debug. */
+void desk_log_unit(struct coord *c, const struct job *job, uint32_t unit,
+                    const struct job_go *go, const char *what);
+void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
+                    uint32_t unit, uint32_t attempt, uint32_t row,
+                    uint32_t rows);
+/* REVOKE, TWIN or SPLIT. */
+void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
+                        uint32_t unit, const struct job_go *go);
+/* The worker is told that the job is over. */
+void desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job);
+/* Ask the store to remember the unit as it is now. */
+void desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
+/* FAILED, in answer to a request. */
+void desk_reply_failed(struct coord *c, const struct coord_conn *conn,
+                        uint32_t request, const uint8_t *job, int status,
+                        const char *text);
+
+#endif

@@ -1,0 +1,25 @@
+/* speed.h - how fast workers are, and how long a unit will take
+ *
+ * Thread: one. */
+#ifndef DAEMON_SPEED_H
+#define DAEMON_SPEED_H
+
+#include "desk/desk.h"
+
+/* Bring a worker's times up to date; before its units change. */
+void speed_touch(const struct coord *c, struct job_worker *jw);
+/* The worker of an attempt has worked off the cost of its unit; counts once. */
+void speed_finished(struct job *job, uint32_t unit, struct job_go *go);
+/* Speeds of all workers of a job, and its pace. */
+void speed_measure(const struct coord *c, struct job *job);
+/* Remember them after the job. */
+void speed_keep(const struct coord *c, struct job *job);
+/* What a worker does of the job in that time. */
+double speed_cost(const struct job *job, uint32_t index, double ms);
+/* How long a holder will need yet [ms]. */
+double speed_left_ms(const struct coord *c, const struct job *job,
+                     uint32_t unit, const struct job_go *go);
+/* All costs are known: units may go out. */
+void speed_share(struct coord *c, struct job *job);
+
+#endif

@@ -1,0 +1,723 @@
+/* coord.c - see coord.h
+ *
+ * Events come in here, messages go through a table of short handlers; which of
+ * them may come from whom was checked by the session before
+ * (proto/message.def).  Connections are looked after in coord_conn.c, jobs in
+ * coord_job.c; who works on what is in sched.c, what users and admins ask for
+ * in request.c. */
+#include "config.h"
+
+#include "front/coord.h"
+
+#include "desk/desk.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "front/request.h"
+#include "lines/handoff.h"
+#include "lines/lending.h"
+#include "links/introduce.h"
+#include "links/ring.h"
+#include "queue/coord_conn.h"
+#include "queue/coord_job.h"
+#include "queue/coord_keep.h"
+#include "queue/telling.h"
+#include "sched/balance.h"
+#include "sched/loss.h"
+#include "sched/result.h"
+#include "sched/sched.h"
+#include "sched/survey.h"
+#include "users/known.h"
+#include "users/uploads.h"
+
+#include "base/sha.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PROGRESS_MS 500
+#define FULL_TELL_MS 60000 /* least time between lines of a full disk */
+#define LEASE_MS    60000
+#define KEPT_JOBS   100 /* that are over */
+
+/* More than a room of people needs, less than what hurts others. */
+static const struct coord_limits usual_limits = {
+    .jobs = 1000,
+    .frames = 200000,
+    .bytes = UINT64_C(1) << 40,
+    .uploads = 200,
+    .upload_bytes = UINT64_C(1) << 36,
+    .conns = 256,
+    .answers = 1000,
+    .unfetched = 1000,
+    .unread = UINT64_C(32) << 20,
+    .upload_ms = 3600 * 1000,
+};
+
+struct coord *
+coord_new(const struct coord_env *env)
+{
+    struct coord *c = calloc(1, sizeof *c);
+
+    if (!c)
+        return NULL;
+    c->env = *env;
+    c->keep.jobs = KEPT_JOBS;
+    c->lease_ms = LEASE_MS;
+    c->limits = usual_limits;
+    actions_init(&c->actions);
+    return c;
+}
+
+void
+coord_set_lease(struct coord *c, uint64_t ms)
+{
+    c->lease_ms = ms;
+}
+
+void
+coord_set_limits(struct coord *c, const struct coord_limits *limits)
+{
+    c->limits = *limits;
+}
+
+void
+coord_free(struct coord *c)
+{
+    if (!c)
+        return;
+    while (c->conns) {
+        struct coord_conn *next = c->conns->next;
+
+        telling_release(c->conns);
+        free(c->conns);
+        c->conns = next;
+    }
+    while (c->workers) {
+        struct coord_worker *next = c->workers->next;
+
+        free(c->workers);
+        c->workers = next;
+    }
+    uploads_release(&c->uploads);
+    while (c->owners) {
+        struct coord_owner *next = c->owners->next;
+
+        known_release(&c->owners->files);
+        free(c->owners);
+        c->owners = next;
+    }
+    for (size_t i = 0; i < c->njobs; i++)
+        coord_free_job(c->jobs[i]);
+    free(c->gones);
+    free(c->jobs);
+    actions_release(&c->actions);
+    free(c);
+}
+
+void
+coord_set_epoch(struct coord *c, uint64_t epoch)
+{
+    c->env.epoch = epoch;
+}
+
+struct action_list *
+coord_actions(struct coord *c)
+{
+    return &c->actions;
+}
+
+/* --- messages --- */
+
+static void
+send_file(struct coord *c, const struct coord_conn *conn, uint32_t request,
+          const uint8_t *hash)
+{
+    struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn->id);
+
+    if (!a)
+        return;
+    a->request = request;
+    a->hash = rad_arena_dup(&c->actions.mem, hash, MSG_HASH);
+    if (!a->hash)
+        c->actions.failed = true;
+}
+
+/* A worker lacks files: it gets those of the job that it loads, and no others.
+ * If that has just ended it will hear so. */
+static void
+on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    const struct job *job = conn->worker->loading;
+    const struct msg_hashes *f = job ? &job->spec.files : NULL;
+    uint8_t *own;
+    size_t n;
+
+    if (!f || f->n == 0)
+        return;
+    own = rad_arena_dup(&c->actions.mem, f->hash, (size_t)f->n * MSG_HASH);
+    if (!own) {
+        c->actions.failed = true;
+        return;
+    }
+    n = rad_sha_unique(own, f->n);
+    for (uint32_t i = 0; i < m->want.n; i++) {
+        const uint8_t *hash = m->want.hash + (size_t)i * MSG_HASH;
+
+        if (rad_sha_among(own, n, hash))
+            send_file(c, conn, m->request, hash);
+    }
+}
+
+/* The shell answers; the number says whether it gets on. */
+static void
+on_ping(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (!conn->worker || conn->worker->progress == m->ping.progress)
+        return;
+    conn->worker->progress = m->ping.progress;
+    conn->worker->progress_ms = c->now_ms;
+}
+
+/* Of itself; sched_run says BYE when it has nothing left. */
+static void
+on_drain(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    (void)c;
+    (void)m;
+    conn->worker->leaving = true;
+}
+
+static void
+on_ready(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_ready(c, conn->worker, &m->ready);
+}
+
+static void
+on_result(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    result_rows(c, conn->worker, &m->result);
+}
+
+static void
+on_lost(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    loss_reported(c, conn->worker, &m->lost);
+}
+
+static void
+on_room(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    loss_no_room(c, conn->worker, &m->room);
+}
+
+static void
+on_tally(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    sched_tally(c, conn->worker, &m->tally);
+}
+
+static void
+on_facts(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_facts(c, conn->worker, &m->facts);
+}
+
+/* For those who wait for the job. */
+static void
+on_records(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_RECORDS, .records = m->records };
+    uint32_t index;
+    struct job *job = desk_job_of(c, conn->worker, m->records.job, &index);
+
+    if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
+        return;
+    for (struct coord_conn *to = c->conns; to; to = to->next)
+        if (to->watch == job && to->version >= msg_since(MSG_RECORDS)) {
+            pass.request = to->watch_request;
+            actions_send(&c->actions, to->id, &pass);
+        }
+}
+
+static void
+on_base_line(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_base_line(c, conn->worker, &m->base_line);
+}
+
+static void
+on_parked(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    handoff_parked(c, conn->worker, &m->parked);
+}
+
+static void
+on_paid(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    lending_paid(c, conn->worker, &m->paid);
+}
+
+static void
+on_line_costs(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    uint32_t index;
+    struct job *job = desk_job_of(c, conn->worker, m->line_costs.job, &index);
+
+    if (job)
+        job_add_costs(job, &m->line_costs);
+}
+
+static void
+on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    balance_gave(c, conn->worker, &m->gave);
+}
+
+static void
+on_still(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    loss_still(c, conn->worker, &m->still);
+}
+
+static void
+on_loan(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    lending_loan(c, conn->worker, &m->loan);
+}
+
+static void
+on_estimated(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    survey_estimated(c, conn->worker, &m->estimated);
+}
+
+static void
+on_unlinked(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    uint32_t index;
+    struct job *job = desk_job_of(c, conn->worker, m->unlinked.job, &index);
+
+    if (job)
+        ring_unlinked(c, job, index, &m->unlinked);
+}
+
+/* The child says that the job cannot be rendered: it would be so anywhere. */
+static void
+on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    struct job *job = desk_find_job(c, m->failed.job);
+    char text[MSG_MAX_TEXT + 1], why[401];
+
+    if (!job || part_find(job, conn->worker->name) == JOB_NOBODY)
+        return;
+    rad_text_print(why, sizeof why, "%s", m->failed.text);
+    snprintf(text, sizeof text, "%s (worker %s)", why, conn->worker->name);
+    coord_job_ends(c, job, JOB_FAILED, m->failed.status, text);
+}
+
+/* Of workers, and of those who have not said who they are. */
+static const struct {
+    enum msg_type type;
+    void (*handle)(struct coord *c, struct coord_conn *conn,
+                   const struct msg *m);
+} handlers[] = {
+    { MSG_RESULT, on_result },     { MSG_HELLO, coord_hello },
+    { MSG_WANT, on_want },         { MSG_READY, on_ready },
+    { MSG_LOST, on_lost },         { MSG_TALLY, on_tally },
+    { MSG_FAILED, on_failed },     { MSG_DRAIN, on_drain },
+    { MSG_FACTS, on_facts },       { MSG_BASE_LINE, on_base_line },
+    { MSG_PARKED, on_parked },     { MSG_GAVE, on_gave },
+    { MSG_STILL, on_still },       { MSG_ESTIMATED, on_estimated },
+    { MSG_PING, on_ping },         { MSG_RECORDS, on_records },
+    { MSG_UNLINKED, on_unlinked }, { MSG_LOAN, on_loan },
+    { MSG_PAID, on_paid },         { MSG_LINE_COSTS, on_line_costs },
+    { MSG_ROOM, on_room },
+};
+
+/* BYE is followed by the end of the connection. */
+static void
+handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
+{
+    if (conn->session == MSG_AT_COORD_USER ||
+        conn->session == MSG_AT_COORD_ADMIN) {
+        request_handle(c, conn, m);
+        return;
+    }
+    for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
+        if (handlers[i].type == m->type) {
+            handlers[i].handle(c, conn, m);
+            return;
+        }
+}
+
+/* --- events --- */
+
+/* The end of an event: verdicts are carried out, and workers that may get
+ * something get it, which may bring further verdicts. */
+static void
+settle(struct coord *c, bool run)
+{
+    for (int round = 0; round < 2; round++) {
+        if (c->verdicts) {
+            c->verdicts = false;
+            coord_end_jobs(c);
+            coord_end_conns(c);
+        }
+        if (round == 0 && (run || c->stirred))
+            sched_run(c);
+    }
+}
+
+void
+coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
+             const struct coord_peer *peer)
+{
+    c->now_ms = now_ms;
+    coord_conn_opened(c, id, peer);
+}
+
+void
+coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
+{
+    bool known = desk_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    coord_conn_closed(c, id, why);
+    if (known)
+        settle(c, true);
+}
+
+/* Work that comes in: there are many of these, and where nobody gets room by
+ * one it changes nothing for the others. */
+static bool
+is_work(uint16_t type)
+{
+    return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
+           type == MSG_TALLY || type == MSG_LINE_COSTS || type == MSG_RECORDS ||
+           type == MSG_PING || type == MSG_PONG;
+}
+
+void
+coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
+              const struct msg *m)
+{
+    struct coord_conn *conn = desk_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (!conn || !msg_allowed(conn->session, m->type))
+        return; /* it was on its way when we closed the connection */
+    handle(c, conn, m);
+    settle(c, !is_work(m->type));
+    coord_forget_old(c);
+}
+
+void
+coord_looked(struct coord *c, uint64_t now_ms, const struct action_look *l)
+{
+    struct coord_conn *conn = desk_find_conn(c, l->conn);
+
+    c->now_ms = now_ms;
+    if (!conn)
+        return;
+    conn->answers--;
+    request_looked(c, conn, l);
+}
+
+bool
+coord_has_file(const struct coord *c, uint64_t id, const uint8_t hash[MSG_HASH])
+{
+    const struct coord_conn *conn = desk_find_conn(c, id);
+
+    return conn && known_has(&conn->payer->files, hash);
+}
+
+void
+coord_sent(struct coord *c, uint64_t id)
+{
+    struct coord_conn *conn = desk_find_conn(c, id);
+
+    if (conn && conn->answers > 0)
+        conn->answers--;
+}
+
+void
+coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
+                  const uint8_t hash[MSG_HASH])
+{
+    struct coord_conn *conn = desk_find_conn(c, id);
+    struct msg m = { .type = MSG_HAVE, .have = { hash } };
+    struct coord_owner *owner;
+
+    c->now_ms = now_ms;
+    if (!conn)
+        return; /* whoever sent it is asked for it again */
+    owner = conn->payer;
+    if (!known_sent(&owner->files, now_ms, hash)) {
+        c->actions.failed = true;
+        return;
+    }
+    actions_send(&c->actions, id, &m);
+    uploads_whole(&c->uploads, id, hash, now_ms);
+    coord_file_came(c, owner, hash);
+    settle(c, false);
+}
+
+void
+coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t id,
+                  const uint8_t hash[MSG_HASH], int status, const char *text)
+{
+    struct coord_conn *conn = desk_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    uploads_failed(&c->uploads, id, hash);
+    if (conn)
+        desk_reply_failed(c, conn, 0, NULL, status, text);
+}
+
+void
+coord_settled(struct coord *c, uint64_t now_ms, uint64_t id, uint32_t request)
+{
+    struct coord_conn *conn = desk_find_conn(c, id);
+
+    c->now_ms = now_ms;
+    if (conn)
+        request_settled(c, conn, request);
+}
+
+void
+coord_rows_stored(struct coord *c, uint64_t now_ms,
+                  const struct action_rows *key, int status, const char *text)
+{
+    struct job *job = desk_find_job(c, key->job);
+
+    c->now_ms = now_ms;
+    if (status == 0)
+        result_stored(c, key);
+    else if (job && job->sequence == key->sequence)
+        coord_job_ends(c, job, JOB_FAILED, status, text);
+    settle(c, true);
+}
+
+void
+coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                 uint64_t sequence, int status, const char *text)
+{
+    c->now_ms = now_ms;
+    if (coord_open_job(c, id, sequence, status, text))
+        settle(c, true);
+}
+
+void
+coord_picture_written(struct coord *c, uint64_t now_ms,
+                      const uint8_t id[MSG_JOB], uint64_t sequence,
+                      uint32_t frame, int status, const char *text)
+{
+    c->now_ms = now_ms;
+    if (coord_take_picture(c, id, sequence, frame, status, text))
+        coord_forget_old(c);
+}
+
+void
+coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                uint64_t sequence, uint64_t bytes)
+{
+    struct job *job = coord_same_job(c, id, sequence);
+
+    c->now_ms = now_ms;
+    if (job) {
+        job->kept_bytes = bytes;
+        if (c->env.keeps)
+            job_step(job, STAGE_KEPT);
+    }
+    c->keep_due = true;
+    coord_forget_old(c);
+}
+
+/* One whose scene does not come through hears why, for it has no job yet. */
+static void
+say_held(struct coord *c, const struct coord_conn *conn)
+{
+    struct msg m = { .type = MSG_PROGRESS,
+                     .progress = { .state = MSG_STATE_HELD } };
+
+    actions_send(&c->actions, conn->id, &m);
+}
+
+/* A disk about as full as may be has room and has none by turns: the log tells
+ * it once a minute, by pairs of lines, and then that it is full if it stays. */
+static void
+log_fullness(struct coord *c)
+{
+    if (c->full && !c->full_told &&
+        (c->full_told_ms == 0 || c->now_ms - c->full_told_ms >= FULL_TELL_MS)) {
+        actions_log(&c->actions, ACT_ERR, "disk full, jobs are held why=%s",
+                    c->full_text);
+        c->full_told = true;
+        c->full_told_ms = c->now_ms;
+    } else if (!c->full && c->full_told) {
+        actions_log(&c->actions, ACT_INFO, "disk has room, jobs go on");
+        c->full_told = false;
+    }
+}
+
+void
+coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
+{
+    c->now_ms = now_ms;
+    c->full = full;
+    rad_text_print(c->full_text, sizeof c->full_text, "no room on the disk: %s",
+                   text);
+    wire_clean(c->full_text);
+    log_fullness(c);
+    for (size_t i = 0; i < c->njobs; i++)
+        c->jobs[i]->full = full;
+    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+    settle(c, true);
+}
+
+void
+coord_expel(struct coord *c, uint64_t now_ms, const char *name)
+{
+    struct coord_worker *w = c->workers;
+
+    c->now_ms = now_ms;
+    while (w && strcmp(w->name, name) != 0)
+        w = w->next;
+    if (!w)
+        return;
+    for (size_t i = 0; i < c->njobs; i++)
+        if (!job_over(c->jobs[i]))
+            introduce_drop(c, c->jobs[i], w);
+}
+
+static void
+expire_known(struct coord *c)
+{
+    uint64_t ms = c->limits.upload_ms;
+
+    if (c->now_ms - c->known_ms < ms / 4)
+        return;
+    c->known_ms = c->now_ms;
+    for (struct coord_owner *o = c->owners; o; o = o->next)
+        known_expire(&o->files, c->now_ms > ms ? c->now_ms - ms : 0);
+}
+
+/* Files that wait for a job, and connections that have begun to send and do not
+ * go on: a while is enough. */
+static void
+look_after_uploads(struct coord *c)
+{
+    uint64_t ms = c->limits.upload_ms;
+
+    if (c->now_ms - c->uploads_ms < 1000)
+        return;
+    c->uploads_ms = c->now_ms;
+    if (c->now_ms >= ms)
+        uploads_forget(&c->uploads, c->now_ms - ms);
+    for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
+        next = conn->next;
+        if (c->full)
+            conn->moved_ms = c->now_ms;
+        if (conn->offer_ms != 0 && c->now_ms - conn->moved_ms >= ms)
+            coord_break(c, conn->id, "what it sends does not go on");
+    }
+}
+
+void
+coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                uint64_t sequence, const char *text)
+{
+    struct job *job = coord_same_job(c, id, sequence);
+
+    c->now_ms = now_ms;
+    if (!job || job_over(job))
+        return;
+    if (job->stage != STAGE_NO_ROOM)
+        job_step(job, STAGE_NO_ROOM);
+    rad_text_print(job->text, sizeof job->text, "no room on the disk: %s",
+                   text);
+    wire_clean(job->text);
+    actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
+                job->hex, text);
+    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+}
+
+uint8_t *
+coord_files(const struct coord *c, size_t *n)
+{
+    size_t all = 0, at = 0;
+    uint8_t *list;
+
+    for (size_t i = 0; i < c->njobs; i++)
+        all += c->jobs[i]->spec.files.n;
+    list = malloc((all + c->uploads.n) * MSG_HASH + 1);
+    if (!list)
+        return NULL;
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct msg_hashes *f = &c->jobs[i]->spec.files;
+
+        if (f->n > 0)
+            memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
+        at += f->n;
+    }
+    *n = at + uploads_waiting(&c->uploads, list + at * MSG_HASH);
+    return list;
+}
+
+bool
+coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
+            struct saved_job *out)
+{
+    const struct job *job = desk_find_job(c, id);
+
+    if (!job)
+        return false;
+    *out = (struct saved_job){ .spec = job->spec,
+                               .owner = job->owner,
+                               .sequence = job->sequence,
+                               .lives = job->lives,
+                               .state = (uint8_t)job->state,
+                               .status = job->status,
+                               .text = job->text,
+                               .offer_ms = job->offer_ms,
+                               .submit_ms = job->submit_ms,
+                               .open_ms = c->now_ms,
+                               .end_ms = job->end_ms,
+                               .sent_bytes = job->sent_bytes };
+    job_progress(job, c->now_ms, &out->last);
+    return true;
+}
+
+void
+coord_set_keep(struct coord *c, const struct coord_keep *keep)
+{
+    c->keep = *keep;
+    c->keep_due = true;
+    coord_forget_old(c);
+}
+
+void
+coord_tick(struct coord *c, uint64_t now_ms)
+{
+    c->now_ms = now_ms;
+    log_fullness(c);
+    sched_tick(c);
+    settle(c, false);
+    request_tick(c);
+    look_after_uploads(c);
+    coord_jobs_tick(c);
+    settle(c, false);
+    coord_forget_old(c);
+    expire_known(c);
+    if (now_ms - c->progress_ms < PROGRESS_MS)
+        return;
+    c->progress_ms = now_ms;
+    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
+        if (conn->watch)
+            coord_send_progress(c, conn, conn->watch);
+        else if (c->full && conn->offer_ms != 0)
+            say_held(c, conn);
+}

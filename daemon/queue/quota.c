@@ -1,0 +1,240 @@
+/* quota.c - see quota.h */
+#include "config.h"
+
+#include "queue/quota.h"
+
+#include "desk/desk.h"
+#include "desk/job.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+/* --- what there is --- */
+
+static uint64_t
+row_bytes(const struct msg_spec *s)
+{
+    return s->flags & MSG_JOB_DEPTH ? 16 : 4; /* a pixel (rows.h) */
+}
+
+static uint64_t
+spec_bytes(const struct msg_spec *s)
+{
+    uint64_t pixels = 0;
+
+    for (uint32_t i = 0; i < s->nframes; i++)
+        pixels += (uint64_t)s->frames[i].width * s->frames[i].height;
+    return pixels * row_bytes(s);
+}
+
+/* On the disk for a job: what was sent for it, and its rows or pictures. */
+static uint64_t
+job_bytes(const struct job *job)
+{
+    return job->sent_bytes + (job_over(job)
+                                  ? job->kept_bytes
+                                  : job->pixels_total * row_bytes(&job->spec));
+}
+
+static void
+count_jobs(const struct coord *c, const char *owner, struct quota_use *out)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+
+        if (strcmp(job->owner, owner) != 0)
+            continue;
+        out->bytes += job_bytes(job);
+        out->unfetched += desk_unfetched(c, job);
+        if (job_over(job))
+            continue;
+        out->jobs++;
+        out->frames += job->frames_counted;
+    }
+}
+
+void
+quota_count(const struct coord *c, const char *owner, struct quota_use *out)
+{
+    const struct coord_owner *o = c->owners;
+
+    *out = (struct quota_use){ 0 };
+    count_jobs(c, owner, out);
+    for (const struct coord_conn *i = c->conns; i; i = i->next) {
+        if (strcmp(i->owner, owner) != 0)
+            continue;
+        out->conns++;
+        out->uploads += i->offer_ms != 0;
+        out->answers += i->answers;
+    }
+    while (o && strcmp(o->name, owner) != 0)
+        o = o->next;
+    if (o) {
+        out->uploads += o->uploads.under_way;
+        out->upload_bytes = o->uploads.bytes;
+        out->bytes += o->uploads.bytes;
+    }
+    if (c->env.unread)
+        out->unread = c->env.unread(c->env.arg, owner);
+}
+
+/* --- what may be --- */
+
+/* Who may do more than use the cluster could end it as well. */
+static bool
+is_free(const struct coord_conn *conn)
+{
+    return conn->roles != 1u << MSG_ROLE_USER;
+}
+
+/* One more than there is, of at most so many. */
+static int
+check(const char *name, uint64_t used, uint64_t more, uint64_t most,
+      const char *what, struct rad_error *err)
+{
+    if (used <= most && more <= most - used)
+        return 0;
+    if (more > most)
+        return rad_fail(err, RAD_EDATA,
+                        "limit %s: %" PRIu64 " %s are wanted, and %" PRIu64
+                        " is the most: take less, or ask for a higher limit",
+                        name, more, what, most);
+    return rad_fail(err, RAD_ETEMPFAIL,
+                    "limit %s: you have %" PRIu64 " of %" PRIu64
+                    " %s: end some or try again later (see 'radctl limits')",
+                    name, used, most, what);
+}
+
+int
+quota_priority(int32_t priority, struct rad_error *err)
+{
+    if (priority >= -MSG_MOST_PRIORITY && priority <= MSG_MOST_PRIORITY)
+        return 0;
+    return rad_fail(err, RAD_EUSAGE, "priority %d: it may be from %d to %d",
+                    priority, -MSG_MOST_PRIORITY, MSG_MOST_PRIORITY);
+}
+
+static uint64_t
+mib(uint64_t bytes)
+{
+    return (bytes + (1u << 20) - 1) >> 20;
+}
+
+int
+quota_job(const struct coord *c, const struct coord_conn *conn,
+          const struct msg_spec *spec, struct rad_error *err)
+{
+    const struct coord_limits *l = &c->limits;
+    struct quota_use u;
+    int rc;
+
+    if (is_free(conn))
+        return 0;
+    quota_count(c, conn->owner, &u);
+    /* first what no waiting helps against */
+    rc = check("user_frames", u.frames, job_count_frames(spec), l->frames,
+               "frames to render", err);
+    /* files of the bundle count already */
+    if (rc == 0)
+        rc = check("user_mib", mib(u.bytes), mib(spec_bytes(spec)),
+                   l->bytes >> 20, "MiB stored", err);
+    if (rc == 0)
+        rc = check("user_jobs", u.jobs, 1, l->jobs, "jobs that are not over",
+                   err);
+    if (rc == 0 && u.unfetched >= l->unfetched)
+        rc = rad_fail(err, RAD_ETEMPFAIL,
+                      "limit user_unfetched: you have %" PRIu64 " of %" PRIu64
+                      " jobs whose pictures you have not fetched: fetch or "
+                      "delete some (see 'radctl limits')",
+                      u.unfetched, l->unfetched);
+    return rc;
+}
+
+int
+quota_upload(const struct coord *c, const struct coord_conn *conn,
+             struct rad_error *err)
+{
+    struct quota_use u;
+
+    if (is_free(conn))
+        return 0;
+    quota_count(c, conn->owner, &u);
+    return check("user_uploads", u.uploads, 1, c->limits.uploads,
+                 "uploads under way", err);
+}
+
+int
+quota_file(const struct coord *c, const struct coord_conn *conn, uint64_t bytes,
+           struct rad_error *err)
+{
+    const struct coord_limits *l = &c->limits;
+    struct quota_use u;
+    int rc;
+
+    if (is_free(conn))
+        return 0;
+    quota_count(c, conn->owner, &u);
+    rc = check("user_uploads", u.uploads, 1, l->uploads, "uploads under way",
+               err);
+    if (rc == 0)
+        rc = check("user_upload_mib", mib(u.upload_bytes), mib(bytes),
+                   l->upload_bytes >> 20, "MiB sent for no job yet", err);
+    if (rc == 0)
+        rc = check("user_mib", mib(u.bytes), mib(bytes), l->bytes >> 20,
+                   "MiB stored", err);
+    return rc;
+}
+
+int
+quota_answer(const struct coord *c, const struct coord_conn *conn,
+             struct rad_error *err)
+{
+    struct quota_use u;
+
+    if (is_free(conn))
+        return 0;
+    quota_count(c, conn->owner, &u);
+    return check("user_answers", u.answers, 1, c->limits.answers,
+                 "answers under way", err);
+}
+
+/* --- as a report --- */
+
+static json_t *
+row(const char *name, uint64_t used, uint64_t most, const char *what)
+{
+    return json_pack("{s:s,s:I,s:I,s:s}", "limit", name, "used",
+                     (json_int_t)used, "most", (json_int_t)most, "what", what);
+}
+
+char *
+quota_report(const struct coord *c, const char *owner)
+{
+    const struct coord_limits *l = &c->limits;
+    struct quota_use u;
+    json_t *root;
+    char *text;
+
+    quota_count(c, owner, &u);
+    root = json_pack(
+        "{s:s,s:[o,o,o,o,o,o,o,o,o]}", "user", owner, "limits",
+        row("user_jobs", u.jobs, l->jobs, "jobs that are not over"),
+        row("user_frames", u.frames, l->frames, "frames of these"),
+        row("user_unfetched", u.unfetched, l->unfetched,
+            "jobs whose pictures are not fetched"),
+        row("user_mib", mib(u.bytes), l->bytes >> 20, "MiB stored"),
+        row("user_uploads", u.uploads, l->uploads, "uploads under way"),
+        row("user_upload_mib", mib(u.upload_bytes), l->upload_bytes >> 20,
+            "MiB sent for no job yet"),
+        row("user_connections", u.conns, l->conns, "connections"),
+        row("user_answers", u.answers, l->answers, "answers under way"),
+        row("user_unread_mib", mib(u.unread), l->unread >> 20,
+            "MiB of answers not read"));
+    if (!root)
+        return NULL;
+    text = json_dumps(root, JSON_INDENT(1));
+    json_decref(root);
+    return text;
+}

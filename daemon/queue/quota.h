@@ -1,0 +1,46 @@
+/* quota.h - what one user may have at a coordinator
+ *
+ * Whoever may use it and no more is bounded in all that it can make grow, so
+ * that nobody takes what others need; administrators and workers are not.  What
+ * a user has is counted when it asks for more.  A request that goes over a
+ * limit is refused with the limit's name, its value and what to do: status 75
+ * where something of the user's will end by itself, 65 where the request alone
+ * is more than the limit.
+ * Private to the coordinator's own files, but struct coord_limits (coord.h).
+ * Thread: one. */
+#ifndef DAEMON_QUOTA_H
+#define DAEMON_QUOTA_H
+
+#include "desk/desk.h"
+
+/* What a user has now. */
+struct quota_use {
+    uint64_t jobs, frames; /* jobs that are not over, and their frames */
+    uint64_t bytes;        /* on the disk: of its jobs, and of uploads */
+    uint64_t uploads;      /* bundles and files on their way */
+    uint64_t upload_bytes; /* files that no job of its names */
+    uint64_t unfetched;    /* jobs with pictures that it has not fetched */
+    uint64_t conns, answers;
+    uint64_t unread; /* bytes of answers */
+};
+
+void quota_count(const struct coord *c, const char *owner,
+                 struct quota_use *out);
+
+/* May it have one more?  0, or RAD_ETEMPFAIL or RAD_EDATA with a message for
+ * the user. */
+int quota_job(const struct coord *c, const struct coord_conn *conn,
+              const struct msg_spec *spec, struct rad_error *err);
+/* Nobody's job may have another priority than these (RAD_EUSAGE). */
+int quota_priority(int32_t priority, struct rad_error *err);
+int quota_upload(const struct coord *c, const struct coord_conn *conn,
+                 struct rad_error *err);
+int quota_file(const struct coord *c, const struct coord_conn *conn,
+               uint64_t bytes, struct rad_error *err);
+int quota_answer(const struct coord *c, const struct coord_conn *conn,
+                 struct rad_error *err);
+
+/* All limits, and what that user has of each, as JSON; NULL: memory is out. */
+char *quota_report(const struct coord *c, const char *owner);
+
+#endif

@@ -1,0 +1,364 @@
+/* stats.c - see stats.h */
+#include "config.h"
+
+#include "queue/stats.h"
+
+#include "desk/job.h"
+#include "desk/part.h"
+
+#include "machine/jobtext.h"
+#include "machine/wordlist.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Seconds from a to b, 0 when one of them has not come. */
+static double
+seconds(uint64_t a, uint64_t b)
+{
+    return a == 0 || b < a ? 0 : (double)(b - a) / 1000;
+}
+
+static json_int_t
+integer(uint64_t n)
+{
+    return n > INT64_MAX ? INT64_MAX : (json_int_t)n;
+}
+
+/* Fingerprints that took part: one, or "mixed". */
+static json_t *
+fingerprint(const struct job *job)
+{
+    const struct job_worker *first = NULL;
+    char hex[17];
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+
+        if (!w->took_part)
+            continue;
+        if (first && w->fingerprint != first->fingerprint)
+            return json_string("mixed");
+        first = w;
+    }
+    snprintf(hex, sizeof hex, "%016llx",
+             first ? (unsigned long long)first->fingerprint : 0);
+    return json_string(first ? hex : "");
+}
+
+static json_t *
+times(const struct job *job, uint64_t now_ms)
+{
+    const struct msg_spec *s = &job->spec;
+    uint64_t end = job_over(job) ? job->end_ms : now_ms;
+    double load = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].load_s > load)
+            load = job->workers[i].load_s;
+    return json_pack(
+        "{s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "wall_s",
+        s->compile_s + seconds(job->offer_ms, end), "compile_s", s->compile_s,
+        "transfer_s", seconds(job->offer_ms, job->open_ms), "load_s", load,
+        "estimate_s", (double)job->estimate_ms / 1000, "render_s",
+        seconds(job->first_ms, job->last_ms), "write_s",
+        job_over(job) && job->last_ms ? seconds(job->last_ms, end) : 0.0);
+}
+
+/* Sum over accepted units, and the estimate before them. */
+static struct msg_counts
+sum_counts(const struct job *job)
+{
+    uint32_t n = job->partition ? partition_total(job->partition) : 0;
+    struct msg_counts t = job->surveyed;
+
+    t.speculative_rays += job->late_rays;
+    for (uint32_t i = 0; i < n; i++)
+        if (job->units[i].state == UNIT_DONE)
+            msg_counts_add(&t, &job->units[i].counts);
+    return t;
+}
+
+static json_t *
+totals(const struct job *job)
+{
+    struct msg_counts t = sum_counts(job);
+    uint64_t sent = 0, received = 0, redundant = 0;
+    uint64_t line_bytes = job->base_line_bytes, line_pixels = 0;
+    uint64_t dropped = 0;
+    struct msg_counts seeded = { 0 };
+    uint32_t took_part = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct msg_tally w = part_tally(&job->workers[i]);
+
+        msg_counts_add(&t, &w.dropped);
+        dropped += w.dropped.rays;
+        msg_counts_add(&t, &w.seeded);
+        msg_counts_add(&seeded, &w.seeded);
+        sent += w.ambient_sent;
+        received += w.ambient_received;
+        redundant += w.ambient_redundant;
+        line_bytes += w.base_line_bytes;
+        line_pixels += w.base_line_pixels;
+        took_part += job->workers[i].took_part;
+    }
+    return json_pack(
+        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,"
+        "s:I,"
+        "s:I,s:I}",
+        "rays", integer(t.rays), "dropped_rays", integer(dropped), "seed_rays",
+        integer(seeded.rays), "seed_values", integer(seeded.ambient_values),
+        "seed_s", seeded.cpu_s, "primary_rays", integer(t.primary_rays),
+        "speculative_rays", integer(t.speculative_rays), "shadow_rays",
+        integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
+        "intersection_tests", integer(t.intersection_tests), "ambient_values",
+        integer(t.ambient_values), "ambient_sent", integer(sent),
+        "ambient_received", integer(received), "ambient_redundant",
+        took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",
+        integer(t.nan.pixels), "units_redone", integer(job->units_redone),
+        "estimate_rays", integer(t.estimate_rays), "paint_rays",
+        integer(t.paint_rays), "base_line_bytes", integer(line_bytes),
+        "base_line_pixels", integer(line_pixels));
+}
+
+static json_t *
+workers(const struct job *job)
+{
+    json_t *list = json_array();
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+        struct msg_tally t = part_tally(w);
+        double wait = t.wait_base_line_s, work = t.busy_s - wait;
+        double busy = work > w->cpu_s ? work : w->cpu_s;
+        double idle =
+            w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
+        /* all that the totals have of it, in a unit or in none */
+        uint64_t rays =
+            w->rays + w->surveyed_rays + t.seeded.rays + t.dropped.rays;
+
+        if (!w->took_part)
+            continue;
+        json_array_append_new(
+            list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
+                            w->name, "threads", (json_int_t)w->threads, "rays",
+                            integer(rays), "busy_s", busy, "idle_s",
+                            idle > 0 ? idle : 0.0, "wait_base_line_s", wait,
+                            "bytes_in", integer(t.bytes_in), "bytes_out",
+                            integer(t.bytes_out), "peak_rss_bytes",
+                            integer(t.peak_rss_bytes), "units",
+                            (json_int_t)w->units));
+    }
+    return list;
+}
+
+/* Is it known what was spent on each line of each frame? */
+static bool
+knows_lines(const struct job *job)
+{
+    for (uint32_t k = 0; k < job->spec.nframes; k++)
+        if (!job->frames[k].line_s || job->frames[k].untold || job->lives > 0)
+            return false;
+    return true;
+}
+
+/* One unit; times count from when the job came. */
+static json_t *
+unit(const struct job *job, uint32_t i)
+{
+    const struct job_unit *u = &job->units[i];
+    struct partition_area a;
+    double end = seconds(job->submit_ms, u->end_ms);
+    double start = end > u->counts.wall_s ? end - u->counts.wall_s : 0;
+
+    partition_area(job->partition, i, &a);
+    return json_pack(
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:f,s:f,s:f,s:s,s:I}", "frame",
+        (json_int_t)job->spec.frames[a.frame].number, "x", (json_int_t)a.x, "y",
+        (json_int_t)a.y, "width", (json_int_t)a.width, "height",
+        (json_int_t)a.height, "rays", integer(u->counts.rays), "primary_rays",
+        integer(u->counts.primary_rays), "intersection_tests",
+        integer(u->counts.intersection_tests), "estimate",
+        partition_cost(job->partition, i), "cpu_s", u->counts.cpu_s, "start_s",
+        start, "end_s", end, "worker", job->workers[u->worker].name, "attempts",
+        (json_int_t)u->tries);
+}
+
+/* All but what there are many of. */
+static json_t *
+head(const struct job *job, uint64_t now_ms)
+{
+    const struct msg_spec *s = &job->spec;
+    const struct partition *p = job->partition;
+    struct rad_error_estimate error = job_error(job);
+    struct job_size size = job_size(job);
+    char options[RAD_FILTER_OPTIONS];
+    bool said =
+        jobtext_options(s->params, s->oversample, s->clamp, options, NULL) == 0;
+
+    return json_pack(
+        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:I,s:{s:I,s:I,s:I,s:o},"
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
+        "job", job->hex, "radd", PACKAGE_VERSION, "options",
+        said ? options : s->params, "partition",
+        partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
+        p ? partition_choice(p) : "", "fingerprint", fingerprint(job), "seed",
+        integer(s->seed), "oversample", integer(size.oversample), "scene",
+        "objects", (json_int_t)s->objects, "bundle_bytes",
+        integer(s->bundle_bytes), "sent_bytes", integer(job->sent_bytes),
+        "needs", wordlist_json(s->needs), "picture", "width",
+        (json_int_t)size.width, "height", (json_int_t)size.height, "frames",
+        (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
+        totals(job), "error", "estimate", error.all, "ambient", error.ambient,
+        "sampling", error.sampling, "workers", workers(job));
+}
+
+/* --- as text --- */
+
+struct stats_text {
+    char *text;
+    size_t len, cap;
+    uint32_t unit;        /* the next of its units */
+    uint32_t frame, line; /* the next of its lines */
+    bool any;             /* the list that is written has something */
+    enum { IN_UNITS, IN_LINES, AT_END } at;
+};
+
+static bool
+put(struct stats_text *t, const char *s, size_t n)
+{
+    if (t->cap - t->len <= n) {
+        size_t cap = 2 * (t->len + n) + 4096;
+        char *p = realloc(t->text, cap);
+
+        if (!p)
+            return false;
+        t->text = p;
+        t->cap = cap;
+    }
+    memcpy(t->text + t->len, s, n);
+    t->len += n;
+    t->text[t->len] = '\0';
+    return true;
+}
+
+static bool
+put_text(struct stats_text *t, const char *s)
+{
+    return put(t, s, strlen(s));
+}
+
+/* One more of a list; takes it. */
+static bool
+put_entry(struct stats_text *t, json_t *value)
+{
+    char *s = value
+                  ? json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(9))
+                  : NULL;
+    bool ok = s && put_text(t, t->any ? ",\n  " : "\n  ") && put_text(t, s);
+
+    t->any = true;
+    free(s);
+    json_decref(value);
+    return ok;
+}
+
+static bool
+put_units(struct stats_text *t, const struct job *job, uint32_t *left)
+{
+    uint32_t n = job->partition ? partition_total(job->partition) : 0;
+
+    for (; t->unit<n && * left> 0; t->unit++, --*left)
+        if (job->units[t->unit].state == UNIT_DONE &&
+            !put_entry(t, unit(job, t->unit)))
+            return false;
+    if (t->unit < n)
+        return true;
+    t->at = knows_lines(job) ? IN_LINES : AT_END;
+    return put_text(t,
+                    t->at == IN_LINES ? "\n ],\n \"line_s\": [\n [" : "\n ]");
+}
+
+static bool
+put_lines(struct stats_text *t, const struct job *job, uint32_t *left)
+{
+    const struct job_frame *f = &job->frames[t->frame];
+
+    t->any = t->line > 0;
+    for (; t->line<f->nlines && * left> 0; t->line++, --*left)
+        if (!put_entry(t, json_real(f->line_s[t->line])))
+            return false;
+    if (t->line < f->nlines)
+        return true;
+    t->line = 0;
+    if (++t->frame < job->spec.nframes)
+        return put_text(t, "],\n [");
+    t->at = AT_END;
+    return put_text(t, "]\n ]");
+}
+
+int
+stats_more(struct stats_text *t, const struct job *job, uint32_t most)
+{
+    bool ok = true;
+
+    while (ok && most > 0 && t->at != AT_END)
+        ok = t->at == IN_UNITS ? put_units(t, job, &most)
+                               : put_lines(t, job, &most);
+    if (!ok)
+        return RAD_ENOMEM;
+    if (t->at != AT_END)
+        return 0;
+    return put_text(t, "\n}") ? 1 : RAD_ENOMEM;
+}
+
+struct stats_text *
+stats_begin(const struct job *job, uint64_t now_ms)
+{
+    struct stats_text *t = calloc(1, sizeof *t);
+    json_t *root = head(job, now_ms);
+    char *s =
+        root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+
+    json_decref(root);
+    /* goes on where the object would end */
+    if (!t || !s || !put(t, s, strlen(s) - strlen("\n}")) ||
+        !put_text(t, ",\n \"units\": [")) {
+        stats_free(t);
+        t = NULL;
+    }
+    free(s);
+    return t;
+}
+
+void
+stats_free(struct stats_text *t)
+{
+    if (!t)
+        return;
+    free(t->text);
+    free(t);
+}
+
+char *
+stats_take(struct stats_text *t)
+{
+    char *text = t->text;
+
+    free(t);
+    return text;
+}
+
+char *
+stats_json(const struct job *job, uint64_t now_ms)
+{
+    struct stats_text *t = stats_begin(job, now_ms);
+
+    if (t && stats_more(t, job, UINT32_MAX) == 1)
+        return stats_take(t);
+    stats_free(t);
+    return NULL;
+}

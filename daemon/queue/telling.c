@@ -1,0 +1,48 @@
+/* telling.c - see telling.h */
+#include "config.h"
+
+#include "queue/telling.h"
+
+#include "queue/stats.h"
+#include <stdlib.h>
+
+void
+telling_drop_settling(struct coord_conn *conn, struct coord_settling **at)
+{
+    struct coord_settling *s = *at;
+
+    *at = s->next;
+    free(s);
+    conn->answers--;
+}
+
+void
+telling_drop(struct coord_conn *conn, struct coord_telling **at)
+{
+    struct coord_telling *t = *at;
+
+    *at = t->next;
+    stats_free(t->text);
+    free(t->whole);
+    free(t);
+    conn->answers--;
+}
+
+bool
+telling_of(const struct coord *c, const struct job *job)
+{
+    for (const struct coord_conn *i = c->conns; i; i = i->next)
+        for (const struct coord_telling *t = i->telling; t; t = t->next)
+            if (t->text && t->sequence == job->sequence)
+                return true;
+    return false;
+}
+
+void
+telling_release(struct coord_conn *conn)
+{
+    while (conn->settling)
+        telling_drop_settling(conn, &conn->settling);
+    while (conn->telling)
+        telling_drop(conn, &conn->telling);
+}

@@ -1,0 +1,30 @@
+/* telling.h - answers that a connection waits for, and that take a while
+ *
+ * Thread: one. */
+#ifndef DAEMON_TELLING_H
+#define DAEMON_TELLING_H
+
+#include "desk/desk.h"
+
+/* Statistics that somebody waits for. */
+struct coord_telling {
+    struct coord_telling *next;
+    struct stats_text *text; /* NULL: it is whole */
+    char *whole;
+    size_t len, sent; /* of that [bytes] */
+    uint8_t job[MSG_JOB];
+    uint64_t sequence; /* of the job */
+    uint32_t request;
+};
+
+/* Is somebody being told of what the job has in memory? */
+bool telling_of(const struct coord *c, const struct job *job);
+
+/* Forget an answer, *at, which one of the connection's lists has. */
+void telling_drop(struct coord_conn *conn, struct coord_telling **at);
+void telling_drop_settling(struct coord_conn *conn, struct coord_settling **at);
+
+/* The connection is gone: forget all. */
+void telling_release(struct coord_conn *conn);
+
+#endif

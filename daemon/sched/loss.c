@@ -1,0 +1,446 @@
+/* loss.c - workers and children that go, and what becomes of their units */
+#include "config.h"
+
+#include "base/text.h"
+#include "sched/loss.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/unit.h"
+#include "desk/verdict.h"
+#include "links/ring.h"
+#include "sched/survey.h"
+
+#include <stdio.h>
+#include <sysexits.h>
+
+/* Units wait for a worker whose connection broke for so long: it dials again
+ * after at most .75 s. */
+#define REDIAL_MS 2000
+
+/* What one loses so often without ever coming back to it, others may get at
+ * once: a worker that dies of it and is started again would have it for ever.
+ */
+#define MOST_LOSSES 2
+
+/* Is there another worker than that one? */
+static bool
+others_than(const struct coord *c, const struct coord_worker *w)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next)
+        if (o != w && desk_takes_units(o))
+            return true;
+    return false;
+}
+
+bool
+loss_others_may(const struct coord *c, const struct job *job,
+                const struct coord_worker *w, bool late)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next) {
+        uint32_t i = desk_index(job, o);
+
+        if (o != w && desk_takes_units(o) &&
+            (i == JOB_NOBODY || (job->workers[i].state != PART_EXCLUDED &&
+                                 job->workers[i].state != PART_NO_ROOM &&
+                                 (late || !job->workers[i].late))))
+            return true;
+    }
+    return false;
+}
+
+/* The one that led is gone: another may lead, but not one whose first rows were
+ * dropped. */
+static void
+new_lead(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    hold_forget_rows(job, unit);
+    u->lead = 0;
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (u->go[i].rows != GO_MAY_LEAD) {
+            desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
+        }
+}
+
+/* Columns of a lender who is gone, or has another last line now, go back: what
+ * is traced of them serves whoever gets the line. */
+void
+loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
+{
+    struct job_unit *u = &job->units[unit];
+
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (u->go[i].lending.lender == lender) {
+            desk_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
+        }
+}
+
+static void
+lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+    bool led = go->attempt == u->lead || u->lead == 0;
+    uint32_t attempt = go->attempt;
+
+    hold_release(c, job, unit, go);
+    loss_end_loans(c, job, unit, attempt);
+    if (u->ngos > 0 && led)
+        new_lead(c, job, unit);
+    if (u->ngos == 0)
+        unit_wait(job, unit);
+}
+
+void
+loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    job->frames[a.frame].untold = true;
+    lose(c, job, unit, go);
+}
+
+/* Nobody has it, and rows of it that are on their way count no more. */
+static void
+close_rows(struct job_unit *u)
+{
+    if (u->ngos == 0)
+        u->lead = 0;
+}
+
+void
+loss_taken(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    desk_send_attempt(c, job, MSG_REVOKE, unit, go);
+    loss_of(c, job, unit, go);
+    close_rows(&job->units[unit]);
+}
+
+void
+loss_given_back(struct coord *c, struct job *job, uint32_t unit,
+                struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    lose(c, job, unit, go);
+    close_rows(u);
+    u->given_back = u->ngos == 0;
+}
+
+/* The worker has none of the job's units any more; suspects were taken out
+ * before. */
+static void
+take_all_back(struct coord *c, struct job *job, uint32_t index)
+{
+    survey_lost(job, index);
+    for (uint32_t i = job->nout; i-- > 0;) {
+        struct job_go *go;
+
+        if (i >= job->nout)
+            continue; /* the list has become shorter */
+        go = go_of_worker(job, job->out[i], index);
+        if (!go)
+            continue;
+        if (job->units[job->out[i]].losses < UINT8_MAX)
+            job->units[job->out[i]].losses++;
+        loss_of(c, job, job->out[i], go);
+    }
+}
+
+void
+loss_keep(const struct coord *c, struct job *job, uint32_t index, uint64_t ms)
+{
+    for (uint32_t i = 0; job->partition && i < job->nunits; i++) {
+        const struct job_unit *u = &job->units[i];
+
+        if (u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
+            u->worker == index && u->losses <= MOST_LOSSES)
+            partition_keep(job->partition, i, index);
+    }
+    job->workers[index].keep_ms = c->now_ms + ms;
+}
+
+void
+loss_tick(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        if (jw->keep_ms == 0 || c->now_ms < jw->keep_ms)
+            continue;
+        jw->keep_ms = 0;
+        partition_keep_none(job->partition, i);
+        c->stirred = true;
+    }
+}
+
+void
+loss_at_ready(struct coord *c, struct job *job, uint32_t index)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
+        struct job_go *go = go_of_worker(job, unit, index);
+        struct partition_area a;
+
+        if (!go || go->origin == GO_RESUMED)
+            continue;
+        partition_area(job->partition, unit, &a);
+        if (job->units[unit].next_row < a.height)
+            loss_of(c, job, unit, go);
+    }
+    /* what it is not at it gets now, if it gets anything */
+    loss_keep(c, job, index,
+              desk_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
+}
+
+/* The worker's go at the unit that it says it is at, if nobody else was given
+ * it; NULL. */
+static struct job_go *
+find_or_revive(struct coord *c, struct job *job, uint32_t index,
+               const struct msg_gave *m)
+{
+    const struct job_unit *u = &job->units[m->unit];
+    struct job_go *go = go_find(job, m->unit, index, m->attempt);
+
+    if (!go && u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
+        u->lead == m->attempt && u->worker == index &&
+        hold_revive(c, job, index, m->unit))
+        go = go_find(job, m->unit, index, m->attempt);
+    return go;
+}
+
+static bool
+take_up(struct coord *c, struct job *job, uint32_t index,
+        const struct msg_gave *m)
+{
+    struct partition_area a;
+    struct job_go *go;
+
+    if (!job->partition || m->unit >= job->nunits)
+        return false;
+    partition_area(job->partition, m->unit, &a);
+    go = m->height <= a.height ? find_or_revive(c, job, index, m) : NULL;
+    if (!go)
+        return false;
+    go->origin = GO_RESUMED;
+    job->units[m->unit].losses = 0;
+    desk_log_unit(c, job, m->unit, go, "unit still");
+    if (m->height == a.height || hold_shrink(c, job, m->unit, go, m->height))
+        return true;
+    loss_of(c, job, m->unit, go);
+    return false;
+}
+
+void
+loss_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+{
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct msg no = { .type = MSG_REVOKE,
+                      .revoke = { m->job, m->unit, m->attempt } };
+
+    if (job && (job->workers[index].state != PART_LOADING ||
+                !take_up(c, job, index, m)))
+        actions_send(&c->actions, w->conn, &no);
+}
+
+void
+loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
+{
+    take_all_back(c, job, index);
+    if (part_is_here(&job->workers[index]))
+        part_step(&job->workers[index], to);
+    ring_left(c, job, index);
+    if (job->partition)
+        partition_set_absent(job->partition, index, true);
+    speed_measure(c, job);
+}
+
+/* How long units wait for a worker that goes now.  One that leaves does not
+ * come back; one that was not ready did nothing that would make them wait
+ * longer than they do anyway. */
+static uint64_t
+patience(const struct coord *c, const struct job_worker *jw)
+{
+    if (jw->worker->leaving)
+        return 0;
+    if (jw->state == PART_READY)
+        return REDIAL_MS;
+    return jw->keep_ms > c->now_ms ? jw->keep_ms - c->now_ms : 0;
+}
+
+void
+loss_worker_gone(struct coord *c, struct coord_worker *w)
+{
+    w->loading = NULL;
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+        uint32_t index = desk_index(job, w);
+        uint64_t ms;
+
+        if (index != JOB_NOBODY &&
+            job->workers[index].state == PART_NO_ROOM) /* it may come back
+                                                        * another */
+            part_step(&job->workers[index], PART_GONE);
+        if (index == JOB_NOBODY || !part_is_here(&job->workers[index]))
+            continue;
+        ms = patience(c, &job->workers[index]);
+        loss_all(c, job, index, PART_GONE);
+        if (!job_over(job))
+            loss_keep(c, job, index, ms);
+    }
+}
+
+/* A unit's child died; false: the job cannot go on. */
+static bool
+suspect(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+        const char *why)
+{
+    struct job_unit *u = &job->units[unit];
+    struct partition_area a;
+    char text[MSG_MAX_TEXT + 1];
+
+    u->crashes++;
+    if (u->crashes == 1)
+        u->crasher = index;
+    loss_of(c, job, unit, go_of_worker(job, unit, index));
+    if (u->crashes == 1 ||
+        (u->crasher == index && u->crashes < JOB_MAX_CRASHES))
+        return true;
+    partition_area(job->partition, unit, &a);
+    snprintf(text, sizeof text,
+             "unit %u (frame %u, %ux%u pixels at x %u, y %u) brought the "
+             "renderer down %u times: %.200s",
+             unit, job->spec.frames[a.frame].number, a.width, a.height, a.x,
+             a.y, u->crashes, why);
+    verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
+    return false;
+}
+
+static bool
+ready_worker(const struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].state == PART_READY)
+            return true;
+    return false;
+}
+
+/* A child died before it was ready: *to is what becomes of its worker's part.
+ * False: the job cannot go on. */
+static bool
+crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
+                const char *why, enum part_state *to)
+{
+    uint32_t workers = 0;
+    char text[MSG_MAX_TEXT + 1];
+
+    jw->load_crashes++;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        workers += job->workers[i].load_crashes > 0;
+    if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
+        return true;
+    /* as long as others can, or may, it is this worker and not the scene */
+    if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
+        *to = PART_EXCLUDED;
+        return true;
+    }
+    snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
+    verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
+    return false;
+}
+
+/* A child died at its units, and not of them; as crashed_loading(). */
+static bool
+setback(struct coord *c, struct job *job, struct job_worker *jw,
+        const char *why, enum part_state *to)
+{
+    char text[MSG_MAX_TEXT + 1];
+
+    if (++jw->setbacks < JOB_MAX_SETBACKS)
+        return true;
+    *to = PART_EXCLUDED;
+    actions_log(&c->actions, ACT_WARN,
+                "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
+                why);
+    if (loss_others_may(c, job, jw->worker, true))
+        return true;
+    snprintf(text, sizeof text, "no worker can keep a process for it: %.400s",
+             why);
+    verdict_job(c, job, JOB_FAILED, EX_UNAVAILABLE, text);
+    return false;
+}
+
+/* A disk that is full is the worker's affair: others go on, or wait with the
+ * job until one has room. */
+void
+loss_no_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
+{
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct job_worker *jw;
+
+    if (!job)
+        return;
+    jw = &job->workers[index];
+    if (!m->has && jw->state != PART_LOADING)
+        return;
+    actions_log(&c->actions, m->has ? ACT_INFO : ACT_WARN,
+                m->has ? "worker has room again job=%s worker=%s%s"
+                       : "worker has no room job=%s worker=%s why=%s",
+                job->hex, w->name, m->text);
+    if (m->has) {
+        if (jw->state == PART_NO_ROOM)
+            part_step(jw, PART_GONE);
+        return;
+    }
+    rad_text_print(w->no_room, sizeof w->no_room, "%s", m->text);
+    rad_text_clean(w->no_room);
+    if (w->loading == job)
+        w->loading = NULL;
+    loss_all(c, job, index, PART_NO_ROOM);
+}
+
+static bool
+has_unit(const struct job *job, uint32_t index, uint32_t unit)
+{
+    return unit < job->nunits && go_of_worker(job, unit, index);
+}
+
+void
+loss_reported(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
+{
+    enum part_state to = PART_GONE;
+    struct job_worker *jw;
+    uint32_t index, surveying;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    actions_log(&c->actions, ACT_WARN, "child lost job=%s worker=%s why=%s",
+                job->hex, w->name, m->text);
+    if (w->loading == job)
+        w->loading = NULL;
+    jw = &job->workers[index];
+    if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m->text, &to))
+        return;
+    if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
+        !setback(c, job, jw, m->text, &to))
+        return;
+    for (uint32_t i = 0; i < m->nunits; i++)
+        if (has_unit(job, index, m->units[i]) &&
+            !suspect(c, job, index, m->units[i], m->text))
+            return;
+    surveying = jw->surveying;
+    loss_all(c, job, index, to);
+    if (surveying)
+        survey_crashed(c, job, surveying - 1);
+}

@@ -1,0 +1,440 @@
+/* result.c - rows that come, and units that are done */
+#include "config.h"
+
+#include "sched/result.h"
+
+#include "desk/desk.h"
+#include "desk/duplicate.h"
+#include "desk/go.h"
+#include "desk/hold.h"
+#include "desk/job.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/unit.h"
+#include "desk/verdict.h"
+#include "lines/handoff.h"
+#include "desk/shared.h"
+#include "sched/loss.h"
+
+#include "image/hdr.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+/* One that sent rows and then none for so long may be stopped. */
+#define SILENT_MS 15000
+
+/* Are those as many rows as are said, each no longer than it may be? */
+static bool
+is_coded_right(const struct msg_result *m)
+{
+    size_t at = 0;
+
+    for (uint32_t i = 0; i < m->rows; i++) {
+        size_t n =
+            rad_hdr_row_bytes(m->pixels + at, m->len - at, (int)m->width);
+
+        if (n == 0 || n > RAD_HDR_CODED_BYTES(m->width))
+            return false;
+        at += n;
+    }
+    return at == m->len;
+}
+
+/* Does the piece lie where the unit's rows lie? */
+static bool
+result_fits(const struct job *job, const struct msg_result *m,
+            const struct partition_area *a)
+{
+    return m->width == a->width && m->channels == job_channels(job) &&
+           m->row <= a->height && m->rows <= a->height - m->row &&
+           (m->last || m->row + m->rows < a->height) &&
+           (m->channels > 1 || is_coded_right(m));
+}
+
+/* Version 1 has no coded rows: code them here.  What comes of it lasts as long
+ * as actions; NULL: memory is out. */
+static const struct msg_result *
+code_rows(struct coord *c, const struct msg_result *m)
+{
+    size_t most = RAD_HDR_CODED_BYTES(m->width), pixel = 3 * sizeof(float);
+    struct rad_rgb *row = malloc((size_t)m->width * sizeof *row);
+    /* what the last row takes to work in lies behind it */
+    uint8_t *code = rad_arena_alloc(&c->actions.mem, (m->rows + 1) * most);
+    struct msg_result *to = rad_arena_alloc(&c->actions.mem, sizeof *to);
+
+    if (!row || !code || !to) {
+        free(row);
+        c->actions.failed = true;
+        return NULL;
+    }
+    *to = *m;
+    to->channels = 1;
+    to->pixels = code;
+    to->len = 0;
+    for (uint32_t i = 0; i < m->rows; i++) {
+        const uint8_t *from = m->pixels + (size_t)i * m->width * pixel;
+
+        wire_floats_get(&row->r, from, 3 * (size_t)m->width);
+        to->len += rad_hdr_encode_row(row, (int)m->width, code + to->len);
+    }
+    free(row);
+    return to;
+}
+
+/* What whoever goes on below the unit needs of it, beside its last row. */
+static void
+add_bottom(const struct job *job, const struct msg_result *m,
+           struct action_rows *r)
+{
+    uint32_t first, last;
+
+    if (!job->shared)
+        return;
+    partition_unit_lines(job->partition, m->unit, &first, &last);
+    r->bottom = shared_densities(job->shared, r->frame, last - 1);
+    r->nbottom = r->bottom ? shared_ndensity(job->shared, r->frame) : 0;
+    if (m->channels == 1)
+        r->line = shared_pixels(job->shared, r->frame, last - 1);
+}
+
+static void
+put_rows(struct coord *c, const struct job *job, uint64_t conn,
+         const struct msg_result *m, const struct partition_area *a)
+{
+    struct action *act =
+        actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
+    struct action_rows *r;
+
+    if (!act)
+        return;
+    r = &act->rows;
+    *r = (struct action_rows){ .conn = conn,
+                               .sequence = job->sequence,
+                               .unit = m->unit,
+                               .attempt = m->attempt,
+                               .row = m->row,
+                               .rows = m->rows,
+                               .frame = a->frame,
+                               .x = a->x,
+                               .y = a->y + m->row,
+                               .width = m->width,
+                               .channels = m->channels,
+                               .last = m->last,
+                               .pixels = m->pixels,
+                               .len = m->len,
+                               .now_ms = c->now_ms };
+    memcpy(r->job, job->id, MSG_JOB);
+    if (!m->last)
+        return;
+    r->counts = rad_arena_dup(&c->actions.mem, &job->units[m->unit].counts,
+                              sizeof *r->counts);
+    if (!r->counts)
+        c->actions.failed = true;
+    add_bottom(job, m, r);
+}
+
+/* Rows for nobody: let the worker forget them. */
+static void
+ack(struct coord *c, const struct coord_worker *w, const struct job *job,
+    const struct msg_result *m)
+{
+    desk_send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
+}
+
+/* The attempt came to its end, but not as it should: the unit waits again.  The
+ * worker did nothing wrong if a message of it was lost with a connection; a
+ * unit that fails so again and again fails the job. */
+static void
+spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+    char text[MSG_MAX_TEXT + 1];
+
+    actions_log(&c->actions, ACT_WARN,
+                "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
+                unit, go->attempt, job->workers[go->worker].name);
+    hold_forget_rows(job, unit);
+    u->lead = 0;
+    loss_of(c, job, unit, go);
+    if (++u->faults < JOB_MAX_CRASHES)
+        return;
+    snprintf(text, sizeof text, "unit %u came incomplete %u times", unit,
+             u->faults);
+    verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
+}
+
+/* A twin begins to send rows, while whoever led has been silent for so long
+ * that it may be stopped: the twin leads. */
+static void
+overtake(const struct coord *c, struct job *job, struct job_go *go,
+         const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+
+    if (m->row != 0 || go->rows != GO_MAY_LEAD || u->next_row == 0 ||
+        c->now_ms - u->row_ms <
+            (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS))
+        return;
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].attempt == u->lead) {
+            if (u->go[i].state == GO_DELIVERED)
+                return; /* all its rows are here: the disk is slow */
+            u->go[i].rows = GO_DROPPED;
+        }
+    hold_forget_rows(job, m->unit);
+    u->lead = 0;
+}
+
+/* Rows of an attempt came: decide whether they count.  The first whose first
+ * rows come leads. */
+static void
+elect(struct coord *c, struct job *job, struct job_go *go,
+      const struct msg_result *m)
+{
+    struct job_unit *u = &job->units[m->unit];
+
+    if (u->lead != m->attempt)
+        overtake(c, job, go, m);
+    if (u->lead == 0 && m->row == 0 && go->rows == GO_MAY_LEAD) {
+        u->lead = m->attempt;
+        u->worker = go->worker;
+        u->out_ms = go->out_ms;
+        desk_keep_unit(c, job, m->unit);
+    }
+    if (u->lead != m->attempt && go->rows == GO_MAY_LEAD)
+        go->rows = GO_DROPPED;
+}
+
+/* Do the rows count?  They do not where another attempt leads, and where nobody
+ * waits for them.  Without attempts at the unit they are of one that was lost,
+ * and goes on if nobody else began. */
+static bool
+counts(const struct job *job, uint32_t index, const struct msg_result *m)
+{
+    const struct job_unit *u = &job->units[m->unit];
+
+    return u->state != UNIT_DONE && part_is_here(&job->workers[index]) &&
+           u->lead != 0 && u->lead == m->attempt &&
+           m->row + m->rows > u->stored_rows &&
+           (go_find(job, m->unit, index, m->attempt) ||
+            (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
+}
+
+/* All that the worker had to do is done: while the rows go to the disk it can
+ * do other things, and so can its twins. */
+static void
+delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+{
+    struct job_unit *u = &job->units[unit];
+
+    speed_finished(job, unit, go);
+    hold_step(c, job, unit, go, GO_DELIVERED);
+    for (uint8_t i = u->ngos; i-- > 0;)
+        if (u->go[i].state != GO_DELIVERED) {
+            desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
+            hold_release(c, job, unit, &u->go[i]);
+        }
+}
+
+/* Of an earlier life of the coordinator: what a worker still has of that it
+ * sends before it is ready. */
+static bool
+is_old(const struct job *job, uint32_t index, const struct msg_result *m)
+{
+    return m->attempt < unit_first_attempt(job) ||
+           job->workers[index].state != PART_READY;
+}
+
+/* One whose rows did not count is at its end. */
+static void
+note_end(struct job *job, uint32_t index, const struct msg_result *m)
+{
+    struct job_go *go = go_find(job, m->unit, index, m->attempt);
+
+    if (m->last && go && go->rows == GO_DROPPED &&
+        m->attempt != job->units[m->unit].lead)
+        go->rows = GO_SPENT;
+}
+
+/* Are the rows the unit's last because lines of it were given away, of which we
+ * did not hear since the connection broke then?  One that has twins they have
+ * whole. */
+static bool
+gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
+            const struct partition_area *a)
+{
+    return m->last && m->row + m->rows < a->height &&
+           job->workers[index].state == PART_LOADING &&
+           job->units[m->unit].ngos == 1;
+}
+
+/* Rows as they are kept. */
+static void
+take_result(struct coord *c, struct coord_worker *w, struct job *job,
+            uint32_t index, const struct msg_result *m)
+{
+    struct partition_area a;
+    struct job_unit *u;
+    struct job_go *go;
+
+    if (!job->partition) { /* of an earlier life, that kept nothing of it */
+        ack(c, w, job, m);
+        return;
+    }
+    if (m->unit >= job->nunits) {
+        if (is_old(job, index, m))
+            ack(c, w, job, m);
+        else
+            verdict_break(c, w->conn, "a RESULT of no unit");
+        return;
+    }
+    partition_area(job->partition, m->unit, &a);
+    u = &job->units[m->unit];
+    go = go_find(job, m->unit, index, m->attempt);
+    if (go && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
+        elect(c, job, go, m);
+    if (!counts(job, index, m)) {
+        if (result_fits(job, m, &a))
+            duplicate_check(c, job, index, m);
+        note_end(job, index, m);
+        ack(c, w, job, m);
+        return;
+    }
+    if (!result_fits(job, m, &a)) {
+        verdict_break(c, w->conn, "a RESULT that fits no unit");
+        return;
+    }
+    if (m->row < u->next_row)
+        return; /* on its way to the disk */
+    if (m->row > u->next_row) {
+        if (is_old(job, index, m)) {
+            ack(c, w, job, m); /* what was before it was not kept */
+            return;
+        }
+        verdict_break(c, w->conn, "a RESULT out of turn");
+        return;
+    }
+    if (u->ngos == 0 && !hold_revive(c, job, index, m->unit))
+        return;
+    go = go_find(job, m->unit, index, m->attempt);
+    if (gave_before(job, index, m, &a) &&
+        hold_shrink(c, job, m->unit, go, m->row + m->rows))
+        partition_area(job->partition, m->unit, &a);
+    u = &job->units[m->unit]; /* there may be one more now */
+    if (m->last &&
+        (m->row + m->rows < a.height || !handoff_complete(job, m->unit))) {
+        ack(c, w, job, m);
+        spoilt(c, job, m->unit, go);
+        return;
+    }
+    duplicate_keep(job, index, m, a.height);
+    u->next_row += m->rows;
+    u->row_ms = c->now_ms;
+    if (m->last) {
+        u->counts = m->counts;
+        msg_counts_add(&u->counts, &u->lent);
+        job->frames[a.frame].untold |= w->version < 2;
+        delivered(c, job, m->unit, go);
+    }
+    put_rows(c, job, w->conn, m, &a);
+}
+
+void
+result_rows(struct coord *c, struct coord_worker *w, const struct msg_result *m)
+{
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (m->channels == 3 && job_channels(job) == 1)
+        m = code_rows(c, m);
+    if (m)
+        take_result(c, w, job, index, m);
+}
+
+/* --- rows that are kept --- */
+
+void
+result_frame_done(struct coord *c, struct job *job, uint32_t frame)
+{
+    struct action *a =
+        actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
+
+    job->frames[frame].state = FRAME_WRITING;
+    if (!a)
+        return;
+    a->sequence = job->sequence;
+    a->frame = frame;
+}
+
+/* Nobody works on it any more. */
+static void
+release_all(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+
+    while (u->ngos > 0) {
+        struct job_go *go = &u->go[u->ngos - 1];
+
+        if (go->attempt == u->lead) {
+            job->durations[job->ndurations++ % JOB_DURATIONS] =
+                (uint32_t)(c->now_ms - go->out_ms);
+            speed_finished(job, unit, go);
+        } else {
+            desk_send_attempt(c, job, MSG_REVOKE, unit, go);
+        }
+        hold_release(c, job, unit, go);
+    }
+}
+
+static void
+finish(struct coord *c, struct job *job, uint32_t unit)
+{
+    struct job_unit *u = &job->units[unit];
+    struct partition_area a;
+
+    partition_area(job->partition, unit, &a);
+    actions_log(&c->actions, ACT_DEBUG, "unit done job=%s unit=%u worker=%s",
+                job->hex, unit, job->workers[u->worker].name);
+    if (u->ngos > 0)
+        release_all(c, job, unit);
+    else
+        unit_take(job, unit); /* the worker went just now */
+    unit_done(job, unit, c->now_ms);
+    job_see_work(job);
+    if (job->shared)
+        handoff_done(job, unit);
+    if (job->frames[a.frame].pixels_left > 0)
+        return;
+    if (job->shared)
+        shared_drop_frame(job->shared, a.frame);
+    result_frame_done(c, job, a.frame);
+}
+
+void
+result_stored(struct coord *c, const struct action_rows *key)
+{
+    struct job *job = desk_find_job(c, key->job);
+    struct coord_conn *conn = desk_find_conn(c, key->conn);
+    struct job_unit *u;
+    uint64_t pixels = (uint64_t)key->rows * key->width;
+
+    if (!job || job_over(job) || job->sequence != key->sequence)
+        return;
+    u = &job->units[key->unit];
+    if (conn && conn->worker)
+        desk_send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
+                       key->rows);
+    if (u->state == UNIT_DONE || u->lead != key->attempt ||
+        u->stored_rows != key->row)
+        return;
+    u->stored_rows += key->rows;
+    job->pixels_done += pixels;
+    job->frames[key->frame].rows_pixels += pixels;
+    if (key->last)
+        finish(c, job, key->unit);
+}

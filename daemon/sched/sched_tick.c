@@ -1,0 +1,64 @@
+/* sched_tick.c - what the scheduler does as time passes */
+#include "config.h"
+
+#include "sched/sched.h"
+
+#include "desk/desk.h"
+#include "desk/go.h"
+#include "desk/job.h"
+#include "desk/speed.h"
+#include "lines/handoff.h"
+#include "lines/lending.h"
+#include "links/ring.h"
+#include "sched/balance.h"
+#include "sched/loss.h"
+#include "sched/yield.h"
+#define TICK_MS       100
+#define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
+
+/* A worker that gets nothing more gives up what only waits: its facts are here,
+ * and another will get them. */
+static void
+drain_parked(struct coord *c, struct job *job)
+{
+    for (uint32_t i = job->nout; i-- > 0;) {
+        uint32_t unit = job->out[i];
+
+        for (uint8_t k = job->units[unit].ngos; k-- > 0;) {
+            struct job_go *go = &job->units[unit].go[k];
+
+            if (!go_waits(go) || go->state == GO_YIELDING ||
+                go->handoff.top_sent ||
+                c->now_ms - go->parked_ms < DRAIN_WAIT_MS ||
+                desk_takes_units(job->workers[go->worker].worker))
+                continue;
+            loss_taken(c, job, unit, go);
+            break; /* the others may have moved */
+        }
+    }
+}
+
+void
+sched_tick(struct coord *c)
+{
+    if (c->now_ms - c->tick_ms < TICK_MS)
+        return;
+    c->tick_ms = c->now_ms;
+    balance_look(c);
+    yield_look(c);
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (job_over(job) || !job->partition)
+            continue;
+        speed_measure(c, job);
+        loss_tick(c, job);
+        ring_tick(c, job);
+        if (!job->shared)
+            continue;
+        handoff_tick(c, job);
+        lending_tick(c, job);
+        drain_parked(c, job);
+    }
+    sched_run(c);
+}

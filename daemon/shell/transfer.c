@@ -1,0 +1,199 @@
+/* transfer.c - see transfer.h */
+#include "config.h"
+
+#include "shell/transfer.h"
+
+#include "net/log.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* a connection with more than this waiting gets no new piece */
+#define AHEAD (2 * (size_t)MSG_MAX_CHUNK)
+
+struct transfer {
+    struct transfer *next;
+    struct transfers *all;
+    uint64_t id;
+    struct conn *conn; /* NULL: it is gone */
+    uint32_t request;
+    struct store_reading source;
+    bool reading, ended;
+    uint8_t *buf; /* MSG_MAX_CHUNK bytes, while reading */
+};
+
+struct transfers {
+    struct store *store;
+    struct transfer *list;
+    transfer_done_fn *done;
+    void *arg;
+};
+
+struct transfers *
+transfers_new(struct store *store, transfer_done_fn *done, void *arg)
+{
+    struct transfers *t = calloc(1, sizeof *t);
+
+    if (!t)
+        return NULL;
+    t->store = store;
+    t->done = done;
+    t->arg = arg;
+    return t;
+}
+
+/* Drop those that ended and that the pool does not write into. */
+static void
+sweep(struct transfers *all)
+{
+    struct transfer **at = &all->list;
+
+    while (*at) {
+        struct transfer *t = *at;
+
+        if (t->ended && !t->reading) {
+            *at = t->next;
+            store_reading_release(&t->source);
+            free(t);
+        } else {
+            at = &t->next;
+        }
+    }
+}
+
+void
+transfers_free(struct transfers *t)
+{
+    if (!t)
+        return;
+    for (struct transfer *x = t->list; x; x = x->next)
+        x->ended = true;
+    sweep(t);
+    free(t);
+}
+
+static void
+send_failed(struct transfer *t, int status, const char *text)
+{
+    static const uint8_t no_job[MSG_JOB];
+    struct msg m = { .type = MSG_FAILED, .request = t->request };
+
+    m.failed.job = t->source.from.file ? no_job : t->source.from.job;
+    m.failed.status = (uint16_t)status;
+    m.failed.text = text;
+    conn_send(t->conn, &m);
+}
+
+static void on_read(void *arg, ssize_t n, uint64_t size, int status,
+                    const char *text);
+
+/* Start the next read of the oldest transfer of a connection, if it is due.
+ * False: there is no memory, and the connection ends. */
+static bool
+go_on(struct transfers *all, uint64_t id)
+{
+    struct transfer *t = all->list;
+
+    while (t && (t->id != id || t->ended))
+        t = t->next;
+    if (!t || t->reading || conn_queued(t->conn) > AHEAD ||
+        !conn_expect(t->conn, MSG_MAX_CHUNK))
+        return true;
+    t->buf = malloc(MSG_MAX_CHUNK);
+    if (!t->buf) {
+        t->ended = true;
+        conn_break(t->conn, "out of memory"); /* who waits for it calls again */
+        return false;
+    }
+    t->reading = true;
+    store_read(all->store, &t->source, t->buf, MSG_MAX_CHUNK, on_read, t);
+    return true;
+}
+
+static void
+send_piece(struct transfer *t, size_t n, uint64_t size)
+{
+    static const uint8_t no_hash[MSG_HASH];
+    struct msg m = { .type = MSG_CHUNK, .request = t->request };
+
+    m.chunk.hash = t->source.from.file ? t->source.from.hash : no_hash;
+    m.chunk.offset = t->source.offset - n;
+    m.chunk.total = size;
+    m.chunk.data = t->buf;
+    m.chunk.len = n;
+    t->ended = t->source.offset >= size;
+    conn_send(t->conn, &m);
+}
+
+static void
+on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
+{
+    struct transfer *t = arg;
+    struct transfers *all = t->all;
+    uint64_t id = t->id;
+
+    /* while t->reading is set, a connection that breaks now leaves t alone */
+    if (t->conn)
+        conn_expected(t->conn, MSG_MAX_CHUNK);
+    if (t->ended) {
+        /* the connection went meanwhile */
+    } else if (n < 0) {
+        log_warn("transfer failed peer=%s: %s", conn_peer(t->conn), text);
+        t->ended = true;
+        send_failed(t, status, text);
+    } else {
+        send_piece(t, (size_t)n, size);
+    }
+    t->reading = false;
+    free(t->buf);
+    if (t->ended && t->conn && all->done)
+        all->done(all->arg, id, n < 0 ? NULL : &t->source.from);
+    sweep(all);
+    go_on(all, id);
+}
+
+void
+transfers_start(struct transfers *t, uint64_t id, struct conn *c,
+                uint32_t request, const struct store_source *from)
+{
+    struct transfer *x = calloc(1, sizeof *x), **at = &t->list;
+
+    if (!x) {
+        conn_break(c, "out of memory"); /* who waits for it calls again */
+        return;
+    }
+    x->all = t;
+    x->id = id;
+    x->conn = c;
+    x->request = request;
+    x->source.from = *from;
+    while (*at)
+        at = &(*at)->next;
+    *at = x;
+    go_on(t, id);
+}
+
+void
+transfers_resume(struct transfers *t, uint64_t id)
+{
+    go_on(t, id);
+}
+
+void
+transfers_tick(struct transfers *t)
+{
+    for (struct transfer *x = t->list; x; x = x->next)
+        if (!x->ended && !x->reading && !go_on(t, x->id))
+            return; /* and with its connection it went from the list */
+}
+
+void
+transfers_drop(struct transfers *t, uint64_t id)
+{
+    for (struct transfer *x = t->list; x; x = x->next)
+        if (x->id == id) {
+            x->conn = NULL;
+            x->ended = true;
+        }
+    sweep(t);
+}

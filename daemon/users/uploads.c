@@ -1,0 +1,171 @@
+/* uploads.c - see uploads.h */
+#include "config.h"
+
+#include "users/uploads.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct upload {
+    struct upload *next; /* in its bucket */
+    uint8_t hash[MSG_HASH];
+    uint64_t conn; /* 0: it is whole, and waits */
+    uint64_t since_ms;
+    uint64_t bytes;
+    struct uploads_sum *payer;
+};
+
+/* Hashes are as good as random. */
+static struct upload **
+bucket_of(const struct uploads *u, const uint8_t *hash)
+{
+    unsigned i = (unsigned)(hash[0] << 8 | hash[1]) % UPLOADS_BUCKETS;
+
+    return (struct upload **)&u->bucket[i];
+}
+
+static struct upload **
+find(const struct uploads *u, uint64_t conn, const uint8_t *hash)
+{
+    struct upload **at = bucket_of(u, hash);
+
+    while (*at &&
+           ((*at)->conn != conn || memcmp((*at)->hash, hash, MSG_HASH) != 0))
+        at = &(*at)->next;
+    return at;
+}
+
+static void
+drop(struct uploads *u, struct upload **at)
+{
+    struct upload *f = *at;
+
+    *at = f->next;
+    f->payer->under_way -= f->conn != 0;
+    f->payer->bytes -= f->bytes;
+    u->n--;
+    free(f);
+}
+
+void
+uploads_release(struct uploads *u)
+{
+    for (int i = 0; i < UPLOADS_BUCKETS; i++)
+        while (u->bucket[i])
+            drop(u, &u->bucket[i]);
+}
+
+bool
+uploads_knows(const struct uploads *u, uint64_t conn,
+              const uint8_t hash[MSG_HASH])
+{
+    return *find(u, conn, hash) != NULL;
+}
+
+bool
+uploads_begin(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH],
+              uint64_t total, struct uploads_sum *payer)
+{
+    struct upload *f = calloc(1, sizeof *f), **at = bucket_of(u, hash);
+
+    if (!f)
+        return false;
+    memcpy(f->hash, hash, MSG_HASH);
+    f->conn = conn;
+    f->bytes = total > UPLOADS_LEAST ? total : UPLOADS_LEAST;
+    f->payer = payer;
+    payer->under_way++;
+    payer->bytes += f->bytes;
+    f->next = *at;
+    *at = f;
+    u->n++;
+    return true;
+}
+
+void
+uploads_whole(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH],
+              uint64_t now_ms)
+{
+    struct upload **at = find(u, conn, hash), *f = *at;
+    struct upload **other = find(u, 0, hash);
+
+    if (!f)
+        return;
+    if (*other && (*other)->payer == f->payer) { /* sent twice, and kept once */
+        (*other)->since_ms = now_ms;
+        drop(u, at);
+        return;
+    }
+    f->payer->under_way--;
+    f->conn = 0;
+    f->since_ms = now_ms;
+}
+
+void
+uploads_failed(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH])
+{
+    struct upload **at = find(u, conn, hash);
+
+    if (*at)
+        drop(u, at);
+}
+
+void
+uploads_closed(struct uploads *u, uint64_t conn)
+{
+    for (int i = 0; i < UPLOADS_BUCKETS && u->n > 0; i++)
+        for (struct upload **at = &u->bucket[i]; *at;)
+            if ((*at)->conn == conn)
+                drop(u, at);
+            else
+                at = &(*at)->next;
+}
+
+/* The one that waits for a job of that user, or the end of its bucket. */
+static struct upload **
+find_waiting(const struct uploads *u, const struct uploads_sum *payer,
+             const uint8_t *hash)
+{
+    struct upload **at = bucket_of(u, hash);
+
+    while (*at && ((*at)->conn != 0 || (*at)->payer != payer ||
+                   memcmp((*at)->hash, hash, MSG_HASH) != 0))
+        at = &(*at)->next;
+    return at;
+}
+
+void
+uploads_named(struct uploads *u, const struct uploads_sum *payer,
+              const struct msg_hashes *files)
+{
+    for (uint32_t i = 0; i < files->n && u->n > 0; i++) {
+        struct upload **at =
+            find_waiting(u, payer, files->hash + (size_t)i * MSG_HASH);
+
+        if (*at)
+            drop(u, at);
+    }
+}
+
+void
+uploads_forget(struct uploads *u, uint64_t since_ms)
+{
+    for (int i = 0; i < UPLOADS_BUCKETS && u->n > 0; i++)
+        for (struct upload **at = &u->bucket[i]; *at;)
+            if ((*at)->conn == 0 && (*at)->since_ms <= since_ms)
+                drop(u, at);
+            else
+                at = &(*at)->next;
+}
+
+size_t
+uploads_waiting(const struct uploads *u, uint8_t *hashes)
+{
+    size_t n = 0;
+
+    for (int i = 0; i < UPLOADS_BUCKETS; i++)
+        for (const struct upload *f = u->bucket[i]; f; f = f->next)
+            if (f->conn == 0)
+                memcpy(hashes + n++ * MSG_HASH, f->hash, MSG_HASH);
+    return n;
+}
