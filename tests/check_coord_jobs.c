@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
+#include "desk/progress.h"
 
 #include "queue/coord_keep.h"
 
@@ -719,7 +720,7 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     set_up_coord(true);
     whole_job(job_a);
     job = desk_find_job(f.c, job_a);
-    job_progress(job, f.now_ms, &before);
+    progress_tell(job, f.now_ms, &before);
     coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
     wait_s(&f, 1); /* a worker may tell something yet */
     ck_assert_ptr_nonnull(job->units);
@@ -728,7 +729,7 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     ck_assert_ptr_null(job->units);
     ck_assert_ptr_null(job->partition);
     ck_assert_uint_eq(job->nworkers, 0);
-    job_progress(job, f.now_ms, &after);
+    progress_tell(job, f.now_ms, &after);
     ck_assert_mem_eq(&before, &after, sizeof before);
     ck_assert_uint_eq(after.units_total, 4);
     coord_message(f.c, f.now_ms, ANA, &fetch);

@@ -1,5 +1,5 @@
-/* check_states.c - the states of jobs, their units, attempts at these and
- * workers' parts in a job, and what may follow what */
+/* check_states.c - the states of jobs, their frames, their units, attempts at
+ * these, and workers' parts in a job, and what may follow what */
 #include "config.h"
 
 #include "desk/go.h"
@@ -90,6 +90,27 @@ part_does(int from, int to)
 }
 
 static const char *
+frame_name(int state)
+{
+    return frame_state_name((enum frame_state)state);
+}
+
+static bool
+frame_may(int from, int to)
+{
+    return frame_permits((enum frame_state)from, (enum frame_state)to);
+}
+
+static int
+frame_does(int from, int to)
+{
+    struct job_frame f = { .state = (enum frame_state)from };
+
+    frame_step(&f, (enum frame_state)to);
+    return (int)f.state;
+}
+
+static const char *
 stage_name(int state)
 {
     return job_stage_name((enum job_stage)state);
@@ -131,6 +152,12 @@ static const struct machine machines[] = {
       part_name,
       part_may,
       part_does },
+    { FRAME_STATES,
+      { "open: writing written fetched", "writing: written", "written: fetched",
+        "fetched:" },
+      frame_name,
+      frame_may,
+      frame_does },
     { JOB_STAGES,
       { "arriving: opening open filed", "opening: no-room open kept",
         "no-room: open kept", "open: kept", "kept: filed", "filed:" },

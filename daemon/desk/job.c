@@ -25,7 +25,6 @@
 #include "image/filter.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -217,9 +216,8 @@ drop_costs(struct job *job)
 }
 
 void
-job_lighten(struct job *job, uint64_t now_ms)
+job_lighten(struct job *job)
 {
-    job_progress(job, now_ms, &job->last);
     job_step(job, STAGE_FILED);
     free_work(job);
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
@@ -391,61 +389,6 @@ job_split(struct job *job, bool single, struct rad_error *err)
     return 0;
 }
 
-void
-job_add_costs(struct job *job, const struct msg_line_costs *m)
-{
-    struct job_frame *f;
-    uint32_t n;
-
-    if (!job->shared || m->frame >= job->spec.nframes)
-        return;
-    n = shared_nlines(job->shared, m->frame);
-    if (m->nlines > n || m->line > n - m->nlines)
-        return;
-    f = &job->frames[m->frame];
-    if (!f->line_s)
-        f->line_s = calloc(n, sizeof *f->line_s);
-    f->nlines = n;
-    for (uint32_t i = 0; f->line_s && i < m->nlines; i++)
-        f->line_s[m->line + i] += 1e-9 * (double)m->cpu_ns[i];
-}
-
-bool
-job_frame_written(const struct job_frame *f)
-{
-    return f->state >= FRAME_WRITTEN;
-}
-
-void
-job_count_ready(struct job *job)
-{
-    while (job->frames_ready < job->spec.nframes &&
-           job_frame_written(&job->frames[job->frames_ready]))
-        job->frames_ready++;
-}
-
-static int
-by_number(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-
-    return (x > y) - (x < y);
-}
-
-uint32_t
-job_median_ms(const struct job *job)
-{
-    uint32_t v[JOB_DURATIONS], n = job->ndurations;
-
-    if (n > JOB_DURATIONS)
-        n = JOB_DURATIONS;
-    if (n == 0)
-        return 0;
-    memcpy(v, job->durations, n * sizeof *v);
-    qsort(v, n, sizeof *v, by_number);
-    return v[n / 2];
-}
-
 uint32_t
 job_waiting(const struct job *job)
 {
@@ -460,97 +403,4 @@ job_active(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++)
         n += part_is_here(&job->workers[i]);
     return n;
-}
-
-/* Those that are in no unit. */
-static uint64_t
-rays_aside(const struct msg_tally *t)
-{
-    return t->dropped.rays + t->seeded.rays;
-}
-
-/* The sum a + b, of which b does not bring it above `most`. */
-static uint64_t
-add_up_to(uint64_t a, uint64_t b, uint64_t most)
-{
-    uint64_t room = most > a ? most - a : 0;
-
-    return a + (b < room ? b : room);
-}
-
-void
-job_see_work(struct job *job)
-{
-    uint64_t rays = job->rays, pixels = job->pixels_done;
-    uint64_t most = job->pixels_total > 0 ? job->pixels_total - 1 : 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct job_worker *w = &job->workers[i];
-
-        rays += rays_aside(&w->tally) + rays_aside(&w->past);
-        if (w->state != PART_READY)
-            continue;
-        rays += w->tally.rays_under_way;
-        pixels = add_up_to(pixels, w->tally.pixels_under_way, most);
-    }
-    if (rays > job->rays_seen)
-        job->rays_seen = rays;
-    if (pixels > job->pixels_seen)
-        job->pixels_seen = pixels;
-}
-
-/* Cost of units counts when they are done: until then the pixels that they are
- * past stand for it. */
-static double
-cost_seen(const struct job *job)
-{
-    double share;
-
-    if (job_over(job) || job->pixels_total == 0)
-        return job->cost_done;
-    share = (double)job->pixels_seen / (double)job->pixels_total;
-    return fmax(job->cost_done, share * job->cost_total);
-}
-
-struct rad_error_estimate
-job_error(const struct job *job)
-{
-    const struct msg_doubt *m = &job->doubt;
-    const struct rad_doubt d = { m->pixels, m->variance, m->known, m->all };
-    const struct rad_rough r = { m->rough, m->nrough };
-    struct rad_params params;
-
-    if (jobtext_params(job->spec.params, &params, NULL) != 0)
-        params.psample = 1; /* it was read before */
-    return rad_doubt_error(&d, &r, params.psample);
-}
-
-void
-job_progress(const struct job *job, uint64_t now_ms, struct msg_progress *p)
-{
-    uint64_t until = job_over(job) ? job->end_ms : now_ms;
-
-    if (job->stage == STAGE_FILED) {
-        *p = job->last;
-        p->job = job->id;
-        return;
-    }
-    *p = (struct msg_progress){
-        .job = job->id,
-        .state = job_held(job) ? MSG_STATE_HELD : (uint8_t)job->state,
-        .pixels_done = job->pixels_done,
-        .pixels_total = job->pixels_total,
-        .units_done = job->units_done,
-        .units_total = job->partition ? partition_total(job->partition) : 0,
-        .units_redone = job->units_redone,
-        .cost_done = cost_seen(job),
-        .cost_total = job->cost_total,
-        .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
-        .workers = job_active(job),
-        .frames_ready = job->frames_ready,
-        .elapsed_s = (double)(until - job->submit_ms) / 1000,
-        .nan = job->nan,
-        .error = job_error(job).all,
-    };
-    memcpy(p->faults, job->faults, sizeof p->faults);
 }

@@ -7,8 +7,8 @@
 #ifndef DAEMON_JOB_H
 #define DAEMON_JOB_H
 
-#include "picture/doubt.h"
 #include "base/arena.h"
+#include "desk/frame.h"
 #include "desk/part.h"
 #include "desk/unit.h"
 #include "partition/partition.h"
@@ -51,23 +51,16 @@ enum job_stage {
 
 #define JOB_DURATIONS 63 /* that are remembered */
 
-/* Each follows the one before, and nothing else. */
-enum frame_state {
-    FRAME_OPEN,    /* units of it are not done */
-    FRAME_WRITING, /* all its rows are kept, and its picture is being written */
-    FRAME_WRITTEN,
-    FRAME_FETCHED /* its owner has it */
-};
-
-struct job_frame {
-    uint64_t pixels_left; /* in units that are not done */
-    uint64_t rows_pixels; /* pixels kept so far */
-    double *line_s;       /* what was spent on each line in this life of the
-                           * coordinator: processor time; NULL: nothing known */
-    uint32_t nlines;      /* so many */
-    bool untold;          /* not all of line_s is said: a worker is of version
-                           * 1, or lost a unit that it had spent something on */
-    enum frame_state state;
+/* Changed by speed.c. */
+struct job_speed {
+    uint32_t threads; /* of all workers that are ready */
+    double all;       /* speeds of all workers that are there */
+    double pace;      /* cost done in a ms, for a speed of 1; 0: not known */
+    double finished;  /* cost of units that were finished, or traced ahead; of
+                       * all attempts */
+    double workload;  /* ms of all workers, times their speed */
+    uint32_t took_ms[JOB_DURATIONS]; /* of the last units that were done */
+    uint32_t ntook;                  /* how many there were in all */
 };
 
 struct job {
@@ -118,17 +111,7 @@ struct job {
     uint32_t nworkers, cap_workers;
     uint32_t *index; /* of a worker here, by its number at the coordinator */
     uint32_t nindex;
-    uint32_t threads;   /* of all workers that are ready */
-    uint64_t work_ms;   /* of all workers, when that was last looked at */
-    double speed;       /* of all workers that are there */
-    double pace;        /* cost done in a ms, for a speed of 1; 0: not known */
-    double finished;    /* cost of units that were finished, or traced ahead;
-                         * of all attempts */
-    uint32_t nfinished; /* how many these were */
-    double workload;    /* ms of those workers, times their speed */
-    uint32_t
-        durations[JOB_DURATIONS]; /* of the last units that were done [ms] */
-    uint32_t ndurations;
+    struct job_speed speed;
 
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
@@ -176,9 +159,9 @@ struct job_size job_size(const struct job *job);
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
-/* Of one that is over keep how it ended, and which of its frames there are; the
- * store tells the rest. */
-void job_lighten(struct job *job, uint64_t now_ms);
+/* Of a job that is over keep how it ended (job.last, which is set), and which of
+ * its frames there are; the store tells the rest. */
+void job_lighten(struct job *job);
 
 /* Is it over, one way or the other? */
 bool job_over(const struct job *job);
@@ -205,32 +188,10 @@ int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
 /* Lay out the units; single as in partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
 
-/* Add what was spent on lines, if the job has these.  Without memory the
- * statistics go without. */
-void job_add_costs(struct job *job, const struct msg_line_costs *m);
-
-/* The frame's picture is there, fetched or not. */
-bool job_frame_written(const struct job_frame *f);
-
-/* Frames are delivered in order: count the first ones without a gap. */
-void job_count_ready(struct job *job);
-
-/* The median of the durations [ms]; 0 before any unit was done. */
-uint32_t job_median_ms(const struct job *job);
-
 /* Units that may go out: waiting ones and suspects. */
 uint32_t job_waiting(const struct job *job);
 
 /* Workers that were told of the job and are still there. */
 uint32_t job_active(const struct job *job);
-
-/* Bring rays_seen and pixels_seen up to date. */
-void job_see_work(struct job *job);
-
-/* How far the units that are done may be off. */
-struct rad_error_estimate job_error(const struct job *job);
-
-void job_progress(const struct job *job, uint64_t now_ms,
-                  struct msg_progress *p);
 
 #endif

@@ -5,6 +5,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/duplicate.c \
 	daemon/desk/duplicate.h \
 	daemon/desk/env.h \
+	daemon/desk/frame.c \
+	daemon/desk/frame.h \
 	daemon/desk/go.c \
 	daemon/desk/go.h \
 	daemon/desk/hold.c \
@@ -13,6 +15,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/job.h \
 	daemon/desk/part.c \
 	daemon/desk/part.h \
+	daemon/desk/progress.c \
+	daemon/desk/progress.h \
 	daemon/desk/shared.c \
 	daemon/desk/shared.h \
 	daemon/desk/speed.c \

@@ -17,6 +17,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A worker's rays tell its speed after so much work. */
 #define ENOUGH_MS 500
@@ -55,8 +56,7 @@ speed_finished(struct job *job, uint32_t unit, struct job_go *go)
     if (go->counted)
         return;
     go->counted = true;
-    job->finished += partition_cost(job->partition, unit);
-    job->nfinished++;
+    job->speed.finished += partition_cost(job->partition, unit);
 }
 
 /* Rays of a thread in a ms of work; 0: not known yet. */
@@ -117,8 +117,8 @@ speed_measure(const struct coord *c, struct job *job)
 
     if (!job->partition)
         return;
-    job->speed = job->workload = 0;
-    job->work_ms = job->threads = 0;
+    job->speed.all = job->speed.workload = 0;
+    job->speed.threads = 0;
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
         double v = measured(jw);
@@ -126,16 +126,15 @@ speed_measure(const struct coord *c, struct job *job)
         speed_touch(c, jw);
         jw->speed = jw->threads *
                     (v > 0 ? clamp(v / mean) : clamp(jw->worker->relative));
-        job->workload += (double)jw->work_ms * jw->speed;
-        job->work_ms += jw->work_ms;
+        job->speed.workload += (double)jw->work_ms * jw->speed;
         if (jw->state == PART_READY)
-            job->threads += jw->threads;
+            job->speed.threads += jw->threads;
         if (part_is_here(jw))
-            job->speed += jw->speed;
+            job->speed.all += jw->speed;
     }
-    done = job->finished + under_way(job);
-    if (job->workload > 0 && done > 0)
-        job->pace = done / job->workload;
+    done = job->speed.finished + under_way(job);
+    if (job->speed.workload > 0 && done > 0)
+        job->speed.pace = done / job->speed.workload;
 }
 
 void
@@ -157,7 +156,7 @@ speed_keep(const struct coord *c, struct job *job)
 double
 speed_cost(const struct job *job, uint32_t index, double ms)
 {
-    return job->pace * job->workers[index].speed * ms;
+    return job->speed.pace * job->workers[index].speed * ms;
 }
 
 double
@@ -170,7 +169,7 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
     struct partition_area a;
     double part;
 
-    if (job->pace <= 0) /* nothing is known: by cost alone, and long */
+    if (job->speed.pace <= 0) /* nothing is known: by cost alone, and long */
         return 1e9 * cost / partition_cost_total(job->partition);
     rate = speed_cost(job, go->worker, 1) / (jw->in_flight ? jw->in_flight : 1);
     ms = cost / rate;
@@ -207,4 +206,32 @@ speed_share(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++)
         partition_set_absent(job->partition, i, !desk_may_take_part(job, i));
     free(v);
+}
+
+void
+speed_took(struct job *job, uint64_t ms)
+{
+    job->speed.took_ms[job->speed.ntook++ % JOB_DURATIONS] = (uint32_t)ms;
+}
+
+static int
+by_number(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+
+    return (x > y) - (x < y);
+}
+
+uint32_t
+speed_median_ms(const struct job *job)
+{
+    uint32_t v[JOB_DURATIONS], n = job->speed.ntook;
+
+    if (n > JOB_DURATIONS)
+        n = JOB_DURATIONS;
+    if (n == 0)
+        return 0;
+    memcpy(v, job->speed.took_ms, n * sizeof *v);
+    qsort(v, n, sizeof *v, by_number);
+    return v[n / 2];
 }

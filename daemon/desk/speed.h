@@ -16,6 +16,10 @@ void speed_measure(const struct coord *c, struct job *job);
 void speed_keep(const struct coord *c, struct job *job);
 /* What a worker does of the job in that time. */
 double speed_cost(const struct job *job, uint32_t index, double ms);
+/* A unit was done so long after it went out. */
+void speed_took(struct job *job, uint64_t ms);
+/* The median of the last of these [ms]; 0 before any unit was done. */
+uint32_t speed_median_ms(const struct job *job);
 /* How long a holder will need yet [ms]. */
 double speed_left_ms(const struct coord *c, const struct job *job,
                      uint32_t unit, const struct job_go *go);

@@ -72,7 +72,7 @@ bool unit_grow(struct job *job);
 void unit_take(struct job *job, uint32_t unit);
 /* Nobody has the unit any more: it waits again. */
 void unit_wait(struct job *job, uint32_t unit);
-/* All its rows are kept: count them; job_see_work() is due then. */
+/* All its rows are kept: count them; progress_see() is due then. */
 void unit_done(struct job *job, uint32_t unit, uint64_t end_ms);
 
 #endif

@@ -11,6 +11,7 @@
 
 #include "desk/desk.h"
 #include "desk/job.h"
+#include "desk/progress.h"
 #include "desk/part.h"
 #include "front/request.h"
 #include "lines/handoff.h"
@@ -267,7 +268,7 @@ on_line_costs(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct job *job = desk_job_of(c, conn->worker, m->line_costs.job, &index);
 
     if (job)
-        job_add_costs(job, &m->line_costs);
+        frame_add_costs(job, &m->line_costs);
 }
 
 static void
@@ -687,7 +688,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .open_ms = c->now_ms,
                                .end_ms = job->end_ms,
                                .sent_bytes = job->sent_bytes };
-    job_progress(job, c->now_ms, &out->last);
+    progress_tell(job, c->now_ms, &out->last);
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include "desk/desk.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "queue/coord_keep.h"
 
 #include "base/text.h"
@@ -175,7 +176,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     struct job_size size = job_size(job);
     double done, rows;
 
-    job_progress(job, c->now_ms, &p);
+    progress_tell(job, c->now_ms, &p);
     rad_text_print(name, label + 1, "%s", job->spec.name);
     /* the cost is that of whole units: of a single one rows tell more */
     done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;

@@ -597,7 +597,7 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
         return job->open_ms != 0 ? NULL : "nothing is rendered yet";
-    if (job_frame_written(&job->frames[m->frame]))
+    if (frame_is_written(&job->frames[m->frame]))
         return NULL;
     if (!job_over(job))
         return "the picture is not complete yet";

@@ -14,6 +14,7 @@
 #include "desk/hold.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "desk/shared.h"
@@ -62,7 +63,7 @@ thread_speed(const struct job *job, uint32_t index)
 static double
 line_time(const struct job *job, uint32_t unit, uint32_t index)
 {
-    double speed = job->pace * thread_speed(job, index);
+    double speed = job->speed.pace * thread_speed(job, index);
     uint32_t first, last;
 
     partition_unit_lines(job->partition, unit, &first, &last);
@@ -365,7 +366,7 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     if (!go || go->origin != GO_LOAN) {
         memset(counts.faults, 0, sizeof counts.faults);
         msg_counts_add(&jw->past.dropped, &counts);
-        job_see_work(job);
+        progress_see(job);
         return;
     }
     desk_log_unit(c, job, m->unit, go, "loan paid");
@@ -374,6 +375,6 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
     jw->rays += counts.rays;
     jw->cpu_s += counts.cpu_s;
     job->rays += counts.rays;
-    job_see_work(job);
+    progress_see(job);
     hold_release(c, job, m->unit, go);
 }

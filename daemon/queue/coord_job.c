@@ -22,6 +22,7 @@
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
+#include "desk/progress.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -47,7 +48,7 @@ coord_send_progress(struct coord *c, const struct coord_conn *conn,
 {
     struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
 
-    job_progress(job, c->now_ms, &m.progress);
+    progress_tell(job, c->now_ms, &m.progress);
     actions_send(&c->actions, conn->id, &m);
 }
 
@@ -222,7 +223,8 @@ lighten(struct coord *c, struct job *job)
     if (job->stage != STAGE_KEPT || c->now_ms - job->end_ms < LINGER_MS ||
         telling_of(c, job))
         return;
-    job_lighten(job, c->now_ms);
+    progress_tell(job, c->now_ms, &job->last);
+    job_lighten(job);
     coord_drop_forgotten(c);
 }
 
@@ -427,9 +429,9 @@ coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
     if (!job || frame >= job->spec.nframes ||
         job->frames[frame].state != FRAME_WRITING)
         return false;
-    job->frames[frame].state = FRAME_WRITTEN;
+    frame_step(&job->frames[frame], FRAME_WRITTEN);
     job->unfetched++;
-    job_count_ready(job);
+    frame_count_ready(job);
     if (job->frames_ready == job->spec.nframes)
         coord_job_ends(c, job, JOB_DONE, 0, NULL);
     return true;

@@ -130,12 +130,12 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
     c->now_ms = now_ms;
     if (!to || !job || frame >= job->spec.nframes ||
         strcmp(to->owner, job->owner) != 0 ||
-        !job_frame_written(&job->frames[frame]))
+        !frame_is_written(&job->frames[frame]))
         return;
     job->fetched_ms = now_ms;
     if (job->frames[frame].state == FRAME_FETCHED)
         return;
-    job->frames[frame].state = FRAME_FETCHED;
+    frame_step(&job->frames[frame], FRAME_FETCHED);
     job->unfetched--;
     c->keep_due = true;
     a = c->env.keeps ? actions_add_job(&c->actions, ACT_JOB_FETCHED, 0, id)

@@ -6,6 +6,7 @@
 #include "desk/desk.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/unit.h"
 #include "desk/shared.h"
 #include "queue/coord_conn.h"
@@ -102,7 +103,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     if (s->done) {
         u->counts = s->counts;
         unit_done(job, s->unit, s->end_ms);
-        job_see_work(job);
+        progress_see(job);
     }
     return 0;
 }
@@ -172,7 +173,7 @@ take_frame(struct job *job, uint32_t frame, const struct saved_frame *s)
 {
     if (!s->written)
         return;
-    job->frames[frame].state = s->fetched ? FRAME_FETCHED : FRAME_WRITTEN;
+    frame_step(&job->frames[frame], s->fetched ? FRAME_FETCHED : FRAME_WRITTEN);
     job->unfetched += !s->fetched;
 }
 
@@ -185,12 +186,12 @@ take_frames(const struct recovery *r)
         struct job_frame *f = &job->frames[i];
 
         take_frame(job, i, &r->s->frames[i]);
-        if (job_frame_written(f) && f->pixels_left > 0)
+        if (frame_is_written(f) && f->pixels_left > 0)
             return damaged(r, "frame", job->spec.frames[i].number);
-        if (!job_frame_written(f) && f->pixels_left == 0)
+        if (!frame_is_written(f) && f->pixels_left == 0)
             result_frame_done(r->c, job, i);
     }
-    job_count_ready(job);
+    frame_count_ready(job);
     return 0;
 }
 
@@ -258,7 +259,7 @@ take_filed(const struct recovery *r)
     job->kept_bytes = s->kept_bytes;
     for (uint32_t i = 0; i < job->spec.nframes; i++)
         take_frame(job, i, &s->frames[i]);
-    job_count_ready(job);
+    frame_count_ready(job);
 }
 
 /* The clock may have been set back meanwhile. */

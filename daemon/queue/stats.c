@@ -6,6 +6,7 @@
 #include "desk/job.h"
 #include "desk/part.h"
 
+#include "desk/progress.h"
 #include "machine/jobtext.h"
 #include "machine/wordlist.h"
 
@@ -193,7 +194,7 @@ head(const struct job *job, uint64_t now_ms)
 {
     const struct msg_spec *s = &job->spec;
     const struct partition *p = job->partition;
-    struct rad_error_estimate error = job_error(job);
+    struct rad_error_estimate error = progress_error(job);
     struct job_size size = job_size(job);
     char options[RAD_FILTER_OPTIONS];
     bool said =

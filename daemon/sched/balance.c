@@ -198,7 +198,7 @@ wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
 static uint64_t
 lease_of(const struct coord *c, const struct job *job)
 {
-    uint64_t ms = LATE_MEDIANS * (uint64_t)job_median_ms(job);
+    uint64_t ms = LATE_MEDIANS * (uint64_t)speed_median_ms(job);
 
     return ms > c->lease_ms ? ms : c->lease_ms;
 }

@@ -9,6 +9,7 @@
 #include "desk/hold.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
@@ -364,7 +365,7 @@ result_frame_done(struct coord *c, struct job *job, uint32_t frame)
     struct action *a =
         actions_add_job(&c->actions, ACT_WRITE_PICTURE, 0, job->id);
 
-    job->frames[frame].state = FRAME_WRITING;
+    frame_step(&job->frames[frame], FRAME_WRITING);
     if (!a)
         return;
     a->sequence = job->sequence;
@@ -381,8 +382,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         struct job_go *go = &u->go[u->ngos - 1];
 
         if (go->attempt == u->lead) {
-            job->durations[job->ndurations++ % JOB_DURATIONS] =
-                (uint32_t)(c->now_ms - go->out_ms);
+            speed_took(job, c->now_ms - go->out_ms);
             speed_finished(job, unit, go);
         } else {
             desk_send_attempt(c, job, MSG_REVOKE, unit, go);
@@ -405,7 +405,7 @@ finish(struct coord *c, struct job *job, uint32_t unit)
     else
         unit_take(job, unit); /* the worker went just now */
     unit_done(job, unit, c->now_ms);
-    job_see_work(job);
+    progress_see(job);
     if (job->shared)
         handoff_done(job, unit);
     if (job->frames[a.frame].pixels_left > 0)

@@ -18,6 +18,7 @@
 #include "config.h"
 
 #include "sched/sched.h"
+#include "desk/progress.h"
 
 #include "desk/desk.h"
 #include "desk/hold.h"
@@ -59,7 +60,7 @@ has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 {
     double speed = job->workers[index].speed;
 
-    return speed * job_waiting(job) > 2 * threads * job->speed;
+    return speed * job_waiting(job) > 2 * threads * job->speed.all;
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and
@@ -71,7 +72,7 @@ static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
     uint32_t n = w->threads;
-    bool few = job_waiting(job) <= job->threads;
+    bool few = job_waiting(job) <= job->speed.threads;
 
     if (!partition_is_strict(job->partition))
         return w->in_flight < (few ? n : n + (n + 1) / 2);
@@ -142,8 +143,8 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
                                  .least = speed_cost(job, index, WORTH_MS),
                                  .idle = w->in_flight == 0 };
 
-    if (job->speed > 0)
-        who.share = job->workers[index].speed / job->speed;
+    if (job->speed.all > 0)
+        who.share = job->workers[index].speed / job->speed.all;
     if (!partition_next(job->partition, &who, unit))
         return false;
     if (unit_grow(job))
@@ -490,7 +491,7 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
     note_unpaid(jw, &m->paid);
     jw->tally = *m;
     jw->tally.job = NULL;
-    job_see_work(job);
+    progress_see(job);
 }
 
 /* --- drained workers --- */

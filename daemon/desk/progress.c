@@ -1,0 +1,103 @@
+/* progress.c - see progress.h */
+#include "config.h"
+
+#include "desk/progress.h"
+
+#include "desk/job.h"
+#include "machine/jobtext.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rays of the worker that are in no unit. */
+static uint64_t
+rays_aside(const struct msg_tally *t)
+{
+    return t->dropped.rays + t->seeded.rays;
+}
+
+/* The sum a + b, of which b does not bring it above `most`. */
+static uint64_t
+add_up_to(uint64_t a, uint64_t b, uint64_t most)
+{
+    uint64_t room = most > a ? most - a : 0;
+
+    return a + (b < room ? b : room);
+}
+
+void
+progress_see(struct job *job)
+{
+    uint64_t rays = job->rays, pixels = job->pixels_done;
+    uint64_t most = job->pixels_total > 0 ? job->pixels_total - 1 : 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *w = &job->workers[i];
+
+        rays += rays_aside(&w->tally) + rays_aside(&w->past);
+        if (w->state != PART_READY)
+            continue;
+        rays += w->tally.rays_under_way;
+        pixels = add_up_to(pixels, w->tally.pixels_under_way, most);
+    }
+    if (rays > job->rays_seen)
+        job->rays_seen = rays;
+    if (pixels > job->pixels_seen)
+        job->pixels_seen = pixels;
+}
+
+/* Cost of units counts when they are done: until then the pixels that they are
+ * past stand for it. */
+static double
+cost_seen(const struct job *job)
+{
+    double share;
+
+    if (job_over(job) || job->pixels_total == 0)
+        return job->cost_done;
+    share = (double)job->pixels_seen / (double)job->pixels_total;
+    return fmax(job->cost_done, share * job->cost_total);
+}
+
+struct rad_error_estimate
+progress_error(const struct job *job)
+{
+    const struct msg_doubt *m = &job->doubt;
+    const struct rad_doubt d = { m->pixels, m->variance, m->known, m->all };
+    const struct rad_rough r = { m->rough, m->nrough };
+    struct rad_params params;
+
+    if (jobtext_params(job->spec.params, &params, NULL) != 0)
+        params.psample = 1; /* it was read before */
+    return rad_doubt_error(&d, &r, params.psample);
+}
+
+void
+progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
+{
+    uint64_t until = job_over(job) ? job->end_ms : now_ms;
+
+    if (job->stage == STAGE_FILED) {
+        *p = job->last;
+        p->job = job->id;
+        return;
+    }
+    *p = (struct msg_progress){
+        .job = job->id,
+        .state = job_held(job) ? MSG_STATE_HELD : (uint8_t)job->state,
+        .pixels_done = job->pixels_done,
+        .pixels_total = job->pixels_total,
+        .units_done = job->units_done,
+        .units_total = job->partition ? partition_total(job->partition) : 0,
+        .units_redone = job->units_redone,
+        .cost_done = cost_seen(job),
+        .cost_total = job->cost_total,
+        .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
+        .workers = job_active(job),
+        .frames_ready = job->frames_ready,
+        .elapsed_s = (double)(until - job->submit_ms) / 1000,
+        .nan = job->nan,
+        .error = progress_error(job).all,
+    };
+    memcpy(p->faults, job->faults, sizeof p->faults);
+}
