@@ -1,12 +1,12 @@
-/* folder.c - see folder.h; jobs of earlier lives are folder_take.c's */
+/* folder.c - see folder.h: jobs and their folders
+ *
+ * Their rows are written by folder_rows.c, their pictures by folder_picture.c;
+ * jobs of earlier lives are taken up by folder_take.c. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
 
-#include "folder/filtered.h"
-#include "machine/jobtext.h"
 #include "folder/room.h"
-#include "machine/rowsum.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -18,65 +18,28 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define ROOM_NAME      "room"
-#define FORGET_AT_ONCE 1000                /* files */
-static const char gone_suffix[] = ".gone"; /* of what is being forgotten */
+#define FORGET_AT_ONCE 1000 /* files */
 
 /* --- names --- */
 
-/* DIR/jobs/ID, or DIR/jobs/ID/FRAMEsuffix. */
 void
-folder_job_path(const struct folder *f, const uint8_t *id,
-                char path[DISK_PATH_MAX])
+folder_path(const struct folder *f, const uint8_t *id, const char *suffix,
+            char path[DISK_PATH_MAX])
 {
     char hex[MSG_JOB_HEX];
 
     msg_job_format(id, hex);
-    snprintf(path, DISK_PATH_MAX, "%s/jobs/%s", f->dir, hex);
+    snprintf(path, DISK_PATH_MAX, "%s/jobs/%s%s", f->dir, hex, suffix);
 }
 
 void
 folder_frame_path(const struct folder *f, const uint8_t *id, uint32_t frame,
                   const char *suffix, char path[DISK_PATH_MAX])
 {
-    size_t n;
+    char name[32];
 
-    folder_job_path(f, id, path);
-    n = strlen(path);
-    snprintf(path + n, DISK_PATH_MAX - n, "/%u%s", frame, suffix);
-}
-
-/* Of what is kept for frames that are empty. */
-void
-folder_room_path(const struct folder *f, const uint8_t *id,
-                 char path[DISK_PATH_MAX])
-{
-    folder_job_path(f, id, path);
-    strncat(path, "/" ROOM_NAME, DISK_PATH_MAX - strlen(path) - 1);
-}
-
-void
-folder_stats_path(const struct folder *f, const uint8_t *id,
-                  char path[DISK_PATH_MAX])
-{
-    folder_job_path(f, id, path);
-    strncat(path, "/stats", DISK_PATH_MAX - strlen(path) - 1);
-}
-
-/* DIR/jobs/ID.gone */
-static void
-gone_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
-{
-    folder_job_path(f, id, path);
-    strncat(path, gone_suffix, DISK_PATH_MAX - strlen(path) - 1);
-}
-
-/* DIR/jobs/ID/new */
-static void
-new_path(const struct folder *f, const uint8_t *id, char path[DISK_PATH_MAX])
-{
-    folder_job_path(f, id, path);
-    strncat(path, "/new", DISK_PATH_MAX - strlen(path) - 1);
+    snprintf(name, sizeof name, "/%u%s", frame, suffix);
+    folder_path(f, id, name, path);
 }
 
 const char *
@@ -89,8 +52,8 @@ folder_suffix_of(enum msg_what what)
 
 /* --- jobs --- */
 
-static struct folder_job **
-find(struct folder *f, const uint8_t *id)
+struct folder_job **
+folder_find_job(struct folder *f, const uint8_t *id)
 {
     struct folder_job **at = &f->jobs;
 
@@ -99,8 +62,8 @@ find(struct folder *f, const uint8_t *id)
     return at;
 }
 
-static void
-free_rows(struct frame_rows *r)
+void
+folder_free_rows(struct frame_rows *r)
 {
     if (r->rows)
         rows_release(r->rows);
@@ -114,7 +77,7 @@ folder_free_job(struct folder_job *j)
     if (!j)
         return;
     for (uint32_t i = 0; i < j->nframes; i++) {
-        free_rows(&j->frames[i]);
+        folder_free_rows(&j->frames[i]);
         free(j->frames[i].view);
     }
     free(j->frames);
@@ -127,7 +90,7 @@ folder_free_job(struct folder_job *j)
 static void
 drop_job(struct folder *f, const uint8_t *id)
 {
-    struct folder_job **at = find(f, id), *j = *at;
+    struct folder_job **at = folder_find_job(f, id), *j = *at;
 
     if (!j)
         return;
@@ -203,58 +166,6 @@ folder_frame_bytes(const struct folder_job *j, const struct frame_rows *r)
     return (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
 }
 
-/* Make the file of a frame's rows, in room that was kept for it. */
-static int
-begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
-            struct rad_error *err)
-{
-    struct frame_rows *r = &j->frames[i];
-    uint64_t room = f->durable ? j->room - folder_frame_bytes(j, r) : 0;
-    char path[DISK_PATH_MAX];
-    int rc = 0;
-
-    r->rows = calloc(1, sizeof *r->rows);
-    if (!r->rows)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (f->durable) {
-        folder_room_path(f, j->id, path);
-        rc = room_set(path, room, err);
-    }
-    folder_frame_path(f, j->id, i, ".rows", path);
-    if (rc == 0)
-        rc = rows_create(r->rows, &f->opened, path, r->width, r->height,
-                         j->kind, f->durable, err);
-    if (rc < 0) {
-        free(r->rows);
-        r->rows = NULL;
-        return rc;
-    }
-    j->room = room;
-    j->new_files = true;
-    r->state = FRAME_BEGUN;
-    return 0;
-}
-
-/* A frame whose rows have a file, which is made if need be; or an error. */
-static int
-find_frame(struct folder *f, const uint8_t *id, uint32_t frame,
-           struct folder_job **job, struct frame_rows **rows,
-           struct rad_error *err)
-{
-    struct folder_job *j = *find(f, id);
-    int rc = 0;
-
-    if (!j || frame >= j->nframes || j->frames[frame].state == FRAME_WRITTEN)
-        return rad_fail(err, RAD_ENOINPUT, "no rows of frame %u", frame);
-    if (j->frames[frame].state == FRAME_EMPTY)
-        rc = begin_frame(f, j, frame, err);
-    if (rc < 0)
-        return rc;
-    *job = j;
-    *rows = &j->frames[frame];
-    return 0;
-}
-
 /* Remove so many of its files at most.  Is there more? */
 static bool
 empty_dir(const char *path, unsigned most)
@@ -289,7 +200,7 @@ make_dir(const struct folder *f, const uint8_t *id, const char *path,
 
     if (rc < 0 || !f->durable)
         return rc;
-    new_path(f, id, name);
+    folder_path(f, id, FOLDER_NEW, name);
     fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
     if (fd < 0)
         return disk_fail(err, errno, "create", name);
@@ -307,7 +218,7 @@ check_room(const struct folder *f, struct folder_job *j, struct rad_error *err)
 
     for (uint32_t i = 0; i < j->nframes; i++)
         j->room += folder_frame_bytes(j, &j->frames[i]);
-    folder_room_path(f, j->id, path);
+    folder_path(f, j->id, FOLDER_ROOM, path);
     there = room_size(path);
     return room_check(f->dir, j->room > there ? j->room - there : 0, "its rows",
                       err);
@@ -320,11 +231,11 @@ keep_room(const struct folder *f, const struct folder_job *j,
     char path[DISK_PATH_MAX];
     int rc;
 
-    folder_room_path(f, j->id, path);
+    folder_path(f, j->id, FOLDER_ROOM, path);
     rc = room_set(path, j->room, err);
     if (rc == 0)
         rc = disk_sync_dir_of(path, err);
-    folder_job_path(f, j->id, path);
+    folder_path(f, j->id, "", path);
     return rc == 0 ? disk_sync_dir_of(path, err) : rc;
 }
 
@@ -338,7 +249,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
 
     if (!j)
         return RAD_ENOMEM;
-    folder_job_path(f, spec->job, path);
+    folder_path(f, spec->job, "", path);
     rc = f->durable ? check_room(f, j, err) : 0;
     if (rc == 0)
         rc = make_dir(f, spec->job, path, err);
@@ -360,7 +271,7 @@ is_left_over(const char *name)
     static const char *const suffix[] = { ".rows", ".preview", ".tmp" };
     size_t n = strlen(name);
 
-    if (strcmp(name, ROOM_NAME) == 0)
+    if (strcmp(name, FOLDER_ROOM + 1) == 0)
         return true;
     for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
         size_t m = strlen(suffix[i]);
@@ -379,7 +290,7 @@ folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
     DIR *d;
 
     drop_job(f, id);
-    folder_job_path(f, id, path);
+    folder_path(f, id, "", path);
     d = disk_open_dir(path);
     if (!d)
         return;
@@ -395,8 +306,8 @@ folder_forget(struct folder *f, const uint8_t id[MSG_JOB])
     char path[DISK_PATH_MAX], gone[DISK_PATH_MAX];
 
     drop_job(f, id);
-    folder_job_path(f, id, path);
-    gone_path(f, id, gone);
+    folder_path(f, id, "", path);
+    folder_path(f, id, FOLDER_GONE, gone);
     return (rename(path, gone) == 0 || errno == ENOENT) &&
            empty_dir(gone, FORGET_AT_ONCE);
 }
@@ -406,7 +317,7 @@ folder_forgotten(const struct folder *f, const uint8_t id[MSG_JOB])
 {
     char path[DISK_PATH_MAX];
 
-    gone_path(f, id, path);
+    folder_path(f, id, FOLDER_GONE, path);
     rmdir(path);
 }
 
@@ -423,7 +334,7 @@ folder_is_there(const struct folder *f, const uint8_t id[MSG_JOB])
 {
     char path[DISK_PATH_MAX];
 
-    folder_job_path(f, id, path);
+    folder_path(f, id, "", path);
     return is_dir(path);
 }
 
@@ -432,14 +343,14 @@ folder_is_going(const struct folder *f, const uint8_t id[MSG_JOB])
 {
     char path[DISK_PATH_MAX];
 
-    gone_path(f, id, path);
+    folder_path(f, id, FOLDER_GONE, path);
     return is_dir(path);
 }
 
 bool
 folder_is_open(struct folder *f, const uint8_t id[MSG_JOB])
 {
-    return *find(f, id);
+    return *folder_find_job(f, id);
 }
 
 void
@@ -447,7 +358,7 @@ folder_noted(const struct folder *f, const uint8_t id[MSG_JOB])
 {
     char path[DISK_PATH_MAX];
 
-    new_path(f, id, path);
+    folder_path(f, id, FOLDER_NEW, path);
     unlink(path);
 }
 
@@ -472,10 +383,10 @@ folder_is_new(const struct folder *f, const uint8_t id[MSG_JOB])
     char path[DISK_PATH_MAX];
     struct stat st;
 
-    new_path(f, id, path);
+    folder_path(f, id, FOLDER_NEW, path);
     if (stat(path, &st) == 0)
         return true;
-    folder_job_path(f, id, path);
+    folder_path(f, id, "", path);
     return is_empty(path);
 }
 
@@ -488,7 +399,7 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
     uint64_t n = 0;
     DIR *d;
 
-    folder_job_path(f, id, path);
+    folder_path(f, id, "", path);
     d = disk_open_dir(path);
     if (!d)
         return 0;
@@ -497,277 +408,6 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
             n += (uint64_t)st.st_blocks * 512;
     closedir(d);
     return n;
-}
-
-/* --- rows --- */
-
-static int
-put_coded(struct rows *r, const struct action_rows *k, const void *pixels,
-          size_t n, const float *line, uint64_t *sum, struct rad_error *err)
-{
-    uint32_t last = k->y + k->rows - 1;
-    int rc = rows_write_coded(r, (int)k->x, (int)k->y, (int)k->width,
-                              (int)k->rows, pixels, n, sum, err);
-
-    if (rc == 0 && line)
-        rc = rows_write_line(r, (int)last, line, err);
-    if (rc == 0 && line && sum)
-        *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), last, 1);
-    return rc;
-}
-
-int
-folder_put_rows(struct folder *f, const struct action_rows *k,
-                const void *pixels, size_t n, const float *line, uint64_t *sum,
-                struct rad_error *err)
-{
-    struct frame_rows *r;
-    struct folder_job *j;
-    int rc = find_frame(f, k->job, k->frame, &j, &r, err);
-
-    if (rc < 0)
-        return rc;
-    if (k->channels == 1)
-        return put_coded(r->rows, k, pixels, n, line, sum, err);
-    if (k->channels != (int)r->rows->kind)
-        return rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
-                        k->channels, (int)r->rows->kind);
-    rc = rows_write(r->rows, (int)k->x, (int)k->y, (int)k->width, (int)k->rows,
-                    pixels, err);
-    if (rc == 0 && sum)
-        *sum = rowsum(pixels, n / k->rows, k->y, k->rows);
-    return rc;
-}
-
-int
-folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
-                uint32_t y, uint8_t *pixels, struct rad_error *err)
-{
-    struct frame_rows *r;
-    struct folder_job *j;
-    int rc = find_frame(f, id, frame, &j, &r, err);
-    bool line;
-    float *row;
-    size_t n;
-
-    if (rc < 0)
-        return rc;
-    line = r->rows->kind == ROWS_RGBE;
-    n = line ? ROWS_LINE_BYTES(r->rows->width)
-             : rows_bytes(r->rows, r->rows->width);
-    row = malloc(n);
-    if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = line ? rows_read_line(r->rows, (int)y, row, err)
-              : rows_read(r->rows, (int)y, row, err);
-    if (rc == 0)
-        wire_floats_put(pixels, row, n / sizeof *row);
-    free(row);
-    return rc;
-}
-
-/* Add the sum of a line. */
-static int
-sum_line(struct rows *r, uint32_t y, uint64_t *sum, struct rad_error *err)
-{
-    float *line = malloc(ROWS_LINE_BYTES(r->width));
-    int rc = line ? rows_read_line(r, (int)y, line, err)
-                  : rad_fail(err, RAD_ENOMEM, "out of memory");
-
-    if (rc == 0)
-        *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), y, 1);
-    free(line);
-    return rc;
-}
-
-int
-folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
-           const struct partition_area *a, uint32_t rows, bool line,
-           uint64_t *sum, struct rad_error *err)
-{
-    struct frame_rows *r;
-    struct folder_job *j;
-    int rc = find_frame(f, id, a->frame, &j, &r, err);
-    void *row;
-    size_t n;
-
-    *sum = 0;
-    if (rc < 0)
-        return rc;
-    n = rows_bytes(r->rows, (int)a->width);
-    row = malloc(n);
-    if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (uint32_t i = 0; i < rows && rc == 0; i++) {
-        rc = rows_read_part(r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
-                            row, err);
-        if (rc == 0)
-            *sum ^= rowsum(row, n, a->y + i, 1);
-    }
-    free(row);
-    if (rc == 0 && line && rows > 0 && r->rows->kind == ROWS_RGBE)
-        rc = sum_line(r->rows, a->y + rows - 1, sum, err);
-    return rc;
-}
-
-int
-folder_sync(struct folder *f, struct rad_error *err)
-{
-    char path[DISK_PATH_MAX];
-    int rc = rows_sync(&f->opened, err);
-
-    for (struct folder_job *j = f->jobs; j && rc == 0; j = j->next) {
-        if (!j->new_files)
-            continue;
-        folder_job_path(f, j->id, path);
-        rc = disk_sync_dir(path, err);
-        j->new_files = rc < 0;
-    }
-    return rc;
-}
-
-/* --- pictures --- */
-
-/* How its rows become the picture. */
-static int
-shape_of(const struct folder_job *j, const struct frame_rows *f,
-         struct rad_filter_shape *shape, struct rad_error *err)
-{
-    return filtered_shape(shape, f->width, f->height, j->oversample, j->clamp,
-                          f->view, err);
-}
-
-/* A picture of the rows so far. */
-static int
-write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
-           bool preview, bool durable, struct mark *mark, struct rad_error *err)
-{
-    struct rad_hdr_info info = { .origin = j->origin,
-                                 .software = "radd " PACKAGE_VERSION,
-                                 .program = "radsubmit",
-                                 .options = j->params,
-                                 .view = f->view,
-                                 .frame = f->number,
-                                 .width = f->width,
-                                 .height = f->height };
-    char options[RAD_FILTER_OPTIONS];
-    struct rad_filter_shape shape;
-
-    int rc = jobtext_pixaspect(j->params, f->view, f->width, f->height,
-                               &info.pixaspect, err);
-
-    if (rc < 0)
-        return rc;
-    if (j->oversample == 1)
-        return rows_picture(f->rows, &info, path, durable, mark, err);
-    rc = shape_of(j, f, &shape, err);
-    if (rc == 0)
-        rc = jobtext_options(j->params, j->oversample, j->clamp, options, err);
-    if (rc < 0)
-        return rc;
-    info.options = options;
-    info.width = rad_filter_side(f->width, j->oversample);
-    info.height = rad_filter_side(f->height, j->oversample);
-    info.pixaspect = rad_filter_pixaspect(&shape, info.pixaspect);
-    if (preview)
-        return filtered_preview(f->rows, &shape, &info, path, err);
-    return filtered_picture(f->rows, &shape, &info, path, durable, mark, err);
-}
-
-static int
-write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
-            bool durable, struct mark *mark, struct rad_error *err)
-{
-    struct rad_filter_shape shape;
-    int rc;
-
-    if (j->oversample == 1)
-        return rows_depth(f->rows, path, durable, mark, err);
-    rc = shape_of(j, f, &shape, err);
-    if (rc < 0)
-        return rc;
-    return filtered_depth(f->rows, &shape, path, durable, mark, err);
-}
-
-int
-folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
-               struct saved_frame *marks, struct rad_error *err)
-{
-    struct frame_rows *r;
-    struct folder_job *j;
-    char path[DISK_PATH_MAX];
-    int rc = find_frame(f, id, frame, &j, &r, err);
-
-    if (rc == 0 && j->depth) {
-        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
-        rc = write_depth(j, r, path, f->durable, marks ? &marks->depth : NULL,
-                         err);
-    }
-    if (rc < 0)
-        return rc;
-    folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
-    return write_rgbe(j, r, path, false, f->durable,
-                      marks ? &marks->picture : NULL, err);
-}
-
-void
-folder_drop_rows(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame)
-{
-    struct folder_job *j = *find(f, id);
-    struct frame_rows *r = j && frame < j->nframes ? &j->frames[frame] : NULL;
-
-    if (!r || r->state != FRAME_BEGUN)
-        return;
-    rows_remove(r->rows);
-    free_rows(r);
-    r->state = FRAME_WRITTEN;
-}
-
-int
-folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
-             size_t len, struct mark *mark, struct rad_error *err)
-{
-    char path[DISK_PATH_MAX];
-    struct disk_file w;
-    int rc;
-
-    folder_stats_path(f, id, path);
-    rc = disk_file_open(&w, path, mark, err);
-    if (rc < 0)
-        return rc;
-    rc = disk_file_write(&w, text, len, err);
-    return disk_file_close(&w, rc, f->durable, err);
-}
-
-int
-folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
-            enum msg_what what, bool make, char path[DISK_PATH_MAX],
-            struct rad_error *err)
-{
-    struct rad_error why = { 0 };
-    struct frame_rows *r;
-    struct folder_job *j;
-    int rc;
-
-    if (what == MSG_WHAT_STATS) {
-        folder_stats_path(f, id, path);
-        return 0;
-    }
-    if (what != MSG_WHAT_PREVIEW) {
-        folder_frame_path(f, id, frame, folder_suffix_of(what), path);
-        return 0;
-    }
-    rc = find_frame(f, id, frame, &j, &r, &why);
-    if (rc ==
-        RAD_ENOINPUT) { /* its rows are gone: the picture is the preview */
-        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE),
-                          path);
-        return 0;
-    }
-    if (rc < 0)
-        return rad_fail(err, rc, "%s", why.what);
-    folder_frame_path(f, id, frame, folder_suffix_of(what), path);
-    return make ? write_rgbe(j, r, path, true, false, NULL, err) : 0;
 }
 
 /* --- the whole --- */
@@ -779,7 +419,7 @@ parse_name(const char *name, uint8_t id[MSG_JOB], bool *going)
     char hex[MSG_JOB_HEX];
     size_t n = sizeof hex - 1;
 
-    *going = strlen(name) > n && strcmp(name + n, gone_suffix) == 0;
+    *going = strlen(name) > n && strcmp(name + n, FOLDER_GONE) == 0;
     if (!*going)
         return msg_job_parse(name, id);
     memcpy(hex, name, n);

@@ -53,7 +53,7 @@ each_finished(const struct folder *f, const struct saved_job *s, bool over,
             rc = each_of_frame(f, s, i, fn, arg, err);
     if (rc < 0 || !over)
         return rc;
-    folder_stats_path(f, s->spec.job, path);
+    folder_path(f, s->spec.job, FOLDER_STATS, path);
     return fn(arg, &s->stats, path, err);
 }
 
@@ -112,7 +112,7 @@ look_for_rows(const struct folder *f, const struct saved_job *s,
 
     for (uint32_t i = 0; i < s->nunits; i++)
         to->noted[s->units[i].area.frame] |= s->units[i].stored > 0;
-    folder_job_path(f, s->spec.job, path);
+    folder_path(f, s->spec.job, "", path);
     d = disk_open_dir(path);
     if (!d)
         return errno == ENOENT ? 0 : disk_fail(err, errno, "open", path);
@@ -141,7 +141,7 @@ take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
     folder_frame_path(f, j->id, i, ".rows", path);
     if (rows_open(r->rows, &f->opened, path, r->width, r->height, j->kind,
                   &why) == 0) {
-        r->state = FRAME_BEGUN;
+        r->file = FILE_ROWS;
         return 0;
     }
     free(r->rows);
@@ -163,10 +163,10 @@ take_frames(struct folder *f, struct folder_job *j, const struct saved_job *s,
         struct frame_rows *r = &j->frames[i];
 
         if (s->frames[i].written)
-            r->state = FRAME_WRITTEN;
+            r->file = FILE_PICTURE;
         else if (found->there[i] || found->noted[i])
             rc = take_rows(f, j, i, found->noted[i], err);
-        if (r->state == FRAME_EMPTY)
+        if (r->file == FILE_NONE)
             j->room += folder_frame_bytes(j, r);
     }
     return rc;
@@ -192,7 +192,7 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
     if (rc < 0 || f->looks)
         return rc;
     /* without room for all of it the job is held when it needs more */
-    folder_room_path(f, j->id, path);
+    folder_path(f, j->id, FOLDER_ROOM, path);
     rc = room_set(path, j->room, NULL);
     return rc == RAD_EFULL ? 0 : rc;
 }
@@ -207,7 +207,7 @@ folder_take_up(struct folder *f, const struct saved_job *s, bool over,
 
     if (!j)
         return RAD_ENOMEM;
-    folder_job_path(f, s->spec.job, path);
+    folder_path(f, s->spec.job, "", path);
     if (access(path, R_OK | W_OK | X_OK) < 0)
         rc = mark_missing(path, errno, err);
     if (rc == 0)

@@ -5,10 +5,13 @@ libdaemon_a_SOURCES += \
 	daemon/folder/folder.c \
 	daemon/folder/folder.h \
 	daemon/folder/folder_impl.h \
+	daemon/folder/folder_picture.c \
+	daemon/folder/folder_rows.c \
 	daemon/folder/folder_take.c \
 	daemon/folder/room.c \
 	daemon/folder/room.h \
 	daemon/folder/rowcheck.c \
 	daemon/folder/rowcheck.h \
 	daemon/folder/rows.c \
-	daemon/folder/rows.h
+	daemon/folder/rows.h \
+	daemon/folder/rows_picture.c

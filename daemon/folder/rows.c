@@ -1,4 +1,4 @@
-/* rows.c - see rows.h */
+/* rows.c - see rows.h; what is made of rows is rows_picture.c's */
 #include "config.h"
 
 #include "folder/rows.h"
@@ -14,9 +14,6 @@
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
-
-/* Coded bytes that are copied at a time, but for long rows. */
-#define COPY_BYTES (64u << 10)
 
 /* Bytes of pixels that coded rows are taken apart to at a time, but for long
  * rows: runs may stand for a hundred times what they take. */
@@ -115,8 +112,8 @@ note_open(struct rows *r, int fd, struct rad_error *err)
     return rc;
 }
 
-static int
-use(struct rows *r, struct rad_error *err)
+int
+rows_use(struct rows *r, struct rad_error *err)
 {
     struct rows **v = r->among->file;
     int i = 0, fd;
@@ -220,7 +217,7 @@ rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
     int step = h, rc = check_place(r, x, y, w, h, err);
 
     if (rc == 0)
-        rc = use(r, err);
+        rc = rows_use(r, err);
     r->dirty |= rc == 0;
     if (w < r->width) /* not contiguous in the file */
         step = 1;
@@ -270,7 +267,7 @@ static int
 append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
              struct rad_error *err)
 {
-    int rc = use(r, err);
+    int rc = rows_use(r, err);
 
     if (rc == 0)
         rc = place_rows(r, y, h, code, n, err);
@@ -366,7 +363,7 @@ use_line(struct rows *r, int y, struct rad_error *err)
 {
     if (r->kind != ROWS_RGBE || y < 0 || y >= r->height)
         return rad_fail(err, RAD_EDATA, "there is no line of row %d", y);
-    return use(r, err);
+    return rows_use(r, err);
 }
 
 int
@@ -402,7 +399,7 @@ rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
         return rad_fail(err, RAD_EDATA,
                         "pixels %d,%d %dx1 do not lie in a picture of %dx%d", x,
                         y, w, r->width, r->height);
-    rc = use(r, err);
+    rc = rows_use(r, err);
     if (rc < 0)
         return rc;
     return disk_read_at(r->fd, pixels, rows_bytes(r, w),
@@ -429,7 +426,7 @@ read_coded(struct rows *r, int y, uint8_t *rgbe, uint8_t *code,
         memset(rgbe, 0, 4 * (size_t)r->width);
         return 0;
     }
-    rc = use(r, err);
+    rc = rows_use(r, err);
     if (rc == 0)
         rc = disk_read_at(r->fd, code, p->n, (off_t)p->at, r->path, err);
     if (rc == 0 && rad_hdr_decode_row(code, p->n, r->width, rgbe) != p->n)
@@ -469,155 +466,4 @@ rows_remove(struct rows *r)
 {
     rows_release(r);
     unlink(r->path);
-}
-
-/* What encoding a picture takes to work in. */
-struct encoder {
-    void *pixels; /* a row as in the file */
-    struct rad_rgb *line;
-    uint8_t *code;
-};
-
-static size_t
-encode_row(const struct rows *r, const struct encoder *e)
-{
-    const float *p = e->pixels;
-
-    if (r->kind == ROWS_RGBE)
-        return rad_hdr_encode_rgbe(e->pixels, r->width, e->code);
-    for (int x = 0; x < r->width; x++, p += r->kind)
-        e->line[x] = rad_rgb(p[0], p[1], p[2]);
-    return rad_hdr_encode_row(e->line, r->width, e->code);
-}
-
-static int
-encode_rows(struct rows *r, const struct rad_sink *sink,
-            const struct encoder *e, struct rad_error *err)
-{
-    for (int y = 0; y < r->height; y++) {
-        int rc = rows_read(r, y, e->pixels, err);
-
-        if (rc == 0)
-            rc = sink->write(sink->arg, e->code, encode_row(r, e), err);
-        if (rc < 0)
-            return rc;
-    }
-    return 0;
-}
-
-/* Copy coded rows from row y on that lie one behind the other; what has not
- * come is black.  Returns how many, or a code. */
-static int
-copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
-          const uint8_t *black, size_t nblack, struct rad_error *err)
-{
-    const struct rows_place *p = r->place ? &r->place[y] : NULL;
-    size_t n = p ? p->n : 0;
-    int k = 1, rc;
-
-    if (n == 0) {
-        rc = sink->write(sink->arg, black, nblack, err);
-        return rc < 0 ? rc : 1;
-    }
-    for (; y + k < r->height && p[k].n > 0 && p[k].at == p[0].at + n &&
-           n + p[k].n <= COPY_BYTES;
-         k++)
-        n += p[k].n;
-    rc = use(r, err);
-    if (rc == 0)
-        rc = disk_read_at(r->fd, code, n, (off_t)p->at, r->path, err);
-    if (rc == 0)
-        rc = sink->write(sink->arg, code, n, err);
-    return rc < 0 ? rc : k;
-}
-
-/* line is a black row. */
-static int
-copy_coded(struct rows *r, const struct rad_sink *sink,
-           const struct rad_rgb *line, struct rad_error *err)
-{
-    size_t room = RAD_HDR_ROW_BYTES(r->width), nblack;
-    uint8_t *code = malloc(COPY_BYTES + room), *black = malloc(room);
-    int rc = 0;
-
-    if (!code || !black) {
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    } else {
-        nblack = rad_hdr_encode_row(line, r->width, black);
-        for (int y = 0; y < r->height && rc >= 0; y += rc)
-            rc = copy_rows(r, y, sink, code, black, nblack, err);
-    }
-    free(code);
-    free(black);
-    return rc < 0 ? rc : 0;
-}
-
-int
-rows_close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
-                   struct rad_error *err)
-{
-    rc = disk_file_close(w, rc, false, err);
-    if (rc == 0 && durable)
-        rc = syncs_add(&r->among->closed, w->path, true, err);
-    return rc;
-}
-
-int
-rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
-             bool durable, struct mark *mark, struct rad_error *err)
-{
-    struct disk_file w;
-    struct rad_sink sink = { disk_file_write, &w };
-    struct encoder e = { .pixels = malloc(rows_bytes(r, r->width)),
-                         .line = calloc((size_t)r->width, sizeof *e.line),
-                         .code = malloc(RAD_HDR_ROW_BYTES(r->width)) };
-    int rc;
-
-    if (!e.pixels || !e.line || !e.code)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    else
-        rc = disk_file_open(&w, path, mark, err);
-    if (rc == 0) {
-        rc = rad_hdr_write_header(info, &sink, err);
-        if (rc == 0 && r->kind == ROWS_CODED)
-            rc = copy_coded(r, &sink, e.line, err);
-        else if (rc == 0)
-            rc = encode_rows(r, &sink, &e, err);
-        rc = rows_close_picture(r, &w, rc, durable, err);
-    }
-    free(e.pixels);
-    free(e.line);
-    free(e.code);
-    return rc;
-}
-
-int
-rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
-           struct rad_error *err)
-{
-    struct disk_file w;
-    float *pixels;
-    int rc;
-
-    if (r->kind != ROWS_DISTANCES)
-        return rad_fail(err, RAD_EDATA, "the job has no depth");
-    pixels = malloc(rows_bytes(r, r->width));
-    if (!pixels)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = disk_file_open(&w, path, mark, err);
-    if (rc < 0) {
-        free(pixels);
-        return rc;
-    }
-    for (int y = 0; y < r->height && rc == 0; y++) {
-        rc = rows_read(r, y, pixels, err);
-        for (int x = 0; x < r->width; x++)
-            pixels[x] = pixels[4 * (size_t)x + 3];
-        if (rc == 0)
-            rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
-                                 err);
-    }
-    rc = rows_close_picture(r, &w, rc, durable, err);
-    free(pixels);
-    return rc;
 }

@@ -128,9 +128,12 @@ void rows_release(struct rows *r);
 /* Close, and delete the file. */
 void rows_remove(struct rows *r);
 
+/* Open the file if it was closed to make place for others. */
+int rows_use(struct rows *r, struct rad_error *err);
+
 /* Make the RGBE picture at path, whole: temporary file, rename; durable: it
- * lasts after the next rows_sync().  info's width and height are those of the rows.  mark gets what was
- * written, and may be NULL. */
+ * lasts after the next rows_sync().  info's width and height are those of the
+ * rows.  mark gets what was written, and may be NULL. */
 int rows_picture(struct rows *r, const struct rad_hdr_info *info,
                  const char *path, bool durable, struct mark *mark,
                  struct rad_error *err);

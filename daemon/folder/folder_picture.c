@@ -1,0 +1,138 @@
+/* folder_picture.c - pictures, distances and previews from rows; statistics */
+#include "config.h"
+
+#include "folder/folder_impl.h"
+
+#include "folder/filtered.h"
+#include "machine/jobtext.h"
+
+#include <stdlib.h>
+
+/* How its rows become the picture. */
+static int
+shape_of(const struct folder_job *j, const struct frame_rows *f,
+         struct rad_filter_shape *shape, struct rad_error *err)
+{
+    return filtered_shape(shape, f->width, f->height, j->oversample, j->clamp,
+                          f->view, err);
+}
+
+/* A picture of the rows so far. */
+static int
+write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
+           bool preview, bool durable, struct mark *mark, struct rad_error *err)
+{
+    struct rad_hdr_info info = { .origin = j->origin,
+                                 .software = "radd " PACKAGE_VERSION,
+                                 .program = "radsubmit",
+                                 .options = j->params,
+                                 .view = f->view,
+                                 .frame = f->number,
+                                 .width = f->width,
+                                 .height = f->height };
+    char options[RAD_FILTER_OPTIONS];
+    struct rad_filter_shape shape;
+
+    int rc = jobtext_pixaspect(j->params, f->view, f->width, f->height,
+                               &info.pixaspect, err);
+
+    if (rc < 0)
+        return rc;
+    if (j->oversample == 1)
+        return rows_picture(f->rows, &info, path, durable, mark, err);
+    rc = shape_of(j, f, &shape, err);
+    if (rc == 0)
+        rc = jobtext_options(j->params, j->oversample, j->clamp, options, err);
+    if (rc < 0)
+        return rc;
+    info.options = options;
+    info.width = rad_filter_side(f->width, j->oversample);
+    info.height = rad_filter_side(f->height, j->oversample);
+    info.pixaspect = rad_filter_pixaspect(&shape, info.pixaspect);
+    if (preview)
+        return filtered_preview(f->rows, &shape, &info, path, err);
+    return filtered_picture(f->rows, &shape, &info, path, durable, mark, err);
+}
+
+static int
+write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
+            bool durable, struct mark *mark, struct rad_error *err)
+{
+    struct rad_filter_shape shape;
+    int rc;
+
+    if (j->oversample == 1)
+        return rows_depth(f->rows, path, durable, mark, err);
+    rc = shape_of(j, f, &shape, err);
+    if (rc < 0)
+        return rc;
+    return filtered_depth(f->rows, &shape, path, durable, mark, err);
+}
+
+int
+folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
+               struct saved_frame *marks, struct rad_error *err)
+{
+    struct frame_rows *r;
+    struct folder_job *j;
+    char path[DISK_PATH_MAX];
+    int rc = folder_find_rows(f, id, frame, &j, &r, err);
+
+    if (rc == 0 && j->depth) {
+        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
+        rc = write_depth(j, r, path, f->durable, marks ? &marks->depth : NULL,
+                         err);
+    }
+    if (rc < 0)
+        return rc;
+    folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
+    return write_rgbe(j, r, path, false, f->durable,
+                      marks ? &marks->picture : NULL, err);
+}
+
+int
+folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
+             size_t len, struct mark *mark, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    struct disk_file w;
+    int rc;
+
+    folder_path(f, id, FOLDER_STATS, path);
+    rc = disk_file_open(&w, path, mark, err);
+    if (rc < 0)
+        return rc;
+    rc = disk_file_write(&w, text, len, err);
+    return disk_file_close(&w, rc, f->durable, err);
+}
+
+int
+folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
+            enum msg_what what, bool make, char path[DISK_PATH_MAX],
+            struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    struct frame_rows *r;
+    struct folder_job *j;
+    int rc;
+
+    if (what == MSG_WHAT_STATS) {
+        folder_path(f, id, FOLDER_STATS, path);
+        return 0;
+    }
+    if (what != MSG_WHAT_PREVIEW) {
+        folder_frame_path(f, id, frame, folder_suffix_of(what), path);
+        return 0;
+    }
+    rc = folder_find_rows(f, id, frame, &j, &r, &why);
+    if (rc ==
+        RAD_ENOINPUT) { /* its rows are gone: the picture is the preview */
+        folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE),
+                          path);
+        return 0;
+    }
+    if (rc < 0)
+        return rad_fail(err, rc, "%s", why.what);
+    folder_frame_path(f, id, frame, folder_suffix_of(what), path);
+    return make ? write_rgbe(j, r, path, true, false, NULL, err) : 0;
+}
