@@ -11,6 +11,7 @@
 #include "image/hdr.h"
 
 #include <jansson.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,8 +26,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left,
-        pictures;
+        estimates_left, pictures;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -233,52 +233,62 @@ check_job(struct sim *s, struct sim_job *job)
     }
 }
 
+/* The cluster of the seed that runs. */
+static struct sim cluster;
+
+/* A step of a state that is not permitted, or another of our bugs. */
+static void
+on_abort(int number)
+{
+    (void)number;
+    net_fail(&cluster.net, __FILE__, __LINE__, "assertion failed");
+}
+
 static void
 run(uint64_t seed, bool verbose)
 {
-    static struct sim s; /* large */
-
-    sim_init(&s, seed);
-    s.net.verbose = verbose;
-    sim_run(&s);
+    sim_init(&cluster, seed);
+    cluster.net.verbose = verbose;
+    sim_run(&cluster);
     if (getenv("RADD_SIM_DIGEST"))
         printf("%llu %016llx\n", (unsigned long long)seed,
-               (unsigned long long)s.digest);
-    for (int i = 0; i < s.njobs; i++)
-        check_job(&s, &s.job[i]);
+               (unsigned long long)cluster.digest);
+    for (int i = 0; i < cluster.njobs; i++)
+        check_job(&cluster, &cluster.job[i]);
     if (verbose)
         printf("seed %llu: %d workers, %d jobs, %u deaths, %u cuts, %u "
                "crashes, %llu ms\n",
-               (unsigned long long)seed, s.nworkers, s.njobs, s.deaths, s.cuts,
-               s.crashes, (unsigned long long)s.net.now_ms);
-    sum.coord_deaths += s.coord_deaths;
-    sum.deaths += s.deaths;
-    sum.cuts += s.cuts;
-    sum.peer_cuts += s.peer_cuts;
-    sum.crashes += s.crashes;
-    sum.drains += s.drains;
-    sum.pauses += s.pauses;
-    sum.priorities += s.priorities;
-    sum.rests += s.rests;
-    sum.yields += s.yields;
-    sum.stops += s.stops;
-    sum.repeats += s.net.repeated;
-    sum.parted += s.parted;
-    sum.late += s.late;
-    sum.refused += s.refused;
+               (unsigned long long)seed, cluster.nworkers, cluster.njobs,
+               cluster.deaths, cluster.cuts, cluster.crashes,
+               (unsigned long long)cluster.net.now_ms);
+    sum.coord_deaths += cluster.coord_deaths;
+    sum.deaths += cluster.deaths;
+    sum.cuts += cluster.cuts;
+    sum.peer_cuts += cluster.peer_cuts;
+    sum.crashes += cluster.crashes;
+    sum.drains += cluster.drains;
+    sum.pauses += cluster.pauses;
+    sum.priorities += cluster.priorities;
+    sum.rests += cluster.rests;
+    sum.yields += cluster.yields;
+    sum.stops += cluster.stops;
+    sum.repeats += cluster.net.repeated;
+    sum.parted += cluster.parted;
+    sum.late += cluster.late;
+    sum.refused += cluster.refused;
     for (int t = 0; t < SIM_TYPES; t++)
         for (int b = 0; b < SIM_NBLOW; b++)
-            sum.blows[t][b] += s.blows[t][b];
-    sum.parked += s.parked;
-    sum.gave += s.gave;
-    sum.twins += s.twins;
-    sum.loans += s.loans;
-    sum.blocked += s.blocked;
-    sum.bars += s.bars;
-    sum.aside += s.aside;
-    sum.estimates += s.estimates;
-    sum.estimates_left += s.estimates_left;
-    sim_release(&s);
+            sum.blows[t][b] += cluster.blows[t][b];
+    sum.parked += cluster.parked;
+    sum.gave += cluster.gave;
+    sum.twins += cluster.twins;
+    sum.loans += cluster.loans;
+    sum.blocked += cluster.blocked;
+    sum.bars += cluster.bars;
+    sum.aside += cluster.aside;
+    sum.estimates += cluster.estimates;
+    sum.estimates_left += cluster.estimates_left;
+    sim_release(&cluster);
 }
 
 static unsigned
@@ -307,9 +317,8 @@ was_tried(void)
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.estimates &&
-                 sum.estimates_left &&
-                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
-                 sum.refused;
+                 sum.estimates_left && sum.pauses && sum.priorities &&
+                 sum.rests && sum.yields && sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -348,8 +357,7 @@ tell(uint64_t runs)
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
            sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
-           sum.estimates_left,
-           at_type(MSG_RING), at_type(MSG_SPREAD));
+           sum.estimates_left, at_type(MSG_RING), at_type(MSG_SPREAD));
     printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
            "back; where that was all, %llu rays for nothing, of %llu\n",
            sum.pauses, sum.priorities, sum.rests, sum.yields,
@@ -365,6 +373,7 @@ main(void)
     uint64_t runs = many ? strtoull(many, NULL, 10) : RUNS;
     uint64_t first = from ? strtoull(from, NULL, 10) : 0;
 
+    signal(SIGABRT, on_abort);
     if (one) {
         run(strtoull(one, NULL, 10), true);
         return EXIT_SUCCESS;

@@ -568,6 +568,69 @@ make_job(struct sim *s, int i)
     net_later(net, net_random(net, 2000), new_client)->a = i;
 }
 
+/* The states of workers, jobs, units and attempts; struct net is the first of
+ * struct sim. */
+static void
+describe(const struct net *net)
+{
+    const struct sim *s = (const struct sim *)net;
+
+    for (int i = 0; i < s->nworkers; i++) {
+        const struct worker *w = s->worker[i].machine;
+
+        fprintf(stderr, "ws%d%s%s%s%s%s\n", i, w ? "" : " dead",
+                w && w->welcome ? " welcome" : "", w && w->jobs ? " busy" : "",
+                w && w->draining ? " draining" : "",
+                w && w->stopped ? " stopped" : "");
+    }
+    if (!s->coord) {
+        fprintf(stderr, "the coordinator is dead\n");
+        return;
+    }
+    for (const struct coord_worker *w = s->coord->workers; w; w = w->next)
+        fprintf(stderr,
+                "%s conn %llx: %u in flight, %u parked, %u delivered%s%s%s%s\n",
+                w->name, (unsigned long long)w->conn, w->in_flight, w->parked,
+                w->delivered, w->loading ? " loading " : "",
+                w->loading ? w->loading->hex : "", w->alone ? " alone" : "",
+                w->drained   ? " drained"
+                : w->leaving ? " leaving"
+                             : "");
+    for (size_t i = 0; i < s->coord->njobs; i++) {
+        const struct job *job = s->coord->jobs[i];
+
+        fprintf(
+            stderr, "job %s %s %s partition %d flags %x waiting %u done %u\n",
+            job->hex, job_state_name(job->state), job_stage_name(job->stage),
+            job->spec.partition, job->spec.flags,
+            job->partition ? job_waiting(job) : 0, job->units_done);
+        for (uint32_t k = 0; k < job->nworkers; k++)
+            fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
+                    part_state_name(job->workers[k].state),
+                    job->workers[k].late ? " late" : "");
+        for (uint32_t k = 0; k < job->nunits; k++)
+            if (job->units[k].state < UNIT_OUT)
+                fprintf(stderr, "  unit %u %s\n", k,
+                        unit_state_name(job->units[k].state));
+        for (uint32_t k = 0; k < job->nout; k++) {
+            const struct job_unit *u = &job->units[job->out[k]];
+            struct partition_area a;
+
+            partition_area(job->partition, job->out[k], &a);
+            fprintf(stderr,
+                    "  unit %u frame %u rows %u to %u, %u here:", job->out[k],
+                    a.frame, a.y, a.y + a.height, u->next_row);
+            for (uint8_t g = 0; g < u->ngos; g++)
+                fprintf(stderr, " %s attempt %u %s%s%s",
+                        job->workers[u->go[g].worker].name, u->go[g].attempt,
+                        go_state_name(u->go[g].state),
+                        u->go[g].origin == GO_LOAN ? " loan" : "",
+                        u->go[g].handoff.top_sent ? " top sent" : "");
+            fprintf(stderr, "\n");
+        }
+    }
+}
+
 void
 sim_init(struct sim *s, uint64_t seed)
 {
@@ -575,6 +638,7 @@ sim_init(struct sim *s, uint64_t seed)
 
     memset(s, 0, sizeof *s);
     net_init(net, seed);
+    net->describe = describe;
     net->most_delay_ms = net_random(net, 120);
     /* most clusters are small, in which more happens to each */
     s->nworkers =
@@ -613,61 +677,6 @@ at_rest(const struct sim *s)
     return true;
 }
 
-/* What is still waited for. */
-static void
-describe(const struct sim *s)
-{
-    for (int i = 0; i < s->nworkers; i++) {
-        const struct worker *w = s->worker[i].machine;
-
-        fprintf(stderr, "ws%d%s%s%s%s%s\n", i, w ? "" : " dead",
-                w && w->welcome ? " welcome" : "", w && w->jobs ? " busy" : "",
-                w && w->draining ? " draining" : "",
-                w && w->stopped ? " stopped" : "");
-    }
-    for (const struct coord_worker *w = s->coord->workers; w; w = w->next)
-        fprintf(stderr,
-                "%s conn %llx: %u in flight, %u parked, %u delivered%s%s%s%s\n",
-                w->name, (unsigned long long)w->conn, w->in_flight, w->parked,
-                w->delivered, w->loading ? " loading " : "",
-                w->loading ? w->loading->hex : "", w->alone ? " alone" : "",
-                w->drained   ? " drained"
-                : w->leaving ? " leaving"
-                             : "");
-    for (size_t i = 0; i < s->coord->njobs; i++) {
-        const struct job *job = s->coord->jobs[i];
-
-        fprintf(stderr, "job %s %s %s partition %d flags %x waiting %u\n",
-                job->hex, job_state_name(job->state),
-                job_stage_name(job->stage), job->spec.partition,
-                job->spec.flags, job->partition ? job_waiting(job) : 0);
-        for (uint32_t k = 0; k < job->nworkers; k++)
-            fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
-                    part_state_name(job->workers[k].state),
-                    job->workers[k].late ? " late" : "");
-        for (uint32_t k = 0; k < job->nunits; k++)
-            if (job->units[k].state != UNIT_OUT)
-                fprintf(stderr, "  unit %u %s\n", k,
-                        unit_state_name(job->units[k].state));
-        for (uint32_t k = 0; k < job->nout; k++) {
-            const struct job_unit *u = &job->units[job->out[k]];
-            struct partition_area a;
-
-            partition_area(job->partition, job->out[k], &a);
-            fprintf(stderr,
-                    "  unit %u frame %u rows %u to %u, %u here:", job->out[k],
-                    a.frame, a.y, a.y + a.height, u->next_row);
-            for (uint8_t g = 0; g < u->ngos; g++)
-                fprintf(stderr, " %s attempt %u %s%s%s",
-                        job->workers[u->go[g].worker].name, u->go[g].attempt,
-                        go_state_name(u->go[g].state),
-                        u->go[g].origin == GO_LOAN ? " loan" : "",
-                        u->go[g].handoff.top_sent ? " top sent" : "");
-            fprintf(stderr, "\n");
-        }
-    }
-}
-
 void
 sim_run(struct sim *s)
 {
@@ -675,8 +684,6 @@ sim_run(struct sim *s)
         /* as if one thread at a time did all; a stall shows */
         bool late = (double)s->net.now_ms > TROUBLE_MS + SPARE_MS + s->work_ms;
 
-        if (late)
-            describe(s);
         SIM_CHECK(&s->net, !late);
         SIM_CHECK(&s->net, net_step(&s->net));
     }

@@ -18,6 +18,8 @@ net_fail(const struct net *net, const char *file, int line, const char *what)
             file, line, (unsigned long long)net->seed,
             (unsigned long long)net->now_ms, what,
             (unsigned long long)net->seed);
+    if (net->describe)
+        net->describe(net);
     exit(EXIT_FAILURE);
 }
 

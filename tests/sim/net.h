@@ -58,6 +58,8 @@ struct net {
     /* Called before a message is heard, and after; NULL: nobody cares. */
     void (*hear)(struct net *net, int from, int to, const struct msg *m,
                  bool after);
+    /* Tells on stderr what state all is in, when a seed fails; NULL: nobody. */
+    void (*describe)(const struct net *net);
     unsigned speaks[64]; /* by node: the highest version of the protocol */
     bool repeats;        /* messages that may come twice sometimes do */
     unsigned repeated;
