@@ -11,7 +11,11 @@
  * on a link that lives. */
 #include "config.h"
 
+#include "worker/relay.h"
+
 #include "worker/peer.h"
+#include "worker/state.h"
+#include "worker/wjob.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -264,15 +268,6 @@ relay_repeat(struct worker *w, const struct wjob *job)
 
 /* --- to the child --- */
 
-/* The child knows the frame, and looks closer. */
-bool
-relay_fits(const struct wjob *job, const struct msg_base_line *m)
-{
-    return m->frame < job->nframes && m->channels == job->channels &&
-           m->line + 1 < job->height && m->x + m->n <= job->width &&
-           m->first + m->ndensity <= job->width;
-}
-
 /* --- down --- */
 
 /* TWIN, SPLIT and YIELD, about a unit that the child has. */
@@ -281,7 +276,7 @@ on_attempt(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->twin.job);
 
-    if (job && worker_find_unit(job, m->twin.unit, m->twin.attempt))
+    if (job && wjob_find_unit(job, m->twin.unit, m->twin.attempt))
         worker_send_child(w, job, m);
 }
 
@@ -302,7 +297,7 @@ on_lend(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->lend.job);
 
-    if (job && worker_find_unit(job, m->lend.unit, m->lend.attempt))
+    if (job && wjob_find_unit(job, m->lend.unit, m->lend.attempt))
         worker_send_child(w, job, m);
 }
 
@@ -316,13 +311,13 @@ on_loan(struct worker *w, const struct msg *m)
     w->progress++;
     if (!job || job->state != WJOB_READY || l->frame >= job->nframes ||
         l->channels != job->channels ||
-        worker_find_unit(job, l->unit, l->attempt))
+        wjob_find_unit(job, l->unit, l->attempt))
         return;
     if (!wjob_add_unit(job, l->unit, l->attempt)) {
         w->actions.failed = true;
         return;
     }
-    worker_find_unit(job, l->unit, l->attempt)->loan = true;
+    wjob_find_unit(job, l->unit, l->attempt)->loan = true;
     job->bytes_in += (size_t)l->n * l->channels * 8;
     worker_send_child(w, job, m);
 }
@@ -332,7 +327,7 @@ on_back(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->back.job);
     struct wunit *u =
-        job ? worker_find_unit(job, m->back.unit, m->back.attempt) : NULL;
+        job ? wjob_find_unit(job, m->back.unit, m->back.attempt) : NULL;
 
     if (!u)
         return;
@@ -443,7 +438,7 @@ static void
 child_parked(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_PARKED, .parked = m->parked };
-    struct wunit *u = worker_find_unit(job, m->parked.unit, m->parked.attempt);
+    struct wunit *u = wjob_find_unit(job, m->parked.unit, m->parked.attempt);
 
     if (!u)
         return; /* revoked meanwhile */
@@ -457,7 +452,7 @@ static void
 child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct wunit *u =
-        worker_find_unit(job, m->resumed.unit, m->resumed.attempt);
+        wjob_find_unit(job, m->resumed.unit, m->resumed.attempt);
 
     (void)w;
     if (u)
@@ -471,7 +466,7 @@ static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_PAID, .paid = m->paid };
-    struct wunit *u = worker_find_unit(job, m->paid.unit, m->paid.attempt);
+    struct wunit *u = wjob_find_unit(job, m->paid.unit, m->paid.attempt);
 
     if (u && u->loan)
         wjob_drop_unit(job, u->unit, u->attempt);
@@ -496,7 +491,7 @@ static void
 child_gave(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_GAVE, .gave = m->gave };
-    struct wunit *u = worker_find_unit(job, m->gave.unit, m->gave.attempt);
+    struct wunit *u = wjob_find_unit(job, m->gave.unit, m->gave.attempt);
 
     if (!u)
         return;
@@ -535,7 +530,7 @@ static void
 child_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_LOAN, .loan = m->loan };
-    struct wunit *u = worker_find_unit(job, m->loan.unit, m->loan.attempt);
+    struct wunit *u = wjob_find_unit(job, m->loan.unit, m->loan.attempt);
 
     if (!u)
         return;

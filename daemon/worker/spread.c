@@ -9,6 +9,7 @@
 #include "worker/spread.h"
 
 #include "worker/peer.h"
+#include "worker/state.h"
 
 #include <stdio.h>
 #include <stdlib.h>

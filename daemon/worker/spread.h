@@ -15,7 +15,7 @@
 #ifndef DAEMON_SPREAD_H
 #define DAEMON_SPREAD_H
 
-#include "worker/worker_impl.h"
+#include "worker/state.h"
 
 /* The links that count from now on; before that job->spread is NULL. */
 void spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m);

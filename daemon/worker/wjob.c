@@ -6,7 +6,9 @@
  * the job: those of units that are given up go with them. */
 #include "config.h"
 
-#include "worker/peer.h"
+#include "worker/wjob.h"
+
+#include "worker/state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +29,7 @@ wjob_drop_kept(struct wjob *job, struct wkept **link)
 }
 
 struct wunit *
-worker_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
+wjob_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
     for (size_t i = 0; i < job->nunits; i++)
         if (job->units[i].unit == unit && job->units[i].attempt == attempt)
@@ -38,7 +40,7 @@ worker_find_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
 bool
 wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    return worker_find_unit(job, unit, attempt) != NULL;
+    return wjob_find_unit(job, unit, attempt) != NULL;
 }
 
 void
@@ -120,13 +122,12 @@ wjob_keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
 
 /* --- jobs and their children --- */
 
-static void
-free_job(struct wjob *job)
+void
+wjob_free(struct wjob *job)
 {
     while (job->kept)
         wjob_drop_kept(job, &job->kept);
     lossy_release(&job->to_child);
-    relay_release(job);
     free(job->start);
     free(job->files);
     free(job->units);
@@ -142,23 +143,6 @@ wjob_kill_child(struct worker *w, struct wjob *job)
     job->child = 0;
     lossy_release(&job->to_child);
     lossy_init(&job->to_child);
-}
-
-void
-wjob_end(struct worker *w, struct wjob *job)
-{
-    struct wjob **link = &w->jobs;
-
-    while (*link != job)
-        link = &(*link)->next;
-    *link = job->next;
-    wjob_kill_child(w, job);
-    peer_release_job(w, job);
-    if (job->state == WJOB_FETCHING)
-        files_lapse(w);
-    if (w->env.leave)
-        w->env.leave(w->env.arg, job->id);
-    free_job(job);
 }
 
 /* What of the pictures a worker looks at. */
@@ -196,7 +180,7 @@ wjob_new(struct worker *w, const struct msg *m)
     note_frames(job, spec);
     if (!job->files || msg_pack(out, m) != 0 ||
         !(job->start = malloc(out->len))) {
-        free_job(job);
+        wjob_free(job);
         return NULL;
     }
     memcpy(job->id, spec->job, MSG_JOB);
@@ -243,4 +227,13 @@ wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
     worker_send_coord(w, &m);
     wjob_drop_units(job);
     job->state = WJOB_IDLE;
+}
+
+/* The child knows the frame, and looks closer. */
+bool
+wjob_fits_line(const struct wjob *job, const struct msg_base_line *m)
+{
+    return m->frame < job->nframes && m->channels == job->channels &&
+           m->line + 1 < job->height && m->x + m->n <= job->width &&
+           m->first + m->ndensity <= job->width;
 }

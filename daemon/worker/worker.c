@@ -14,34 +14,21 @@
 
 #include "worker/worker.h"
 
+#include "worker/link.h"
 #include "worker/peer.h"
+#include "worker/relay.h"
+#include "worker/state.h"
+#include "worker/wjob.h"
+#include "worker/worker_files.h"
+#include "worker/worker_says.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <sysexits.h>
 
 #define FIRST_DELAY_MS 500
 #define LAST_DELAY_MS  30000
 #define LONG_TICK_MS   1000 /* longer is no tick: the process was stopped */
 #define STEADY_MS      10000 /* a connection that lasted as long was a good one */
-
-/* --- small things --- */
-
-uint64_t
-worker_new_conn(struct worker *w)
-{
-    return ACT_OWN_CONN | ++w->next_conn;
-}
-
-struct wjob *
-worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB])
-{
-    struct wjob *job = w->jobs;
-
-    while (job && memcmp(job->id, id, MSG_JOB) != 0)
-        job = job->next;
-    return job;
-}
 
 static struct wjob *
 find_child(const struct worker *w, uint64_t conn)
@@ -51,65 +38,6 @@ find_child(const struct worker *w, uint64_t conn)
     while (job && job->child != conn)
         job = job->next;
     return conn ? job : NULL;
-}
-
-void
-worker_send_coord(struct worker *w, const struct msg *m)
-{
-    if (w->welcome)
-        actions_send(&w->actions, w->coord, m);
-}
-
-void
-worker_send_tally(struct worker *w, struct wjob *job)
-{
-    struct msg m = { .type = MSG_TALLY, .tally = job->tally };
-
-    m.tally.job = job->id;
-    m.tally.bytes_in = job->bytes_in;
-    m.tally.bytes_out = job->bytes_out;
-    m.tally.base_line_bytes = job->base_line_bytes;
-    m.tally.base_line_pixels = job->base_line_pixels;
-    m.tally.paid = job->paid;
-    msg_counts_add(&m.tally.dropped, &job->unpaid);
-    worker_send_coord(w, &m);
-}
-
-void
-worker_send_child_bytes(struct worker *w, struct wjob *job,
-                        const uint8_t *bytes, size_t len)
-{
-    lossy_sent(&job->to_child, len);
-    actions_send_bytes(&w->actions, job->child, bytes, len);
-}
-
-void
-worker_send_child(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    struct wire_out *out = &w->actions.scratch;
-
-    out->len = 0;
-    if (msg_pack(out, m) != 0)
-        w->actions.failed = true;
-    else
-        worker_send_child_bytes(w, job, out->buf, out->len);
-}
-
-void
-worker_stop(struct worker *w, int status, const char *text)
-{
-    struct action *a;
-
-    if (w->stopped)
-        return;
-    w->stopped = true;
-    a = actions_add(&w->actions, ACT_STOP, 0);
-    if (!a)
-        return;
-    a->status = status;
-    a->text = rad_arena_strndup(&w->actions.mem, text, strlen(text));
-    if (!a->text)
-        w->actions.failed = true;
 }
 
 /* --- the connection to the coordinator --- */
@@ -159,7 +87,7 @@ lost_coord(struct worker *w, const char *why)
         job->started = false;
     relay_cut(w);
     while (w->away && w->jobs) /* the machine is somebody else's now */
-        wjob_end(w, w->jobs);
+        worker_end_job(w, w->jobs);
     if (w->draining)
         worker_stop(w, 0, "");
 }
@@ -202,8 +130,8 @@ worker_free(struct worker *w)
         return;
     w->env.leave = NULL; /* the files have nobody to leave them to */
     while (w->jobs)
-        wjob_end(w, w->jobs);
-    peer_release_callers(w);
+        worker_end_job(w, w->jobs);
+    link_release_callers(w);
     free(w->asked);
     actions_release(&w->actions);
     free(w);
@@ -230,14 +158,14 @@ worker_opened(struct worker *w, uint64_t now_ms, uint64_t conn)
     if (conn == w->coord)
         say_hello(w);
     else
-        peer_opened(w, conn);
+        link_opened(w, conn);
 }
 
 void
 worker_accepted(struct worker *w, uint64_t now_ms, uint64_t conn)
 {
     w->now_ms = now_ms;
-    peer_accepted(w, conn);
+    link_accepted(w, conn);
 }
 
 void
@@ -247,7 +175,7 @@ worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn, const char *why)
     if (conn == w->coord)
         lost_coord(w, why);
     else
-        peer_closed(w, conn);
+        link_closed(w, conn);
 }
 
 void
@@ -265,7 +193,7 @@ worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
     if (job)
         worker_from_child(w, job, m);
     else
-        peer_message(w, conn, m);
+        link_message(w, conn, m);
 }
 
 void
@@ -285,23 +213,6 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
     wjob_send_lost(w, job, local, text);
 }
 
-bool
-worker_status_is_local(int status)
-{
-    switch (status) {
-    case EX_NOINPUT:
-    case EX_OSERR:
-    case EX_OSFILE:
-    case EX_CANTCREAT:
-    case EX_IOERR:
-    case EX_TEMPFAIL:
-    case EX_NOPERM:
-        return true;
-    default:
-        return false;
-    }
-}
-
 void
 worker_set_limits(struct worker *w, unsigned load_s)
 {
@@ -318,7 +229,7 @@ worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
         lossy_written(&job->to_child, n);
         peer_feed_child(w, job);
     } else {
-        peer_written(w, conn, n);
+        link_written(w, conn, n);
     }
 }
 
@@ -364,7 +275,7 @@ worker_tick(struct worker *w, uint64_t now_ms)
     files_watch_room(w);
     if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
         dial(w);
-    peer_tick(w);
+    link_tick(w);
 }
 
 size_t

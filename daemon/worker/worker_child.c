@@ -5,7 +5,13 @@
  * there; results are kept in any case. */
 #include "config.h"
 
-#include "worker/peer.h"
+#include "worker/worker_says.h"
+
+#include "worker/link.h"
+#include "worker/relay.h"
+#include "worker/state.h"
+#include "worker/wjob.h"
+#include "worker/worker.h"
 
 #include <stdio.h>
 #include <sysexits.h>
@@ -98,7 +104,7 @@ child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
                            .records = { job->id, a->count, a->data, a->len } };
 
     if (job->flags & MSG_JOB_SHARE)
-        peer_spread(w, job, a);
+        link_spread(w, job, a);
     if (job->flags & MSG_JOB_RECORDS && a->to == 0 && job->started)
         worker_send_coord(w, &records);
 }

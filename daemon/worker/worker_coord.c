@@ -4,8 +4,14 @@
  * through (relay.c). */
 #include "config.h"
 
-#include "worker/peer.h"
+#include "worker/worker_says.h"
+
+#include "worker/link.h"
+#include "worker/relay.h"
 #include "worker/spread.h"
+#include "worker/state.h"
+#include "worker/wjob.h"
+#include "worker/worker_files.h"
 
 #include <string.h>
 #include <sysexits.h>
@@ -136,7 +142,7 @@ on_job_start(struct worker *w, const struct msg *m)
     /* rows that are coded, for a coordinator that takes none any more: an
      * earlier version is in its place */
     if (job && job->flags & ~m->job_start.flags & MSG_JOB_CODED) {
-        wjob_end(w, job);
+        worker_end_job(w, job);
         job = NULL;
     }
     if (!job)
@@ -161,7 +167,7 @@ on_job_end(struct worker *w, const struct msg *m)
     if (!job)
         return;
     actions_log(&w->actions, ACT_INFO, "job end job=%s", job->hex);
-    wjob_end(w, job);
+    worker_end_job(w, job);
 }
 
 static void
@@ -212,7 +218,7 @@ on_job_peers(struct worker *w, const struct msg *m)
     struct wjob *job = worker_find_job(w, m->job_peers.job);
 
     if (job)
-        peer_introduce(w, job, &m->job_peers);
+        link_introduce(w, job, &m->job_peers);
 }
 
 static void

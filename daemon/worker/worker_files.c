@@ -14,7 +14,11 @@
  * as all is that was not asked for. */
 #include "config.h"
 
-#include "worker/worker_impl.h"
+#include "worker/worker_files.h"
+
+#include "worker/state.h"
+#include "worker/wjob.h"
+#include "worker/worker.h"
 
 #include <stdlib.h>
 #include <string.h>

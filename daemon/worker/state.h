@@ -1,13 +1,20 @@
-/* worker_impl.h - what the files of a worker's machine share
+/* state.h - what a worker's machine knows, and how it speaks
  *
- * Private to worker*.c, and to peer.c, relay.c (peer.h) and spread.c:
  *   worker.c        events, and the connection to the coordinator
- *   wjob.c    jobs, their units, results and children
- *   worker_files.c  files that jobs need
  *   worker_coord.c  messages of the coordinator
- *   worker_child.c  messages of a child */
-#ifndef DAEMON_WORKER_IMPL_H
-#define DAEMON_WORKER_IMPL_H
+ *   worker_child.c  messages of a child
+ *   worker_end.c    a job is over
+ *   link.c          events of links to other workers
+ *   spread.c        which records go over which links
+ *   relay.c         what workers share, on its way up and down
+ *   peer.c          links to other workers: what is sent there
+ *   worker_files.c  files that jobs need
+ *   wjob.c          jobs: their units, results and children
+ *   worker_post.c   what is said to the coordinator and to children
+ * A file calls files below it alone.
+ * Thread: one. */
+#ifndef DAEMON_STATE_H
+#define DAEMON_STATE_H
 
 #include "ground/lossy.h"
 #include "worker/worker.h"
@@ -135,7 +142,7 @@ struct worker {
     uint32_t nasked, cap_asked;
 };
 
-/* --- worker.c --- */
+/* --- worker_post.c --- */
 
 uint64_t worker_new_conn(struct worker *w);
 struct wjob *worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB]);
@@ -149,58 +156,5 @@ void worker_send_child_bytes(struct worker *w, struct wjob *job,
 void worker_send_tally(struct worker *w, struct wjob *job);
 /* The daemon is to end, with a status of sysexits.h. */
 void worker_stop(struct worker *w, int status, const char *text);
-
-/* --- wjob.c --- */
-
-/* A job that starts here; NULL: memory is out. */
-struct wjob *wjob_new(struct worker *w, const struct msg *m);
-/* It is over: its child goes, and all that is known of it. */
-void wjob_end(struct worker *w, struct wjob *job);
-void wjob_spawn(struct worker *w, struct wjob *job);
-void wjob_kill_child(struct worker *w, struct wjob *job);
-/* Tell the coordinator that the job has no child here any more.  Units on which
- * nobody worked are not under suspicion, and none is if the reason lies here.
- */
-void wjob_send_lost(struct worker *w, struct wjob *job, bool local,
-                    const char *text);
-/* A unit that the child has; NULL: it does not. */
-struct wunit *worker_find_unit(const struct wjob *job, uint32_t unit,
-                               uint32_t attempt);
-bool wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt);
-/* False: memory is out. */
-bool wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
-void wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
-/* Units that are not finished will not be: forget them and their rows. */
-void wjob_drop_units(struct wjob *job);
-/* Its child is at that unit no more, and hears of it. */
-void wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
-                      uint32_t attempt);
-/* Keep the frame of a RESULT until it is acknowledged; false: memory is out. */
-bool wjob_keep(struct wjob *job, const struct msg_result *r,
-               const uint8_t *bytes, size_t len);
-void wjob_drop_kept(struct wjob *job, struct wkept **link);
-
-/* --- worker_files.c --- */
-
-/* Fetch what is missing, then start the child.  Which files are here may take a
- * while to tell. */
-void files_look(struct worker *w, struct wjob *job);
-bool files_need(const struct wjob *job, const uint8_t *hash);
-/* Look again for room, where it is time. */
-void files_watch_room(struct worker *w);
-/* Is a piece of a file one that is to be kept? */
-bool worker_take_chunk(struct worker *w, const struct msg_chunk *chunk);
-/* A job that fetched is over: what was asked for may never come. */
-void files_lapse(struct worker *w);
-
-/* --- worker_coord.c --- */
-
-void worker_from_coord(struct worker *w, const struct msg *m);
-
-/* --- worker_child.c --- */
-
-void worker_from_child(struct worker *w, struct wjob *job, const struct msg *m);
-/* Lose children that hang, loading or with units in hand. */
-void worker_watch_children(struct worker *w);
 
 #endif

@@ -1,0 +1,341 @@
+/* link.c - see link.h */
+#include "config.h"
+
+#include "worker/link.h"
+
+#include "worker/peer.h"
+#include "worker/relay.h"
+#include "worker/spread.h"
+#include "worker/state.h"
+#include "worker/wjob.h"
+#include "worker/worker.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CALLER_MS    10000 /* for a PEER-HELLO, and for the coordinator's word */
+#define RETRY_MS     100   /* twice as long each time */
+#define MOST_TRIES   6
+#define MOST_CALLERS 64
+
+static struct wpeer *
+find_peer(const struct worker *w, uint64_t conn, struct wjob **job)
+{
+    for (*job = w->jobs; *job; *job = (*job)->next)
+        for (struct wpeer *p = (*job)->peers; p; p = p->next)
+            if (p->conn == conn && conn != 0)
+                return p;
+    return NULL;
+}
+
+static struct wcaller *
+find_caller(const struct worker *w, uint64_t conn)
+{
+    struct wcaller *k = w->callers;
+
+    while (k && k->conn != conn)
+        k = k->next;
+    return k;
+}
+
+static void
+drop_caller(struct worker *w, struct wcaller *caller)
+{
+    struct wcaller **link = &w->callers;
+
+    while (*link != caller)
+        link = &(*link)->next;
+    *link = caller->next;
+    free(caller);
+}
+
+static void
+linked(struct worker *w, struct wjob *job, struct wpeer *p)
+{
+    struct msg give = { .type = MSG_GIVE, .give = { p->id } };
+
+    p->state = PEER_LINKED;
+    actions_session(&w->actions, p->conn, MSG_AT_PEER, p->version);
+    actions_log(&w->actions, ACT_DEBUG, "peer linked job=%s peer=%s", job->hex,
+                p->name);
+    if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
+        worker_send_child(w, job, &give);
+    peer_pump(w, p->conn, &p->queue); /* what was early */
+    relay_linked(w, job, p->name);
+    spread_linked(job, p->name, true);
+}
+
+/* Both tokens compare in the same time, whatever they are. */
+static bool
+same_token(const uint8_t *a, const uint8_t *b)
+{
+    uint8_t differ = 0;
+
+    for (int i = 0; i < MSG_TOKEN; i++)
+        differ |= a[i] ^ b[i];
+    return differ == 0;
+}
+
+/* A caller that said hello belongs to a peer that is expected: link them. */
+static bool
+match(struct worker *w, struct wcaller *caller)
+{
+    struct wjob *job = worker_find_job(w, caller->job);
+    struct wpeer *p = job ? job->peers : NULL;
+
+    for (; p; p = p->next)
+        if (p->state == PEER_EXPECTED && strcmp(p->name, caller->name) == 0 &&
+            same_token(p->token, caller->token))
+            break;
+    if (!p)
+        return false;
+    p->conn = caller->conn;
+    drop_caller(w, caller);
+    linked(w, job, p);
+    return true;
+}
+
+bool
+worker_peer_token(const struct worker *w, worker_token_fn *fits, void *arg)
+{
+    for (const struct wjob *job = w->jobs; job; job = job->next)
+        for (const struct wpeer *p = job->peers; p; p = p->next)
+            if (p->state == PEER_EXPECTED && fits(arg, job->id, p->token))
+                return true;
+    return false;
+}
+
+static void
+match_callers(struct worker *w)
+{
+    for (struct wcaller *k = w->callers, *next; k; k = next) {
+        next = k->next;
+        if (k->said)
+            match(w, k);
+    }
+}
+
+void
+link_introduce(struct worker *w, struct wjob *job,
+               const struct msg_job_peers *m)
+{
+    for (uint32_t i = 0; i < m->npeers; i++) {
+        const struct msg_peer *in = &m->peers[i];
+        struct wpeer *p = peer_named(job, in->name);
+
+        if (p) /* it is new again, or no longer welcome */
+            peer_free(w, job, p);
+        if (in->flags & MSG_PEER_DROP)
+            continue;
+        p = calloc(1, sizeof *p);
+        if (!p) {
+            w->actions.failed = true;
+            return;
+        }
+        p->id = ++w->next_peer;
+        p->flags = in->flags;
+        p->version = in->version;
+        snprintf(p->name, sizeof p->name, "%s", in->name);
+        snprintf(p->address, sizeof p->address, "%s", in->address);
+        memcpy(p->token, in->token, MSG_TOKEN);
+        lossy_init(&p->queue);
+        p->since_ms = w->now_ms;
+        p->next = job->peers;
+        job->peers = p;
+        spread_linked(job, p->name, false);
+        if (p->flags & MSG_PEER_DIAL)
+            peer_dial(w, job, p);
+    }
+    match_callers(w);
+}
+
+void
+link_accepted(struct worker *w, uint64_t conn)
+{
+    struct wcaller *k;
+    unsigned n = 0;
+
+    for (k = w->callers; k; k = k->next)
+        n++;
+    k = n < MOST_CALLERS ? calloc(1, sizeof *k) : NULL;
+    if (!k) {
+        peer_close_conn(w, conn);
+        return;
+    }
+    k->conn = conn;
+    k->since_ms = w->now_ms;
+    k->next = w->callers;
+    w->callers = k;
+}
+
+bool
+link_opened(struct worker *w, uint64_t conn)
+{
+    struct wjob *job;
+    struct wpeer *p = find_peer(w, conn, &job);
+    struct msg m = { .type = MSG_PEER_HELLO };
+
+    if (!p)
+        return false;
+    m.peer_hello = (struct msg_peer_hello){ job->id, w->env.name, p->token };
+    actions_send(&w->actions, conn, &m);
+    linked(w, job, p);
+    return true;
+}
+
+bool
+link_closed(struct worker *w, uint64_t conn)
+{
+    struct wjob *job;
+    struct wpeer *p = find_peer(w, conn, &job);
+    struct wcaller *k = find_caller(w, conn);
+
+    if (k)
+        drop_caller(w, k);
+    if (!p)
+        return k != NULL;
+    p->conn = 0;
+    if (p->state == PEER_DIALLING && p->tries < MOST_TRIES)
+        p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
+    else /* it was there and went: the coordinator says when it is back */
+        peer_free(w, job, p);
+    return true;
+}
+
+static void
+caller_hello(struct worker *w, struct wcaller *k,
+             const struct msg_peer_hello *m)
+{
+    if (k->said) {
+        peer_close_conn(w, k->conn);
+        drop_caller(w, k);
+        return;
+    }
+    k->said = true;
+    memcpy(k->job, m->job, MSG_JOB);
+    memcpy(k->token, m->token, MSG_TOKEN);
+    snprintf(k->name, sizeof k->name, "%s", m->name);
+    /* until it is matched, what it sends is read and dropped */
+    actions_session(&w->actions, k->conn, MSG_AT_PEER, MSG_VERSION);
+    match(w, k);
+}
+
+static size_t
+line_bytes(const struct msg_base_line *m)
+{
+    return (size_t)m->n * m->channels * 4 + m->ndensity;
+}
+
+/* A base line from a peer, for the child; false: it can be none. */
+static bool
+receive_line(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_BASE_LINE, .base_line = m->base_line };
+
+    if (!wjob_fits_line(job, &m->base_line))
+        return false;
+    job->bytes_in += line_bytes(&m->base_line);
+    if (job->child == 0 || job->state != WJOB_READY)
+        return true;
+    pass.base_line.job = job->id;
+    worker_send_child(w, job, &pass);
+    return true;
+}
+
+bool
+link_message(struct worker *w, uint64_t conn, const struct msg *m)
+{
+    struct wjob *job;
+    struct wpeer *p = find_peer(w, conn, &job);
+    struct wcaller *k = p ? NULL : find_caller(w, conn);
+
+    if (p && m->type == MSG_AMBIENT) {
+        peer_receive(w, job, &m->ambient);
+        if (job->spread)
+            spread_heard(w, job, p, &m->ambient);
+    } else if (p && m->type == MSG_SPREAD) {
+        spread_take(w, job, &m->spread);
+    } else if (p && m->type == MSG_BASE_LINE) {
+        if (!receive_line(w, job, m)) {
+            actions_log(&w->actions, ACT_WARN,
+                        "peer closed job=%s peer=%s why=a BASE_LINE that fits "
+                        "no line",
+                        job->hex, p->name);
+            peer_free(w, job, p);
+        }
+        return true;
+    } else if (k && m->type == MSG_PEER_HELLO) {
+        caller_hello(w, k, &m->peer_hello);
+    }
+    return p || k;
+}
+
+bool
+link_written(struct worker *w, uint64_t conn, size_t n)
+{
+    struct wjob *job;
+    struct wpeer *p = find_peer(w, conn, &job);
+
+    if (!p)
+        return false;
+    lossy_written(&p->queue, n);
+    peer_pump(w, conn, &p->queue);
+    return true;
+}
+
+void
+link_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+    struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
+    uint8_t *kept = NULL;
+
+    if (m->to == 0 && !spread_note_own(w, job)) {
+        spread_own(w, job, m);
+        return;
+    }
+    pass.ambient.to = 0;
+    out->len = 0;
+    if (!job->peers || msg_pack(out, &pass) != 0)
+        return;
+    for (struct wpeer *p = job->peers; p; p = p->next) {
+        if (p->state != PEER_LINKED || (m->to != 0 && m->to != p->id))
+            continue;
+        job->bytes_out += out->len;
+        peer_pass_on(w, p->conn, &p->queue, &kept);
+    }
+}
+
+void
+link_tick(struct worker *w)
+{
+    for (struct wjob *job = w->jobs; job; job = job->next) {
+        for (struct wpeer *p = job->peers; p; p = p->next)
+            if (p->retry_ms != 0 && w->now_ms >= p->retry_ms)
+                peer_dial(w, job, p);
+        spread_tick(w, job);
+    }
+    for (struct wcaller *k = w->callers, *next; k; k = next) {
+        next = k->next;
+        if (w->now_ms - k->since_ms < CALLER_MS)
+            continue;
+        peer_close_conn(w, k->conn);
+        drop_caller(w, k);
+    }
+}
+
+void
+link_release_job(struct worker *w, struct wjob *job)
+{
+    while (job->peers)
+        peer_free(w, job, job->peers);
+    spread_release(job);
+}
+
+void
+link_release_callers(struct worker *w)
+{
+    while (w->callers)
+        drop_caller(w, w->callers);
+}

@@ -1,0 +1,27 @@
+/* worker_end.c - a job is over at a worker */
+#include "config.h"
+
+#include "worker/worker_says.h"
+
+#include "worker/link.h"
+#include "worker/relay.h"
+#include "worker/wjob.h"
+#include "worker/worker_files.h"
+
+void
+worker_end_job(struct worker *w, struct wjob *job)
+{
+    struct wjob **link = &w->jobs;
+
+    while (*link != job)
+        link = &(*link)->next;
+    *link = job->next;
+    wjob_kill_child(w, job);
+    link_release_job(w, job);
+    relay_release(job);
+    if (job->state == WJOB_FETCHING)
+        files_lapse(w);
+    if (w->env.leave)
+        w->env.leave(w->env.arg, job->id);
+    wjob_free(job);
+}

@@ -1,0 +1,16 @@
+/* worker_says.h - what a worker does when others speak, and when a job ends
+ *
+ * Thread: one. */
+#ifndef DAEMON_WORKER_SAYS_H
+#define DAEMON_WORKER_SAYS_H
+
+#include "worker/state.h"
+
+void worker_from_coord(struct worker *w, const struct msg *m);
+void worker_from_child(struct worker *w, struct wjob *job, const struct msg *m);
+/* Lose children that hang, loading or with units in hand. */
+void worker_watch_children(struct worker *w);
+/* It is over: its child goes, and all that is known of it. */
+void worker_end_job(struct worker *w, struct wjob *job);
+
+#endif
