@@ -20,7 +20,7 @@ include client/trial/local.mk
 include client/ctl/local.mk
 
 # what a client links with, before LIBRAD
-LIBCLIENT = libclient.a $(LIBPROTO) $(JANSSON_LIBS) $(UV_LIBS)
+LIBCLIENT = libclient.a $(LIBNET) $(JANSSON_LIBS)
 
 bin_PROGRAMS += radscene
 radscene_SOURCES = client/radscene.c

@@ -28,7 +28,7 @@ include daemon/team/local.mk
 include daemon/strict/local.mk
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
-LIBDAEMON = libdaemon.a $(LIBPROTO) $(UV_LIBS) $(SECCOMP_LIBS) $(JANSSON_LIBS) \
+LIBDAEMON = libdaemon.a $(LIBNET) $(SECCOMP_LIBS) $(JANSSON_LIBS) \
 	$(SQLITE_LIBS)
 
 sbin_PROGRAMS += radcoord radd

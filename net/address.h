@@ -4,8 +4,8 @@
  * as HOST is all addresses of this machine, where one listens.
  * An IPv4 address that comes in the clothes of IPv6 is shown as it is.
  * Thread: any; address_resolve() may wait for the resolver. */
-#ifndef RADD_DAEMON_ADDRESS_H
-#define RADD_DAEMON_ADDRESS_H
+#ifndef RADD_NET_ADDRESS_H
+#define RADD_NET_ADDRESS_H
 
 #include "base/error.h"
 

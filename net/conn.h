@@ -22,8 +22,8 @@
  * time after conn_close() or the closed() call; from either on the owner may
  * not use it any more.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_CONN_H
-#define RADD_DAEMON_CONN_H
+#ifndef RADD_NET_CONN_H
+#define RADD_NET_CONN_H
 
 #include "net/address.h"
 #include "net/fair.h"

@@ -7,7 +7,6 @@
 #include "config.h"
 
 #include "net/dial.h"
-#include "net/log.h"
 
 #include "net/conn.h"
 #include "net/handshake.h"
@@ -249,14 +248,14 @@ try_address(struct dialling *g)
     uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
 }
 
-void
+bool
 dial(struct dialler *d, const char *text, uint64_t id,
      const struct dial_key *key)
 {
     struct dialling *g = calloc(1, sizeof *g);
 
     if (!g)
-        log_out_of_memory(); /* whoever asked would wait for ever */
+        return false;
     if (strncmp(text, "tcp ", 4) == 0)
         text += 4;
     else if (strncmp(text, "unix ", 5) == 0)
@@ -272,4 +271,5 @@ dial(struct dialler *d, const char *text, uint64_t id,
     uv_timer_init(d->loop, &g->timer);
     g->timer.data = g->lookup.data = g;
     try_address(g);
+    return true;
 }

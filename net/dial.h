@@ -3,12 +3,13 @@
  * A Unix socket is there as soon as it is connected; over TCP a key is proven
  * first (handshake.h).  Each of the two may take HANDSHAKE_MS.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_DIAL_H
-#define RADD_DAEMON_DIAL_H
+#ifndef RADD_NET_DIAL_H
+#define RADD_NET_DIAL_H
 
 #include "net/address.h"
 #include "net/tls.h"
 
+#include <stdbool.h>
 #include <uv.h>
 
 /* Called once: with an open stream and, over TCP, its session, which the
@@ -33,8 +34,9 @@ void dialler_close(struct dialler *d);
 void dialler_free(struct dialler *d);
 
 /* Dial `text`, an address of address.h, which may have "tcp " or "unix "
- * before it.  key, copied, may be NULL: then only a Unix socket is dialled. */
-void dial(struct dialler *d, const char *text, uint64_t id,
+ * before it.  key, copied, may be NULL: then only a Unix socket is dialled.
+ * False when memory is out: fn is not called then. */
+bool dial(struct dialler *d, const char *text, uint64_t id,
           const struct dial_key *key);
 
 #endif

@@ -10,8 +10,8 @@
  * Above a limit none of its requests is looked at until most of that is read.
  * Lifetime: a user lives as long as its connections.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_FAIR_H
-#define RADD_DAEMON_FAIR_H
+#ifndef RADD_NET_FAIR_H
+#define RADD_NET_FAIR_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -7,8 +7,8 @@
  * Each one that does not get in is a line in the log with its address and the
  * reason, as far as the limit on such lines allows.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_GATE_H
-#define RADD_DAEMON_GATE_H
+#ifndef RADD_NET_GATE_H
+#define RADD_NET_GATE_H
 
 #include "net/address.h"
 #include "net/handshake.h"

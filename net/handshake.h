@@ -4,8 +4,8 @@
  * ours is read, and nothing is kept but the session itself: a few kilobytes
  * may come, in the time that its owner gives it.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_HANDSHAKE_H
-#define RADD_DAEMON_HANDSHAKE_H
+#ifndef RADD_NET_HANDSHAKE_H
+#define RADD_NET_HANDSHAKE_H
 
 #include "net/tls.h"
 

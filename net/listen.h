@@ -1,8 +1,8 @@
 /* listen.h - a socket that waits for connections
  *
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_LISTEN_H
-#define RADD_DAEMON_LISTEN_H
+#ifndef RADD_NET_LISTEN_H
+#define RADD_NET_LISTEN_H
 
 #include "net/address.h"
 #include "net/tls.h"

@@ -1,14 +1,7 @@
-# connections, for daemons and clients: addresses, keys, TLS
-libproto_a_SOURCES += \
-	net/inifile.c \
-	net/inifile.h \
-	net/keyfile.c \
-	net/keyfile.h \
-	net/keyorder.c \
-	net/keyorder.h \
-	net/tls.c \
-	net/tls.h
-libdaemon_a_SOURCES += \
+# libnet, connections for daemons and clients: addresses, TLS, keys, the log
+noinst_LIBRARIES += libnet.a
+libnet_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(INIH_CFLAGS) $(SSL_CFLAGS)
+libnet_a_SOURCES = \
 	net/address.c \
 	net/address.h \
 	net/conn.c \
@@ -21,9 +14,15 @@ libdaemon_a_SOURCES += \
 	net/gate.h \
 	net/handshake.c \
 	net/handshake.h \
-	net/keyring.c \
-	net/keyring.h \
+	net/inifile.c \
+	net/inifile.h \
 	net/listen.c \
 	net/listen.h \
 	net/log.c \
-	net/log.h
+	net/log.h \
+	net/tls.c \
+	net/tls.h
+include net/key/local.mk
+
+# what a program that uses libnet links with, before $(LIBRAD)
+LIBNET = libnet.a $(LIBPROTO) $(UV_LIBS) $(INIH_LIBS) $(SSL_LIBS)

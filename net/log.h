@@ -7,8 +7,8 @@
  * journal (JOURNAL_STREAM names it) lines start with the journal's priority,
  * elsewhere with the local time, the program's name and the level.
  * Thread: any; a line is one write(2).  log_open() before other threads. */
-#ifndef RADD_DAEMON_LOG_H
-#define RADD_DAEMON_LOG_H
+#ifndef RADD_NET_LOG_H
+#define RADD_NET_LOG_H
 
 #include <stdbool.h>
 #include <stdint.h>

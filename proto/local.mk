@@ -1,6 +1,6 @@
 # libproto, the codec of the protocol: bytes only
 noinst_LIBRARIES += libproto.a
-libproto_a_CFLAGS = $(AM_CFLAGS) $(INIH_CFLAGS) $(SSL_CFLAGS)
+libproto_a_CFLAGS = $(AM_CFLAGS)
 libproto_a_SOURCES = \
 	proto/ambshare.c \
 	proto/ambshare.h \
@@ -24,4 +24,4 @@ libproto_a_SOURCES = \
 
 # what a program that uses libproto links with; librad (for its error codes)
 # comes after it
-LIBPROTO = libproto.a $(INIH_LIBS) $(SSL_LIBS)
+LIBPROTO = libproto.a

@@ -166,7 +166,7 @@ dial_with(const char *id)
 
     snprintf(key.id, sizeof key.id, "%s", id);
     memcpy(key.secret, secret, TLS_SECRET);
-    dial(s.dialler, listener_text(s.listener), 1, &key);
+    ck_assert(dial(s.dialler, listener_text(s.listener), 1, &key));
 }
 
 START_TEST(a_key_lets_in_and_another_does_not)
@@ -175,7 +175,7 @@ START_TEST(a_key_lets_in_and_another_does_not)
     ck_assert(turn_until(&s.nin, 1));
     dial_with("worker:x:k1");
     ck_assert(turn_until(&s.nrefused, 1));
-    dial(s.dialler, listener_text(s.listener), 1, NULL);
+    ck_assert(dial(s.dialler, listener_text(s.listener), 1, NULL));
     ck_assert(turn_until(&s.nrefused, 2));
     ck_assert_int_eq(s.nin, 1);
 }

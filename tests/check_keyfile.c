@@ -1,7 +1,7 @@
 /* check_keyfile.c - lines of a key file, good and bad; changes to one */
 #include "config.h"
 
-#include "net/keyorder.h"
+#include "net/key/keyorder.h"
 
 #include "unit.h"
 

@@ -25,7 +25,7 @@
 
 #include "net/address.h"
 #include "proto/frame.h"
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 #include "proto/message.h"
 #include "net/tls.h"
 

@@ -247,7 +247,7 @@ tests_check_compile_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_submit_SOURCES = tests/check_submit.c tests/unit.h
 tests_check_submit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
-tests_check_submit_LDADD = $(LIBCLIENT) $(LIBPROTO) $(UNIT_LIBS)
+tests_check_submit_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_ray_SOURCES = tests/check_ray.c tests/unit.h tests/world.h
 tests_check_ray_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -582,15 +582,15 @@ tests_check_gate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
-tests_check_keyfile_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+tests_check_keyfile_LDADD = $(LIBNET) $(UNIT_LIBS)
 
 tests_check_credentials_SOURCES = tests/check_credentials.c tests/unit.h
 tests_check_credentials_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
-tests_check_credentials_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+tests_check_credentials_LDADD = $(LIBNET) $(UNIT_LIBS)
 
 tests_check_tls_SOURCES = tests/check_tls.c tests/unit.h
 tests_check_tls_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(SSL_CFLAGS)
-tests_check_tls_LDADD = $(LIBPROTO) $(UNIT_LIBS)
+tests_check_tls_LDADD = $(LIBNET) $(UNIT_LIBS)
 
 tests_check_tone_SOURCES = tests/check_tone.c tests/unit.h
 tests_check_tone_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

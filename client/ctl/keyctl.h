@@ -6,7 +6,7 @@
 #ifndef RADD_CLIENT_KEYCTL_H
 #define RADD_CLIENT_KEYCTL_H
 
-#include "net/keyorder.h"
+#include "net/key/keyorder.h"
 
 #include <jansson.h>
 

@@ -9,7 +9,7 @@
 #include "link/link.h"
 
 #include "proto/frame.h"
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 #include "net/tls.h"
 
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "config.h"
 
 #include "net/address.h"
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 #include "queue/coord_conn.h"
 
 #include "desk/desk.h"

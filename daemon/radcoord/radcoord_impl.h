@@ -13,7 +13,7 @@
 
 #include "front/coord.h"
 #include "ground/daemon.h"
-#include "net/keyring.h"
+#include "net/key/keyring.h"
 #include "net/listen.h"
 #include "users/owner.h"
 #include "shell/shell.h"

@@ -3,7 +3,7 @@
 
 #include "radcoord/radcoord_impl.h"
 
-#include "net/keyorder.h"
+#include "net/key/keyorder.h"
 #include "net/log.h"
 
 #include <stdlib.h>

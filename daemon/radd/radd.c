@@ -9,7 +9,7 @@
 #include "net/dial.h"
 #include "radd/hours.h"
 #include "radd/idle.h"
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 #include "net/listen.h"
 #include "net/log.h"
 #include "child/render.h"
@@ -338,7 +338,9 @@ dial_coordinator(struct radd *r, uint64_t id)
         rad_error_format(&err, text, sizeof text);
         log_err("key not read: %s", text);
     }
-    dial(r->dialler, r->set.coordinator, id, r->key.id[0] ? &r->key : NULL);
+    if (!dial(r->dialler, r->set.coordinator, id,
+              r->key.id[0] ? &r->key : NULL))
+        log_out_of_memory(); /* the worker would wait for ever */
 }
 
 static void
@@ -348,7 +350,8 @@ dial_peer(struct radd *r, const struct action *a)
     bool made =
         tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
 
-    dial(r->dialler, a->text, a->conn, made ? &key : NULL);
+    if (!dial(r->dialler, a->text, a->conn, made ? &key : NULL))
+        log_out_of_memory(); /* the worker would wait for ever */
     explicit_bzero(&key, sizeof key);
 }
 

@@ -15,7 +15,7 @@
 #ifndef DAEMON_OWNER_H
 #define DAEMON_OWNER_H
 
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 
 #include <uv.h>
 

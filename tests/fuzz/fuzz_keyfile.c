@@ -4,7 +4,7 @@
  * a key that is added and one that is retired leave the others alone. */
 #include "config.h"
 
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -140,11 +140,11 @@ tests_fuzz_fuzz_bsdf_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_bsdf_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_keyfile_SOURCES = tests/fuzz/fuzz_keyfile.c $(FUZZ_MAIN)
-tests_fuzz_fuzz_keyfile_LDADD = $(LIBPROTO) $(LIBRAD)
+tests_fuzz_fuzz_keyfile_LDADD = $(LIBNET) $(LIBRAD)
 tests_fuzz_fuzz_keyfile_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_tls_SOURCES = tests/fuzz/fuzz_tls.c $(FUZZ_MAIN)
-tests_fuzz_fuzz_tls_LDADD = $(LIBPROTO) $(LIBRAD)
+tests_fuzz_fuzz_tls_LDADD = $(LIBNET) $(LIBRAD)
 tests_fuzz_fuzz_tls_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c \

@@ -1,7 +1,7 @@
 /* keyring.c - see keyring.h */
 #include "config.h"
 
-#include "net/keyring.h"
+#include "net/key/keyring.h"
 
 #include <stdlib.h>
 #include <string.h>

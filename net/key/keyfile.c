@@ -5,7 +5,7 @@
  * retired one gets its line replaced. */
 #include "config.h"
 
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 
 #include "base/hex.h"
 

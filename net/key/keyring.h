@@ -3,10 +3,10 @@
  * Its key file (keyfile.h) in memory; read again when somebody says so or the
  * file has changed.  A file that cannot be read any more changes nothing.
  * Thread: the loop's. */
-#ifndef RADD_DAEMON_KEYRING_H
-#define RADD_DAEMON_KEYRING_H
+#ifndef RADD_NET_KEYRING_H
+#define RADD_NET_KEYRING_H
 
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 
 struct keyring;
 

@@ -4,7 +4,7 @@
  * there is always a whole file: the new one is renamed over the old. */
 #include "config.h"
 
-#include "net/keyorder.h"
+#include "net/key/keyorder.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -6,7 +6,7 @@
 #ifndef KEYORDER_H
 #define KEYORDER_H
 
-#include "net/keyfile.h"
+#include "net/key/keyfile.h"
 
 struct key_order {
     enum msg_key_order what;

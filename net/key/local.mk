@@ -1,0 +1,8 @@
+# keys: their files, orders to change them, the ring that a coordinator takes
+libnet_a_SOURCES += \
+	net/key/keyfile.c \
+	net/key/keyfile.h \
+	net/key/keyorder.c \
+	net/key/keyorder.h \
+	net/key/keyring.c \
+	net/key/keyring.h
