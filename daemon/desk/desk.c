@@ -28,8 +28,8 @@ desk_find_conn(const struct coord *c, uint64_t id)
 
 void
 desk_reply_failed(struct coord *c, const struct coord_conn *conn,
-                   uint32_t request, const uint8_t *job, int status,
-                   const char *text)
+                  uint32_t request, const uint8_t *job, int status,
+                  const char *text)
 {
     struct msg m = { .type = MSG_FAILED,
                      .request = request,
@@ -126,7 +126,8 @@ desk_late(struct job *job, uint32_t index, bool late)
         return;
     job->workers[index].late = late;
     if (job->partition)
-        partition_set_absent(job->partition, index, !desk_may_take_part(job, index));
+        partition_set_absent(job->partition, index,
+                             !desk_may_take_part(job, index));
 }
 
 void
@@ -139,7 +140,7 @@ desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
 
 struct job *
 desk_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
-             uint32_t *index)
+            uint32_t *index)
 {
     struct job *job = desk_find_job(c, id);
 
@@ -153,8 +154,8 @@ desk_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
 }
 
 void
-desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
-               uint32_t unit, uint32_t attempt, uint32_t row, uint32_t rows)
+desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job, uint32_t unit,
+              uint32_t attempt, uint32_t row, uint32_t rows)
 {
     struct msg m = { .type = MSG_ACK,
                      .ack = { job, unit, attempt, row, rows } };
@@ -164,7 +165,7 @@ desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
 
 void
 desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                   uint32_t unit, const struct job_go *go)
+                  uint32_t unit, const struct job_go *go)
 {
     const struct coord_worker *w = job->workers[go->worker].worker;
     struct msg m = { .type = type, .revoke = { job->id, unit, go->attempt } };
@@ -175,7 +176,7 @@ desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
 
 void
 desk_log_unit(struct coord *c, const struct job *job, uint32_t unit,
-               const struct job_go *go, const char *what)
+              const struct job_go *go, const char *what)
 {
     struct partition_area a;
 
@@ -269,5 +270,6 @@ bool
 desk_unfetched(const struct coord *c, const struct job *job)
 {
     return job_over(job) && job->state != JOB_CANCELLED && job->unfetched > 0 &&
-           (c->now_ms > job->end_ms ? c->now_ms - job->end_ms : 0) < c->keep.unfetched_ms;
+           (c->now_ms > job->end_ms ? c->now_ms - job->end_ms : 0) <
+               c->keep.unfetched_ms;
 }

@@ -1,5 +1,5 @@
-/* desk.h - what the coordinator knows, and what all of its files look up, ask and
- * say
+/* desk.h - what the coordinator knows, and what all of its files look up, ask
+ * and say
  *
  * The desk is the lowest floor of the coordinator: these structs are changed by
  * the files that stand above, each named where it alone does so.
@@ -7,10 +7,10 @@
 #ifndef DAEMON_DESK_H
 #define DAEMON_DESK_H
 
+#include "desk/account.h"
 #include "desk/env.h"
 #include "desk/job.h"
 #include "net/log.h"
-#include "users/known.h"
 #include "users/uploads.h"
 
 /* A worker that is, or was, connected. */
@@ -26,10 +26,10 @@ struct coord_worker {
     uint64_t since_ms;    /* connected, or gone, since */
     uint32_t id;          /* from 0, by the order of their first HELLO */
     uint32_t in_flight;   /* units of all jobs that it works on */
-    uint32_t parked;      /* units that wait for a base line */
+    uint32_t parked;      /* units that wait for something (go.h) */
     uint32_t delivered;   /* units whose rows are on their way to the disk */
     double relative;      /* speed of a thread, by earlier jobs; 1: usual */
-    uint64_t free_ms;     /* when it last came to have none of these */
+    uint64_t free_ms;     /* when in_flight last came to be 0 */
     int64_t priority;     /* the highest of jobs whose units these are, */
     int64_t rank;         /* or could be; INT64_MIN: there are none (yield.c) */
     uint64_t progress;    /* of its last PING */
@@ -43,13 +43,7 @@ struct coord_worker {
     char no_room[256]; /* why it could not take a job last (job_worker) */
 };
 
-/* A request that is answered when what it did is kept. */
-struct coord_settling {
-    struct coord_settling *next;
-    uint32_t request;
-    uint64_t since_ms;
-};
-
+struct coord_settling;
 struct coord_telling;
 
 /* Is the connection to end, when the event is over (verdict.h)? */
@@ -81,28 +75,6 @@ struct coord_conn {
     struct coord_telling *telling;
     enum coord_verdict verdict;
     const char *why; /* of a verdict, for the log */
-};
-
-/* What is kept of an owner's jobs that are over. */
-struct coord_kept {
-    uint64_t bytes;            /* of all */
-    uint32_t fetching;         /* that are being fetched */
-    const struct job *fetched; /* the longest ago of these; NULL: there are
-                                * none */
-    /* of those that may be forgotten */
-    uint32_t jobs;
-    uint64_t weight;          /* of these, see job_weight() */
-    const struct job *oldest; /* NULL: there is none */
-};
-
-/* Whom jobs belong to. */
-struct coord_owner {
-    struct coord_owner *next;
-    char name[MSG_MAX_NAME + 1];
-    uint32_t threads;   /* of workers at units of theirs */
-    struct known files; /* of the store that they may know of */
-    struct uploads_sum uploads;
-    struct coord_kept kept; /* as coord_forget_old() last counted */
 };
 
 #define COORD_CONNS 1024 /* a power of 2 */
@@ -149,7 +121,7 @@ size_t desk_slot(uint64_t id);
 struct coord_conn *desk_find_conn(const struct coord *c, uint64_t id);
 /* The job of that id, or NULL. */
 struct job *desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
-/* Whom jobs of that name belong to, who may be new; NULL: memory is out. */
+/* The owner of that name, who may be new; NULL: memory is out. */
 struct coord_owner *desk_owner(struct coord *c, const char *name);
 /* Index of the worker in the job; JOB_NOBODY: it has no part in it. */
 uint32_t desk_index(const struct job *job, const struct coord_worker *w);
@@ -160,51 +132,52 @@ uint32_t desk_add_worker(struct job *job, struct coord_worker *w);
 /* The job and the index of w in it, which said something of it; NULL when the
  * job is over or unknown, and then the worker is told so. */
 struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
-                         const uint8_t *id, uint32_t *index);
+                        const uint8_t *id, uint32_t *index);
 
 /* --- ask --- */
 
-/* May it have more work? */
+/* May the worker have more work? */
 bool desk_takes_units(const struct coord_worker *w);
-/* Has that worker of the job a part of what is given out? */
+/* Does that worker of the job get units, if there are any? */
 bool desk_may_take_part(const struct job *job, uint32_t index);
 /* Can that worker be told of the job, whose list of frames may be long? */
 bool desk_can_tell(const struct job *job, const struct coord_worker *w);
-/* Nothing of this job for any worker now. */
+/* Has the job nothing for any worker now? */
 bool desk_idle_job(const struct job *job);
-/* Could a worker that has nothing get some of what others have of it? */
+/* Could a worker without work get some of the units that others have? */
 bool desk_can_balance(const struct job *job);
-/* May its units give lines away? */
+/* May units of the job give lines away? */
 bool desk_splits(const struct job *job);
 /* Has the worker nothing to do, for this job or another that comes before it?
  */
 bool desk_is_idle(const struct job *job, uint32_t index);
-/* Does something else come first for that worker of the job? */
+/* Does the worker have to give back units of the job, for another job, a pause,
+ * or because it is to leave? */
 bool desk_gives_way(const struct job *job, uint32_t index);
-/* Is it over, and kept for its owner, who has not fetched all of it? */
+/* Is the job over, and kept for its owner, who has not fetched all frames? */
 bool desk_unfetched(const struct coord *c, const struct job *job);
 
 /* --- say --- */
 
-/* A worker is so late with a unit that another does it: that may well have to
- * do the rest of its work, too.  Or it is heard of again. */
+/* The worker is so late with a unit that another does the unit, too, and all
+ * else that the worker would get; or it is heard of again. */
 void desk_late(struct job *job, uint32_t index, bool late);
-/* What happens to a worker's go at a unit, for those who debug. */
+/* A line of the log, for those who debug, about an attempt at a unit. */
 void desk_log_unit(struct coord *c, const struct job *job, uint32_t unit,
-                    const struct job_go *go, const char *what);
+                   const struct job_go *go, const char *what);
 void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
-                    uint32_t unit, uint32_t attempt, uint32_t row,
-                    uint32_t rows);
+                   uint32_t unit, uint32_t attempt, uint32_t row,
+                   uint32_t rows);
 /* REVOKE, TWIN or SPLIT. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
-                        uint32_t unit, const struct job_go *go);
+                       uint32_t unit, const struct job_go *go);
 /* The worker is told that the job is over. */
 void desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job);
 /* Ask the store to remember the unit as it is now. */
 void desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit);
 /* FAILED, in answer to a request. */
 void desk_reply_failed(struct coord *c, const struct coord_conn *conn,
-                        uint32_t request, const uint8_t *job, int status,
-                        const char *text);
+                       uint32_t request, const uint8_t *job, int status,
+                       const char *text);
 
 #endif

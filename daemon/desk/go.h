@@ -40,7 +40,7 @@ enum go_rows {
     GO_SPENT    /* all of them came, and none counts */
 };
 
-/* Changed by lending.c. */
+/* Changed by lending.c, but that hold.c counts a loan down when it is over. */
 struct go_lending {
     uint32_t lender;     /* of a loan: the attempt that lends */
     uint32_t x, n;       /* of a loan: columns [x, x + n) of the last line */
@@ -52,7 +52,7 @@ struct go_lending {
     uint64_t line_ms;    /* then; 0: not known, it never lent */
 };
 
-/* Changed by handoff.c. */
+/* Changed by handoff.c and, where the base line is made, by hold.c. */
 struct go_handoff {
     bool top_sent;  /* it was sent the base line above, whole, by us */
     bool makes_top; /* it traces the base line above, which nobody else gets */

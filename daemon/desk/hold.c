@@ -122,7 +122,7 @@ hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
 
 void
 hold_top_made(struct coord *c, struct job *job, uint32_t unit,
-                 struct job_go *go)
+              struct job_go *go)
 {
     struct partition_area a;
     uint32_t first, last;
@@ -139,7 +139,7 @@ hold_top_made(struct coord *c, struct job *job, uint32_t unit,
 /* Columns are with whoever lent them again. */
 void
 hold_send_back(struct coord *c, const struct coord_worker *to,
-          const struct msg_back *back)
+               const struct msg_back *back)
 {
     struct msg m = { .type = MSG_BACK, .back = *back };
 
@@ -149,7 +149,7 @@ hold_send_back(struct coord *c, const struct coord_worker *to,
 
 static void
 end_loan(struct coord *c, struct job *job, uint32_t unit,
-              const struct job_go *loan)
+         const struct job_go *loan)
 {
     struct job_go *to = go_of_attempt(job, unit, loan->lending.lender);
     uint32_t first, last;
@@ -161,8 +161,8 @@ end_loan(struct coord *c, struct job *job, uint32_t unit,
         return;
     partition_unit_lines(job->partition, unit, &first, &last);
     hold_send_back(c, job->workers[to->worker].worker,
-              &(struct msg_back){ job->id, unit, to->attempt, last - 1,
-                                  loan->lending.x, loan->lending.n });
+                   &(struct msg_back){ job->id, unit, to->attempt, last - 1,
+                                       loan->lending.x, loan->lending.n });
     if (to->state == GO_BLOCKED)
         hold_step(c, job, unit, to, GO_WORKING);
 }
@@ -194,8 +194,8 @@ hold_forget_rows(struct job *job, uint32_t unit)
 }
 
 bool
-hold_shrink(struct coord *c, struct job *job, uint32_t unit,
-               struct job_go *go, uint32_t height)
+hold_shrink(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
+            uint32_t height)
 {
     uint32_t given = height >= job->units[unit].next_row
                          ? partition_give(job->partition, unit, height)

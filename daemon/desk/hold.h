@@ -10,29 +10,29 @@
 struct job_go *hold_add(struct coord *c, struct job *job, uint32_t index,
                         uint32_t unit, uint32_t attempt);
 /* The worker that lost the unit turns out to be at it, or to have rows of it,
- * and nobody else began it.  False: memory is out. */
+ * and nobody else began it: its attempt goes on.  False: memory is out. */
 bool hold_revive(struct coord *c, struct job *job, uint32_t index,
-                   uint32_t unit);
+                 uint32_t unit);
 /* The attempt is in another state now. */
 void hold_step(struct coord *c, struct job *job, uint32_t unit,
                struct job_go *go, enum go_state to);
-/* It has fewer lines of the unit now, or columns of one line. */
+/* The attempt has fewer lines of the unit now, or columns of one line. */
 void hold_shrunk(struct job *job, uint32_t unit, struct job_go *go);
-/* A go at a unit has but so many rows of it: the rest is a new unit.  False: it
- * ends at no line. */
+/* Cut a unit to so many rows, which is all that the attempt will do: the rest
+ * is a new unit.  False: no line ends there. */
 bool hold_shrink(struct coord *c, struct job *job, uint32_t unit,
-                    struct job_go *go, uint32_t height);
+                 struct job_go *go, uint32_t height);
 /* End the attempt and free it, which moves another of the unit's. */
 void hold_release(struct coord *c, struct job *job, uint32_t unit,
                   struct job_go *go);
-/* The holder has made the base line above its unit, if it was to, or will not.
+/* The attempt has made the base line above its unit, if it was to, or will not.
  */
 void hold_top_made(struct coord *c, struct job *job, uint32_t unit,
-                      struct job_go *go);
-/* Columns are with the attempt that lent them again, and its worker is told. */
+                   struct job_go *go);
+/* Tell the worker that lent columns that it has them again (BACK). */
 void hold_send_back(struct coord *c, const struct coord_worker *to,
                     const struct msg_back *back);
-/* Bring the priority of what the worker has in hand up to date. */
+/* Bring the priority of the units that the worker has up to date. */
 void hold_rate(const struct coord *c, struct coord_worker *w);
 
 /* The rows that came of a unit do not count any more. */

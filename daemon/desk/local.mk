@@ -1,5 +1,6 @@
 # jobs, their units and what becomes of these: rows that come, workers that go
 libdaemon_a_SOURCES += \
+	daemon/desk/account.h \
 	daemon/desk/desk.c \
 	daemon/desk/desk.h \
 	daemon/desk/duplicate.c \

@@ -2,9 +2,9 @@
  *
  * A verdict is noted where the reason for it is found and carried out once, at
  * the end of the event (queue/coord_conn.c, coord_job.c): so no job, unit,
- * attempt or connection goes away under whoever is at work on it.  A job is over
- * from the moment of its verdict, which job_over() says; what follows from that
- * for workers, files and those who wait comes with the end of the event.
+ * attempt or connection goes away under whoever is at work on it.  A job is
+ * over from the moment of its verdict, which job_over() says; what follows from
+ * that for workers, files and those who wait comes with the end of the event.
  * Thread: one. */
 #ifndef DAEMON_VERDICT_H
 #define DAEMON_VERDICT_H

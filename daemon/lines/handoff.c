@@ -1,13 +1,12 @@
 /* handoff.c - facts and base lines on their way between workers
  *
- * What holds a unit back is the base line above it.  Whoever makes that sends
- * it straight to the worker that waits (NEXT_HOLDER told it to whom), and a
- * copy here.  The copy serves one that gets the unit later, and one whose link
- * is broken: a parked unit whose top has been here whole for a moment is sent
- * it.
- * Facts are kept as long as their line is not done, and passed on to whoever
- * else has it: so nothing is traced twice because a worker went, or gave lines
- * away, or has a twin. */
+ * What holds a unit back is the base line above it, its top.  The worker that
+ * makes the top sends it straight to the worker that waits (NEXT_HOLDER told to
+ * whom), and a copy here.  The copy serves a worker that gets the unit later,
+ * and one whose link is broken: a parked attempt whose top has been here whole
+ * for a moment is sent the top. Facts are kept as long as their line is not
+ * done, and passed on to others that have the line: so nothing is traced twice
+ * because a worker went, or gave lines away, or has a twin. */
 #include "config.h"
 
 #include "lines/handoff.h"
@@ -78,7 +77,7 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
     return flags | MSG_UNIT_TOP;
 }
 
-/* The line that the holder of a unit makes for whoever gets it. */
+/* Does the attempt make that line, the top of its unit? */
 static bool
 makes(const struct job *job, uint32_t unit, const struct job_go *go,
       uint32_t frame, uint32_t line)
@@ -103,7 +102,7 @@ send_facts(struct coord *c, const struct job *job, uint32_t frame,
     }
 }
 
-/* What is here of a base line. */
+/* Send the pieces of a base line that are here. */
 static void
 send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
           struct job_go *go)
@@ -122,7 +121,7 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
     go->handoff.top_sent = shared_whole_ms(job->shared, frame, line) != 0;
 }
 
-/* Tell the holders of one unit who waits for its bottom. */
+/* Tell the workers of a unit which worker waits for the unit's bottom. */
 static void
 send_next_holder(struct coord *c, struct job *job, uint32_t above,
                  uint32_t frame, uint32_t line, const struct job_go *below)
@@ -140,8 +139,8 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
     }
 }
 
-/* The unit, which just got a holder or an end, and its neighbours hear of each
- * other. */
+/* The workers of a unit, which just went out or was cut, and those of its
+ * neighbours hear of each other. */
 static void
 introduce(struct coord *c, struct job *job, uint32_t unit,
           const struct job_go *go)
@@ -189,7 +188,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     introduce(c, job, unit, go);
 }
 
-/* Its child has the facts. */
+/* Facts are not sent: the worker's child has them. */
 void
 handoff_back(struct coord *c, struct job *job, uint32_t index)
 {
@@ -228,7 +227,7 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
-/* Does it want facts of the line?  Not who has but columns of it. */
+/* Does the attempt want facts of the line?  A loan does not. */
 static bool
 needs(const struct job *job, uint32_t unit, const struct job_go *go,
       uint32_t line)
@@ -239,7 +238,7 @@ needs(const struct job *job, uint32_t unit, const struct job_go *go,
     return go->origin != GO_LOAN && line + 1 >= first && line < last;
 }
 
-/* To whoever else has the line now. */
+/* Pass facts on to the others that have the line now. */
 static void
 pass_on(struct coord *c, const struct job *job, uint32_t from,
         const struct msg_facts *m)
@@ -272,8 +271,8 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
     return job;
 }
 
-/* Facts of a line that nobody has: whoever makes it sends them when it is done.
- */
+/* Facts of a line that is in no unit: they come when it is made, from the
+ * worker that made it as its unit's top. */
 static void
 top_facts(struct coord *c, struct job *job, uint32_t index,
           const struct msg_facts *m)
@@ -328,8 +327,8 @@ can_link(const struct job *job, const struct job_unit *above,
     return false;
 }
 
-/* The top of a unit is here whole: those that wait for it get it, unless they
- * just have it from another worker. */
+/* The top of a unit is here whole: attempts that wait for it are sent it,
+ * unless they just have it from another worker. */
 static void
 offer_top(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -355,8 +354,8 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     }
 }
 
-/* What waited for nothing but its top has work again, be it the rest of a bar
- * that could not be traced ahead. */
+/* Attempts that waited for nothing but the unit's top have work again, be it
+ * the rest of a bar that could not be traced ahead. */
 static void
 top_is_here(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -369,7 +368,8 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
             hold_step(c, job, unit, &u->go[i], GO_WORKING);
 }
 
-/* One that has the unit, or had it last while nobody has it now. */
+/* May the worker make lines of the unit?  It has the unit, or had it last while
+ * nobody has it now. */
 static bool
 may_make(const struct job *job, uint32_t unit, uint32_t index)
 {

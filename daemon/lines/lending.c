@@ -1,4 +1,4 @@
-/* lending.c - columns of a line for one that has nothing
+/* lending.c - columns of a line for a worker that has nothing
  *
  * Whoever has the most time left at its last line, and can give no lines, lends
  * columns of it (LEND, LOAN): the idle worker traces them and nothing else, and
@@ -35,7 +35,7 @@
 #define LATE_LOAN_MS    400
 #define UNKNOWN_LOAN_MS 3000
 
-/* May columns of a line be lent? */
+/* May columns of a line of the job be lent? */
 static bool
 lends(const struct job *job)
 {
@@ -43,7 +43,7 @@ lends(const struct job *job)
            !(job->spec.flags & MSG_JOB_NO_BALANCE);
 }
 
-/* Does the worker know of them? */
+/* Does the worker know of loans? */
 static bool
 knows_loans(const struct job *job, uint32_t index)
 {
@@ -72,8 +72,8 @@ line_time(const struct job *job, uint32_t unit, uint32_t index)
     return partition_cost(job->partition, unit) / (last - first) / speed;
 }
 
-/* How long a go will be at what it could lend some of [ms].  What takes longer
- * than it should may well take as long again. */
+/* How long the attempt will be at the line of which it could lend columns [ms].
+ * A line that takes longer than it should may well take as long again. */
 static double
 lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
             const struct job_go *go)
@@ -86,7 +86,7 @@ lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
     return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
 }
 
-/* Can it give no lines? */
+/* May the attempt be asked to lend?  Only if it can give no lines. */
 static bool
 may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
 {
@@ -95,12 +95,11 @@ may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
     partition_unit_lines(job->partition, unit, &first, &last);
     return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
            go->lending.blocked_ms == 0 &&
-           (job->units[unit].whole || last - first == 1 ||
-            !desk_splits(job)) &&
+           (job->units[unit].whole || last - first == 1 || !desk_splits(job)) &&
            knows_loans(job, go->worker);
 }
 
-/* Whoever may lend and has the most time left; NULL: nobody. */
+/* The attempt that may lend and has the most time left; NULL: none. */
 static struct job_go *
 longest(const struct coord *c, const struct job *job, uint32_t *unit)
 {
@@ -128,7 +127,8 @@ longest(const struct coord *c, const struct job *job, uint32_t *unit)
     return best;
 }
 
-/* LENDs that will be answered yet.  One that cannot lend at once does later. */
+/* How many LENDs will be answered yet.  An attempt that cannot lend at once
+ * does so later. */
 static uint32_t
 count_lending(const struct coord *c, const struct job *job)
 {
@@ -188,8 +188,8 @@ lending_parked(const struct coord *c, struct job_go *go)
     return go->lending.loans > 0;
 }
 
-/* What the loan should take [ms]: by what the unit costs, or longer if the
- * lender took longer for what it kept of the line.  0: not known. */
+/* How long the loan should take [ms]: by the cost of the unit, or longer if the
+ * lender took longer for the part of the line that it kept.  0: not known. */
 static double
 loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
           const struct job_go *loan)
@@ -206,7 +206,7 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
     return loan->lending.line_left * (took > line ? took : line);
 }
 
-/* A loan is late only while its lender waits for it, unless its worker hangs.  A
+/* A loan is late only while its lender waits for it, unless its worker hangs. A
  * lender that is to give its unit back waits no more: its loans end with it. */
 static bool
 is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
@@ -242,7 +242,7 @@ lending_tick(struct coord *c, struct job *job)
     }
 }
 
-/* Does it lie in the unit's last line, and in what the lender has? */
+/* Do the columns lie in the unit's last line, and in the lender's? */
 static bool
 loan_fits(const struct job *job, const struct job_go *go,
           const struct msg_loan *m)
@@ -259,8 +259,8 @@ loan_fits(const struct job *job, const struct job_go *go,
              m->x + m->n <= go->lending.x + go->lending.n));
 }
 
-/* What was lent to one goes on to another in pieces from the right, so that
- * each has its columns together. */
+/* A loan is lent on in pieces from its right end, so that each worker has its
+ * columns together. */
 static bool
 is_whole_end(const struct job_go *go, const struct msg_loan *m)
 {
@@ -269,7 +269,7 @@ is_whole_end(const struct job_go *go, const struct msg_loan *m)
             m->x + m->n == go->lending.x + go->lending.n);
 }
 
-/* How much of the line each of the two has now. */
+/* Note how much of the line the attempt has now. */
 static void
 note_left(const struct coord *c, struct job_go *go, unsigned part)
 {
@@ -277,7 +277,7 @@ note_left(const struct coord *c, struct job_go *go, unsigned part)
     go->lending.line_ms = c->now_ms;
 }
 
-/* Columns of go's for an idle worker. */
+/* Columns of an attempt for an idle worker. */
 static void
 lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
         const struct msg_loan *m)
@@ -324,7 +324,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
     go = go_find(job, m->unit, index, m->attempt);
-    if (!go || go->state == GO_DELIVERED) { /* it shall not wait for ever */
+    if (!go ||
+        go->state == GO_DELIVERED) { /* else the worker would wait for ever */
         hold_send_back(c, w, &back);
         return;
     }
@@ -342,8 +343,8 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
         hold_send_back(c, w, &back);
 }
 
-/* What it cost is the unit's, but for black pixels: whoever lends makes those.
- * One that was taken back just before is in no unit. */
+/* What the loan cost is the unit's, but for black pixels: the lender makes
+ * those. A loan that was taken back just before is in no unit. */
 void
 lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
 {

@@ -75,9 +75,8 @@ log_break(struct coord *c, const struct coord_conn *conn,
     if (dropped > 0)
         actions_log(&c->actions, ACT_WARN,
                     "connections closed and not logged n=%u", dropped);
-    actions_log(&c->actions, level,
-                "connection closed peer=%s name=%s why=%s", conn->address,
-                conn->worker ? conn->worker->name : "", why);
+    actions_log(&c->actions, level, "connection closed peer=%s name=%s why=%s",
+                conn->address, conn->worker ? conn->worker->name : "", why);
 }
 
 static void

@@ -35,7 +35,8 @@
 
 /* Another job may have been given the id of one that was deleted. */
 struct job *
-coord_same_job(const struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence)
+coord_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
+               uint64_t sequence)
 {
     struct job *job = desk_find_job(c, id);
 
@@ -66,7 +67,7 @@ coord_send_end(struct coord *c, const struct coord_conn *conn,
         actions_send(&c->actions, conn->id, &m);
     else
         desk_reply_failed(c, conn, conn->watch_request, job->id, job->status,
-                           job->text);
+                          job->text);
 }
 
 void
@@ -436,4 +437,3 @@ coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
         coord_job_ends(c, job, JOB_DONE, 0, NULL);
     return true;
 }
-

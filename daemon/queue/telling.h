@@ -6,6 +6,13 @@
 
 #include "desk/desk.h"
 
+/* A request that is answered when the change it made is kept. */
+struct coord_settling {
+    struct coord_settling *next;
+    uint32_t request;
+    uint64_t since_ms;
+};
+
 /* Statistics that somebody waits for. */
 struct coord_telling {
     struct coord_telling *next;

@@ -1,10 +1,10 @@
-/* balance.c - giving away what one has, to one that has nothing
+/* balance.c - work of busy workers for idle ones
  *
- * A worker that is idle, while nothing is free or waits: whoever has the most
- * work left is asked to give half of the lines that it has not begun (SPLIT,
- * GAVE); these are a new unit, which waits.  Where no lines can be given,
- * columns are lent (lending.c).  A unit that is very late gets a twin, another
- * worker that does all of it, before what waits in other jobs. */
+ * Where a worker is idle and no unit waits, the attempt with the most work left
+ * is asked to give away half of the lines that it has not begun (SPLIT, GAVE);
+ * these are a new unit, which waits.  Where no lines can be given, columns are
+ * lent (lending.c).  A unit that is very late gets a twin, another worker that
+ * does all of it, before what waits in other jobs. */
 #include "config.h"
 
 #include "sched/balance.h"
@@ -30,12 +30,12 @@
  * coordinator's lease. */
 #define LATE_MEDIANS 10
 
-/* One that waited is late when it has had its base line for so long. */
+/* An attempt that waited is late when it has had its base line for so long. */
 #define STUCK_MS 5000
 
 /* --- splitting --- */
 
-/* The holder that may be asked and has the most time left; NULL: none. */
+/* The attempt that may be asked and has the most time left; NULL: none. */
 static struct job_go *
 richest(const struct coord *c, const struct job *job, uint32_t *unit)
 {
@@ -151,8 +151,8 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
 
 /* --- twins --- */
 
-/* Does the holder take too long?  One that waits for the base line above does
- * not; but with that at hand it has next to nothing to do. */
+/* Does the attempt take too long?  Not while it waits for the base line above;
+ * but with that at hand it has next to nothing to do. */
 static bool
 is_slow(const struct coord *c, const struct job *job, uint32_t unit,
         const struct job_go *go, uint64_t lease_ms)
@@ -169,7 +169,7 @@ is_slow(const struct coord *c, const struct job *job, uint32_t unit,
            c->now_ms - go->parked_ms >= STUCK_MS;
 }
 
-/* Is it late, whatever its cost says? */
+/* Is the unit late, whatever its cost says? */
 static bool
 is_late(const struct coord *c, const struct job *job, uint32_t unit,
         uint64_t lease_ms)
@@ -184,7 +184,7 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     return true;
 }
 
-/* May it have a twin because it is late? */
+/* May the unit have a twin because it is late? */
 static bool
 wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
            uint64_t lease_ms)
@@ -203,7 +203,8 @@ lease_of(const struct coord *c, const struct job *job)
     return ms > c->lease_ms ? ms : c->lease_ms;
 }
 
-/* Whose rows did not count does nothing for it any more, and may try again. */
+/* A worker whose rows did not count does nothing for the unit any more, and may
+ * get it again. */
 static void
 release_spent(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -252,7 +253,7 @@ balance_look(struct coord *c)
     }
 }
 
-/* Those that have a late unit: what else they would get, others do. */
+/* Workers that have a late unit get nothing more: others do it. */
 static void
 leave_out(struct job *job, uint32_t unit)
 {

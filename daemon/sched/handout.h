@@ -8,6 +8,6 @@
 
 /* Give a worker a unit, as a twin where others have it. */
 void handout_unit(struct coord *c, struct job *job, uint32_t index,
-                    uint32_t unit);
+                  uint32_t unit);
 
 #endif

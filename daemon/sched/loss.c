@@ -22,9 +22,9 @@
  * after at most .75 s. */
 #define REDIAL_MS 2000
 
-/* What one loses so often without ever coming back to it, others may get at
- * once: a worker that dies of it and is started again would have it for ever.
- */
+/* A unit that its worker lost so often, without coming back to it, others may
+ * get at once: a worker that dies of the unit and is started again would have
+ * it for ever. */
 #define MOST_LOSSES 2
 
 /* Is there another worker than that one? */
@@ -53,8 +53,8 @@ loss_others_may(const struct coord *c, const struct job *job,
     return false;
 }
 
-/* The one that led is gone: another may lead, but not one whose first rows were
- * dropped. */
+/* The attempt that led is over: another may lead, but none whose first rows
+ * were dropped. */
 static void
 new_lead(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -69,8 +69,8 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
-/* Columns of a lender who is gone, or has another last line now, go back: what
- * is traced of them serves whoever gets the line. */
+/* End the loans of an attempt that is over, or has another last line now.  The
+ * facts that were traced for them serve the worker that gets the line. */
 void
 loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
@@ -108,7 +108,7 @@ loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     lose(c, job, unit, go);
 }
 
-/* Nobody has it, and rows of it that are on their way count no more. */
+/* If nobody has the unit, rows of it that are on their way count no more. */
 static void
 close_rows(struct job_unit *u)
 {
@@ -196,13 +196,13 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
         if (job->units[unit].next_row < a.height)
             loss_of(c, job, unit, go);
     }
-    /* what it is not at it gets now, if it gets anything */
+    /* units that the worker is not at it gets now, if it gets any */
     loss_keep(c, job, index,
               desk_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
 }
 
-/* The worker's go at the unit that it says it is at, if nobody else was given
- * it; NULL. */
+/* The attempt at a unit that the worker says it is at, if nobody else was given
+ * the unit; NULL. */
 static struct job_go *
 find_or_revive(struct coord *c, struct job *job, uint32_t index,
                const struct msg_gave *m)
@@ -264,9 +264,9 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
     speed_measure(c, job);
 }
 
-/* How long units wait for a worker that goes now.  One that leaves does not
- * come back; one that was not ready did nothing that would make them wait
- * longer than they do anyway. */
+/* How long units wait for a worker that goes now.  A worker that was to leave
+ * does not come back; for one that was not ready yet they wait as long as they
+ * did before. */
 static uint64_t
 patience(const struct coord *c, const struct job_worker *jw)
 {
@@ -348,7 +348,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         workers += job->workers[i].load_crashes > 0;
     if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
         return true;
-    /* as long as others can, or may, it is this worker and not the scene */
+    /* as long as other workers can load it, or may, the scene is not to blame
+     */
     if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
         *to = PART_EXCLUDED;
         return true;

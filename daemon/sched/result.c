@@ -24,10 +24,10 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* One that sent rows and then none for so long may be stopped. */
+/* A worker that sent rows and then none for so long may be stopped. */
 #define SILENT_MS 15000
 
-/* Are those as many rows as are said, each no longer than it may be? */
+/* Are the coded rows as many as the message says, and none too long? */
 static bool
 is_coded_right(const struct msg_result *m)
 {
@@ -55,14 +55,14 @@ result_fits(const struct job *job, const struct msg_result *m,
            (m->channels > 1 || is_coded_right(m));
 }
 
-/* Version 1 has no coded rows: code them here.  What comes of it lasts as long
- * as actions; NULL: memory is out. */
+/* Version 1 has no coded rows: code them here.  The message that is returned
+ * lasts as long as the actions; NULL: memory is out. */
 static const struct msg_result *
 code_rows(struct coord *c, const struct msg_result *m)
 {
     size_t most = RAD_HDR_CODED_BYTES(m->width), pixel = 3 * sizeof(float);
     struct rad_rgb *row = malloc((size_t)m->width * sizeof *row);
-    /* what the last row takes to work in lies behind it */
+    /* coding a row takes as much room again behind it */
     uint8_t *code = rad_arena_alloc(&c->actions.mem, (m->rows + 1) * most);
     struct msg_result *to = rad_arena_alloc(&c->actions.mem, sizeof *to);
 
@@ -85,7 +85,7 @@ code_rows(struct coord *c, const struct msg_result *m)
     return to;
 }
 
-/* What whoever goes on below the unit needs of it, beside its last row. */
+/* The bottom of the unit: what the unit below needs, beside the last row. */
 static void
 add_bottom(const struct job *job, const struct msg_result *m,
            struct action_rows *r)
@@ -145,9 +145,9 @@ ack(struct coord *c, const struct coord_worker *w, const struct job *job,
     desk_send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
 }
 
-/* The attempt came to its end, but not as it should: the unit waits again.  The
- * worker did nothing wrong if a message of it was lost with a connection; a
- * unit that fails so again and again fails the job. */
+/* The attempt came to its end without all rows or without its bottom: the unit
+ * waits again.  That is no fault of the worker if a message was lost with a
+ * connection; a unit that comes incomplete again and again fails the job. */
 static void
 spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -167,8 +167,8 @@ spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
 }
 
-/* A twin begins to send rows, while whoever led has been silent for so long
- * that it may be stopped: the twin leads. */
+/* A twin begins to send rows while the attempt that leads has been silent for
+ * so long that its worker may be stopped: the twin leads. */
 static void
 overtake(const struct coord *c, struct job *job, struct job_go *go,
          const struct msg_result *m)
@@ -224,8 +224,8 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
             (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
 }
 
-/* All that the worker had to do is done: while the rows go to the disk it can
- * do other things, and so can its twins. */
+/* All rows of the attempt are here: while they go to the disk its worker can do
+ * other things, and so can those of its twins. */
 static void
 delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -240,8 +240,8 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         }
 }
 
-/* Of an earlier life of the coordinator: what a worker still has of that it
- * sends before it is ready. */
+/* Are the rows of an earlier life of the coordinator?  A worker sends what it
+ * still has of that before it is ready. */
 static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -249,7 +249,7 @@ is_old(const struct job *job, uint32_t index, const struct msg_result *m)
            job->workers[index].state != PART_READY;
 }
 
-/* One whose rows did not count is at its end. */
+/* The last row came of an attempt whose rows do not count. */
 static void
 note_end(struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -260,9 +260,8 @@ note_end(struct job *job, uint32_t index, const struct msg_result *m)
         go->rows = GO_SPENT;
 }
 
-/* Are the rows the unit's last because lines of it were given away, of which we
- * did not hear since the connection broke then?  One that has twins they have
- * whole. */
+/* Are the rows the unit's last because the worker gave lines away, and its GAVE
+ * was lost with a connection?  A unit with twins keeps its lines. */
 static bool
 gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
             const struct partition_area *a)
@@ -272,7 +271,7 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
            job->units[m->unit].ngos == 1;
 }
 
-/* Rows as they are kept. */
+/* Rows in the form in which they are kept. */
 static void
 take_result(struct coord *c, struct coord_worker *w, struct job *job,
             uint32_t index, const struct msg_result *m)
@@ -372,7 +371,7 @@ result_frame_done(struct coord *c, struct job *job, uint32_t frame)
     a->frame = frame;
 }
 
-/* Nobody works on it any more. */
+/* End all attempts at a unit whose rows are kept. */
 static void
 release_all(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -428,7 +427,7 @@ result_stored(struct coord *c, const struct action_rows *key)
     u = &job->units[key->unit];
     if (conn && conn->worker)
         desk_send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
-                       key->rows);
+                      key->rows);
     if (u->state == UNIT_DONE || u->lead != key->attempt ||
         u->stored_rows != key->row)
         return;

@@ -41,8 +41,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORTH_MS      50  /* a unit of auto takes at least so long */
-#define AWAIT_MS      300 /* a worker gets what others give away by then */
+#define WORTH_MS 50  /* a unit of auto takes at least so long */
+#define AWAIT_MS 300 /* a worker gets what others give away by then */
 
 /* A job that had nothing for a worker, though something waits, is not asked
  * again before that, then twice as long, and so on. */
@@ -160,7 +160,8 @@ is_left_out(const struct job *job, uint32_t index)
     bool others = false;
 
     for (uint32_t i = 0; i < job->nworkers && !others; i++)
-        others = job->workers[i].state == PART_READY && desk_may_take_part(job, i);
+        others =
+            job->workers[i].state == PART_READY && desk_may_take_part(job, i);
     return job->workers[index].late && others;
 }
 
@@ -253,9 +254,9 @@ awaits(const struct coord *c, const struct coord_worker *w,
 {
     uint32_t index = desk_index(job, w);
 
-    return index != JOB_NOBODY && job->stage == STAGE_OPEN && desk_can_balance(job) &&
-           job->workers[index].state == PART_READY && w->in_flight == 0 &&
-           c->now_ms - w->free_ms < AWAIT_MS;
+    return index != JOB_NOBODY && job->stage == STAGE_OPEN &&
+           desk_can_balance(job) && job->workers[index].state == PART_READY &&
+           w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
 }
 
 /* A worker that was away may be at units of a job that was paused meanwhile, or

@@ -1,4 +1,4 @@
-/* yield.c - who gives back what, for something that comes first
+/* yield.c - units that go back, for work that comes first
  *
  * A unit may be a third of what a worker does of a picture, so nothing waits
  * for its end: it goes back (YIELD, GAVE), rows and facts being kept, when its
@@ -68,7 +68,7 @@ may_yield(const struct job *job, const struct job_go *go)
             w->version >= msg_since(MSG_YIELD));
 }
 
-/* The holder is gone from the list then, unless it is to answer. */
+/* The attempt is over then, unless its worker is to answer. */
 static void
 give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -82,7 +82,7 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }
 
-/* Leave what comes before the units. */
+/* Have the worker leave seeds and estimates. */
 static void
 rest(struct coord *c, struct job *job, uint32_t index)
 {
@@ -98,7 +98,7 @@ rest(struct coord *c, struct job *job, uint32_t index)
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
-/* All that the worker has of the job. */
+/* Have all that the worker has of the job go back. */
 static void
 give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
@@ -127,8 +127,8 @@ is_unanswered(const struct coord *c, const struct job *job,
            (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
 
-/* Where a child does not answer, what it has is lost.  One walk over what is
- * out, whoever has it: there may be thousands of units, and many workers. */
+/* Units of a child that does not answer are lost.  One walk over all units that
+ * are out: there may be thousands, and many workers. */
 static void
 give_up(struct coord *c, struct job *job)
 {
