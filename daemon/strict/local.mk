@@ -8,4 +8,7 @@ libdaemon_a_SOURCES += \
 	daemon/strict/strict_loan.c \
 	daemon/strict/strict_out.c \
 	daemon/strict/strict_pass.c \
+	daemon/strict/strict_rank.c \
+	daemon/strict/strict_state.h \
+	daemon/strict/strict_table.c \
 	daemon/strict/strict_unit.c

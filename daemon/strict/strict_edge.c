@@ -133,52 +133,6 @@ edge_density(struct edge *e, const struct frame *f, size_t d, uint8_t density)
     edge_have(e, (size_t)f->q.width + d);
 }
 
-static bool
-base_line_fits(const struct strict *s, const struct msg_base_line *m)
-{
-    const struct frame *f;
-
-    if (m->frame >= s->nframes)
-        return false;
-    f = frame_of(s, m->frame);
-    return m->line < (uint32_t)f->nlines - 1 && m->x <= (uint32_t)f->q.width &&
-           m->n <= (uint32_t)f->q.width - m->x && m->first <= f->ndensity &&
-           m->ndensity <= f->ndensity - m->first &&
-           m->channels == channels_of(f);
-}
-
-static void
-take_pixel(struct edge *e, uint32_t x, const uint8_t *from, int channels)
-{
-    struct rad_pixel p = { .z = 0 };
-    float v[4];
-
-    wire_floats_get(v, from, (size_t)channels);
-    p.L = rad_rgb(v[0], v[1], v[2]);
-    if (channels == 4)
-        p.z = v[3];
-    edge_pixel(e, (int)x, &p);
-}
-
-void
-strict_base_line(struct strict *s, const struct msg_base_line *m)
-{
-    size_t size = m->channels * sizeof(float);
-    struct edge *e;
-
-    if (!base_line_fits(s, m))
-        return;
-    e = edge_make(s, m->frame, (int)m->line);
-    if (!e || e->missing == 0)
-        return;
-    for (uint32_t i = 0; i < m->n; i++)
-        take_pixel(e, m->x + i, m->pixels + i * size, m->channels);
-    for (uint32_t i = 0; i < m->ndensity; i++)
-        edge_density(e, frame_of(s, m->frame), m->first + i, m->density[i]);
-    if (e->missing == 0)
-        pass_top_came(s, e);
-}
-
 void
 edge_release(struct strict *s)
 {

@@ -14,6 +14,16 @@
 /* Bytes of facts that no unit here asks for. */
 #define SPARE_FACTS (64u << 20)
 
+/* Lazy ones are of units that are there. */
+static bool
+is_to_be_sent(const struct strict *s, uint32_t frame, int line)
+{
+    for (const struct item *i = s->urgent.first; i; i = i->next)
+        if (i->kind == ITEM_FACTS && i->frame == frame && i->line == line)
+            return true;
+    return false;
+}
+
 /* By another unit than that, or to be sent? */
 static bool
 is_needed_but_for(const struct strict *s, uint32_t frame, int line,
@@ -22,7 +32,7 @@ is_needed_but_for(const struct strict *s, uint32_t frame, int line,
     for (const struct strict_unit *u = s->units; u; u = u->next)
         if (u != by && covers(u, frame, line))
             return true;
-    return out_has_facts(s, frame, line);
+    return is_to_be_sent(s, frame, line);
 }
 
 static bool

@@ -15,16 +15,6 @@ loan_is_out(const struct strict_unit *u)
     return (u->lent.base | u->lent.bar) != 0;
 }
 
-void
-loan_free(struct loan *l)
-{
-    if (!l)
-        return;
-    free(l->pixels);
-    free(l->bytes);
-    free(l);
-}
-
 /* --- lending --- */
 
 void
@@ -88,7 +78,7 @@ strict_back(struct strict *s, const struct msg_back *m)
     blocked = u->blocked;
     u->blocked = false;
     if (blocked)
-        pass_make_way(s);
+        rank_make_way(s);
     if (u->parked)
         out_resumed(s, u); /* it may have said so when BACK was on its way */
     u->parked = false;     /* it may come to wait for something else */
@@ -138,7 +128,7 @@ copy_loan(const struct msg_loan *m)
     l->pixels = malloc(2 * (size_t)m->n * sizeof *l->pixels);
     l->bytes = malloc(bits + m->ndensity);
     if (!l->pixels || !l->bytes) {
-        loan_free(l);
+        unit_free_loan(l);
         return NULL;
     }
     memcpy(l->bytes, m->wanted, bits);

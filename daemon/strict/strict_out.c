@@ -98,16 +98,6 @@ out_facts(struct strict *s, struct queue *q, const struct strict_unit *u,
     push(s, q, &it);
 }
 
-/* Lazy ones are of units that are there. */
-bool
-out_has_facts(const struct strict *s, uint32_t frame, int line)
-{
-    for (const struct item *i = s->urgent.first; i; i = i->next)
-        if (i->kind == ITEM_FACTS && i->frame == frame && i->line == line)
-            return true;
-    return false;
-}
-
 void
 out_forget(struct strict *s, const struct strict_unit *u)
 {

@@ -1,8 +1,8 @@
 /* strict_pass.c - what is done for a strict unit next
  *
- * The most urgent pass is chosen over all units; the one that is under way is
- * told to end when its guess becomes the truth, or others wait for something
- * else. */
+ * A pass begins with what is known of its top, ends with a bottom that is a
+ * guess or true, and is told to end when the guess that it follows from becomes
+ * the truth.  Which unit gets the next pass is strict_rank.c's to say. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -12,136 +12,6 @@
 
 /* Pixels of a unit whose facts are kept in case that it gets a twin. */
 #define MOST_KEPT (1 << 22)
-
-/* Is the base line above gone over ahead, too? */
-static bool
-goes_above(const struct strict_unit *u)
-{
-    return u->make_top || u->knows_top;
-}
-
-static bool
-top_is_guessed(const struct strict *s, const struct strict_unit *u)
-{
-    const struct strict_unit *a = unit_above(s, u);
-
-    return !goes_above(u) && a && a->guess;
-}
-
-/* Is its bottom still to be made, which others may wait for? */
-static bool
-owes_bottom(const struct strict *s, const struct strict_unit *u)
-{
-    return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
-}
-
-/* Is the bottom, to be had before the bars, of use to others? */
-static bool
-wants_true_lines(const struct strict *s, const struct strict_unit *u)
-{
-    if (!owes_bottom(s, u))
-        return false;
-    /* over facts it takes no time, and those who wait need not wait until the
-     * rows are out; TRUTH makes the bottom of a single line first */
-    return u->ahead_done || u->last - u->first > 1;
-}
-
-/* What to do for a unit next; false: nothing. */
-static bool
-next_rank(const struct strict *s, const struct strict_unit *u,
-          enum strict_rank *rank)
-{
-    if (u->pass || u->gone || u->blocked)
-        return false;
-    if (u->loan)
-        *rank = STRICT_LOAN;
-    else if (unit_has_top(s, u))
-        *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
-    else if (!u->lines_done)
-        *rank = STRICT_LINES;
-    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
-        *rank = STRICT_AHEAD;
-    else
-        return false;
-    return true;
-}
-
-bool
-pass_waits(const struct strict *s, const struct strict_unit *u)
-{
-    enum strict_rank rank;
-
-    return !u->pass && !u->gone && !next_rank(s, u, &rank);
-}
-
-bool
-strict_waits(const struct strict *s)
-{
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        if (!u->blocked && pass_waits(s, u))
-            return true;
-    return false;
-}
-
-/* Of units that are made from true tops those come first that others may wait
- * for. */
-static bool
-comes_before(const struct strict *s, enum strict_rank rank,
-             const struct strict_unit *u, enum strict_rank than_rank,
-             const struct strict_unit *than)
-{
-    if (rank != than_rank)
-        return rank < than_rank;
-    if (rank == STRICT_TRUTH && owes_bottom(s, u) != owes_bottom(s, than))
-        return owes_bottom(s, u);
-    if (u->frame != than->frame)
-        return u->frame < than->frame;
-    return u->first < than->first;
-}
-
-static struct strict_unit *
-choose(const struct strict *s, enum strict_rank *rank)
-{
-    struct strict_unit *best = NULL;
-    enum strict_rank r;
-
-    for (struct strict_unit *u = s->units; u; u = u->next)
-        if (next_rank(s, u, &r) &&
-            (!best || comes_before(s, r, u, *rank, best))) {
-            best = u;
-            *rank = r;
-        }
-    return best;
-}
-
-/* May a thread leave the pass for what is due?  For a bottom TRUTH, too, whose
- * own is out, if it finds all that it traced when it goes on. */
-static bool
-gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
-{
-    if (p->stop)
-        return false;
-    return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
-                            !owes_bottom(s, p->of));
-}
-
-/* What others wait for is due: have a thread leave what is not, the least
- * urgent of it. */
-void
-pass_make_way(struct strict *s)
-{
-    enum strict_rank rank;
-    const struct strict_unit *due = choose(s, &rank);
-    bool for_bottom = due && rank <= STRICT_TRUTH && owes_bottom(s, due);
-    struct strict_pass *last = NULL;
-
-    for (struct strict_unit *u = s->units; u; u = u->next)
-        if (u->pass && gives_way(s, u->pass, for_bottom) &&
-            (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
-            last = u->pass;
-    if (last)
-        last->stop = true;
-}
 
 /* Its bottom was guessed from these densities: then it is true, since a base
  * line needs nothing else of the one above. */
@@ -196,7 +66,7 @@ top_came(struct strict *s, const struct edge *e, bool *idle)
     return next;
 }
 
-void
+static void
 pass_top_came(struct strict *s, const struct edge *e)
 {
     bool idle = false;
@@ -204,15 +74,7 @@ pass_top_came(struct strict *s, const struct edge *e)
     while (e)
         e = top_came(s, e, &idle);
     if (idle)
-        pass_make_way(s);
-}
-
-bool
-strict_has_work(const struct strict *s)
-{
-    enum strict_rank rank;
-
-    return !s->error && choose(s, &rank);
+        rank_make_way(s);
 }
 
 /* Copy what there is of a top: pixels may be NULL. */
@@ -340,7 +202,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->rank = rank;
     p->mode = mode_of(rank);
     p->true_top = rank <= STRICT_TRUTH;
-    p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
+    p->first = u->first - (!p->true_top && rank_goes_above(u) ? 1 : 0);
     p->last = u->last;
     p->filled = filled_until(s, u);
     p->least = u->first + 1;
@@ -367,7 +229,7 @@ struct strict_pass *
 strict_next(struct strict *s, enum strict_rank least)
 {
     enum strict_rank rank = STRICT_AHEAD;
-    struct strict_unit *u = s->error ? NULL : choose(s, &rank);
+    struct strict_unit *u = s->error ? NULL : rank_choose(s, &rank);
     struct strict_pass *p;
 
     if (!u || rank > least)
@@ -381,6 +243,52 @@ strict_next(struct strict *s, enum strict_rank least)
         out_resumed(s, u);
     u->parked = false; /* it may come to wait again */
     return p;
+}
+
+static bool
+base_line_fits(const struct strict *s, const struct msg_base_line *m)
+{
+    const struct frame *f;
+
+    if (m->frame >= s->nframes)
+        return false;
+    f = frame_of(s, m->frame);
+    return m->line < (uint32_t)f->nlines - 1 && m->x <= (uint32_t)f->q.width &&
+           m->n <= (uint32_t)f->q.width - m->x && m->first <= f->ndensity &&
+           m->ndensity <= f->ndensity - m->first &&
+           m->channels == channels_of(f);
+}
+
+static void
+take_pixel(struct edge *e, uint32_t x, const uint8_t *from, int channels)
+{
+    struct rad_pixel p = { .z = 0 };
+    float v[4];
+
+    wire_floats_get(v, from, (size_t)channels);
+    p.L = rad_rgb(v[0], v[1], v[2]);
+    if (channels == 4)
+        p.z = v[3];
+    edge_pixel(e, (int)x, &p);
+}
+
+void
+strict_base_line(struct strict *s, const struct msg_base_line *m)
+{
+    size_t size = m->channels * sizeof(float);
+    struct edge *e;
+
+    if (!base_line_fits(s, m))
+        return;
+    e = edge_make(s, m->frame, (int)m->line);
+    if (!e || e->missing == 0)
+        return;
+    for (uint32_t i = 0; i < m->n; i++)
+        take_pixel(e, m->x + i, m->pixels + i * size, m->channels);
+    for (uint32_t i = 0; i < m->ndensity; i++)
+        edge_density(e, frame_of(s, m->frame), m->first + i, m->density[i]);
+    if (e->missing == 0)
+        pass_top_came(s, e);
 }
 
 void

@@ -25,101 +25,6 @@ line_from_row(const struct frame *f, uint32_t row)
     return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
 }
 
-struct strict_unit *
-unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = s->units;
-
-    while (u && (u->unit != unit || u->attempt != attempt || u->gone))
-        u = u->next;
-    return u;
-}
-
-/* Units whose first line, or the one after the last, may be that line. */
-static struct strict_unit **
-first_slot(struct strict *s, uint32_t frame, int line)
-{
-    return &s->by_first[slot_of(frame, line)];
-}
-
-static struct strict_unit **
-last_slot(struct strict *s, uint32_t frame, int line)
-{
-    return &s->by_last[slot_of(frame, line)];
-}
-
-static void
-link_first(struct strict *s, struct strict_unit *u)
-{
-    struct strict_unit **at = first_slot(s, u->frame, u->first);
-
-    while (*at)
-        at = &(*at)->same_first;
-    *at = u;
-}
-
-static void
-link_last(struct strict *s, struct strict_unit *u)
-{
-    struct strict_unit **at = last_slot(s, u->frame, u->last);
-
-    while (*at)
-        at = &(*at)->same_last;
-    *at = u;
-}
-
-static void
-unlink_first(struct strict *s, struct strict_unit *u)
-{
-    struct strict_unit **at = first_slot(s, u->frame, u->first);
-
-    while (*at != u)
-        at = &(*at)->same_first;
-    *at = u->same_first;
-    u->same_first = NULL;
-}
-
-static void
-unlink_last(struct strict *s, struct strict_unit *u)
-{
-    struct strict_unit **at = last_slot(s, u->frame, u->last);
-
-    while (*at != u)
-        at = &(*at)->same_last;
-    *at = u->same_last;
-    u->same_last = NULL;
-}
-
-static void
-free_guess(struct strict_unit *u)
-{
-    free(u->guess);
-    free(u->guess_density);
-    free(u->guess_above);
-    u->guess = NULL;
-    u->guess_density = u->guess_above = NULL;
-}
-
-void
-unit_free(struct strict_unit *u)
-{
-    if (!u)
-        return;
-    free_guess(u);
-    free(u->chain);
-    free(u->cpu_ns);
-    loan_free(u->loan);
-    free(u);
-}
-
-bool
-unit_count_lines(struct strict_unit *u)
-{
-    u->nlines = u->last - u->first + 1;
-    u->cpu_ns = calloc((size_t)u->nlines, sizeof *u->cpu_ns);
-    return u->cpu_ns;
-}
-
 /* Forget a unit that has no pass, its facts and its top. */
 void
 unit_drop(struct strict *s, struct strict_unit *u)
@@ -134,46 +39,14 @@ unit_drop(struct strict *s, struct strict_unit *u)
         s->dropped.speculative_rays += facts_untold(s, u);
     }
     if (!u->loan) {
-        unlink_first(s, u);
-        unlink_last(s, u);
+        unit_unlink_first(s, u);
+        unit_unlink_last(s, u);
     }
     out_forget(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
     facts_drop_table(s, u->frame);
     unit_free(u);
-}
-
-bool
-unit_has_top(const struct strict *s, const struct strict_unit *u)
-{
-    const struct edge *e;
-
-    if (u->first == 0)
-        return true;
-    e = edge_find(s, u->frame, u->first - 1);
-    return e && e->missing == 0;
-}
-
-/* The unit here whose bottom is this one's top; NULL: none. */
-struct strict_unit *
-unit_above(const struct strict *s, const struct strict_unit *u)
-{
-    struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
-
-    while (a && (a->gone || a->frame != u->frame || a->last != u->first))
-        a = a->same_last;
-    return a;
-}
-
-struct strict_unit *
-unit_below(const struct strict *s, const struct strict_unit *u)
-{
-    struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
-
-    while (b && (b->gone || b->frame != u->frame || b->first != u->last))
-        b = b->same_first;
-    return b;
 }
 
 uint64_t
@@ -184,20 +57,6 @@ strict_rays(const struct strict *s)
     for (const struct strict_unit *u = s->units; u; u = u->next)
         n += u->gone ? 0 : u->spent.rays;
     return n;
-}
-
-static uint64_t
-most(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-/* Each pass goes over the same lines again. */
-void
-unit_made(struct strict_unit *u, const struct team_made *made)
-{
-    u->made.base = most(u->made.base, made->base);
-    u->made.bars = most(u->made.bars, made->bars);
 }
 
 static uint64_t
@@ -294,11 +153,11 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     while (*at)
         at = &(*at)->next;
     *at = u;
-    link_first(s, u);
-    link_last(s, u);
+    unit_link_first(s, u);
+    unit_link_last(s, u);
     facts_use_above(s, u);
     if (u->first > 0 && unit_has_top(s, u)) /* it came before the unit */
-        pass_make_way(s);
+        rank_make_way(s);
     return 0;
 }
 
@@ -326,15 +185,15 @@ unit_give_lines(struct strict *s, struct strict_unit *u, int last)
         /* and the base line above, which whoever gets them would make */
         for (int i = last - 1; i < end; i++)
             out_facts(s, &s->urgent, u, i);
-        unlink_last(s, u);
+        unit_unlink_last(s, u);
         u->last = last;
-        link_last(s, u);
+        unit_link_last(s, u);
         u->bottom_done = false;
         u->lent.ever = 0;
         u->sent_columns = 0;
         u->sent_densities = 0;
         /* it was that of another line */
-        free_guess(u);
+        unit_free_guess(u);
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);
     }
@@ -461,14 +320,14 @@ is_near(const struct strict *s, const struct strict_unit *u)
 {
     const struct strict_unit *a = unit_above(s, u);
 
-    return a && !pass_waits(s, a);
+    return a && !rank_waits(s, a);
 }
 
 /* Say so at once: its thread has room for another. */
 void
 unit_park(struct strict *s, struct strict_unit *u)
 {
-    if (u->gone || u->parked || !pass_waits(s, u) ||
+    if (u->gone || u->parked || !rank_waits(s, u) ||
         (!u->blocked && is_near(s, u)))
         return;
     u->parked = true;
@@ -518,7 +377,7 @@ due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
 static void
 tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
 {
-    bool waiting = pass_waits(s, u);
+    bool waiting = rank_waits(s, u);
 
     if (u->twin && !u->gone)
         push_twin_facts(s, u);

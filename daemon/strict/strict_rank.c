@@ -1,0 +1,146 @@
+/* strict_rank.c - which strict unit comes first, and which thread leaves for it
+ *
+ * The most urgent pass is chosen over all units; the one that is under way is
+ * told to end when others wait for something else. */
+#include "config.h"
+
+#include "strict/strict_impl.h"
+
+/* Is the base line above gone over ahead, too? */
+bool
+rank_goes_above(const struct strict_unit *u)
+{
+    return u->make_top || u->knows_top;
+}
+
+static bool
+top_is_guessed(const struct strict *s, const struct strict_unit *u)
+{
+    const struct strict_unit *a = unit_above(s, u);
+
+    return !rank_goes_above(u) && a && a->guess;
+}
+
+/* Is its bottom still to be made, which others may wait for? */
+bool
+rank_owes_bottom(const struct strict *s, const struct strict_unit *u)
+{
+    return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
+}
+
+/* Is the bottom, to be had before the bars, of use to others? */
+static bool
+wants_true_lines(const struct strict *s, const struct strict_unit *u)
+{
+    if (!rank_owes_bottom(s, u))
+        return false;
+    /* over facts it takes no time, and those who wait need not wait until the
+     * rows are out; TRUTH makes the bottom of a single line first */
+    return u->ahead_done || u->last - u->first > 1;
+}
+
+/* What to do for a unit next; false: nothing. */
+static bool
+next_rank(const struct strict *s, const struct strict_unit *u,
+          enum strict_rank *rank)
+{
+    if (u->pass || u->gone || u->blocked)
+        return false;
+    if (u->loan)
+        *rank = STRICT_LOAN;
+    else if (unit_has_top(s, u))
+        *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
+    else if (!u->lines_done)
+        *rank = STRICT_LINES;
+    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
+        *rank = STRICT_AHEAD;
+    else
+        return false;
+    return true;
+}
+
+bool
+rank_waits(const struct strict *s, const struct strict_unit *u)
+{
+    enum strict_rank rank;
+
+    return !u->pass && !u->gone && !next_rank(s, u, &rank);
+}
+
+bool
+strict_waits(const struct strict *s)
+{
+    for (const struct strict_unit *u = s->units; u; u = u->next)
+        if (!u->blocked && rank_waits(s, u))
+            return true;
+    return false;
+}
+
+/* Of units that are made from true tops those come first that others may wait
+ * for. */
+static bool
+comes_before(const struct strict *s, enum strict_rank rank,
+             const struct strict_unit *u, enum strict_rank than_rank,
+             const struct strict_unit *than)
+{
+    if (rank != than_rank)
+        return rank < than_rank;
+    if (rank == STRICT_TRUTH &&
+        rank_owes_bottom(s, u) != rank_owes_bottom(s, than))
+        return rank_owes_bottom(s, u);
+    if (u->frame != than->frame)
+        return u->frame < than->frame;
+    return u->first < than->first;
+}
+
+struct strict_unit *
+rank_choose(const struct strict *s, enum strict_rank *rank)
+{
+    struct strict_unit *best = NULL;
+    enum strict_rank r;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (next_rank(s, u, &r) &&
+            (!best || comes_before(s, r, u, *rank, best))) {
+            best = u;
+            *rank = r;
+        }
+    return best;
+}
+
+/* May a thread leave the pass for what is due?  For a bottom TRUTH, too, whose
+ * own is out, if it finds all that it traced when it goes on. */
+static bool
+gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
+{
+    if (p->stop)
+        return false;
+    return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
+                            !rank_owes_bottom(s, p->of));
+}
+
+/* What others wait for is due: have a thread leave what is not, the least
+ * urgent of it. */
+void
+rank_make_way(struct strict *s)
+{
+    enum strict_rank rank;
+    const struct strict_unit *due = rank_choose(s, &rank);
+    bool for_bottom = due && rank <= STRICT_TRUTH && rank_owes_bottom(s, due);
+    struct strict_pass *last = NULL;
+
+    for (struct strict_unit *u = s->units; u; u = u->next)
+        if (u->pass && gives_way(s, u->pass, for_bottom) &&
+            (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
+            last = u->pass;
+    if (last)
+        last->stop = true;
+}
+
+bool
+strict_has_work(const struct strict *s)
+{
+    enum strict_rank rank;
+
+    return !s->error && rank_choose(s, &rank);
+}
