@@ -8,6 +8,8 @@
 
 #include "base/text.h"
 
+#include <string.h>
+
 static void
 note_conn(struct coord *c, uint64_t id, enum coord_verdict verdict,
           const char *why)
@@ -17,8 +19,12 @@ note_conn(struct coord *c, uint64_t id, enum coord_verdict verdict,
     if (!conn || conn->verdict != CONN_STAYS)
         return;
     conn->verdict = verdict;
-    conn->why = why;
-    c->verdicts = true;
+    conn->why = rad_arena_strndup(&c->actions.mem, why, strlen(why));
+    if (!conn->why) {
+        conn->why = "out of memory";
+        c->actions.failed = true;
+    }
+    c->verdicts++;
 }
 
 void
@@ -45,5 +51,5 @@ verdict_job(struct coord *c, struct job *job, enum job_state state, int status,
     job->ending = true;
     rad_text_print(job->text, sizeof job->text, "%s", text ? text : "");
     wire_clean(job->text); /* JSON wants UTF-8 */
-    c->verdicts = true;
+    c->verdicts++;
 }

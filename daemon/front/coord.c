@@ -13,6 +13,7 @@
 #include "desk/job.h"
 #include "desk/progress.h"
 #include "desk/part.h"
+#include "desk/verdict.h"
 #include "front/request.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
@@ -33,6 +34,7 @@
 #include "base/sha.h"
 #include "base/text.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -126,6 +128,7 @@ coord_set_epoch(struct coord *c, uint64_t epoch)
 struct action_list *
 coord_actions(struct coord *c)
 {
+    assert(c->verdicts == 0); /* no verdict outlives its event */
     return &c->actions;
 }
 
@@ -316,7 +319,7 @@ on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     rad_text_print(why, sizeof why, "%s", m->failed.text);
     snprintf(text, sizeof text, "%s (worker %s)", why, conn->worker->name);
-    coord_job_ends(c, job, JOB_FAILED, m->failed.status, text);
+    verdict_job(c, job, JOB_FAILED, m->failed.status, text);
 }
 
 /* Of workers, and of those who have not said who they are. */
@@ -356,19 +359,26 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- events --- */
 
+/* The end of a connection may be the end of a job, which its units crash too
+ * often. */
+static void
+carry_out_verdicts(struct coord *c)
+{
+    while (c->verdicts > 0) {
+        coord_end_jobs(c);
+        coord_end_conns(c);
+    }
+}
+
 /* The end of an event: verdicts are carried out, and workers that may get
  * something get it, which may bring further verdicts. */
 static void
 settle(struct coord *c, bool run)
 {
-    for (int round = 0; round < 2; round++) {
-        if (c->verdicts) {
-            c->verdicts = false;
-            coord_end_jobs(c);
-            coord_end_conns(c);
-        }
-        if (round == 0 && (run || c->stirred))
-            sched_run(c);
+    carry_out_verdicts(c);
+    if (run || c->stirred) {
+        sched_run(c);
+        carry_out_verdicts(c);
     }
 }
 
@@ -378,6 +388,7 @@ coord_opened(struct coord *c, uint64_t now_ms, uint64_t id,
 {
     c->now_ms = now_ms;
     coord_conn_opened(c, id, peer);
+    settle(c, false);
 }
 
 void
@@ -498,7 +509,7 @@ coord_rows_stored(struct coord *c, uint64_t now_ms,
     if (status == 0)
         result_stored(c, key);
     else if (job && job->sequence == key->sequence)
-        coord_job_ends(c, job, JOB_FAILED, status, text);
+        verdict_job(c, job, JOB_FAILED, status, text);
     settle(c, true);
 }
 
@@ -507,8 +518,8 @@ coord_job_opened(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  uint64_t sequence, int status, const char *text)
 {
     c->now_ms = now_ms;
-    if (coord_open_job(c, id, sequence, status, text))
-        settle(c, true);
+    coord_open_job(c, id, sequence, status, text);
+    settle(c, true);
 }
 
 void
@@ -517,8 +528,9 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
                       uint32_t frame, int status, const char *text)
 {
     c->now_ms = now_ms;
-    if (coord_take_picture(c, id, sequence, frame, status, text))
-        coord_forget_old(c);
+    coord_take_picture(c, id, sequence, frame, status, text);
+    settle(c, false);
+    coord_forget_old(c);
 }
 
 void
@@ -623,7 +635,7 @@ look_after_uploads(struct coord *c)
         if (c->full)
             conn->moved_ms = c->now_ms;
         if (conn->offer_ms != 0 && c->now_ms - conn->moved_ms >= ms)
-            coord_break(c, conn->id, "what it sends does not go on");
+            verdict_break(c, conn->id, "what it sends does not go on");
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include "desk/desk.h"
 #include "desk/job.h"
+#include "desk/verdict.h"
 #include "front/listing.h"
 #include "front/report.h"
 #include "queue/coord_conn.h"
@@ -414,7 +415,8 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (refuse_over(c, conn, m->request, job))
         return;
     log_job(c, conn, "cancelled", job);
-    coord_job_ends(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
+    verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
+    coord_end_jobs(c); /* the answer waits until the store keeps this end */
     reply_settled(c, conn, m->request);
 }
 

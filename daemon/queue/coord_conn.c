@@ -11,6 +11,7 @@
 #include "queue/coord_conn.h"
 
 #include "desk/desk.h"
+#include "desk/verdict.h"
 #include "queue/telling.h"
 #include "sched/loss.h"
 #include "users/uploads.h"
@@ -39,6 +40,8 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     while (*link != conn)
         link = &(*link)->chain;
     *link = conn->chain;
+    if (conn->verdict != CONN_STAYS)
+        c->verdicts--;
     if (conn->worker) {
         conn->worker->conn = 0;
         conn->worker->since_ms = c->now_ms;
@@ -80,22 +83,13 @@ log_break(struct coord *c, const struct coord_conn *conn,
 }
 
 static void
-end_conn(struct coord *c, uint64_t id, enum action_level level, const char *why)
+end_conn(struct coord *c, struct coord_conn *conn, enum action_level level,
+         const char *why)
 {
-    struct coord_conn *conn = desk_find_conn(c, id);
-
-    if (!conn)
-        return;
     log_break(c, conn, level, why);
-    actions_session(&c->actions, id, MSG_NSESSION, conn->version);
-    actions_close(&c->actions, id);
+    actions_session(&c->actions, conn->id, MSG_NSESSION, conn->version);
+    actions_close(&c->actions, conn->id);
     drop_conn(c, conn);
-}
-
-void
-coord_break(struct coord *c, uint64_t id, const char *why)
-{
-    end_conn(c, id, ACT_WARN, why);
 }
 
 void
@@ -104,7 +98,7 @@ coord_end_conns(struct coord *c)
     for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
         next = conn->next;
         if (conn->verdict != CONN_STAYS)
-            end_conn(c, conn->id,
+            end_conn(c, conn,
                      conn->verdict == CONN_BREAKS ? ACT_WARN : ACT_INFO,
                      conn->why);
     }
@@ -141,7 +135,7 @@ make_room(struct coord *c, const struct coord_conn *conn)
     const struct coord_conn *oldest;
 
     if (count_user(c, conn, false, &oldest) >= c->limits.conns && oldest)
-        coord_break(c, oldest->id, crowded);
+        verdict_break(c, oldest->id, crowded);
 }
 
 void
@@ -179,7 +173,7 @@ refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
                      .refuse = { (uint16_t)status, text } };
 
     actions_send(&c->actions, conn->id, &m);
-    coord_break(c, conn->id, text);
+    verdict_break(c, conn->id, text);
 }
 
 struct coord_worker *
@@ -244,19 +238,22 @@ note_address(struct coord_worker *w, const struct coord_conn *conn,
         snprintf(w->address, sizeof w->address, "%s", said);
 }
 
-/* It called again before the old connection was known to be dead; or two hosts
- * have one name, and then both should hear of it. */
+/* The worker called again before its old connection was known to be dead; or
+ * two hosts have one name, and then both should hear of it.  The old connection
+ * ends at once and not by a verdict: the worker must have left its jobs before
+ * the new connection brings it back. */
 static void
 replace(struct coord *c, const struct coord_worker *w,
         const struct coord_conn *by)
 {
+    struct coord_conn *old = desk_find_conn(c, w->conn);
     char why[MSG_MAX_TEXT + 1];
     struct msg m = { .type = MSG_BYE, .bye = { why } };
 
     snprintf(why, sizeof why, "replaced by a connection of that name from %s",
              by->address);
-    actions_send(&c->actions, w->conn, &m);
-    coord_break(c, w->conn, why);
+    actions_send(&c->actions, old->id, &m);
+    end_conn(c, old, ACT_WARN, why);
 }
 
 static bool

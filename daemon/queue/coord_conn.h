@@ -14,10 +14,7 @@ void coord_conn_opened(struct coord *c, uint64_t id,
 /* It says who it is: welcome or not. */
 void coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m);
 
-/* Close at once a connection that broke the rules, or that is not needed. */
-void coord_break(struct coord *c, uint64_t conn, const char *why);
-
-/* Close those of which there are verdicts. */
+/* Carry out the verdicts on connections (desk/verdict.h). */
 void coord_end_conns(struct coord *c);
 
 /* The record of the worker of that name, a new one if it never was here; NULL

@@ -212,7 +212,7 @@ end_stalled(struct coord *c, struct job *job)
              "files of the scene did not come for %" PRIu64
              " s: submit it again",
              c->limits.upload_ms / 1000);
-    coord_job_ends(c, job, JOB_FAILED, EX_TEMPFAIL, text);
+    verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
 /* Once the store tells of a job that is over, nothing but its end and its
@@ -257,7 +257,7 @@ stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
         return NULL;
     if (status == 0)
         return job;
-    coord_job_ends(c, job, JOB_FAILED, status, text);
+    verdict_job(c, job, JOB_FAILED, status, text);
     return NULL;
 }
 
@@ -285,7 +285,7 @@ wait_no_more(struct coord *c, struct job *job)
     coord_keep_state(c, job);
 }
 
-bool
+void
 coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
                int status, const char *text)
 {
@@ -293,7 +293,7 @@ coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
     bool waited;
 
     if (!job)
-        return false;
+        return;
     waited = job->stage == STAGE_NO_ROOM;
     job_step(job, STAGE_OPEN);
     job->open_ms = c->now_ms;
@@ -302,7 +302,6 @@ coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch == job)
             coord_send_accept(c, conn, job, false);
-    return true;
 }
 
 void
@@ -381,6 +380,7 @@ static void
 end_job(struct coord *c, struct job *job)
 {
     job->ending = false;
+    c->verdicts--;
     c->keep_due = true;
     actions_log(&c->actions, ACT_INFO, "job over job=%s state=%s why=%s",
                 job->hex, job_state_name(job->state), job->text);
@@ -412,15 +412,6 @@ coord_end_jobs(struct coord *c)
 }
 
 void
-coord_job_ends(struct coord *c, struct job *job, enum job_state state,
-               int status, const char *text)
-{
-    verdict_job(c, job, state, status, text);
-    if (job->ending)
-        end_job(c, job);
-}
-
-bool
 coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
                    uint64_t sequence, uint32_t frame, int status,
                    const char *text)
@@ -429,11 +420,10 @@ coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
 
     if (!job || frame >= job->spec.nframes ||
         job->frames[frame].state != FRAME_WRITING)
-        return false;
+        return;
     frame_step(&job->frames[frame], FRAME_WRITTEN);
     job->unfetched++;
     frame_count_ready(job);
     if (job->frames_ready == job->spec.nframes)
-        coord_job_ends(c, job, JOB_DONE, 0, NULL);
-    return true;
+        verdict_job(c, job, JOB_DONE, 0, NULL);
 }

@@ -31,17 +31,14 @@ void coord_file_came(struct coord *c, const struct coord_owner *owner,
 void coord_jobs_tick(struct coord *c);
 /* The job is as it is now after a restart too. */
 void coord_keep_state(struct coord *c, const struct job *job);
-/* The job has room for its rows, or a picture was written; false: it failed, or
- * there is no such job. */
-bool coord_open_job(struct coord *c, const uint8_t id[MSG_JOB],
+/* The job has room for its rows, or a picture was written; a status other than
+ * 0 ends the job. */
+void coord_open_job(struct coord *c, const uint8_t id[MSG_JOB],
                     uint64_t sequence, int status, const char *text);
-bool coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
+void coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
                         uint64_t sequence, uint32_t frame, int status,
                         const char *text);
-/* End a job at once; text may be NULL. */
-void coord_job_ends(struct coord *c, struct job *job, enum job_state state,
-                    int status, const char *text);
-/* Do what follows from the verdicts on jobs. */
+/* Carry out the verdicts on jobs (desk/verdict.h). */
 void coord_end_jobs(struct coord *c);
 /* Free a job with all that others keep of it (NULL: nothing). */
 void coord_free_job(struct job *job);

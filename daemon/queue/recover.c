@@ -5,6 +5,7 @@
 
 #include "desk/desk.h"
 #include "desk/job.h"
+#include "desk/verdict.h"
 #include "desk/part.h"
 #include "desk/progress.h"
 #include "desk/unit.h"
@@ -240,7 +241,8 @@ take_up(const struct recovery *r)
                 (unsigned long long)job->pixels_done,
                 (unsigned long long)job->pixels_total);
     if (job->frames_ready == job->spec.nframes) /* only that was not kept */
-        coord_job_ends(r->c, job, JOB_DONE, 0, NULL);
+        verdict_job(r->c, job, JOB_DONE, 0, NULL);
+    coord_end_jobs(r->c);
     return 0;
 }
 
