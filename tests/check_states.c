@@ -6,6 +6,7 @@
 #include "desk/job.h"
 #include "desk/part.h"
 #include "desk/unit.h"
+#include "machine/steps.h"
 #include "unit.h"
 
 #include <signal.h>
@@ -15,31 +16,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* A machine of the coordinator, by the numbers of its states. */
+/* A table, how its states are taken, and its steps as in the drawing at the
+ * head of its file, which these lists say again on purpose. */
 struct machine {
-    int states;
-    /* "working: parked blocked": as in the drawing at the head of its file,
-     * which this says again on purpose */
-    const char *steps[8];
-    const char *(*name)(int state);
-    bool (*permits)(int from, int to);
-    int (*step)(int from, int to);
+    const struct steps *table;
+    int (*take)(int from, int to);
+    const char *steps[STEPS_STATES]; /* "working: parked blocked" */
 };
 
-static const char *
-go_name(int state)
-{
-    return go_state_name((enum go_state)state);
-}
-
-static bool
-go_may(int from, int to)
-{
-    return go_permits((enum go_state)from, (enum go_state)to);
-}
-
 static int
-go_does(int from, int to)
+take_go(int from, int to)
 {
     struct job_go go = { .state = (enum go_state)from };
 
@@ -47,20 +33,8 @@ go_does(int from, int to)
     return (int)go.state;
 }
 
-static const char *
-unit_name(int state)
-{
-    return unit_state_name((enum unit_state)state);
-}
-
-static bool
-unit_may(int from, int to)
-{
-    return unit_permits((enum unit_state)from, (enum unit_state)to);
-}
-
 static int
-unit_does(int from, int to)
+take_unit(int from, int to)
 {
     struct job_unit u = { .state = (enum unit_state)from };
 
@@ -68,20 +42,8 @@ unit_does(int from, int to)
     return (int)u.state;
 }
 
-static const char *
-part_name(int state)
-{
-    return part_state_name((enum part_state)state);
-}
-
-static bool
-part_may(int from, int to)
-{
-    return part_permits((enum part_state)from, (enum part_state)to);
-}
-
 static int
-part_does(int from, int to)
+take_part(int from, int to)
 {
     struct job_worker jw = { .state = (enum part_state)from };
 
@@ -89,20 +51,8 @@ part_does(int from, int to)
     return (int)jw.state;
 }
 
-static const char *
-frame_name(int state)
-{
-    return frame_state_name((enum frame_state)state);
-}
-
-static bool
-frame_may(int from, int to)
-{
-    return frame_permits((enum frame_state)from, (enum frame_state)to);
-}
-
 static int
-frame_does(int from, int to)
+take_frame(int from, int to)
 {
     struct job_frame f = { .state = (enum frame_state)from };
 
@@ -110,20 +60,8 @@ frame_does(int from, int to)
     return (int)f.state;
 }
 
-static const char *
-stage_name(int state)
-{
-    return job_stage_name((enum job_stage)state);
-}
-
-static bool
-stage_may(int from, int to)
-{
-    return job_permits((enum job_stage)from, (enum job_stage)to);
-}
-
 static int
-stage_does(int from, int to)
+take_stage(int from, int to)
 {
     struct job job = { .stage = (enum job_stage)from };
 
@@ -132,38 +70,28 @@ stage_does(int from, int to)
 }
 
 static const struct machine machines[] = {
-    { GO_STATES,
+    { &go_steps,
+      take_go,
       { "over: working", "working: parked blocked yielding delivered over",
         "parked: working yielding delivered over",
         "blocked: working yielding delivered over", "yielding: delivered over",
-        "delivered: over" },
-      go_name,
-      go_may,
-      go_does },
-    { UNIT_STATES,
+        "delivered: over" } },
+    { &unit_steps,
+      take_unit,
       { "waiting: out done", "suspect: out", "out: waiting suspect done",
-        "done:" },
-      unit_name,
-      unit_may,
-      unit_does },
-    { PART_STATES,
+        "done:" } },
+    { &part_steps,
+      take_part,
       { "gone: loading", "no-room: gone", "excluded:",
-        "loading: ready gone no-room excluded", "ready: gone excluded" },
-      part_name,
-      part_may,
-      part_does },
-    { FRAME_STATES,
+        "loading: ready gone no-room excluded", "ready: gone excluded" } },
+    { &frame_steps,
+      take_frame,
       { "open: writing written fetched", "writing: written", "written: fetched",
-        "fetched:" },
-      frame_name,
-      frame_may,
-      frame_does },
-    { JOB_STAGES,
+        "fetched:" } },
+    { &job_stages,
+      take_stage,
       { "arriving: opening open filed", "opening: no-room open kept",
-        "no-room: open kept", "open: kept", "kept: filed", "filed:" },
-      stage_name,
-      stage_may,
-      stage_does },
+        "no-room: open kept", "open: kept", "kept: filed", "filed:" } },
 };
 
 /* Does a line of steps begin with that state, and have the other? */
@@ -183,8 +111,9 @@ says(const char *line, const char *from, const char *to)
 static bool
 follows(const struct machine *m, int from, int to)
 {
-    for (int i = 0; i < m->states; i++)
-        if (says(m->steps[i], m->name(from), m->name(to)))
+    for (int i = 0; i < (int)m->table->n; i++)
+        if (says(m->steps[i], m->table->state[from].name,
+                 m->table->state[to].name))
             return true;
     return false;
 }
@@ -201,7 +130,7 @@ signal_of_step(const struct machine *m, int from, int to)
         setrlimit(RLIMIT_CORE, &(struct rlimit){ 0, 0 });
         if (!freopen("/dev/null", "w", stderr)) /* what assert() says */
             _exit(1);
-        _exit(m->step(from, to) == to ? 0 : 2);
+        _exit(m->take(from, to) == to ? 0 : 2);
     }
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     if (WIFSIGNALED(status))
@@ -214,14 +143,17 @@ START_TEST(the_steps_of_the_drawings_and_no_others_can_be_taken)
 {
     const struct machine *m = &machines[_i];
 
-    for (int from = 0; from < m->states; from++)
-        for (int to = 0; to < m->states; to++) {
+    for (int from = 0; from < (int)m->table->n; from++)
+        for (int to = 0; to < (int)m->table->n; to++) {
             bool may = follows(m, from, to);
 
-            ck_assert_msg(m->permits(from, to) == may, "%s to %s",
-                          m->name(from), m->name(to));
+            ck_assert_msg(
+                steps_permit(m->table, (unsigned)from, (unsigned)to) == may,
+                "%s to %s", m->table->state[from].name,
+                m->table->state[to].name);
             ck_assert_msg(signal_of_step(m, from, to) == (may ? 0 : SIGABRT),
-                          "%s to %s", m->name(from), m->name(to));
+                          "%s to %s", m->table->state[from].name,
+                          m->table->state[to].name);
         }
 }
 END_TEST
@@ -232,11 +164,11 @@ START_TEST(the_drawings_name_states_that_there_are)
     const struct machine *m = &machines[_i];
     size_t n = 0, words = 0;
 
-    for (int i = 0; i < m->states; i++)
+    for (int i = 0; i < (int)m->table->n; i++)
         for (const char *s = m->steps[i]; *s; s++)
             words += *s == ' ';
-    for (int from = 0; from < m->states; from++)
-        for (int to = 0; to < m->states; to++)
+    for (int from = 0; from < (int)m->table->n; from++)
+        for (int to = 0; to < (int)m->table->n; to++)
             n += follows(m, from, to);
     ck_assert_uint_eq(n, words);
 }

@@ -4,30 +4,25 @@
 #include "desk/frame.h"
 
 #include "desk/job.h"
+#include "machine/steps.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
-bool
-frame_permits(enum frame_state from, enum frame_state to)
-{
-    return to == from + 1 || (from == FRAME_OPEN && to >= FRAME_WRITTEN);
-}
+const struct steps frame_steps = {
+    FRAME_STATES,
+    {
+        [FRAME_OPEN] = { "open", STEP(FRAME_WRITING) | STEP(FRAME_WRITTEN) |
+                                     STEP(FRAME_FETCHED) },
+        [FRAME_WRITING] = { "writing", STEP(FRAME_WRITTEN) },
+        [FRAME_WRITTEN] = { "written", STEP(FRAME_FETCHED) },
+        [FRAME_FETCHED] = { "fetched", 0 },
+    },
+};
 
 void
 frame_step(struct job_frame *f, enum frame_state to)
 {
-    assert(frame_permits(f->state, to));
-    f->state = to;
-}
-
-const char *
-frame_state_name(enum frame_state state)
-{
-    static const char *const name[FRAME_STATES] = { "open", "writing",
-                                                    "written", "fetched" };
-
-    return name[state];
+    f->state = (enum frame_state)steps_take(&frame_steps, f->state, to);
 }
 
 bool

@@ -12,6 +12,7 @@
 
 struct job;
 struct msg_line_costs;
+struct steps;
 
 enum frame_state {
     FRAME_OPEN,    /* units of it are not done */
@@ -32,12 +33,10 @@ struct job_frame {
                       * lost a unit that it had spent something on */
 };
 
-/* May a frame pass from one state to the other? */
-bool frame_permits(enum frame_state from, enum frame_state to);
+/* Which state may follow which; see the head of frame.c. */
+extern const struct steps frame_steps;
 /* It is in another state from here on, which must be permitted. */
 void frame_step(struct job_frame *f, enum frame_state to);
-/* "writing" */
-const char *frame_state_name(enum frame_state state);
 
 /* Is its picture there, fetched or not? */
 bool frame_is_written(const struct job_frame *f);

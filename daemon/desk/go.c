@@ -24,48 +24,32 @@
 #include "desk/go.h"
 
 #include "desk/job.h"
-
 #include "desk/unit.h"
+#include "machine/steps.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BIT(state) (1U << (state))
-
-static const unsigned permitted[GO_STATES] = {
-    [GO_OVER] = BIT(GO_WORKING),
-    [GO_WORKING] = BIT(GO_PARKED) | BIT(GO_BLOCKED) | BIT(GO_YIELDING) |
-                   BIT(GO_DELIVERED) | BIT(GO_OVER),
-    [GO_PARKED] =
-        BIT(GO_WORKING) | BIT(GO_YIELDING) | BIT(GO_DELIVERED) | BIT(GO_OVER),
-    [GO_BLOCKED] =
-        BIT(GO_WORKING) | BIT(GO_YIELDING) | BIT(GO_DELIVERED) | BIT(GO_OVER),
-    [GO_YIELDING] = BIT(GO_DELIVERED) | BIT(GO_OVER),
-    [GO_DELIVERED] = BIT(GO_OVER),
+const struct steps go_steps = {
+    GO_STATES,
+    {
+        [GO_OVER] = { "over", STEP(GO_WORKING) },
+        [GO_WORKING] = { "working", STEP(GO_PARKED) | STEP(GO_BLOCKED) |
+                                        STEP(GO_YIELDING) | STEP(GO_DELIVERED) |
+                                        STEP(GO_OVER) },
+        [GO_PARKED] = { "parked", STEP(GO_WORKING) | STEP(GO_YIELDING) |
+                                      STEP(GO_DELIVERED) | STEP(GO_OVER) },
+        [GO_BLOCKED] = { "blocked", STEP(GO_WORKING) | STEP(GO_YIELDING) |
+                                        STEP(GO_DELIVERED) | STEP(GO_OVER) },
+        [GO_YIELDING] = { "yielding", STEP(GO_DELIVERED) | STEP(GO_OVER) },
+        [GO_DELIVERED] = { "delivered", STEP(GO_OVER) },
+    },
 };
-
-bool
-go_permits(enum go_state from, enum go_state to)
-{
-    return permitted[from] & BIT(to);
-}
 
 void
 go_step(struct job_go *go, enum go_state to)
 {
-    assert(go_permits(go->state, to));
-    go->state = to;
-}
-
-const char *
-go_state_name(enum go_state state)
-{
-    static const char *const name[GO_STATES] = { "over",     "working",
-                                                 "parked",   "blocked",
-                                                 "yielding", "delivered" };
-
-    return name[state];
+    go->state = (enum go_state)steps_take(&go_steps, go->state, to);
 }
 
 bool

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 struct job;
+struct steps;
 
 #define JOB_MAX_HOLDERS 5  /* attempts at one unit that are no loans */
 #define JOB_MAX_GOES    13 /* these, and loans */
@@ -76,15 +77,11 @@ struct job_go {
     struct go_handoff handoff;
 };
 
-/* May an attempt pass from one state to the other? */
-bool go_permits(enum go_state from, enum go_state to);
-
+/* Which state may follow which; see the head of go.c. */
+extern const struct steps go_steps;
 /* It is in another state from here on, which must be permitted.  Only hold.c
  * calls this: counts of workers go by the state. */
 void go_step(struct job_go *go, enum go_state to);
-
-/* "parked" */
-const char *go_state_name(enum go_state state);
 
 /* Has its worker something to do for the unit? */
 bool go_works(const struct job_go *go);

@@ -17,14 +17,12 @@
 #include "desk/job.h"
 
 #include "desk/part.h"
-#include "desk/unit.h"
 #include "desk/shared.h"
-
-#include "machine/jobtext.h"
-
+#include "desk/unit.h"
 #include "image/filter.h"
+#include "machine/jobtext.h"
+#include "machine/steps.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -244,38 +242,25 @@ job_over(const struct job *job)
     return job->state >= JOB_DONE;
 }
 
-#define BIT(stage) (1U << (stage))
-
-static const unsigned permitted[JOB_STAGES] = {
-    [STAGE_ARRIVING] = BIT(STAGE_OPENING) | BIT(STAGE_OPEN) | BIT(STAGE_FILED),
-    [STAGE_OPENING] = BIT(STAGE_NO_ROOM) | BIT(STAGE_OPEN) | BIT(STAGE_KEPT),
-    [STAGE_NO_ROOM] = BIT(STAGE_OPEN) | BIT(STAGE_KEPT),
-    [STAGE_OPEN] = BIT(STAGE_KEPT),
-    [STAGE_KEPT] = BIT(STAGE_FILED),
-    [STAGE_FILED] = 0,
+const struct steps job_stages = {
+    JOB_STAGES,
+    {
+        [STAGE_ARRIVING] = { "arriving", STEP(STAGE_OPENING) |
+                                             STEP(STAGE_OPEN) |
+                                             STEP(STAGE_FILED) },
+        [STAGE_OPENING] = { "opening", STEP(STAGE_NO_ROOM) | STEP(STAGE_OPEN) |
+                                           STEP(STAGE_KEPT) },
+        [STAGE_NO_ROOM] = { "no-room", STEP(STAGE_OPEN) | STEP(STAGE_KEPT) },
+        [STAGE_OPEN] = { "open", STEP(STAGE_KEPT) },
+        [STAGE_KEPT] = { "kept", STEP(STAGE_FILED) },
+        [STAGE_FILED] = { "filed", 0 },
+    },
 };
-
-bool
-job_permits(enum job_stage from, enum job_stage to)
-{
-    return permitted[from] & BIT(to);
-}
 
 void
 job_step(struct job *job, enum job_stage to)
 {
-    assert(job_permits(job->stage, to));
-    job->stage = to;
-}
-
-const char *
-job_stage_name(enum job_stage stage)
-{
-    static const char *const name[JOB_STAGES] = { "arriving", "opening",
-                                                  "no-room",  "open",
-                                                  "kept",     "filed" };
-
-    return name[stage];
+    job->stage = (enum job_stage)steps_take(&job_stages, job->stage, to);
 }
 
 bool

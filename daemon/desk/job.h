@@ -18,6 +18,7 @@ struct coord_owner;
 struct coord_worker;
 struct ring;
 struct stats_text;
+struct steps;
 struct survey;
 
 /* As in msg_progress. */
@@ -166,12 +167,10 @@ void job_lighten(struct job *job);
 /* Is it over, one way or the other? */
 bool job_over(const struct job *job);
 
-/* May a job pass from one stage to the other? */
-bool job_permits(enum job_stage from, enum job_stage to);
+/* Which state may follow which; see the head of job.c. */
+extern const struct steps job_stages;
 /* It is in another stage from here on, which must be permitted. */
 void job_step(struct job *job, enum job_stage to);
-/* "opening" */
-const char *job_stage_name(enum job_stage stage);
 
 /* Does it get no units for want of room on the disk? */
 bool job_held(const struct job *job);

@@ -15,44 +15,29 @@
 #include "desk/part.h"
 
 #include "desk/job.h"
+#include "machine/steps.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BIT(state) (1U << (state))
-
-static const unsigned permitted[PART_STATES] = {
-    [PART_GONE] = BIT(PART_LOADING),
-    [PART_NO_ROOM] = BIT(PART_GONE),
-    [PART_EXCLUDED] = 0,
-    [PART_LOADING] = BIT(PART_READY) | BIT(PART_GONE) | BIT(PART_NO_ROOM) |
-                     BIT(PART_EXCLUDED),
-    [PART_READY] = BIT(PART_GONE) | BIT(PART_EXCLUDED),
+const struct steps part_steps = {
+    PART_STATES,
+    {
+        [PART_GONE] = { "gone", STEP(PART_LOADING) },
+        [PART_NO_ROOM] = { "no-room", STEP(PART_GONE) },
+        [PART_EXCLUDED] = { "excluded", 0 },
+        [PART_LOADING] = { "loading", STEP(PART_READY) | STEP(PART_GONE) |
+                                          STEP(PART_NO_ROOM) |
+                                          STEP(PART_EXCLUDED) },
+        [PART_READY] = { "ready", STEP(PART_GONE) | STEP(PART_EXCLUDED) },
+    },
 };
-
-bool
-part_permits(enum part_state from, enum part_state to)
-{
-    return permitted[from] & BIT(to);
-}
 
 void
 part_step(struct job_worker *jw, enum part_state to)
 {
-    assert(part_permits(jw->state, to));
-    jw->state = to;
-}
-
-const char *
-part_state_name(enum part_state state)
-{
-    static const char *const name[PART_STATES] = { "gone", "no-room",
-                                                   "excluded", "loading",
-                                                   "ready" };
-
-    return name[state];
+    jw->state = (enum part_state)steps_take(&part_steps, jw->state, to);
 }
 
 bool

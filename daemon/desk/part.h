@@ -14,6 +14,7 @@
 
 struct coord_worker;
 struct job;
+struct steps;
 
 #define JOB_NOBODY UINT32_MAX
 
@@ -81,14 +82,10 @@ struct job_worker {
     bool tallied;           /* in this life of the coordinator */
 };
 
-/* May a worker's part pass from one state to the other? */
-bool part_permits(enum part_state from, enum part_state to);
-
+/* Which state may follow which; see the head of part.c. */
+extern const struct steps part_steps;
 /* It is in another state from here on, which must be permitted. */
 void part_step(struct job_worker *jw, enum part_state to);
-
-/* "loading" */
-const char *part_state_name(enum part_state state);
 
 /* Is it loading the job or ready? */
 bool part_is_here(const struct job_worker *jw);

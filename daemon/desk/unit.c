@@ -17,40 +17,26 @@
 
 #include "desk/job.h"
 #include "desk/part.h"
+#include "machine/steps.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BIT(state) (1U << (state))
-
-static const unsigned permitted[UNIT_STATES] = {
-    [UNIT_WAITING] = BIT(UNIT_OUT) | BIT(UNIT_DONE),
-    [UNIT_SUSPECT] = BIT(UNIT_OUT),
-    [UNIT_OUT] = BIT(UNIT_WAITING) | BIT(UNIT_SUSPECT) | BIT(UNIT_DONE),
-    [UNIT_DONE] = 0,
+const struct steps unit_steps = {
+    UNIT_STATES,
+    {
+        [UNIT_WAITING] = { "waiting", STEP(UNIT_OUT) | STEP(UNIT_DONE) },
+        [UNIT_SUSPECT] = { "suspect", STEP(UNIT_OUT) },
+        [UNIT_OUT] = { "out", STEP(UNIT_WAITING) | STEP(UNIT_SUSPECT) |
+                                  STEP(UNIT_DONE) },
+        [UNIT_DONE] = { "done", 0 },
+    },
 };
-
-bool
-unit_permits(enum unit_state from, enum unit_state to)
-{
-    return permitted[from] & BIT(to);
-}
 
 void
 unit_step(struct job_unit *u, enum unit_state to)
 {
-    assert(unit_permits(u->state, to));
-    u->state = to;
-}
-
-const char *
-unit_state_name(enum unit_state state)
-{
-    static const char *const name[UNIT_STATES] = { "waiting", "suspect", "out",
-                                                   "done" };
-
-    return name[state];
+    u->state = (enum unit_state)steps_take(&unit_steps, u->state, to);
 }
 
 uint32_t

@@ -9,6 +9,8 @@
 #include "desk/go.h"
 #include "proto/message.h"
 
+struct steps;
+
 enum unit_state {
     UNIT_WAITING, /* in the partition's queue, or not yet cut off by it */
     UNIT_SUSPECT, /* in job.suspects: to go to a worker that has nothing else */
@@ -52,14 +54,10 @@ struct job_unit {
     struct msg_counts lent;   /* of loans that were paid (lending.c) */
 };
 
-/* May a unit pass from one state to the other? */
-bool unit_permits(enum unit_state from, enum unit_state to);
-
+/* Which state may follow which; see the head of unit.c. */
+extern const struct steps unit_steps;
 /* It is in another state from here on, which must be permitted. */
 void unit_step(struct job_unit *u, enum unit_state to);
-
-/* "waiting" */
-const char *unit_state_name(enum unit_state state);
 
 /* Attempts are numbered anew in each life of the coordinator, from here on. */
 uint32_t unit_first_attempt(const struct job *job);

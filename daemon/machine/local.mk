@@ -1,4 +1,4 @@
-# what the pure machines share: actions, texts of a job, sums
+# what the pure machines share: states, actions, texts of a job, sums
 libdaemon_a_SOURCES += \
 	daemon/machine/action.c \
 	daemon/machine/action.h \
@@ -10,6 +10,8 @@ libdaemon_a_SOURCES += \
 	daemon/machine/jobtext.h \
 	daemon/machine/rowsum.c \
 	daemon/machine/rowsum.h \
+	daemon/machine/steps.c \
+	daemon/machine/steps.h \
 	daemon/machine/saved.h \
 	daemon/machine/wordlist.c \
 	daemon/machine/wordlist.h

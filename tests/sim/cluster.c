@@ -9,6 +9,7 @@
 #include "desk/job.h"
 #include "desk/part.h"
 #include "desk/unit.h"
+#include "machine/steps.h"
 #include "front/coord.h"
 
 #include <stdio.h>
@@ -599,19 +600,20 @@ describe(const struct net *net)
     for (size_t i = 0; i < s->coord->njobs; i++) {
         const struct job *job = s->coord->jobs[i];
 
-        fprintf(
-            stderr, "job %s %s %s partition %d flags %x waiting %u done %u\n",
-            job->hex, job_state_name(job->state), job_stage_name(job->stage),
-            job->spec.partition, job->spec.flags,
-            job->partition ? job_waiting(job) : 0, job->units_done);
+        fprintf(stderr,
+                "job %s %s %s partition %d flags %x waiting %u done %u\n",
+                job->hex, job_state_name(job->state),
+                job_stages.state[job->stage].name, job->spec.partition,
+                job->spec.flags, job->partition ? job_waiting(job) : 0,
+                job->units_done);
         for (uint32_t k = 0; k < job->nworkers; k++)
             fprintf(stderr, "  %s: %s%s\n", job->workers[k].name,
-                    part_state_name(job->workers[k].state),
+                    part_steps.state[job->workers[k].state].name,
                     job->workers[k].late ? " late" : "");
         for (uint32_t k = 0; k < job->nunits; k++)
             if (job->units[k].state < UNIT_OUT)
                 fprintf(stderr, "  unit %u %s\n", k,
-                        unit_state_name(job->units[k].state));
+                        unit_steps.state[job->units[k].state].name);
         for (uint32_t k = 0; k < job->nout; k++) {
             const struct job_unit *u = &job->units[job->out[k]];
             struct partition_area a;
@@ -623,7 +625,7 @@ describe(const struct net *net)
             for (uint8_t g = 0; g < u->ngos; g++)
                 fprintf(stderr, " %s attempt %u %s%s%s",
                         job->workers[u->go[g].worker].name, u->go[g].attempt,
-                        go_state_name(u->go[g].state),
+                        go_steps.state[u->go[g].state].name,
                         u->go[g].origin == GO_LOAN ? " loan" : "",
                         u->go[g].handoff.top_sent ? " top sent" : "");
             fprintf(stderr, "\n");
