@@ -9,7 +9,7 @@
  * RADD_STRICT_SEED=n replays one seed, RADD_STRICT_RUNS=n tries that many. */
 #include "config.h"
 
-#include "strict/strict.h"
+#include "strict/strict_impl.h"
 #include "proto/frame.h"
 #include "unit.h"
 
@@ -1972,6 +1972,42 @@ START_TEST(thousands_of_units_may_wait)
 }
 END_TEST
 
+/* The drawings at the head of strict_unit.h, as "from to" pairs. */
+START_TEST(unit_states_follow_the_drawings)
+{
+    static const enum strict_progress progress[][2] = {
+        { PROGRESS_NONE, PROGRESS_LINES },
+        { PROGRESS_LINES, PROGRESS_AHEAD },
+        { PROGRESS_LINES, PROGRESS_GUESSED },
+        { PROGRESS_AHEAD, PROGRESS_GUESSED },
+        { PROGRESS_AHEAD, PROGRESS_LINES },
+    };
+    static const enum strict_fate fate[][2] = {
+        { FATE_STAYS, FATE_SPLITS }, { FATE_SPLITS, FATE_STAYS },
+        { FATE_STAYS, FATE_YIELDS }, { FATE_SPLITS, FATE_YIELDS },
+        { FATE_STAYS, FATE_OVER },   { FATE_SPLITS, FATE_OVER },
+        { FATE_YIELDS, FATE_OVER },  { FATE_STAYS, FATE_GONE },
+        { FATE_SPLITS, FATE_GONE },  { FATE_YIELDS, FATE_GONE },
+    };
+    int n = 0;
+
+    for (size_t i = 0; i < N_ELEM(progress); i++)
+        ck_assert(unit_may_advance(progress[i][0], progress[i][1]));
+    for (size_t i = 0; i < N_ELEM(fate); i++)
+        ck_assert(unit_may_decide(fate[i][0], fate[i][1]));
+    for (int i = 0; i < STRICT_PROGRESSES; i++)
+        for (int k = 0; k < STRICT_PROGRESSES; k++)
+            n += unit_may_advance((enum strict_progress)i,
+                                  (enum strict_progress)k);
+    ck_assert_int_eq(n, N_ELEM(progress)); /* and no other */
+    n = 0;
+    for (int i = 0; i < STRICT_FATES; i++)
+        for (int k = 0; k < STRICT_FATES; k++)
+            n += unit_may_decide((enum strict_fate)i, (enum strict_fate)k);
+    ck_assert_int_eq(n, N_ELEM(fate));
+}
+END_TEST
+
 int
 main(void)
 {
@@ -2003,6 +2039,7 @@ main(void)
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, a_line_is_left_when_others_are_out);
     tcase_add_test(tc, any_cluster_makes_the_picture_and_rays_of_one_sampler);
+    tcase_add_test(tc, unit_states_follow_the_drawings);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

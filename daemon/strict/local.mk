@@ -11,4 +11,5 @@ libdaemon_a_SOURCES += \
 	daemon/strict/strict_rank.c \
 	daemon/strict/strict_state.h \
 	daemon/strict/strict_table.c \
-	daemon/strict/strict_unit.c
+	daemon/strict/strict_unit.c \
+	daemon/strict/strict_unit.h

@@ -30,7 +30,7 @@ edge_needed(const struct strict *s, const struct edge *e)
 {
     const struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
 
-    while (u && (u->gone || u->frame != e->frame || u->first - 1 != e->line))
+    while (u && (is_gone(u) || u->frame != e->frame || u->first - 1 != e->line))
         u = u->same_first;
     return u;
 }

@@ -87,7 +87,7 @@ facts_make(struct strict *s, uint32_t frame, int line)
 bool
 facts_make_all(struct strict *s, const struct strict_unit *u)
 {
-    for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+    for (int i = unit_top(u); i < u->last; i++)
         if (!facts_make(s, u->frame, i))
             return false;
     return true;
@@ -205,7 +205,7 @@ facts_untold(const struct strict *s, const struct strict_unit *u)
 {
     uint64_t n = 0;
 
-    for (int i = u->make_top ? u->first - 1 : u->first; i < u->last; i++)
+    for (int i = unit_top(u); i < u->last; i++)
         n += untold(s, u, i);
     return n;
 }
@@ -221,7 +221,7 @@ facts_late(const struct strict *s, const struct strict_unit *u)
 uint64_t
 facts_unused(const struct strict *s, const struct strict_unit *u)
 {
-    uint64_t n = u->make_top ? untold(s, u, u->first - 1) : 0;
+    uint64_t n = u->above == ABOVE_MADE_HERE ? untold(s, u, u->first - 1) : 0;
 
     for (int i = u->first; i < u->last; i++) {
         const struct rad_facts *facts = facts_at(s, u->frame, i);
@@ -295,12 +295,13 @@ facts_suffice(struct strict *s, uint32_t frame, int line)
 void
 facts_use_above(struct strict *s, struct strict_unit *u)
 {
-    if (u->first == 0 || u->loan || u->make_top || u->knows_top ||
+    if (u->first == 0 || u->loan || u->above != ABOVE_LEFT_OUT ||
         unit_has_top(s, u) || unit_above(s, u) ||
         !facts_suffice(s, u->frame, u->first - 1))
         return;
-    u->knows_top = true;
-    u->ahead_done = u->ahead_done && u->ahead_guessed;
+    u->above = ABOVE_KNOWN;
+    if (u->progress == PROGRESS_AHEAD)
+        unit_advance(u, PROGRESS_LINES);
 }
 
 static void
@@ -312,7 +313,7 @@ use_above(struct strict *s, const struct msg_facts *m)
     if ((int)(m->row + m->rows) < team_line_rows(&f->q, line))
         return;
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (!u->gone && u->frame == m->frame && u->first - 1 == line)
+        if (!is_gone(u) && u->frame == m->frame && u->first - 1 == line)
             facts_use_above(s, u);
 }
 

@@ -18,6 +18,13 @@
 
 /* --- strict_table.c --- */
 
+/* The unit is in another state from here on, which must be permitted. */
+bool unit_may_advance(enum strict_progress from, enum strict_progress to);
+bool unit_may_decide(enum strict_fate from, enum strict_fate to);
+void unit_advance(struct strict_unit *u, enum strict_progress to);
+void unit_decide(struct strict_unit *u, enum strict_fate to);
+/* The first line that is made here: its own, or the base line above. */
+int unit_top(const struct strict_unit *u);
 /* Of that number, and not gone; NULL: none. */
 struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
                               uint32_t attempt);
@@ -54,6 +61,8 @@ void unit_hand_back(struct strict *s, struct strict_unit *u);
 void unit_give_lines(struct strict *s, struct strict_unit *u, int last);
 /* Send what others may wait for of the base line above. */
 void unit_say_top(struct strict *s, const struct strict_unit *u);
+/* A pass of it begins: it waits no more. */
+void unit_resume(struct strict *s, struct strict_unit *u);
 /* If it can only wait, say so at once: its thread has room for another. */
 void unit_park(struct strict *s, struct strict_unit *u);
 
@@ -62,6 +71,11 @@ void unit_park(struct strict *s, struct strict_unit *u);
 
 /* Are columns of it lent? */
 bool loan_is_out(const struct strict_unit *u);
+/* What it lends is not its affair any more; its last line is another now;
+ * nothing of it is left to lend. */
+void loan_forget(struct strict_unit *u);
+void loan_of_other_line(struct strict_unit *u);
+void loan_nothing_left(struct strict_unit *u);
 /* What another worker lends is traced, or goes back: its lender gets it. */
 void loan_end(struct strict *s, struct strict_unit *u);
 

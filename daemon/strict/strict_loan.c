@@ -12,7 +12,26 @@
 bool
 loan_is_out(const struct strict_unit *u)
 {
-    return (u->lent.base | u->lent.bar) != 0;
+    return (u->lending.lent.base | u->lending.lent.bar) != 0;
+}
+
+void
+loan_forget(struct strict_unit *u)
+{
+    u->lending.lent = (struct team_blocks){ 0 };
+    u->lending.blocked = false;
+}
+
+void
+loan_of_other_line(struct strict_unit *u)
+{
+    u->lending.lent.ever = 0;
+}
+
+void
+loan_nothing_left(struct strict_unit *u)
+{
+    u->lending.part = 0;
 }
 
 /* --- lending --- */
@@ -24,9 +43,9 @@ strict_lend(struct strict *s, const struct msg_lend *m)
 
     if (!u)
         return;
-    u->lend = (m->part + 1) / 65536.;
+    u->lending.part = (m->part + 1) / 65536.;
     if (u->pass && u->pass->keeps)
-        u->pass->lend = u->lend;
+        u->pass->lend = u->lending.part;
 }
 
 void
@@ -37,11 +56,11 @@ strict_lent(struct strict *s, struct strict_pass *p,
     uint64_t blocks =
         team_blocks_of(&frame_of(s, u->frame)->q, loan->x, loan->n);
 
-    p->lend = u->lend = 0;
-    u->lent.bar |= blocks;
-    u->lent.base |= loan->base ? blocks : 0;
-    u->lent.ever |= blocks;
-    if (!u->gone)
+    p->lend = u->lending.part = 0;
+    u->lending.lent.bar |= blocks;
+    u->lending.lent.base |= loan->base ? blocks : 0;
+    u->lending.lent.ever |= blocks;
+    if (!is_gone(u))
         out_loan(s, u, loan);
 }
 
@@ -51,8 +70,8 @@ strict_blocked(struct strict *s, struct strict_pass *p, int finished)
     struct strict_unit *u = p->of;
 
     (void)s;
-    u->blocked = loan_is_out(u); /* they may have come back just now */
-    u->lent.ever = UINT64_MAX;   /* nothing but that is left */
+    u->lending.blocked = loan_is_out(u); /* they may have come back just now */
+    u->lending.lent.ever = UINT64_MAX;   /* nothing but that is left */
     u->parked = false;
     if (p->mode == TEAM_TRUTH && finished > u->out)
         u->out = finished;
@@ -72,11 +91,11 @@ strict_back(struct strict *s, const struct msg_back *m)
     blocks = m->n == 0 ? UINT64_MAX
                        : team_blocks_of(&frame_of(s, u->frame)->q, (int)m->x,
                                         (int)m->n);
-    blocks &= u->lent.base | u->lent.bar;
-    u->lent.base &= ~blocks;
-    u->lent.bar &= ~blocks;
-    blocked = u->blocked;
-    u->blocked = false;
+    blocks &= u->lending.lent.base | u->lending.lent.bar;
+    u->lending.lent.base &= ~blocks;
+    u->lending.lent.bar &= ~blocks;
+    blocked = u->lending.blocked;
+    u->lending.blocked = false;
     if (blocked)
         rank_make_way(s);
     if (u->parked)
@@ -189,5 +208,5 @@ loan_end(struct strict *s, struct strict_unit *u)
     out_facts(s, &s->urgent, u, u->first);
     out_line_costs(s, u);
     out_paid(s, u);
-    u->over = true;
+    unit_decide(u, FATE_OVER);
 }

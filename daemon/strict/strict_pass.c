@@ -21,9 +21,9 @@ guess_holds(const struct strict *s, const struct strict_unit *u,
 {
     const struct frame *f = frame_of(s, u->frame);
 
-    return u->guess && u->guess_above && !s->painted && !u->bottom_done &&
-           u->last < f->nlines &&
-           memcmp(u->guess_above, density, f->ndensity) == 0;
+    return u->guess.pixels && u->guess.above && !s->painted &&
+           !u->bottom_done && u->last < f->nlines &&
+           memcmp(u->guess.above, density, f->ndensity) == 0;
 }
 
 /* The unit's bottom, which was a guess; NULL: memory is out. */
@@ -36,11 +36,11 @@ make_guess_true(struct strict *s, struct strict_unit *u)
     if (!e)
         return NULL;
     for (int x = 0; x < f->q.width; x++)
-        edge_pixel(e, x, &u->guess[x]);
+        edge_pixel(e, x, &u->guess.pixels[x]);
     for (size_t d = 0; d < f->ndensity; d++)
-        edge_density(e, f, d, u->guess_density[d]);
+        edge_density(e, f, d, u->guess.density[d]);
     u->bottom_done = true;
-    out_bottom(s, u, u->guess, u->guess_density);
+    out_bottom(s, u, u->guess.pixels, u->guess.density);
     return e;
 }
 
@@ -53,7 +53,7 @@ top_came(struct strict *s, const struct edge *e, bool *idle)
     const struct edge *next = NULL;
 
     for (; u; u = u->same_first) {
-        if (u->gone || u->frame != e->frame || u->first - 1 != e->line)
+        if (is_gone(u) || u->frame != e->frame || u->first - 1 != e->line)
             continue;
         out_forget(s, u);
         if (!u->pass)
@@ -110,7 +110,7 @@ set_top(struct strict *s, struct strict_pass *p)
     if (u->loan)
         return true;
     p->top_known = p->first > 0 ? 0 : TEAM_SURE;
-    if (p->first < u->first && !u->make_top)
+    if (p->first < u->first && u->above != ABOVE_MADE_HERE)
         return true; /* with densities it might want more */
     /* of a line that is another's only the base line is made, not the bar */
     if (e && e->missing == 0) {
@@ -118,9 +118,9 @@ set_top(struct strict *s, struct strict_pass *p)
         return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
                         e->density);
     }
-    if (p->first == u->first && a && a->guess) {
-        p->top_known = a->guess_known;
-        return copy_top(s, p, a->guess, a->guess_density);
+    if (p->first == u->first && a && a->guess.pixels) {
+        p->top_known = a->guess.known;
+        return copy_top(s, p, a->guess.pixels, a->guess.density);
     }
     return true;
 }
@@ -162,9 +162,12 @@ may_get_help(const struct strict *s, const struct strict_unit *u)
 static int
 filled_until(const struct strict *s, const struct strict_unit *u)
 {
-    bool bars = u->bars || u->last == frame_of(s, u->frame)->nlines;
+    bool bars =
+        u->flags & MSG_UNIT_BARS || u->last == frame_of(s, u->frame)->nlines;
 
-    return bars && !u->lines_done && !u->make_top ? u->last : u->first;
+    return bars && u->progress < PROGRESS_LINES && u->above != ABOVE_MADE_HERE
+               ? u->last
+               : u->first;
 }
 
 /* What the pass records of its lines, or has to hold them against.  Without
@@ -177,12 +180,12 @@ set_chain(const struct strict *s, struct strict_pass *p)
 
     if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
         return;
-    if (p->rank != STRICT_TRUE_LINES || u->chain_first > p->first ||
-        u->chain_last < p->last - 1) {
+    if (p->rank != STRICT_TRUE_LINES || u->chain.first > p->first ||
+        u->chain.last < p->last - 1) {
         p->record = malloc((size_t)(p->last - p->first) * n);
         return;
     }
-    p->earlier = u->chain + (size_t)(p->first - u->chain_first) * n;
+    p->earlier = u->chain.density + (size_t)(p->first - u->chain.first) * n;
     p->filled = p->first; /* bars are there, or want lines that are left out */
 }
 
@@ -190,8 +193,8 @@ static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
     struct strict_pass *p = calloc(1, sizeof *p);
-    bool facts = rank != STRICT_TRUTH || u->twin || u->end != TEAM_FROM_LEFT ||
-                 may_get_help(s, u);
+    bool facts = rank != STRICT_TRUTH || u->flags & MSG_UNIT_TWIN ||
+                 u->end != TEAM_FROM_LEFT || may_get_help(s, u);
 
     if (!p)
         return NULL;
@@ -210,7 +213,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->out = u->out;
     p->sent_columns = u->sent_columns;
     p->sent_densities = u->sent_densities;
-    p->lent = u->lent;
+    p->lent = u->lending.lent;
     p->loan = u->loan ? &u->loan->is : NULL;
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
         !set_top(s, p)) {
@@ -221,7 +224,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     set_chain(s, p);
     p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
     p->keeps = facts_have_all(s, u);
-    p->lend = p->keeps ? u->lend : 0;
+    p->lend = p->keeps ? u->lending.part : 0;
     return p;
 }
 
@@ -238,10 +241,7 @@ strict_next(struct strict *s, enum strict_rank least)
     if (!p)
         s->error = RAD_ENOMEM;
     u->pass = p;
-    u->waiting = false;
-    if (u->parked)
-        out_resumed(s, u);
-    u->parked = false; /* it may come to wait again */
+    unit_resume(s, u);
     return p;
 }
 
@@ -300,7 +300,7 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
     bool all = columns == f->q.width && densities == f->ndensity;
     struct edge *e;
 
-    if (!p->true_top || p->of->gone || p->of->bottom_done ||
+    if (!p->true_top || is_gone(p->of) || p->of->bottom_done ||
         p->last == f->nlines || columns < p->sent_columns ||
         densities < p->sent_densities ||
         (columns - p->sent_columns < f->q.xstep && !all) ||
@@ -327,25 +327,25 @@ keep_guess(struct strict *s, struct strict_pass *p,
 {
     struct strict_unit *u = p->of;
     const struct frame *f = frame_of(s, u->frame);
-    size_t n = (size_t)f->q.width * sizeof *u->guess;
+    size_t n = (size_t)f->q.width * sizeof *u->guess.pixels;
 
-    if (!u->guess) {
-        u->guess = malloc(n);
-        u->guess_density = malloc(f->ndensity + 1);
+    if (!u->guess.pixels) {
+        u->guess.pixels = malloc(n);
+        u->guess.density = malloc(f->ndensity + 1);
     }
-    if (!u->guess || !u->guess_density) {
+    if (!u->guess.pixels || !u->guess.density) {
         s->error = RAD_ENOMEM;
         return;
     }
-    memcpy(u->guess, pixels, n);
+    memcpy(u->guess.pixels, pixels, n);
     if (f->ndensity > 0)
-        memcpy(u->guess_density, density, f->ndensity);
-    free(u->guess_above);
-    u->guess_above = NULL;
+        memcpy(u->guess.density, density, f->ndensity);
+    free(u->guess.above);
+    u->guess.above = NULL;
     if (f->ndensity == 0) {
-        u->guess_above = calloc(1, 1); /* none are needed */
+        u->guess.above = calloc(1, 1); /* none are needed */
     } else if (p->first == u->first) {
-        u->guess_above = p->top_density;
+        u->guess.above = p->top_density;
         p->top_density = NULL;
     }
 }
@@ -357,12 +357,12 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
     const struct frame *f = frame_of(s, u->frame);
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
-    if (p->mode == TEAM_AHEAD) {
-        u->ahead_done = true;
-        u->ahead_guessed = p->top || p->first < u->first;
-    }
-    u->lines_done = true;
-    u->guess_known = p->top_known + p->last - p->first;
+    if (p->mode == TEAM_AHEAD)
+        unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
+                                                      : PROGRESS_AHEAD);
+    else if (u->progress < PROGRESS_LINES)
+        unit_advance(u, PROGRESS_LINES);
+    u->guess.known = p->top_known + p->last - p->first;
     if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
         !unit_below(s, u))
         out_facts(s, &s->urgent, u, u->last - 1);
@@ -380,7 +380,7 @@ end_truth(struct strict *s, struct strict_pass *p,
     const struct frame *f = frame_of(s, u->frame);
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
-    p->of->over = true;
+    unit_decide(p->of, FATE_OVER);
     out_line_costs(s, u);
     *total = u->spent;
     total->speculative_rays = facts_unused(s, u);
@@ -469,10 +469,9 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
     struct strict_unit *u = p->of;
     int last;
 
-    if (!u->yield || u->gone || team_done(t) || (last = team_cut(t)) < 0)
+    if (u->fate != FATE_YIELDS || team_done(t) || (last = team_cut(t)) < 0)
         return;
-    u->lent = (struct team_blocks){ 0 };
-    u->blocked = false;
+    loan_forget(u);
     p->last = last;
     unit_give_lines(s, u, last);
     p->sent_columns = p->sent_densities = 0;
@@ -504,12 +503,12 @@ keep_filled(struct strict_unit *u, const struct strict_pass *p)
 static void
 keep_chain(struct strict_unit *u, struct strict_pass *p)
 {
-    if (!p->record || p->finished <= p->first || p->finished < u->chain_last)
+    if (!p->record || p->finished <= p->first || p->finished < u->chain.last)
         return;
-    free(u->chain);
-    u->chain = p->record;
-    u->chain_first = p->first;
-    u->chain_last = p->finished;
+    free(u->chain.density);
+    u->chain.density = p->record;
+    u->chain.first = p->first;
+    u->chain.last = p->finished;
     p->record = NULL;
 }
 
@@ -519,7 +518,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct msg_counts *spent, struct msg_counts *total)
 {
     struct strict_unit *u = p->of;
-    bool over = done && !u->gone && p->mode == TEAM_TRUTH;
+    bool over = done && !is_gone(u) && p->mode == TEAM_TRUTH;
     bool paid = done && p->mode == TEAM_LOAN;
 
     msg_counts_add(&u->spent, spent);
@@ -530,21 +529,21 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);
-    else if (paid && !u->gone)
+    else if (paid && !is_gone(u))
         loan_end(s, u);
     else if (done && !p->stop)
         end_ahead(s, u, p, pixels, density);
     u->pass = NULL;
     pass_free(p);
-    if (!u->gone)
+    if (!is_gone(u))
         unit_say_top(s, u);
     if (paid)
         unit_drop(s, u);
-    else if (over || u->gone)
+    else if (over || is_gone(u))
         end_unit(s, u, over);
-    else if (u->yield)
+    else if (u->fate == FATE_YIELDS)
         unit_hand_back(s, u);
-    else if (u->split)
+    else if (u->fate == FATE_SPLITS)
         unit_split_idle(s, u);
     for (u = s->units; u; u = u->next)
         unit_park(s, u);

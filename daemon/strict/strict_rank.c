@@ -10,7 +10,7 @@
 bool
 rank_goes_above(const struct strict_unit *u)
 {
-    return u->make_top || u->knows_top;
+    return u->above != ABOVE_LEFT_OUT;
 }
 
 static bool
@@ -18,7 +18,7 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
 {
     const struct strict_unit *a = unit_above(s, u);
 
-    return !rank_goes_above(u) && a && a->guess;
+    return !rank_goes_above(u) && a && a->guess.pixels;
 }
 
 /* Is its bottom still to be made, which others may wait for? */
@@ -36,7 +36,7 @@ wants_true_lines(const struct strict *s, const struct strict_unit *u)
         return false;
     /* over facts it takes no time, and those who wait need not wait until the
      * rows are out; TRUTH makes the bottom of a single line first */
-    return u->ahead_done || u->last - u->first > 1;
+    return u->progress >= PROGRESS_AHEAD || u->last - u->first > 1;
 }
 
 /* What to do for a unit next; false: nothing. */
@@ -44,15 +44,16 @@ static bool
 next_rank(const struct strict *s, const struct strict_unit *u,
           enum strict_rank *rank)
 {
-    if (u->pass || u->gone || u->blocked)
+    if (u->pass || is_gone(u) || u->lending.blocked)
         return false;
     if (u->loan)
         *rank = STRICT_LOAN;
     else if (unit_has_top(s, u))
         *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
-    else if (!u->lines_done)
+    else if (u->progress < PROGRESS_LINES)
         *rank = STRICT_LINES;
-    else if (!u->ahead_done || (!u->ahead_guessed && top_is_guessed(s, u)))
+    else if (u->progress < PROGRESS_AHEAD ||
+             (u->progress == PROGRESS_AHEAD && top_is_guessed(s, u)))
         *rank = STRICT_AHEAD;
     else
         return false;
@@ -64,14 +65,14 @@ rank_waits(const struct strict *s, const struct strict_unit *u)
 {
     enum strict_rank rank;
 
-    return !u->pass && !u->gone && !next_rank(s, u, &rank);
+    return !u->pass && !is_gone(u) && !next_rank(s, u, &rank);
 }
 
 bool
 strict_waits(const struct strict *s)
 {
     for (const struct strict_unit *u = s->units; u; u = u->next)
-        if (!u->blocked && rank_waits(s, u))
+        if (!u->lending.blocked && rank_waits(s, u))
             return true;
     return false;
 }

@@ -4,7 +4,7 @@
 #ifndef DAEMON_STRICT_STATE_H
 #define DAEMON_STRICT_STATE_H
 
-#include "strict/strict.h"
+#include "strict/strict_unit.h"
 
 #include <stdatomic.h>
 
@@ -22,57 +22,6 @@ struct edge {
     uint8_t *density;
     uint8_t *have;  /* by column, then by density: it is there */
     size_t missing; /* how many are not */
-};
-
-struct strict_unit {
-    struct strict_unit *next;
-    struct strict_unit *same_first, *same_last; /* in their slots; the newer */
-    uint32_t unit, attempt, frame;
-    int first, last; /* lines [first, last) */
-    enum team_end end;
-    bool make_top;  /* base line first - 1 is traced ahead here too, since
-                     * nobody else does */
-    bool knows_top; /* it is gone over ahead with the facts of whoever has it,
-                     * which are all that a guess wants */
-    bool twin;      /* facts go out as they are made */
-    bool gone;      /* to be freed when its pass has ended */
-    bool over;      /* what it cost is told: all its rows are made, or PAID */
-    bool split;     /* GAVE is due when its pass has ended */
-    bool yield;     /* it goes back when its pass has ended */
-    bool bars;      /* bars are made along with the lines */
-    int filled;     /* lines before it have their bars, as facts, from LINES */
-    bool lines_done, ahead_done;
-    bool bottom_done;        /* the bottom is out, true */
-    bool ahead_guessed;      /* AHEAD had colours above the first bar */
-    bool parked;             /* said, or about to be */
-    struct team_blocks lent; /* of line last - 1, to other workers */
-    double lend;             /* a part of it is asked for; 0: none is */
-    bool blocked;            /* TRUTH has done all but these */
-    int out;                 /* lines before it were handed on, by TRUTH that
-                              * ended early */
-    int sent_columns;        /* of the bottom, true */
-    size_t sent_densities;
-    struct loan *loan; /* what another worker lends, which is all that there is
-                        * of this unit; NULL: it is one */
-    bool kept;         /* facts went out in case it is lost, or are about to */
-    bool waiting;
-    uint64_t since_ms; /* waiting: from when */
-    struct strict_pass *pass;
-    struct msg_counts spent; /* by its passes so far */
-    struct team_made made;   /* the most that one of them went over */
-    uint64_t *cpu_ns; /* of that, by line, its top's first; a team adds to
-                       * it during a pass */
-    int nlines;       /* so many; it may have given some away */
-    /* its bottom after LINES or AHEAD; NULL: none yet */
-    struct rad_pixel *guess;
-    uint8_t *guess_density;
-    /* densities after lines [chain_first, chain_last), each made from those of
-     * the line above, all over facts that are here */
-    uint8_t *chain;
-    int chain_first, chain_last;
-    uint8_t *guess_above; /* the densities that it follows from; NULL: it was
-                           * made of nothing */
-    int guess_known;      /* lines that it is made of, at most TEAM_SURE */
 };
 
 /* Columns that another worker lends, and what its pixels point to. */
@@ -167,13 +116,6 @@ static inline int
 row_of(const struct frame *f, int i)
 {
     return i < f->nlines ? team_line_row(&f->q, i) : f->q.height;
-}
-
-/* Its own lines, and the one whose base line is its top. */
-static inline bool
-covers(const struct strict_unit *u, uint32_t frame, int line)
-{
-    return u->frame == frame && line < u->last && line >= u->first - 1;
 }
 
 static inline size_t

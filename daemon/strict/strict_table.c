@@ -3,14 +3,71 @@
 
 #include "strict/strict_impl.h"
 
+#include <assert.h>
 #include <stdlib.h>
+
+#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
+
+#define TO(state) (1u << (state))
+
+/* By state: those that may follow; the drawings are in strict_state.h. */
+static const unsigned progress_steps[] = {
+    [PROGRESS_NONE] = TO(PROGRESS_LINES),
+    [PROGRESS_LINES] = TO(PROGRESS_AHEAD) | TO(PROGRESS_GUESSED),
+    [PROGRESS_AHEAD] = TO(PROGRESS_LINES) | TO(PROGRESS_GUESSED),
+    [PROGRESS_GUESSED] = 0,
+};
+static const unsigned fate_steps[] = {
+    [FATE_STAYS] =
+        TO(FATE_SPLITS) | TO(FATE_YIELDS) | TO(FATE_OVER) | TO(FATE_GONE),
+    [FATE_SPLITS] =
+        TO(FATE_STAYS) | TO(FATE_YIELDS) | TO(FATE_OVER) | TO(FATE_GONE),
+    [FATE_YIELDS] = TO(FATE_OVER) | TO(FATE_GONE),
+    [FATE_OVER] = 0,
+    [FATE_GONE] = 0,
+};
+_Static_assert(N_ELEM(progress_steps) == STRICT_PROGRESSES &&
+                   N_ELEM(fate_steps) == STRICT_FATES,
+               "a state without steps");
+
+bool
+unit_may_advance(enum strict_progress from, enum strict_progress to)
+{
+    return progress_steps[from] & TO(to);
+}
+
+bool
+unit_may_decide(enum strict_fate from, enum strict_fate to)
+{
+    return fate_steps[from] & TO(to);
+}
+
+void
+unit_advance(struct strict_unit *u, enum strict_progress to)
+{
+    assert(unit_may_advance(u->progress, to));
+    u->progress = to;
+}
+
+void
+unit_decide(struct strict_unit *u, enum strict_fate to)
+{
+    assert(unit_may_decide(u->fate, to));
+    u->fate = to;
+}
+
+int
+unit_top(const struct strict_unit *u)
+{
+    return u->first - (u->above == ABOVE_MADE_HERE);
+}
 
 struct strict_unit *
 unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = s->units;
 
-    while (u && (u->unit != unit || u->attempt != attempt || u->gone))
+    while (u && (u->unit != unit || u->attempt != attempt || is_gone(u)))
         u = u->next;
     return u;
 }
@@ -73,11 +130,11 @@ unit_unlink_last(struct strict *s, struct strict_unit *u)
 void
 unit_free_guess(struct strict_unit *u)
 {
-    free(u->guess);
-    free(u->guess_density);
-    free(u->guess_above);
-    u->guess = NULL;
-    u->guess_density = u->guess_above = NULL;
+    free(u->guess.pixels);
+    free(u->guess.density);
+    free(u->guess.above);
+    u->guess.pixels = NULL;
+    u->guess.density = u->guess.above = NULL;
 }
 
 void
@@ -96,7 +153,7 @@ unit_free(struct strict_unit *u)
     if (!u)
         return;
     unit_free_guess(u);
-    free(u->chain);
+    free(u->chain.density);
     free(u->cpu_ns);
     unit_free_loan(u->loan);
     free(u);
@@ -127,7 +184,7 @@ unit_above(const struct strict *s, const struct strict_unit *u)
 {
     struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
 
-    while (a && (a->gone || a->frame != u->frame || a->last != u->first))
+    while (a && (is_gone(a) || a->frame != u->frame || a->last != u->first))
         a = a->same_last;
     return a;
 }
@@ -137,7 +194,7 @@ unit_below(const struct strict *s, const struct strict_unit *u)
 {
     struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
 
-    while (b && (b->gone || b->frame != u->frame || b->first != u->last))
+    while (b && (is_gone(b) || b->frame != u->frame || b->first != u->last))
         b = b->same_first;
     return b;
 }

@@ -34,7 +34,7 @@ unit_drop(struct strict *s, struct strict_unit *u)
     while (*at != u)
         at = &(*at)->next;
     *at = u->next;
-    if (!u->over) {
+    if (u->fate != FATE_OVER) {
         msg_counts_add(&s->dropped, &u->spent);
         s->dropped.speculative_rays += facts_untold(s, u);
     }
@@ -55,7 +55,7 @@ strict_rays(const struct strict *s)
     uint64_t n = 0;
 
     for (const struct strict_unit *u = s->units; u; u = u->next)
-        n += u->gone ? 0 : u->spent.rays;
+        n += is_gone(u) ? 0 : u->spent.rays;
     return n;
 }
 
@@ -68,7 +68,7 @@ pixels_of(const struct strict *s, const struct strict_unit *u)
     int begin = row_of(f, u->first);
     uint64_t all, out;
 
-    if (u->gone || u->over || u->loan)
+    if (u->fate >= FATE_OVER || u->loan)
         return 0;
     if (u->pass)
         made = u->pass->made;
@@ -147,9 +147,9 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     u->attempt = m->attempt;
     u->frame = m->frame;
     u->end = (enum team_end)m->end;
-    u->make_top = m->flags & MSG_UNIT_TOP && u->first > 0;
-    u->twin = m->flags & MSG_UNIT_TWIN;
-    u->bars = m->flags & MSG_UNIT_BARS;
+    if (m->flags & MSG_UNIT_TOP && u->first > 0)
+        u->above = ABOVE_MADE_HERE;
+    u->flags = m->flags & (MSG_UNIT_TWIN | MSG_UNIT_BARS);
     while (*at)
         at = &(*at)->next;
     *at = u;
@@ -169,7 +169,7 @@ strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
     if (!u)
         return;
     if (u->pass) {
-        u->gone = true;
+        unit_decide(u, FATE_GONE);
         u->pass->stop = true;
     } else {
         unit_drop(s, u);
@@ -189,7 +189,7 @@ unit_give_lines(struct strict *s, struct strict_unit *u, int last)
         u->last = last;
         unit_link_last(s, u);
         u->bottom_done = false;
-        u->lent.ever = 0;
+        loan_of_other_line(u);
         u->sent_columns = 0;
         u->sent_densities = 0;
         /* it was that of another line */
@@ -206,11 +206,12 @@ unit_split_idle(struct strict *s, struct strict_unit *u)
 {
     int from = u->filled > u->first ? u->filled : u->first;
 
-    if (u->lines_done && u->ahead_done)
+    if (u->progress >= PROGRESS_AHEAD)
         from = u->last;
     if (from < u->out) /* of rows that are out one must be its last */
         from = u->out;
-    u->split = false;
+    if (u->fate == FATE_SPLITS)
+        unit_decide(u, FATE_STAYS);
     unit_give_lines(s, u, u->last - (u->last - from) / 2);
 }
 
@@ -222,7 +223,7 @@ unit_hand_back(struct strict *s, struct strict_unit *u)
     if (u->loan) {
         loan_end(s, u);
     } else {
-        for (int i = u->first - (u->make_top ? 1 : 0); i < u->last; i++)
+        for (int i = unit_top(u); i < u->last; i++)
             out_facts(s, &s->urgent, u, i);
         out_line_costs(s, u);
         out_gave(s, u, u->first);
@@ -239,13 +240,21 @@ strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
 
     if (!u)
         return;
-    u->split = false;
     if (u->pass) {
-        u->yield = true;
+        if (u->fate != FATE_YIELDS)
+            unit_decide(u, FATE_YIELDS);
         u->pass->stop = true;
     } else {
         unit_hand_back(s, u);
     }
+}
+
+/* Half of it is to go when its pass has ended, or sooner. */
+static void
+want_split(struct strict_unit *u)
+{
+    if (u->fate != FATE_SPLITS)
+        unit_decide(u, FATE_SPLITS);
 }
 
 /* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
@@ -255,17 +264,17 @@ strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = unit_find(s, unit, attempt);
 
-    if (!u || u->loan || u->yield)
+    if (!u || u->loan || u->fate == FATE_YIELDS)
         return;
     if (loan_is_out(u)) { /* of its last line, which is begun */
         unit_give_lines(s, u, u->last);
     } else if (!u->pass) {
         unit_split_idle(s, u);
     } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
-        u->split = true;
+        want_split(u);
         u->pass->stop = true;
     } else {
-        u->split = true;
+        want_split(u);
         u->pass->split = true;
     }
 }
@@ -276,9 +285,9 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     struct strict_unit *u = p->of;
 
     p->split = false;
-    if (!u->split)
+    if (u->fate != FATE_SPLITS)
         return;
-    u->split = false;
+    unit_decide(u, FATE_STAYS);
     p->last = last;
     unit_give_lines(s, u, last);
     p->sent_columns = u->sent_columns; /* it may have another bottom now */
@@ -290,7 +299,7 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
 void
 unit_say_top(struct strict *s, const struct strict_unit *u)
 {
-    if (u->make_top && u->lines_done)
+    if (u->above == ABOVE_MADE_HERE && u->progress >= PROGRESS_LINES)
         out_facts(s, &s->urgent, u, u->first - 1);
 }
 
@@ -307,9 +316,9 @@ strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = unit_find(s, unit, attempt);
 
-    if (!u || u->twin)
+    if (!u || u->flags & MSG_UNIT_TWIN)
         return;
-    u->twin = true;
+    u->flags |= MSG_UNIT_TWIN;
     if (facts_make_all(s, u))
         push_twin_facts(s, u);
 }
@@ -327,19 +336,28 @@ is_near(const struct strict *s, const struct strict_unit *u)
 void
 unit_park(struct strict *s, struct strict_unit *u)
 {
-    if (u->gone || u->parked || !rank_waits(s, u) ||
-        (!u->blocked && is_near(s, u)))
+    if (is_gone(u) || u->parked || !rank_waits(s, u) ||
+        (!u->lending.blocked && is_near(s, u)))
         return;
     u->parked = true;
-    u->lend = 0; /* nothing is left to lend */
+    loan_nothing_left(u);
     out_parked(s, u);
+}
+
+void
+unit_resume(struct strict *s, struct strict_unit *u)
+{
+    u->wait.waiting = false;
+    if (u->parked)
+        out_resumed(s, u);
+    u->parked = false; /* it may come to wait again */
 }
 
 /* Its facts go out too, where the wait gets long. */
 static void
 park_facts(struct strict *s, struct strict_unit *u)
 {
-    u->kept = true;
+    u->wait.kept = true;
     for (int i = u->first; i < u->last; i++)
         out_facts(s, &s->lazy, u, i);
 }
@@ -348,7 +366,7 @@ park_facts(struct strict *s, struct strict_unit *u)
 static bool
 will_keep(const struct strict *s, const struct strict_unit *u)
 {
-    return u->waiting && u->parked && !u->kept && !is_near(s, u);
+    return u->wait.waiting && u->parked && !u->wait.kept && !is_near(s, u);
 }
 
 /* Does somebody wait for what its pass has by now? */
@@ -358,7 +376,8 @@ is_awaited(const struct strict *s, const struct strict_unit *u)
     bool bottom = u->pass->true_top && !u->bottom_done &&
                   u->last < frame_of(s, u->frame)->nlines;
 
-    return !u->gone && (bottom || u->twin || u->pass->lend > 0);
+    return !is_gone(u) &&
+           (bottom || u->flags & MSG_UNIT_TWIN || u->pass->lend > 0);
 }
 
 /* When to look at a unit again; the time that it waits is known. */
@@ -370,7 +389,7 @@ due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
     if (u->pass)
         return is_awaited(s, u) ? now_ms + LOOK_MS : due;
     if (will_keep(s, u))
-        due = u->since_ms + PARK_MS;
+        due = u->wait.since_ms + PARK_MS;
     return due;
 }
 
@@ -379,13 +398,13 @@ tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
 {
     bool waiting = rank_waits(s, u);
 
-    if (u->twin && !u->gone)
+    if (u->flags & MSG_UNIT_TWIN && !is_gone(u))
         push_twin_facts(s, u);
-    if (waiting && !u->waiting)
-        u->since_ms = now_ms;
-    u->waiting = waiting;
+    if (waiting && !u->wait.waiting)
+        u->wait.since_ms = now_ms;
+    u->wait.waiting = waiting;
     unit_park(s, u);
-    if (will_keep(s, u) && now_ms - u->since_ms >= PARK_MS)
+    if (will_keep(s, u) && now_ms - u->wait.since_ms >= PARK_MS)
         park_facts(s, u);
 }
 
