@@ -39,10 +39,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROGRESS_MS 500
+#define PROGRESS_MS  500
 #define FULL_TELL_MS 60000 /* least time between lines of a full disk */
-#define LEASE_MS    60000
-#define KEPT_JOBS   100 /* that are over */
+#define LEASE_MS     60000
+#define KEPT_JOBS    100 /* that are over */
 
 /* More than a room of people needs, less than what hurts others. */
 static const struct coord_limits usual_limits = {
@@ -135,10 +135,9 @@ coord_actions(struct coord *c)
 /* --- messages --- */
 
 static void
-send_file(struct coord *c, const struct coord_conn *conn, uint32_t request,
-          const uint8_t *hash)
+send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
 {
-    struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn->id);
+    struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn);
 
     if (!a)
         return;
@@ -151,9 +150,9 @@ send_file(struct coord *c, const struct coord_conn *conn, uint32_t request,
 /* A worker lacks files: it gets those of the job that it loads, and no others.
  * If that has just ended it will hear so. */
 static void
-on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
-    const struct job *job = conn->worker->loading;
+    const struct job *job = w->loading;
     const struct msg_hashes *f = job ? &job->spec.files : NULL;
     uint8_t *own;
     size_t n;
@@ -170,72 +169,36 @@ on_want(struct coord *c, struct coord_conn *conn, const struct msg *m)
         const uint8_t *hash = m->want.hash + (size_t)i * MSG_HASH;
 
         if (rad_sha_among(own, n, hash))
-            send_file(c, conn, m->request, hash);
+            send_file(c, w->conn, m->request, hash);
     }
 }
 
 /* The shell answers; the number says whether it gets on. */
 static void
-on_ping(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
-    if (!conn->worker || conn->worker->progress == m->ping.progress)
+    if (w->progress == m->ping.progress)
         return;
-    conn->worker->progress = m->ping.progress;
-    conn->worker->progress_ms = c->now_ms;
+    w->progress = m->ping.progress;
+    w->progress_ms = c->now_ms;
 }
 
 /* Of itself; sched_run says BYE when it has nothing left. */
 static void
-on_drain(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     (void)c;
     (void)m;
-    conn->worker->leaving = true;
-}
-
-static void
-on_ready(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    sched_ready(c, conn->worker, &m->ready);
-}
-
-static void
-on_result(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    result_rows(c, conn->worker, &m->result);
-}
-
-static void
-on_lost(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    loss_reported(c, conn->worker, &m->lost);
-}
-
-static void
-on_room(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    loss_no_room(c, conn->worker, &m->room);
-}
-
-static void
-on_tally(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    sched_tally(c, conn->worker, &m->tally);
-}
-
-static void
-on_facts(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    handoff_facts(c, conn->worker, &m->facts);
+    w->leaving = true;
 }
 
 /* For those who wait for the job. */
 static void
-on_records(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     struct msg pass = { .type = MSG_RECORDS, .records = m->records };
     uint32_t index;
-    struct job *job = desk_job_of(c, conn->worker, m->records.job, &index);
+    struct job *job = desk_job_of(c, w, m->records.job, &index);
 
     if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
         return;
@@ -247,62 +210,20 @@ on_records(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 static void
-on_base_line(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    handoff_base_line(c, conn->worker, &m->base_line);
-}
-
-static void
-on_parked(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    handoff_parked(c, conn->worker, &m->parked);
-}
-
-static void
-on_paid(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    lending_paid(c, conn->worker, &m->paid);
-}
-
-static void
-on_line_costs(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_line_costs(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     uint32_t index;
-    struct job *job = desk_job_of(c, conn->worker, m->line_costs.job, &index);
+    struct job *job = desk_job_of(c, w, m->line_costs.job, &index);
 
     if (job)
         frame_add_costs(job, &m->line_costs);
 }
 
 static void
-on_gave(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    balance_gave(c, conn->worker, &m->gave);
-}
-
-static void
-on_still(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    loss_still(c, conn->worker, &m->still);
-}
-
-static void
-on_loan(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    lending_loan(c, conn->worker, &m->loan);
-}
-
-static void
-on_estimated(struct coord *c, struct coord_conn *conn, const struct msg *m)
-{
-    survey_estimated(c, conn->worker, &m->estimated);
-}
-
-static void
-on_unlinked(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_unlinked(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     uint32_t index;
-    struct job *job = desk_job_of(c, conn->worker, m->unlinked.job, &index);
+    struct job *job = desk_job_of(c, w, m->unlinked.job, &index);
 
     if (job)
         ring_unlinked(c, job, index, &m->unlinked);
@@ -310,35 +231,34 @@ on_unlinked(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* The child says that the job cannot be rendered: it would be so anywhere. */
 static void
-on_failed(struct coord *c, struct coord_conn *conn, const struct msg *m)
+on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     struct job *job = desk_find_job(c, m->failed.job);
     char text[MSG_MAX_TEXT + 1], why[401];
 
-    if (!job || part_find(job, conn->worker->name) == JOB_NOBODY)
+    if (!job || part_find(job, w->name) == JOB_NOBODY)
         return;
     rad_text_print(why, sizeof why, "%s", m->failed.text);
-    snprintf(text, sizeof text, "%s (worker %s)", why, conn->worker->name);
+    snprintf(text, sizeof text, "%s (worker %s)", why, w->name);
     verdict_job(c, job, JOB_FAILED, m->failed.status, text);
 }
 
-/* Of workers, and of those who have not said who they are. */
+/* What a worker says. */
 static const struct {
     enum msg_type type;
-    void (*handle)(struct coord *c, struct coord_conn *conn,
+    void (*handle)(struct coord *c, struct coord_worker *w,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, on_result },     { MSG_HELLO, coord_hello },
-    { MSG_WANT, on_want },         { MSG_READY, on_ready },
-    { MSG_LOST, on_lost },         { MSG_TALLY, on_tally },
-    { MSG_FAILED, on_failed },     { MSG_DRAIN, on_drain },
-    { MSG_FACTS, on_facts },       { MSG_BASE_LINE, on_base_line },
-    { MSG_PARKED, on_parked },     { MSG_GAVE, on_gave },
-    { MSG_STILL, on_still },       { MSG_ESTIMATED, on_estimated },
-    { MSG_PING, on_ping },         { MSG_RECORDS, on_records },
-    { MSG_UNLINKED, on_unlinked }, { MSG_LOAN, on_loan },
-    { MSG_PAID, on_paid },         { MSG_LINE_COSTS, on_line_costs },
-    { MSG_ROOM, on_room },
+    { MSG_RESULT, result_rows },    { MSG_READY, sched_ready },
+    { MSG_LOST, loss_reported },    { MSG_TALLY, sched_tally },
+    { MSG_FACTS, handoff_facts },   { MSG_BASE_LINE, handoff_base_line },
+    { MSG_PARKED, handoff_parked }, { MSG_GAVE, balance_gave },
+    { MSG_STILL, loss_still },      { MSG_ESTIMATED, survey_estimated },
+    { MSG_LOAN, lending_loan },     { MSG_PAID, lending_paid },
+    { MSG_ROOM, loss_no_room },     { MSG_WANT, on_want },
+    { MSG_FAILED, on_failed },      { MSG_DRAIN, on_drain },
+    { MSG_PING, on_ping },          { MSG_RECORDS, on_records },
+    { MSG_UNLINKED, on_unlinked },  { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -350,9 +270,15 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
         request_handle(c, conn, m);
         return;
     }
+    if (m->type == MSG_HELLO) {
+        coord_hello(c, conn, m);
+        return;
+    }
+    if (!conn->worker)
+        return;
     for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
         if (handlers[i].type == m->type) {
-            handlers[i].handle(c, conn, m);
+            handlers[i].handle(c, conn->worker, m);
             return;
         }
 }

@@ -103,8 +103,6 @@ void coord_sent(struct coord *c, uint64_t conn);
  * NULL when memory is out. */
 uint8_t *coord_files(const struct coord *c, size_t *n);
 
-
-
 /* The disk is full: jobs are held until there is room again.  text: where. */
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
                     const char *text);

@@ -41,7 +41,7 @@ reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
 
     if (m.answer.len > MSG_MAX - 4)
         desk_reply_failed(c, conn, request, NULL, EX_SOFTWARE,
-                           "the answer is too long");
+                          "the answer is too long");
     else
         actions_send(&c->actions, conn->id, &m);
 }
@@ -98,8 +98,8 @@ tell_unsettled(struct coord *c, struct coord_conn *conn)
             continue;
         }
         desk_reply_failed(c, conn, (*at)->request, NULL, EX_TEMPFAIL,
-                           "it is done, but the coordinator's disk is full: a "
-                           "restart before there is room would undo it");
+                          "it is done, but the coordinator's disk is full: a "
+                          "restart before there is room would undo it");
         telling_drop_settling(conn, at);
     }
 }
@@ -181,7 +181,7 @@ refused(struct coord *c, const struct coord_conn *conn, const struct msg *m,
     if (limit(c, conn, &err) == 0)
         return false;
     desk_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
-                       err.what);
+                      err.what);
     return true;
 }
 
@@ -220,7 +220,7 @@ admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return false;
     if (quota_file(c, conn, k->total, &err) != 0) {
         desk_reply_failed(c, conn, m->request, NULL, rad_exit_status(err.code),
-                           err.what);
+                          err.what);
         return false;
     }
     if (uploads_begin(&c->uploads, conn->id, k->hash, k->total,
@@ -285,7 +285,7 @@ job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
     }
     if (!may_steer(conn, job)) {
         desk_reply_failed(c, conn, request, id, EX_NOPERM,
-                           "the job belongs to another user");
+                          "the job belongs to another user");
         return NULL;
     }
     return job;
@@ -353,7 +353,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     }
     if (submit_fault(c, conn, &m->submit, &err) != 0) {
         desk_reply_failed(c, conn, m->request, m->submit.job,
-                           rad_exit_status(err.code), err.what);
+                          rad_exit_status(err.code), err.what);
         return;
     }
     job = job_new(&m->submit, conn->owner);
@@ -460,7 +460,7 @@ on_delete(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     if (!job_over(job)) {
         desk_reply_failed(c, conn, m->request, job->id, EX_USAGE,
-                           "the job is not over: cancel it first");
+                          "the job is not over: cancel it first");
         return;
     }
     log_job(c, conn, "deleted", job);
@@ -480,7 +480,7 @@ on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     if (quota_priority(m->priority.priority, &err) != 0) {
         desk_reply_failed(c, conn, m->request, job->id,
-                           rad_exit_status(err.code), err.what);
+                          rad_exit_status(err.code), err.what);
         return;
     }
     coord_set_priority(c, job, m->priority.priority);
@@ -538,7 +538,7 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
         return send_more(c, conn, t);
     if (!job) {
         desk_reply_failed(c, conn, t->request, t->job, EX_NOINPUT,
-                           "no such job");
+                          "no such job");
         return false;
     }
     rc = stats_more(t->text, job, STATS_PIECE);
@@ -649,7 +649,7 @@ report_limits(struct coord *c, struct coord_conn *conn, const struct msg *m)
     if (conn->session != MSG_AT_COORD_ADMIN &&
         strcmp(owner, conn->owner) != 0) {
         desk_reply_failed(c, conn, m->request, NULL, EX_NOPERM,
-                           "what another user has is for administrators");
+                          "what another user has is for administrators");
         return;
     }
     text = quota_report(c, owner);
@@ -763,8 +763,8 @@ on_forget(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     if (w->conn != 0) {
         desk_reply_failed(c, conn, m->request, NULL, EX_USAGE,
-                           "the worker is connected: one that is gone can be "
-                           "forgotten");
+                          "the worker is connected: one that is gone can be "
+                          "forgotten");
         return;
     }
     log_worker(c, conn, "forgotten", w);

@@ -287,9 +287,9 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 }
 
 void
-handoff_facts(struct coord *c, struct coord_worker *w,
-              const struct msg_facts *m)
+handoff_facts(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_facts *m = &msg->facts;
     uint32_t index, unit;
     struct job *job = job_with_lines(c, w, m->job, &index);
 
@@ -381,8 +381,9 @@ may_make(const struct job *job, uint32_t unit, uint32_t index)
 
 void
 handoff_base_line(struct coord *c, struct coord_worker *w,
-                  const struct msg_base_line *m)
+                  const struct msg *msg)
 {
+    const struct msg_base_line *m = &msg->base_line;
     uint32_t index, unit, below;
     struct job *job = job_with_lines(c, w, m->job, &index);
 
@@ -412,9 +413,9 @@ has_work_to_come(const struct job *job, uint32_t unit)
 }
 
 void
-handoff_parked(struct coord *c, struct coord_worker *w,
-               const struct msg_attempt *m)
+handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_attempt *m = &msg->parked;
     uint32_t index;
     struct job *job = job_with_lines(c, w, m->job, &index);
     struct job_go *go;

@@ -8,11 +8,11 @@
 
 /* Messages of workers. */
 void handoff_facts(struct coord *c, struct coord_worker *w,
-                   const struct msg_facts *m);
+                   const struct msg *msg);
 void handoff_base_line(struct coord *c, struct coord_worker *w,
-                       const struct msg_base_line *m);
+                       const struct msg *msg);
 void handoff_parked(struct coord *c, struct coord_worker *w,
-                    const struct msg_attempt *m);
+                    const struct msg *msg);
 
 /* Flags of the UNIT for that holder, which it goes to now. */
 uint8_t handoff_flags(struct job *job, uint32_t unit, struct job_go *go);

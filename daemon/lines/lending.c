@@ -313,8 +313,9 @@ lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
 }
 
 void
-lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
+lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_loan *m = &msg->loan;
     const struct msg_back back = { m->job,  m->unit, m->attempt,
                                    m->line, m->x,    m->n };
     struct job_go *go;
@@ -346,8 +347,9 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg_loan *m)
 /* What the loan cost is the unit's, but for black pixels: the lender makes
  * those. A loan that was taken back just before is in no unit. */
 void
-lending_paid(struct coord *c, struct coord_worker *w, const struct msg_paid *m)
+lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_paid *m = &msg->paid;
     struct job *job = desk_find_job(c, m->job);
     uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct msg_counts counts = m->counts;

@@ -8,9 +8,9 @@
 
 /* Messages of workers. */
 void lending_loan(struct coord *c, struct coord_worker *w,
-                  const struct msg_loan *m);
+                  const struct msg *msg);
 void lending_paid(struct coord *c, struct coord_worker *w,
-                  const struct msg_paid *m);
+                  const struct msg *msg);
 
 /* Ask for columns until as many are on their way as workers are idle. */
 void lending_ask(struct coord *c, struct job *job, uint32_t idle);

@@ -147,9 +147,6 @@ on_action(void *arg, const struct action *a)
     case ACT_SETTLE:
         store_settle(r->store, a->conn, a->request);
         break;
-    case ACT_PUT_ROWS:
-        store_put_rows(r->store, &a->rows);
-        break;
     case ACT_WRITE_PICTURE:
         store_write_picture(r->store, a->job, a->sequence, a->frame);
         break;

@@ -110,8 +110,9 @@ has_twin(const struct job_unit *u, const struct job_go *go)
 }
 
 void
-balance_gave(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_gave *m = &msg->gave;
     struct partition_area a;
     struct job_unit *u;
     struct job_go *go;

@@ -8,7 +8,7 @@
 
 /* A message of a worker. */
 void balance_gave(struct coord *c, struct coord_worker *w,
-                  const struct msg_gave *m);
+                  const struct msg *msg);
 
 /* Find something for workers that have nothing to do. */
 void balance_run(struct coord *c);

@@ -240,8 +240,9 @@ take_up(struct coord *c, struct job *job, uint32_t index,
 }
 
 void
-loss_still(struct coord *c, struct coord_worker *w, const struct msg_gave *m)
+loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_gave *m = &msg->still;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
     struct msg no = { .type = MSG_REVOKE,
@@ -383,8 +384,9 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
 /* A disk that is full is the worker's affair: others go on, or wait with the
  * job until one has room. */
 void
-loss_no_room(struct coord *c, struct coord_worker *w, const struct msg_room *m)
+loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_room *m = &msg->room;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
     struct job_worker *jw;
@@ -417,8 +419,9 @@ has_unit(const struct job *job, uint32_t index, uint32_t unit)
 }
 
 void
-loss_reported(struct coord *c, struct coord_worker *w, const struct msg_lost *m)
+loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_lost *m = &msg->lost;
     enum part_state to = PART_GONE;
     struct job_worker *jw;
     uint32_t index, surveying;

@@ -8,11 +8,11 @@
 
 /* Messages of workers. */
 void loss_reported(struct coord *c, struct coord_worker *w,
-                   const struct msg_lost *m);
+                   const struct msg *msg);
 void loss_no_room(struct coord *c, struct coord_worker *w,
-                  const struct msg_room *m);
+                  const struct msg *msg);
 void loss_still(struct coord *c, struct coord_worker *w,
-                const struct msg_gave *m);
+                const struct msg *msg);
 
 /* A worker went: its units wait again. */
 void loss_worker_gone(struct coord *c, struct coord_worker *w);

@@ -271,7 +271,62 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
            job->units[m->unit].ngos == 1;
 }
 
-/* Rows in the form in which they are kept. */
+/* Rows that do not count, of a twin or of an attempt that is over. */
+static void
+refuse_rows(struct coord *c, const struct coord_worker *w, struct job *job,
+            uint32_t index, const struct msg_result *m,
+            const struct partition_area *a)
+{
+    if (result_fits(job, m, a))
+        duplicate_check(c, job, index, m);
+    note_end(job, index, m);
+    ack(c, w, job, m);
+}
+
+/* Rows before these are missing. */
+static void
+out_of_turn(struct coord *c, const struct coord_worker *w,
+            const struct job *job, uint32_t index, const struct msg_result *m)
+{
+    if (is_old(job, index, m))
+        ack(c, w, job, m); /* an earlier life did not keep those before */
+    else
+        verdict_break(c, w->conn, "a RESULT out of turn");
+}
+
+/* Rows that count go to the disk. */
+static void
+keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
+          uint32_t index, const struct msg_result *m, struct partition_area *a)
+{
+    struct job_unit *u = &job->units[m->unit];
+    struct job_go *go;
+
+    if (u->ngos == 0 && !hold_revive(c, job, index, m->unit))
+        return;
+    go = go_find(job, m->unit, index, m->attempt);
+    if (gave_before(job, index, m, a) &&
+        hold_shrink(c, job, m->unit, go, m->row + m->rows))
+        partition_area(job->partition, m->unit, a);
+    if (m->last &&
+        (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
+        ack(c, w, job, m);
+        spoilt(c, job, m->unit, go);
+        return;
+    }
+    duplicate_keep(job, index, m, a->height);
+    u = &job->units[m->unit]; /* hold_shrink() may have added a unit */
+    u->next_row += m->rows;
+    u->row_ms = c->now_ms;
+    if (m->last) {
+        u->counts = m->counts;
+        msg_counts_add(&u->counts, &u->lent);
+        job->frames[a->frame].untold |= w->version < 2;
+        delivered(c, job, m->unit, go);
+    }
+    put_rows(c, job, w->conn, m, a);
+}
+
 static void
 take_result(struct coord *c, struct coord_worker *w, struct job *job,
             uint32_t index, const struct msg_result *m)
@@ -296,55 +351,20 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     go = go_find(job, m->unit, index, m->attempt);
     if (go && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
         elect(c, job, go, m);
-    if (!counts(job, index, m)) {
-        if (result_fits(job, m, &a))
-            duplicate_check(c, job, index, m);
-        note_end(job, index, m);
-        ack(c, w, job, m);
-        return;
-    }
-    if (!result_fits(job, m, &a)) {
+    if (!counts(job, index, m))
+        refuse_rows(c, w, job, index, m, &a);
+    else if (!result_fits(job, m, &a))
         verdict_break(c, w->conn, "a RESULT that fits no unit");
-        return;
-    }
-    if (m->row < u->next_row)
-        return; /* on its way to the disk */
-    if (m->row > u->next_row) {
-        if (is_old(job, index, m)) {
-            ack(c, w, job, m); /* what was before it was not kept */
-            return;
-        }
-        verdict_break(c, w->conn, "a RESULT out of turn");
-        return;
-    }
-    if (u->ngos == 0 && !hold_revive(c, job, index, m->unit))
-        return;
-    go = go_find(job, m->unit, index, m->attempt);
-    if (gave_before(job, index, m, &a) &&
-        hold_shrink(c, job, m->unit, go, m->row + m->rows))
-        partition_area(job->partition, m->unit, &a);
-    u = &job->units[m->unit]; /* there may be one more now */
-    if (m->last &&
-        (m->row + m->rows < a.height || !handoff_complete(job, m->unit))) {
-        ack(c, w, job, m);
-        spoilt(c, job, m->unit, go);
-        return;
-    }
-    duplicate_keep(job, index, m, a.height);
-    u->next_row += m->rows;
-    u->row_ms = c->now_ms;
-    if (m->last) {
-        u->counts = m->counts;
-        msg_counts_add(&u->counts, &u->lent);
-        job->frames[a.frame].untold |= w->version < 2;
-        delivered(c, job, m->unit, go);
-    }
-    put_rows(c, job, w->conn, m, &a);
+    else if (m->row > u->next_row)
+        out_of_turn(c, w, job, index, m);
+    else if (m->row == u->next_row) /* those before go to the disk already */
+        keep_rows(c, w, job, index, m, &a);
 }
 
 void
-result_rows(struct coord *c, struct coord_worker *w, const struct msg_result *m)
+result_rows(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_result *m = &msg->result;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
 

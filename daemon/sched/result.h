@@ -8,7 +8,7 @@
 
 /* A message of a worker. */
 void result_rows(struct coord *c, struct coord_worker *w,
-                 const struct msg_result *m);
+                 const struct msg *msg);
 /* Rows are kept. */
 void result_stored(struct coord *c, const struct action_rows *key);
 /* All rows of the frame are kept: its picture is to be written. */

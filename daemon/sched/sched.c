@@ -415,8 +415,9 @@ lay_out(struct coord *c, struct job *job)
 }
 
 void
-sched_ready(struct coord *c, struct coord_worker *w, const struct msg_ready *m)
+sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_ready *m = &msg->ready;
     struct job_worker *jw;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
@@ -472,8 +473,9 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 /* The last twins are taken back when the job is all but over, so what they cost
  * counts after that, too. */
 void
-sched_tally(struct coord *c, struct coord_worker *w, const struct msg_tally *m)
+sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_tally *m = &msg->tally;
     struct job *job = desk_find_job(c, m->job);
     uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
     struct job_worker *jw;

@@ -22,9 +22,9 @@ void sched_tick(struct coord *c);
 
 /* Messages of workers. */
 void sched_ready(struct coord *c, struct coord_worker *w,
-                 const struct msg_ready *m);
+                 const struct msg *msg);
 void sched_tally(struct coord *c, struct coord_worker *w,
-                 const struct msg_tally *m);
+                 const struct msg *msg);
 
 /* An admin drained a worker, or had enough of that: others may take what was to
  * be its part of a job, or may not. */

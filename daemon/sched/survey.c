@@ -269,9 +269,9 @@ count_rays(struct job *job, uint32_t index, const struct msg_counts *counts)
 }
 
 void
-survey_estimated(struct coord *c, struct coord_worker *w,
-                 const struct msg_estimated *m)
+survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
+    const struct msg_estimated *m = &msg->estimated;
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
     const struct job_worker *jw;

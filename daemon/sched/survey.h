@@ -13,7 +13,7 @@ void survey_free(struct survey *s);
 
 /* A message of a worker. */
 void survey_estimated(struct coord *c, struct coord_worker *w,
-                      const struct msg_estimated *m);
+                      const struct msg *msg);
 
 /* Estimate costs first, if the job wants it; 0 or RAD_ENOMEM. */
 int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);

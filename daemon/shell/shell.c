@@ -274,10 +274,12 @@ carry_out(struct shell *s, const struct action *a)
         store_put_chunk(s->store, a->conn, &a->chunk);
         pause_for_store(s, a->conn);
         break;
+    case ACT_PUT_ROWS:
+        store_put_rows(s->store, &a->rows);
+        pause_for_store(s, a->conn);
+        break;
     default:
         s->ops->action(s->arg, a);
-        if (a->type == ACT_PUT_ROWS)
-            pause_for_store(s, a->rows.conn);
         break;
     }
 }
