@@ -33,7 +33,7 @@ filtered_shape(struct rad_filter_shape *s, int width, int height,
     return 0;
 }
 
-/* What filtering takes to work in. */
+/* Memory that filtering works in. */
 struct workplace {
     struct rad_filter *filter;
     uint8_t *rgbe;       /* a row of samples */

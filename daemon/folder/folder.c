@@ -86,7 +86,7 @@ folder_free_job(struct folder_job *j)
     free(j);
 }
 
-/* Forget it, but for its files. */
+/* Forget the job, but for its files. */
 static void
 drop_job(struct folder *f, const uint8_t *id)
 {
@@ -114,8 +114,9 @@ copy_frames(struct folder_job *j, const struct msg_spec *spec)
     return true;
 }
 
-/* Coded rows as they come are for who has but one life; those of windows are
- * parts of the picture's. */
+/* Rows stay coded as they come where jobs end with the process, which can
+ * remember where each lies.  Those of windows are parts of a row of the
+ * picture. */
 static enum rows_kind
 kind_of(const struct folder *f, const struct msg_spec *spec)
 {
@@ -166,7 +167,7 @@ folder_frame_bytes(const struct folder_job *j, const struct frame_rows *r)
     return (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
 }
 
-/* Remove so many of its files at most.  Is there more? */
+/* Remove so many files of the folder at most; true: there are more. */
 static bool
 empty_dir(const char *path, unsigned most)
 {
@@ -208,8 +209,8 @@ make_dir(const struct folder *f, const uint8_t *id, const char *path,
     return disk_sync_dir(path, err);
 }
 
-/* All frames are empty: may they have their room?  What a former call kept
- * counts. */
+/* No frame has a file: is there room for all rows?  Room that a former call
+ * kept counts. */
 static int
 check_room(const struct folder *f, struct folder_job *j, struct rad_error *err)
 {
@@ -253,7 +254,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     rc = f->durable ? check_room(f, j, err) : 0;
     if (rc == 0)
         rc = make_dir(f, spec->job, path, err);
-    if (rc == 0 && f->durable) /* else whoever needs it notices */
+    if (rc == 0 && f->durable) /* else a full disk shows when rows come */
         rc = keep_room(f, j, err);
     if (rc == 0) {
         folder_add_job(f, j);
@@ -264,7 +265,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     return rc;
 }
 
-/* Rows and what was half written. */
+/* Is the file needless once the job is over: rows, room, or half written? */
 static bool
 is_left_over(const char *name)
 {
@@ -376,7 +377,7 @@ is_empty(const char *path)
     return empty;
 }
 
-/* Also one with nothing in it: power was lost before there was. */
+/* Also a folder with nothing in it: power was lost before there was. */
 bool
 folder_is_new(const struct folder *f, const uint8_t id[MSG_JOB])
 {

@@ -33,7 +33,7 @@ struct folder {
     struct rows_open opened; /* of their rows */
 };
 
-/* Make dir/jobs.  What is not durable and was there goes. */
+/* Make dir/jobs.  Without durable, jobs that are there go. */
 int folder_init(struct folder *f, struct rad_error *err);
 void folder_release(struct folder *f);
 
@@ -53,12 +53,12 @@ int folder_compare(struct folder *f, const struct saved_job *s, bool over,
                    void (*fn)(void *arg, const struct rad_error *why),
                    void *arg, struct rad_error *err);
 bool folder_is_there(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* Is it one that goes on? */
+/* Does the job go on? */
 bool folder_is_open(struct folder *f, const uint8_t job[MSG_JOB]);
-/* The database knows it. */
+/* The database knows the job: the folder is not new any more. */
 void folder_noted(const struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* It is over: rows that are left go. */
+/* The job is over: rows that are left go. */
 void folder_rest(struct folder *f, const uint8_t job[MSG_JOB]);
 /* All of it goes: at once, or not at all; but of its files so many at a time as
  * take no long while, and true tells that there are more.  Its name as one that
@@ -85,14 +85,14 @@ int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
 int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
                const struct partition_area *a, uint32_t rows, bool line,
                uint64_t *sum, struct rad_error *err);
-/* What was written to rows lasts. */
+/* Wait until all rows that were put are on the disk. */
 int folder_sync(struct folder *f, struct rad_error *err);
 
 /* Write a frame's picture, and its distances; marks, which may be NULL, gets
  * their marks. */
 int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                    struct saved_frame *marks, struct rad_error *err);
-/* It is noted that they are there: its rows go. */
+/* It is noted that the picture is there: the frame's rows go. */
 void folder_drop_rows(struct folder *f, const uint8_t job[MSG_JOB],
                       uint32_t frame);
 int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,

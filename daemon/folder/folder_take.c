@@ -126,7 +126,8 @@ look_for_rows(const struct folder *f, const struct saved_job *s,
     return 0;
 }
 
-/* What nothing is noted of may be half made, and is made anew. */
+/* A file of rows of which nothing is noted may be half made, and is made anew.
+ */
 static int
 take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
           struct rad_error *err)

@@ -20,7 +20,7 @@ struct free_room {
     uint64_t all, left, spare; /* bytes */
 };
 
-/* False: the file system does not say, and whoever needs room notices. */
+/* False: the file system does not say; a full disk shows when room is made. */
 static bool
 look(const char *dir, struct free_room *r)
 {

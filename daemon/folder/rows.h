@@ -27,7 +27,7 @@
 
 #define ROWS_PATH_MAX 1280
 
-/* What lies in the file; the floats' are their number. */
+/* How pixels lie in the file; of floats the value is their number a pixel. */
 enum rows_kind {
     ROWS_CODED = 1,
     ROWS_RGBE = 2,

@@ -8,7 +8,7 @@
 /* Coded bytes that are copied at a time, but for long rows. */
 #define COPY_BYTES (64u << 10)
 
-/* What encoding a picture takes to work in. */
+/* Memory that encoding a picture works in. */
 struct encoder {
     void *pixels; /* a row as in the file */
     struct rad_rgb *line;

@@ -3,7 +3,7 @@
  * The specification of a job is kept as its SUBMIT, counts and progress as they
  * travel, so there is one codec for each, and it is fuzzed.  Numbers that have
  * no sign are kept as SQLite's integers of the same bits.  Putting is in
- * journal_put.c, reading in journal_read.c. */
+ * journal_put.c, reading in journal_read.c, SQL in journal_sql.c. */
 #include "config.h"
 
 #include "journal/journal.h"
@@ -25,117 +25,6 @@
 #define SCHEMA      5          /* since finished files have marks */
 #define SCHEMA_ALSO 3          /* and 4: taken over as they are read */
 #define WAL_PAGES   1000       /* in the log before it is carried over */
-
-/* As it was up to version 4. */
-static const char schema_4[] =
-    "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"
-    "CREATE TABLE job ("
-    " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
-    " spec BLOB NOT NULL, epoch INTEGER NOT NULL, state INTEGER NOT NULL,"
-    " status INTEGER NOT NULL, text TEXT NOT NULL, offer_ms INTEGER NOT NULL,"
-    " submit_ms INTEGER NOT NULL, open_ms INTEGER NOT NULL,"
-    " end_ms INTEGER NOT NULL, sent_bytes INTEGER NOT NULL,"
-    " kept_bytes INTEGER NOT NULL, progress BLOB);"
-    "CREATE TABLE unit ("
-    " job INTEGER NOT NULL, unit INTEGER NOT NULL, frame INTEGER NOT NULL,"
-    " x INTEGER NOT NULL, y INTEGER NOT NULL, width INTEGER NOT NULL,"
-    " height INTEGER NOT NULL, attempt INTEGER NOT NULL,"
-    " tries INTEGER NOT NULL, worker TEXT NOT NULL,"
-    " fingerprint INTEGER NOT NULL, stored INTEGER NOT NULL DEFAULT 0,"
-    " sum INTEGER NOT NULL DEFAULT 0,"
-    " done INTEGER NOT NULL DEFAULT 0, end_ms INTEGER NOT NULL DEFAULT 0,"
-    " counts BLOB, bottom BLOB, PRIMARY KEY (job, unit)) WITHOUT ROWID;"
-    "CREATE TABLE frame (job INTEGER NOT NULL, frame INTEGER NOT NULL,"
-    " PRIMARY KEY (job, frame)) WITHOUT ROWID;";
-
-/* What version 5 has more.  Marks of what was written before are not known. */
-static const char since_4[] =
-    "ALTER TABLE job ADD COLUMN stats_size INTEGER;"
-    "ALTER TABLE job ADD COLUMN stats_hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN size INTEGER;"
-    "ALTER TABLE frame ADD COLUMN hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN depth_size INTEGER;"
-    "ALTER TABLE frame ADD COLUMN depth_hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN fetched INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN priority INTEGER;"
-    "CREATE TABLE drained (worker TEXT PRIMARY KEY) WITHOUT ROWID;"
-    "CREATE TABLE gone ("
-    " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
-    " name TEXT NOT NULL, why INTEGER NOT NULL, fetched INTEGER NOT NULL,"
-    " end_ms INTEGER NOT NULL, gone_ms INTEGER NOT NULL);";
-
-#define N_OF_JOB "(SELECT n FROM job WHERE id = ?1)"
-
-static const char *const sql[NSQL] = {
-    [SQL_BEGIN] = "BEGIN IMMEDIATE",
-    [SQL_COMMIT] = "COMMIT",
-    [SQL_PUT_LIFE] = "INSERT INTO life VALUES (?1, ?2)",
-    [SQL_LAST_LIFE] = "SELECT ifnull(max(epoch), 0) FROM life",
-    [SQL_PUT_JOB] =
-        "INSERT INTO job (id, owner, spec, epoch, state, status,"
-        " text, offer_ms, submit_ms, open_ms, end_ms, sent_bytes, kept_bytes)"
-        " VALUES (?1, ?2, ?3, (SELECT ifnull(max(epoch), 0) FROM life),"
-        " ?4, 0, '', ?5, ?6, ?7, 0, ?8, 0) ON CONFLICT (id) DO NOTHING",
-    [SQL_PUT_STATE] = "UPDATE job SET state = ?2, priority = ?3"
-                      " WHERE id = ?1",
-    [SQL_PUT_DRAINED] = "INSERT INTO drained VALUES (?1) ON CONFLICT DO"
-                        " NOTHING",
-    [SQL_DROP_DRAINED] = "DELETE FROM drained WHERE worker = ?1",
-    [SQL_DRAINED] = "SELECT worker FROM drained ORDER BY worker",
-    [SQL_PUT_END] =
-        "UPDATE job SET state = ?2, status = ?3, text = ?4,"
-        " end_ms = ?5, kept_bytes = ?6, progress = ?7, stats_size = ?8,"
-        " stats_hash = ?9 WHERE id = ?1",
-    [SQL_PUT_UNIT] =
-        "INSERT INTO unit (job, unit, frame, x, y, width, height, attempt,"
-        " tries, worker, fingerprint) VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5,"
-        " ?6, ?7, ?8, ?9, ?10, ?11)"
-        " ON CONFLICT DO UPDATE SET frame = ?3, x = ?4, y = ?5, width = ?6,"
-        " height = ?7, tries = ?9, worker = ?10, fingerprint = ?11,"
-        " stored = CASE attempt WHEN ?8 THEN stored ELSE 0 END,"
-        " sum = CASE attempt WHEN ?8 THEN sum ELSE 0 END,"
-        " done = CASE attempt WHEN ?8 THEN done ELSE 0 END, attempt = ?8",
-    /* exclusive or of sums is what SQLite has no word for; the first rows of
-     * an attempt begin anew */
-    [SQL_PUT_ROWS] = "UPDATE unit SET attempt = ?3, stored = ?4, done = ?5,"
-                     " end_ms = ?6, counts = ?7, bottom = ?8,"
-                     " sum = CASE ?4 WHEN ?10 THEN ?9"
-                     " ELSE (sum | ?9) - (sum & ?9) END"
-                     " WHERE job = " N_OF_JOB " AND unit = ?2",
-    [SQL_PUT_FRAME] =
-        "INSERT INTO frame (job, frame, size, hash, depth_size, depth_hash)"
-        " VALUES (" N_OF_JOB ", ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO UPDATE"
-        " SET size = ?3, hash = ?4, depth_size = ?5, depth_hash = ?6",
-    [SQL_DROP_UNITS] = "DELETE FROM unit WHERE job = " N_OF_JOB,
-    [SQL_DROP_FRAMES] = "DELETE FROM frame WHERE job = " N_OF_JOB,
-    [SQL_DROP_JOB] = "DELETE FROM job WHERE id = ?1",
-    [SQL_PUT_FETCHED] = "UPDATE frame SET fetched = 1"
-                        " WHERE job = " N_OF_JOB " AND frame = ?2",
-    [SQL_GONES] = "SELECT id, owner, name, why, fetched, end_ms, gone_ms"
-                  " FROM gone ORDER BY n",
-    [SQL_PUT_GONE] = "INSERT INTO gone (id, owner, name, why, fetched, end_ms,"
-                     " gone_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
-                     " ON CONFLICT (id) DO NOTHING",
-    [SQL_DROP_GONES] =
-        "DELETE FROM gone WHERE owner = ?1 AND n <= (SELECT n FROM gone"
-        " WHERE owner = ?1 ORDER BY n DESC LIMIT 1 OFFSET ?2)",
-    [SQL_MARKS] = "SELECT size, hash, depth_size, depth_hash FROM frame"
-                  " WHERE job = " N_OF_JOB " AND frame = ?2",
-    [SQL_STATS_MARK] = "SELECT stats_size, stats_hash FROM job WHERE id = ?1",
-    [SQL_HAS] = "SELECT 1 FROM job WHERE id = ?1",
-    [SQL_HAS_GONE] = "SELECT 1 FROM gone WHERE id = ?1",
-    [SQL_JOBS] =
-        "SELECT n, id, owner, spec, epoch, state, status, text, offer_ms,"
-        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress, stats_size,"
-        " stats_hash, priority FROM job ORDER BY n",
-    [SQL_LIVES] = "SELECT count(*) FROM life WHERE epoch > ?1",
-    [SQL_UNITS] =
-        "SELECT unit, frame, x, y, width, height, attempt, tries, worker,"
-        " fingerprint, stored, done, end_ms, counts, bottom, sum"
-        " FROM unit WHERE job = ?1 ORDER BY unit",
-    [SQL_FRAMES] = "SELECT frame, size, hash, depth_size, depth_hash, fetched"
-                   " FROM frame WHERE job = ?1 ORDER BY frame",
-};
 
 /* --- errors --- */
 
@@ -204,7 +93,7 @@ journal_statement(struct journal *j, enum journal_sql what,
     int rc;
 
     if (!j->stmt[what]) {
-        rc = sqlite3_prepare_v3(j->db, sql[what], -1, SQLITE_PREPARE_PERSISTENT,
+        rc = sqlite3_prepare_v3(j->db, journal_sql[what], -1, SQLITE_PREPARE_PERSISTENT,
                                 &j->stmt[what], NULL);
         if (rc != SQLITE_OK) {
             journal_failed(j, rc, err);
@@ -238,7 +127,7 @@ run_plain(struct journal *j, enum journal_sql what, struct rad_error *err)
     return s ? journal_run(j, s, err) : err->code;
 }
 
-/* One that writes, in a transaction; NULL with *err. */
+/* A statement that writes, in a transaction; NULL with *err. */
 sqlite3_stmt *
 journal_writer(struct journal *j, enum journal_sql what, struct rad_error *err)
 {
@@ -282,9 +171,9 @@ make(struct journal *j, struct rad_error *err)
                      "PRAGMA application_id = %d; PRAGMA user_version = %d",
                      APPLICATION, SCHEMA);
     if (rc == 0)
-        rc = exec(j, schema_4, err);
+        rc = exec(j, journal_schema_4, err);
     if (rc == 0)
-        rc = exec(j, since_4, err);
+        rc = exec(j, journal_since_4, err);
     if (rc == 0)
         rc = exec(j, text, err);
     return rc == 0 ? exec(j, "COMMIT", err) : rc;
@@ -314,7 +203,7 @@ modernise(struct journal *j, struct rad_error *err)
 
     j->in_transaction = rc == 0;
     j->old = true;
-    return rc == 0 ? exec(j, since_4, err) : rc;
+    return rc == 0 ? exec(j, journal_since_4, err) : rc;
 }
 
 static int
@@ -423,8 +312,8 @@ make_at(const char *path, struct rad_error *err)
     return rc == 0 ? sync_file(path, err) : rc;
 }
 
-/* Where there is none, put a whole database there: of one that is made in its
- * place a loss of power may leave a part, which is not told from one that was
+/* Where there is no database, put a whole one there, by rename: a loss of power
+ * could leave a part of a database that is made in its place, as if it had been
  * damaged. */
 static int
 make_whole(const char *path, struct rad_error *err)

@@ -33,10 +33,10 @@ int journal_check(struct journal *j, struct rad_error *err);
 int journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
                        struct rad_error *err);
 
-/* All that an earlier version left is taken up: it is of this one, and one that
- * knows less does not begin on it. */
+/* All that an earlier version left is taken up: the database is of this version
+ * from here on, and an earlier one refuses it. */
 int journal_take_over(struct journal *j, struct rad_error *err);
-/* Did one leave it? */
+/* Was it left by an earlier version? */
 bool journal_is_old(const struct journal *j);
 
 /* --- putting --- */
@@ -78,7 +78,7 @@ void journal_rollback(struct journal *j);
 int journal_has(struct journal *j, const uint8_t job[MSG_JOB], bool *has,
                 struct rad_error *err);
 
-/* Is it one that was forgotten not long ago? */
+/* Was the job forgotten not long ago? */
 int journal_has_gone(struct journal *j, const uint8_t job[MSG_JOB], bool *gone,
                      struct rad_error *err);
 

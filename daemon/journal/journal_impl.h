@@ -1,8 +1,9 @@
 /* journal_impl.h - what the parts of the journal share; for them alone
  *
- *   journal.c       the database: schema, statements, transactions
+ *   journal.c       the database: opening, errors, transactions
  *   journal_put.c   putting
- *   journal_read.c  reading */
+ *   journal_read.c  reading
+ *   journal_sql.c   tables and statements in SQL */
 #ifndef DAEMON_JOURNAL_IMPL_H
 #define DAEMON_JOURNAL_IMPL_H
 
@@ -12,7 +13,7 @@
 
 #define JOURNAL_LAYOUT 2 /* version of the protocol whose bytes are kept */
 
-/* The statements; their words are in journal.c. */
+/* The statements. */
 enum journal_sql {
     SQL_BEGIN,
     SQL_COMMIT,
@@ -44,6 +45,11 @@ enum journal_sql {
     SQL_FRAMES,
     NSQL
 };
+extern const char *const journal_sql[NSQL];
+
+/* Tables as they were up to version 4, and what version 5 has more: marks of
+ * files that were written before that are not known. */
+extern const char journal_schema_4[], journal_since_4[];
 
 struct journal {
     sqlite3 *db;
@@ -56,13 +62,13 @@ struct journal {
     int wal_pages; /* in the log */
 };
 
-/* What SQLite's code means, as an error. */
+/* SQLite's code as one of ours, with *err. */
 int journal_failed(struct journal *j, int rc, struct rad_error *err);
 
 /* The statement, ready to be bound; NULL with *err. */
 sqlite3_stmt *journal_statement(struct journal *j, enum journal_sql what,
                                 struct rad_error *err);
-/* One that writes, in a transaction; likewise. */
+/* A statement that writes, in a transaction; likewise. */
 sqlite3_stmt *journal_writer(struct journal *j, enum journal_sql what,
                              struct rad_error *err);
 /* Run it, without rows. */

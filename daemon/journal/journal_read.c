@@ -41,7 +41,7 @@ journal_has_gone(struct journal *j, const uint8_t job[MSG_JOB], bool *gone,
     return has_row(j, SQL_HAS_GONE, job, gone, err);
 }
 
-/* What is wrong with a row, as an error. */
+/* A row of the database is damaged: say how. */
 static int
 bad(struct rad_error *err, const char *what, sqlite3_int64 n)
 {
@@ -89,7 +89,7 @@ get_blob(sqlite3_stmt *s, int i, const uint8_t **v, size_t *n)
     return type == SQLITE_BLOB || type == SQLITE_NULL;
 }
 
-/* One job as it is read. */
+/* A job as it is read. */
 struct reading {
     struct journal *j;
     sqlite3_int64 n; /* its number */

@@ -5,5 +5,6 @@ libdaemon_a_SOURCES += \
 	daemon/journal/journal_impl.h \
 	daemon/journal/journal_put.c \
 	daemon/journal/journal_read.c \
+	daemon/journal/journal_sql.c \
 	daemon/journal/statedir.c \
 	daemon/journal/statedir.h

@@ -56,7 +56,8 @@ note_job(void *arg, const uint8_t job[MSG_JOB], bool going,
     return 1; /* one is enough */
 }
 
-/* What is there that only a database can explain; "" for nothing. */
+/* Name something in the folder that only a database can explain; "" if there is
+ * nothing. */
 static int
 find_remains(const char *dir, char what[80], struct rad_error *err)
 {

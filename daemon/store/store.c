@@ -128,7 +128,7 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
         rc = statedir_check_owner(dir, err);
     if (rc == 0)
         rc = s->lock = service_lock_dir(dir, err);
-    if (rc >= 0) /* jobs first: one that is refused stays as it is */
+    if (rc >= 0) /* jobs first: a folder that is refused stays as it is */
         rc = s->handler->job ? open_jobs(s, err) : 0;
     return rc == 0 ? blobs_open(&s->blobs, files, s->durable, err) : rc;
 }

@@ -49,7 +49,7 @@ struct store_handler {
     void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
                   uint64_t bytes);
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
-    /* store_recover() met one that was forgotten; may be NULL. */
+    /* store_recover() met a job that was forgotten; may be NULL. */
     void (*gone)(void *arg, const struct saved_gone *g);
     /* store_look() has looked. */
     void (*looked)(void *arg, const struct action_look *l);
@@ -86,7 +86,7 @@ typedef int store_job_fn(void *arg, const struct saved_job *s,
                          struct rad_error *err);
 int store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
                   store_job_fn *fn, void *arg, struct rad_error *err);
-/* The workers that are drained; likewise. */
+/* The same of the workers that are drained. */
 typedef int store_worker_fn(void *arg, const char *worker,
                             struct rad_error *err);
 int store_read_drained(struct store *s, store_worker_fn *fn, void *arg,

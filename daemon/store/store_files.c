@@ -27,7 +27,7 @@ struct look_task {
     uint8_t hash[];
 };
 
-/* What cannot be had now may be later: this is no failure of the task's. */
+/* A file that cannot be had now may be later: the task does not fail. */
 static void
 use_files(struct look_task *l)
 {

@@ -81,7 +81,7 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
  * store does not answer. */
 void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                      void (*done)(struct task *t));
-/* The done() of one that nobody hears of. */
+/* The done() of a task whose end nobody is told. */
 void store_free_task(struct task *t);
 /* To be kept: it may be held, and is done when it lasts. */
 void store_push_lasting(struct store *s, struct task *t);

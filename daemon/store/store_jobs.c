@@ -44,7 +44,7 @@ struct saved_task {
     char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
     char *stats;
     size_t stats_len;
-    struct saved_task *next; /* [loop] of those that are being opened */
+    struct saved_task *next; /* [loop] the next job that is being opened */
     atomic_bool over;        /* that job is, before it was opened */
 };
 
@@ -166,7 +166,8 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
     store_push_lasting(s, &o->task);
 }
 
-/* One that waits for room, and all that writes with it, need not any longer. */
+/* A job that waits for room, and the tasks that write with it, need not wait
+ * any longer. */
 static void
 give_up_opening(struct store *s, const uint8_t *id)
 {

@@ -45,7 +45,7 @@ source_path(struct read_task *r, char path[DISK_PATH_MAX])
     return 0;
 }
 
-/* What the file is to be, if that is known. */
+/* The mark that the file is to have, if it is known. */
 static int
 begin(struct read_task *r)
 {

@@ -58,7 +58,7 @@ drop_damaged(void *arg, const struct saved_job *saved,
     return journal_put_rows(s->journal, saved->spec.job, unit, err);
 }
 
-/* One that goes on, as far as its rows are sound. */
+/* Take up a job that goes on, as far as its rows are sound. */
 static int
 recover_open(struct recovery *r, const struct saved_job *saved,
              struct rad_error *err)

@@ -20,7 +20,7 @@ struct submit_task {
     struct wire_out bytes; /* the SUBMIT */
     struct msg msg;        /* and that unpacked */
     struct views views;
-    struct submit_task *next; /* [loop] of those that are being read */
+    struct submit_task *next; /* [loop] the next SUBMIT that is being read */
 };
 
 static void
