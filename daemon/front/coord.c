@@ -148,7 +148,7 @@ send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
 }
 
 /* A worker lacks files: it gets those of the job that it loads, and no others.
- * If that has just ended it will hear so. */
+ * If this job has just ended the worker will hear so. */
 static void
 on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -173,7 +173,7 @@ on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
     }
 }
 
-/* The shell answers; the number says whether it gets on. */
+/* The shell answers a PING; its number says whether the worker gets on. */
 static void
 on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -183,7 +183,8 @@ on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->progress_ms = c->now_ms;
 }
 
-/* Of itself; sched_run says BYE when it has nothing left. */
+/* The worker drains by itself; sched_run() says BYE when it has nothing left.
+ */
 static void
 on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -192,7 +193,7 @@ on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->leaving = true;
 }
 
-/* For those who wait for the job. */
+/* Ambient records go to the connections that watch the job. */
 static void
 on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -285,8 +286,8 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- events --- */
 
-/* The end of a connection may be the end of a job, which its units crash too
- * often. */
+/* The end of a worker's connection may be the end of a job: a unit of it was
+ * lost once too often. */
 static void
 carry_out_verdicts(struct coord *c)
 {
@@ -328,8 +329,8 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
         settle(c, true);
 }
 
-/* Work that comes in: there are many of these, and where nobody gets room by
- * one it changes nothing for the others. */
+/* Is it a message that brings work in?  There are many of these, and one by
+ * which no worker gets room changes nothing for the others. */
 static bool
 is_work(uint16_t type)
 {
@@ -475,7 +476,7 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     coord_forget_old(c);
 }
 
-/* One whose scene does not come through hears why, for it has no job yet. */
+/* Tell a user why its files are not taken: there is no job yet that says so. */
 static void
 say_held(struct coord *c, const struct coord_conn *conn)
 {
@@ -485,8 +486,9 @@ say_held(struct coord *c, const struct coord_conn *conn)
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* A disk about as full as may be has room and has none by turns: the log tells
- * it once a minute, by pairs of lines, and then that it is full if it stays. */
+/* A disk at its limit has room and has none by turns: the log has a pair of
+ * lines about that once a minute, and says that the disk is full once it stays
+ * so. */
 static void
 log_fullness(struct coord *c)
 {
@@ -544,8 +546,8 @@ expire_known(struct coord *c)
         known_expire(&o->files, c->now_ms > ms ? c->now_ms - ms : 0);
 }
 
-/* Files that wait for a job, and connections that have begun to send and do not
- * go on: a while is enough. */
+/* Forget files that no job has named for upload_ms, and end connections that
+ * began to send a scene and have not gone on for as long. */
 static void
 look_after_uploads(struct coord *c)
 {

@@ -24,10 +24,10 @@ struct coord;
 struct coord *coord_new(const struct coord_env *env);
 void coord_free(struct coord *c);
 
-/* The last 100 jobs, unless this is called. */
+/* How long jobs that are over are remembered; at first the last 100. */
 void coord_set_keep(struct coord *c, const struct coord_keep *keep);
 
-/* Some that a room never meets, unless this is called. */
+/* What a user may have; at first more than a room of people needs. */
 void coord_set_limits(struct coord *c, const struct coord_limits *limits);
 
 /* The number of this life, once it is known; before any event but those of
@@ -46,7 +46,7 @@ struct action_list *coord_actions(struct coord *c);
 void coord_opened(struct coord *c, uint64_t now_ms, uint64_t conn,
                   const struct coord_peer *peer);
 
-/* It is gone, for whatever reason; why is for the log. */
+/* The connection is gone, for whatever reason; why is for the log. */
 void coord_closed(struct coord *c, uint64_t now_ms, uint64_t conn,
                   const char *why);
 
@@ -61,8 +61,8 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const uint8_t hash[MSG_HASH], int status,
                        const char *text);
 
-/* Is that file there for the user of that connection?  One who has not sent it
- * is not to know whether others have. */
+/* Is that file there for the user of that connection?  A user who has not sent
+ * it is not to know whether others have. */
 bool coord_has_file(const struct coord *c, uint64_t conn,
                     const uint8_t hash[MSG_HASH]);
 
@@ -74,14 +74,13 @@ void coord_looked(struct coord *c, uint64_t now_ms,
  * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order.  sequence
  * is the action's: an answer about a job that was deleted is none about the one
  * that has its id now. */
-/* To ACT_JOB_END: bytes that its folder takes. */
+/* The answer to ACT_JOB_END: bytes that the job's folder takes. */
 void coord_job_filed(struct coord *c, uint64_t now_ms,
                      const uint8_t job[MSG_JOB], uint64_t sequence,
                      uint64_t bytes);
 void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
                    uint32_t request);
-/* There is no room for its rows now, it goes on waiting: it is held, and no
- * other. */
+/* There is no room for the job's rows now: this job is held, and no other. */
 void coord_job_waits(struct coord *c, uint64_t now_ms,
                      const uint8_t job[MSG_JOB], uint64_t sequence,
                      const char *text);
@@ -95,7 +94,7 @@ void coord_picture_written(struct coord *c, uint64_t now_ms,
                            const uint8_t job[MSG_JOB], uint64_t sequence,
                            uint32_t frame, int status, const char *text);
 
-/* ACT_SEND_PICTURE has sent all, or failed. */
+/* ACT_SEND_PICTURE has sent the whole picture, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);
 
 /* The hashes of all files that are needed: of its jobs, those that are over

@@ -11,14 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A job, or one that was forgotten. */
+/* A row of the list of jobs: a job, or one that was forgotten. */
 struct job_row {
     uint64_t sequence;
     const struct job *job; /* NULL: it was */
     const struct saved_gone *gone;
 };
 
-/* Rows of one page, in its order; of one kind. */
+/* Rows of one page, in the page's order: jobs or workers. */
 struct page {
     const struct msg_page *ask;
     uint32_t most, n;

@@ -75,7 +75,7 @@ all_workers(const struct coord *c)
     return list;
 }
 
-/* Nobody works on it though there are workers: of --same-bits. */
+/* Is no worker at a job of --same-bits though there are workers? */
 static bool
 lacks_bits(const struct job *job)
 {
@@ -102,7 +102,8 @@ lacks_words(const struct coord *c, const struct job *job)
     return some;
 }
 
-/* A worker that cannot take the job for want of room, where none is at it. */
+/* A worker that cannot take the job for want of room, where no other is at it.
+ */
 static const struct coord_worker *
 without_room(const struct job *job)
 {
@@ -112,7 +113,7 @@ without_room(const struct job *job)
     return NULL;
 }
 
-/* Of a job that could be worked at: nobody is there who may. */
+/* Why no worker is at a job that could be worked at. */
 static const char *
 lacks_workers(const struct coord *c, const struct job *job)
 {
@@ -130,7 +131,7 @@ lacks_workers(const struct coord *c, const struct job *job)
     return some ? "all workers are drained" : "no worker is there";
 }
 
-/* Why it is over, or gets nowhere; in buf, if that has to be made up. */
+/* Why the job is over, or gets nowhere; in buf, if the text has to be made. */
 static const char *
 why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {

@@ -46,7 +46,8 @@ reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
         actions_send(&c->actions, conn->id, &m);
 }
 
-/* Done, and kept: nobody hears of what a crash could undo. */
+/* Answer a request once the store keeps the change: a user does not hear of a
+ * change that a crash could undo. */
 static void
 reply_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
 {
@@ -85,8 +86,8 @@ request_settled(struct coord *c, struct coord_conn *conn, uint32_t request)
     reply_answer(c, conn, request, "");
 }
 
-/* Where a job waits for room, its end makes some, within a second; where it was
- * under way, that has to wait for room itself. */
+/* While the disk is full: the end of a job that waits for room makes room
+ * within a second, but that of a job under way has to wait for room itself. */
 static void
 tell_unsettled(struct coord *c, struct coord_conn *conn)
 {
@@ -171,7 +172,7 @@ sort_offer(struct coord *c, struct known *files, struct action_look *l,
 typedef int limit_fn(const struct coord *c, const struct coord_conn *conn,
                      struct rad_error *err);
 
-/* Would it be more than its user may have?  Then it hears so. */
+/* Would the request be more than its user may have?  Then the user is told. */
 static bool
 refused(struct coord *c, const struct coord_conn *conn, const struct msg *m,
         limit_fn *limit)
@@ -206,8 +207,8 @@ on_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
 }
 
 /* A piece of a file came; with the first the file is admitted, or refused.
- * False: the piece is not wanted.  Whose first piece was refused need not hear
- * of each that follows. */
+ * False: the piece is not wanted.  Pieces that follow a refused one are dropped
+ * without a word. */
 static bool
 admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -255,7 +256,8 @@ may_steer(const struct coord_conn *conn, const struct job *job)
            strcmp(conn->owner, job->owner) == 0;
 }
 
-/* Unless it was forgotten: its owner and an admin may know that. */
+/* There is no such job; if it was forgotten, its owner and an admin are told
+ * so. */
 static void
 reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
              const uint8_t *id)
@@ -376,8 +378,8 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     coord_try_open(c, job);
 }
 
-/* Nobody is to believe that a job that is over goes on, or that its picture is
- * gone. */
+/* A job that is over cannot be steered, and the user is told so: it neither
+ * goes on nor loses its picture. */
 static bool
 refuse_over(struct coord *c, struct coord_conn *conn, uint32_t request,
             const struct job *job)
@@ -388,7 +390,7 @@ refuse_over(struct coord *c, struct coord_conn *conn, uint32_t request,
     return true;
 }
 
-/* Who steers what: owners are told apart by it, and administrators. */
+/* The log says who steered which job. */
 static void
 log_job(struct coord *c, const struct coord_conn *conn, const char *what,
         const struct job *job)
@@ -506,7 +508,8 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
     }
 }
 
-/* NULL: it was deleted, whatever has its id now. */
+/* The job whose statistics are told; NULL: it was deleted, and its id may be
+ * another's now. */
 static const struct job *
 told_of(const struct coord *c, const struct coord_telling *t)
 {
@@ -515,7 +518,7 @@ told_of(const struct coord *c, const struct coord_telling *t)
     return job && job->sequence == t->sequence ? job : NULL;
 }
 
-/* The next of what is whole; likewise. */
+/* Send the next bytes of statistics that are whole; false: all are sent. */
 static bool
 send_more(struct coord *c, const struct coord_conn *conn,
           struct coord_telling *t)
@@ -551,7 +554,8 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
     return send_more(c, conn, t);
 }
 
-/* Of few units at once, of many with the time. */
+/* Statistics of few units are answered at once, those of many piece by piece.
+ */
 static void
 fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
             const struct job *job)
@@ -576,7 +580,7 @@ fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
         telling_drop(conn, at);
 }
 
-/* One piece for each connection that waits. */
+/* Make or send one piece for each connection that waits. */
 static void
 tell_all(struct coord *c)
 {
@@ -639,7 +643,8 @@ on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
     conn->answers++;
 }
 
-/* Limits, and what a user has of them: one's own, or for an admin anybody's. */
+/* The limits, and how much of each a user has: the asker, or for an admin any
+ * user. */
 static void
 report_limits(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -694,7 +699,8 @@ on_page(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- workers, by an admin --- */
 
-/* After a restart too, until an admin says otherwise. */
+/* The worker stays drained, after a restart too, until an admin says otherwise.
+ */
 static void
 keep_drained(struct coord *c, const struct coord_worker *w)
 {
@@ -709,7 +715,7 @@ keep_drained(struct coord *c, const struct coord_worker *w)
         c->actions.failed = true;
 }
 
-/* NULL: there is none of that name, and the sender is told. */
+/* The worker of that name; NULL: there is none, and the sender is told. */
 static struct coord_worker *
 worker_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
                   const char *name)
@@ -777,7 +783,7 @@ on_forget(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- keys, by an admin --- */
 
-/* The shell has the file. */
+/* Keys are the shell's: it has the key file. */
 static void
 on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {

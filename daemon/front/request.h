@@ -11,21 +11,16 @@
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
-/* The files of an OFFER are known: say which are wanted. */
+/* The store has looked for the files of an OFFER: say which are wanted. */
 void request_looked(struct coord *c, struct coord_conn *conn,
                     const struct action_look *l);
 
-/* What the request was about is kept: answer it, once. */
+/* The store keeps the change that was asked for: answer the request, once. */
 void request_settled(struct coord *c, struct coord_conn *conn,
                      uint32_t request);
 
-/* While the disk is full that may not be for long: do not let them wait. */
+/* Go on with answers that take a while; while the disk is full, tell users
+ * whose changes cannot be kept now. */
 void request_tick(struct coord *c);
-
-/* Is somebody being told of what the job has in memory? */
-bool telling_of(const struct coord *c, const struct job *job);
-
-/* The connection is gone. */
-void telling_release(struct coord_conn *conn);
 
 #endif

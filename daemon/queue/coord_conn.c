@@ -65,8 +65,8 @@ coord_conn_closed(struct coord *c, uint64_t id, const char *why)
     drop_conn(c, conn);
 }
 
-/* Say that we close it.  Who is no worker yet, or never will be, can have that
- * as often as it likes. */
+/* Log that we close a connection.  Connections of no worker come and are closed
+ * as often as somebody likes, so lines about them are limited. */
 static void
 log_break(struct coord *c, const struct coord_conn *conn,
           enum action_level level, const char *why)
@@ -104,9 +104,9 @@ coord_end_conns(struct coord *c)
     }
 }
 
-/* Connections of whoever has this one, where that may do no more than use the
- * cluster: all of them, or those alone that have said who they are; and the
- * oldest that has not, or NULL. */
+/* How many connections the user of this connection has: all, or those alone
+ * that have said HELLO; 0 for workers and administrators, who have no limit.
+ * *oldest is the user's oldest connection without a HELLO, or NULL. */
 static unsigned
 count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
            const struct coord_conn **oldest)
@@ -128,7 +128,7 @@ count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
     return n;
 }
 
-/* Before one more: nobody takes all that a process can have of them. */
+/* Before one more connection: no user takes all descriptors of the process. */
 static void
 make_room(struct coord *c, const struct coord_conn *conn)
 {
@@ -221,8 +221,8 @@ coord_drop_forgotten(struct coord *c)
     }
 }
 
-/* Where peers dial a worker: as it says, but one that listens on all of its
- * addresses has that by which it came. */
+/* Where peers dial a worker: at the address that it says; where that is the
+ * wildcard, at the address that its connection comes from. */
 static void
 note_address(struct coord_worker *w, const struct coord_conn *conn,
              const char *said)
@@ -280,7 +280,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     return true;
 }
 
-/* what it takes, by role */
+/* why a connection may not have that role, and what it takes */
 static const char *const not_allowed[] = {
     [MSG_ROLE_WORKER] =
         "this role is not allowed from there: workers need a key 'worker:NAME' "
@@ -329,7 +329,7 @@ hello_fault(const struct coord *c, const struct coord_conn *conn,
     return NULL;
 }
 
-/* A worker has a name, and everybody else is somebody. */
+/* A worker has a name, other connections an owner. */
 static void
 log_hello(struct coord *c, const struct coord_conn *conn,
           const struct msg_hello *m)

@@ -11,7 +11,7 @@ void coord_conn_closed(struct coord *c, uint64_t id, const char *why);
 void coord_conn_opened(struct coord *c, uint64_t id,
                        const struct coord_peer *peer);
 
-/* It says who it is: welcome or not. */
+/* A HELLO came: welcome the connection, or refuse it. */
 void coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m);
 
 /* Carry out the verdicts on connections (desk/verdict.h). */

@@ -53,7 +53,7 @@ coord_send_progress(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* The last words to one who watches the job. */
+/* The last messages to a connection that watches the job. */
 void
 coord_send_end(struct coord *c, const struct coord_conn *conn,
                const struct job *job)
@@ -149,13 +149,12 @@ lacks_files(const struct job *job)
     return job->stage == STAGE_ARRIVING && !job_over(job);
 }
 
-/* Once its files are all there, ask for room for its rows; workers load it
- * meanwhile.  What its owner did not send is not there, whoever else did: who
- * knows no more than a hash gets no picture of what has it.  Files that were
- * seen are not looked for again, for each that comes is a reason to look.  To
- * look at one takes some microseconds: of very many the rest has its turn
- * later.
- */
+/* Once the job's files are all there, ask for room for its rows; workers load
+ * the job meanwhile.  A file counts as there only if the job's owner sent it: a
+ * user who knows nothing but the hash of another's file gets no picture of it.
+ * Files that were found are not looked for again, for each file that comes is a
+ * reason to look.  To look for a file takes some microseconds: of very many the
+ * rest has its turn later. */
 void
 coord_try_open(struct coord *c, struct job *job)
 {
@@ -198,7 +197,7 @@ coord_file_came(struct coord *c, const struct coord_owner *owner,
     }
 }
 
-/* Where nothing came of a job for too long, nothing will. */
+/* End a job of which no file has come for too long. */
 static void
 end_stalled(struct coord *c, struct job *job)
 {
@@ -215,9 +214,10 @@ end_stalled(struct coord *c, struct job *job)
     verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* Once the store tells of a job that is over, nothing but its end and its
- * frames are needed here.  What its workers tell of it last still comes for a
- * moment, and goes to those who fetch its statistics now. */
+/* Once the store has the statistics of a job that is over, nothing but its end
+ * and its frames are needed in memory.  Its workers' last messages still come
+ * for LINGER_MS, and users who fetch its statistics now get them from memory.
+ */
 static void
 lighten(struct coord *c, struct job *job)
 {
@@ -245,8 +245,8 @@ coord_jobs_tick(struct coord *c)
     }
 }
 
-/* What the store was to do for a job was done, or it failed with that status,
- * which ends it.  The job if it goes on; NULL. */
+/* The store has done what it was asked to do for a job, or failed with that
+ * status, which ends the job.  Returns the job if it goes on, else NULL. */
 static struct job *
 stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
        int status, const char *text)
@@ -275,8 +275,8 @@ coord_keep_state(struct coord *c, const struct job *job)
     a->priority = job->spec.priority;
 }
 
-/* It has its room now.  What was done to it meanwhile the store had no place
- * for. */
+/* The job has its room now.  The store had no place for a pause or a change of
+ * priority meanwhile: it is told of them now. */
 static void
 wait_no_more(struct coord *c, struct job *job)
 {
@@ -333,7 +333,7 @@ coord_drop_job(struct coord *c, const struct job *gone)
     coord_drop_forgotten(c);
 }
 
-/* The store learns how the job ended, if it knows it at all. */
+/* The store learns how the job ended, if it knows the job at all. */
 static void
 file_text(struct coord *c, struct job *job)
 {
@@ -351,7 +351,7 @@ file_text(struct coord *c, struct job *job)
     a->bytes = (uint8_t *)text;
 }
 
-/* The next piece of its statistics; with the last it is filed. */
+/* Make the next piece of a job's statistics; with the last the job is filed. */
 static void
 go_on_filing(struct coord *c, struct job *job)
 {
@@ -375,7 +375,7 @@ file_job(struct coord *c, struct job *job)
         c->actions.failed = true;
 }
 
-/* What follows from the verdict on a job. */
+/* Carry out the verdict on a job. */
 static void
 end_job(struct coord *c, struct job *job)
 {

@@ -33,7 +33,7 @@ since(const struct coord *c, uint64_t ms)
 
 /* --- what is kept --- */
 
-/* Somebody is just getting it: after the pictures come distances and
+/* A user is just getting the job: after the pictures come distances and
  * statistics. */
 static bool
 is_being_fetched(const struct coord *c, const struct job *job)
@@ -41,7 +41,8 @@ is_being_fetched(const struct coord *c, const struct job *job)
     return job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS;
 }
 
-/* Why the oldest of an owner's has to go; GONE_NWHYS: it need not. */
+/* Why the oldest job of an owner has to be forgotten; GONE_NWHYS: it need not
+ * be. */
 static enum gone_why
 reason(const struct coord *c, const struct coord_kept *k)
 {
@@ -85,8 +86,8 @@ count_kept(struct coord *c)
     }
 }
 
-/* Small jobs may be fetched by the hundred in a minute: of too many the one
- * that was fetched the longest ago counts as got. */
+/* Small jobs may be fetched by the hundred in a minute: of more than FETCHING
+ * the job that was fetched the longest ago counts as fetched whole. */
 static bool
 forget_one(struct coord *c, const struct coord_kept *k)
 {
@@ -154,7 +155,7 @@ drop_gone(struct coord *c, size_t i)
     c->ngones--;
 }
 
-/* No more of an owner than are kept. */
+/* Remember no more forgotten jobs of an owner than it may keep. */
 static void
 limit_gones(struct coord *c, const char *owner)
 {
@@ -229,7 +230,7 @@ coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
              g->fetched ? "" : ", not fetched");
 }
 
-/* How it is remembered. */
+/* A forgotten job as it is remembered. */
 static struct saved_gone
 gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 {

@@ -8,13 +8,14 @@
 
 /* Forget what need not be kept of jobs that are over. */
 void coord_forget_old(struct coord *c);
-/* Forget that one, which is over, with its pictures. */
+/* Forget a job that is over, with its pictures. */
 void coord_forget_job(struct coord *c, const struct job *job,
                       enum gone_why why);
-/* The last that was forgotten whose id begins with these digits; NULL. */
+/* The job that was forgotten last of those whose id begins with these digits;
+ * NULL: there is none. */
 const struct saved_gone *coord_find_gone(const struct coord *c,
                                          const char *hex);
-/* When and why. */
+/* When and why the job was forgotten. */
 void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 /* "2026-11-22 23:41 UTC" */
 #define COORD_TIME 32

@@ -29,7 +29,8 @@ spec_bytes(const struct msg_spec *s)
     return pixels * row_bytes(s);
 }
 
-/* On the disk for a job: what was sent for it, and its rows or pictures. */
+/* Bytes on the disk for a job: the files sent for it, and its rows or pictures.
+ */
 static uint64_t
 job_bytes(const struct job *job)
 {
@@ -82,14 +83,14 @@ quota_count(const struct coord *c, const char *owner, struct quota_use *out)
 
 /* --- what may be --- */
 
-/* Who may do more than use the cluster could end it as well. */
+/* Limits are for users: an administrator could end the cluster as well. */
 static bool
 is_free(const struct coord_conn *conn)
 {
     return conn->roles != 1u << MSG_ROLE_USER;
 }
 
-/* One more than there is, of at most so many. */
+/* May there be `more` beside those that are used, up to `most` in all? */
 static int
 check(const char *name, uint64_t used, uint64_t more, uint64_t most,
       const char *what, struct rad_error *err)

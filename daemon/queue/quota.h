@@ -27,11 +27,11 @@ struct quota_use {
 void quota_count(const struct coord *c, const char *owner,
                  struct quota_use *out);
 
-/* May it have one more?  0, or RAD_ETEMPFAIL or RAD_EDATA with a message for
- * the user. */
+/* May the user have one more?  0, or RAD_ETEMPFAIL or RAD_EDATA with a message
+ * for the user. */
 int quota_job(const struct coord *c, const struct coord_conn *conn,
               const struct msg_spec *spec, struct rad_error *err);
-/* Nobody's job may have another priority than these (RAD_EUSAGE). */
+/* Is that a priority which jobs may have?  0, or RAD_EUSAGE. */
 int quota_priority(int32_t priority, struct rad_error *err);
 int quota_upload(const struct coord *c, const struct coord_conn *conn,
                  struct rad_error *err);

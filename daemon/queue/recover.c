@@ -109,7 +109,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     return 0;
 }
 
-/* Those that are not done wait, the first of them in front. */
+/* Units that are not done wait, the first of them in front. */
 static void
 queue_units(const struct recovery *r)
 {
@@ -124,7 +124,8 @@ queue_units(const struct recovery *r)
 
 /* --- base lines --- */
 
-/* Does anybody need the bottom of that unit, which is done? */
+/* Does a unit that is not done need the last base line of that unit, which is
+ * done? */
 static bool
 is_needed(const struct job *job, const struct saved_unit *s, uint32_t *line)
 {
@@ -218,7 +219,7 @@ take_units(const struct recovery *r)
     return rc;
 }
 
-/* It goes on. */
+/* Take up a job that goes on. */
 static int
 take_up(const struct recovery *r)
 {
@@ -246,7 +247,7 @@ take_up(const struct recovery *r)
     return 0;
 }
 
-/* It is over, and is remembered. */
+/* Take up a job that is over, and is remembered. */
 static void
 take_filed(const struct recovery *r)
 {
@@ -264,7 +265,8 @@ take_filed(const struct recovery *r)
     frame_count_ready(job);
 }
 
-/* The clock may have been set back meanwhile. */
+/* Times of an earlier life may lie ahead, where the clock was set back
+ * meanwhile. */
 static uint64_t
 not_after(uint64_t now_ms, uint64_t ms)
 {

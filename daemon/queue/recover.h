@@ -23,7 +23,7 @@ typedef bool recover_row_fn(void *arg, const uint8_t job[MSG_JOB],
 int recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
                 recover_row_fn *row, void *arg, struct rad_error *err);
 
-/* Likewise a worker that was drained: it gets nothing when it comes. */
+/* Take up a worker that was drained: it gets no units when it comes. */
 int recover_drained(struct coord *c, uint64_t now_ms, const char *name,
                     struct rad_error *err);
 

@@ -156,7 +156,7 @@ workers(const struct job *job)
     return list;
 }
 
-/* Is it known what was spent on each line of each frame? */
+/* Is the cost of each line of each frame known? */
 static bool
 knows_lines(const struct job *job)
 {
@@ -188,7 +188,7 @@ unit(const struct job *job, uint32_t i)
         (json_int_t)u->tries);
 }
 
-/* All but what there are many of. */
+/* All but the lists of units and lines. */
 static json_t *
 head(const struct job *job, uint64_t now_ms)
 {
@@ -252,7 +252,7 @@ put_text(struct stats_text *t, const char *s)
     return put(t, s, strlen(s));
 }
 
-/* One more of a list; takes it. */
+/* Write one more item of a list; takes the item. */
 static bool
 put_entry(struct stats_text *t, json_t *value)
 {

@@ -24,14 +24,15 @@ struct coord_telling {
     uint32_t request;
 };
 
-/* Is somebody being told of what the job has in memory? */
+/* Is a connection being sent statistics that are made from the job in memory?
+ */
 bool telling_of(const struct coord *c, const struct job *job);
 
-/* Forget an answer, *at, which one of the connection's lists has. */
+/* Forget an answer, *at, which is on one of the connection's lists. */
 void telling_drop(struct coord_conn *conn, struct coord_telling **at);
 void telling_drop_settling(struct coord_conn *conn, struct coord_settling **at);
 
-/* The connection is gone: forget all. */
+/* The connection is gone: forget all its answers. */
 void telling_release(struct coord_conn *conn);
 
 #endif
