@@ -847,11 +847,11 @@ START_TEST(store_notices_damaged_files)
     for (int again = 0; again < 2; again++) {
         put_file(s, "hello", "hello");
         run(&loop, s);
-        ck_assert(store_has_file(s, digest));
-        ck_assert(store_has_file(s, digest)); /* now known */
+        ck_assert(store_check_file(s, digest));
+        ck_assert(store_check_file(s, digest)); /* now known */
         damage(hex);
-        ck_assert(!store_has_file(s, digest));
-        ck_assert(!store_has_file(s, digest));
+        ck_assert(!store_check_file(s, digest));
+        ck_assert(!store_check_file(s, digest));
     }
     store_close(s);
     uv_loop_close(&loop);
@@ -887,7 +887,7 @@ START_TEST(files_are_read_behind_the_loop)
     run(&loop, s);
     ck_assert_uint_eq(h.looked, 7);
     ck_assert(store_look(s, &look));
-    ck_assert(store_has_file(s, digest) == !_i);
+    ck_assert(store_check_file(s, digest) == !_i);
     store_close(s);
     uv_loop_close(&loop);
 }
@@ -1099,7 +1099,7 @@ START_TEST(files_that_no_job_needs_go_after_a_day)
     ck_assert_ptr_nonnull(f);
     fclose(f);
     digest_of("asked for", asked);
-    ck_assert(store_has_file(s, asked));
+    ck_assert(store_check_file(s, asked));
     digest_of("needed", keep);
     store_sweep(s, keep, 1, 3600);
     run(&loop, s);

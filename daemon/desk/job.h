@@ -92,7 +92,8 @@ struct job {
     struct partition *partition; /* NULL until the first worker is ready */
     struct job_unit *units;      /* partition_total of them */
     uint32_t nunits, cap_units;
-    uint32_t *out; /* units that somebody has */
+    uint32_t *out; /* units that are out; the last takes the place of one that
+                    * leaves, so whoever may end attempts goes backwards */
     uint32_t nout, cap_out;
     bool exact;    /* a pixel is a function: there is no ambient cache */
     uint32_t late; /* units that are out for too long, and may have twins */

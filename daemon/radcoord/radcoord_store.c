@@ -200,7 +200,7 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 {
     struct radcoord *r = arg;
 
-    return store_has_file(r->store, hash);
+    return store_check_file(r->store, hash);
 }
 
 static bool

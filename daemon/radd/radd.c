@@ -496,7 +496,7 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 {
     struct radd *r = arg;
 
-    return store_has_file(r->store, hash);
+    return store_check_file(r->store, hash);
 }
 
 /* --- start and end --- */

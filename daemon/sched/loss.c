@@ -135,23 +135,20 @@ loss_given_back(struct coord *c, struct job *job, uint32_t unit,
     u->given_back = u->ngos == 0;
 }
 
-/* The worker has none of the job's units any more; suspects were taken out
- * before. */
+/* End the worker's attempts at units of the job; those at suspects are over. */
 static void
 take_all_back(struct coord *c, struct job *job, uint32_t index)
 {
     survey_lost(job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
-        struct job_go *go;
+        uint32_t unit = job->out[i];
+        struct job_go *go = go_of_worker(job, unit, index);
 
-        if (i >= job->nout)
-            continue; /* the list has become shorter */
-        go = go_of_worker(job, job->out[i], index);
         if (!go)
             continue;
-        if (job->units[job->out[i]].losses < UINT8_MAX)
-            job->units[job->out[i]].losses++;
-        loss_of(c, job, job->out[i], go);
+        if (job->units[unit].losses < UINT8_MAX)
+            job->units[unit].losses++;
+        loss_of(c, job, unit, go);
     }
 }
 

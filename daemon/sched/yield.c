@@ -104,10 +104,10 @@ give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
     rest(c, job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = i < job->nout ? job->out[i] : 0;
+        uint32_t unit = job->out[i];
         struct job_unit *u = &job->units[unit];
 
-        for (uint8_t k = i < job->nout ? u->ngos : 0; k-- > 0;)
+        for (uint8_t k = u->ngos; k-- > 0;)
             if (k < u->ngos && u->go[k].worker == index &&
                 may_yield(job, &u->go[k]))
                 give_back(c, job, unit, &u->go[k]);
@@ -133,10 +133,10 @@ static void
 give_up(struct coord *c, struct job *job)
 {
     for (uint32_t i = job->nout; i-- > 0;) {
-        uint32_t unit = i < job->nout ? job->out[i] : 0;
+        uint32_t unit = job->out[i];
         struct job_unit *u = &job->units[unit];
 
-        for (uint8_t k = i < job->nout ? u->ngos : 0; k-- > 0;)
+        for (uint8_t k = u->ngos; k-- > 0;)
             if (k < u->ngos && is_unanswered(c, job, &u->go[k]))
                 loss_taken(c, job, unit, &u->go[k]);
     }

@@ -106,12 +106,12 @@ void store_close(struct store *s);
 
 const char *store_files_dir(const struct store *s);
 
-/* Is the file there, and is it what its name says?  A damaged one is removed;
- * see sound.h. */
-bool store_has_file(struct store *s, const uint8_t hash[MSG_HASH]);
+/* Look whether the file is there, and is what its name says: a damaged one is
+ * removed (sound.h), and the time of another counts as used now. */
+bool store_check_file(struct store *s, const uint8_t hash[MSG_HASH]);
 
 /* Remove the files that are none of these n, and that nobody has asked for
- * (store_has_file) or sent for age_s.  hashes are taken. */
+ * (store_check_file) or sent for age_s.  hashes are taken. */
 void store_sweep(struct store *s, uint8_t *hashes, size_t n, long age_s);
 
 /* A worker's store: files that no job of its uses go, the oldest first, where
@@ -123,7 +123,7 @@ int store_limit(struct store *s, uint64_t bytes, struct rad_error *err);
 void store_leave(struct store *s, const uint8_t job[MSG_JOB]);
 
 /* Is it known of each of the files, or are they missing?  If not they are read
- * on another thread, and looked() follows; then store_has_file() answers at
+ * on another thread, and looked() follows; then store_check_file() answers at
  * once.  With store_limit() it always follows: then l->job has the files from
  * now on, until store_leave(), if there is room for them; else l->status and
  * l->why tell. */

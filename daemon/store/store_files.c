@@ -250,7 +250,7 @@ store_files_dir(const struct store *s)
 }
 
 bool
-store_has_file(struct store *s, const uint8_t hash[MSG_HASH])
+store_check_file(struct store *s, const uint8_t hash[MSG_HASH])
 {
     char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
     bool damaged, there;
