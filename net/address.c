@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <uv.h>
 
 #define ANY_HOST "*"
 
@@ -58,8 +59,11 @@ look_up(const char *text, const char *host, const char *port,
 
     if (rc == 0)
         return found;
-    rad_fail(err, RAD_EUNAVAIL, "cannot look up '%s': %s", text,
-             gai_strerror(rc));
+    rad_fail(err,
+             rc == EAI_NONAME  ? UV_EAI_NONAME
+             : rc == EAI_AGAIN ? UV_EAI_AGAIN
+                               : UV_EAI_FAIL,
+             "cannot look up '%s': %s", text, gai_strerror(rc));
     return NULL;
 }
 
@@ -91,6 +95,7 @@ address_resolve(const char *text, unsigned nth, struct address *a,
                 struct rad_error *err)
 {
     struct addrinfo *found, *one;
+    struct rad_error why = { 0 };
     char host[ADDRESS_TEXT], port[8];
     int rc = split(text, a, host, port, err);
 
@@ -100,9 +105,9 @@ address_resolve(const char *text, unsigned nth, struct address *a,
         return rc < 0 ? rc : 0;
     if (strcmp(host, ANY_HOST) == 0)
         return rad_fail(err, RAD_EUSAGE, "'%s' is no address to dial", text);
-    one = found = look_up(text, host, port, err);
+    one = found = look_up(text, host, port, &why);
     if (!found)
-        return RAD_EUNAVAIL;
+        return rad_fail(err, why.code, "%s", why.what);
     while (one && nth-- > 0)
         one = one->ai_next;
     if (one)
@@ -118,6 +123,7 @@ address_resolve_listen(const char *text, struct address *a,
                        struct rad_error *err)
 {
     struct addrinfo *found, *one;
+    struct rad_error why = { 0 };
     char host[ADDRESS_TEXT], port[8];
     int rc = split(text, a, host, port, err);
 
@@ -128,9 +134,9 @@ address_resolve_listen(const char *text, struct address *a,
         a->sa.in6.sin6_port = htons((uint16_t)atoi(port));
         return 0;
     }
-    one = found = look_up(text, host, port, err);
+    one = found = look_up(text, host, port, &why);
     if (!found)
-        return RAD_EUNAVAIL;
+        return rad_fail(err, RAD_EUNAVAIL, "%s", why.what);
     while (one && one->ai_family != AF_INET)
         one = one->ai_next;
     copy_address(a, one ? one : found);

@@ -31,8 +31,9 @@ int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                   bool *local, struct rad_error *err);
 
 /* Text to the address to dial; a host's name is looked up, and may have several
- * addresses: nth counts from 0.  RAD_EUSAGE for a bad text, RAD_EUNAVAIL for an
- * unknown host or one that has no nth address. */
+ * addresses: nth counts from 0.  RAD_EUSAGE for a bad text, UV_EAI_NONAME,
+ * UV_EAI_AGAIN or UV_EAI_FAIL for a host that is not found, RAD_EUNAVAIL for
+ * one that has no nth address. */
 int address_resolve(const char *text, unsigned nth, struct address *a,
                     struct rad_error *err);
 

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #define READ_BYTES  (64u << 10)
 #define PLAIN_BYTES (16u << 10) /* what a record of TLS holds */
@@ -31,6 +32,8 @@
 /* Of what the socket took at once the owner hears with the next event of the
  * connection's, unless it is more than this, which somebody may wait for. */
 #define OWED_BYTES (64u << 10)
+
+#define SILENT_PINGS (CONN_DEAD_MS / CONN_PING_MS)
 
 /* What was read, and is not looked at yet:
  *
@@ -68,7 +71,9 @@ struct conn {
     size_t queued;  /* bytes with libuv, and corked ones */
     size_t awaited; /* conn_expect() */
     uint64_t progress;
-    uint64_t opened_ms, heard_ms;
+    uint64_t opened_ms;
+    unsigned silent; /* PINGs that have gone out since the last byte came */
+    struct rad_error end; /* why it ends */
     bool live, ping; /* conn_live() */
     bool paused;     /* conn_pause() */
     bool finishing;  /* conn_finish() */
@@ -81,6 +86,14 @@ struct conn {
     char peer[ADDRESS_TEXT];
     char buf[READ_BYTES];
 };
+
+/* An error for the log of those whose handler does not say that they hear of
+ * it from closed(). */
+#define tell(c, ...)                                                           \
+    do {                                                                       \
+        if (!(c)->handler->quiet)                                              \
+            log_err(__VA_ARGS__);                                              \
+    } while (0)
 
 uv_stream_t *
 conn_stream_new(uv_loop_t *loop, bool local)
@@ -141,6 +154,7 @@ conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
 }
 
 static void reopen(struct conn *c);
+static void hear_rest(struct conn *c);
 
 /* Count bytes that wait to be written, and that do no more. */
 static void
@@ -197,14 +211,43 @@ conn_close(struct conn *c)
     uv_close((uv_handle_t *)&c->after, handle_closed);
 }
 
-void
-conn_break(struct conn *c, const char *why)
+/* The connection ends by itself: err is for the owner, why for its log. */
+static void
+end_with(struct conn *c, const struct rad_error *err, const char *why)
 {
     if (c->closing)
         return;
+    c->end = *err;
     if (!c->finishing)
         c->handler->closed(c->arg, c, why);
     conn_close(c);
+}
+
+static void
+end(struct conn *c, int code, const char *why)
+{
+    struct rad_error err = { 0 };
+
+    rad_fail(&err, code, "%s", why);
+    end_with(c, &err, why);
+}
+
+static void
+end_uv(struct conn *c, int code)
+{
+    end(c, code, code == UV_EOF ? "closed by peer" : uv_strerror(code));
+}
+
+void
+conn_break(struct conn *c, const char *why)
+{
+    end(c, RAD_EUNAVAIL, why);
+}
+
+const struct rad_error *
+conn_error(const struct conn *c)
+{
+    return &c->end;
 }
 
 static void
@@ -216,12 +259,13 @@ written(uv_write_t *req, int status)
 
     paid(c, n);
     if (c->gate != GATE_OPEN)
-        c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
+        c->silent = 0; /* it reads: a sign of life */
     free(o);
     if (c->closing)
         return;
     if (status < 0) {
-        conn_break(c, uv_strerror(status));
+        hear_rest(c);
+        end_uv(c, status);
         return;
     }
     if (c->finishing) {
@@ -265,7 +309,7 @@ seal_out(struct conn *c, struct out *o)
         return write_out(c, o);
     sealed = tls_seal(c->tls, o->bytes, o->len, sizeof *o, &n, &err);
     if (!sealed) { /* half of it may be in the session */
-        log_err("messages not sent peer=%s: %s", c->peer, err.what);
+        tell(c, "messages not sent peer=%s: %s", c->peer, err.what);
         paid(c, o->count);
         free(o);
         return err.code == RAD_ENOMEM ? UV_ENOMEM : UV_EPROTO;
@@ -293,7 +337,7 @@ seal_cork(struct conn *c, struct wire_form *to)
     if (n >= 0)
         return n;
     /* half of it may be in the session */
-    log_err("messages not sent peer=%s: %s", c->peer, err.what);
+    tell(c, "messages not sent peer=%s: %s", c->peer, err.what);
     return UV_EPROTO;
 }
 
@@ -320,7 +364,7 @@ write_now(struct conn *c, const uint8_t *p, size_t n, size_t count)
         return UV_ENOMEM;
     c->owed += count;
     if (c->gate != GATE_OPEN)
-        c->heard_ms = uv_now(c->timer.loop); /* it reads: a sign of life */
+        c->silent = 0; /* it reads: a sign of life */
     return 0;
 }
 
@@ -349,7 +393,7 @@ uncork_or_break(struct conn *c)
     int rc = uncork(c);
 
     if (rc < 0)
-        conn_break(c, uv_strerror(rc));
+        end_uv(c, rc);
 }
 
 /* The turn of the loop is over. */
@@ -446,9 +490,9 @@ queue(struct conn *c, const uint8_t *bytes, size_t len)
         rc = len > CORK_BYTES ? queue_alone(c, bytes, len)
                               : queue_corked(c, bytes, len);
     if (rc == UV_ENOMEM)
-        log_err("message not sent peer=%s: out of memory", c->peer);
+        tell(c, "message not sent peer=%s: out of memory", c->peer);
     if (rc < 0)
-        conn_break(c, uv_strerror(rc));
+        end_uv(c, rc);
     return rc == 0;
 }
 
@@ -459,11 +503,12 @@ queue_packed(struct conn *c, struct wire_out *w, int rc, uint16_t type)
     bool ok = rc >= 0 && queue(c, w->buf, w->len);
 
     if (rc == RAD_ENOMEM)
-        conn_break(c, uv_strerror(UV_ENOMEM));
+        end_uv(c, UV_ENOMEM);
     else if (rc < 0)
-        log_err("message not sent peer=%s type=%s: too long, or none of "
-                "protocol version %u",
-                c->peer, msg_name(type), c->reader.version);
+        tell(c,
+             "message not sent peer=%s type=%s: too long, or none of "
+             "protocol version %u",
+             c->peer, msg_name(type), c->reader.version);
     wire_out_release(w);
     return ok;
 }
@@ -524,7 +569,7 @@ flush(struct conn *c, bool counted)
     owe(c, o->count);
     rc = write_out(c, o);
     if (rc < 0)
-        conn_break(c, uv_strerror(rc));
+        end_uv(c, rc);
 }
 
 bool
@@ -557,16 +602,17 @@ garbage(struct conn *c, const struct rad_error *err)
     unsigned dropped = 0;
 
     if (err->code == RAD_ENOMEM) { /* for no fault of the other side's */
-        log_err("message not read peer=%s: out of memory", c->peer);
-        conn_break(c, uv_strerror(UV_ENOMEM));
+        tell(c, "message not read peer=%s: out of memory", c->peer);
+        end_uv(c, UV_ENOMEM);
         return;
     }
-    if (!limit || log_allowed(limit, uv_now(c->timer.loop), &dropped)) {
+    if (!c->handler->quiet &&
+        (!limit || log_allowed(limit, uv_now(c->timer.loop), &dropped))) {
         if (dropped > 0)
             log_warn("protocol errors not logged n=%u", dropped);
         log_warn("protocol error peer=%s: %s", c->peer, err->what);
     }
-    conn_break(c, CONN_BROKE_PROTOCOL);
+    end_with(c, err, CONN_BROKE_PROTOCOL);
 }
 
 /* Has it asked for more than it reads?  Workers and peers are not asked: what
@@ -595,8 +641,10 @@ take_one(struct conn *c, const uint8_t **p, size_t *left)
     struct rad_error err = { 0 };
     int rc = frame_read(&c->reader, p, left, &c->in, &err);
 
-    if (rc < 0)
+    if (rc < 0) {
+        rad_error_where(&err, "%s", c->peer);
         garbage(c, &err);
+    }
     if (rc <= 0)
         return false;
     if (c->in.type == MSG_PING)
@@ -647,27 +695,50 @@ unseal(struct conn *c)
     if (n < 0)
         garbage(c, &err);
     else if (tls_ended(c->tls))
-        conn_break(c, "closed by peer");
+        end_uv(c, UV_EOF);
+}
+
+/* n bytes of c->buf have come. */
+static void
+hear(struct conn *c, size_t n)
+{
+    struct rad_error err = { 0 };
+
+    c->silent = 0;
+    if (!c->tls) {
+        take(c, (const uint8_t *)c->buf, n);
+    } else if (tls_put(c->tls, c->buf, n, &err) < 0) {
+        garbage(c, &err);
+    } else {
+        unseal(c);
+    }
 }
 
 static void
 on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
 {
-    struct conn *c = stream->data;
-    size_t left = n > 0 ? (size_t)n : 0;
-    struct rad_error err = { 0 };
+    (void)buf; /* c->buf */
+    if (n < 0)
+        end_uv(stream->data, (int)n);
+    else
+        hear(stream->data, (size_t)n);
+}
 
-    if (n < 0) {
-        conn_break(c, n == UV_EOF ? "closed by peer" : uv_strerror((int)n));
+/* The other side has closed the connection while we write: what it said before,
+ * as why it did, still lies ready. */
+static void
+hear_rest(struct conn *c)
+{
+    ssize_t n = 1;
+    int fd;
+
+    if (uv_fileno(&c->stream->handle, &fd) < 0)
         return;
-    }
-    c->heard_ms = uv_now(stream->loop);
-    if (!c->tls) {
-        take(c, (const uint8_t *)buf->base, left);
-    } else if (tls_put(c->tls, buf->base, left, &err) < 0) {
-        garbage(c, &err);
-    } else {
-        unseal(c);
+    while (n > 0 && !c->closing && !c->finishing && !c->paused &&
+           c->gate == GATE_OPEN) {
+        n = read(fd, c->buf, sizeof c->buf);
+        if (n > 0)
+            hear(c, (size_t)n);
     }
 }
 
@@ -685,7 +756,7 @@ static void
 reopen(struct conn *c)
 {
     c->gate = GATE_OPEN;
-    c->heard_ms = uv_now(c->timer.loop);
+    c->silent = 0;
     take(c, c->rest, c->nrest);
     if (c->tls && c->gate == GATE_OPEN)
         unseal(c);
@@ -722,7 +793,7 @@ limit_ms(const struct conn *c)
 static unsigned
 period_ms(const struct conn *c)
 {
-    return limit_ms(c) < CONN_PING_MS ? limit_ms(c) : CONN_PING_MS;
+    return !c->live && limit_ms(c) < CONN_PING_MS ? limit_ms(c) : CONN_PING_MS;
 }
 
 /* It is silent because we do not look at what it says, and it has read all that
@@ -747,13 +818,15 @@ on_timer(uv_timer_t *timer)
         return;
     }
     if (c->finishing || (!c->live && now - c->opened_ms >= limit_ms(c))) {
-        conn_break(c, "took too long");
+        end(c, UV_ETIMEDOUT, "took too long");
         return;
     }
     if (!c->live || !c->ping)
         return;
-    if (!c->paused && !is_patient(c) && now - c->heard_ms >= CONN_DEAD_MS) {
-        conn_break(c, "silent for 15 s");
+    /* counted in PINGs, not in time: whoever was busy outside the loop gets
+     * the bytes that lie ready before the next PING */
+    if (!c->paused && !is_patient(c) && c->silent++ >= SILENT_PINGS) {
+        end(c, UV_ETIMEDOUT, "silent for 15 s");
         return;
     }
     ping.ping.progress = c->progress;
@@ -792,12 +865,28 @@ conn_new(uv_stream_t *stream, struct tls *tls, enum msg_session session,
     uv_prepare_init(stream->loop, &c->before);
     uv_check_init(stream->loop, &c->after);
     c->timer.data = c->before.data = c->after.data = c;
-    c->opened_ms = c->heard_ms = uv_now(stream->loop);
+    c->opened_ms = uv_now(stream->loop);
     c->primed = tls != NULL;
     uv_timer_start(&c->timer, on_timer, c->primed ? 0 : period_ms(c),
                    period_ms(c));
     uv_read_start(stream, on_alloc, on_read);
     return c;
+}
+
+uint8_t *
+conn_keep(struct conn *c, struct msg *m, size_t *n)
+{
+    *n = c->reader.head.length;
+    *m = c->in;
+    c->in = (struct msg){ 0 };
+    return frame_reader_take(&c->reader);
+}
+
+void
+conn_flush(struct conn *c)
+{
+    if (!c->closing)
+        uncork_or_break(c);
 }
 
 const char *
@@ -821,9 +910,11 @@ conn_set_session(struct conn *c, enum msg_session session)
 void
 conn_live(struct conn *c, bool ping)
 {
+    bool often = period_ms(c) < CONN_PING_MS;
+
     c->live = true;
     c->ping = ping;
-    if (period_ms(c) < CONN_PING_MS && !c->primed)
+    if (often && !c->primed)
         uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
 }
 
@@ -868,8 +959,7 @@ conn_pause(struct conn *c, bool pause)
     if (c->closing || c->finishing || c->paused == pause)
         return;
     c->paused = pause;
-    /* a silence of our own making does not count */
-    c->heard_ms = uv_now(c->timer.loop);
+    c->silent = 0; /* a silence of our own making does not count */
     if (pause)
         uv_read_stop(&c->stream->stream);
     else if (c->gate == GATE_OPEN)

@@ -73,6 +73,7 @@ struct conn_handler {
     void (*written)(void *arg, struct conn *c, size_t n);
     struct log_limit *errors; /* on lines about bad bytes; NULL: none */
     unsigned limit_ms;        /* to be live in; 0: CONN_HANDSHAKE_MS */
+    bool quiet; /* nothing for the log: closed() asks conn_error() */
 };
 
 /* Take an open stream, and its session (NULL: a Unix socket), and read from
@@ -81,6 +82,14 @@ struct conn_handler {
 struct conn *conn_new(uv_stream_t *stream, struct tls *tls,
                       enum msg_session session, const char *peer,
                       const struct conn_handler *handler, void *arg);
+
+/* In closed(): why the connection ended, with a code of ours or libuv's; its
+ * `where` is the peer for a message that is malformed. */
+const struct rad_error *conn_error(const struct conn *c);
+
+/* In message(): take the message over; its n bytes, which are returned, are to
+ * be freed after msg_release(). */
+uint8_t *conn_keep(struct conn *c, struct msg *m, size_t *n);
 
 /* The id of the key that the other side has proven; NULL: none. */
 const char *conn_key(const struct conn *c);
@@ -117,6 +126,10 @@ bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
  * more. */
 bool conn_expect(struct conn *c, size_t n);
 void conn_expected(struct conn *c, size_t n);
+
+/* Short messages wait for others until the loop has nothing to do; now they
+ * need not. */
+void conn_flush(struct conn *c);
 
 size_t conn_queued(const struct conn *c);
 const char *conn_peer(const struct conn *c);

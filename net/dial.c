@@ -21,7 +21,7 @@ struct dialling {
     uv_work_t lookup;
     uv_connect_t connect;
     uv_timer_t timer; /* of connecting */
-    bool looking, connecting;
+    bool looking, connecting, closed; /* of its timer */
     uint64_t id;
     bool with_key;
     struct dial_key key;
@@ -30,7 +30,7 @@ struct dialling {
     uv_stream_t *stream;
     struct handshake *shake;
     struct rad_error err; /* of the look-up */
-    char refused[64];     /* why the first address did not answer; or "" */
+    int refused; /* why the first address did not answer */
     char text[ADDRESS_TEXT];
 };
 
@@ -58,13 +58,14 @@ dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg)
     return NULL;
 }
 
-void
-dialler_free(struct dialler *d)
+/* Free a dialling of which libuv has nothing any more. */
+static void
+free_unused(struct dialling *g)
 {
-    if (!d)
+    if (!g->closed || g->connecting)
         return;
-    tls_ctx_free(d->tls);
-    free(d);
+    explicit_bzero(g, sizeof *g);
+    free(g);
 }
 
 static void
@@ -72,19 +73,30 @@ timer_closed(uv_handle_t *h)
 {
     struct dialling *g = h->data; /* which h is in */
 
-    explicit_bzero(g, sizeof *g);
-    free(g);
+    g->closed = true;
+    free_unused(g);
+}
+
+static void
+free_idle(struct dialler *d)
+{
+    if (!d->closed || d->first)
+        return;
+    tls_ctx_free(d->tls);
+    free(d);
 }
 
 /* Nobody waits for it any more: its handles go, at last itself. */
 static void
 let_go(struct dialling *g)
 {
-    struct dialling **link = &g->dialler->first;
+    struct dialler *d = g->dialler;
+    struct dialling **link = &d->first;
 
     while (*link != g)
         link = &(*link)->next;
     *link = g->next;
+    g->dialler = NULL;
     uv_timer_stop(&g->timer);
     if (g->shake)
         handshake_cancel(g->shake);
@@ -92,17 +104,32 @@ let_go(struct dialling *g)
         conn_stream_close(g->stream); /* its connect request is cancelled */
     g->shake = NULL;
     g->stream = NULL;
-    if (!g->connecting)
-        uv_close((uv_handle_t *)&g->timer, timer_closed);
+    uv_close((uv_handle_t *)&g->timer, timer_closed);
+    free_idle(d);
 }
 
 static void
-give_up(struct dialling *g, const char *why)
+give_up(struct dialling *g, const struct rad_error *why)
 {
     struct dialler *d = g->dialler;
 
     d->fn(d->arg, g->id, NULL, NULL, g->text, why);
     let_go(g);
+}
+
+static void
+give_up_for(struct dialling *g, int code, const char *why)
+{
+    struct rad_error err = { 0 };
+
+    rad_fail(&err, code, "%s", why);
+    give_up(g, &err);
+}
+
+static void
+give_up_keyless(struct dialling *g)
+{
+    give_up_for(g, RAD_EPERM, "there is no key to show there");
 }
 
 static void
@@ -120,12 +147,13 @@ dialler_close(struct dialler *d)
 {
     if (!d)
         return;
-    d->closed = true;
     for (struct dialling *g = d->first, *next; g; g = next) {
         next = g->next;
         if (!g->looking)
             let_go(g);
     }
+    d->closed = true;
+    free_idle(d);
 }
 
 static void
@@ -138,7 +166,7 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
     if (stream)
         hand_over(g, stream, tls);
     else
-        give_up(g, why->what);
+        give_up(g, why);
 }
 
 static void try_address(struct dialling *g);
@@ -148,7 +176,7 @@ static void
 try_next(struct dialling *g, int status)
 {
     if (g->nth++ == 0)
-        snprintf(g->refused, sizeof g->refused, "%s", uv_strerror(status));
+        g->refused = status;
     conn_stream_close(g->stream);
     g->stream = NULL;
     try_address(g);
@@ -158,12 +186,11 @@ static void
 connected(uv_connect_t *req, int status)
 {
     struct dialling *g = req->data;
-    struct dialler *d = g->dialler;
     uv_stream_t *stream = g->stream;
 
     g->connecting = false;
     if (!stream) { /* let go of meanwhile */
-        uv_close((uv_handle_t *)&g->timer, timer_closed);
+        free_unused(g);
         return;
     }
     uv_timer_stop(&g->timer);
@@ -171,13 +198,15 @@ connected(uv_connect_t *req, int status)
         try_next(g, status);
     } else if (address_is_local(&g->to)) {
         hand_over(g, stream, NULL);
+    } else if (!g->with_key) {
+        give_up_keyless(g);
     } else {
         g->stream = NULL; /* it is the handshake's */
         g->shake =
-            handshake_new(stream, tls_dial(d->tls, g->key.id, g->key.secret),
+            handshake_new(stream, tls_dial(g->dialler->tls, g->key.id, g->key.secret),
                           HANDSHAKE_MS, shaken, g);
         if (!g->shake)
-            give_up(g, "out of memory");
+            give_up_for(g, UV_ENOMEM, "out of memory");
     }
 }
 
@@ -193,7 +222,7 @@ look_up(uv_work_t *work)
 static void
 on_timer(uv_timer_t *timer)
 {
-    give_up(timer->data, "took too long");
+    give_up_for(timer->data, UV_ETIMEDOUT, "took too long");
 }
 
 static void
@@ -204,7 +233,7 @@ start_connect(struct dialling *g)
 
     g->stream = conn_stream_new(g->dialler->loop, local);
     if (!g->stream) {
-        give_up(g, "out of memory");
+        give_up_for(g, UV_ENOMEM, "out of memory");
         return;
     }
     g->connect.data = g;
@@ -232,10 +261,12 @@ looked_up(uv_work_t *work, int status)
     g->looking = false;
     if (g->dialler->closed)
         let_go(g);
+    else if (g->err.code && g->nth > 0)
+        give_up_for(g, g->refused, uv_strerror(g->refused));
     else if (g->err.code)
-        give_up(g, g->nth > 0 ? g->refused : g->err.what);
-    else if (!g->with_key && !address_is_local(&g->to))
-        give_up(g, "there is no key to show there");
+        give_up(g, &g->err);
+    else if (!g->with_key && !address_is_loopback(&g->to))
+        give_up_keyless(g);
     else
         start_connect(g);
 }

@@ -19,6 +19,16 @@ frame_reader_release(struct frame_reader *r)
     *r = (struct frame_reader){ .bad = true };
 }
 
+uint8_t *
+frame_reader_take(struct frame_reader *r)
+{
+    uint8_t *bytes = r->buf;
+
+    r->buf = NULL;
+    r->cap = 0;
+    return bytes;
+}
+
 int
 frame_header(struct msg_header *h, enum msg_session session, unsigned version,
              const uint8_t bytes[MSG_HEADER], struct rad_error *err)

@@ -43,6 +43,10 @@ void frame_reader_release(struct frame_reader *r);
 int frame_read(struct frame_reader *r, const uint8_t **data, size_t *n,
                struct msg *m, struct rad_error *err);
 
+/* Between calls: take over the bytes of the message that was read last, which
+ * stays valid until they are freed. */
+uint8_t *frame_reader_take(struct frame_reader *r);
+
 /* Check a header; 0 or RAD_EPROTO. */
 int frame_header(struct msg_header *h, enum msg_session session,
                  unsigned version, const uint8_t bytes[MSG_HEADER],

@@ -88,7 +88,7 @@ on_visitor(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 
 static void
 on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
-           const char *peer, const char *why)
+           const char *peer, const struct rad_error *why)
 {
     (void)arg;
     (void)id;
@@ -135,7 +135,6 @@ close_scene(void)
     conn_close(s.out);
     uv_run(&s.loop, UV_RUN_DEFAULT);
     ck_assert_int_eq(uv_loop_close(&s.loop), 0);
-    dialler_free(s.dialler);
 }
 
 static void

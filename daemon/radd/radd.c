@@ -269,12 +269,12 @@ on_child_ended(void *arg, uint64_t id, struct child_end how, const char *text)
 
 static void
 on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
-           const char *peer, const char *why)
+           const char *peer, const struct rad_error *why)
 {
     struct radd *r = arg;
 
     if (!stream) {
-        shell_gone(&r->shell, id, why);
+        shell_gone(&r->shell, id, why->what);
         return;
     }
     if (!shell_add(&r->shell, id, stream, tls, MSG_AT_DIALLER, peer)) {
@@ -709,7 +709,6 @@ release(void *arg)
     struct radd *r = arg;
 
     worker_free(r->worker);
-    dialler_free(r->dialler);
     explicit_bzero(&r->key, sizeof r->key);
     store_close(r->store);
 }
