@@ -750,3 +750,7 @@ check-sanitized:
 		TESTS='$(UNIT_TESTS) $(SANITIZED_MORE) $(SANITIZED_E2E)'
 check-threads:
 	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'
+
+# The floor plan of doc/architecture.md against the code.
+TESTS += tests/doors.sh
+dist_check_SCRIPTS += tests/doors.sh

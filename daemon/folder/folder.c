@@ -272,7 +272,7 @@ is_left_over(const char *name)
     static const char *const suffix[] = { ".rows", ".preview", ".tmp" };
     size_t n = strlen(name);
 
-    if (strcmp(name, FOLDER_ROOM + 1) == 0)
+    if (strcmp(name, &FOLDER_ROOM[1]) == 0)
         return true;
     for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
         size_t m = strlen(suffix[i]);

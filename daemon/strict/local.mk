@@ -10,6 +10,6 @@ libdaemon_a_SOURCES += \
 	daemon/strict/strict_pass.c \
 	daemon/strict/strict_rank.c \
 	daemon/strict/strict_state.h \
-	daemon/strict/strict_table.c \
 	daemon/strict/strict_unit.c \
-	daemon/strict/strict_unit.h
+	daemon/strict/strict_unit.h \
+	daemon/strict/unit_table.c

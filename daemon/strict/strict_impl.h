@@ -2,7 +2,7 @@
  *
  * Private to strict*.c:
  *   strict_edge.c   tops and bottoms by line
- *   strict_table.c  units by number and by line
+ *   unit_table.c    units by number and by line
  *   strict_facts.c  facts by line
  *   strict_out.c    messages that go out
  *   strict_rank.c   which unit comes first
@@ -16,7 +16,7 @@
 
 #include "strict/strict_state.h"
 
-/* --- strict_table.c --- */
+/* --- unit_table.c   --- */
 
 /* The unit is in another state from here on, which must be permitted. */
 bool unit_may_advance(enum strict_progress from, enum strict_progress to);

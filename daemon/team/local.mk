@@ -7,4 +7,6 @@ libdaemon_a_SOURCES += \
 	daemon/team/team_lend.c \
 	daemon/team/team_line.c \
 	daemon/team/team_member.c \
+	daemon/team/team_member.h \
+	daemon/team/team_spec.h \
 	daemon/team/team_sweep.c

@@ -84,25 +84,6 @@ struct team {
     bool blocked; /* [mu] a member has left because of what is lent */
 };
 
-/* One member at work on one line. */
-struct member {
-    struct team *team;
-    struct rad_ctx *ctx;
-    struct rad_quincunx q;
-    int i;
-    _Atomic(struct rad_facts *) *facts; /* of line i; NULL: never any */
-    int row0;                           /* the first of line i */
-    bool truth;  /* what is asked for now is wanted indeed */
-    bool early;  /* or will be, and counts then */
-    int row;     /* of line i's base line, in the picture */
-    int ahead;   /* the first of its gaps that were traced while it waited */
-    bool unsure; /* of the colours that the bar is filled between */
-    uint64_t mine[NPART]; /* blocks of line i that it began */
-    uint64_t told;        /* of count(ctx) */
-    uint64_t traced, primary;
-    uint64_t looked; /* traced when the rays were last counted */
-};
-
 static inline struct line *
 line_at(const struct team *t, int i)
 {
@@ -113,14 +94,6 @@ static inline struct rad_pixel *
 row_at(const struct team *t, int row)
 {
     return t->slots + (size_t)(row % t->nslots) * (size_t)t->spec.sampler.width;
-}
-
-/* The facts of the member's line; NULL: there are none. */
-static inline struct rad_facts *
-facts_of(const struct member *m)
-{
-    return m->facts ? atomic_load_explicit(m->facts, memory_order_acquire)
-                    : NULL;
 }
 
 static inline bool
@@ -136,16 +109,6 @@ team_add(struct team *t, _Atomic uint64_t *made, int rows)
     atomic_fetch_add_explicit(made,
                               (uint64_t)rows * (uint64_t)t->spec.sampler.width,
                               memory_order_relaxed);
-}
-
-static inline const uint8_t *
-density_above(const struct member *m)
-{
-    const struct team *t = m->team;
-
-    if (t->ndensity == 0)
-        return NULL;
-    return m->i > t->spec.first ? line_at(t, m->i - 1)->density : t->density;
 }
 
 static inline bool
@@ -170,41 +133,5 @@ has_bar(const struct team *t, int i)
 int team_line_begin(struct team *t);
 /* It is done, and wanted so many pixels: hand on what thereby is complete. */
 void team_line_finish(struct team *t, int i, uint64_t primary);
-
-/* --- team_member.c --- */
-
-/* A member of the team, at no line yet. */
-void member_init(struct member *m, struct team *t, struct rad_ctx *ctx);
-/* Wait until `need` densities of the line above are final, or it is painted;
- * false: stopped. */
-bool member_wait(const struct member *m, size_t need);
-/* Densities of the line that are final from now on: wake who waits for them. */
-void member_publish(struct team *t, struct line *l, size_t ready);
-/* Let others see the rays that are new, if they are many; called often. */
-void member_tell_rays(struct member *m);
-/* Let others see all of them. */
-void member_tell_all(struct member *m);
-/* Are the colours above its bar sampled with too little known of the densities?
- */
-bool member_is_unsure(const struct member *m);
-/* The rows of its line, and of the base line above, as the bar wants them. */
-void member_bar_rows(const struct member *m, struct rad_pixel *rows[]);
-/* Fill columns up to `end` of its bar; false: stopped. */
-bool member_fill(struct member *m, struct rad_pixel *const rows[],
-                 struct rad_quincunx_fill *s, int end);
-/* Does the truth want column x of line i's bar, though little is known of the
- * densities? */
-bool member_bar_is_certain(const struct team *t, int i,
-                           struct rad_pixel *const rows[], int x);
-
-/* --- team_sweep.c --- */
-
-/* Is the block the member's to trace?  Not if it is lent. */
-bool sweep_claim(struct member *m, enum part part, int b);
-/* Trace its base line ahead; false: stopped. */
-bool sweep_line(struct member *m);
-/* Trace those blocks ahead of the bar whose rows those are; false: stopped. */
-bool sweep_bar(struct member *m, struct rad_pixel *const rows[],
-               uint64_t blocks);
 
 #endif

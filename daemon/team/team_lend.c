@@ -6,7 +6,7 @@
  * is lent twice, so that a line's work comes to an end. */
 #include "config.h"
 
-#include "team/team_impl.h"
+#include "team/team_member.h"
 
 #include "base/bits.h"
 

@@ -4,7 +4,7 @@
  * fills the bar between the two; see team_impl.h for what it waits for. */
 #include "config.h"
 
-#include "team/team_impl.h"
+#include "team/team_member.h"
 
 #include <string.h>
 #include <time.h>

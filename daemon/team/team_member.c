@@ -3,7 +3,7 @@
  * What it does with a line is team_line.c's and team_sweep.c's. */
 #include "config.h"
 
-#include "team/team_impl.h"
+#include "team/team_member.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
  * seldom. */
 #include "config.h"
 
-#include "team/team_impl.h"
+#include "team/team_member.h"
 
 /* A line that is traced ahead in blocks of gaps or of columns. */
 struct sweep {

@@ -1,4 +1,4 @@
-/* strict_table.c - the strict units of a child, found by number and by line */
+/* unit_table.c   - the strict units of a child, found by number and by line */
 #include "config.h"
 
 #include "strict/strict_impl.h"

@@ -1,0 +1,101 @@
+/* msg_work.h - the messages by which units go out and rows come back
+ *
+ * Thread: a struct belongs to one thread. */
+#ifndef MSG_WORK_H
+#define MSG_WORK_H
+
+#include "proto/msg_job.h"
+
+struct msg_ready {
+    const uint8_t *job;
+    double load_s;
+    uint64_t fingerprint;
+    uint16_t threads;
+};
+
+/* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h.
+ * None is negative, and each below 1e100. */
+struct msg_doubt {
+    double pixels, variance, known, all; /* of indirect light */
+    double rough, nrough;                /* of base lines */
+};
+
+/* What one unit cost; nan.frame is the unit's and does not travel. */
+struct msg_counts {
+    uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
+        paint_rays, estimate_rays, intersection_tests, ambient_values;
+    struct msg_nan nan;
+    struct msg_fault faults[MSG_FAULTS];
+    double cpu_s;  /* processor time of the render threads */
+    double wall_s; /* from taking the unit to its last row; of a strict unit,
+                    * that of its passes (daemon/strict/strict.h) */
+    struct msg_doubt doubt;
+};
+
+/* Rows of a unit, from its top, each piece following the last.  Pixels are
+ * r g b, or r g b distance with channels 4, as floats on the wire
+ * (wire_floats_get); with channels 1, of jobs with MSG_JOB_CODED, rows as in a
+ * picture file (rad_hdr_encode_row()), which are looked at by whoever takes
+ * them apart.  counts only with last; zero else. */
+struct msg_result {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+    uint32_t row, rows, width; /* row from the unit's top */
+    uint8_t channels;          /* 3 or 4; 1: coded */
+    uint8_t last;
+    struct msg_counts counts;
+    const uint8_t *pixels; /* rows * width * channels floats, or coded, */
+    size_t len;            /* so many bytes; only read of those */
+};
+
+struct msg_ack {
+    const uint8_t *job;
+    uint32_t unit, attempt, row, rows;
+};
+
+/* REVOKE, TWIN, PARKED, RESUMED, SPLIT: one worker's go at a unit. */
+struct msg_attempt {
+    const uint8_t *job;
+    uint32_t unit, attempt;
+};
+
+/* The job's child ended by itself; units are those it was at work on, the
+ * likely causes. */
+struct msg_lost {
+    const uint8_t *job;
+    const char *text; /* "killed by signal 11" */
+    uint32_t nunits;
+    const uint32_t *units;
+};
+
+/* Whether a worker finds room for the files of a job that it was to begin. */
+struct msg_room {
+    const uint8_t *job;
+    uint8_t has;      /* 1: it may be told to begin; 0: not now */
+    const char *text; /* why not */
+};
+
+/* What a worker did for a job so far; the last one counts. */
+struct msg_tally {
+    const uint8_t *job;
+    uint64_t ambient_sent, ambient_received, ambient_redundant;
+    uint64_t peak_rss_bytes, bytes_in, bytes_out;
+    uint64_t base_line_bytes;  /* sent in BASE_LINEs, to peers and up */
+    uint64_t base_line_pixels; /* of the base lines that were made */
+    /* summed over render threads */
+    double busy_s;           /* on units, waits and all */
+    double wait_base_line_s; /* of that, for the line above */
+    uint64_t rays_under_way; /* of units that are not done */
+    /* of strict units and loans that were taken back, which are in no RESULT
+     * and no PAID: twins that were not first.  No primary rays, nan or faults;
+     * speculative are facts that nobody was told of. */
+    struct msg_counts dropped;
+    struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
+    /* all PAIDs that went up of this child: what of them did not arrive, since
+     * the connection broke, is known by it */
+    struct msg_counts paid;
+    uint64_t pixels_under_way; /* of strict units that are not done: those that
+                                * passes are past, whose rows are not out */
+};
+
+#endif
