@@ -6,19 +6,19 @@
 
 #include "desk/desk.h"
 
-/* Link a worker that just became ready with those that are; the first of them
- * gives it what its cache holds. */
+/* Link a worker that just became ready with the workers that are; the first of
+ * these gives it the records of its cache. */
 void introduce_worker(struct coord *c, const struct job *job,
                       const struct coord_worker *w);
-/* Tell the other workers of a job to have no more to do with this one. */
+/* Tell the other workers of a job to end their links with this worker. */
 void introduce_drop(struct coord *c, const struct job *job,
                     const struct coord_worker *w);
-/* Tell two workers of a job of each other; a may be asked to give b what its
- * cache has (MSG_PEER_GIVE).  False: neither can be dialled. */
+/* Tell two workers of a job of each other; a may be asked to give b the records
+ * of its cache (MSG_PEER_GIVE).  False: neither can be dialled. */
 bool introduce_link(struct coord *c, const struct job *job,
                     const struct coord_worker *a, const struct coord_worker *b,
                     uint32_t give);
-/* Tell one to have no more to do with the other. */
+/* Tell a worker to end its link with another. */
 void introduce_unlink(struct coord *c, const struct job *job,
                       const struct coord_worker *to,
                       const struct coord_worker *about);

@@ -11,8 +11,9 @@
 
 #define ALL_LINKED 64 /* workers of a job, but for coord_env.all_linked */
 
-/* With 2, 3, 4 and 8, 1000 places are 10, 13, 15 and 22 links apart from each
- * other, each way, and records pass 5.0, 4.2, 3.7 and 2.9 of them. */
+/* With a radix of 2, 3, 4 and 8, each of 1000 places has 10, 13, 15 and 22
+ * links each way, and a record passes 5.0, 4.2, 3.7 and 2.9 links on its way.
+ */
 #define RADIX 4
 
 #define REBUILD_MS 2000 /* places change no sooner after they did */
@@ -22,8 +23,9 @@
 #define HOPELESS 2    /* links in a row that never came about */
 #define SAME_MS  1000 /* the other end says that the link of before is gone */
 
-/* Of few, two that are hopeless are tried again, later each time; by then who
- * dials has given up (peer.c), and records would be lost no more. */
+/* In a ring of few, a pair whose link is hopeless is linked again, after a
+ * longer time each time.  The worker that dials gives up within TRY_MS
+ * (peer.c); from then on records would be lost no more. */
 #define LATER_MS  30000
 #define LATEST_MS (16 * LATER_MS)
 #define TRY_MS    12000
@@ -41,7 +43,7 @@ struct pair {
     uint32_t sequence; /* of those for lines */
 };
 
-/* Two whose link broke, or never came about. */
+/* A pair of workers whose link broke, or never came about. */
 struct broken {
     uint32_t a, b;      /* workers of the job, a < b */
     unsigned times;     /* in a row that it never did */
@@ -191,7 +193,7 @@ remove_pair(struct ring *r, size_t i)
             (--r->npairs - i) * sizeof r->pair[0]);
 }
 
-/* Neither is to have anything to do with the other. */
+/* End the link of a pair. */
 static void
 drop(struct coord *c, const struct job *job, const struct pair *p)
 {
@@ -216,7 +218,8 @@ find_broken(const struct ring *r, uint32_t a, uint32_t b)
     return NULL;
 }
 
-/* The link of two is gone, or never was there; NULL: memory is out. */
+/* Note that the link of two workers is gone, or never came about; NULL: memory
+ * is out. */
 static struct broken *
 note_broken(struct ring *r, uint32_t a, uint32_t b, bool was)
 {
@@ -234,7 +237,8 @@ note_broken(struct ring *r, uint32_t a, uint32_t b, bool was)
     return p;
 }
 
-/* A worker that is new, or comes again, may be another machine. */
+/* Forget the broken links of a worker that is new or comes again: it may be
+ * another machine. */
 static void
 forget_broken(struct ring *r, uint32_t index)
 {
@@ -265,8 +269,8 @@ count_hopeless(const struct ring *r, uint32_t index)
     return n;
 }
 
-/* On a ring any two may come to need a link; so of two that can have none one
- * has no place: the one that lacks more links. */
+/* On a ring any two may come to need a link; so of two workers that can have
+ * none, the worker that lacks more links has no place. */
 static void
 find_out(struct ring *r)
 {
@@ -283,7 +287,7 @@ find_out(struct ring *r)
     }
 }
 
-/* introduce_link(), of which is known when. */
+/* introduce_link(), and note when. */
 static bool
 link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
          uint32_t give)
@@ -298,7 +302,8 @@ link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
                           job->workers[b].worker, give);
 }
 
-/* Make known a pair that is not; the first gives the second what it has. */
+/* Link a pair that has no link; the first may be asked to give the second its
+ * records. */
 static bool
 introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
           enum pair_kind kind, uint32_t give)
@@ -323,7 +328,7 @@ introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
 
 /* --- what workers are told --- */
 
-/* Its links on the ring, and for whom it speaks. */
+/* A worker's links on the ring, and the guests that it speaks for. */
 static uint32_t
 list_links(const struct job *job, uint32_t index, struct msg_ring_link *v)
 {
@@ -373,8 +378,8 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
 
 /* --- guests --- */
 
-/* One on the ring who speaks for few, and with whom there was no trouble if
- * there is one. */
+/* A worker on the ring that speaks for few guests, if possible one that had no
+ * broken link with this guest. */
 static uint32_t
 best_host(const struct job *job, uint32_t guest)
 {
@@ -408,7 +413,7 @@ be_guest(struct ring *r, uint32_t guest, uint32_t host)
         r->nguests[host]++;
 }
 
-/* Find somebody who speaks for it. */
+/* Find a host on the ring for a guest. */
 static void
 take_in(struct coord *c, struct job *job, uint32_t guest, uint32_t give)
 {
@@ -431,7 +436,7 @@ take_in(struct coord *c, struct job *job, uint32_t guest, uint32_t give)
 
 /* --- places --- */
 
-/* Room for what is by worker. */
+/* Make room in the arrays that are indexed by worker. */
 static bool
 grow(struct ring *r, uint32_t n)
 {
@@ -459,8 +464,8 @@ grow(struct ring *r, uint32_t n)
     return true;
 }
 
-/* Give places to all that may have one but `except`, and hosts to those that
- * are guests or may never have one. */
+/* Give places to all workers that may have one but `except`, and hosts to those
+ * that are guests or may never have a place. */
 static bool
 give_places(struct job *job, uint32_t except)
 {
@@ -513,8 +518,8 @@ list_wanted(const struct job *job, size_t *n)
     return v;
 }
 
-/* A pair that is there and not wanted: what it is being given still comes, and
- * what is under way. */
+/* A link that is there and no longer wanted stays for a while, for records that
+ * are under way on it. */
 static void
 spare(struct coord *c, const struct job *job, struct pair *to, size_t *n,
       const struct pair *p)
@@ -527,7 +532,7 @@ spare(struct coord *c, const struct job *job, struct pair *to, size_t *n,
     to[(*n)++].kind = p->kind == PAIR_RING ? PAIR_STALE : PAIR_LINES;
 }
 
-/* Have the pairs that are wanted, and keep those of them that are there. */
+/* Link the pairs that are wanted, and keep those that are linked already. */
 static bool
 relink(struct coord *c, struct job *job)
 {
@@ -579,7 +584,8 @@ rebuild(struct coord *c, struct job *job, uint32_t except)
                 job->hex, r->nmembers, r->npairs);
 }
 
-/* There were few, and all that are ready are linked with all. */
+/* The job had few workers, and all that are ready are linked with all: note
+ * these pairs. */
 static bool
 begin(struct coord *c, struct job *job, uint32_t newcomer)
 {
@@ -652,7 +658,7 @@ ring_left(struct coord *c, struct job *job, uint32_t index)
     r->changed = true;
 }
 
-/* What was under way has come. */
+/* End stale links: the records under way on them have come. */
 static void
 drop_stale(struct coord *c, struct job *job)
 {
@@ -668,7 +674,7 @@ drop_stale(struct coord *c, struct job *job)
     r->stale = false;
 }
 
-/* All have a place, or none. */
+/* Give all workers a place, or none. */
 static bool
 give_all_or_none(struct job *job)
 {
@@ -712,9 +718,9 @@ ring_of_few(struct coord *c, struct job *job)
             send_ring(c, job, i);
 }
 
-/* Of few, try those that had no link again.  Only who sends something finds
- * that there is none: so after a while the ring is given a chance, till it
- * does. */
+/* In a ring of few, link pairs again that had no link.  Only a worker that
+ * sends something finds that a link is missing: so after TRY_MS the ring is
+ * used again, until a worker does. */
 static void
 link_again(struct coord *c, struct job *job)
 {
@@ -762,7 +768,8 @@ ring_tick(struct coord *c, struct job *job)
 
 /* --- links that are made, and lost, one by one --- */
 
-/* Of those that a worker has for lines the oldest goes if there are many. */
+/* Before one more: of the links that a worker has for base lines the oldest
+ * goes if there are LINE_LINKS. */
 static void
 make_room(struct coord *c, struct job *job, uint32_t index)
 {
@@ -790,7 +797,7 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 
     struct pair *p;
 
-    /* one that knows no rings would send all its records there */
+    /* a worker that knows no rings would send all its records over that link */
     if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b) ||
         !knows_rings(job->workers[a].worker) ||
         !knows_rings(job->workers[b].worker))
@@ -805,9 +812,10 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
     introduce(c, job, a, b, PAIR_LINES, 0);
 }
 
-/* Few are linked with all: at once the first time, for what was lost may come
- * back; later, if that was for nothing.  Then what is not urgent does not go
- * round, either, since it would end there. */
+/* A link of few workers, who are linked with all, is gone: it is made again at
+ * once the first times, for it may have broken by chance; later, if that was in
+ * vain.  Records that are not urgent do not go round the ring then, since they
+ * would end at the gap. */
 static void
 unlinked_of_few(struct coord *c, struct job *job, uint32_t a, uint32_t b,
                 bool was)

@@ -20,34 +20,35 @@
 
 #include "desk/desk.h"
 
-/* Are there too many to be linked with all, or were there? */
+/* Has the job, or had it, too many workers to be linked all with all? */
 bool ring_wanted(const struct coord *c, const struct job *job);
 
-/* Then a worker became ready; or one is none any more, of however many. */
+/* A worker of such a job became ready; a worker of any job is gone. */
 void ring_join(struct coord *c, struct job *job, uint32_t index);
 void ring_left(struct coord *c, struct job *job, uint32_t index);
 
-/* There are few, who are linked with all; one of them is ready, or is no more:
- * for what is not urgent they get places too, if all can have one. */
+/* A worker of a job of few, which are linked all with all, became ready or is
+ * gone: they get places too, for records that are not urgent, if all can have
+ * one. */
 void ring_of_few(struct coord *c, struct job *job);
 
-/* Two are to be linked for base lines, if this is a job with a ring. */
+/* Link two workers for base lines, if the job has a ring. */
 void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
-/* A worker says that it has no link to another.  Two that have none twice, one
- * after the other, are hopeless, until one of them begins anew: nothing relies
- * on their link any more.  Of few these are tried again from time to time. */
+/* A worker says that it has no link to another.  A link that is missing twice
+ * in a row is hopeless, until one of the two workers comes anew: nothing relies
+ * on it any more.  In a ring of few it is tried again from time to time. */
 void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
                    const struct msg_unlinked *m);
 
-/* Give places, if there is a reason. */
+/* Give places anew, if workers came or went. */
 void ring_tick(struct coord *c, struct job *job);
 
 /* NULL is accepted. */
 void ring_free(struct ring *r);
 
-/* The links of a place on a ring of n: the i-th leads *offset places on, for
- * what comes from fewer than *below; false: it has no more. */
+/* The links of a place on a ring: the i-th leads *offset places on, for records
+ * that come from fewer than *below places back; false: there is no i-th. */
 bool ring_link(uint32_t places, uint32_t i, uint32_t *offset, uint32_t *below);
 
 #endif

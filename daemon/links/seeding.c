@@ -6,12 +6,12 @@
 #include "desk/desk.h"
 #include "desk/part.h"
 
-/* Who is ready so much later than the first would make what others have asked
- * for, and made, meanwhile. */
+/* A worker that is ready so much later than the first would make records that
+ * others have needed, and made, meanwhile. */
 #define LATE_MS 500
 
-/* Does it take part from the beginning?  An older worker knows no SEED, and the
- * others have all parts. */
+/* Does the worker take part from the beginning?  A worker of an older version
+ * knows no SEED: the others have its part. */
 static bool
 begins(const struct job *job, uint32_t i)
 {

@@ -9,11 +9,11 @@
 
 #include "desk/desk.h"
 
-/* The first worker is ready: give out the parts, to all that are on their way.
- * Nothing where there is one alone, or nothing is shared. */
+/* The first worker is ready: give a part to each worker that is there.  There
+ * are no parts for one worker alone, nor where records are not shared. */
 void seeding_begin(struct coord *c, struct job *job);
 
-/* A worker is ready: send it its part, unless it had one or is late. */
+/* A worker is ready: send it its part, unless it had that or is late. */
 void seeding_ready(struct coord *c, struct job *job, uint32_t index);
 
 #endif

@@ -61,8 +61,8 @@ partition_part(const struct partition *p, uint32_t part,
         *area = p->unit[part].area;
 }
 
-/* Nothing is free: a cost of nothing would never be chosen and never be late.
- */
+/* No part costs nothing: a part without cost would never be chosen and never be
+ * late. */
 static double
 least_cost(const double *cost, uint32_t n)
 {
@@ -165,9 +165,9 @@ partition_waiting(const struct partition *p)
 
 /* --- units --- */
 
-/* The last that came back, of those that are kept for that worker, or for none;
- * false: there is none.  Units that were taken out of turn are skipped where
- * they lie. */
+/* The unit that came back last, of those kept for that worker, or for no
+ * worker; false: there is none.  Units that were taken out of turn are dropped
+ * from the stack on the way. */
 static bool
 next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
 {

@@ -42,7 +42,7 @@ struct partition_spec {
     const struct msg_frame *frames; /* not kept */
 };
 
-/* Who asks for a unit. */
+/* The worker that asks for a unit. */
 struct partition_who {
     uint32_t worker;  /* a number that stays with it, small */
     uint32_t workers; /* that take part, it among them */
@@ -62,12 +62,12 @@ struct partition *partition_new(const struct partition_spec *spec,
                                 struct rad_error *err);
 void partition_free(struct partition *p);
 
-/* Does it share lines? */
+/* Do its units share lines? */
 bool partition_is_strict(const struct partition *p);
 
 uint32_t partition_total(const struct partition *p); /* units so far */
 
-/* What may go out now: units, and lines that are in none. */
+/* How much may go out now: units that wait, and lines that are in no unit. */
 uint32_t partition_waiting(const struct partition *p);
 
 /* --- costs ---
@@ -84,8 +84,8 @@ void partition_set_costs(struct partition *p, const double *cost);
  * for one that does not.  Before any unit went out.  False: memory is out. */
 bool partition_set_speeds(struct partition *p, const double *speed, uint32_t n);
 
-/* Static: the worker is not there, or gets nothing; others may take its runs
- * until it is. */
+/* Static: the worker is absent, or gets no units; others may take of its run
+ * until it is back. */
 void partition_set_absent(struct partition *p, uint32_t worker, bool absent);
 
 /* --- units --- */
@@ -98,15 +98,16 @@ bool partition_next(struct partition *p, const struct partition_who *who,
 /* A unit that is out came back undone: it waits again, before the others. */
 void partition_lost(struct partition *p, uint32_t unit);
 
-/* A unit that waits: to be given to that worker alone, and before others. Until
- * the second, for all units of that worker. */
+/* Keep a unit that waits for that worker alone, which gets it before others;
+ * until partition_keep_none() for that worker. */
 void partition_keep(struct partition *p, uint32_t unit, uint32_t worker);
 void partition_keep_none(struct partition *p, uint32_t worker);
 
 /* Take a certain waiting unit out of the queue. */
 void partition_take(struct partition *p, uint32_t unit);
 
-/* A unit that is out is done; what it took, in any unit, or 0. */
+/* A unit that is out is done; `took`: its measured cost, in any measure, or 0.
+ */
 void partition_done(struct partition *p, uint32_t unit, double took);
 
 /* Before any unit went out: a unit was cut with that number and area in an
@@ -123,7 +124,7 @@ uint32_t partition_give(struct partition *p, uint32_t unit, uint32_t height);
 void partition_area(const struct partition *p, uint32_t unit,
                     struct partition_area *area);
 
-/* Estimated cost, above 0; of all frames together. */
+/* Estimated cost, above 0, of a unit; of all frames together. */
 double partition_cost(const struct partition *p, uint32_t unit);
 double partition_cost_total(const struct partition *p);
 
@@ -131,7 +132,7 @@ double partition_cost_total(const struct partition *p);
 
 uint32_t partition_lines(const struct partition *p, uint32_t frame);
 
-/* The unit that has it; PARTITION_NONE: none yet. */
+/* The unit that has that line; PARTITION_NONE: none yet. */
 uint32_t partition_line_unit(const struct partition *p, uint32_t frame,
                              uint32_t line);
 
@@ -148,8 +149,8 @@ bool partition_unit_bars(const struct partition *p, uint32_t unit);
 void partition_unit_lines(const struct partition *p, uint32_t unit,
                           uint32_t *first, uint32_t *last);
 
-/* Why auto chose what it chose, or what was asked for; and the kind that it
- * is. */
+/* Why auto chose its kind of units, or that the kind was asked for; and the
+ * kind. */
 const char *partition_choice(const struct partition *p);
 enum msg_partition partition_kind(const struct partition *p);
 

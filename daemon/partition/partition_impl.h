@@ -41,8 +41,8 @@ struct partition {
 /* A new unit, waiting; PARTITION_NONE when memory is out. */
 uint32_t partition_add(struct partition *p, const struct partition_area *area);
 
-/* Does it wait, for nobody in particular?  What is kept for one worker is among
- * those that came back, and goes out from there. */
+/* Does the unit wait, for any worker?  A unit that is kept for one worker is on
+ * the stack of those that came back, and goes out from there. */
 static inline bool
 partition_is_free(const struct partition *p, uint32_t unit)
 {
@@ -58,11 +58,12 @@ bool partition_back(struct partition *p, uint32_t unit);
 int window_check(const struct partition_spec *spec, struct rad_error *err);
 bool window_new(struct partition *p, const struct partition_spec *spec);
 void window_free(struct partition_window *w);
-/* What units cost by the lines' costs that are given; as lines_first_costs(). */
+/* What units cost by the lines' costs that are given; as lines_first_costs().
+ */
 double *window_first_costs(const struct partition *p,
                            const struct partition_spec *spec);
 void window_set_costs(struct partition *p, const double *cost);
-/* The next of those that never went out. */
+/* The next window of those that never went out. */
 bool window_next(struct partition *p, uint32_t *unit);
 
 /* --- partition_queue.c --- */
@@ -81,7 +82,8 @@ uint64_t lines_of(const struct partition_spec *spec);
 int lines_check(const struct partition_spec *spec, struct rad_error *err);
 bool lines_new(struct partition *p, const struct partition_spec *spec);
 void lines_free(struct partition_lines *s);
-/* What lines cost, as given or by their pixels; malloc'd, NULL: memory is out. */
+/* What lines cost, as given or by their pixels; malloc'd, NULL: memory is out.
+ */
 double *lines_first_costs(const struct partition_lines *s,
                           const struct partition_spec *spec);
 void lines_set_costs(struct partition *p, const double *cost);
@@ -91,7 +93,7 @@ uint32_t lines_parts(const struct partition *p);
 /* Lines that are in no unit, of the frames that may begin. */
 uint32_t lines_free_count(const struct partition *p);
 void lines_done(struct partition *p, uint32_t unit);
-/* Cut that very unit, which must be the next by number. */
+/* Cut the unit of that number and area, which must be the next by number. */
 bool lines_restore(struct partition *p, uint32_t unit,
                    const struct partition_area *area);
 

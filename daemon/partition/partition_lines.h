@@ -20,7 +20,7 @@ struct frame {
     double cost, left; /* of all its lines, and of those that are free */
 };
 
-/* One that asked for a unit. */
+/* A worker that asked for a unit. */
 struct asker {
     bool began, absent;
     uint32_t frame, line; /* the one below its last */
@@ -61,7 +61,7 @@ line_cost(const struct partition_lines *s, const struct frame *f, uint32_t line)
 
 /* --- partition_lines.c --- */
 
-/* Of lines [first, last). */
+/* The cost of lines [first, last). */
 double lines_cost(const struct partition_lines *s, const struct frame *f,
                   uint32_t first, uint32_t last);
 /* Where the stretch of free lines that begins at line ends. */
@@ -78,7 +78,7 @@ bool lines_cut(struct partition *p, uint32_t frame, uint32_t first,
 
 /* --- partition_region.c --- */
 
-/* Say what was chosen, and why. */
+/* Write the text that says what auto chose, and why. */
 void region_choose(struct partition *p);
 /* Cut the next unit for a worker; false: there is none for it, or memory is
  * out; here and below. */

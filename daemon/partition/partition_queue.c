@@ -163,7 +163,7 @@ drop_first(struct partition *p)
     sift_down(p, 0);
 }
 
-/* Are units of frames before the unit's not done?  Frame follows frame. */
+/* Are units of earlier frames than the unit's not done? */
 static bool
 must_wait(struct partition *p, uint32_t unit)
 {
@@ -235,7 +235,7 @@ reaches(const struct partition *p, uint32_t unit,
     return b->frame == a->frame && b->y == y && b->x + b->width >= a->x;
 }
 
-/* Those of the row at y that share an edge or a corner with a. */
+/* The units of the row at y that share an edge or a corner with a. */
 static void
 guess_row(struct partition *p, const struct partition_area *a, uint32_t y,
           double cost)

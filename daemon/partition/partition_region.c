@@ -84,8 +84,8 @@ region_choose(struct partition *p)
                  s->most);
 }
 
-/* As many lines from `first` on as cost no more, but one, and no more than to
- * `end`. */
+/* The end of the lines from `first` on that cost no more than that: at least
+ * one line, and none behind `end`. */
 static uint32_t
 reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
       uint32_t end, double cost)
@@ -98,8 +98,8 @@ reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
     return last;
 }
 
-/* Auto: has each worker so many lines of the frame that it should have a
- * region of it? */
+/* Auto: are there so many lines of the frame to each worker that they are cut
+ * into regions? */
 static bool
 has_regions(const struct partition_lines *s, const struct frame *f,
             const struct partition_who *who)
@@ -210,9 +210,9 @@ is_expected(const struct partition_lines *s, const struct frame *f,
     return false;
 }
 
-/* The first line of the regions that were begun to which nobody comes by
- * itself: it was kept back when somebody did, or its worker is gone.  All below
- * wait for it.  False: there is none. */
+/* The first free line, in regions that were begun, that no worker comes to by
+ * going on: it was kept back when its worker came to it, or its worker is gone.
+ * All lines below wait for it.  False: there is none. */
 static bool
 find_left_behind(const struct partition_lines *s, struct frame *f,
                  uint32_t *line)
@@ -228,8 +228,9 @@ find_left_behind(const struct partition_lines *s, struct frame *f,
     return false;
 }
 
-/* The middle of the topmost stretch of lines that others will come to, if it is
- * longer than the next region would be: there the truth would wait. */
+/* The middle of the topmost stretch of free lines that other workers will come
+ * to, if the stretch is longer than the next region would be: true base lines
+ * would wait there. */
 static bool
 lags_behind(const struct partition_lines *s, const struct frame *f,
             const struct partition_who *who, uint32_t *line)

@@ -96,7 +96,7 @@ next_part(const struct partition_lines *s, const struct frame *f,
     return *bars || free_in(s, f, mid, bottom, from, to);
 }
 
-/* The next stretch of a worker's own; w may be one that is absent, of whom
+/* The next stretch of a worker's own run; w may be an absent worker, whose run
  * another takes. */
 static bool
 next_own(struct partition *p, struct asker *w, struct asker *taker,
@@ -124,7 +124,7 @@ next_own(struct partition *p, struct asker *w, struct asker *taker,
     return false;
 }
 
-/* The longest stretch; empty when none is free. */
+/* The longest stretch of free lines; empty when no line is free. */
 static void
 longest(const struct partition_lines *s, const struct frame *f, uint32_t *first,
         uint32_t *last)
@@ -159,7 +159,7 @@ run_next(struct partition *p, struct asker *w, const struct partition_who *who,
     return lines_cut(p, s->lo, first + (last - first) / 2, last, w, unit);
 }
 
-/* Every frame in proportion to their speeds. */
+/* Cut every frame in proportion to the workers' speeds. */
 bool
 partition_set_speeds(struct partition *p, const double *speed, uint32_t n)
 {

@@ -122,7 +122,7 @@ add_frame(struct partition *p, uint32_t frame, const struct msg_frame *f,
     return true;
 }
 
-/* Dearest first, and as they lie where they cost the same. */
+/* The order of two windows: the dearer first, else as they lie. */
 static void
 sort_by_cost(const struct partition *p, uint32_t *v, uint32_t n)
 {
@@ -294,7 +294,7 @@ window_set_costs(struct partition *p, const double *cost)
     order_all(p);
 }
 
-/* The next unit is the first of its frame, and others before it are not done.
+/* Is the next unit the first of its frame, while units before it are not done?
  */
 static bool
 must_wait(const struct partition *p)
