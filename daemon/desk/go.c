@@ -1,19 +1,20 @@
 /* go.c - see go.h
  *
- *                  UNIT, LOAN, STILL, or rows of an attempt that was lost
- *                                    |
- *                                    v
- *     base line above            WORKING             a loan came back
- *     came  .----------------^  |   |   |  ^----------------.
- *           |       PARKED      |   |   |      PARKED       |
- *         PARKED <--------------'   |   '------------> BLOCKED
- *           |                       | YIELD                 |
- *           '-------- YIELD ----> YIELDING <---- YIELD -----'
+ *               begins: UNIT, a loan, STILL, or rows of an attempt that was lost
+ *                                   |
+ *              PARKED               v             PARKED, and it lends
+ *          .--------------------  WORKING  ---------------------.
+ *          v                      ^  |  ^                       v
+ *       PARKED ---- top is here --'  |  '-- a loan is over -- BLOCKED
+ *          |                         |                          |
+ *          |                       YIELD                        |
+ *          |                         v                          |
+ *          '------- YIELD ------> YIELDING <------ YIELD -------'
  *
- *     from each of the four:  all rows came   -> DELIVERED
- *     from each of the five:  rows are kept, the unit was given back (GAVE),
- *                             taken (REVOKE), paid (PAID), or its worker or
- *                             its child is gone -> OVER
+ *     from each of the four: all its rows are here           -> DELIVERED
+ *     from each of the five: its rows are kept, the unit was given back (GAVE) or
+ *                            taken (REVOKE), the loan was paid (PAID), or its
+ *                            worker or its child is gone     -> OVER
  *
  * A message that crosses another may name a state that is past: it is then
  * ignored (PARKED of an attempt that waits already, GAVE without YIELD).  A

@@ -1,14 +1,13 @@
 /* job.c - see job.h
  *
  *     ARRIVING --all files are here--> OPENING --no room--> NO_ROOM
- *        |                               | |                 | |
- *        |                               | '-> OPEN <--room--' |
- *        |             restart           |      | |            |
- *        +----------------------------------->--' |            |
- *        |                               |        |            |
- *        | restart, and it was over      '---> KEPT <----------'
- *        |                                      |     over, and the store has
- *        '----------------------> FILED <-------'     its statistics
+ *      |    |                           |   |                |   |
+ *      |    |                           |   '---> OPEN <-----'   |
+ *      |    '-- restart, goes on -------|-----------^ |          |
+ *      |                                |             |          |
+ *      |                                '---> KEPT <--+----------'
+ *      |                                        |   over, and the store has its
+ *      '-- restart, was over ----> FILED <------'   statistics
  *
  * A job that is over while files of it are yet to come stays ARRIVING: the
  * store does not know it. */

@@ -1,16 +1,18 @@
 /* unit.c - see unit.h
  *
- *             the partition cuts it off        (recovered with all its rows)
- *                       |        .---------------------------------.
- *                       v        |                                 |
- *     lost, given  -> WAITING ---+-> OUT --- its rows are kept --> DONE
- *     back    .-------^----------.  ^ |
- *             |                     | |
- *             '-- OUT --crashed--> SUSPECT
+ *                lost, or given back
+ *              .---------------------.
+ *              v                     |
+ *     new -> WAITING -- goes out --> OUT -- its rows are kept --> DONE
+ *              |                    ^   |                          ^
+ *              |          goes out  |   |  a child died of it      |
+ *              |                    |   v                          |
+ *              |                   SUSPECT                         |
+ *              '-------- recovered with all its rows --------------'
  *
- * A unit that is OUT has attempts (go.c), but while its last ones end.  When it
- * is lost while rows of it are on their way to the disk, and all turn out to be
- * kept, it is taken out of its queue again and is DONE. */
+ * A unit that is OUT has attempts (go.c), but for a moment when its last one has
+ * ended.  When it is lost while rows of it are on their way to the disk, and all
+ * turn out to be kept, it is taken out of its queue again, and is DONE. */
 #include "config.h"
 
 #include "desk/unit.h"
