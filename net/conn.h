@@ -25,7 +25,7 @@
 #ifndef RADD_NET_CONN_H
 #define RADD_NET_CONN_H
 
-#include "net/address.h"
+#include "net/conn_stream.h"
 #include "net/fair.h"
 #include "proto/frame.h"
 #include "net/log.h"
@@ -38,26 +38,6 @@
 #define CONN_PING_MS      5000
 #define CONN_DEAD_MS      15000
 #define CONN_HANDSHAKE_MS 10000
-
-/* A stream's handle, whichever kind it is. */
-union conn_stream {
-    uv_handle_t handle;
-    uv_stream_t stream;
-    uv_tcp_t tcp;
-    uv_pipe_t pipe;
-};
-
-/* A heap-allocated, initialised stream for uv_accept or connecting; NULL when
- * memory is out. */
-uv_stream_t *conn_stream_new(uv_loop_t *loop, bool local);
-/* Close and free one that no conn has taken. */
-void conn_stream_close(uv_stream_t *stream);
-/* Name the other side of an open stream: "uid:1000", or its address, which
- * from (may be NULL) gets, too. */
-void conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
-                      struct address *from);
-/* The user id at the other end of a Unix socket; -1 for TCP. */
-long conn_stream_uid(uv_stream_t *stream);
 
 /* closed()'s reason for a peer that did not speak the protocol. */
 #define CONN_BROKE_PROTOCOL "protocol error"

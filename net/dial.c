@@ -8,7 +8,7 @@
 
 #include "net/dial.h"
 
-#include "net/conn.h"
+#include "net/conn_stream.h"
 #include "net/handshake.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "net/gate.h"
 
-#include "net/conn.h"
+#include "net/conn_stream.h"
 #include "net/log.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "net/handshake.h"
 
-#include "net/conn.h"
+#include "net/conn_stream.h"
 
 #include <stdlib.h>
 #include <string.h>

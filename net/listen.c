@@ -8,7 +8,7 @@
 #include "base/output.h"
 #include "net/listen.h"
 
-#include "net/conn.h"
+#include "net/conn_stream.h"
 #include "net/gate.h"
 #include "net/log.h"
 

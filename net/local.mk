@@ -6,6 +6,11 @@ libnet_a_SOURCES = \
 	net/address.h \
 	net/conn.c \
 	net/conn.h \
+	net/conn_impl.h \
+	net/conn_in.c \
+	net/conn_out.c \
+	net/conn_stream.c \
+	net/conn_stream.h \
 	net/dial.c \
 	net/dial.h \
 	net/fair.c \

@@ -1,0 +1,236 @@
+/* conn_in.c - what comes into a connection: see conn_impl.h
+ *
+ * Bytes become messages, and each goes to the owner, as long as the gate is
+ * open. */
+#include "config.h"
+
+#include "net/conn_impl.h"
+
+#include <stddef.h>
+#include <unistd.h>
+
+static void
+answer_ping(struct conn *c, const struct msg *ping)
+{
+    struct msg pong = { .type = MSG_PONG, .request = ping->request };
+
+    pong.pong.progress = ping->ping.progress;
+    conn_send(c, &pong);
+}
+
+/* What came cannot be read. */
+static void
+garbage(struct conn *c, const struct rad_error *err)
+{
+    struct log_limit *limit = c->handler->errors;
+    unsigned dropped = 0;
+
+    if (err->code == RAD_ENOMEM) { /* for no fault of the other side's */
+        conn_tell(c, "message not read peer=%s: out of memory", c->peer);
+        conn_out_end_uv(c, UV_ENOMEM);
+        return;
+    }
+    if (!c->handler->quiet &&
+        (!limit || log_allowed(limit, uv_now(c->timer.loop), &dropped))) {
+        if (dropped > 0)
+            log_warn("protocol errors not logged n=%u", dropped);
+        log_warn("protocol error peer=%s: %s", c->peer, err->what);
+    }
+    conn_out_end_with(c, err, CONN_BROKE_PROTOCOL);
+}
+
+/* Has it asked for more than it reads?  Workers and peers are not asked: what
+ * goes to them is bounded by other means. */
+static bool
+overfull(const struct conn *c)
+{
+    return conn_out_to_user(c) && c->queued > ANSWERS_HIGH;
+}
+
+/* Look at no more of what came until the gate opens. */
+static void
+hold(struct conn *c, enum conn_gate gate, const uint8_t *p, size_t left)
+{
+    c->gate = gate;
+    c->rest = p;
+    c->nrest = left;
+    uv_read_stop(&c->stream->stream);
+}
+
+/* The next message, if it is there whole, goes to the handler.  False: there is
+ * none, or no connection any more. */
+static bool
+take_one(struct conn *c, const uint8_t **p, size_t *left)
+{
+    struct rad_error err = { 0 };
+    int rc = frame_read(&c->reader, p, left, &c->in, &err);
+
+    if (rc < 0) {
+        rad_error_where(&err, "%s", c->peer);
+        garbage(c, &err);
+    }
+    if (rc <= 0)
+        return false;
+    if (c->in.type == MSG_PING)
+        answer_ping(c, &c->in);
+    if (!c->closing) /* that may break it, and then its owner knows */
+        c->handler->message(c->arg, c, &c->in);
+    return !c->closing;
+}
+
+/* Bytes that were read: whole messages go to the handler. */
+static void
+take(struct conn *c, const uint8_t *p, size_t left)
+{
+    bool more = true;
+
+    while (more && left > 0 && !c->closing && !c->finishing) {
+        bool in_turn = conn_out_to_user(c);
+
+        if (in_turn && !fair_begin(&c->place)) {
+            hold(c, GATE_LINE, p, left);
+            return;
+        }
+        more = take_one(c, &p, &left);
+        if (in_turn)
+            fair_done(&c->place);
+        if (more && overfull(c) && !c->finishing) {
+            hold(c, GATE_UNREAD, p, left);
+            return;
+        }
+    }
+}
+
+/* What came by TLS, as far as it may be looked at. */
+void
+conn_in_unseal(struct conn *c)
+{
+    struct rad_error err = { 0 };
+    int n = 1;
+
+    while (n > 0 && !c->closing && !c->finishing && c->gate == GATE_OPEN) {
+        n = tls_read(c->tls, c->plain, PLAIN_BYTES, &err);
+        if (n > 0)
+            take(c, c->plain, (size_t)n);
+    }
+    if (c->closing || c->finishing)
+        return;
+    conn_out_flush(c, false);
+    if (n < 0)
+        garbage(c, &err);
+    else if (tls_ended(c->tls))
+        conn_out_end_uv(c, UV_EOF);
+}
+
+/* n bytes of c->buf have come. */
+static void
+hear(struct conn *c, size_t n)
+{
+    struct rad_error err = { 0 };
+
+    c->silent = 0;
+    if (!c->tls) {
+        take(c, (const uint8_t *)c->buf, n);
+    } else if (tls_put(c->tls, c->buf, n, &err) < 0) {
+        garbage(c, &err);
+    } else {
+        conn_in_unseal(c);
+    }
+}
+
+static void
+on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
+{
+    (void)buf; /* c->buf */
+    if (n < 0)
+        conn_out_end_uv(stream->data, (int)n);
+    else
+        hear(stream->data, (size_t)n);
+}
+
+/* The other side has closed the connection while we write: what it said before,
+ * as why it did, still lies ready. */
+void
+conn_in_hear_rest(struct conn *c)
+{
+    ssize_t n = 1;
+    int fd;
+
+    if (uv_fileno(&c->stream->handle, &fd) < 0)
+        return;
+    while (n > 0 && !c->closing && !c->finishing && !c->paused &&
+           c->gate == GATE_OPEN) {
+        n = read(fd, c->buf, sizeof c->buf);
+        if (n > 0)
+            hear(c, (size_t)n);
+    }
+}
+
+static void
+on_alloc(uv_handle_t *h, size_t wish, uv_buf_t *buf)
+{
+    struct conn *c = h->data;
+
+    (void)wish;
+    *buf = uv_buf_init(c->buf, sizeof c->buf);
+}
+
+void
+conn_in_start(struct conn *c)
+{
+    uv_read_start(&c->stream->stream, on_alloc, on_read);
+}
+
+/* It is its turn, or its answers have been read: go on with its requests. */
+void
+conn_in_reopen(struct conn *c)
+{
+    c->gate = GATE_OPEN;
+    c->silent = 0;
+    take(c, c->rest, c->nrest);
+    if (c->tls && c->gate == GATE_OPEN)
+        conn_in_unseal(c);
+    if (c->gate == GATE_OPEN && !c->paused && !c->closing && !c->finishing)
+        conn_in_start(c);
+}
+
+static void
+on_turn(struct fair_place *place)
+{
+    struct conn *c =
+        (struct conn *)((char *)place - offsetof(struct conn, place));
+
+    if (c->gate == GATE_LINE && !c->closing && !c->finishing)
+        conn_in_reopen(c);
+}
+
+bool
+conn_set_user(struct conn *c, struct fair *fair, const char *name)
+{
+    c->place.user = fair_join(fair, name);
+    c->place.go = on_turn;
+    fair_owe(&c->place, c->queued);
+    return c->place.user != NULL;
+}
+
+uint8_t *
+conn_keep(struct conn *c, struct msg *m, size_t *n)
+{
+    *n = c->reader.head.length;
+    *m = c->in;
+    c->in = (struct msg){ 0 };
+    return frame_reader_take(&c->reader);
+}
+
+void
+conn_pause(struct conn *c, bool pause)
+{
+    if (c->closing || c->finishing || c->paused == pause)
+        return;
+    c->paused = pause;
+    c->silent = 0; /* a silence of our own making does not count */
+    if (pause)
+        uv_read_stop(&c->stream->stream);
+    else if (c->gate == GATE_OPEN)
+        conn_in_start(c);
+}
