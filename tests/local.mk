@@ -92,10 +92,16 @@ UNIT_TESTS = \
 	tests/check_source \
 	tests/check_store \
 	tests/check_strict \
+	tests/check_strict_loan \
+	tests/check_strict_pass \
+	tests/check_strict_rank \
+	tests/check_strict_unit \
 	tests/check_submit \
 	tests/check_table \
 	tests/check_task \
 	tests/check_team \
+	tests/check_team_lend \
+	tests/check_team_member \
 	tests/check_tls \
 	tests/check_tone \
 	tests/check_view \
@@ -662,9 +668,18 @@ tests_check_task_SOURCES = tests/check_task.c tests/unit.h
 tests_check_task_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(UV_CFLAGS)
 tests_check_task_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_team_SOURCES = tests/analytic.h tests/check_team.c tests/unit.h
+tests_check_team_SOURCES = tests/analytic.h tests/check_team.c \
+	tests/team_fixture.h tests/unit.h
 tests_check_team_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_team_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_team_lend_SOURCES = tests/analytic.h \
+	tests/check_team_lend.c tests/team_fixture.h tests/unit.h
+tests_check_team_lend_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_team_lend_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_team_member_SOURCES = tests/analytic.h \
+	tests/check_team_member.c tests/team_fixture.h tests/unit.h
+tests_check_team_member_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_team_member_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_cache_SOURCES = tests/check_cache.c tests/unit.h
 tests_check_cache_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -691,6 +706,22 @@ tests_check_store_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_strict_SOURCES = tests/check_strict.c tests/unit.h
 tests_check_strict_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_strict_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_strict_loan_SOURCES = tests/check_strict_loan.c \
+	tests/strict_fixture.h tests/unit.h
+tests_check_strict_loan_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_strict_loan_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_strict_pass_SOURCES = tests/check_strict_pass.c \
+	tests/strict_fixture.h tests/unit.h
+tests_check_strict_pass_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_strict_pass_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_strict_rank_SOURCES = tests/check_strict_rank.c \
+	tests/strict_fixture.h tests/unit.h
+tests_check_strict_rank_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_strict_rank_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+tests_check_strict_unit_SOURCES = tests/check_strict_unit.c \
+	tests/strict_fixture.h tests/unit.h
+tests_check_strict_unit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_strict_unit_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_doubt_SOURCES = tests/check_doubt.c tests/unit.h
 tests_check_doubt_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
@@ -727,7 +758,9 @@ THREAD_TESTS = \
 	tests/check_fair \
 	tests/check_pool \
 	tests/check_task \
-	tests/check_team
+	tests/check_team \
+	tests/check_team_lend \
+	tests/check_team_member
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \

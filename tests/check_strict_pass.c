@@ -1,0 +1,310 @@
+/* check_strict_pass.c - what a pass of a strict unit makes, hands on and counts */
+#include "config.h"
+
+#include "strict_fixture.h"
+
+/* Of a unit whose top came late: AHEAD left its first bar out, for lack of
+ * colours above, and nobody below should wait for that. */
+START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    expect_pass(s, STRICT_LINES, false);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* A unit that has time: its bars come along, are no longer given away once they
+ * are made, and what is known of its densities is held against the truth. */
+START_TEST(bars_that_come_along_stay)
+{
+    struct rad_quincunx q = sampler(64, 90);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24 && !p->earlier);
+    strict_split(s, 0, 1);
+    ck_assert(p->stop);
+    p->finished = 12;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* of 12 lines that are left 6 are */
+    ck_assert(p->last == 18 && p->filled == 18);
+    p->finished = 18;
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4 && p->earlier);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* The top of a unit that has time comes while its last line is made: the pass
+ * that leaves out lines that come out as they were has not the colours that a
+ * bar below them is filled from. */
+START_TEST(what_leaves_lines_out_fills_no_bars)
+{
+    struct rad_quincunx q = sampler(64, 90);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24);
+    give_top(s, &q);
+    ck_assert(p->stop);
+    p->finished = 23;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->earlier);
+    ck_assert_int_eq(p->filled, p->first);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* Line number of the next base line that is told of; -1: there is none. */
+static int
+next_base_line(struct strict *s)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(s, true)))
+        if (m->type == MSG_BASE_LINE)
+            return (int)m->base_line.line;
+    return -1;
+}
+
+static const struct {
+    bool painted;
+    uint8_t density; /* after the first unit, which is guessed to be 0 */
+    bool holds;
+} guesses[] = {
+    { false, 0, true },
+    { false, 1, false },
+    { true, 0, false },
+};
+
+/* Of two units that were traced ahead, the lower one from the upper one's
+ * bottom: if that was right, so is its own, and nobody need wait for a pass. */
+START_TEST(a_guess_from_true_densities_is_true)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    static const struct rad_pixel bottom[64];
+    uint8_t density[64] = { guesses[_i].density };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, guesses[_i].painted, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    give_unit(s, &q, 1, 8, 11);
+    for (int i = 0; i < 2; i++)
+        expect_pass(s, STRICT_LINES, false);
+    for (int i = 0; i < 2; i++)
+        expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_int_eq(next_base_line(s), -1);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    if (guesses[_i].holds)
+        ck_assert_int_eq(next_base_line(s), 10);
+    ck_assert_int_eq(next_base_line(s), 7);
+    ck_assert_int_eq(next_base_line(s), -1);
+    if (!guesses[_i].holds)
+        expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* A line goes out as fast as it is read: what is made meanwhile is one piece.
+ */
+START_TEST(pieces_that_nobody_took_yet_are_one)
+{
+    static const int made[] = { 12, 24, 48, 64 }; /* taken after the second */
+    struct rad_quincunx q = sampler(64, 60);
+    struct rad_pixel bottom[64] = { 0 };
+    uint8_t density[64], want[64 * 12];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    const struct msg *m;
+    struct strict *s;
+    uint32_t n, from = 0;
+
+    n = (uint32_t)rad_quincunx_ndensity(&q);
+    for (int x = 0; x < 64; x++) {
+        const float v[3] = { (float)x, 0, 1 };
+
+        bottom[x].L = (struct rad_rgb){ v[0], v[1], v[2] };
+        density[x] = (uint8_t)(100 + x);
+        wire_floats_put(want + 12 * x, v, 3);
+    }
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 4);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->true_top);
+    for (int i = 0; i < N_ELEM(made); i++) {
+        uint32_t to = (uint32_t)made[i], d = n * to / 64;
+
+        strict_bottom(s, p, made[i], d, bottom, density);
+        if (i % 2 == 0)
+            continue;
+        m = strict_message(s, true);
+        ck_assert(m && m->type == MSG_BASE_LINE);
+        ck_assert_uint_eq(m->base_line.x, from);
+        ck_assert_uint_eq(m->base_line.n, to - from);
+        ck_assert_uint_eq(m->base_line.first, n * from / 64);
+        ck_assert_uint_eq(m->base_line.ndensity, d - n * from / 64);
+        ck_assert_mem_eq(m->base_line.density, density + n * from / 64,
+                         m->base_line.ndensity);
+        ck_assert_mem_eq(m->base_line.pixels, want + 12 * from,
+                         12 * (to - from));
+        ck_assert_ptr_null(strict_message(s, true));
+        from = to;
+    }
+    strict_ended(s, p, false, bottom, density, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* What is made of it counts once, however often it was left. */
+START_TEST(rows_that_went_on_count_their_rays_once)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts some = { .rays = 7, .primary_rays = 2 };
+    const struct msg_counts all = { .rays = 3, .primary_rays = 5 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 0, 2);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    strict_ended(s, p, false, NULL, NULL, &some, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(strict_ended(s, p, true, bottom, density, &all, &total));
+    ck_assert_uint_eq(total.primary_rays, 5);
+    ck_assert_uint_eq(total.rays, 10);
+    strict_free(s);
+}
+END_TEST
+
+/* Lines 4 to 7 of 64 columns, of three rows each. */
+START_TEST(what_passes_are_past_counts_until_its_rows_are_out)
+{
+    enum { LINE = 64, UNIT = 4 * 3 * LINE };
+
+    struct rad_quincunx q = sampler(LINE, 60);
+    static const struct rad_pixel bottom[LINE];
+    static const uint8_t density[LINE];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    ck_assert_int_eq(q.ystep, 3);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_uint_eq(strict_pixels(s), 0);
+    p->made.base = 2 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), 2 * LINE);
+    p->made.base = 4 * LINE;
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* goes over the lines again */
+    ck_assert_int_eq(p->rank, STRICT_AHEAD);
+    p->made = (struct team_made){ .base = LINE, .bars = 2 * LINE };
+    ck_assert_uint_eq(strict_pixels(s), 6 * LINE);
+    p->made = (struct team_made){ .base = 5 * LINE, .bars = 9 * LINE };
+    ck_assert_uint_eq(strict_pixels(s), UNIT);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    give_top(s, &q);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    p->made.out = 5 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), UNIT - 5 * LINE);
+    p->finished = 6;
+    p->stop = true;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    ck_assert_uint_eq(strict_pixels(s), UNIT / 2);
+    p = strict_next(s, STRICT_AHEAD);
+    p->made.out = 3 * LINE;
+    ck_assert_uint_eq(strict_pixels(s), UNIT / 4);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert_uint_eq(strict_pixels(s), 0);
+    strict_free(s);
+}
+END_TEST
+
+/* Of the base line above it that one makes ahead, the bar is another's. */
+START_TEST(a_top_that_is_made_here_has_no_colours_above)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    struct strict_pass *p;
+    struct msg_unit u = { .job = job_id,
+                          .attempt = 1,
+                          .width = 64,
+                          .mode = MSG_MODE_STRICT,
+                          .flags = MSG_UNIT_TOP };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_top(s, &q); /* base line 3 */
+    u.y = (uint32_t)team_line_row(&q, 5);
+    u.height = (uint32_t)team_line_rows(&q, 5);
+    ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->first, 4);
+    ck_assert_ptr_nonnull(p->top_density);
+    ck_assert_ptr_null(p->top);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("strict_pass");
+    TCase *tc = tcase_create("strict_pass");
+
+    tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
+    tcase_add_test(tc, bars_that_come_along_stay);
+    tcase_add_test(tc, what_leaves_lines_out_fills_no_bars);
+    tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
+                        N_ELEM(guesses));
+    tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
+    tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
+    tcase_add_test(tc, what_passes_are_past_counts_until_its_rows_are_out);
+    tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,194 @@
+/* check_strict_unit.c - the states of strict units: parked, revoked, looked at again */
+#include "config.h"
+
+#include "strict_fixture.h"
+
+/* If its child dies of a pixel, a unit that is made while it is parked has
+ * to be known. */
+START_TEST(a_parked_unit_that_is_worked_on_says_so)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 6);
+    expect_pass(s, STRICT_LINES, false);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert(is_said(s, MSG_PARKED));
+    give_unit(s, &q, 1, 2, 4);
+    expect_pass(s, STRICT_LINES, false);
+    p = strict_next(s, STRICT_AHEAD); /* of the upper one */
+    ck_assert(p && p->unit == 1);
+    ck_assert(!is_said(s, MSG_RESUMED));
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* which has what the other lacked */
+    ck_assert(p && p->unit == 0);
+    ck_assert(is_said(s, MSG_RESUMED));
+    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    ck_assert(is_said(s, MSG_PARKED));
+    strict_free(s);
+}
+END_TEST
+
+/* Nobody looks again without a reason; for one that waits there is none but
+ * that it may wait for long, for a pass what others want of it. */
+START_TEST(it_says_when_to_look_again)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_lend lend = { job_id, 0, 1, 32767 };
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    give_unit(s, &q, 0, 4, 8);
+    ck_assert(strict_has_work(s));
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    expect_pass(s, STRICT_LINES, false);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert(!strict_has_work(s));
+    ck_assert_uint_eq(strict_tick(s, 2000), 2200); /* its facts are kept */
+    ck_assert_uint_eq(strict_tick(s, 2199), 2200);
+    ck_assert_uint_eq(strict_tick(s, 2200), STRICT_NEVER);
+    give_top(s, &q);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010); /* pieces of its bottom */
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_int_eq(p->rank, STRICT_TRUTH);
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_lend(s, &lend);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010);
+    p->lend = 0;
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_twin(s, 0, 1);
+    ck_assert_uint_eq(strict_tick(s, 3000), 3010);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
+    strict_free(s);
+}
+END_TEST
+
+/* Its top comes again before it does, while a pass of it is ending. */
+START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 8);
+    p = strict_next(s, STRICT_AHEAD);
+    strict_revoke(s, 0, 1);
+    give_top(s, &q);
+    ck_assert(!strict_ended(s, p, false, NULL, NULL, &spent, &total));
+    give_unit(s, &q, 0, 4, 8);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* A child may have thousands of units that wait, in the end. To look at all of
+ * them at each message must not take the square of that. */
+START_TEST(thousands_of_units_may_wait)
+{
+    enum { N = 3000, WIDE = 3 };
+    static const uint8_t pixels[WIDE * 12];
+    struct rad_quincunx q = { .width = WIDE, .height = N + 2 };
+    struct msg_base_line top = {
+        .job = job_id, .n = WIDE, .channels = 3, .pixels = pixels
+    };
+    struct msg_counts none = { 0 };
+    struct strict_pass *p;
+    struct strict *s;
+
+    rad_quincunx_steps(1, &q.xstep, &q.ystep);
+    s = strict_new(&q, 1, false, job_id);
+    for (uint32_t i = 1; i <= N; i++) {
+        struct msg_unit u = { .job = job_id,
+                              .unit = i,
+                              .attempt = 1,
+                              .y = i,
+                              .width = WIDE,
+                              .height = 1,
+                              .mode = MSG_MODE_STRICT };
+
+        ck_assert_int_eq(strict_unit(s, &u, NULL), 0);
+    }
+    for (uint32_t i = N; i-- > 0;) {
+        top.line = i;
+        strict_base_line(s, &top);
+        strict_tick(s, 10 * i);
+    }
+    p = strict_next(s, STRICT_TRUTH);
+    ck_assert_ptr_nonnull(p);
+    ck_assert_uint_eq(p->unit, 1);
+    ck_assert_int_eq(strict_error(s), 0);
+    strict_ended(s, p, false, NULL, NULL, &none, &none);
+    strict_free(s);
+}
+END_TEST
+
+/* The drawings at the head of strict_unit.h, as "from to" pairs. */
+START_TEST(unit_states_follow_the_drawings)
+{
+    static const enum strict_progress progress[][2] = {
+        { PROGRESS_NONE, PROGRESS_LINES },
+        { PROGRESS_LINES, PROGRESS_AHEAD },
+        { PROGRESS_LINES, PROGRESS_GUESSED },
+        { PROGRESS_AHEAD, PROGRESS_GUESSED },
+        { PROGRESS_AHEAD, PROGRESS_LINES },
+    };
+    static const enum strict_fate fate[][2] = {
+        { FATE_STAYS, FATE_SPLITS }, { FATE_SPLITS, FATE_STAYS },
+        { FATE_STAYS, FATE_YIELDS }, { FATE_SPLITS, FATE_YIELDS },
+        { FATE_STAYS, FATE_OVER },   { FATE_SPLITS, FATE_OVER },
+        { FATE_YIELDS, FATE_OVER },  { FATE_STAYS, FATE_GONE },
+        { FATE_SPLITS, FATE_GONE },  { FATE_YIELDS, FATE_GONE },
+    };
+    int n = 0;
+
+    for (size_t i = 0; i < N_ELEM(progress); i++)
+        ck_assert(unit_may_advance(progress[i][0], progress[i][1]));
+    for (size_t i = 0; i < N_ELEM(fate); i++)
+        ck_assert(unit_may_decide(fate[i][0], fate[i][1]));
+    for (int i = 0; i < STRICT_PROGRESSES; i++)
+        for (int k = 0; k < STRICT_PROGRESSES; k++)
+            n += unit_may_advance((enum strict_progress)i,
+                                  (enum strict_progress)k);
+    ck_assert_int_eq(n, N_ELEM(progress)); /* and no other */
+    n = 0;
+    for (int i = 0; i < STRICT_FATES; i++)
+        for (int k = 0; k < STRICT_FATES; k++)
+            n += unit_may_decide((enum strict_fate)i, (enum strict_fate)k);
+    ck_assert_int_eq(n, N_ELEM(fate));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("strict_unit");
+    TCase *tc = tcase_create("strict_unit");
+
+    tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
+    tcase_add_test(tc, it_says_when_to_look_again);
+    tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
+    tcase_add_test(tc, thousands_of_units_may_wait);
+    tcase_add_test(tc, unit_states_follow_the_drawings);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,430 @@
+/* check_team_member.c - the threads of a team at one unit, teams of several
+ * workers at the same one, and what can be asked of them meanwhile */
+#include "config.h"
+
+#include "team_fixture.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Each line's members' processor time is its own, and adds up. */
+START_TEST(what_lines_take_is_counted)
+{
+    struct analytic a = { ANALYTIC_NOISE, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    uint64_t cpu_ns[MOST_LINES] = { 0 }, sum = 0;
+    struct timespec t0, t1;
+    struct pass p;
+    int last = 12;
+
+    render_alone(w);
+    p = true_pass(w, TEAM_TRUTH, 0, last);
+    p.nthreads = 3;
+    p.cpu_ns = cpu_ns;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t0);
+    tell_truth(w, &p);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t1);
+    for (int i = 0; i < MOST_LINES; i++) {
+        ck_assert_int_eq(cpu_ns[i] > 0, i < last);
+        sum += cpu_ns[i];
+    }
+    ck_assert_uint_le(sum, (uint64_t)((t1.tv_sec - t0.tv_sec) * 1000000000 +
+                                      t1.tv_nsec - t0.tv_nsec));
+    world_free(w);
+}
+END_TEST
+
+static const struct {
+    enum team_mode mode;
+    bool bars, out;
+} makes[] = {
+    { TEAM_LINES, false, false },
+    { TEAM_AHEAD, true, false },
+    { TEAM_TRUTH, true, true },
+};
+
+START_TEST(a_team_tells_what_it_has_gone_over)
+{
+    struct analytic a = { (enum analytic_kind)3, 1 };
+    struct world *w = world_new(&a, 4, MOST_W, MOST_H, .05, false);
+    struct pass p = { .mode = makes[_i].mode, .last = w->nlines };
+    uint64_t width = (uint64_t)w->q.width, height = (uint64_t)w->q.height;
+    uint64_t lines = (uint64_t)w->nlines;
+    struct team_made made;
+    struct team *t;
+
+    p.nthreads = 3;
+    t = run_pass(w, &p);
+    made = team_made(t);
+    ck_assert_uint_eq(made.base, lines * width);
+    ck_assert_uint_eq(made.bars, makes[_i].bars ? (height - lines) * width : 0);
+    ck_assert_uint_eq(made.out, makes[_i].out ? height * width : 0);
+    team_free(t);
+    world_free(w);
+}
+END_TEST
+
+/* One who reads a bottom in pieces, as they become final. */
+struct reader {
+    struct team *team;
+    struct rad_pixel pixels[MOST_W];
+    uint8_t density[MOST_W + 3];
+    int columns, pieces;
+    size_t ndensity;
+};
+
+static void
+read_bottom(struct reader *r)
+{
+    struct team_bottom b;
+
+    team_bottom(r->team, &b);
+    r->pieces += b.columns > r->columns;
+    for (; r->columns < b.columns; r->columns++)
+        r->pixels[r->columns] = b.pixels[r->columns];
+    for (; r->ndensity < b.ndensity; r->ndensity++)
+        r->density[r->ndensity] = b.density[r->ndensity];
+}
+
+/* Read as tracing goes on, by the one who traces: so each piece is seen. */
+static bool
+trace_and_read(void *arg, struct rad_ctx *ctx, int x, int y,
+               struct rad_pixel *out)
+{
+    (void)ctx;
+    read_bottom(arg);
+    return analytic_pixel(&(struct analytic){ ANALYTIC_INTERIOR, 3 }, false, x,
+                          y, out);
+}
+
+static void
+paint_interior(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+               struct rad_pixel *row)
+{
+    (void)arg;
+    (void)ctx;
+    analytic_paint(&(struct analytic){ ANALYTIC_INTERIOR, 3 }, x0, x1, y, row);
+}
+
+static void
+ignore_row(void *arg, int row, const struct rad_pixel *pixels)
+{
+    (void)arg;
+    (void)row;
+    (void)pixels;
+}
+
+START_TEST(bottoms_come_in_pieces_while_they_are_made)
+{
+    struct analytic a = { ANALYTIC_INTERIOR, 3 };
+    struct world *w = world_new(&a, 4, MOST_W, 40, .05, false);
+    struct reader r = { 0 };
+    struct team_spec spec = { .sampler = w->q,
+                              .mode = _i ? TEAM_LINES : TEAM_TRUTH,
+                              .last = 5,
+                              .true_top = true,
+                              .facts = w->facts,
+                              .trace = trace_and_read,
+                              .paint = paint_interior,
+                              .rows = ignore_row,
+                              .arg = &r,
+                              .nthreads = 1 };
+
+    w->paints = true;
+    render_alone(w);
+    r.team = team_new(&spec);
+    read_bottom(&r);
+    ck_assert_int_eq(r.columns, 0);
+    team_work(r.team, NULL);
+    ck_assert_int_ge(r.pieces, 2);
+    read_bottom(&r);
+    ck_assert_int_eq(r.columns, MOST_W);
+    ck_assert_uint_eq(r.ndensity, w->ndensity);
+    ck_assert_mem_eq(r.pixels, w->want[rad_quincunx_base_row(&w->q, 4)],
+                     MOST_W * sizeof *r.pixels);
+    ck_assert_mem_eq(r.density, w->want_density[4], w->ndensity);
+    team_free(r.team);
+    world_free(w);
+}
+END_TEST
+
+/* Workers at the same unit.  They take turns, a pixel each, so that the time
+ * that passes is the number of turns, and send each other what they have every
+ * so many turns. */
+enum { TWINS = 4, MAIL_TURNS = 8 };
+
+struct shift {
+    struct twin_worker *workers;
+    int n, turn, ended;
+    pthread_mutex_t mu;
+    pthread_cond_t moved;
+};
+
+struct twin_worker {
+    struct world *w;
+    struct shift *shift;
+    struct pass pass;
+    int number;
+    uint64_t turns, ended_at;
+};
+
+/* All that is new with one worker goes to the others. */
+static void
+mail(struct shift *s, struct twin_worker *from)
+{
+    static uint8_t bitmap[MOST_W * (RAD_QUINCUNX_MAX_YSTEP + 1)];
+    static float pixels[3 * MOST_W * (RAD_QUINCUNX_MAX_YSTEP + 1)];
+
+    for (int i = from->pass.first; i < from->pass.last; i++) {
+        int rows = team_line_rows(&from->w->q, i);
+        size_t n =
+            rad_facts_export(from->w->facts[i], 0, rows, 3, 0, bitmap, pixels);
+
+        for (int k = 0; k < s->n; k++)
+            if (k != from->number)
+                ck_assert_int_eq(rad_facts_import(s->workers[k].w->facts[i], 0,
+                                                  rows, 3, RAD_FACT_FOREIGN,
+                                                  bitmap, pixels, n),
+                                 0);
+    }
+}
+
+static void
+next_turn(struct shift *s)
+{
+    do
+        s->turn = (s->turn + 1) % s->n;
+    while (s->workers[s->turn].ended_at > 0 && s->ended < s->n);
+    pthread_cond_broadcast(&s->moved);
+}
+
+static void
+wait_turn(struct shift *s, const struct twin_worker *t)
+{
+    while (s->turn != t->number)
+        pthread_cond_wait(&s->moved, &s->mu);
+}
+
+static bool
+trace_in_turn(void *arg, struct rad_ctx *ctx, int x, int y,
+              struct rad_pixel *out)
+{
+    struct twin_worker *t = arg;
+    struct shift *s = t->shift;
+
+    (void)ctx;
+    pthread_mutex_lock(&s->mu);
+    if (++t->turns % MAIL_TURNS == 0)
+        mail(s, t);
+    next_turn(s);
+    wait_turn(s, t);
+    pthread_mutex_unlock(&s->mu);
+    return analytic_pixel(&t->w->a, t->w->q.depth, x, y, out);
+}
+
+static void
+hand_on_in_turn(void *arg, int row, const struct rad_pixel *pixels)
+{
+    struct twin_worker *t = arg;
+
+    hand_on(t->w, row, pixels);
+}
+
+static void
+paint_in_turn(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
+              struct rad_pixel *row)
+{
+    struct twin_worker *t = arg;
+
+    paint(t->w, ctx, x0, x1, y, row);
+}
+
+static void *
+be_worker(void *arg)
+{
+    struct twin_worker *t = arg;
+    struct shift *s = t->shift;
+    struct team_spec spec = spec_of(t->w, &t->pass);
+    struct team *team;
+
+    spec.trace = trace_in_turn;
+    spec.paint = paint_in_turn;
+    spec.rows = hand_on_in_turn;
+    spec.arg = t;
+    spec.nthreads = 1;
+    team = team_new(&spec);
+    pthread_mutex_lock(&s->mu);
+    wait_turn(s, t);
+    pthread_mutex_unlock(&s->mu);
+    team_work(team, NULL);
+    t->w->primary = team_primary(team);
+    t->w->traced = team_rays(team);
+    team_free(team);
+    pthread_mutex_lock(&s->mu);
+    t->ended_at = t->turns + 1;
+    s->ended++;
+    next_turn(s);
+    pthread_mutex_unlock(&s->mu);
+    return NULL;
+}
+
+/* n workers on lines [first, last): each makes what one makes alone.  *turns is
+ * how long the first took, of *alone; *traced what all traced. */
+static void
+share_unit(const struct analytic *a, int ps, int n, int first, int last,
+           uint64_t *alone, uint64_t *turns, uint64_t *traced)
+{
+    struct twin_worker workers[TWINS] = { 0 };
+    struct shift s = { .workers = workers, .n = n };
+    pthread_t thread[TWINS];
+
+    pthread_mutex_init(&s.mu, NULL);
+    pthread_cond_init(&s.moved, NULL);
+    for (int i = 0; i < n; i++) {
+        struct twin_worker *t = &workers[i];
+
+        t->w = world_new(a, ps, MOST_W, MOST_H, .05, false);
+        render_alone(t->w);
+        t->shift = &s;
+        t->number = i;
+        t->pass = true_pass(t->w, TEAM_TRUTH, first, last);
+        t->pass.end = (enum team_end)i;
+        memset(t->w->handed, 0, sizeof t->w->handed);
+        if (first > 0)
+            t->w->handed[rad_quincunx_base_row(&t->w->q, first - 1)] = 1;
+    }
+    for (int i = 0; i < n; i++)
+        ck_assert_int_eq(
+            pthread_create(&thread[i], NULL, be_worker, &workers[i]), 0);
+    *turns = UINT64_MAX;
+    *traced = 0;
+    for (int i = 0; i < n; i++)
+        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
+    for (int i = 0; i < n; i++) {
+        struct world *w = workers[i].w;
+        int row = team_line_row(&w->q, first);
+
+        *turns = workers[i].turns < *turns ? workers[i].turns : *turns;
+        *traced += w->traced;
+        *alone = w->primary;
+        ck_assert_uint_eq(w->primary, workers[0].w->primary);
+        for (; row <= rad_quincunx_base_row(&w->q, last - 1); row++)
+            ck_assert_mem_eq(w->pixels[row], w->want[row],
+                             MOST_W * sizeof *w->want[row]);
+    }
+    for (int i = 0; i < n; i++)
+        world_free(workers[i].w);
+    pthread_mutex_destroy(&s.mu);
+    pthread_cond_destroy(&s.moved);
+}
+
+static const struct {
+    int n, lines;
+} crews[] = { { 1, 2 }, { 2, 1 }, { 2, 4 }, { 3, 1 }, { 4, 1 }, { 4, 4 } };
+
+START_TEST(twins_share_the_work)
+{
+    int n = crews[_i].n, lines = crews[_i].lines;
+    uint64_t alone = 0, turns = 0, traced = 0;
+
+    for (int kind = 0; kind < ANALYTIC_KINDS; kind++)
+        for (int ps = 4; ps <= 8; ps *= 2) {
+            struct analytic a = { (enum analytic_kind)kind, 7 };
+            uint64_t one, fastest, all;
+
+            share_unit(&a, ps, n, 6, 6 + lines, &one, &fastest, &all);
+            alone += one;
+            turns += fastest;
+            traced += all;
+        }
+    printf("%d at %d lines: %.2f times as fast, %.1f %% traced twice\n", n,
+           lines, (double)alone / (double)turns,
+           100 * ((double)traced / (double)alone - 1));
+    fflush(stdout);
+    ck_assert_uint_le(turns * (uint64_t)n * 3, alone * 4);
+    ck_assert_uint_le(traced * 3, alone * 4);
+}
+END_TEST
+
+/* The picture's first line stands still until the second is traced from its end
+ * to its beginning: the thread at that may not wait. */
+struct halted {
+    struct world *w;
+    _Atomic bool reached;
+};
+
+static bool
+trace_halted(void *arg, struct rad_ctx *ctx, int x, int y,
+             struct rad_pixel *out)
+{
+    enum { PATIENCE_S = 100 };
+    struct halted *h = arg;
+    struct world *w = h->w;
+
+    (void)ctx;
+    if (y == rad_quincunx_base_row(&w->q, 1) &&
+        x == rad_quincunx_gap_begin(&w->q, 1, 1))
+        h->reached = true;
+    for (int ms = 0; y == 0 && x > 0 && !h->reached; ms++) {
+        ck_assert_int_lt(ms, PATIENCE_S * 1000);
+        usleep(1000);
+    }
+    return analytic_pixel(&w->a, false, x, y, out);
+}
+
+static void
+halted_rows(void *arg, int row, const struct rad_pixel *pixels)
+{
+    hand_on(((struct halted *)arg)->w, row, pixels);
+}
+
+/* With facts and without. */
+START_TEST(who_waits_traces_what_is_wanted_anyway)
+{
+    for (int kind = 0; kind < ANALYTIC_KINDS; kind++) {
+        struct analytic a = { (enum analytic_kind)kind, 3 };
+        struct world *w = world_new(&a, 4, MOST_W, 40, .05, false);
+        struct halted h = { .w = w };
+        struct team_spec spec = { .sampler = w->q,
+                                  .last = w->nlines,
+                                  .facts = _i ? w->facts : NULL,
+                                  .trace = trace_halted,
+                                  .rows = halted_rows,
+                                  .arg = &h,
+                                  .nthreads = 2 };
+        struct team *t = team_new(&spec);
+        pthread_t thread;
+
+        render_alone(w);
+        ck_assert_ptr_nonnull(t);
+        ck_assert_int_eq(pthread_create(&thread, NULL, be_member, t), 0);
+        team_work(t, NULL);
+        ck_assert_int_eq(pthread_join(thread, NULL), 0);
+        ck_assert(team_done(t));
+        w->primary = team_primary(t);
+        assert_same(w);
+        ck_assert_uint_eq(team_rays(t), w->want_primary);
+        ck_assert_uint_eq(unused(w), 0);
+        team_free(t);
+        world_free(w);
+    }
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("team_member");
+    TCase *tc = tcase_create("team_member");
+
+    tcase_set_timeout(tc, 600);
+    tcase_add_test(tc, what_lines_take_is_counted);
+    tcase_add_loop_test(tc, a_team_tells_what_it_has_gone_over, 0,
+                        N_ELEM(makes));
+    tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
+    tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
+    tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
