@@ -5,6 +5,7 @@
 
 #include "desk/job.h"
 #include "desk/part.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -10,9 +10,9 @@
 #include "desk/duplicate.h"
 
 #include "desk/job.h"
+#include "machine/rowsum.h"
 
 #include "image/hdr.h"
-#include "machine/rowsum.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -18,9 +18,10 @@
 #include "desk/part.h"
 #include "desk/shared.h"
 #include "desk/unit.h"
-#include "image/filter.h"
 #include "machine/jobtext.h"
 #include "machine/steps.h"
+
+#include "image/filter.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
 #include "config.h"
 
 #include "desk/shared.h"
+
 #include "team/team.h"
 
 #include "picture/quincunx.h"

@@ -11,8 +11,8 @@
 
 #include "desk/desk.h"
 #include "desk/job.h"
-#include "desk/progress.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/verdict.h"
 #include "front/request.h"
 #include "lines/handoff.h"

@@ -11,11 +11,11 @@
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"
+#include "queue/quota.h"
 #include "queue/stats.h"
 #include "queue/telling.h"
 #include "sched/sched.h"
 #include "users/known.h"
-#include "queue/quota.h"
 #include "users/uploads.h"
 
 #include "base/text.h"

@@ -15,10 +15,10 @@
 #include "desk/go.h"
 #include "desk/hold.h"
 #include "desk/part.h"
+#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "lines/lending.h"
-#include "desk/shared.h"
 #include "links/ring.h"
 
 #include <string.h>

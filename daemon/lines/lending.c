@@ -15,9 +15,9 @@
 #include "desk/job.h"
 #include "desk/part.h"
 #include "desk/progress.h"
+#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
-#include "desk/shared.h"
 
 #include <math.h>
 #include <string.h>

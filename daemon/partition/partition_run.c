@@ -11,6 +11,7 @@
 #include "config.h"
 
 #include "partition/partition_lines.h"
+
 #include "team/team.h"
 
 /* A run of so many lines is cut in three.  Bars that are made along with base

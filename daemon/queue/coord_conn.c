@@ -6,12 +6,12 @@
  */
 #include "config.h"
 
-#include "net/address.h"
-#include "net/key/keyfile.h"
 #include "queue/coord_conn.h"
 
 #include "desk/desk.h"
 #include "desk/verdict.h"
+#include "net/address.h"
+#include "net/key/keyfile.h"
 #include "queue/telling.h"
 #include "sched/loss.h"
 #include "users/uploads.h"

@@ -6,14 +6,14 @@
  * in the queue, for a while (struct coord_keep). */
 #include "config.h"
 
-#include "base/text.h"
 #include "queue/coord_job.h"
 
 #include "desk/desk.h"
 #include "desk/hold.h"
 #include "desk/job.h"
-#include "desk/verdict.h"
+#include "desk/progress.h"
 #include "desk/shared.h"
+#include "desk/verdict.h"
 #include "links/ring.h"
 #include "queue/coord_conn.h"
 #include "queue/stats.h"
@@ -22,7 +22,8 @@
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
-#include "desk/progress.h"
+
+#include "base/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -9,12 +9,13 @@
  * room. */
 #include "config.h"
 
-#include "base/text.h"
 #include "queue/coord_keep.h"
 
 #include "desk/desk.h"
 #include "desk/job.h"
 #include "queue/coord_job.h"
+
+#include "base/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,11 +5,11 @@
 
 #include "desk/desk.h"
 #include "desk/job.h"
-#include "desk/verdict.h"
 #include "desk/part.h"
 #include "desk/progress.h"
-#include "desk/unit.h"
 #include "desk/shared.h"
+#include "desk/unit.h"
+#include "desk/verdict.h"
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "sched/loss.h"

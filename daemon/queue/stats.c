@@ -5,7 +5,6 @@
 
 #include "desk/job.h"
 #include "desk/part.h"
-
 #include "desk/progress.h"
 #include "machine/jobtext.h"
 #include "machine/wordlist.h"

@@ -4,6 +4,7 @@
 #include "queue/telling.h"
 
 #include "queue/stats.h"
+
 #include <stdlib.h>
 
 void

@@ -6,6 +6,7 @@
 #include "desk/desk.h"
 #include "desk/hold.h"
 #include "lines/handoff.h"
+
 #define APART 8 /* of scanbar's first units */
 
 /* May the workers of a job each begin their lines at another end?  If all went

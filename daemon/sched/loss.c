@@ -1,7 +1,6 @@
 /* loss.c - workers and children that go, and what becomes of their units */
 #include "config.h"
 
-#include "base/text.h"
 #include "sched/loss.h"
 
 #include "desk/desk.h"
@@ -14,6 +13,8 @@
 #include "desk/verdict.h"
 #include "links/ring.h"
 #include "sched/survey.h"
+
+#include "base/text.h"
 
 #include <stdio.h>
 #include <sysexits.h>

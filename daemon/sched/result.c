@@ -10,11 +10,11 @@
 #include "desk/job.h"
 #include "desk/part.h"
 #include "desk/progress.h"
+#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
 #include "lines/handoff.h"
-#include "desk/shared.h"
 #include "sched/loss.h"
 
 #include "image/hdr.h"

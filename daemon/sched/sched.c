@@ -18,17 +18,17 @@
 #include "config.h"
 
 #include "sched/sched.h"
-#include "desk/progress.h"
 
 #include "desk/desk.h"
 #include "desk/hold.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "desk/progress.h"
+#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
 #include "lines/handoff.h"
-#include "desk/shared.h"
 #include "links/introduce.h"
 #include "links/ring.h"
 #include "links/seeding.h"
@@ -48,8 +48,6 @@
  * again before that, then twice as long, and so on. */
 #define PASSED_MS  1000
 #define MOST_TIMES 6
-
-/* --- helpers --- */
 
 /* --- handing out --- */
 
@@ -511,8 +509,6 @@ sched_drained(struct coord *c, struct coord_worker *w)
                                  !desk_may_take_part(job, index));
     }
 }
-
-/* --- time --- */
 
 /* --- end --- */
 

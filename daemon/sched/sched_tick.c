@@ -13,6 +13,7 @@
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/yield.h"
+
 #define TICK_MS       100
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
