@@ -6,7 +6,9 @@ dist_doc_DATA = \
 	README.md \
 	doc/accuracy.md \
 	doc/architecture.md \
+	doc/glossary.md \
 	doc/operations.md \
 	doc/performance.md \
+	doc/pixel.md \
 	doc/protocol.md \
 	doc/security.md
