@@ -19,7 +19,8 @@ limit_ms(const struct conn *c)
 static unsigned
 period_ms(const struct conn *c)
 {
-    return !c->live && limit_ms(c) < CONN_PING_MS ? limit_ms(c) : CONN_PING_MS;
+    return c->state == CONN_NEW && limit_ms(c) < CONN_PING_MS ? limit_ms(c)
+                                                              : CONN_PING_MS;
 }
 
 /* It is silent because we do not look at what it says, and it has read all that
@@ -43,11 +44,12 @@ on_timer(uv_timer_t *timer)
         conn_in_unseal(c);
         return;
     }
-    if (c->finishing || (!c->live && now - c->opened_ms >= limit_ms(c))) {
+    if (c->state == CONN_FINISHING ||
+        (c->state == CONN_NEW && now - c->opened_ms >= limit_ms(c))) {
         conn_out_end(c, UV_ETIMEDOUT, "took too long");
         return;
     }
-    if (!c->live || !c->ping)
+    if (c->state != CONN_LIVE || !c->ping)
         return;
     /* counted in PINGs, not in time: whoever was busy outside the loop gets
      * the bytes that lie ready before the next PING */
@@ -124,7 +126,8 @@ conn_live(struct conn *c, bool ping)
 {
     bool often = period_ms(c) < CONN_PING_MS;
 
-    c->live = true;
+    if (c->state == CONN_NEW)
+        conn_out_set_state(c, CONN_LIVE);
     c->ping = ping;
     if (often && !c->primed)
         uv_timer_start(&c->timer, on_timer, CONN_PING_MS, CONN_PING_MS);
@@ -162,16 +165,16 @@ conn_peer(const struct conn *c)
 void
 conn_finish(struct conn *c)
 {
-    if (!c || c->closing)
+    if (!c || conn_out_is_over(c))
         return;
-    c->finishing = true;
+    conn_out_set_state(c, CONN_FINISHING);
     if (c->tls) { /* the session's last word comes last */
         conn_out_uncork(c);
-        if (!c->closing) {
+        if (c->state != CONN_CLOSED) {
             tls_end(c->tls);
             conn_out_flush(c, true);
         }
-        if (c->closing)
+        if (c->state == CONN_CLOSED)
             return;
     }
     uv_read_stop(&c->stream->stream);

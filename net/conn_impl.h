@@ -25,7 +25,19 @@
  *        <--- ANSWERS_LOW -----------------'          */
 enum conn_gate { GATE_OPEN, GATE_LINE, GATE_UNREAD };
 
+/* What the owner has said of it:
+ *
+ *   CONN_NEW ----> CONN_LIVE         conn_live(): the handshake is over
+ *      |   \         |    |
+ *      |    v        v    |
+ *      |  CONN_FINISHING  |          conn_finish(): what waits goes out
+ *      |        |         |
+ *      '------> v <-------'
+ *           CONN_CLOSED              its handles go, and at last itself */
+enum conn_state { CONN_NEW, CONN_LIVE, CONN_FINISHING, CONN_CLOSED };
+
 struct conn {
+    enum conn_state state; /* by conn_out_set_state() */
     union conn_stream *stream;
     struct tls *tls; /* NULL: messages go as they are */
     uint8_t *plain;  /* with tls: what was read of it */
@@ -45,17 +57,15 @@ struct conn {
     size_t awaited; /* conn_expect() */
     uint64_t progress;
     uint64_t opened_ms;
-    unsigned silent; /* PINGs that have gone out since the last byte came */
+    unsigned silent;      /* PINGs since the last byte that came */
     struct rad_error end; /* why it ends */
-    bool live, ping; /* conn_live() */
+    bool ping;       /* conn_live() */
     bool paused;     /* conn_pause() */
-    bool finishing;  /* conn_finish() */
     bool skipped;    /* something that it could do without, and logged */
     enum conn_gate gate;
     const uint8_t *rest; /* of buf, not looked at unless the gate is open */
     size_t nrest;
     struct fair_place place;
-    bool closing;
     /* what output calls of input: see conn_in.c */
     void (*hear_rest)(struct conn *c);
     void (*reopen)(struct conn *c);
@@ -64,6 +74,11 @@ struct conn {
 };
 
 /* --- conn_out.c --- */
+
+void conn_out_set_state(struct conn *c, enum conn_state to);
+
+/* Is nothing more sent or taken? */
+bool conn_out_is_over(const struct conn *c);
 
 /* The connection ends by itself, for a reason with a code of ours or libuv's;
  * `why` is for the owner's log. */
@@ -96,7 +111,7 @@ void conn_in_reopen(struct conn *c);
  * before, as why it did, which lies ready. */
 void conn_in_hear_rest(struct conn *c);
 
-/* An error for the log, unless the handler says that closed() tells its owner. */
+/* An error for the log, unless closed() is to tell the owner of it. */
 #define conn_tell(c, ...)                                                      \
     do {                                                                       \
         if (!(c)->handler->quiet)                                              \

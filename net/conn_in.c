@@ -73,9 +73,9 @@ take_one(struct conn *c, const uint8_t **p, size_t *left)
         return false;
     if (c->in.type == MSG_PING)
         answer_ping(c, &c->in);
-    if (!c->closing) /* that may break it, and then its owner knows */
+    if (c->state != CONN_CLOSED) /* else its owner knows */
         c->handler->message(c->arg, c, &c->in);
-    return !c->closing;
+    return c->state != CONN_CLOSED;
 }
 
 /* Bytes that were read: whole messages go to the handler. */
@@ -84,7 +84,7 @@ take(struct conn *c, const uint8_t *p, size_t left)
 {
     bool more = true;
 
-    while (more && left > 0 && !c->closing && !c->finishing) {
+    while (more && left > 0 && !conn_out_is_over(c)) {
         bool in_turn = conn_out_to_user(c);
 
         if (in_turn && !fair_begin(&c->place)) {
@@ -94,7 +94,7 @@ take(struct conn *c, const uint8_t *p, size_t left)
         more = take_one(c, &p, &left);
         if (in_turn)
             fair_done(&c->place);
-        if (more && overfull(c) && !c->finishing) {
+        if (more && overfull(c) && c->state != CONN_FINISHING) {
             hold(c, GATE_UNREAD, p, left);
             return;
         }
@@ -108,12 +108,12 @@ conn_in_unseal(struct conn *c)
     struct rad_error err = { 0 };
     int n = 1;
 
-    while (n > 0 && !c->closing && !c->finishing && c->gate == GATE_OPEN) {
+    while (n > 0 && !conn_out_is_over(c) && c->gate == GATE_OPEN) {
         n = tls_read(c->tls, c->plain, PLAIN_BYTES, &err);
         if (n > 0)
             take(c, c->plain, (size_t)n);
     }
-    if (c->closing || c->finishing)
+    if (conn_out_is_over(c))
         return;
     conn_out_flush(c, false);
     if (n < 0)
@@ -158,7 +158,7 @@ conn_in_hear_rest(struct conn *c)
 
     if (uv_fileno(&c->stream->handle, &fd) < 0)
         return;
-    while (n > 0 && !c->closing && !c->finishing && !c->paused &&
+    while (n > 0 && !conn_out_is_over(c) && !c->paused &&
            c->gate == GATE_OPEN) {
         n = read(fd, c->buf, sizeof c->buf);
         if (n > 0)
@@ -190,7 +190,7 @@ conn_in_reopen(struct conn *c)
     take(c, c->rest, c->nrest);
     if (c->tls && c->gate == GATE_OPEN)
         conn_in_unseal(c);
-    if (c->gate == GATE_OPEN && !c->paused && !c->closing && !c->finishing)
+    if (c->gate == GATE_OPEN && !c->paused && !conn_out_is_over(c))
         conn_in_start(c);
 }
 
@@ -200,7 +200,7 @@ on_turn(struct fair_place *place)
     struct conn *c =
         (struct conn *)((char *)place - offsetof(struct conn, place));
 
-    if (c->gate == GATE_LINE && !c->closing && !c->finishing)
+    if (c->gate == GATE_LINE && !conn_out_is_over(c))
         conn_in_reopen(c);
 }
 
@@ -225,7 +225,7 @@ conn_keep(struct conn *c, struct msg *m, size_t *n)
 void
 conn_pause(struct conn *c, bool pause)
 {
-    if (c->closing || c->finishing || c->paused == pause)
+    if (conn_out_is_over(c) || c->paused == pause)
         return;
     c->paused = pause;
     c->silent = 0; /* a silence of our own making does not count */

@@ -1,7 +1,7 @@
 /* conn_out.c - what goes out of a connection, and its end: see conn_impl.h
  *
  * Messages are corked for a turn of the loop, sealed where there is TLS, and
- * written at once as far as the socket takes them; the rest waits with libuv. */
+ * written at once as far as the socket takes them.  libuv has the rest. */
 #include "config.h"
 
 #include "net/conn_impl.h"
@@ -30,6 +30,29 @@ struct out {
     size_t count; /* of the message, for whoever counts */
     uint8_t bytes[];
 };
+
+void
+conn_out_set_state(struct conn *c, enum conn_state to)
+{
+    static const bool may[][CONN_CLOSED + 1] = {
+        [CONN_NEW] = { [CONN_LIVE] = true,
+                       [CONN_FINISHING] = true,
+                       [CONN_CLOSED] = true },
+        [CONN_LIVE] = { [CONN_FINISHING] = true, [CONN_CLOSED] = true },
+        [CONN_FINISHING] = { [CONN_CLOSED] = true },
+        [CONN_CLOSED] = { false },
+    };
+
+    assert(may[c->state][to]);
+    (void)may; /* with NDEBUG */
+    c->state = to;
+}
+
+bool
+conn_out_is_over(const struct conn *c)
+{
+    return c->state == CONN_FINISHING || c->state == CONN_CLOSED;
+}
 
 /* Count bytes that wait to be written, and that do no more. */
 static void
@@ -75,9 +98,9 @@ static int uncork(struct conn *c);
 void
 conn_close(struct conn *c)
 {
-    if (!c || c->closing)
+    if (!c || c->state == CONN_CLOSED)
         return;
-    c->closing = true;
+    conn_out_set_state(c, CONN_CLOSED);
     uncork(c); /* as much as the socket takes at once */
     leave_user(c);
     uv_close(&c->stream->handle, handle_closed);
@@ -89,10 +112,10 @@ conn_close(struct conn *c)
 void
 conn_out_end_with(struct conn *c, const struct rad_error *err, const char *why)
 {
-    if (c->closing)
+    if (c->state == CONN_CLOSED)
         return;
     c->end = *err;
-    if (!c->finishing)
+    if (c->state != CONN_FINISHING)
         c->handler->closed(c->arg, c, why);
     conn_close(c);
 }
@@ -136,14 +159,14 @@ written(uv_write_t *req, int status)
     if (c->gate != GATE_OPEN)
         c->silent = 0; /* it reads: a sign of life */
     free(o);
-    if (c->closing)
+    if (c->state == CONN_CLOSED)
         return;
     if (status < 0) {
         c->hear_rest(c);
         conn_out_end_uv(c, status);
         return;
     }
-    if (c->finishing) {
+    if (c->state == CONN_FINISHING) {
         if (c->queued == 0)
             conn_close(c);
         return;
@@ -276,7 +299,7 @@ static void
 end_turn(struct conn *c)
 {
     conn_out_uncork(c);
-    if (c->finishing && c->queued == 0)
+    if (c->state == CONN_FINISHING && c->queued == 0)
         conn_close(c);
 }
 
@@ -295,11 +318,12 @@ settle(struct conn *c)
     c->owed = 0;
     if (c->corked == 0)
         uv_check_stop(&c->after);
-    if (n == 0 || c->finishing)
+    if (n == 0 || c->state == CONN_FINISHING)
         return;
     if (c->handler->written)
         c->handler->written(c->arg, c, n);
-    if (!c->closing && c->gate == GATE_UNREAD && c->queued < ANSWERS_LOW)
+    if (c->state != CONN_CLOSED && c->gate == GATE_UNREAD &&
+        c->queued < ANSWERS_LOW)
         c->reopen(c);
 }
 
@@ -309,7 +333,7 @@ after_waiting(uv_check_t *h)
     struct conn *c = h->data;
 
     end_turn(c);
-    if (!c->closing)
+    if (c->state != CONN_CLOSED)
         settle(c);
 }
 
@@ -415,7 +439,7 @@ conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
     struct wire_out w;
     int rc;
 
-    if (c->closing || c->finishing || skip(c, msg_frame_type(bytes, len)))
+    if (conn_out_is_over(c) || skip(c, msg_frame_type(bytes, len)))
         return false;
     if (c->reader.version == MSG_VERSION)
         return queue(c, bytes, len);
@@ -432,7 +456,7 @@ conn_send(struct conn *c, const struct msg *m)
     struct wire_out w;
     int rc;
 
-    if (c->closing || c->finishing)
+    if (conn_out_is_over(c))
         return false;
     wire_out_init(&w, MSG_FRAME_MAX);
     rc = msg_pack_as(c->reader.version, &w, m);
@@ -463,7 +487,7 @@ conn_out_flush(struct conn *c, bool counted)
 void
 conn_flush(struct conn *c)
 {
-    if (!c->closing)
+    if (c->state != CONN_CLOSED)
         conn_out_uncork(c);
 }
 

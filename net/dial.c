@@ -187,6 +187,7 @@ connected(uv_connect_t *req, int status)
 {
     struct dialling *g = req->data;
     uv_stream_t *stream = g->stream;
+    struct tls *tls;
 
     g->connecting = false;
     if (!stream) { /* let go of meanwhile */
@@ -202,9 +203,8 @@ connected(uv_connect_t *req, int status)
         give_up_keyless(g);
     } else {
         g->stream = NULL; /* it is the handshake's */
-        g->shake =
-            handshake_new(stream, tls_dial(g->dialler->tls, g->key.id, g->key.secret),
-                          HANDSHAKE_MS, shaken, g);
+        tls = tls_dial(g->dialler->tls, g->key.id, g->key.secret);
+        g->shake = handshake_new(stream, tls, HANDSHAKE_MS, shaken, g);
         if (!g->shake)
             give_up_for(g, UV_ENOMEM, "out of memory");
     }

@@ -29,9 +29,9 @@ struct dialler;
 
 /* fn is called later, never from inside dial().  NULL when memory is out. */
 struct dialler *dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg);
-/* End what is under way; fn is not called any more.  The dialler is freed by the
- * loop, with the last look-up of a name, which cannot be stopped.  NULL is
- * accepted. */
+/* End what is under way; fn is not called any more.  The loop frees the dialler
+ * with its last look-up of a name, which cannot be stopped.  NULL is accepted.
+ */
 void dialler_close(struct dialler *d);
 
 /* Dial `text`, an address of address.h, which may have "tcp " or "unix "

@@ -644,6 +644,90 @@ START_TEST(peer_that_goes_while_we_send_is_no_crash)
 }
 END_TEST
 
+/* A refusal that was said before the connection was closed is heard, although
+ * that it is closed is found out by writing; a message that is kept outlives
+ * the connection. */
+static struct msg kept;
+static uint8_t *kept_bytes;
+static int kept_code;
+
+static void
+keep_message(void *arg, struct conn *c, const struct msg *m)
+{
+    size_t n;
+
+    on_message(arg, c, m);
+    kept_bytes = conn_keep(c, &kept, &n);
+    ck_assert_uint_gt(n, 0);
+}
+
+static void
+keep_code(void *arg, struct conn *c, const char *why)
+{
+    kept_code = conn_error(c)->code;
+    on_closed(arg, c, why);
+}
+
+static const struct conn_handler keeper = { .message = keep_message,
+                                            .closed = keep_code,
+                                            .quiet = true };
+
+START_TEST(what_was_said_before_the_end_is_heard_by_who_writes)
+{
+    static uint8_t payload[100000];
+    struct msg m = { .type = MSG_AMBIENT };
+    struct msg refuse = { .type = MSG_REFUSE };
+    struct wire_out w;
+    struct ends e;
+
+    signal(SIGPIPE, SIG_IGN);
+    open_ends_of(&e, MSG_AT_DIALLER, &keeper);
+    m.ambient.count = 1;
+    m.ambient.data = payload;
+    m.ambient.len = sizeof payload;
+    refuse.refuse.status = 69;
+    refuse.refuse.text = "enough";
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(&w, &refuse), 0);
+    ck_assert_int_eq(write(e.fd, w.buf, w.len), (ssize_t)w.len);
+    wire_out_release(&w);
+    conn_pause(e.conn, _i == 1); /* whoever reads nothing hears nothing */
+    close(e.fd);
+    ck_assert(conn_send(e.conn, &m));
+    run(&e);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_int_eq(kept_code, UV_EPIPE);
+    ck_assert_int_eq(e.nmessages, _i == 0 ? 1 : 0);
+    if (_i == 0) {
+        ck_assert_int_eq(kept.type, MSG_REFUSE);
+        ck_assert_str_eq(kept.refuse.text, "enough");
+    }
+    msg_release(&kept);
+    free(kept_bytes);
+    kept_bytes = NULL;
+    e.fd = dup(0);
+    close_ends(&e);
+}
+END_TEST
+
+/* Why it ended is told by code, and for a message that is malformed with the
+ * peer's name. */
+START_TEST(why_it_ended_has_a_code)
+{
+    struct ends e;
+
+    open_ends_of(&e, MSG_AT_PEER, &keeper);
+    if (_i == 0)
+        ck_assert_int_eq(write(e.fd, "this is not the protocol", 24), 24);
+    else
+        shutdown(e.fd, SHUT_WR);
+    run(&e);
+    ck_assert_int_eq(e.nclosed, 1);
+    ck_assert_int_eq(kept_code, _i == 0 ? RAD_EPROTO : UV_EOF);
+    close_ends(&e);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -673,6 +757,9 @@ main(void)
                         N_ELEM(users));
     tcase_add_test(tc, finish_sends_what_waits_and_says_nothing);
     tcase_add_test(tc, peer_that_goes_while_we_send_is_no_crash);
+    tcase_add_loop_test(
+        tc, what_was_said_before_the_end_is_heard_by_who_writes, 0, 2);
+    tcase_add_loop_test(tc, why_it_ended_has_a_code, 0, 2);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
