@@ -162,18 +162,18 @@ START_TEST(unit_states_follow_the_drawings)
     int n = 0;
 
     for (size_t i = 0; i < N_ELEM(progress); i++)
-        ck_assert(unit_may_advance(progress[i][0], progress[i][1]));
+        ck_assert(steps_permit(&strict_progress_steps, progress[i][0],
+                               progress[i][1]));
     for (size_t i = 0; i < N_ELEM(fate); i++)
-        ck_assert(unit_may_decide(fate[i][0], fate[i][1]));
-    for (int i = 0; i < STRICT_PROGRESSES; i++)
-        for (int k = 0; k < STRICT_PROGRESSES; k++)
-            n += unit_may_advance((enum strict_progress)i,
-                                  (enum strict_progress)k);
+        ck_assert(steps_permit(&strict_fate_steps, fate[i][0], fate[i][1]));
+    for (unsigned i = 0; i <= STRICT_PROGRESSES; i++)
+        for (unsigned k = 0; k <= STRICT_PROGRESSES; k++)
+            n += steps_permit(&strict_progress_steps, i, k);
     ck_assert_int_eq(n, N_ELEM(progress)); /* and no other */
     n = 0;
-    for (int i = 0; i < STRICT_FATES; i++)
-        for (int k = 0; k < STRICT_FATES; k++)
-            n += unit_may_decide((enum strict_fate)i, (enum strict_fate)k);
+    for (unsigned i = 0; i <= STRICT_FATES; i++)
+        for (unsigned k = 0; k <= STRICT_FATES; k++)
+            n += steps_permit(&strict_fate_steps, i, k);
     ck_assert_int_eq(n, N_ELEM(fate));
 }
 END_TEST

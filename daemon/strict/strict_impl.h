@@ -19,8 +19,6 @@
 /* --- unit_table.c   --- */
 
 /* The unit is in another state from here on, which must be permitted. */
-bool unit_may_advance(enum strict_progress from, enum strict_progress to);
-bool unit_may_decide(enum strict_fate from, enum strict_fate to);
 void unit_advance(struct strict_unit *u, enum strict_progress to);
 void unit_decide(struct strict_unit *u, enum strict_fate to);
 /* The first line that is made here: its own, or the base line above. */

@@ -6,6 +6,8 @@
 
 #include "strict/strict.h"
 
+#include "machine/steps.h"
+
 struct loan;
 
 /* What is traced of a unit before its true top is there:
@@ -23,6 +25,7 @@ enum strict_progress {
     PROGRESS_GUESSED
 };
 #define STRICT_PROGRESSES 4
+extern const struct steps strict_progress_steps;
 
 /* What becomes of a unit when its pass has ended (at once, if it has none):
  *
@@ -39,6 +42,7 @@ enum strict_fate {
     FATE_GONE    /* it is freed, for nobody wants it (REVOKE) */
 };
 #define STRICT_FATES 5
+extern const struct steps strict_fate_steps;
 
 /* The base line above a unit, number first - 1, when it is gone over ahead. */
 enum strict_above {

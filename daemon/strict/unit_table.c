@@ -1,59 +1,46 @@
-/* unit_table.c   - the strict units of a child, found by number and by line */
+/* unit_table.c - the strict units of a child, found by number and by line */
 #include "config.h"
 
 #include "strict/strict_impl.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
-#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
-
-#define TO(state) (1u << (state))
-
-/* By state: those that may follow; the drawings are in strict_state.h. */
-static const unsigned progress_steps[] = {
-    [PROGRESS_NONE] = TO(PROGRESS_LINES),
-    [PROGRESS_LINES] = TO(PROGRESS_AHEAD) | TO(PROGRESS_GUESSED),
-    [PROGRESS_AHEAD] = TO(PROGRESS_LINES) | TO(PROGRESS_GUESSED),
-    [PROGRESS_GUESSED] = 0,
+const struct steps strict_progress_steps = {
+    STRICT_PROGRESSES,
+    {
+        [PROGRESS_NONE] = { "none", STEP(PROGRESS_LINES) },
+        [PROGRESS_LINES] = { "lines",
+                             STEP(PROGRESS_AHEAD) | STEP(PROGRESS_GUESSED) },
+        [PROGRESS_AHEAD] = { "ahead",
+                             STEP(PROGRESS_LINES) | STEP(PROGRESS_GUESSED) },
+        [PROGRESS_GUESSED] = { "guessed", 0 },
+    },
 };
-static const unsigned fate_steps[] = {
-    [FATE_STAYS] =
-        TO(FATE_SPLITS) | TO(FATE_YIELDS) | TO(FATE_OVER) | TO(FATE_GONE),
-    [FATE_SPLITS] =
-        TO(FATE_STAYS) | TO(FATE_YIELDS) | TO(FATE_OVER) | TO(FATE_GONE),
-    [FATE_YIELDS] = TO(FATE_OVER) | TO(FATE_GONE),
-    [FATE_OVER] = 0,
-    [FATE_GONE] = 0,
+
+const struct steps strict_fate_steps = {
+    STRICT_FATES,
+    {
+        [FATE_STAYS] = { "stays", STEP(FATE_SPLITS) | STEP(FATE_YIELDS) |
+                                      STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_SPLITS] = { "splits", STEP(FATE_STAYS) | STEP(FATE_YIELDS) |
+                                        STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_YIELDS] = { "yields", STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_OVER] = { "over", 0 },
+        [FATE_GONE] = { "gone", 0 },
+    },
 };
-_Static_assert(N_ELEM(progress_steps) == STRICT_PROGRESSES &&
-                   N_ELEM(fate_steps) == STRICT_FATES,
-               "a state without steps");
-
-bool
-unit_may_advance(enum strict_progress from, enum strict_progress to)
-{
-    return progress_steps[from] & TO(to);
-}
-
-bool
-unit_may_decide(enum strict_fate from, enum strict_fate to)
-{
-    return fate_steps[from] & TO(to);
-}
 
 void
 unit_advance(struct strict_unit *u, enum strict_progress to)
 {
-    assert(unit_may_advance(u->progress, to));
-    u->progress = to;
+    u->progress = (enum strict_progress)steps_take(&strict_progress_steps,
+                                                   u->progress, to);
 }
 
 void
 unit_decide(struct strict_unit *u, enum strict_fate to)
 {
-    assert(unit_may_decide(u->fate, to));
-    u->fate = to;
+    u->fate = (enum strict_fate)steps_take(&strict_fate_steps, u->fate, to);
 }
 
 int

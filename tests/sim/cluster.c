@@ -11,6 +11,7 @@
 #include "desk/unit.h"
 #include "machine/steps.h"
 #include "front/coord.h"
+#include "strict/strict_state.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -569,6 +570,37 @@ make_job(struct sim *s, int i)
     net_later(net, net_random(net, 2000), new_client)->a = i;
 }
 
+static void
+describe_strict(const struct strict_unit *u)
+{
+    fprintf(stderr, "  unit %u attempt %u frame %u lines %d to %d %s %s%s%s%s",
+            u->unit, u->attempt, u->frame, u->first, u->last,
+            strict_progress_steps.state[u->progress].name,
+            strict_fate_steps.state[u->fate].name, u->loan ? " loan" : "",
+            u->parked ? " parked" : "",
+            u->lending.blocked ? " blocked by what it lends" : "");
+    if (u->pass)
+        fprintf(stderr, ", a pass of rank %d%s", u->pass->rank,
+                u->pass->stop ? " is to stop" : "");
+    fprintf(stderr, "\n");
+}
+
+/* Of each child the strict units that it has. */
+static void
+describe_children(const struct sim *s)
+{
+    for (int i = 0; i < SIM_CHILDREN; i++) {
+        const struct strict *strict = s->child[i].strict;
+
+        if (!strict)
+            continue;
+        fprintf(stderr, "child %d of ws%d, job %d\n", i, s->child[i].worker,
+                s->child[i].job);
+        for (const struct strict_unit *u = strict->units; u; u = u->next)
+            describe_strict(u);
+    }
+}
+
 /* The states of workers, jobs, units and attempts; struct net is the first of
  * struct sim. */
 static void
@@ -584,6 +616,7 @@ describe(const struct net *net)
                 w && w->draining ? " draining" : "",
                 w && w->stopped ? " stopped" : "");
     }
+    describe_children(s);
     if (!s->coord) {
         fprintf(stderr, "the coordinator is dead\n");
         return;
