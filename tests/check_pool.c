@@ -268,7 +268,7 @@ START_TEST(rays_are_told_while_a_window_is_under_way)
     struct rays_seen seen = { .frame = &f.frame };
     struct team_spec spec = { .mode = TEAM_TRUTH,
                               .trace = trace_frame,
-                              .rows = see_rays,
+                              .truth.rows = see_rays,
                               .count = count_rays,
                               .arg = &seen,
                               .nthreads = 1 };

@@ -775,7 +775,7 @@ run_pass(struct node *d)
         return;
     strict_describe(r.pass, &spec);
     if (spec.mode == TEAM_TRUTH)
-        spec.rows = take_row;
+        spec.truth.rows = take_row;
     r.team = team_new(&spec);
     r.rows = calloc((size_t)w->q.width * (size_t)w->q.height, sizeof *r.rows);
     ck_assert(r.team && r.rows);

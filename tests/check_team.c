@@ -304,14 +304,14 @@ START_TEST(a_guess_goes_by_the_facts_that_stay)
     uint8_t *again = calloc((size_t)w->nlines, w->ndensity);
     struct team *t;
 
-    spec.record = ahead;
+    spec.ahead.record = ahead;
     spec.trace = trace_late;
     t = team_new(&spec);
     w->team = t;
     team_work(t, NULL);
     ck_assert_uint_gt(team_rays(t), 0);
     team_free(t);
-    spec.record = again;
+    spec.ahead.record = again;
     spec.trace = trace;
     t = team_new(&spec);
     team_work(t, NULL);

@@ -79,11 +79,11 @@ run_lender(struct lender *l, const struct pass *p, int out,
     struct team_spec spec = spec_of(l->w, p);
 
     spec.facts = facts;
-    spec.out = out;
+    spec.truth.out = out;
     spec.loan = loan;
     spec.trace = trace_and_lend;
     spec.paint = paint_lender;
-    spec.rows = hand_on_lender;
+    spec.truth.rows = hand_on_lender;
     spec.arg = l;
     spec.nthreads = 1;
     l->team = team_new(&spec);

@@ -123,11 +123,11 @@ START_TEST(bottoms_come_in_pieces_while_they_are_made)
     struct team_spec spec = { .sampler = w->q,
                               .mode = _i ? TEAM_LINES : TEAM_TRUTH,
                               .last = 5,
-                              .true_top = true,
+                              .ahead.true_top = true,
                               .facts = w->facts,
                               .trace = trace_and_read,
                               .paint = paint_interior,
-                              .rows = ignore_row,
+                              .truth.rows = ignore_row,
                               .arg = &r,
                               .nthreads = 1 };
 
@@ -250,7 +250,7 @@ be_worker(void *arg)
 
     spec.trace = trace_in_turn;
     spec.paint = paint_in_turn;
-    spec.rows = hand_on_in_turn;
+    spec.truth.rows = hand_on_in_turn;
     spec.arg = t;
     spec.nthreads = 1;
     team = team_new(&spec);
@@ -390,7 +390,7 @@ START_TEST(who_waits_traces_what_is_wanted_anyway)
                                   .last = w->nlines,
                                   .facts = _i ? w->facts : NULL,
                                   .trace = trace_halted,
-                                  .rows = halted_rows,
+                                  .truth.rows = halted_rows,
                                   .arg = &h,
                                   .nthreads = 2 };
         struct team *t = team_new(&spec);

@@ -226,7 +226,7 @@ new_team(struct active *u)
 
     rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
     if (u->mode == TEAM_TRUTH)
-        spec.rows = on_row;
+        spec.truth.rows = on_row;
     if (!pass) {
         spec.last = rad_quincunx_nbases(&spec.sampler);
         return team_new(&spec);

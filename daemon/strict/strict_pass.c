@@ -422,16 +422,16 @@ strict_describe(const struct strict_pass *p, struct team_spec *spec)
     spec->end = p->end;
     spec->first = p->first;
     spec->last = p->last;
-    spec->true_top = p->true_top;
-    spec->top_known = p->top_known;
-    spec->filled = p->filled;
-    spec->record = p->record;
-    spec->earlier = p->earlier;
+    spec->ahead.true_top = p->true_top;
+    spec->ahead.top_known = p->top_known;
+    spec->ahead.filled = p->filled;
+    spec->ahead.record = p->record;
+    spec->ahead.earlier = p->earlier;
     spec->cpu_ns = p->cpu_ns;
     spec->top = p->top;
     spec->top_density = p->top_density;
     spec->facts = p->facts;
-    spec->out = p->out;
+    spec->truth.out = p->out;
     spec->lent = p->lent;
     spec->loan = p->loan;
 }

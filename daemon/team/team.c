@@ -14,10 +14,10 @@ hand_on(struct team *t, int i)
     int row = team_line_row(&t->spec.sampler, i);
     int end = row + team_line_rows(&t->spec.sampler, i);
 
-    if (t->spec.mode != TEAM_TRUTH || i < t->spec.out)
+    if (t->spec.mode != TEAM_TRUTH || i < t->spec.truth.out)
         return;
     for (; row < end; row++) {
-        t->spec.rows(t->spec.arg, row, row_at(t, row));
+        t->spec.truth.rows(t->spec.arg, row, row_at(t, row));
         team_add(t, &t->out, 1);
     }
 }
@@ -32,8 +32,9 @@ recorded(const struct team *t, int i)
 static bool
 is_as_earlier(const struct team *t, int i)
 {
-    return t->spec.earlier && memcmp(t->spec.earlier + recorded(t, i),
-                                     line_at(t, i)->density, t->ndensity) == 0;
+    return t->spec.ahead.earlier &&
+           memcmp(t->spec.ahead.earlier + recorded(t, i),
+                  line_at(t, i)->density, t->ndensity) == 0;
 }
 
 /* Line i came out as in the earlier pass: leave out all others but the last. */
@@ -45,7 +46,7 @@ skip_to_last_locked(struct team *t, int i)
 
     if (last - 2 <= i)
         return;
-    memcpy(above->density, t->spec.earlier + recorded(t, last - 2),
+    memcpy(above->density, t->spec.ahead.earlier + recorded(t, last - 2),
            t->ndensity);
     atomic_store(&above->ready, t->ndensity + 1);
     t->begun = t->finished = last - 1;
@@ -58,8 +59,8 @@ team_line_finish(struct team *t, int i, uint64_t primary)
 {
     bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
 
-    if (t->spec.record)
-        memcpy(t->spec.record + recorded(t, i), line_at(t, i)->density,
+    if (t->spec.ahead.record)
+        memcpy(t->spec.ahead.record + recorded(t, i), line_at(t, i)->density,
                t->ndensity);
     uv_mutex_lock(&t->mu);
     line_at(t, i)->primary = primary;
@@ -132,7 +133,7 @@ team_open(struct team *t)
     bool open;
 
     uv_mutex_lock(&t->mu);
-    open = is_open_locked(t) && !t->spec.earlier;
+    open = is_open_locked(t) && !t->spec.ahead.earlier;
     uv_mutex_unlock(&t->mu);
     return open;
 }
@@ -173,7 +174,7 @@ int
 team_cut(struct team *t)
 {
     if (t->spec.mode != TEAM_TRUTH || t->finished <= t->spec.first ||
-        t->finished <= t->spec.out)
+        t->finished <= t->spec.truth.out)
         return -1;
     t->begun = t->finished;
     atomic_store_explicit(&t->last, t->finished, memory_order_relaxed);
@@ -321,8 +322,9 @@ team_new(const struct team_spec *spec)
     assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
                                     : spec->facts != NULL);
     assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
-    assert(!spec->earlier || (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
-                              spec->filled <= spec->first));
+    assert(!spec->ahead.earlier ||
+           (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
+            spec->ahead.filled <= spec->first));
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);

@@ -123,7 +123,7 @@ is_wanted(const struct team_loan *loan, int x)
 static inline bool
 has_bar(const struct team *t, int i)
 {
-    return i > 0 && (t->spec.mode != TEAM_LINES || i < t->spec.filled) &&
+    return i > 0 && (t->spec.mode != TEAM_LINES || i < t->spec.ahead.filled) &&
            (i > t->spec.first || t->spec.top || t->spec.loan);
 }
 

@@ -20,7 +20,7 @@ is_painted(const struct member *m)
     const struct team *t = m->team;
 
     return t->spec.mode == TEAM_TRUTH ||
-           (t->spec.true_top &&
+           (t->spec.ahead.true_top &&
             m->i + 1 == atomic_load_explicit(&t->last, memory_order_relaxed));
 }
 
@@ -216,7 +216,7 @@ paint_bar(struct member *m, struct rad_pixel *const rows[])
     int y = m->q.y0 + rad_quincunx_base_row(&m->q, m->i - 1);
     int n = team_line_rows(&m->q, m->i);
 
-    if (!m->truth || !spec->paint || m->i < spec->out)
+    if (!m->truth || !spec->paint || m->i < spec->truth.out)
         return;
     for (int k = 1; k < n; k++)
         spec->paint(spec->arg, m->ctx, m->q.x0, m->q.x0 + m->q.width, y + k,

@@ -259,7 +259,8 @@ member_bar_rows(const struct member *m, struct rad_pixel *rows[])
 static int
 known_above(const struct team *t, int i)
 {
-    return i - t->spec.first + (t->spec.top_density ? t->spec.top_known : 0);
+    return i - t->spec.first +
+           (t->spec.top_density ? t->spec.ahead.top_known : 0);
 }
 
 /* Are the colours above the member's bar sampled with too little known of the
@@ -270,7 +271,7 @@ member_is_unsure(const struct member *m)
     const struct team *t = m->team;
 
     return (t->spec.mode == TEAM_AHEAD || t->spec.mode == TEAM_LINES) &&
-           !t->spec.true_top && t->ndensity > 0 && t->spec.first > 0 &&
+           !t->spec.ahead.true_top && t->ndensity > 0 && t->spec.first > 0 &&
            known_above(t, m->i) < TEAM_SURE;
 }
 

@@ -66,6 +66,29 @@ struct team_loan {
                       * (width + 7) / 8 bytes, of whoever asks */
 };
 
+/* Of TEAM_TRUTH alone. */
+struct team_truth {
+    int out; /* the rows of lines before this one were handed on before; of
+              * those only base lines are painted again, for the top below */
+    team_rows_fn *rows;
+};
+
+/* Of TEAM_LINES and TEAM_AHEAD, whose top may be a guess. */
+struct team_ahead {
+    bool true_top; /* the top is the true one after all */
+    int top_known; /* AHEAD: the densities of the top are a guess that was made
+                    * of so many lines; from TEAM_SURE on it is as good as the
+                    * truth */
+    int filled;    /* LINES: lines before this one with their bars */
+    uint8_t *record; /* room for the densities after each line from first on;
+                      * or NULL */
+    /* LINES with true_top, one member and no bars: what an earlier pass
+     * recorded of all lines from first to last - 2, over facts that are here;
+     * or NULL.  After a line whose densities come out the same so would all
+     * that follow: the pass goes on with the last line. */
+    const uint8_t *earlier;
+};
+
 struct team_spec {
     struct rad_quincunx sampler; /* of the window or frame; trace and arg are
                                   * not looked at */
@@ -77,39 +100,24 @@ struct team_spec {
      * has no densities).  Else NULL: no colours; nothing found. */
     const struct rad_pixel *top;
     const uint8_t *top_density;
-    bool true_top; /* they are, with LINES or AHEAD */
-    int top_known; /* with AHEAD: the densities are a guess that was made of
-                    * so many lines; at least TEAM_SURE: that is as good as all
-                    */
     /* facts[i] is for line i, as wide as the sampler's area and with as many
      * rows as line i has (team_line_rows()); must stay until team_free().  NULL
      * where there are none; TEAM_TRUTH looks again for each pixel, so they may
      * be stored (release) meanwhile.  LINES and AHEAD want them for all of
      * their lines from the start. */
     _Atomic(struct rad_facts *) *facts;
-    int filled; /* with LINES: lines before this one with their bars */
-    /* With LINES or AHEAD: room for the densities after each line from first
-     * on, or NULL. */
-    uint8_t *record;
-    /* With LINES, true_top, one member and no bars: what an earlier pass
-     * recorded of all lines from first to last - 2, over facts that are here;
-     * or NULL.  After a line whose densities come out the same so would all
-     * that follow: the pass goes on with the last line. */
-    const uint8_t *earlier;
     /* NULL, or room for what each line from first on cost: processor time [ns],
      * added by its member as it leaves the line. */
     uint64_t *cpu_ns;
     /* Of line last - 1, which has columns that are lent. */
     struct team_blocks lent;
-    /* With TRUTH: the rows of lines before this one were handed on before.  Of
-     * those only base lines are painted again, for what lies below. */
-    int out;
     /* With LOAN: first is its line, last the next; top, top_density and the
      * rest about tops are not looked at.  Must stay until team_free(). */
     const struct team_loan *loan;
+    struct team_truth truth;
+    struct team_ahead ahead;
     team_trace_fn *trace;
     team_paint_fn *paint;   /* NULL: none */
-    team_rows_fn *rows;     /* called with TEAM_TRUTH alone */
     team_bottom_fn *bottom; /* NULL: nobody wants to know */
     team_count_fn *count;   /* NULL: the pixels traced are counted */
     void *arg;

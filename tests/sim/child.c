@@ -308,7 +308,8 @@ new_team(struct sim_task *t)
                               .mode = t->mode,
                               .trace = trace,
                               .paint = job->paint ? paint : NULL,
-                              .rows = t->mode == TEAM_TRUTH ? on_row : NULL,
+                              .truth.rows =
+                                  t->mode == TEAM_TRUTH ? on_row : NULL,
                               .arg = t,
                               .nthreads = 1 };
 
