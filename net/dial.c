@@ -36,7 +36,7 @@ struct dialling {
 
 struct dialler {
     uv_loop_t *loop;
-    struct tls_ctx *tls;
+    struct tls_ctx *tls; /* NULL: not needed yet; it takes 2 ms to make */
     dial_fn *fn;
     void *arg;
     struct dialling *first;
@@ -51,11 +51,7 @@ dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg)
     if (!d)
         return NULL;
     *d = (struct dialler){ .loop = loop, .fn = fn, .arg = arg };
-    d->tls = tls_client();
-    if (d->tls)
-        return d;
-    free(d);
-    return NULL;
+    return d;
 }
 
 /* Free a dialling of which libuv has nothing any more. */
@@ -182,12 +178,22 @@ try_next(struct dialling *g, int status)
     try_address(g);
 }
 
+/* NULL: memory is out. */
+static struct tls *
+session(struct dialling *g)
+{
+    struct dialler *d = g->dialler;
+
+    if (!d->tls)
+        d->tls = tls_client();
+    return d->tls ? tls_dial(d->tls, g->key.id, g->key.secret) : NULL;
+}
+
 static void
 connected(uv_connect_t *req, int status)
 {
     struct dialling *g = req->data;
     uv_stream_t *stream = g->stream;
-    struct tls *tls;
 
     g->connecting = false;
     if (!stream) { /* let go of meanwhile */
@@ -203,8 +209,8 @@ connected(uv_connect_t *req, int status)
         give_up_keyless(g);
     } else {
         g->stream = NULL; /* it is the handshake's */
-        tls = tls_dial(g->dialler->tls, g->key.id, g->key.secret);
-        g->shake = handshake_new(stream, tls, HANDSHAKE_MS, shaken, g);
+        g->shake =
+            handshake_new(stream, session(g), HANDSHAKE_MS, shaken, g);
         if (!g->shake)
             give_up_for(g, UV_ENOMEM, "out of memory");
     }
@@ -271,12 +277,25 @@ looked_up(uv_work_t *work, int status)
         start_connect(g);
 }
 
+/* A path needs no look-up, and no thread for it. */
+static void
+on_path(uv_timer_t *timer)
+{
+    struct dialling *g = timer->data;
+
+    look_up(&g->lookup);
+    looked_up(&g->lookup, 0);
+}
+
 /* Look the next address up and connect. */
 static void
 try_address(struct dialling *g)
 {
     g->looking = true;
-    uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
+    if (strchr(g->text, '/'))
+        uv_timer_start(&g->timer, on_path, 0, 0);
+    else
+        uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
 }
 
 bool
