@@ -21,15 +21,15 @@
 /* The unit is in another state from here on, which must be permitted. */
 void unit_advance(struct strict_unit *u, enum strict_progress to);
 void unit_decide(struct strict_unit *u, enum strict_fate to);
-/* The first line that is made here: its own, or the base line above. */
+/* The first line that the unit makes: its own first, or the base line above. */
 int unit_top(const struct strict_unit *u);
-/* Of that number, and not gone; NULL: none. */
+/* The unit of that number and attempt that is not gone; NULL: none. */
 struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
                               uint32_t attempt);
 void unit_free(struct strict_unit *u);
-/* Room to count what its lines cost; false: memory is out. */
+/* Room to count what the unit's lines cost; false: memory is out. */
 bool unit_count_lines(struct strict_unit *u);
-/* What a pass of it has gone over. */
+/* Keep the most pixels that a pass of the unit has gone over. */
 void unit_made(struct strict_unit *u, const struct team_made *made);
 bool unit_has_top(const struct strict *s, const struct strict_unit *u);
 /* The unit here whose bottom is this one's top, or the other way round; NULL:
@@ -45,12 +45,12 @@ void unit_link_last(struct strict *s, struct strict_unit *u);
 void unit_unlink_first(struct strict *s, struct strict_unit *u);
 void unit_unlink_last(struct strict *s, struct strict_unit *u);
 void unit_free_loan(struct loan *l);
-/* What its bottom may be is no longer known. */
+/* Forget what the unit's bottom was guessed to be. */
 void unit_free_guess(struct strict_unit *u);
 
 /* --- strict_unit.c --- */
 
-/* It has no pass: forget it, its facts and what it was to send. */
+/* Forget a unit that has no pass, its facts and the messages about it. */
 void unit_drop(struct strict *s, struct strict_unit *u);
 /* Give half of a unit that no team is at, or all of it: then it is gone. */
 void unit_split_idle(struct strict *s, struct strict_unit *u);
@@ -59,15 +59,15 @@ void unit_hand_back(struct strict *s, struct strict_unit *u);
 void unit_give_lines(struct strict *s, struct strict_unit *u, int last);
 /* Send what others may wait for of the base line above. */
 void unit_say_top(struct strict *s, const struct strict_unit *u);
-/* A pass of it begins: it waits no more. */
+/* A pass of the unit begins: it is parked no more. */
 void unit_resume(struct strict *s, struct strict_unit *u);
-/* If it can only wait, say so at once: its thread has room for another. */
+/* Say at once that the unit can only wait, if so: the worker has room for
+ * another unit. */
 void unit_park(struct strict *s, struct strict_unit *u);
-
 
 /* --- strict_loan.c --- */
 
-/* Are columns of it lent? */
+/* Are columns of the unit lent? */
 bool loan_is_out(const struct strict_unit *u);
 /* What it lends is not its affair any more; its last line is another now;
  * nothing of it is left to lend. */
@@ -79,15 +79,15 @@ void loan_end(struct strict *s, struct strict_unit *u);
 
 /* --- strict_rank.c --- */
 
-/* Can it do nothing but wait for its top? */
+/* Can the unit do nothing but wait for its top? */
 bool rank_waits(const struct strict *s, const struct strict_unit *u);
 /* What others wait for is due: have a thread leave what is less urgent. */
 void rank_make_way(struct strict *s);
 /* The unit that a thread should begin with, and for what; NULL: none. */
 struct strict_unit *rank_choose(const struct strict *s, enum strict_rank *rank);
-/* Is its bottom still to be made, which others may wait for? */
+/* Is the unit's bottom, which others may wait for, still to be made? */
 bool rank_owes_bottom(const struct strict *s, const struct strict_unit *u);
-/* Is the base line above gone over ahead, too? */
+/* Is the base line above the unit gone over ahead, too? */
 bool rank_goes_above(const struct strict_unit *u);
 
 /* --- strict_facts.c --- */
@@ -98,7 +98,7 @@ struct rad_facts *facts_at(const struct strict *s, uint32_t frame, int line);
  * memory is out, here and below. */
 bool facts_make_table(struct strict *s, uint32_t frame);
 bool facts_make_all(struct strict *s, const struct strict_unit *u);
-/* Are there some of each of its lines? */
+/* Are there facts of each of the unit's lines? */
 bool facts_have_all(const struct strict *s, const struct strict_unit *u);
 /* The unit's first bar can be traced ahead if there are such of the base line
  * above. */

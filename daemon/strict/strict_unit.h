@@ -52,14 +52,15 @@ enum strict_above {
                       * guess wants */
 };
 
-/* How long it has waited for its top; changed by strict_unit.c. */
+/* How long a unit has waited for its top; changed by strict_unit.c. */
 struct strict_wait {
     bool waiting;
-    bool kept; /* facts went out in case the unit is lost, or are about to */
+    bool kept; /* its facts are out, or about to be, in case its child dies */
     uint64_t since_ms; /* waiting: from when */
 };
 
-/* Columns of line last - 1 that other workers have; changed by strict_loan.c. */
+/* Columns of line last - 1 that other workers have; changed by strict_loan.c.
+ */
 struct strict_lending {
     struct team_blocks lent;
     double part;  /* a part of the line is asked for; 0: none is */
@@ -93,7 +94,7 @@ struct strict_unit {
     enum strict_above above;
     enum strict_progress progress; /* by unit_advance() alone */
     enum strict_fate fate;         /* by unit_decide() alone */
-    int filled;       /* lines before it have their bars, as facts, from LINES */
+    int filled;       /* lines before this one have their bars, as facts */
     bool bottom_done; /* the bottom is out, true */
     bool parked;      /* said, or about to be */
     int out;          /* lines before it were handed on, by TRUTH that ended
@@ -120,8 +121,7 @@ is_gone(const struct strict_unit *u)
     return u->fate == FATE_GONE;
 }
 
-
-/* Its own lines, and the one whose base line is its top. */
+/* Is that line the unit's own, or the one whose base line is its top? */
 static inline bool
 covers(const struct strict_unit *u, uint32_t frame, int line)
 {
