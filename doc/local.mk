@@ -11,4 +11,5 @@ dist_doc_DATA = \
 	doc/performance.md \
 	doc/pixel.md \
 	doc/protocol.md \
-	doc/security.md
+	doc/security.md \
+	doc/tried.md

@@ -12,8 +12,7 @@
  * there.
  * One part takes longer than another, and nobody waits for it: so each goes
  * over its cells twice, and what is wanted most comes first; and a part is in
- * pieces.  That others help with it instead was tried: they made twice what
- * they saved. */
+ * pieces. */
 #include "config.h"
 
 #include "picture/seed.h"
