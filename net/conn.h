@@ -96,9 +96,8 @@ void conn_set_progress(struct conn *c, uint64_t progress);
  * none in the other side's version, which is logged, and if memory is out: then
  * the connection ends (conn_break). */
 bool conn_send(struct conn *c, const struct msg *m);
-/* The same for a message that is packed already: a whole frame of the current
- * version.  False, too, for RECORDS to a user that has not read 8 MiB yet,
- * which is logged once. */
+/* The same for a message that is packed already: a whole frame.  False, too,
+ * for RECORDS to a user that has not read 8 MiB yet, which is logged once. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
 /* n bytes for it are being read from the disk, and count as unread by its user;

@@ -436,18 +436,9 @@ skip(struct conn *c, uint16_t type)
 bool
 conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
 {
-    struct wire_out w;
-    int rc;
-
     if (conn_out_is_over(c) || skip(c, msg_frame_type(bytes, len)))
         return false;
-    if (c->reader.version == MSG_VERSION)
-        return queue(c, bytes, len);
-    wire_out_init(&w, MSG_FRAME_MAX);
-    rc = msg_frame_as(c->reader.version, &w, bytes, len);
-    if (rc == 0)
-        return queue(c, bytes, len);
-    return queue_packed(c, &w, rc, msg_frame_type(bytes, len));
+    return queue(c, bytes, len);
 }
 
 bool

@@ -223,8 +223,7 @@ code_counts(struct codec *c, struct msg_counts *counts)
     code_faults(c, counts->faults);
     code_amount(c, &counts->cpu_s);
     code_amount(c, &counts->wall_s);
-    if (c->version >= 2)
-        code_doubt(c, &counts->doubt);
+    code_doubt(c, &counts->doubt);
 }
 
 void

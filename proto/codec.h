@@ -6,9 +6,8 @@
  * is written is a copy of the caller's body, which may be changed on the way,
  * but for what it points to.
  * Writers and readers rely on the sticky `bad` of wire.h: a range that is wrong
- * sets it.  A field that version N brought is written and read where the wire's
- * version is N or later; when N is the oldest that is spoken, the question
- * goes.  Thread: any. */
+ * sets it.  A field that version N of the protocol will bring is written
+ * and read where the wire's version is N or later.  Thread: any. */
 #ifndef CODEC_H
 #define CODEC_H
 
@@ -74,7 +73,7 @@ void msg_put_counts(struct wire_out *o, const struct msg_counts *counts);
 void msg_get_counts(struct wire_in *in, struct msg_counts *counts);
 
 /* Every body's. */
-#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
+#define MSG(NAME, name, body, number, since, limit, at)                        \
     void msg_code_##body(struct codec *c, struct msg_##body *b);
 #include "proto/message.def"
 

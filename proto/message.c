@@ -22,7 +22,7 @@
 struct row {
     uint16_t type;
     const char *name;
-    unsigned since, bytes; /* versions */
+    unsigned since; /* the version that brought it */
     size_t limit;
     unsigned at; /* bit per enum msg_session */
     void (*pack)(struct wire_out *o, const struct msg *m);
@@ -30,7 +30,7 @@ struct row {
 };
 
 /* From the body's codec to one that takes the whole message. */
-#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
+#define MSG(NAME, lower, body, number, since, limit, at)                       \
     static void pack_##lower(struct wire_out *o, const struct msg *m)          \
     {                                                                          \
         struct codec c = { .out = o, .version = o->version };                  \
@@ -47,13 +47,13 @@ struct row {
 #include "proto/message.def"
 
 enum {
-#define MSG(NAME, lower, body, number, since, bytes, limit, at) ROW_##NAME,
+#define MSG(NAME, lower, body, number, since, limit, at) ROW_##NAME,
 #include "proto/message.def"
 };
 
 static const struct row rows[] = {
-#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
-    { number, #NAME, since, bytes, limit, at, pack_##lower, unpack_##lower },
+#define MSG(NAME, lower, body, number, since, limit, at)                       \
+    { number, #NAME, since, limit, at, pack_##lower, unpack_##lower },
 #include "proto/message.def"
 };
 
@@ -62,7 +62,7 @@ static const struct row rows[] = {
 /* The row of each number, from 1; 0: there is none.  A message is looked up
  * half a dozen times on its way. */
 static const uint8_t row_at[] = {
-#define MSG(NAME, lower, body, number, since, bytes, limit, at)                \
+#define MSG(NAME, lower, body, number, since, limit, at)                       \
     [number] = ROW_##NAME + 1,
 #include "proto/message.def"
 };
@@ -126,36 +126,6 @@ msg_frame_type(const uint8_t *frame, size_t n)
     return wire_get_u16(&in);
 }
 
-static uint32_t
-frame_request(const uint8_t *frame, size_t n)
-{
-    struct wire_in in;
-
-    wire_in_init(&in, frame, n);
-    wire_get_view(&in, 8); /* magic, type, flags */
-    return wire_get_u32(&in);
-}
-
-int
-msg_frame_as(unsigned version, struct wire_out *out, const uint8_t *frame,
-             size_t n)
-{
-    const struct row *row = find_row(msg_frame_type(frame, n));
-    struct msg m = { 0 };
-    int rc;
-
-    if (n < MSG_HEADER || !row)
-        return RAD_EPROTO;
-    if (version >= row->bytes)
-        return 0;
-    rc = msg_unpack(&m, row->type, frame_request(frame, n), frame + MSG_HEADER,
-                    n - MSG_HEADER, NULL);
-    if (rc == 0)
-        rc = msg_pack_as(version, out, &m);
-    msg_release(&m);
-    return rc < 0 ? rc : 1;
-}
-
 int
 msg_unpack(struct msg *m, uint16_t type, uint32_t request,
            const uint8_t *payload, size_t n, struct rad_error *err)
@@ -213,14 +183,6 @@ msg_since(uint16_t type)
     const struct row *row = find_row(type);
 
     return row ? row->since : 0;
-}
-
-unsigned
-msg_bytes_since(uint16_t type)
-{
-    const struct row *row = find_row(type);
-
-    return row ? row->bytes : 0;
 }
 
 bool

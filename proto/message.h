@@ -26,8 +26,7 @@ struct msg {
     uint16_t type;    /* enum msg_type */
     uint32_t request; /* a reply repeats its request's; 0 where none is due */
     union {
-#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
-    struct msg_##body name;
+#define MSG(NAME, name, body, number, since, limit, at) struct msg_##body name;
 #include "proto/message.def"
     };
     /* scratch of the unpacked list; see msg_release() */
@@ -44,27 +43,19 @@ void msg_release(struct msg *m);
  * its bounds, or RAD_ENOMEM; out is as before then. */
 int msg_pack(struct wire_out *out, const struct msg *m);
 
-/* The same for somebody who speaks that version: what it does not know is left
- * out, where that does no harm.  RAD_EPROTO, too, for a message that it does
- * not have. */
+/* The same for somebody who speaks that version.  RAD_EPROTO, too, for a
+ * message that it does not have. */
 int msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m);
 
 /* The type of a whole frame of ours; 0: it is none. */
 uint16_t msg_frame_type(const uint8_t *frame, size_t n);
-
-/* Make of a whole frame of ours, of the current version, one of that version.
- * 1: it is appended to out; 0: it has the same bytes; or RAD_EPROTO as above.
- */
-int msg_frame_as(unsigned version, struct wire_out *out, const uint8_t *frame,
-                 size_t n);
 
 /* Decode a payload of n bytes.  0, or RAD_EPROTO: fields missing, out of
  * range, or bytes left over; or RAD_ENOMEM. */
 int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
                const uint8_t *payload, size_t n, struct rad_error *err);
 
-/* The same for one in the bytes of that version.  Fields that came later are
- * zero. */
+/* The same for one in the bytes of that version. */
 int msg_unpack_as(unsigned version, struct msg *m, uint16_t type,
                   uint32_t request, const uint8_t *payload, size_t n,
                   struct rad_error *err);
@@ -107,10 +98,8 @@ const char *msg_name(uint16_t type);
 /* Largest payload; 0 for a number that is no message. */
 size_t msg_limit(uint16_t type);
 
-/* The version that brought it, and the one that last changed its bytes; 0 for a
- * number that is no message. */
+/* The version that brought it; 0 for a number that is no message. */
 unsigned msg_since(uint16_t type);
-unsigned msg_bytes_since(uint16_t type);
 
 /* May this type arrive there?  Default: no. */
 bool msg_allowed(enum msg_session session, uint16_t type);

@@ -10,7 +10,7 @@
 /* Versions of the protocol: the current one, and the oldest that is spoken
  * besides.  A struct msg is always of the current one; what the other side of a
  * connection speaks matters only where bytes are made and read. */
-#define MSG_VERSION     2
+#define MSG_VERSION     1
 #define MSG_VERSION_MIN 1
 
 #define MSG_MAX         (1u << 20) /* largest payload [bytes] */
@@ -51,8 +51,7 @@
 #define MSG_TOKEN 16 /* bytes of a peer's token */
 
 enum msg_type {
-#define MSG(NAME, name, body, number, since, bytes, limit, at)                 \
-    MSG_##NAME = number,
+#define MSG(NAME, name, body, number, since, limit, at) MSG_##NAME = number,
 #include "proto/message.def"
 };
 
@@ -102,7 +101,6 @@ enum msg_order {
 #define MSG_JOB_CODED        (1u << 6) /* rows come coded: the coordinator's */
 #define MSG_JOB_VIEWS        (1u << 7) /* frames and costs are in a file */
 #define MSG_JOB_FLAGS        255u      /* all of them */
-#define MSG_JOB_FLAGS_1      31u       /* those of version 1 */
 
 /* What FETCH asks for. */
 enum msg_what {
@@ -118,8 +116,8 @@ enum msg_topic {
     MSG_QUERY_STATUS,
     MSG_QUERY_WORKERS,
     MSG_QUERY_JOBS,
-    MSG_QUERY_JOB, /* text: the job's id, or the beginning of it, in hex */
-    MSG_QUERY_LIMITS, /* since version 2; text: the user, empty: who asks */
+    MSG_QUERY_JOB,    /* text: the job's id, or the beginning of it, in hex */
+    MSG_QUERY_LIMITS, /* text: the user, empty: who asks */
     MSG_NQUERY
 };
 

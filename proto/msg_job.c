@@ -78,22 +78,6 @@ code_frames(struct codec *c, struct msg_spec *b)
     code_must(c, size_fits(b->width, b->height));
 }
 
-/* The flags that a version has. */
-static uint32_t
-job_flags(unsigned version)
-{
-    return version < 2 ? MSG_JOB_FLAGS_1 : MSG_JOB_FLAGS;
-}
-
-/* Flags of ours in the words of the version that is written: those it does not
- * know are left out. */
-static void
-flags_as(struct codec *c, uint32_t *flags)
-{
-    code_must(c, (*flags & ~MSG_JOB_FLAGS) == 0);
-    *flags &= job_flags(c->version);
-}
-
 /* Each a number, and not below 0. */
 static bool
 costs_fit(const struct msg_spec *b)
@@ -129,27 +113,19 @@ origin_fits(const char *origin)
     return before == '\n';
 }
 
-/* Version 1 has none. */
 static void
 code_origin(struct codec *c, struct msg_spec *b)
 {
-    if (c->version < 2 || !b->origin)
+    if (!b->origin)
         b->origin = "";
-    if (c->version < 2)
-        return;
     code_str(c, &b->origin, MSG_MAX_ORIGIN);
     code_must(c, code_bad(c) || origin_fits(b->origin));
 }
 
-/* How the picture is filtered; version 1 knows none that is. */
+/* How the picture is filtered. */
 static void
 code_filter(struct codec *c, struct msg_spec *b)
 {
-    if (c->version < 2) {
-        b->oversample = 0;
-        b->clamp = 0;
-        return;
-    }
     code_u8(c, &b->oversample);
     code_amount(c, &b->clamp);
     code_read_must(c, b->oversample <= MSG_MAX_OVERSAMPLE);
@@ -158,33 +134,14 @@ code_filter(struct codec *c, struct msg_spec *b)
                            b->clamp <= MSG_MAX_CLAMP));
 }
 
-/* What the user calls the job: version 1 hears its beginning. */
-static void
-code_label(struct codec *c, struct msg_spec *b)
-{
-    char cut[MSG_MAX_NAME + 1];
-
-    if (c->version >= 2) {
-        code_str(c, &b->name, MSG_MAX_LABEL);
-        return;
-    }
-    if (c->out && b->name) {
-        rad_text_print(cut, sizeof cut, "%s", b->name);
-        b->name = cut;
-    }
-    code_str(c, &b->name, MSG_MAX_NAME);
-}
-
 void
 msg_code_spec(struct codec *c, struct msg_spec *b)
 {
-    if (c->out)
-        flags_as(c, &b->flags);
     if (c->out && b->flags & MSG_JOB_VIEWS)
         b->ncosts = 0;
     code_job(c, &b->job);
     code_hash(c, &b->manifest);
-    code_label(c, b);
+    code_str(c, &b->name, MSG_MAX_LABEL);
     code_str(c, &b->params, MSG_MAX_PARAMS);
     code_str(c, &b->needs, MSG_MAX_NEEDS);
     code_str(c, &b->estimate, MSG_MAX_NAME);
@@ -199,9 +156,8 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_u64(c, &b->bundle_bytes);
     code_read_must(c, b->bundle_bytes <= MSG_MAX_BYTES);
     code_amount(c, &b->compile_s);
-    if (c->version >= 2)
-        code_u32(c, &b->memory_mib);
-    code_must(c, (b->flags & ~job_flags(c->version)) == 0);
+    code_u32(c, &b->memory_mib);
+    code_must(c, (b->flags & ~MSG_JOB_FLAGS) == 0);
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
@@ -288,18 +244,9 @@ msg_code_accept(struct codec *c, struct msg_accept *b)
     code_below(c, &b->again, 2);
 }
 
-/* A disk that is full is no state of version 1: the job waits. */
-static uint8_t
-state_as(unsigned version, uint8_t state)
-{
-    return version < 2 && state == MSG_STATE_HELD ? 0 : state;
-}
-
 void
 msg_code_progress(struct codec *c, struct msg_progress *b)
 {
-    if (c->out)
-        b->state = state_as(c->version, b->state);
     code_job(c, &b->job);
     code_u8(c, &b->state);
     code_read_must(c, b->state <= MSG_STATE_HELD);
@@ -319,8 +266,7 @@ msg_code_progress(struct codec *c, struct msg_progress *b)
     code_u32(c, &b->nan.x);
     code_u32(c, &b->nan.y);
     code_faults(c, b->faults);
-    if (c->version >= 2)
-        code_amount(c, &b->error);
+    code_amount(c, &b->error);
 }
 
 void

@@ -16,7 +16,7 @@ msg_code_fetch(struct codec *c, struct msg_fetch *b)
 void
 msg_code_query(struct codec *c, struct msg_query *b)
 {
-    code_below(c, &b->what, c->version < 2 ? MSG_QUERY_LIMITS : MSG_NQUERY);
+    code_below(c, &b->what, MSG_NQUERY);
     code_str(c, &b->text, MSG_MAX_NAME);
 }
 

@@ -11,13 +11,6 @@
 #define LINK_MIN  11 /* bytes of a link of a ring with an empty name */
 #define PART_MIN  12 /* of a part without records */
 
-/* Version 1 knows no keys that are retired, and nobody to be dropped. */
-static bool
-peer_is_told(unsigned version, const struct msg_peer *p)
-{
-    return version >= 2 || !(p->flags & MSG_PEER_DROP);
-}
-
 static void
 code_peer(struct codec *c, struct msg_peer *p)
 {
@@ -25,40 +18,21 @@ code_peer(struct codec *c, struct msg_peer *p)
     code_str(c, &p->address, MSG_MAX_ADDRESS);
     code_view(c, &p->token, MSG_TOKEN);
     code_u32(c, &p->flags);
-    if (c->version >= 2)
-        code_u16(c, &p->version);
-    else if (c->in)
-        p->version = 1;
+    code_u16(c, &p->version);
     code_read_must(c, p->flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE) ||
-                          (p->flags == MSG_PEER_DROP && c->version >= 2));
+                          p->flags == MSG_PEER_DROP);
     code_read_must(c, msg_common_version(p->version, p->version) != 0);
-}
-
-/* Those of a list that are written. */
-static uint32_t
-count_told(unsigned version, const struct msg_job_peers *b)
-{
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < b->npeers; i++)
-        n += peer_is_told(version, &b->peers[i]);
-    return n;
 }
 
 void
 msg_code_job_peers(struct codec *c, struct msg_job_peers *b)
 {
     struct msg_peer *p;
-    uint32_t n = c->out ? count_told(c->version, b) : 0;
 
-    code_must(c, b->npeers <= MAX_PEERS);
     code_job(c, &b->job);
-    p = code_list(c, b->peers, &n, PEER_MIN, MAX_PEERS, sizeof *p);
-    if (c->in)
-        b->npeers = n;
+    p = code_list(c, b->peers, &b->npeers, PEER_MIN, MAX_PEERS, sizeof *p);
     for (uint32_t i = 0; i < b->npeers && !code_bad(c); i++)
-        if (c->in || peer_is_told(c->version, &p[i]))
-            code_peer(c, &p[i]);
+        code_peer(c, &p[i]);
     b->peers = p;
 }
 

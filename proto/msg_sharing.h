@@ -33,8 +33,8 @@ enum msg_end {
                                  * all: nobody has it; out as FACTS */
 #define MSG_UNIT_TWIN (1u << 1) /* others have it too: FACTS as they come */
 #define MSG_UNIT_BARS                                                          \
-    (1u << 2) /* version 2: its bars are made along with its base lines, from  \
-               * the top, for what is below has time to wait */
+    (1u << 2) /* its bars are made along with its base lines, from the top:    \
+               * what is below has time to wait */
 #define MSG_UNIT_FLAGS 7u /* all of them */
 
 /* x, y of the top left pixel, y from the top. */

@@ -19,8 +19,7 @@ msg_code_ready(struct codec *c, struct msg_ready *b)
 /* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
  * False when they cannot be. */
 static bool
-result_bytes(unsigned version, const struct msg_result *b, size_t len,
-             size_t *n)
+result_bytes(const struct msg_result *b, size_t len, size_t *n)
 {
     *n = 0;
     if (b->rows < 1 || b->rows > MSG_MAX_SIDE || b->row > MSG_MAX_SIDE ||
@@ -28,7 +27,7 @@ result_bytes(unsigned version, const struct msg_result *b, size_t len,
         return false;
     if (b->channels == 3 || b->channels == 4)
         *n = (size_t)b->rows * b->width * b->channels * 4; /* below 2^36 */
-    else if (b->channels == 1 && version >= 2)
+    else if (b->channels == 1)
         *n = len;
     else
         return false;
@@ -50,8 +49,7 @@ msg_code_result(struct codec *c, struct msg_result *b)
     code_below(c, &b->last, 2);
     if (b->last)
         code_counts(c, &b->counts);
-    code_must(
-        c, result_bytes(c->version, b, c->out ? b->len : wire_left(c->in), &n));
+    code_must(c, result_bytes(b, c->out ? b->len : wire_left(c->in), &n));
     if (code_bad(c))
         return;
     code_view(c, &b->pixels, n);
@@ -108,10 +106,7 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_amount(c, &b->wait_base_line_s);
     code_u64(c, &b->rays_under_way);
     code_counts(c, &b->dropped);
-    if (c->version >= 2)
-        code_counts(c, &b->seeded);
-    if (c->version >= 2)
-        code_counts(c, &b->paid);
-    if (c->version >= 2)
-        code_u64(c, &b->pixels_under_way);
+    code_counts(c, &b->seeded);
+    code_counts(c, &b->paid);
+    code_u64(c, &b->pixels_under_way);
 }

@@ -29,7 +29,6 @@ one_is_cut(struct msg_unit *a)
 {
     struct msg_unit b;
 
-    speak_version(MSG_VERSION, 2);
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
     *a = *unit_of(W1);
     b = *unit_of(W2);
@@ -86,7 +85,6 @@ START_TEST(one_that_comes_back_hears_who_waits_for_its_base_line)
 {
     struct msg_unit a, b;
 
-    speak_version(MSG_VERSION, 2);
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
     a = *unit_of(W1);
     b = *unit_of(W2);
@@ -316,7 +314,6 @@ START_TEST(nobody_is_at_attempt_0)
     struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } };
     struct msg_unit a;
 
-    speak_version(MSG_VERSION, 2);
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
     a = *unit_of(W1);
     cut(W2);

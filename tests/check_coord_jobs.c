@@ -500,9 +500,10 @@ START_TEST(long_statistics_are_told_in_pieces)
 {
     static const struct msg_frame large = { 0, 64, 96, "" };
     struct msg m = usual_submit(job_a);
-    struct msg unit = { .type = MSG_RESULT,
-                        .result = {
-                            job_a, 0, 1, 0, 1, 1, 3, 1, { .rays = 7 }, .pixels = pixels } };
+    struct msg unit = {
+        .type = MSG_RESULT,
+        .result = { job_a, 0, 1, 0, 1, 1, 1, 1, { .rays = 7 }, pixels, 4 }
+    };
     struct msg fetch = { .type = MSG_FETCH,
                          .fetch = { job_a, 0, MSG_WHAT_STATS } };
     struct msg_chunk last = { 0 };
@@ -799,9 +800,21 @@ END_TEST
 /* Half of a job's only unit is there. */
 START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
 {
+#define ROW "\2\2\0\10\210\1\210\2\210\3\210\4"
+    static const char code[] = ROW ROW ROW ROW;
+#undef ROW
     struct msg part = { .type = MSG_RESULT,
-                        .result = {
-                            job_a, 0, 1, 0, 4, 8, 3, 0, { 0 }, .pixels = pixels } };
+                        .result = { job_a,
+                                    0,
+                                    1,
+                                    0,
+                                    4,
+                                    8,
+                                    1,
+                                    0,
+                                    { 0 },
+                                    (const uint8_t *)code,
+                                    sizeof code - 1 } };
     struct msg ask = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, "aa" } };
     json_t *root;
 

@@ -267,18 +267,13 @@ START_TEST(one_that_is_drained_before_the_layout_has_no_part)
 }
 END_TEST
 
-/* Of the first regions bars come along, as a worker of version 1 would not
- * understand. */
+/* Of the first regions bars come along. */
 START_TEST(who_has_time_makes_bars_along_with_lines)
 {
-    uint8_t version = (uint8_t)_i;
-
     f.tall = true;
-    speak_version(version, 2);
     start(MSG_PART_AUTO, 0, 2);
     for (uint64_t w = W1; w <= W2; w++)
-        ck_assert_uint_eq(first_unit_of(w)->flags,
-                          version < 2 ? 0 : MSG_UNIT_BARS);
+        ck_assert_uint_eq(first_unit_of(w)->flags, MSG_UNIT_BARS);
 }
 END_TEST
 
@@ -291,7 +286,7 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, workers_begin_apart_while_records_are_few, 0, 2);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
-    tcase_add_loop_test(tc, who_has_time_makes_bars_along_with_lines, 1, 3);
+    tcase_add_test(tc, who_has_time_makes_bars_along_with_lines);
     tcase_add_test(tc,
                    a_line_that_the_one_below_makes_is_kept_till_it_is_there);
     tcase_add_test(tc, a_kept_line_is_free_when_its_maker_has_no_more_to_do);

@@ -8,7 +8,7 @@
 static void
 one_line_left(enum msg_partition kind, int workers, struct msg_unit *a)
 {
-    speak_version(2, workers);
+    come(workers);
     start(kind, 0, workers);
     *a = *first_unit_of(W1);
     for (int i = 0; i < f.nsaid; i++) {
@@ -178,29 +178,6 @@ START_TEST(what_was_paid_as_the_connection_broke_is_dropped)
     tally(W2, 0, 0); /* a new child */
     tally(W2, 5, 1);
     ck_assert_double_eq(stat_of("totals", "dropped_rays"), 12);
-    finish(W1, &a);
-    ck_assert(f.done);
-}
-END_TEST
-
-START_TEST(nobody_is_asked_for_columns_who_does_not_know_of_them)
-{
-    struct msg_unit a;
-
-    f.version = 1;
-    start(MSG_PART_SCANBAR, 0, 2);
-    a = *first_unit_of(W1);
-    for (int i = 0; i < f.nsaid; i++) {
-        const struct said s = f.said[i];
-
-        if ((s.conn != W1 && s.conn != W2) || s.m.type != MSG_UNIT ||
-            s.m.unit.unit == a.unit)
-            continue;
-        wait_ms(100);
-        finish(s.conn, &s.m.unit);
-    }
-    wait_ms(1000);
-    ck_assert_int_eq(count(W1, MSG_LEND), 0);
     finish(W1, &a);
     ck_assert(f.done);
 }
@@ -410,7 +387,6 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, an_idle_worker_is_lent_columns, 0,
                         N_ELEM(with_loans));
-    tcase_add_test(tc, nobody_is_asked_for_columns_who_does_not_know_of_them);
     tcase_add_test(tc, what_nobody_takes_goes_back_at_once);
     tcase_add_test(tc, what_was_lent_is_counted_to_its_unit);
     tcase_add_test(tc, what_was_taken_back_is_in_no_unit);

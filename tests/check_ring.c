@@ -37,7 +37,6 @@ struct end {
 struct node {
     struct worker *machine; /* NULL: dead, or the coordinator */
     char name[16], address[16];
-    unsigned speaks;          /* version */
     bool silent;              /* cannot be dialled */
     uint64_t child, since_ms; /* since when it is ready */
     bool ready;
@@ -272,22 +271,6 @@ child_hears(int node, const uint8_t *bytes, size_t len)
 /* --- shells --- */
 
 static void
-send_as(unsigned version, const uint8_t *bytes, size_t len, int node,
-        uint64_t conn)
-{
-    struct wire_out out;
-    int rc;
-
-    wire_out_init(&out, MSG_FRAME_MAX);
-    rc = msg_frame_as(version, &out, bytes, len);
-    ck_assert_msg(rc >= 0, "%s to version %u",
-                  msg_name(msg_frame_type(bytes, len)), version);
-    later(s.now_ms + 2, ARRIVE, node, conn, rc > 0 ? out.buf : bytes,
-          rc > 0 ? out.len : len);
-    wire_out_release(&out);
-}
-
-static void
 coord_acts(void)
 {
     struct action_list *l = coord_actions(s.coord);
@@ -299,8 +282,8 @@ coord_acts(void)
         if (a.type == ACT_JOB_OPEN)
             coord_job_opened(s.coord, s.now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_SEND && a.conn != CLIENT && s.node[node].machine)
-            send_as(s.node[node].speaks, a.bytes, a.len, node,
-                    worker_coord(s.node[node].machine));
+            later(s.now_ms + 2, ARRIVE, node,
+                  worker_coord(s.node[node].machine), a.bytes, a.len);
     }
     ck_assert(!l->failed);
     actions_clear(l);
@@ -395,16 +378,12 @@ dialled(int node, const struct event *e)
 static void
 at_coord(const struct event *e)
 {
-    const struct node *w = &s.node[worker_of(e->conn)];
     uint16_t type = e->len ? msg_frame_type(e->bytes, e->len) : 0;
-    uint8_t *bytes = (uint8_t *)e->bytes;
 
     if (e->len == 0)
         coord_closed(s.coord, s.now_ms, e->conn, "closed");
     if (e->len > 0) {
-        if (type == MSG_HELLO && w->speaks < MSG_VERSION)
-            bytes[MSG_HEADER + 3] = (uint8_t)w->speaks;
-        ck_assert_int_eq(msg_unpack(&s.msg, type, 0, bytes + MSG_HEADER,
+        ck_assert_int_eq(msg_unpack(&s.msg, type, 0, e->bytes + MSG_HEADER,
                                     e->len - MSG_HEADER, NULL),
                          0);
         coord_message(s.coord, s.now_ms, e->conn, &s.msg);
@@ -417,7 +396,6 @@ at_worker(const struct event *e)
 {
     struct node *w = &s.node[e->node];
     struct end *end = w->machine ? find_end(e->node, e->conn) : NULL;
-    bool from_coord = end && end->other == 0;
 
     if (!end)
         return;
@@ -425,10 +403,9 @@ at_worker(const struct event *e)
         remove_end(e->node, end);
         worker_closed(w->machine, s.now_ms, e->conn, "closed");
     } else {
-        ck_assert_int_eq(msg_unpack_as(from_coord ? w->speaks : MSG_VERSION,
-                                       &s.msg, msg_frame_type(e->bytes, e->len),
-                                       0, e->bytes + MSG_HEADER,
-                                       e->len - MSG_HEADER, NULL),
+        ck_assert_int_eq(msg_unpack(&s.msg, msg_frame_type(e->bytes, e->len), 0,
+                                    e->bytes + MSG_HEADER, e->len - MSG_HEADER,
+                                    NULL),
                          0);
         w->rings += s.msg.type == MSG_RING;
         w->places = s.msg.type == MSG_RING ? s.msg.ring.places : w->places;
@@ -573,8 +550,8 @@ submit(void)
     coord_acts();
 }
 
-/* n workers that come within three seconds; mixed: one of them of version 1,
- * and one that cannot be dialled. */
+/* n workers that come within three seconds; mixed: one of them
+ * cannot be dialled. */
 static void
 set_up(int n, bool mixed)
 {
@@ -588,7 +565,6 @@ set_up(int n, bool mixed)
     s.coord = coord_new(&env);
     submit();
     for (int i = 1; i <= n; i++) {
-        s.node[i].speaks = i == 5 && mixed ? 1 : MSG_VERSION;
         s.node[i].silent = i == 6 && mixed;
         later(1 + random_below(3000), COMES, i, 0, NULL, 0);
     }

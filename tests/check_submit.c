@@ -31,7 +31,6 @@ struct player {
     uint8_t bytes[1 << 16];
     const uint8_t *next;
     size_t left;
-    unsigned speaks; /* at most that version; 0: all */
 };
 
 enum { WRONG = 99 }; /* exit status when the client strays from the script */
@@ -105,7 +104,7 @@ player_welcome(struct player *p, uint64_t epoch)
         in->hello.max != MSG_VERSION)
         _exit(WRONG);
     p->reader.session = MSG_AT_COORD_USER;
-    p->reader.version = p->speaks ? p->speaks : MSG_VERSION;
+    p->reader.version = MSG_VERSION;
     m.welcome.version = (uint16_t)p->reader.version;
     m.welcome.epoch = epoch;
     m.welcome.program = "player";
@@ -258,14 +257,6 @@ script_renders(struct player *p)
     player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
     player_done(p);
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
-}
-
-/* As a coordinator does that has not been upgraded yet. */
-static void
-script_renders_by_version_1(struct player *p)
-{
-    p->speaks = 1;
-    script_renders(p);
 }
 
 static void
@@ -495,10 +486,10 @@ static const struct script {
     { "reason", script_gives_a_reason, 0, 30, .reason = "all are drained" },
     { "no reason", script_gives_no_reason, 0, 30, .reason = "" },
     { "renders", script_renders, 0, 30, .detach = false },
-    { "renders by version 1", script_renders_by_version_1, 0, 30, .detach = false },
     { "starts again", script_starts_again, 0, 30, .detach = false },
     { "fails", script_fails_the_job, RAD_EINTERNAL, 30, .detach = false },
-    { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30, .detach = false },
+    { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30,
+      .detach = false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
     { "is paused", script_is_paused, 0, .01, .detach = false },

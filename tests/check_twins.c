@@ -128,7 +128,6 @@ START_TEST(a_twin_has_no_time_for_bars)
     struct msg_unit b, u;
 
     f.tall = true;
-    speak_version(2, 2);
     start(MSG_PART_AUTO, 0, 2);
     b = *first_unit_of(W2);
     ck_assert(b.flags & MSG_UNIT_BARS);

@@ -143,10 +143,10 @@ tick(unsigned ms)
 }
 
 static void
-connect_as(uint16_t version)
+connect(void)
 {
     struct msg m = { .type = MSG_WELCOME,
-                     .welcome = { version, 1, "radcoord" } };
+                     .welcome = { MSG_VERSION, 1, "radcoord" } };
 
     worker_opened(f.w, f.now_ms, f.coord);
     carry_out();
@@ -154,12 +154,6 @@ connect_as(uint16_t version)
     ck_assert_int_eq(f.session, MSG_AT_DIALLER);
     hear(f.coord, &m);
     ck_assert_int_eq(f.session, MSG_AT_WORKER);
-}
-
-static void
-connect(void)
-{
-    connect_as(1);
 }
 
 static void
@@ -305,7 +299,7 @@ START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
 {
     cut();
     tick(1000);
-    connect_as(MSG_VERSION);
+    connect();
     f.have = false;
     start_job();
     worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
@@ -327,20 +321,6 @@ START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
     ck_assert_uint_eq(f.spawns, 0);
-}
-END_TEST
-
-/* Which waits until it is ready, and others work. */
-START_TEST(a_coordinator_of_version_1_hears_nothing_of_room)
-{
-    f.have = false;
-    start_job();
-    clear();
-    worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
-    carry_out();
-    ck_assert_int_eq(f.nsaid, 0);
-    tick(1000);
-    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
 }
 END_TEST
 
@@ -436,12 +416,12 @@ START_TEST(what_was_not_acknowledged_is_sent_again)
     tick(500);
     connect();
     start_job();
-    /* the unit that is complete, without what is known; then READY; the
-     * others are given up */
-    ck_assert_int_eq(said(f.coord, MSG_RESULT), 1);
-    ck_assert_int_eq(said(f.child, MSG_REVOKE), 2);
+    /* what was not acknowledged, of units that go on, too; then READY */
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+    ck_assert_int_eq(said(f.child, MSG_REVOKE), 0);
     ck_assert_int_eq(f.last.type, MSG_READY);
     ack(0, 2);
+    ack(1, 0);
     cut();
     clear();
     tick(1000);
@@ -837,7 +817,6 @@ START_TEST(a_refusal_ends_it_with_the_status)
 }
 END_TEST
 
-/* Old coordinators know 1, and new ones what they take of what is offered. */
 START_TEST(it_speaks_as_it_is_welcomed)
 {
     const uint16_t version = (uint16_t)_i;
@@ -916,31 +895,6 @@ START_TEST(results_come_again_in_another_life_of_the_coordinator)
     start_job();
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
     ck_assert_int_eq(said(f.coord, MSG_READY), 1);
-}
-END_TEST
-
-static const struct {
-    uint32_t before, after; /* flags of the job */
-    int results, spawns;
-} ways_back[] = {
-    { MSG_JOB_CODED, MSG_JOB_CODED, 2, 1 },
-    { 0, MSG_JOB_CODED, 2, 1 }, /* floats are taken by everybody */
-    { MSG_JOB_CODED, 0, 0, 2 },
-};
-
-/* Coded rows are none for an older coordinator that comes in its place. */
-START_TEST(a_job_begins_anew_where_its_rows_are_not_known)
-{
-    job_flags = ways_back[_i].before;
-    cut_with_rows();
-    connect();
-    clear();
-    job_flags = ways_back[_i].after;
-    start_job();
-    job_flags = MSG_JOB_SHARE;
-    ck_assert_int_eq(said(f.coord, MSG_RESULT), ways_back[_i].results);
-    ck_assert_uint_eq(f.spawns, (unsigned)ways_back[_i].spawns);
-    ck_assert_uint_eq(f.kills, (unsigned)ways_back[_i].spawns - 1);
 }
 END_TEST
 
@@ -1115,6 +1069,7 @@ START_TEST(base_lines_are_repeated_before_rows_that_were_not_acknowledged)
     ck_assert_int_eq(f.said[f.nsaid - 3].type, MSG_RESULT);
     ack(0, 0);
     ack(0, 2);
+    ack(1, 0);
     cut();
     clear();
     tick(1000);
@@ -1171,27 +1126,6 @@ START_TEST(what_workers_share_passes_through)
         hear(f.child, &up[i]);
         ck_assert_int_eq(said(f.coord, up[i].type), 1);
     }
-}
-END_TEST
-
-/* A coordinator of version 1 does not know the message. */
-START_TEST(what_lines_cost_goes_to_who_understands)
-{
-    static const uint64_t ns = 5;
-    const struct msg up = { .type = MSG_LINE_COSTS,
-                            .line_costs = { job_id, 0, 1, 1, &ns } };
-    struct msg m = { .type = MSG_WELCOME,
-                     .welcome = { (uint16_t)_i, 1, "radcoord" } };
-
-    cut();
-    tick(500);
-    worker_opened(f.w, f.now_ms, f.coord);
-    carry_out();
-    hear(f.coord, &m);
-    start_job();
-    child_ready();
-    hear(f.child, &up);
-    ck_assert_int_eq(said(f.coord, MSG_LINE_COSTS), _i >= 2);
 }
 END_TEST
 
@@ -1296,8 +1230,7 @@ START_TEST(what_it_lends_comes_back_when_the_coordinator_is_gone)
 }
 END_TEST
 
-/* To a coordinator that knows STILL nothing is given up but columns that
- * another lends. */
+/* Nothing is given up but columns that another worker lends. */
 START_TEST(units_go_on_when_the_coordinator_is_back)
 {
     static const uint8_t bitmap[1] = { 1 };
@@ -1322,7 +1255,7 @@ START_TEST(units_go_on_when_the_coordinator_is_back)
     hear(f.child, &gave); /* which the coordinator does not hear of */
     rows(0, 0);
     tick(500);
-    connect_as(2);
+    connect();
     clear();
     start_job();
     ck_assert_int_eq(said(f.child, MSG_REVOKE), 1); /* the loan */
@@ -1386,7 +1319,6 @@ main(void)
     tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
     tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
     tcase_add_test(tc, what_finds_no_room_is_told_and_again_when_it_does);
-    tcase_add_test(tc, a_coordinator_of_version_1_hears_nothing_of_room);
     tcase_add_test(
         tc, what_is_missing_while_the_coordinator_is_away_is_wanted_later);
     tcase_add_test(tc, only_what_was_asked_for_is_kept);
@@ -1422,8 +1354,6 @@ main(void)
     tcase_add_loop_test(tc, it_ends_when_welcomed_in_another_version, 0,
                         N_ELEM(strange));
     tcase_add_test(tc, results_come_again_in_another_life_of_the_coordinator);
-    tcase_add_loop_test(tc, a_job_begins_anew_where_its_rows_are_not_known, 0,
-                        N_ELEM(ways_back));
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
     tcase_add_test(tc, a_base_line_goes_to_whom_waits_and_to_the_coordinator);
@@ -1433,8 +1363,6 @@ main(void)
     tcase_add_test(
         tc, base_lines_are_repeated_before_rows_that_were_not_acknowledged);
     tcase_add_test(tc, what_workers_share_passes_through);
-    tcase_add_loop_test(tc, what_lines_cost_goes_to_who_understands,
-                        MSG_VERSION_MIN, MSG_VERSION + 1);
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
     tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);

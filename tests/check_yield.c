@@ -20,11 +20,10 @@ about_worker(uint16_t type, const char *name)
     say(ADMIN, &m);
 }
 
-/* ws1 and ws2 are at lines, and know of YIELD. */
+/* ws1 and ws2 are at lines. */
 static void
 begin(struct msg_unit *a, struct msg_unit *b)
 {
-    speak_version(2, 2);
     start(MSG_PART_AUTO, 0, 2);
     *a = *first_unit_of(W1);
     *b = *first_unit_of(W2);
@@ -120,7 +119,6 @@ left(uint64_t conn, uint32_t chunk)
 static void
 begin_estimate(uint32_t *a, uint32_t *b)
 {
-    speak_version(2, 2);
     submit(MSG_PART_AUTO, 0, "20b", 1);
     ready(W1);
     ready(W2);
@@ -189,7 +187,6 @@ END_TEST
 
 START_TEST(a_paused_jobs_records_are_not_made_first)
 {
-    speak_version(2, 2);
     submit(MSG_PART_AUTO, MSG_JOB_SHARE, "", 1);
     ready(W1);
     ck_assert_int_eq(count(W1, MSG_SEED), 1);
@@ -202,21 +199,12 @@ START_TEST(a_paused_jobs_records_are_not_made_first)
 }
 END_TEST
 
-START_TEST(version_1_finishes_its_units)
-{
-    start(MSG_PART_AUTO, 0, 2);
-    clear();
-    about_job(ANA, MSG_PAUSE);
-    wait_ms(1000);
-    ck_assert_int_eq(count(W1, MSG_YIELD) + count(W1, MSG_REVOKE), 0);
-}
-END_TEST
-
 START_TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
 {
     struct msg_unit a, b;
 
     f.now_ms += 1000000; /* what its clock says has no beginning */
+    come(2);
     begin(&a, &b);
     wait_ms(1000);
     for (const struct coord_worker *w = f.c->workers; w; w = w->next)
@@ -240,7 +228,6 @@ main(void)
     tcase_add_loop_test(tc, a_worker_that_leaves_its_estimate_is_let_go, 0, 2);
     tcase_add_test(tc, half_an_estimate_that_nobody_wanted_ends_the_connection);
     tcase_add_test(tc, a_paused_jobs_records_are_not_made_first);
-    tcase_add_test(tc, version_1_finishes_its_units);
     tcase_add_test(tc, a_worker_of_a_restarted_coordinator_does_not_hang);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -238,10 +238,18 @@ static inline void
 result(struct fixture *f, uint64_t conn, const uint8_t *job, uint32_t unit,
        uint32_t attempt)
 {
-    struct msg m = {
-        .type = MSG_RESULT,
-        .result = { job, unit, attempt, 0, 4, 4, 3, 1, { .rays = 10 }, .pixels = pixels }
-    };
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { job,
+                                 unit,
+                                 attempt,
+                                 0,
+                                 4,
+                                 4,
+                                 1,
+                                 1,
+                                 { .rays = 10 },
+                                 pixels,
+                                 4 * 4 * 4 } };
 
     say(f, conn, &m);
 }

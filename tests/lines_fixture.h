@@ -57,7 +57,6 @@ static struct {
     bool slow_disk;     /* nothing is kept */
     uint64_t kept_rays; /* of the last unit whose rows were all kept */
     bool tall;
-    uint8_t version; /* of the protocol, that workers speak; 0: 1 */
     char why[MSG_MAX_TEXT + 1];
 } f;
 
@@ -179,9 +178,8 @@ join(uint64_t conn, unsigned role, const char *name, const char *address)
 {
     struct coord_peer peer = { "test", "ana", 14, NULL };
     struct msg m = { .type = MSG_HELLO,
-
-                     .hello = { 1, f.version ? f.version : 1, (uint8_t)role,
-                                name, "t", address, 1, 0 } };
+                     .hello = { 1, MSG_VERSION, (uint8_t)role, name, "t",
+                                address, 1, 0 } };
 
     f.closed[conn] = false;
     coord_opened(f.c, f.now_ms, conn, &peer);
@@ -297,11 +295,15 @@ base_line(uint64_t conn, uint32_t frame, uint32_t line)
     say(conn, &m);
 }
 
-/* Rows of a unit. */
+/* Black rows of a unit, each a run a component. */
 static inline void
 result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
        bool end)
 {
+    static const uint8_t run[] = { 2,           2, 0,           WIDTH,
+                                   128 + WIDTH, 0, 128 + WIDTH, 0,
+                                   128 + WIDTH, 0, 128 + WIDTH, 0 };
+    uint8_t code[150 * sizeof run]; /* of `tall` */
     struct msg m = { .type = MSG_RESULT,
                      .result = { id,
                                  u->unit,
@@ -309,11 +311,14 @@ result(uint64_t conn, const struct msg_unit *u, uint32_t row, uint32_t rows,
                                  row,
                                  rows,
                                  WIDTH,
-                                 3,
+                                 1,
                                  end,
                                  { .rays = 10 },
-                                 .pixels = pixels } };
+                                 code,
+                                 rows * sizeof run } };
 
+    for (uint32_t i = 0; i < rows; i++)
+        memcpy(code + i * sizeof run, run, sizeof run);
     say(conn, &m);
 }
 
@@ -401,6 +406,16 @@ set_up(void)
     join(W2, MSG_ROLE_WORKER, "ws2", "tcp b");
 }
 
+/* So many workers come, those that were there once more. */
+static inline void
+come(int workers)
+{
+    for (int i = 0; i < workers; i++) {
+        coord_closed(f.c, f.now_ms, (uint64_t)(W1 + i), "again");
+        join((uint64_t)(W1 + i), MSG_ROLE_WORKER, NAMES[i], "");
+    }
+}
+
 static inline void
 tear_down(void)
 {
@@ -416,16 +431,6 @@ lend(uint64_t conn, const struct msg_unit *u, uint32_t x, uint32_t n)
                                0, 3, 0, density, bitmap, pixels, pixels } };
 
     say(conn, &m);
-}
-
-static inline void
-speak_version(uint8_t version, int workers)
-{
-    f.version = version;
-    for (int i = 0; i < workers; i++) {
-        coord_closed(f.c, f.now_ms, (uint64_t)(W1 + i), "again");
-        join((uint64_t)(W1 + i), MSG_ROLE_WORKER, NAMES[i], "");
-    }
 }
 
 #endif

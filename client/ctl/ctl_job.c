@@ -104,9 +104,6 @@ steer_all(struct ctl *c)
     json_t *rows;
     int rc;
 
-    if (link_version(c->link) < msg_since(MSG_PAGE))
-        return rad_fail(c->err, RAD_EPROTO,
-                        "the coordinator is too old for '--all'");
     if ((rc = ctl_rows(c, &ask, &rows)) < 0)
         return rc;
     rc = steer_rows(c, rows, &done);

@@ -155,24 +155,6 @@ ctl_filter(const struct ctl *c, json_t *rows, const char *user)
 
 /* --- getting them --- */
 
-/* From a coordinator that knows no pages. */
-static int
-whole_list(struct ctl *c, const struct msg_page *ask, json_t **rows)
-{
-    bool jobs = ask->what == MSG_ROWS_JOBS;
-    const struct msg *answer;
-    int rc =
-        ctl_query(c, jobs ? MSG_QUERY_JOBS : MSG_QUERY_WORKERS, NULL, &answer);
-
-    if (rc < 0)
-        return rc;
-    *rows = ctl_parse(c, answer);
-    if (!*rows)
-        return c->err->code;
-    ctl_filter(c, *rows, jobs ? "owner" : NULL);
-    return 0;
-}
-
 /* Add the rows of an answer, and take the cursor on. */
 static int
 add_page(struct ctl *c, const struct msg *answer, json_t *rows,
@@ -220,8 +202,6 @@ rows_of(struct ctl *c, const struct msg_page *ask, size_t most, json_t **rows)
 int
 ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows)
 {
-    if (link_version(c->link) < msg_since(MSG_PAGE))
-        return whole_list(c, ask, rows);
     return rows_of(c, ask, c->limit > 0 ? (size_t)c->limit : SIZE_MAX, rows);
 }
 
@@ -291,7 +271,7 @@ tell_forgotten(struct ctl *c)
     size_t n;
     int rc;
 
-    if (c->json || c->state || link_version(c->link) < msg_since(MSG_PAGE))
+    if (c->json || c->state)
         return 0;
     if ((rc = rows_of(c, &ask, SIZE_MAX, &rows)) < 0)
         return rc;
@@ -355,9 +335,6 @@ ctl_run_query(struct ctl *c)
 int
 ctl_run_limits(struct ctl *c)
 {
-    if (link_version(c->link) < 2)
-        return rad_fail(c->err, RAD_EPROTO,
-                        "the coordinator is too old for 'limits'");
     c->arg = c->user ? user_of(c) : NULL;
     return ctl_run_query(c);
 }

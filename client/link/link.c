@@ -475,9 +475,3 @@ link_close(struct link *l)
         ;
     free(l);
 }
-
-unsigned
-link_version(const struct link *l)
-{
-    return l->version;
-}

@@ -46,9 +46,6 @@ int link_send(struct link *l, const struct msg *m, struct rad_error *err);
 int link_recv(struct link *l, int timeout_ms, const struct msg **m,
               struct rad_error *err);
 
-/* The version of the protocol that is spoken. */
-unsigned link_version(const struct link *l);
-
 /* Which of our codes stands for a sysexits.h status in a message. */
 int link_code(unsigned status);
 

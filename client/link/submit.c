@@ -650,46 +650,6 @@ backoff_ms(struct submit *s, int n)
     return ms;
 }
 
-/* Does the job fit into one message, with its frames, as version 1 has it? */
-static bool
-fits_message(const struct msg_spec *spec)
-{
-    struct msg m = { .type = MSG_SUBMIT, .submit = *spec };
-    struct wire_out out;
-    bool fits;
-
-    wire_out_init(&out, MSG_FRAME_MAX);
-    fits = msg_pack_as(1, &out, &m) == 0;
-    wire_out_release(&out);
-    return fits;
-}
-
-/* Does the coordinator know all that the job asks for?  A limit that it cannot
- * pass on is no reason to do without the picture, a file that stays empty is.
- */
-static int
-check_version(struct submit *s)
-{
-    if (link_version(s->link) < 2 && !fits_message(s->job->spec))
-        return rad_fail(s->err, RAD_EPROTO,
-                        "the coordinator at '%s' is too old for an animation "
-                        "of %" PRIu32 " frames: it speaks protocol version %u",
-                        s->job->to.text, s->job->spec->nframes,
-                        link_version(s->link));
-    if (link_version(s->link) < 2 && s->job->spec->oversample > 1)
-        return rad_fail(s->err, RAD_EPROTO,
-                        "the coordinator at '%s' is too old for --oversample: "
-                        "it speaks protocol version %u",
-                        s->job->to.text, link_version(s->link));
-    if (!(s->job->spec->flags & MSG_JOB_RECORDS) ||
-        link_version(s->link) >= msg_since(MSG_RECORDS))
-        return 0;
-    return rad_fail(s->err, RAD_EPROTO,
-                    "the coordinator at '%s' is too old for -af: it speaks "
-                    "protocol version %u",
-                    s->job->to.text, link_version(s->link));
-}
-
 /* One connection's life. */
 static int
 attempt(struct submit *s, int *failures)
@@ -703,9 +663,7 @@ attempt(struct submit *s, int *failures)
         s->cb->say(s->cb->arg, "connected again");
     s->connected = true;
     *failures = 0;
-    rc = check_version(s);
-    if (rc == 0)
-        rc = converse(s);
+    rc = converse(s);
     link_close(s->link);
     s->link = NULL;
     return rc;

@@ -95,17 +95,6 @@ desk_add_worker(struct job *job, struct coord_worker *w)
     return job->index[w->id];
 }
 
-/* Version 1 knows of no file of frames: it is told of each in a message. */
-bool
-desk_can_tell(const struct job *job, const struct coord_worker *w)
-{
-    const size_t rest = MSG_MAX_LABEL + MSG_MAX_PARAMS + MSG_MAX_NEEDS + 512;
-
-    return w->version >= 2 ||
-           job->frames_bytes + rest + (size_t)job->spec.files.n * MSG_HASH <=
-               MSG_MAX;
-}
-
 bool
 desk_takes_units(const struct coord_worker *w)
 {

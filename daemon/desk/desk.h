@@ -140,8 +140,6 @@ struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
 bool desk_takes_units(const struct coord_worker *w);
 /* Does that worker of the job get units, if there are any? */
 bool desk_may_take_part(const struct job *job, uint32_t index);
-/* Can that worker be told of the job, whose list of frames may be long? */
-bool desk_can_tell(const struct job *job, const struct coord_worker *w);
 /* Has the job nothing for any worker now? */
 bool desk_idle_job(const struct job *job);
 /* Could a worker without work get some of the units that others have? */

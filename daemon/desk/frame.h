@@ -29,8 +29,8 @@ struct job_frame {
     double *line_s;  /* processor time that was spent on each line in this life
                       * of the coordinator; NULL: nothing is known */
     uint32_t nlines; /* so many */
-    bool untold;     /* not all of line_s is said: a worker is of version 1, or
-                      * lost a unit that it had spent something on */
+    bool untold;     /* not all of line_s is said: a worker lost a unit that it
+                      * had spent something on */
 };
 
 /* Which state may follow which; see the head of frame.c. */

@@ -87,7 +87,6 @@ measure_frames(struct job *job)
     for (uint32_t i = 0; i < job->spec.nframes; i++) {
         const struct msg_frame *f = &job->spec.frames[i];
 
-        job->frames_bytes += MSG_FRAME_BYTES + strlen(f->view);
         job->frames[i].pixels_left = (uint64_t)f->width * f->height;
         job->pixels_total += job->frames[i].pixels_left;
     }

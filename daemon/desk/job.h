@@ -70,7 +70,6 @@ struct job {
     char owner[MSG_MAX_NAME + 1];
     struct msg_spec spec; /* all it points at lies in mem */
     uint64_t frames_counted; /* see job_count_frames() */
-    size_t frames_bytes;  /* that its list of frames would take in a message */
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;

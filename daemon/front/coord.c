@@ -204,7 +204,7 @@ on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
     if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
         return;
     for (struct coord_conn *to = c->conns; to; to = to->next)
-        if (to->watch == job && to->version >= msg_since(MSG_RECORDS)) {
+        if (to->watch == job) {
             pass.request = to->watch_request;
             actions_send(&c->actions, to->id, &pass);
         }

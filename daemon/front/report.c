@@ -88,20 +88,6 @@ lacks_bits(const struct job *job)
            job_active(job) == 0;
 }
 
-/* All workers are of version 1, and its list of frames is too long for them. */
-static bool
-lacks_words(const struct coord *c, const struct job *job)
-{
-    bool some = false;
-
-    for (const struct coord_worker *w = c->workers; w; w = w->next) {
-        if (w->conn != 0 && desk_can_tell(job, w))
-            return false;
-        some |= w->conn != 0;
-    }
-    return some;
-}
-
 /* A worker that cannot take the job for want of room, where no other is at it.
  */
 static const struct coord_worker *
@@ -156,8 +142,6 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
                        full->no_room);
         return buf;
     }
-    if (lacks_words(c, job))
-        return "workers of protocol version 1 take no job of so many frames";
     if (!lacks_bits(job))
         return job->text;
     while (first + 1 < job->nworkers && !job->workers[first].took_part)
@@ -296,8 +280,7 @@ query_job(const struct coord *c, const char *text, int *status, json_t **root)
                    text);
 }
 
-/* A whole list, as version 1 asks for it, where that is not too long for the
- * loop and for one answer. */
+/* A whole list, where it is not too long for the loop and for one answer. */
 static char *
 query_whole(const struct coord *c, enum msg_topic what, int *status,
             json_t **root)
@@ -306,8 +289,7 @@ query_whole(const struct coord *c, enum msg_topic what, int *status,
 
     if ((jobs ? c->njobs : c->nworkers) > MOST_WHOLE) {
         *status = EX_PROTOCOL;
-        return message("too many %s for one answer: a newer radctl asks for "
-                       "pages of them",
+        return message("too many %s for one answer: ask for pages",
                        jobs ? "jobs" : "workers");
     }
     *root = jobs ? all_jobs(c) : all_workers(c);

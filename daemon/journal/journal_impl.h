@@ -11,7 +11,7 @@
 
 #include <sqlite3.h>
 
-#define JOURNAL_LAYOUT 2 /* version of the protocol whose bytes are kept */
+#define JOURNAL_LAYOUT 1 /* version of the protocol whose bytes are kept */
 
 /* The statements. */
 enum journal_sql {

@@ -66,8 +66,7 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
     uint8_t flags = job->units[unit].ngos > 1 ? MSG_UNIT_TWIN : 0;
 
-    if (flags == 0 && partition_unit_bars(job->partition, unit) &&
-        job->workers[go->worker].worker->version >= 2)
+    if (flags == 0 && partition_unit_bars(job->partition, unit))
         flags |= MSG_UNIT_BARS;
     if (first == 0 || partition_kind(job->partition) == MSG_PART_STATIC ||
         unit_at(job, frame, first - 1) != PARTITION_NONE)

@@ -43,13 +43,6 @@ lends(const struct job *job)
            !(job->spec.flags & MSG_JOB_NO_BALANCE);
 }
 
-/* Does the worker know of loans? */
-static bool
-knows_loans(const struct job *job, uint32_t index)
-{
-    return job->workers[index].worker->version >= 2;
-}
-
 static double
 thread_speed(const struct job *job, uint32_t index)
 {
@@ -95,8 +88,7 @@ may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
     partition_unit_lines(job->partition, unit, &first, &last);
     return go_works(go) && go->split_ms == 0 && go->lending.asked_ms == 0 &&
            go->lending.blocked_ms == 0 &&
-           (job->units[unit].whole || last - first == 1 || !desk_splits(job)) &&
-           knows_loans(job, go->worker);
+           (job->units[unit].whole || last - first == 1 || !desk_splits(job));
 }
 
 /* The attempt that may lend and has the most time left; NULL: none. */
@@ -149,7 +141,7 @@ static uint32_t
 idle_for(const struct job *job, uint32_t unit)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (desk_is_idle(job, i) && knows_loans(job, i) &&
+        if (desk_is_idle(job, i) &&
             (unit == PARTITION_NONE || !go_of_worker(job, unit, i)))
             return i;
     return JOB_NOBODY;

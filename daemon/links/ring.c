@@ -104,12 +104,6 @@ ring_free(struct ring *r)
 /* --- who may have a place --- */
 
 static bool
-knows_rings(const struct coord_worker *w)
-{
-    return w->version >= msg_since(MSG_RING);
-}
-
-static bool
 is_here(const struct job *job, uint32_t i)
 {
     return job->workers[i].state == PART_READY && job->workers[i].worker->conn;
@@ -120,7 +114,7 @@ may_have_place(const struct job *job, uint32_t i)
 {
     const struct coord_worker *w = job->workers[i].worker;
 
-    return is_here(job, i) && knows_rings(w) && w->address[0] != '\0';
+    return is_here(job, i) && w->address[0] != '\0';
 }
 
 static bool
@@ -137,7 +131,7 @@ ring_wanted(const struct coord *c, const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct coord_worker *w = job->workers[i].worker;
 
-        n += part_is_here(&job->workers[i]) && w->conn != 0 && knows_rings(w) &&
+        n += part_is_here(&job->workers[i]) && w->conn != 0 &&
              w->address[0] != '\0';
     }
     return (job->ring && !job->ring->direct) || n > most;
@@ -358,7 +352,7 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
     struct msg_ring_link *v;
     struct msg m = { .type = MSG_RING };
 
-    if (w->conn == 0 || !knows_rings(w))
+    if (w->conn == 0)
         return;
     /* no more than a digit for each bit of a place, and guests */
     v = calloc(32 * RADIX + (size_t)r->nguests[index] + 1, sizeof *v);
@@ -797,10 +791,7 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 
     struct pair *p;
 
-    /* a worker that knows no rings would send all its records over that link */
-    if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b) ||
-        !knows_rings(job->workers[a].worker) ||
-        !knows_rings(job->workers[b].worker))
+    if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b))
         return;
     p = find_pair(r, a, b);
     if (p && p->kind == PAIR_STALE)

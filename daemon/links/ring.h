@@ -1,14 +1,14 @@
 /* ring.h - who is linked with whom in a job of very many workers
  *
  * The coordinator's part; spread.h is the workers'.  Up to 64 workers all are
- * linked with all, and what one makes goes to each.  For more, those that speak
- * version 2 and can be dialled get a place on a ring of n: a link goes from
- * each to the places b r^k further on, for each digit b < r of each power of
- * the radix r.  Records that were made less than r^k places back go over such a
- * link, if they do not get around to their maker.  The digits of the distance
- * between two places, the low ones first, are then the one way from one to the
- * other: at most log n links, and each worker has (r - 1) log n of its own,
- * and as many that others have with it.
+ * linked with all, and what one makes goes to each.  For more, those that can
+ * be dialled get a place on a ring of n: a link goes from each to the places b
+ * r^k further on, for each digit b < r of each power of the radix r.  Records
+ * that were made less than r^k places back go over such a link, if they do not
+ * get around to their maker.  The digits of the distance between two places,
+ * the low ones first, are then the one way from one to the other: at most log
+ * n links, and each worker has (r - 1) log n of its own, and as many that
+ * others have with it.
  * Places change only from time to time, and all at once: meanwhile a newcomer
  * has one on the ring that speaks for it, which also gives it what there is;
  * and so have, for good, those that can have no place.  Base lines go directly:

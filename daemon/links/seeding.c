@@ -10,15 +10,13 @@
  * others have needed, and made, meanwhile. */
 #define LATE_MS 500
 
-/* Does the worker take part from the beginning?  A worker of an older version
- * knows no SEED: the others have its part. */
+/* Does the worker take part from the beginning? */
 static bool
 begins(const struct job *job, uint32_t i)
 {
     const struct job_worker *jw = &job->workers[i];
 
-    return part_is_here(jw) && desk_takes_units(jw->worker) &&
-           jw->worker->version >= msg_since(MSG_SEED);
+    return part_is_here(jw) && desk_takes_units(jw->worker);
 }
 
 void

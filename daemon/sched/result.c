@@ -55,36 +55,6 @@ result_fits(const struct job *job, const struct msg_result *m,
            (m->channels > 1 || is_coded_right(m));
 }
 
-/* Version 1 has no coded rows: code them here.  The message that is returned
- * lasts as long as the actions; NULL: memory is out. */
-static const struct msg_result *
-code_rows(struct coord *c, const struct msg_result *m)
-{
-    size_t most = RAD_HDR_CODED_BYTES(m->width), pixel = 3 * sizeof(float);
-    struct rad_rgb *row = malloc((size_t)m->width * sizeof *row);
-    /* coding a row takes as much room again behind it */
-    uint8_t *code = rad_arena_alloc(&c->actions.mem, (m->rows + 1) * most);
-    struct msg_result *to = rad_arena_alloc(&c->actions.mem, sizeof *to);
-
-    if (!row || !code || !to) {
-        free(row);
-        c->actions.failed = true;
-        return NULL;
-    }
-    *to = *m;
-    to->channels = 1;
-    to->pixels = code;
-    to->len = 0;
-    for (uint32_t i = 0; i < m->rows; i++) {
-        const uint8_t *from = m->pixels + (size_t)i * m->width * pixel;
-
-        wire_floats_get(&row->r, from, 3 * (size_t)m->width);
-        to->len += rad_hdr_encode_row(row, (int)m->width, code + to->len);
-    }
-    free(row);
-    return to;
-}
-
 /* The bottom of the unit: what the unit below needs, beside the last row. */
 static void
 add_bottom(const struct job *job, const struct msg_result *m,
@@ -321,7 +291,6 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     if (m->last) {
         u->counts = m->counts;
         msg_counts_add(&u->counts, &u->lent);
-        job->frames[a->frame].untold |= w->version < 2;
         delivered(c, job, m->unit, go);
     }
     put_rows(c, job, w->conn, m, a);
@@ -368,11 +337,7 @@ result_rows(struct coord *c, struct coord_worker *w, const struct msg *msg)
     uint32_t index;
     struct job *job = desk_job_of(c, w, m->job, &index);
 
-    if (!job)
-        return;
-    if (m->channels == 3 && job_channels(job) == 1)
-        m = code_rows(c, m);
-    if (m)
+    if (job)
         take_result(c, w, job, index, m);
 }
 

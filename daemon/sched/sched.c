@@ -89,8 +89,6 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
     uint32_t i = desk_add_worker(job, w);
 
     m.job_start.ncosts = 0; /* for who shares the work out */
-    if (w->version < 2)
-        m.job_start.flags &= ~MSG_JOB_VIEWS;
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
         return;

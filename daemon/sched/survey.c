@@ -218,7 +218,7 @@ survey_tells(const struct coord *c, const struct coord_worker *w)
         if (!job->survey || index == JOB_NOBODY)
             continue;
         jw = &job->workers[index];
-        if (jw->surveying && w->version >= msg_since(MSG_REST) &&
+        if (jw->surveying &&
             (jw->rest_ms == 0 || c->now_ms - jw->rest_ms < LEAVING_MS))
             return true;
     }

@@ -8,8 +8,7 @@
  * A unit that was told to go back takes its worker's time no more: it counts
  * as parked.  A window has nothing that could be kept: it is taken back, and
  * begun anew.  What comes before the units, records of parts of space
- * (seeding.c) and estimates (survey.c), ends as well (REST).  A worker of
- * version 1 comes to the end of it all. */
+ * (seeding.c) and estimates (survey.c), ends as well (REST). */
 #include "config.h"
 
 #include "sched/yield.h"
@@ -63,9 +62,7 @@ may_yield(const struct job *job, const struct job_go *go)
 
     return w->conn != 0 && go->state != GO_DELIVERED &&
            go->state != GO_YIELDING &&
-           job->workers[go->worker].state == PART_READY &&
-           (!partition_is_strict(job->partition) ||
-            w->version >= msg_since(MSG_YIELD));
+           job->workers[go->worker].state == PART_READY;
 }
 
 /* The attempt is over then, unless its worker is to answer. */
@@ -90,8 +87,7 @@ rest(struct coord *c, struct job *job, uint32_t index)
     struct msg m = { .type = MSG_REST, .rest = { job->id } };
 
     if (jw->rest_ms != 0 || jw->state != PART_READY || jw->worker->conn == 0 ||
-        (!jw->seeds && !jw->surveying) ||
-        jw->worker->version < msg_since(MSG_REST))
+        (!jw->seeds && !jw->surveying))
         return;
     survey_rest(job, index);
     jw->rest_ms = c->now_ms;

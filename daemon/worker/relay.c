@@ -483,8 +483,7 @@ child_line_costs(struct worker *w, struct wjob *job, const struct msg *m)
     struct msg pass = { .type = MSG_LINE_COSTS, .line_costs = m->line_costs };
 
     pass.line_costs.job = job->id;
-    if (w->version >= msg_since(MSG_LINE_COSTS))
-        pass_up(w, job, &pass);
+    pass_up(w, job, &pass);
 }
 
 static void

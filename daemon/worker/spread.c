@@ -89,7 +89,7 @@ flush(struct worker *w, struct wjob *job, const struct circle *c,
         l->part[i].data = data;
     m.spread = (struct msg_spread){ c->generation, l->nparts, l->part };
     out->len = 0;
-    if (p && p->version >= msg_since(MSG_SPREAD) && msg_pack(out, &m) == 0)
+    if (p && msg_pack(out, &m) == 0)
         peer_records(w, job, p, &kept);
     l->nparts = 0;
     l->bytes.len = 0;

@@ -88,15 +88,13 @@ on_chunk(struct worker *w, const struct msg *m)
             job->bytes_in += m->chunk.len;
 }
 
-/* Columns that another lends are traced for nothing: it has them again.  A
- * coordinator of version 1 may have given all other units away, too. */
+/* Columns that another worker lends would be traced for nothing: that one has
+ * them again. */
 static void
 give_up(struct worker *w, struct wjob *job)
 {
-    bool all = w->version < msg_since(MSG_STILL);
-
     for (size_t i = job->nunits; i-- > 0;)
-        if (all || job->units[i].loan)
+        if (job->units[i].loan)
             wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
 }
 
@@ -139,12 +137,6 @@ on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
-    /* rows that are coded, for a coordinator that takes none any more: an
-     * earlier version is in its place */
-    if (job && job->flags & ~m->job_start.flags & MSG_JOB_CODED) {
-        worker_end_job(w, job);
-        job = NULL;
-    }
     if (!job)
         job = wjob_new(w, m);
     if (!job) {

@@ -157,13 +157,6 @@ look_later(const struct worker *w, struct wjob *job)
         job->look_delay_ms = LAST_LOOK_MS;
 }
 
-/* Can the coordinator be told?  One of version 1 goes on to wait for READY. */
-static bool
-knows_room(const struct worker *w)
-{
-    return w->version >= msg_since(MSG_ROOM);
-}
-
 /* Not now. */
 static void
 refuse(struct worker *w, struct wjob *job, const char *text)
@@ -176,8 +169,7 @@ refuse(struct worker *w, struct wjob *job, const char *text)
         return;
     actions_log(&w->actions, ACT_WARN, "job refused job=%s why=%s", job->hex,
                 text);
-    if (knows_room(w))
-        say_room(w, job, false, text);
+    say_room(w, job, false, text);
     if (w->env.leave) /* what it has of the job may go for others */
         w->env.leave(w->env.arg, job->id);
 }
@@ -225,7 +217,7 @@ worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
         return;
     if (l->status != 0)
         refuse(w, job, l->why);
-    else if (job->state == WJOB_FETCHING || !knows_room(w))
+    else if (job->state == WJOB_FETCHING)
         fetch(w, job);
     else
         offer_again(w, job);

@@ -50,7 +50,7 @@ class Link:
         self.s = socket.socket(socket.AF_UNIX)
         self.s.settimeout(20)
         self.s.connect(path)
-        self.send(HELLO, struct.pack(">HHB", 1, 2, role) +
+        self.send(HELLO, struct.pack(">HHB", 1, 1, role) +
                   text(b"thief" if role == WORKER else b"") + text(b"t") +
                   text(b"") + struct.pack(">HQ", 1, 0))
     def send(self, kind, payload):
@@ -153,7 +153,7 @@ for name in os.listdir(sys.argv[2]):
 s = socket.socket(socket.AF_UNIX)
 s.settimeout(60)
 s.connect(sys.argv[1])
-send(HELLO, struct.pack(">HHB", 2, 2, 2) + text(b"") + text(b"t") + text(b"") +
+send(HELLO, struct.pack(">HHB", 1, 1, 2) + text(b"") + text(b"t") + text(b"") +
      bytes(10))
 named = []
 if sys.argv[3] == "manifest": # as if its user knew the name of a scene

@@ -47,7 +47,7 @@ logged()
         grep -q -e "$words\$" c.log || fail "the log lacks '$words'"
     done
 }
-logged 'role=user owner=[a-z]* protocol=2' 'role=admin owner=[^ ]* protocol=2' \
+logged 'role=user owner=[a-z]* protocol=1' 'role=admin owner=[^ ]* protocol=1' \
     'worker drained name=w1 by=[^ ]*' 'worker undrained name=w1 by=[^ ]*'
 good "a user's job" "$radsubmit" --coordinator="$tcp" --key=user.key \
     -vf "$scenes/room.vf" -x 60 -y 40 -ab 0 -o over_tcp.hdr "$scenes/room.rad"

@@ -23,7 +23,7 @@ def frame(kind, payload):
 s = socket.socket(socket.AF_UNIX)
 s.settimeout(60)
 s.connect(sys.argv[1])
-s.sendall(frame(HELLO, struct.pack(">HHB", 1, 2, 2) + text(b"") + text(b"t") +
+s.sendall(frame(HELLO, struct.pack(">HHB", 1, 1, 2) + text(b"") + text(b"t") +
                 text(b"") + struct.pack(">HQ", 1, 0)))
 f = s.makefile("rb")
 def failed():

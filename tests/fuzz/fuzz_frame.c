@@ -1,7 +1,6 @@
 /* fuzz_frame.c - the frame reader, and the decoder of whatever it lets pass
  *
- * The first byte chooses the session and, by its highest bit, version 1; the
- * second the size of the pieces. */
+ * The first byte chooses the session, the second the size of the pieces. */
 #include "config.h"
 
 #include "proto/frame.h"
@@ -22,8 +21,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     if (size < 2)
         return 0;
-    frame_reader_init(&r, (data[0] & 127) % MSG_NSESSION);
-    r.version = data[0] & 128 ? 1 : MSG_VERSION;
+    frame_reader_init(&r, data[0] % MSG_NSESSION);
     wire_out_init(&out, MSG_FRAME_MAX);
     piece = data[1] + 1u;
     for (size_t at = 2; at < size; at += piece) {

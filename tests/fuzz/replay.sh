@@ -25,7 +25,7 @@ for seed in "$corpora"/frame/* "$corpora"/journal/* "$corpora"/session/* \
         status=1
     fi
     case $seed in
-    frame/*) want="0 says $(basename "$seed" .v1 | tr '[:lower:]' '[:upper:]')" ;;
+    frame/*) want="0 says $(basename "$seed" | tr '[:lower:]' '[:upper:]')" ;;
     *) want=$(sed -n "s|^$seed ||p" "$top_srcdir/tests/fuzz/reach") ;;
     esac
     [ -n "$want" ] || { echo "seed $seed: not in fuzz/reach" >&2; status=1; }

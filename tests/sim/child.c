@@ -845,9 +845,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         SIM_CHECK(net, !k->started);
         k->started = true;
         k->job = sim_find_job(of(net), m->job_start.job);
-        /* some are of version 1, which knows nothing of that */
-        k->coded = m->job_start.flags & MSG_JOB_CODED &&
-                   (net->seed + (uint64_t)k->worker) % 4 != 0;
+        k->coded = m->job_start.flags & MSG_JOB_CODED;
         load(net, node);
         net_session(net, node, conn, MSG_AT_CHILD, MSG_VERSION);
         later(net, node, net_random(net, 300), ready);

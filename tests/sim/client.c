@@ -203,7 +203,7 @@ admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
     if (m->type != MSG_WELCOME)
         return;
-    of(net)->admin_version = m->welcome.version;
+    of(net)->admin_welcome = true;
     net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
 }
 
@@ -237,7 +237,7 @@ sim_admin_dial(struct sim *s)
                                     MSG_ROLE_ADMIN, "", "radctl", "", 0, 0 } };
 
     s->admin = ++net->next_conn;
-    s->admin_version = 0;
+    s->admin_welcome = false;
     net->ops[NODE_ADMIN] = &sim_admin_ops;
     net_join(net, NODE_ADMIN, s->admin, NODE_COORD, there, MSG_AT_DIALLER,
              MSG_AT_COORD_NEW);
@@ -251,7 +251,7 @@ sim_admin_say(struct sim *s, enum msg_type type, int i)
 {
     struct msg m = { .type = (uint16_t)type, .request = 5 };
 
-    if (s->admin == 0 || s->admin_version < msg_since(type))
+    if (s->admin == 0 || !s->admin_welcome)
         return;
     if (type == MSG_DRAIN || type == MSG_UNDRAIN)
         m.drain.name = s->worker[i].name;

@@ -162,7 +162,7 @@ struct sim {
     unsigned orders;     /* of users and admins; likewise */
     struct sim_fault fault[SIM_FAULTS];
     uint64_t admin; /* its connection */
-    unsigned admin_version;
+    bool admin_welcome;
     double work_ms; /* of all children's threads together */
     /* what happened at all */
     unsigned coord_deaths;

@@ -23,11 +23,11 @@ net_fail(const struct net *net, const char *file, int line, const char *what)
     exit(EXIT_FAILURE);
 }
 
-/* Every fifth node has not been upgraded yet. */
+/* Every fifth node has been upgraded to versions that others do not know. */
 static unsigned
-speaks(uint64_t seed, unsigned node)
+offers(uint64_t seed, unsigned node)
 {
-    return rad_mix64(rad_mix64(seed) + node) % 5 == 0 ? MSG_VERSION_MIN
+    return rad_mix64(rad_mix64(seed) + node) % 5 == 0 ? MSG_VERSION + 7
                                                       : MSG_VERSION;
 }
 
@@ -38,8 +38,8 @@ net_init(struct net *net, uint64_t seed)
     net->seed = seed;
     net->random = rad_mix64(seed + 1);
     net->now_ms = 1000;
-    for (unsigned i = 0; i < sizeof net->speaks / sizeof net->speaks[0]; i++)
-        net->speaks[i] = speaks(seed, i);
+    for (unsigned i = 0; i < sizeof net->offers / sizeof net->offers[0]; i++)
+        net->offers[i] = offers(seed, i);
 }
 
 static void
@@ -346,16 +346,10 @@ to_other(struct net *net, int link, int side)
     return push(net, at, arrive, (struct net_event){ .a = link, .b = !side });
 }
 
-/* An old program asks for no more than it speaks, and one that is asked for
- * more than it does is as good as asked for that. */
+/* A HELLO offers what its sender speaks. */
 static void
-cap_hello(struct net *net, const struct net_link *l, uint8_t *hello)
+set_offer(uint8_t *hello, unsigned most)
 {
-    unsigned most = MSG_VERSION;
-
-    for (int side = 0; side < 2; side++)
-        if (net->speaks[l->end[side].node] < most)
-            most = net->speaks[l->end[side].node];
     hello[MSG_HEADER + 2] = (uint8_t)(most >> 8); /* its `max` */
     hello[MSG_HEADER + 3] = (uint8_t)most;
 }
@@ -364,21 +358,17 @@ void
 net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
          size_t len)
 {
-    struct net_end *end;
     struct net_event *e;
     struct wire_out out;
-    int link, side, rc;
+    int link, side;
 
     /* no machine may speak into a connection that it knows is gone */
-    SIM_CHECK(net, (end = find(net, node, conn, &link, &side)) != NULL);
+    SIM_CHECK(net, find(net, node, conn, &link, &side) != NULL);
     wire_out_init(&out, MSG_FRAME_MAX);
-    rc = msg_frame_as(end->reader.version, &out, bytes, len);
-    SIM_CHECK(net, rc >= 0);
-    if (rc == 0)
-        wire_put_bytes(&out, bytes, len);
+    wire_put_bytes(&out, bytes, len);
     SIM_CHECK(net, !out.bad);
     if (msg_frame_type(bytes, len) == MSG_HELLO)
-        cap_hello(net, net->links[link], out.buf);
+        set_offer(out.buf, net->offers[node]);
     e = to_other(net, link, side);
     e->data = out.buf; /* that of wire_out_release() */
     e->len = out.len;

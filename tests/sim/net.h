@@ -60,7 +60,7 @@ struct net {
                  bool after);
     /* Tells on stderr what state all is in, when a seed fails; NULL: nobody. */
     void (*describe)(const struct net *net);
-    unsigned speaks[64]; /* by node: the highest version of the protocol */
+    unsigned offers[64]; /* by node: the highest version of the protocol */
     bool repeats;        /* messages that may come twice sometimes do */
     unsigned repeated;
     struct msg msg;
@@ -99,8 +99,7 @@ struct net_link *net_join(struct net *net, int a, uint64_t a_conn, int b,
 /* The open end of a node; NULL if it is not open. */
 struct net_end *net_find(struct net *net, int node, uint64_t conn);
 
-/* Send bytes, or a message, from a node's open end.  They are of the current
- * version, and translated where the connection's is another. */
+/* Send bytes, or a message, from a node's open end.  */
 void net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
               size_t len);
 void net_send_msg(struct net *net, int node, uint64_t conn,
