@@ -1,6 +1,6 @@
 /* msg_sharing.c - the codec of the messages by which workers share a picture
  *
- * See "sharing a picture" in message.h. */
+ * See msg_sharing.h. */
 #include "config.h"
 
 #include "proto/codec.h"

@@ -6,7 +6,7 @@
  * evenly over their rows.  The cost is processor time, or rays where a unit has
  * none.
  * A line is a base line of the sampler with the bar above it, as in a strict
- * partition (message.h, "sharing a picture").
+ * partition (proto/msg_sharing.h).
  * Thread: one. */
 #ifndef RADD_CLIENT_COSTS_H
 #define RADD_CLIENT_COSTS_H

@@ -44,8 +44,8 @@ struct pool;
 typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
 
 /* Something changed with strict units: pool_tick() is due, and there may be
- * messages; also told before rows are handed on, which what they have to say of
- * the unit must not follow. */
+ * messages to send.  Also called just before rows are handed on, because
+ * messages about their unit must be sent before these rows. */
 typedef void pool_news_fn(void *arg);
 
 /* Start nthreads threads.  job, frames and strict (NULL: there will be no
@@ -59,9 +59,9 @@ struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
 /* Queue a unit that is a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);
 
-/* Lock the pool and take the machine of the strict units, to tell it something:
- * the threads wait until the pool is unlocked, and do what it wants then.  Messages that it gives out are
- * taken by pool_message(). */
+/* Lock the pool and return the machine of the strict units, to be told
+ * something.  The threads wait until the pool is unlocked, then do what the
+ * machine decides; pool_message() returns the messages that it has to send. */
 struct strict *pool_lock_strict(struct pool *p);
 void pool_unlock_strict(struct pool *p);
 

@@ -79,8 +79,8 @@ struct job_go {
 
 /* Which state may follow which; see the head of go.c. */
 extern const struct steps go_steps;
-/* It is in another state from here on, which must be permitted.  Only hold.c
- * calls this: counts of workers go by the state. */
+/* Change the attempt's state; the step must be in go_steps.  Called by hold.c
+ * alone: its counts of a worker's attempts go by their states. */
 void go_step(struct job_go *go, enum go_state to);
 
 /* Has its worker something to do for the unit? */

@@ -84,7 +84,7 @@ struct job_worker {
 
 /* Which state may follow which; see the head of part.c. */
 extern const struct steps part_steps;
-/* It is in another state from here on, which must be permitted. */
+/* Change the state of a worker's part; the step must be in part_steps. */
 void part_step(struct job_worker *jw, enum part_state to);
 
 /* Is it loading the job or ready? */

@@ -28,8 +28,9 @@ struct unit_hashes {
 
 struct job_unit {
     enum unit_state state; /* by unit_step() alone */
-    uint32_t attempt;     /* number of the latest attempt; or those of this life
-                           * of the coordinator follow that number */
+    uint32_t attempt;     /* number of the latest attempt; before the first of
+                           * this life of the coordinator, the number after
+                           * which its attempts count (unit_first_attempt()) */
     uint32_t tries;       /* how often it went out */
     uint32_t lead;        /* attempt whose rows count; 0: whose come first */
     uint32_t worker;      /* of that attempt, or of the latest */
@@ -56,7 +57,8 @@ struct job_unit {
 
 /* Which state may follow which; see the head of unit.c. */
 extern const struct steps unit_steps;
-/* It is in another state from here on, which must be permitted. */
+/* Change the unit's state; the step must be in unit_steps.  Called by unit.c
+ * and go.c alone. */
 void unit_step(struct job_unit *u, enum unit_state to);
 
 /* Attempts are numbered anew in each life of the coordinator, from here on. */

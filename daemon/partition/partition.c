@@ -173,7 +173,7 @@ next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
 {
     for (uint32_t i = p->nback; i-- > 0;) {
         *unit = p->back[i];
-        if (p->unit[*unit].state != PART_WAITING) {
+        if (p->unit[*unit].state != PARTITION_WAITING) {
             drop_back(p, i);
         } else if (p->unit[*unit].keeper == worker) {
             drop_back(p, i);
@@ -213,7 +213,7 @@ partition_next(struct partition *p, const struct partition_who *who,
     if (!next_back(p, who->worker, unit) &&
         !(p->lines ? next_lines(p, who, unit) : window_next(p, unit)))
         return false;
-    p->unit[*unit].state = PART_OUT;
+    p->unit[*unit].state = PARTITION_OUT;
     p->waiting--;
     return true;
 }
@@ -221,9 +221,9 @@ partition_next(struct partition *p, const struct partition_who *who,
 void
 partition_lost(struct partition *p, uint32_t unit)
 {
-    if (p->unit[unit].state != PART_OUT || !partition_back(p, unit))
+    if (p->unit[unit].state != PARTITION_OUT || !partition_back(p, unit))
         return;
-    p->unit[unit].state = PART_WAITING;
+    p->unit[unit].state = PARTITION_WAITING;
     p->unit[unit].keeper = PARTITION_NONE;
     p->unit[unit].bars = false; /* others are further, and wait for it */
     p->waiting++;
@@ -232,7 +232,7 @@ partition_lost(struct partition *p, uint32_t unit)
 void
 partition_keep(struct partition *p, uint32_t unit, uint32_t worker)
 {
-    if (p->unit[unit].state == PART_WAITING)
+    if (p->unit[unit].state == PARTITION_WAITING)
         p->unit[unit].keeper = worker;
 }
 
@@ -247,9 +247,9 @@ partition_keep_none(struct partition *p, uint32_t worker)
 void
 partition_take(struct partition *p, uint32_t unit)
 {
-    if (p->unit[unit].state != PART_WAITING)
+    if (p->unit[unit].state != PARTITION_WAITING)
         return;
-    p->unit[unit].state = PART_OUT;
+    p->unit[unit].state = PARTITION_OUT;
     p->waiting--;
     for (uint32_t i = 0; i < p->nback; i++)
         if (p->back[i] == unit) {
@@ -261,9 +261,9 @@ partition_take(struct partition *p, uint32_t unit)
 void
 partition_done(struct partition *p, uint32_t unit, double took)
 {
-    if (p->unit[unit].state != PART_OUT)
+    if (p->unit[unit].state != PARTITION_OUT)
         return;
-    p->unit[unit].state = PART_DONE;
+    p->unit[unit].state = PARTITION_DONE;
     p->undone--;
     if (p->lines)
         lines_done(p, unit);

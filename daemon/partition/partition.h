@@ -4,9 +4,9 @@
  * for a worker, and says when one is done or lost.  Each pixel of each frame
  * belongs to at most one unit, and in the end to exactly one.
  * Windows are all laid out at the start.  A strict partition (static, scanbar,
- * auto) shares the lines of a frame (message.h, "sharing a picture"): a unit is
- * cut when it goes out, whole lines as wide as the frame, and may shrink later;
- * so its numbers grow.
+ * auto) shares the lines of a frame (proto/msg_sharing.h): a unit is cut when
+ * it goes out, whole lines as wide as the frame, and may shrink later; so there
+ * come to be more of them.
  * Costs are in any unit, the same for all of a job: pixels, or what an estimate
  * says.
  * Names: radsubmit(1), --partition.

@@ -6,7 +6,9 @@
 
 #include "partition/partition.h"
 
-enum partition_state { PART_WAITING, PART_OUT, PART_DONE };
+/* Where a unit is for the order of hand-out: OUT stands for all that enum
+ * unit_state (desk/unit.h) tells apart between waiting and done. */
+enum partition_state { PARTITION_WAITING, PARTITION_OUT, PARTITION_DONE };
 
 struct partition_unit {
     struct partition_area area;
@@ -24,7 +26,7 @@ struct partition_lines;
 struct partition {
     struct partition_unit *unit;
     uint32_t total, cap;
-    uint32_t waiting; /* units in state PART_WAITING */
+    uint32_t waiting; /* units in state PARTITION_WAITING */
     uint32_t undone;  /* units that are not done */
     uint32_t *back;   /* units that came back, a stack */
     uint32_t nback, cap_back;
@@ -46,7 +48,7 @@ uint32_t partition_add(struct partition *p, const struct partition_area *area);
 static inline bool
 partition_is_free(const struct partition *p, uint32_t unit)
 {
-    return p->unit[unit].state == PART_WAITING &&
+    return p->unit[unit].state == PARTITION_WAITING &&
            p->unit[unit].keeper == PARTITION_NONE;
 }
 

@@ -366,7 +366,7 @@ partition_give(struct partition *p, uint32_t unit, uint32_t height)
     struct frame *f;
     uint32_t line, last, given;
 
-    if (!s || unit >= p->total || p->unit[unit].state == PART_DONE)
+    if (!s || unit >= p->total || p->unit[unit].state == PARTITION_DONE)
         return PARTITION_NONE;
     u = &p->unit[unit];
     f = &s->frame[u->area.frame];

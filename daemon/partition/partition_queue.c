@@ -169,7 +169,7 @@ must_wait(struct partition *p, uint32_t unit)
 {
     struct partition_queue *q = p->queue;
 
-    while (q->done < unit && p->unit[q->done].state == PART_DONE)
+    while (q->done < unit && p->unit[q->done].state == PARTITION_DONE)
         q->done++;
     return q->fresh && p->unit[q->done].area.frame < p->unit[unit].area.frame;
 }

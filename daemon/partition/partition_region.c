@@ -150,7 +150,7 @@ has_top(const struct partition *p, const struct frame *f, uint32_t line)
         line > 0 ? p->lines->unit[f->first + line - 1] : PARTITION_NONE;
 
     return line == 0 ||
-           (above != PARTITION_NONE && p->unit[above].state == PART_DONE);
+           (above != PARTITION_NONE && p->unit[above].state == PARTITION_DONE);
 }
 
 /* The first line that is free, of a frame that has one. */

@@ -136,7 +136,7 @@ loss_given_back(struct coord *c, struct job *job, uint32_t unit,
     u->given_back = u->ngos == 0;
 }
 
-/* End the worker's attempts at units of the job; those at suspects are over. */
+/* End the worker's attempts at units of the job. */
 static void
 take_all_back(struct coord *c, struct job *job, uint32_t index)
 {

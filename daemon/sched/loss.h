@@ -16,33 +16,35 @@ void loss_still(struct coord *c, struct coord_worker *w,
 
 /* A worker went: its units wait again. */
 void loss_worker_gone(struct coord *c, struct coord_worker *w);
-/* A holder will not finish the unit: another does, or it waits again. */
+/* An attempt at the unit is over, unfinished: another attempt goes on, or the
+ * unit waits again. */
 void loss_of(struct coord *c, struct job *job, uint32_t unit,
              struct job_go *go);
-/* It is to have the unit no more (REVOKE). */
+/* Take the unit from the worker of that attempt (REVOKE). */
 void loss_taken(struct coord *c, struct job *job, uint32_t unit,
                 struct job_go *go);
-/* It gave the unit back, with all that it knew of it. */
+/* The worker gave the unit back (GAVE); its facts came before. */
 void loss_given_back(struct coord *c, struct job *job, uint32_t unit,
                      struct job_go *go);
-/* What that attempt at the unit lends is its own again. */
+/* End the loans of that attempt at the unit: its columns are its own again. */
 void loss_end_loans(struct coord *c, struct job *job, uint32_t unit,
                     uint32_t lender);
-/* A worker loses its part in the job, which is in that state then. */
+/* End a worker's part in the job, and with it all its attempts; the part's
+ * state is `to` then. */
 void loss_all(struct coord *c, struct job *job, uint32_t index,
               enum part_state to);
-/* Units that a worker lost wait for it that long, while its connection is to be
- * made again. */
+/* For that long, units that the worker lost go to nobody else: its connection
+ * may be made again. */
 void loss_keep(const struct coord *c, struct job *job, uint32_t index,
                uint64_t ms);
-/* They do not any more, where the time is over. */
+/* End that wait for workers that did not come back in time. */
 void loss_tick(struct coord *c, struct job *job);
-/* A worker that had part in the job before says that it is ready.  Of its units
- * it is at those that it said so of (STILL).  All that comes of another is what
- * came since it was gone, before the job's start reached it. */
+/* A worker that was in the job before is READY again.  It works at the units
+ * that it named by STILL.  Another attempt of this worker goes on only if all
+ * its rows came before READY; else it is lost. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
-/* Is there another worker than that one that may do the job?  late: also if it
- * is late. */
+/* Is there another worker than w that may do the job?  late: workers that are
+ * late count, too. */
 bool loss_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool late);
 

@@ -12,4 +12,4 @@ libdaemon_a_SOURCES += \
 	daemon/strict/strict_state.h \
 	daemon/strict/strict_unit.c \
 	daemon/strict/strict_unit.h \
-	daemon/strict/unit_table.c
+	daemon/strict/strict_units.c

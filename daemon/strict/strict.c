@@ -21,7 +21,7 @@ strict_free(struct strict *s)
         struct strict_unit *u = s->units;
 
         s->units = u->next;
-        unit_free(u);
+        strict_unit_free(u);
     }
     edge_release(s);
     out_release(s);

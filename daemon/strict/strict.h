@@ -156,8 +156,9 @@ void strict_lent(struct strict *s, struct strict_pass *p,
  * handed on (team_blocked()); to be said before strict_ended(). */
 void strict_blocked(struct strict *s, struct strict_pass *p, int finished);
 
-/* A team has left a pass: if its unit is to go back, that is what was handed on
- * from now on (team_cut()); to be said before its bottom is asked for. */
+/* A team has left a pass.  Where its unit is to go back (YIELD), cut the unit
+ * to the lines whose rows are handed on (team_cut()); the others go back.  Call
+ * it before asking the team for the bottom. */
 void strict_cut(struct strict *s, struct strict_pass *p, struct team *t);
 
 /* So many columns and densities of the bottom line of a pass under a true top
@@ -181,9 +182,9 @@ bool strict_waits(const struct strict *s);
 /* Rays of passes that have ended, of units that are not done. */
 uint64_t strict_rays(const struct strict *s);
 
-/* Pixels that units are past, whose rows are not handed on; of those that
- * passes ahead have gone over, as of the others.  For who wants to know how far
- * it is: what several workers do counts for each. */
+/* Pixels that any pass has gone over, in units whose rows are not handed on:
+ * for a display of the progress.  Pixels that several workers go over count for
+ * each of them. */
 uint64_t strict_pixels(const struct strict *s);
 
 /* What units that were revoked cost in all, as TALLY says it. */

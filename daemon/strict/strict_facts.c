@@ -87,7 +87,7 @@ facts_make(struct strict *s, uint32_t frame, int line)
 bool
 facts_make_all(struct strict *s, const struct strict_unit *u)
 {
-    for (int i = unit_top(u); i < u->last; i++)
+    for (int i = strict_unit_top(u); i < u->last; i++)
         if (!facts_make(s, u->frame, i))
             return false;
     return true;
@@ -205,7 +205,7 @@ facts_untold(const struct strict *s, const struct strict_unit *u)
 {
     uint64_t n = 0;
 
-    for (int i = unit_top(u); i < u->last; i++)
+    for (int i = strict_unit_top(u); i < u->last; i++)
         n += untold(s, u, i);
     return n;
 }
@@ -296,12 +296,12 @@ void
 facts_use_above(struct strict *s, struct strict_unit *u)
 {
     if (u->first == 0 || u->loan || u->above != ABOVE_LEFT_OUT ||
-        unit_has_top(s, u) || unit_above(s, u) ||
+        strict_unit_has_top(s, u) || strict_unit_above(s, u) ||
         !facts_suffice(s, u->frame, u->first - 1))
         return;
     u->above = ABOVE_KNOWN;
     if (u->progress == PROGRESS_AHEAD)
-        unit_advance(u, PROGRESS_LINES);
+        strict_unit_advance(u, PROGRESS_LINES);
 }
 
 static void

@@ -1,69 +1,70 @@
 /* strict_impl.h - what the files of the strict units' machine share
  *
  * Private to strict*.c:
- *   strict_edge.c   tops and bottoms by line
- *   unit_table.c    units by number and by line
- *   strict_facts.c  facts by line
- *   strict_out.c    messages that go out
- *   strict_rank.c   which unit comes first
- *   strict_loan.c   columns that are lent, and that others lend
- *   strict_unit.c   units, and what is told of them
- *   strict_pass.c   what is done for a unit next
  *   strict.c        set-up and end
- * A file calls files above it in this list alone, but for strict.c. */
+ *   strict_pass.c   the next pass: of which unit, in which mode
+ *   strict_unit.c   messages about units: UNIT, SPLIT, YIELD, REVOKE
+ *   strict_loan.c   columns that are lent, and that others lend
+ *   strict_rank.c   which unit comes first
+ *   strict_out.c    messages that go out
+ *   strict_facts.c  facts by line
+ *   strict_units.c  tables of states; units by number and by line
+ *   strict_edge.c   tops and bottoms by line
+ * A file calls files below it in this list alone. */
 #ifndef DAEMON_STRICT_IMPL_H
 #define DAEMON_STRICT_IMPL_H
 
 #include "strict/strict_state.h"
 
-/* --- unit_table.c   --- */
+/* --- strict_units.c --- */
 
-/* The unit is in another state from here on, which must be permitted. */
-void unit_advance(struct strict_unit *u, enum strict_progress to);
-void unit_decide(struct strict_unit *u, enum strict_fate to);
+/* Change the unit's progress or fate; the step must be in strict_progress_steps
+ * or strict_fate_steps.  Called by the files of this folder alone. */
+void strict_unit_advance(struct strict_unit *u, enum strict_progress to);
+void strict_unit_decide(struct strict_unit *u, enum strict_fate to);
 /* The first line that the unit makes: its own first, or the base line above. */
-int unit_top(const struct strict_unit *u);
+int strict_unit_top(const struct strict_unit *u);
 /* The unit of that number and attempt that is not gone; NULL: none. */
-struct strict_unit *unit_find(const struct strict *s, uint32_t unit,
+struct strict_unit *strict_unit_find(const struct strict *s, uint32_t unit,
                               uint32_t attempt);
-void unit_free(struct strict_unit *u);
+void strict_unit_free(struct strict_unit *u);
 /* Room to count what the unit's lines cost; false: memory is out. */
-bool unit_count_lines(struct strict_unit *u);
+bool strict_unit_count_lines(struct strict_unit *u);
 /* Keep the most pixels that a pass of the unit has gone over. */
-void unit_made(struct strict_unit *u, const struct team_made *made);
-bool unit_has_top(const struct strict *s, const struct strict_unit *u);
+void strict_unit_made(struct strict_unit *u, const struct team_made *made);
+bool strict_unit_has_top(const struct strict *s, const struct strict_unit *u);
 /* The unit here whose bottom is this one's top, or the other way round; NULL:
  * none. */
-struct strict_unit *unit_above(const struct strict *s,
+struct strict_unit *strict_unit_above(const struct strict *s,
                                const struct strict_unit *u);
-struct strict_unit *unit_below(const struct strict *s,
+struct strict_unit *strict_unit_below(const struct strict *s,
                                const struct strict_unit *u);
 /* Put a unit among those of its first line, or of the line after its last; or
  * take it out, before that line changes. */
-void unit_link_first(struct strict *s, struct strict_unit *u);
-void unit_link_last(struct strict *s, struct strict_unit *u);
-void unit_unlink_first(struct strict *s, struct strict_unit *u);
-void unit_unlink_last(struct strict *s, struct strict_unit *u);
-void unit_free_loan(struct loan *l);
+void strict_unit_link_first(struct strict *s, struct strict_unit *u);
+void strict_unit_link_last(struct strict *s, struct strict_unit *u);
+void strict_unit_unlink_first(struct strict *s, struct strict_unit *u);
+void strict_unit_unlink_last(struct strict *s, struct strict_unit *u);
+void strict_unit_free_loan(struct loan *l);
 /* Forget what the unit's bottom was guessed to be. */
-void unit_free_guess(struct strict_unit *u);
+void strict_unit_free_guess(struct strict_unit *u);
 
 /* --- strict_unit.c --- */
 
 /* Forget a unit that has no pass, its facts and the messages about it. */
-void unit_drop(struct strict *s, struct strict_unit *u);
+void strict_unit_drop(struct strict *s, struct strict_unit *u);
 /* Give half of a unit that no team is at, or all of it: then it is gone. */
-void unit_split_idle(struct strict *s, struct strict_unit *u);
-void unit_hand_back(struct strict *s, struct strict_unit *u);
+void strict_unit_split_idle(struct strict *s, struct strict_unit *u);
+void strict_unit_hand_back(struct strict *s, struct strict_unit *u);
 /* Lines from `last` on are no longer the unit's; say so. */
-void unit_give_lines(struct strict *s, struct strict_unit *u, int last);
+void strict_unit_give_lines(struct strict *s, struct strict_unit *u, int last);
 /* Send what others may wait for of the base line above. */
-void unit_say_top(struct strict *s, const struct strict_unit *u);
+void strict_unit_say_top(struct strict *s, const struct strict_unit *u);
 /* A pass of the unit begins: it is parked no more. */
-void unit_resume(struct strict *s, struct strict_unit *u);
+void strict_unit_resume(struct strict *s, struct strict_unit *u);
 /* Say at once that the unit can only wait, if so: the worker has room for
  * another unit. */
-void unit_park(struct strict *s, struct strict_unit *u);
+void strict_unit_park(struct strict *s, struct strict_unit *u);
 
 /* --- strict_loan.c --- */
 

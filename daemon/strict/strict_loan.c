@@ -39,7 +39,7 @@ loan_nothing_left(struct strict_unit *u)
 void
 strict_lend(struct strict *s, const struct msg_lend *m)
 {
-    struct strict_unit *u = unit_find(s, m->unit, m->attempt);
+    struct strict_unit *u = strict_unit_find(s, m->unit, m->attempt);
 
     if (!u)
         return;
@@ -80,7 +80,7 @@ strict_blocked(struct strict *s, struct strict_pass *p, int finished)
 void
 strict_back(struct strict *s, const struct msg_back *m)
 {
-    struct strict_unit *u = unit_find(s, m->unit, m->attempt);
+    struct strict_unit *u = strict_unit_find(s, m->unit, m->attempt);
     uint64_t blocks;
     bool blocked;
 
@@ -147,7 +147,7 @@ copy_loan(const struct msg_loan *m)
     l->pixels = malloc(2 * (size_t)m->n * sizeof *l->pixels);
     l->bytes = malloc(bits + m->ndensity);
     if (!l->pixels || !l->bytes) {
-        unit_free_loan(l);
+        strict_unit_free_loan(l);
         return NULL;
     }
     memcpy(l->bytes, m->wanted, bits);
@@ -173,7 +173,7 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
 {
     struct strict_unit *u, **at = &s->units;
 
-    if (unit_find(s, m->unit, m->attempt))
+    if (strict_unit_find(s, m->unit, m->attempt))
         return 0;
     if (!loan_fits(s, m)) {
         out_paid(
@@ -188,8 +188,8 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
         u->first = (int)m->line;
         u->last = u->first + 1;
     }
-    if (!u || !u->loan || !unit_count_lines(u)) {
-        unit_free(u);
+    if (!u || !u->loan || !strict_unit_count_lines(u)) {
+        strict_unit_free(u);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
     u->unit = m->unit;
@@ -208,5 +208,5 @@ loan_end(struct strict *s, struct strict_unit *u)
     out_facts(s, &s->urgent, u, u->first);
     out_line_costs(s, u);
     out_paid(s, u);
-    unit_decide(u, FATE_OVER);
+    strict_unit_decide(u, FATE_OVER);
 }

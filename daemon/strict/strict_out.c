@@ -324,7 +324,7 @@ out_bottom(struct strict *s, const struct strict_unit *u,
 
     if (!fill_piece(s, &it, pixels, density))
         return;
-    if (!(unit_below(s, u) ? push(s, q, &it) : push_first(s, q, &it)))
+    if (!(strict_unit_below(s, u) ? push(s, q, &it) : push_first(s, q, &it)))
         free(it.bytes);
 }
 

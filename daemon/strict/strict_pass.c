@@ -104,7 +104,7 @@ copy_top(const struct strict *s, struct strict_pass *p,
 static bool
 set_top(struct strict *s, struct strict_pass *p)
 {
-    const struct strict_unit *u = p->of, *a = unit_above(s, u);
+    const struct strict_unit *u = p->of, *a = strict_unit_above(s, u);
     const struct edge *e = edge_find(s, u->frame, p->first - 1);
 
     if (u->loan)
@@ -241,7 +241,7 @@ strict_next(struct strict *s, enum strict_rank least)
     if (!p)
         s->error = RAD_ENOMEM;
     u->pass = p;
-    unit_resume(s, u);
+    strict_unit_resume(s, u);
     return p;
 }
 
@@ -358,13 +358,13 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     if (p->mode == TEAM_AHEAD)
-        unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
+        strict_unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
                                                       : PROGRESS_AHEAD);
     else if (u->progress < PROGRESS_LINES)
-        unit_advance(u, PROGRESS_LINES);
+        strict_unit_advance(u, PROGRESS_LINES);
     u->guess.known = p->top_known + p->last - p->first;
     if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
-        !unit_below(s, u))
+        !strict_unit_below(s, u))
         out_facts(s, &s->urgent, u, u->last - 1);
     if (pixels)
         keep_guess(s, p, pixels, density);
@@ -380,7 +380,7 @@ end_truth(struct strict *s, struct strict_pass *p,
     const struct frame *f = frame_of(s, u->frame);
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
-    unit_decide(p->of, FATE_OVER);
+    strict_unit_decide(p->of, FATE_OVER);
     out_line_costs(s, u);
     *total = u->spent;
     total->speculative_rays = facts_unused(s, u);
@@ -398,7 +398,7 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
     uint32_t frame = u->frame;
     int top = u->first - 1;
 
-    unit_drop(s, u);
+    strict_unit_drop(s, u);
     if (over)
         edge_drop(s, frame, top);
 }
@@ -473,7 +473,7 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
         return;
     loan_forget(u);
     p->last = last;
-    unit_give_lines(s, u, last);
+    strict_unit_give_lines(s, u, last);
     p->sent_columns = p->sent_densities = 0;
 }
 
@@ -525,7 +525,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     if (!done)
         keep_out(u, p);
     keep_filled(u, p);
-    unit_made(u, &p->made);
+    strict_unit_made(u, &p->made);
     keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);
@@ -536,16 +536,16 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     u->pass = NULL;
     pass_free(p);
     if (!is_gone(u))
-        unit_say_top(s, u);
+        strict_unit_say_top(s, u);
     if (paid)
-        unit_drop(s, u);
+        strict_unit_drop(s, u);
     else if (over || is_gone(u))
         end_unit(s, u, over);
     else if (u->fate == FATE_YIELDS)
-        unit_hand_back(s, u);
+        strict_unit_hand_back(s, u);
     else if (u->fate == FATE_SPLITS)
-        unit_split_idle(s, u);
+        strict_unit_split_idle(s, u);
     for (u = s->units; u; u = u->next)
-        unit_park(s, u);
+        strict_unit_park(s, u);
     return over;
 }

@@ -16,7 +16,7 @@ rank_goes_above(const struct strict_unit *u)
 static bool
 top_is_guessed(const struct strict *s, const struct strict_unit *u)
 {
-    const struct strict_unit *a = unit_above(s, u);
+    const struct strict_unit *a = strict_unit_above(s, u);
 
     return !rank_goes_above(u) && a && a->guess.pixels;
 }
@@ -48,7 +48,7 @@ next_rank(const struct strict *s, const struct strict_unit *u,
         return false;
     if (u->loan)
         *rank = STRICT_LOAN;
-    else if (unit_has_top(s, u))
+    else if (strict_unit_has_top(s, u))
         *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
     else if (u->progress < PROGRESS_LINES)
         *rank = STRICT_LINES;

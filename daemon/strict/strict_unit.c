@@ -27,7 +27,7 @@ line_from_row(const struct frame *f, uint32_t row)
 
 /* Forget a unit that has no pass, its facts and its top. */
 void
-unit_drop(struct strict *s, struct strict_unit *u)
+strict_unit_drop(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = &s->units;
 
@@ -39,14 +39,14 @@ unit_drop(struct strict *s, struct strict_unit *u)
         s->dropped.speculative_rays += facts_untold(s, u);
     }
     if (!u->loan) {
-        unit_unlink_first(s, u);
-        unit_unlink_last(s, u);
+        strict_unit_unlink_first(s, u);
+        strict_unit_unlink_last(s, u);
     }
     out_forget(s, u);
     for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
         facts_drop(s, u->frame, i);
     facts_drop_table(s, u->frame);
-    unit_free(u);
+    strict_unit_free(u);
 }
 
 uint64_t
@@ -72,7 +72,7 @@ pixels_of(const struct strict *s, const struct strict_unit *u)
         return 0;
     if (u->pass)
         made = u->pass->made;
-    unit_made(&now, &made);
+    strict_unit_made(&now, &made);
     all = (uint64_t)(row_of(f, u->last) - begin) * (uint64_t)f->q.width;
     out = made.out;
     if (u->out > u->first)
@@ -131,13 +131,13 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     struct strict_unit *u, **at = &s->units;
     int rc;
 
-    if (unit_find(s, m->unit, m->attempt))
+    if (strict_unit_find(s, m->unit, m->attempt))
         return 0;
     u = calloc(1, sizeof *u);
     if (!u)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     rc = read_lines(s, m, u, err);
-    if (rc == 0 && !unit_count_lines(u))
+    if (rc == 0 && !strict_unit_count_lines(u))
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc < 0) {
         free(u);
@@ -153,10 +153,10 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     while (*at)
         at = &(*at)->next;
     *at = u;
-    unit_link_first(s, u);
-    unit_link_last(s, u);
+    strict_unit_link_first(s, u);
+    strict_unit_link_last(s, u);
     facts_use_above(s, u);
-    if (u->first > 0 && unit_has_top(s, u)) /* it came before the unit */
+    if (u->first > 0 && strict_unit_has_top(s, u)) /* it came before the unit */
         rank_make_way(s);
     return 0;
 }
@@ -164,20 +164,20 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
 void
 strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
 {
-    struct strict_unit *u = unit_find(s, unit, attempt);
+    struct strict_unit *u = strict_unit_find(s, unit, attempt);
 
     if (!u)
         return;
     if (u->pass) {
-        unit_decide(u, FATE_GONE);
+        strict_unit_decide(u, FATE_GONE);
         u->pass->stop = true;
     } else {
-        unit_drop(s, u);
+        strict_unit_drop(s, u);
     }
 }
 
 void
-unit_give_lines(struct strict *s, struct strict_unit *u, int last)
+strict_unit_give_lines(struct strict *s, struct strict_unit *u, int last)
 {
     int end = u->last;
 
@@ -185,15 +185,15 @@ unit_give_lines(struct strict *s, struct strict_unit *u, int last)
         /* and the base line above, which whoever gets them would make */
         for (int i = last - 1; i < end; i++)
             out_facts(s, &s->urgent, u, i);
-        unit_unlink_last(s, u);
+        strict_unit_unlink_last(s, u);
         u->last = last;
-        unit_link_last(s, u);
+        strict_unit_link_last(s, u);
         u->bottom_done = false;
         loan_of_other_line(u);
         u->sent_columns = 0;
         u->sent_densities = 0;
         /* it was that of another line */
-        unit_free_guess(u);
+        strict_unit_free_guess(u);
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);
     }
@@ -202,7 +202,7 @@ unit_give_lines(struct strict *s, struct strict_unit *u, int last)
 
 /* Give half of the bars that are left of a unit that no team is at. */
 void
-unit_split_idle(struct strict *s, struct strict_unit *u)
+strict_unit_split_idle(struct strict *s, struct strict_unit *u)
 {
     int from = u->filled > u->first ? u->filled : u->first;
 
@@ -211,24 +211,24 @@ unit_split_idle(struct strict *s, struct strict_unit *u)
     if (from < u->out) /* of rows that are out one must be its last */
         from = u->out;
     if (u->fate == FATE_SPLITS)
-        unit_decide(u, FATE_STAYS);
-    unit_give_lines(s, u, u->last - (u->last - from) / 2);
+        strict_unit_decide(u, FATE_STAYS);
+    strict_unit_give_lines(s, u, u->last - (u->last - from) / 2);
 }
 
 /* What is not told of it by now is: whoever gets it traces none of that again.
  * What was lent of it is not its affair any more. */
 void
-unit_hand_back(struct strict *s, struct strict_unit *u)
+strict_unit_hand_back(struct strict *s, struct strict_unit *u)
 {
     if (u->loan) {
         loan_end(s, u);
     } else {
-        for (int i = unit_top(u); i < u->last; i++)
+        for (int i = strict_unit_top(u); i < u->last; i++)
             out_facts(s, &s->urgent, u, i);
         out_line_costs(s, u);
         out_gave(s, u, u->first);
     }
-    unit_drop(s, u);
+    strict_unit_drop(s, u);
 }
 
 /* Rows that went with a pass before cannot be its last: then all of it goes
@@ -236,16 +236,16 @@ unit_hand_back(struct strict *s, struct strict_unit *u)
 void
 strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
 {
-    struct strict_unit *u = unit_find(s, unit, attempt);
+    struct strict_unit *u = strict_unit_find(s, unit, attempt);
 
     if (!u)
         return;
     if (u->pass) {
         if (u->fate != FATE_YIELDS)
-            unit_decide(u, FATE_YIELDS);
+            strict_unit_decide(u, FATE_YIELDS);
         u->pass->stop = true;
     } else {
-        unit_hand_back(s, u);
+        strict_unit_hand_back(s, u);
     }
 }
 
@@ -254,7 +254,7 @@ static void
 want_split(struct strict_unit *u)
 {
     if (u->fate != FATE_SPLITS)
-        unit_decide(u, FATE_SPLITS);
+        strict_unit_decide(u, FATE_SPLITS);
 }
 
 /* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
@@ -262,14 +262,14 @@ want_split(struct strict_unit *u)
 void
 strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
-    struct strict_unit *u = unit_find(s, unit, attempt);
+    struct strict_unit *u = strict_unit_find(s, unit, attempt);
 
     if (!u || u->loan || u->fate == FATE_YIELDS)
         return;
     if (loan_is_out(u)) { /* of its last line, which is begun */
-        unit_give_lines(s, u, u->last);
+        strict_unit_give_lines(s, u, u->last);
     } else if (!u->pass) {
-        unit_split_idle(s, u);
+        strict_unit_split_idle(s, u);
     } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
         want_split(u);
         u->pass->stop = true;
@@ -287,9 +287,9 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     p->split = false;
     if (u->fate != FATE_SPLITS)
         return;
-    unit_decide(u, FATE_STAYS);
+    strict_unit_decide(u, FATE_STAYS);
     p->last = last;
-    unit_give_lines(s, u, last);
+    strict_unit_give_lines(s, u, last);
     p->sent_columns = u->sent_columns; /* it may have another bottom now */
     p->sent_densities = u->sent_densities;
 }
@@ -297,7 +297,7 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
 /* What it made of the base line above, once that is all that a guess wants:
  * until then nobody else begins there. */
 void
-unit_say_top(struct strict *s, const struct strict_unit *u)
+strict_unit_say_top(struct strict *s, const struct strict_unit *u)
 {
     if (u->above == ABOVE_MADE_HERE && u->progress >= PROGRESS_LINES)
         out_facts(s, &s->urgent, u, u->first - 1);
@@ -314,7 +314,7 @@ push_twin_facts(struct strict *s, const struct strict_unit *u)
 void
 strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
 {
-    struct strict_unit *u = unit_find(s, unit, attempt);
+    struct strict_unit *u = strict_unit_find(s, unit, attempt);
 
     if (!u || u->flags & MSG_UNIT_TWIN)
         return;
@@ -327,14 +327,14 @@ strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
 static bool
 is_near(const struct strict *s, const struct strict_unit *u)
 {
-    const struct strict_unit *a = unit_above(s, u);
+    const struct strict_unit *a = strict_unit_above(s, u);
 
     return a && !rank_waits(s, a);
 }
 
 /* Say so at once: its thread has room for another. */
 void
-unit_park(struct strict *s, struct strict_unit *u)
+strict_unit_park(struct strict *s, struct strict_unit *u)
 {
     if (is_gone(u) || u->parked || !rank_waits(s, u) ||
         (!u->lending.blocked && is_near(s, u)))
@@ -345,7 +345,7 @@ unit_park(struct strict *s, struct strict_unit *u)
 }
 
 void
-unit_resume(struct strict *s, struct strict_unit *u)
+strict_unit_resume(struct strict *s, struct strict_unit *u)
 {
     u->wait.waiting = false;
     if (u->parked)
@@ -403,7 +403,7 @@ tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
     if (waiting && !u->wait.waiting)
         u->wait.since_ms = now_ms;
     u->wait.waiting = waiting;
-    unit_park(s, u);
+    strict_unit_park(s, u);
     if (will_keep(s, u) && now_ms - u->wait.since_ms >= PARK_MS)
         park_facts(s, u);
 }

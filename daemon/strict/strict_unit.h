@@ -10,14 +10,14 @@
 
 struct loan;
 
-/* What is traced of a unit before its true top is there:
+/* What is traced of a unit before its true top is there.  Lower case: the pass
+ * that ended, or what came:
  *
- *   NONE --LINES--> LINES --AHEAD--> AHEAD --AHEAD, over colours--> GUESSED
- *                     ^  '--AHEAD, over colours---------------------->^
- *                     '--- the colours above came as facts ---'
+ *   NONE --lines--> LINES --ahead--> AHEAD --colours above came--> LINES
+ *                     '--ahead, the colours above being here--> GUESSED
  *
- * LINES has its base lines, AHEAD its bars too but for the first, of which the
- * colours above are not known, GUESSED all of them. */
+ * The unit has after LINES its base lines, after AHEAD its bars but the first,
+ * which needs the colours of the base line above, after GUESSED all bars. */
 enum strict_progress {
     PROGRESS_NONE,
     PROGRESS_LINES,
@@ -30,10 +30,8 @@ extern const struct steps strict_progress_steps;
 /* What becomes of a unit when its pass has ended (at once, if it has none):
  *
  *   STAYS <--> SPLITS
- *     |  \      |  \
- *     |   YIELDS    |      each of the three may end:
- *     v             v
- *   OVER          GONE */
+ *   STAYS, SPLITS         --> YIELDS
+ *   STAYS, SPLITS, YIELDS --> OVER or GONE */
 enum strict_fate {
     FATE_STAYS,
     FATE_SPLITS, /* half of its lines go back (SPLIT) */
@@ -92,8 +90,8 @@ struct strict_unit {
     uint8_t flags; /* MSG_UNIT_TWIN: facts go out as they are made;
                     * MSG_UNIT_BARS: bars are made along with the lines */
     enum strict_above above;
-    enum strict_progress progress; /* by unit_advance() alone */
-    enum strict_fate fate;         /* by unit_decide() alone */
+    enum strict_progress progress; /* by strict_unit_advance() alone */
+    enum strict_fate fate;         /* by strict_unit_decide() alone */
     int filled;       /* lines before this one have their bars, as facts */
     bool bottom_done; /* the bottom is out, true */
     bool parked;      /* said, or about to be */

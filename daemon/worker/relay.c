@@ -266,9 +266,7 @@ relay_repeat(struct worker *w, const struct wjob *job)
     }
 }
 
-/* --- to the child --- */
-
-/* --- down --- */
+/* --- down to the child --- */
 
 /* TWIN, SPLIT and YIELD, about a unit that the child has. */
 static void

@@ -8,8 +8,9 @@
  * When the coordinator is lost, the children go on and results are kept.  When
  * it is back, be it in another life, and starts the job again, rows that it has
  * not acknowledged are sent first, then which units are not finished (STILL),
- * then READY; those that it has handed to others meanwhile it takes back. Until
- * then nothing new is sent either: it would come before what is kept. */
+ * then READY; the coordinator revokes units that it has handed to others
+ * meanwhile.  Until READY no new row is sent: it would overtake the kept ones.
+ */
 #include "config.h"
 
 #include "worker/worker.h"

@@ -68,7 +68,8 @@ void rad_quincunx_base(const struct rad_quincunx *q, int i, uint8_t *density,
                        struct rad_pixel *line);
 
 /* Fill the bar below base line i: rows[0] is base line i and rows[n] base line
- * i+1 (both given), n their distance; rows between are filled. */
+ * i+1 (both given), n their distance; rows between are filled.  Elsewhere bar
+ * i + 1: a *line* is a base line and the bar above it (team.h). */
 void rad_quincunx_bar(const struct rad_quincunx *q, int i,
                       struct rad_pixel *const rows[]);
 

@@ -6,8 +6,8 @@
  * afterwards, so one job serves any number of threads, each with a rad_ctx.
  * Work done here depends on scene, parameters and seed alone.
  * Thread: rad_job_new and rad_job_free on one thread with none rendering. */
-#ifndef RAD_SHADE_JOB_H
-#define RAD_SHADE_JOB_H
+#ifndef RAD_TRACE_JOB_H
+#define RAD_TRACE_JOB_H
 
 #include "base/arena.h"
 #include "base/error.h"

@@ -1,14 +1,14 @@
 /* material.h - what the modifiers of a scene do to a ray
  *
- * Every modifier type has one row in the table of shade/families.c: how to compile
- * its arguments once, and what it does to a ray.  A family of materials lives
- * in a file of its own (normal.c, glass.c, dielectric.c, emitter.c, mirror.c,
- * mist.c, antimatter.c, text.c, func.c); expr.c evaluates the functions that
- * any of them may hold.
+ * Every modifier type has one row in the table of shade/families.c: how to
+ * compile its arguments once, and what it does to a ray.  A family of modifiers
+ * lives in a file of its own: materials in shade/, those that reflect gloss in
+ * shade/gloss/, light sources in light/direct/emitter.c, patterns, textures and
+ * mixtures in pattern/.
  * A shader returns true when it was a material and has set r->L; a texture or
  * pattern changes r->pert or r->pattern and returns false. */
-#ifndef RAD_SHADE_MATERIAL_H
-#define RAD_SHADE_MATERIAL_H
+#ifndef RAD_TRACE_MATERIAL_H
+#define RAD_TRACE_MATERIAL_H
 
 #include "trace/ray.h"
 

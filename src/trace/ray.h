@@ -5,8 +5,8 @@
  * more.  A ray cannot fail: it misses, and brings back black.
  * L is radiance [W/sr/m^2] toward the ray's origin.
  * Source: Ward 1994, The RADIANCE lighting simulation and rendering system. */
-#ifndef RAD_SHADE_RAY_H
-#define RAD_SHADE_RAY_H
+#ifndef RAD_TRACE_RAY_H
+#define RAD_TRACE_RAY_H
 
 #include "base/color.h"
 #include "base/vec.h"

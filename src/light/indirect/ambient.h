@@ -4,8 +4,8 @@
  * point; nearby rays interpolate it instead of sampling the hemisphere again.
  * E is irradiance [W/m^2], not E/pi.  Points are double[3] in world space,
  * lengths in scene units, normals of unit length.
- * Growth: one append-only octree.  Readers never wait; an insertion is a
- * compare-and-swap on a list head; records are never moved or changed.
+ * Growth: append-only octrees (ambcache.c).  Readers never wait; an insertion
+ * is a compare-and-swap on a list head; records are never moved or changed.
  * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
  *          Ward & Heckbert 1992 (gradients);
  *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */

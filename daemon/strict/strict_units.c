@@ -1,4 +1,5 @@
-/* unit_table.c - the strict units of a child, found by number and by line */
+/* strict_units.c - the strict units of a child, found by number and by line,
+ * and the steps between their states (drawn in strict_unit.h) */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -31,26 +32,26 @@ const struct steps strict_fate_steps = {
 };
 
 void
-unit_advance(struct strict_unit *u, enum strict_progress to)
+strict_unit_advance(struct strict_unit *u, enum strict_progress to)
 {
     u->progress = (enum strict_progress)steps_take(&strict_progress_steps,
                                                    u->progress, to);
 }
 
 void
-unit_decide(struct strict_unit *u, enum strict_fate to)
+strict_unit_decide(struct strict_unit *u, enum strict_fate to)
 {
     u->fate = (enum strict_fate)steps_take(&strict_fate_steps, u->fate, to);
 }
 
 int
-unit_top(const struct strict_unit *u)
+strict_unit_top(const struct strict_unit *u)
 {
     return u->first - (u->above == ABOVE_MADE_HERE);
 }
 
 struct strict_unit *
-unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
+strict_unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
 {
     struct strict_unit *u = s->units;
 
@@ -73,7 +74,7 @@ last_slot(struct strict *s, uint32_t frame, int line)
 }
 
 void
-unit_link_first(struct strict *s, struct strict_unit *u)
+strict_unit_link_first(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = first_slot(s, u->frame, u->first);
 
@@ -83,7 +84,7 @@ unit_link_first(struct strict *s, struct strict_unit *u)
 }
 
 void
-unit_link_last(struct strict *s, struct strict_unit *u)
+strict_unit_link_last(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = last_slot(s, u->frame, u->last);
 
@@ -93,7 +94,7 @@ unit_link_last(struct strict *s, struct strict_unit *u)
 }
 
 void
-unit_unlink_first(struct strict *s, struct strict_unit *u)
+strict_unit_unlink_first(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = first_slot(s, u->frame, u->first);
 
@@ -104,7 +105,7 @@ unit_unlink_first(struct strict *s, struct strict_unit *u)
 }
 
 void
-unit_unlink_last(struct strict *s, struct strict_unit *u)
+strict_unit_unlink_last(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = last_slot(s, u->frame, u->last);
 
@@ -115,7 +116,7 @@ unit_unlink_last(struct strict *s, struct strict_unit *u)
 }
 
 void
-unit_free_guess(struct strict_unit *u)
+strict_unit_free_guess(struct strict_unit *u)
 {
     free(u->guess.pixels);
     free(u->guess.density);
@@ -125,7 +126,7 @@ unit_free_guess(struct strict_unit *u)
 }
 
 void
-unit_free_loan(struct loan *l)
+strict_unit_free_loan(struct loan *l)
 {
     if (!l)
         return;
@@ -135,19 +136,19 @@ unit_free_loan(struct loan *l)
 }
 
 void
-unit_free(struct strict_unit *u)
+strict_unit_free(struct strict_unit *u)
 {
     if (!u)
         return;
-    unit_free_guess(u);
+    strict_unit_free_guess(u);
     free(u->chain.density);
     free(u->cpu_ns);
-    unit_free_loan(u->loan);
+    strict_unit_free_loan(u->loan);
     free(u);
 }
 
 bool
-unit_count_lines(struct strict_unit *u)
+strict_unit_count_lines(struct strict_unit *u)
 {
     u->nlines = u->last - u->first + 1;
     u->cpu_ns = calloc((size_t)u->nlines, sizeof *u->cpu_ns);
@@ -155,7 +156,7 @@ unit_count_lines(struct strict_unit *u)
 }
 
 bool
-unit_has_top(const struct strict *s, const struct strict_unit *u)
+strict_unit_has_top(const struct strict *s, const struct strict_unit *u)
 {
     const struct edge *e;
 
@@ -167,7 +168,7 @@ unit_has_top(const struct strict *s, const struct strict_unit *u)
 
 /* The unit here whose bottom is this one's top; NULL: none. */
 struct strict_unit *
-unit_above(const struct strict *s, const struct strict_unit *u)
+strict_unit_above(const struct strict *s, const struct strict_unit *u)
 {
     struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
 
@@ -177,7 +178,7 @@ unit_above(const struct strict *s, const struct strict_unit *u)
 }
 
 struct strict_unit *
-unit_below(const struct strict *s, const struct strict_unit *u)
+strict_unit_below(const struct strict *s, const struct strict_unit *u)
 {
     struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
 
@@ -194,7 +195,7 @@ most(uint64_t a, uint64_t b)
 
 /* Each pass goes over the same lines again. */
 void
-unit_made(struct strict_unit *u, const struct team_made *made)
+strict_unit_made(struct strict_unit *u, const struct team_made *made)
 {
     u->made.base = most(u->made.base, made->base);
     u->made.bars = most(u->made.bars, made->bars);
