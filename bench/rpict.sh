@@ -13,7 +13,7 @@
 # in brackets rpict's seconds; one short of its aim is bold.  Progress, and what
 # each run took, goes to stderr.  Needs rpict and oconv on PATH.
 #
-# All scenes of the comparison in doc/accuracy.md, in the folder that holds
+# All scenes of the comparison in doc/measured.md, in the folder that holds
 # theirs, half an hour:
 #     rpict.sh --seconds=5 BUILD <bench/scenes.rows
 set -eu

@@ -6,7 +6,9 @@ dist_doc_DATA = \
 	README.md \
 	doc/accuracy.md \
 	doc/architecture.md \
+	doc/differences.md \
 	doc/glossary.md \
+	doc/measured.md \
 	doc/operations.md \
 	doc/performance.md \
 	doc/pixel.md \

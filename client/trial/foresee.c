@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* A tenth of what --dry-run takes: rays of the whole within a factor of 1.6 on
- * the rooms of doc/performance.md, once the fifth is added by which they were
+ * the rooms of doc/measured.md, once the fifth is added by which they were
  * too few on average: several workers make some records twice, and what is rare
  * in a picture has not been met. */
 static const double RARE = 1.2;

@@ -1,7 +1,7 @@
 /* doubt.c - see doubt.h
  *
  * The factors were fitted on a box and an office at night; a drafting room, a
- * room with mirrors, and the office by day were left out.  doc/accuracy.md has
+ * room with mirrors, and the office by day were left out.  doc/measured.md has
  * what they are off by. */
 #include "config.h"
 
