@@ -211,8 +211,9 @@ render_alone(struct world *w)
 
 /* --- the router --- */
 
-/* Facts and base lines may overtake others; the rest comes in order, and a base
- * line is with the coordinator before the rows of its unit are. */
+/* Facts may overtake others; the rest comes in order, as pieces of a base line
+ * from one sender do, and a base line is with the coordinator before the rows
+ * of its unit are. */
 static void
 post(struct world *w, struct event *e, bool in_order)
 {
@@ -260,7 +261,7 @@ post_bytes(struct world *w, int from, int to, uint16_t type,
         ck_assert_ptr_nonnull(e->payload);
         memcpy(e->payload, payload, len);
         e->len = len;
-        post(w, e, !pure || (type == MSG_BASE_LINE && to == COORD));
+        post(w, e, type != MSG_FACTS);
     }
 }
 

@@ -49,6 +49,7 @@ UNIT_TESTS = \
 	tests/check_handoff \
 	tests/check_back \
 	tests/check_owner \
+	tests/check_shelf \
 	tests/check_states \
 	tests/check_parked \
 	tests/check_yield \
@@ -526,6 +527,10 @@ tests_check_back_SOURCES = tests/check_back.c \
 	tests/lines_fixture.h tests/unit.h
 tests_check_back_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_back_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_shelf_SOURCES = tests/check_shelf.c tests/unit.h
+tests_check_shelf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_shelf_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_states_SOURCES = tests/check_states.c tests/unit.h
 tests_check_states_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

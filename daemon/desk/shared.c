@@ -5,14 +5,13 @@
 
 #include "desk/shared.h"
 
+#include "machine/shelf.h"
 #include "team/team.h"
 
 #include "picture/quincunx.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#define MOST_COLUMNS 16384 /* in one BASE_LINE of ours */
 
 struct shared_facts {
     struct shared_facts *next;
@@ -24,9 +23,8 @@ struct shared_facts {
 struct line {
     struct shared_facts *facts, **end; /* end: NULL while there are none */
     uint8_t *seen;     /* bitmap of all rows: facts that came; NULL: none */
-    uint8_t *bytes;    /* of the base line: densities, then pixels */
-    uint32_t nx, nd;   /* columns and densities that are there */
-    uint64_t whole_ms; /* since when all are; 0: not yet */
+    struct shelf shelf; /* the base line, as far as it is there */
+    uint64_t whole_ms;  /* since when it is whole; 0: it is not */
 };
 
 struct frame {
@@ -241,69 +239,48 @@ shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line)
 
 /* --- base lines --- */
 
+static struct shelf_size
+size_of(const struct shared *s, uint32_t frame)
+{
+    const struct frame *f = &s->frame[frame];
+
+    return (struct shelf_size){ (uint32_t)f->q.width, f->ndensity,
+                                s->channels };
+}
+
 bool
 shared_base_fits(const struct shared *s, const struct msg_base_line *m)
 {
-    const struct frame *f;
+    struct shelf_size size;
 
     if (!fits(s, m->frame, m->line, m->channels))
         return false;
-    f = &s->frame[m->frame];
-    return m->x + m->n <= (uint32_t)f->q.width &&
-           m->first + m->ndensity <= f->ndensity;
+    size = size_of(s, m->frame);
+    return shelf_fits(&size, m);
 }
 
 bool
 shared_put_base(struct shared *s, const struct msg_base_line *m,
                 uint64_t now_ms)
 {
-    struct frame *f = &s->frame[m->frame];
     struct line *l = make_line(s, m->frame, m->line);
-    uint32_t pixel = m->channels * 4u, width = (uint32_t)f->q.width;
+    struct shelf_size size = size_of(s, m->frame);
 
-    if (!l || l->whole_ms != 0 || m->x > l->nx || m->first > l->nd)
+    if (!l || l->whole_ms != 0 || shelf_put(&l->shelf, m) != 0 ||
+        !shelf_is_whole(&l->shelf, &size))
         return false;
-    if (!l->bytes)
-        l->bytes = malloc(f->ndensity + (size_t)width * pixel);
-    if (!l->bytes)
-        return false;
-    if (m->n > 0)
-        memcpy(l->bytes + f->ndensity + (size_t)m->x * pixel, m->pixels,
-               (size_t)m->n * pixel);
-    if (m->ndensity > 0)
-        memcpy(l->bytes + m->first, m->density, m->ndensity);
-    if (m->x + m->n > l->nx)
-        l->nx = m->x + m->n;
-    if (m->first + m->ndensity > l->nd)
-        l->nd = m->first + m->ndensity;
-    if (l->nx == width && l->nd == f->ndensity)
-        l->whole_ms = now_ms ? now_ms : 1;
-    return l->whole_ms != 0;
+    l->whole_ms = now_ms ? now_ms : 1;
+    return true;
 }
 
 bool
 shared_get_base(const struct shared *s, uint32_t frame, uint32_t line,
-                uint32_t x, uint32_t first, struct msg_base_line *m)
+                uint32_t *x, uint32_t *first, struct msg_base_line *m)
 {
-    const struct frame *f = &s->frame[frame];
     const struct line *l = find_line(s, frame, line);
-    uint32_t n;
 
-    if (!l || (l->nx <= x && l->nd <= first))
-        return false;
-    n = l->nx - x < MOST_COLUMNS ? l->nx - x : MOST_COLUMNS;
-    *m = (struct msg_base_line){
-        .frame = frame,
-        .line = line,
-        .x = x,
-        .n = n,
-        .first = first,
-        .ndensity = l->nd - first,
-        .channels = s->channels,
-        .density = l->bytes + first,
-        .pixels = l->bytes + f->ndensity + (size_t)x * s->channels * 4,
-    };
-    return true;
+    *m = (struct msg_base_line){ .frame = frame, .line = line };
+    return l && shelf_piece(&l->shelf, x, first, m);
 }
 
 uint32_t
@@ -317,15 +294,15 @@ shared_densities(const struct shared *s, uint32_t frame, uint32_t line)
 {
     const struct line *l = find_line(s, frame, line);
 
-    return l && l->whole_ms != 0 ? l->bytes : NULL;
+    return l && l->whole_ms != 0 ? l->shelf.density : NULL;
 }
 
 const uint8_t *
 shared_pixels(const struct shared *s, uint32_t frame, uint32_t line)
 {
-    const uint8_t *densities = shared_densities(s, frame, line);
+    const struct line *l = find_line(s, frame, line);
 
-    return densities ? densities + s->frame[frame].ndensity : NULL;
+    return l && l->whole_ms != 0 ? l->shelf.pixels : NULL;
 }
 
 uint64_t
@@ -339,9 +316,7 @@ shared_whole_ms(const struct shared *s, uint32_t frame, uint32_t line)
 static void
 drop_base(struct line *l)
 {
-    free(l->bytes);
-    l->bytes = NULL;
-    l->nx = l->nd = 0;
+    shelf_clear(&l->shelf);
     l->whole_ms = 0;
 }
 

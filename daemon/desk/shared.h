@@ -54,10 +54,10 @@ bool shared_base_fits(const struct shared *s, const struct msg_base_line *m);
 bool shared_put_base(struct shared *s, const struct msg_base_line *m,
                      uint64_t now_ms);
 
-/* The piece from `x`, density `first`, on, not wider than fits a message;
- * false: there is nothing more.  Valid until the line is dropped. */
+/* The piece from column *x and density *first on, which then stand behind it
+ * (shelf.h); false: there is nothing more.  Valid until the line is dropped. */
 bool shared_get_base(const struct shared *s, uint32_t frame, uint32_t line,
-                     uint32_t x, uint32_t first, struct msg_base_line *m);
+                     uint32_t *x, uint32_t *first, struct msg_base_line *m);
 
 /* How many densities a base line of the frame leaves; and those of one that is
  * whole (NULL: it is not), or its pixels. */

@@ -109,10 +109,9 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
     uint32_t x = 0, first = 0;
     struct msg m = { .type = MSG_BASE_LINE };
 
-    while (shared_get_base(job->shared, frame, line, x, first, &m.base_line)) {
+    while (
+        shared_get_base(job->shared, frame, line, &x, &first, &m.base_line)) {
         m.base_line.job = job->id;
-        x += m.base_line.n;
-        first += m.base_line.ndensity;
         actions_send(&c->actions, conn_of(job, go), &m);
         if (c->actions.n > 0)
             job->base_line_bytes += c->actions.v[c->actions.n - 1].len;

@@ -13,5 +13,7 @@ libdaemon_a_SOURCES += \
 	daemon/machine/steps.c \
 	daemon/machine/steps.h \
 	daemon/machine/saved.h \
+	daemon/machine/shelf.c \
+	daemon/machine/shelf.h \
 	daemon/machine/wordlist.c \
 	daemon/machine/wordlist.h

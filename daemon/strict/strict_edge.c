@@ -1,10 +1,10 @@
 /* strict_edge.c - the tops of the strict units
  *
- * They belong to a line (struct edge), and are put together from pieces, which
- * may come in any order, twice, or before the unit that needs them.  A bottom
- * that was made here is kept for a unit below that may come; since the
- * coordinator has a copy, an edge that nobody has asked for may go when there
- * are too many. */
+ * A top belongs to a line (struct edge).  Another worker's comes in pieces,
+ * twice or before the unit that needs it, and lies on a shelf until it is
+ * whole.  A bottom that was made here is kept for a unit below that may come;
+ * since the coordinator has a copy, an edge that nobody has asked for may go
+ * when there are too many. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -40,9 +40,9 @@ edge_free(struct edge *e)
 {
     if (!e)
         return;
+    shelf_clear(&e->shelf);
     free(e->pixels);
     free(e->density);
-    free(e->have);
     free(e);
 }
 
@@ -84,26 +84,17 @@ struct edge *
 edge_make(struct strict *s, uint32_t frame, int line)
 {
     struct edge *e = edge_find(s, frame, line), **at = &s->edges;
-    const struct frame *f = frame_of(s, frame);
-    size_t width = (size_t)f->q.width;
 
     if (e)
         return e;
     edges_limit(s);
     e = calloc(1, sizeof *e);
-    if (e) {
-        e->frame = frame;
-        e->line = line;
-        e->pixels = calloc(width, sizeof *e->pixels);
-        e->density = calloc(f->ndensity + 1, 1);
-        e->have = calloc(width + f->ndensity, 1);
-        e->missing = width + f->ndensity;
-    }
-    if (!e || !e->pixels || !e->density || !e->have) {
-        edge_free(e);
+    if (!e) {
         s->error = RAD_ENOMEM;
         return NULL;
     }
+    e->frame = frame;
+    e->line = line;
     while (*at)
         at = &(*at)->next;
     *at = e;
@@ -112,25 +103,80 @@ edge_make(struct strict *s, uint32_t frame, int line)
     return e;
 }
 
-static void
-edge_have(struct edge *e, size_t i)
+/* Room for the values of a line that is whole now. */
+static bool
+edge_alloc(struct strict *s, struct edge *e)
 {
-    e->missing -= !e->have[i];
-    e->have[i] = 1;
+    const struct frame *f = frame_of(s, e->frame);
+
+    e->pixels = malloc((size_t)f->q.width * sizeof *e->pixels);
+    e->density = malloc(f->ndensity + 1);
+    if (e->pixels && e->density)
+        return true;
+    free(e->pixels);
+    free(e->density);
+    e->pixels = NULL;
+    e->density = NULL;
+    s->error = RAD_ENOMEM;
+    return false;
 }
 
-void
-edge_pixel(struct edge *e, int x, const struct rad_pixel *p)
+bool
+edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
+         const uint8_t *density)
 {
-    e->pixels[x] = *p;
-    edge_have(e, (size_t)x);
+    const struct frame *f = frame_of(s, e->frame);
+
+    if (e->pixels)
+        return true;
+    if (!edge_alloc(s, e))
+        return false;
+    memcpy(e->pixels, pixels, (size_t)f->q.width * sizeof *e->pixels);
+    if (f->ndensity > 0)
+        memcpy(e->density, density, f->ndensity);
+    shelf_clear(&e->shelf);
+    return true;
 }
 
-void
-edge_density(struct edge *e, const struct frame *f, size_t d, uint8_t density)
+static struct rad_pixel
+pixel_of(const uint8_t *from, uint8_t channels)
 {
-    e->density[d] = density;
-    edge_have(e, (size_t)f->q.width + d);
+    float v[4] = { 0 };
+
+    wire_floats_get(v, from, channels);
+    return (struct rad_pixel){ .L = rad_rgb(v[0], v[1], v[2]), .z = v[3] };
+}
+
+bool
+edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m)
+{
+    const struct frame *f = frame_of(s, e->frame);
+    struct shelf_size size = edge_size(s, e->frame);
+
+    if (e->pixels)
+        return false;
+    if (shelf_put(&e->shelf, m) != 0) {
+        s->error = RAD_ENOMEM;
+        return false;
+    }
+    if (!shelf_is_whole(&e->shelf, &size) || !edge_alloc(s, e))
+        return false;
+    for (int x = 0; x < f->q.width; x++)
+        e->pixels[x] = pixel_of(e->shelf.pixels + (size_t)x * size.channels * 4,
+                                size.channels);
+    if (f->ndensity > 0)
+        memcpy(e->density, e->shelf.density, f->ndensity);
+    shelf_clear(&e->shelf);
+    return true;
+}
+
+struct shelf_size
+edge_size(const struct strict *s, uint32_t frame)
+{
+    const struct frame *f = frame_of(s, frame);
+
+    return (struct shelf_size){ (uint32_t)f->q.width, (uint32_t)f->ndensity,
+                                (uint8_t)channels_of(f) };
 }
 
 void

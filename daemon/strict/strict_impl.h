@@ -124,9 +124,13 @@ struct edge *edge_find(const struct strict *s, uint32_t frame, int line);
 struct edge *edge_make(struct strict *s, uint32_t frame, int line);
 /* Free it, if no unit needs it. */
 void edge_drop(struct strict *s, uint32_t frame, int line);
-void edge_pixel(struct edge *e, int x, const struct rad_pixel *p);
-void edge_density(struct edge *e, const struct frame *f, size_t d,
-                  uint8_t density);
+/* The line was made here, and is whole; false: memory is out. */
+bool edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
+              const uint8_t *density);
+/* A piece that fits came.  True: it makes the line whole. */
+bool edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m);
+/* Of the lines of a frame. */
+struct shelf_size edge_size(const struct strict *s, uint32_t frame);
 void edge_release(struct strict *s);
 
 /* --- strict_out.c --- */

@@ -30,15 +30,10 @@ guess_holds(const struct strict *s, const struct strict_unit *u,
 static const struct edge *
 make_guess_true(struct strict *s, struct strict_unit *u)
 {
-    const struct frame *f = frame_of(s, u->frame);
     struct edge *e = edge_make(s, u->frame, u->last - 1);
 
-    if (!e)
+    if (!e || !edge_set(s, e, u->guess.pixels, u->guess.density))
         return NULL;
-    for (int x = 0; x < f->q.width; x++)
-        edge_pixel(e, x, &u->guess.pixels[x]);
-    for (size_t d = 0; d < f->ndensity; d++)
-        edge_density(e, f, d, u->guess.density[d]);
     u->bottom_done = true;
     out_bottom(s, u, u->guess.pixels, u->guess.density);
     return e;
@@ -113,7 +108,7 @@ set_top(struct strict *s, struct strict_pass *p)
     if (p->first < u->first && u->above != ABOVE_MADE_HERE)
         return true; /* with densities it might want more */
     /* of a line that is another's only the base line is made, not the bar */
-    if (e && e->missing == 0) {
+    if (e && e->pixels) {
         p->top_known = TEAM_SURE;
         return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
                         e->density);
@@ -248,46 +243,24 @@ strict_next(struct strict *s, enum strict_rank least)
 static bool
 base_line_fits(const struct strict *s, const struct msg_base_line *m)
 {
-    const struct frame *f;
+    struct shelf_size size;
 
-    if (m->frame >= s->nframes)
+    if (m->frame >= s->nframes ||
+        m->line >= (uint32_t)frame_of(s, m->frame)->nlines - 1)
         return false;
-    f = frame_of(s, m->frame);
-    return m->line < (uint32_t)f->nlines - 1 && m->x <= (uint32_t)f->q.width &&
-           m->n <= (uint32_t)f->q.width - m->x && m->first <= f->ndensity &&
-           m->ndensity <= f->ndensity - m->first &&
-           m->channels == channels_of(f);
-}
-
-static void
-take_pixel(struct edge *e, uint32_t x, const uint8_t *from, int channels)
-{
-    struct rad_pixel p = { .z = 0 };
-    float v[4];
-
-    wire_floats_get(v, from, (size_t)channels);
-    p.L = rad_rgb(v[0], v[1], v[2]);
-    if (channels == 4)
-        p.z = v[3];
-    edge_pixel(e, (int)x, &p);
+    size = edge_size(s, m->frame);
+    return shelf_fits(&size, m);
 }
 
 void
 strict_base_line(struct strict *s, const struct msg_base_line *m)
 {
-    size_t size = m->channels * sizeof(float);
     struct edge *e;
 
     if (!base_line_fits(s, m))
         return;
     e = edge_make(s, m->frame, (int)m->line);
-    if (!e || e->missing == 0)
-        return;
-    for (uint32_t i = 0; i < m->n; i++)
-        take_pixel(e, m->x + i, m->pixels + i * size, m->channels);
-    for (uint32_t i = 0; i < m->ndensity; i++)
-        edge_density(e, frame_of(s, m->frame), m->first + i, m->density[i]);
-    if (e->missing == 0)
+    if (e && edge_put(s, e, m))
         pass_top_came(s, e);
 }
 
@@ -308,16 +281,13 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
         !(e = edge_make(s, p->frame, p->last - 1)))
         return;
     out_piece(s, p, columns, densities, pixels, density);
-    for (int x = p->sent_columns; x < columns; x++)
-        edge_pixel(e, x, &pixels[x]);
-    for (size_t d = p->sent_densities; d < densities; d++)
-        edge_density(e, f, d, density[d]);
     p->sent_columns = p->of->sent_columns = columns;
     p->sent_densities = p->of->sent_densities = densities;
     if (!all)
         return;
     p->of->bottom_done = true;
-    pass_top_came(s, e);
+    if (edge_set(s, e, pixels, density))
+        pass_top_came(s, e);
 }
 
 /* LINES or AHEAD is done: its bottom is a guess for the unit below. */

@@ -4,6 +4,7 @@
 #ifndef DAEMON_STRICT_STATE_H
 #define DAEMON_STRICT_STATE_H
 
+#include "machine/shelf.h"
 #include "strict/strict_unit.h"
 
 #include <stdatomic.h>
@@ -18,10 +19,10 @@ struct edge {
     struct edge *chained; /* in its slot */
     uint32_t frame;
     int line;
-    struct rad_pixel *pixels; /* the width */
+    struct shelf
+        shelf; /* what came of it from others; empty once it is whole */
+    struct rad_pixel *pixels; /* the width; NULL: it is not whole */
     uint8_t *density;
-    uint8_t *have;  /* by column, then by density: it is there */
-    size_t missing; /* how many are not */
 };
 
 /* Columns that another worker lends, and what its pixels point to. */

@@ -163,7 +163,7 @@ strict_unit_has_top(const struct strict *s, const struct strict_unit *u)
     if (u->first == 0)
         return true;
     e = edge_find(s, u->frame, u->first - 1);
-    return e && e->missing == 0;
+    return e && e->pixels;
 }
 
 /* The unit here whose bottom is this one's top; NULL: none. */

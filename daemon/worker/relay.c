@@ -13,6 +13,7 @@
 
 #include "worker/relay.h"
 
+#include "machine/shelf.h"
 #include "worker/peer.h"
 #include "worker/state.h"
 #include "worker/wjob.h"
@@ -23,17 +24,13 @@
 
 #define MOST_BYTES   ((size_t)64 << 20) /* of kept lines of a job */
 #define MOST_LINES   65536              /* kept, or known by name */
-#define MOST_COLUMNS 16384              /* in one BASE_LINE */
 #define BUCKETS      256
 
 struct rline {
     struct rline *next;    /* the newer one */
     struct rline *chained; /* in its bucket */
     uint32_t frame, line;
-    uint8_t channels;
-    uint32_t nx, nd; /* columns and densities that are there */
-    uint8_t *pixels, *density;
-    size_t pixels_room, density_room;
+    struct shelf shelf;
     char name[MSG_MAX_NAME + 1]; /* who waits for it; "": nobody */
     uint32_t to;                 /* peer that the next two are of; 0: none */
     uint32_t sent_x, sent_d;
@@ -76,9 +73,8 @@ drop_oldest(struct relay *r)
     if (!r->first)
         r->end = &r->first;
     r->n--;
-    r->bytes -= l->pixels_room + l->density_room;
-    free(l->pixels);
-    free(l->density);
+    r->bytes -= shelf_bytes(&l->shelf);
+    shelf_clear(&l->shelf);
     free(l);
 }
 
@@ -126,45 +122,14 @@ relay_release(struct wjob *job)
 
 /* --- pieces --- */
 
-/* Room for so many bytes; false when memory is out. */
-static bool
-grow(struct relay *r, uint8_t **v, size_t *room, size_t n)
-{
-    uint8_t *p;
-
-    if (n <= *room)
-        return true;
-    n = n < 2 * *room ? 2 * *room : n;
-    p = realloc(*v, n);
-    if (!p)
-        return false;
-    r->bytes += n - *room;
-    *v = p;
-    *room = n;
-    return true;
-}
-
-/* Put a piece to those that are there; one that leaves a gap is ignored. */
 static bool
 put(struct relay *r, struct rline *l, const struct msg_base_line *m)
 {
-    uint32_t nx = m->x + m->n, nd = m->first + m->ndensity;
-    size_t pixel = m->channels * 4u;
+    size_t before = shelf_bytes(&l->shelf);
+    int rc = shelf_put(&l->shelf, m);
 
-    if (m->x > l->nx || m->first > l->nd ||
-        (l->channels != 0 && l->channels != m->channels))
-        return true;
-    if (!grow(r, &l->pixels, &l->pixels_room, nx * pixel) ||
-        !grow(r, &l->density, &l->density_room, nd))
-        return false;
-    l->channels = m->channels;
-    if (m->n > 0)
-        memcpy(l->pixels + m->x * pixel, m->pixels, m->n * pixel);
-    if (m->ndensity > 0)
-        memcpy(l->density + m->first, m->density, m->ndensity);
-    l->nx = nx > l->nx ? nx : l->nx;
-    l->nd = nd > l->nd ? nd : l->nd;
-    return true;
+    r->bytes += shelf_bytes(&l->shelf) - before;
+    return rc == 0;
 }
 
 /* The piece from column *x and density *first on, which then stand behind it;
@@ -173,25 +138,10 @@ static bool
 piece(const struct wjob *job, const struct rline *l, uint32_t *x,
       uint32_t *first, struct msg_base_line *m)
 {
-    uint32_t n = l->nx - *x;
-
-    if (n == 0 && *first == l->nd)
-        return false;
-    n = n < MOST_COLUMNS ? n : MOST_COLUMNS;
     *m = (struct msg_base_line){ .job = job->id,
                                  .frame = l->frame,
-                                 .line = l->line,
-                                 .x = *x,
-                                 .n = n,
-                                 .first = *first,
-                                 .ndensity = l->nd - *first,
-                                 .channels = l->channels,
-                                 .density = l->density + *first,
-                                 .pixels =
-                                     l->pixels + (size_t)*x * l->channels * 4 };
-    *x += n;
-    *first = l->nd;
-    return true;
+                                 .line = l->line };
+    return shelf_piece(&l->shelf, x, first, m);
 }
 
 /* --- to peers --- */

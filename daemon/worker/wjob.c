@@ -8,6 +8,7 @@
 
 #include "worker/wjob.h"
 
+#include "machine/shelf.h"
 #include "worker/state.h"
 
 #include <stdlib.h>
@@ -229,11 +230,13 @@ wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
     job->state = WJOB_IDLE;
 }
 
-/* The child knows the frame, and looks closer. */
+/* Of what the worker knows: densities are at most one for each column, and the
+ * child knows the frame. */
 bool
 wjob_fits_line(const struct wjob *job, const struct msg_base_line *m)
 {
-    return m->frame < job->nframes && m->channels == job->channels &&
-           m->line + 1 < job->height && m->x + m->n <= job->width &&
-           m->first + m->ndensity <= job->width;
+    const struct shelf_size most = { job->width, job->width, job->channels };
+
+    return m->frame < job->nframes && m->line + 1 < job->height &&
+           shelf_fits(&most, m);
 }
