@@ -15,13 +15,12 @@
 
 /* The base line under some unit, true. */
 struct edge {
-    struct edge *next;    /* the newer one */
-    struct edge *chained; /* in its slot */
+    struct edge *next;    /* the next newer edge */
+    struct edge *chained; /* the next edge in the same slot */
     uint32_t frame;
     int line;
-    struct shelf
-        shelf; /* what came of it from others; empty once it is whole */
-    struct rad_pixel *pixels; /* the width; NULL: it is not whole */
+    struct shelf shelf;   /* pieces from other workers; empty once all came */
+    struct rad_pixel *pixels; /* the width; NULL: the edge is not whole */
     uint8_t *density;
 };
 
@@ -49,20 +48,20 @@ struct item {
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
-    int row;                  /* of FACTS: those above are out */
+    int row;                  /* of FACTS: those of rows above were sent */
     uint32_t x, n;            /* of PIECE */
     uint32_t first, ndensity; /* of PIECE */
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
     uint32_t nlines;          /* of LINE_COSTS, from line on */
-    uint64_t *cpu_ns;         /* of LINE_COSTS: so many */
-    struct msg_loan loan;     /* of LOAN; bytes: what it points to */
+    uint64_t *cpu_ns;         /* of LINE_COSTS: nlines values */
+    struct msg_loan loan;     /* of LOAN; its pointers are into bytes */
     struct msg_counts counts; /* of PAID */
 };
 
-/* A line whose facts came before a unit that has it, as they do with a unit
- * that others were at. */
+/* A line whose facts came before its unit, as they do for a unit that another
+ * worker had before. */
 struct early {
-    struct early *next; /* the later one */
+    struct early *next; /* the next later line */
     uint32_t frame;
     int line;
     size_t bytes;
@@ -92,7 +91,7 @@ struct strict {
     size_t early_bytes;
     struct queue urgent, lazy;
     struct msg_counts dropped;
-    struct item *saying; /* what the message lies in */
+    struct item *saying; /* owns the memory that msg points to */
     struct msg msg;
     uint8_t *bitmap, *bytes; /* of the message */
     float *floats;

@@ -215,8 +215,8 @@ strict_unit_split_idle(struct strict *s, struct strict_unit *u)
     strict_unit_give_lines(s, u, u->last - (u->last - from) / 2);
 }
 
-/* What is not told of it by now is: whoever gets it traces none of that again.
- * What was lent of it is not its affair any more. */
+/* Send all facts of the unit that were not sent: the worker that gets the unit
+ * next traces none of them again.  Columns that the unit lent are forgotten. */
 void
 strict_unit_hand_back(struct strict *s, struct strict_unit *u)
 {

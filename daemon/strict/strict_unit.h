@@ -42,40 +42,40 @@ enum strict_fate {
 #define STRICT_FATES 5
 extern const struct steps strict_fate_steps;
 
-/* The base line above a unit, number first - 1, when it is gone over ahead. */
+/* The colours of base line first - 1, above the unit, in passes ahead. */
 enum strict_above {
-    ABOVE_LEFT_OUT,
-    ABOVE_MADE_HERE, /* since nobody else makes it */
-    ABOVE_KNOWN      /* with the facts of whoever has it, which are all that a
-                      * guess wants */
+    ABOVE_LEFT_OUT,  /* the first bar is not traced ahead */
+    ABOVE_MADE_HERE, /* traced here, for no other worker has that line */
+    ABOVE_KNOWN      /* the facts of that line came from another worker */
 };
 
 /* How long a unit has waited for its top; changed by strict_unit.c. */
 struct strict_wait {
     bool waiting;
-    bool kept; /* its facts are out, or about to be, in case its child dies */
-    uint64_t since_ms; /* waiting: from when */
+    bool kept; /* the unit's facts were sent, or are queued, lest the child's
+                * death lose them */
+    uint64_t since_ms; /* if waiting: from then on */
 };
 
 /* Columns of line last - 1 that other workers have; changed by strict_loan.c.
  */
 struct strict_lending {
     struct team_blocks lent;
-    double part;  /* a part of the line is asked for; 0: none is */
-    bool blocked; /* TRUTH has done all but these */
+    double part;  /* the part of the line that LEND asks for; 0: no LEND */
+    bool blocked; /* TRUTH has done all columns but the lent ones */
 };
 
 /* The bottom after LINES or AHEAD; changed by strict_pass.c. */
 struct strict_guess {
     struct rad_pixel *pixels; /* NULL: none yet */
     uint8_t *density;
-    uint8_t *above; /* the densities that it follows from; NULL: it was made of
-                     * nothing */
-    int known;      /* lines that it is made of, at most TEAM_SURE */
+    uint8_t *above; /* the top's densities that the guess was made from; NULL:
+                     * from none */
+    int known;      /* how many lines above are in it, at most TEAM_SURE */
 };
 
-/* Densities after lines [first, last), each made from those of the line above,
- * all over facts that are here; changed by strict_pass.c. */
+/* Densities that lines [first, last) leave, each line's made from those of the
+ * line above, over facts that are here; changed by strict_pass.c. */
 struct strict_chain {
     uint8_t *density; /* NULL: none */
     int first, last;
@@ -83,7 +83,8 @@ struct strict_chain {
 
 struct strict_unit {
     struct strict_unit *next;
-    struct strict_unit *same_first, *same_last; /* in their slots; the newer */
+    struct strict_unit *same_first, *same_last; /* the newer units in the slots
+                                                 * of by_first and by_last */
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) */
     enum team_end end;
@@ -93,22 +94,22 @@ struct strict_unit {
     enum strict_progress progress; /* by strict_unit_advance() alone */
     enum strict_fate fate;         /* by strict_unit_decide() alone */
     int filled;       /* lines before this one have their bars, as facts */
-    bool bottom_done; /* the bottom is out, true */
-    bool parked;      /* said, or about to be */
-    int out;          /* lines before it were handed on, by TRUTH that ended
-                       * early */
-    int sent_columns; /* of the bottom, true */
+    bool bottom_done; /* the true bottom was sent */
+    bool parked;      /* PARKED was sent, or is queued */
+    int out;          /* lines before this one were handed on, by a TRUTH that
+                       * ended early */
+    int sent_columns; /* of the true bottom */
     size_t sent_densities;
     struct strict_lending lending;
-    struct loan *loan; /* what another worker lends, which is all that there is
-                        * of this unit; NULL: it is one */
+    struct loan *loan; /* the unit is columns that another worker lends; NULL:
+                        * the unit is lines */
     struct strict_wait wait;
     struct strict_pass *pass;
-    struct msg_counts spent; /* by its passes so far */
-    struct team_made made;   /* the most that one of them went over */
-    uint64_t *cpu_ns; /* of that, by line, its top's first; a team adds to
+    struct msg_counts spent; /* by the unit's passes so far */
+    struct team_made made;   /* the most that any pass went over */
+    uint64_t *cpu_ns; /* time spent, by line from first - 1 on; a team adds to
                        * it during a pass */
-    int nlines;       /* so many; it may have given some away */
+    int nlines;       /* in cpu_ns: lines given away are among them */
     struct strict_guess guess;
     struct strict_chain chain;
 };
