@@ -1,10 +1,10 @@
 /* strict_edge.c - the tops of the strict units
  *
- * A top belongs to a line (struct edge).  Another worker's comes in pieces,
- * twice or before the unit that needs it, and lies on a shelf until it is
- * whole.  A bottom that was made here is kept for a unit below that may come;
- * since the coordinator has a copy, an edge that nobody has asked for may go
- * when there are too many. */
+ * A top belongs to a line (struct edge).  Pieces of a top that another worker
+ * makes may come twice, or before the unit that needs it, and lie on a shelf
+ * until all are there.  Bottoms that this child made are kept for units below
+ * that may come; when there are too many edges those without a unit are freed,
+ * since the coordinator has a copy. */
 #include "config.h"
 
 #include "strict/strict_impl.h"

@@ -1,9 +1,9 @@
 /* strict_facts.c - the facts of the strict units' lines
  *
- * Facts belong to a line, not to a unit: they stay while a unit here covers the
- * line, or while they wait to be sent.  So what one unit traced ahead of
- * another's last line serves when that line comes here, and a unit that is
- * split leaves its facts to the next. */
+ * Facts belong to a line, not to a unit.  A line's facts stay while a unit of
+ * this child covers the line, or while they wait to be sent.  So facts that one
+ * unit made of the base line above it serve the unit which has that line, and a
+ * unit that is split leaves its facts to the next. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -14,7 +14,8 @@
 /* Bytes of facts that no unit here asks for. */
 #define SPARE_FACTS (64u << 20)
 
-/* Lazy ones are of units that are there. */
+/* Are facts of the line in the urgent queue?  (Those in the lazy queue are of
+ * units that are here, which keep them.) */
 static bool
 is_to_be_sent(const struct strict *s, uint32_t frame, int line)
 {
@@ -24,7 +25,7 @@ is_to_be_sent(const struct strict *s, uint32_t frame, int line)
     return false;
 }
 
-/* By another unit than that, or to be sent? */
+/* Does another unit need the line's facts, or are they to be sent? */
 static bool
 is_needed_but_for(const struct strict *s, uint32_t frame, int line,
                   const struct strict_unit *by)
@@ -51,7 +52,7 @@ facts_at(const struct strict *s, uint32_t frame, int line)
     return atomic_load_explicit(&f->facts[line], memory_order_relaxed);
 }
 
-/* Room for the facts of a frame's lines; teams look there for new ones. */
+/* Allocate the table of a frame's facts by line; teams find new facts there. */
 bool
 facts_make_table(struct strict *s, uint32_t frame)
 {
@@ -64,7 +65,7 @@ facts_make_table(struct strict *s, uint32_t frame)
     return f->facts;
 }
 
-/* Facts of a line, new ones if there are none; NULL: memory is out. */
+/* The facts of a line, made empty if need be; NULL: memory is out. */
 static struct rad_facts *
 facts_make(struct strict *s, uint32_t frame, int line)
 {
@@ -166,7 +167,7 @@ early_add(struct strict *s, uint32_t frame, int line)
     }
 }
 
-/* With many frames, do not keep what those that are done had. */
+/* Of many frames, those that are done keep no table. */
 void
 facts_drop_table(struct strict *s, uint32_t frame)
 {
@@ -182,7 +183,7 @@ facts_drop_table(struct strict *s, uint32_t frame)
     f->facts = NULL;
 }
 
-/* Those of a line that go with the unit; NULL: there are none. */
+/* The facts of a line that are freed with the unit; NULL: there are none. */
 static const struct rad_facts *
 facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
 {
@@ -191,7 +192,7 @@ facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
     return facts && !is_needed_but_for(s, u->frame, line, u) ? facts : NULL;
 }
 
-/* Of these, what nobody was told of. */
+/* How many of these were sent to nobody. */
 static uint64_t
 untold(const struct strict *s, const struct strict_unit *u, int line)
 {
@@ -244,7 +245,7 @@ facts_fit(const struct strict *s, const struct msg_facts *m)
            m->channels == channels_of(f);
 }
 
-/* A line that is gone over to see whether facts are all that it wants. */
+/* A line that is sampled over facts alone, to see whether any pixel lacks. */
 struct trial {
     const struct rad_facts *facts;
     bool lacks;

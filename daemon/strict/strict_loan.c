@@ -1,7 +1,7 @@
 /* strict_loan.c - columns that are lent, and that others lend
  *
- * The lender leaves them out of what it traces, and needs their facts for its
- * rows.  Whoever gets them has no unit but these columns of one line. */
+ * The lender leaves these columns out of its passes, and needs their facts for
+ * its rows.  To the borrower the columns, of one line, are a unit. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -70,7 +70,7 @@ strict_blocked(struct strict *s, struct strict_pass *p, int finished)
     struct strict_unit *u = p->of;
 
     (void)s;
-    u->lending.blocked = loan_is_out(u); /* they may have come back just now */
+    u->lending.blocked = loan_is_out(u); /* a BACK may have come just now */
     u->lending.lent.ever = UINT64_MAX;   /* nothing but that is left */
     u->parked = false;
     if (p->mode == TEAM_TRUTH && finished > u->out)
@@ -99,13 +99,13 @@ strict_back(struct strict *s, const struct msg_back *m)
     if (blocked)
         rank_make_way(s);
     if (u->parked)
-        out_resumed(s, u); /* it may have said so when BACK was on its way */
-    u->parked = false;     /* it may come to wait for something else */
+        out_resumed(s, u); /* PARKED may have been sent while BACK came */
+    u->parked = false;     /* the unit may come to wait for its top */
     if (u->pass)
         u->pass->back |= blocks;
 }
 
-/* --- what others lend --- */
+/* --- columns that other workers lend --- */
 
 static bool
 loan_fits(const struct strict *s, const struct msg_loan *m)
@@ -134,7 +134,8 @@ get_pixels(struct rad_pixel *to, const uint8_t *from, uint32_t n, int channels)
     }
 }
 
-/* What the message lends for as long as it lasts; NULL: memory is out. */
+/* A copy of the message's loan, whose own memory goes with the message; NULL:
+ * memory is out. */
 static struct loan *
 copy_loan(const struct msg_loan *m)
 {

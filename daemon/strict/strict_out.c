@@ -1,8 +1,9 @@
-/* strict_out.c - what the strict units have to say
+/* strict_out.c - the messages of the strict units
  *
- * It is of two kinds: what others may wait for is sent at once, the facts of
- * parked units, which only a lost worker makes needed, when there is room;
- * these are dropped when the top comes first. */
+ * There are two queues.  Urgent messages, for which other workers may wait, are
+ * sent at once.  Lazy ones are the facts of parked units, needed only if this
+ * worker is lost: they are sent when there is room, and dropped if the unit's
+ * top comes before. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -146,7 +147,7 @@ out_paid(struct strict *s, const struct strict_unit *u)
     push(s, &s->urgent, &it);
 }
 
-/* Without memory nobody learns of it. */
+/* If memory is out the message is left out: the job goes on without it. */
 void
 out_line_costs(struct strict *s, const struct strict_unit *u)
 {
@@ -209,7 +210,7 @@ fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
     return true;
 }
 
-/* What a LOAN points to; false: memory is out. */
+/* Copy the arrays of a LOAN into the item; false: memory is out. */
 static bool
 fill_loan(struct strict *s, struct item *it, const struct team_loan *loan)
 {
@@ -261,7 +262,8 @@ out_loan(struct strict *s, const struct strict_unit *u,
         free(it.bytes);
 }
 
-/* The last of a queue, if that piece continues it; else NULL. */
+/* The last item of a queue, if the piece `it` continues that item; else NULL.
+ */
 static struct item *
 continued(const struct queue *q, const struct item *it)
 {
@@ -274,8 +276,8 @@ continued(const struct queue *q, const struct item *it)
                : NULL;
 }
 
-/* Where all is known already a line's pieces come faster than they go out: then
- * they are one. */
+/* Over facts pieces of a line come faster than they are sent: a piece that
+ * continues the last one in the queue is put to that. */
 void
 out_piece(struct strict *s, const struct strict_pass *p, int columns,
           size_t densities, const struct rad_pixel *pixels,
@@ -463,7 +465,7 @@ strict_message(struct strict *s, bool room)
         bool said = say(s, it);
 
         if (said && it->kind == ITEM_FACTS)
-            return &s->msg; /* there may be more of it */
+            return &s->msg; /* the item stays: there may be more facts */
         pop(q);
         if (said) {
             s->saying = it;

@@ -1,8 +1,9 @@
-/* strict_pass.c - what is done for a strict unit next
+/* strict_pass.c - the passes of strict units: how they begin and end
  *
- * A pass begins with what is known of its top, ends with a bottom that is a
- * guess or true, and is told to end when the guess that it follows from becomes
- * the truth.  Which unit gets the next pass is strict_rank.c's to say. */
+ * A pass begins with the colours and densities that are known of its unit's
+ * top, and ends with a bottom that is a guess or true.  It is told to end early
+ * when the true top comes in place of a guess.  strict_rank.c decides which
+ * unit gets the next pass. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -10,11 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pixels of a unit whose facts are kept in case that it gets a twin. */
+/* The most pixels of a unit whose facts are kept in case it gets a twin. */
 #define MOST_KEPT (1 << 22)
 
-/* Its bottom was guessed from these densities: then it is true, since a base
- * line needs nothing else of the one above. */
+/* Was the unit's bottom guessed from just these densities?  Then the bottom is
+ * true, since a base line depends on the densities above alone. */
 static bool
 guess_holds(const struct strict *s, const struct strict_unit *u,
             const uint8_t *density)
@@ -39,8 +40,8 @@ make_guess_true(struct strict *s, struct strict_unit *u)
     return e;
 }
 
-/* An edge is there; returns that of a unit below whose bottom is true now,
- * too. */
+/* An edge is complete.  If that makes the bottom of the unit below true as
+ * well, return the edge of that bottom; else NULL. */
 static const struct edge *
 top_came(struct strict *s, const struct edge *e, bool *idle)
 {
@@ -72,7 +73,7 @@ pass_top_came(struct strict *s, const struct edge *e)
         rank_make_way(s);
 }
 
-/* Copy what there is of a top: pixels may be NULL. */
+/* Copy a top, of which the pixels may be NULL. */
 static bool
 copy_top(const struct strict *s, struct strict_pass *p,
          const struct rad_pixel *pixels, const uint8_t *density)
@@ -95,7 +96,7 @@ copy_top(const struct strict *s, struct strict_pass *p,
     return true;
 }
 
-/* The top of a pass, as it is known. */
+/* Set the top of a pass: true, guessed, or the part that is known. */
 static bool
 set_top(struct strict *s, struct strict_pass *p)
 {
@@ -106,8 +107,8 @@ set_top(struct strict *s, struct strict_pass *p)
         return true;
     p->top_known = p->first > 0 ? 0 : TEAM_SURE;
     if (p->first < u->first && u->above != ABOVE_MADE_HERE)
-        return true; /* with densities it might want more */
-    /* of a line that is another's only the base line is made, not the bar */
+        return true; /* with densities the pass might trace needless pixels */
+    /* of a line of another unit only the base line is made, not the bar */
     if (e && e->pixels) {
         p->top_known = TEAM_SURE;
         return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
@@ -140,9 +141,9 @@ mode_of(enum strict_rank rank)
                                   : TEAM_LINES;
 }
 
-/* What is traced under a true top is of use if others come to the unit before
- * its end; they do not to a whole frame, nor to much as long as there is less.
- */
+/* May another worker get the unit, or lines of it, before the unit's end?  Then
+ * facts that are traced under the true top are of use.  A unit that is a whole
+ * frame, or very large, hardly ever goes to another worker. */
 static bool
 may_get_help(const struct strict *s, const struct strict_unit *u)
 {
@@ -165,8 +166,8 @@ filled_until(const struct strict *s, const struct strict_unit *u)
                : u->first;
 }
 
-/* What the pass records of its lines, or has to hold them against.  Without
- * memory it goes without. */
+/* Set the densities that the pass records by line, or those of an earlier pass
+ * that it compares with.  Without memory the pass does neither. */
 static void
 set_chain(const struct strict *s, struct strict_pass *p)
 {
@@ -181,7 +182,7 @@ set_chain(const struct strict *s, struct strict_pass *p)
         return;
     }
     p->earlier = u->chain.density + (size_t)(p->first - u->chain.first) * n;
-    p->filled = p->first; /* bars are there, or want lines that are left out */
+    p->filled = p->first; /* bars are facts, or need lines that are left out */
 }
 
 static struct strict_pass *
@@ -340,7 +341,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         keep_guess(s, p, pixels, density);
 }
 
-/* TRUTH is made: what the unit cost. */
+/* TRUTH came to its end: sum the cost of the unit. */
 static void
 end_truth(struct strict *s, struct strict_pass *p,
           const struct rad_pixel *pixels, const uint8_t *density,
@@ -354,14 +355,14 @@ end_truth(struct strict *s, struct strict_pass *p,
     out_line_costs(s, u);
     *total = u->spent;
     total->speculative_rays = facts_unused(s, u);
-    /* a unit below that made its top may have them still */
+    /* a unit below that made its top may still have facts of these lines */
     for (int i = u->first; i < u->last; i++)
         if (facts_at(s, u->frame, i))
             rad_facts_settle(facts_at(s, u->frame, i));
 }
 
-/* Forget the unit and, if it is done, the top that it needed.  One that was
- * revoked may come again, and its top may have come already: before it. */
+/* Forget the unit and, if the unit is done, its top.  A unit that was revoked
+ * may come again, and its top may already have come again before it. */
 static void
 end_unit(struct strict *s, struct strict_unit *u, bool over)
 {
@@ -373,7 +374,7 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
         edge_drop(s, frame, top);
 }
 
-/* Lend what is asked for, if that can be. */
+/* Lend the columns that LEND asks for, if the team can. */
 static void
 look_lend(struct strict *s, struct strict_pass *p, struct team *t)
 {
@@ -447,8 +448,8 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
     p->sent_columns = p->sent_densities = 0;
 }
 
-/* A pass of TRUTH ends early: what it handed on is out, and whoever goes on
- * counts all primary rays. */
+/* A pass of TRUTH ends early: the rows that it handed on stay valid, and the
+ * pass that goes on counts all primary rays. */
 static void
 keep_out(struct strict_unit *u, const struct strict_pass *p)
 {

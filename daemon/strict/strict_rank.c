@@ -1,7 +1,7 @@
 /* strict_rank.c - which strict unit comes first, and which thread leaves for it
  *
- * The most urgent pass is chosen over all units; the one that is under way is
- * told to end when others wait for something else. */
+ * The most urgent pass is chosen over all units.  A pass under way is told to
+ * end when other workers wait for the result of another. */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -34,12 +34,12 @@ wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
     if (!rank_owes_bottom(s, u))
         return false;
-    /* over facts it takes no time, and those who wait need not wait until the
-     * rows are out; TRUTH makes the bottom of a single line first */
+    /* LINES over facts takes no time, and gives the bottom before the rows are
+     * out; of a single line TRUTH makes the bottom first anyway */
     return u->progress >= PROGRESS_AHEAD || u->last - u->first > 1;
 }
 
-/* What to do for a unit next; false: nothing. */
+/* The rank of the unit's next pass; false: there is no pass to make. */
 static bool
 next_rank(const struct strict *s, const struct strict_unit *u,
           enum strict_rank *rank)
@@ -77,8 +77,8 @@ strict_waits(const struct strict *s)
     return false;
 }
 
-/* Of units that are made from true tops those come first that others may wait
- * for. */
+/* Does unit u come before unit `than`?  Of units with true tops those come
+ * first whose bottoms other workers may wait for. */
 static bool
 comes_before(const struct strict *s, enum strict_rank rank,
              const struct strict_unit *u, enum strict_rank than_rank,
@@ -109,8 +109,8 @@ rank_choose(const struct strict *s, enum strict_rank *rank)
     return best;
 }
 
-/* May a thread leave the pass for what is due?  For a bottom TRUTH, too, whose
- * own is out, if it finds all that it traced when it goes on. */
+/* May a thread leave the pass for a more urgent one?  For a bottom also TRUTH
+ * whose own bottom is out, if all pixels that it traced are kept as facts. */
 static bool
 gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
 {
@@ -120,8 +120,8 @@ gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
                             !rank_owes_bottom(s, p->of));
 }
 
-/* What others wait for is due: have a thread leave what is not, the least
- * urgent of it. */
+/* If a pass that other workers wait for can begin, have a thread leave the
+ * least urgent pass. */
 void
 rank_make_way(struct strict *s)
 {

@@ -1,4 +1,4 @@
-/* strict_unit.c - the strict units of a child, and what is told of them */
+/* strict_unit.c - the strict units of a child, and the messages about them */
 #include "config.h"
 
 #include "strict/strict_impl.h"
@@ -10,11 +10,11 @@
  * cost no traffic. */
 #define PARK_MS 200
 
-/* While a pass is under way others may wait for its facts, or for a piece of
- * its bottom, or for columns that it can lend: so often it is looked at. */
+/* The time between two looks at a pass under way: other workers may wait for
+ * its facts, for a piece of its bottom, or for columns that it can lend. */
 #define LOOK_MS 10
 
-/* The line whose first row it is, or nlines for the height; -1: none. */
+/* The line whose first row is `row`, or nlines for the height; -1: none. */
 static int
 line_from_row(const struct frame *f, uint32_t row)
 {
@@ -77,7 +77,7 @@ pixels_of(const struct strict *s, const struct strict_unit *u)
     out = made.out;
     if (u->out > u->first)
         out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
-    /* it may have given lines away, or made the one above */
+    /* the unit may have given lines away, or made the line above */
     if (now.made.base + now.made.bars < all)
         all = now.made.base + now.made.bars;
     return all > out ? all - out : 0;
@@ -156,7 +156,7 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     strict_unit_link_first(s, u);
     strict_unit_link_last(s, u);
     facts_use_above(s, u);
-    if (u->first > 0 && strict_unit_has_top(s, u)) /* it came before the unit */
+    if (u->first > 0 && strict_unit_has_top(s, u)) /* came before the unit */
         rank_make_way(s);
     return 0;
 }
@@ -182,7 +182,7 @@ strict_unit_give_lines(struct strict *s, struct strict_unit *u, int last)
     int end = u->last;
 
     if (last < end) {
-        /* and the base line above, which whoever gets them would make */
+        /* and the base line above, which the next worker would make again */
         for (int i = last - 1; i < end; i++)
             out_facts(s, &s->urgent, u, i);
         strict_unit_unlink_last(s, u);
@@ -192,7 +192,7 @@ strict_unit_give_lines(struct strict *s, struct strict_unit *u, int last)
         loan_of_other_line(u);
         u->sent_columns = 0;
         u->sent_densities = 0;
-        /* it was that of another line */
+        /* the guess was the bottom of another line */
         strict_unit_free_guess(u);
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);
@@ -208,7 +208,7 @@ strict_unit_split_idle(struct strict *s, struct strict_unit *u)
 
     if (u->progress >= PROGRESS_AHEAD)
         from = u->last;
-    if (from < u->out) /* of rows that are out one must be its last */
+    if (from < u->out) /* the unit keeps lines whose rows are out */
         from = u->out;
     if (u->fate == FATE_SPLITS)
         strict_unit_decide(u, FATE_STAYS);
@@ -231,8 +231,8 @@ strict_unit_hand_back(struct strict *s, struct strict_unit *u)
     strict_unit_drop(s, u);
 }
 
-/* Rows that went with a pass before cannot be its last: then all of it goes
- * back, for whoever gets it has facts of these, too. */
+/* Where rows went out with an earlier pass the unit cannot end with them: then
+ * all of it goes back, with facts of these rows, too. */
 void
 strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
 {
@@ -249,7 +249,7 @@ strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
     }
 }
 
-/* Half of it is to go when its pass has ended, or sooner. */
+/* Half of the unit is to go back when its pass has ended, or sooner. */
 static void
 want_split(struct strict_unit *u)
 {
@@ -257,8 +257,8 @@ want_split(struct strict_unit *u)
         strict_unit_decide(u, FATE_SPLITS);
 }
 
-/* Bars count; but the lines of a LINES pass are everywhere: it ends first, and
- * is made again, through its facts. */
+/* What is left to do is counted in bars.  A pass of LINES works at all lines at
+ * once: it ends first, and is made again over its facts. */
 void
 strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
@@ -290,12 +290,12 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     strict_unit_decide(u, FATE_STAYS);
     p->last = last;
     strict_unit_give_lines(s, u, last);
-    p->sent_columns = u->sent_columns; /* it may have another bottom now */
+    p->sent_columns = u->sent_columns; /* the bottom may be another now */
     p->sent_densities = u->sent_densities;
 }
 
-/* What it made of the base line above, once that is all that a guess wants:
- * until then nobody else begins there. */
+/* Send the facts of the base line above, if the unit made it, and only when the
+ * guess has all its pixels: until then no other worker begins that line. */
 void
 strict_unit_say_top(struct strict *s, const struct strict_unit *u)
 {
@@ -303,7 +303,7 @@ strict_unit_say_top(struct strict *s, const struct strict_unit *u)
         out_facts(s, &s->urgent, u, u->first - 1);
 }
 
-/* What others at the unit need of its facts. */
+/* Send the facts that a twin of the unit needs. */
 static void
 push_twin_facts(struct strict *s, const struct strict_unit *u)
 {
@@ -323,7 +323,7 @@ strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
         push_twin_facts(s, u);
 }
 
-/* The unit above is here and gets on with its work: it comes soon enough. */
+/* Is the unit above here and at work?  Then the top comes soon enough. */
 static bool
 is_near(const struct strict *s, const struct strict_unit *u)
 {
@@ -350,7 +350,7 @@ strict_unit_resume(struct strict *s, struct strict_unit *u)
     u->wait.waiting = false;
     if (u->parked)
         out_resumed(s, u);
-    u->parked = false; /* it may come to wait again */
+    u->parked = false; /* the unit may come to wait again */
 }
 
 /* Its facts go out too, where the wait gets long. */
@@ -362,14 +362,15 @@ park_facts(struct strict *s, struct strict_unit *u)
         out_facts(s, &s->lazy, u, i);
 }
 
-/* Do the unit's facts go out when it has waited for long? */
+/* Are the unit's facts to be sent when the unit has waited for long? */
 static bool
 will_keep(const struct strict *s, const struct strict_unit *u)
 {
     return u->wait.waiting && u->parked && !u->wait.kept && !is_near(s, u);
 }
 
-/* Does somebody wait for what its pass has by now? */
+/* May another worker wait for the bottom, facts or columns of the unit's pass?
+ */
 static bool
 is_awaited(const struct strict *s, const struct strict_unit *u)
 {
@@ -380,7 +381,7 @@ is_awaited(const struct strict *s, const struct strict_unit *u)
            (bottom || u->flags & MSG_UNIT_TWIN || u->pass->lend > 0);
 }
 
-/* When to look at a unit again; the time that it waits is known. */
+/* When to look at a unit again; u->wait is up to date. */
 static uint64_t
 due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
 {

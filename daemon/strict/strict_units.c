@@ -60,7 +60,7 @@ strict_unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
     return u;
 }
 
-/* Units whose first line, or the one after the last, may be that line. */
+/* The slot of units by first line; by the line after the last. */
 static struct strict_unit **
 first_slot(struct strict *s, uint32_t frame, int line)
 {
@@ -166,7 +166,7 @@ strict_unit_has_top(const struct strict *s, const struct strict_unit *u)
     return e && e->pixels;
 }
 
-/* The unit here whose bottom is this one's top; NULL: none. */
+/* The unit of this child whose bottom is u's top; NULL: none. */
 struct strict_unit *
 strict_unit_above(const struct strict *s, const struct strict_unit *u)
 {
