@@ -23,7 +23,7 @@
 
 #include <string.h>
 
-#define LINK_MS  100  /* a link between workers has brought it by then */
+#define LINK_MS  100  /* by then a link between workers has brought the top */
 #define STUCK_MS 5000 /* an attempt has made the base line above by then */
 
 /* Lines [*first, *last) of a unit; its frame. */
@@ -55,10 +55,11 @@ conn_of(const struct job *job, const struct job_go *go)
 
 /* --- out --- */
 
-/* Without colours above it a unit's first bar cannot be traced ahead.  Those of
- * a base line that another worker has, or is about to get, come from there: it
- * makes base lines first, and what two make is for nothing.  But a line that
- * nobody has the one below makes, and until it is there nobody gets it. */
+/* Without the colours of the base line above, a unit's first bar cannot be
+ * traced ahead.  If another worker has that line, or is about to get it, the
+ * colours come from there: a worker makes base lines first, and a second copy
+ * would be waste.  If no worker has the line above, this unit's worker makes
+ * its base line (MSG_UNIT_TOP), and no other gets the line until it is made. */
 uint8_t
 handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -137,8 +138,8 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
     }
 }
 
-/* The workers of a unit, which just went out or was cut, and those of its
- * neighbours hear of each other. */
+/* A unit went out or was cut: link its workers with those of the units above
+ * and below. */
 static void
 introduce(struct coord *c, struct job *job, uint32_t unit,
           const struct job_go *go)
@@ -186,7 +187,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     introduce(c, job, unit, go);
 }
 
-/* Facts are not sent: the worker's child has them. */
+/* No facts are sent: the worker's child has them. */
 void
 handoff_back(struct coord *c, struct job *job, uint32_t index)
 {
@@ -236,7 +237,7 @@ needs(const struct job *job, uint32_t unit, const struct job_go *go,
     return go->origin != GO_LOAN && line + 1 >= first && line < last;
 }
 
-/* Pass facts on to the others that have the line now. */
+/* Pass facts on to the other workers that have the line now. */
 static void
 pass_on(struct coord *c, const struct job *job, uint32_t from,
         const struct msg_facts *m)
@@ -256,8 +257,8 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
         pass_below(c, job, from, &pass);
 }
 
-/* The job of a message about lines that a worker may say; NULL: it is ignored,
- * as is all about a frame that is done. */
+/* The job of a message about lines, if this worker may send it; NULL: ignore
+ * the message, as any message about a frame that is done. */
 static struct job *
 job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
                uint32_t *index)
@@ -269,8 +270,8 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
     return job;
 }
 
-/* Facts of a line that is in no unit: they come when it is made, from the
- * worker that made it as its unit's top. */
+/* Facts of a line that is in no unit come from the worker that made the base
+ * line as its unit's top; the top is made then. */
 static void
 top_facts(struct coord *c, struct job *job, uint32_t index,
           const struct msg_facts *m)
@@ -325,8 +326,8 @@ can_link(const struct job *job, const struct job_unit *above,
     return false;
 }
 
-/* The top of a unit is here whole: attempts that wait for it are sent it,
- * unless they just have it from another worker. */
+/* The top of a unit is here whole: send it to the attempts that wait for it,
+ * unless another worker has just sent it to them. */
 static void
 offer_top(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -352,22 +353,22 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     }
 }
 
-/* Attempts that waited for nothing but the unit's top have work again, be it
- * the rest of a bar that could not be traced ahead. */
+/* Attempts that waited for nothing but the unit's top have work again: at least
+ * the part of a bar that could not be traced ahead. */
 static void
 top_is_here(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
     offer_top(c, job, unit);
-    u->whole = false; /* it begins at its first line again */
+    u->whole = false; /* the unit is begun at its first line again */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].state == GO_PARKED)
             hold_step(c, job, unit, &u->go[i], GO_WORKING);
 }
 
-/* May the worker make lines of the unit?  It has the unit, or had it last while
- * nobody has it now. */
+/* May the worker make lines of the unit?  It has the unit, or had the unit last
+ * and no worker has it now. */
 static bool
 may_make(const struct job *job, uint32_t unit, uint32_t index)
 {
@@ -432,7 +433,7 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
     else if (!has_work_to_come(job, m->unit))
         hold_step(c, job, m->unit, go, GO_PARKED);
     else
-        go->parked_ms = c->now_ms; /* its work is on its way to it */
+        go->parked_ms = c->now_ms; /* the top is on its way to the worker */
     offer_top(c, job, m->unit);
 }
 

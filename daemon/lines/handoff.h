@@ -14,21 +14,21 @@ void handoff_base_line(struct coord *c, struct coord_worker *w,
 void handoff_parked(struct coord *c, struct coord_worker *w,
                     const struct msg *msg);
 
-/* Flags of the UNIT for that holder, which it goes to now. */
+/* The flags of the UNIT message for that attempt, which begins now. */
 uint8_t handoff_flags(struct job *job, uint32_t unit, struct job_go *go);
-/* The unit went out to it. */
+/* The unit went out for that attempt. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);
-/* A worker that came back has units that go on: with it and their neighbours
- * all is as if they had just gone out. */
+/* A worker came back and goes on with its units: introduce it to the workers of
+ * the units above and below, as if its units had just gone out. */
 void handoff_back(struct coord *c, struct job *job, uint32_t index);
-/* Since when the base line above a unit is here whole; 0: it is not. */
+/* The time when the base line above a unit was here whole; 0: it is not. */
 uint64_t handoff_top_ms(const struct job *job, uint32_t unit);
-/* Is its bottom with us, if anybody needs it? */
+/* Is the unit's bottom here, if any unit below needs it? */
 bool handoff_complete(const struct job *job, uint32_t unit);
 /* A unit is done. */
 void handoff_done(struct job *job, uint32_t unit);
-/* Send what parked units wait for, where it has not come otherwise. */
+/* Send tops to parked units that have not got them from another worker. */
 void handoff_tick(struct coord *c, struct job *job);
 
 #endif

@@ -1,10 +1,10 @@
-/* lending.c - columns of a line for a worker that has nothing
+/* lending.c - columns of a line for an idle worker
  *
- * Whoever has the most time left at its last line, and can give no lines, lends
- * columns of it (LEND, LOAN): the idle worker traces them and nothing else, and
- * can lend on.  It does so for the lender's rows, which wait for that alone; so
- * nothing is traced twice.  When it is through (PAID), is lost or late, the
- * lender has them again (BACK). */
+ * The attempt that has the most time left at its last line, and can give no
+ * whole lines, lends columns of this line (LEND, LOAN).  The borrower traces
+ * these columns alone, and can lend some of them on.  The lender's rows wait
+ * for them, so no pixel is traced twice.  When the borrower has done them
+ * (PAID), is lost or late, the columns are the lender's again (BACK). */
 #include "config.h"
 
 #include "lines/lending.h"
@@ -25,12 +25,12 @@
 /* Less is not worth the messages [ms of its worker]. */
 #define LEAST_LOAN_MS 10
 
-/* A LEND is answered by then, if it can be at once. */
+/* A LEND that can be answered at once is answered by then. */
 #define LEND_MS 5
 
-/* Columns that are lent are late after so many times what they should take, and
- * so long, if somebody waits for them; where nothing is known of that, after
- * so long. */
+/* A loan for which its lender waits is late after LATE_LOAN_MS more than
+ * LATE_LOANS times its expected time; after UNKNOWN_LOAN_MS if that time is not
+ * known. */
 #define LATE_LOANS      3
 #define LATE_LOAN_MS    400
 #define UNKNOWN_LOAN_MS 3000
@@ -65,8 +65,9 @@ line_time(const struct job *job, uint32_t unit, uint32_t index)
     return partition_cost(job->partition, unit) / (last - first) / speed;
 }
 
-/* How long the attempt will be at the line of which it could lend columns [ms].
- * A line that takes longer than it should may well take as long again. */
+/* The time that the attempt still needs for the line of which it could lend
+ * columns [ms].  A line that has taken longer than expected may well take as
+ * long again. */
 static double
 lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
             const struct job_go *go)
@@ -174,22 +175,22 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
 bool
 lending_parked(const struct coord *c, struct job_go *go)
 {
-    go->lending.asked_ms = 0; /* it has nothing to lend */
+    go->lending.asked_ms = 0; /* the attempt has no columns to lend */
     if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
         go->lending.blocked_ms = c->now_ms;
     return go->lending.loans > 0;
 }
 
-/* How long the loan should take [ms]: by the cost of the unit, or longer if the
- * lender took longer for the part of the line that it kept.  0: not known. */
+/* The expected time of the loan [ms]: by the cost of the unit, or more if the
+ * lender took more for the part of the line that it kept.  0: not known. */
 static double
 loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
           const struct job_go *loan)
 {
     double line = line_time(job, unit, loan->worker), took = 0;
 
-    /* it may lend again after a wait for its top, when LEND and PARKED crossed
-     */
+    /* after a wait for its top, and with LEND and PARKED crossing, the attempt
+     * may lend again */
     if (lender->lending.line_left > 0 &&
         lender->lending.blocked_ms > lender->lending.line_ms)
         took = (double)(lender->lending.blocked_ms - lender->lending.line_ms) /
@@ -336,8 +337,9 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
         hold_send_back(c, w, &back);
 }
 
-/* What the loan cost is the unit's, but for black pixels: the lender makes
- * those. A loan that was taken back just before is in no unit. */
+/* The cost of the loan is added to the unit's, but for black pixels, which the
+ * lender makes.  The cost of a loan that was taken back just before is in no
+ * unit. */
 void
 lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -355,7 +357,7 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     go = !job_over(job) && m->unit < job->nunits
              ? go_find(job, m->unit, index, m->attempt)
              : NULL;
-    counts.primary_rays = 0; /* of whoever uses them */
+    counts.primary_rays = 0; /* counted by the lender, which uses them */
     counts.wall_s = 0;       /* while the unit's own went on */
     counts.nan = (struct msg_nan){ 0 };
     if (!go || go->origin != GO_LOAN) {

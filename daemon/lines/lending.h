@@ -1,4 +1,4 @@
-/* lending.h - columns of a line, for a worker that has nothing
+/* lending.h - columns of a busy worker's line, for an idle worker
  *
  * Thread: one. */
 #ifndef DAEMON_LENDING_H
@@ -14,9 +14,10 @@ void lending_paid(struct coord *c, struct coord_worker *w,
 
 /* Ask for columns until as many are on their way as workers are idle. */
 void lending_ask(struct coord *c, struct job *job, uint32_t idle);
-/* An attempt has nothing left to do.  True: but to wait for what it lends. */
+/* An attempt has nothing left to trace (PARKED).  True: it waits for columns
+ * that it lent. */
 bool lending_parked(const struct coord *c, struct job_go *go);
-/* Take back what is lent for too long. */
+/* Take back loans that are late. */
 void lending_tick(struct coord *c, struct job *job);
 
 #endif

@@ -1,7 +1,7 @@
 /* introduce.c - workers of a job are named to each other, so that one dials
  *
- * Each pair has a token of its own, which neither uses for anything else.  Who
- * is to be linked with whom, where that is not all with all, is ring.h's. */
+ * Each pair has a token of its own, which neither uses for anything else.
+ * Where not all workers are linked ring.c decides which pairs are. */
 #include "config.h"
 
 #include "links/introduce.h"

@@ -16,7 +16,7 @@
  */
 #define RADIX 4
 
-#define REBUILD_MS 2000 /* places change no sooner after they did */
+#define REBUILD_MS 2000 /* least time between two changes of places */
 #define LINE_LINKS 16   /* of a worker, beside those of the ring */
 #define FEWEST     4    /* have fewer links on a ring than all have with all */
 
@@ -34,7 +34,7 @@ enum pair_kind {
     PAIR_RING,
     PAIR_GUEST,
     PAIR_LINES,
-    PAIR_STALE /* of the ring of before: for what is under way there */
+    PAIR_STALE /* of the former ring: for records under way on it */
 };
 
 struct pair {
@@ -46,11 +46,11 @@ struct pair {
 /* A pair of workers whose link broke, or never came about. */
 struct broken {
     uint32_t a, b;      /* workers of the job, a < b */
-    unsigned times;     /* in a row that it never did */
-    uint64_t linked_ms; /* when it was made last; 0: before */
-    uint64_t again_ms;  /* when it is to be; 0: it is, or nobody asks for it */
+    unsigned times;     /* reports in a row that there is no link */
+    uint64_t linked_ms; /* when we last asked for the link; 0: before */
+    uint64_t again_ms;  /* when to ask for the link again; 0: never */
     uint64_t later_ms;  /* after so long, the last time; 0: there was none */
-    bool tried;         /* it was, and what comes of it is not known */
+    bool tried;         /* asked for again; no report since */
 };
 
 struct ring {
@@ -59,9 +59,9 @@ struct ring {
     bool stale;   /* there are links of before */
     uint64_t built_ms;
     uint32_t generation;
-    uint32_t *member; /* by place; JOB_NOBODY: it has gone */
+    uint32_t *member; /* worker by place; JOB_NOBODY: the worker has gone */
     uint32_t nmembers;
-    uint32_t cap;                     /* of what is by worker: */
+    uint32_t cap;                     /* of the arrays by worker: */
     uint32_t *place, *host, *nguests; /* JOB_NOBODY: none */
     bool *out;                        /* may have no place, for lack of links */
     struct broken *broken;
@@ -101,7 +101,7 @@ ring_free(struct ring *r)
     free(r);
 }
 
-/* --- who may have a place --- */
+/* --- workers that may have a place --- */
 
 static bool
 is_here(const struct job *job, uint32_t i)
@@ -320,9 +320,9 @@ introduce(struct coord *c, struct job *job, uint32_t a, uint32_t b,
     return true;
 }
 
-/* --- what workers are told --- */
+/* --- messages to workers --- */
 
-/* A worker's links on the ring, and the guests that it speaks for. */
+/* A worker's links on the ring, and those to its guests. */
 static uint32_t
 list_links(const struct job *job, uint32_t index, struct msg_ring_link *v)
 {
@@ -372,8 +372,8 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
 
 /* --- guests --- */
 
-/* A worker on the ring that speaks for few guests, if possible one that had no
- * broken link with this guest. */
+/* A host for the guest: a worker on the ring with few guests, if possible
+ * without a broken link to this guest. */
 static uint32_t
 best_host(const struct job *job, uint32_t guest)
 {

@@ -1,43 +1,44 @@
-/* ring.h - who is linked with whom in a job of very many workers
+/* ring.h - which workers are linked, in a job of very many workers
  *
- * The coordinator's part; spread.h is the workers'.  Up to 64 workers all are
- * linked with all, and what one makes goes to each.  For more, those that can
- * be dialled get a place on a ring of n: a link goes from each to the places b
- * r^k further on, for each digit b < r of each power of the radix r.  Records
- * that were made less than r^k places back go over such a link, if they do not
- * get around to their maker.  The digits of the distance between two places,
- * the low ones first, are then the one way from one to the other: at most log
- * n links, and each worker has (r - 1) log n of its own, and as many that
- * others have with it.
- * Places change only from time to time, and all at once: meanwhile a newcomer
- * has one on the ring that speaks for it, which also gives it what there is;
- * and so have, for good, those that can have no place.  Base lines go directly:
- * for them two workers are linked when they come to need it, up to a number of
- * such links, and without one they come by the coordinator.
+ * The coordinator's part; spread.h is the workers'.  Up to 64 workers are all
+ * linked with each other, and a record goes from its maker to each.  In a job
+ * of more, workers that can be dialled get the n places of a ring.  Each place
+ * has links to the places b r^k further on, for each digit 0 < b < r of each
+ * power of the radix r.  Such a link carries records that were made less than
+ * r^k places back, unless they would go round to their maker.  So the digits of
+ * the distance between two places, low digits first, are the only way from one
+ * place to the other: at most log n links.  Each worker has (r - 1) log n links
+ * to others, and as many from others.
+ * Places change from time to time, all at once.  A newcomer is until then the
+ * guest of a worker on the ring, its host, which passes on the guest's records,
+ * and sends it the records of the job; a worker that can have no place stays a
+ * guest.  Base lines go directly: two workers are linked when one comes to need
+ * a base line of the other, up to a number of such links; without a link base
+ * lines go by way of the coordinator.
  * Thread: one. */
 #ifndef DAEMON_RING_H
 #define DAEMON_RING_H
 
 #include "desk/desk.h"
 
-/* Has the job, or had it, too many workers to be linked all with all? */
+/* Has the job, or had it before, too many workers to link each with each? */
 bool ring_wanted(const struct coord *c, const struct job *job);
 
 /* A worker of such a job became ready; a worker of any job is gone. */
 void ring_join(struct coord *c, struct job *job, uint32_t index);
 void ring_left(struct coord *c, struct job *job, uint32_t index);
 
-/* A worker of a job of few, which are linked all with all, became ready or is
- * gone: they get places too, for records that are not urgent, if all can have
- * one. */
+/* In a job of few workers, which are all linked, a worker became ready or is
+ * gone.  If each of these workers can have a place they get places, too, for
+ * records that are not urgent. */
 void ring_of_few(struct coord *c, struct job *job);
 
 /* Link two workers for base lines, if the job has a ring. */
 void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
-/* A worker says that it has no link to another.  A link that is missing twice
- * in a row is hopeless, until one of the two workers comes anew: nothing relies
- * on it any more.  In a ring of few it is tried again from time to time. */
+/* A worker reports that it has no link to another.  After two reports in a row
+ * the ring does without the link, until one of the two workers connects anew.
+ * In a ring of few workers the link is tried again from time to time. */
 void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
                    const struct msg_unlinked *m);
 

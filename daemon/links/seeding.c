@@ -6,8 +6,8 @@
 #include "desk/desk.h"
 #include "desk/part.h"
 
-/* A worker that is ready so much later than the first would make records that
- * others have needed, and made, meanwhile. */
+/* A worker that is ready later than the first by more than this would make
+ * records which other workers have needed, and made, before. */
 #define LATE_MS 500
 
 /* Does the worker take part from the beginning? */
