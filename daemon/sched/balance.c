@@ -3,8 +3,8 @@
  * Where a worker is idle and no unit waits, the attempt with the most work left
  * is asked to give away half of the lines that it has not begun (SPLIT, GAVE);
  * these are a new unit, which waits.  Where no lines can be given, columns are
- * lent (lending.c).  A unit that is very late gets a twin, another worker that
- * does all of it, before what waits in other jobs. */
+ * lent (lending.c).  A unit that is very late gets a twin: another worker does
+ * all of the unit, before it gets units of other jobs. */
 #include "config.h"
 
 #include "sched/balance.h"
@@ -35,7 +35,8 @@
 
 /* --- splitting --- */
 
-/* The attempt that may be asked and has the most time left; NULL: none. */
+/* The attempt with the most time left of those that may be asked for lines;
+ * NULL: none. */
 static struct job_go *
 richest(const struct coord *c, const struct job *job, uint32_t *unit)
 {
@@ -61,7 +62,8 @@ richest(const struct coord *c, const struct job *job, uint32_t *unit)
     return best;
 }
 
-/* Give up SPLITs that were not answered in time.  Returns how many will be. */
+/* Give up SPLITs that were not answered in time.  Returns how many are still to
+ * be answered. */
 static uint32_t
 expire_splits(const struct coord *c, struct job *job)
 {
@@ -139,9 +141,9 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         u->whole = true;
         return;
     }
-    if (go->lending.loans > 0) /* of what was its last line */
+    if (go->lending.loans > 0) /* of the line that was its last */
         loss_end_loans(c, job, m->unit, go->attempt);
-    if (has_twin(u, go)) { /* it was late with that; the twin has all lines */
+    if (has_twin(u, go)) { /* GAVE came late; the twin has all lines */
         desk_send_attempt(c, job, MSG_REVOKE, m->unit, go);
         loss_of(c, job, m->unit, go);
         return;
@@ -152,8 +154,8 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
 
 /* --- twins --- */
 
-/* Does the attempt take too long?  Not while it waits for the base line above;
- * but with that at hand it has next to nothing to do. */
+/* Does the attempt take too long?  Not while it waits for its top; but once the
+ * top is here it has next to nothing to do. */
 static bool
 is_slow(const struct coord *c, const struct job *job, uint32_t unit,
         const struct job_go *go, uint64_t lease_ms)
@@ -204,8 +206,8 @@ lease_of(const struct coord *c, const struct job *job)
     return ms > c->lease_ms ? ms : c->lease_ms;
 }
 
-/* A worker whose rows did not count does nothing for the unit any more, and may
- * get it again. */
+/* End attempts whose rows did not count: their workers may get the unit again.
+ */
 static void
 release_spent(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -216,7 +218,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
             hold_release(c, job, unit, &u->go[k]);
 }
 
-/* A worker that has work, and whose PINGs say that it gets nowhere. */
+/* Note workers that have work, and whose PINGs report no progress. */
 static void
 look_at_workers(struct coord *c)
 {
@@ -254,7 +256,7 @@ balance_look(struct coord *c)
     }
 }
 
-/* Workers that have a late unit get nothing more: others do it. */
+/* Workers that have a late unit get no other: twins of it go to others. */
 static void
 leave_out(struct job *job, uint32_t unit)
 {

@@ -1,4 +1,4 @@
-/* balance.h - lines, or a twin, for a worker that has nothing
+/* balance.h - lines of a busy worker, or a twin, for an idle worker
  *
  * Thread: one. */
 #ifndef DAEMON_BALANCE_H
@@ -10,7 +10,7 @@
 void balance_gave(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
 
-/* Find something for workers that have nothing to do. */
+/* Find work for idle workers: ask busy ones for lines or columns. */
 void balance_run(struct coord *c);
 /* See which workers hang, and which units are late. */
 void balance_look(struct coord *c);

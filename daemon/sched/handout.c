@@ -11,11 +11,11 @@
 
 /* May the workers of a job each begin their lines at another end?  If all went
  * from left to right they would see the same things at the same time, and each
- * make the same ambient records of these; eight in the office then made 6 to
- * 8 % twice, now 4 to 6 %, and traced 2 % more rays.  With single lines that is
- * so for the first: later pieces of base lines should come as they are made.
- * Not with several threads, which go down the lines one close behind the other,
- * nor at the top of a frame, where all is true and no fact need be kept. */
+ * make the same ambient records of them.  With single lines only the first unit
+ * of a worker is begun apart: pieces of later base lines should come as they
+ * are made.  Not with several threads, which go down the lines one close behind
+ * the other, nor at the top of a frame, whose first unit is true from the start
+ * and needs no facts. */
 static bool
 begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
 {
@@ -75,7 +75,7 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
 }
 
-/* The others hear that they are not alone with it. */
+/* Tell the unit's other workers that it has a twin now. */
 static void
 tell_twins(struct coord *c, const struct job *job, uint32_t unit)
 {
@@ -84,7 +84,7 @@ tell_twins(struct coord *c, const struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++)
         if (!u->go[i].twin) {
             u->go[i].twin = true;
-            if (i + 1 < u->ngos) /* the last has it from its UNIT */
+            if (i + 1 < u->ngos) /* the last hears of it in its UNIT */
                 desk_send_attempt(c, job, MSG_TWIN, unit, &u->go[i]);
         }
 }
@@ -115,7 +115,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         u->worker = index;
         u->out_ms = go->out_ms;
     } else if (u->next_row == 0) {
-        u->lead = 0; /* whoever is first */
+        u->lead = 0; /* the first whose rows come */
     }
     if (u->ngos == 1)
         desk_keep_unit(c, job, unit);

@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* Give a worker a unit, as a twin where others have it. */
+/* Give a worker a unit; as a twin if other workers have it. */
 void handout_unit(struct coord *c, struct job *job, uint32_t index,
                   uint32_t unit);
 

@@ -1,4 +1,4 @@
-/* loss.c - workers and children that go, and what becomes of their units */
+/* loss.c - workers and children that go, and their units */
 #include "config.h"
 
 #include "sched/loss.h"
@@ -23,12 +23,12 @@
  * after at most .75 s. */
 #define REDIAL_MS 2000
 
-/* A unit that its worker lost so often, without coming back to it, others may
- * get at once: a worker that dies of the unit and is started again would have
- * it for ever. */
+/* A unit is kept for the worker that lost it at most so many times, if the
+ * worker never came back to it: a worker that dies of the unit, and is started
+ * again, would keep the unit from others for ever. */
 #define MOST_LOSSES 2
 
-/* Is there another worker than that one? */
+/* Is there another worker than w? */
 static bool
 others_than(const struct coord *c, const struct coord_worker *w)
 {
@@ -70,8 +70,8 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
-/* End the loans of an attempt that is over, or has another last line now.  The
- * facts that were traced for them serve the worker that gets the line. */
+/* End the loans of an attempt that is over, or has another last line now.  Facts
+ * of the loans serve the worker that gets the line. */
 void
 loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
@@ -109,7 +109,7 @@ loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     lose(c, job, unit, go);
 }
 
-/* If nobody has the unit, rows of it that are on their way count no more. */
+/* If no worker has the unit, rows on their way count no more. */
 static void
 close_rows(struct job_unit *u)
 {
@@ -194,13 +194,13 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
         if (job->units[unit].next_row < a.height)
             loss_of(c, job, unit, go);
     }
-    /* units that the worker is not at it gets now, if it gets any */
+    /* the worker's other units go to it now, if it takes units at all */
     loss_keep(c, job, index,
               desk_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
 }
 
-/* The attempt at a unit that the worker says it is at, if nobody else was given
- * the unit; NULL. */
+/* The attempt that the worker names by STILL; NULL if another worker was given
+ * the unit. */
 static struct job_go *
 find_or_revive(struct coord *c, struct job *job, uint32_t index,
                const struct msg_gave *m)
@@ -263,9 +263,9 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
     speed_measure(c, job);
 }
 
-/* How long units wait for a worker that goes now.  A worker that was to leave
- * does not come back; for one that was not ready yet they wait as long as they
- * did before. */
+/* How long units are kept for a worker that goes now.  A worker that was to
+ * leave does not come back.  A worker that was not ready yet does not make its
+ * units wait longer than they would have. */
 static uint64_t
 patience(const struct coord *c, const struct job_worker *jw)
 {
@@ -333,8 +333,8 @@ ready_worker(const struct job *job)
     return false;
 }
 
-/* A child died before it was ready: *to is what becomes of its worker's part.
- * False: the job cannot go on. */
+/* A child died before it was ready: set *to, the next state of its worker's
+ * part.  False: the job cannot go on. */
 static bool
 crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
                 const char *why, enum part_state *to)
@@ -358,7 +358,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* A child died at its units, and not of them; as crashed_loading(). */
+/* A child died while it had units, but not because of them.  Like
+ * crashed_loading(). */
 static bool
 setback(struct coord *c, struct job *job, struct job_worker *jw,
         const char *why, enum part_state *to)
@@ -379,8 +380,8 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* A disk that is full is the worker's affair: others go on, or wait with the
- * job until one has room. */
+/* A worker's disk is full: other workers go on with the job; if there are none,
+ * the job waits until a worker has room. */
 void
 loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {

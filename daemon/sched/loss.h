@@ -1,4 +1,4 @@
-/* loss.h - workers and children that go, and what becomes of their units
+/* loss.h - workers and children that go, and their units
  *
  * Thread: one. */
 #ifndef DAEMON_LOSS_H

@@ -55,7 +55,8 @@ result_fits(const struct job *job, const struct msg_result *m,
            (m->channels > 1 || is_coded_right(m));
 }
 
-/* The bottom of the unit: what the unit below needs, beside the last row. */
+/* The densities of the unit's bottom, which the unit below needs beside the
+ * last row. */
 static void
 add_bottom(const struct job *job, const struct msg_result *m,
            struct action_rows *r)
@@ -107,7 +108,7 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
     add_bottom(job, m, r);
 }
 
-/* Rows for nobody: let the worker forget them. */
+/* Rows that do not count: let the worker forget them. */
 static void
 ack(struct coord *c, const struct coord_worker *w, const struct job *job,
     const struct msg_result *m)
@@ -159,8 +160,8 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
     u->lead = 0;
 }
 
-/* Rows of an attempt came: decide whether they count.  The first whose first
- * rows come leads. */
+/* Rows of an attempt came: decide whether they count.  The attempt whose first
+ * rows come first leads. */
 static void
 elect(struct coord *c, struct job *job, struct job_go *go,
       const struct msg_result *m)
@@ -179,9 +180,9 @@ elect(struct coord *c, struct job *job, struct job_go *go,
         go->rows = GO_DROPPED;
 }
 
-/* Do the rows count?  They do not where another attempt leads, and where nobody
- * waits for them.  Without attempts at the unit they are of one that was lost,
- * and goes on if nobody else began. */
+/* Do the rows count?  Not if another attempt leads, nor if the unit is done. If
+ * the unit has no attempts the rows are of an attempt that was lost; it goes on
+ * if no other began. */
 static bool
 counts(const struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -194,8 +195,8 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
             (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
 }
 
-/* All rows of the attempt are here: while they go to the disk its worker can do
- * other things, and so can those of its twins. */
+/* All rows of the attempt are here: while they go to the disk its worker, and
+ * those of its twins, have room for other units. */
 static void
 delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -210,8 +211,8 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         }
 }
 
-/* Are the rows of an earlier life of the coordinator?  A worker sends what it
- * still has of that before it is ready. */
+/* Are the rows of an earlier life of the coordinator?  A worker sends the rows
+ * that it kept from that life before it is ready. */
 static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -304,7 +305,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     struct job_unit *u;
     struct job_go *go;
 
-    if (!job->partition) { /* of an earlier life, that kept nothing of it */
+    if (!job->partition) { /* rows of a life that kept nothing of the job */
         ack(c, w, job, m);
         return;
     }

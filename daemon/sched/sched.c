@@ -1,18 +1,18 @@
 /* sched.c - see sched.h
  *
- * A worker has room for a unit each thread where these are small (windows,
- * scanbar), else for one, which its threads render together; and for some
- * ahead, so that no thread waits for the network, but not near the end of a
- * job.  Units that wait for the base line above them take no room.
+ * A worker has room for one unit a thread where units are small (windows,
+ * scanbar), else for one unit, which its threads render together; and for some
+ * units ahead, so that no thread waits for the network, but not near the end of
+ * a job.  Units that wait for their tops take no room.
  *
- * A unit keeps the number of its latest attempt.  When its worker goes, it
- * waits again, for a while for that worker alone; as long as nobody else has it
- * the attempt goes on when the worker comes back, so that a connection that
- * breaks for a moment costs nothing.  From the next attempt on its rows are
- * ignored.  With twins, each with an attempt of its own, the first whose rows
- * come leads.
+ * A unit keeps the number of its latest attempt.  When its worker goes, the
+ * unit waits again, for a while for that worker alone.  Until another worker
+ * has the unit, the attempt goes on when the worker comes back, so that a
+ * connection that breaks for a moment costs nothing.  Once there is another
+ * attempt, rows of the earlier one are ignored.  With twins, each with an
+ * attempt of its own, the attempt whose rows come first leads.
  *
- * A child that dies leaves suspects: the units it was at work on.  Each is
+ * A child that dies leaves suspects: the units that it was at work on.  Each is
  * tried again alone, on another worker if there is one, so that a second crash
  * names the culprit. */
 #include "config.h"
@@ -42,17 +42,17 @@
 #include <string.h>
 
 #define WORTH_MS 50  /* a unit of auto takes at least so long */
-#define AWAIT_MS 300 /* a worker gets what others give away by then */
+#define AWAIT_MS 300 /* lines that busy workers give away are here by then */
 
-/* A job that had nothing for a worker, though something waits, is not asked
- * again before that, then twice as long, and so on. */
+/* A job that had no unit for a worker, though units wait, is not asked again
+ * for that worker for PASSED_MS, then for twice as long, and so on. */
 #define PASSED_MS  1000
 #define MOST_TIMES 6
 
 /* --- handing out --- */
 
-/* Is there so much left that the worker would get two more for each of its
- * threads, all going on as fast as they did? */
+/* Is so much left that, at the speeds so far, the worker would get two more
+ * units for each of its threads? */
 static bool
 has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 {
@@ -61,11 +61,11 @@ has_plenty(const struct job *job, uint32_t index, uint32_t threads)
     return speed * job_waiting(job) > 2 * threads * job->speed.all;
 }
 
-/* Has the worker room for another unit?  Windows: one for each thread, and
- * half as many at hand.  Lines: one for each thread; a long run has all
- * threads, beside which it does nothing for another job, and what is at hand
- * cannot be shared.  Of single lines it has one more, so that no thread waits
- * until we answer when one is done, or parked. */
+/* Has the worker room for another unit?  Windows: one for each thread, and half
+ * as many at hand.  Lines: one for each thread.  A long run occupies all
+ * threads, so a worker has no units of another job beside it, nor any at hand,
+ * which no other worker could share.  Of single lines it has one at hand, so
+ * that no thread waits for our answer when a line is done or parked. */
 static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
@@ -88,7 +88,7 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
     uint32_t i = desk_add_worker(job, w);
 
-    m.job_start.ncosts = 0; /* for who shares the work out */
+    m.job_start.ncosts = 0; /* costs are for the partition alone */
     if (i == JOB_NOBODY) {
         c->actions.failed = true;
         return;
@@ -118,7 +118,7 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
     return false;
 }
 
-/* The worker gets nothing more until it can take a suspect alone. */
+/* Is the worker to get no unit until it can take a suspect alone? */
 static bool
 runs_empty(const struct coord *c, const struct job *job,
            const struct coord_worker *w, uint32_t index)
@@ -149,7 +149,7 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
     return false;
 }
 
-/* Is it silent, while there are others that are not? */
+/* Is the worker silent, while others are not? */
 static bool
 is_left_out(const struct job *job, uint32_t index)
 {
@@ -181,8 +181,8 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     return true;
 }
 
-/* Something of a job that the worker has loaded; *done: it gets nothing else
- * either. */
+/* A unit or areas of a job that the worker has loaded; *done: the worker gets
+ * none of other jobs either. */
 static bool
 serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
@@ -207,9 +207,9 @@ is_new_to(const struct job *job, uint32_t index)
     return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
 }
 
-/* Can a look at the job come to anything for the worker?  Jobs that it does not
- * know yet it loads one at a time, also while they are not stored yet: however
- * many wait, a search sees but the first of them. */
+/* Might the job have something for the worker?  A worker loads jobs that are
+ * new to it one at a time, even before they are stored: however many jobs wait,
+ * a search looks at the first of them alone. */
 static bool
 may_look(const struct job *job, const struct coord_worker *w)
 {
@@ -256,7 +256,8 @@ awaits(const struct coord *c, const struct coord_worker *w,
 }
 
 /* A worker that was away may be at units of a job that was paused meanwhile, or
- * have been drained: it is asked what it has, to give that back. */
+ * have been drained: start these jobs on it, so that it names its units, which
+ * then go back. */
 static void
 recall(struct coord *c, struct coord_worker *w)
 {
@@ -285,8 +286,8 @@ note_passed(const struct coord *c, struct job *job, uint32_t index)
         jw->passed++;
 }
 
-/* One unit of the first job that has one for this worker.  While it has, or may
- * yet get, something of a job nothing is given to it of those that come after.
+/* Give the worker one unit, of the first job that has one for it.  While the
+ * worker has units of a job, or may yet get some, it gets none of later jobs.
  */
 bool
 sched_serve(struct coord *c, struct coord_worker *w)
@@ -338,7 +339,7 @@ sched_run(struct coord *c)
     bool gave;
 
     c->stirred = false;
-    do { /* one each, in turn, so that few units spread over all workers */
+    do { /* a unit each, in turn, so that few units spread over all workers */
         gave = false;
         for (struct coord_worker *w = c->workers; w; w = w->next)
             gave |= sched_serve(c, w);
@@ -394,7 +395,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     ring_of_few(c, job);
 }
 
-/* The first worker is ready: lay out the job; false: it cannot be. */
+/* The first worker is ready: lay out the job's units; false: the job ends. */
 static bool
 lay_out(struct coord *c, struct job *job)
 {
@@ -451,9 +452,9 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     speed_measure(c, job);
 }
 
-/* A connection keeps messages in order, so what all PAIDs of before said and
- * has not come broke with one: it is in no unit.  What came in an earlier life
- * is in units already. */
+/* A connection keeps messages in order.  So the costs of earlier PAIDs that
+ * have not come by now were lost with a connection: they are in no unit.  PAIDs
+ * of an earlier life of the coordinator are in units already. */
 static void
 note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 {
@@ -466,8 +467,8 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
     jw->tallied = true;
 }
 
-/* The last twins are taken back when the job is all but over, so what they cost
- * counts after that, too. */
+/* The last twins are taken back when the job is all but over: their costs are
+ * counted even after its end. */
 void
 sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {

@@ -1,13 +1,14 @@
-/* sched.h - who works on what: the part of the coordinator that hands out
+/* sched.h - which worker gets which unit: the part of the coordinator that
+ * hands out
  *
  *   sched.c       which worker gets which unit next; messages of workers
  *   handout.c     a unit goes out
  *   result.c      rows that come, units that are done
  *   loss.c        workers and children that go
- *   balance.c     giving away and doubling, for a worker that has nothing
- *   yield.c       giving back, for something that comes first
- *   survey.c      estimates, before the first unit
- *   sched_tick.c  what all of these do as time passes
+ *   balance.c     lines given away, and twins, for idle workers
+ *   yield.c       units given back, for work that comes first
+ *   survey.c      estimates of cost, before the first unit
+ *   sched_tick.c  calls the others as time passes
  * Thread: one. */
 #ifndef DAEMON_SCHED_H
 #define DAEMON_SCHED_H
@@ -26,8 +27,8 @@ void sched_ready(struct coord *c, struct coord_worker *w,
 void sched_tally(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
 
-/* An admin drained a worker, or had enough of that: others may take what was to
- * be its part of a job, or may not. */
+/* An admin drained a worker, or undrained it: other workers may take its share
+ * of the units of a job from then on, or no longer. */
 void sched_drained(struct coord *c, struct coord_worker *w);
 
 /* Take the units of a job back and tell its workers that it is over. */

@@ -1,4 +1,4 @@
-/* sched_tick.c - what the scheduler does as time passes */
+/* sched_tick.c - the scheduler's work as time passes */
 #include "config.h"
 
 #include "sched/sched.h"
@@ -17,8 +17,8 @@
 #define TICK_MS       100
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
-/* A worker that gets nothing more gives up what only waits: its facts are here,
- * and another will get them. */
+/* A worker that gets no more units gives up those that only wait: their facts
+ * are here, for the workers that get these units. */
 static void
 drain_parked(struct coord *c, struct job *job)
 {

@@ -1,13 +1,13 @@
 /* survey.c - see survey.h
  *
- * With --estimate=NNa or NNb the workers trace NN random pixels of each line,
- * or window, before the first unit goes out, and count rays (a) or tests of
- * intersection (b).  The parts go out in chunks; when none is left, one that
- * somebody has not answered goes out again.  Which pixels are traced depends
- * on the part alone, so the costs are the same whoever answers first.  Where
- * children die of it there is no estimate; the units will tell which it was.
- * A worker that something else comes first for (yield.c) answers with what it
- * has traced, as facts, and its chunk is begun anew. */
+ * With --estimate=NNa or NNb the workers trace NN random pixels of each part (a
+ * line or a window) before the first unit goes out, and count rays (a) or tests
+ * of intersection (b).  Parts go out in chunks; when none is left, a chunk that
+ * was not answered goes out again.  Which pixels are traced depends on the part
+ * alone, so the costs do not depend on which worker answers first.  If children
+ * die of a chunk there is no estimate; units will show which pixel it was.  A
+ * worker that has to make way (yield.c) answers with the traced pixels, as
+ * facts, and its chunk is begun anew. */
 #include "config.h"
 
 #include "sched/survey.h"
@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MOST_RAYS       10000
-#define MOST_PARTS      40000 /* in a chunk: it must fit a message */
+#define MOST_PARTS      40000 /* in a chunk, which must fit a message */
 #define CHUNKS_A_WORKER 4
 #define MOST_CRASHES    2    /* of children at a chunk */
 #define LATE_MS         2000 /* and another is asked too */
@@ -31,12 +31,12 @@ struct chunk {
     uint32_t first, n; /* parts */
     uint32_t holders, crashes;
     bool done;
-    uint64_t out_ms; /* to the last of them */
+    uint64_t out_ms; /* when it went to the last worker */
 };
 
 struct survey {
     uint32_t rays;
-    bool tests;  /* count them, else rays */
+    bool tests;  /* count tests of intersection, else rays */
     bool failed; /* there will be no estimate */
     uint32_t nchunks, left;
     struct chunk *chunk;
@@ -99,7 +99,7 @@ survey_begin(struct job *job, uint32_t workers, struct rad_error *err)
 
 /* --- out --- */
 
-/* One that nobody has, else one that is late; NULL: there is none. */
+/* A chunk that no worker has, else a late chunk; NULL: there is none. */
 static struct chunk *
 choose(struct survey *s, uint64_t now_ms)
 {
@@ -139,7 +139,7 @@ send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
-/* The units may go out, whatever is known of their costs. */
+/* The estimate is over: units may go out, with the costs that are known. */
 static void
 end_survey(struct coord *c, struct job *job)
 {
@@ -165,7 +165,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     struct survey *s = job->survey;
     struct chunk *k;
 
-    if (s->failed) { /* only now, for there is one to share the units */
+    if (s->failed) { /* log it now that a partition is there */
         end_survey(c, job);
         return true;
     }
@@ -236,7 +236,7 @@ survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
     job->survey->failed = true;
 }
 
-/* What a part costs, from what the pixels did that were traced of it. */
+/* The cost of a part, scaled up from that of its traced pixels. */
 static double
 scaled(const struct survey *s, const struct job *job, uint32_t part,
        const struct msg_cost *cost)
@@ -281,7 +281,7 @@ survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     jw = &job->workers[index];
     if (!job->survey || jw->surveying == 0 || jw->surveying - 1 != m->id) {
-        count_rays(job, index, &m->counts); /* late: it was done, though */
+        count_rays(job, index, &m->counts); /* late, but the rays were traced */
         return;
     }
     k = &job->survey->chunk[m->id];

@@ -1,14 +1,13 @@
 /* yield.c - units that go back, for work that comes first
  *
- * A unit may be a third of what a worker does of a picture, so nothing waits
- * for its end: it goes back (YIELD, GAVE), rows and facts being kept, when its
- * job is paused, when its worker is to leave, when the worker may have some of
- * a job of higher priority, and when its owner has more of the workers than
- * another with a job as urgent.  It is looked at every tick.
- * A unit that was told to go back takes its worker's time no more: it counts
- * as parked.  A window has nothing that could be kept: it is taken back, and
- * begun anew.  What comes before the units, records of parts of space
- * (seeding.c) and estimates (survey.c), ends as well (REST). */
+ * A unit may be a third of a worker's share of a picture, so nothing waits for
+ * its end.  A unit goes back (YIELD, GAVE), with its rows and facts kept, when
+ * its job is paused, when its worker is to leave, when a job of higher priority
+ * has a unit for the worker, and when its owner has more of the workers than
+ * another owner with a job as urgent.  Every tick looks for such units.
+ * A unit that was told to go back counts as parked: its worker gets others.  Of
+ * a window nothing can be kept: it is taken back (REVOKE), and begun anew.
+ * Seeding (seeding.c) and estimates (survey.c) end as well (REST). */
 #include "config.h"
 
 #include "sched/yield.h"
@@ -21,11 +20,11 @@
 #include "sched/sched.h"
 #include "sched/survey.h"
 
-/* A child that has not answered by then is at a pixel that takes for ever. */
+/* A child that has not answered YIELD by then is at a pixel without end. */
 #define LOST_MS    30000
-#define LEAVING_MS 5000 /* the same, where its worker is to leave */
+#define LEAVING_MS 5000 /* the same for a worker that is to leave */
 
-/* Has the job something for the worker, as far as one can tell? */
+/* Has the job, as far as is known, a unit or areas for the worker? */
 static bool
 has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
@@ -39,7 +38,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
             c->now_ms >= jw->ask_ms);
 }
 
-/* The priority of what the worker is at, or could be. */
+/* The priority of the job that the worker is at, or could be at. */
 static int64_t
 rank_of(const struct coord *c, const struct coord_worker *w)
 {
@@ -123,8 +122,8 @@ is_unanswered(const struct coord *c, const struct job *job,
            (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
 
-/* Units of a child that does not answer are lost.  One walk over all units that
- * are out: there may be thousands, and many workers. */
+/* Units of a child that does not answer are lost.  A single walk over all units
+ * that are out, of which there may be thousands, with many workers. */
 static void
 give_up(struct coord *c, struct job *job)
 {
@@ -155,8 +154,8 @@ look_at_job(struct coord *c, struct job *job)
 
 /* --- owners --- */
 
-/* The job that another owner than that of `job`, with more of the workers, has
- * on this one, so that it may have it; NULL: none. */
+/* The job on this worker that has to make way for `job`, since its owner has
+ * more of the workers than the owner of `job`; NULL: none. */
 static struct job *
 richer(const struct coord *c, const struct job *job,
        const struct coord_worker *w)
@@ -179,8 +178,8 @@ richer(const struct coord *c, const struct job *job,
     return has;
 }
 
-/* Owners share the workers equally, whoever came first: one that has less gets
- * some of those that do the same for another. */
+/* Owners share the workers equally, in whatever order they came: an owner with
+ * fewer workers gets some that work at an equal priority for another. */
 static void
 share(struct coord *c, struct job *job)
 {

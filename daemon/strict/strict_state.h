@@ -19,7 +19,7 @@ struct edge {
     struct edge *chained; /* the next edge in the same slot */
     uint32_t frame;
     int line;
-    struct shelf shelf;   /* pieces from other workers; empty once all came */
+    struct shelf shelf; /* pieces from other workers; empty once all came */
     struct rad_pixel *pixels; /* the width; NULL: the edge is not whole */
     uint8_t *density;
 };
