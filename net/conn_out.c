@@ -395,21 +395,13 @@ queue(struct conn *c, const uint8_t *bytes, size_t len)
     return rc == 0;
 }
 
-/* Queue what was packed in w, or say why it was not. */
-static bool
-queue_packed(struct conn *c, struct wire_out *w, int rc, uint16_t type)
+static void
+tell_not_sent(struct conn *c, uint16_t type)
 {
-    bool ok = rc >= 0 && queue(c, w->buf, w->len);
-
-    if (rc == RAD_ENOMEM)
-        conn_out_end_uv(c, UV_ENOMEM);
-    else if (rc < 0)
-        conn_tell(c,
-             "message not sent peer=%s type=%s: too long, or none of "
-             "protocol version %u",
-             c->peer, msg_name(type), c->reader.version);
-    wire_out_release(w);
-    return ok;
+    conn_tell(c,
+              "message not sent peer=%s type=%s: too long, or none of "
+              "protocol version %u",
+              c->peer, msg_name(type), c->reader.version);
 }
 
 bool
@@ -436,22 +428,34 @@ skip(struct conn *c, uint16_t type)
 bool
 conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len)
 {
-    if (conn_out_is_over(c) || skip(c, msg_frame_type(bytes, len)))
+    uint16_t type = msg_frame_type(bytes, len);
+
+    if (conn_out_is_over(c) || skip(c, type))
         return false;
-    return queue(c, bytes, len);
+    if (c->reader.version >= msg_since(type))
+        return queue(c, bytes, len);
+    tell_not_sent(c, type);
+    return false;
 }
 
 bool
 conn_send(struct conn *c, const struct msg *m)
 {
     struct wire_out w;
+    bool ok;
     int rc;
 
     if (conn_out_is_over(c))
         return false;
     wire_out_init(&w, MSG_FRAME_MAX);
     rc = msg_pack_as(c->reader.version, &w, m);
-    return queue_packed(c, &w, rc, m->type);
+    ok = rc >= 0 && queue(c, w.buf, w.len);
+    if (rc == RAD_ENOMEM)
+        conn_out_end_uv(c, UV_ENOMEM);
+    else if (rc < 0)
+        tell_not_sent(c, m->type);
+    wire_out_release(&w);
+    return ok;
 }
 
 /* An alert or a key update of the session's own; counted or not. */

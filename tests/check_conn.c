@@ -193,16 +193,21 @@ END_TEST
 START_TEST(what_an_old_peer_cannot_hear_is_not_said)
 {
     struct msg key = { .type = MSG_KEY, .key = { MSG_KEY_LIST, "", 0 } };
+    struct wire_out w;
     struct ends e;
 
     open_ends(&e, MSG_AT_CLIENT);
 
     conn_set_version(e.conn, msg_since(MSG_KEY) - 1);
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ck_assert_int_eq(msg_pack(&w, &key), 0);
     ck_assert(!conn_send(e.conn, &key));
+    ck_assert(!conn_send_frame(e.conn, w.buf, w.len));
     run(&e);
     ck_assert_int_eq(e.nclosed, 0);
     ck_assert_uint_eq(conn_queued(e.conn), 0);
     ck_assert_uint_eq(e.written, 0);
+    wire_out_release(&w);
     close_ends(&e);
 }
 END_TEST

@@ -180,7 +180,8 @@ START_TEST(long_rows_make_short_pages)
 }
 END_TEST
 
-/* As version 1 asks for it: the loop does not make what cannot be sent. */
+/* QUERY asks for the whole list: an answer that is too long for a message is
+ * not made. */
 START_TEST(a_whole_list_that_is_too_long_is_refused)
 {
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOBS, "" } };

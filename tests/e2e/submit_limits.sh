@@ -48,8 +48,6 @@ id=$("$radsubmit" --detach --name="$name" $view "$room" 2>stderr) ||
 grep -q " x$(repeat 50 ä)  " jobs || fail "the list has another name: $(cat jobs)"
 grep -q " d\{57\}\.\.\.  " jobs || fail "the list does not cut: $(cat jobs)"
 
-# what version 1 gets is cut, too, and between characters: tests/check_message
-
 # where nobody listens it says 69: what is refused is refused before
 # shellcheck disable=SC2086
 expect 64 "option '--name': 4097 bytes, and at most 4096" "a name of 4097" \
