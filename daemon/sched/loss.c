@@ -70,8 +70,8 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
-/* End the loans of an attempt that is over, or has another last line now.  Facts
- * of the loans serve the worker that gets the line. */
+/* End the loans of an attempt that is over, or has another last line now.
+ * Facts of the loans serve the worker that gets the line. */
 void
 loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
