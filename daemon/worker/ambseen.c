@@ -1,7 +1,7 @@
 /* ambseen.c - see ambseen.h
  *
- * Numbers that are spread evenly already need no more than a table, half full
- * at most, in which one that finds its place taken goes to the next. */
+ * The numbers are spread evenly already, so a table does that is at most half
+ * full, and in which a number whose slot is taken goes to the next. */
 #include "config.h"
 
 #include "worker/ambseen.h"
@@ -25,9 +25,9 @@ mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* Of where it lies, what light comes there, and what it is good for.  Two that
- * agree in all of that but face other ways, as on both sides of a sheet in even
- * light, would count as one: it costs the time to make the other.  Never 0. */
+/* A hash of the record's place, irradiance and radii.  Two records that agree
+ * in all of these but face other ways, as on both sides of a sheet in even
+ * light, count as one: the second is made again.  Never 0. */
 static uint64_t
 number_of(const uint8_t *record)
 {
@@ -43,7 +43,7 @@ number_of(const uint8_t *record)
     return h ? h : 1;
 }
 
-/* Its place: it is there, or free. */
+/* The slot of a number, which holds it or is free. */
 static uint64_t *
 find(const struct ambseen *s, uint64_t number)
 {

@@ -1,13 +1,12 @@
 /* ambseen.h - which ambient records a job's child has had
  *
- * A record comes to each worker once; but a worker that joins, or that starts
- * anew with a coordinator that did, is given all that another's cache holds, of
- * which it may have had, or even made, the most, and while links change some
- * come by two ways.  Twice in the cache they would take twice the memory, and
- * the time of whoever looks there.
- * Of a record no more is kept than a number of 64 bits, which of a million
- * makes two look like one with a probability of 3e-8; that costs the time to
- * make it.
+ * A record usually comes to each worker once.  But a worker that joins, or
+ * starts a job again with a new life of the coordinator, is sent the whole
+ * cache of another, most of which it may have had, or even made; and while
+ * links change some records come by two ways.  Twice in the cache, a record
+ * would take memory and slow down look-ups.
+ * Of a record a number of 64 bits is kept.  Among a million records two have the
+ * same number with a probability of 3e-8; one of them is then made again.
  * Thread: one. */
 #ifndef RADD_DAEMON_AMBSEEN_H
 #define RADD_DAEMON_AMBSEEN_H
@@ -23,11 +22,11 @@ struct ambseen {
     size_t n;
 };
 
-/* Is the record, AMBSHARE_BYTES as it travels, a new one?  It is there then;
- * where memory is out all are new. */
+/* Add a record (AMBSHARE_BYTES as they travel).  True: it is new, or memory is
+ * out. */
 bool ambseen_add(struct ambseen *s, const uint8_t *record);
 
-/* Make it empty. */
+/* Make the set empty. */
 void ambseen_release(struct ambseen *s);
 
 #endif

@@ -61,12 +61,12 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
                 p->name);
     if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
         worker_send_child(w, job, &give);
-    peer_pump(w, p->conn, &p->queue); /* what was early */
+    peer_pump(w, p->conn, &p->queue); /* records that waited for the link */
     relay_linked(w, job, p->name);
     spread_linked(job, p->name, true);
 }
 
-/* Both tokens compare in the same time, whatever they are. */
+/* Compare two tokens in a time that does not depend on them. */
 static bool
 same_token(const uint8_t *a, const uint8_t *b)
 {
@@ -124,7 +124,7 @@ link_introduce(struct worker *w, struct wjob *job,
         const struct msg_peer *in = &m->peers[i];
         struct wpeer *p = peer_named(job, in->name);
 
-        if (p) /* it is new again, or no longer welcome */
+        if (p) /* a peer that is new again, or no longer welcome */
             peer_free(w, job, p);
         if (in->flags & MSG_PEER_DROP)
             continue;
@@ -198,7 +198,7 @@ link_closed(struct worker *w, uint64_t conn)
     p->conn = 0;
     if (p->state == PEER_DIALLING && p->tries < MOST_TRIES)
         p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
-    else /* it was there and went: the coordinator says when it is back */
+    else /* the link broke: the coordinator says when the peer is back */
         peer_free(w, job, p);
     return true;
 }
@@ -216,7 +216,7 @@ caller_hello(struct worker *w, struct wcaller *k,
     memcpy(k->job, m->job, MSG_JOB);
     memcpy(k->token, m->token, MSG_TOKEN);
     snprintf(k->name, sizeof k->name, "%s", m->name);
-    /* until it is matched, what it sends is read and dropped */
+    /* until a caller is matched its messages are read and dropped */
     actions_session(&w->actions, k->conn, MSG_AT_PEER, MSG_VERSION);
     match(w, k);
 }
@@ -227,7 +227,7 @@ line_bytes(const struct msg_base_line *m)
     return (size_t)m->n * m->channels * 4 + m->ndensity;
 }
 
-/* A base line from a peer, for the child; false: it can be none. */
+/* Give the child a base line from a peer; false: no frame has such a line. */
 static bool
 receive_line(struct worker *w, struct wjob *job, const struct msg *m)
 {

@@ -1,8 +1,8 @@
 /* link.h - events of a worker's links to other workers
  *
- * The coordinator names a pair of workers to each other with a token; the one
- * dials and says PEER-HELLO.  That may come before the coordinator's word, so a
- * hello that fits nothing yet is kept for a while.
+ * The coordinator names a pair of workers to each other with a token; one of
+ * the pair dials and says PEER_HELLO.  The hello may come before the other has
+ * heard from the coordinator, so an unexpected hello is kept for a while.
  * Thread: one. */
 #ifndef DAEMON_LINK_H
 #define DAEMON_LINK_H
@@ -17,8 +17,8 @@ bool link_opened(struct worker *w, uint64_t conn);
 bool link_closed(struct worker *w, uint64_t conn);
 bool link_message(struct worker *w, uint64_t conn, const struct msg *m);
 bool link_written(struct worker *w, uint64_t conn, size_t n);
-/* Records from the job's own child go to the peers; what waits for the child
- * goes as far as it takes it. */
+/* Records from the job's own child go to the peers; records that wait for the
+ * child are sent as far as its connection takes them. */
 void link_spread(struct worker *w, struct wjob *job,
                  const struct msg_ambient *m);
 /* Dial again, and close callers that say nothing. */

@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Who is to call has done so by then, or cannot. */
+/* A peer that is to dial has done so by then, or cannot. */
 #define EXPECT_MS 10000
 
-/* Records that may wait for a link which is to come. */
+/* The most bytes of records that wait for a link that is to come. */
 #define EARLY_BYTES ((size_t)1 << 20)
 
 void
@@ -38,7 +38,7 @@ peer_free(struct worker *w, struct wjob *job, struct wpeer *peer)
     free(peer);
 }
 
-/* Pass on what waits, as far as the connection takes it. */
+/* Send the frames that wait, as far as the connection takes them. */
 void
 peer_pump(struct worker *w, uint64_t conn, struct lossy *q)
 {
@@ -50,8 +50,8 @@ peer_pump(struct worker *w, uint64_t conn, struct lossy *q)
     }
 }
 
-/* A frame of records for one connection, or for several: *kept is NULL for the
- * first, and freed by nobody.  What can go now is copied once for all. */
+/* Send a frame of records to a connection.  Frames that can go at once are
+ * copied once for all connections, by way of *kept. */
 void
 peer_pass_on(struct worker *w, uint64_t conn, struct lossy *q, uint8_t **kept)
 {

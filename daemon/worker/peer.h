@@ -1,4 +1,4 @@
-/* peer.h - the other workers of a job, and what is sent to them
+/* peer.h - the other workers of a job, and sending to them
  *
  * Thread: one. */
 #ifndef DAEMON_PEER_H
@@ -6,36 +6,38 @@
 
 #include "worker/wjob.h"
 
-/* The peer of that name, linked or not yet; NULL: there is none.  And send it a
- * frame of records that is in w's scratch, or keep that for a while until it is
- * linked.  *kept is NULL for the first of several who are sent the same. */
+/* The peer of that name, linked or not yet; NULL: there is none.
+ * peer_records() sends a peer the frame of records in w's scratch; if there is
+ * no link yet the frame is kept for a while.  *kept is NULL for the first of
+ * several peers that are sent the same frame. */
 struct wpeer *peer_named(const struct wjob *job, const char *name);
 void peer_records(struct worker *w, struct wjob *job, struct wpeer *p,
                   uint8_t **kept);
-/* The peer of that name, but for one that should have called by now. */
+/* The peer of that name; NULL also if it should have dialled by now. */
 struct wpeer *peer_awaited(const struct worker *w, const struct wjob *job,
                            const char *name);
 /* The peer of that name, if there is a link to it; else NULL. */
 struct wpeer *peer_linked(const struct wjob *job, const char *name);
-/* Send it what may not be dropped. */
+/* Send a peer a message that may not be dropped. */
 void peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
                const struct msg *m);
-/* The same for records from elsewhere; they count as come in. */
+/* The same for records from other workers; they are counted as received. */
 void peer_receive(struct worker *w, struct wjob *job,
                   const struct msg_ambient *m);
 void peer_feed_child(struct worker *w, struct wjob *job);
 
-/* Dial it. */
+/* Dial a peer. */
 void peer_dial(struct worker *w, const struct wjob *job, struct wpeer *p);
-/* Close the link to it, or stop dialling, and forget it. */
+/* Close the link to a peer, or stop dialling, and forget the peer. */
 void peer_free(struct worker *w, struct wjob *job, struct wpeer *peer);
-/* Close a connection that says nothing that is wanted any more. */
+/* Close a connection that is of no use any more. */
 void peer_close_conn(struct worker *w, uint64_t conn);
 
-/* Send what waits, as far as the connection takes it. */
+/* Send the frames that wait in the queue, as far as the connection takes them.
+ */
 void peer_pump(struct worker *w, uint64_t conn, struct lossy *q);
-/* Send the frame in w's scratch to one connection, or to several: *kept is NULL
- * for the first, and freed by nobody. */
+/* Send the frame in w's scratch to a connection.  For several connections pass
+ * the same kept: *kept is NULL for the first; do not free it. */
 void peer_pass_on(struct worker *w, uint64_t conn, struct lossy *q,
                   uint8_t **kept);
 

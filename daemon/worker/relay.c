@@ -1,14 +1,14 @@
-/* relay.c - how what workers share passes through one
+/* relay.c - shared lines on their way through a worker
  *
- * Between the coordinator and a job's child messages only pass, if they are
- * about what the child has.  Base lines take the shortest way: a child's base
- * lines go to the coordinator, and at once to the peer that waits for them; the
- * coordinator says who that is (NEXT_HOLDER), often before a line is begun,
- * sometimes when it is made already, and changes its mind.  So what was made is
- * kept, put together, and sent from its beginning to whoever is named later, or
- * is linked later.  The coordinator has a copy of all: the oldest lines may go
- * when there are too many. Unlike ambient records base lines are never dropped
- * on a link that lives. */
+ * Messages about units that the child has pass between the coordinator and the
+ * child.  A base line that the child makes goes to the coordinator, and at once
+ * to the peer that waits for it.  The coordinator names that peer
+ * (NEXT_HOLDER), often before the line is begun, sometimes when it is made
+ * already, and may name another later.  So the pieces of a base line are kept
+ * here, put together, and sent from the beginning to a peer that is named, or
+ * linked, later.  When there are too many lines the oldest are dropped: the
+ * coordinator has a copy of all.  Unlike ambient records, base lines are never
+ * dropped on a link that lives. */
 #include "config.h"
 
 #include "worker/relay.h"
@@ -146,8 +146,8 @@ piece(const struct wjob *job, const struct rline *l, uint32_t *x,
 
 /* --- to peers --- */
 
-/* Send what has not been sent to whoever waits for the line, if it is linked
- * now. */
+/* Send the peer that waits for the line the pieces that it has not got, if it
+ * is linked. */
 static void
 flush(struct worker *w, struct wjob *job, struct rline *l)
 {
@@ -353,7 +353,7 @@ relay_down(struct worker *w, const struct msg *m)
 
 /* --- up --- */
 
-/* Up to the coordinator, if it is there: what gets lost with it costs time. */
+/* Send a message up, if the coordinator is there; its loss costs time alone. */
 static void
 pass_up(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -395,7 +395,7 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
-/* If the child dies now it may be of that. */
+/* The child is at the unit again: should it die, the unit is a suspect. */
 static void
 child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -407,9 +407,9 @@ child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
         u->parked = false;
 }
 
-/* Even if it was revoked meanwhile: what it cost is told nowhere else, but in
- * sum, for that this may not arrive.  A child's sums begin at zero, which the
- * coordinator is to know before it hears of the first. */
+/* Pass PAID on even if the loan was revoked meanwhile, for no other message has
+ * its cost.  TALLY has the sum of all PAIDs, in case a PAID is lost; a child's
+ * sum begins at 0, which the coordinator is told before the first PAID. */
 static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -449,7 +449,7 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
-/* The child has all again that it lent of the unit. */
+/* Give the child back all columns that it lent of the unit. */
 static void
 give_back(struct worker *w, struct wjob *job, struct wunit *u)
 {

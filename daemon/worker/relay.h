@@ -1,4 +1,5 @@
-/* relay.h - what workers share, as it passes through one of them
+/* relay.h - shared lines (facts, base lines, loans) on their way through a
+ * worker
  *
  * Thread: one. */
 #ifndef DAEMON_RELAY_H
@@ -6,16 +7,15 @@
 
 #include "worker/wjob.h"
 
-/* What workers share, on its way down from the coordinator and up from a job's
+/* A message about shared lines, down from the coordinator or up from a job's
  * child; other messages are ignored. */
 void relay_down(struct worker *w, const struct msg *m);
 void relay_up(struct worker *w, struct wjob *job, const struct msg *m);
 /* A link to a peer is there. */
 void relay_linked(struct worker *w, struct wjob *job, const char *name);
-/* The coordinator is gone, and so is all that it had lent on. */
+/* The coordinator is gone, and with it all loans that it had arranged. */
 void relay_cut(struct worker *w);
-/* Tell the coordinator all of them again: some may have been lost on the way.
- */
+/* Send all base lines to the coordinator again: some may have been lost. */
 void relay_repeat(struct worker *w, const struct wjob *job);
 /* A link to a peer is there. */
 void relay_release(struct wjob *job);

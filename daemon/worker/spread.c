@@ -1,9 +1,9 @@
 /* spread.c - see spread.h
  *
- * What goes on waits at its link until this worker's own child has something,
- * which in the beginning of a job, when records are wanted soon, is every few
- * milliseconds; or for WAIT_MS, or until there is much of it.  So there
- * are no more messages for what is passed on than there are for its own. */
+ * Records that are passed on wait at their link until this worker's own child
+ * has records to send (at the start of a job, when records are urgent, every
+ * few milliseconds), or for WAIT_MS, or until there are many.  So passing
+ * records on takes no messages beside the worker's own. */
 #include "config.h"
 
 #include "worker/spread.h"
@@ -15,26 +15,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FULL_BYTES ((size_t)32 << 10) /* of a link: it goes out now */
+#define FULL_BYTES ((size_t)32 << 10) /* so much at a link is sent at once */
 
-/* So long it waits for more, if the child has nothing: as long as a child that
- * is not in a hurry waits for its own. */
+/* The time that records wait at a link if the child sends none: as long as a
+ * child gathers records that are not urgent. */
 #define WAIT_MS 200
 
-/* A child that has something so soon again is in a hurry: in the beginning all
- * look at the same things, and what is on the way is made twice. */
+/* Records that a child sends so soon after others are urgent: workers that
+ * begin together look at the same things, and make records twice that are on
+ * the way. */
 #define HURRY_MS 4
 
-/* The coordinator hears of a link that is gone again after so long, should it
- * have been busy with the one before. */
+/* After so long the coordinator is told again of a link that is gone: it may
+ * have been busy with an earlier report. */
 #define TELL_MS 5000
 
 struct slink {
     char name[MSG_MAX_NAME + 1];
     uint32_t offset, below; /* as in msg_ring_link */
-    bool was;               /* linked, since it was made known */
-    uint64_t told_ms;       /* the coordinator, that it is gone; 0: not */
-    uint64_t since_ms;      /* what waits does so since then */
+    bool was;               /* the link was there since the RING */
+    uint64_t told_ms;       /* UNLINKED was sent then; 0: it was not */
+    uint64_t since_ms;      /* the oldest waiting record came then */
     struct msg_part *part;  /* that wait; their data are not set */
     uint32_t nparts, cap;
     struct wire_out bytes; /* of all of them */
@@ -50,7 +51,7 @@ struct circle {
 
 struct spread {
     struct circle now;
-    struct circle before;     /* for what was under way when places changed */
+    struct circle before;     /* for records under way when places changed */
     struct wire_out gathered; /* records for the child */
     uint32_t ngathered;
     uint64_t own_ms; /* when the child last had something */
@@ -58,8 +59,8 @@ struct spread {
 
 /* --- to links --- */
 
-/* The peer of a link; NULL: it is gone, or does not call, of which the
- * coordinator hears. */
+/* The peer of a link; NULL: the peer is gone, or has not dialled: tell the
+ * coordinator. */
 static struct wpeer *
 peer_of(struct worker *w, struct wjob *job, struct slink *l)
 {
@@ -95,7 +96,7 @@ flush(struct worker *w, struct wjob *job, const struct circle *c,
     l->bytes.len = 0;
 }
 
-/* What has waited for so long. */
+/* Send the records of all links that have waited for so long. */
 static void
 flush_all(struct worker *w, struct wjob *job, uint64_t ms)
 {
@@ -107,7 +108,8 @@ flush_all(struct worker *w, struct wjob *job, uint64_t ms)
                 flush(w, job, c[k], &c[k]->link[i]);
 }
 
-/* One more part, or more of the last; false: memory is out. */
+/* Add a part to the waiting records, or lengthen the last; false: memory is
+ * out. */
 static bool
 add_part(struct slink *l, uint32_t distance, const struct msg_part *p)
 {
@@ -143,7 +145,7 @@ append(struct worker *w, struct wjob *job, const struct circle *c,
         l->since_ms = w->now_ms;
     if (l->nparts == MSG_MAX_PARTS || p->len > MSG_MAX_AMBIENT - l->bytes.len)
         flush(w, job, c, l);
-    if (!add_part(l, distance, p)) { /* what waits there is lost */
+    if (!add_part(l, distance, p)) { /* the link's waiting records are lost */
         l->bytes.bad = l->bytes.nomem = false;
         l->bytes.len = 0;
         l->nparts = 0;
@@ -152,7 +154,7 @@ append(struct worker *w, struct wjob *job, const struct circle *c,
         flush(w, job, c, l);
 }
 
-/* What was made so many places back goes on to whom it reaches by here. */
+/* Pass records that were made so many places back on, over the ring's links. */
 static void
 pass(struct worker *w, struct wjob *job, const struct circle *c,
      const struct msg_part *p, uint32_t distance)
@@ -166,7 +168,7 @@ pass(struct worker *w, struct wjob *job, const struct circle *c,
     }
 }
 
-/* To those for whom this worker speaks, but not to whom it comes from. */
+/* Send records to this worker's guests, but not to the peer that sent them. */
 static void
 tell_others(struct worker *w, struct wjob *job, const struct msg_ambient *m,
             const char *from)
@@ -235,8 +237,7 @@ spread_heard(struct worker *w, struct wjob *job, const struct wpeer *from,
     pass(w, job, &job->spread->now, &part, 0);
 }
 
-/* What was gathered goes to the child, and to those for whom this one speaks.
- */
+/* Send the gathered records to the child and to this worker's guests. */
 static void
 hand_down(struct worker *w, struct wjob *job)
 {
@@ -266,7 +267,7 @@ gather(struct worker *w, struct wjob *job, const struct msg_part *p)
         s->ngathered += p->count;
 }
 
-/* Whose places a SPREAD counts; NULL: those of another ring. */
+/* The ring whose places a SPREAD counts by; NULL: neither of ours. */
 static const struct circle *
 circle_of(const struct spread *s, uint32_t generation)
 {
@@ -382,7 +383,7 @@ spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m)
     if (!set_links(job, &old, &s->now, m))
         w->actions.failed = true;
     if (m->generation ==
-        old.generation) { /* but for guests they are the same */
+        old.generation) { /* but for its guests the ring is the same */
         drop_links(&old);
     } else {
         drop_links(&s->before);

@@ -1,17 +1,19 @@
-/* spread.h - how a worker's ambient records get about in a large job
+/* spread.h - the ways of a worker's ambient records in a large job
  *
- * Up to a number of workers each has links to all, and sends its records to all
- * while they are in a hurry.  Else, and with more of them always, each has a
- * place on a ring (ring.h), or one on it that speaks for it, and the
- * coordinator has said to whom it sends what (RING).  Records from `distance`
- * places back go over those links whose `below` is more, if they have not been
- * all around then: so there is one way from each place to each other.  Records
- * of those for whom a worker speaks go about as its own do, and what it hears
- * they hear.
+ * In a job of few workers each has links to all others, and sends them its
+ * records directly while they are urgent.  Otherwise, and always in a job of
+ * many, each worker has a place on a ring (links/ring.h), or is the guest of a
+ * host with a place, and the coordinator has told it the links (RING).  Records
+ * from `distance` places back go over those links whose `below` is greater,
+ * unless they have been all around: so there is one way from each place to each
+ * other.  A host sends its guests' records on like its own, and sends its
+ * guests all records that it receives.
  *
- * What is under way when places change goes on by the links of before, if they
- * are still there; what waits for a link that is gone is lost.  That costs
- * time, and nothing else. Private to worker*.c and peer.c.  Thread: one. */
+ * Records under way when places change go on by the old links, if they are
+ * still there; records that wait for a link that is gone are lost, which costs
+ * time and nothing else.
+ * Private to worker*.c and peer.c.
+ * Thread: one. */
 #ifndef DAEMON_SPREAD_H
 #define DAEMON_SPREAD_H
 
@@ -20,10 +22,10 @@
 /* The links that count from now on; before that job->spread is NULL. */
 void spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m);
 
-/* A peer was made known, anew or for the first time; or it is linked now. */
+/* The coordinator named a peer (linked: false), or its link is there (true). */
 void spread_linked(struct wjob *job, const char *name, bool linked);
 
-/* The job's own child made records.  True: they go to each peer by itself. */
+/* The job's own child made records.  True: send them to each peer directly. */
 bool spread_note_own(struct worker *w, struct wjob *job);
 
 /* If not. */
@@ -33,12 +35,12 @@ void spread_own(struct worker *w, struct wjob *job,
 void spread_heard(struct worker *w, struct wjob *job, const struct wpeer *from,
                   const struct msg_ambient *m);
 
-/* Records on their way: they go on, and to the child; without job->spread they
- * are dropped. */
+/* Records came over the ring: pass them on, and to the child; drop them if
+ * there is no job->spread. */
 void spread_take(struct worker *w, struct wjob *job,
                  const struct msg_spread *m);
 
-/* What has waited for long goes out. */
+/* Send the records that have waited for long. */
 void spread_tick(struct worker *w, struct wjob *job);
 
 void spread_release(struct wjob *job);

@@ -1,4 +1,4 @@
-/* state.h - what a worker's machine knows, and how it speaks
+/* state.h - the state of a worker's machine, and its files
  *
  *   worker.c        events, and the connection to the coordinator
  *   worker_coord.c  messages of the coordinator
@@ -6,11 +6,11 @@
  *   worker_end.c    a job is over
  *   link.c          events of links to other workers
  *   spread.c        which records go over which links
- *   relay.c         what workers share, on its way up and down
- *   peer.c          links to other workers: what is sent there
+ *   relay.c         shared lines, on their way up and down
+ *   peer.c          links to other workers: sending
  *   worker_files.c  files that jobs need
  *   wjob.c          jobs: their units, results and children
- *   worker_post.c   what is said to the coordinator and to children
+ *   worker_post.c   messages to the coordinator and to children
  * A file calls files below it alone.
  * Thread: one. */
 #ifndef DAEMON_STATE_H
@@ -40,7 +40,7 @@ enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {
     struct wpeer *next;
-    uint32_t id; /* the child knows it by this number */
+    uint32_t id; /* the peer's number, for the child */
     char name[MSG_MAX_NAME + 1];
     char address[MSG_MAX_ADDRESS + 1];
     uint8_t token[MSG_TOKEN];
@@ -54,16 +54,19 @@ struct wpeer {
     struct lossy queue;
 };
 
-/* fetching -> loading -> ready -> idle: its child is gone, until it is started
- *   |    ^                         ^     again, and fetches
- *   v    \- started again          |
- *  no room -> there is again ------/  */
+/* A job at this worker.  From any state to FETCHING, when the coordinator
+ * starts the job again.
+ *
+ *   FETCHING -- all files are here --> LOADING -- the child's READY --> READY
+ *    |                                    '-- the child is gone --.------'
+ *    v                                                            v
+ *   NO_ROOM ---------- room again: the coordinator is told ----> IDLE  */
 enum wjob_state {
     WJOB_FETCHING, /* files are missing */
     WJOB_NO_ROOM,  /* and cannot be had now: the coordinator was told so */
     WJOB_LOADING,  /* child started */
     WJOB_READY,
-    WJOB_IDLE /* no child: it died, or gave up */
+    WJOB_IDLE /* no child: the child died or gave up, or none was started */
 };
 
 struct wjob {
@@ -79,10 +82,10 @@ struct wjob {
     uint32_t width, height; /* the largest of any frame */
     uint32_t flags;   /* MSG_JOB_... */
     uint8_t channels; /* of a pixel */
-    uint8_t *files;   /* hashes that it needs */
+    uint8_t *files;   /* hashes of the files that the job needs */
     uint32_t nfiles;
     uint32_t nmissing;     /* fetching: of those */
-    uint64_t bundle_bytes; /* of all of them, by its submitter */
+    uint64_t bundle_bytes; /* of all files, as the submitter said */
     uint64_t look_ms;      /* no room: when to look again */
     unsigned look_delay_ms; /* and how long after that the next time */
     uint64_t child;    /* connection, 0: none */
@@ -90,8 +93,8 @@ struct wjob {
     struct lossy to_child;
     struct msg_ready ready;
     struct msg_tally tally;
-    struct msg_counts paid;   /* by PAIDs of this child that were sent, */
-    struct msg_counts unpaid; /* and by those that could not be */
+    struct msg_counts paid;   /* in PAIDs of this child that were sent on, */
+    struct msg_counts unpaid; /* and in PAIDs that could not be sent */
     uint64_t bytes_in, bytes_out;
     uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
     struct wunit *units; /* with the child, in the order in which they came */
@@ -100,14 +103,14 @@ struct wjob {
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
     struct relay *relay;   /* base lines that were made here; NULL: none yet */
-    struct spread *spread; /* who is sent which records; NULL: each peer, all */
+    struct spread *spread; /* links of the ring; NULL: there is none */
 };
 
 /* A file that was asked for. */
 struct wasked {
     uint8_t hash[MSG_HASH];
     enum { WASKED_WANTED, WASKED_COMES } state;
-    bool lapsed; /* the job is over, and it may never come */
+    bool lapsed; /* its job is over, and the file may never come */
 };
 
 /* A peer's connection that has not been matched with a job. */
@@ -125,9 +128,9 @@ struct worker {
     uint64_t now_ms;
     uint64_t tick_ms;  /* of the last worker_tick() */
     bool held;         /* children are not listened to: worker_hold() */
-    uint64_t awake_ms; /* all time but what this process slept through */
+    uint64_t awake_ms; /* now_ms without the time that this process slept */
     uint64_t coord;    /* connection, 0: none */
-    bool opened, welcome, parted; /* ...: it said that it lets us go */
+    bool opened, welcome, parted; /* parted: the coordinator lets us go */
     unsigned version; /* welcome: of the protocol, with the coordinator */
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
@@ -152,7 +155,7 @@ void worker_send_coord(struct worker *w, const struct msg *m);
 void worker_send_child(struct worker *w, struct wjob *job, const struct msg *m);
 void worker_send_child_bytes(struct worker *w, struct wjob *job,
                              const uint8_t *bytes, size_t len);
-/* What is known of a job's child so far. */
+/* Send the TALLY of a job's child. */
 void worker_send_tally(struct worker *w, struct wjob *job);
 /* The daemon is to end, with a status of sysexits.h. */
 void worker_stop(struct worker *w, int status, const char *text);

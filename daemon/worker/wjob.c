@@ -1,9 +1,9 @@
 /* wjob.c - the jobs of a worker: their units, results and children
  *
- * A unit is with the child from when it came until its last rows are there; a
- * result is kept, as the frame that it goes out in, until the coordinator has
- * acknowledged it.  So results outlive their units and the connection, but not
- * the job: those of units that are given up go with them. */
+ * A unit is with the child until its last rows are there.  A RESULT is kept, as
+ * bytes to be sent, until the coordinator has acknowledged it.  So results
+ * outlive their units and the connection, but not the job, and results of units
+ * that are given up are freed with these. */
 #include "config.h"
 
 #include "worker/wjob.h"
@@ -146,7 +146,7 @@ wjob_kill_child(struct worker *w, struct wjob *job)
     lossy_init(&job->to_child);
 }
 
-/* What of the pictures a worker looks at. */
+/* Note the properties of the pictures that a worker needs. */
 static void
 note_frames(struct wjob *job, const struct msg_spec *spec)
 {
@@ -230,8 +230,8 @@ wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
     job->state = WJOB_IDLE;
 }
 
-/* Of what the worker knows: densities are at most one for each column, and the
- * child knows the frame. */
+/* As far as the worker can tell: there is at most one density for each column;
+ * the child knows the frame, and looks closer. */
 bool
 wjob_fits_line(const struct wjob *job, const struct msg_base_line *m)
 {

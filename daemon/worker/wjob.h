@@ -8,7 +8,7 @@
 
 /* A job that starts here; NULL: memory is out. */
 struct wjob *wjob_new(struct worker *w, const struct msg *m);
-/* Free it; nothing leads to it any more. */
+/* Free a job that is no longer in the worker's list. */
 void wjob_free(struct wjob *job);
 void wjob_spawn(struct worker *w, struct wjob *job);
 void wjob_kill_child(struct worker *w, struct wjob *job);
@@ -18,16 +18,16 @@ void wjob_kill_child(struct worker *w, struct wjob *job);
 void wjob_send_lost(struct worker *w, struct wjob *job, bool local,
                     const char *text);
 
-/* A unit that the child has; NULL: it does not. */
+/* The unit, if the child has it; else NULL. */
 struct wunit *wjob_find_unit(const struct wjob *job, uint32_t unit,
                                uint32_t attempt);
 bool wjob_has_unit(const struct wjob *job, uint32_t unit, uint32_t attempt);
 /* False: memory is out. */
 bool wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
 void wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt);
-/* Units that are not finished will not be: forget them and their rows. */
+/* Forget all units that are not finished, and their rows. */
 void wjob_drop_units(struct wjob *job);
-/* Its child is at that unit no more, and hears of it. */
+/* Take a unit from the child, by a message. */
 void wjob_revoke_unit(struct worker *w, struct wjob *job, uint32_t unit,
                       uint32_t attempt);
 /* Keep the frame of a RESULT until it is acknowledged; false: memory is out. */

@@ -6,11 +6,11 @@
  * suspects.
  *
  * When the coordinator is lost, the children go on and results are kept.  When
- * it is back, be it in another life, and starts the job again, rows that it has
- * not acknowledged are sent first, then which units are not finished (STILL),
- * then READY; the coordinator revokes units that it has handed to others
- * meanwhile.  Until READY no new row is sent: it would overtake the kept ones.
- */
+ * the coordinator is back, be it in another life, and starts the job again, the
+ * worker first sends rows that were not acknowledged, then names the units that
+ * are not finished (STILL), then says READY.  The coordinator revokes units
+ * that other workers got meanwhile.  Until READY no new row is sent, for new
+ * rows would overtake the kept ones. */
 #include "config.h"
 
 #include "worker/worker.h"
@@ -29,7 +29,7 @@
 #define FIRST_DELAY_MS 500
 #define LAST_DELAY_MS  30000
 #define LONG_TICK_MS   1000 /* longer is no tick: the process was stopped */
-#define STEADY_MS      10000 /* a connection that lasted as long was a good one */
+#define STEADY_MS      10000 /* after such a connection dial without delay */
 
 static struct wjob *
 find_child(const struct worker *w, uint64_t conn)
@@ -71,7 +71,7 @@ dial_later(struct worker *w)
         w->delay_ms = LAST_DELAY_MS;
 }
 
-/* That it ends the connection after a BYE or REFUSE is no news. */
+/* Log the loss of the coordinator, unless it had said BYE or REFUSE. */
 static void
 lost_coord(struct worker *w, const char *why)
 {
@@ -129,7 +129,7 @@ worker_free(struct worker *w)
 {
     if (!w)
         return;
-    w->env.leave = NULL; /* the files have nobody to leave them to */
+    w->env.leave = NULL; /* no job is left that the files could be for */
     while (w->jobs)
         worker_end_job(w, w->jobs);
     link_release_callers(w);

@@ -23,15 +23,15 @@ struct worker_env {
     void (*random)(void *arg, void *buf, size_t n); /* jitter */
     void *arg;
     action_look_fn *look; /* then worker_looked; or NULL */
-    /* the job that was looked for is over here; or NULL */
+    /* the job's files may be removed from the cache; or NULL */
     void (*leave)(void *arg, const uint8_t job[MSG_JOB]);
     const char *program;  /* "radd 0.1.0"; all strings outlive the worker */
     const char *name;
-    const char *coordinator; /* where it is dialled, for the log */
-    const char *address;     /* where peers dial it, as in msg_hello */
+    const char *coordinator; /* the coordinator's address, for the log */
+    const char *address;     /* where peers dial this worker; see msg_hello */
     unsigned threads;
-    unsigned load_s; /* longest that a child may load, or say nothing while it
-                      * has units; 0: for ever */
+    unsigned load_s; /* longest time that a child may load, or be silent while
+                      * it has units; 0: any */
 };
 
 struct worker;
@@ -62,9 +62,9 @@ void worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn,
 void worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
                     const struct msg *m);
 
-/* A child (its connection) ended by itself; all that it sent has been
- * delivered.  local: for a reason of this machine's, which says nothing of the
- * scene.  text: "killed by signal 11", "exit status 70". */
+/* A child (its connection) ended by itself, all its messages having been
+ * delivered.  local: the cause is this machine, not the scene.
+ * text: "killed by signal 11", "exit status 70". */
 void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
                         bool local, const char *text);
 
@@ -84,12 +84,12 @@ void worker_file_failed(struct worker *w, uint64_t now_ms,
                         const uint8_t hash[MSG_HASH], int status,
                         const char *text);
 
-/* n bytes of what was sent to a connection have been written out. */
+/* n bytes that were sent to a connection have been written out. */
 void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n);
 
-/* Rows that wait for an ACK [bytes].  They are never dropped: above some number
- * the shell stops reading from children, and says so, since they are silent
- * then. */
+/* Rows that wait for an ACK [bytes].  Rows are never dropped: above some number
+ * of bytes the shell stops reading from children, and says so by worker_hold(),
+ * for the children are silent then. */
 size_t worker_kept(const struct worker *w);
 void worker_hold(struct worker *w, bool held);
 
@@ -97,17 +97,18 @@ void worker_hold(struct worker *w, bool held);
  * coordinator: ACT_STOP at once. */
 void worker_drain(struct worker *w, uint64_t now_ms);
 
-/* May it work?  No: it finishes the units in hand and leaves the coordinator,
- * with no process left, and calls it again once it may. */
+/* May the worker work?  If not it finishes the units in hand, leaves the
+ * coordinator and has no child; it dials again once it may. */
 void worker_allow(struct worker *w, uint64_t now_ms, bool allowed);
 
-/* Time passes; call it about every 100 ms. */
+/* Time passes; to be called about every 100 ms. */
 void worker_tick(struct worker *w, uint64_t now_ms);
 
-/* --- what the shell may look at --- */
+/* --- for the shell to look at --- */
 
-uint64_t worker_coord(const struct worker *w); /* its connection; 0: none */
-/* Is there a peer that may dial us for which fits(arg, job, token) says so? */
+/* The connection to the coordinator; 0: none. */
+uint64_t worker_coord(const struct worker *w);
+/* Does fits(arg, job, token) accept any peer that may dial us? */
 typedef bool worker_token_fn(void *arg, const uint8_t job[MSG_JOB],
                              const uint8_t token[MSG_TOKEN]);
 bool worker_peer_token(const struct worker *w, worker_token_fn *fits,

@@ -1,8 +1,8 @@
-/* worker_child.c - what a worker does when a job's child speaks, or is silent
+/* worker_child.c - messages of a job's child, and its silence
  *
- * One handler per message, found in a table.  A child has one job, and what it
- * says is about that, whatever it names.  It is sent on if the coordinator is
- * there; results are kept in any case. */
+ * One handler per message, found in a table.  A child has one job: its messages
+ * are about that job, whatever id they carry.  They are sent on if the
+ * coordinator is there; results are kept in any case. */
 #include "config.h"
 
 #include "worker/worker_says.h"
@@ -80,8 +80,8 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     struct msg failed = { .type = MSG_FAILED, .failed = m->failed };
 
     failed.failed.job = job->id;
-    /* what is wrong with the scene is wrong with it everywhere; what is wrong
-     * here, or with us, another may try */
+    /* a fault of the scene is the same at all workers; with a fault of this
+     * machine, or of ours, another worker may try */
     if (m->failed.status == EX_SOFTWARE ||
         worker_status_is_local(m->failed.status)) {
         lose_child(w, job, m->failed.status != EX_SOFTWARE, m->failed.text);
@@ -95,7 +95,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_IDLE;
 }
 
-/* Those that answer a GIVE are not new. */
+/* Pass on records of the child; records that answer a GIVE are not new. */
 static void
 child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
 {

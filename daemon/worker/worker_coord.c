@@ -1,7 +1,7 @@
-/* worker_coord.c - what a worker does when the coordinator speaks
+/* worker_coord.c - messages of the coordinator
  *
- * One handler per message, found in a table.  What workers share only passes
- * through (relay.c). */
+ * One handler per message, found in a table.  Messages about shared lines are
+ * relay.c's. */
 #include "config.h"
 
 #include "worker/worker_says.h"
@@ -45,8 +45,8 @@ on_welcome(struct worker *w, const struct msg *m)
     }
 }
 
-/* For good, unless it says that later may be better.  A status that is none
- * of sysexits.h breaks the protocol. */
+/* A refusal is for good, unless its status says that later may be better.  A
+ * status that is none of sysexits.h breaks the protocol. */
 static void
 on_refuse(struct worker *w, const struct msg *m)
 {
@@ -88,8 +88,7 @@ on_chunk(struct worker *w, const struct msg *m)
             job->bytes_in += m->chunk.len;
 }
 
-/* Columns that another worker lends would be traced for nothing: that one has
- * them again. */
+/* Give up borrowed columns: their lender has them again. */
 static void
 give_up(struct worker *w, struct wjob *job)
 {
@@ -98,7 +97,7 @@ give_up(struct worker *w, struct wjob *job)
             wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
 }
 
-/* What its child is at. */
+/* Name the units that the child is at. */
 static void
 say_still(struct worker *w, const struct wjob *job)
 {
@@ -144,7 +143,7 @@ on_job_start(struct worker *w, const struct msg *m)
         return;
     }
     job->started = true;
-    spread_release(job); /* places are given to who is ready */
+    spread_release(job); /* only workers that are ready have places */
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)

@@ -1,17 +1,16 @@
 /* worker_files.c - files that a worker's jobs need
  *
- * A file is asked for once, however many jobs need it; `asked` holds those that
- * have not come.  A job starts its child when nothing is missing.
+ * A file is asked for once, however many jobs need it; `asked` holds the files
+ * that have not come.  A job starts its child when no file is missing.
  *
- * Where its files find no room here, or what comes cannot be written, a job
- * fails for no reason of its own: the coordinator is told (ROOM) and gives it
- * to others.  Then we look again, after a while that grows, and say when it may
- * be given to us.
+ * If a job's files find no room here, or cannot be written, the coordinator is
+ * told (ROOM) and gives the job to other workers.  Then we look for room again,
+ * after a delay that grows, and tell the coordinator when there is room.
  *
- * Of a job that ends, files may still come, or never will, if the coordinator
- * heard of its end before it heard of the WANT: those count as lapsed, and are
- * asked for again should another job need them.  What comes twice is ignored,
- * as all is that was not asked for. */
+ * Files of a job that ends may still come, or never, if the coordinator ended
+ * the job before our WANT arrived.  They count as lapsed, and are asked for
+ * again should another job need them.  Files that come twice, or were not asked
+ * for, are ignored. */
 #include "config.h"
 
 #include "worker/worker_files.h"
@@ -53,7 +52,7 @@ add_asked(struct worker *w, const uint8_t *hash)
     return true;
 }
 
-/* False: it was not asked for. */
+/* Take a file from those asked for; false: it is not among them. */
 static bool
 forget_asked(struct worker *w, const uint8_t *hash)
 {
@@ -64,7 +63,7 @@ forget_asked(struct worker *w, const uint8_t *hash)
     return a != NULL;
 }
 
-/* A file is missing; true: it is to be asked for now, and counts as asked. */
+/* A file is missing: note it as asked for; true: it was not, so send a WANT. */
 static bool
 ask_anew(struct worker *w, const uint8_t *hash)
 {
@@ -88,9 +87,9 @@ want(struct worker *w, const uint8_t *hashes, uint32_t n)
         worker_send_coord(w, &m);
 }
 
-/* Ask for what is missing and was not asked for; start the child when nothing
- * is.  While the coordinator is away nothing is asked for: it will start the
- * job again. */
+/* Ask for the job's missing files that were not asked for; start the child if
+ * none is missing.  While the coordinator is away ask for none: it will start
+ * the job again. */
 static void
 fetch(struct worker *w, struct wjob *job)
 {
@@ -170,11 +169,11 @@ refuse(struct worker *w, struct wjob *job, const char *text)
     actions_log(&w->actions, ACT_WARN, "job refused job=%s why=%s", job->hex,
                 text);
     say_room(w, job, false, text);
-    if (w->env.leave) /* what it has of the job may go for others */
+    if (w->env.leave) /* files of this job may make room for others */
         w->env.leave(w->env.arg, job->id);
 }
 
-/* There is room again: the coordinator decides whether it is ours now. */
+/* There is room again: the coordinator decides whether we get the job. */
 static void
 offer_again(struct worker *w, struct wjob *job)
 {
@@ -228,12 +227,12 @@ files_watch_room(struct worker *w)
 {
     for (struct wjob *job = w->jobs; job; job = job->next)
         if (job->state == WJOB_NO_ROOM && w->now_ms >= job->look_ms) {
-            job->look_ms = UINT64_MAX; /* until it has looked */
+            job->look_ms = UINT64_MAX; /* until the look has ended */
             look(w, job);
         }
 }
 
-/* --- what comes --- */
+/* --- files that come --- */
 
 bool
 worker_take_chunk(struct worker *w, const struct msg_chunk *chunk)
@@ -241,7 +240,7 @@ worker_take_chunk(struct worker *w, const struct msg_chunk *chunk)
     struct wasked *a = find_asked(w, chunk->hash);
 
     if (!a || (a->state == WASKED_WANTED && chunk->offset > 0))
-        return false; /* of one that was given up */
+        return false; /* of a file that was given up */
     a->state = WASKED_COMES;
     return true;
 }
@@ -266,7 +265,7 @@ worker_file_stored(struct worker *w, uint64_t now_ms,
             continue;
         job->nmissing -= n < job->nmissing ? n : job->nmissing;
         if (job->nmissing == 0)
-            fetch(w, job); /* none of them is gone again */
+            fetch(w, job); /* in case a file is gone again */
     }
 }
 
@@ -276,11 +275,11 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
 {
     w->now_ms = now_ms;
     if (!forget_asked(w, hash))
-        return; /* the rest of one that failed */
+        return; /* the rest of a file that failed */
     for (struct wjob *job = w->jobs; job; job = job->next) {
         if (job->state != WJOB_FETCHING || !files_need(job, hash))
             continue;
-        if (status == EX_PROTOCOL) /* the coordinator has not what it says */
+        if (status == EX_PROTOCOL) /* the coordinator sent another file */
             wjob_send_lost(w, job, true, text);
         else
             refuse(w, job, text);

@@ -6,15 +6,15 @@
 
 #include "worker/wjob.h"
 
-/* Fetch what is missing, then start the child.  Which files are here may take a
- * while to tell. */
+/* Fetch the job's missing files, then start the child.  It may take a while to
+ * find out which are missing. */
 void files_look(struct worker *w, struct wjob *job);
 bool files_need(const struct wjob *job, const uint8_t *hash);
-/* Look again for room, where it is time. */
+/* Look for room again, for jobs that had none, when it is time. */
 void files_watch_room(struct worker *w);
-/* Is a piece of a file one that is to be kept? */
+/* Is this piece of a file to be kept? */
 bool worker_take_chunk(struct worker *w, const struct msg_chunk *chunk);
-/* A job that fetched is over: what was asked for may never come. */
+/* A job that fetched is over: the files that it asked for may never come. */
 void files_lapse(struct worker *w);
 
 #endif

@@ -1,4 +1,4 @@
-/* worker_post.c - what a worker says to the coordinator and to its children */
+/* worker_post.c - messages of a worker to the coordinator and to children */
 #include "config.h"
 
 #include "worker/state.h"
