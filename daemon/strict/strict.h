@@ -12,7 +12,7 @@
  * makes rows ends early for a bottom, and goes on afterwards.  So a unit of
  * several lines whose top is true before all bars are traced has LINES made
  * (again) for its bottom; not if the bottom was guessed from just these
- * densities, and from the line on where the densities come out as guessed.
+ * densities.
  * TRUTH alone does for a unit of one line, or with no unit below, whose top is
  * true from the start.  Where the truth has time (MSG_UNIT_BARS) LINES makes
  * the bars, too.
@@ -105,8 +105,6 @@ struct strict_pass {
     uint8_t *top_density;               /* NULL: not known, or none at all */
     int top_known;                      /* see team.h */
     int filled;                         /* with LINES: see team.h */
-    uint8_t *record;                    /* see team.h; or NULL */
-    const uint8_t *earlier;             /* see team.h; or NULL */
     uint64_t *cpu_ns;                   /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* the team is to leave the pass */

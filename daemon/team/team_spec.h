@@ -80,13 +80,6 @@ struct team_ahead {
                     * of so many lines; from TEAM_SURE on it is as good as the
                     * truth */
     int filled;    /* LINES: lines before this one with their bars */
-    uint8_t *record; /* room for the densities after each line from first on;
-                      * or NULL */
-    /* LINES with true_top, one member and no bars: what an earlier pass
-     * recorded of all lines from first to last - 2, over facts that are here;
-     * or NULL.  After a line whose densities come out the same so would all
-     * that follow: the pass goes on with the last line. */
-    const uint8_t *earlier;
 };
 
 struct team_spec {
