@@ -6,7 +6,7 @@
  *   begins a region of some lines, below those that others are at, by its
  *   speed: so all move down the picture together, and the true base lines are
  *   there for what is below as soon as may be.  Where there are many lines what
- *   was left behind above comes before that, or lags: the truth would wait.
+ *   was left behind above comes before that: the truth would wait.
  *   When no region is left it helps where the topmost line is free, from the
  *   middle of that stretch.
  * - auto: as many lines as are the worker's share of all that is left; so units
@@ -228,25 +228,6 @@ find_left_behind(const struct partition_lines *s, struct frame *f,
     return false;
 }
 
-/* The middle of the topmost stretch of free lines that other workers will come
- * to, if the stretch is longer than the next region would be: true base lines
- * would wait there. */
-static bool
-lags_behind(const struct partition_lines *s, const struct frame *f,
-            const struct partition_who *who, uint32_t *line)
-{
-    uint32_t first = f->taken, last;
-
-    while (first < f->next && first < f->n && !line_is_free(s, f, first))
-        first++;
-    last = lines_stretch(s, f, first);
-    last = last < f->next ? last : f->next;
-    if (first >= last || last - first <= region_lines(s, f, who))
-        return false;
-    *line = first + (last - first) / 2;
-    return true;
-}
-
 /* Where the worker's next unit of a frame that has free lines begins. */
 static uint32_t
 unit_start(const struct partition *p, struct frame *f, const struct asker *w,
@@ -260,8 +241,7 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     if (w->began && &s->frame[w->frame] == f && line_is_free(s, f, w->line) &&
         w->line != f->next)
         return w->line; /* at f->next it is the next region that follows */
-    if (has_many_lines(s, f, who) &&
-        (find_left_behind(s, f, &line) || lags_behind(s, f, who, &line)))
+    if (has_many_lines(s, f, who) && find_left_behind(s, f, &line))
         return line;
     if (begin_region(s, f, who, &line))
         return line;
