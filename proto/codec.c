@@ -113,6 +113,15 @@ code_hash(struct codec *c, const uint8_t **hash)
     code_view(c, hash, MSG_HASH);
 }
 
+void
+code_attempt(struct codec *c, const uint8_t **job, uint32_t *unit,
+             uint32_t *attempt)
+{
+    code_job(c, job);
+    code_u32(c, unit);
+    code_u32(c, attempt);
+}
+
 /* --- lists --- */
 
 void
@@ -166,7 +175,7 @@ code_list(struct codec *c, const void *list, uint32_t *n, size_t least,
 
 /* --- counts --- */
 
-/* Rising, and none behind the end. */
+/* Do the objects rise, with no fault behind the count of 0 that ends them? */
 static bool
 faults_fit(const struct msg_fault faults[MSG_FAULTS])
 {

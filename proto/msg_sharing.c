@@ -18,9 +18,7 @@ area_fits(uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 void
 msg_code_unit(struct codec *c, struct msg_unit *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->frame);
     code_u32(c, &b->x);
     code_u32(c, &b->y);
@@ -37,9 +35,7 @@ msg_code_unit(struct codec *c, struct msg_unit *b)
 void
 msg_code_attempt(struct codec *c, struct msg_attempt *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
 }
 
 /* --- facts --- */
@@ -134,9 +130,7 @@ msg_code_next_holder(struct codec *c, struct msg_next_holder *b)
 void
 msg_code_gave(struct codec *c, struct msg_gave *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->height);
     code_must(c, b->height <= MSG_MAX_SIDE);
 }
@@ -157,9 +151,7 @@ msg_code_seed(struct codec *c, struct msg_seed *b)
 void
 msg_code_lend(struct codec *c, struct msg_lend *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u16(c, &b->part);
 }
 
@@ -177,9 +169,7 @@ msg_code_loan(struct codec *c, struct msg_loan *b)
 {
     size_t pixels;
 
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->frame);
     code_u32(c, &b->line);
     code_u32(c, &b->x);
@@ -203,9 +193,7 @@ msg_code_loan(struct codec *c, struct msg_loan *b)
 void
 msg_code_back(struct codec *c, struct msg_back *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->line);
     code_u32(c, &b->x);
     code_u32(c, &b->n);
@@ -215,9 +203,7 @@ msg_code_back(struct codec *c, struct msg_back *b)
 void
 msg_code_paid(struct codec *c, struct msg_paid *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_counts(c, &b->counts);
 }
 

@@ -1,7 +1,7 @@
 /* msg_work.c - the codec of the messages by which workers and their children
  * say how they get on, with the rows of the picture
  *
- * See "work" in message.h and message.def. */
+ * See msg_work.h. */
 #include "config.h"
 
 #include "proto/codec.h"
@@ -16,8 +16,8 @@ msg_code_ready(struct codec *c, struct msg_ready *b)
     code_read_must(c, b->threads >= 1 && b->threads <= MSG_MAX_THREADS);
 }
 
-/* Bytes of a RESULT's pixels; len is how many there may be of coded ones.
- * False when they cannot be. */
+/* *n: the bytes of a RESULT's pixels; of coded rows there are len.  False when
+ * no RESULT has such rows. */
 static bool
 result_bytes(const struct msg_result *b, size_t len, size_t *n)
 {
@@ -39,9 +39,7 @@ msg_code_result(struct codec *c, struct msg_result *b)
 {
     size_t n;
 
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->row);
     code_u32(c, &b->rows);
     code_u32(c, &b->width);
@@ -59,9 +57,7 @@ msg_code_result(struct codec *c, struct msg_result *b)
 void
 msg_code_ack(struct codec *c, struct msg_ack *b)
 {
-    code_job(c, &b->job);
-    code_u32(c, &b->unit);
-    code_u32(c, &b->attempt);
+    code_attempt(c, &b->job, &b->unit, &b->attempt);
     code_u32(c, &b->row);
     code_u32(c, &b->rows);
 }
@@ -85,8 +81,7 @@ void
 msg_code_room(struct codec *c, struct msg_room *b)
 {
     code_job(c, &b->job);
-    code_u8(c, &b->has);
-    code_read_must(c, b->has <= 1);
+    code_below(c, &b->has, 2);
     code_str(c, &b->text, MSG_MAX_TEXT);
 }
 
