@@ -20,12 +20,12 @@ void ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec);
  * length, a radius that is not positive, light that is negative. */
 bool ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec);
 
-/* Is it one, by these rules? */
+/* Is the record sound by the rules of ambshare_unpack()? */
 bool ambshare_sound(const struct rad_ambrec *rec);
 
-/* Put a file of such records, and nothing else, into the cache, as ones made
- * elsewhere.  RAD_EDATA: it ends in the middle of one, or has some that are
- * none or lie outside the scene; then the cache has the others. */
+/* Put the records of a file into the cache, as records made elsewhere.
+ * RAD_EDATA: the file ends in the middle of a record, or has records that are
+ * not sound or lie outside the scene; then the cache has the others. */
 int ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
                   struct rad_error *err);
 

@@ -21,23 +21,24 @@ struct msg_header {
 };
 
 struct frame_reader {
-    enum msg_session session; /* the owner sets them when the state changes */
-    unsigned version;         /* of what comes */
+    /* the owner sets both when the state of the connection changes */
+    enum msg_session session;
+    unsigned version; /* of the frames that come */
     struct msg_header head;
     bool have_head, bad;
     uint8_t *buf;
     size_t len, cap;
 };
 
-/* Of the current version, as it is until one has been agreed upon: what is said
- * before that has the same bytes in all. */
+/* The reader begins with the current version, until both sides have agreed upon
+ * a version: messages before that have the same bytes in every version. */
 void frame_reader_init(struct frame_reader *r, enum msg_session session);
 void frame_reader_release(struct frame_reader *r);
 
-/* Take bytes from *data, of *n, until a message is whole or they are used up;
- * both move on.  Returns 1 with *m unpacked (valid until the next call), 0
- * when more bytes are needed, or a negative code with *err set: the stream is
- * of no use from then on.
+/* Take some of the *n bytes at *data, until a message is whole or no byte is
+ * left; *data and *n move on.  Returns 1 with *m unpacked (valid until the next
+ * call), 0 when more bytes are needed, or a negative code with *err set: every
+ * later call fails.
  * Change r->session and r->version between calls, not later than the call that
  * reads the next message. */
 int frame_read(struct frame_reader *r, const uint8_t **data, size_t *n,

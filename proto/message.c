@@ -15,7 +15,7 @@
 #define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
 #define AT_PARENT       (AT(PARENT_NEW) | AT(PARENT))
 #define AT_SHARED       (AT(COORD_WORKER) | AT(PARENT)) /* from a child */
-/* wherever both sides have said who they are, over a network */
+/* the sessions over a network after HELLO and PEER_HELLO */
 #define AT_LIVE                                                                \
     (AT(COORD_WORKER) | AT_COORD_CLIENT | AT(WORKER) | AT(CLIENT) | AT(PEER))
 

@@ -1,9 +1,8 @@
 /* message.h - what coordinator, workers, users and children say to each other
  *
- * One struct per message, all in the tagged struct msg; the structs stand by
- * group in msg_*.h.  message.def lists
- * them with their numbers, limits and where each may arrive; doc/protocol.md
- * has their bytes.
+ * Each message body is a struct, in the msg_*.h of its group; struct msg is the
+ * tagged union of all.  message.def lists the messages with their numbers,
+ * limits and sessions; doc/protocol.md has their bytes.
  *
  * A message that was unpacked borrows: its strings and byte ranges point into
  * the payload, its list (frames, peers, units) into msg.list.  Both are valid
@@ -24,30 +23,30 @@
 
 struct msg {
     uint16_t type;    /* enum msg_type */
-    uint32_t request; /* a reply repeats its request's; 0 where none is due */
+    uint32_t request; /* a reply repeats the request's; 0: no reply is due */
     union {
 #define MSG(NAME, name, body, number, since, limit, at) struct msg_##body name;
 #include "proto/message.def"
     };
-    /* scratch of the unpacked list; see msg_release() */
+    /* memory of an unpacked list; see msg_release() */
     void *list;
     size_t list_size;
 };
 
-/* A struct msg starts as { .type = MSG_X, ... } for packing, or { 0 } for
- * unpacking; release what was unpacked into. */
+/* Free the list of a struct msg that was unpacked into.  A struct msg starts as
+ * { 0 } for unpacking, and as { .type = MSG_X, ... } for packing. */
 void msg_release(struct msg *m);
 
 /* Append m as one whole frame, header and payload, to out (whose max should
- * leave room for MSG_FRAME_MAX bytes).  0, RAD_EPROTO when a field is out of
- * its bounds, or RAD_ENOMEM; out is as before then. */
+ * leave room for MSG_FRAME_MAX bytes).  0; or RAD_EPROTO when a field is out of
+ * its bounds, or RAD_ENOMEM: then out is as before. */
 int msg_pack(struct wire_out *out, const struct msg *m);
 
-/* The same for somebody who speaks that version.  RAD_EPROTO, too, for a
- * message that it does not have. */
+/* The same in the layout of that version of the protocol.  RAD_EPROTO, too, for
+ * a message that this version does not have. */
 int msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m);
 
-/* The type of a whole frame of ours; 0: it is none. */
+/* The type of a whole frame that was packed here; 0 if n is too small. */
 uint16_t msg_frame_type(const uint8_t *frame, size_t n);
 
 /* Decode a payload of n bytes.  0, or RAD_EPROTO: fields missing, out of
@@ -55,39 +54,40 @@ uint16_t msg_frame_type(const uint8_t *frame, size_t n);
 int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
                const uint8_t *payload, size_t n, struct rad_error *err);
 
-/* The same for one in the bytes of that version. */
+/* The same for a payload in the layout of that version. */
 int msg_unpack_as(unsigned version, struct msg *m, uint16_t type,
                   uint32_t request, const uint8_t *payload, size_t n,
                   struct rad_error *err);
 
-/* The file that a job's frames come in, and the costs of their lines
- * (MSG_JOB_VIEWS), appended to out.  0; RAD_EPROTO: there are too many of them;
+/* Append to out the file of a job's frames and of the costs of their lines
+ * (MSG_JOB_VIEWS).  0; RAD_EPROTO: there are too many frames or costs;
  * RAD_ENOMEM. */
 int msg_views_pack(struct wire_out *out, const struct msg_spec *spec);
 
-/* Make of its n bytes, which are lent, the frames and costs of a spec that says
- * how many frames there are and how large; room is kept in *m, as by
- * msg_unpack().  RAD_EDATA, or RAD_ENOMEM. */
+/* Unpack the n bytes of such a file into the frames and costs of spec, which
+ * says how many frames there are and how large.  spec borrows the bytes, and
+ * the list in *m as with msg_unpack().  0, RAD_EDATA or RAD_ENOMEM. */
 int msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
                      size_t n, struct rad_error *err);
 
-/* The highest of our versions in [min, max]; 0: none is. */
+/* The highest of our versions in [min, max]; 0 if there is none. */
 unsigned msg_common_version(unsigned min, unsigned max);
 
-/* Add the pixels of b; the first of both is kept. */
+/* Add b's pixels to a's, and keep the first pixel of both. */
 void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
 
 /* Add b's faults to a's. */
 void msg_faults_add(struct msg_fault a[MSG_FAULTS],
                     const struct msg_fault b[MSG_FAULTS]);
 
-/* Add what b says of rays and of what came of them: not of pixels and time. */
+/* Add b's rays, intersection tests and ambient values to a's: nothing of pixels
+ * and time. */
 void msg_rays_add(struct msg_counts *a, const struct msg_counts *b);
 
-/* Add all of b. */
+/* Add all fields of b to a's. */
 void msg_counts_add(struct msg_counts *a, const struct msg_counts *b);
-/* What a sum has that another has not, field by field; nothing of primary rays,
- * nan, faults and wall_s. */
+/* The difference all - have, at least 0 in each field; primary_rays, nan,
+ * faults and wall_s are zero. */
 void msg_counts_lack(struct msg_counts *out, const struct msg_counts *all,
                      const struct msg_counts *have);
 void msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b);
@@ -98,10 +98,10 @@ const char *msg_name(uint16_t type);
 /* Largest payload; 0 for a number that is no message. */
 size_t msg_limit(uint16_t type);
 
-/* The version that brought it; 0 for a number that is no message. */
+/* The version that brought the message; 0 for a number that is no message. */
 unsigned msg_since(uint16_t type);
 
-/* May this type arrive there?  Default: no. */
+/* May a message of this type arrive in that session?  Default: no. */
 bool msg_allowed(enum msg_session session, uint16_t type);
 
 /* Walk the table: the i-th message's number, 0 past the end. */

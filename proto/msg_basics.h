@@ -1,4 +1,5 @@
-/* msg_basics.h - what messages have in common: versions, limits, where they may arrive
+/* msg_basics.h - what messages have in common: versions, limits, and the
+ * sessions in which they may arrive
  *
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_BASICS_H
@@ -7,9 +8,10 @@
 #include "base/error.h"
 #include "proto/wire.h"
 
-/* Versions of the protocol: the current one, and the oldest that is spoken
- * besides.  A struct msg is always of the current one; what the other side of a
- * connection speaks matters only where bytes are made and read. */
+/* Versions of the protocol: the current version, and the oldest that is spoken
+ * besides.  A struct msg is always of the current version; the version that the
+ * other side of a connection speaks matters only where bytes are made and
+ * read. */
 #define MSG_VERSION     1
 #define MSG_VERSION_MIN 1
 
@@ -18,32 +20,32 @@
 #define MSG_MAX_AMBIENT (1u << 17) /* most record bytes in an AMBIENT */
 #define MSG_MAX_SPREAD  (MSG_MAX_AMBIENT + (1u << 16)) /* a whole SPREAD */
 #define MSG_MAX_PARTS   4096
-#define MSG_MAX_PLACES  65536           /* on a ring */
+#define MSG_MAX_PLACES  65536           /* places on a ring */
 #define MSG_MAX_PIXELS  (MSG_MAX - 256) /* most pixel bytes in a RESULT */
 
 /* String limits [bytes, without the NUL]. */
 #define MSG_MAX_NAME    64
-#define MSG_MAX_LABEL   4096 /* what a user calls a job: a path may be one */
+#define MSG_MAX_LABEL   4096 /* a job's name: may be a path */
 #define MSG_MAX_KEY     96
 #define MSG_MAX_ADDRESS 200
 #define MSG_MAX_TEXT    500
 #define MSG_MAX_NEEDS   1024
 #define MSG_MAX_PARAMS  4096
-#define MSG_MAX_ORIGIN  4096 /* of header lines, where a picture is from */
+#define MSG_MAX_ORIGIN  4096 /* header lines: where a picture is from */
 #define MSG_MAX_STATE   16
 #define MSG_MAX_VIEW    1024
 
-#define MSG_MAX_FILES  16384  /* hashes in one list */
-#define MSG_MAX_COSTS  (1u << 23)  /* lines of a job whose costs are given */
-#define MSG_MAX_FRAMES 65536       /* of a job */
-#define MSG_MAX_VIEWS  (64u << 20) /* bytes of the file that frames come in */
-#define MSG_MAX_SIDE   65535  /* columns or rows that are rendered */
+#define MSG_MAX_FILES      16384      /* hashes in one list */
+#define MSG_MAX_COSTS      (1u << 23) /* lines of a job whose costs are given */
+#define MSG_MAX_FRAMES     65536      /* frames of a job */
+#define MSG_MAX_VIEWS      (64u << 20) /* bytes of the file of frames */
+#define MSG_MAX_SIDE       65535       /* columns or rows that are rendered */
 #define MSG_MAX_OVERSAMPLE 8
-#define MSG_MIN_CLAMP      1. /* where it is not 0 */
+#define MSG_MIN_CLAMP      1. /* least clamp, but for 0: none */
 #define MSG_MAX_CLAMP      1000.
 
-#define MSG_MAX_THREADS 4096                /* of a worker */
-#define MSG_MAX_BYTES   (UINT64_C(1) << 50) /* of a file, or a bundle */
+#define MSG_MAX_THREADS 4096                /* threads of a worker */
+#define MSG_MAX_BYTES   (UINT64_C(1) << 50) /* bytes of a file, or a bundle */
 #define MSG_MAX_DATE    UINT64_C(253402300799) /* the end of the year 9999 */
 
 #define MSG_HASH  32 /* bytes of a SHA-256 */
@@ -55,12 +57,12 @@ enum msg_type {
 #include "proto/message.def"
 };
 
-/* Where a message arrives: who reads it, and in which state. */
+/* Where a message arrives: the reader, and the state of the connection. */
 enum msg_session {
     MSG_AT_COORD_NEW,    /* coordinator: a connection before its HELLO */
     MSG_AT_COORD_WORKER, /* coordinator: from a worker */
-    MSG_AT_COORD_USER,   /* coordinator: from radsubmit or radctl */
-    MSG_AT_COORD_ADMIN,  /* coordinator: the same, of an admin */
+    MSG_AT_COORD_USER,   /* coordinator: from a user's radsubmit or radctl */
+    MSG_AT_COORD_ADMIN,  /* coordinator: from an admin's */
     MSG_AT_DIALLER,      /* worker or client: HELLO sent, no answer yet */
     MSG_AT_WORKER,       /* worker: from the coordinator */
     MSG_AT_CLIENT,       /* radsubmit, radctl: from the coordinator */
@@ -94,11 +96,11 @@ enum msg_order {
 /* Flags of a job. */
 #define MSG_JOB_DEPTH        (1u << 0) /* distances are wanted */
 #define MSG_JOB_SHARE        (1u << 1) /* ambient records are shared */
-#define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing kept between frames */
+#define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing is kept between frames */
 #define MSG_JOB_NO_BALANCE   (1u << 3)
 #define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
-#define MSG_JOB_CODED        (1u << 6) /* rows come coded: the coordinator's */
+#define MSG_JOB_CODED        (1u << 6) /* rows come coded */
 #define MSG_JOB_VIEWS        (1u << 7) /* frames and costs are in a file */
 #define MSG_JOB_FLAGS        255u      /* all of them */
 
@@ -107,7 +109,7 @@ enum msg_what {
     MSG_WHAT_PICTURE, /* bytes of FRAME.hdr */
     MSG_WHAT_DEPTH,   /* distances, as floats in the machine's order */
     MSG_WHAT_STATS,   /* JSON of the statistics */
-    MSG_WHAT_PREVIEW, /* a .hdr of the rows so far, black where none is */
+    MSG_WHAT_PREVIEW, /* a .hdr of the rows so far, the others black */
     MSG_NWHAT
 };
 
@@ -117,7 +119,7 @@ enum msg_topic {
     MSG_QUERY_WORKERS,
     MSG_QUERY_JOBS,
     MSG_QUERY_JOB,    /* text: the job's id, or the beginning of it, in hex */
-    MSG_QUERY_LIMITS, /* text: the user, empty: who asks */
+    MSG_QUERY_LIMITS, /* text: a user's name; empty: the user that asks */
     MSG_NQUERY
 };
 

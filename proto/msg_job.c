@@ -1,7 +1,7 @@
 /* msg_job.c - the codec of the messages about a job as a whole: what it is, how
  * far it is, how it ended; its id as text
  *
- * See "jobs" in message.h. */
+ * See msg_job.h. */
 #include "config.h"
 
 #include "proto/codec.h"
@@ -18,7 +18,7 @@ size_fits(uint32_t width, uint32_t height)
            height <= MSG_MAX_SIDE;
 }
 
-/* Does filtering leave a pixel of it (rad_filter_side())? */
+/* Does filtering leave a pixel of a frame of that size (rad_filter_side())? */
 static bool
 size_is_left(uint32_t width, uint32_t height, const struct msg_spec *b)
 {
@@ -36,7 +36,7 @@ sizes_fit(const struct msg_spec *b)
     return true;
 }
 
-/* One after another. */
+/* The frames, one after another. */
 static void
 code_frame_list(struct codec *c, struct msg_spec *b)
 {
@@ -54,7 +54,7 @@ code_frame_list(struct codec *c, struct msg_spec *b)
     b->frames = f;
 }
 
-/* Of many frames a message has no more than where they are. */
+/* The frames, or with MSG_JOB_VIEWS the hash of the file that holds them. */
 static void
 code_frames(struct codec *c, struct msg_spec *b)
 {
@@ -78,7 +78,7 @@ code_frames(struct codec *c, struct msg_spec *b)
     code_must(c, size_fits(b->width, b->height));
 }
 
-/* Each a number, and not below 0. */
+/* Is each cost finite and not below 0? */
 static bool
 costs_fit(const struct msg_spec *b)
 {
@@ -100,8 +100,8 @@ code_costs(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || costs_fit(b));
 }
 
-/* Lines that a header may hold: printable, none of them empty, as that would
- * end the header. */
+/* May a picture's header hold these lines: are they printable, and none empty,
+ * as an empty line ends the header? */
 static bool
 origin_fits(const char *origin)
 {
@@ -161,8 +161,8 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
-    /* at the end, of MSG_SPEC_ADDED bytes where there are none: databases have
-     * specifications that lack them */
+    /* at the end, MSG_SPEC_ADDED bytes when they are empty: databases hold
+     * specifications that lack these fields */
     code_origin(c, b);
     code_filter(c, b);
     code_must(c, code_bad(c) || sizes_fit(b));
@@ -195,7 +195,7 @@ msg_views_pack(struct wire_out *out, const struct msg_spec *spec)
     return out->nomem ? RAD_ENOMEM : out->bad ? RAD_EPROTO : 0;
 }
 
-/* Is it what the job's message said of it? */
+/* Are the frames that were read those that the job's message said? */
 static bool
 views_fit(const struct msg_spec *said, const struct msg_spec *read)
 {
@@ -297,7 +297,7 @@ msg_code_priority(struct codec *c, struct msg_priority *b)
     code_i32(c, &b->priority);
 }
 
-/* --- its id --- */
+/* --- a job's id --- */
 
 void
 msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX])

@@ -1,5 +1,5 @@
-/* msg_lending.h - what workers get that have nothing to do, or nothing yet: columns
- * of a line, parts of space, estimates
+/* msg_lending.h - the messages about work for idle workers, and for all before
+ * the first unit: columns of a line, parts of space, estimates
  *
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_LENDING_H
@@ -7,39 +7,41 @@
 
 #include "proto/msg_work.h"
 
-/* Before the first unit: make the deep ambient records of a part of space, the
- * others making theirs.  Parts are intervals of the order that all of them put
- * what rays meet in (src/picture/seed.h). */
+/* Before the first unit: make the deep ambient records of a part of space;
+ * other workers make those of other parts.  Parts are intervals of the order in
+ * which all workers put the points that rays meet (src/picture/seed.h). */
 #define MSG_SEED_ALL 65536u
 struct msg_seed {
     const uint8_t *job;
-    uint32_t first, last; /* from the first up to below the last, of all */
+    uint32_t first, last; /* first <= part < last, of MSG_SEED_ALL */
 };
 
 /* Lend columns of the unit's last line to another worker. */
 struct msg_lend {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint16_t part; /* of what is left of it, in 65536ths */
+    uint16_t part; /* of what is left of the line, in 65536ths */
 };
 
-#define MSG_LOAN_LINE  (1u << 0) /* of the base line, too, not the bar alone */
+#define MSG_LOAN_LINE  (1u << 0) /* of the bar and of the base line */
 #define MSG_LOAN_FLAGS 1u        /* all of them */
 
-/* Columns of a line that whoever lends them does not trace until BACK; and what
- * it takes to know which of their pixels count.  Up: what comes of LEND, with
- * the lender's unit and attempt.  Down: with those of the one that gets them,
- * who sends FACTS, and PAID when that is all. */
+/* Columns of a line that the lender does not trace until BACK, and the rows
+ * that tell which of their pixels are to be traced.  Up: the lender's answer to
+ * LEND, with its unit and attempt.  Down: to the borrower, with the borrower's
+ * own attempt at that unit; it sends FACTS, and then PAID. */
 struct msg_loan {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t frame, line;
     uint32_t x, n;        /* columns, at least 1 */
-    uint16_t given, left; /* of the line's cost, in 65535ths: that, and what is
-                           * the lender's own */
+    uint16_t given, left; /* parts of the line's cost, in 65535ths: of these
+                           * columns, and of those that the lender keeps and
+                           * has not begun */
     uint8_t flags;        /* MSG_LOAN_... */
     uint8_t channels;     /* 3 or 4 */
-    uint32_t ndensity;    /* with MSG_LOAN_LINE: of the line above, all */
+    uint32_t ndensity;    /* with MSG_LOAN_LINE: all densities of the line
+                           * above; else 0 */
     const uint8_t *density;
     const uint8_t *wanted; /* (n + 7) / 8 bytes: column x + i of the bar is to
                             * be filled if bit i % 8 of byte i / 8 is set */
@@ -49,26 +51,28 @@ struct msg_loan {
                             * sampled; as long */
 };
 
-/* Columns that were lent are the lender's again: what there is of them came as
- * FACTS. */
+/* Columns that were lent are the lender's again: pixels of them that are known
+ * came as FACTS. */
 struct msg_back {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint32_t line, x, n; /* n 0: all that it lends */
+    uint32_t line, x, n; /* n 0: all columns that the unit lends */
 };
 
-/* All that was lent is traced, and forgotten: what that cost is the unit's. */
+/* From the borrower: the columns of a LOAN are traced, and it has forgotten
+ * them; their cost is the unit's. */
 struct msg_paid {
     const uint8_t *job;
     uint32_t unit, attempt;
-    struct msg_counts counts; /* no primary rays, no nan: the lender has them */
+    struct msg_counts counts; /* no primary rays, no nan: the lender counts
+                               * these */
 };
 
-/* What a worker spent on lines, for units and loans that are done: processor
- * time of its render threads.  All of a line's are to be added. */
+/* Processor time of a worker's render threads for lines of units and loans that
+ * are done.  Costs of one line from several messages are to be added. */
 struct msg_line_costs {
     const uint8_t *job;
-    uint32_t frame, line; /* the first of them */
+    uint32_t frame, line; /* the first line */
     uint32_t nlines;
     const uint64_t *cpu_ns;
 };
@@ -78,7 +82,7 @@ struct msg_area {
     uint32_t x, y, width, height;
 };
 
-/* Trace a few random pixels of each area, the same whoever does it. */
+/* Trace a few random pixels of each area, which are the same on any worker. */
 struct msg_estimate {
     const uint8_t *job;
     uint32_t id;
@@ -91,13 +95,13 @@ struct msg_cost {
     uint64_t rays, tests; /* tests: of intersection */
 };
 
-/* What they cost, in the order of the ESTIMATE of that id. */
+/* The costs of the areas, in the order of the ESTIMATE with that id. */
 struct msg_estimated {
     const uint8_t *job;
     uint32_t id;
     uint32_t ncosts;
     const struct msg_cost *costs;
-    struct msg_counts counts; /* of all of it; cpu_s and wall_s are there */
+    struct msg_counts counts; /* of all areas, cpu_s and wall_s included */
 };
 
 #endif

@@ -11,7 +11,7 @@ struct msg_jobid {
     const uint8_t *job;
 };
 
-#define MSG_MOST_PRIORITY 100 /* and least, below 0, that a job may have */
+#define MSG_MOST_PRIORITY 100 /* of a job; the least is -100 */
 struct msg_priority {
     const uint8_t *job;
     int32_t priority; /* higher goes first */
@@ -28,20 +28,20 @@ struct msg_query {
     const char *text;
 };
 
-/* Which list PAGE asks for a part of. */
+/* The lists that PAGE asks for. */
 enum msg_rows { MSG_ROWS_JOBS, MSG_ROWS_WORKERS, MSG_NROWS };
 
-/* Some rows of a list of any length.  The answer has as many as are good to
- * send at once, and the cursor for the rows behind them, which holds good
- * whatever comes and goes meanwhile. */
+/* Some rows of a list of any length.  The answer has as many rows as the
+ * coordinator sends at once, and the cursor of the rows behind them, which
+ * stays valid while rows come and go. */
 struct msg_page {
     uint8_t what;      /* enum msg_rows */
-    uint8_t mine;      /* 1: of jobs the asker's own alone */
-    const char *user;  /* of jobs those of that owner; empty: of any */
-    const char *state; /* those in that state, or jobs that are "open" (not
+    uint8_t mine;      /* 1: only jobs of the user that asks */
+    const char *user;  /* only jobs of that owner; empty: of any */
+    const char *state; /* only rows in that state, or jobs that are "open" (not
                         * over) or "over"; empty: in any */
     uint64_t cursor;   /* from the answer before; 0: from the start */
-    uint32_t most;     /* rows; 0: no limit */
+    uint32_t most;     /* rows in the answer; 0: no limit */
 };
 
 /* JSON; not terminated.  Empty as the answer to CANCEL and the like. */

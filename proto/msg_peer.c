@@ -1,15 +1,15 @@
 /* msg_peer.c - the codec of the messages by which workers find each other, and
  * of ambient records
  *
- * See "peers" in message.h and message.def. */
+ * See msg_peer.h. */
 #include "config.h"
 
 #include "proto/codec.h"
 
-#define PEER_MIN  26 /* bytes of a peer with empty strings, in any version */
+#define PEER_MIN  26 /* bytes of a peer with empty strings */
 #define MAX_PEERS 4096
 #define LINK_MIN  11 /* bytes of a link of a ring with an empty name */
-#define PART_MIN  12 /* of a part without records */
+#define PART_MIN  12 /* bytes of a part without records */
 
 static void
 code_peer(struct codec *c, struct msg_peer *p)

@@ -1,4 +1,5 @@
-/* msg_peer.h - the messages by which workers find each other, and their records
+/* msg_peer.h - the messages by which workers find each other, and those that
+ * carry ambient records
  *
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_PEER_H
@@ -6,15 +7,15 @@
 
 #include "proto/msg_basics.h"
 
-#define MSG_PEER_DIAL (1u << 0) /* you dial; else wait for its call */
-#define MSG_PEER_GIVE (1u << 1) /* send it all that your cache holds */
-#define MSG_PEER_DROP (1u << 2) /* have no more to do with it; alone */
+#define MSG_PEER_DIAL (1u << 0) /* dial the peer; else wait for its call */
+#define MSG_PEER_GIVE (1u << 1) /* send the peer all records of your cache */
+#define MSG_PEER_DROP (1u << 2) /* end the link to the peer; the only flag */
 
 struct msg_peer {
     const char *name, *address;
     const uint8_t *token; /* MSG_TOKEN bytes, of this pair and job */
     uint32_t flags;
-    uint16_t version; /* that the two speak: the highest that both do */
+    uint16_t version; /* the highest that both workers speak */
 };
 
 /* New peers of a job, besides those named before. */
@@ -24,37 +25,38 @@ struct msg_job_peers {
     const struct msg_peer *peers;
 };
 
-/* To whom a worker sends ambient records, where there are too many workers for
- * all to be linked (daemon/links/ring.h): each has a place on a ring, or one on it
- * speaks for it. */
+/* A worker to which ambient records are sent in a job of too many workers to
+ * link each with each (daemon/links/ring.h): each worker has a place on a ring,
+ * or is the guest of a worker that has. */
 struct msg_ring_link {
-    uint32_t offset; /* so many places on; 0: one that has none */
-    uint32_t below;  /* what comes from fewer places back than that goes there,
-                      * at most offset; with offset 0 it is 0 */
+    uint32_t offset; /* places from here to that worker; 0: a guest, without a
+                      * place */
+    uint32_t below;  /* records made fewer places back than this go there; at
+                      * most offset, and 0 for a guest */
     const char *name;
 };
 
-/* All of them: those of before do not count any more. */
+/* All links of a worker; they replace those of the RING before. */
 struct msg_ring {
     const uint8_t *job;
     uint32_t generation;
-    uint32_t places; /* on the ring; 0: this worker has none */
-    uint8_t direct;  /* 1: all are linked with all besides, and what is urgent
-                      * goes to each, as does all without places */
+    uint32_t places; /* on the ring; 0: this worker has no place */
+    uint8_t direct;  /* 1: all workers are linked with each other, too: urgent
+                      * records go to each, or all records if places is 0 */
     uint32_t nlinks;
     const struct msg_ring_link *links;
 };
 
-/* The link to a worker of the ring is gone, or never came about. */
+/* The link to a worker of the ring ended, or could not be made. */
 struct msg_unlinked {
     const uint8_t *job;
     const char *name;
-    uint8_t was; /* 1: it was there; 0: it never came about */
+    uint8_t was; /* 1: the link ended; 0: it could not be made */
 };
 
 /* Records that one worker made. */
 struct msg_part {
-    uint32_t distance; /* places from there to who is sent this, from 1 */
+    uint32_t distance; /* places from the maker to the receiver, from 1 */
     uint32_t count;    /* records */
     const uint8_t *data;
     size_t len;
@@ -62,7 +64,7 @@ struct msg_part {
 
 /* Records on their way about the ring. */
 struct msg_spread {
-    uint32_t generation; /* of the ring that the distances are of */
+    uint32_t generation; /* of the RING by which distances are counted */
     uint32_t nparts;
     const struct msg_part *parts;
 };
@@ -75,14 +77,15 @@ struct msg_peer_hello {
 
 /* A batch of ambient records, opaque here (proto/ambshare.c packs them). */
 struct msg_ambient {
-    uint32_t to;    /* child to radd: the GIVE that it answers, 0: all peers */
+    uint32_t to;    /* child to radd: `to` of the GIVE that this answers, or 0:
+                     * to all peers */
     uint32_t count; /* records */
     const uint8_t *data;
     size_t len;
 };
 
-/* Ambient records that a worker has made, for the radsubmit of a job that wants
- * them (MSG_JOB_RECORDS), by way of the coordinator. */
+/* Ambient records that a worker has made, by way of the coordinator to the
+ * radsubmit of a job with MSG_JOB_RECORDS. */
 struct msg_records {
     const uint8_t *job;
     uint32_t count; /* records */

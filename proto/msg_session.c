@@ -1,7 +1,7 @@
 /* msg_session.c - the codec of the messages by which two get to know each other
  * and stay in touch, and the version that both speak
  *
- * See "session" in message.h and message.def. */
+ * See msg_session.h. */
 #include "config.h"
 
 #include "proto/codec.h"

@@ -6,11 +6,11 @@
 
 #include "proto/msg_basics.h"
 
-/* When [min, max] leaves all of our versions out, the fields after role are not
- * read (another version may have others) and are empty. */
+/* When [min, max] has none of our versions, the fields after role are not read,
+ * as that version's layout may differ there, and are empty. */
 struct msg_hello {
     uint16_t min, max;    /* versions that the sender speaks */
-    uint8_t role;         /* enum msg_role that it asks for */
+    uint8_t role;         /* enum msg_role that the sender asks for */
     const char *name;     /* worker's name; may be empty for the others */
     const char *program;  /* "radd 0.1.0" */
     const char *address;  /* where peers dial it: "tcp 127.0.0.1:41234" or
@@ -21,17 +21,17 @@ struct msg_hello {
 
 struct msg_welcome {
     uint16_t version;
-    uint64_t epoch; /* life of the coordinator */
+    uint64_t epoch; /* rises with each start of the coordinator */
     const char *program;
 };
 
-/* status: of sysexits.h, here and below. */
+/* status: of sysexits.h, as in every message that has one. */
 struct msg_refuse {
     uint16_t status;
     const char *text;
 };
 
-/* PING and PONG, which repeats the number. */
+/* PING, and PONG, which repeats PING's number. */
 struct msg_ping {
     uint64_t progress; /* grows while the sender gets on with its work */
 };

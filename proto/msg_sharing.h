@@ -18,8 +18,8 @@ enum msg_mode {
     MSG_NMODE
 };
 
-/* Where a unit's worker begins each bar when it works ahead of the truth, so
- * that twins meet late. */
+/* Where a unit's worker begins each bar while it works ahead of the truth.
+ * Twins begin at different ends, so that they trace the same pixels late. */
 enum msg_end {
     MSG_END_LEFT,  /* left to right */
     MSG_END_RIGHT, /* right to left */
@@ -28,13 +28,14 @@ enum msg_end {
     MSG_NEND
 };
 
-#define MSG_UNIT_TOP                                                           \
-    (1u << 0)                   /* trace the base line above it too, ahead of  \
-                                 * all: nobody has it; out as FACTS */
-#define MSG_UNIT_TWIN (1u << 1) /* others have it too: FACTS as they come */
-#define MSG_UNIT_BARS                                                          \
-    (1u << 2) /* its bars are made along with its base lines, from the top:    \
-               * what is below has time to wait */
+/* MSG_UNIT_TOP: no unit has the base line above this unit's lines; trace that
+ * line first, and send it as FACTS.
+ * MSG_UNIT_TWIN: other workers have the unit, too; send FACTS as they come.
+ * MSG_UNIT_BARS: make bars along with the base lines, from the top, as the unit
+ * below can wait for the last base line. */
+#define MSG_UNIT_TOP   (1u << 0)
+#define MSG_UNIT_TWIN  (1u << 1)
+#define MSG_UNIT_BARS  (1u << 2)
 #define MSG_UNIT_FLAGS 7u /* all of them */
 
 /* x, y of the top left pixel, y from the top. */
@@ -51,9 +52,10 @@ struct msg_unit {
 #define MSG_FACTS_ESTIMATE (1u << 0) /* traced for an estimate */
 #define MSG_FACTS_FLAGS    1u        /* all of them */
 
-#define MSG_MAX_LINE_ROWS 32 /* a line has no more rows */
+#define MSG_MAX_LINE_ROWS 32 /* most rows of a line */
 
-/* Facts of one line.  Pixels outside of a view cost no ray and are none. */
+/* Facts of one line.  Pixels outside of the view cost no ray and are no facts.
+ */
 struct msg_facts {
     const uint8_t *job;
     uint32_t frame, line;
@@ -66,10 +68,10 @@ struct msg_facts {
      * bits past the width are 0 */
     const uint8_t *bitmap;
     const uint8_t *pixels; /* of the bits that are set: channels floats each */
-    uint32_t npixels;      /* that many; known after unpacking */
+    uint32_t npixels;      /* the bits that are set; counted by unpacking */
 };
 
-/* A true piece of a base line, as it is made. */
+/* A piece of a base line that is true, sent as soon as it is made. */
 struct msg_base_line {
     const uint8_t *job;
     uint32_t frame, line;
@@ -80,21 +82,20 @@ struct msg_base_line {
     const uint8_t *pixels; /* as in the picture: n * channels floats */
 };
 
-/* Who waits for a base line. */
+/* The worker that waits for a base line. */
 struct msg_next_holder {
     const uint8_t *job;
     uint32_t frame, line;
-    const char *name; /* a worker's; empty: nobody */
+    const char *name; /* a worker's; empty: no worker waits */
 };
 
-/* GAVE: what was left after SPLIT or YIELD.  STILL: what a worker that comes
- * back has.
- */
+/* GAVE: the rows that the unit keeps after SPLIT or YIELD.  STILL: the rows
+ * that the unit has in a worker that comes back. */
 struct msg_gave {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint32_t height; /* rows from now on; GAVE: as before: nothing was given, 0:
-                      * all of it */
+    uint32_t height; /* rows from now on.  In a GAVE, the height of before says
+                      * that no row was given away, 0 that all were */
 };
 
 #endif

@@ -1,6 +1,6 @@
 /* msg_store.c - the codec of the messages that carry files
  *
- * See "store" in message.h and message.def. */
+ * See msg_store.h. */
 #include "config.h"
 
 #include "proto/codec.h"

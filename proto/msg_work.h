@@ -13,14 +13,14 @@ struct msg_ready {
     uint16_t threads;
 };
 
-/* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h.
- * None is negative, and each below 1e100. */
+/* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h,
+ * each at least 0 and below 1e100. */
 struct msg_doubt {
     double pixels, variance, known, all; /* of indirect light */
     double rough, nrough;                /* of base lines */
 };
 
-/* What one unit cost; nan.frame is the unit's and does not travel. */
+/* The cost of one unit; nan.frame is the unit's frame and is not sent. */
 struct msg_counts {
     uint64_t rays, primary_rays, speculative_rays, shadow_rays, ambient_rays,
         paint_rays, estimate_rays, intersection_tests, ambient_values;
@@ -34,9 +34,9 @@ struct msg_counts {
 
 /* Rows of a unit, from its top, each piece following the last.  Pixels are
  * r g b, or r g b distance with channels 4, as floats on the wire
- * (wire_floats_get); with channels 1, of jobs with MSG_JOB_CODED, rows as in a
- * picture file (rad_hdr_encode_row()), which are looked at by whoever takes
- * them apart.  counts only with last; zero else. */
+ * (wire_floats_get); with channels 1, in jobs with MSG_JOB_CODED, rows as in a
+ * picture file (rad_hdr_encode_row()), which unpacking does not check.  counts
+ * are zero but with last. */
 struct msg_result {
     const uint8_t *job;
     uint32_t unit, attempt;
@@ -44,8 +44,8 @@ struct msg_result {
     uint8_t channels;          /* 3 or 4; 1: coded */
     uint8_t last;
     struct msg_counts counts;
-    const uint8_t *pixels; /* rows * width * channels floats, or coded, */
-    size_t len;            /* so many bytes; only read of those */
+    const uint8_t *pixels; /* rows * width * channels floats, or coded rows */
+    size_t len;            /* bytes of coded rows; else not used */
 };
 
 struct msg_ack {
@@ -53,14 +53,14 @@ struct msg_ack {
     uint32_t unit, attempt, row, rows;
 };
 
-/* REVOKE, TWIN, PARKED, RESUMED, SPLIT: one worker's go at a unit. */
+/* REVOKE, TWIN, PARKED, RESUMED, SPLIT, YIELD: a worker's attempt at a unit. */
 struct msg_attempt {
     const uint8_t *job;
     uint32_t unit, attempt;
 };
 
-/* The job's child ended by itself; units are those it was at work on, the
- * likely causes. */
+/* The job's child ended by itself.  units: those that it was at work on, the
+ * likely causes of its end. */
 struct msg_lost {
     const uint8_t *job;
     const char *text; /* "killed by signal 11" */
@@ -68,34 +68,35 @@ struct msg_lost {
     const uint32_t *units;
 };
 
-/* Whether a worker finds room for the files of a job that it was to begin. */
+/* Has the worker room for the files of a job that it was told to begin? */
 struct msg_room {
     const uint8_t *job;
-    uint8_t has;      /* 1: it may be told to begin; 0: not now */
+    uint8_t has;      /* 1: yes, the job may begin there; 0: not now */
     const char *text; /* why not */
 };
 
-/* What a worker did for a job so far; the last one counts. */
+/* The sum of a worker's work for a job so far; it replaces the TALLY before. */
 struct msg_tally {
     const uint8_t *job;
     uint64_t ambient_sent, ambient_received, ambient_redundant;
     uint64_t peak_rss_bytes, bytes_in, bytes_out;
     uint64_t base_line_bytes;  /* sent in BASE_LINEs, to peers and up */
-    uint64_t base_line_pixels; /* of the base lines that were made */
+    uint64_t base_line_pixels; /* of the base lines at the ends of its units */
     /* summed over render threads */
-    double busy_s;           /* on units, waits and all */
-    double wait_base_line_s; /* of that, for the line above */
+    double busy_s;           /* on units, waits included */
+    double wait_base_line_s; /* the part of busy_s spent on waits for the line
+                              * above */
     uint64_t rays_under_way; /* of units that are not done */
-    /* of strict units and loans that were taken back, which are in no RESULT
-     * and no PAID: twins that were not first.  No primary rays, nan or faults;
-     * speculative are facts that nobody was told of. */
+    /* of strict units and loans that were taken back, such as a twin that was
+     * not first: no RESULT and no PAID has these.  No primary rays, nan or
+     * faults; speculative rays are those of facts that were not sent. */
     struct msg_counts dropped;
     struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
-    /* all PAIDs that went up of this child: what of them did not arrive, since
-     * the connection broke, is known by it */
+    /* of all PAIDs that this child sent: less than this arrived if a connection
+     * broke, and the coordinator counts the difference as dropped */
     struct msg_counts paid;
-    uint64_t pixels_under_way; /* of strict units that are not done: those that
-                                * passes are past, whose rows are not out */
+    uint64_t pixels_under_way; /* of strict units that are not done: pixels that
+                                * passes are past, in rows that are not sent */
 };
 
 #endif

@@ -16,8 +16,8 @@
 struct wire_in {
     const uint8_t *p, *end;
     bool bad;
-    bool nomem;       /* bad, for memory is out */
-    unsigned version; /* whose layout it is; not looked at here */
+    bool nomem;       /* bad because memory is out */
+    unsigned version; /* of the layout that is read; wire.c ignores it */
 };
 
 /* A buffer that grows up to `max` bytes. */
@@ -25,11 +25,12 @@ struct wire_out {
     uint8_t *buf;
     size_t len, cap, max;
     bool bad;         /* too long, a bad argument, or memory is out */
-    bool nomem;       /* bad, for the last of these */
-    unsigned version; /* whose layout is written; not looked at here */
+    bool nomem;       /* bad because memory is out */
+    unsigned version; /* of the layout that is written; wire.c ignores it */
 };
 
-/* Lends the bytes; they must outlive what is read from them. */
+/* Begin to read n bytes, which are borrowed: strings and views that are read
+ * point into them. */
 void wire_in_init(struct wire_in *in, const void *data, size_t n);
 static inline size_t
 wire_left(const struct wire_in *in)
@@ -51,15 +52,15 @@ void wire_get_bytes(struct wire_in *in, void *dst, size_t n, size_t cap);
 /* Lend n bytes; NULL when fewer are left. */
 const uint8_t *wire_get_view(struct wire_in *in, size_t n);
 
-/* Lend a string of at most max bytes; "" when it is bad.  Checks that it is
- * UTF-8 and ends where it says. */
+/* Lend a string of at most max bytes; "" when the input is bad.  Checks that
+ * the bytes are UTF-8 and that a NUL follows them. */
 const char *wire_get_str(struct wire_in *in, size_t max);
 
 /* Lend a u32 length and that many bytes, at most max. */
 const uint8_t *wire_get_blob(struct wire_in *in, size_t max, size_t *n);
 
 /* Read a u32 count of entries of at least entry_min bytes each; bad, and 0,
- * when so many cannot be left or there are more than max. */
+ * when fewer bytes are left or the count is above max. */
 uint32_t wire_get_count(struct wire_in *in, size_t entry_min, uint32_t max);
 
 void wire_out_init(struct wire_out *out, size_t max);
@@ -74,7 +75,8 @@ void wire_put_f32(struct wire_out *out, float v);
 void wire_put_f64(struct wire_out *out, double v);
 void wire_put_bytes(struct wire_out *out, const void *src, size_t n);
 
-/* Make '?' of bytes that are not UTF-8, as where a text was cut. */
+/* Replace bytes that are not UTF-8 by '?', such as half a character at the end
+ * of a text that was cut. */
 void wire_clean(char *s);
 
 /* A string of at most max bytes (NULL is ""); longer is bad.  Bytes that are
@@ -85,7 +87,8 @@ void wire_put_blob(struct wire_out *out, const void *src, size_t n, size_t max);
 /* Put a u32 over bytes that were written before, at offset `at`. */
 void wire_set_u32(struct wire_out *out, size_t at, uint32_t v);
 
-/* n floats from and to their bytes on the wire; they may not overlap. */
+/* Convert n floats from and to their bytes on the wire; src and dst may not
+ * overlap. */
 void wire_floats_get(float *dst, const uint8_t *src, size_t n);
 void wire_floats_put(uint8_t *dst, const float *src, size_t n);
 
